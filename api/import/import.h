@@ -1,0 +1,76 @@
+// Bytes -> engine types: images, their tags, pose files, zip archives. Everything here treats its
+// input as hostile.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "api/api.h"
+
+namespace freelsd {
+
+struct ImageLimits {
+  double max_megapixels = 64.0;
+  int max_side_px = 16384;
+  size_t max_bytes = 32u << 20;
+};
+
+struct ImageHeader {
+  bool is_jpeg = false;
+  int width_px = 0;
+  int height_px = 0;
+};
+
+// From the first bytes alone, before any allocation. ApiError UnsupportedImage (415) unless JPEG or
+// PNG by magic bytes, DamagedImage (422) when the header is broken, ImageTooLarge (413).
+ImageHeader SniffImage(std::string_view bytes, const ImageLimits& limits);
+
+// Strict: a JPEG that makes the decoder warn (truncated, damaged) is ApiError DamagedImage. EXIF
+// orientation is ignored: intrinsics belong to the sensor. BGR, 8 bit. A fresh turbojpeg handle
+// each time: one spoilt by an error refuses good photographs.
+cv::Mat DecodeImage(std::string_view bytes, const ImageLimits& limits);
+
+// What the image says of itself: EXIF GPS, XMP of DJI (gimbal angles), senseFly/Parrot and
+// autopilot yaw/pitch/roll, intrinsics from XMP-Camera or EXIF focal length.
+struct ImageTags {
+  FrameMeta meta;
+  std::optional<Camera> camera;
+  std::vector<std::string> warnings;
+};
+// Never throws for odd tags: what is not understood is absent. Safe from several threads.
+ImageTags ReadImageTags(std::string_view bytes, const ImageHeader& header);
+
+// Poses of many images: CSV by its header row, or NDJSON of meta objects with an "image" key.
+struct PoseFile {
+  // In file order.
+  std::vector<std::pair<std::string, FrameMeta>> poses;
+  std::vector<std::string> warnings;  // ignored columns
+};
+// ApiError with pointer "/poses/<line>/<column>" when a line cannot be used.
+PoseFile ParsePoses(std::string_view text);
+
+// Entries of a zip, in order, by callback (name without folders made of id characters, bytes).
+// Checks count, ratio, total size, names; refuses with ApiError ZipRefused. Reads from a file.
+struct ZipLimits {
+  int max_entries = 20000;
+  double max_ratio = 200.0;
+  uint64_t max_total_bytes = uint64_t{16} << 30;
+};
+void ReadZip(const std::string& path,
+             const ZipLimits& limits,
+             const std::function<void(const std::string& name, std::string&& bytes)>& entry);
+
+// "[A-Za-z0-9._-]{1,128}", not "." or "..".
+bool IsValidId(std::string_view id);
+// A file name's other characters become "_"; folders are cut off.
+std::string IdFromFileName(std::string_view file_name);
+// Lower-case hex.
+std::string Sha256Hex(std::string_view bytes);
+
+}  // namespace freelsd

@@ -1,0 +1,74 @@
+// Input: views joined by tracks. Output: key-frames, and refined metric poses. Paper: Sec. III-F.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/tracks/tracks.h"
+
+namespace freelsd {
+
+struct AdjustmentOptions {
+  // --- Behaviour ---
+  // Key-frames: the predecessor of the first frame with fewer connections. Paper: 30, Sec. III-F.
+  int min_num_track_connections = 30;
+  // Paper: "larger than a minimal baseline", no number.
+  double min_baseline_m = 8.0;
+  // Width of the robust loss (Cauchy).
+  double robust_loss_px = 1.5;
+  // Observations farther off than this after the first solve are dropped before the second.
+  double max_reprojection_error_px = 6.0;
+  // Where the intrinsics come from EXIF, focal length and first radial coefficient are refined
+  // within these deviations. Differs: the paper's cameras are calibrated.
+  bool refine_exif_intrinsics = true;
+  double focal_sd_ratio = 0.05;
+  double radial_sd = 0.1;
+  int max_num_iterations = 30;
+
+  // --- Cost ---
+  int num_threads = 1;
+
+  void Check() const;
+};
+
+// Indices into views, ascending.
+std::vector<size_t> SelectKeyframes(const std::vector<View>& views,
+                                    const AdjustmentOptions& options);
+
+struct Landmark {
+  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
+  // Standard deviation of its height from ray geometry and pixel noise, metres.
+  double height_sd_m = 0.0;
+  int num_views = 0;
+};
+
+struct AdjustedView {
+  std::string frame_id;
+  Rigid3d world_from_camera;
+  double height_above_ground = 0.0;
+  // Whether enough observations tie it to the others; without them the pose is only the prior.
+  bool is_connected = false;
+  double position_sd_m = 0.0;
+  // Landmarks it sees: index into AdjustedBlock::landmarks.
+  std::vector<size_t> landmarks;
+};
+
+struct AdjustedBlock {
+  Camera camera;
+  // Same order as the views that were given.
+  std::vector<AdjustedView> views;
+  std::vector<Landmark> landmarks;
+  double rms_before_px = 0.0;
+  double rms_after_px = 0.0;
+  // Priors too weak or views too few to trust the block: why. Poses are then the priors.
+  bool is_usable = false;
+  std::string note;
+};
+
+// Metric and georeferenced: the gauge comes from the priors. Throws std::invalid_argument on empty
+// input only; a solver that diverges gives is_usable = false.
+AdjustedBlock AdjustPoses(const std::vector<View>& views,
+                          const Camera& camera,
+                          const AdjustmentOptions& options);
+
+}  // namespace freelsd

@@ -1,0 +1,132 @@
+// Input: elevation map, hazard layers, wind, aircraft. Output: touchdown point, approach path and
+// verdict. Paper: Sec. III-H, Eq. 1.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/hazard/hazard.h"
+
+namespace freelsd {
+
+struct ApproachOptions {
+  // --- What counts as safe ---
+  // Standard deviation of the map's horizontal position; a touchdown keeps it away from hazard too.
+  double map_position_sd_m = 1.0;
+  // Cells of a tree or of no clear class under the path get this height on top: leafless trees are
+  // seen through.
+  double unclear_height_allowance_m = 2.0;
+  // --- Search ---
+  // Touchdown candidates tried per region, best first, at least this far apart.
+  int max_num_candidates = 60;
+  double candidate_spacing_m = 4.0;
+  // Headings tried where the wind is unknown or calm.
+  double heading_step_deg = 10.0;
+  // Below this the heading is free.
+  double calm_wind_mps = 0.5;
+  // Step along path and circle.
+  double path_step_m = 0.5;
+  // Rejections kept with the site.
+  int max_num_rejections = 20;
+  // Final score: weights of distance to hazard, clearance, area, slope, roughness, evidence.
+  std::vector<double> score_weights{0.25, 0.2, 0.15, 0.15, 0.1, 0.15};
+
+  void Check() const;
+};
+
+enum class Verdict { kLandable, kUnverified, kRejected };
+
+// Closed list of the HTTP contract.
+enum class RejectReason {
+  kNoSafeTouchdown,
+  kApproachBlocked,
+  kApproachUnseen,
+  kLoiterBlocked,
+  kWindTooStrong,
+  kTooSmall,
+  kTooFewObservations,
+  kNotGrass,
+  kNoTerrain,
+};
+
+enum class LoiterDirection { kLeft, kRight };  // as flown
+
+// Eq. 1: length of the final over ground; negative or zero where the wind is too strong.
+double ApproachDistance(const Aircraft& aircraft, double wind_speed);
+double LoiterRadius(const Aircraft& aircraft, double wind_speed);
+
+// Path height against the map's upper surface, from the start of the final to touchdown.
+struct ApproachProfile {
+  // Distance to touchdown, descending.
+  std::vector<double> distance;
+  std::vector<double> path_height;     // world z
+  std::vector<double> terrain_height;  // highest in the corridor; NaN where unseen
+};
+
+struct Approach {
+  Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
+  Eigen::Vector3d approach_start_in_world = Eigen::Vector3d::Zero();
+  // Direction of travel on final, radians clockwise from north.
+  double heading = 0.0;
+  double approach_distance = 0.0;
+  double approach_height = 0.0;
+  double loiter_radius = 0.0;
+  Eigen::Vector3d loiter_center_in_world = Eigen::Vector3d::Zero();
+  LoiterDirection loiter_direction = LoiterDirection::kLeft;
+  // Over the final outside the touchdown disc and the seen part of the circle; NaN if all unseen.
+  double min_clearance = 0.0;
+  // Unseen share of the chosen circle.
+  double unseen_ratio = 0.0;
+  ApproachProfile profile;
+};
+
+struct Rejection {
+  Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
+  RejectReason reason = RejectReason::kNoSafeTouchdown;
+  // One sentence with numbers.
+  std::string detail;
+  std::optional<Eigen::Vector3d> obstacle_in_world;
+};
+
+struct ScoreTerm {
+  std::string name;
+  double value = 0.0;  // 0..1
+  double weight = 0.0;
+};
+
+// What the planner answers for one region: always a place with numbers, even when rejected (the
+// least bad one, and the rule it breaks), unless nothing was seen at all.
+struct Plan {
+  Verdict verdict = Verdict::kRejected;
+  std::optional<RejectReason> reject_reason;
+  std::string reject_detail;
+  // World; for a rejected site the least bad place, or the region's centre.
+  Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
+  double hazard_distance = 0.0;
+  // At touchdown, within the touchdown disc; NaN if unseen.
+  double slope = 0.0;
+  double roughness = 0.0;
+  std::optional<Approach> approach;
+  std::vector<Rejection> rejections;
+  double score = 0.0;
+  std::vector<ScoreTerm> score_terms;
+};
+
+// What of the region enters the plan.
+struct PlanRequest {
+  Polygon footprint;  // where the touchdown may lie, world
+  double area_m2 = 0.0;
+  double grade = 0.0;
+  int num_observations = 0;
+  int min_num_observations = 2;
+  std::optional<Eigen::Vector2d> wind_in_world;
+};
+
+Plan PlanApproach(const ElevationMap& map,
+                  const HazardLayers& hazards,
+                  const PlanRequest& request,
+                  const Aircraft& aircraft,
+                  const ApproachOptions& options);
+
+}  // namespace freelsd

@@ -1,0 +1,109 @@
+// Input: homogeneous regions. Output: how probably each is grass. Paper: Sec. III-D.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "engine/segmentation/segmentation.h"
+
+namespace freelsd {
+
+enum class FeatureSet {
+  kRgb,      // 6: mean and deviation of R, G, B
+  kHsv,      // 6: hue circular
+  kRgbHsv,   // 12
+  kPaper18,  // 12 + mean and deviation of three Gabor responses
+  kRobust,   // what generalises best to other places; the default
+};
+
+struct ClassificationOptions {
+  // --- Behaviour ---
+  // Probability from which a region is grass, and below which it is not; between them it is not
+  // sure, which counts as not grass. Differs: the paper takes the majority of trees.
+  double min_grass_probability = 0.6;
+  double max_not_grass_probability = 0.4;
+  // Mean grey level outside which a region is too dark or too bright to tell.
+  double min_mean_grey = 20.0;
+  double max_mean_grey = 245.0;
+
+  void Check() const;
+};
+
+enum class Surface { kGrass, kNotGrass, kUnsure };
+
+struct Label {
+  // Of grass, 0..1, calibrated.
+  double probability = 0.5;
+  Surface surface = Surface::kUnsure;
+};
+// One per Segments::segments, same order.
+using Labels = std::vector<Label>;
+
+// A trained random forest with the feature set it was trained on. Immutable, safe to share.
+class Classifier {
+ public:
+  // From the text that Serialize or freelsd-train wrote. Throws std::invalid_argument with the
+  // reason when it is not a model.
+  static Classifier Parse(const std::string& model_text);
+  std::string Serialize() const;
+  FeatureSet feature_set() const;
+  // Free text in the model: data, licence, command, cross-validation.
+  const std::string& provenance() const;
+  // Probability of grass for one feature row.
+  double Predict(const std::vector<float>& features) const;
+
+  struct Model;
+  explicit Classifier(std::shared_ptr<const Model> model);
+
+ private:
+  std::shared_ptr<const Model> model_;
+};
+
+// Features of one region: pixels where mask != 0 only. image BGR.
+std::vector<float> RegionFeatures(const cv::Mat3b& image,
+                                  const cv::Mat1b& mask,
+                                  double ground_sampling_distance_m,
+                                  FeatureSet feature_set);
+
+Labels ClassifySegments(const Segments& segments,
+                        const Classifier& classifier,
+                        const ClassificationOptions& options);
+
+struct TrainingSample {
+  std::vector<float> features;
+  bool is_grass = false;
+  // Samples of one place are never split between training and validation.
+  std::string place;
+};
+
+struct TrainingOptions {
+  FeatureSet feature_set = FeatureSet::kRobust;
+  // Maximal depth and least samples per branch are chosen from these by cross-validation.
+  // Paper: Sec. III-D, 10-fold, values not given.
+  std::vector<int> max_depths{4, 8, 12};
+  std::vector<int> min_samples_per_branch{2, 5, 10};
+  int num_trees = 100;
+  int num_folds = 10;
+  int seed = 1;
+
+  void Check() const;
+};
+
+struct TrainingReport {
+  int max_depth = 0;
+  int min_samples_per_branch = 0;
+  // Of the chosen pair, folds as stated (random), and each place predicted from the others.
+  double random_fold_error_ratio = 0.0;
+  double leave_one_place_out_error_ratio = 0.0;
+  double leave_one_place_out_auc = 0.0;
+};
+
+// Deterministic for a seed.
+std::pair<Classifier, TrainingReport> TrainClassifier(const std::vector<TrainingSample>& samples,
+                                                      const std::string& provenance,
+                                                      const TrainingOptions& options);
+
+}  // namespace freelsd

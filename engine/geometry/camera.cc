@@ -1,0 +1,150 @@
+#include "engine/geometry/camera.h"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace freelsd {
+namespace {
+
+constexpr int kNumNewtonSteps = 20;
+constexpr double kNewtonTolerance = 1e-12;
+constexpr double kDerivativeStep = 1e-7;
+// Beyond this angle from the optical axis a perspective camera sees nothing useful (cos 85 deg).
+constexpr double kMinCosOffAxis = 0.087;
+
+double CoefficientAt(const Camera& camera, size_t index) {
+  return index < camera.coefficients.size() ? camera.coefficients[index] : 0.0;
+}
+
+// Brown-Conrady, as OpenCV: k1, k2, p1, p2, k3.
+Eigen::Vector2d DistortRadTan(const Camera& camera, const Eigen::Vector2d& p) {
+  const double k1 = CoefficientAt(camera, 0), k2 = CoefficientAt(camera, 1);
+  const double p1 = CoefficientAt(camera, 2), p2 = CoefficientAt(camera, 3);
+  const double k3 = CoefficientAt(camera, 4);
+  const double r2 = p.squaredNorm();
+  const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  return {p.x() * radial + 2.0 * p1 * p.x() * p.y() + p2 * (r2 + 2.0 * p.x() * p.x()),
+          p.y() * radial + p1 * (r2 + 2.0 * p.y() * p.y()) + 2.0 * p2 * p.x() * p.y()};
+}
+
+// Kannala-Brandt, as OpenCV fisheye: theta (1 + k1 theta^2 + k2 theta^4 + k3 theta^6 + k4 theta^8).
+Eigen::Vector2d DistortEquidistant(const Camera& camera, const Eigen::Vector2d& p) {
+  const double r = p.norm();
+  if (r < 1e-12) return p;
+  const double theta = std::atan(r);
+  const double t2 = theta * theta;
+  const double polynomial =
+      1.0 + t2 * (CoefficientAt(camera, 0) +
+                  t2 * (CoefficientAt(camera, 1) +
+                        t2 * (CoefficientAt(camera, 2) + t2 * CoefficientAt(camera, 3))));
+  return p * (theta * polynomial / r);
+}
+
+Eigen::Vector2d Distort(const Camera& camera, const Eigen::Vector2d& p) {
+  switch (camera.distortion) {
+    case DistortionModel::kRadTan:
+      return DistortRadTan(camera, p);
+    case DistortionModel::kEquidistant:
+      return DistortEquidistant(camera, p);
+    case DistortionModel::kNone:
+      break;
+  }
+  return p;
+}
+
+Eigen::Matrix2d DistortionJacobian(const Camera& camera, const Eigen::Vector2d& p) {
+  Eigen::Matrix2d jacobian;
+  for (int axis = 0; axis < 2; ++axis) {
+    Eigen::Vector2d step = Eigen::Vector2d::Zero();
+    step[axis] = kDerivativeStep;
+    jacobian.col(axis) =
+        (Distort(camera, p + step) - Distort(camera, p - step)) / (2.0 * kDerivativeStep);
+  }
+  return jacobian;
+}
+
+void Require(bool holds, const char* field, double value, const char* constraint) {
+  if (holds) return;
+  std::ostringstream message;
+  message << "camera." << field << " = " << value << ": " << constraint;
+  throw std::invalid_argument(message.str());
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> Camera::ImageFromCamera(
+    const Eigen::Vector3d& point_in_camera) const {
+  if (point_in_camera.z() <= kMinCosOffAxis * point_in_camera.norm()) return std::nullopt;
+  const Eigen::Vector2d normalized = point_in_camera.head<2>() / point_in_camera.z();
+  const Eigen::Vector2d distorted = Distort(*this, normalized);
+  // A lens polynomial may fold back outside its fitted field: such a point is not seen.
+  if (distortion != DistortionModel::kNone &&
+      DistortionJacobian(*this, normalized).determinant() <= 0.0) {
+    return std::nullopt;
+  }
+  return Eigen::Vector2d(fx_px * distorted.x() + cx_px, fy_px * distorted.y() + cy_px);
+}
+
+Eigen::Vector2d Camera::NormalizedFromImage(const Eigen::Vector2d& point_in_image) const {
+  const Eigen::Vector2d target((point_in_image.x() - cx_px) / fx_px,
+                               (point_in_image.y() - cy_px) / fy_px);
+  if (distortion == DistortionModel::kNone) return target;
+  Eigen::Vector2d guess = target;
+  for (int i = 0; i < kNumNewtonSteps; ++i) {
+    const Eigen::Vector2d error = Distort(*this, guess) - target;
+    if (error.norm() < kNewtonTolerance) break;
+    guess -= DistortionJacobian(*this, guess).inverse() * error;
+  }
+  return guess;
+}
+
+Eigen::Vector3d Camera::RayFromImage(const Eigen::Vector2d& point_in_image) const {
+  return NormalizedFromImage(point_in_image).homogeneous().normalized();
+}
+
+bool Camera::IsInside(const Eigen::Vector2d& point_in_image, double margin_px) const {
+  return point_in_image.x() >= margin_px && point_in_image.y() >= margin_px &&
+         point_in_image.x() <= width_px - 1 - margin_px &&
+         point_in_image.y() <= height_px - 1 - margin_px;
+}
+
+Camera Camera::Scaled(double factor) const {
+  Camera scaled = *this;
+  scaled.width_px = static_cast<int>(std::lround(width_px * factor));
+  scaled.height_px = static_cast<int>(std::lround(height_px * factor));
+  const double factor_x = static_cast<double>(scaled.width_px) / width_px;
+  const double factor_y = static_cast<double>(scaled.height_px) / height_px;
+  scaled.fx_px = fx_px * factor_x;
+  scaled.fy_px = fy_px * factor_y;
+  scaled.cx_px = (cx_px + 0.5) * factor_x - 0.5;
+  scaled.cy_px = (cy_px + 0.5) * factor_y - 0.5;
+  return scaled;
+}
+
+void Camera::Check() const {
+  Require(width_px > 0, "width_px", width_px, "must be positive");
+  Require(height_px > 0, "height_px", height_px, "must be positive");
+  Require(std::isfinite(fx_px) && fx_px > 0.0, "fx_px", fx_px, "must be positive");
+  Require(std::isfinite(fy_px) && fy_px > 0.0, "fy_px", fy_px, "must be positive");
+  Require(std::isfinite(cx_px), "cx_px", cx_px, "must be finite");
+  Require(std::isfinite(cy_px), "cy_px", cy_px, "must be finite");
+  const size_t count = coefficients.size();
+  const double shown = static_cast<double>(count);
+  if (distortion == DistortionModel::kNone) {
+    Require(count == 0, "distortion.coefficients", shown, "model none takes no coefficients");
+  } else if (distortion == DistortionModel::kRadTan) {
+    Require(count == 4 || count == 5, "distortion.coefficients", shown, "radtan takes 4 or 5");
+  } else {
+    Require(count == 4, "distortion.coefficients", shown, "equidistant takes 4");
+  }
+  for (const double coefficient : coefficients) {
+    Require(std::isfinite(coefficient), "distortion.coefficients", coefficient, "must be finite");
+  }
+}
+
+}  // namespace freelsd

@@ -1,0 +1,42 @@
+// Input: wind measurements along the flight. Output: the wind at a place. Paper: Sec. III-I.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace freelsd {
+
+struct WindOptions {
+  // --- Behaviour ---
+  // Measurements farther from the place than this do not belong to it. Paper: "within a radius".
+  double radius_m = 300.0;
+  // Weight of a new measurement in the moving average, (0, 1]. Paper: EWMA, no number.
+  double smoothing = 0.1;
+
+  void Check() const;
+};
+
+struct WindSample {
+  Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
+  // Where the air moves to, m/s.
+  Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
+  int64_t timestamp_us = 0;
+};
+
+struct WindEstimate {
+  Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
+  // Deviation of the samples about it, per axis.
+  double spread_mps = 0.0;
+  int num_samples = 0;
+  int64_t last_sample_us = 0;
+};
+
+// Exponentially weighted moving average of the vectors, oldest first. Nothing without samples.
+std::optional<WindEstimate> WindAt(const Eigen::Vector2d& place_in_world,
+                                   const std::vector<WindSample>& samples,
+                                   const WindOptions& options);
+
+}  // namespace freelsd

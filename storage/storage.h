@@ -1,0 +1,149 @@
+// What survives: flights, frames, jobs, regions, sites and their maps, in SQLite and image files
+// named by SHA-256. Knows nothing of the engine: rows, JSON text, blobs.
+//
+// Durable: a call that returns has been synced (WAL, synchronous=FULL; image files are fsynced,
+// renamed and their folder fsynced before their row is committed). One writer; readers never wait
+// for it. All methods are thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace freelsd {
+
+// What SQL step or file operation failed, and why. is_full: no space left.
+class StorageError : public std::runtime_error {
+ public:
+  StorageError(const std::string& step, const std::string& reason, bool is_full = false);
+  bool is_full = false;
+};
+
+struct FlightRow {
+  std::string id;
+  std::string name;
+  std::string request_json;
+  // Resolved once the first frame is known; JSON text of camera, body_from_camera, origin.
+  std::string rig_json;
+  std::string warnings_json = "[]";
+  std::string stages_json = "{}";
+  int64_t created_at_us = 0;
+  int64_t num_rejected_frames = 0;
+  bool has_failed = false;
+};
+
+enum class FrameState { kQueued, kProcessed, kRejected };
+
+struct FrameRow {
+  // Order of processing within the flight.
+  int64_t sequence = 0;
+  std::string flight_id;
+  std::string id;
+  std::string sha256;
+  std::string meta_json;
+  FrameState state = FrameState::kQueued;
+  std::string reason;
+};
+
+enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };
+
+struct JobRow {
+  std::string id;
+  std::string kind;  // "batch" or "finish"
+  std::string flight_id;
+  JobState state = JobState::kQueued;
+  double progress_ratio = 0.0;
+  std::string stage;
+  std::string detail_json = "{}";
+  int64_t created_at_us = 0;
+};
+
+struct SiteRow {
+  std::string id;
+  std::string flight_id;
+  int64_t region_id = 0;
+  double latitude_deg = 0.0;
+  double longitude_deg = 0.0;
+  // GeoJSON feature, without rank.
+  std::string feature_json;
+  // FeatureCollection of the approach; empty where there is none.
+  std::string approach_json;
+  // What planning anew needs: region, aircraft, origin, datum.
+  std::string replan_json;
+  int64_t updated_at_us = 0;
+};
+
+struct BoundingBox {
+  double west_deg, south_deg, east_deg, north_deg;
+};
+
+class Storage {
+ public:
+  // Creates the folder and schema, or opens them. Throws StorageError when another process has it.
+  explicit Storage(const std::filesystem::path& folder);
+  ~Storage();
+
+  // Flights.
+  void InsertFlight(const FlightRow& flight);
+  void UpdateFlight(const FlightRow& flight);  // all but id, request_json, created_at_us
+  std::optional<FlightRow> FindFlight(const std::string& flight_id) const;
+  std::vector<FlightRow> ListFlights() const;
+  // Sites stay unless forget_sites; image files no frame needs any more are removed.
+  bool DeleteFlight(const std::string& flight_id, bool forget_sites);
+
+  // Frames. The bytes are written (once per SHA-256) before the rows; all rows in one commit.
+  void WriteImage(const std::string& sha256, std::string_view bytes);
+  std::optional<std::string> ReadImage(const std::string& sha256) const;
+  // Assigns sequence numbers in the given order. A frame id that exists already must not be given.
+  void InsertFrames(const std::vector<FrameRow>& frames);
+  // The same, and the job that waits for them, in one commit.
+  void InsertFramesAndJob(const std::vector<FrameRow>& frames, const JobRow& job);
+  std::optional<FrameRow> FindFrame(const std::string& flight_id,
+                                    const std::string& frame_id) const;
+  std::vector<FrameRow> ListFrames(const std::string& flight_id) const;  // by sequence
+  struct FrameCounts {
+    int64_t received = 0, processed = 0, rejected = 0;
+  };
+  FrameCounts CountFrames(const std::string& flight_id) const;
+  void SetFrameState(const std::string& flight_id,
+                     const std::string& frame_id,
+                     FrameState state,
+                     const std::string& reason);
+
+  // Jobs.
+  void InsertJob(const JobRow& job);
+  void UpdateJob(const JobRow& job);  // state, progress, stage, detail
+  std::optional<JobRow> FindJob(const std::string& job_id) const;
+  std::vector<JobRow> ListJobs() const;  // newest first, at most 1000
+
+  // Regions: the whole snapshot of a flight at once.
+  struct RegionRow {
+    int64_t id = 0;
+    std::string feature_json;
+    std::string history_json;
+  };
+  void ReplaceRegions(const std::string& flight_id, const std::vector<RegionRow>& regions);
+  std::vector<RegionRow> ListRegions(const std::string& flight_id) const;
+
+  // Sites: inserted or replaced by id, with their map (empty: none), in one commit.
+  void PutSite(const SiteRow& site, std::string_view map_blob);
+  std::optional<SiteRow> FindSite(const std::string& site_id) const;
+  std::vector<SiteRow> ListSites(const std::optional<std::string>& flight_id,
+                                 const std::optional<BoundingBox>& box) const;
+  std::optional<std::string> ReadSiteMap(const std::string& site_id) const;
+  bool DeleteSite(const std::string& site_id);
+
+  // Whether a write would work now: nothing, or why not.
+  std::optional<std::string> WhyNotWritable() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace freelsd
