@@ -1,0 +1,379 @@
+#include "engine/pipeline.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "engine/area_of_interest.h"
+
+namespace freelsd {
+namespace {
+
+// Adds what a step cost to the reports; what it answers is passed on. Time is only reported, it
+// never decides anything.
+template <typename Step>
+auto Timed(std::vector<StageReport>& reports, const char* stage, Step step) {
+  const auto start = std::chrono::steady_clock::now();
+  auto answer = step();
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  reports.push_back({stage, elapsed.count(), 1, ""});
+  return answer;
+}
+
+// The fine mask of a view for the map: 0 where no region was sure, else the region's probability.
+cv::Mat1b GrassMask(const Segments& segments, const Labels& labels) {
+  std::vector<uint8_t> value_of_label(1, 0);
+  for (size_t i = 0; i < segments.segments.size(); ++i) {
+    const size_t label = static_cast<size_t>(segments.segments[i].label);
+    if (value_of_label.size() <= label) value_of_label.resize(label + 1, 0);
+    if (labels[i].surface == Surface::kUnsure) continue;
+    value_of_label[label] = static_cast<uint8_t>(1 + std::lround(254.0 * labels[i].probability));
+  }
+  cv::Mat1b mask(segments.labels.size(), 0);
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int col = 0; col < mask.cols; ++col) {
+      const size_t label = static_cast<size_t>(segments.labels(row, col));
+      if (label < value_of_label.size()) mask(row, col) = value_of_label[label];
+    }
+  }
+  return mask;
+}
+
+// Full-size images, the last few kept: consecutive pairs share theirs.
+class ImageCache {
+ public:
+  explicit ImageCache(const ImageSource& source) : source_(source) {}
+
+  cv::Mat Fetch(const std::string& frame_id) {
+    for (const auto& [id, image] : images_) {
+      if (id == frame_id) return image;
+    }
+    images_.emplace_back(frame_id, source_(frame_id));
+    if (images_.size() > kMaxNumImages) images_.pop_front();
+    return images_.back().second;
+  }
+
+ private:
+  static constexpr size_t kMaxNumImages = 6;
+  const ImageSource& source_;
+  std::deque<std::pair<std::string, cv::Mat>> images_;
+};
+
+Points SparsePoints(const AdjustedBlock& block) {
+  Points points;
+  for (const Landmark& landmark : block.landmarks) {
+    points.push_back(
+        {landmark.point_in_world.cast<float>(), static_cast<float>(landmark.height_sd_m)});
+  }
+  return points;
+}
+
+// The masks of the adjusted views, with their adjusted poses and camera.
+std::vector<GrassView> AdjustedGrassViews(const Snapshot& snapshot,
+                                          const std::vector<size_t>& indices,
+                                          const AdjustedBlock& block) {
+  std::vector<GrassView> views;
+  for (size_t i = 0; i < indices.size(); ++i) {
+    if (!block.views[i].is_connected) continue;
+    GrassView view = snapshot.grass_views[indices[i]];
+    view.world_from_camera = block.views[i].world_from_camera;
+    view.camera = block.camera;
+    views.push_back(std::move(view));
+  }
+  return views;
+}
+
+class Cancellable {
+ public:
+  explicit Cancellable(const Progress& progress) : progress_(progress) {}
+  void Tell(double done_ratio, const std::string& stage) const {
+    if (progress_ && !progress_(done_ratio, stage)) throw std::runtime_error("cancelled");
+  }
+
+ private:
+  const Progress& progress_;
+};
+
+// Shares of the whole that the stages of an evaluation take, for the progress bar.
+constexpr double kAdjustmentDone = 0.2;
+constexpr double kStereoDone = 0.85;
+constexpr double kLayersDone = 0.9;
+
+ElevationMap ReconstructMap(const AdjustedBlock& block,
+                            const Box& area,
+                            const ImageSource& images,
+                            const PipelineOptions& options,
+                            const Cancellable& progress,
+                            std::vector<StageReport>& reports) {
+  const Box box = area.Intersection(SeenArea(block));
+  if (box.IsEmpty()) return {};
+  ElevationMapBuilder builder(GridAround(box.min, box.max, options.terrain.cell_size_m),
+                              options.terrain);
+  const std::vector<StereoPair> pairs = SelectPairs(block, options.stereo);
+  ImageCache cache(images);
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const double done = static_cast<double>(i) / static_cast<double>(pairs.size());
+    progress.Tell(kAdjustmentDone + (kStereoDone - kAdjustmentDone) * done, "stereo");
+    const cv::Mat left = cache.Fetch(block.views[pairs[i].left].frame_id);
+    const cv::Mat right = cache.Fetch(block.views[pairs[i].right].frame_id);
+    if (left.empty() || right.empty()) continue;
+    const Points points = Timed(reports, "stereo", [&] {
+      return ReconstructPoints(block, pairs[i], left, right, options.stereo);
+    });
+    Timed(reports, "elevation", [&] { return builder.Add(points), 0; });
+  }
+  builder.Add(SparsePoints(block));
+  return Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
+}
+
+// The key-frames that see the area: the views and their indices in the snapshot.
+struct Selection {
+  std::vector<size_t> indices;
+  std::vector<View> views;
+};
+
+Selection SelectViews(const Snapshot& snapshot, const Box& area, const PipelineOptions& options) {
+  const std::vector<size_t> seeing = ViewsOf(snapshot, area, options.backend);
+  std::vector<View> views;
+  for (const size_t index : seeing) views.push_back(snapshot.views[index]);
+  Selection selection;
+  for (const size_t keyframe : SelectKeyframes(views, options.adjustment)) {
+    selection.indices.push_back(seeing[keyframe]);
+    selection.views.push_back(views[keyframe]);
+  }
+  return selection;
+}
+
+AdjustedBlock AdjustSelection(const Selection& selection,
+                              const Camera& camera,
+                              const PipelineOptions& options,
+                              std::vector<StageReport>& reports) {
+  AdjustedBlock block;
+  block.note = "fewer than two key-frames see the region";
+  if (selection.views.size() < 2) return block;
+  return Timed(reports, "bundle_adjustment", [&] {
+    return AdjustPoses(selection.views, camera, options.adjustment);
+  });
+}
+
+Plan NoTerrain(const Region& region, const std::string& why) {
+  Plan plan;
+  plan.verdict = Verdict::kRejected;
+  plan.reject_reason = RejectReason::kNoTerrain;
+  plan.reject_detail = "no pair of views gave a height here" + (why.empty() ? "" : ": " + why);
+  plan.touchdown_in_world = region.Center();
+  plan.slope = plan.roughness = std::numeric_limits<double>::quiet_NaN();
+  return plan;
+}
+
+Site PlanSite(const Snapshot& snapshot,
+              const Region& region,
+              Evaluation& evaluation,
+              const Aircraft& aircraft,
+              const PipelineOptions& options) {
+  const std::optional<WindEstimate> wind =
+      WindAt(region.Center().head<2>(), snapshot.wind_samples, options.wind);
+  if (evaluation.map.grid.num_rows == 0) {
+    return {region, wind, NoTerrain(region, evaluation.block.note)};
+  }
+  PlanRequest request;
+  request.footprint = region.Footprint();
+  request.area_m2 = region.area_m2;
+  request.grade = region.grade;
+  request.num_observations = region.num_observations;
+  request.min_num_observations = snapshot.min_num_observations;
+  if (wind) request.wind_in_world = wind->wind_in_world;
+  return {region, wind, Timed(evaluation.reports, "approach", [&] {
+            return PlanApproach(
+                evaluation.map, evaluation.hazards, request, aircraft, options.approach);
+          })};
+}
+
+}  // namespace
+
+void BackendOptions::Check() const {
+  const auto require = [](bool holds, const std::string& message) {
+    if (!holds) throw std::invalid_argument("backend." + message);
+  };
+  require(backend_period_frames >= 1,
+          "backend_period_frames = " + std::to_string(backend_period_frames) + ": must be >= 1");
+  require(num_backend_candidates >= 1,
+          "num_backend_candidates = " + std::to_string(num_backend_candidates) + ": must be >= 1");
+  require(max_surroundings_m >= 0.0 && max_surroundings_m <= 2000.0,
+          "max_surroundings_m = " + std::to_string(max_surroundings_m) + ": must be in [0, 2000]");
+  require(max_num_views >= 2,
+          "max_num_views = " + std::to_string(max_num_views) + ": must be >= 2");
+}
+
+void PipelineOptions::Check() const {
+  tracks.Check();
+  segmentation.Check();
+  classification.Check();
+  regions.Check();
+  wind.Check();
+  adjustment.Check();
+  stereo.Check();
+  terrain.Check();
+  hazard.Check();
+  approach.Check();
+  backend.Check();
+}
+
+Frontend::Frontend(const Rig& rig, const PipelineOptions& options, Classifier classifier)
+    : options_(options),
+      classifier_(std::move(classifier)),
+      rig_(rig),
+      tracks_(rig, options.tracks),
+      regions_(options.regions) {
+  rig_.camera.Check();
+  options_.Check();
+}
+
+std::vector<FrameResult> Frontend::Process(Frame frame) {
+  if (frame.wind_in_world) {
+    wind_samples_.push_back(
+        {frame.prior.position_in_world, *frame.wind_in_world, frame.timestamp_us});
+  }
+  return ProcessReady(
+      Timed(reports_, "tracks", [&] { return tracks_.Add(std::move(frame)); }));  // III-A, B
+}
+
+std::vector<FrameResult> Frontend::Flush() { return ProcessReady(tracks_.Flush()); }
+
+std::vector<FrameResult> Frontend::ProcessReady(std::vector<ReadyFrame> ready) {
+  std::vector<FrameResult> results;
+  bool is_any_estimated = false;
+  for (const ReadyFrame& frame : ready) {
+    is_any_estimated |=
+        frame.view && tracks_.views()[*frame.view].attitude_source != AttitudeSource::kGiven;
+  }
+  if (is_any_estimated) RefineEstimatedPoses();
+  for (const ReadyFrame& frame : ready) {
+    if (frame.view) ProcessView(frame);
+    results.push_back({frame.frame.id, frame.view.has_value(), frame.note});
+  }
+  return results;
+}
+
+// One view, its pose known: what is homogeneous, what of it is grass, and where that is.
+void Frontend::ProcessView(const ReadyFrame& ready) {
+  const View& view = tracks_.views()[*ready.view];
+  const Segments segments = Timed(reports_, "segmentation", [&] {  // Sec. III-C
+    return SegmentFrame(
+        ready.frame.image, rig_.camera, view.height_above_ground, options_.segmentation);
+  });
+  const Labels labels = Timed(reports_, "classification", [&] {  // Sec. III-D
+    return ClassifySegments(segments, classifier_, options_.classification);
+  });
+  Timed(reports_, "region_manager", [&] {  // Sec. III-E
+    regions_.Update(*ready.view, segments, labels, tracks_);
+    return 0;
+  });
+  grass_views_.resize(std::max(grass_views_.size(), *ready.view + 1));
+  grass_views_[*ready.view] = {view.world_from_camera,
+                               rig_.camera,
+                               GrassMask(segments, labels),
+                               segments.image_px_per_working_px};
+}
+
+// Attitudes found from matches alone are good to a few degrees. The newest views and those that
+// share tracks with them are adjusted together before anything is placed on the ground with them.
+void Frontend::RefineEstimatedPoses() {
+  constexpr size_t kNumNewest = 12;
+  const std::vector<View>& views = tracks_.views();
+  const size_t first = views.size() > kNumNewest ? views.size() - kNumNewest : 0;
+  const std::vector<View> window(views.begin() + static_cast<std::ptrdiff_t>(first), views.end());
+  if (window.size() < 3) return;
+  const AdjustedBlock block = Timed(reports_, "pose_refinement", [&] {
+    return AdjustPoses(window, rig_.camera, options_.adjustment);
+  });
+  if (!block.is_usable) return;
+  for (size_t i = 0; i < window.size(); ++i) {
+    if (block.views[i].is_connected) {
+      tracks_.SetPose(first + i, block.views[i].world_from_camera);
+    }
+  }
+}
+
+std::vector<Region> Frontend::RankedRegions() const { return regions_.Ranked(); }
+
+Snapshot Frontend::TakeSnapshot() const {
+  return {rig_,
+          tracks_.views(),
+          grass_views_,
+          regions_.Ranked(),
+          regions_.MinNumObservations(),
+          wind_samples_};
+}
+
+std::vector<StageReport> Frontend::TakeReports() { return std::exchange(reports_, {}); }
+
+std::optional<double> Frontend::GroundHeight() const {
+  if (tracks_.views().empty()) return std::nullopt;
+  const View& first = tracks_.views().front();
+  return first.world_from_camera.translation.z() - first.height_above_ground;
+}
+
+Evaluation EvaluateSites(const Snapshot& snapshot,
+                         const std::vector<Region>& regions,
+                         const ImageSource& images,
+                         const Aircraft& aircraft,
+                         const PipelineOptions& options,
+                         const Progress& progress) {
+  const Cancellable cancellable(progress);
+  Evaluation evaluation;
+  if (regions.empty()) return evaluation;
+  cancellable.Tell(0.0, "adjustment");
+  const Box area = AreaOfInterest(regions, aircraft, options.backend);
+  const Selection selection = SelectViews(snapshot, area, options);  // Sec. III-F
+  evaluation.block = AdjustSelection(selection, snapshot.rig.camera, options, evaluation.reports);
+  if (!evaluation.block.note.empty()) evaluation.warnings.push_back(evaluation.block.note);
+  if (evaluation.block.is_usable) {
+    evaluation.map = ReconstructMap(
+        evaluation.block, area, images, options, cancellable, evaluation.reports);  // III-F, G
+    cancellable.Tell(kStereoDone, "hazards");
+    evaluation.hazards = Timed(evaluation.reports, "hazard_layers", [&] {  // Sec. III-G
+      return AssessHazards(evaluation.map,
+                           AdjustedGrassViews(snapshot, selection.indices, evaluation.block),
+                           {aircraft.max_slope_deg, aircraft.max_roughness_m},
+                           options.hazard);
+    });
+  }
+  cancellable.Tell(kLayersDone, "approach");
+  for (const Region& region : regions) {
+    evaluation.sites.push_back(
+        PlanSite(snapshot, region, evaluation, aircraft, options));  // Sec. III-H
+  }
+  return evaluation;
+}
+
+Evaluation Detect(const Rig& rig,
+                  const std::vector<Frame>& frames,
+                  const Aircraft& aircraft,
+                  const PipelineOptions& options,
+                  const Classifier& classifier) {
+  Frontend frontend(rig, options, classifier);
+  std::map<std::string, cv::Mat> images;
+  for (const Frame& frame : frames) {
+    images[frame.id] = frame.image;
+    frontend.Process(frame);
+  }
+  frontend.Flush();
+  std::vector<Region> graded;
+  for (const Region& region : frontend.RankedRegions()) {
+    if (region.grade > 0.0) graded.push_back(region);
+  }
+  const ImageSource source = [&images](const std::string& id) { return images.at(id); };
+  Evaluation evaluation =
+      EvaluateSites(frontend.TakeSnapshot(), graded, source, aircraft, options, {});
+  std::vector<StageReport> reports = frontend.TakeReports();
+  evaluation.reports.insert(evaluation.reports.begin(), reports.begin(), reports.end());
+  return evaluation;
+}
+
+}  // namespace freelsd
