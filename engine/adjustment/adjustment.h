@@ -14,6 +14,10 @@ struct AdjustmentOptions {
   int min_num_track_connections = 30;
   // Paper: "larger than a minimal baseline", no number.
   double min_baseline_m = 8.0;
+  // A key-frame is set at the latest when the baseline reaches this share of the height above
+  // ground. Differs: with evenly spread corners the paper's rule alone leaves neighbours that
+  // overlap by an eighth, too little for stereo.
+  double max_baseline_ratio = 0.3;
   // Width of the robust loss (Cauchy).
   double robust_loss_px = 1.5;
   // Observations farther off than this after the first solve are dropped before the second.

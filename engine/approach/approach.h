@@ -81,6 +81,9 @@ struct Approach {
   ApproachProfile profile;
 };
 
+// The circle as flown from the start of the final, closed: num_points + 1 points, first = last.
+std::vector<Eigen::Vector3d> LoiterPolyline(const Approach& approach, int num_points);
+
 struct Rejection {
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   RejectReason reason = RejectReason::kNoSafeTouchdown;

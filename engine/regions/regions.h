@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -60,6 +61,21 @@ struct Region {
   Eigen::Vector3d Center() const;
 };
 
+// A region and what it remembers of its observations.
+struct TrackedRegion {
+  Region region;
+  // Whether each view that saw it saw grass, by index of the view.
+  std::map<size_t, bool> votes;
+  // Whether its corners changed with the last view.
+  bool is_updated = false;
+};
+
+// Ground that a view sees, world.
+struct ViewFootprint {
+  Polygon ground;
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+};
+
 // Remembers the regions of one flight. The result does not depend on the order of the segments
 // within a view. Not thread-safe.
 class Regions {
@@ -73,9 +89,14 @@ class Regions {
   int MinNumObservations() const;
 
  private:
+  void CountView(const std::optional<ViewFootprint>& footprint);
+
   RegionsOptions options_;
-  std::vector<Region> regions_;
+  std::vector<TrackedRegion> regions_;
   int next_id_ = 1;
+  std::vector<ViewFootprint> footprints_;
+  // How many views see the middle of each view, itself included.
+  std::vector<int> num_views_of_middle_;
   int min_num_observations_ = 10;
 };
 

@@ -18,8 +18,10 @@ struct StereoOptions {
   double max_baseline_ratio = 0.9;
   // Optical axes may differ by this much.
   double max_axis_angle_deg = 30.0;
-  // Pairs per view. Paper: one.
-  int num_partners = 1;
+  // Pairs per view. Paper: one. Differs: survey photographs overlap so little that one leaves gaps.
+  int num_partners = 2;
+  // Landmarks that two views must share to be a pair.
+  int min_num_shared_landmarks = 8;
   // Relief allowed above and below the sparse landmarks when bounding the disparities.
   double relief_margin_m = 15.0;
   // Semi-global matching: block, penalties (times channels * block^2), left-right check, speckles.
@@ -29,6 +31,13 @@ struct StereoOptions {
   int uniqueness_ratio_percent = 10;
   int speckle_size_px = 100;
   int max_left_right_difference_px = 1;
+  // Windows whose grey levels deviate less than this have nothing to match: water, burnt-out
+  // ground.
+  double min_texture_grey = 1.5;
+  // Disparities searched at most, a multiple of 16.
+  int max_num_disparities = 256;
+  // Points kept per square metre of ground.
+  double max_points_per_m2 = 25.0;
   // Standard deviation of a disparity, for the height's.
   double disparity_sd_px = 0.35;
 

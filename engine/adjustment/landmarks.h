@@ -1,0 +1,57 @@
+// Tracks seen by the views of a block, and the landmarks they make.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "engine/adjustment/adjustment.h"
+
+namespace freelsd {
+
+struct Sighting {
+  size_t view = 0;
+  Eigen::Vector2d point_in_image = Eigen::Vector2d::Zero();
+  bool is_inlier = true;
+};
+
+struct BlockTrack {
+  std::vector<Sighting> sightings;  // by view, ascending
+  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
+  bool has_point = false;
+
+  int NumInliers() const;
+};
+
+// Poses and intrinsics while they are being adjusted.
+struct BlockState {
+  Camera camera;
+  std::vector<Rigid3d> world_from_camera;
+};
+
+// Tracks with at least two sightings, in order of track id.
+std::vector<BlockTrack> CollectTracks(const std::vector<View>& views);
+
+// Points from the current poses; a track whose rays do not meet (poor poses) is put on the ground
+// plane below the view that sees it first.
+void InitialiseOnGround(const std::vector<View>& views,
+                        const BlockState& state,
+                        std::vector<BlockTrack>& tracks);
+// Points from the rays of the inliers; tracks that have none, or too little parallax, lose theirs.
+void TriangulateTracks(const BlockState& state,
+                       double min_parallax_deg,
+                       std::vector<BlockTrack>& tracks);
+
+// Distance between sighting and projection, px; nothing when the point is behind the camera.
+std::optional<double> ReprojectionError(const BlockState& state,
+                                        const BlockTrack& track,
+                                        const Sighting& sighting);
+// Marks sightings beyond max_error_px as outliers (and back), and drops points left with one ray.
+void MarkOutliers(const BlockState& state, double max_error_px, std::vector<BlockTrack>& tracks);
+// Root mean square over inliers of tracks with a point; 0 without any.
+double RmsError(const BlockState& state, const std::vector<BlockTrack>& tracks);
+
+// Height deviation of a track's point from its ray geometry for pixel_sd.
+double HeightDeviation(const BlockState& state, const BlockTrack& track, double pixel_sd);
+
+}  // namespace freelsd

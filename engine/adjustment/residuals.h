@@ -1,0 +1,120 @@
+// Residuals of the bundle adjustment, differentiated automatically.
+//
+// Parameter blocks: rotation world_from_camera (Eigen order x, y, z, w), position of the camera in
+// world (3), landmark in world (3), intrinsics (2: factor on the focal lengths, change of the first
+// radial coefficient).
+#pragma once
+
+#include <cmath>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "engine/geometry/geometry.h"
+
+namespace freelsd {
+
+struct ReprojectionResidual {
+  ReprojectionResidual(const Camera* calibrated_camera, const Eigen::Vector2d& sighting)
+      : camera(calibrated_camera), point_in_image(sighting) {}
+
+  // Projection minus sighting, px.
+  template <typename T>
+  bool operator()(const T* const rotation,
+                  const T* const position,
+                  const T* const landmark,
+                  const T* const intrinsics,
+                  T* residual) const {
+    const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(rotation);
+    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(position), point(landmark);
+    const Eigen::Matrix<T, 3, 1> x = world_from_camera.conjugate() * (point - camera_in_world);
+    // A point that slips behind the camera during a step gives no finite projection.
+    if (x.z() < T(1e-3)) return false;
+    Eigen::Matrix<T, 2, 1> p(x.x() / x.z(), x.y() / x.z());
+    const T r2 = p.squaredNorm();
+    const Eigen::Matrix<T, 2, 1> extra = p * (intrinsics[1] * r2);
+    p = Distorted(p) + extra;
+    residual[0] = T(camera->fx_px) * intrinsics[0] * p.x() + T(camera->cx_px - point_in_image.x());
+    residual[1] = T(camera->fy_px) * intrinsics[0] * p.y() + T(camera->cy_px - point_in_image.y());
+    return true;
+  }
+
+  const Camera* camera;
+  Eigen::Vector2d point_in_image;
+
+ private:
+  double Coefficient(size_t i) const {
+    return i < camera->coefficients.size() ? camera->coefficients[i] : 0.0;
+  }
+
+  template <typename T>
+  Eigen::Matrix<T, 2, 1> Distorted(const Eigen::Matrix<T, 2, 1>& p) const {
+    const T r2 = p.squaredNorm();
+    if (camera->distortion == DistortionModel::kRadTan) {
+      const double p1 = Coefficient(2), p2 = Coefficient(3);
+      const T radial = T(1.0) + r2 * (Coefficient(0) + r2 * (Coefficient(1) + r2 * Coefficient(4)));
+      return {p.x() * radial + 2.0 * p1 * p.x() * p.y() + p2 * (r2 + 2.0 * p.x() * p.x()),
+              p.y() * radial + p1 * (r2 + 2.0 * p.y() * p.y()) + 2.0 * p2 * p.x() * p.y()};
+    }
+    if (camera->distortion == DistortionModel::kEquidistant && r2 > T(1e-16)) {
+      using std::atan;
+      using std::sqrt;
+      const T r = sqrt(r2);
+      const T theta = atan(r);
+      const T t2 = theta * theta;
+      const T scale =
+          theta / r *
+          (T(1.0) + t2 * (Coefficient(0) +
+                          t2 * (Coefficient(1) + t2 * (Coefficient(2) + t2 * Coefficient(3)))));
+      return p * scale;
+    }
+    return p;
+  }
+};
+
+struct PositionPrior {
+  template <typename T>
+  bool operator()(const T* const position, T* residual) const {
+    for (int i = 0; i < 3; ++i) residual[i] = (position[i] - T(prior_in_world[i])) / T(sd_m);
+    return true;
+  }
+
+  Eigen::Vector3d prior_in_world;
+  double sd_m;
+};
+
+// Rotation vector, in world, from the prior attitude to the adjusted one; about the vertical (yaw)
+// and about horizontal axes (tilt) it has deviations of its own.
+struct AttitudePrior {
+  template <typename T>
+  bool operator()(const T* const rotation, T* residual) const {
+    const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(rotation);
+    Eigen::Quaternion<T> difference =
+        world_from_camera * prior_world_from_camera.conjugate().cast<T>();
+    if (difference.w() < T(0.0)) difference.coeffs() = -difference.coeffs();
+    // Twice the vector part: the rotation vector for the small angles that a prior is good for.
+    residual[0] = T(2.0) * difference.x() / T(tilt_sd);
+    residual[1] = T(2.0) * difference.y() / T(tilt_sd);
+    residual[2] = T(2.0) * difference.z() / T(yaw_sd);
+    return true;
+  }
+
+  Eigen::Quaterniond prior_world_from_camera;
+  double tilt_sd;
+  double yaw_sd;
+};
+
+// Intrinsics stay near what EXIF says.
+struct IntrinsicsPrior {
+  template <typename T>
+  bool operator()(const T* const intrinsics, T* residual) const {
+    residual[0] = (intrinsics[0] - T(1.0)) / T(focal_sd_ratio);
+    residual[1] = intrinsics[1] / T(radial_sd);
+    return true;
+  }
+
+  double focal_sd_ratio;
+  double radial_sd;
+};
+
+}  // namespace freelsd

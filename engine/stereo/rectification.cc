@@ -1,0 +1,240 @@
+#include "engine/stereo/rectification.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Dense>
+#include <opencv2/imgproc.hpp>
+
+namespace freelsd {
+namespace {
+
+// Nodes of the remap tables; between them the lens distortion is straight to a hundredth pixel.
+constexpr int kNodeSpacingPx = 8;
+// Landmarks beyond these shares are taken for outliers.
+constexpr double kLowShare = 0.02;
+constexpr double kHighShare = 0.98;
+constexpr size_t kMinNumLandmarks = 5;
+constexpr double kMinDepthRatio = 0.2;
+constexpr int kMinWindowPx = 64;
+constexpr int kMaxWindowPx = 6000;
+constexpr float kOutside = -1e4f;
+
+// x along the baseline, z near the mean optical axis. Columns are the rectified axes in world.
+std::optional<Eigen::Matrix3d> RectifiedAxes(const AdjustedView& left, const AdjustedView& right) {
+  const Eigen::Vector3d baseline =
+      right.world_from_camera.translation - left.world_from_camera.translation;
+  const Eigen::Vector3d axis = left.world_from_camera.rotation * Eigen::Vector3d::UnitZ() +
+                               right.world_from_camera.rotation * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d y = axis.cross(baseline);
+  if (y.norm() < 1e-6 * axis.norm() || baseline.norm() < 1e-6) return std::nullopt;
+  Eigen::Matrix3d axes;
+  axes.col(0) = baseline.normalized();
+  axes.col(1) = y.normalized();
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes;
+}
+
+struct Window {
+  double min_x = std::numeric_limits<double>::infinity();
+  double max_x = -std::numeric_limits<double>::infinity();
+  double min_y = std::numeric_limits<double>::infinity();
+  double max_y = -std::numeric_limits<double>::infinity();
+};
+
+// Bounds of an image in normalised rectified coordinates, from points along its border.
+Window WindowOf(const Camera& camera, const Eigen::Matrix3d& rectified_from_camera) {
+  constexpr int kNumSteps = 8;
+  Window window;
+  const auto add = [&](double u, double v) {
+    const Eigen::Vector3d ray = rectified_from_camera * camera.RayFromImage({u, v});
+    if (ray.z() <= kMinDepthRatio * ray.norm()) return;
+    window.min_x = std::min(window.min_x, ray.x() / ray.z());
+    window.max_x = std::max(window.max_x, ray.x() / ray.z());
+    window.min_y = std::min(window.min_y, ray.y() / ray.z());
+    window.max_y = std::max(window.max_y, ray.y() / ray.z());
+  };
+  for (int i = 0; i <= kNumSteps; ++i) {
+    const double u = (camera.width_px - 1.0) * i / kNumSteps;
+    const double v = (camera.height_px - 1.0) * i / kNumSteps;
+    add(u, 0.0);
+    add(u, camera.height_px - 1.0);
+    add(0.0, v);
+    add(camera.width_px - 1.0, v);
+  }
+  return window;
+}
+
+// Where a rectified view samples an image.
+struct Sampling {
+  Camera camera;
+  Eigen::Matrix3d camera_from_rectified;
+  double focal_px = 0.0;
+  double cx_px = 0.0;
+  double cy_px = 0.0;
+  cv::Size size;
+};
+
+cv::Vec2f SampleAt(const Sampling& sampling, double u, double v) {
+  const Eigen::Vector3d ray(
+      (u - sampling.cx_px) / sampling.focal_px, (v - sampling.cy_px) / sampling.focal_px, 1.0);
+  const std::optional<Eigen::Vector2d> pixel =
+      sampling.camera.ImageFromCamera(sampling.camera_from_rectified * ray);
+  if (!pixel) return {kOutside, kOutside};
+  return {static_cast<float>(pixel->x()), static_cast<float>(pixel->y())};
+}
+
+// Remap table: exact at the nodes, linear between them.
+cv::Mat2f RemapTable(const Sampling& sampling) {
+  const int rows = sampling.size.height / kNodeSpacingPx + 2;
+  const int cols = sampling.size.width / kNodeSpacingPx + 2;
+  cv::Mat2f nodes(rows, cols);
+  for (int row = 0; row < rows; ++row) {
+    for (int col = 0; col < cols; ++col) {
+      nodes(row, col) = SampleAt(sampling, col * kNodeSpacingPx, row * kNodeSpacingPx);
+    }
+  }
+  cv::Mat2f table(sampling.size);
+  for (int v = 0; v < table.rows; ++v) {
+    const int row = v / kNodeSpacingPx;
+    const float down = static_cast<float>(v % kNodeSpacingPx) / kNodeSpacingPx;
+    for (int u = 0; u < table.cols; ++u) {
+      const int col = u / kNodeSpacingPx;
+      const float along = static_cast<float>(u % kNodeSpacingPx) / kNodeSpacingPx;
+      const cv::Vec2f upper = nodes(row, col) * (1 - along) + nodes(row, col + 1) * along;
+      const cv::Vec2f lower = nodes(row + 1, col) * (1 - along) + nodes(row + 1, col + 1) * along;
+      table(v, u) = upper * (1 - down) + lower * down;
+    }
+  }
+  return table;
+}
+
+cv::Mat1b GreyAtScale(const cv::Mat& image, const cv::Size& size) {
+  cv::Mat grey;
+  if (image.channels() == 3) {
+    cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  } else {
+    grey = image;
+  }
+  if (grey.size() == size) return grey;
+  cv::Mat resized;
+  cv::resize(grey, resized, size, 0, 0, cv::INTER_AREA);
+  return resized;
+}
+
+cv::Mat1b InsideMask(const cv::Mat2f& table, const Camera& camera) {
+  cv::Mat1b mask(table.size());
+  for (int v = 0; v < table.rows; ++v) {
+    for (int u = 0; u < table.cols; ++u) {
+      const cv::Vec2f& at = table(v, u);
+      mask(v, u) = camera.IsInside({at[0], at[1]}, 1.0) ? 255 : 0;
+    }
+  }
+  return mask;
+}
+
+}  // namespace
+
+double RectifiedPair::DisparityOf(double depth) const {
+  return focal_px * baseline / depth + left_cx_px - right_cx_px;
+}
+
+double RectifiedPair::DepthOf(double disparity_px) const {
+  return focal_px * baseline / (disparity_px - left_cx_px + right_cx_px);
+}
+
+DepthRange DepthsOf(const AdjustedBlock& block,
+                    const StereoPair& pair,
+                    const StereoOptions& options) {
+  const AdjustedView& left = block.views[pair.left];
+  const AdjustedView& right = block.views[pair.right];
+  const std::optional<Eigen::Matrix3d> axes = RectifiedAxes(left, right);
+  const Eigen::Vector3d axis =
+      axes ? Eigen::Vector3d(axes->col(2))
+           : Eigen::Vector3d(left.world_from_camera.rotation * Eigen::Vector3d::UnitZ());
+  std::vector<double> depths;
+  for (const size_t landmark : left.landmarks) {
+    if (!std::binary_search(right.landmarks.begin(), right.landmarks.end(), landmark)) continue;
+    depths.push_back(
+        axis.dot(block.landmarks[landmark].point_in_world - left.world_from_camera.translation));
+  }
+  DepthRange range;
+  if (depths.size() >= kMinNumLandmarks) {
+    std::sort(depths.begin(), depths.end());
+    const auto at = [&](double share) {
+      return depths[static_cast<size_t>(share * static_cast<double>(depths.size() - 1))];
+    };
+    range = {at(kLowShare), at(0.5), at(kHighShare)};
+  } else {
+    const double height = 0.5 * (left.height_above_ground + right.height_above_ground);
+    range = {height, height, height};
+  }
+  range.nearest = std::max(range.nearest - options.relief_margin_m, kMinDepthRatio * range.typical);
+  range.farthest += options.relief_margin_m;
+  return range;
+}
+
+std::optional<RectifiedPair> RectifyPair(const AdjustedBlock& block,
+                                         const StereoPair& pair,
+                                         const cv::Mat& left_image,
+                                         const cv::Mat& right_image,
+                                         const StereoOptions& options) {
+  const Rigid3d& world_from_left = block.views[pair.left].world_from_camera;
+  const Rigid3d& world_from_right = block.views[pair.right].world_from_camera;
+  const std::optional<Eigen::Matrix3d> axes =
+      RectifiedAxes(block.views[pair.left], block.views[pair.right]);
+  if (!axes) return std::nullopt;
+  const DepthRange depths = DepthsOf(block, pair, options);
+  if (depths.typical <= 0.0) return std::nullopt;
+  const double native_gsd = depths.typical / block.camera.MeanFocalPx();
+  const double scale = std::min(1.0, native_gsd / options.ground_sampling_distance_m);
+  const Camera camera = block.camera.Scaled(scale);
+
+  RectifiedPair rectified;
+  rectified.world_from_left = {Eigen::Quaterniond(*axes), world_from_left.translation};
+  rectified.baseline = (world_from_right.translation - world_from_left.translation).norm();
+  rectified.focal_px = camera.MeanFocalPx();
+  const Eigen::Matrix3d rectified_from_left = axes->transpose() * world_from_left.rotation;
+  const Eigen::Matrix3d rectified_from_right = axes->transpose() * world_from_right.rotation;
+  const Window left = WindowOf(camera, rectified_from_left);
+  const Window right = WindowOf(camera, rectified_from_right);
+  // The right image shows a point of typical depth this much further left.
+  const double shift = rectified.baseline / depths.typical;
+  const double min_x = std::max(left.min_x, right.min_x + shift);
+  const double max_x = std::min(left.max_x, right.max_x + shift);
+  const double min_y = std::max(left.min_y, right.min_y);
+  const double max_y = std::min(left.max_y, right.max_y);
+  // Room for the disparities on both sides, so that the matcher loses no ground to its margin.
+  const double pad = rectified.baseline * std::max(1.0 / depths.nearest - 1.0 / depths.typical,
+                                                   1.0 / depths.typical - 1.0 / depths.farthest);
+  const int width = static_cast<int>((max_x - min_x + 2.0 * pad) * rectified.focal_px);
+  const int height = static_cast<int>((max_y - min_y) * rectified.focal_px);
+  if (!(max_x > min_x) || std::min(width, height) < kMinWindowPx ||
+      std::max(width, height) > kMaxWindowPx) {
+    return std::nullopt;
+  }
+  rectified.left_cx_px = -(min_x - pad) * rectified.focal_px;
+  rectified.right_cx_px = rectified.left_cx_px + shift * rectified.focal_px;
+  rectified.cy_px = -min_y * rectified.focal_px;
+  const cv::Size window(width, height);
+  const cv::Mat2f left_table = RemapTable({camera,
+                                           rectified_from_left.transpose(),
+                                           rectified.focal_px,
+                                           rectified.left_cx_px,
+                                           rectified.cy_px,
+                                           window});
+  const cv::Mat2f right_table = RemapTable({camera,
+                                            rectified_from_right.transpose(),
+                                            rectified.focal_px,
+                                            rectified.right_cx_px,
+                                            rectified.cy_px,
+                                            window});
+  const cv::Size scaled(camera.width_px, camera.height_px);
+  cv::remap(GreyAtScale(left_image, scaled), rectified.left, left_table, {}, cv::INTER_LINEAR);
+  cv::remap(GreyAtScale(right_image, scaled), rectified.right, right_table, {}, cv::INTER_LINEAR);
+  rectified.is_inside = InsideMask(left_table, camera);
+  return rectified;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,171 @@
+#include "engine/stereo/stereo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "engine/stereo/rectification.h"
+
+namespace freelsd {
+namespace {
+
+// OpenCV's matcher gives disparities in sixteenths of a pixel.
+constexpr double kDisparityUnit = 16.0;
+constexpr int kDisparityStep = 16;
+constexpr int kSpeckleRangePx = 2;
+
+struct DisparityRange {
+  int min_px = 0;
+  int count = kDisparityStep;
+};
+
+DisparityRange RangeOf(const RectifiedPair& pair,
+                       const DepthRange& depths,
+                       const StereoOptions& options) {
+  const int low = static_cast<int>(std::floor(pair.DisparityOf(depths.farthest)));
+  const int high = static_cast<int>(std::ceil(pair.DisparityOf(depths.nearest)));
+  int count = (high - low + kDisparityStep) / kDisparityStep * kDisparityStep;
+  count = std::min(count, options.max_num_disparities / kDisparityStep * kDisparityStep);
+  return {low, std::max(count, kDisparityStep)};
+}
+
+cv::Mat1s Match(const RectifiedPair& pair,
+                const DisparityRange& range,
+                const StereoOptions& options) {
+  const int area = options.block_size_px * options.block_size_px;
+  const cv::Ptr<cv::StereoSGBM> matcher =
+      cv::StereoSGBM::create(range.min_px,
+                             range.count,
+                             options.block_size_px,
+                             options.p1_factor * area,
+                             options.p2_factor * area,
+                             options.max_left_right_difference_px,
+                             0,
+                             options.uniqueness_ratio_percent,
+                             options.speckle_size_px,
+                             kSpeckleRangePx,
+                             cv::StereoSGBM::MODE_SGBM_3WAY);
+  cv::Mat1s disparity;
+  matcher->compute(pair.left, pair.right, disparity);
+  return disparity;
+}
+
+// Windows that hold enough contrast to be matched at all.
+cv::Mat1b TexturedMask(const cv::Mat1b& image, const StereoOptions& options) {
+  cv::Mat1f grey, mean, mean_of_squares;
+  image.convertTo(grey, CV_32F);
+  const cv::Size window(options.block_size_px, options.block_size_px);
+  cv::blur(grey, mean, window);
+  cv::blur(grey.mul(grey), mean_of_squares, window);
+  const double limit = options.min_texture_grey * options.min_texture_grey;
+  return (mean_of_squares - mean.mul(mean)) > limit;
+}
+
+Points PointsFrom(const RectifiedPair& pair,
+                  const cv::Mat1s& disparity,
+                  const DisparityRange& range,
+                  double typical_depth,
+                  const StereoOptions& options) {
+  const cv::Mat1b is_textured = TexturedMask(pair.left, options);
+  const double per_m2 = std::pow(pair.focal_px / typical_depth, 2);
+  const int stride =
+      std::max(1, static_cast<int>(std::round(std::sqrt(per_m2 / options.max_points_per_m2))));
+  const Eigen::Matrix3d world_from_rectified = pair.world_from_left.rotation.toRotationMatrix();
+  const Eigen::Vector3d down_in_rectified = -world_from_rectified.row(2).transpose();
+  Points points;
+  for (int v = 0; v < disparity.rows; v += stride) {
+    for (int u = 0; u < disparity.cols; u += stride) {
+      const int16_t value = disparity(v, u);
+      if (value < range.min_px * kDisparityUnit || !is_textured(v, u) || !pair.is_inside(v, u)) {
+        continue;
+      }
+      const double depth = pair.DepthOf(value / kDisparityUnit);
+      if (!(depth > 0.0)) continue;
+      const Eigen::Vector3d ray(
+          (u - pair.left_cx_px) / pair.focal_px, (v - pair.cy_px) / pair.focal_px, 1.0);
+      const Eigen::Vector3d point =
+          world_from_rectified * (ray * depth) + pair.world_from_left.translation;
+      const double depth_sd =
+          depth * depth / (pair.focal_px * pair.baseline) * options.disparity_sd_px;
+      points.push_back({point.cast<float>(),
+                        static_cast<float>(depth_sd * std::abs(down_in_rectified.dot(ray)))});
+    }
+  }
+  return points;
+}
+
+void Require(bool holds, const char* field, double value, const char* constraint) {
+  if (holds) return;
+  throw std::invalid_argument(std::string("stereo.") + field + " = " + std::to_string(value) +
+                              ": " + constraint);
+}
+
+}  // namespace
+
+void StereoOptions::Check() const {
+  Require(ground_sampling_distance_m >= 0.01 && ground_sampling_distance_m <= 2.0,
+          "ground_sampling_distance_m",
+          ground_sampling_distance_m,
+          "must be in [0.01, 2]");
+  Require(min_baseline_ratio > 0.0, "min_baseline_ratio", min_baseline_ratio, "must be positive");
+  Require(ideal_baseline_ratio >= min_baseline_ratio && ideal_baseline_ratio <= max_baseline_ratio,
+          "ideal_baseline_ratio",
+          ideal_baseline_ratio,
+          "must lie between min_baseline_ratio and max_baseline_ratio");
+  Require(max_baseline_ratio <= 5.0, "max_baseline_ratio", max_baseline_ratio, "must be <= 5");
+  Require(max_axis_angle_deg > 0.0 && max_axis_angle_deg <= 90.0,
+          "max_axis_angle_deg",
+          max_axis_angle_deg,
+          "must be in (0, 90]");
+  Require(
+      num_partners >= 1 && num_partners <= 20, "num_partners", num_partners, "must be in [1, 20]");
+  Require(min_num_shared_landmarks >= 1,
+          "min_num_shared_landmarks",
+          min_num_shared_landmarks,
+          "must be >= 1");
+  Require(relief_margin_m >= 0.0, "relief_margin_m", relief_margin_m, "must be >= 0");
+  Require(block_size_px >= 1 && block_size_px <= 21 && block_size_px % 2 == 1,
+          "block_size_px",
+          block_size_px,
+          "must be odd, in [1, 21]");
+  Require(p1_factor >= 1, "p1_factor", p1_factor, "must be >= 1");
+  Require(p2_factor > p1_factor, "p2_factor", p2_factor, "must be > p1_factor");
+  Require(uniqueness_ratio_percent >= 0 && uniqueness_ratio_percent <= 100,
+          "uniqueness_ratio_percent",
+          uniqueness_ratio_percent,
+          "must be in [0, 100]");
+  Require(speckle_size_px >= 0, "speckle_size_px", speckle_size_px, "must be >= 0");
+  Require(max_left_right_difference_px >= 0,
+          "max_left_right_difference_px",
+          max_left_right_difference_px,
+          "must be >= 0");
+  Require(min_texture_grey >= 0.0, "min_texture_grey", min_texture_grey, "must be >= 0");
+  Require(max_num_disparities >= 16 && max_num_disparities <= 1024,
+          "max_num_disparities",
+          max_num_disparities,
+          "must be in [16, 1024]");
+  Require(max_points_per_m2 > 0.0, "max_points_per_m2", max_points_per_m2, "must be positive");
+  Require(disparity_sd_px > 0.0, "disparity_sd_px", disparity_sd_px, "must be positive");
+}
+
+Points ReconstructPoints(const AdjustedBlock& block,
+                         const StereoPair& pair,
+                         const cv::Mat& left_image,
+                         const cv::Mat& right_image,
+                         const StereoOptions& options) {
+  const std::optional<RectifiedPair> rectified =
+      RectifyPair(block, pair, left_image, right_image, options);
+  if (!rectified) return {};
+  const DepthRange depths = DepthsOf(block, pair, options);
+  const DisparityRange range = RangeOf(*rectified, depths, options);
+  // The matcher needs room for block and disparities.
+  if (rectified->left.cols <= range.count + 2 * options.block_size_px) return {};
+  const cv::Mat1s disparity = Match(*rectified, range, options);
+  return PointsFrom(*rectified, disparity, range, depths.typical, options);
+}
+
+}  // namespace freelsd
