@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -61,6 +62,10 @@ class Classifier {
  private:
   std::shared_ptr<const Model> model_;
 };
+
+// "rgb", "hsv", "rgbhsv", "paper18", "robust", as in models and on the command line.
+std::string NameOf(FeatureSet feature_set);
+std::optional<FeatureSet> FeatureSetNamed(const std::string& name);
 
 // Features of one region: pixels where mask != 0 only. image BGR.
 std::vector<float> RegionFeatures(const cv::Mat3b& image,

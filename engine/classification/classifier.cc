@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+#include "engine/classification/classification.h"
+#include "engine/classification/features.h"
+#include "engine/classification/model.h"
+
+namespace freelsd {
+namespace {
+
+constexpr int kModelVersion = 1;
+// Share of the range of training grass by which a feature may lie outside it.
+constexpr float kRangeMargin = 0.15f;
+// What lies outside can at best not be told: half way between grass and not.
+constexpr double kUnsureProbability = 0.5;
+
+bool IsInGrassRange(const Classifier::Model& model, const std::vector<float>& features) {
+  for (size_t i = 0; i < features.size(); ++i) {
+    const float margin = kRangeMargin * (model.grass_max[i] - model.grass_min[i]);
+    if (features[i] < model.grass_min[i] - margin || features[i] > model.grass_max[i] + margin) {
+      return false;
+    }
+  }
+  return true;
+}
+
+void CheckModel(const Classifier::Model& model) {
+  const size_t num_features = NumFeatures(model.feature_set);
+  if (model.grass_min.size() != num_features || model.grass_max.size() != num_features) {
+    throw std::invalid_argument("grass model: ranges do not fit the feature set");
+  }
+  if (!model.forest || !model.forest->isTrained() ||
+      model.forest->getVarCount() != static_cast<int>(num_features)) {
+    throw std::invalid_argument("grass model: the forest does not fit the feature set");
+  }
+}
+
+std::shared_ptr<Classifier::Model> ReadModel(const cv::FileStorage& file) {
+  if (static_cast<int>(file["version"]) != kModelVersion) {
+    throw std::invalid_argument("grass model: version must be " + std::to_string(kModelVersion));
+  }
+  auto model = std::make_shared<Classifier::Model>();
+  const std::optional<FeatureSet> feature_set =
+      FeatureSetNamed(static_cast<std::string>(file["feature_set"]));
+  if (!feature_set) throw std::invalid_argument("grass model: unknown feature set");
+  model->feature_set = *feature_set;
+  model->provenance = static_cast<std::string>(file["provenance"]);
+  model->calibration_slope = static_cast<double>(file["calibration_slope"]);
+  model->calibration_offset = static_cast<double>(file["calibration_offset"]);
+  file["grass_min"] >> model->grass_min;
+  file["grass_max"] >> model->grass_max;
+  model->forest = cv::ml::RTrees::create();
+  model->forest->read(file["forest"]);
+  CheckModel(*model);
+  return model;
+}
+
+Surface SurfaceOf(double probability, const ClassificationOptions& options) {
+  if (probability >= options.min_grass_probability) return Surface::kGrass;
+  if (probability <= options.max_not_grass_probability) return Surface::kNotGrass;
+  return Surface::kUnsure;
+}
+
+// Box of every label, by label.
+std::vector<cv::Rect> BoxesOf(const cv::Mat1i& labels, size_t num_labels) {
+  std::vector<cv::Rect> boxes(num_labels + 1);
+  for (int y = 0; y < labels.rows; ++y) {
+    for (int x = 0; x < labels.cols; ++x) {
+      const int label = labels(y, x);
+      if (label > 0) boxes[static_cast<size_t>(label)] |= cv::Rect(x, y, 1, 1);
+    }
+  }
+  return boxes;
+}
+
+}  // namespace
+
+void ClassificationOptions::Check() const {
+  const auto require = [](bool holds, const char* field, double value, const char* constraint) {
+    if (holds) return;
+    throw std::invalid_argument(std::string("classification.") + field + " = " +
+                                std::to_string(value) + ": " + constraint);
+  };
+  require(min_grass_probability >= 0.5 && min_grass_probability <= 1.0,
+          "min_grass_probability",
+          min_grass_probability,
+          "must be in [0.5, 1]");
+  require(max_not_grass_probability >= 0.0 && max_not_grass_probability < min_grass_probability,
+          "max_not_grass_probability",
+          max_not_grass_probability,
+          "must be >= 0 and below min_grass_probability");
+  require(min_mean_grey >= 0.0 && min_mean_grey < max_mean_grey,
+          "min_mean_grey",
+          min_mean_grey,
+          "must be >= 0 and below max_mean_grey");
+  require(max_mean_grey <= 255.0, "max_mean_grey", max_mean_grey, "must be <= 255");
+}
+
+Classifier::Classifier(std::shared_ptr<const Model> model) : model_(std::move(model)) {}
+
+Classifier Classifier::Parse(const std::string& model_text) {
+  try {
+    const cv::FileStorage file(model_text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
+    return Classifier(ReadModel(file));
+  } catch (const cv::Exception& error) {
+    throw std::invalid_argument("grass model: " + error.err);
+  }
+}
+
+std::string Classifier::Serialize() const {
+  cv::FileStorage file(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  file << "version" << kModelVersion << "feature_set" << NameOf(model_->feature_set);
+  file << "provenance" << model_->provenance;
+  file << "calibration_slope" << model_->calibration_slope;
+  file << "calibration_offset" << model_->calibration_offset;
+  file << "grass_min" << model_->grass_min << "grass_max" << model_->grass_max;
+  file << "forest"
+       << "{";
+  model_->forest->write(file);
+  file << "}";
+  return file.releaseAndGetString();
+}
+
+FeatureSet Classifier::feature_set() const { return model_->feature_set; }
+
+const std::string& Classifier::provenance() const { return model_->provenance; }
+
+double Classifier::Predict(const std::vector<float>& features) const {
+  const double votes = GrassVotes(*model_->forest, features);
+  const double probability =
+      1.0 / (1.0 + std::exp(-(model_->calibration_slope * votes + model_->calibration_offset)));
+  if (IsInGrassRange(*model_, features)) return probability;
+  return std::min(probability, kUnsureProbability);
+}
+
+double GrassVotes(const cv::ml::RTrees& forest, const std::vector<float>& features) {
+  const cv::Mat1f row(1, static_cast<int>(features.size()), const_cast<float*>(features.data()));
+  cv::Mat1i votes;
+  forest.getVotes(row, votes, 0);
+  // First row: class labels; second: votes for each.
+  double grass = 0.0, all = 0.0;
+  for (int col = 0; col < votes.cols; ++col) {
+    all += votes(1, col);
+    if (votes(0, col) == 1) grass = votes(1, col);
+  }
+  return all > 0.0 ? grass / all : 0.0;
+}
+
+Labels ClassifySegments(const Segments& segments,
+                        const Classifier& classifier,
+                        const ClassificationOptions& options) {
+  const std::vector<cv::Rect> boxes = BoxesOf(segments.labels, segments.segments.size());
+  const cv::Rect frame({0, 0}, segments.labels.size());
+  // Filters look beyond the region: keep some of its surroundings.
+  constexpr int kSurroundingsPx = 16;
+  Labels labels;
+  for (const Segment& segment : segments.segments) {
+    cv::Rect box = boxes[static_cast<size_t>(segment.label)];
+    box = cv::Rect(box.x - kSurroundingsPx,
+                   box.y - kSurroundingsPx,
+                   box.width + 2 * kSurroundingsPx,
+                   box.height + 2 * kSurroundingsPx) &
+          frame;
+    const cv::Mat3b image = segments.image(box);
+    const cv::Mat1b mask = segments.labels(box) == segment.label;
+    const cv::Scalar mean = cv::mean(image, mask);
+    const double grey = (mean[0] + mean[1] + mean[2]) / 3.0;
+    Label label;
+    if (grey >= options.min_mean_grey && grey <= options.max_mean_grey) {
+      label.probability = classifier.Predict(RegionFeatures(
+          image, mask, segments.ground_sampling_distance_m, classifier.feature_set()));
+      label.surface = SurfaceOf(label.probability, options);
+    }
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+}  // namespace freelsd
