@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace freelsd {
@@ -19,8 +20,8 @@ double MedianOfSorted(const std::vector<double>& values) {
 
 void SortByValue(std::vector<CellSummary>& summaries) {
   std::sort(summaries.begin(), summaries.end(), [](const CellSummary& a, const CellSummary& b) {
-    return std::tie(a.mean, a.standard_deviation, a.upper, a.num_points) <
-           std::tie(b.mean, b.standard_deviation, b.upper, b.num_points);
+    return std::tie(a.mean, a.standard_deviation, a.num_points, a.upper, a.firm_upper) <
+           std::tie(b.mean, b.standard_deviation, b.num_points, b.upper, b.firm_upper);
   });
 }
 
@@ -47,6 +48,22 @@ Center CenterOf(const std::vector<CellSummary>& sorted) {
   center.spread = kSigmaPerMad * MedianOfSorted(values);
   return center;
 }
+
+// Highest that one pair saw with enough points, or that two pairs saw: mismatches meet by chance in
+// one cell of one pair, but not at one height in two.
+class UpperHeight {
+ public:
+  void Add(const CellSummary& summary) {
+    firm_ = std::max(firm_, summary.firm_upper);
+    second_ = std::max(second_, std::min(first_, summary.upper));
+    first_ = std::max(first_, summary.upper);
+  }
+  double Height() const { return std::max(firm_, second_); }
+
+ private:
+  static constexpr float kLowest = std::numeric_limits<float>::lowest();
+  float firm_ = kLowest, first_ = kLowest, second_ = kLowest;
+};
 
 FusedCell WeightedMean(const std::vector<CellSummary>& inliers) {
   double weights = 0.0, heights = 0.0;
@@ -77,17 +94,17 @@ std::optional<FusedCell> FuseCell(std::vector<CellSummary> summaries,
   SortByValue(summaries);
   const Center center = CenterOf(summaries);
   std::vector<CellSummary> inliers;
-  double upper = summaries.front().mean;
+  UpperHeight upper;
   for (const CellSummary& summary : summaries) {
     const double deviation = std::hypot(center.spread, summary.standard_deviation);
     const bool is_inlier =
         std::abs(summary.mean - center.median) <= options.outlier_sigma * deviation;
     if (is_inlier) inliers.push_back(summary);
     const bool has_support = summary.num_points >= static_cast<uint32_t>(options.min_num_points);
-    if (is_inlier || has_support) upper = std::max<double>(upper, summary.upper);
+    if (is_inlier || has_support) upper.Add(summary);
   }
   FusedCell fused = WeightedMean(inliers.empty() ? summaries : inliers);
-  fused.upper = std::max(upper, fused.elevation);
+  fused.upper = std::max(upper.Height(), fused.elevation);
   if (fused.num_points < options.min_num_points) return std::nullopt;
   return fused;
 }

@@ -44,7 +44,9 @@ struct Block {
 struct Reference {
   float median = 0.0f;
   float max_deviation = 0.0f;
+  // NaN where too few points lie in the cell.
   float upper = std::numeric_limits<float>::quiet_NaN();
+  float firm_upper = std::numeric_limits<float>::quiet_NaN();
 };
 
 struct Accumulator {
@@ -55,9 +57,25 @@ struct Accumulator {
   uint32_t num_points = 0;
 };
 
-float NthOf(std::vector<float>& values, size_t n) {
-  std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(n), values.end());
-  return values[n];
+// The upper percentile that at least `num_reaching` points reach; NaN where there are not as many.
+float UpperOf(const std::vector<float>& sorted, double percentile, size_t num_reaching) {
+  if (sorted.size() < num_reaching) return std::numeric_limits<float>::quiet_NaN();
+  const auto rank = static_cast<size_t>(percentile / 100.0 * (sorted.size() - 1));
+  return sorted[std::min(rank, sorted.size() - num_reaching)];
+}
+
+// Median of the distances to the middle one, walking outwards from it.
+float MedianDeviation(const std::vector<float>& sorted) {
+  const size_t middle = sorted.size() / 2;
+  size_t below = middle, above = middle;
+  float deviation = 0.0f;
+  for (size_t i = 0; i < middle; ++i) {
+    const bool goes_up =
+        below == 0 || (above + 1 < sorted.size() &&
+                       sorted[above + 1] - sorted[middle] < sorted[middle] - sorted[below - 1]);
+    deviation = goes_up ? sorted[++above] - sorted[middle] : sorted[middle] - sorted[--below];
+  }
+  return deviation;
 }
 
 std::vector<MapPoint> PointsInGrid(const Points& points, const Grid& grid) {
@@ -79,7 +97,9 @@ void DropWild(std::vector<MapPoint>& points, double max_relief_m) {
   std::vector<float> heights(points.size());
   std::transform(
       points.begin(), points.end(), heights.begin(), [](const auto& p) { return p.height; });
-  const double median = NthOf(heights, heights.size() / 2);
+  const auto middle = heights.begin() + static_cast<ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
+  const double median = *middle;
   std::erase_if(points, [median, max_relief_m](const MapPoint& point) {
     return std::abs(point.height - median) > max_relief_m;
   });
@@ -107,7 +127,7 @@ Block SortByCell(const std::vector<MapPoint>& points) {
   return block;
 }
 
-// Heights of the points in the cells at most `reach` cells away.
+// Sorted heights of the points in the cells at most `reach` cells away.
 void GatherHeights(const Block& block, int row, int col, int reach, std::vector<float>& heights) {
   heights.clear();
   const int west = std::max(0, col - reach), east = std::min(block.num_cols - 1, col + reach);
@@ -117,6 +137,7 @@ void GatherHeights(const Block& block, int row, int col, int reach, std::vector<
       heights.push_back(block.points[i].height);
     }
   }
+  std::sort(heights.begin(), heights.end());
 }
 
 double MeanVariance(const Block& block, size_t cell) {
@@ -138,19 +159,16 @@ Reference ReferenceOf(const Block& block,
   Reference reference;
   if (num_own == 0) return reference;
   GatherHeights(block, row, col, 0, heights);
-  // Rounded down: the highest point alone never counts, be there two points or twenty.
-  const auto rank = static_cast<size_t>(options.upper_percentile / 100.0 * (num_own - 1));
-  reference.upper = NthOf(heights, rank);
+  // The highest point alone never counts.
+  reference.upper = UpperOf(heights, options.upper_percentile, 2);
+  reference.firm_upper =
+      UpperOf(heights, options.upper_percentile, std::max(2, options.min_num_points));
   if (num_own < kMinReferencePoints) GatherHeights(block, row, col, 1, heights);
-  reference.median = NthOf(heights, heights.size() / 2);
-  for (float& height : heights) height = std::abs(height - reference.median);
-  const double spread = kSigmaPerMad * NthOf(heights, heights.size() / 2);
+  reference.median = heights[heights.size() / 2];
+  const double spread = kSigmaPerMad * MedianDeviation(heights);
   const double deviation =
       std::sqrt(spread * spread + MeanVariance(block, cell) + kMinDeviationM * kMinDeviationM);
   reference.max_deviation = static_cast<float>(options.outlier_sigma * deviation);
-  const bool is_lone_outlier =
-      num_own == 1 && std::abs(reference.upper - reference.median) > reference.max_deviation;
-  if (is_lone_outlier) reference.upper = std::numeric_limits<float>::quiet_NaN();
   return reference;
 }
 
@@ -228,12 +246,14 @@ CellSummary Summarize(const Accumulator& cell, double base_height) {
   return summary;
 }
 
-// Upper height of the cell at (row, col) of the grid; NaN where no point lies in it.
-float UpperAt(const Block& block, const std::vector<Reference>& references, int row, int col) {
+// What the points in the cell at (row, col) of the grid have in common; nothing of none.
+Reference ReferenceAt(const Block& block,
+                      const std::vector<Reference>& references,
+                      int row,
+                      int col) {
   const int r = row - block.first_row, c = col - block.first_col;
   const bool is_inside = r >= 0 && c >= 0 && r < block.num_rows && c < block.num_cols;
-  return is_inside ? references[static_cast<size_t>(r) * block.num_cols + c].upper
-                   : std::numeric_limits<float>::quiet_NaN();
+  return is_inside ? references[static_cast<size_t>(r) * block.num_cols + c] : Reference{};
 }
 
 }  // namespace
@@ -262,9 +282,10 @@ std::vector<CellSummary> SummarizePair(const Points& points,
     const int col = sums.first_col + static_cast<int>(i % sums.num_cols);
     CellSummary summary = Summarize(sums.cells[i], sums.base_height);
     summary.cell = static_cast<uint32_t>(row) * grid.num_cols + col;
+    const Reference reference = ReferenceAt(block, references, row, col);
     // fmax ignores NaN.
-    summary.upper =
-        std::fmax(UpperAt(block, references, row, col), static_cast<float>(summary.mean));
+    summary.upper = std::fmax(reference.upper, static_cast<float>(summary.mean));
+    summary.firm_upper = std::fmax(reference.firm_upper, static_cast<float>(summary.mean));
     summaries.push_back(summary);
   }
   return summaries;

@@ -17,8 +17,10 @@ struct CellSummary {
   double mean = 0.0;
   // Of the mean.
   float standard_deviation = 0.0f;
-  // Upper percentile of the points in the cell itself, >= mean.
+  // Upper percentile of the points in the cell itself, >= mean, which at least two points reach.
   float upper = 0.0f;
+  // The same, but which at least min_num_points points reach.
+  float firm_upper = 0.0f;
 };
 
 // Cells in row-major order, only those with at least one point. Points outside the grid and wild

@@ -39,8 +39,9 @@ struct TerrainOptions {
   // Points farther than this many robust deviations from a cell's median are outliers, and so are
   // pairs from the median of a cell's pairs. Differs: the paper takes the plain mean.
   double outlier_sigma = 4.0;
-  // Height that stands for what is in the cell: this percentile of a pair's points in it (the
-  // highest point alone never counts), highest of the pairs. Means bury poles.
+  // Height that stands for what is in the cell: this percentile of a pair's points in it, highest
+  // of the pairs. It counts if at least min_num_points points of one pair reach it, or two points
+  // in each of two pairs: a single wild one never does. Means bury poles.
   double upper_percentile = 95.0;
   // Points farther than this from the median height of their pair are wild: clipped, as those
   // outside the grid, before anything is allocated.
@@ -73,7 +74,7 @@ Grid GridAround(const Eigen::Vector2d& min_in_world,
                 const Eigen::Vector2d& max_in_world,
                 double cell_size_m);
 
-// Gathers points pair by pair, so that no cloud is ever held: memory is 24 bytes per pair and cell
+// Gathers points pair by pair, so that no cloud is ever held: memory is 32 bytes per pair and cell
 // it covers. The result does not depend on the order of the pairs, to the bit. Not thread-safe.
 class ElevationMapBuilder {
  public:

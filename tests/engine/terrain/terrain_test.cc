@@ -214,6 +214,24 @@ TEST_CASE("terrain: one wild point lifts no upper height, however few points the
   }
 }
 
+TEST_CASE(
+    "terrain: two high points of one pair are chance, of two pairs or three of one are a pole") {
+  const Grid grid = Square(5);
+  const auto pair_with = [](int num_high) {
+    Points points;
+    for (int i = 0; i < 9; ++i) {
+      const double height = i < num_high ? 7.0 + 0.1 * i : 1.0 + 0.01 * i;
+      points.push_back(PointAt(2.15 + 0.3 * (i % 3), 2.15 + 0.3 * (i / 3), height));
+    }
+    return points;
+  };
+  CHECK(BuildMap(grid, {pair_with(2)}).upper(2, 2) < 1.2);
+  CHECK(BuildMap(grid, {pair_with(2), pair_with(0), pair_with(0)}).upper(2, 2) < 1.2);
+  CHECK(BuildMap(grid, {pair_with(2), pair_with(2), pair_with(0)}).upper(2, 2) >= 7.0);
+  CHECK(BuildMap(grid, {pair_with(3), pair_with(0), pair_with(0)}).upper(2, 2) >= 7.0);
+  CHECK(BuildMap(grid, {pair_with(3)}).elevation(2, 2) < 1.2);
+}
+
 TEST_CASE("terrain: a pair that is off is outvoted, but what it saw above counts for clearance") {
   const Grid grid = Square(10);
   std::vector<Points> pairs;
