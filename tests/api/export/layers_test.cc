@@ -112,7 +112,8 @@ TEST_CASE("layers: a site without a map has no layers, and an unseen layer no ra
   SiteMap unseen = HillMap();
   unseen.map.elevation.setTo(std::nanf(""));
   unseen.layers = AssessHazards(unseen.map, {}, {}, {});
-  for (const auto& layer : LayersJson(unseen, LocalFrame(kOrigin))["layers"]) {
+  const nlohmann::json answer = LayersJson(unseen, LocalFrame(kOrigin));
+  for (const auto& layer : answer["layers"]) {
     CHECK(layer["min"].is_null());
     CHECK(layer["max"].is_null());
   }
