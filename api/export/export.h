@@ -17,13 +17,15 @@ struct SiteMap {
   HazardLayers layers;
 };
 
-// Crop to the smallest box that holds `footprint` and every seen cell within margin_m of it.
+// Crop to the smallest box that holds `footprint` and every seen cell within margin_m of it. Empty
+// where the footprint is, or where the map has nothing of it.
 SiteMap CropAround(const ElevationMap& map,
                    const HazardLayers& layers,
                    const Polygon& footprint,
                    double margin_m);
 
-// Compressed, versioned; Deserialize throws std::runtime_error on anything else.
+// Compressed, versioned, with a checksum; Deserialize throws std::runtime_error on anything else,
+// before it allocates more than the bytes can hold.
 std::string SerializeSiteMap(const SiteMap& site_map);
 SiteMap DeserializeSiteMap(const std::string& bytes);
 
@@ -36,14 +38,23 @@ struct LayerInfo {
   std::optional<double> min;
   std::optional<double> max;
 };
+// In the values of the GeoTIFF, but elevation is world z. Here and below: std::invalid_argument for
+// a name that is no layer.
 LayerInfo DescribeLayer(const SiteMap& site_map, const std::string& name);
-// {layers: [...]} of the contract: units, ranges, size, bounds, corners.
+// {layers: [...]} of the contract: units, ranges, size, bounds, corners; elevation as altitude. An
+// empty map gives {layers: []}.
 nlohmann::json LayersJson(const SiteMap& site_map, const LocalFrame& local_frame);
-// Picture for people, north up, one pixel per cell; unseen cells transparent, but in hazard and
-// distance opaque in a colour of their own.
+// Picture for people, north up, one pixel per cell, RGBA; unseen cells transparent, but in hazard
+// and distance opaque in a colour of their own. Colours are told apart by the colour-blind.
 std::string LayerPng(const SiteMap& site_map, const std::string& name);
-std::string LegendPng(const SiteMap& site_map, const std::string& name);
-// float32, UTM, NaN unseen; elevation as altitude in the flight's datum.
+// Its scale with values and unit. `altitude_of_world_m` (the origin's altitude) is added to
+// heights.
+std::string LegendPng(const SiteMap& site_map,
+                      const std::string& name,
+                      double altitude_of_world_m = 0.0);
+// float32, UTM zone of the origin (WGS84; UPS near the poles), NaN unseen; elevation as altitude in
+// the flight's datum. `hazard` is 0 free, 1 hazard, 2 unseen; `grass` 1 from the default posterior
+// on, else 0. The rows are those of the local grid: the transformation is a full affine one.
 std::string LayerGeoTiff(const SiteMap& site_map,
                          const std::string& name,
                          const LocalFrame& local_frame);

@@ -19,12 +19,28 @@ struct HazardOptions {
   // Limits of one observation's probability: no single view is ever certain.
   double min_observation_probability = 0.1;
   double max_observation_probability = 0.9;
+  // Views of one flight err together (same light, same growth): beyond this number they add no more
+  // certainty, only their mean log-odds counts. Differs: spec asks for a posterior, 5 % of errors
+  // are not independent at 4 Hz.
+  double max_num_independent_views = 4.0;
+  // Share of the views looking at a cell that must have classified it; below it the cell has no
+  // class. Canopy and rubble are left unclassified by nearly every view, and one slip is no meadow.
+  double min_vote_ratio = 0.2;
   // Plane fit over plane_support_m, or PCA of the 3x3 neighbourhood. Differs: 3x3 cells of 1 m are
   // mostly noise.
   SlopeSupport slope_support = SlopeSupport::kPlane;
   double plane_support_m = 9.0;
-  // Share of the support's cells that must be seen.
+  // Share of the support's cells that must be seen. The support is whole: its cells outside the
+  // grid are unseen.
   double min_support_ratio = 0.6;
+  // Distance of the 8 neighbours of the roughness index, rounded to whole cells, at least one.
+  // Differs: the paper's is one cell; the limit is meant for 1 m, so finer cells must not slacken
+  // it.
+  double roughness_spacing_m = 1.0;
+  // A cell whose upper height stands above its elevation by more than max_roughness_m plus this is
+  // a hazard: a pole, bush or animal within one cell. The margin is what noise alone does to the
+  // highest of several pairs' 95th percentiles: about 2.5 deviations of 0.2 m.
+  double upper_margin_m = 0.5;
   // Cells with a larger deviation of elevation are as good as unseen.
   double max_standard_deviation_m = 1.0;
 
@@ -47,6 +63,8 @@ struct GrassView {
   double image_px_per_mask_px = 1.0;
 };
 
+// kUnseen: elevation, slope or roughness is unknown or too uncertain. kHazard: seen, and not grass
+// (or of no class), too steep, too rough, or something stands in the cell. Only else kFree.
 enum Hazard : uint8_t { kFree = 0, kHazard = 1, kUnseen = 2 };
 
 struct HazardLayers {
@@ -55,12 +73,12 @@ struct HazardLayers {
   cv::Mat1f slope;
   // Terrain ruggedness index (Riley): root of summed squared differences to 8 neighbours, metres.
   cv::Mat1f roughness;
-  // Posterior probability of grass; NaN where no view classified the cell.
+  // Posterior probability of grass; NaN where no view, or too small a share, classified the cell.
   cv::Mat1f grass;
   // Hazard values.
   cv::Mat1b hazard;
-  // Metres from the cell's centre to the nearest centre of a cell that is not kFree; the outside of
-  // the grid is unseen, so it counts.
+  // Metres from the cell's centre to the nearest centre of a cell that is not kFree, exact; the
+  // outside of the grid is unseen, so it counts.
   cv::Mat1f distance;
 };
 

@@ -32,13 +32,19 @@ struct TerrainOptions {
   double cell_size_m = 1.0;
   // A point counts for cell centres within this distance, weight 1 / d^2. Paper: IDW in a radius.
   double interpolation_radius_m = 1.0;
-  // Points of one pair that a cell needs, and pairs (or one pair with all its points agreeing).
+  // Points within the radius that a cell needs, of all pairs that agree. A pair with fewer in a
+  // cell is heard there only where no pair has enough: one wild landmark must not unsettle dense
+  // ground.
   int min_num_points = 3;
-  // Points farther than this many robust deviations from a cell's median are outliers.
+  // Points farther than this many robust deviations from a cell's median are outliers, and so are
+  // pairs from the median of a cell's pairs. Differs: the paper takes the plain mean.
   double outlier_sigma = 4.0;
-  // Height that stands for what is in the cell: this percentile of its points. Means bury poles.
+  // Height that stands for what is in the cell: this percentile of a pair's points in it, highest
+  // of the pairs. It counts if at least min_num_points points of one pair reach it, or two points
+  // in each of two pairs: a single wild one never does. Means bury poles.
   double upper_percentile = 95.0;
-  // Points outside this range about the landmarks' heights are wild: clipped before allocating.
+  // Points farther than this from the median height of their pair are wild: clipped, as those
+  // outside the grid, before anything is allocated.
   double max_relief_m = 150.0;
   // Cells of the largest grid that is built; a larger area is refused.
   int max_num_cells = 25000000;
@@ -50,24 +56,30 @@ struct ElevationMap {
   Grid grid;
   // Metres above the world origin; NaN where unseen.
   cv::Mat1f elevation;
-  // Upper height for clearance, >= elevation.
+  // Upper height for clearance, >= elevation. Also of pairs that are outliers of elevation: a tree
+  // that most pairs see through still stands there.
   cv::Mat1f upper;
-  // Standard deviation of elevation from the points' own and their spread.
+  // Standard deviation of elevation, metres: the points' own and their spread within each pair,
+  // widened where the pairs disagree by more than that.
   cv::Mat1f standard_deviation;
+  // Points that elevation rests on; NaN where unseen.
   cv::Mat1f num_points;
 
   bool IsSeen(int row, int col) const;
 };
 
 // Smallest grid of whole cells, aligned to multiples of the cell size, around the box.
+// Throws std::invalid_argument on a box that is not finite or a cell size that is not positive.
 Grid GridAround(const Eigen::Vector2d& min_in_world,
                 const Eigen::Vector2d& max_in_world,
                 double cell_size_m);
 
-// Gathers points pair by pair, so that no cloud is ever held. The result does not depend on the
-// order of the pairs.
+// Gathers points pair by pair, so that no cloud is ever held: memory is 32 bytes per pair and cell
+// it covers. The result does not depend on the order of the pairs, to the bit. Not thread-safe.
 class ElevationMapBuilder {
  public:
+  // Throws std::invalid_argument on bad options and on a grid of more than max_num_cells. The cell
+  // size is the grid's.
   ElevationMapBuilder(const Grid& grid, const TerrainOptions& options);
   ~ElevationMapBuilder();
   // Points of one pair (or the sparse landmarks, with their own deviations).

@@ -1,0 +1,211 @@
+#include <array>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+
+#include <Eigen/QR>
+#include <GeographicLib/UTMUPS.hpp>
+#include <geotiff/geotiff.h>
+#include <geotiff/geotiffio.h>
+#include <geotiff/xtiffio.h>
+#include <tiffio.h>
+
+#include "api/export/layer_values.h"
+
+namespace freelsd {
+namespace {
+
+// Tag 42113 of GDAL: the value that means "no data", as text.
+constexpr ttag_t kNoDataTag = 42113;
+constexpr int kRowsPerStrip = 64;
+// EPSG codes of WGS84 / UTM zone 1 north and south less one, and of UPS north and south.
+constexpr int kEpsgUtmNorth = 32600;
+constexpr int kEpsgUtmSouth = 32700;
+constexpr int kEpsgUpsNorth = 32661;
+constexpr int kEpsgUpsSouth = 32761;
+
+// A file in memory, as libtiff wants it.
+struct Stream {
+  std::string bytes;
+  toff_t position = 0;
+};
+
+tmsize_t ReadStream(thandle_t handle, void* to, tmsize_t size) {
+  Stream& stream = *static_cast<Stream*>(handle);
+  if (stream.position >= stream.bytes.size()) return 0;
+  const size_t count = std::min<size_t>(size, stream.bytes.size() - stream.position);
+  std::memcpy(to, stream.bytes.data() + stream.position, count);
+  stream.position += count;
+  return static_cast<tmsize_t>(count);
+}
+
+tmsize_t WriteStream(thandle_t handle, void* from, tmsize_t size) {
+  Stream& stream = *static_cast<Stream*>(handle);
+  const size_t end = stream.position + size;
+  if (stream.bytes.size() < end) stream.bytes.resize(end);
+  std::memcpy(stream.bytes.data() + stream.position, from, size);
+  stream.position = end;
+  return size;
+}
+
+toff_t SeekStream(thandle_t handle, toff_t offset, int origin) {
+  Stream& stream = *static_cast<Stream*>(handle);
+  if (origin == SEEK_CUR) offset += stream.position;
+  if (origin == SEEK_END) offset += stream.bytes.size();
+  return stream.position = offset;
+}
+
+int CloseStream(thandle_t) { return 0; }
+
+toff_t SizeOfStream(thandle_t handle) { return static_cast<Stream*>(handle)->bytes.size(); }
+
+struct TiffCloser {
+  void operator()(TIFF* tiff) const { XTIFFClose(tiff); }
+};
+struct GeoKeysFreer {
+  void operator()(GTIF* keys) const { GTIFFree(keys); }
+};
+
+struct Utm {
+  int zone = 0;  // 0: polar
+  bool is_north = true;
+
+  int Epsg() const {
+    if (zone == 0) return is_north ? kEpsgUpsNorth : kEpsgUpsSouth;
+    return (is_north ? kEpsgUtmNorth : kEpsgUtmSouth) + zone;
+  }
+};
+
+Utm ZoneOf(const GeoPoint& origin) {
+  Utm utm;
+  double easting, northing;
+  GeographicLib::UTMUPS::Forward(
+      origin.latitude_deg, origin.longitude_deg, utm.zone, utm.is_north, easting, northing);
+  return utm;
+}
+
+// In the origin's zone and hemisphere, also for places across their borders.
+Eigen::Vector2d Project(const Utm& utm, const GeoPoint& place) {
+  int zone;
+  bool is_north;
+  double easting, northing;
+  GeographicLib::UTMUPS::Forward(
+      place.latitude_deg, place.longitude_deg, zone, is_north, easting, northing, utm.zone);
+  if (is_north != utm.is_north) {
+    northing += GeographicLib::UTMUPS::UTMShift() * (is_north ? 1.0 : -1.0);
+  }
+  return {easting, northing};
+}
+
+// Rows: easting and northing from (column, row, 1), pixel corners; least squares over the grid's
+// four corners. Local east-north is turned and scaled against UTM, so six numbers are needed.
+Eigen::Matrix<double, 2, 3> UtmFromPixel(const Grid& grid,
+                                         const Utm& utm,
+                                         const LocalFrame& frame) {
+  const std::vector<Eigen::Vector2d> corners = OuterCorners(grid);
+  const double width = grid.num_cols, height = grid.num_rows;
+  const std::array<Eigen::Vector3d, 4> pixels{Eigen::Vector3d(0, 0, 1),
+                                              Eigen::Vector3d(width, 0, 1),
+                                              Eigen::Vector3d(width, height, 1),
+                                              Eigen::Vector3d(0, height, 1)};
+  Eigen::Matrix<double, 4, 3> pixel_rows;
+  Eigen::Matrix<double, 4, 2> places;
+  const Eigen::Vector2d base = Project(utm, frame.origin());
+  for (int i = 0; i < 4; ++i) {
+    pixel_rows.row(i) = pixels[i].transpose();
+    const GeoPoint corner = frame.GeoFromWorld({corners[i].x(), corners[i].y(), 0.0});
+    places.row(i) = (Project(utm, corner) - base).transpose();
+  }
+  const Eigen::Matrix<double, 3, 2> solution = pixel_rows.colPivHouseholderQr().solve(places);
+  Eigen::Matrix<double, 2, 3> utm_from_pixel = solution.transpose();
+  utm_from_pixel.col(2) += base;
+  return utm_from_pixel;
+}
+
+void WriteTags(TIFF* tiff, const cv::Mat1f& values) {
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, values.cols);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, values.rows);
+  TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 32);
+  TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
+  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, kRowsPerStrip);
+  TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
+  char name[] = "GDALNoDataValue";
+  const TIFFFieldInfo no_data{
+      kNoDataTag, TIFF_VARIABLE, TIFF_VARIABLE, TIFF_ASCII, FIELD_CUSTOM, 1, 0, name};
+  TIFFMergeFieldInfo(tiff, &no_data, 1);
+  TIFFSetField(tiff, kNoDataTag, "nan");
+}
+
+void WriteGeoreference(TIFF* tiff, const Eigen::Matrix<double, 2, 3>& m, const Utm& utm) {
+  const double matrix[16] = {m(0, 0),
+                             m(0, 1),
+                             0.0,
+                             m(0, 2),  //
+                             m(1, 0),
+                             m(1, 1),
+                             0.0,
+                             m(1, 2),  //
+                             0.0,
+                             0.0,
+                             0.0,
+                             0.0,  //
+                             0.0,
+                             0.0,
+                             0.0,
+                             1.0};
+  TIFFSetField(tiff, TIFFTAG_GEOTRANSMATRIX, 16, matrix);
+  const std::unique_ptr<GTIF, GeoKeysFreer> keys(GTIFNew(tiff));
+  if (!keys) throw std::runtime_error("GeoTIFF: keys cannot be written");
+  GTIFKeySet(keys.get(), GTModelTypeGeoKey, TYPE_SHORT, 1, ModelTypeProjected);
+  GTIFKeySet(keys.get(), GTRasterTypeGeoKey, TYPE_SHORT, 1, RasterPixelIsArea);
+  GTIFKeySet(keys.get(), ProjectedCSTypeGeoKey, TYPE_SHORT, 1, utm.Epsg());
+  GTIFKeySet(keys.get(), ProjLinearUnitsGeoKey, TYPE_SHORT, 1, Linear_Meter);
+  GTIFWriteKeys(keys.get());
+}
+
+void AddAltitude(const Grid& grid, const LocalFrame& frame, cv::Mat1f& elevation) {
+  for (int row = 0; row < elevation.rows; ++row) {
+    for (int col = 0; col < elevation.cols; ++col) {
+      elevation(row, col) += static_cast<float>(AltitudeOfPlane(grid.CellCenter(row, col), frame));
+    }
+  }
+}
+
+}  // namespace
+
+std::string LayerGeoTiff(const SiteMap& site_map,
+                         const std::string& name,
+                         const LocalFrame& local_frame) {
+  cv::Mat1f values = LayerValues(site_map, name);
+  const Grid& grid = site_map.map.grid;
+  if (values.empty()) throw std::invalid_argument("layer = " + name + ": the map is empty");
+  if (name == "elevation") AddAltitude(grid, local_frame, values);
+  const Utm utm = ZoneOf(local_frame.origin());
+  Stream stream;
+  std::unique_ptr<TIFF, TiffCloser> tiff(XTIFFClientOpen("layer.tif",
+                                                         "wl",
+                                                         &stream,
+                                                         ReadStream,
+                                                         WriteStream,
+                                                         SeekStream,
+                                                         CloseStream,
+                                                         SizeOfStream,
+                                                         nullptr,
+                                                         nullptr));
+  if (!tiff) throw std::runtime_error("GeoTIFF: cannot be started");
+  WriteTags(tiff.get(), values);
+  WriteGeoreference(tiff.get(), UtmFromPixel(grid, utm, local_frame), utm);
+  for (int row = 0; row < values.rows; ++row) {
+    if (TIFFWriteScanline(tiff.get(), values[row], row, 0) != 1) {
+      throw std::runtime_error("GeoTIFF: a row cannot be written");
+    }
+  }
+  if (TIFFFlush(tiff.get()) != 1) throw std::runtime_error("GeoTIFF: cannot be finished");
+  tiff.reset();
+  return stream.bytes;
+}
+
+}  // namespace freelsd

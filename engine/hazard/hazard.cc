@@ -1,0 +1,118 @@
+#include "engine/hazard/hazard.h"
+
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include "engine/hazard/distance_transform.h"
+#include "engine/hazard/grass.h"
+#include "engine/hazard/surface.h"
+
+namespace freelsd {
+namespace {
+
+struct Bound {
+  const char* field;
+  double value;
+  double min;
+  double max;
+};
+
+void RequireInside(const Bound& bound) {
+  if (bound.value >= bound.min && bound.value <= bound.max) return;
+  std::ostringstream message;
+  message << "hazard." << bound.field << " = " << bound.value << ": must be in [" << bound.min
+          << ", " << bound.max << "]";
+  throw std::invalid_argument(message.str());
+}
+
+void CheckLimits(const HazardLimits& limits) {
+  RequireInside({"max_slope_deg", limits.max_slope_deg, 0.0, 90.0});
+  RequireInside({"max_roughness_m", limits.max_roughness_m, 0.0, 1000.0});
+}
+
+// Every comparison is written so that NaN fails it.
+Hazard ClassOf(const ElevationMap& map,
+               const HazardLayers& layers,
+               const cv::Point& cell,
+               const HazardLimits& limits,
+               const HazardOptions& options) {
+  const bool is_seen = std::isfinite(map.elevation(cell)) &&
+                       map.standard_deviation(cell) <= options.max_standard_deviation_m &&
+                       std::isfinite(layers.slope(cell)) && std::isfinite(layers.roughness(cell));
+  if (!is_seen) return kUnseen;
+  const double max_excess = limits.max_roughness_m + options.upper_margin_m;
+  const bool is_free = layers.grass(cell) >= options.min_grass_posterior &&
+                       layers.slope(cell) <= RadFromDeg(limits.max_slope_deg) &&
+                       layers.roughness(cell) <= limits.max_roughness_m &&
+                       map.upper(cell) - map.elevation(cell) <= max_excess;
+  return is_free ? kFree : kHazard;
+}
+
+void Classify(const ElevationMap& map,
+              const HazardLimits& limits,
+              const HazardOptions& options,
+              HazardLayers& layers) {
+  layers.hazard = cv::Mat1b(map.elevation.size(), kUnseen);
+  for (int row = 0; row < layers.hazard.rows; ++row) {
+    for (int col = 0; col < layers.hazard.cols; ++col) {
+      layers.hazard(row, col) = ClassOf(map, layers, {col, row}, limits, options);
+    }
+  }
+  layers.distance = DistanceToHazard(layers.hazard, map.grid.cell_size_m);
+}
+
+}  // namespace
+
+void HazardOptions::Check() const {
+  const Bound bounds[] = {
+      {"min_grass_posterior", min_grass_posterior, 0.5, 1.0},
+      {"min_observation_probability", min_observation_probability, 0.001, 0.499},
+      {"max_observation_probability", max_observation_probability, 0.501, 0.999},
+      {"max_num_independent_views", max_num_independent_views, 1.0, 1000.0},
+      {"min_vote_ratio", min_vote_ratio, 0.0, 1.0},
+      {"plane_support_m", plane_support_m, 0.1, 100.0},
+      {"min_support_ratio", min_support_ratio, 0.4, 1.0},
+      {"roughness_spacing_m", roughness_spacing_m, 0.05, 100.0},
+      {"upper_margin_m", upper_margin_m, 0.0, 10.0},
+      {"max_standard_deviation_m", max_standard_deviation_m, 0.01, 100.0},
+  };
+  for (const Bound& bound : bounds) RequireInside(bound);
+}
+
+HazardLayers AssessHazards(const ElevationMap& map,
+                           const std::vector<GrassView>& grass_views,
+                           const HazardLimits& limits,
+                           const HazardOptions& options) {
+  options.Check();
+  CheckLimits(limits);
+  const double cell_size_m = map.grid.cell_size_m;
+  const cv::Mat1f elevation = TrustedElevation(map, options.max_standard_deviation_m);
+  const int spacing =
+      std::max(1, static_cast<int>(std::lround(options.roughness_spacing_m / cell_size_m)));
+  HazardLayers layers;
+  layers.grid = map.grid;
+  layers.slope = options.slope_support == SlopeSupport::kPlane
+                     ? PlaneSlope(elevation, cell_size_m, options)
+                     : PaperPcaSlope(elevation, cell_size_m, options);
+  layers.roughness = Ruggedness(elevation, spacing);
+  layers.grass = FuseGrass(map, grass_views, options);
+  Classify(map, limits, options, layers);
+  return layers;
+}
+
+HazardLayers WithLimits(const ElevationMap& map,
+                        const HazardLayers& layers,
+                        const HazardLimits& limits,
+                        const HazardOptions& options) {
+  options.Check();
+  CheckLimits(limits);
+  if (!(layers.grid == map.grid)) {
+    throw std::invalid_argument("hazard.grid: layers and map are not of the same grid");
+  }
+  HazardLayers renewed = layers;
+  Classify(map, limits, options, renewed);
+  return renewed;
+}
+
+}  // namespace freelsd

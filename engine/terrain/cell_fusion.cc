@@ -1,0 +1,112 @@
+#include "engine/terrain/cell_fusion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace freelsd {
+namespace {
+
+// Normal deviation from the median absolute one.
+constexpr double kSigmaPerMad = 1.4826;
+
+// Of sorted values; between the two middle ones if their number is even, so that two pairs that
+// contradict each other are both far from it and neither is taken for the outlier.
+double MedianOfSorted(const std::vector<double>& values) {
+  const size_t n = values.size();
+  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+}
+
+void SortByValue(std::vector<CellSummary>& summaries) {
+  std::sort(summaries.begin(), summaries.end(), [](const CellSummary& a, const CellSummary& b) {
+    return std::tie(a.mean, a.standard_deviation, a.num_points, a.upper, a.firm_upper) <
+           std::tie(b.mean, b.standard_deviation, b.num_points, b.upper, b.firm_upper);
+  });
+}
+
+// Pairs with too few points in the cell are heard only where there is no other.
+void DropWeak(std::vector<CellSummary>& summaries, int min_num_points) {
+  const auto is_weak = [min_num_points](const CellSummary& summary) {
+    return summary.num_points < static_cast<uint32_t>(min_num_points);
+  };
+  if (!std::all_of(summaries.begin(), summaries.end(), is_weak)) std::erase_if(summaries, is_weak);
+}
+
+struct Center {
+  double median = 0.0;
+  double spread = 0.0;
+};
+
+Center CenterOf(const std::vector<CellSummary>& sorted) {
+  std::vector<double> values;
+  for (const CellSummary& summary : sorted) values.push_back(summary.mean);
+  Center center;
+  center.median = MedianOfSorted(values);
+  for (double& value : values) value = std::abs(value - center.median);
+  std::sort(values.begin(), values.end());
+  center.spread = kSigmaPerMad * MedianOfSorted(values);
+  return center;
+}
+
+// Highest that one pair saw with enough points, or that two pairs saw: mismatches meet by chance in
+// one cell of one pair, but not at one height in two.
+class UpperHeight {
+ public:
+  void Add(const CellSummary& summary) {
+    firm_ = std::max(firm_, summary.firm_upper);
+    second_ = std::max(second_, std::min(first_, summary.upper));
+    first_ = std::max(first_, summary.upper);
+  }
+  double Height() const { return std::max(firm_, second_); }
+
+ private:
+  static constexpr float kLowest = std::numeric_limits<float>::lowest();
+  float firm_ = kLowest, first_ = kLowest, second_ = kLowest;
+};
+
+FusedCell WeightedMean(const std::vector<CellSummary>& inliers) {
+  double weights = 0.0, heights = 0.0;
+  FusedCell fused;
+  for (const CellSummary& summary : inliers) {
+    const double weight = 1.0 / std::pow(summary.standard_deviation, 2);
+    weights += weight;
+    heights += weight * (summary.mean - inliers.front().mean);
+    fused.num_points += summary.num_points;
+  }
+  fused.elevation = inliers.front().mean + heights / weights;
+  double chi_squared = 0.0;
+  for (const CellSummary& summary : inliers) {
+    chi_squared += std::pow((summary.mean - fused.elevation) / summary.standard_deviation, 2);
+  }
+  // Pairs that disagree by more than their deviations allow widen the result (Birge 1932).
+  const double num_free = std::max<double>(1.0, static_cast<double>(inliers.size()) - 1.0);
+  fused.standard_deviation = std::sqrt(std::max(1.0, chi_squared / num_free) / weights);
+  return fused;
+}
+
+}  // namespace
+
+std::optional<FusedCell> FuseCell(std::vector<CellSummary> summaries,
+                                  const TerrainOptions& options) {
+  if (summaries.empty()) return std::nullopt;
+  DropWeak(summaries, options.min_num_points);
+  SortByValue(summaries);
+  const Center center = CenterOf(summaries);
+  std::vector<CellSummary> inliers;
+  UpperHeight upper;
+  for (const CellSummary& summary : summaries) {
+    const double deviation = std::hypot(center.spread, summary.standard_deviation);
+    const bool is_inlier =
+        std::abs(summary.mean - center.median) <= options.outlier_sigma * deviation;
+    if (is_inlier) inliers.push_back(summary);
+    const bool has_support = summary.num_points >= static_cast<uint32_t>(options.min_num_points);
+    if (is_inlier || has_support) upper.Add(summary);
+  }
+  FusedCell fused = WeightedMean(inliers.empty() ? summaries : inliers);
+  fused.upper = std::max(upper.Height(), fused.elevation);
+  if (fused.num_points < options.min_num_points) return std::nullopt;
+  return fused;
+}
+
+}  // namespace freelsd

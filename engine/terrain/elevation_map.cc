@@ -1,0 +1,115 @@
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "engine/terrain/cell_fusion.h"
+#include "engine/terrain/pair_summary.h"
+#include "engine/terrain/terrain.h"
+
+namespace freelsd {
+namespace {
+
+// Cells that one point may reach to each side: more is blur, and costs with the square.
+constexpr double kMaxReachCells = 20.0;
+
+void Require(bool holds, const char* field, double value, const char* constraint) {
+  if (holds) return;
+  std::ostringstream message;
+  message << "terrain." << field << " = " << value << ": " << constraint;
+  throw std::invalid_argument(message.str());
+}
+
+void RequireInside(const char* field, double value, double min, double max) {
+  std::ostringstream constraint;
+  constraint << "must be in [" << min << ", " << max << "]";
+  Require(value >= min && value <= max, field, value, constraint.str().c_str());
+}
+
+void CheckGrid(const Grid& grid, const TerrainOptions& options) {
+  Require(std::isfinite(grid.cell_size_m) && grid.cell_size_m > 0.0,
+          "grid.cell_size_m",
+          grid.cell_size_m,
+          "must be positive");
+  Require(grid.num_rows >= 0, "grid.num_rows", grid.num_rows, "must not be negative");
+  Require(grid.num_cols >= 0, "grid.num_cols", grid.num_cols, "must not be negative");
+  const double num_cells = static_cast<double>(grid.num_rows) * grid.num_cols;
+  const std::string limit =
+      "must not exceed max_num_cells = " + std::to_string(options.max_num_cells);
+  Require(num_cells <= options.max_num_cells, "grid.num_cells", num_cells, limit.c_str());
+  Require(options.interpolation_radius_m <= kMaxReachCells * grid.cell_size_m,
+          "interpolation_radius_m",
+          options.interpolation_radius_m,
+          "must not exceed 20 cells");
+}
+
+cv::Mat1f Unknown(const Grid& grid) {
+  return cv::Mat1f(grid.num_rows, grid.num_cols, std::numeric_limits<float>::quiet_NaN());
+}
+
+void Write(const FusedCell& cell, int row, int col, ElevationMap& map) {
+  map.elevation(row, col) = static_cast<float>(cell.elevation);
+  map.upper(row, col) = std::max(static_cast<float>(cell.upper), map.elevation(row, col));
+  map.standard_deviation(row, col) = static_cast<float>(cell.standard_deviation);
+  map.num_points(row, col) = static_cast<float>(cell.num_points);
+}
+
+}  // namespace
+
+void TerrainOptions::Check() const {
+  RequireInside("cell_size_m", cell_size_m, 0.05, 100.0);
+  RequireInside("interpolation_radius_m", interpolation_radius_m, 0.01, 1000.0);
+  RequireInside("min_num_points", min_num_points, 1, 1000000);
+  RequireInside("outlier_sigma", outlier_sigma, 1.0, 1e6);
+  RequireInside("upper_percentile", upper_percentile, 50.0, 100.0);
+  RequireInside("max_relief_m", max_relief_m, 1.0, 10000.0);
+  RequireInside("max_num_cells", max_num_cells, 1, 100000000);
+}
+
+bool ElevationMap::IsSeen(int row, int col) const { return std::isfinite(elevation(row, col)); }
+
+struct ElevationMapBuilder::State {
+  Grid grid;
+  TerrainOptions options;
+  // One per pair, each in row-major order.
+  std::vector<std::vector<CellSummary>> pairs;
+};
+
+ElevationMapBuilder::ElevationMapBuilder(const Grid& grid, const TerrainOptions& options) {
+  options.Check();
+  CheckGrid(grid, options);
+  state_ = std::make_unique<State>(State{grid, options, {}});
+}
+
+ElevationMapBuilder::~ElevationMapBuilder() = default;
+
+void ElevationMapBuilder::Add(const Points& points) {
+  std::vector<CellSummary> summaries = SummarizePair(points, state_->grid, state_->options);
+  summaries.shrink_to_fit();
+  if (!summaries.empty()) state_->pairs.push_back(std::move(summaries));
+}
+
+ElevationMap ElevationMapBuilder::Build() const {
+  const Grid& grid = state_->grid;
+  ElevationMap map{grid, Unknown(grid), Unknown(grid), Unknown(grid), Unknown(grid)};
+  // Row by row, so that only one row's summaries are gathered at a time.
+  std::vector<size_t> next(state_->pairs.size(), 0);
+  std::vector<std::vector<CellSummary>> of_col(grid.num_cols);
+  for (int row = 0; row < grid.num_rows; ++row) {
+    for (std::vector<CellSummary>& summaries : of_col) summaries.clear();
+    const uint64_t end = (static_cast<uint64_t>(row) + 1) * grid.num_cols;
+    for (size_t i = 0; i < next.size(); ++i) {
+      const std::vector<CellSummary>& pair = state_->pairs[i];
+      for (; next[i] < pair.size() && pair[next[i]].cell < end; ++next[i]) {
+        of_col[pair[next[i]].cell % grid.num_cols].push_back(pair[next[i]]);
+      }
+    }
+    for (int col = 0; col < grid.num_cols; ++col) {
+      const std::optional<FusedCell> cell = FuseCell(of_col[col], state_->options);
+      if (cell) Write(*cell, row, col, map);
+    }
+  }
+  return map;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,32 @@
+// Private to terrain/. What one pair says of each cell that it covers.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/terrain/terrain.h"
+
+namespace freelsd {
+
+struct CellSummary {
+  // row * num_cols + col.
+  uint32_t cell = 0;
+  // Within the interpolation radius, outliers not counted.
+  uint32_t num_points = 0;
+  // Inverse-distance weighted mean height, world z.
+  double mean = 0.0;
+  // Of the mean.
+  float standard_deviation = 0.0f;
+  // Upper percentile of the points in the cell itself, >= mean, which at least two points reach.
+  float upper = 0.0f;
+  // The same, but which at least min_num_points points reach.
+  float firm_upper = 0.0f;
+};
+
+// Cells in row-major order, only those with at least one point. Points outside the grid and wild
+// ones are dropped.
+std::vector<CellSummary> SummarizePair(const Points& points,
+                                       const Grid& grid,
+                                       const TerrainOptions& options);
+
+}  // namespace freelsd

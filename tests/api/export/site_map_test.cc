@@ -1,0 +1,112 @@
+#include <algorithm>
+#include <cstring>
+#include <random>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "api/export/export.h"
+#include "tests/api/export/hill_map.h"
+
+namespace freelsd {
+namespace {
+
+template <typename T>
+bool SameBytes(const cv::Mat_<T>& a, const cv::Mat_<T>& b) {
+  return a.size() == b.size() && std::equal(a.datastart, a.dataend, b.datastart);
+}
+
+bool SameMaps(const SiteMap& a, const SiteMap& b) {
+  return a.map.grid == b.map.grid && a.layers.grid == b.layers.grid &&
+         SameBytes(a.map.elevation, b.map.elevation) && SameBytes(a.map.upper, b.map.upper) &&
+         SameBytes(a.map.standard_deviation, b.map.standard_deviation) &&
+         SameBytes(a.map.num_points, b.map.num_points) &&
+         SameBytes(a.layers.slope, b.layers.slope) &&
+         SameBytes(a.layers.roughness, b.layers.roughness) &&
+         SameBytes(a.layers.grass, b.layers.grass) && SameBytes(a.layers.hazard, b.layers.hazard) &&
+         SameBytes(a.layers.distance, b.layers.distance);
+}
+
+TEST_CASE("site map: what was stored comes back to the bit, unseen cells too") {
+  const SiteMap site_map = HillMap();
+  const std::string bytes = SerializeSiteMap(site_map);
+  CHECK(bytes.size() < 60 * 80 * 33 / 2);
+  CHECK(SameMaps(DeserializeSiteMap(bytes), site_map));
+  CHECK(SerializeSiteMap(DeserializeSiteMap(bytes)) == bytes);
+}
+
+TEST_CASE("site map: an empty map survives, too") {
+  const SiteMap back = DeserializeSiteMap(SerializeSiteMap(SiteMap{}));
+  CHECK(back.map.elevation.empty());
+  CHECK(back.map.grid.num_rows == 0);
+}
+
+TEST_CASE("site map: whatever is cut off is refused") {
+  const std::string bytes = SerializeSiteMap(HillMap());
+  for (size_t length = 0; length < bytes.size(); length += length < 64 ? 1 : 97) {
+    CHECK_THROWS_AS(DeserializeSiteMap(bytes.substr(0, length)), std::runtime_error);
+  }
+  CHECK_THROWS_AS(DeserializeSiteMap("not a map at all, and longer than a header"),
+                  std::runtime_error);
+}
+
+TEST_CASE("site map: a damaged bit is refused or changes nothing") {
+  const SiteMap site_map = HillMap();
+  const std::string bytes = SerializeSiteMap(site_map);
+  std::mt19937 random(1);
+  int num_refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::string damaged = bytes;
+    const size_t position = i < 24 ? i : random() % bytes.size();
+    damaged[position] = static_cast<char>(damaged[position] ^ (1 << random() % 8));
+    SiteMap back;
+    try {
+      back = DeserializeSiteMap(damaged);
+    } catch (const std::runtime_error&) {
+      ++num_refused;
+      continue;
+    }
+    CHECK(SameMaps(back, site_map));
+  }
+  CHECK(num_refused > 390);
+}
+
+TEST_CASE("site map: a claimed size beyond what the bytes can hold is refused before allocation") {
+  std::string bytes = SerializeSiteMap(SiteMap{});
+  for (const uint64_t size : {uint64_t{800000000}, uint64_t{1} << 62, ~uint64_t{0}, uint64_t{0}}) {
+    std::memcpy(bytes.data() + 8, &size, sizeof(size));
+    CHECK_THROWS_AS(DeserializeSiteMap(bytes), std::runtime_error);
+  }
+}
+
+TEST_CASE("site map: the crop holds the footprint and the seen cells near it, in place") {
+  const SiteMap whole = HillMap();
+  const Polygon footprint{{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+  const SiteMap part = CropAround(whole.map, whole.layers, footprint, 5.0);
+  CHECK(part.map.grid.north_west_in_world == Eigen::Vector2d(-5.0, 15.0));
+  CHECK(part.map.grid.num_rows == 20);
+  CHECK(part.map.grid.num_cols == 20);
+  CHECK(part.layers.grid == part.map.grid);
+  const cv::Point there = *part.map.grid.CellAt({3.5, 4.5});
+  const cv::Point here = *whole.map.grid.CellAt({3.5, 4.5});
+  CHECK(part.map.elevation(there) == whole.map.elevation(here));
+  CHECK(part.layers.distance(there) == whole.layers.distance(here));
+}
+
+TEST_CASE("site map: the crop ends where nothing was seen, and at the map's border") {
+  const SiteMap whole = HillMap();
+  // A field in the unseen corner: the box is the field's and the seen cells within the margin.
+  const SiteMap corner =
+      CropAround(whole.map, whole.layers, {{-29, -19}, {-26, -19}, {-26, -16}, {-29, -16}}, 2.0);
+  CHECK(corner.map.grid.num_rows == 3);
+  CHECK(corner.map.grid.num_cols == 3);
+  const Polygon all{{-500, -500}, {500, -500}, {500, 500}, {-500, 500}};
+  CHECK(CropAround(whole.map, whole.layers, all, 1e9).map.grid == whole.map.grid);
+  CHECK(CropAround(whole.map, whole.layers, {{900, 900}, {910, 900}, {910, 910}}, 5.0)
+            .map.elevation.empty());
+  CHECK(CropAround(whole.map, whole.layers, {}, 5.0).map.elevation.empty());
+  CHECK(CropAround({}, {}, all, 5.0).map.elevation.empty());
+}
+
+}  // namespace
+}  // namespace freelsd
