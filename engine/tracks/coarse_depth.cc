@@ -84,10 +84,12 @@ std::optional<GroundHeight> GroundFromLandmarks(const std::vector<CoarseLandmark
   }
   GroundHeight ground;
   ground.z = Median(heights);
-  // Two independent attitudes tilt the rays against each other.
-  const double angle_sd = std::sqrt(2.0) * RadFromDeg(record.attitude_sd_deg);
+  // Two independent attitudes tilt the rays against each other, two positions shift them.
   const double height = record.world_from_camera->translation.z() - ground.z;
-  ground.sd_m = height * angle_sd / Median(parallaxes);
+  const double parallax = Median(parallaxes);
+  const double angle_sd = RadFromDeg(record.attitude_sd_deg);
+  const double shift_sd = record.frame.prior.position_sd_m;
+  ground.sd_m = std::sqrt(2.0) * std::hypot(height * angle_sd, shift_sd) / parallax;
   return ground;
 }
 

@@ -21,6 +21,8 @@ constexpr size_t kMinComponentSize = 3;
 constexpr size_t kMinComponentSizeWhenOverdue = 2;
 // A first height less certain than this (share of the height) waits for more parallax.
 constexpr double kMaxHeightSdRatio = 0.2;
+// When time is up; beyond it the images cannot be told from a hover, and no height is invented.
+constexpr double kMaxHeightSdRatioWhenOverdue = 0.5;
 // What planar alignment leaves of a height: relief, tilt, GPS over one baseline.
 constexpr double kEstimatedHeightSdRatio = 0.1;
 // Uncertainty of the plane that stands in for missing landmarks, share of the height.
@@ -127,10 +129,10 @@ std::optional<double> Tracks::State::FindHeight(size_t frame, Urgency urgency) {
   if (const auto seen = GroundFromLandmarks(LandmarksOf(frame), record)) updated.Update(*seen);
   if (!updated.Height()) return std::nullopt;
   const double height = position.z() - *updated.Height();
-  const double max_sd = kMaxHeightSdRatio * height;
-  if (height <= 0.0 || (urgency == Urgency::kPatient && views.empty() && updated.Sd() > max_sd)) {
-    return std::nullopt;
-  }
+  const double max_sd_ratio =
+      urgency == Urgency::kPatient ? kMaxHeightSdRatio : kMaxHeightSdRatioWhenOverdue;
+  const bool is_known = !views.empty() || updated.Sd() < max_sd_ratio * height;
+  if (height <= 0.0 || !is_known) return std::nullopt;
   ground = updated;
   return height;
 }
