@@ -12,7 +12,7 @@ namespace {
 // Descriptors of this many latest frames are kept: a survey of several lines, about 60 MB.
 constexpr size_t kNumDescribedFrames = 300;
 // Frames farther apart than this many image diagonals on the ground share nothing (tilt included).
-constexpr double kMaxReachDiagonals = 1.2;
+constexpr double kMaxReachDiagonals = 0.9;
 // Corners are refilled when fewer than this share of them is left, not for every one that is lost.
 constexpr double kRefillRatio = 0.8;
 

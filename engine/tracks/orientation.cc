@@ -11,8 +11,11 @@ namespace {
 
 // More matches of one pair add nothing: their errors are shared.
 constexpr size_t kMaxMatchesPerPair = 80;
-// A turn this near to a multiple of 90 deg is one: photographs are rotated by quarters.
-constexpr double kQuarterToleranceDeg = 15.0;
+// A turn this near to 180 deg is one: a photograph rotated by a viewer (by 90 deg it would have
+// another size). Generous, because the tilt of a rotated photograph is mirrored, too.
+constexpr double kHalfTurnToleranceDeg = 40.0;
+// What is left of the error of a heading found by comparing matches with a GPS baseline.
+constexpr double kTurnedAttitudeSdDeg = 10.0;
 // A heading less certain than this is not believed.
 constexpr double kMaxHeadingSdDeg = 15.0;
 
@@ -85,14 +88,12 @@ std::optional<double> NeededTurn(const FrameMemory& memory, size_t frame) {
 }
 
 void TurnFrame(FrameRecord& record, double turn) {
-  const double quarters = std::round(turn / (0.5 * kPi));
-  const bool is_quarter = std::abs(turn - quarters * 0.5 * kPi) < RadFromDeg(kQuarterToleranceDeg);
   Eigen::Quaterniond& rotation = record.world_from_camera->rotation;
-  if (is_quarter) {
-    // The optical axis points down: counter-clockwise from above is negative about it.
-    rotation = rotation * Eigen::AngleAxisd(-quarters * 0.5 * kPi, Eigen::Vector3d::UnitZ());
+  if (std::abs(turn) > kPi - RadFromDeg(kHalfTurnToleranceDeg)) {
+    rotation = rotation * Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitZ());
   } else {
     rotation = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * rotation;
+    record.attitude_sd_deg = std::max(record.attitude_sd_deg, kTurnedAttitudeSdDeg);
   }
   rotation.normalize();
 }

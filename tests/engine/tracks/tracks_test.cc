@@ -27,12 +27,20 @@ Rig VideoRig() {
 
 Rig SurveyRig() {
   Rig rig;
-  rig.camera.width_px = 640;
-  rig.camera.height_px = 480;
-  rig.camera.fx_px = rig.camera.fy_px = 450.0;
-  rig.camera.cx_px = 319.5;
-  rig.camera.cy_px = 239.5;
+  rig.camera.width_px = 400;
+  rig.camera.height_px = 300;
+  rig.camera.fx_px = rig.camera.fy_px = 280.0;
+  rig.camera.cx_px = 199.5;
+  rig.camera.cy_px = 149.5;
   return rig;
+}
+
+// Fewer keypoints than usual: the plane has texture everywhere.
+TracksOptions FastOptions() {
+  TracksOptions options;
+  options.max_num_keypoints = 500;
+  options.max_num_match_partners = 4;
+  return options;
 }
 
 double Median(std::vector<double> values) {
@@ -139,7 +147,7 @@ TEST_CASE("tracks: a video is followed, and its height found within 3 percent") 
   constexpr size_t kMinTracksPerView = 120;
   const Rig rig = VideoRig();
   SyntheticFlight flight(rig, 160.0);
-  Tracks tracks(rig, TracksOptions{});
+  Tracks tracks(rig, FastOptions());
   const auto ready = AddAll(tracks, Video(flight, 24, Noise{}));
   REQUIRE(ready.size() == 24);
   REQUIRE(tracks.views().size() == 24);
@@ -159,7 +167,7 @@ TEST_CASE("tracks: a pixel is brought to the ground within 2 m, above the horizo
   constexpr double kMaxErrorM = 2.0;
   const Rig rig = VideoRig();
   SyntheticFlight flight(rig, 160.0);
-  Tracks tracks(rig, TracksOptions{});
+  Tracks tracks(rig, FastOptions());
   AddAll(tracks, Video(flight, 16, Noise{}));
   const size_t last = tracks.views().size() - 1;
   const Rigid3d& truth = flight.TruthOf(tracks.views()[last].frame_id);
@@ -181,7 +189,7 @@ TEST_CASE("tracks: noisy priors of 1 m and 1 degree leave the height within 8 pe
   constexpr double kMaxMedianErrorM = 8.0;
   const Rig rig = VideoRig();
   SyntheticFlight flight(rig, 160.0);
-  Tracks tracks(rig, TracksOptions{});
+  Tracks tracks(rig, FastOptions());
   AddAll(tracks, Video(flight, 24, {.position_sd_m = 1.0, .attitude_sd_deg = 1.0}));
   REQUIRE(tracks.views().size() == 24);
   std::vector<double> errors;
@@ -198,7 +206,7 @@ TEST_CASE("tracks: survey photographs without attitude find heading and height")
   SyntheticFlight flight(rig, 240.0);
   std::vector<Frame> frames = Survey(flight, {.position_sd_m = 1.5});
   for (Frame& frame : frames) frame.prior.world_from_body.reset();
-  Tracks tracks(rig, TracksOptions{});
+  Tracks tracks(rig, FastOptions());
   const auto ready = AddAll(tracks, std::move(frames));
   CHECK(ready.size() == 15);
   REQUIRE(tracks.views().size() == 15);
@@ -218,7 +226,7 @@ TEST_CASE("tracks: survey photographs without attitude find heading and height")
 TEST_CASE("tracks: tracks join across flight lines") {
   const Rig rig = SurveyRig();
   SyntheticFlight flight(rig, 240.0);
-  Tracks tracks(rig, TracksOptions{});
+  Tracks tracks(rig, FastOptions());
   AddAll(tracks, Survey(flight, Noise{}));
   REQUIRE(tracks.views().size() == 15);
   std::map<int64_t, std::set<int>> lines_of_track;
@@ -250,7 +258,7 @@ TEST_CASE("tracks: photographs turned by 180 degrees after exposure are found an
       cv::rotate(given[i].image, turned, cv::ROTATE_180);
       if (is_turned(i)) given[i].image = turned;
     }
-    Tracks tracks(rig, TracksOptions{});
+    Tracks tracks(rig, FastOptions());
     const auto ready = AddAll(tracks, std::move(given));
     REQUIRE(ready.size() == frames.size());
     for (size_t i = 0; i < ready.size(); ++i) {
@@ -274,7 +282,7 @@ TEST_CASE("tracks: black images are given up when no height is known, and crash 
   SUBCASE("no attitude") {
     for (Frame& frame : frames) frame.prior.world_from_body.reset();
   }
-  Tracks tracks(rig, TracksOptions{});
+  Tracks tracks(rig, FastOptions());
   const auto ready = AddAll(tracks, std::move(frames));
   REQUIRE(ready.size() == 5);
   CHECK(tracks.views().empty());
@@ -301,7 +309,7 @@ TEST_CASE("tracks: a hover tells no height, however long it lasts") {
     frame.prior.position_sd_m = 2.0;
     if (!has_attitude) frame.prior.attitude_sd_deg = 2.0;
   }
-  Tracks tracks(rig, TracksOptions{});
+  Tracks tracks(rig, FastOptions());
   const auto ready = AddAll(tracks, std::move(frames));
   CHECK(ready.size() == 16);
   CHECK(tracks.views().empty());
@@ -328,7 +336,7 @@ TEST_CASE("tracks: a given height needs no neighbours; a plane can be assumed") 
 TEST_CASE("tracks: at most so many frames wait, and none is lost") {
   const Rig rig = SurveyRig();
   SyntheticFlight flight(rig, 120.0);
-  TracksOptions options;
+  TracksOptions options = FastOptions();
   options.max_num_waiting_frames = 3;
   Tracks tracks(rig, options);
   std::set<std::string> handed_out;
@@ -348,7 +356,7 @@ TEST_CASE("tracks: at most so many frames wait, and none is lost") {
 TEST_CASE("tracks: a better pose moves the ground point with it") {
   const Rig rig = VideoRig();
   SyntheticFlight flight(rig, 120.0);
-  Tracks tracks(rig, TracksOptions{});
+  Tracks tracks(rig, FastOptions());
   Frame frame = flight.Expose({0.0, 0.0, kHeightM}, EulerAngles{}, Noise{});
   frame.height_above_ground = kHeightM;
   AddAll(tracks, {frame});
@@ -379,7 +387,7 @@ TEST_CASE("tracks: the same flight gives the same views twice") {
   std::vector<Frame> frames = Survey(flight, {.position_sd_m = 1.5});
   frames.resize(6);
   for (Frame& frame : frames) frame.prior.world_from_body.reset();
-  Tracks first(rig, TracksOptions{}), second(rig, TracksOptions{});
+  Tracks first(rig, FastOptions()), second(rig, FastOptions());
   AddAll(first, frames);
   AddAll(second, frames);
   REQUIRE(first.views().size() == second.views().size());
