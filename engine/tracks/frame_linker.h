@@ -1,0 +1,31 @@
+// Joins a new frame with earlier ones: follows corners where little moved, matches descriptors
+// where much did.
+#pragma once
+
+#include <optional>
+
+#include "engine/tracks/frame_memory.h"
+
+namespace freelsd {
+
+class FrameLinker {
+ public:
+  // Finds points and links of the last frame in memory and joins the tracks. `ground_height` is the
+  // world z of the ground, as far as it is known.
+  void LinkNewest(FrameMemory& memory, std::optional<double> ground_height);
+
+ private:
+  bool ShouldFollow(const FrameMemory& memory, std::optional<double> ground_height) const;
+  bool LinkByFollowing(FrameMemory& memory, std::optional<double> ground_height);
+  void Refill(FrameMemory& memory, size_t frame) const;
+  void LinkByDescriptors(FrameMemory& memory, std::optional<double> ground_height);
+  void MatchPair(FrameMemory& memory, size_t newest, size_t other);
+
+  // Of the newest frame, and of the one before it.
+  TrackingImage image_;
+  TrackingImage previous_image_;
+  // Median displacement between the last two linked frames, share of the image width.
+  std::optional<double> last_flow_ratio_;
+};
+
+}  // namespace freelsd

@@ -1,0 +1,54 @@
+// What is remembered of the frames of one flight, and of the tracks that join them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/tracks/keypoints.h"
+#include "engine/tracks/track_table.h"
+#include "engine/tracks/tracks.h"
+
+namespace freelsd {
+
+// Verified matches with another frame; a: index of a point here, b: there.
+struct Link {
+  size_t other = 0;
+  std::vector<IndexPair> pairs;
+};
+
+struct FrameRecord {
+  // The image is dropped once the frame is handed out.
+  Frame frame;
+  // Followed corners, then described keypoints; distorted pixels of the full-size image.
+  std::vector<Eigen::Vector2d> points;
+  // Of the points from first_described on; empty where none were computed, or no longer needed.
+  cv::Mat descriptors;
+  int first_described = 0;
+  // Best so far; nothing while the attitude is unknown.
+  std::optional<Rigid3d> world_from_camera;
+  AttitudeSource attitude_source = AttitudeSource::kGiven;
+  double attitude_sd_deg = 2.0;
+  std::optional<double> height_above_ground;
+  // Index into the views, once it is one.
+  std::optional<size_t> view;
+  bool is_waiting = true;
+  std::string note;
+  // Only while it waits.
+  std::vector<Link> links;
+
+  Eigen::Vector3d PriorPosition() const { return frame.prior.position_in_world; }
+};
+
+struct FrameMemory {
+  Rig rig;
+  TracksOptions options;
+  std::vector<FrameRecord> frames;
+  TrackTable table;
+
+  Eigen::Vector2d Normalized(size_t frame, int point) const {
+    return rig.camera.NormalizedFromImage(frames[frame].points[point]);
+  }
+};
+
+}  // namespace freelsd

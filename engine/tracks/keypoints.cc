@@ -1,0 +1,243 @@
+#include "engine/tracks/keypoints.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+namespace freelsd {
+namespace {
+
+// Lucas-Kanade: the window sees texture of a meadow, the pyramid reaches displacements of about
+// ten windows.
+constexpr int kWindowPx = 21;
+constexpr int kNumPyramidLevels = 4;
+constexpr int kMaxNumIterations = 20;
+constexpr double kIterationTolerancePx = 0.02;
+// Corner quality relative to the best of the image; low, because grass beside a roof still counts.
+constexpr double kCornerQuality = 0.002;
+// Grass and dark frames have little contrast; OpenCV's default is 0.04.
+constexpr double kSiftContrast = 0.015;
+constexpr double kSiftEdgeRatio = 10.0;
+constexpr double kSiftSigma = 1.6;
+constexpr int kSiftLayersPerOctave = 3;
+// Cells over which keypoints are spread, per axis.
+constexpr int kNumGridCells = 8;
+// Lowe's ratio of the nearest to the second nearest distance.
+constexpr double kMaxDistanceRatio = 0.85;
+// Root-SIFT entries are in [0, 1] and rarely above one half: stored as bytes.
+constexpr double kDescriptorScale = 400.0;
+
+cv::Mat GreyOf(const cv::Mat& image) {
+  if (image.channels() == 1) return image.clone();
+  cv::Mat grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+// Best keypoints of every cell of a grid, so that one bush does not take them all.
+std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keypoints,
+                                 cv::Size size,
+                                 int max_count) {
+  if (static_cast<int>(keypoints.size()) <= max_count) return keypoints;
+  std::stable_sort(keypoints.begin(), keypoints.end(), [](const auto& a, const auto& b) {
+    return a.response > b.response;
+  });
+  std::vector<int> filled(kNumGridCells * kNumGridCells, 0);
+  const int share = max_count / (kNumGridCells * kNumGridCells) + 1;
+  std::vector<cv::KeyPoint> chosen, spare;
+  for (const cv::KeyPoint& keypoint : keypoints) {
+    const int col = std::clamp(
+        static_cast<int>(keypoint.pt.x * kNumGridCells) / size.width, 0, kNumGridCells - 1);
+    const int row = std::clamp(
+        static_cast<int>(keypoint.pt.y * kNumGridCells) / size.height, 0, kNumGridCells - 1);
+    const bool has_room = filled[row * kNumGridCells + col]++ < share;
+    (has_room ? chosen : spare).push_back(keypoint);
+  }
+  for (const cv::KeyPoint& keypoint : spare) {
+    if (static_cast<int>(chosen.size()) >= max_count) break;
+    chosen.push_back(keypoint);
+  }
+  if (static_cast<int>(chosen.size()) > max_count) chosen.resize(max_count);
+  return chosen;
+}
+
+// Hellinger kernel: square root of the L1-normalised descriptor.
+cv::Mat RootDescriptors(const cv::Mat& descriptors) {
+  cv::Mat root(descriptors.rows, descriptors.cols, CV_8U);
+  for (int row = 0; row < descriptors.rows; ++row) {
+    const double sum = std::max(cv::norm(descriptors.row(row), cv::NORM_L1), 1e-6);
+    for (int col = 0; col < descriptors.cols; ++col) {
+      const double entry = std::sqrt(descriptors.at<float>(row, col) / sum);
+      root.at<uchar>(row, col) = cv::saturate_cast<uchar>(entry * kDescriptorScale);
+    }
+  }
+  return root;
+}
+
+cv::Mat UnitRows(const cv::Mat& bytes) {
+  cv::Mat unit;
+  bytes.convertTo(unit, CV_32F);
+  for (int row = 0; row < unit.rows; ++row) {
+    cv::Mat line = unit.row(row);
+    line /= std::max(cv::norm(line), 1.0);
+  }
+  return unit;
+}
+
+// Nearest per row, by cosine; -1 where the second nearest is about as near. Internal sentinel.
+std::vector<int> NearestPerRow(const Eigen::MatrixXf& cosines) {
+  std::vector<int> nearest(cosines.cols(), -1);
+  for (Eigen::Index col = 0; col < cosines.cols(); ++col) {
+    float best = -1.0F, second = -1.0F;
+    int best_row = -1;
+    for (Eigen::Index row = 0; row < cosines.rows(); ++row) {
+      const float cosine = cosines(row, col);
+      if (cosine > best) {
+        second = best;
+        best = cosine;
+        best_row = static_cast<int>(row);
+      } else if (cosine > second) {
+        second = cosine;
+      }
+    }
+    // Squared distance of unit vectors is 2 - 2 cos.
+    const double limit = kMaxDistanceRatio * kMaxDistanceRatio * (1.0 - second);
+    if (1.0 - best < limit) nearest[col] = best_row;
+  }
+  return nearest;
+}
+
+}  // namespace
+
+Eigen::Vector2d TrackingImage::FullFromReduced(const cv::Point2f& point) const {
+  return {(point.x + 0.5) / scale - 0.5, (point.y + 0.5) / scale - 0.5};
+}
+
+cv::Point2f TrackingImage::ReducedFromFull(const Eigen::Vector2d& point) const {
+  return {static_cast<float>((point.x() + 0.5) * scale - 0.5),
+          static_cast<float>((point.y() + 0.5) * scale - 0.5)};
+}
+
+TrackingImage ReduceForTracking(const cv::Mat& image, const TracksOptions& options) {
+  TrackingImage reduced;
+  reduced.scale = std::min(1.0, static_cast<double>(options.matching_width_px) / image.cols);
+  if (reduced.scale == 1.0) {
+    reduced.grey = GreyOf(image);
+    return reduced;
+  }
+  cv::Mat small;
+  const cv::Size size(options.matching_width_px,
+                      std::max(1, static_cast<int>(std::lround(image.rows * reduced.scale))));
+  cv::resize(image, small, size, 0.0, 0.0, cv::INTER_AREA);
+  reduced.grey = GreyOf(small);
+  return reduced;
+}
+
+std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
+                                         const std::vector<Eigen::Vector2d>& existing,
+                                         const TracksOptions& options) {
+  const int missing = options.max_num_corners - static_cast<int>(existing.size());
+  if (missing <= 0) return {};
+  // A quarter of the mean spacing keeps corners apart but lets textured patches be used.
+  const double area = static_cast<double>(image.grey.total());
+  const double spacing = 0.5 * std::sqrt(area / options.max_num_corners);
+  cv::Mat mask(image.grey.size(), CV_8U, cv::Scalar(255));
+  for (const Eigen::Vector2d& point : existing) {
+    cv::circle(mask, image.ReducedFromFull(point), static_cast<int>(spacing), 0, cv::FILLED);
+  }
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(image.grey, corners, missing, kCornerQuality, spacing, mask);
+  std::vector<Eigen::Vector2d> points;
+  for (const cv::Point2f& corner : corners) points.push_back(image.FullFromReduced(corner));
+  return points;
+}
+
+std::vector<std::optional<Eigen::Vector2d>> FollowCorners(
+    const TrackingImage& from,
+    const TrackingImage& to,
+    const std::vector<Eigen::Vector2d>& points,
+    const std::vector<Eigen::Vector2d>& guesses,
+    const TracksOptions& options) {
+  std::vector<std::optional<Eigen::Vector2d>> followed(points.size());
+  if (points.empty()) return followed;
+  std::vector<cv::Point2f> start, there, back;
+  for (const Eigen::Vector2d& point : points) start.push_back(from.ReducedFromFull(point));
+  for (const Eigen::Vector2d& guess : guesses) there.push_back(to.ReducedFromFull(guess));
+  const int flags = guesses.empty() ? 0 : cv::OPTFLOW_USE_INITIAL_FLOW;
+  const cv::Size window(kWindowPx, kWindowPx);
+  const cv::TermCriteria criteria(
+      cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMaxNumIterations, kIterationTolerancePx);
+  std::vector<cv::Mat> pyramid_from, pyramid_to;
+  cv::buildOpticalFlowPyramid(from.grey, pyramid_from, window, kNumPyramidLevels);
+  cv::buildOpticalFlowPyramid(to.grey, pyramid_to, window, kNumPyramidLevels);
+  std::vector<uchar> found, found_back;
+  cv::calcOpticalFlowPyrLK(pyramid_from,
+                           pyramid_to,
+                           start,
+                           there,
+                           found,
+                           cv::noArray(),
+                           window,
+                           kNumPyramidLevels,
+                           criteria,
+                           flags);
+  back = start;
+  cv::calcOpticalFlowPyrLK(pyramid_to,
+                           pyramid_from,
+                           there,
+                           back,
+                           found_back,
+                           cv::noArray(),
+                           window,
+                           kNumPyramidLevels,
+                           criteria,
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  const cv::Rect2f inside(
+      0.0F, 0.0F, static_cast<float>(to.grey.cols - 1), static_cast<float>(to.grey.rows - 1));
+  for (size_t i = 0; i < points.size(); ++i) {
+    if (!found[i] || !found_back[i] || !inside.contains(there[i])) continue;
+    if (cv::norm(back[i] - start[i]) > options.max_forward_backward_error_px) continue;
+    followed[i] = to.FullFromReduced(there[i]);
+  }
+  return followed;
+}
+
+DescribedPoints DescribeKeypoints(const TrackingImage& image, const TracksOptions& options) {
+  const cv::Ptr<cv::SIFT> sift =
+      cv::SIFT::create(0, kSiftLayersPerOctave, kSiftContrast, kSiftEdgeRatio, kSiftSigma);
+  std::vector<cv::KeyPoint> keypoints;
+  sift->detect(image.grey, keypoints);
+  keypoints = Spread(std::move(keypoints), image.grey.size(), options.max_num_keypoints);
+  DescribedPoints described;
+  if (keypoints.empty()) return described;
+  cv::Mat descriptors;
+  sift->compute(image.grey, keypoints, descriptors);
+  described.descriptors = RootDescriptors(descriptors);
+  for (const cv::KeyPoint& keypoint : keypoints) {
+    described.points.push_back(image.FullFromReduced(keypoint.pt));
+  }
+  return described;
+}
+
+std::vector<IndexPair> MatchDescriptors(const cv::Mat& a, const cv::Mat& b) {
+  if (a.rows < 2 || b.rows < 2) return {};
+  using Rows =
+      Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  const cv::Mat unit_a = UnitRows(a), unit_b = UnitRows(b);
+  const Rows rows_a(unit_a.ptr<float>(), unit_a.rows, unit_a.cols);
+  const Rows rows_b(unit_b.ptr<float>(), unit_b.rows, unit_b.cols);
+  const Eigen::MatrixXf cosines = rows_a * rows_b.transpose();
+  const std::vector<int> a_of_b = NearestPerRow(cosines);
+  const std::vector<int> b_of_a = NearestPerRow(cosines.transpose());
+  std::vector<IndexPair> matches;
+  for (int i = 0; i < a.rows; ++i) {
+    const int j = b_of_a[i];
+    if (j >= 0 && a_of_b[j] == i) matches.push_back({i, j});
+  }
+  return matches;
+}
+
+}  // namespace freelsd
