@@ -12,10 +12,10 @@ namespace {
 
 // Lucas-Kanade: the window sees texture of a meadow, the pyramid reaches displacements of about
 // ten windows.
-constexpr int kWindowPx = 21;
+constexpr int kWindowPx = 17;
 constexpr int kNumPyramidLevels = 4;
-constexpr int kMaxNumIterations = 20;
-constexpr double kIterationTolerancePx = 0.02;
+constexpr int kMaxNumIterations = 10;
+constexpr double kIterationTolerancePx = 0.03;
 // Corner quality relative to the best of the image; low, because grass beside a roof still counts.
 constexpr double kCornerQuality = 0.002;
 // Grass and dark frames have little contrast; OpenCV's default is 0.04.
