@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -21,7 +22,8 @@ struct FieldError {
 };
 
 // Thrown for anything a client did wrong, or that the server cannot do now; server/ turns it into
-// problem+json. `code` is stable CamelCase; one table (error.cc) gives its HTTP status and title.
+// problem+json. `code` is stable CamelCase; one table (error.cc) gives its HTTP status and title; a
+// code that is not in it is 500.
 class ApiError : public std::runtime_error {
  public:
   ApiError(std::string code, const std::string& detail, std::vector<FieldError> errors = {});
@@ -60,8 +62,21 @@ struct FlightRequest {
   std::string canonical_json;
 };
 FlightRequest ParseFlightRequest(const std::string& body);
+// PipelineOptions::Check, with its sentence turned into an ApiError at /options/<stage>/<field>.
+void CheckOptions(const PipelineOptions& options);
 // Object of aircraft fields over a profile; pointers in errors start with `pointer`.
 Aircraft ParseAircraft(const nlohmann::json& object, const std::string& pointer);
+
+// {width_px, …} as in the contract, and "source": "exif" where it is not calibrated.
+nlohmann::json CameraJson(const Camera& camera);
+nlohmann::json GeoPointJson(const GeoPoint& point);
+// What a flight's frames are placed with once it is resolved, as stored; exact both ways.
+struct FlightRig {
+  Rig rig;
+  GeoPoint origin;
+};
+std::string FlightRigJson(const FlightRig& flight_rig);
+FlightRig ParseStoredFlightRig(const std::string& text);
 
 // What is known of a frame besides its image: from meta, CSV, NDJSON, or the image's tags.
 struct FrameMeta {
@@ -77,11 +92,14 @@ struct FrameMeta {
   std::optional<double> attitude_sd_deg;
 };
 FrameMeta ParseFrameMeta(const std::string& json_text);
-std::string FrameMetaJson(const FrameMeta& meta);  // as stored; ParseStoredFrameMeta reads it
+// As stored: equal metas give equal bytes, and ParseStoredFrameMeta reads them back exactly.
+std::string FrameMetaJson(const FrameMeta& meta);
 FrameMeta ParseStoredFrameMeta(const std::string& text);
-// Fields of `first` where set, else of `second` (meta over CSV over telemetry over geotags).
+// Fields of `first` where set, else of `second` (meta over CSV over telemetry over geotags). A
+// deviation belongs to its position or attitude: the one of `second` never describes `first`'s.
 FrameMeta Merged(const FrameMeta& first, const FrameMeta& second);
-// Engine frame from an image and what is known of it. Throws ApiError NoPosition without position.
+// Engine frame from an image and what is known of it. Throws ApiError NoPosition without position,
+// ImageSizeMismatch when the image is not of the camera's size.
 Frame MakeFrame(const std::string& frame_id,
                 const cv::Mat& image,
                 const FrameMeta& meta,
@@ -108,14 +126,17 @@ nlohmann::json SiteFeature(const std::string& site_id,
                            const Aircraft& aircraft,
                            const std::string& updated_at,
                            const FlightContext& context);
-// FeatureCollection with kind = approach, loiter, touchdown, and `profile`.
+// FeatureCollection with kind = approach, loiter, touchdown, and `profile`. Throws ApiError
+// NoApproach (409) where the plan has none.
 nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context);
 // The part of a site's properties that a plan decides (verdict, score, approach, rejections, ...).
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context);
 // FeatureCollection in ranking order (landable, unverified, rejected; then score), rank from 1.
 nlohmann::json RankedSites(std::vector<nlohmann::json> features);
 nlohmann::json AircraftJson(const Aircraft& aircraft);
-// Every option with name, default, unit and help; and the aircraft profiles.
+// {options: {stage: {field: {default, unit, help}}}, aircraft_profiles: {name: {…}}}.
 nlohmann::json OptionsJson();
+// The contract: api/openapi.yaml, which is JSON (valid JSON is valid YAML).
+std::string_view OpenApiJson();
 
 }  // namespace freelsd

@@ -48,19 +48,22 @@ ImageTags ReadImageTags(std::string_view bytes, const ImageHeader& header);
 
 // Poses of many images: CSV by its header row, or NDJSON of meta objects with an "image" key.
 struct PoseFile {
-  // In file order.
+  // Frame id (IdFromFileName of the image column) and what the line says, in file order.
   std::vector<std::pair<std::string, FrameMeta>> poses;
-  std::vector<std::string> warnings;  // ignored columns
+  std::vector<std::string> warnings;  // ignored columns, and what was assumed
 };
 // ApiError with pointer "/poses/<line>/<column>" when a line cannot be used.
 PoseFile ParsePoses(std::string_view text);
 
 // Entries of a zip, in order, by callback (name without folders made of id characters, bytes).
-// Checks count, ratio, total size, names; refuses with ApiError ZipRefused. Reads from a file.
+// Names, kinds and count are checked before the first call. Refuses with ApiError ZipRefused (422),
+// over a limit ZipTooLarge (413). Folders and what file managers leave behind (__MACOSX, .DS_Store,
+// Thumbs.db) are passed over. Reads from a file.
 struct ZipLimits {
   int max_entries = 20000;
   double max_ratio = 200.0;
   uint64_t max_total_bytes = uint64_t{16} << 30;
+  uint64_t max_entry_bytes = uint64_t{64} << 20;
 };
 void ReadZip(const std::string& path,
              const ZipLimits& limits,

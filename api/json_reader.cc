@@ -1,0 +1,217 @@
+#include "api/json_reader.h"
+
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+namespace freelsd {
+namespace {
+
+constexpr int kMaxJsonDepth = 32;
+// Integers beyond this are not exact in a double, nor in a browser.
+constexpr double kMaxExactInteger = 9007199254740992.0;
+constexpr double kMinQuaternionNorm = 0.99;
+constexpr double kMaxQuaternionNorm = 1.01;
+// Below the Dead Sea to above any small plane.
+constexpr NumberRange kAltitudeRange{-1000.0, 20000.0};
+
+// Refuses what the parser takes: deep nesting (its destructor and dump() recurse) and keys given
+// twice (the last one would win silently).
+class StrictCallback {
+ public:
+  bool operator()(int depth, nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
+    using Event = nlohmann::json::parse_event_t;
+    if (event == Event::object_start || event == Event::array_start) {
+      if (depth >= kMaxJsonDepth) {
+        throw ApiError("InvalidJson", "nested deeper than " + std::to_string(kMaxJsonDepth));
+      }
+      if (event == Event::object_start) keys_.emplace_back();
+    } else if (event == Event::object_end) {
+      keys_.pop_back();
+    } else if (event == Event::key && !keys_.back().insert(parsed.get<std::string>()).second) {
+      throw ApiError("InvalidJson", "a key is given twice in one object");
+    }
+    return true;
+  }
+
+ private:
+  std::vector<std::set<std::string>> keys_;
+};
+
+std::string Escaped(const std::string& key) {
+  std::string escaped;
+  for (const char c : key) {
+    if (c == '~') {
+      escaped += "~0";
+    } else if (c == '/') {
+      escaped += "~1";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+std::string LastToken(const std::string& pointer) {
+  return pointer.substr(pointer.find_last_of('/') + 1);
+}
+
+}  // namespace
+
+nlohmann::json ParseJson(const std::string& text, size_t max_bytes) {
+  if (text.size() > max_bytes) {
+    ApiError error("JsonTooLarge",
+                   "the JSON has " + std::to_string(text.size()) + " bytes, the limit is " +
+                       std::to_string(max_bytes));
+    error.limit = static_cast<double>(max_bytes);
+    error.observed = static_cast<double>(text.size());
+    throw error;
+  }
+  StrictCallback strict;
+  try {
+    return nlohmann::json::parse(
+        text, [&strict](int depth, nlohmann::json::parse_event_t event, nlohmann::json& parsed) {
+          return strict(depth, event, parsed);
+        });
+  } catch (const nlohmann::json::parse_error& error) {
+    throw ApiError("InvalidJson", "not JSON at byte " + std::to_string(error.byte));
+  } catch (const nlohmann::json::exception&) {
+    // The parser's only other failure: a number that no double can hold.
+    throw ApiError("InvalidJson", "a number is out of range");
+  }
+}
+
+ApiError InvalidValue(const std::string& pointer, const std::string& detail) {
+  return ApiError("InvalidValue", detail, {{pointer, detail}});
+}
+
+ApiError FromCheck(const std::invalid_argument& error,
+                   const std::string& pointer,
+                   const std::string& owner) {
+  std::string field = error.what();
+  field = field.substr(0, field.find(" = "));
+  if (field.find(' ') != std::string::npos) return InvalidValue(pointer, error.what());
+  if (field.rfind(owner, 0) == 0) field = field.substr(owner.size());
+  for (char& c : field) c = c == '.' ? '/' : c;
+  return InvalidValue(pointer + "/" + field, error.what());
+}
+
+double ReadNumber(const nlohmann::json& value,
+                  const std::string& pointer,
+                  const NumberRange& range) {
+  if (!value.is_number()) {
+    throw InvalidValue(pointer, LastToken(pointer) + ": must be a number");
+  }
+  const double number = value.get<double>();
+  if (std::isfinite(number) && number >= range.min && number <= range.max) return number;
+  std::ostringstream detail;
+  detail << LastToken(pointer) << " = " << number << ": must be in [" << range.min << ", "
+         << range.max << "]";
+  throw InvalidValue(pointer, detail.str());
+}
+
+int64_t ReadInteger(const nlohmann::json& value, const std::string& pointer) {
+  const bool fits = value.is_number_unsigned()
+                        ? value.get<uint64_t>() <= static_cast<uint64_t>(kMaxExactInteger)
+                        : value.is_number_integer() || value.is_number_float();
+  const double number = fits ? value.get<double>() : 0.0;
+  if (fits && std::abs(number) <= kMaxExactInteger && number == std::floor(number)) {
+    return value.is_number_float() ? static_cast<int64_t>(number) : value.get<int64_t>();
+  }
+  throw InvalidValue(pointer, LastToken(pointer) + ": must be an integer of at most 2^53");
+}
+
+std::string ReadString(const nlohmann::json& value, const std::string& pointer) {
+  if (!value.is_string()) throw InvalidValue(pointer, LastToken(pointer) + ": must be a string");
+  return value.get<std::string>();
+}
+
+bool ReadBoolean(const nlohmann::json& value, const std::string& pointer) {
+  if (!value.is_boolean()) {
+    throw InvalidValue(pointer, LastToken(pointer) + ": must be true or false");
+  }
+  return value.get<bool>();
+}
+
+std::vector<double> ReadNumbers(const nlohmann::json& value,
+                                const std::string& pointer,
+                                std::optional<size_t> size) {
+  if (!value.is_array() || (size && value.size() != *size)) {
+    const std::string count = size ? " of " + std::to_string(*size) + " numbers" : " of numbers";
+    throw InvalidValue(pointer, LastToken(pointer) + ": must be an array" + count);
+  }
+  std::vector<double> numbers;
+  for (size_t i = 0; i < value.size(); ++i) {
+    numbers.push_back(ReadNumber(value[i], pointer + "/" + std::to_string(i), {}));
+  }
+  return numbers;
+}
+
+Eigen::Quaterniond ReadQuaternion(const nlohmann::json& value, const std::string& pointer) {
+  const std::vector<double> wxyz = ReadNumbers(value, pointer, 4);
+  const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  const double norm = quaternion.norm();
+  if (norm >= kMinQuaternionNorm && norm <= kMaxQuaternionNorm) return quaternion.normalized();
+  std::ostringstream detail;
+  detail << LastToken(pointer) << ": its norm is " << norm << ", must be in [" << kMinQuaternionNorm
+         << ", " << kMaxQuaternionNorm << "]";
+  throw InvalidValue(pointer, detail.str());
+}
+
+GeoPoint ReadGeoPoint(const nlohmann::json& value, const std::string& pointer) {
+  ObjectReader reader(value, pointer);
+  GeoPoint point;
+  point.latitude_deg = reader.RequiredNumber("latitude_deg", {-90.0, 90.0});
+  point.longitude_deg = reader.RequiredNumber("longitude_deg", {-180.0, 180.0});
+  point.altitude_m = reader.RequiredNumber("altitude_m", kAltitudeRange);
+  reader.RefuseUnknownKeys();
+  return point;
+}
+
+nlohmann::json QuaternionJson(const Eigen::Quaterniond& quaternion) {
+  return {quaternion.w(), quaternion.x(), quaternion.y(), quaternion.z()};
+}
+
+ObjectReader::ObjectReader(const nlohmann::json& value, std::string pointer)
+    : value_(value), pointer_(std::move(pointer)) {
+  if (!value.is_object()) {
+    const std::string name = pointer_.empty() ? "the body" : LastToken(pointer_);
+    throw InvalidValue(pointer_, name + ": must be an object");
+  }
+}
+
+const nlohmann::json* ObjectReader::Find(const std::string& key) {
+  asked_.insert(key);
+  const auto found = value_.find(key);
+  return found == value_.end() || found->is_null() ? nullptr : &*found;
+}
+
+const nlohmann::json& ObjectReader::Required(const std::string& key) {
+  const nlohmann::json* const found = Find(key);
+  if (found == nullptr) throw InvalidValue(PointerTo(key), key + ": is needed");
+  return *found;
+}
+
+std::optional<double> ObjectReader::Number(const std::string& key, const NumberRange& range) {
+  const nlohmann::json* const found = Find(key);
+  if (found == nullptr) return std::nullopt;
+  return ReadNumber(*found, PointerTo(key), range);
+}
+
+double ObjectReader::RequiredNumber(const std::string& key, const NumberRange& range) {
+  return ReadNumber(Required(key), PointerTo(key), range);
+}
+
+std::string ObjectReader::PointerTo(const std::string& key) const {
+  return pointer_ + "/" + Escaped(key);
+}
+
+void ObjectReader::RefuseUnknownKeys() const {
+  for (const auto& item : value_.items()) {
+    if (asked_.count(item.key()) != 0) continue;
+    const std::string detail = "the key \"" + item.key().substr(0, 100) + "\" is unknown";
+    throw ApiError("UnknownKey", detail, {{PointerTo(item.key()), detail}});
+  }
+}
+
+}  // namespace freelsd
