@@ -78,9 +78,10 @@ constexpr ErrorKind kErrorKinds[] = {
 };
 
 const ErrorKind* FindKind(const std::string& code) {
-  const auto* const kind = std::find_if(std::begin(kErrorKinds),
-                                        std::end(kErrorKinds),
-                                        [&code](const ErrorKind& each) { return each.code == code; });
+  const auto* const kind =
+      std::find_if(std::begin(kErrorKinds), std::end(kErrorKinds), [&code](const ErrorKind& each) {
+        return each.code == code;
+      });
   return kind == std::end(kErrorKinds) ? nullptr : kind;
 }
 

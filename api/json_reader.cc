@@ -12,6 +12,8 @@ constexpr int kMaxJsonDepth = 32;
 constexpr double kMaxExactInteger = 9007199254740992.0;
 constexpr double kMinQuaternionNorm = 0.99;
 constexpr double kMaxQuaternionNorm = 1.01;
+constexpr size_t kMaxShownKeyBytes = 100;
+constexpr double kUnitNormTolerance = 1e-12;
 // Below the Dead Sea to above any small plane.
 constexpr NumberRange kAltitudeRange{-1000.0, 20000.0};
 
@@ -151,6 +153,8 @@ Eigen::Quaterniond ReadQuaternion(const nlohmann::json& value, const std::string
   const std::vector<double> wxyz = ReadNumbers(value, pointer, 4);
   const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
   const double norm = quaternion.norm();
+  // What is normalised already stays as it is, to the bit: stored poses are read again.
+  if (std::abs(norm - 1.0) < kUnitNormTolerance) return quaternion;
   if (norm >= kMinQuaternionNorm && norm <= kMaxQuaternionNorm) return quaternion.normalized();
   std::ostringstream detail;
   detail << LastToken(pointer) << ": its norm is " << norm << ", must be in [" << kMinQuaternionNorm
@@ -209,7 +213,8 @@ std::string ObjectReader::PointerTo(const std::string& key) const {
 void ObjectReader::RefuseUnknownKeys() const {
   for (const auto& item : value_.items()) {
     if (asked_.count(item.key()) != 0) continue;
-    const std::string detail = "the key \"" + item.key().substr(0, 100) + "\" is unknown";
+    const bool is_long = item.key().size() > kMaxShownKeyBytes;
+    const std::string detail = "the key \"" + (is_long ? "..." : item.key()) + "\" is unknown";
     throw ApiError("UnknownKey", detail, {{PointerTo(item.key()), detail}});
   }
 }

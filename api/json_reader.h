@@ -28,7 +28,9 @@ ApiError FromCheck(const std::invalid_argument& error,
                    const std::string& pointer,
                    const std::string& owner);
 
-double ReadNumber(const nlohmann::json& value, const std::string& pointer, const NumberRange& range);
+double ReadNumber(const nlohmann::json& value,
+                  const std::string& pointer,
+                  const NumberRange& range);
 int64_t ReadInteger(const nlohmann::json& value, const std::string& pointer);
 std::string ReadString(const nlohmann::json& value, const std::string& pointer);
 bool ReadBoolean(const nlohmann::json& value, const std::string& pointer);

@@ -1,0 +1,95 @@
+#include <cmath>
+
+#include "api/geojson.h"
+#include "api/plan_json.h"
+
+namespace freelsd {
+namespace {
+
+// Legs of the drawn loiter circle: 5 degrees each, 0.2 m off the arc for a radius of 180 m.
+constexpr int kNumLoiterLegs = 72;
+
+// From the start of the final once around, in the direction flown; closed.
+std::vector<Eigen::Vector3d> LoiterCircle(const Approach& approach) {
+  const double turn = approach.loiter_direction == LoiterDirection::kLeft ? 1.0 : -1.0;
+  const Eigen::Vector3d start = approach.approach_start_in_world - approach.loiter_center_in_world;
+  std::vector<Eigen::Vector3d> circle;
+  for (int leg = 0; leg <= kNumLoiterLegs; ++leg) {
+    const double angle = leg == kNumLoiterLegs ? 0.0 : turn * 2.0 * kPi * leg / kNumLoiterLegs;
+    const Eigen::Vector3d offset(std::cos(angle) * start.x() - std::sin(angle) * start.y(),
+                                 std::sin(angle) * start.x() + std::cos(angle) * start.y(),
+                                 0.0);
+    circle.push_back(approach.loiter_center_in_world + offset);
+    circle.back().z() = approach.approach_start_in_world.z();
+  }
+  return circle;
+}
+
+nlohmann::json ProfileJson(const Approach& approach, const LocalFrame& local_frame) {
+  const ApproachProfile& profile = approach.profile;
+  const Eigen::Vector2d back = -DirectionOf(approach.heading);
+  nlohmann::json distance = nlohmann::json::array(), path = distance, terrain = distance,
+                 clearance = distance;
+  for (size_t i = 0; i < profile.distance.size(); ++i) {
+    const Eigen::Vector2d place =
+        approach.touchdown_in_world.head<2>() + back * profile.distance[i];
+    const auto altitude = [&](double height) {
+      return AltitudeOf({place.x(), place.y(), height}, local_frame);
+    };
+    const double ground = profile.terrain_height[i];
+    distance.push_back(Rounded(profile.distance[i]));
+    path.push_back(Rounded(altitude(profile.path_height[i])));
+    // GeographicLib does not promise to pass NaN through: unseen ground never reaches it.
+    terrain.push_back(std::isfinite(ground) ? Rounded(altitude(ground)) : nlohmann::json(nullptr));
+    clearance.push_back(Rounded(profile.path_height[i] - ground));
+  }
+  return {{"distance_m", distance},
+          {"path_m", path},
+          {"terrain_m", terrain},
+          {"clearance_m", clearance}};
+}
+
+std::vector<nlohmann::json> ApproachFeatures(const Approach& approach,
+                                             const LocalFrame& local_frame) {
+  nlohmann::json final_properties = ApproachProperties(approach);
+  final_properties["kind"] = "approach";
+  const nlohmann::json loiter{{"kind", "loiter"},
+                              {"radius_m", Rounded(approach.loiter_radius)},
+                              {"direction", DirectionName(approach.loiter_direction)},
+                              {"height_m", Rounded(approach.approach_height)},
+                              {"unseen_ratio", Rounded(approach.unseen_ratio)}};
+  const nlohmann::json touchdown{{"kind", "touchdown"},
+                                 {"heading_deg", final_properties["heading_deg"]}};
+  return {Feature(LineGeometry({approach.approach_start_in_world, approach.touchdown_in_world},
+                               local_frame),
+                  final_properties),
+          Feature(LineGeometry(LoiterCircle(approach), local_frame), loiter),
+          Feature(PointGeometry(approach.touchdown_in_world, local_frame), touchdown)};
+}
+
+}  // namespace
+
+std::string DirectionName(LoiterDirection direction) {
+  return direction == LoiterDirection::kLeft ? "left" : "right";
+}
+
+nlohmann::json ApproachProperties(const Approach& approach) {
+  const double heading = std::remainder(DegFromRad(approach.heading), 360.0);
+  return {{"heading_deg", Rounded(heading < 0.0 ? heading + 360.0 : heading)},
+          {"distance_m", Rounded(approach.approach_distance)},
+          {"height_m", Rounded(approach.approach_height)},
+          {"loiter_radius_m", Rounded(approach.loiter_radius)},
+          {"loiter_direction", DirectionName(approach.loiter_direction)},
+          {"min_clearance_m", Rounded(approach.min_clearance)}};
+}
+
+nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context) {
+  if (!plan.approach) throw ApiError("NoApproach", "the site has no approach");
+  nlohmann::json collection =
+      FeatureCollection(ApproachFeatures(*plan.approach, context.local_frame));
+  collection["profile"] = ProfileJson(*plan.approach, context.local_frame);
+  collection["altitude_datum"] = context.altitude_datum;
+  return collection;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,205 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include "api/flight_parts.h"
+#include "api/json_reader.h"
+
+namespace freelsd {
+namespace {
+
+constexpr size_t kMaxNameBytes = 256;
+// A camera sits in the aircraft: farther from the body's origin is a mistake in units.
+constexpr double kMaxLeverArm = 100.0;
+constexpr NumberRange kImageSideRange{1, 65535};
+constexpr std::pair<DistortionModel, const char*> kDistortionNames[] = {
+    {DistortionModel::kNone, "none"},
+    {DistortionModel::kRadTan, "radtan"},
+    {DistortionModel::kEquidistant, "equidistant"}};
+
+int ReadSide(ObjectReader& reader, const std::string& key) {
+  const nlohmann::json& value = reader.Required(key);
+  const int64_t side = ReadInteger(value, reader.PointerTo(key));
+  ReadNumber(value, reader.PointerTo(key), kImageSideRange);
+  return static_cast<int>(side);
+}
+
+Camera WithDistortion(Camera camera, ObjectReader& reader) {
+  const nlohmann::json* const value = reader.Find("distortion");
+  if (value == nullptr) return camera;
+  ObjectReader distortion(*value, reader.PointerTo("distortion"));
+  const std::string pointer = distortion.PointerTo("model");
+  const std::string model = ReadString(distortion.Required("model"), pointer);
+  const auto* const named = std::find_if(
+      std::begin(kDistortionNames), std::end(kDistortionNames), [&model](const auto& each) {
+        return each.second == model;
+      });
+  if (named == std::end(kDistortionNames)) {
+    throw InvalidValue(pointer, "model: must be one of none, radtan, equidistant");
+  }
+  camera.distortion = named->first;
+  if (const nlohmann::json* const coefficients = distortion.Find("coefficients")) {
+    camera.coefficients =
+        ReadNumbers(*coefficients, distortion.PointerTo("coefficients"), std::nullopt);
+  }
+  distortion.RefuseUnknownKeys();
+  return camera;
+}
+
+std::string ReadName(ObjectReader& reader) {
+  const std::string name = ReadString(reader.Required("name"), "/name");
+  const bool has_control = std::any_of(
+      name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  if (name.empty() || name.size() > kMaxNameBytes || has_control) {
+    throw InvalidValue("/name",
+                       "name: must have 1 to " + std::to_string(kMaxNameBytes) +
+                           " bytes and no control characters");
+  }
+  return name;
+}
+
+std::string ReadDatum(ObjectReader& reader) {
+  const nlohmann::json* const value = reader.Find("altitude_datum");
+  if (value == nullptr) return "unknown";
+  std::string datum = ReadString(*value, "/altitude_datum");
+  if (datum != "amsl" && datum != "ellipsoid" && datum != "unknown") {
+    throw InvalidValue("/altitude_datum",
+                       "altitude_datum: must be one of amsl, ellipsoid, unknown");
+  }
+  return datum;
+}
+
+// The least area of a region is the aircraft's unless the request says otherwise.
+PipelineOptions ReadOptions(const nlohmann::json* value, const Aircraft& aircraft) {
+  PipelineOptions options;
+  if (value != nullptr) options = ParseOptions(*value, "/options");
+  const nlohmann::json::json_pointer area("/regions/min_area_m2");
+  if (value == nullptr || !value->contains(area) || value->at(area).is_null()) {
+    options.regions.min_area_m2 = aircraft.min_area_m2;
+  }
+  CheckOptions(options);
+  return options;
+}
+
+std::string CanonicalJson(const FlightRequest& request) {
+  nlohmann::json object{{"name", request.name},
+                        {"altitude_datum", request.altitude_datum},
+                        {"aircraft", AircraftJson(request.aircraft)},
+                        {"options", OptionsValuesJson(request.options)}};
+  if (request.camera) object["camera"] = CameraJson(*request.camera);
+  if (request.body_from_camera) object["body_from_camera"] = Rigid3Json(*request.body_from_camera);
+  if (request.origin) object["origin"] = GeoPointJson(*request.origin);
+  return object.dump();
+}
+
+}  // namespace
+
+Camera ParseCamera(const nlohmann::json& object, const std::string& pointer, CameraOrigin origin) {
+  ObjectReader reader(object, pointer);
+  Camera camera;
+  camera.width_px = ReadSide(reader, "width_px");
+  camera.height_px = ReadSide(reader, "height_px");
+  camera.fx_px = reader.RequiredNumber("fx_px");
+  camera.fy_px = reader.RequiredNumber("fy_px");
+  camera.cx_px = reader.RequiredNumber("cx_px");
+  camera.cy_px = reader.RequiredNumber("cy_px");
+  camera = WithDistortion(camera, reader);
+  if (origin == CameraOrigin::kStored && reader.Find("source") != nullptr) {
+    camera.source = CameraSource::kExif;
+  }
+  reader.RefuseUnknownKeys();
+  try {
+    camera.Check();
+  } catch (const std::invalid_argument& error) {
+    throw FromCheck(error, pointer, "camera.");
+  }
+  return camera;
+}
+
+nlohmann::json CameraJson(const Camera& camera) {
+  nlohmann::json object{{"width_px", camera.width_px},
+                        {"height_px", camera.height_px},
+                        {"fx_px", camera.fx_px},
+                        {"fy_px", camera.fy_px},
+                        {"cx_px", camera.cx_px},
+                        {"cy_px", camera.cy_px}};
+  for (const auto& [model, name] : kDistortionNames) {
+    if (model == camera.distortion) {
+      object["distortion"] = {{"model", name}, {"coefficients", camera.coefficients}};
+    }
+  }
+  if (camera.source == CameraSource::kExif) object["source"] = "exif";
+  return object;
+}
+
+Rigid3d ParseRigid3(const nlohmann::json& object, const std::string& pointer) {
+  ObjectReader reader(object, pointer);
+  Rigid3d a_from_b;
+  const std::string at = reader.PointerTo("translation_m");
+  const nlohmann::json& translation = reader.Required("translation_m");
+  const std::vector<double> xyz = ReadNumbers(translation, at, 3);
+  for (int i = 0; i < 3; ++i) {
+    a_from_b.translation[i] =
+        ReadNumber(translation[i], at + "/" + std::to_string(i), {-kMaxLeverArm, kMaxLeverArm});
+  }
+  a_from_b.rotation =
+      ReadQuaternion(reader.Required("quaternion_wxyz"), reader.PointerTo("quaternion_wxyz"));
+  reader.RefuseUnknownKeys();
+  return a_from_b;
+}
+
+nlohmann::json Rigid3Json(const Rigid3d& a_from_b) {
+  const Eigen::Vector3d& t = a_from_b.translation;
+  return {{"translation_m", {t.x(), t.y(), t.z()}},
+          {"quaternion_wxyz", QuaternionJson(a_from_b.rotation)}};
+}
+
+nlohmann::json GeoPointJson(const GeoPoint& point) {
+  return {{"latitude_deg", point.latitude_deg},
+          {"longitude_deg", point.longitude_deg},
+          {"altitude_m", point.altitude_m}};
+}
+
+FlightRequest ParseFlightRequest(const std::string& body) {
+  const nlohmann::json object = ParseJson(body);
+  ObjectReader reader(object, "");
+  FlightRequest request;
+  request.name = ReadName(reader);
+  if (const nlohmann::json* const camera = reader.Find("camera")) {
+    request.camera = ParseCamera(*camera, "/camera", CameraOrigin::kClient);
+  }
+  if (const nlohmann::json* const body_from_camera = reader.Find("body_from_camera")) {
+    request.body_from_camera = ParseRigid3(*body_from_camera, "/body_from_camera");
+  }
+  if (const nlohmann::json* const origin = reader.Find("origin")) {
+    request.origin = ReadGeoPoint(*origin, "/origin");
+  }
+  request.altitude_datum = ReadDatum(reader);
+  if (const nlohmann::json* const aircraft = reader.Find("aircraft")) {
+    request.aircraft = ParseAircraft(*aircraft, "/aircraft");
+  }
+  const nlohmann::json* const options = reader.Find("options");
+  reader.RefuseUnknownKeys();
+  request.options = ReadOptions(options, request.aircraft);
+  request.canonical_json = CanonicalJson(request);
+  return request;
+}
+
+std::string FlightRigJson(const FlightRig& flight_rig) {
+  const nlohmann::json object{{"camera", CameraJson(flight_rig.rig.camera)},
+                              {"body_from_camera", Rigid3Json(flight_rig.rig.body_from_camera)},
+                              {"origin", GeoPointJson(flight_rig.origin)}};
+  return object.dump();
+}
+
+FlightRig ParseStoredFlightRig(const std::string& text) {
+  const nlohmann::json object = ParseJson(text);
+  ObjectReader reader(object, "");
+  FlightRig flight_rig;
+  flight_rig.rig.camera = ParseCamera(reader.Required("camera"), "/camera", CameraOrigin::kStored);
+  flight_rig.rig.body_from_camera =
+      ParseRigid3(reader.Required("body_from_camera"), "/body_from_camera");
+  flight_rig.origin = ReadGeoPoint(reader.Required("origin"), "/origin");
+  return flight_rig;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,85 @@
+#include <memory>
+#include <string>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <turbojpeg.h>
+
+#include "api/import/image_segments.h"
+#include "api/import/import.h"
+
+namespace freelsd {
+namespace {
+
+struct CloseHandle {
+  void operator()(void* handle) const { tjDestroy(handle); }
+};
+
+ApiError Damaged(const std::string& detail) { return ApiError("DamagedImage", detail); }
+
+cv::Mat DecodeJpeg(std::string_view bytes, const ImageHeader& header) {
+  // A handle that met an error before refuses good photographs: a fresh one each time.
+  const std::unique_ptr<void, CloseHandle> handle(tjInitDecompress());
+  if (!handle) throw std::runtime_error("turbojpeg: no decoder");
+  const auto* const data = reinterpret_cast<const unsigned char*>(bytes.data());
+  const auto size = static_cast<unsigned long>(bytes.size());
+  int width = 0, height = 0, subsampling = 0, colorspace = 0;
+  if (tjDecompressHeader3(handle.get(), data, size, &width, &height, &subsampling, &colorspace) !=
+      0) {
+    throw Damaged(std::string("JPEG: ") + tjGetErrorStr2(handle.get()));
+  }
+  if (width != header.width_px || height != header.height_px) {
+    throw Damaged("JPEG: two frame headers disagree");
+  }
+  if (colorspace == TJCS_CMYK || colorspace == TJCS_YCCK) {
+    throw ApiError("UnsupportedPixels", "a JPEG with four colour channels is not understood");
+  }
+  cv::Mat image(height, width, CV_8UC3);
+  // Warnings are damage: a cut photograph would be filled up with rows that were never seen.
+  const int flags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
+  if (tjDecompress2(handle.get(), data, size, image.data, width, 0, height, TJPF_BGR, flags) != 0) {
+    throw Damaged(std::string("JPEG: ") + tjGetErrorStr2(handle.get()));
+  }
+  return image;
+}
+
+void CheckPngChunks(std::string_view bytes) {
+  const std::vector<PngChunk> chunks = PngChunks(bytes);
+  for (const PngChunk& chunk : chunks) {
+    if (!chunk.has_valid_crc) throw Damaged("PNG: a chunk does not match its checksum");
+  }
+  if (chunks.empty() || chunks.back().type != "IEND") throw Damaged("PNG: the end is missing");
+}
+
+cv::Mat DecodePng(std::string_view bytes, const ImageHeader& header) {
+  CheckPngChunks(bytes);
+  const cv::Mat encoded(
+      1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  cv::Mat image;
+  try {
+    // As it is stored, EXIF orientation not applied; alpha comes as a fourth channel.
+    image = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception& error) {
+    throw Damaged("PNG: " + error.err);
+  }
+  if (image.cols != header.width_px || image.rows != header.height_px) {
+    throw Damaged("PNG: the pixels cannot be decoded");
+  }
+  if (image.depth() != CV_8U) {
+    throw ApiError("UnsupportedPixels", "only PNG with up to 8 bits per channel is understood");
+  }
+  if (image.channels() == 3) return image;
+  const int conversion = image.channels() == 4 ? cv::COLOR_BGRA2BGR : cv::COLOR_GRAY2BGR;
+  cv::Mat converted;
+  cv::cvtColor(image, converted, conversion);
+  return converted;
+}
+
+}  // namespace
+
+cv::Mat DecodeImage(std::string_view bytes, const ImageLimits& limits) {
+  const ImageHeader header = SniffImage(bytes, limits);
+  return header.is_jpeg ? DecodeJpeg(bytes, header) : DecodePng(bytes, header);
+}
+
+}  // namespace freelsd

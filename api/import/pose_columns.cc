@@ -1,0 +1,143 @@
+#include "api/import/pose_columns.h"
+
+#include <algorithm>
+#include <set>
+
+#include "api/import/import.h"
+
+namespace freelsd {
+namespace {
+
+constexpr size_t kMaxShownNameBytes = 60;
+constexpr size_t kMaxColumns = 256;
+
+struct FieldNames {
+  PoseField field;
+  std::string_view meta_pointer;
+  // The contract's first, then others in order of trust.
+  std::vector<std::string_view> names;
+};
+
+const std::vector<FieldNames>& AllFieldNames() {
+  using F = PoseField;
+  static const std::vector<FieldNames> all{
+      {F::kImage, "", {"image", "image_name", "file", "filename", "file_name", "img", "img_name"}},
+      {F::kLatitude,
+       "/position/latitude_deg",
+       {"latitude_deg",
+        "lat_deg",
+        "gps_lat_deg",
+        "gps_latitude_deg",
+        "latitude",
+        "lat",
+        "gps_lat"}},
+      {F::kLongitude,
+       "/position/longitude_deg",
+       {"longitude_deg",
+        "lon_deg",
+        "gps_lon_deg",
+        "gps_longitude_deg",
+        "longitude",
+        "lon",
+        "lng",
+        "long",
+        "gps_lon"}},
+      {F::kAltitude,
+       "/position/altitude_m",
+       {"altitude_m",
+        "alt_m",
+        "abs_alt_m",
+        "gps_alt_m",
+        "gps_height_m",
+        "gps_altitude_m",
+        "abs_altitude_m",
+        "altitude",
+        "alt"}},
+      {F::kTimestamp, "/timestamp_us", {"timestamp_us", "time_us"}},
+      {F::kDateTime, "", {"utc", "utc_time", "time_utc", "local_time", "date_time", "datetime"}},
+      {F::kRoll, "/attitude/roll_deg", {"roll_deg", "body_roll_deg", "roll"}},
+      {F::kPitch, "/attitude/pitch_deg", {"pitch_deg", "body_pitch_deg", "pitch"}},
+      {F::kYaw,
+       "/attitude/yaw_deg",
+       {"yaw_deg", "body_yaw_deg", "heading_deg", "body_heading_deg", "yaw"}},
+      {F::kGimbalRoll, "", {"gimbal_roll_deg", "camera_roll_deg"}},
+      {F::kGimbalPitch, "", {"gimbal_pitch_deg", "camera_pitch_deg"}},
+      {F::kGimbalYaw, "", {"gimbal_yaw_deg", "camera_yaw_deg"}},
+      {F::kImageUpHeading, "", {"image_up_heading_deg", "image_top_heading_deg"}},
+      {F::kWindEast, "/wind/east_mps", {"wind_east_mps"}},
+      {F::kWindNorth, "/wind/north_mps", {"wind_north_mps"}},
+      {F::kHeightAboveGround,
+       "/height_above_ground_m",
+       {"height_above_ground_m", "agl_m", "height_agl_m"}},
+      {F::kHeightAboveTakeOff, "", {"rel_alt_m", "relative_altitude_m", "rel_altitude_m"}},
+      {F::kPositionSd,
+       "/position_sd_m",
+       {"position_sd_m", "gps_xy_accuracy_m", "horizontal_accuracy_m"}},
+      {F::kAttitudeSd, "/attitude_sd_deg", {"attitude_sd_deg"}},
+  };
+  return all;
+}
+
+const FieldNames& NamesOf(PoseField field) {
+  const auto& all = AllFieldNames();
+  return *std::find_if(
+      all.begin(), all.end(), [field](const FieldNames& each) { return each.field == field; });
+}
+
+// Lower case, without spaces around, "_" for spaces and what is not printable.
+std::string Harmless(const std::string& name) {
+  const size_t first = name.find_first_not_of(" \t\r");
+  if (first == std::string::npos) return "";
+  std::string plain = name.substr(first, name.find_last_not_of(" \t\r") - first + 1);
+  for (char& c : plain) {
+    if (c <= ' ' || c > '~') c = '_';
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return plain.substr(0, kMaxShownNameBytes);
+}
+
+ApiError Invalid(const std::string& name, const std::string& detail) {
+  return ApiError("InvalidPoses", detail, {{"/poses/1/" + name, detail}});
+}
+
+std::string IgnoredWarning(const std::string& name) {
+  if (name.find("track") != std::string::npos || name.find("course") != std::string::npos) {
+    return "column \"" + name + "\" is the track over ground, not the heading: ignored";
+  }
+  return "column \"" + name + "\" is not understood: ignored";
+}
+
+}  // namespace
+
+std::string_view NameOf(PoseField field) { return NamesOf(field).names.front(); }
+
+std::string_view MetaPointerOf(PoseField field) { return NamesOf(field).meta_pointer; }
+
+PoseColumns ReadHeader(const std::vector<std::string>& cells) {
+  if (cells.size() > kMaxColumns) throw Invalid("", "the pose file has too many columns");
+  std::map<std::string, size_t> unclaimed;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    const std::string name = Harmless(cells[i]);
+    if (!unclaimed.emplace(name, i).second) {
+      throw Invalid(name, "the column \"" + name + "\" comes twice");
+    }
+  }
+  PoseColumns header;
+  for (const FieldNames& field : AllFieldNames()) {
+    for (const std::string_view known : field.names) {
+      const auto found = unclaimed.find(std::string(known));
+      if (found == unclaimed.end() || header.columns.count(field.field) != 0) continue;
+      header.columns[field.field] = {found->second, found->first};
+      unclaimed.erase(found);
+    }
+  }
+  for (const PoseField needed :
+       {PoseField::kImage, PoseField::kLatitude, PoseField::kLongitude, PoseField::kAltitude}) {
+    const std::string name(NameOf(needed));
+    if (header.columns.count(needed) == 0) throw Invalid(name, "the column " + name + " is needed");
+  }
+  for (const auto& [name, index] : unclaimed) header.warnings.push_back(IgnoredWarning(name));
+  return header;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,52 @@
+// Which column of a pose file means what.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace freelsd {
+
+enum class PoseField {
+  kImage,
+  kLatitude,
+  kLongitude,
+  kAltitude,
+  kTimestamp,
+  kDateTime,
+  kRoll,
+  kPitch,
+  kYaw,
+  kGimbalRoll,
+  kGimbalPitch,
+  kGimbalYaw,
+  kImageUpHeading,
+  kWindEast,
+  kWindNorth,
+  kHeightAboveGround,
+  kHeightAboveTakeOff,
+  kPositionSd,
+  kAttitudeSd,
+};
+
+// The contract's name of a field.
+std::string_view NameOf(PoseField field);
+// Its place in a frame's meta ("/position/latitude_deg"); empty where meta has no such key.
+std::string_view MetaPointerOf(PoseField field);
+
+struct PoseColumns {
+  struct Column {
+    size_t index = 0;
+    std::string name;  // as in the file, harmless to print
+  };
+  std::map<PoseField, Column> columns;
+  std::vector<std::string> warnings;
+};
+// Names in any order and case. What is not understood is a warning; a field given twice under other
+// names is taken from the better known one. Throws ApiError InvalidPoses when the same name comes
+// twice or one of the first four fields is missing.
+PoseColumns ReadHeader(const std::vector<std::string>& cells);
+
+}  // namespace freelsd

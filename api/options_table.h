@@ -1,0 +1,227 @@
+// Every field of every Options struct with its help, once: what is parsed, printed and described
+// comes from here. Units are in the names. tests/api/options_json_test.cc counts the fields, so
+// that none is forgotten.
+#pragma once
+
+#include <concepts>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "engine/pipeline.h"
+
+namespace freelsd {
+
+// `Options` or `const Options`.
+template <class T, class Options>
+concept Of = std::same_as<std::remove_const_t<T>, Options>;
+
+// Names of an enum's values in JSON.
+template <class Enum>
+using EnumNames = std::vector<std::pair<Enum, std::string_view>>;
+
+inline EnumNames<SegmentationThresholds> NamesOf(SegmentationThresholds) {
+  return {{SegmentationThresholds::kGroundSampling, "ground_sampling"},
+          {SegmentationThresholds::kPaper, "paper"}};
+}
+
+inline EnumNames<GrassFusion> NamesOf(GrassFusion) {
+  return {{GrassFusion::kPosterior, "posterior"}, {GrassFusion::kPaperOr, "paper"}};
+}
+
+inline EnumNames<SlopeSupport> NamesOf(SlopeSupport) {
+  return {{SlopeSupport::kPlane, "plane"}, {SlopeSupport::kPaperPca, "paper"}};
+}
+
+// visit(name, field, help) for every field.
+template <class Visitor>
+void VisitFields(Of<TracksOptions> auto& o, Visitor&& visit) {
+  visit("max_klt_flow_ratio",
+        o.max_klt_flow_ratio,
+        "predicted flow up to which corners are followed");
+  visit("max_num_corners", o.max_num_corners, "corners kept per frame by the tracker");
+  visit("max_num_keypoints", o.max_num_keypoints, "keypoints per frame of the matcher");
+  visit("matching_width_px", o.matching_width_px, "wider images are matched at this width");
+  visit("max_forward_backward_error_px", o.max_forward_backward_error_px, "of a tracked corner");
+  visit("min_num_verified_matches",
+        o.min_num_verified_matches,
+        "from which two frames are connected");
+  visit("max_verification_error_px", o.max_verification_error_px, "of a match, at matching size");
+  visit("max_num_match_partners",
+        o.max_num_match_partners,
+        "earlier views a photograph is matched with");
+  visit("num_nearest_tracks", o.num_nearest_tracks, "landmarks that give the height at a pixel");
+  visit("min_parallax_deg", o.min_parallax_deg, "of a landmark that is used");
+  visit("max_reprojection_error_px", o.max_reprojection_error_px, "of a landmark that is used");
+  visit("max_attitude_disagreement_deg",
+        o.max_attitude_disagreement_deg,
+        "beyond it a given attitude is replaced");
+  visit("nadir_sd_deg", o.nadir_sd_deg, "deviation from straight down without attitude");
+  visit("max_num_waiting_frames",
+        o.max_num_waiting_frames,
+        "frames that may wait for attitude or height");
+  visit("assume_ground_plane",
+        o.assume_ground_plane,
+        "take the ground as a plane below the aircraft");
+}
+
+template <class Visitor>
+void VisitFields(Of<SegmentationOptions> auto& o, Visitor&& visit) {
+  visit("thresholds", o.thresholds, "fixed ground sampling, or the paper's polynomials of height");
+  visit(
+      "ground_sampling_distance_m", o.ground_sampling_distance_m, "images are resized to it first");
+  visit("blur_sigma_px", o.blur_sigma_px, "smoothing before the edges");
+  visit("canny_high", o.canny_high, "upper edge threshold in grey levels; the lower is a third");
+  visit("min_edge_distance_m", o.min_edge_distance_m, "of a region's pixels from an edge");
+  visit("min_region_area_m2", o.min_region_area_m2, "smaller regions are dropped");
+  visit("paper_canny_coefficients", o.paper_canny_coefficients, "p_canny(h), highest power first");
+  visit("paper_edge_distance_coefficients",
+        o.paper_edge_distance_coefficients,
+        "p_dtf(h), highest power first");
+  visit("paper_min_height_m", o.paper_min_height_m, "heights are clamped to the fitted range");
+  visit("paper_max_height_m", o.paper_max_height_m, "heights are clamped to the fitted range");
+  visit("paper_focal_px", o.paper_focal_px, "focal length the polynomials hold for");
+  visit("paper_min_edge_distance_px", o.paper_min_edge_distance_px, "floor of p_dtf");
+}
+
+template <class Visitor>
+void VisitFields(Of<ClassificationOptions> auto& o, Visitor&& visit) {
+  visit("min_grass_probability", o.min_grass_probability, "from which a region is grass");
+  visit("max_not_grass_probability", o.max_not_grass_probability, "up to which it is not");
+  visit("min_mean_grey", o.min_mean_grey, "darker regions are not told, grey levels");
+  visit("max_mean_grey", o.max_mean_grey, "brighter regions are not told, grey levels");
+}
+
+template <class Visitor>
+void VisitFields(Of<RegionsOptions> auto& o, Visitor&& visit) {
+  visit("min_area_m2", o.min_area_m2, "from which a region has a grade; default: the aircraft's");
+  visit("min_num_observations", o.min_num_observations, "from which a region has a grade");
+  visit(
+      "min_num_observations_floor", o.min_num_observations_floor, "it is never lowered below this");
+  visit("max_num_regions", o.max_num_regions, "regions kept");
+  visit(
+      "border_margin_px", o.border_margin_px, "a corner nearer to the border is not fully visible");
+}
+
+template <class Visitor>
+void VisitFields(Of<WindOptions> auto& o, Visitor&& visit) {
+  visit("radius_m", o.radius_m, "measurements farther away do not belong to a place");
+  visit("smoothing", o.smoothing, "weight of a new measurement in the moving average");
+}
+
+template <class Visitor>
+void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
+  visit("min_num_track_connections", o.min_num_track_connections, "fewer make a new key-frame");
+  visit("min_baseline_m", o.min_baseline_m, "between key-frames");
+  visit("robust_loss_px", o.robust_loss_px, "width of the Cauchy loss");
+  visit("max_reprojection_error_px",
+        o.max_reprojection_error_px,
+        "of observations kept after the first solve");
+  visit("refine_exif_intrinsics",
+        o.refine_exif_intrinsics,
+        "adjust focal length and k1 of an EXIF camera");
+  visit("focal_sd_ratio", o.focal_sd_ratio, "deviation of an EXIF focal length");
+  visit("radial_sd", o.radial_sd, "deviation of k1 of an EXIF camera");
+  visit("max_num_iterations", o.max_num_iterations, "of the solver");
+  visit("num_threads", o.num_threads, "of the solver; does not change the result");
+}
+
+template <class Visitor>
+void VisitFields(Of<StereoOptions> auto& o, Visitor&& visit) {
+  visit("ground_sampling_distance_m",
+        o.ground_sampling_distance_m,
+        "images are matched at it, or at full size");
+  visit("ideal_baseline_ratio", o.ideal_baseline_ratio, "baseline over height a pair should have");
+  visit("min_baseline_ratio", o.min_baseline_ratio, "baseline over height of a pair");
+  visit("max_baseline_ratio", o.max_baseline_ratio, "baseline over height of a pair");
+  visit("max_axis_angle_deg", o.max_axis_angle_deg, "between the optical axes of a pair");
+  visit("num_partners", o.num_partners, "pairs per view");
+  visit("relief_margin_m", o.relief_margin_m, "relief allowed beyond the landmarks'");
+  visit("block_size_px", o.block_size_px, "of semi-global matching");
+  visit("p1_factor", o.p1_factor, "penalty of a disparity step of one");
+  visit("p2_factor", o.p2_factor, "penalty of a larger disparity step");
+  visit("uniqueness_ratio_percent", o.uniqueness_ratio_percent, "by which the best match must win");
+  visit("speckle_size_px", o.speckle_size_px, "smaller islands of disparity are dropped");
+  visit("max_left_right_difference_px", o.max_left_right_difference_px, "of the left-right check");
+  visit("disparity_sd_px", o.disparity_sd_px, "deviation of a disparity");
+}
+
+template <class Visitor>
+void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
+  visit("cell_size_m", o.cell_size_m, "of the elevation map");
+  visit("interpolation_radius_m", o.interpolation_radius_m, "in which points count for a cell");
+  visit("min_num_points", o.min_num_points, "a cell needs to be seen");
+  visit("outlier_sigma", o.outlier_sigma, "robust deviations from a cell's median");
+  visit(
+      "upper_percentile", o.upper_percentile, "of a cell's points: the height that clearance uses");
+  visit("max_relief_m", o.max_relief_m, "points farther from the landmarks' heights are wild");
+  visit("max_num_cells", o.max_num_cells, "of the largest map that is built");
+}
+
+template <class Visitor>
+void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
+  visit("grass_fusion", o.grass_fusion, "posterior over the observations, or the paper's OR");
+  visit("min_grass_posterior", o.min_grass_posterior, "from which a cell is grass");
+  visit("min_observation_probability",
+        o.min_observation_probability,
+        "no single view is ever certain");
+  visit("max_observation_probability",
+        o.max_observation_probability,
+        "no single view is ever certain");
+  visit("slope_support", o.slope_support, "plane fit, or the paper's 3x3 cells");
+  visit("plane_support_m", o.plane_support_m, "side of the plane fit");
+  visit("min_support_ratio", o.min_support_ratio, "of the support's cells that must be seen");
+  visit("max_standard_deviation_m",
+        o.max_standard_deviation_m,
+        "cells above it are as good as unseen");
+}
+
+template <class Visitor>
+void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
+  visit("map_position_sd_m",
+        o.map_position_sd_m,
+        "the map's horizontal deviation, kept from hazard too");
+  visit("unclear_height_allowance_m",
+        o.unclear_height_allowance_m,
+        "added to trees and unclear cells under the path");
+  visit("max_num_candidates", o.max_num_candidates, "touchdown candidates tried per region");
+  visit("candidate_spacing_m", o.candidate_spacing_m, "between touchdown candidates");
+  visit("heading_step_deg",
+        o.heading_step_deg,
+        "of headings tried where the wind is calm or unknown");
+  visit("calm_wind_mps", o.calm_wind_mps, "below it the heading is free");
+  visit("path_step_m", o.path_step_m, "along path and circle");
+  visit("max_num_rejections", o.max_num_rejections, "kept with a site");
+  visit("score_weights",
+        o.score_weights,
+        "hazard distance, clearance, area, slope, roughness, evidence");
+}
+
+template <class Visitor>
+void VisitFields(Of<BackendOptions> auto& o, Visitor&& visit) {
+  visit("backend_period_frames",
+        o.backend_period_frames,
+        "every so many frames regions are evaluated");
+  visit("num_backend_candidates", o.num_backend_candidates, "regions evaluated then");
+  visit("max_surroundings_m", o.max_surroundings_m, "ground mapped around a region, at most");
+  visit("max_num_views", o.max_num_views, "views that take part in one evaluation");
+}
+
+// visit(name, options) for every stage, in the order of the pipeline.
+template <class Visitor>
+void VisitStages(Of<PipelineOptions> auto& o, Visitor&& visit) {
+  visit("tracks", o.tracks);
+  visit("segmentation", o.segmentation);
+  visit("classification", o.classification);
+  visit("regions", o.regions);
+  visit("wind", o.wind);
+  visit("adjustment", o.adjustment);
+  visit("stereo", o.stereo);
+  visit("terrain", o.terrain);
+  visit("hazard", o.hazard);
+  visit("approach", o.approach);
+  visit("backend", o.backend);
+}
+
+}  // namespace freelsd

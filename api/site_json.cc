@@ -1,0 +1,216 @@
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "api/geojson.h"
+#include "api/plan_json.h"
+
+namespace freelsd {
+namespace {
+
+// Said with every site: no map from photographs shows these.
+constexpr const char* kWhatIsNotSeen =
+    "wires, thin poles, animals, vehicles that moved and ground under trees are not seen";
+
+std::string NameOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kLandable:
+      return "landable";
+    case Verdict::kUnverified:
+      return "unverified";
+    case Verdict::kRejected:
+      break;
+  }
+  return "rejected";
+}
+
+std::string NameOf(RejectReason reason) {
+  switch (reason) {
+    case RejectReason::kNoSafeTouchdown:
+      return "no_safe_touchdown";
+    case RejectReason::kApproachBlocked:
+      return "approach_blocked";
+    case RejectReason::kApproachUnseen:
+      return "approach_unseen";
+    case RejectReason::kLoiterBlocked:
+      return "loiter_blocked";
+    case RejectReason::kWindTooStrong:
+      return "wind_too_strong";
+    case RejectReason::kTooSmall:
+      return "too_small";
+    case RejectReason::kTooFewObservations:
+      return "too_few_observations";
+    case RejectReason::kNotGrass:
+      return "not_grass";
+    case RejectReason::kNoTerrain:
+      break;
+  }
+  return "no_terrain";
+}
+
+std::string ReasonOf(const Plan& plan) {
+  return plan.reject_reason ? NameOf(*plan.reject_reason) : "no_safe_touchdown";
+}
+
+std::string ApproachSentencePart(const Approach& approach) {
+  std::ostringstream text;
+  text << "final of " << std::lround(approach.approach_distance) << " m on heading "
+       << std::lround(ApproachProperties(approach)["heading_deg"].get<double>()) % 360
+       << " deg after a " << DirectionName(approach.loiter_direction) << " turn of "
+       << std::lround(approach.loiter_radius) << " m radius";
+  if (std::isfinite(approach.min_clearance)) {
+    text << ", least clearance " << std::round(approach.min_clearance * 10.0) / 10.0 << " m";
+  }
+  return text.str();
+}
+
+// One English sentence.
+std::string SummaryOf(const Plan& plan) {
+  std::ostringstream text;
+  if (plan.verdict == Verdict::kRejected) {
+    text << "Rejected (" << ReasonOf(plan) << ")";
+    if (!plan.reject_detail.empty()) text << ": " << plan.reject_detail;
+  } else {
+    text << (plan.verdict == Verdict::kLandable ? "Landable" : "Unverified") << ": "
+         << std::lround(plan.hazard_distance) << " m free around the touchdown";
+    if (plan.approach) text << ", " << ApproachSentencePart(*plan.approach);
+    if (plan.approach && plan.approach->unseen_ratio > 0.0) {
+      text << "; " << std::max(1L, std::lround(100.0 * plan.approach->unseen_ratio))
+           << " % of the circle is unseen";
+    }
+  }
+  std::string summary = text.str();
+  if (summary.back() != '.') summary += '.';
+  return summary;
+}
+
+nlohmann::json ScoreTermsJson(const Plan& plan) {
+  nlohmann::json terms = nlohmann::json::array();
+  for (const ScoreTerm& term : plan.score_terms) {
+    terms.push_back({{"name", term.name},
+                     {"value", NumberOrNull(term.value)},
+                     {"weight", NumberOrNull(term.weight)}});
+  }
+  return terms;
+}
+
+// Why it ranks where it does.
+std::string WhyOf(const Plan& plan) {
+  std::ostringstream text;
+  text << "Ranked among the " << NameOf(plan.verdict) << " sites by a score of "
+       << std::round(plan.score * 100.0) / 100.0;
+  const auto gains = [](const ScoreTerm& a, const ScoreTerm& b) { return a.value < b.value; };
+  if (plan.score_terms.size() > 1) {
+    const auto [worst, best] =
+        std::minmax_element(plan.score_terms.begin(), plan.score_terms.end(), gains);
+    text << "; best in " << best->name << " (" << std::round(best->value * 100.0) / 100.0
+         << " of 1), worst in " << worst->name << " (" << std::round(worst->value * 100.0) / 100.0
+         << ")";
+  }
+  text << ".";
+  return text.str();
+}
+
+nlohmann::json RejectionsJson(const Plan& plan, const LocalFrame& local_frame) {
+  nlohmann::json rejections = nlohmann::json::array();
+  for (const Rejection& rejection : plan.rejections) {
+    nlohmann::json object{{"touchdown", PlaceJson(rejection.touchdown_in_world, local_frame)},
+                          {"reason", NameOf(rejection.reason)},
+                          {"detail", rejection.detail}};
+    if (rejection.obstacle_in_world) {
+      object["obstacle"] = PlaceJson(*rejection.obstacle_in_world, local_frame);
+    }
+    rejections.push_back(std::move(object));
+  }
+  return rejections;
+}
+
+// Where no terrain was seen the plan's numbers mean nothing.
+nlohmann::json SurfaceProperties(const Plan& plan, const LocalFrame& local_frame) {
+  if (plan.reject_reason == RejectReason::kNoTerrain || !plan.touchdown_in_world.allFinite()) {
+    return {{"hazard_distance_m", nullptr},
+            {"slope_deg", nullptr},
+            {"roughness_m", nullptr},
+            {"elevation_m", nullptr}};
+  }
+  return {{"hazard_distance_m", Rounded(plan.hazard_distance)},
+          {"slope_deg", Rounded(DegFromRad(plan.slope))},
+          {"roughness_m", Rounded(plan.roughness)},
+          {"elevation_m", Rounded(AltitudeOf(plan.touchdown_in_world, local_frame))}};
+}
+
+int OrderOfVerdict(const nlohmann::json& properties) {
+  const std::string verdict = properties.value("verdict", "rejected");
+  return verdict == "landable" ? 0 : verdict == "unverified" ? 1 : 2;
+}
+
+double ScoreOf(const nlohmann::json& properties) {
+  const auto score = properties.find("score");
+  return score != properties.end() && score->is_number() ? score->get<double>() : 0.0;
+}
+
+bool RanksBefore(const nlohmann::json& a, const nlohmann::json& b) {
+  const nlohmann::json& left = a.at("properties");
+  const nlohmann::json& right = b.at("properties");
+  const int left_order = OrderOfVerdict(left), right_order = OrderOfVerdict(right);
+  if (left_order != right_order) return left_order < right_order;
+  if (ScoreOf(left) != ScoreOf(right)) return ScoreOf(left) > ScoreOf(right);
+  return left.value("id", "") < right.value("id", "");
+}
+
+}  // namespace
+
+nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
+  nlohmann::json properties = SurfaceProperties(plan, context.local_frame);
+  properties["verdict"] = NameOf(plan.verdict);
+  if (plan.verdict == Verdict::kRejected) properties["reject_reason"] = ReasonOf(plan);
+  if (!plan.reject_detail.empty()) properties["reject_detail"] = plan.reject_detail;
+  properties["score"] = Rounded(std::clamp(plan.score, 0.0, 1.0));
+  properties["score_terms"] = ScoreTermsJson(plan);
+  properties["why"] = WhyOf(plan);
+  properties["summary"] = SummaryOf(plan);
+  properties["rejections"] = RejectionsJson(plan, context.local_frame);
+  properties["approach"] = nullptr;
+  properties["unseen_ratio"] = nullptr;
+  if (plan.approach) {
+    properties["approach"] = ApproachProperties(*plan.approach);
+    properties["unseen_ratio"] = Rounded(plan.approach->unseen_ratio);
+  }
+  return properties;
+}
+
+nlohmann::json SiteFeature(const std::string& site_id,
+                           const Site& site,
+                           const Aircraft& aircraft,
+                           const std::string& updated_at,
+                           const FlightContext& context) {
+  const Region& region = site.region;
+  nlohmann::json properties = PlanProperties(site.plan, context);
+  properties["id"] = site_id;
+  properties["flight_id"] = context.flight_id;
+  properties["region_id"] = region.id;
+  properties["grade"] = NumberOrNull(region.grade);
+  properties["num_observations"] = region.num_observations;
+  properties["num_grass_observations"] = region.num_grass_observations;
+  properties["area_m2"] = Rounded(region.area_m2);
+  properties["wind"] = WindJson(site.wind);
+  properties["altitude_datum"] = context.altitude_datum;
+  properties["aircraft"] = AircraftJson(aircraft);
+  properties["footprint"] = PolygonGeometry(region.corners_in_world, context.local_frame);
+  properties["warnings"] = nlohmann::json::array({kWhatIsNotSeen});
+  if (!site.wind) properties["warnings"].push_back("no wind is known: all headings were tried");
+  properties["updated_at"] = updated_at;
+  nlohmann::json feature =
+      Feature(PointGeometry(site.plan.touchdown_in_world, context.local_frame), properties);
+  feature["id"] = site_id;
+  return feature;
+}
+
+nlohmann::json RankedSites(std::vector<nlohmann::json> features) {
+  std::stable_sort(features.begin(), features.end(), RanksBefore);
+  int rank = 0;
+  for (nlohmann::json& feature : features) feature["properties"]["rank"] = ++rank;
+  return FeatureCollection(features);
+}
+
+}  // namespace freelsd
