@@ -153,12 +153,6 @@ nlohmann::json Rigid3Json(const Rigid3d& a_from_b) {
           {"quaternion_wxyz", QuaternionJson(a_from_b.rotation)}};
 }
 
-nlohmann::json GeoPointJson(const GeoPoint& point) {
-  return {{"latitude_deg", point.latitude_deg},
-          {"longitude_deg", point.longitude_deg},
-          {"altitude_m", point.altitude_m}};
-}
-
 FlightRequest ParseFlightRequest(const std::string& body) {
   const nlohmann::json object = ParseJson(body);
   ObjectReader reader(object, "");

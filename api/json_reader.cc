@@ -172,8 +172,15 @@ GeoPoint ReadGeoPoint(const nlohmann::json& value, const std::string& pointer) {
   return point;
 }
 
+nlohmann::json GeoPointJson(const GeoPoint& point) {
+  return {{"latitude_deg", point.latitude_deg},
+          {"longitude_deg", point.longitude_deg},
+          {"altitude_m", point.altitude_m}};
+}
+
 nlohmann::json QuaternionJson(const Eigen::Quaterniond& quaternion) {
-  return {quaternion.w(), quaternion.x(), quaternion.y(), quaternion.z()};
+  // Adding zero makes 0 of -0: equal attitudes are equal text.
+  return {quaternion.w() + 0.0, quaternion.x() + 0.0, quaternion.y() + 0.0, quaternion.z() + 0.0};
 }
 
 ObjectReader::ObjectReader(const nlohmann::json& value, std::string pointer)

@@ -41,7 +41,7 @@ T Read(const nlohmann::json& value, const std::string& pointer) {
     ReadNumber(value, pointer, {INT_MIN, INT_MAX});
     return static_cast<int>(number);
   } else if constexpr (kIsArray<T>) {
-    T field;
+    T field{};
     const std::vector<double> numbers = ReadNumbers(value, pointer, field.size());
     std::copy(numbers.begin(), numbers.end(), field.begin());
     return field;

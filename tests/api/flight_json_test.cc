@@ -1,0 +1,120 @@
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "tests/api/errors.h"
+
+namespace freelsd {
+namespace {
+
+nlohmann::json FullRequest() {
+  return nlohmann::json::parse(R"({
+    "name": "meadow",
+    "camera": {"width_px": 752, "height_px": 480, "fx_px": 465, "fy_px": 466, "cx_px": 375.5,
+               "cy_px": 239.5, "distortion": {"model": "radtan", "coefficients": [0.1, -0.2, 0, 0]}},
+    "body_from_camera": {"translation_m": [0.1, 0, 0.2], "quaternion_wxyz": [0.7071068, 0, 0, 0.7071068]},
+    "origin": {"latitude_deg": 47.1, "longitude_deg": 8.2, "altitude_m": 500},
+    "altitude_datum": "amsl",
+    "aircraft": {"profile": "small", "glide_airspeed_mps": 12, "min_area_m2": 400},
+    "options": {"segmentation": {"thresholds": "paper", "blur_sigma_px": 0.5}}})");
+}
+
+std::string ErrorOfRequest(const nlohmann::json& request) {
+  return ErrorOf([&request] { ParseFlightRequest(request.dump()); });
+}
+
+std::string ErrorWith(const char* pointer, const nlohmann::json& value) {
+  nlohmann::json request = FullRequest();
+  request[nlohmann::json::json_pointer(pointer)] = value;
+  return ErrorOfRequest(request);
+}
+
+TEST_CASE("flight request: every part arrives") {
+  const FlightRequest request = ParseFlightRequest(FullRequest().dump());
+  CHECK(request.name == "meadow");
+  REQUIRE(request.camera);
+  CHECK(request.camera->fy_px == 466.0);
+  CHECK(request.camera->source == CameraSource::kCalibrated);
+  CHECK(request.camera->coefficients == std::vector<double>{0.1, -0.2, 0, 0});
+  CHECK(request.body_from_camera->translation.z() == 0.2);
+  CHECK(request.body_from_camera->rotation.norm() == doctest::Approx(1.0).epsilon(1e-12));
+  CHECK(request.origin->longitude_deg == 8.2);
+  CHECK(request.altitude_datum == "amsl");
+  CHECK(request.aircraft.landing_airspeed_mps == 10.0);
+  CHECK(request.aircraft.glide_airspeed_mps == 12.0);
+  CHECK(request.options.segmentation.thresholds == SegmentationThresholds::kPaper);
+  CHECK(request.options.segmentation.blur_sigma_px == 0.5);
+}
+
+TEST_CASE("flight request: a name is enough, and nulls are absent") {
+  const FlightRequest request = ParseFlightRequest(R"({"name": "x", "camera": null})");
+  CHECK_FALSE(request.camera);
+  CHECK_FALSE(request.origin);
+  CHECK(request.aircraft.profile == "techpod");
+  CHECK(request.altitude_datum == "unknown");
+}
+
+TEST_CASE("flight request: the least area of a region is the aircraft's unless it is given") {
+  CHECK(ParseFlightRequest(FullRequest().dump()).options.regions.min_area_m2 == 400.0);
+  nlohmann::json request = FullRequest();
+  request["options"]["regions"] = {{"min_area_m2", 123.0}};
+  CHECK(ParseFlightRequest(request.dump()).options.regions.min_area_m2 == 123.0);
+}
+
+TEST_CASE("flight request: the canonical form is a fixed point") {
+  const FlightRequest request = ParseFlightRequest(FullRequest().dump());
+  CHECK(ParseFlightRequest(request.canonical_json).canonical_json == request.canonical_json);
+}
+
+TEST_CASE("flight request: what is wrong is refused where it is") {
+  CHECK(ErrorOf([] { ParseFlightRequest(""); }) == "400 InvalidJson");
+  CHECK(ErrorOf([] { ParseFlightRequest("[]"); }) == "422 InvalidValue ");
+  CHECK(ErrorOf([] { ParseFlightRequest("{}"); }) == "422 InvalidValue /name");
+  CHECK(ErrorWith("/name", "") == "422 InvalidValue /name");
+  CHECK(ErrorWith("/name", 3) == "422 InvalidValue /name");
+  CHECK(ErrorWith("/cammera", 1) == "422 UnknownKey /cammera");
+  CHECK(ErrorWith("/camera/focal", 1) == "422 UnknownKey /camera/focal");
+  CHECK(ErrorWith("/camera/a~1b~0", 1) == "422 UnknownKey /camera/a~1b~0");
+  CHECK(ErrorWith("/camera/fx_px", 0) == "422 InvalidValue /camera/fx_px");
+  CHECK(ErrorWith("/camera/fx_px", "465") == "422 InvalidValue /camera/fx_px");
+  CHECK(ErrorWith("/camera/width_px", 752.5) == "422 InvalidValue /camera/width_px");
+  CHECK(ErrorWith("/camera/width_px", -3) == "422 InvalidValue /camera/width_px");
+  CHECK(ErrorWith("/camera/width_px", 18446744073709551615u) ==
+        "422 InvalidValue /camera/width_px");
+  CHECK(ErrorWith("/camera/distortion/model", "fov") ==
+        "422 InvalidValue /camera/distortion/model");
+  CHECK(ErrorWith("/camera/distortion/coefficients", nlohmann::json::array({1, 2, 3})) ==
+        "422 InvalidValue /camera/distortion/coefficients");
+  CHECK(ErrorWith("/camera/source", "exif") == "422 UnknownKey /camera/source");
+  CHECK(ErrorWith("/body_from_camera/quaternion_wxyz", nlohmann::json::array({0, 0, 0, 0})) ==
+        "422 InvalidValue /body_from_camera/quaternion_wxyz");
+  CHECK(ErrorWith("/body_from_camera/translation_m/1", 1e4) ==
+        "422 InvalidValue /body_from_camera/translation_m/1");
+  CHECK(ErrorWith("/origin/latitude_deg", 95) == "422 InvalidValue /origin/latitude_deg");
+  CHECK(ErrorWith("/origin/longitude_deg", nullptr) == "422 InvalidValue /origin/longitude_deg");
+  CHECK(ErrorWith("/altitude_datum", "msl") == "422 InvalidValue /altitude_datum");
+  CHECK(ErrorWith("/aircraft/profile", "zeppelin") == "422 InvalidValue /aircraft/profile");
+  CHECK(ErrorWith("/aircraft/max_bank_deg", 95) == "422 InvalidValue /aircraft/max_bank_deg");
+  CHECK(ErrorWith("/aircraft/wingspan_m", 2) == "422 UnknownKey /aircraft/wingspan_m");
+}
+
+TEST_CASE("rig: stored and read again without loss, with the camera's source") {
+  FlightRig flight_rig;
+  Camera& camera = flight_rig.rig.camera;
+  camera.width_px = 4000;
+  camera.height_px = 3000;
+  camera.fx_px = 2777.1;
+  camera.fy_px = 2777.2;
+  camera.cx_px = 1999.5;
+  camera.cy_px = 1499.5;
+  camera.source = CameraSource::kExif;
+  flight_rig.origin = {54.5090622, -2.7582823, 260.123456789};
+  const std::string stored = FlightRigJson(flight_rig);
+  const FlightRig read = ParseStoredFlightRig(stored);
+  CHECK(FlightRigJson(read) == stored);
+  CHECK(read.rig.camera.source == CameraSource::kExif);
+  CHECK(read.origin.altitude_m == flight_rig.origin.altitude_m);
+}
+
+}  // namespace
+}  // namespace freelsd

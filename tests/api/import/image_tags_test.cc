@@ -1,0 +1,259 @@
+#include <thread>
+
+#include <doctest/doctest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "api/import/date_time.h"
+#include "api/import/gimbal.h"
+#include "api/import/image_segments.h"
+#include "api/import/import.h"
+#include "api/import/tag_source.h"
+#include "tests/api/flights.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kMaxPositionErrorDeg = 1e-9;
+constexpr double kMaxAltitudeErrorM = 0.01;
+constexpr double kMaxRotationErrorRad = 1e-9;
+constexpr double kMaxFocalErrorPx = 0.1;
+// GPSAltitude has millimetres, the tables have metres to two or three decimals.
+
+std::string PlainJpeg(int width, int height) {
+  std::vector<uchar> bytes;
+  cv::imencode(".jpg", cv::Mat(height, width, CV_8UC3, cv::Scalar(80, 90, 100)), bytes);
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string WithSegment(const std::string& jpeg, const std::string& payload) {
+  const size_t length = payload.size() + 2;
+  std::string segment("\xFF\xE1");
+  segment += static_cast<char>(length >> 8);
+  segment += static_cast<char>(length & 0xFF);
+  return jpeg.substr(0, 2) + segment + payload + jpeg.substr(2);
+}
+
+std::string WithXmp(const std::string& attributes) {
+  const std::string header("http://ns.adobe.com/xap/1.0/\0", 29);
+  return WithSegment(PlainJpeg(64, 48),
+                     header +
+                         "<x:xmpmeta xmlns:x='adobe:ns:meta/'><rdf:RDF "
+                         "xmlns:rdf='http://www.w3.org/1999/02/22-rdf-syntax-ns#'>"
+                         "<rdf:Description rdf:about='' "
+                         "xmlns:drone-dji='http://www.dji.com/drone-dji/1.0/' "
+                         "xmlns:Camera='http://pix4d.com/camera/1.0/' " +
+                         attributes + "/></rdf:RDF></x:xmpmeta>");
+}
+
+ImageTags Read(const std::string& bytes) {
+  return ReadImageTags(bytes, SniffImage(bytes, ImageLimits{}));
+}
+
+EulerAngles Radians(double roll_deg, double pitch_deg, double yaw_deg) {
+  return {RadFromDeg(roll_deg), RadFromDeg(pitch_deg), RadFromDeg(yaw_deg)};
+}
+
+TEST_CASE("gimbal: straight down, and yaw is the heading of the image's top") {
+  const Eigen::Quaterniond ned_from_camera = NedFromGimbalCamera(Radians(0, -90, 90));
+  const Eigen::Vector3d axis = ned_from_camera * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d top = ned_from_camera * -Eigen::Vector3d::UnitY();
+  CHECK((axis - Eigen::Vector3d(0, 0, 1)).norm() < kMaxRotationErrorRad);
+  CHECK((top - Eigen::Vector3d(0, 1, 0)).norm() < kMaxRotationErrorRad);
+}
+
+TEST_CASE("gimbal: half way down and north, the axis falls as much as it goes on") {
+  const Eigen::Quaterniond ned_from_camera = NedFromGimbalCamera(Radians(0, -45, 0));
+  const double half = std::sqrt(0.5);
+  const Eigen::Vector3d axis = ned_from_camera * Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d right = ned_from_camera * Eigen::Vector3d::UnitX();
+  CHECK((axis - Eigen::Vector3d(half, 0, half)).norm() < kMaxRotationErrorRad);
+  CHECK((right - Eigen::Vector3d(0, 1, 0)).norm() < kMaxRotationErrorRad);
+}
+
+TEST_CASE("gimbal: a camera below a level body is the gimbal's straight down") {
+  CHECK(AngleBetween(NedFromDownCamera(Radians(0, 0, 33)),
+                     NedFromGimbalCamera(Radians(0, -90, 33))) < kMaxRotationErrorRad);
+}
+
+TEST_CASE("date: EXIF and ISO forms, fractions and offsets") {
+  CHECK(TimestampFromText("1970:01:01 00:00:01") == 1000000);
+  // 2016-11-22 16:32:34 UTC is 1479832354 s.
+  CHECK(TimestampFromText("2016:11:22 16:32:34.498032") == 1479832354498032);
+  CHECK(TimestampFromText("2016-11-22T16:32:34Z") == 1479832354000000);
+  CHECK(TimestampFromText("2016-11-22T18:32:34+02:00") == 1479832354000000);
+  CHECK(FractionFromText("5") == 500000);
+  CHECK(FractionFromText("05 ") == 50000);
+  for (const char* const bad : {"",
+                                "2016:13:22 16:32:34",
+                                "2016:02:30 16:32:34",
+                                "2016:11:22 25:00:00",
+                                "    :  :     :  :  ",
+                                "2016:11:22 16:32",
+                                "2016:11:22 16:32:34.",
+                                "2016:11:22 16:32:34 x"}) {
+    CAPTURE(std::string(bad));
+    CHECK_FALSE(TimestampFromText(bad));
+  }
+}
+
+TEST_CASE("numbers in tags: signs, fractions, and nothing that is not finite") {
+  CHECK(NumberFromText(" +121.6 ") == 121.6);
+  CHECK(NumberFromText("1/4") == 0.25);
+  for (const char* const bad : {"", "nan", "inf", "1e999", "1/0", "12m", "0x10", "--1"}) {
+    CAPTURE(std::string(bad));
+    CHECK_FALSE(NumberFromText(bad));
+  }
+}
+
+TEST_CASE("tags: a plain image has none, and says that the camera is unknown") {
+  const ImageTags tags = Read(PlainJpeg(64, 48));
+  CHECK(FrameMetaJson(tags.meta) == "{}");
+  CHECK_FALSE(tags.camera);
+  CHECK(tags.warnings.size() == 1);
+}
+
+TEST_CASE("tags: DJI with a t too many, signs in text") {
+  const ImageTags tags =
+      Read(WithXmp("drone-dji:GpsLatitude='+46.5' drone-dji:GpsLongtitude='-91.25' "
+                   "drone-dji:AbsoluteAltitude='+121.6' drone-dji:RelativeAltitude='+40.10' "
+                   "drone-dji:GimbalYawDegree='+90.0' drone-dji:GimbalPitchDegree='-90.0' "
+                   "drone-dji:GimbalRollDegree='+0.0'"));
+  REQUIRE(tags.meta.position);
+  CHECK(tags.meta.position->latitude_deg == 46.5);
+  CHECK(tags.meta.position->longitude_deg == -91.25);
+  CHECK(tags.meta.position->altitude_m == 121.6);
+  CHECK(tags.meta.height_above_ground_m == 40.1);
+  REQUIRE(tags.meta.ned_from_camera);
+  CHECK(AngleBetween(*tags.meta.ned_from_camera, NedFromGimbalCamera(Radians(0, -90, 90))) <
+        kMaxRotationErrorRad);
+}
+
+TEST_CASE("tags: zeros, nonsense and out of range are no position") {
+  for (const char* const place : {"drone-dji:GpsLatitude='0' drone-dji:GpsLongitude='0' ",
+                                  "drone-dji:GpsLatitude='95' drone-dji:GpsLongitude='8' ",
+                                  "drone-dji:GpsLatitude='nan' drone-dji:GpsLongitude='8' ",
+                                  "drone-dji:GpsLatitude='47' "}) {
+    CAPTURE(std::string(place));
+    const ImageTags tags = Read(WithXmp(std::string(place) + "drone-dji:AbsoluteAltitude='100'"));
+    CHECK_FALSE(tags.meta.position);
+    CHECK(tags.warnings.size() == 2);
+  }
+}
+
+TEST_CASE("tags: hostile XMP and EXIF are absent, not a crash") {
+  const std::string header("http://ns.adobe.com/xap/1.0/\0", 29);
+  std::string deep;
+  for (int i = 0; i < 12000; ++i) deep += "<a:b>";
+  const std::string entities = "<!DOCTYPE x [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;&a;'>]><x>&b;</x>";
+  for (const std::string& packet : {deep, entities, std::string("<x"), std::string("\0<", 2)}) {
+    CHECK_NOTHROW(Read(WithSegment(PlainJpeg(64, 48), header + packet)));
+  }
+  uint32_t state = 7;
+  for (int round = 0; round < 200; ++round) {
+    std::string exif("Exif\0\0II*\0\x08\0\0\0", 14);
+    for (int i = 0; i < 400; ++i) {
+      state = state * 1664525u + 1013904223u;
+      exif += static_cast<char>(i % 3 == 0 ? state >> 24 : (state >> 24) % 6);
+    }
+    CHECK_NOTHROW(Read(WithSegment(PlainJpeg(64, 48), exif)));
+  }
+}
+
+TEST_CASE("tags: brighton_beach, a multirotor with gimbal angles") {
+  const auto flights = FlightsFolder();
+  if (!flights) return;
+  const ImageTags tags = Read(ReadBytes(*flights / "brighton_beach/images/DJI_0018.JPG"));
+  REQUIRE(tags.meta.position);
+  CHECK(std::abs(tags.meta.position->latitude_deg - 46.8426070833333) < kMaxPositionErrorDeg);
+  CHECK(std::abs(tags.meta.position->longitude_deg + 91.9945598888889) < kMaxPositionErrorDeg);
+  CHECK(std::abs(tags.meta.position->altitude_m - 198.31) < kMaxAltitudeErrorM);
+  CHECK(tags.meta.height_above_ground_m == 39.8);
+  CHECK(AngleBetween(*tags.meta.ned_from_camera, NedFromGimbalCamera(Radians(0, -89.9, 45))) <
+        kMaxRotationErrorRad);
+  // 20 mm of 36 mm over 2400 px.
+  CHECK(std::abs(tags.camera->fx_px - 1333.33) < kMaxFocalErrorPx);
+  CHECK(tags.camera->source == CameraSource::kExif);
+  CHECK(tags.meta.timestamp_us == TimestampFromText("2016:06:23 16:31:59"));
+  const ImageTags turned = Read(ReadBytes(*flights / "brighton_beach/images/DJI_0024.JPG"));
+  CHECK(turned.warnings.size() == tags.warnings.size() + 1);
+}
+
+TEST_CASE("tags: garfield_park, a fixed wing with attitude and a calibrated lens") {
+  const auto flights = FlightsFolder();
+  if (!flights) return;
+  const ImageTags tags =
+      Read(ReadBytes(*flights / "garfield_park/images/IMG_161122_163234_0000_RGB.JPG"));
+  REQUIRE(tags.meta.position);
+  CHECK(std::abs(tags.meta.position->latitude_deg - 41.4286810555556) < kMaxPositionErrorDeg);
+  CHECK(std::abs(tags.meta.position->longitude_deg + 81.6058853888889) < kMaxPositionErrorDeg);
+  CHECK(std::abs(tags.meta.position->altitude_m - 347.723) < kMaxAltitudeErrorM);
+  CHECK(tags.meta.position_sd_m == 2.301);
+  CHECK_FALSE(tags.meta.ned_from_camera);
+  CHECK(AngleBetween(*tags.meta.ned_from_body, NedFromBody(Radians(0.0154285, 5.1846, -16.7996))) <
+        kMaxRotationErrorRad);
+  CHECK(tags.meta.timestamp_us == TimestampFromText("2016:11:22 16:32:34.498032"));
+  REQUIRE(tags.camera);
+  CHECK(tags.camera->source == CameraSource::kCalibrated);
+  // 4.812073 mm at 373.134 px/mm; principal point 3.042001, 2.280612 mm, less half a pixel.
+  CHECK(std::abs(tags.camera->fx_px - 1795.55) < kMaxFocalErrorPx);
+  CHECK(std::abs(tags.camera->cx_px - 1134.57) < kMaxFocalErrorPx);
+  CHECK(std::abs(tags.camera->cy_px - 850.47) < kMaxFocalErrorPx);
+  // k1, k2, k3, p1, p2 in the file; k1, k2, p1, p2, k3 here.
+  CHECK(tags.camera->coefficients ==
+        std::vector<double>{0.178441961, -0.4745818, -0.000900784, -0.000653429, 0.402026402});
+}
+
+TEST_CASE("tags: seneca_nir has a place and a track that is no heading") {
+  const auto flights = FlightsFolder();
+  if (!flights) return;
+  const ImageTags tags = Read(ReadBytes(*flights / "seneca_nir/images/IMG_0473.jpg"));
+  REQUIRE(tags.meta.position);
+  CHECK(std::abs(tags.meta.position->latitude_deg - 41.0359350999975) < kMaxPositionErrorDeg);
+  CHECK(std::abs(tags.meta.position->longitude_deg + 83.3068092) < kMaxPositionErrorDeg);
+  CHECK(std::abs(tags.meta.position->altitude_m - 283.594) < kMaxAltitudeErrorM);
+  CHECK_FALSE(tags.meta.ned_from_body);
+  CHECK_FALSE(tags.meta.ned_from_camera);
+  // 4.3 mm at 500000/61 px per inch.
+  CHECK(std::abs(tags.camera->fx_px - 1387.63) < kMaxFocalErrorPx);
+}
+
+TEST_CASE("tags: swindale has neither place nor attitude, but a focal length") {
+  const auto flights = FlightsFolder();
+  if (!flights) return;
+  const ImageTags tags = Read(ReadBytes(*flights / "swindale/images/IMG_1417.JPG"));
+  CHECK_FALSE(tags.meta.position);
+  CHECK(std::abs(tags.camera->fx_px - 1387.63) < kMaxFocalErrorPx);
+  CHECK(tags.camera->cx_px == 999.5);
+  CHECK(tags.meta.timestamp_us == TimestampFromText("2016:06:29 17:49:32"));
+}
+
+TEST_CASE("tags: an image resized after exposure keeps its field of view, with a warning") {
+  const auto flights = FlightsFolder();
+  if (!flights) return;
+  const std::string photo = ReadBytes(*flights / "swindale/images/IMG_1417.JPG");
+  const std::string exif = "Exif" + std::string(2, '\0') + std::string(FindMetadata(photo).exif);
+  const ImageTags half = Read(WithSegment(PlainJpeg(1000, 750), exif));
+  CHECK(std::abs(half.camera->fx_px - 0.5 * 1387.63) < kMaxFocalErrorPx);
+  CHECK(half.warnings.size() == 1);
+  const ImageTags cropped = Read(WithSegment(PlainJpeg(1000, 600), exif));
+  CHECK(cropped.warnings.size() == 2);
+}
+
+TEST_CASE("tags: the same from many threads at once") {
+  const auto flights = FlightsFolder();
+  if (!flights) return;
+  const std::string bytes = ReadBytes(*flights / "brighton_beach/images/DJI_0018.JPG");
+  const std::string expected = FrameMetaJson(Read(bytes).meta);
+  std::vector<std::string> answers(8);
+  std::vector<std::thread> threads;
+  for (std::string& answer : answers) {
+    threads.emplace_back([&bytes, &answer] {
+      for (int i = 0; i < 10; ++i) answer = FrameMetaJson(Read(bytes).meta);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const std::string& answer : answers) CHECK(answer == expected);
+}
+
+}  // namespace
+}  // namespace freelsd

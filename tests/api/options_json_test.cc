@@ -1,0 +1,99 @@
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "api/flight_parts.h"
+#include "api/options_table.h"
+#include "tests/api/errors.h"
+
+namespace freelsd {
+namespace {
+
+// Anything a field can be initialised from: counts the fields of an aggregate.
+struct Anything {
+  template <class T>
+  operator T() const;  // NOLINT(google-explicit-constructor)
+};
+
+template <class Aggregate, size_t... I>
+constexpr bool TakesThisMany(std::index_sequence<I...>) {
+  return requires { Aggregate{(static_cast<void>(I), Anything{})...}; };
+}
+
+template <class Aggregate, size_t N = 64>
+constexpr size_t NumFields() {
+  if constexpr (TakesThisMany<Aggregate>(std::make_index_sequence<N>())) {
+    return N;
+  } else {
+    return NumFields<Aggregate, N - 1>();
+  }
+}
+
+TEST_CASE("options: the table has every field of every stage") {
+  const PipelineOptions options;
+  size_t num_stages = 0;
+  VisitStages(options, [&num_stages](const char* stage, const auto& stage_options) {
+    ++num_stages;
+    size_t num_fields = 0;
+    VisitFields(stage_options,
+                [&num_fields](const char*, const auto&, const char*) { ++num_fields; });
+    CAPTURE(std::string(stage));
+    CHECK(num_fields == NumFields<std::decay_t<decltype(stage_options)>>());
+  });
+  CHECK(num_stages == NumFields<PipelineOptions>());
+}
+
+TEST_CASE("options: written and read again nothing is lost") {
+  PipelineOptions options;
+  options.tracks.assume_ground_plane = true;
+  options.hazard.grass_fusion = GrassFusion::kPaperOr;
+  options.segmentation.paper_canny_coefficients = {1, 2, 3, 4};
+  options.approach.score_weights = {1, 0, 0, 0, 0, 0};
+  options.stereo.block_size_px = 5;
+  const nlohmann::json written = OptionsValuesJson(options);
+  CHECK(OptionsValuesJson(ParseOptions(written, "/options")) == written);
+  CHECK(written["hazard"]["grass_fusion"] == "paper");
+}
+
+TEST_CASE("options: what is wrong is refused where it is") {
+  const auto error_of = [](const char* text) {
+    return ErrorOf([text] { ParseOptions(nlohmann::json::parse(text), "/options"); });
+  };
+  CHECK(error_of("{}") == "nothing");
+  CHECK(error_of(R"({"wind": null})") == "nothing");
+  CHECK(error_of(R"({"magic": {}})") == "422 UnknownKey /options/magic");
+  CHECK(error_of(R"({"wind": {"radius": 1}})") == "422 UnknownKey /options/wind/radius");
+  CHECK(error_of(R"({"wind": {"radius_m": "1"}})") == "422 InvalidValue /options/wind/radius_m");
+  CHECK(error_of(R"({"stereo": {"block_size_px": 5.5}})") ==
+        "422 InvalidValue /options/stereo/block_size_px");
+  CHECK(error_of(R"({"stereo": {"block_size_px": 4294967299}})") ==
+        "422 InvalidValue /options/stereo/block_size_px");
+  CHECK(error_of(R"({"tracks": {"assume_ground_plane": 1}})") ==
+        "422 InvalidValue /options/tracks/assume_ground_plane");
+  CHECK(error_of(R"({"hazard": {"slope_support": "sphere"}})") ==
+        "422 InvalidValue /options/hazard/slope_support");
+  CHECK(error_of(R"({"segmentation": {"paper_canny_coefficients": [1, 2]}})") ==
+        "422 InvalidValue /options/segmentation/paper_canny_coefficients");
+}
+
+TEST_CASE("options: described with default, unit and help, beside the aircraft profiles") {
+  const nlohmann::json described = OptionsJson();
+  const nlohmann::json& field = described["options"]["segmentation"]["ground_sampling_distance_m"];
+  CHECK(field["default"] == 0.3);
+  CHECK(field["unit"] == "m");
+  CHECK_FALSE(field["help"].get<std::string>().empty());
+  CHECK(described["aircraft_profiles"]["small"]["glide_ratio"] == 7.0);
+  CHECK(described["aircraft_profiles"].size() == 3);
+}
+
+TEST_CASE("aircraft: written and read again nothing is lost") {
+  Aircraft aircraft = AircraftProfile("atlantiksolar").value();
+  aircraft.glide_airspeed_mps = 11.5;
+  const nlohmann::json written = AircraftJson(aircraft);
+  CHECK(AircraftJson(ParseAircraft(written, "")) == written);
+  CHECK(ErrorOf([] {
+          ParseAircraft({{"glide_ratio", 0.0}}, "/plane");
+        }) == "422 InvalidValue /plane/glide_ratio");
+}
+
+}  // namespace
+}  // namespace freelsd
