@@ -9,22 +9,6 @@ namespace {
 // Legs of the drawn loiter circle: 5 degrees each, 0.2 m off the arc for a radius of 180 m.
 constexpr int kNumLoiterLegs = 72;
 
-// From the start of the final once around, in the direction flown; closed.
-std::vector<Eigen::Vector3d> LoiterCircle(const Approach& approach) {
-  const double turn = approach.loiter_direction == LoiterDirection::kLeft ? 1.0 : -1.0;
-  const Eigen::Vector3d start = approach.approach_start_in_world - approach.loiter_center_in_world;
-  std::vector<Eigen::Vector3d> circle;
-  for (int leg = 0; leg <= kNumLoiterLegs; ++leg) {
-    const double angle = leg == kNumLoiterLegs ? 0.0 : turn * 2.0 * kPi * leg / kNumLoiterLegs;
-    const Eigen::Vector3d offset(std::cos(angle) * start.x() - std::sin(angle) * start.y(),
-                                 std::sin(angle) * start.x() + std::cos(angle) * start.y(),
-                                 0.0);
-    circle.push_back(approach.loiter_center_in_world + offset);
-    circle.back().z() = approach.approach_start_in_world.z();
-  }
-  return circle;
-}
-
 nlohmann::json ProfileJson(const Approach& approach, const LocalFrame& local_frame) {
   const ApproachProfile& profile = approach.profile;
   const Eigen::Vector2d back = -DirectionOf(approach.heading);
@@ -63,7 +47,7 @@ std::vector<nlohmann::json> ApproachFeatures(const Approach& approach,
   return {Feature(LineGeometry({approach.approach_start_in_world, approach.touchdown_in_world},
                                local_frame),
                   final_properties),
-          Feature(LineGeometry(LoiterCircle(approach), local_frame), loiter),
+          Feature(LineGeometry(LoiterPolyline(approach, kNumLoiterLegs), local_frame), loiter),
           Feature(PointGeometry(approach.touchdown_in_world, local_frame), touchdown)};
 }
 

@@ -114,6 +114,9 @@ template <class Visitor>
 void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
   visit("min_num_track_connections", o.min_num_track_connections, "fewer make a new key-frame");
   visit("min_baseline_m", o.min_baseline_m, "between key-frames");
+  visit("max_baseline_ratio",
+        o.max_baseline_ratio,
+        "baseline over height at which a key-frame is set at the latest");
   visit("robust_loss_px", o.robust_loss_px, "width of the Cauchy loss");
   visit("max_reprojection_error_px",
         o.max_reprojection_error_px,
@@ -137,6 +140,7 @@ void VisitFields(Of<StereoOptions> auto& o, Visitor&& visit) {
   visit("max_baseline_ratio", o.max_baseline_ratio, "baseline over height of a pair");
   visit("max_axis_angle_deg", o.max_axis_angle_deg, "between the optical axes of a pair");
   visit("num_partners", o.num_partners, "pairs per view");
+  visit("min_num_shared_landmarks", o.min_num_shared_landmarks, "that two views of a pair see");
   visit("relief_margin_m", o.relief_margin_m, "relief allowed beyond the landmarks'");
   visit("block_size_px", o.block_size_px, "of semi-global matching");
   visit("p1_factor", o.p1_factor, "penalty of a disparity step of one");
@@ -144,6 +148,9 @@ void VisitFields(Of<StereoOptions> auto& o, Visitor&& visit) {
   visit("uniqueness_ratio_percent", o.uniqueness_ratio_percent, "by which the best match must win");
   visit("speckle_size_px", o.speckle_size_px, "smaller islands of disparity are dropped");
   visit("max_left_right_difference_px", o.max_left_right_difference_px, "of the left-right check");
+  visit("min_texture_grey", o.min_texture_grey, "flatter windows have nothing to match");
+  visit("max_num_disparities", o.max_num_disparities, "searched, a multiple of 16");
+  visit("max_points_per_m2", o.max_points_per_m2, "points kept per square metre of ground");
   visit("disparity_sd_px", o.disparity_sd_px, "deviation of a disparity");
 }
 
