@@ -176,9 +176,15 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("max_observation_probability",
         o.max_observation_probability,
         "no single view is ever certain");
+  visit("max_num_independent_views",
+        o.max_num_independent_views,
+        "views beyond this number add no certainty");
+  visit("min_vote_ratio", o.min_vote_ratio, "of the views of a cell that must have classified it");
   visit("slope_support", o.slope_support, "plane fit, or the paper's 3x3 cells");
   visit("plane_support_m", o.plane_support_m, "side of the plane fit");
   visit("min_support_ratio", o.min_support_ratio, "of the support's cells that must be seen");
+  visit("roughness_spacing_m", o.roughness_spacing_m, "distance of the 8 neighbours");
+  visit("upper_margin_m", o.upper_margin_m, "that noise adds to a cell's upper height");
   visit("max_standard_deviation_m",
         o.max_standard_deviation_m,
         "cells above it are as good as unseen");

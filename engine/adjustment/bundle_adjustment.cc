@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -24,8 +25,17 @@ constexpr double kEstimatedTiltSdDeg = 8.0;
 constexpr double kPositionLossSd = 2.5;
 // Inliers that tie a view to the block.
 constexpr int kMinNumInliers = 15;
-// Outlier gate of the first round, in multiples of the final one: poor poses start far off.
-constexpr std::array<double, 3> kGateFactors{12.0, 3.0, 1.0};
+// Poses start up to hundreds of pixels off: the first rounds forgive in multiples of the final
+// outlier gate and of the final width of the loss.
+struct Round {
+  double gate_factor;
+  double loss_factor;
+};
+constexpr std::array<Round, 4> kRounds{{{1e3, 30.0}, {10.0, 6.0}, {2.5, 2.0}, {1.0, 1.0}}};
+// A start is poor where half of the sightings are farther off than this.
+constexpr double kPoorStartPx = 20.0;
+// A given attitude may be wronger than it says, as positions may.
+constexpr double kAttitudeLossSd = 2.0;
 // Pixel noise taken for the deviation of landmarks.
 constexpr double kPixelSd = 0.7;
 constexpr size_t kMinNumLandmarks = 20;
@@ -63,7 +73,7 @@ void AddPriors(const std::vector<View>& views,
 }
 
 void AddObservations(const Camera& camera,
-                     const AdjustmentOptions& options,
+                     double loss_px,
                      std::vector<BlockTrack>& tracks,
                      Parameters& parameters,
                      ceres::Problem& problem) {
@@ -73,7 +83,7 @@ void AddObservations(const Camera& camera,
       if (!sighting.is_inlier) continue;
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, 2>(
                                    new ReprojectionResidual(&camera, sighting.point_in_image)),
-                               new ceres::CauchyLoss(options.robust_loss_px),
+                               new ceres::CauchyLoss(loss_px),
                                parameters.rotations[sighting.view].coeffs().data(),
                                parameters.positions[sighting.view].data(),
                                track.point_in_world.data(),
@@ -106,6 +116,7 @@ std::optional<BlockState> Solve(const std::vector<View>& views,
                                 const Camera& camera,
                                 const BlockState& start,
                                 const AdjustmentOptions& options,
+                                double loss_px,
                                 std::vector<BlockTrack>& tracks) {
   Parameters parameters;
   for (const Rigid3d& world_from_camera : start.world_from_camera) {
@@ -119,7 +130,7 @@ std::optional<BlockState> Solve(const std::vector<View>& views,
   }
   ceres::Problem problem;
   AddPriors(views, options, parameters, problem);
-  AddObservations(camera, options, tracks, parameters, problem);
+  AddObservations(camera, loss_px, tracks, parameters, problem);
   for (Eigen::Quaterniond& rotation : parameters.rotations) {
     problem.SetManifold(rotation.coeffs().data(), new ceres::EigenQuaternionManifold);
   }
@@ -157,10 +168,20 @@ size_t NumPoints(const std::vector<BlockTrack>& tracks) {
 }
 
 // Poor attitudes first need landmarks that cannot be behind a camera: the ground plane's.
-bool IsStartPoor(const std::vector<View>& views) {
-  return std::any_of(views.begin(), views.end(), [](const View& view) {
-    return view.attitude_source != AttitudeSource::kGiven;
-  });
+bool IsStartPoor(const BlockState& state, const std::vector<BlockTrack>& tracks) {
+  std::vector<double> errors;
+  for (const BlockTrack& track : tracks) {
+    for (const Sighting& sighting : track.sightings) {
+      const std::optional<double> error =
+          track.has_point ? ReprojectionError(state, track, sighting) : std::nullopt;
+      errors.push_back(error.value_or(std::numeric_limits<double>::infinity()));
+    }
+  }
+  if (errors.empty()) return true;
+  std::nth_element(errors.begin(),
+                   errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
+                   errors.end());
+  return errors[errors.size() / 2] > kPoorStartPx;
 }
 
 // Rounds of solving with ever tighter gates. Empty when the block does not hold together.
@@ -169,19 +190,23 @@ std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
                                         const AdjustmentOptions& options,
                                         std::vector<BlockTrack>& tracks) {
   BlockState state = start;
-  for (size_t round = 0; round < kGateFactors.size(); ++round) {
-    if (round == 0 && IsStartPoor(views)) {
+  const bool is_start_poor = IsStartPoor(start, tracks);
+  for (size_t round = is_start_poor ? 0 : 1; round < kRounds.size(); ++round) {
+    const double gate_px = kRounds[round].gate_factor * options.max_reprojection_error_px;
+    if (round == 0) {
       InitialiseOnGround(views, state, tracks);
     } else {
       TriangulateTracks(state, kMinParallaxDeg, tracks);
-      MarkOutliers(state, kGateFactors[round] * options.max_reprojection_error_px, tracks);
     }
+    MarkOutliers(state, gate_px, tracks);
     if (NumPoints(tracks) < kMinNumLandmarks) return std::nullopt;
-    const std::optional<BlockState> solved = Solve(views, start.camera, state, options, tracks);
+    const double loss_px = kRounds[round].loss_factor * options.robust_loss_px;
+    const std::optional<BlockState> solved =
+        Solve(views, start.camera, state, options, loss_px, tracks);
     if (!solved) return std::nullopt;
     state = *solved;
     // What was an outlier for poor poses may fit the better ones.
-    MarkOutliers(state, kGateFactors[round] * options.max_reprojection_error_px, tracks);
+    MarkOutliers(state, gate_px, tracks);
   }
   return state;
 }

@@ -95,6 +95,8 @@ TEST_CASE("flight request: what is wrong is refused where it is") {
   CHECK(ErrorWith("/altitude_datum", "msl") == "422 InvalidValue /altitude_datum");
   CHECK(ErrorWith("/aircraft/profile", "zeppelin") == "422 InvalidValue /aircraft/profile");
   CHECK(ErrorWith("/aircraft/max_bank_deg", 95) == "422 InvalidValue /aircraft/max_bank_deg");
+  CHECK(ErrorWith("/options/wind", {{"smoothing", 2}}) ==
+        "422 InvalidValue /options/wind/smoothing");
   CHECK(ErrorWith("/aircraft/wingspan_m", 2) == "422 UnknownKey /aircraft/wingspan_m");
 }
 
