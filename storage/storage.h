@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -78,19 +79,26 @@ struct SiteRow {
   int64_t updated_at_us = 0;
 };
 
+// A box with west > east crosses the antimeridian.
 struct BoundingBox {
   double west_deg, south_deg, east_deg, north_deg;
 };
 
 class Storage {
  public:
-  // Creates the folder and schema, or opens them. Throws StorageError when another process has it.
+  // Creates the folder and schema, or opens them; image files that no frame names are removed.
+  // Throws StorageError when another process has it, or a newer version wrote it.
   explicit Storage(const std::filesystem::path& folder);
   ~Storage();
+  // For uploads that are not acknowledged yet; emptied at start.
+  std::filesystem::path SpoolFolder() const;
 
   // Flights.
   void InsertFlight(const FlightRow& flight);
-  void UpdateFlight(const FlightRow& flight);  // all but id, request_json, created_at_us
+  // Reads, changes and writes the row in one transaction: all but id, request_json, created_at_us.
+  // False where there is no such flight.
+  using FlightChange = std::function<void(FlightRow& flight)>;
+  bool ChangeFlight(const std::string& flight_id, const FlightChange& change);
   std::optional<FlightRow> FindFlight(const std::string& flight_id) const;
   std::vector<FlightRow> ListFlights() const;
   // Sites stay unless forget_sites; image files no frame needs any more are removed.
@@ -99,10 +107,13 @@ class Storage {
   // Frames. The bytes are written (once per SHA-256) before the rows; all rows in one commit.
   void WriteImage(const std::string& sha256, std::string_view bytes);
   std::optional<std::string> ReadImage(const std::string& sha256) const;
-  // Assigns sequence numbers in the given order. A frame id that exists already must not be given.
-  void InsertFrames(const std::vector<FrameRow>& frames);
-  // The same, and the job that waits for them, in one commit.
-  void InsertFramesAndJob(const std::vector<FrameRow>& frames, const JobRow& job);
+  // Frames of one flight, the job that waits for them, and what they change of the flight, in one
+  // commit. Assigns sequence numbers in the given order. Throws StorageError, and stores nothing,
+  // where a frame id exists already or an image file does not.
+  void InsertFrames(const std::string& flight_id,
+                    const std::vector<FrameRow>& frames,
+                    const std::optional<JobRow>& job = std::nullopt,
+                    const FlightChange& change = {});
   std::optional<FrameRow> FindFrame(const std::string& flight_id,
                                     const std::string& frame_id) const;
   std::vector<FrameRow> ListFrames(const std::string& flight_id) const;  // by sequence
@@ -110,6 +121,13 @@ class Storage {
     int64_t received = 0, processed = 0, rejected = 0;
   };
   FrameCounts CountFrames(const std::string& flight_id) const;
+  // Of all flights.
+  int64_t CountQueuedFrames() const;
+  // Oldest flight first.
+  std::vector<std::string> FlightsWithQueuedFrames() const;
+  // Of the flight the first queued frame after `after_sequence`.
+  std::optional<FrameRow> NextQueuedFrame(const std::string& flight_id,
+                                          int64_t after_sequence) const;
   void SetFrameState(const std::string& flight_id,
                      const std::string& frame_id,
                      FrameState state,
@@ -117,9 +135,12 @@ class Storage {
 
   // Jobs.
   void InsertJob(const JobRow& job);
-  void UpdateJob(const JobRow& job);  // state, progress, stage, detail
+  // State, progress, stage, detail; a job that is done, failed or cancelled stays so.
+  void UpdateJob(const JobRow& job);
   std::optional<JobRow> FindJob(const std::string& job_id) const;
-  std::vector<JobRow> ListJobs() const;  // newest first, at most 1000
+  std::vector<JobRow> ListJobs() const;            // newest first, at most 1000
+  std::vector<JobRow> ListUnfinishedJobs() const;  // queued or running, oldest first
+  bool DeleteJob(const std::string& job_id);
 
   // Regions: the whole snapshot of a flight at once.
   struct RegionRow {
@@ -142,7 +163,7 @@ class Storage {
   std::optional<std::string> WhyNotWritable() const;
 
  private:
-  struct State;
+  struct State;  // storage/state.h
   std::unique_ptr<State> state_;
 };
 

@@ -1,0 +1,130 @@
+#include <mutex>
+
+#include "storage/flight_rows.h"
+#include "storage/state.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+namespace {
+
+FrameRow RowOf(const Statement& statement) {
+  FrameRow frame;
+  frame.flight_id = statement.Text(0);
+  frame.sequence = statement.Int(1);
+  frame.id = statement.Text(2);
+  frame.sha256 = statement.Text(3);
+  frame.meta_json = statement.Text(4);
+  frame.state = static_cast<FrameState>(statement.Int(5));
+  frame.reason = statement.Text(6);
+  return frame;
+}
+
+int64_t LastSequence(const Connection& writer, const std::string& flight_id) {
+  Statement statement =
+      writer.Prepare("SELECT coalesce(max(sequence), 0) FROM frames WHERE flight_id = ?1");
+  statement.Bind(flight_id).Step();
+  return statement.Int(0);
+}
+
+void InsertFrameRow(const Connection& writer, const FrameRow& frame, int64_t sequence) {
+  writer.Prepare("INSERT INTO frames VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
+      .Bind(frame.flight_id,
+            sequence,
+            frame.id,
+            frame.sha256,
+            frame.meta_json,
+            static_cast<int>(frame.state),
+            frame.reason)
+      .Run();
+}
+
+}  // namespace
+
+void Storage::InsertFrames(const std::string& flight_id,
+                           const std::vector<FrameRow>& frames,
+                           const std::optional<JobRow>& job,
+                           const FlightChange& change) {
+  const std::lock_guard lock(state_->write_mutex);
+  Transaction transaction(state_->writer);
+  int64_t sequence = LastSequence(state_->writer, flight_id);
+  for (const FrameRow& frame : frames) {
+    // A flight with the same image may have been deleted since the file was written.
+    if (!state_->images.Has(frame.sha256)) {
+      throw StorageError("insert frame " + frame.id, "its image file is not there");
+    }
+    InsertFrameRow(state_->writer, frame, ++sequence);
+  }
+  if (job) InsertJobRow(state_->writer, *job);
+  if (change) ChangeFlightRow(state_->writer, flight_id, change);
+  transaction.Commit();
+}
+
+std::optional<FrameRow> Storage::FindFrame(const std::string& flight_id,
+                                           const std::string& frame_id) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason FROM frames "
+      "WHERE flight_id = ?1 AND id = ?2");
+  if (!statement.Bind(flight_id, frame_id).Step()) return std::nullopt;
+  return RowOf(statement);
+}
+
+std::vector<FrameRow> Storage::ListFrames(const std::string& flight_id) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason FROM frames "
+      "WHERE flight_id = ?1 ORDER BY sequence");
+  statement.Bind(flight_id);
+  std::vector<FrameRow> frames;
+  while (statement.Step()) frames.push_back(RowOf(statement));
+  return frames;
+}
+
+Storage::FrameCounts Storage::CountFrames(const std::string& flight_id) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT count(*), coalesce(sum(state = 1), 0), coalesce(sum(state = 2), 0) FROM frames "
+      "WHERE flight_id = ?1");
+  statement.Bind(flight_id).Step();
+  return {statement.Int(0), statement.Int(1), statement.Int(2)};
+}
+
+int64_t Storage::CountQueuedFrames() const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare("SELECT count(*) FROM frames WHERE state = 0");
+  statement.Step();
+  return statement.Int(0);
+}
+
+std::vector<std::string> Storage::FlightsWithQueuedFrames() const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT id FROM flights WHERE EXISTS (SELECT 1 FROM frames WHERE flight_id = flights.id AND "
+      "state = 0) ORDER BY created_at_us, id");
+  std::vector<std::string> flights;
+  while (statement.Step()) flights.push_back(statement.Text(0));
+  return flights;
+}
+
+std::optional<FrameRow> Storage::NextQueuedFrame(const std::string& flight_id,
+                                                 int64_t after_sequence) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason FROM frames "
+      "WHERE flight_id = ?1 AND sequence > ?2 AND state = 0 ORDER BY sequence LIMIT 1");
+  if (!statement.Bind(flight_id, after_sequence).Step()) return std::nullopt;
+  return RowOf(statement);
+}
+
+void Storage::SetFrameState(const std::string& flight_id,
+                            const std::string& frame_id,
+                            FrameState state,
+                            const std::string& reason) {
+  const std::lock_guard lock(state_->write_mutex);
+  state_->writer
+      .Prepare("UPDATE frames SET state = ?3, reason = ?4 WHERE flight_id = ?1 AND id = ?2")
+      .Bind(flight_id, frame_id, static_cast<int>(state), reason)
+      .Run();
+}
+
+}  // namespace freelsd

@@ -1,0 +1,120 @@
+#include "storage/image_files.h"
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "storage/storage.h"
+
+namespace freelsd {
+namespace {
+
+constexpr char kUnfinishedSuffix[] = "-part";
+
+[[noreturn]] void Fail(const std::string& step) {
+  const int error = errno;
+  throw StorageError(step, std::strerror(error), error == ENOSPC || error == EDQUOT);
+}
+
+class File {
+ public:
+  File(const std::filesystem::path& path, int flags)
+      : descriptor_(::open(path.c_str(), flags, 0640)) {
+    if (descriptor_ < 0) Fail(std::string("open ").append(path.filename().string()));
+  }
+  ~File() { ::close(descriptor_); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  void Write(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t num_written = ::write(descriptor_, bytes.data(), bytes.size());
+      if (num_written < 0 && errno == EINTR) continue;
+      if (num_written < 0) Fail("write image");
+      bytes.remove_prefix(static_cast<size_t>(num_written));
+    }
+  }
+  void Sync() const {
+    if (::fsync(descriptor_) != 0) Fail("fsync");
+  }
+
+ private:
+  int descriptor_;
+};
+
+// Two writers of the same image need two temporary names.
+std::string UniqueSuffix() {
+  static std::atomic<uint64_t> next{0};
+  return std::to_string(next++).append(kUnfinishedSuffix);
+}
+
+}  // namespace
+
+void SyncFolder(const std::filesystem::path& folder) {
+  File(folder, O_RDONLY | O_DIRECTORY).Sync();
+}
+
+ImageFiles::ImageFiles(const std::filesystem::path& folder) : folder_(folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error) throw StorageError("create images folder", error.message());
+  SyncFolder(folder_.parent_path());
+}
+
+std::filesystem::path ImageFiles::PathOf(const std::string& sha256) const {
+  return folder_ / sha256.substr(0, 2) / sha256;
+}
+
+void ImageFiles::Write(const std::string& sha256, std::string_view bytes) const {
+  const std::filesystem::path path = PathOf(sha256);
+  const std::filesystem::path shelf = path.parent_path();
+  if (::mkdir(shelf.c_str(), 0750) == 0) {
+    SyncFolder(folder_);
+  } else if (errno != EEXIST) {
+    Fail("create images folder");
+  }
+  if (!Has(sha256)) {
+    const std::filesystem::path unfinished = path.string() + '.' + UniqueSuffix();
+    try {
+      const File file(unfinished, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC);
+      file.Write(bytes);
+      file.Sync();
+      if (::rename(unfinished.c_str(), path.c_str()) != 0) Fail("rename image");
+    } catch (...) {
+      ::unlink(unfinished.c_str());
+      throw;
+    }
+  }
+  // Also when the file was there: whoever wrote it may not have come to this line yet.
+  SyncFolder(shelf);
+}
+
+std::optional<std::string> ImageFiles::Read(const std::string& sha256) const {
+  std::ifstream file(PathOf(sha256), std::ios::binary);
+  if (!file) return std::nullopt;
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+bool ImageFiles::Has(const std::string& sha256) const {
+  std::error_code error;
+  return std::filesystem::exists(PathOf(sha256), error);
+}
+
+void ImageFiles::Remove(const std::string& sha256) const { ::unlink(PathOf(sha256).c_str()); }
+
+void ImageFiles::RemoveUnless(const std::function<bool(const std::string&)>& is_needed) const {
+  std::error_code error;
+  for (const auto& shelf : std::filesystem::directory_iterator(folder_, error)) {
+    for (const auto& file : std::filesystem::directory_iterator(shelf.path(), error)) {
+      if (!is_needed(file.path().filename().string())) ::unlink(file.path().c_str());
+    }
+  }
+}
+
+}  // namespace freelsd

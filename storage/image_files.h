@@ -1,0 +1,35 @@
+// Image files named by SHA-256, two levels deep: images/ab/abcd... A file that has its final name
+// is whole and synced.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace freelsd {
+
+class ImageFiles {
+ public:
+  // Creates the folder; removes what an interrupted write left.
+  explicit ImageFiles(const std::filesystem::path& folder);
+
+  // Temporary file, fsync, rename, fsync of the folder. Throws StorageError.
+  void Write(const std::string& sha256, std::string_view bytes) const;
+  std::optional<std::string> Read(const std::string& sha256) const;
+  bool Has(const std::string& sha256) const;
+  void Remove(const std::string& sha256) const;
+  // Removes every file that nothing needs.
+  void RemoveUnless(const std::function<bool(const std::string& sha256)>& is_needed) const;
+
+ private:
+  std::filesystem::path PathOf(const std::string& sha256) const;
+
+  std::filesystem::path folder_;
+};
+
+// Syncs a folder, so that the names in it survive power loss. Throws StorageError.
+void SyncFolder(const std::filesystem::path& folder);
+
+}  // namespace freelsd

@@ -1,0 +1,96 @@
+#include <mutex>
+
+#include "storage/flight_rows.h"
+#include "storage/state.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+namespace {
+
+// A list longer than this helps nobody.
+constexpr int kMaxNumListedJobs = 1000;
+
+JobRow RowOf(const Statement& statement) {
+  JobRow job;
+  job.id = statement.Text(0);
+  job.kind = statement.Text(1);
+  job.flight_id = statement.Text(2);
+  job.state = static_cast<JobState>(statement.Int(3));
+  job.progress_ratio = statement.Real(4);
+  job.stage = statement.Text(5);
+  job.detail_json = statement.Text(6);
+  job.created_at_us = statement.Int(7);
+  return job;
+}
+
+std::vector<JobRow> RowsOf(Statement& statement) {
+  std::vector<JobRow> jobs;
+  while (statement.Step()) jobs.push_back(RowOf(statement));
+  return jobs;
+}
+
+}  // namespace
+
+void InsertJobRow(const Connection& writer, const JobRow& job) {
+  writer
+      .Prepare(
+          "INSERT INTO jobs (id, kind, flight_id, state, progress_ratio, stage, detail_json, "
+          "created_at_us) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")
+      .Bind(job.id,
+            job.kind,
+            job.flight_id,
+            static_cast<int>(job.state),
+            job.progress_ratio,
+            job.stage,
+            job.detail_json,
+            job.created_at_us)
+      .Run();
+}
+
+void Storage::InsertJob(const JobRow& job) {
+  const std::lock_guard lock(state_->write_mutex);
+  InsertJobRow(state_->writer, job);
+}
+
+void Storage::UpdateJob(const JobRow& job) {
+  const std::lock_guard lock(state_->write_mutex);
+  state_->writer
+      .Prepare(
+          "UPDATE jobs SET state = ?2, progress_ratio = ?3, stage = ?4, detail_json = ?5 "
+          "WHERE id = ?1 AND state < 2")
+      .Bind(job.id, static_cast<int>(job.state), job.progress_ratio, job.stage, job.detail_json)
+      .Run();
+}
+
+std::optional<JobRow> Storage::FindJob(const std::string& job_id) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, created_at_us "
+      "FROM jobs WHERE id = ?1");
+  if (!statement.Bind(job_id).Step()) return std::nullopt;
+  return RowOf(statement);
+}
+
+std::vector<JobRow> Storage::ListJobs() const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, created_at_us "
+      "FROM jobs ORDER BY number DESC LIMIT ?1");
+  return RowsOf(statement.Bind(kMaxNumListedJobs));
+}
+
+std::vector<JobRow> Storage::ListUnfinishedJobs() const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, created_at_us "
+      "FROM jobs WHERE state < 2 ORDER BY number");
+  return RowsOf(statement);
+}
+
+bool Storage::DeleteJob(const std::string& job_id) {
+  const std::lock_guard lock(state_->write_mutex);
+  state_->writer.Prepare("DELETE FROM jobs WHERE id = ?1").Bind(job_id).Run();
+  return state_->writer.NumChanges() > 0;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,71 @@
+-- Everything that survives, beside the image files. user_version 1.
+-- Times are microseconds since 1970 (UTC). JSON columns hold text that this folder does not read.
+
+CREATE TABLE flights (
+  id TEXT PRIMARY KEY,                       -- [A-Za-z0-9._-]{1,128}
+  name TEXT NOT NULL,                        -- as given by the client
+  request_json TEXT NOT NULL,                -- POST /v1/flights, canonical form
+  rig_json TEXT NOT NULL,                    -- camera, body_from_camera, origin once known; '' before
+  warnings_json TEXT NOT NULL,               -- array of sentences
+  stages_json TEXT NOT NULL,                 -- per stage: mean_ms, count
+  created_at_us INTEGER NOT NULL,            -- microseconds since 1970
+  num_rejected_frames INTEGER NOT NULL,      -- refused images of batches and streams, which have no row
+  has_failed INTEGER NOT NULL                -- 1: the engine failed on this flight, see warnings
+) STRICT;
+
+CREATE TABLE frames (
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  sequence INTEGER NOT NULL,                 -- order of processing within the flight, from 1
+  id TEXT NOT NULL,                          -- unique within the flight
+  sha256 TEXT NOT NULL,                      -- of the image file, lower-case hex; also its name
+  meta_json TEXT NOT NULL,                   -- timestamp_us, position (deg, m), attitude (deg), wind (mps)
+  state INTEGER NOT NULL,                    -- 0 queued, 1 processed, 2 rejected by the frontend
+  reason TEXT NOT NULL,                      -- why rejected, or a note; '' for none
+  PRIMARY KEY (flight_id, id)
+) STRICT, WITHOUT ROWID;
+CREATE UNIQUE INDEX frames_by_sequence ON frames (flight_id, sequence);
+CREATE INDEX frames_by_image ON frames (sha256);
+CREATE INDEX frames_queued ON frames (flight_id, sequence) WHERE state = 0;
+
+CREATE TABLE jobs (
+  number INTEGER PRIMARY KEY AUTOINCREMENT,  -- order of arrival
+  id TEXT NOT NULL UNIQUE,
+  kind TEXT NOT NULL,                        -- 'batch' or 'finish'
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  state INTEGER NOT NULL,                    -- 0 queued, 1 running, 2 done, 3 failed, 4 cancelled
+  progress_ratio REAL NOT NULL,              -- 0..1
+  stage TEXT NOT NULL,                       -- what it does now
+  detail_json TEXT NOT NULL,                 -- verdicts per image, message of a failure
+  created_at_us INTEGER NOT NULL             -- microseconds since 1970
+) STRICT;
+CREATE INDEX jobs_by_flight ON jobs (flight_id);
+CREATE INDEX jobs_unfinished ON jobs (number) WHERE state < 2;
+
+CREATE TABLE regions (
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  id INTEGER NOT NULL,                       -- stable within the flight
+  rank INTEGER NOT NULL,                     -- order of the snapshot, best first, from 0
+  feature_json TEXT NOT NULL,                -- GeoJSON feature (deg, m2)
+  history_json TEXT NOT NULL,                -- grade and counts per frame
+  PRIMARY KEY (flight_id, id)
+) STRICT, WITHOUT ROWID;
+
+-- Sites outlive their flight: no reference to flights.
+CREATE TABLE sites (
+  id TEXT PRIMARY KEY,                       -- '<flight>-r<region>'
+  flight_id TEXT NOT NULL,
+  region_id INTEGER NOT NULL,
+  latitude_deg REAL NOT NULL,                -- touchdown, WGS84 degrees
+  longitude_deg REAL NOT NULL,               -- touchdown, WGS84 degrees
+  feature_json TEXT NOT NULL,                -- GeoJSON feature without rank
+  approach_json TEXT NOT NULL,               -- FeatureCollection; '' where there is no approach
+  replan_json TEXT NOT NULL,                 -- region, aircraft, origin, datum
+  updated_at_us INTEGER NOT NULL             -- microseconds since 1970
+) STRICT;
+CREATE INDEX sites_by_flight ON sites (flight_id);
+CREATE INDEX sites_by_place ON sites (latitude_deg, longitude_deg);
+
+CREATE TABLE site_maps (
+  site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
+  map BLOB NOT NULL                          -- compressed layers (m, rad, 0..1), versioned inside
+) STRICT;

@@ -1,0 +1,133 @@
+#include "storage/storage.h"
+
+#include <cerrno>
+#include <cstring>
+#include <set>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "storage/state.h"
+
+extern const char* const kSchemaSql;
+
+namespace freelsd {
+namespace {
+
+constexpr char kDatabaseName[] = "freelsd.db";
+constexpr int kSchemaVersion = 1;
+// Below this free space nothing new is taken: the results of what is there must still fit.
+constexpr uint64_t kMinFreeBytes = uint64_t{256} << 20;
+
+std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw StorageError("create folder " + folder.string(), error.message());
+  return folder;
+}
+
+void CreateOrCheckSchema(const Connection& writer) {
+  Statement statement = writer.Prepare("PRAGMA user_version");
+  statement.Step();
+  const int64_t version = statement.Int(0);
+  if (version == kSchemaVersion) return;
+  if (version != 0) {
+    throw StorageError("open the database",
+                       "its schema has version " + std::to_string(version) +
+                           ", this program understands " + std::to_string(kSchemaVersion));
+  }
+  Transaction transaction(writer);
+  writer.Execute(kSchemaSql);
+  writer.Execute("PRAGMA user_version = 1");
+  transaction.Commit();
+}
+
+std::set<std::string> ImagesInUse(const Connection& writer) {
+  std::set<std::string> images;
+  Statement statement = writer.Prepare("SELECT DISTINCT sha256 FROM frames");
+  while (statement.Step()) images.insert(statement.Text(0));
+  return images;
+}
+
+}  // namespace
+
+StorageError::StorageError(const std::string& step, const std::string& reason, bool full)
+    : std::runtime_error(step + ": " + reason), is_full(full) {}
+
+FolderLock::FolderLock(const std::filesystem::path& folder)
+    : descriptor_(::open((folder / "freelsd.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640)) {
+  if (descriptor_ < 0) throw StorageError("open the lock file", std::strerror(errno));
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(descriptor_);
+    throw StorageError("lock " + folder.string(), "another freelsd-server uses this folder");
+  }
+}
+
+FolderLock::~FolderLock() { ::close(descriptor_); }
+
+std::unique_ptr<Connection> ReaderPool::Take() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!idle_.empty()) {
+      std::unique_ptr<Connection> connection = std::move(idle_.back());
+      idle_.pop_back();
+      return connection;
+    }
+  }
+  return std::make_unique<Connection>(file_, Access::kRead);
+}
+
+void ReaderPool::GiveBack(std::unique_ptr<Connection> connection) {
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(connection));
+}
+
+Storage::State::State(const std::filesystem::path& data_folder)
+    : folder(MadeFolder(data_folder)),
+      lock(folder),
+      images(folder / "images"),
+      writer(folder / kDatabaseName, Access::kWrite),
+      readers(folder / kDatabaseName) {}
+
+Storage::Storage(const std::filesystem::path& folder) : state_(std::make_unique<State>(folder)) {
+  CreateOrCheckSchema(state_->writer);
+  SyncFolder(state_->folder);
+  const std::set<std::string> images = ImagesInUse(state_->writer);
+  state_->images.RemoveUnless(
+      [&images](const std::string& sha256) { return images.contains(sha256); });
+  std::error_code error;
+  std::filesystem::remove_all(SpoolFolder(), error);
+  MadeFolder(SpoolFolder());
+}
+
+Storage::~Storage() = default;
+
+std::filesystem::path Storage::SpoolFolder() const { return state_->folder / "spool"; }
+
+void Storage::WriteImage(const std::string& sha256, std::string_view bytes) {
+  state_->images.Write(sha256, bytes);
+}
+
+std::optional<std::string> Storage::ReadImage(const std::string& sha256) const {
+  return state_->images.Read(sha256);
+}
+
+std::optional<std::string> Storage::WhyNotWritable() const {
+  struct statvfs disk {};
+  if (::statvfs(state_->folder.c_str(), &disk) != 0) return std::strerror(errno);
+  if (static_cast<uint64_t>(disk.f_bavail) * disk.f_frsize < kMinFreeBytes) {
+    return "less than 256 MiB are free on the disk";
+  }
+  try {
+    const std::lock_guard lock(state_->write_mutex);
+    const Transaction transaction(state_->writer);
+  } catch (const StorageError& error) {
+    return error.what();
+  }
+  return std::nullopt;
+}
+
+}  // namespace freelsd

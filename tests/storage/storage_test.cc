@@ -1,0 +1,301 @@
+#include "storage/storage.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <doctest/doctest.h>
+#include <sqlite3.h>
+
+namespace freelsd {
+namespace {
+
+// A fresh folder, removed at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "freelsd-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+const std::string kImage(64, 'a');
+const std::string kOtherImage(64, 'b');
+
+FlightRow SomeFlight(const std::string& id) {
+  FlightRow flight;
+  flight.id = id;
+  flight.name = "a meadow";
+  flight.request_json = R"({"name":"a meadow"})";
+  flight.created_at_us = 1700000000000000;
+  return flight;
+}
+
+FrameRow SomeFrame(const std::string& flight_id, const std::string& id) {
+  FrameRow frame;
+  frame.flight_id = flight_id;
+  frame.id = id;
+  frame.sha256 = kImage;
+  frame.meta_json = "{}";
+  return frame;
+}
+
+JobRow SomeJob(const std::string& id, const std::string& flight_id) {
+  JobRow job;
+  job.id = id;
+  job.kind = "batch";
+  job.flight_id = flight_id;
+  return job;
+}
+
+SiteRow SomeSite(const std::string& id, double latitude_deg, double longitude_deg) {
+  SiteRow site;
+  site.id = id;
+  site.flight_id = "f";
+  site.region_id = 3;
+  site.latitude_deg = latitude_deg;
+  site.longitude_deg = longitude_deg;
+  site.feature_json = R"({"type":"Feature"})";
+  return site;
+}
+
+size_t NumFiles(const std::filesystem::path& folder) {
+  size_t count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    count += entry.is_regular_file() ? 1 : 0;
+  }
+  return count;
+}
+
+void SetUserVersion(const std::filesystem::path& file, const char* sql) {
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
+  REQUIRE(sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
+  sqlite3_close(database);
+}
+
+TEST_CASE("storage: what was stored is there after opening the folder again") {
+  const TemporaryFolder folder;
+  {
+    Storage storage(folder.path());
+    storage.InsertFlight(SomeFlight("f"));
+    storage.WriteImage(kImage, std::string_view("pixels\0more", 11));
+    storage.InsertFrames("f", {SomeFrame("f", "one"), SomeFrame("f", "two")}, SomeJob("j", "f"));
+    storage.PutSite(SomeSite("f-r3", 50.0, 8.0), std::string("map\0blob", 8));
+  }
+  const Storage storage(folder.path());
+  REQUIRE(storage.FindFlight("f"));
+  CHECK(storage.FindFlight("f")->created_at_us == 1700000000000000);
+  CHECK(storage.ReadImage(kImage) == std::string("pixels\0more", 11));
+  CHECK(storage.ListFrames("f").size() == 2);
+  CHECK(storage.ListFrames("f")[1].sequence == 2);
+  CHECK(storage.FindJob("j")->kind == "batch");
+  CHECK(storage.ReadSiteMap("f-r3") == std::string("map\0blob", 8));
+}
+
+TEST_CASE("storage: a second process is refused while the folder is in use") {
+  const TemporaryFolder folder;
+  const Storage storage(folder.path());
+  CHECK_THROWS_WITH_AS(
+      Storage(folder.path()), doctest::Contains("another freelsd-server"), StorageError);
+}
+
+TEST_CASE("storage: a newer schema is refused and named") {
+  const TemporaryFolder folder;
+  { const Storage storage(folder.path()); }
+  SetUserVersion(folder.path() / "freelsd.db", "PRAGMA user_version = 999");
+  CHECK_THROWS_WITH_AS(Storage(folder.path()), doctest::Contains("999"), StorageError);
+}
+
+TEST_CASE("storage: frames of a refused insert are not there, nor is their job") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.InsertFlight(SomeFlight("f"));
+  storage.WriteImage(kImage, "pixels");
+  storage.InsertFrames("f", {SomeFrame("f", "one")});
+  CHECK_THROWS_AS(
+      storage.InsertFrames("f", {SomeFrame("f", "two"), SomeFrame("f", "one")}, SomeJob("j", "f")),
+      StorageError);
+  CHECK(storage.ListFrames("f").size() == 1);
+  CHECK_FALSE(storage.FindJob("j"));
+}
+
+TEST_CASE("storage: a frame without its image file is refused") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.InsertFlight(SomeFlight("f"));
+  CHECK_THROWS_AS(storage.InsertFrames("f", {SomeFrame("f", "one")}), StorageError);
+  CHECK(storage.ListFrames("f").empty());
+}
+
+TEST_CASE("storage: frames are counted by state and taken in order") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.InsertFlight(SomeFlight("f"));
+  storage.WriteImage(kImage, "pixels");
+  storage.InsertFrames("f", {SomeFrame("f", "b"), SomeFrame("f", "a"), SomeFrame("f", "c")});
+  CHECK(storage.CountQueuedFrames() == 3);
+  CHECK(storage.NextQueuedFrame("f", 0)->id == "b");
+  CHECK(storage.NextQueuedFrame("f", 1)->id == "a");
+  storage.SetFrameState("f", "b", FrameState::kProcessed, "");
+  storage.SetFrameState("f", "a", FrameState::kRejected, "too dark");
+  const Storage::FrameCounts counts = storage.CountFrames("f");
+  CHECK(counts.received == 3);
+  CHECK(counts.processed == 1);
+  CHECK(counts.rejected == 1);
+  CHECK(storage.FindFrame("f", "a")->reason == "too dark");
+  CHECK(storage.FlightsWithQueuedFrames() == std::vector<std::string>{"f"});
+  CHECK(storage.NextQueuedFrame("f", 0)->id == "c");
+  CHECK_FALSE(storage.NextQueuedFrame("f", 3));
+}
+
+TEST_CASE("storage: deleting a flight keeps its sites and the images that another flight needs") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  FrameRow own = SomeFrame("f", "own");
+  own.sha256 = kOtherImage;
+  storage.InsertFlight(SomeFlight("f"));
+  storage.InsertFlight(SomeFlight("g"));
+  storage.WriteImage(kImage, "shared");
+  storage.WriteImage(kOtherImage, "own");
+  storage.InsertFrames("f", {SomeFrame("f", "one"), own}, SomeJob("j", "f"));
+  storage.InsertFrames("g", {SomeFrame("g", "one")});
+  storage.PutSite(SomeSite("f-r3", 50.0, 8.0), "map");
+  CHECK(storage.DeleteFlight("f", false));
+  CHECK_FALSE(storage.DeleteFlight("f", false));
+  CHECK(storage.ListFrames("f").empty());
+  CHECK_FALSE(storage.FindJob("j"));
+  CHECK(storage.ReadImage(kImage) == "shared");
+  CHECK_FALSE(storage.ReadImage(kOtherImage));
+  CHECK(storage.FindSite("f-r3"));
+}
+
+TEST_CASE("storage: deleting a flight forgets its sites when asked") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.InsertFlight(SomeFlight("f"));
+  storage.PutSite(SomeSite("f-r3", 50.0, 8.0), "map");
+  CHECK(storage.DeleteFlight("f", true));
+  CHECK_FALSE(storage.FindSite("f-r3"));
+  CHECK_FALSE(storage.ReadSiteMap("f-r3"));
+}
+
+TEST_CASE("storage: image files that no frame names are removed at start") {
+  const TemporaryFolder folder;
+  {
+    Storage storage(folder.path());
+    storage.InsertFlight(SomeFlight("f"));
+    storage.WriteImage(kImage, "kept");
+    storage.WriteImage(kOtherImage, "left by a crash");
+    storage.InsertFrames("f", {SomeFrame("f", "one")});
+  }
+  const Storage storage(folder.path());
+  CHECK(NumFiles(folder.path() / "images") == 1);
+  CHECK(storage.ReadImage(kImage) == "kept");
+}
+
+TEST_CASE("storage: sites are found by box, also across the antimeridian") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.PutSite(SomeSite("home", 50.0, 8.0), "");
+  storage.PutSite(SomeSite("fiji", -17.0, 179.5), "");
+  storage.PutSite(SomeSite("taveuni", -17.0, -179.9), "");
+  CHECK(storage.ListSites(std::nullopt, std::nullopt).size() == 3);
+  CHECK(storage.ListSites(std::nullopt, BoundingBox{7.0, 49.0, 9.0, 51.0}).size() == 1);
+  CHECK(storage.ListSites(std::nullopt, BoundingBox{179.0, -18.0, -179.0, -16.0}).size() == 2);
+  CHECK(storage.ListSites("g", std::nullopt).empty());
+  CHECK(storage.ListSites("f", std::nullopt).size() == 3);
+}
+
+TEST_CASE("storage: a site put again replaces its map, an empty one removes it") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.PutSite(SomeSite("s", 50.0, 8.0), "old");
+  SiteRow site = SomeSite("s", 51.0, 8.0);
+  site.approach_json = "{}";
+  storage.PutSite(site, "new");
+  CHECK(storage.ReadSiteMap("s") == "new");
+  CHECK(storage.FindSite("s")->latitude_deg == 51.0);
+  CHECK(storage.FindSite("s")->approach_json == "{}");
+  storage.PutSite(site, "");
+  CHECK_FALSE(storage.ReadSiteMap("s"));
+  CHECK(storage.DeleteSite("s"));
+  CHECK_FALSE(storage.DeleteSite("s"));
+}
+
+TEST_CASE("storage: a finished job is not changed any more") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.InsertFlight(SomeFlight("f"));
+  JobRow job = SomeJob("j", "f");
+  storage.InsertJob(job);
+  CHECK(storage.ListUnfinishedJobs().size() == 1);
+  job.state = JobState::kCancelled;
+  storage.UpdateJob(job);
+  job.state = JobState::kDone;
+  storage.UpdateJob(job);
+  CHECK(storage.FindJob("j")->state == JobState::kCancelled);
+  CHECK(storage.ListUnfinishedJobs().empty());
+  CHECK(storage.ListJobs().size() == 1);
+  CHECK(storage.DeleteJob("j"));
+}
+
+TEST_CASE("storage: regions are replaced as one snapshot and keep their order") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.InsertFlight(SomeFlight("f"));
+  storage.ReplaceRegions("f", {{7, "seven", "h7"}, {2, "two", "h2"}});
+  storage.ReplaceRegions("f", {{9, "nine", "h9"}, {7, "seven", "h7"}});
+  const std::vector<Storage::RegionRow> regions = storage.ListRegions("f");
+  REQUIRE(regions.size() == 2);
+  CHECK(regions[0].id == 9);
+  CHECK(regions[1].feature_json == "seven");
+  CHECK(regions[1].history_json == "h7");
+}
+
+TEST_CASE("storage: changes of one flight from several threads are all kept") {
+  constexpr int kNumThreads = 4;
+  constexpr int kNumChanges = 20;
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.InsertFlight(SomeFlight("f"));
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kNumThreads; ++i) {
+    threads.emplace_back([&storage] {
+      for (int k = 0; k < kNumChanges; ++k) {
+        storage.ChangeFlight("f", [](FlightRow& flight) { ++flight.num_rejected_frames; });
+        storage.FindFlight("f");
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(storage.FindFlight("f")->num_rejected_frames == kNumThreads * kNumChanges);
+  CHECK_FALSE(storage.ChangeFlight("g", [](FlightRow&) {}));
+}
+
+TEST_CASE("storage: text that looks like SQL is data") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  FlightRow flight = SomeFlight("f");
+  flight.name = "'); DROP TABLE flights; --";
+  storage.InsertFlight(flight);
+  CHECK(storage.FindFlight("f")->name == flight.name);
+  CHECK_FALSE(storage.FindFlight("' OR '1' = '1"));
+}
+
+TEST_CASE("storage: a fresh folder can be written") {
+  const TemporaryFolder folder;
+  const Storage storage(folder.path());
+  CHECK_FALSE(storage.WhyNotWritable());
+  CHECK(std::filesystem::is_empty(storage.SpoolFolder()));
+}
+
+}  // namespace
+}  // namespace freelsd
