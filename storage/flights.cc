@@ -9,10 +9,11 @@ namespace {
 
 constexpr char kSelectFlight[] =
     "SELECT id, name, request_json, rig_json, warnings_json, stages_json, created_at_us, "
-    "num_rejected_frames, has_failed FROM flights WHERE id = ?1";
+    "num_rejected_frames, has_failed, ground_altitude_m FROM flights WHERE id = ?1";
 constexpr char kSelectFlights[] =
     "SELECT id, name, request_json, rig_json, warnings_json, stages_json, created_at_us, "
-    "num_rejected_frames, has_failed FROM flights ORDER BY created_at_us DESC, id";
+    "num_rejected_frames, has_failed, ground_altitude_m FROM flights ORDER BY created_at_us DESC, "
+    "id";
 
 FlightRow RowOf(const Statement& statement) {
   FlightRow flight;
@@ -25,6 +26,7 @@ FlightRow RowOf(const Statement& statement) {
   flight.created_at_us = statement.Int(6);
   flight.num_rejected_frames = statement.Int(7);
   flight.has_failed = statement.Int(8) != 0;
+  flight.ground_altitude_m = statement.OptionalReal(9);
   return flight;
 }
 
@@ -56,21 +58,22 @@ bool ChangeFlightRow(const Connection& writer,
   writer
       .Prepare(
           "UPDATE flights SET name = ?2, rig_json = ?3, warnings_json = ?4, stages_json = ?5, "
-          "num_rejected_frames = ?6, has_failed = ?7 WHERE id = ?1")
+          "num_rejected_frames = ?6, has_failed = ?7, ground_altitude_m = ?8 WHERE id = ?1")
       .Bind(flight_id,
             flight->name,
             flight->rig_json,
             flight->warnings_json,
             flight->stages_json,
             flight->num_rejected_frames,
-            static_cast<int>(flight->has_failed))
+            static_cast<int>(flight->has_failed),
+            flight->ground_altitude_m)
       .Run();
   return true;
 }
 
 void Storage::InsertFlight(const FlightRow& flight) {
   const std::lock_guard lock(state_->write_mutex);
-  state_->writer.Prepare("INSERT INTO flights VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)")
+  state_->writer.Prepare("INSERT INTO flights VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
       .Bind(flight.id,
             flight.name,
             flight.request_json,
@@ -79,7 +82,8 @@ void Storage::InsertFlight(const FlightRow& flight) {
             flight.stages_json,
             flight.created_at_us,
             flight.num_rejected_frames,
-            static_cast<int>(flight.has_failed))
+            static_cast<int>(flight.has_failed),
+            flight.ground_altitude_m)
       .Run();
 }
 

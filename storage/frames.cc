@@ -16,6 +16,7 @@ FrameRow RowOf(const Statement& statement) {
   frame.meta_json = statement.Text(4);
   frame.state = static_cast<FrameState>(statement.Int(5));
   frame.reason = statement.Text(6);
+  frame.is_from_batch = statement.Int(7) != 0;
   return frame;
 }
 
@@ -27,14 +28,15 @@ int64_t LastSequence(const Connection& writer, const std::string& flight_id) {
 }
 
 void InsertFrameRow(const Connection& writer, const FrameRow& frame, int64_t sequence) {
-  writer.Prepare("INSERT INTO frames VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
+  writer.Prepare("INSERT INTO frames VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")
       .Bind(frame.flight_id,
             sequence,
             frame.id,
             frame.sha256,
             frame.meta_json,
             static_cast<int>(frame.state),
-            frame.reason)
+            frame.reason,
+            static_cast<int>(frame.is_from_batch))
       .Run();
 }
 
@@ -63,7 +65,7 @@ std::optional<FrameRow> Storage::FindFrame(const std::string& flight_id,
                                            const std::string& frame_id) const {
   const Reader reader(state_->readers);
   Statement statement = reader->Prepare(
-      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason FROM frames "
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch FROM frames "
       "WHERE flight_id = ?1 AND id = ?2");
   if (!statement.Bind(flight_id, frame_id).Step()) return std::nullopt;
   return RowOf(statement);
@@ -72,7 +74,7 @@ std::optional<FrameRow> Storage::FindFrame(const std::string& flight_id,
 std::vector<FrameRow> Storage::ListFrames(const std::string& flight_id) const {
   const Reader reader(state_->readers);
   Statement statement = reader->Prepare(
-      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason FROM frames "
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch FROM frames "
       "WHERE flight_id = ?1 ORDER BY sequence");
   statement.Bind(flight_id);
   std::vector<FrameRow> frames;
@@ -91,7 +93,8 @@ Storage::FrameCounts Storage::CountFrames(const std::string& flight_id) const {
 
 int64_t Storage::CountQueuedFrames() const {
   const Reader reader(state_->readers);
-  Statement statement = reader->Prepare("SELECT count(*) FROM frames WHERE state = 0");
+  Statement statement =
+      reader->Prepare("SELECT count(*) FROM frames WHERE state = 0 AND is_from_batch = 0");
   statement.Step();
   return statement.Int(0);
 }
@@ -106,14 +109,24 @@ std::vector<std::string> Storage::FlightsWithQueuedFrames() const {
   return flights;
 }
 
-std::optional<FrameRow> Storage::NextQueuedFrame(const std::string& flight_id,
-                                                 int64_t after_sequence) const {
+std::optional<FrameRow> Storage::NextFrame(const std::string& flight_id,
+                                           int64_t after_sequence) const {
   const Reader reader(state_->readers);
   Statement statement = reader->Prepare(
-      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason FROM frames "
-      "WHERE flight_id = ?1 AND sequence > ?2 AND state = 0 ORDER BY sequence LIMIT 1");
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch FROM frames "
+      "WHERE flight_id = ?1 AND sequence > ?2 ORDER BY sequence LIMIT 1");
   if (!statement.Bind(flight_id, after_sequence).Step()) return std::nullopt;
   return RowOf(statement);
+}
+
+std::optional<int64_t> Storage::NextQueuedSequence(const std::string& flight_id,
+                                                   int64_t after_sequence) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT sequence FROM frames WHERE flight_id = ?1 AND sequence > ?2 AND state = 0 "
+      "ORDER BY sequence LIMIT 1");
+  if (!statement.Bind(flight_id, after_sequence).Step()) return std::nullopt;
+  return statement.Int(0);
 }
 
 void Storage::SetFrameState(const std::string& flight_id,

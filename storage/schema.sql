@@ -10,7 +10,8 @@ CREATE TABLE flights (
   stages_json TEXT NOT NULL,                 -- per stage: mean_ms, count
   created_at_us INTEGER NOT NULL,            -- microseconds since 1970
   num_rejected_frames INTEGER NOT NULL,      -- refused images of batches and streams, which have no row
-  has_failed INTEGER NOT NULL                -- 1: the engine failed on this flight, see warnings
+  has_failed INTEGER NOT NULL,               -- 1: the engine failed on this flight, see warnings
+  ground_altitude_m REAL                     -- ground below the first frame, flight's datum; NULL: unknown
 ) STRICT;
 
 CREATE TABLE frames (
@@ -21,11 +22,13 @@ CREATE TABLE frames (
   meta_json TEXT NOT NULL,                   -- timestamp_us, position (deg, m), attitude (deg), wind (mps)
   state INTEGER NOT NULL,                    -- 0 queued, 1 processed, 2 rejected by the frontend
   reason TEXT NOT NULL,                      -- why rejected, or a note; '' for none
+  is_from_batch INTEGER NOT NULL,            -- 1: outside the limit of the frame queue
   PRIMARY KEY (flight_id, id)
 ) STRICT, WITHOUT ROWID;
 CREATE UNIQUE INDEX frames_by_sequence ON frames (flight_id, sequence);
 CREATE INDEX frames_by_image ON frames (sha256);
 CREATE INDEX frames_queued ON frames (flight_id, sequence) WHERE state = 0;
+CREATE INDEX frames_in_queue ON frames (state) WHERE state = 0 AND is_from_batch = 0;
 
 CREATE TABLE jobs (
   number INTEGER PRIMARY KEY AUTOINCREMENT,  -- order of arrival

@@ -68,6 +68,20 @@ std::vector<Storage::RegionRow> Storage::ListRegions(const std::string& flight_i
   return regions;
 }
 
+int64_t Storage::CountRegions(const std::string& flight_id) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare("SELECT count(*) FROM regions WHERE flight_id = ?1");
+  statement.Bind(flight_id).Step();
+  return statement.Int(0);
+}
+
+int64_t Storage::CountSites(const std::string& flight_id) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare("SELECT count(*) FROM sites WHERE flight_id = ?1");
+  statement.Bind(flight_id).Step();
+  return statement.Int(0);
+}
+
 void Storage::PutSite(const SiteRow& site, std::string_view map_blob) {
   const std::lock_guard lock(state_->write_mutex);
   Transaction transaction(state_->writer);

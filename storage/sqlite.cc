@@ -46,6 +46,11 @@ void Statement::Run() {
   Check(sqlite3_reset(statement_));
 }
 
+std::optional<double> Statement::OptionalReal(int column) const {
+  if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::nullopt;
+  return Real(column);
+}
+
 std::string Statement::Text(int column) const {
   const void* const bytes = sqlite3_column_blob(statement_, column);
   const int size = sqlite3_column_bytes(statement_, column);
@@ -59,6 +64,11 @@ void Statement::BindOne(int index, int64_t value) {
 
 void Statement::BindOne(int index, double value) {
   Check(sqlite3_bind_double(statement_, index, value));
+}
+
+void Statement::BindOne(int index, const std::optional<double>& value) {
+  if (value) return BindOne(index, *value);
+  Check(sqlite3_bind_null(statement_, index));
 }
 
 void Statement::BindOne(int index, const std::string& value) {

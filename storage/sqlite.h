@@ -39,12 +39,14 @@ class Statement {
 
   int64_t Int(int column) const { return sqlite3_column_int64(statement_, column); }
   double Real(int column) const { return sqlite3_column_double(statement_, column); }
+  std::optional<double> OptionalReal(int column) const;
   std::string Text(int column) const;
 
  private:
   void BindOne(int index, int64_t value);
   void BindOne(int index, int value) { BindOne(index, static_cast<int64_t>(value)); }
   void BindOne(int index, double value);
+  void BindOne(int index, const std::optional<double>& value);
   void BindOne(int index, const std::string& value);
   void BindOne(int index, const Blob& value);
   void Check(int result) const;

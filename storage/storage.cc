@@ -115,6 +115,12 @@ std::optional<std::string> Storage::ReadImage(const std::string& sha256) const {
   return state_->images.Read(sha256);
 }
 
+void Storage::RemoveUnusedImage(const std::string& sha256) {
+  const std::lock_guard lock(state_->write_mutex);
+  Statement statement = state_->writer.Prepare("SELECT 1 FROM frames WHERE sha256 = ?1 LIMIT 1");
+  if (!statement.Bind(sha256).Step()) state_->images.Remove(sha256);
+}
+
 std::optional<std::string> Storage::WhyNotWritable() const {
   struct statvfs disk {};
   if (::statvfs(state_->folder.c_str(), &disk) != 0) return std::strerror(errno);

@@ -36,6 +36,8 @@ struct FlightRow {
   int64_t created_at_us = 0;
   int64_t num_rejected_frames = 0;
   bool has_failed = false;
+  // Of the ground below the first frame, in the flight's datum, once the engine has an estimate.
+  std::optional<double> ground_altitude_m;
 };
 
 enum class FrameState { kQueued, kProcessed, kRejected };
@@ -49,6 +51,8 @@ struct FrameRow {
   std::string meta_json;
   FrameState state = FrameState::kQueued;
   std::string reason;
+  // Batches are outside the limit of the frame queue.
+  bool is_from_batch = false;
 };
 
 enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };
@@ -107,6 +111,8 @@ class Storage {
   // Frames. The bytes are written (once per SHA-256) before the rows; all rows in one commit.
   void WriteImage(const std::string& sha256, std::string_view bytes);
   std::optional<std::string> ReadImage(const std::string& sha256) const;
+  // Takes back an image that was written for nothing; one that a frame names stays.
+  void RemoveUnusedImage(const std::string& sha256);
   // Frames of one flight, the job that waits for them, and what they change of the flight, in one
   // commit. Assigns sequence numbers in the given order. Throws StorageError, and stores nothing,
   // where a frame id exists already or an image file does not.
@@ -121,13 +127,15 @@ class Storage {
     int64_t received = 0, processed = 0, rejected = 0;
   };
   FrameCounts CountFrames(const std::string& flight_id) const;
-  // Of all flights.
+  // Of all flights, without those of batches.
   int64_t CountQueuedFrames() const;
   // Oldest flight first.
   std::vector<std::string> FlightsWithQueuedFrames() const;
-  // Of the flight the first queued frame after `after_sequence`.
-  std::optional<FrameRow> NextQueuedFrame(const std::string& flight_id,
-                                          int64_t after_sequence) const;
+  // Of the flight the first frame after `after_sequence`, whatever its state.
+  std::optional<FrameRow> NextFrame(const std::string& flight_id, int64_t after_sequence) const;
+  // Sequence number of the flight's first queued frame after `after_sequence`.
+  std::optional<int64_t> NextQueuedSequence(const std::string& flight_id,
+                                            int64_t after_sequence) const;
   void SetFrameState(const std::string& flight_id,
                      const std::string& frame_id,
                      FrameState state,
@@ -150,12 +158,14 @@ class Storage {
   };
   void ReplaceRegions(const std::string& flight_id, const std::vector<RegionRow>& regions);
   std::vector<RegionRow> ListRegions(const std::string& flight_id) const;
+  int64_t CountRegions(const std::string& flight_id) const;
 
   // Sites: inserted or replaced by id, with their map (empty: none), in one commit.
   void PutSite(const SiteRow& site, std::string_view map_blob);
   std::optional<SiteRow> FindSite(const std::string& site_id) const;
   std::vector<SiteRow> ListSites(const std::optional<std::string>& flight_id,
                                  const std::optional<BoundingBox>& box) const;
+  int64_t CountSites(const std::string& flight_id) const;
   std::optional<std::string> ReadSiteMap(const std::string& site_id) const;
   bool DeleteSite(const std::string& site_id);
 

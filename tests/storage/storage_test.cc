@@ -142,8 +142,8 @@ TEST_CASE("storage: frames are counted by state and taken in order") {
   storage.WriteImage(kImage, "pixels");
   storage.InsertFrames("f", {SomeFrame("f", "b"), SomeFrame("f", "a"), SomeFrame("f", "c")});
   CHECK(storage.CountQueuedFrames() == 3);
-  CHECK(storage.NextQueuedFrame("f", 0)->id == "b");
-  CHECK(storage.NextQueuedFrame("f", 1)->id == "a");
+  CHECK(storage.NextFrame("f", 0)->id == "b");
+  CHECK(storage.NextFrame("f", 1)->id == "a");
   storage.SetFrameState("f", "b", FrameState::kProcessed, "");
   storage.SetFrameState("f", "a", FrameState::kRejected, "too dark");
   const Storage::FrameCounts counts = storage.CountFrames("f");
@@ -152,8 +152,9 @@ TEST_CASE("storage: frames are counted by state and taken in order") {
   CHECK(counts.rejected == 1);
   CHECK(storage.FindFrame("f", "a")->reason == "too dark");
   CHECK(storage.FlightsWithQueuedFrames() == std::vector<std::string>{"f"});
-  CHECK(storage.NextQueuedFrame("f", 0)->id == "c");
-  CHECK_FALSE(storage.NextQueuedFrame("f", 3));
+  CHECK(storage.NextQueuedSequence("f", 0) == 3);
+  CHECK_FALSE(storage.NextQueuedSequence("f", 3));
+  CHECK_FALSE(storage.NextFrame("f", 3));
 }
 
 TEST_CASE("storage: deleting a flight keeps its sites and the images that another flight needs") {
@@ -175,6 +176,19 @@ TEST_CASE("storage: deleting a flight keeps its sites and the images that anothe
   CHECK(storage.ReadImage(kImage) == "shared");
   CHECK_FALSE(storage.ReadImage(kOtherImage));
   CHECK(storage.FindSite("f-r3"));
+}
+
+TEST_CASE("storage: an image that was written for nothing can be taken back") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.InsertFlight(SomeFlight("f"));
+  storage.WriteImage(kImage, "used");
+  storage.WriteImage(kOtherImage, "unused");
+  storage.InsertFrames("f", {SomeFrame("f", "one")});
+  storage.RemoveUnusedImage(kImage);
+  storage.RemoveUnusedImage(kOtherImage);
+  CHECK(storage.ReadImage(kImage) == "used");
+  CHECK_FALSE(storage.ReadImage(kOtherImage));
 }
 
 TEST_CASE("storage: deleting a flight forgets its sites when asked") {

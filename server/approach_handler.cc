@@ -1,0 +1,78 @@
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "api/export/export.h"
+#include "server/handlers.h"
+#include "server/site_lookup.h"
+
+namespace freelsd {
+namespace {
+
+constexpr char kGeoJson[] = "application/geo+json";
+
+// The site's aircraft with the query's fields in place of its own, or of the named profile's.
+Aircraft AircraftOf(const Call& call, const Aircraft& site_aircraft) {
+  nlohmann::json object = AircraftJson(site_aircraft);
+  if (const auto profile = call.Query("profile")) object = {{"profile", *profile}};
+  for (const auto& [name, value] : call.request.params) {
+    if (name == "profile" || name.starts_with("wind_")) continue;
+    object[name] = *call.QueryNumber(name);
+  }
+  try {
+    return ParseAircraft(object, "");
+  } catch (const ApiError& error) {
+    std::vector<FieldError> errors = error.errors();
+    for (FieldError& each : errors) {
+      if (each.pointer.starts_with("/")) each.pointer.erase(0, 1);
+    }
+    throw ApiError(error.code(), error.what(), errors);
+  }
+}
+
+// The query's wind, else the one the site was planned with.
+std::optional<Eigen::Vector2d> WindOf(const Call& call, const PlanRequest& request) {
+  const auto east_mps = call.QueryNumber("wind_east_mps");
+  const auto north_mps = call.QueryNumber("wind_north_mps");
+  if (east_mps.has_value() != north_mps.has_value()) {
+    const std::string missing = east_mps ? "wind_north_mps" : "wind_east_mps";
+    throw ApiError("InvalidQuery", missing + ": is missing", {{missing, "is missing"}});
+  }
+  if (!east_mps) return request.wind_in_world;
+  return Eigen::Vector2d(*east_mps, *north_mps);
+}
+
+nlohmann::json PlanAnew(const SiteRow& site, const std::string& map_blob, const Call& call) {
+  Replan replan = ParseReplan(site.replan_json);
+  const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
+  replan.request.wind_in_world = WindOf(call, replan.request);
+  const SiteMap site_map = DeserializeSiteMap(map_blob);
+  const PipelineOptions& options = replan.flight.options;
+  const HazardLayers layers = WithLimits(site_map.map,
+                                         site_map.layers,
+                                         {aircraft.max_slope_deg, aircraft.max_roughness_m},
+                                         options.hazard);
+  const Plan plan = PlanApproach(site_map.map, layers, replan.request, aircraft, options.approach);
+  const FlightContext context{
+      site.flight_id, replan.flight.altitude_datum, LocalFrame(replan.origin)};
+  if (!plan.approach)
+    throw ApiError("NoApproach", "no approach for this wind: " + plan.reject_detail);
+  nlohmann::json answer = ApproachJson(plan, context);
+  answer["plan"] = PlanProperties(plan, context);
+  return answer;
+}
+
+}  // namespace
+
+void GetApproach(Service& service, const Call& call, httplib::Response& response) {
+  const SiteRow site = ExistingSite(service, call);
+  if (call.request.params.empty()) {
+    if (site.approach_json.empty()) throw ApiError("NoApproach", "the site has no approach");
+    response.set_content(site.approach_json, kGeoJson);
+    return;
+  }
+  const std::optional<std::string> map_blob = service.storage.ReadSiteMap(site.id);
+  if (!map_blob) throw ApiError("NoApproach", "the site has no map to plan on");
+  response.set_content(PlanAnew(site, *map_blob, call).dump(), kGeoJson);
+}
+
+}  // namespace freelsd

@@ -1,0 +1,125 @@
+// The backend thread's half of Worker.
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "server/evaluation.h"
+#include "server/failure.h"
+#include "server/job_json.h"
+#include "server/warnings.h"
+#include "server/worker.h"
+
+namespace freelsd {
+namespace {
+
+constexpr std::chrono::milliseconds kProgressPeriod{300};
+
+// Tells the job's row how far it is; answers false once it is cancelled or gone.
+class JobProgress {
+ public:
+  JobProgress(Storage& storage, JobRow& job) : storage_(storage), job_(job) {}
+
+  bool Tell(double done_ratio, const std::string& stage) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - told_at_ < kProgressPeriod && stage == job_.stage) return is_wanted_;
+    told_at_ = now;
+    job_.progress_ratio = done_ratio;
+    job_.stage = stage;
+    storage_.UpdateJob(job_);
+    const std::optional<JobRow> stored = storage_.FindJob(job_.id);
+    is_wanted_ = stored && stored->state == JobState::kRunning;
+    return is_wanted_;
+  }
+  bool is_wanted() const { return is_wanted_; }
+
+ private:
+  Storage& storage_;
+  JobRow& job_;
+  std::chrono::steady_clock::time_point told_at_{};
+  bool is_wanted_ = true;
+};
+
+}  // namespace
+
+std::string Sentence(const std::exception& error) {
+  if (const auto* const opencv = dynamic_cast<const cv::Exception*>(&error)) {
+    // Its what() names source files.
+    return "image processing failed: " + std::string(opencv->err);
+  }
+  return error.what();
+}
+
+void FailJob(Storage& storage, JobRow job, const std::string& why) {
+  nlohmann::json detail = nlohmann::json::parse(job.detail_json);
+  detail["message"] = why;
+  job.detail_json = detail.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  job.state = JobState::kFailed;
+  storage.UpdateJob(job);
+}
+
+// The oldest finish whose frames are all through the frontend, else a flight that is due.
+bool Worker::StepBackend() {
+  for (const JobRow& job : service_.storage.ListUnfinishedJobs()) {
+    if (job.kind != "finish") continue;
+    const SessionPointer session = FindSession(job.flight_id);
+    if (!session || session->flushed_through() < LastSequenceOf(job, service_.storage)) continue;
+    RunFinish(job, *session);
+    return true;
+  }
+  std::string flight_id;
+  {
+    const std::lock_guard lock(mutex_);
+    if (due_.empty()) return false;
+    flight_id = *due_.begin();
+    due_.erase(due_.begin());
+  }
+  if (const SessionPointer session = FindSession(flight_id)) RunPeriodic(flight_id, *session);
+  return true;
+}
+
+void Worker::RunFinish(JobRow job, FlightSession& session) {
+  job.state = JobState::kRunning;
+  service_.storage.UpdateJob(job);
+  JobProgress progress(service_.storage, job);
+  try {
+    const size_t num_sites = EvaluateFlight(service_,
+                                            job.flight_id,
+                                            session,
+                                            EvaluationScope::kEveryGraded,
+                                            [&](double ratio, const std::string& stage) {
+                                              return !is_stopping_ && progress.Tell(ratio, stage);
+                                            });
+    nlohmann::json detail = nlohmann::json::parse(job.detail_json);
+    detail["num_sites"] = num_sites;
+    job.detail_json = detail.dump();
+    job.state = JobState::kDone;
+    job.progress_ratio = 1.0;
+    job.stage.clear();
+    service_.storage.UpdateJob(job);
+  } catch (const StorageError&) {
+    throw;
+  } catch (const std::exception& error) {
+    // A stopping server leaves the job as it is: the next start goes on with it.
+    if (is_stopping_ || !progress.is_wanted()) return;
+    spdlog::error("job {}: {}", job.id, Sentence(error));
+    FailJob(service_.storage, job, Sentence(error));
+  }
+}
+
+void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
+  try {
+    EvaluateFlight(
+        service_, flight_id, session, EvaluationScope::kBest, [this](double, const std::string&) {
+          return !is_stopping_;
+        });
+  } catch (const StorageError&) {
+    throw;
+  } catch (const std::exception& error) {
+    if (is_stopping_) return;
+    spdlog::error("flight {}: {}", flight_id, Sentence(error));
+    service_.storage.ChangeFlight(flight_id, [&error](FlightRow& flight) {
+      flight.warnings_json = AddWarnings(flight.warnings_json, "evaluation", {Sentence(error)});
+    });
+  }
+}
+
+}  // namespace freelsd

@@ -1,0 +1,51 @@
+// A batch as it arrives: images are checked and written one by one, poses kept, nothing inserted.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "server/call.h"
+#include "server/intake.h"
+
+namespace freelsd {
+
+struct BatchImage {
+  std::string id;
+  // Nothing where the image was refused: then code and reason say why.
+  std::optional<CheckedImage> image;
+  std::string code;
+  std::string reason;
+};
+
+// Writes images as they come; at the end takes back those that no frame came to need.
+class BatchUpload {
+ public:
+  explicit BatchUpload(Service& service) : service_(service) {}
+  ~BatchUpload();
+  BatchUpload(const BatchUpload&) = delete;
+  BatchUpload& operator=(const BatchUpload&) = delete;
+
+  // Multipart of `images` and one optional `poses`, or a zip of the same. Throws ApiError for a
+  // fault of structure.
+  void Read(const Call& call);
+
+  const std::vector<BatchImage>& images() const { return images_; }
+  const PoseFile& poses() const { return poses_; }
+
+ private:
+  void ReadParts(const Call& call, const std::string& boundary);
+  void ReadArchive(const Call& call);
+  void AddImage(const std::string& file_name, const std::optional<std::string>& bytes);
+  void AddPoses(const std::optional<std::string>& text);
+
+  Service& service_;
+  std::vector<BatchImage> images_;
+  std::set<std::string> ids_;
+  PoseFile poses_;
+  bool has_poses_ = false;
+  std::set<std::string> written_;
+};
+
+}  // namespace freelsd

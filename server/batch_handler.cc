@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/batch.h"
+#include "server/flight_lookup.h"
+#include "server/handlers.h"
+#include "server/job_json.h"
+#include "server/stamps.h"
+#include "server/warnings.h"
+
+namespace freelsd {
+namespace {
+
+// Unknown images listed in one answer.
+constexpr size_t kMaxNumListedErrors = 20;
+
+// An image with all that is known of it, in the order of flight.
+struct Candidate {
+  const BatchImage* entry = nullptr;
+  FrameMeta meta;
+};
+
+// What is to be committed together.
+struct Admission {
+  std::vector<FrameRow> frames;
+  nlohmann::json verdicts = nlohmann::json::array();
+  std::string rig_json;
+  std::vector<std::string> warnings;
+  int64_t num_rejected = 0;
+};
+
+void RefuseUnknownImages(const Service& service,
+                         const std::string& flight_id,
+                         const BatchUpload& upload) {
+  std::set<std::string> known;
+  for (const BatchImage& entry : upload.images()) known.insert(entry.id);
+  std::vector<FieldError> errors;
+  const auto& poses = upload.poses().poses;
+  for (size_t i = 0; i < poses.size() && errors.size() < kMaxNumListedErrors; ++i) {
+    const std::string& id = poses[i].first;
+    if (known.contains(id) || service.storage.FindFrame(flight_id, id)) continue;
+    errors.push_back({"/poses/" + std::to_string(i) + "/image", "there is no image " + id});
+  }
+  if (!errors.empty()) {
+    throw ApiError(
+        "UnknownImages", "poses name images that are neither here nor in the flight", errors);
+  }
+}
+
+// By time where every usable image has one, else as given.
+std::vector<Candidate> InOrderOfFlight(const BatchUpload& upload) {
+  std::map<std::string, FrameMeta> poses;
+  for (const auto& [id, meta] : upload.poses().poses) poses[id] = meta;
+  std::vector<Candidate> candidates;
+  bool has_all_times = true;
+  for (const BatchImage& entry : upload.images()) {
+    Candidate candidate{&entry, {}};
+    if (entry.image) candidate.meta = Merged(poses[entry.id], entry.image->tags.meta);
+    if (entry.image) has_all_times &= candidate.meta.timestamp_us.has_value();
+    candidates.push_back(std::move(candidate));
+  }
+  if (has_all_times) {
+    std::stable_sort(
+        candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+          return a.meta.timestamp_us.value_or(0) < b.meta.timestamp_us.value_or(0);
+        });
+  }
+  return candidates;
+}
+
+// Throws ApiError where the image cannot be a frame; false where it is one already.
+bool AdmitOne(const Service& service,
+              const std::string& flight_id,
+              const Candidate& candidate,
+              RigResolver& resolver,
+              std::vector<FrameRow>& frames) {
+  const BatchImage& entry = *candidate.entry;
+  if (!entry.image) throw ApiError(entry.code, entry.reason);
+  FrameRow frame = NewFrameRow(flight_id, entry.id, *entry.image, candidate.meta);
+  frame.is_from_batch = true;
+  if (const auto stored = service.storage.FindFrame(flight_id, entry.id)) {
+    if (stored->sha256 == frame.sha256 && stored->meta_json == frame.meta_json) return false;
+    throw ApiError("FrameConflict", "the frame is stored with another image or meta");
+  }
+  resolver.Admit(*entry.image, candidate.meta);
+  frames.push_back(std::move(frame));
+  return true;
+}
+
+Admission Admit(const Service& service, const FlightRow& flight, const BatchUpload& upload) {
+  Admission admission;
+  RigResolver resolver(flight);
+  admission.warnings = upload.poses().warnings;
+  for (const Candidate& candidate : InOrderOfFlight(upload)) {
+    nlohmann::json verdict{{"id", candidate.entry->id}, {"verdict", "accepted"}};
+    try {
+      if (!AdmitOne(service, flight.id, candidate, resolver, admission.frames)) {
+        verdict["detail"] = "was stored already";
+      }
+      const std::vector<std::string>& warnings = candidate.entry->image->tags.warnings;
+      admission.warnings.insert(admission.warnings.end(), warnings.begin(), warnings.end());
+    } catch (const ApiError& error) {
+      verdict["verdict"] = "rejected";
+      verdict["code"] = error.code();
+      verdict["detail"] = error.what();
+      ++admission.num_rejected;
+    }
+    admission.verdicts.push_back(std::move(verdict));
+  }
+  admission.rig_json = resolver.RigJson();
+  return admission;
+}
+
+JobRow NewBatchJob(const std::string& flight_id, const Admission& admission) {
+  JobRow job;
+  job.id = NewId("j");
+  job.kind = "batch";
+  job.flight_id = flight_id;
+  job.stage = "frontend";
+  job.created_at_us = NowUs();
+  const int64_t num_images = static_cast<int64_t>(admission.verdicts.size());
+  const nlohmann::json detail{{"images", admission.verdicts},
+                              {"num_accepted", num_images - admission.num_rejected},
+                              {"num_rejected", admission.num_rejected},
+                              {"warnings", admission.warnings}};
+  job.detail_json = detail.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return job;
+}
+
+}  // namespace
+
+void PostBatch(Service& service, const Call& call, httplib::Response& response) {
+  const std::string flight_id = ExistingFlight(service, call).id;
+  const Receiving receiving(service, flight_id);
+  BatchUpload upload(service);
+  upload.Read(call);
+  RefuseUnknownImages(service, flight_id, upload);
+  const std::lock_guard lock(service.intake_mutex);
+  const Admission admission = Admit(service, ExistingFlight(service, call), upload);
+  const JobRow job = NewBatchJob(flight_id, admission);
+  service.storage.InsertFrames(flight_id, admission.frames, job, [&](FlightRow& flight) {
+    flight.rig_json = admission.rig_json;
+    flight.num_rejected_frames += admission.num_rejected;
+    flight.warnings_json = AddWarnings(flight.warnings_json, "images", admission.warnings);
+  });
+  service.wake_worker();
+  AnswerJob(job, response);
+}
+
+}  // namespace freelsd

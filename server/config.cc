@@ -1,0 +1,123 @@
+#include "server/config.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+
+namespace freelsd {
+namespace {
+
+bool IsLoopback(const std::string& host) {
+  return host == "localhost" || host == "::1" || host.starts_with("127.");
+}
+
+int ParsePort(const std::string& text) {
+  const bool is_number = !text.empty() && text.size() <= 5 &&
+                         text.find_first_not_of("0123456789") == std::string::npos;
+  const int port = is_number ? std::stoi(text) : -1;
+  if (port < 0 || port > 65535) throw ConfigError("listen: \"" + text + "\" is not a port");
+  return port;
+}
+
+template <typename T>
+void Take(nlohmann::json& object, const char* key, T& value) {
+  const auto found = object.find(key);
+  if (found == object.end()) return;
+  try {
+    found->get_to(value);
+  } catch (const nlohmann::json::exception&) {
+    throw ConfigError(std::string("config file: ") + key + " has the wrong type");
+  }
+  object.erase(found);
+}
+
+void TakePath(nlohmann::json& object, const char* key, std::filesystem::path& value) {
+  std::string text = value.string();
+  Take(object, key, text);
+  value = text;
+}
+
+nlohmann::json ReadFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw ConfigError("config file: cannot read " + path);
+  try {
+    nlohmann::json object = ParseJson(std::string(std::istreambuf_iterator<char>(file), {}));
+    if (!object.is_object()) throw ConfigError("config file: must be a JSON object");
+    return object;
+  } catch (const ApiError& error) {
+    throw ConfigError(std::string("config file: ") + error.what());
+  }
+}
+
+void ReadConfigFile(const std::string& path, Config& config) {
+  nlohmann::json object = ReadFile(path);
+  TakePath(object, "data", config.data);
+  TakePath(object, "model", config.model);
+  TakePath(object, "page", config.page);
+  std::string listen;
+  Take(object, "listen", listen);
+  if (!listen.empty()) SetListen(listen, config);
+  Take(object, "allowed_hosts", config.allowed_hosts);
+  Take(object, "num_http_threads", config.num_http_threads);
+  Take(object, "max_num_queued_frames", config.max_num_queued_frames);
+  Take(object, "max_batch_bytes", config.max_batch_bytes);
+  if (!object.empty()) throw ConfigError("config file: unknown key " + object.begin().key());
+}
+
+void Check(const Config& config) {
+  if (config.data.empty()) throw ConfigError("--data is needed: the folder to keep everything in");
+  if (config.num_http_threads < 2 || config.num_http_threads > 512) {
+    throw ConfigError("num_http_threads: must be in [2, 512]");
+  }
+  if (config.max_num_queued_frames < 1) throw ConfigError("max_num_queued_frames: must be >= 1");
+}
+
+}  // namespace
+
+void SetListen(const std::string& listen, Config& config) {
+  const size_t colon = listen.rfind(':');
+  if (colon == std::string::npos) throw ConfigError("listen: must be ADDRESS:PORT");
+  std::string host = listen.substr(0, colon);
+  if (host.starts_with("[") && host.ends_with("]")) host = host.substr(1, host.size() - 2);
+  if (!IsLoopback(host)) {
+    throw ConfigError("listen: " + host +
+                      " is not a loopback address, and this server has no token to ask for");
+  }
+  config.host = host;
+  config.port = ParsePort(listen.substr(colon + 1));
+}
+
+std::optional<Config> ReadConfig(int argc, const char* const* argv) {
+  CLI::App app("Finds landing sites for small planes; HTTP/JSON service.", "freelsd-server");
+  std::string data, listen, config_file, model, page;
+  app.add_option("--data", data, "Folder for the database and the images");
+  app.add_option("--listen", listen, "ADDRESS:PORT, default 127.0.0.1:8080");
+  app.add_option("--config", config_file, "JSON file with the same and more settings");
+  app.add_option("--model", model, "Grass classifier, default: beside the program");
+  app.add_option("--page", page, "Folder of the page, default: beside the program");
+  app.set_version_flag("--version", "freelsd-server " FREELSD_VERSION);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    app.exit(success);
+    return std::nullopt;
+  } catch (const CLI::ParseError& error) {
+    throw ConfigError(error.what());
+  }
+  Config config;
+  if (!config_file.empty()) ReadConfigFile(config_file, config);
+  if (!data.empty()) config.data = data;
+  if (!listen.empty()) SetListen(listen, config);
+  if (!model.empty()) config.model = model;
+  if (!page.empty()) config.page = page;
+  Check(config);
+  return config;
+}
+
+}  // namespace freelsd

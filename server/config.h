@@ -1,0 +1,42 @@
+// Settings of freelsd-server: command line over configuration file over defaults.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace freelsd {
+
+struct Config {
+  std::filesystem::path data;
+  std::string host = "127.0.0.1";
+  // 0: any free port.
+  int port = 8080;
+  // The grass classifier and the page; found beside the program when empty.
+  std::filesystem::path model;
+  std::filesystem::path page;
+  // Host names besides the loopback ones that requests may name.
+  std::vector<std::string> allowed_hosts;
+  int num_http_threads = 32;
+  // Frames that may wait for the frontend; batches are outside this limit.
+  int64_t max_num_queued_frames = 256;
+  uint64_t max_batch_bytes = uint64_t{2} << 30;
+};
+
+// What is wrong with the settings, in a sentence.
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Nothing when help or the version was asked for and printed. Throws ConfigError.
+std::optional<Config> ReadConfig(int argc, const char* const* argv);
+
+// "127.0.0.1:8080", "[::1]:8080". Throws ConfigError, also for an address that is not loopback:
+// there is no authentication yet.
+void SetListen(const std::string& listen, Config& config);
+
+}  // namespace freelsd

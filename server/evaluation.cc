@@ -1,0 +1,131 @@
+#include "server/evaluation.h"
+
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "api/export/export.h"
+#include "server/site_lookup.h"
+#include "server/stamps.h"
+#include "server/warnings.h"
+
+namespace freelsd {
+namespace {
+
+struct NewSite {
+  SiteRow row;
+  std::string map_blob;
+};
+
+std::vector<Region> RegionsToEvaluate(const Snapshot& snapshot,
+                                      EvaluationScope scope,
+                                      const BackendOptions& options) {
+  std::vector<Region> regions;
+  const size_t max_num_regions = scope == EvaluationScope::kEveryGraded
+                                     ? snapshot.regions.size()
+                                     : static_cast<size_t>(options.num_backend_candidates);
+  for (const Region& region : snapshot.regions) {  // best first
+    if (region.grade > 0.0 && regions.size() < max_num_regions) regions.push_back(region);
+  }
+  return regions;
+}
+
+// The stored image of a frame, decoded; empty if it is gone.
+ImageSource StoredImages(Service& service, const std::string& flight_id) {
+  return [&service, flight_id](const std::string& frame_id) {
+    const std::optional<FrameRow> frame = service.storage.FindFrame(flight_id, frame_id);
+    if (!frame) return cv::Mat();
+    const std::optional<std::string> bytes = service.storage.ReadImage(frame->sha256);
+    if (!bytes) return cv::Mat();
+    return DecodeImage(*bytes, service.image_limits);
+  };
+}
+
+Replan ReplanOf(const Site& site, const FlightSession& session, int min_num_observations) {
+  Replan replan;
+  replan.flight = session.request();
+  replan.origin = session.origin();
+  replan.request.footprint = site.region.Footprint();
+  replan.request.area_m2 = site.region.area_m2;
+  replan.request.grade = site.region.grade;
+  replan.request.num_observations = site.region.num_observations;
+  replan.request.min_num_observations = min_num_observations;
+  if (site.wind) replan.request.wind_in_world = site.wind->wind_in_world;
+  return replan;
+}
+
+NewSite SiteOf(const Site& site,
+               const Evaluation& evaluation,
+               const FlightSession& session,
+               int min_num_observations) {
+  const FlightContext context = session.Context();
+  const FlightRequest& request = session.request();
+  NewSite made;
+  made.row.id = context.flight_id + "-r" + std::to_string(site.region.id);
+  made.row.flight_id = context.flight_id;
+  made.row.region_id = site.region.id;
+  made.row.updated_at_us = NowUs();
+  const GeoPoint touchdown = context.local_frame.GeoFromWorld(site.plan.touchdown_in_world);
+  made.row.latitude_deg = touchdown.latitude_deg;
+  made.row.longitude_deg = touchdown.longitude_deg;
+  const std::string updated_at = Rfc3339(made.row.updated_at_us);
+  made.row.feature_json =
+      SiteFeature(made.row.id, site, request.aircraft, updated_at, context).dump();
+  if (site.plan.approach) made.row.approach_json = ApproachJson(site.plan, context).dump();
+  made.row.replan_json = ReplanJson(ReplanOf(site, session, min_num_observations));
+  if (evaluation.map.grid.num_rows > 0) {
+    made.map_blob = SerializeSiteMap(CropAround(evaluation.map,
+                                                evaluation.hazards,
+                                                site.region.Footprint(),
+                                                request.options.backend.max_surroundings_m));
+  }
+  return made;
+}
+
+void StoreSites(Service& service,
+                const std::string& flight_id,
+                const std::vector<NewSite>& sites,
+                EvaluationScope scope) {
+  const std::lock_guard lock(service.sites_mutex);
+  if (!service.storage.FindFlight(flight_id)) return;
+  std::set<std::string> ids;
+  for (const NewSite& site : sites) {
+    service.storage.PutSite(site.row, site.map_blob);
+    ids.insert(site.row.id);
+  }
+  if (scope != EvaluationScope::kEveryGraded) return;
+  for (const SiteRow& site : service.storage.ListSites(flight_id, std::nullopt)) {
+    if (!ids.contains(site.id)) service.storage.DeleteSite(site.id);
+  }
+}
+
+}  // namespace
+
+size_t EvaluateFlight(Service& service,
+                      const std::string& flight_id,
+                      FlightSession& session,
+                      EvaluationScope scope,
+                      const Progress& progress) {
+  const Snapshot snapshot = session.TakeSnapshot();
+  const FlightRequest& request = session.request();
+  const std::vector<Region> regions = RegionsToEvaluate(snapshot, scope, request.options.backend);
+  const Evaluation evaluation = EvaluateSites(snapshot,
+                                              regions,
+                                              StoredImages(service, flight_id),
+                                              request.aircraft,
+                                              request.options,
+                                              progress);
+  std::vector<NewSite> sites;
+  for (const Site& site : evaluation.sites) {
+    sites.push_back(SiteOf(site, evaluation, session, snapshot.min_num_observations));
+  }
+  StoreSites(service, flight_id, sites, scope);
+  session.AddReports(evaluation.reports);
+  session.Store(service.storage);
+  service.storage.ChangeFlight(flight_id, [&](FlightRow& flight) {
+    flight.warnings_json = ReplaceWarnings(flight.warnings_json, "evaluation", evaluation.warnings);
+  });
+  return sites.size();
+}
+
+}  // namespace freelsd

@@ -1,0 +1,108 @@
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/flight_lookup.h"
+#include "server/handlers.h"
+#include "server/stamps.h"
+#include "server/warnings.h"
+
+namespace freelsd {
+namespace {
+
+constexpr uint64_t kMaxJsonBytes = 1 << 20;
+
+const char* StateName(const Service& service,
+                      const FlightRow& flight,
+                      const Storage::FrameCounts& counts) {
+  if (flight.has_failed) return "failed";
+  if (counts.processed + counts.rejected < counts.received) return "processing";
+  for (const JobRow& job : service.storage.ListUnfinishedJobs()) {
+    if (job.flight_id == flight.id) return "processing";
+  }
+  return service.IsReceiving(flight.id) ? "receiving" : "idle";
+}
+
+// Origin as the contract has it: at estimated ground height unless the client gave one.
+nlohmann::json OriginJson(const FlightRow& flight, const FlightRequest& request) {
+  if (request.origin) return GeoPointJson(*request.origin);
+  if (flight.rig_json.empty()) return nullptr;
+  GeoPoint origin = ParseStoredFlightRig(flight.rig_json).origin;
+  nlohmann::json object = GeoPointJson(origin);
+  object["altitude_m"] = nullptr;
+  if (flight.ground_altitude_m) object["altitude_m"] = *flight.ground_altitude_m;
+  return object;
+}
+
+nlohmann::json CameraOf(const FlightRow& flight, const FlightRequest& request) {
+  if (request.camera) return CameraJson(*request.camera);
+  if (flight.rig_json.empty()) return nullptr;
+  return CameraJson(ParseStoredFlightRig(flight.rig_json).rig.camera);
+}
+
+nlohmann::json FlightJson(const Service& service, const FlightRow& flight) {
+  const FlightRequest request = ParseFlightRequest(flight.request_json);
+  const Storage::FrameCounts counts = service.storage.CountFrames(flight.id);
+  return {{"id", flight.id},
+          {"name", flight.name},
+          {"state", StateName(service, flight, counts)},
+          {"frames",
+           {{"received", counts.received},
+            {"processed", counts.processed + counts.rejected},
+            {"rejected", flight.num_rejected_frames}}},
+          {"num_regions", service.storage.CountRegions(flight.id)},
+          {"num_sites", service.storage.CountSites(flight.id)},
+          {"stages", nlohmann::json::parse(flight.stages_json)},
+          {"warnings", AllWarnings(flight.warnings_json)},
+          {"camera", CameraOf(flight, request)},
+          {"origin", OriginJson(flight, request)},
+          {"aircraft", AircraftJson(request.aircraft)},
+          {"altitude_datum", request.altitude_datum},
+          {"created_at", Rfc3339(flight.created_at_us)}};
+}
+
+}  // namespace
+
+FlightRow ExistingFlight(const Service& service, const Call& call) {
+  const std::optional<FlightRow> flight = service.storage.FindFlight(call.Id("flight"));
+  if (!flight) throw ApiError("NoSuchFlight", "there is no such flight");
+  return *flight;
+}
+
+void PostFlight(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRequest request = ParseFlightRequest(call.body.ReadAll(kMaxJsonBytes));
+  FlightRow flight;
+  flight.id = NewId("f");
+  flight.name = request.name;
+  flight.request_json = request.canonical_json;
+  flight.created_at_us = NowUs();
+  service.storage.InsertFlight(flight);
+  response.status = 201;
+  response.set_header("Location", "/v1/flights/" + flight.id);
+  response.set_content(FlightJson(service, flight).dump(), "application/json");
+}
+
+void GetFlights(Service& service, const Call&, httplib::Response& response) {
+  nlohmann::json flights = nlohmann::json::array();
+  for (const FlightRow& flight : service.storage.ListFlights()) {
+    flights.push_back(FlightJson(service, flight));
+  }
+  response.set_content(nlohmann::json{{"flights", flights}}.dump(), "application/json");
+}
+
+void GetFlight(Service& service, const Call& call, httplib::Response& response) {
+  response.set_content(FlightJson(service, ExistingFlight(service, call)).dump(),
+                       "application/json");
+}
+
+void DeleteFlight(Service& service, const Call& call, httplib::Response& response) {
+  const bool forget_sites = call.QueryFlag("forget_sites");
+  const FlightRow flight = ExistingFlight(service, call);
+  {
+    const std::lock_guard lock(service.sites_mutex);
+    service.storage.DeleteFlight(flight.id, forget_sites);
+  }
+  service.wake_worker();
+  response.status = 204;
+}
+
+}  // namespace freelsd

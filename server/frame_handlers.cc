@@ -1,0 +1,181 @@
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/digest.h"
+#include "server/flight_lookup.h"
+#include "server/handlers.h"
+#include "server/intake.h"
+#include "server/multipart.h"
+#include "server/stamps.h"
+#include "server/warnings.h"
+
+namespace freelsd {
+namespace {
+
+constexpr size_t kMaxMetaBytes = 1 << 20;
+// Boundaries and part headers around an image and its meta.
+constexpr size_t kMultipartOverheadBytes = 64 << 10;
+
+struct FrameUpload {
+  std::string image;
+  std::string meta = "{}";
+};
+
+const char* StateName(FrameState state) {
+  constexpr const char* kNames[] = {"queued", "processed", "rejected"};
+  return kNames[static_cast<int>(state)];
+}
+
+nlohmann::json FrameJson(const FrameRow& frame) {
+  nlohmann::json object{
+      {"id", frame.id}, {"sha256", frame.sha256}, {"state", StateName(frame.state)}};
+  if (!frame.reason.empty()) object["reason"] = frame.reason;
+  return object;
+}
+
+void TakePart(MultipartReader& parts, const std::string& name, size_t max_bytes, std::string& to) {
+  std::optional<std::string> content = parts.ReadAll(max_bytes);
+  if (!content) {
+    ApiError error(
+        "BodyTooLarge", "the part " + name + " is too large", {{"/" + name, "too large"}});
+    error.limit = static_cast<double>(max_bytes);
+    throw error;
+  }
+  to = std::move(*content);
+}
+
+FrameUpload ParseMultipart(const std::string& body, const std::string& boundary, size_t max_bytes) {
+  size_t position = 0;
+  MultipartReader parts(
+      [&body, &position](char* bytes, size_t size) {
+        const size_t num_read = body.copy(bytes, size, position);
+        position += num_read;
+        return num_read;
+      },
+      boundary);
+  FrameUpload upload;
+  bool has_image = false;
+  bool has_meta = false;
+  while (const std::optional<Part> part = parts.Next()) {
+    if (part->name == "image" && !has_image) {
+      TakePart(parts, "image", max_bytes, upload.image);
+      has_image = true;
+    } else if (part->name == "meta" && !has_meta) {
+      TakePart(parts, "meta", kMaxMetaBytes, upload.meta);
+      has_meta = true;
+    } else {
+      throw ApiError("UnknownPart", "a frame has one image and at most one meta part");
+    }
+  }
+  if (!has_image) {
+    throw ApiError("MissingPart", "the part image is missing", {{"/image", "is missing"}});
+  }
+  return upload;
+}
+
+// Also checks the digest, of the whole body or of the image in it.
+FrameUpload ReadUpload(const Service& service, const Call& call) {
+  const size_t max_bytes = service.image_limits.max_bytes;
+  const auto boundary = MultipartBoundary(call.request.get_header_value("Content-Type"));
+  const std::string digest = call.request.get_header_value("Repr-Digest");
+  if (!boundary) {
+    FrameUpload upload;
+    upload.image = call.body.ReadAll(max_bytes);
+    if (!digest.empty()) CheckDigest(digest, {Sha256Hex(upload.image)});
+    if (upload.image.empty()) throw ApiError("MissingPart", "the body is empty: no image");
+    return upload;
+  }
+  const std::string body = call.body.ReadAll(max_bytes + kMaxMetaBytes + kMultipartOverheadBytes);
+  FrameUpload upload = ParseMultipart(body, *boundary, max_bytes);
+  if (!digest.empty()) CheckDigest(digest, {Sha256Hex(body), Sha256Hex(upload.image)});
+  return upload;
+}
+
+void RefuseWhenFull(const Service& service) {
+  const int64_t num_queued = service.storage.CountQueuedFrames();
+  if (num_queued < service.config.max_num_queued_frames) return;
+  ApiError error("QueueFull", "too many frames wait for the engine");
+  error.limit = static_cast<double>(service.config.max_num_queued_frames);
+  error.observed = static_cast<double>(num_queued);
+  throw error;
+}
+
+// The stored frame when it is the same; nothing when there is none. Throws FrameConflict.
+std::optional<FrameRow> SameFrame(const Service& service, const FrameRow& frame) {
+  const auto stored = service.storage.FindFrame(frame.flight_id, frame.id);
+  if (!stored) return std::nullopt;
+  if (stored->sha256 != frame.sha256) {
+    throw ApiError(
+        "FrameConflict",
+        "the frame is stored with the image " + stored->sha256 + ", not with " + frame.sha256);
+  }
+  if (stored->meta_json != frame.meta_json) {
+    throw ApiError("FrameConflict", "the frame is stored with another meta");
+  }
+  return stored;
+}
+
+void StoreFrame(Service& service,
+                const Call& call,
+                const FrameUpload& upload,
+                FrameRow frame_row,
+                const CheckedImage& image,
+                const FrameMeta& meta) {
+  RefuseWhenFull(service);
+  RigResolver resolver(ExistingFlight(service, call));
+  resolver.Admit(image, meta);
+  service.storage.WriteImage(image.sha256, upload.image);
+  const std::string flight_id = frame_row.flight_id;
+  service.storage.InsertFrames(
+      flight_id, {std::move(frame_row)}, std::nullopt, [&](FlightRow& flight) {
+        flight.rig_json = resolver.RigJson();
+        flight.warnings_json = AddWarnings(flight.warnings_json, "images", image.tags.warnings);
+      });
+}
+
+void TakeFrame(Service& service,
+               const Call& call,
+               const std::string& frame_id,
+               httplib::Response& response) {
+  if (!IsValidId(frame_id)) {
+    throw ApiError("InvalidId", "a frame id must match [A-Za-z0-9._-]{1,128}");
+  }
+  const FlightRow flight = ExistingFlight(service, call);
+  // A repeat of a stored frame is answered also when the queue is full.
+  if (!service.storage.FindFrame(flight.id, frame_id)) RefuseWhenFull(service);
+  const Receiving receiving(service, flight.id);
+  const FrameUpload upload = ReadUpload(service, call);
+  const CheckedImage image = CheckImage(service, upload.image);
+  const FrameMeta meta = Merged(ParseFrameMeta(upload.meta), image.tags.meta);
+  FrameRow frame = NewFrameRow(flight.id, frame_id, image, meta);
+  const std::lock_guard lock(service.intake_mutex);
+  const std::optional<FrameRow> stored = SameFrame(service, frame);
+  if (!stored) StoreFrame(service, call, upload, frame, image, meta);
+  service.wake_worker();
+  response.status = stored ? 200 : 201;
+  response.set_header("Location", "/v1/flights/" + flight.id + "/frames");
+  response.set_content(FrameJson(stored.value_or(frame)).dump(), "application/json");
+}
+
+}  // namespace
+
+void PutFrame(Service& service, const Call& call, httplib::Response& response) {
+  TakeFrame(service, call, call.Id("frame"), response);
+}
+
+void PostFrame(Service& service, const Call& call, httplib::Response& response) {
+  TakeFrame(service, call, NewId("frame"), response);
+}
+
+void GetFrames(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRow flight = ExistingFlight(service, call);
+  nlohmann::json frames = nlohmann::json::array();
+  for (const FrameRow& frame : service.storage.ListFrames(flight.id)) {
+    frames.push_back(FrameJson(frame));
+  }
+  response.set_content(nlohmann::json{{"frames", frames}}.dump(), "application/json");
+}
+
+}  // namespace freelsd

@@ -1,0 +1,54 @@
+// The handlers of routes.cc, by the file that has them. They throw ApiError and StorageError.
+#pragma once
+
+#include <httplib.h>
+
+#include "server/call.h"
+#include "server/service.h"
+
+namespace freelsd {
+
+// flight_handlers.cc
+void PostFlight(Service& service, const Call& call, httplib::Response& response);
+void GetFlights(Service& service, const Call& call, httplib::Response& response);
+void GetFlight(Service& service, const Call& call, httplib::Response& response);
+void DeleteFlight(Service& service, const Call& call, httplib::Response& response);
+
+// frame_handlers.cc
+void PutFrame(Service& service, const Call& call, httplib::Response& response);
+void PostFrame(Service& service, const Call& call, httplib::Response& response);
+void GetFrames(Service& service, const Call& call, httplib::Response& response);
+
+// batch_handler.cc
+void PostBatch(Service& service, const Call& call, httplib::Response& response);
+
+// job_handlers.cc
+void PostFinish(Service& service, const Call& call, httplib::Response& response);
+void GetJobs(Service& service, const Call& call, httplib::Response& response);
+void GetJob(Service& service, const Call& call, httplib::Response& response);
+void DeleteJob(Service& service, const Call& call, httplib::Response& response);
+
+// result_handlers.cc
+void GetRegions(Service& service, const Call& call, httplib::Response& response);
+void GetRegionHistory(Service& service, const Call& call, httplib::Response& response);
+void GetFlightSites(Service& service, const Call& call, httplib::Response& response);
+void GetSites(Service& service, const Call& call, httplib::Response& response);
+void GetSite(Service& service, const Call& call, httplib::Response& response);
+void DeleteSite(Service& service, const Call& call, httplib::Response& response);
+
+// approach_handler.cc
+void GetApproach(Service& service, const Call& call, httplib::Response& response);
+
+// layer_handlers.cc
+void GetLayers(Service& service, const Call& call, httplib::Response& response);
+void GetLayerPicture(Service& service, const Call& call, httplib::Response& response);
+void GetLayerGeoTiff(Service& service, const Call& call, httplib::Response& response);
+void GetLayerLegend(Service& service, const Call& call, httplib::Response& response);
+
+// service_handlers.cc
+void GetHealth(Service& service, const Call& call, httplib::Response& response);
+void GetReadiness(Service& service, const Call& call, httplib::Response& response);
+void GetInfo(Service& service, const Call& call, httplib::Response& response);
+void GetOpenApi(Service& service, const Call& call, httplib::Response& response);
+
+}  // namespace freelsd

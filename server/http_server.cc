@@ -1,0 +1,215 @@
+#include "server/http_server.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <sys/socket.h>
+
+#include "api/api.h"
+
+namespace freelsd {
+namespace {
+
+constexpr std::chrono::seconds kHeadTimeout{5};
+constexpr std::chrono::seconds kIdleTimeout{15};
+constexpr std::chrono::milliseconds kStopPollPeriod{200};
+constexpr int kMaxRequestsPerConnection = 10000;
+// Connections that wait to be accepted; the library's own figure is 5.
+constexpr int kListenBacklog = 1024;
+constexpr size_t kWriteBufferBytes = 256 << 10;
+
+// The request's body, while this thread serves it: the library's handlers get no argument of ours.
+thread_local BodyReader* body_of_this_thread = nullptr;
+
+// What the library reads its request from, and writes its answer to.
+class HeadStream : public httplib::Stream {
+ public:
+  HeadStream(const ClientSocket& socket, std::string head)
+      : socket_(socket), head_(std::move(head)) {}
+
+  bool is_readable() const override { return position_ < head_.size(); }
+  bool is_writable() const override { return !is_broken_; }
+  ssize_t read(char* bytes, size_t size) override {
+    const size_t num_taken = std::min(size, head_.size() - position_);
+    head_.copy(bytes, num_taken, position_);
+    position_ += num_taken;
+    return static_cast<ssize_t>(num_taken);
+  }
+  ssize_t write(const char* bytes, size_t size) override {
+    answer_.append(bytes, size);
+    if (answer_.size() > kWriteBufferBytes) Flush();
+    return is_broken_ ? -1 : static_cast<ssize_t>(size);
+  }
+  using httplib::Stream::write;
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    ip.clear();
+    port = 0;
+  }
+  void get_local_ip_and_port(std::string& ip, int& port) const override {
+    ip.clear();
+    port = 0;
+  }
+  socket_t socket() const override { return socket_.descriptor(); }
+
+  // Whether everything was sent.
+  bool Flush() {
+    is_broken_ = is_broken_ || !socket_.Write(answer_);
+    answer_.clear();
+    return !is_broken_;
+  }
+
+ private:
+  const ClientSocket& socket_;
+  std::string head_;
+  size_t position_ = 0;
+  std::string answer_;
+  bool is_broken_ = false;
+};
+
+// A problem in plain bytes, for requests that never reach the library.
+std::string RawProblem(const ApiError& error) {
+  const std::string body = ProblemJson(error);
+  std::string allow;
+  if (error.http_status() == 405) allow = "Allow: GET, HEAD, POST, PUT, DELETE\r\n";
+  return "HTTP/1.1 " + std::to_string(error.http_status()) + " " + error.code() +
+         "\r\nContent-Type: application/problem+json\r\nConnection: close\r\n" + allow +
+         "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+}
+
+// Up to and including the blank line, taken out of `buffered`. Nothing when the client ends or
+// sends nothing; throws ApiError for heads that are too large or too slow.
+std::optional<std::string> ReadHead(const ClientSocket& socket,
+                                    std::string& buffered,
+                                    const HeadLimits& limits) {
+  const SteadyTime deadline = std::chrono::steady_clock::now() + kHeadTimeout;
+  std::array<char, 4096> bytes;
+  size_t end = 0;
+  while ((end = buffered.find("\r\n\r\n")) == std::string::npos) {
+    if (buffered.size() > limits.max_bytes) {
+      throw buffered.find("\r\n") == std::string::npos
+          ? ApiError("UriTooLong", "the request line does not end")
+          : ApiError("HeadersTooLarge", "the head is larger than 16 KiB");
+    }
+    const size_t num_read = socket.Read(bytes.data(), bytes.size(), deadline);
+    if (num_read == 0 && buffered.empty()) return std::nullopt;
+    if (num_read == 0) throw ApiError("RequestTimeout", "the head did not arrive in time");
+    buffered.append(bytes.data(), num_read);
+    // Blank lines before a request are allowed (RFC 9112, 2.2).
+    while (buffered.starts_with("\r\n")) buffered.erase(0, 2);
+  }
+  std::string head = buffered.substr(0, end + 4);
+  buffered.erase(0, end + 4);
+  if (head.size() > limits.max_bytes) {
+    throw ApiError("HeadersTooLarge", "the head is larger than 16 KiB");
+  }
+  return head;
+}
+
+}  // namespace
+
+void AnswerProblem(const ApiError& error, httplib::Response& response) {
+  response.status = error.http_status();
+  response.set_content(ProblemJson(error), "application/problem+json");
+  if (const std::optional<int> seconds = RetryAfterSeconds(error.code())) {
+    response.set_header("Retry-After", std::to_string(*seconds));
+  }
+}
+
+HttpServer::HttpServer(const HttpOptions& options, Handler handler)
+    : options_(options), handler_(std::move(handler)) {
+  new_task_queue = [num_threads = options.num_threads] {
+    return new httplib::ThreadPool(static_cast<size_t>(num_threads));
+  };
+  set_tcp_nodelay(true);
+  // Not SO_REUSEPORT, which the library sets by default: a second server would share the traffic.
+  set_socket_options([](socket_t descriptor) {
+    const int on = 1;
+    ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on));
+  });
+  set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+    Answer(request, response);
+    return HandlerResponse::Handled;
+  });
+  // Nothing of an exception's text ever reaches a client.
+  set_exception_handler(
+      [](const httplib::Request&, httplib::Response& response, const std::exception_ptr&) {
+        AnswerProblem(ApiError("InternalError", "the server failed"), response);
+      });
+  // What the library answers by itself.
+  set_error_handler([](const httplib::Request&, httplib::Response& response) {
+    if (!response.body.empty()) return;
+    const std::string code = response.status == 404 ? "NotFound" : "InvalidRequest";
+    response.set_content(ProblemJson(response.status, code, "the request is not understood"),
+                         "application/problem+json");
+  });
+}
+
+int HttpServer::Bind(const std::string& host, int port) {
+  const int bound = port == 0 ? bind_to_any_port(host) : (bind_to_port(host, port) ? port : -1);
+  if (bound <= 0) {
+    throw std::runtime_error("cannot listen on " + host + ":" + std::to_string(port) +
+                             ": the port is taken or the address is not this machine's");
+  }
+  ::listen(svr_sock_, kListenBacklog);
+  return bound;
+}
+
+void HttpServer::Run() { listen_after_bind(); }
+
+void HttpServer::Stop() {
+  is_stopping_ = true;
+  stop();
+}
+
+void HttpServer::Answer(const httplib::Request& request, httplib::Response& response) const {
+  BodyReader& body = *body_of_this_thread;
+  handler_(request, body, response);
+  if (!body.SkipRest()) response.set_header("Connection", "close");
+}
+
+bool HttpServer::WaitForRequest(const ClientSocket& socket, const std::string& buffered) const {
+  const SteadyTime deadline = std::chrono::steady_clock::now() + kIdleTimeout;
+  while (buffered.empty() && !is_stopping_ && std::chrono::steady_clock::now() < deadline) {
+    if (socket.IsReadableBefore(std::chrono::steady_clock::now() + kStopPollPeriod)) return true;
+  }
+  return !buffered.empty();
+}
+
+bool HttpServer::ServeOne(const ClientSocket& socket, std::string& buffered, bool is_last) {
+  try {
+    const std::optional<std::string> text = ReadHead(socket, buffered, options_.head);
+    if (!text) return false;
+    const RequestHead head = ParseRequestHead(*text, options_.head, options_.allowed_hosts);
+    BodyReader body(socket, head, buffered);
+    HeadStream stream(socket, head.forwarded);
+    body_of_this_thread = &body;
+    bool is_closed = false;
+    const bool is_written =
+        process_request(stream, is_last || is_stopping_, is_closed, nullptr) && stream.Flush();
+    body_of_this_thread = nullptr;
+    if (!body.IsAtEnd()) {
+      socket.Linger();
+      return false;
+    }
+    return is_written && !is_closed;
+  } catch (const ApiError& error) {
+    socket.Write(RawProblem(error));
+    socket.Linger();
+    return false;
+  } catch (const std::exception&) {
+    // Out of memory, most likely: this connection ends, the others go on.
+    return false;
+  }
+}
+
+bool HttpServer::process_and_close_socket(socket_t descriptor) {
+  const ClientSocket socket(descriptor);
+  std::string buffered;
+  for (int i = 1; i <= kMaxRequestsPerConnection && WaitForRequest(socket, buffered); ++i) {
+    if (!ServeOne(socket, buffered, i == kMaxRequestsPerConnection)) break;
+  }
+  return true;
+}
+
+}  // namespace freelsd

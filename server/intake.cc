@@ -1,0 +1,81 @@
+#include "server/intake.h"
+
+namespace freelsd {
+namespace {
+
+class DecoderSlot {
+ public:
+  explicit DecoderSlot(Service& service) : service_(service) { service_.decoders.acquire(); }
+  ~DecoderSlot() { service_.decoders.release(); }
+  DecoderSlot(const DecoderSlot&) = delete;
+  DecoderSlot& operator=(const DecoderSlot&) = delete;
+
+ private:
+  Service& service_;
+};
+
+std::string SizeText(int width_px, int height_px) {
+  return std::to_string(width_px) + "x" + std::to_string(height_px);
+}
+
+}  // namespace
+
+CheckedImage CheckImage(Service& service, std::string_view bytes) {
+  CheckedImage image;
+  image.header = SniffImage(bytes, service.image_limits);
+  {
+    const DecoderSlot slot(service);
+    DecodeImage(bytes, service.image_limits);
+  }
+  image.sha256 = Sha256Hex(bytes);
+  image.tags = ReadImageTags(bytes, image.header);
+  return image;
+}
+
+RigResolver::RigResolver(const FlightRow& flight)
+    : request_(ParseFlightRequest(flight.request_json)) {
+  if (!flight.rig_json.empty()) resolved_ = ParseStoredFlightRig(flight.rig_json);
+}
+
+void RigResolver::Admit(const CheckedImage& image, const FrameMeta& meta) {
+  if (!meta.position) {
+    throw ApiError("NoPosition", "neither meta, poses nor the image's tags give a position");
+  }
+  FlightRig rig;
+  if (resolved_) {
+    rig = *resolved_;
+  } else {
+    const std::optional<Camera> camera = request_.camera ? request_.camera : image.tags.camera;
+    if (!camera) {
+      throw ApiError("NoCamera",
+                     "the flight has no camera and the image's tags do not describe one",
+                     {{"/camera", "is needed for these images"}});
+    }
+    rig.rig.camera = *camera;
+    if (request_.body_from_camera) rig.rig.body_from_camera = *request_.body_from_camera;
+    rig.origin = request_.origin.value_or(*meta.position);
+  }
+  const Camera& camera = rig.rig.camera;
+  if (image.header.width_px != camera.width_px || image.header.height_px != camera.height_px) {
+    throw ApiError("ImageSizeMismatch",
+                   "the image is " + SizeText(image.header.width_px, image.header.height_px) +
+                       ", the camera says " + SizeText(camera.width_px, camera.height_px));
+  }
+  resolved_ = rig;
+}
+
+std::string RigResolver::RigJson() const { return resolved_ ? FlightRigJson(*resolved_) : ""; }
+
+FrameRow NewFrameRow(const std::string& flight_id,
+                     const std::string& frame_id,
+                     const CheckedImage& image,
+                     const FrameMeta& meta) {
+  FrameRow row;
+  row.flight_id = flight_id;
+  row.id = frame_id;
+  row.sha256 = image.sha256;
+  row.meta_json = FrameMetaJson(meta);
+  return row;
+}
+
+}  // namespace freelsd

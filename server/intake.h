@@ -1,0 +1,43 @@
+// What every way of sending images has in common: checking an image, and placing it in its flight.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/api.h"
+#include "api/import/import.h"
+#include "server/service.h"
+
+namespace freelsd {
+
+struct CheckedImage {
+  std::string sha256;
+  ImageHeader header;
+  ImageTags tags;
+};
+
+// Decodes strictly, so that what is stored can be used. Throws ApiError.
+CheckedImage CheckImage(Service& service, std::string_view bytes);
+
+// What a flight's frames are placed with; the first admitted image decides what the request left
+// open.
+class RigResolver {
+ public:
+  explicit RigResolver(const FlightRow& flight);
+  // Throws ApiError NoPosition, NoCamera or ImageSizeMismatch; nothing has changed then.
+  void Admit(const CheckedImage& image, const FrameMeta& meta);
+  // What FlightRow::rig_json should be now.
+  std::string RigJson() const;
+
+ private:
+  FlightRequest request_;
+  std::optional<FlightRig> resolved_;
+};
+
+FrameRow NewFrameRow(const std::string& flight_id,
+                     const std::string& frame_id,
+                     const CheckedImage& image,
+                     const FrameMeta& meta);
+
+}  // namespace freelsd

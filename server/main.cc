@@ -1,0 +1,68 @@
+// freelsd-server: finds landing sites for small planes; see api/openapi.yaml.
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <future>
+
+#include <pthread.h>
+#include <spdlog/spdlog.h>
+
+#include "server/app.h"
+
+namespace freelsd {
+namespace {
+
+// sysexits.h: wrong settings, and what may work later (port or folder in use).
+constexpr int kExitConfig = 78;
+constexpr int kExitTemporary = 75;
+// Engine and requests must end within 10 s together.
+constexpr std::chrono::milliseconds kEnginePatience{6000};
+constexpr std::chrono::milliseconds kRequestPatience{2000};
+
+sigset_t BlockStopSignals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+  return signals;
+}
+
+int Run(int argc, char** argv) {
+  const std::optional<Config> config = ReadConfig(argc, argv);
+  if (!config) return EXIT_SUCCESS;
+  const sigset_t signals = BlockStopSignals();
+  App app(*config);
+  std::printf("freelsd-server listens on http://%s:%d/\n", config->host.c_str(), app.port());
+  std::fflush(stdout);
+  std::future<void> http = std::async(std::launch::async, [&app] { app.Run(); });
+  int signal = 0;
+  sigwait(&signals, &signal);
+  spdlog::info("stopping");
+  const bool has_stopped =
+      app.Stop(kEnginePatience) && http.wait_for(kRequestPatience) == std::future_status::ready;
+  // Neither a stage of the engine nor a slow upload can be interrupted; everything acknowledged is
+  // on disk, and the job goes on at the next start.
+  if (!has_stopped) std::_Exit(EXIT_SUCCESS);
+  return EXIT_SUCCESS;
+}
+
+int Fail(const std::exception& error, int exit_code) {
+  std::fprintf(stderr, "freelsd-server: %s\n", error.what());
+  return exit_code;
+}
+
+}  // namespace
+}  // namespace freelsd
+
+int main(int argc, char** argv) {
+  try {
+    return freelsd::Run(argc, argv);
+  } catch (const freelsd::ConfigError& error) {
+    return freelsd::Fail(error, freelsd::kExitConfig);
+  } catch (const std::exception& error) {
+    return freelsd::Fail(error, freelsd::kExitTemporary);
+  }
+}

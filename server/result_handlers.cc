@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/flight_lookup.h"
+#include "server/handlers.h"
+#include "server/site_lookup.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kMaxNumListedSites = 1000;
+constexpr char kGeoJson[] = "application/geo+json";
+
+std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
+  std::vector<nlohmann::json> features;
+  for (const SiteRow& site : sites) features.push_back(nlohmann::json::parse(site.feature_json));
+  return features;
+}
+
+BoundingBox ParseBox(const std::string& text) {
+  std::vector<double> sides;
+  std::istringstream stream(text);
+  for (std::string side; std::getline(stream, side, ',');) {
+    sides.push_back(ParseQueryNumber(side, "bbox"));
+  }
+  const bool is_box = sides.size() == 4 && std::abs(sides[0]) <= 180 && std::abs(sides[2]) <= 180 &&
+                      sides[1] >= -90 && sides[1] <= sides[3] && sides[3] <= 90;
+  if (!is_box) {
+    const std::string detail = "bbox: must be west,south,east,north in degrees";
+    throw ApiError("InvalidQuery", detail, {{"bbox", detail}});
+  }
+  return {sides[0], sides[1], sides[2], sides[3]};
+}
+
+size_t ParseLimit(const Call& call) {
+  const double limit = call.QueryNumber("limit").value_or(kMaxNumListedSites);
+  if (limit < 1 || limit > kMaxNumListedSites ||
+      limit != static_cast<double>(static_cast<int>(limit))) {
+    throw ApiError("InvalidQuery", "limit: must be 1 to 1000", {{"limit", "must be 1 to 1000"}});
+  }
+  return static_cast<size_t>(limit);
+}
+
+}  // namespace
+
+SiteRow ExistingSite(const Service& service, const Call& call) {
+  const std::optional<SiteRow> site = service.storage.FindSite(call.Id("site"));
+  if (!site) throw ApiError("NoSuchSite", "there is no such site");
+  return *site;
+}
+
+void GetRegions(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRow flight = ExistingFlight(service, call);
+  std::string features;
+  for (const Storage::RegionRow& region : service.storage.ListRegions(flight.id)) {
+    features += (features.empty() ? "" : ",") + region.feature_json;
+  }
+  response.set_content(R"({"type":"FeatureCollection","features":[)" + features + "]}", kGeoJson);
+}
+
+void GetRegionHistory(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRow flight = ExistingFlight(service, call);
+  for (const Storage::RegionRow& region : service.storage.ListRegions(flight.id)) {
+    if (std::to_string(region.id) != call.Id("region")) continue;
+    response.set_content(region.history_json, "application/json");
+    return;
+  }
+  throw ApiError("NoSuchRegion", "there is no such region in this flight");
+}
+
+void GetFlightSites(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRow flight = ExistingFlight(service, call);
+  const auto features = FeaturesOf(service.storage.ListSites(flight.id, std::nullopt));
+  response.set_content(RankedSites(features).dump(), kGeoJson);
+}
+
+void GetSites(Service& service, const Call& call, httplib::Response& response) {
+  std::optional<BoundingBox> box;
+  if (const auto text = call.Query("bbox")) box = ParseBox(*text);
+  const size_t limit = ParseLimit(call);
+  nlohmann::json sites = RankedSites(FeaturesOf(service.storage.ListSites(std::nullopt, box)));
+  nlohmann::json& features = sites["features"];
+  while (features.size() > limit) features.erase(features.size() - 1);
+  response.set_content(sites.dump(), kGeoJson);
+}
+
+// With its rank among its flight's sites.
+void GetSite(Service& service, const Call& call, httplib::Response& response) {
+  const SiteRow site = ExistingSite(service, call);
+  const auto ranked =
+      RankedSites(FeaturesOf(service.storage.ListSites(site.flight_id, std::nullopt)));
+  for (const nlohmann::json& feature : ranked["features"]) {
+    if (feature["properties"]["id"] == site.id) response.set_content(feature.dump(), kGeoJson);
+  }
+}
+
+void DeleteSite(Service& service, const Call& call, httplib::Response& response) {
+  const std::lock_guard lock(service.sites_mutex);
+  service.storage.DeleteSite(ExistingSite(service, call).id);
+  response.status = 204;
+}
+
+}  // namespace freelsd

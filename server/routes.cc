@@ -1,0 +1,207 @@
+#include "server/routes.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <sstream>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "api/api.h"
+#include "server/handlers.h"
+#include "server/http_server.h"
+
+namespace freelsd {
+namespace {
+
+using Handler = void (*)(Service&, const Call&, httplib::Response&);
+
+struct Route {
+  const char* method;
+  const char* path;
+  Handler handler;
+  // Query parameters that are understood, separated by spaces.
+  const char* parameters = "";
+};
+
+constexpr char kReplanning[] =
+    "wind_east_mps wind_north_mps profile landing_airspeed_mps flight_path_angle_deg max_bank_deg "
+    "approach_height_m crosswind_uncertainty_deg touchdown_uncertainty_m glide_ratio "
+    "glide_airspeed_mps max_slope_deg max_roughness_m safety_margin_m path_half_width_m "
+    "ground_roll_m min_area_m2";
+
+constexpr Route kRoutes[] = {
+    {"POST", "/v1/flights", PostFlight},
+    {"GET", "/v1/flights", GetFlights},
+    {"GET", "/v1/flights/{flight}", GetFlight},
+    {"DELETE", "/v1/flights/{flight}", DeleteFlight, "forget_sites"},
+    {"PUT", "/v1/flights/{flight}/frames/{frame}", PutFrame},
+    {"POST", "/v1/flights/{flight}/frames", PostFrame},
+    {"GET", "/v1/flights/{flight}/frames", GetFrames},
+    {"POST", "/v1/flights/{flight}/batch", PostBatch},
+    {"POST", "/v1/flights/{flight}/finish", PostFinish},
+    {"GET", "/v1/jobs", GetJobs},
+    {"GET", "/v1/jobs/{job}", GetJob},
+    {"DELETE", "/v1/jobs/{job}", DeleteJob},
+    {"GET", "/v1/flights/{flight}/regions", GetRegions},
+    {"GET", "/v1/flights/{flight}/regions/{region}/history", GetRegionHistory},
+    {"GET", "/v1/flights/{flight}/sites", GetFlightSites},
+    {"GET", "/v1/sites", GetSites, "bbox limit"},
+    {"GET", "/v1/sites/{site}", GetSite},
+    {"DELETE", "/v1/sites/{site}", DeleteSite},
+    {"GET", "/v1/sites/{site}/approach", GetApproach, kReplanning},
+    {"GET", "/v1/sites/{site}/layers", GetLayers},
+    {"GET", "/v1/sites/{site}/layers/{layer}.png", GetLayerPicture},
+    {"GET", "/v1/sites/{site}/layers/{layer}.tif", GetLayerGeoTiff},
+    {"GET", "/v1/sites/{site}/layers/{layer}/legend.png", GetLayerLegend},
+    {"GET", "/healthz", GetHealth},
+    {"GET", "/readyz", GetReadiness},
+    {"GET", "/v1/info", GetInfo},
+    {"GET", "/openapi.json", GetOpenApi},
+};
+
+// Longest client string that is logged.
+constexpr size_t kMaxLoggedBytes = 256;
+
+std::vector<std::string_view> Segments(std::string_view path) {
+  std::vector<std::string_view> segments;
+  while (!path.empty()) {
+    path.remove_prefix(1);
+    const size_t end = std::min(path.find('/'), path.size());
+    segments.push_back(path.substr(0, end));
+    path.remove_prefix(end);
+  }
+  return segments;
+}
+
+// "{layer}.png" takes "slope.png" as layer = slope.
+bool MatchSegment(std::string_view pattern,
+                  std::string_view segment,
+                  std::map<std::string, std::string>& ids) {
+  if (!pattern.starts_with("{")) return pattern == segment;
+  const size_t close = pattern.find('}');
+  const std::string_view suffix = pattern.substr(close + 1);
+  if (segment.size() <= suffix.size() || !segment.ends_with(suffix)) return false;
+  ids[std::string(pattern.substr(1, close - 1))] =
+      std::string(segment.substr(0, segment.size() - suffix.size()));
+  return true;
+}
+
+// The ids in the path; nothing when it is another path.
+std::optional<std::map<std::string, std::string>> Match(const char* pattern,
+                                                        const std::string& path) {
+  const std::vector<std::string_view> wanted = Segments(pattern);
+  const std::vector<std::string_view> given = Segments(path);
+  if (wanted.size() != given.size()) return std::nullopt;
+  std::map<std::string, std::string> ids;
+  for (size_t i = 0; i < wanted.size(); ++i) {
+    if (!MatchSegment(wanted[i], given[i], ids)) return std::nullopt;
+  }
+  return ids;
+}
+
+bool IsMethod(const Route& route, const std::string& method) {
+  return method == route.method || (method == "HEAD" && std::string_view(route.method) == "GET");
+}
+
+void RefuseUnknownParameters(const Route& route, const httplib::Request& request) {
+  std::istringstream words(route.parameters);
+  const std::vector<std::string> known{std::istream_iterator<std::string>(words), {}};
+  for (const auto& [name, value] : request.params) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw ApiError(
+        "UnknownParameter", "the query parameter is not known here", {{name, "is not known here"}});
+  }
+}
+
+bool ServePage(const Service& service,
+               const httplib::Request& request,
+               httplib::Response& response) {
+  const auto file = service.page.find(request.path);
+  if (file == service.page.end() || (request.method != "GET" && request.method != "HEAD")) {
+    return false;
+  }
+  response.set_content(file->second.content, file->second.content_type);
+  response.set_header("Cache-Control", "no-cache");
+  response.set_header("Content-Security-Policy",
+                      "default-src 'self'; img-src 'self' data: blob:; style-src 'self' "
+                      "'unsafe-inline'; frame-ancestors 'none'");
+  return true;
+}
+
+[[noreturn]] void RefuseMethod(const std::string& allow, httplib::Response& response) {
+  response.set_header("Allow", allow);
+  throw ApiError("MethodNotAllowed", "this path takes " + allow);
+}
+
+void Dispatch(Service& service,
+              const httplib::Request& request,
+              BodyReader& body,
+              httplib::Response& response) {
+  std::string allow;
+  for (const Route& route : kRoutes) {
+    std::optional<std::map<std::string, std::string>> ids = Match(route.path, request.path);
+    if (!ids) continue;
+    if (IsMethod(route, request.method)) {
+      RefuseUnknownParameters(route, request);
+      route.handler(service, {request, body, std::move(*ids)}, response);
+      return;
+    }
+    allow += (allow.empty() ? "" : ", ") + std::string(route.method);
+    if (std::string_view(route.method) == "GET") allow += ", HEAD";
+  }
+  if (!allow.empty()) RefuseMethod(allow, response);
+  if (ServePage(service, request, response)) return;
+  if (service.page.contains(request.path)) RefuseMethod("GET, HEAD", response);
+  throw ApiError("NotFound", "there is nothing at this path");
+}
+
+// The one place where failures become answers. What is not meant for a client is only logged.
+void DispatchSafely(Service& service,
+                    const httplib::Request& request,
+                    BodyReader& body,
+                    httplib::Response& response) {
+  try {
+    Dispatch(service, request, body, response);
+  } catch (const ApiError& error) {
+    AnswerProblem(error, response);
+  } catch (const StorageError& error) {
+    spdlog::error("storage: {}", error.what());
+    AnswerProblem(error.is_full ? ApiError("StorageFull", "the disk is full")
+                                : ApiError("Unavailable", "the storage failed; try again"),
+                  response);
+  } catch (const std::exception& error) {
+    spdlog::error("request failed: {}", error.what());
+    AnswerProblem(ApiError("InternalError", "the server failed"), response);
+  }
+}
+
+std::string Loggable(const std::string& text) {
+  return nlohmann::json(text.substr(0, kMaxLoggedBytes))
+      .dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+void Serve(Service& service,
+           const httplib::Request& request,
+           BodyReader& body,
+           httplib::Response& response) {
+  const auto begin = std::chrono::steady_clock::now();
+  response.set_header("X-Content-Type-Options", "nosniff");
+  DispatchSafely(service, request, body, response);
+  if (!response.has_header("Cache-Control")) response.set_header("Cache-Control", "no-store");
+  if (response.status == -1) response.status = 200;
+  const std::chrono::duration<double, std::milli> elapsed =
+      std::chrono::steady_clock::now() - begin;
+  spdlog::info("{} {} {} {:.1f} ms",
+               request.method,
+               Loggable(request.path),
+               response.status,
+               elapsed.count());
+}
+
+}  // namespace freelsd

@@ -1,0 +1,17 @@
+// Every URL of the service, and how a request finds its handler.
+#pragma once
+
+#include <httplib.h>
+
+#include "server/body_reader.h"
+#include "server/service.h"
+
+namespace freelsd {
+
+// Answers the request; every failure becomes a problem+json. Does not throw.
+void Serve(Service& service,
+           const httplib::Request& request,
+           BodyReader& body,
+           httplib::Response& response);
+
+}  // namespace freelsd

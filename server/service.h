@@ -1,0 +1,57 @@
+// What the handlers share. Handlers touch storage only and never wait for the engine.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <semaphore>
+#include <set>
+#include <string>
+
+#include "api/import/import.h"
+#include "server/config.h"
+#include "server/page.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+
+struct Service {
+  Service(const Config& settings, Storage& store) : config(settings), storage(store) {}
+
+  const Config& config;
+  Storage& storage;
+  Page page;
+  ImageLimits image_limits;
+  // Tells the worker that there is something new in storage.
+  std::function<void()> wake_worker = [] {};
+
+  // Held while ids are checked and rows inserted, so that both see the same.
+  std::mutex intake_mutex;
+  // Held while a flight is deleted, and while the worker stores a flight's sites.
+  std::mutex sites_mutex;
+  // Decoded images held at once by requests: 64 megapixels are 192 MiB each.
+  std::counting_semaphore<2> decoders{2};
+  // Uploads read at once: each holds an encoded image in memory, and a thread.
+  std::counting_semaphore<8> uploads{8};
+  bool IsReceiving(const std::string& flight_id) const;
+  mutable std::mutex receiving_mutex;
+  // Flights by id, once per upload that is being read.
+  std::multiset<std::string> receiving;
+  std::atomic<bool> is_stopping{false};
+};
+
+// An upload while it is read: marks its flight as receiving. Throws ApiError TooManyRequests when
+// too many are read already, ShuttingDown when the server stops.
+class Receiving {
+ public:
+  Receiving(Service& service, const std::string& flight_id);
+  ~Receiving();
+  Receiving(const Receiving&) = delete;
+  Receiving& operator=(const Receiving&) = delete;
+
+ private:
+  Service& service_;
+  std::string flight_id_;
+};
+
+}  // namespace freelsd

@@ -1,0 +1,262 @@
+#include "server/worker.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "api/import/import.h"
+#include "server/evaluation.h"
+#include "server/failure.h"
+#include "server/job_json.h"
+#include "server/warnings.h"
+
+namespace freelsd {
+namespace {
+
+// Storage is asked again after this time even if nobody woke the worker.
+constexpr std::chrono::seconds kIdlePeriod{2};
+// Regions and progress are written at most this often while frames flow.
+constexpr std::chrono::milliseconds kStorePeriod{500};
+// Flights kept in memory without work; others are built again when needed.
+constexpr size_t kMaxNumIdleSessions = 4;
+
+}  // namespace
+
+Worker::Worker(Service& service, Classifier classifier)
+    : service_(service),
+      classifier_(std::move(classifier)),
+      frontend_thread_([this] { RunFrontend(); }),
+      backend_thread_([this] { RunBackend(); }) {}
+
+Worker::~Worker() {
+  is_stopping_ = true;
+  Wake();
+  frontend_thread_.join();
+  backend_thread_.join();
+}
+
+void Worker::Wake() {
+  {
+    const std::lock_guard lock(mutex_);
+    ++num_wakes_;
+  }
+  changed_.notify_all();
+}
+
+bool Worker::Stop(std::chrono::milliseconds patience) {
+  is_stopping_ = true;
+  Wake();
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, patience, [this] { return num_running_threads_ == 0; });
+}
+
+void Worker::Repeat(bool (Worker::*step)()) {
+  while (!is_stopping_) {
+    uint64_t seen = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      seen = num_wakes_;
+    }
+    bool has_worked = false;
+    try {
+      has_worked = (this->*step)();
+    } catch (const std::exception& error) {
+      // Storage refuses (disk full, I/O): tried again after the idle period.
+      spdlog::error("worker: {}", error.what());
+    }
+    if (has_worked) continue;
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kIdlePeriod, [&] { return num_wakes_ != seen || is_stopping_; });
+  }
+  const std::lock_guard lock(mutex_);
+  --num_running_threads_;
+  changed_.notify_all();
+}
+
+void Worker::RunFrontend() { Repeat(&Worker::StepFrontend); }
+
+void Worker::RunBackend() { Repeat(&Worker::StepBackend); }
+
+Worker::SessionPointer Worker::FindSession(const std::string& flight_id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = sessions_.find(flight_id);
+  return found == sessions_.end() ? nullptr : found->second;
+}
+
+// One frame of one flight; flights take turns.
+bool Worker::StepFrontend() {
+  const std::vector<JobRow> jobs = service_.storage.ListUnfinishedJobs();
+  std::set<std::string> busy_flights;
+  for (const std::string& id : service_.storage.FlightsWithQueuedFrames()) busy_flights.insert(id);
+  for (const JobRow& job : jobs) busy_flights.insert(job.flight_id);
+  std::vector<std::string> turns(busy_flights.upper_bound(last_flight_id_), busy_flights.end());
+  turns.insert(turns.end(), busy_flights.begin(), busy_flights.upper_bound(last_flight_id_));
+  for (const std::string& flight_id : turns) {
+    last_flight_id_ = flight_id;
+    try {
+      if (StepFlight(flight_id, jobs)) return true;
+    } catch (const StorageError&) {
+      throw;
+    } catch (const std::exception& error) {
+      FailFlight(flight_id, Sentence(error));
+      return true;
+    }
+  }
+  CloseIdleSessions(busy_flights);
+  return false;
+}
+
+bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>& jobs) {
+  const std::optional<FlightRow> flight = service_.storage.FindFlight(flight_id);
+  if (!flight) return false;
+  if (flight->has_failed) {
+    FailFlight(flight_id, "the engine failed on this flight before");
+    return true;
+  }
+  if (flight->rig_json.empty()) {
+    UpdateBatchJobs(flight_id, jobs);
+    return false;
+  }
+  const SessionPointer session = OpenSession(*flight);
+  for (const JobRow& job : jobs) {
+    if (job.flight_id == flight_id) session->AddFlushPoint(LastSequence(job));
+  }
+  const std::optional<FrameRow> frame = service_.storage.NextFrame(flight_id, session->cursor());
+  const std::optional<int64_t> flush_point = session->NextFlushPoint();
+  if (flush_point && (!frame || frame->sequence > *flush_point)) {
+    ApplyResults(flight_id, *session, session->Flush(*flush_point));
+    StoreProgress(flight_id, *session, jobs);
+    Wake();
+    return true;
+  }
+  if (!frame) {
+    UpdateBatchJobs(flight_id, jobs);
+    return false;
+  }
+  TakeFrame(flight_id, *session, *frame);
+  const bool is_last = !service_.storage.NextFrame(flight_id, session->cursor());
+  if (is_last || std::chrono::steady_clock::now() - stored_at_[flight_id] > kStorePeriod) {
+    StoreProgress(flight_id, *session, jobs);
+  }
+  return true;
+}
+
+// Also for frames that were processed before a restart: the engine needs to see them again.
+void Worker::TakeFrame(const std::string& flight_id,
+                       FlightSession& session,
+                       const FrameRow& frame) {
+  cv::Mat image;
+  std::string why_not = "its image file is gone";
+  if (const auto bytes = service_.storage.ReadImage(frame.sha256)) {
+    try {
+      image = DecodeImage(*bytes, service_.image_limits);
+    } catch (const ApiError& error) {
+      why_not = error.what();
+    }
+  }
+  if (image.empty()) {
+    session.Skip(frame.sequence);
+    ApplyResults(flight_id, session, {{frame.id, false, why_not}});
+    return;
+  }
+  ApplyResults(flight_id, session, session.Give(frame, image));
+}
+
+void Worker::ApplyResults(const std::string& flight_id,
+                          FlightSession& session,
+                          const std::vector<FrameResult>& results) {
+  session.AddNotes(results);
+  for (const FrameResult& result : results) {
+    const auto frame = service_.storage.FindFrame(flight_id, result.frame_id);
+    // In a replay the frame has its state already.
+    if (!frame || frame->state != FrameState::kQueued) continue;
+    const FrameState state = result.is_processed ? FrameState::kProcessed : FrameState::kRejected;
+    service_.storage.SetFrameState(flight_id, result.frame_id, state, result.note);
+    ++num_since_evaluation_[flight_id];
+  }
+  const int period = session.request().options.backend.backend_period_frames;
+  if (num_since_evaluation_[flight_id] < period) return;
+  num_since_evaluation_[flight_id] = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    due_.insert(flight_id);
+  }
+  Wake();
+}
+
+void Worker::StoreProgress(const std::string& flight_id,
+                           FlightSession& session,
+                           const std::vector<JobRow>& jobs) {
+  if (!service_.storage.FindFlight(flight_id)) return;
+  session.Store(service_.storage);
+  UpdateBatchJobs(flight_id, jobs);
+  stored_at_[flight_id] = std::chrono::steady_clock::now();
+}
+
+int64_t Worker::LastSequence(const JobRow& job) {
+  const auto known = last_sequences_.find(job.id);
+  if (known != last_sequences_.end()) return known->second;
+  return last_sequences_[job.id] = LastSequenceOf(job, service_.storage);
+}
+
+void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<JobRow>& jobs) {
+  const std::optional<int64_t> next = service_.storage.NextQueuedSequence(flight_id, 0);
+  for (JobRow job : jobs) {
+    if (job.flight_id != flight_id || job.kind != "batch") continue;
+    const int64_t last = LastSequence(job);
+    const nlohmann::json detail = nlohmann::json::parse(job.detail_json);
+    const double num_frames = std::max(1.0, detail.value("num_accepted", 1.0));
+    const bool is_done = !next || *next > last;
+    const double num_left = is_done ? 0.0 : static_cast<double>(last - *next + 1);
+    job.progress_ratio = std::clamp(1.0 - num_left / num_frames, 0.0, 1.0);
+    job.state = is_done ? JobState::kDone : JobState::kRunning;
+    job.stage = is_done ? "" : "frontend";
+    service_.storage.UpdateJob(job);
+  }
+}
+
+Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
+  if (SessionPointer session = FindSession(flight.id)) return session;
+  const auto session = std::make_shared<FlightSession>(flight, classifier_);
+  // The same flushes as the first time, so that a replay gives the same result.
+  for (const JobRow& job : service_.storage.ListJobs()) {
+    if (job.flight_id == flight.id) session->AddFlushPoint(LastSequence(job));
+  }
+  const std::lock_guard lock(mutex_);
+  sessions_[flight.id] = session;
+  return session;
+}
+
+void Worker::CloseIdleSessions(const std::set<std::string>& busy_flights) {
+  const std::lock_guard lock(mutex_);
+  size_t num_idle = 0;
+  for (auto session = sessions_.begin(); session != sessions_.end();) {
+    const bool is_idle = !busy_flights.contains(session->first);
+    const bool is_surplus = is_idle && ++num_idle > kMaxNumIdleSessions;
+    const bool is_gone = is_idle && !service_.storage.FindFlight(session->first);
+    session = is_surplus || is_gone ? sessions_.erase(session) : std::next(session);
+  }
+}
+
+// The flight's frames and jobs end here; others go on.
+void Worker::FailFlight(const std::string& flight_id, const std::string& why) {
+  spdlog::error("flight {}: {}", flight_id, why);
+  service_.storage.ChangeFlight(flight_id, [&why](FlightRow& flight) {
+    if (!flight.has_failed) {
+      flight.warnings_json = AddWarnings(flight.warnings_json, "failure", {why});
+    }
+    flight.has_failed = true;
+  });
+  for (const FrameRow& frame : service_.storage.ListFrames(flight_id)) {
+    if (frame.state != FrameState::kQueued) continue;
+    service_.storage.SetFrameState(flight_id, frame.id, FrameState::kRejected, why);
+  }
+  for (JobRow job : service_.storage.ListUnfinishedJobs()) {
+    if (job.flight_id == flight_id) FailJob(service_.storage, job, why);
+  }
+  const std::lock_guard lock(mutex_);
+  sessions_.erase(flight_id);
+}
+
+}  // namespace freelsd

@@ -1,0 +1,87 @@
+// Runs the engine beside the HTTP threads: one frontend thread takes stored frames in order, one
+// backend thread evaluates regions. What is to be done is always read from storage, so a restart
+// goes on by itself.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "server/flight_session.h"
+#include "server/service.h"
+
+namespace freelsd {
+
+class Worker {
+ public:
+  Worker(Service& service, Classifier classifier);
+  // Stop must have answered true.
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  // Something new is in storage.
+  void Wake();
+  // Ends both threads at their next step. False when one is still busy after this time.
+  bool Stop(std::chrono::milliseconds patience);
+
+ private:
+  using SessionPointer = std::shared_ptr<FlightSession>;
+
+  // --- Frontend thread ---
+  void RunFrontend();
+  bool StepFrontend();
+  bool StepFlight(const std::string& flight_id, const std::vector<JobRow>& jobs);
+  void TakeFrame(const std::string& flight_id, FlightSession& session, const FrameRow& frame);
+  void ApplyResults(const std::string& flight_id,
+                    FlightSession& session,
+                    const std::vector<FrameResult>& results);
+  void StoreProgress(const std::string& flight_id,
+                     FlightSession& session,
+                     const std::vector<JobRow>& jobs);
+  void UpdateBatchJobs(const std::string& flight_id, const std::vector<JobRow>& jobs);
+  SessionPointer OpenSession(const FlightRow& flight);
+  void CloseIdleSessions(const std::set<std::string>& busy_flights);
+  void FailFlight(const std::string& flight_id, const std::string& why);
+  int64_t LastSequence(const JobRow& job);
+
+  // --- Backend thread ---
+  void RunBackend();
+  bool StepBackend();
+  void RunFinish(JobRow job, FlightSession& session);
+  void RunPeriodic(const std::string& flight_id, FlightSession& session);
+
+  SessionPointer FindSession(const std::string& flight_id) const;
+  // Repeats a step while it has something to do; waits otherwise.
+  void Repeat(bool (Worker::*step)());
+
+  Service& service_;
+  Classifier classifier_;
+  std::atomic<bool> is_stopping_{false};
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  uint64_t num_wakes_ = 0;
+  int num_running_threads_ = 2;
+  std::map<std::string, SessionPointer> sessions_;
+  // Flights whose best regions are due for an evaluation.
+  std::set<std::string> due_;
+
+  // Frontend thread only.
+  std::string last_flight_id_;
+  std::map<std::string, int64_t> last_sequences_;
+  std::map<std::string, int> num_since_evaluation_;
+  std::map<std::string, std::chrono::steady_clock::time_point> stored_at_;
+
+  std::thread frontend_thread_;
+  std::thread backend_thread_;
+};
+
+}  // namespace freelsd
