@@ -1,0 +1,91 @@
+// Light: direct sun by the slope of the surface and cast shadows, and the sky.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/synthetic/world.h"
+
+namespace freelsd {
+namespace {
+
+// Share of the light on flat open ground that comes from the sky.
+constexpr float kSkyShare = 0.36f;
+// The sky is bluer than the sun: gains of B, G, R in full shade.
+constexpr float kSkyTint[3] = {1.15f, 1.0f, 0.90f};
+// Shadow edges are soft: over this depth below the shadow's upper edge the sun fades.
+constexpr float kPenumbraM = 0.25f;
+constexpr float kMaxGain = 1.7f;
+
+// Height below which each cell lies in the shade of something nearer to the sun. Swept away from
+// the sun, one line of cells after the other.
+cv::Mat1f ShadeHeight(const World& world) {
+  const int n = world.num_cells();
+  const Eigen::Vector3d sun = world.sun_in_world;
+  const bool by_rows = std::abs(sun.y()) >= std::abs(sun.x());
+  const double major = by_rows ? sun.y() : sun.x();
+  const double minor = by_rows ? sun.x() : sun.y();
+  const double shift = minor / std::abs(major);  // cells sideways towards the sun per line
+  const float drop = static_cast<float>(world.cell_size_m * sun.z() / std::abs(major));
+  const int towards_sun = major > 0.0 ? 1 : -1;
+  cv::Mat1f surface = by_rows ? world.surface : cv::Mat1f(world.surface.t());
+  cv::Mat1f shade(n, n, -1e6f);
+  for (int step = 1; step < n; ++step) {
+    const int line = towards_sun > 0 ? n - 1 - step : step;
+    const int previous = line + towards_sun;
+    for (int i = 0; i < n; ++i) {
+      const double source = std::clamp(i + shift, 0.0, n - 1.001);
+      const int left = static_cast<int>(source);
+      const float t = static_cast<float>(source - left);
+      const float a = std::max(surface(previous, left), shade(previous, left));
+      const float b = std::max(surface(previous, left + 1), shade(previous, left + 1));
+      shade(line, i) = a + t * (b - a) - drop;
+    }
+  }
+  return by_rows ? shade : cv::Mat1f(shade.t());
+}
+
+// Upward normal by central differences.
+Eigen::Vector3f NormalAt(const World& world, int row, int col) {
+  const int n = world.num_cells();
+  const int west = std::max(col - 1, 0), east = std::min(col + 1, n - 1);
+  const int south = std::max(row - 1, 0), north = std::min(row + 1, n - 1);
+  const float cell = static_cast<float>(world.cell_size_m);
+  const float dx = (world.surface(row, east) - world.surface(row, west)) / (cell * (east - west));
+  const float dy =
+      (world.surface(north, col) - world.surface(south, col)) / (cell * (north - south));
+  return Eigen::Vector3f(-dx, -dy, 1.0f).normalized();
+}
+
+// How much of the sun a surface takes, 1 for flat ground. Leaves in a crown face all ways and let
+// light through, so that crowns are shaded more gently than walls.
+float Facing(Cover cover, const Eigen::Vector3f& normal, const Eigen::Vector3f& sun) {
+  constexpr float kFoliageDiffuse = 0.6f;
+  const float facing = std::max(0.0f, normal.dot(sun)) / sun.z();
+  const bool is_foliage = cover == Cover::kTree || cover == Cover::kHedge || cover == Cover::kScrub;
+  return is_foliage ? kFoliageDiffuse + (1.0f - kFoliageDiffuse) * facing : facing;
+}
+
+}  // namespace
+
+void World::Light() {
+  const cv::Mat1f shade = ShadeHeight(*this);
+  const Eigen::Vector3f sun = sun_in_world.cast<float>();
+  radiance.create(num_cells(), num_cells());
+  cv::parallel_for_({0, num_cells()}, [&](const cv::Range& rows) {
+    for (int row = rows.start; row < rows.end; ++row) {
+      for (int col = 0; col < num_cells(); ++col) {
+        const Eigen::Vector3f normal = NormalAt(*this, row, col);
+        const float depth = shade(row, col) - surface(row, col);
+        const float lit = 1.0f - std::clamp(depth / kPenumbraM, 0.0f, 1.0f);
+        const float direct =
+            (1.0f - kSkyShare) * lit * Facing(static_cast<Cover>(cover(row, col)), normal, sun);
+        const float sky = kSkyShare * (0.4f + 0.6f * normal.z());
+        for (int i = 0; i < 3; ++i) {
+          const float gain = std::min(direct + sky * kSkyTint[i], kMaxGain);
+          radiance(row, col)[i] = cv::saturate_cast<uint8_t>(gain * albedo(row, col)[i]);
+        }
+      }
+    }
+  });
+}
+
+}  // namespace freelsd

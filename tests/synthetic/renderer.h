@@ -1,0 +1,51 @@
+// Input: a painted and lit world, a camera and where it is. Output: the photograph.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "engine/flight/flight.h"
+#include "tests/synthetic/world.h"
+
+namespace freelsd {
+
+struct RenderOptions {
+  uint64_t seed = 1;
+  // Rays per pixel are the square of this.
+  int supersampling = 2;
+  double lens_blur_px = 0.5;
+  // Standard deviation of the sensor's noise, of 255.
+  double sensor_noise = 1.8;
+  // Slow change of exposure over a flight: largest share.
+  double exposure_drift_ratio = 0.06;
+  // Brightness lost in the corners.
+  double vignetting_ratio = 0.08;
+};
+
+class Renderer {
+ public:
+  // Keeps a reference to the world, which must outlive it and not change.
+  explicit Renderer(const World& world);
+
+  // 8 bit BGR. `frame_index` chooses noise and exposure: same index, same bytes.
+  cv::Mat Render(const Camera& camera,
+                 const Rigid3d& world_from_camera,
+                 const RenderOptions& options,
+                 int frame_index) const;
+
+  // First point of the surface on a ray from above; nothing for a ray that does not go down.
+  std::optional<Eigen::Vector3d> FirstHit(const Eigen::Vector3d& origin_in_world,
+                                          const Eigen::Vector3d& ray_in_world) const;
+
+ private:
+  const World& world_;
+  // Highest surface in blocks of cells, coarse to fine: empty air is crossed in one step.
+  std::vector<cv::Mat1f> block_tops_;
+  double highest_ = 0.0;
+  double lowest_ = 0.0;
+};
+
+}  // namespace freelsd

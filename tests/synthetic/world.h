@@ -1,0 +1,143 @@
+// Input: a seed. Output: a piece of countryside whose truth is known everywhere: relief, what
+// stands on it, what it is made of, which fields a plane can land on.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <opencv2/core.hpp>
+
+#include "engine/geometry/geometry.h"
+
+namespace freelsd {
+
+// What a place is made of.
+enum class Cover : uint8_t {
+  kMeadow,   // mown or grazed grass: the only cover to land on
+  kStubble,  // harvested crop
+  kSoil,     // ploughed
+  kScrub,    // bracken, knee to waist high
+  kGravel,   // farm yard
+  kRoad,
+  kTree,
+  kHedge,
+  kHouse,
+};
+const char* CoverName(Cover cover);
+
+struct WorldOptions {
+  uint64_t seed = 1;
+  // Side of the square; the origin of the world frame is its centre.
+  double size_m = 600.0;
+  // Ground sampling of surface and texture.
+  double cell_size_m = 0.15;
+  // Standard deviation of the relief (hundreds of metres long); 0 is a plane.
+  double relief_sd_m = 2.0;
+  double wind_speed_mps = 4.0;
+  // Where the middle of the world lies.
+  GeoPoint origin{47.352, 8.457, 455.0};
+
+  // Throws std::invalid_argument: "world.size_m = 0: must be in [20, 2000]".
+  void Check() const;
+};
+
+// A patch of one cover, as farmers have them. Outline in world, counter-clockwise.
+struct Parcel {
+  std::string name;
+  Polygon outline;
+  Cover cover = Cover::kMeadow;
+};
+
+// Raised as a box with a gabled roof: `length_m` along `heading` (radians clockwise from north).
+struct House {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  double heading = 0.0;
+  double length_m = 12.0;
+  double width_m = 8.0;
+  double eaves_m = 4.0;
+  double ridge_m = 7.0;
+  uint8_t variant = 0;
+};
+
+struct Tree {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  double radius_m = 3.5;
+  double height_m = 9.0;
+  uint8_t variant = 0;
+};
+
+struct Hedge {
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();
+  Eigen::Vector2d end = Eigen::Vector2d::Zero();
+  double width_m = 1.8;
+  double height_m = 2.0;
+};
+
+// Grids are row-major, one value per cell; row 0 is the southern edge, column 0 the western one.
+// Outside the grid the edge repeats.
+struct World {
+  uint64_t seed = 0;
+  double size_m = 0.0;
+  double cell_size_m = 0.0;
+  GeoPoint origin;
+  Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
+  // Unit vector towards the sun.
+  Eigen::Vector3d sun_in_world = Eigen::Vector3d::UnitZ();
+  std::vector<Parcel> parcels;
+
+  cv::Mat1f ground;    // bare ground, world z
+  cv::Mat1f surface;   // highest thing, world z: tufts, crowns, roofs
+  cv::Mat1b cover;     // Cover
+  cv::Mat1b variant;   // tells one field, tree or roof from the next of its kind
+  cv::Mat3b albedo;    // BGR as a camera would see it flat in the sun
+  cv::Mat3b radiance;  // BGR with sun, shade and sky
+
+  int num_cells() const { return surface.rows; }
+  double CellCenter(int index) const { return (index + 0.5) * cell_size_m - 0.5 * size_m; }
+  // Cells (fractional) from the first cell's centre.
+  double CellFrom(double coordinate) const {
+    return (coordinate + 0.5 * size_m) / cell_size_m - 0.5;
+  }
+  // Nearest cell along one axis, clamped to the grid.
+  int CellIndex(double coordinate) const;
+  // Cells from `first` to `last` along one axis lie within the reach of a coordinate.
+  cv::Range CellsAround(double coordinate, double reach_m) const;
+
+  double GroundHeight(double x, double y) const;
+  double SurfaceHeight(double x, double y) const;
+  Cover CoverAt(double x, double y) const;
+
+  void Build(const House& house);
+  void Plant(const Tree& tree);
+  void Plant(const Hedge& hedge);
+  // Colours every cell by its cover; Light then adds slope against the sun, cast shadows and sky.
+  // To be called after the last thing was built.
+  void Paint();
+  void Light();
+};
+
+// Bilinear between cell centres; outside the grid the edge repeats.
+inline float Bilinear(const cv::Mat1f& grid, double col, double row) {
+  const double u = std::clamp(col, 0.0, grid.cols - 1.001);
+  const double v = std::clamp(row, 0.0, grid.rows - 1.001);
+  const int left = static_cast<int>(u);
+  const int first = static_cast<int>(v);
+  const float tu = static_cast<float>(u - left);
+  const float tv = static_cast<float>(v - first);
+  const float* a = grid[first] + left;
+  const float* b = grid[first + 1] + left;
+  const float south = a[0] + tu * (a[1] - a[0]);
+  const float north = b[0] + tu * (b[1] - b[0]);
+  return south + tv * (north - south);
+}
+
+// An even grass plane at z = 0 with nothing on it, painted and lit. For tests.
+World MakeMeadowPlane(const WorldOptions& options);
+
+// Farmland: parcels of meadow, stubble, soil, scrub and wood with hedges, trees, a road and a farm.
+// The parcel in the middle is a good meadow with low cover downwind of it.
+World MakeFarmland(const WorldOptions& options);
+
+}  // namespace freelsd
