@@ -5,9 +5,8 @@
 #include <optional>
 #include <string>
 
-#include <httplib.h>
-
 #include "server/body_reader.h"
+#include "server/http_library.h"
 
 namespace freelsd {
 

@@ -1,9 +1,8 @@
 // The handlers of routes.cc, by the file that has them. They throw ApiError and StorageError.
 #pragma once
 
-#include <httplib.h>
-
 #include "server/call.h"
+#include "server/http_library.h"
 #include "server/service.h"
 
 namespace freelsd {

@@ -7,9 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <httplib.h>
-
 #include "server/body_reader.h"
+#include "server/http_library.h"
 #include "server/request_head.h"
 
 namespace freelsd {

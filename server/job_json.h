@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include <httplib.h>
 #include <nlohmann/json_fwd.hpp>
 
+#include "server/http_library.h"
 #include "storage/storage.h"
 
 namespace freelsd {

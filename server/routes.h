@@ -1,9 +1,8 @@
 // Every URL of the service, and how a request finds its handler.
 #pragma once
 
-#include <httplib.h>
-
 #include "server/body_reader.h"
+#include "server/http_library.h"
 #include "server/service.h"
 
 namespace freelsd {
