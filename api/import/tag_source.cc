@@ -180,7 +180,7 @@ std::optional<std::string> TagSource::ExifText(const std::string& key) const {
 std::optional<std::string> TagSource::XmpText(std::string_view prefix,
                                               std::string_view name) const {
   const std::string wanted_prefix = Lower(prefix);
-  const std::string wanted_name = "." + Lower(name);
+  const std::string wanted_name = Lower(std::string(".").append(name));
   for (auto tag = xmp_.lower_bound(wanted_prefix); tag != xmp_.end(); ++tag) {
     const std::string& key = tag->first;
     if (key.rfind(wanted_prefix, 0) != 0) break;
