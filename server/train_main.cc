@@ -44,10 +44,12 @@ int Train(const Arguments& arguments) {
   std::vector<TrainingSample> samples;
   for (const LabelledPhotograph& photograph :
        ReadLabelledPhotographs(arguments.data, ReadLabelledCameras(arguments.cameras))) {
-    for (TrainingSample& sample : RegionSamples(photograph, *feature_set, kMinLabelledRatio)) {
+    for (TrainingSample& sample :
+         RegionSamples(photograph, *feature_set, kMinLabelledRatio, Augmentation::kPhotometric)) {
       samples.push_back(std::move(sample));
     }
-    for (TrainingSample& sample : TileSamples(photograph, *feature_set, kTileM)) {
+    for (TrainingSample& sample :
+         TileSamples(photograph, *feature_set, kTileM, Augmentation::kPhotometric)) {
       samples.push_back(std::move(sample));
     }
   }
@@ -56,7 +58,8 @@ int Train(const Arguments& arguments) {
   options.seed = arguments.seed;
   const std::string provenance =
       "Random forest, features " + arguments.features + ", " + std::to_string(samples.size()) +
-      " samples (regions and 10 m tiles) of labelled photographs of Swindale (vesnikos and "
+      " samples (regions and 10 m tiles, each in seven exposures and colours of light) of labelled "
+      "photographs of Swindale (vesnikos and "
       "supervisor), Garfield Park (CC0 1.0) and Brighton Beach (BSD 2-Clause, Piero Toffanin). "
       "See grass_model.md.";
   const auto [classifier, report] = TrainClassifier(samples, provenance, options);
@@ -118,7 +121,8 @@ int Evaluate(const Arguments& arguments) {
   std::vector<TrainingSample> samples;
   for (const LabelledPhotograph& photograph :
        ReadLabelledPhotographs(arguments.data, ReadLabelledCameras(arguments.cameras))) {
-    for (TrainingSample& sample : RegionSamples(photograph, classifier.feature_set(), kAnyLabel)) {
+    for (TrainingSample& sample :
+         RegionSamples(photograph, classifier.feature_set(), kAnyLabel, Augmentation::kNone)) {
       samples.push_back(std::move(sample));
     }
   }

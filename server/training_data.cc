@@ -52,6 +52,62 @@ std::array<int, kNumLabels> CountLabels(const cv::Mat1b& mask, const cv::Mat1b& 
   return counts;
 }
 
+// How other cameras, exposures and light would have shown the same ground.
+struct Rendering {
+  double gain;
+  double saturation;
+  // Factors on blue and red: cold or warm light.
+  double blue;
+  double red;
+};
+constexpr Rendering kRenderings[] = {{1.0, 1.0, 1.0, 1.0},
+                                     {0.65, 1.0, 1.0, 1.0},
+                                     {1.35, 1.0, 1.0, 1.0},
+                                     {1.0, 0.75, 1.0, 1.0},
+                                     {1.0, 1.35, 1.0, 1.0},
+                                     {1.0, 1.0, 0.9, 1.08},
+                                     {1.0, 1.0, 1.1, 0.94}};
+
+cv::Mat3b Rendered(const cv::Mat3b& image, const Rendering& rendering) {
+  cv::Mat3b rendered(image.size());
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      const cv::Vec3b& bgr = image(y, x);
+      const double grey = (bgr[0] + bgr[1] + bgr[2]) / 3.0;
+      const double factors[] = {rendering.blue, 1.0, rendering.red};
+      for (int i = 0; i < 3; ++i) {
+        const double saturated = grey + rendering.saturation * (bgr[i] - grey);
+        rendered(y, x)[i] = cv::saturate_cast<uint8_t>(rendering.gain * factors[i] * saturated);
+      }
+    }
+  }
+  return rendered;
+}
+
+// One sample per rendering.
+std::vector<TrainingSample> SamplesOf(const std::vector<cv::Mat3b>& renderings,
+                                      const cv::Mat1b& inside,
+                                      double ground_sampling_distance_m,
+                                      FeatureSet feature_set,
+                                      const TrainingSample& label) {
+  std::vector<TrainingSample> samples;
+  for (const cv::Mat3b& image : renderings) {
+    samples.push_back(label);
+    samples.back().features =
+        RegionFeatures(image, inside, ground_sampling_distance_m, feature_set);
+  }
+  return samples;
+}
+
+std::vector<cv::Mat3b> RenderingsOf(const cv::Mat3b& image, Augmentation augmentation) {
+  std::vector<cv::Mat3b> renderings;
+  for (const Rendering& rendering : kRenderings) {
+    renderings.push_back(Rendered(image, rendering));
+    if (augmentation == Augmentation::kNone) break;
+  }
+  return renderings;
+}
+
 cv::Mat1b MaskAt(const cv::Mat1b& mask, const cv::Size& size) {
   cv::Mat1b resized;
   cv::resize(mask, resized, size, 0, 0, cv::INTER_NEAREST);
@@ -111,10 +167,12 @@ std::vector<LabelledPhotograph> ReadLabelledPhotographs(
 
 std::vector<TrainingSample> RegionSamples(const LabelledPhotograph& photograph,
                                           FeatureSet feature_set,
-                                          double min_labelled_ratio) {
+                                          double min_labelled_ratio,
+                                          Augmentation augmentation) {
   const Segments segments = SegmentFrame(
       photograph.image, photograph.camera, photograph.height_above_ground, SegmentationOptions{});
   const cv::Mat1b mask = MaskAt(photograph.mask, segments.labels.size());
+  const std::vector<cv::Mat3b> renderings = RenderingsOf(segments.image, augmentation);
   std::vector<TrainingSample> samples;
   for (const Segment& segment : segments.segments) {
     const cv::Mat1b inside = segments.labels == segment.label;
@@ -124,25 +182,29 @@ std::vector<TrainingSample> RegionSamples(const LabelledPhotograph& photograph,
     const auto majority = std::max_element(counts.begin() + 1, counts.end());
     const auto label = static_cast<int>(majority - counts.begin());
     if (num_labelled < min_labelled_ratio * num_pixels || label == kDormantGrass) continue;
-    samples.push_back(
-        {RegionFeatures(segments.image, inside, segments.ground_sampling_distance_m, feature_set),
-         label == kGrass,
-         photograph.place});
+    const std::vector<TrainingSample> added = SamplesOf(renderings,
+                                                        inside,
+                                                        segments.ground_sampling_distance_m,
+                                                        feature_set,
+                                                        {{}, label == kGrass, photograph.place});
+    samples.insert(samples.end(), added.begin(), added.end());
   }
   return samples;
 }
 
 std::vector<TrainingSample> TileSamples(const LabelledPhotograph& photograph,
                                         FeatureSet feature_set,
-                                        double tile_m) {
+                                        double tile_m,
+                                        Augmentation augmentation) {
   // The working image of the segmentation, so that tiles look like regions do.
   const Segments segments = SegmentFrame(
       photograph.image, photograph.camera, photograph.height_above_ground, SegmentationOptions{});
   const cv::Mat1b mask = MaskAt(photograph.mask, segments.image.size());
+  const std::vector<cv::Mat3b> renderings = RenderingsOf(segments.image, augmentation);
   const int side = std::max(8, cvRound(tile_m / segments.ground_sampling_distance_m));
   std::vector<TrainingSample> samples;
-  for (int y = 0; y + side <= mask.rows; y += side) {
-    for (int x = 0; x + side <= mask.cols; x += side) {
+  for (int y = 0; y + side <= mask.rows; y += side / 2) {
+    for (int x = 0; x + side <= mask.cols; x += side / 2) {
       const cv::Rect tile(x, y, side, side);
       const std::array<int, kNumLabels> counts =
           CountLabels(mask(tile), cv::Mat1b(tile.size(), uint8_t{1}));
@@ -151,10 +213,12 @@ std::vector<TrainingSample> TileSamples(const LabelledPhotograph& photograph,
       if (*majority < kMinTilePurity * side * side || label == kDormantGrass) continue;
       cv::Mat1b inside(mask.size(), uint8_t{0});
       inside(tile) = 255;
-      samples.push_back(
-          {RegionFeatures(segments.image, inside, segments.ground_sampling_distance_m, feature_set),
-           label == kGrass,
-           photograph.place});
+      const std::vector<TrainingSample> added = SamplesOf(renderings,
+                                                          inside,
+                                                          segments.ground_sampling_distance_m,
+                                                          feature_set,
+                                                          {{}, label == kGrass, photograph.place});
+      samples.insert(samples.end(), added.begin(), added.end());
     }
   }
   return samples;

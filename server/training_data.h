@@ -34,15 +34,20 @@ struct LabelledPhotograph {
 std::vector<LabelledPhotograph> ReadLabelledPhotographs(const std::string& folder,
                                                         const std::vector<LabelledCamera>& cameras);
 
+// Whether samples are also taken in other exposures and light.
+enum class Augmentation { kNone, kPhotometric };
+
 // Regions found by the segmentation, labelled by the majority of their labelled pixels; regions of
 // which less than min_labelled_ratio is labelled, or that are mostly dormant grass, are left out.
 std::vector<TrainingSample> RegionSamples(const LabelledPhotograph& photograph,
                                           FeatureSet feature_set,
-                                          double min_labelled_ratio);
+                                          double min_labelled_ratio,
+                                          Augmentation augmentation);
 
-// Square tiles of tile_m on the ground whose pixels all carry one label.
+// Square tiles of tile_m on the ground, half a tile apart, whose pixels all carry one label.
 std::vector<TrainingSample> TileSamples(const LabelledPhotograph& photograph,
                                         FeatureSet feature_set,
-                                        double tile_m);
+                                        double tile_m,
+                                        Augmentation augmentation);
 
 }  // namespace freelsd
