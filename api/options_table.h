@@ -102,6 +102,9 @@ void VisitFields(Of<RegionsOptions> auto& o, Visitor&& visit) {
   visit("max_num_regions", o.max_num_regions, "regions kept");
   visit(
       "border_margin_px", o.border_margin_px, "a corner nearer to the border is not fully visible");
+  visit("max_viewing_distance_ratio",
+        o.max_viewing_distance_ratio,
+        "corners seen from more heights above ground away are not trusted");
 }
 
 template <class Visitor>
@@ -198,6 +201,15 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("unclear_height_allowance_m",
         o.unclear_height_allowance_m,
         "added to trees and unclear cells under the path");
+  visit("min_clear_class_posterior",
+        o.min_clear_class_posterior,
+        "of grass, below which a cell under the path is unclear");
+  visit("max_height_sd_m",
+        o.max_height_sd_m,
+        "cells above it are as good as unseen under the path");
+  visit("unknown_wind_mps",
+        o.unknown_wind_mps,
+        "from behind, with which the final must be clear too where no wind is known");
   visit("max_num_candidates", o.max_num_candidates, "touchdown candidates tried per region");
   visit("candidate_spacing_m", o.candidate_spacing_m, "between touchdown candidates");
   visit("heading_step_deg",

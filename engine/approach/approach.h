@@ -15,8 +15,15 @@ struct ApproachOptions {
   // Standard deviation of the map's horizontal position; a touchdown keeps it away from hazard too.
   double map_position_sd_m = 1.0;
   // Cells of a tree or of no clear class under the path get this height on top: leafless trees are
-  // seen through.
+  // seen through. Such a cell's posterior of grass is unknown or below min_clear_class_posterior.
   double unclear_height_allowance_m = 2.0;
+  double min_clear_class_posterior = 0.5;
+  // A cell whose height is less certain than this counts as unseen under the path too; what stands
+  // in it still blocks.
+  double max_height_sd_m = 1.0;
+  // Where no wind is known, the final must also be clear with this wind from behind. Paper: 5.5 m/s
+  // in the last experiment.
+  double unknown_wind_mps = 5.5;
   // --- Search ---
   // Touchdown candidates tried per region, best first, at least this far apart.
   int max_num_candidates = 60;
@@ -25,7 +32,7 @@ struct ApproachOptions {
   double heading_step_deg = 10.0;
   // Below this the heading is free.
   double calm_wind_mps = 0.5;
-  // Step along path and circle.
+  // Step along path and circle; never coarser than half a cell on the final.
   double path_step_m = 0.5;
   // Rejections kept with the site.
   int max_num_rejections = 20;
@@ -52,8 +59,11 @@ enum class RejectReason {
 
 enum class LoiterDirection { kLeft, kRight };  // as flown
 
-// Eq. 1: length of the final over ground; negative or zero where the wind is too strong.
+// Eq. 1: length of the final over ground, flown into the wind; zero or negative where the wind is
+// too strong.
 double ApproachDistance(const Aircraft& aircraft, double wind_speed);
+// The same with all of the wind from behind, which nobody plans but who does not know it may get.
+double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed);
 double LoiterRadius(const Aircraft& aircraft, double wind_speed);
 
 // Path height against the map's upper surface, from the start of the final to touchdown.
@@ -104,10 +114,10 @@ struct Plan {
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reject_reason;
   std::string reject_detail;
-  // World; for a rejected site the least bad place, or the region's centre.
+  // World; for a rejected site the least bad place, or the region's centre at its ground_height.
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   double hazard_distance = 0.0;
-  // At touchdown, within the touchdown disc; NaN if unseen.
+  // Largest within the touchdown disc; NaN if unseen. Slope in radians.
   double slope = 0.0;
   double roughness = 0.0;
   std::optional<Approach> approach;
@@ -124,8 +134,14 @@ struct PlanRequest {
   int num_observations = 0;
   int min_num_observations = 2;
   std::optional<Eigen::Vector2d> wind_in_world;
+  // World z of the region by coarse depth: only the answer where the map saw nothing of it.
+  double ground_height = 0.0;
 };
 
+// Touchdown candidates are tried best first (distance to hazard) and the first landable one wins;
+// else the first unverified one. The search looks at max_num_candidates places, so it may miss a
+// good place, but never accepts a bad one. Throws std::invalid_argument when map and hazards are
+// not of one grid.
 Plan PlanApproach(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,

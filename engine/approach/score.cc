@@ -6,45 +6,41 @@
 namespace freelsd {
 namespace {
 
-// A term is full when the quantity is this many times what the aircraft needs.
-constexpr double kPlentyOfDistance = 3.0;
-constexpr double kPlentyOfClearance = 3.0;
-constexpr double kPlentyOfArea = 5.0;
-// Observations after which more say little new.
-constexpr double kPlentyOfObservations = 10.0;
-// Share of its score that a site keeps by verdict, so that verdicts never interleave.
-constexpr double kUnverifiedShare = 0.8;
-constexpr double kRejectedShare = 0.2;
+// Terms are full where more would not make the landing safer.
+constexpr double kAmpleHazardDistances = 3.0;  // times the one needed
+constexpr double kAmpleClearances = 2.0;       // times the one wanted: what flat ground gives
+constexpr double kAmpleAreas = 4.0;            // times the least area
+constexpr double kAmpleObservations = 2.0;     // times n_obs,min
+constexpr double kWeightOfUnseenCircle = 0.5;  // of the evidence
+constexpr double kLargestRejectedScore = 0.2;
 
-// 0..1; unknown counts as the worst.
-double Term(double value) { return std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0.0; }
+// 0 for NaN too: unknown is never good.
+double Share(double value, double ample) {
+  return value > 0.0 && ample > 0.0 ? std::min(value / ample, 1.0) : 0.0;
+}
 
 }  // namespace
 
-std::vector<ScoreTerm> ScoreTerms(const Plan& plan,
+std::vector<ScoreTerm> ScoreTerms(const ScoreInput& input,
                                   const PlanRequest& request,
                                   const Aircraft& aircraft,
                                   const ApproachOptions& options) {
-  const double clearance = plan.approach ? plan.approach->min_clearance : 0.0;
-  const double seen = plan.approach ? 1.0 - plan.approach->unseen_ratio : 0.0;
-  const double touchdown_disc = std::max(aircraft.touchdown_uncertainty_m, 1.0);
-  const double margin = std::max(aircraft.safety_margin_m, 1.0);
-  const double evidence = request.grade * (request.num_observations / kPlentyOfObservations);
-  const double values[] = {
-      plan.hazard_distance / (kPlentyOfDistance * touchdown_disc),
-      clearance / (kPlentyOfClearance * margin),
-      request.area_m2 / (kPlentyOfArea * aircraft.min_area_m2),
-      1.0 - DegFromRad(plan.slope) / aircraft.max_slope_deg,
-      1.0 - plan.roughness / aircraft.max_roughness_m,
-      0.5 * (Term(evidence) + seen),
+  const double evidence =
+      request.grade * Share(request.num_observations,
+                            kAmpleObservations * std::max(request.min_num_observations, 1));
+  const std::vector<double>& weights = options.score_weights;
+  return {
+      {"hazard_distance",
+       Share(input.hazard_distance, kAmpleHazardDistances * input.required_hazard_distance),
+       weights[0]},
+      {"clearance", Share(input.clearance_ratio, kAmpleClearances), weights[1]},
+      {"area", Share(request.area_m2, kAmpleAreas * aircraft.min_area_m2), weights[2]},
+      {"slope", Share(1.0 - input.slope / RadFromDeg(aircraft.max_slope_deg), 1.0), weights[3]},
+      {"roughness", Share(1.0 - input.roughness / aircraft.max_roughness_m, 1.0), weights[4]},
+      {"evidence",
+       Share(evidence * (1.0 - kWeightOfUnseenCircle * input.unseen_ratio), 1.0),
+       weights[5]},
   };
-  const char* const names[] = {
-      "hazard_distance", "clearance", "area", "slope", "roughness", "evidence"};
-  std::vector<ScoreTerm> terms;
-  for (size_t i = 0; i < std::size(values); ++i) {
-    terms.push_back({names[i], Term(values[i]), options.score_weights[i]});
-  }
-  return terms;
 }
 
 double Score(const std::vector<ScoreTerm>& terms, Verdict verdict) {
@@ -54,15 +50,7 @@ double Score(const std::vector<ScoreTerm>& terms, Verdict verdict) {
     sum_of_weights += term.weight;
   }
   const double mean = sum_of_weights > 0.0 ? sum / sum_of_weights : 0.0;
-  switch (verdict) {
-    case Verdict::kLandable:
-      return mean;
-    case Verdict::kUnverified:
-      return kUnverifiedShare * mean;
-    case Verdict::kRejected:
-      break;
-  }
-  return kRejectedShare * mean;
+  return verdict == Verdict::kRejected ? kLargestRejectedScore * mean : mean;
 }
 
 }  // namespace freelsd

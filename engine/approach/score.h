@@ -1,4 +1,4 @@
-// The terms that a site's score is made of.
+// Private to approach/: how good a site is, as one number with its terms.
 #pragma once
 
 #include <vector>
@@ -7,13 +7,22 @@
 
 namespace freelsd {
 
-// Each term 0..1, weights as in the options.
-std::vector<ScoreTerm> ScoreTerms(const Plan& plan,
+struct ScoreInput {
+  double hazard_distance = 0.0;
+  double required_hazard_distance = 1.0;
+  // Of the path, in units of the clearance wanted; NaN or negative: none.
+  double clearance_ratio = 0.0;
+  double slope = 0.0;
+  double roughness = 0.0;
+  double unseen_ratio = 0.0;
+};
+
+std::vector<ScoreTerm> ScoreTerms(const ScoreInput& input,
                                   const PlanRequest& request,
                                   const Aircraft& aircraft,
                                   const ApproachOptions& options);
 
-// Weighted mean of the terms; a rejected site never scores above one that may be landed on.
+// Weighted mean, 0..1; a rejected site stays in the lowest fifth.
 double Score(const std::vector<ScoreTerm>& terms, Verdict verdict);
 
 }  // namespace freelsd

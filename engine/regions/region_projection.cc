@@ -1,58 +1,88 @@
 #include <algorithm>
+#include <optional>
+#include <stdexcept>
+#include <utility>
 
 #include "engine/regions/region_update.h"
-#include "engine/regions/regions.h"
 
 namespace freelsd {
 namespace {
 
-// Rectangle around a segment's contour, brought to the ground; nothing where a corner looks at or
-// above the horizon.
-std::optional<Detection> Project(size_t view,
-                                 const Segment& segment,
-                                 const Label& label,
-                                 const Tracks& tracks,
-                                 const RegionsOptions& options) {
+// Where an image corner looks at or above the horizon, a point this share of the way from the image
+// centre stands for it.
+constexpr double kFootprintShares[] = {1.0, 0.75, 0.5, 0.25};
+
+// Ground at a pixel, unless it is too far off to be trusted.
+std::optional<Eigen::Vector3d> TrustedGround(const Tracks& tracks,
+                                             size_t view,
+                                             const Eigen::Vector2d& point_in_image,
+                                             double max_distance_ratio) {
+  const std::optional<GroundPoint> ground = tracks.GroundAt(view, point_in_image);
+  if (!ground || !ground->point_in_world.allFinite()) return std::nullopt;
+  const View& seen_from = tracks.views()[view];
+  const double distance = (ground->point_in_world - seen_from.world_from_camera.translation).norm();
+  if (distance > max_distance_ratio * seen_from.height_above_ground) return std::nullopt;
+  return ground->point_in_world;
+}
+
+std::vector<Eigen::Vector3d> CounterClockwise(std::vector<Eigen::Vector3d> corners_in_world) {
+  if (SignedArea(GroundPolygon(corners_in_world)) < 0.0) {
+    std::reverse(corners_in_world.begin(), corners_in_world.end());
+  }
+  return corners_in_world;
+}
+
+bool IsFullyVisible(const Segment& segment,
+                    const Polygon& rectangle_in_image,
+                    const Camera& camera,
+                    double margin_px) {
+  return !segment.touches_border &&
+         std::all_of(rectangle_in_image.begin(), rectangle_in_image.end(), [&](const auto& corner) {
+           return camera.IsInside(corner, margin_px);
+         });
+}
+
+// Nothing when part of the rectangle has no place on the ground, or no area.
+std::optional<Detection> ProjectSegment(const Segment& segment,
+                                        size_t view,
+                                        const Tracks& tracks,
+                                        const RegionsOptions& options) {
   const Polygon rectangle = MinAreaRectangle(segment.contour_in_image);
   if (rectangle.size() != 4) return std::nullopt;
   Detection detection;
-  detection.is_grass = label.surface == Surface::kGrass;
-  detection.is_fully_visible = !segment.touches_border;
-  Polygon on_ground;
-  double height = 0.0;
   for (const Eigen::Vector2d& corner : rectangle) {
-    detection.is_fully_visible &= tracks.camera().IsInside(corner, options.border_margin_px);
-    const std::optional<GroundPoint> ground = tracks.GroundAt(view, corner);
+    const auto ground = TrustedGround(tracks, view, corner, options.max_viewing_distance_ratio);
     if (!ground) return std::nullopt;
-    on_ground.push_back(ground->point_in_world.head<2>());
-    height += 0.25 * ground->point_in_world.z();
+    detection.corners_in_world.push_back(*ground);
   }
-  // Seen from above the image's y axis points down: its counter-clockwise is the ground's
-  // clockwise.
-  if (SignedArea(on_ground) < 0.0) std::reverse(on_ground.begin(), on_ground.end());
-  for (const Eigen::Vector2d& corner : on_ground) {
-    detection.corners_in_world.emplace_back(corner.x(), corner.y(), height);
-  }
-  const std::optional<GroundPoint> centroid = tracks.GroundAt(view, Centroid(rectangle));
+  const auto centroid =
+      TrustedGround(tracks, view, Centroid(rectangle), options.max_viewing_distance_ratio);
   if (!centroid) return std::nullopt;
-  detection.centroid_in_world = centroid->point_in_world.head<2>();
+  detection.centroid_in_world = *centroid;
+  detection.corners_in_world = CounterClockwise(std::move(detection.corners_in_world));
+  detection.is_fully_visible =
+      IsFullyVisible(segment, rectangle, tracks.camera(), options.border_margin_px);
+  detection.area_m2 = segment.area_m2;
   return detection;
 }
 
-// Ground that a view sees, and its middle; nothing for a view that sees the horizon.
-std::optional<ViewFootprint> FootprintOf(size_t view, const Tracks& tracks) {
+Polygon ViewFootprint(size_t view, const Tracks& tracks, double max_distance_ratio) {
   const Camera& camera = tracks.camera();
   const double right = camera.width_px - 1.0, bottom = camera.height_px - 1.0;
-  ViewFootprint footprint;
-  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0, 0),
-                                        Eigen::Vector2d(right, 0),
+  const Eigen::Vector2d center(0.5 * right, 0.5 * bottom);
+  Polygon footprint;
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(0.0, 0.0),
+                                        Eigen::Vector2d(right, 0.0),
                                         Eigen::Vector2d(right, bottom),
-                                        Eigen::Vector2d(0, bottom)}) {
-    const std::optional<GroundPoint> ground = tracks.GroundAt(view, corner);
-    if (!ground) return std::nullopt;
-    footprint.ground.push_back(ground->point_in_world.head<2>());
+                                        Eigen::Vector2d(0.0, bottom)}) {
+    for (const double share : kFootprintShares) {
+      const auto ground =
+          TrustedGround(tracks, view, center + share * (corner - center), max_distance_ratio);
+      if (!ground) continue;
+      footprint.push_back(ground->head<2>());
+      break;
+    }
   }
-  footprint.middle = Centroid(footprint.ground);
   return footprint;
 }
 
@@ -62,34 +92,30 @@ void Regions::Update(size_t view,
                      const Segments& segments,
                      const Labels& labels,
                      const Tracks& tracks) {
+  if (labels.size() != segments.segments.size()) {
+    throw std::invalid_argument("regions.labels: " + std::to_string(labels.size()) + " for " +
+                                std::to_string(segments.segments.size()) + " segments");
+  }
+  const RegionsOptions& options = state_->options;
+  const Camera& camera = tracks.camera();
+  const Eigen::Vector2d image_center(0.5 * (camera.width_px - 1), 0.5 * (camera.height_px - 1));
+  if (const auto center =
+          TrustedGround(tracks, view, image_center, options.max_viewing_distance_ratio)) {
+    state_->overlap.Add(
+        view, center->head<2>(), ViewFootprint(view, tracks, options.max_viewing_distance_ratio));
+  }
   std::vector<Detection> detections;
-  for (size_t i = 0; i < segments.segments.size(); ++i) {
-    if (auto detection = Project(view, segments.segments[i], labels[i], tracks, options_)) {
-      detections.push_back(std::move(*detection));
-    }
+  for (size_t i = 0; i < labels.size(); ++i) {
+    auto detection = ProjectSegment(segments.segments[i], view, tracks, options);
+    if (!detection) continue;
+    detection->is_grass = labels[i].surface == Surface::kGrass;
+    detections.push_back(std::move(*detection));
   }
   const View& seen = tracks.views()[view];
-  const ViewStamp stamp{view, seen.frame_id, seen.timestamp_us};
-  UpdateRegions(stamp, detections, regions_, next_id_);
-  CountView(FootprintOf(view, tracks));
-  GradeRegions(stamp, min_num_observations_, options_, regions_);
-  KeepBest(options_.max_num_regions, regions_);
-}
-
-// Half of how often the flight lets a place be seen: the median over the views' middles.
-void Regions::CountView(const std::optional<ViewFootprint>& footprint) {
-  if (!footprint) return;
-  footprints_.push_back(*footprint);
-  num_views_of_middle_.push_back(1);
-  for (size_t i = 0; i + 1 < footprints_.size(); ++i) {
-    num_views_of_middle_[i] += Contains(footprint->ground, footprints_[i].middle) ? 1 : 0;
-    num_views_of_middle_.back() += Contains(footprints_[i].ground, footprint->middle) ? 1 : 0;
-  }
-  std::vector<int> sorted = num_views_of_middle_;
-  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
-  min_num_observations_ = std::clamp(sorted[sorted.size() / 2] / 2,
-                                     options_.min_num_observations_floor,
-                                     options_.min_num_observations);
+  state_->tracker.Update(
+      {.view = view, .frame_id = seen.frame_id, .timestamp_us = seen.timestamp_us},
+      std::move(detections),
+      MinNumObservations());
 }
 
 }  // namespace freelsd

@@ -1,221 +1,252 @@
 #include "engine/regions/region_update.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <tuple>
 #include <utility>
 
 namespace freelsd {
 namespace {
 
-Polygon Flat(const std::vector<Eigen::Vector3d>& corners_in_world) {
-  Polygon polygon;
-  for (const Eigen::Vector3d& corner : corners_in_world) polygon.push_back(corner.head<2>());
-  return polygon;
+bool ContainsPlace(const Region& region, const Eigen::Vector3d& place_in_world) {
+  return Contains(region.Footprint(), place_in_world.head<2>());
 }
 
-double MeanHeight(const std::vector<Eigen::Vector3d>& corners_in_world) {
-  double sum = 0.0;
-  for (const Eigen::Vector3d& corner : corners_in_world) sum += corner.z();
-  return sum / static_cast<double>(corners_in_world.size());
+// An order that only depends on what was seen, so that the order of segments does not matter.
+void SortByContent(std::vector<Detection>& detections) {
+  const auto key = [](const Detection& detection) {
+    return std::tuple(-Area(GroundPolygon(detection.corners_in_world)),
+                      detection.centroid_in_world.x(),
+                      detection.centroid_in_world.y(),
+                      -detection.area_m2,
+                      detection.is_grass);
+  };
+  std::sort(detections.begin(), detections.end(), [&](const auto& a, const auto& b) {
+    return key(a) < key(b);
+  });
 }
 
-void SetCorners(Region& region, const std::vector<Eigen::Vector3d>& corners_in_world) {
-  region.corners_in_world = corners_in_world;
-  region.area_m2 = Area(Flat(corners_in_world));
+// Re-detected region: its corners hold the centroid; of several the one centred nearest.
+std::optional<size_t> RedetectedRegion(const std::vector<TrackedRegion>& tracked,
+                                       const Detection& detection) {
+  std::optional<size_t> nearest;
+  double nearest_distance = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < tracked.size(); ++i) {
+    if (!ContainsPlace(tracked[i].region, detection.centroid_in_world)) continue;
+    const double distance =
+        (tracked[i].region.Center() - detection.centroid_in_world).head<2>().norm();
+    if (distance >= nearest_distance) continue;
+    nearest = i;
+    nearest_distance = distance;
+  }
+  return nearest;
 }
 
-// Rectangle around the corners of both, at their mean height.
+// Rectangle of all corners; each new corner has the height of the old one nearest to it.
 std::vector<Eigen::Vector3d> RectangleAround(const std::vector<Eigen::Vector3d>& corners) {
-  const double height = MeanHeight(corners);
   std::vector<Eigen::Vector3d> rectangle;
-  for (const Eigen::Vector2d& corner : MinAreaRectangle(Flat(corners))) {
-    rectangle.emplace_back(corner.x(), corner.y(), height);
+  for (const Eigen::Vector2d& vertex : MinAreaRectangle(GroundPolygon(corners))) {
+    const auto nearest =
+        std::min_element(corners.begin(), corners.end(), [&](const auto& a, const auto& b) {
+          return (a.template head<2>() - vertex).squaredNorm() <
+                 (b.template head<2>() - vertex).squaredNorm();
+        });
+    rectangle.emplace_back(vertex.x(), vertex.y(), nearest->z());
   }
   return rectangle;
 }
 
-double DetectionArea(const Detection& detection) { return Area(Flat(detection.corners_in_world)); }
-
-// Larger first; equal sizes by place, so that the order of arrival does not matter.
-bool IsLarger(const Detection& a, const Detection& b) {
-  const double area_a = DetectionArea(a), area_b = DetectionArea(b);
-  if (area_a != area_b) return area_a > area_b;
-  if (a.centroid_in_world.x() != b.centroid_in_world.x()) {
-    return a.centroid_in_world.x() < b.centroid_in_world.x();
-  }
-  return a.centroid_in_world.y() < b.centroid_in_world.y();
+void SetCorners(TrackedRegion& tracked, std::vector<Eigen::Vector3d> corners_in_world) {
+  tracked.region.corners_in_world = std::move(corners_in_world);
+  tracked.region.area_m2 = Area(tracked.region.Footprint());
+  tracked.has_new_corners = true;
 }
 
-// The region whose corners hold the centroid; of several the largest, then the oldest.
-std::optional<size_t> ReDetected(const Detection& detection,
-                                 const std::vector<TrackedRegion>& regions) {
-  std::optional<size_t> found;
-  for (size_t i = 0; i < regions.size(); ++i) {
-    if (!Contains(Flat(regions[i].region.corners_in_world), detection.centroid_in_world)) continue;
-    if (!found) {
-      found = i;
-      continue;
-    }
-    const Region& best = regions[*found].region;
-    const Region& region = regions[i].region;
-    if (region.area_m2 > best.area_m2 || (region.area_m2 == best.area_m2 && region.id < best.id)) {
-      found = i;
-    }
-  }
-  return found;
-}
-
-// All detections of one view that hit one region are one observation: grass if most area is.
-void Observe(const ViewStamp& stamp,
-             const std::vector<const Detection*>& detections,
-             TrackedRegion& tracked) {
-  double grass_area = 0.0, other_area = 0.0;
-  for (const Detection* detection : detections) {
-    (detection->is_grass ? grass_area : other_area) += DetectionArea(*detection);
-  }
-  tracked.votes[stamp.view] = grass_area > other_area;
-  tracked.region.last_seen_frame_id = stamp.frame_id;
-  tracked.region.last_seen_us = stamp.timestamp_us;
-}
-
-// Corners of a region that is not fixed. Detections come largest first.
-void UpdateCorners(const std::vector<const Detection*>& detections, TrackedRegion& tracked) {
+// Sec. III-E1: fixed corners stay; the first full view fixes them; till then they grow.
+void UpdateCorners(TrackedRegion& tracked, const std::vector<const Detection*>& detections) {
+  if (tracked.region.is_fixed || detections.empty()) return;
   std::vector<Eigen::Vector3d> corners = tracked.region.corners_in_world;
   for (const Detection* detection : detections) {
-    if (detection->is_fully_visible) {
-      SetCorners(tracked.region, detection->corners_in_world);
+    if (detection->is_fully_visible) {  // the largest one: they are sorted
       tracked.region.is_fixed = true;
+      SetCorners(tracked, detection->corners_in_world);
       return;
     }
     corners.insert(
         corners.end(), detection->corners_in_world.begin(), detection->corners_in_world.end());
   }
-  SetCorners(tracked.region, RectangleAround(corners));
+  SetCorners(tracked, RectangleAround(corners));
 }
 
-TrackedRegion NewRegion(const ViewStamp& stamp, const Detection& detection, int id) {
+void Observe(TrackedRegion& tracked, const ViewStamp& stamp, const Detection& detection) {
+  ViewEvidence& evidence = tracked.evidence[stamp.view];
+  (detection.is_grass ? evidence.grass_area_m2 : evidence.other_area_m2) += detection.area_m2;
+  tracked.region.last_seen_frame_id = stamp.frame_id;
+  tracked.region.last_seen_us = stamp.timestamp_us;
+}
+
+TrackedRegion NewRegion(int id, const ViewStamp& stamp, const Detection& detection) {
   TrackedRegion tracked;
   tracked.region.id = id;
-  SetCorners(tracked.region, detection.corners_in_world);
   tracked.region.is_fixed = detection.is_fully_visible;
   tracked.region.first_seen_frame_id = stamp.frame_id;
-  tracked.is_updated = true;
-  Observe(stamp, {&detection}, tracked);
+  SetCorners(tracked, detection.corners_in_world);
+  Observe(tracked, stamp, detection);
   return tracked;
 }
 
-bool IsSamePlace(const Region& a, const Region& b) {
-  return Contains(a.Footprint(), b.Center().head<2>()) ||
-         Contains(b.Footprint(), a.Center().head<2>());
+bool BelongTogether(const TrackedRegion& a, const TrackedRegion& b) {
+  if (!a.has_new_corners && !b.has_new_corners) return false;
+  return ContainsPlace(a.region, b.region.Center()) || ContainsPlace(b.region, a.region.Center());
 }
 
-// Corners of the larger, identity of the older, observations of both; a view counts once.
-TrackedRegion Merged(const TrackedRegion& a, const TrackedRegion& b) {
-  const bool is_a_larger = a.region.area_m2 > b.region.area_m2 ||
-                           (a.region.area_m2 == b.region.area_m2 && a.region.id < b.region.id);
-  const TrackedRegion& larger = is_a_larger ? a : b;
-  const TrackedRegion& older = a.region.id < b.region.id ? a : b;
-  const TrackedRegion& newest = a.region.last_seen_us >= b.region.last_seen_us ? a : b;
+// Older identity, larger corners, the evidence of both.
+TrackedRegion Merged(const TrackedRegion& older, const TrackedRegion& younger) {
   TrackedRegion merged = older;
-  merged.region.corners_in_world = larger.region.corners_in_world;
-  merged.region.area_m2 = larger.region.area_m2;
-  merged.region.is_fixed = larger.region.is_fixed;
-  merged.region.last_seen_frame_id = newest.region.last_seen_frame_id;
-  merged.region.last_seen_us = newest.region.last_seen_us;
-  merged.votes = larger.votes;
-  merged.votes.insert(a.votes.begin(), a.votes.end());
-  merged.votes.insert(b.votes.begin(), b.votes.end());
-  merged.is_updated = true;
+  merged.has_new_corners = true;
+  if (younger.region.area_m2 > older.region.area_m2) {
+    merged.region.corners_in_world = younger.region.corners_in_world;
+    merged.region.area_m2 = younger.region.area_m2;
+    merged.region.is_fixed = younger.region.is_fixed;
+  }
+  for (const auto& [view, evidence] : younger.evidence) {
+    merged.evidence[view].grass_area_m2 += evidence.grass_area_m2;
+    merged.evidence[view].other_area_m2 += evidence.other_area_m2;
+  }
+  if (younger.evidence.rbegin()->first > older.evidence.rbegin()->first) {
+    merged.region.last_seen_frame_id = younger.region.last_seen_frame_id;
+    merged.region.last_seen_us = younger.region.last_seen_us;
+  }
   return merged;
 }
 
-// Pairs are tried largest first until none is left, so that the outcome has one order only.
-void MergeRegions(std::vector<TrackedRegion>& regions) {
-  bool has_merged = true;
-  while (has_merged) {
-    has_merged = false;
-    std::sort(regions.begin(), regions.end(), [](const auto& a, const auto& b) {
-      if (a.region.area_m2 != b.region.area_m2) return a.region.area_m2 > b.region.area_m2;
-      return a.region.id < b.region.id;
-    });
-    for (size_t i = 0; i < regions.size() && !has_merged; ++i) {
-      for (size_t j = i + 1; j < regions.size() && !has_merged; ++j) {
-        if (!regions[i].is_updated && !regions[j].is_updated) continue;
-        if (!IsSamePlace(regions[i].region, regions[j].region)) continue;
-        regions[i] = Merged(regions[i], regions[j]);
-        regions.erase(regions.begin() + static_cast<std::ptrdiff_t>(j));
-        has_merged = true;
-      }
-    }
-  }
+size_t LastView(const TrackedRegion& tracked) { return tracked.evidence.rbegin()->first; }
+
+size_t Root(const std::vector<size_t>& parent, size_t i) {
+  while (parent[i] != i) i = parent[i];
+  return i;
 }
 
 }  // namespace
 
-void UpdateRegions(const ViewStamp& stamp,
-                   const std::vector<Detection>& detections,
-                   std::vector<TrackedRegion>& regions,
-                   int& next_id) {
-  for (TrackedRegion& tracked : regions) tracked.is_updated = false;
-  std::vector<Detection> ordered = detections;
-  std::sort(ordered.begin(), ordered.end(), IsLarger);
-  std::map<size_t, std::vector<const Detection*>> hits;
-  std::vector<const Detection*> unknown;
-  for (const Detection& detection : ordered) {
-    if (const std::optional<size_t> region = ReDetected(detection, regions)) {
-      hits[*region].push_back(&detection);
+void RegionTracker::Update(const ViewStamp& stamp,
+                           std::vector<Detection> detections,
+                           int min_num_observations) {
+  SortByContent(detections);
+  for (TrackedRegion& tracked : tracked_) tracked.has_new_corners = false;
+  Assign(stamp, detections);
+  while (MergeOnce()) {
+  }
+  Grade(stamp, min_num_observations);
+  DropWorst(min_num_observations);
+}
+
+// All detections are compared with the regions as they were before this view.
+void RegionTracker::Assign(const ViewStamp& stamp, const std::vector<Detection>& detections) {
+  std::vector<std::vector<const Detection*>> detections_of(tracked_.size());
+  std::vector<TrackedRegion> added;
+  for (const Detection& detection : detections) {
+    if (const std::optional<size_t> i = RedetectedRegion(tracked_, detection)) {
+      detections_of[*i].push_back(&detection);
+      Observe(tracked_[*i], stamp, detection);
     } else {
-      unknown.push_back(&detection);
+      added.push_back(NewRegion(next_id_++, stamp, detection));
     }
   }
-  for (const auto& [index, seen] : hits) {
-    TrackedRegion& tracked = regions[index];
-    Observe(stamp, seen, tracked);
-    if (tracked.region.is_fixed) continue;
-    UpdateCorners(seen, tracked);
-    tracked.is_updated = true;
-  }
-  for (const Detection* detection : unknown) {
-    regions.push_back(NewRegion(stamp, *detection, next_id++));
-  }
-  MergeRegions(regions);
+  for (size_t i = 0; i < detections_of.size(); ++i) UpdateCorners(tracked_[i], detections_of[i]);
+  for (TrackedRegion& tracked : added) tracked_.push_back(std::move(tracked));
 }
 
-void GradeRegions(const ViewStamp& stamp,
-                  int min_num_observations,
-                  const RegionsOptions& options,
-                  std::vector<TrackedRegion>& regions) {
-  for (TrackedRegion& tracked : regions) {
+// Sec. III-E2. Joins all that hang together at once, so that no order is preferred; true if any.
+bool RegionTracker::MergeOnce() {
+  std::vector<size_t> parent(tracked_.size());
+  std::iota(parent.begin(), parent.end(), size_t{0});
+  for (size_t i = 0; i < tracked_.size(); ++i) {
+    for (size_t j = i + 1; j < tracked_.size(); ++j) {
+      if (!BelongTogether(tracked_[i], tracked_[j])) continue;
+      const size_t a = Root(parent, i), b = Root(parent, j);
+      parent[std::max(a, b)] = std::min(a, b);  // the oldest is the root
+    }
+  }
+  std::vector<TrackedRegion> merged;
+  std::map<size_t, size_t> place_of_root;
+  for (size_t i = 0; i < tracked_.size(); ++i) {
+    const auto [place, is_new] = place_of_root.emplace(Root(parent, i), merged.size());
+    if (is_new) {
+      merged.push_back(tracked_[i]);
+    } else {
+      merged[place->second] = Merged(merged[place->second], tracked_[i]);
+    }
+  }
+  const bool has_merged = merged.size() < tracked_.size();
+  tracked_ = std::move(merged);
+  return has_merged;
+}
+
+// Sec. III-E3.
+void RegionTracker::Grade(const ViewStamp& stamp, int min_num_observations) {
+  for (TrackedRegion& tracked : tracked_) {
     Region& region = tracked.region;
-    region.num_observations = static_cast<int>(tracked.votes.size());
-    region.num_grass_observations = static_cast<int>(std::count_if(
-        tracked.votes.begin(), tracked.votes.end(), [](const auto& vote) { return vote.second; }));
-    const bool is_worth_a_grade =
-        region.area_m2 >= options.min_area_m2 && region.num_observations >= min_num_observations;
-    region.grade = is_worth_a_grade ? static_cast<double>(region.num_grass_observations) /
-                                          region.num_observations
-                                    : 0.0;
-    if (!tracked.votes.contains(stamp.view)) continue;
-    region.history.push_back({stamp.frame_id,
-                              stamp.timestamp_us,
-                              region.num_observations,
-                              region.num_grass_observations,
-                              region.grade,
-                              region.area_m2});
+    region.num_observations = static_cast<int>(tracked.evidence.size());
+    region.num_grass_observations = static_cast<int>(
+        std::count_if(tracked.evidence.begin(), tracked.evidence.end(), [](const auto& entry) {
+          return entry.second.grass_area_m2 > entry.second.other_area_m2;
+        }));
+    const bool has_grade =
+        region.area_m2 >= options_.min_area_m2 && region.num_observations >= min_num_observations;
+    region.grade =
+        has_grade ? static_cast<double>(region.num_grass_observations) / region.num_observations
+                  : 0.0;
+    if (!tracked.evidence.contains(stamp.view)) continue;
+    region.history.push_back({.frame_id = stamp.frame_id,
+                              .timestamp_us = stamp.timestamp_us,
+                              .num_observations = region.num_observations,
+                              .num_grass_observations = region.num_grass_observations,
+                              .grade = region.grade,
+                              .area_m2 = region.area_m2});
   }
 }
 
-void KeepBest(int max_num_regions, std::vector<TrackedRegion>& regions) {
-  std::sort(regions.begin(), regions.end(), [](const auto& a, const auto& b) {
-    if (a.region.grade != b.region.grade) return a.region.grade > b.region.grade;
-    if (a.region.last_seen_us != b.region.last_seen_us) {
-      return a.region.last_seen_us > b.region.last_seen_us;
-    }
-    return a.region.id < b.region.id;
-  });
-  if (static_cast<int>(regions.size()) > max_num_regions) {
-    regions.resize(static_cast<size_t>(max_num_regions));
+// The best ones, and as many young ones that could not show yet what they are: were they counted
+// together, twenty graded regions would keep out every new one.
+void RegionTracker::DropWorst(int min_num_observations) {
+  const auto limit = static_cast<size_t>(options_.max_num_regions);
+  std::vector<TrackedRegion> graded, young;
+  for (TrackedRegion& tracked : tracked_) {
+    const bool is_young = tracked.region.num_observations < min_num_observations;
+    (is_young ? young : graded).push_back(std::move(tracked));
   }
+  const auto key = [](const TrackedRegion& tracked) {
+    return std::tuple(-tracked.region.grade,
+                      std::numeric_limits<size_t>::max() - LastView(tracked),
+                      -tracked.region.num_observations,
+                      -tracked.region.area_m2,
+                      tracked.region.id);
+  };
+  const auto is_better = [&](const auto& a, const auto& b) { return key(a) < key(b); };
+  const auto by_id = [](const auto& a, const auto& b) { return a.region.id < b.region.id; };
+  tracked_.clear();
+  for (std::vector<TrackedRegion>* kind : {&graded, &young}) {
+    std::sort(kind->begin(), kind->end(), is_better);
+    if (kind->size() > limit) kind->erase(kind->begin() + limit, kind->end());
+    std::move(kind->begin(), kind->end(), std::back_inserter(tracked_));
+  }
+  std::sort(tracked_.begin(), tracked_.end(), by_id);
+}
+
+std::vector<Region> RegionTracker::Ranked() const {
+  std::vector<Region> ranked;
+  for (const TrackedRegion& tracked : tracked_) ranked.push_back(tracked.region);
+  std::sort(ranked.begin(), ranked.end(), [](const Region& a, const Region& b) {
+    return std::tuple(-a.grade, -a.num_observations, a.id) <
+           std::tuple(-b.grade, -b.num_observations, b.id);
+  });
+  if (ranked.size() > static_cast<size_t>(options_.max_num_regions)) {
+    ranked.erase(ranked.begin() + options_.max_num_regions, ranked.end());
+  }
+  return ranked;
 }
 
 }  // namespace freelsd

@@ -1,8 +1,8 @@
-// What one view's detections do to the tracked regions (paper Sec. III-E). Knows no images.
+// Private to regions/: the region manager on rectangles that are already in the world.
 #pragma once
 
-#include <cstddef>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -10,14 +10,19 @@
 
 namespace freelsd {
 
-// A segment brought to the ground.
+// One segment of one view, brought to the ground.
 struct Detection {
-  // Rectangle, counter-clockwise, world.
+  // Four, counter-clockwise.
   std::vector<Eigen::Vector3d> corners_in_world;
-  Eigen::Vector2d centroid_in_world = Eigen::Vector2d::Zero();
+  Eigen::Vector3d centroid_in_world = Eigen::Vector3d::Zero();
   bool is_fully_visible = false;
   bool is_grass = false;
+  // Of the segment itself, its weight in the view's vote.
+  double area_m2 = 0.0;
 };
+
+// Without the heights.
+Polygon GroundPolygon(const std::vector<Eigen::Vector3d>& corners_in_world);
 
 struct ViewStamp {
   size_t view = 0;
@@ -25,20 +30,62 @@ struct ViewStamp {
   int64_t timestamp_us = 0;
 };
 
-// Adds the observation of one view to every region it re-detects, starts regions for the other
-// detections, and merges. Independent of the order of detections and of regions.
-void UpdateRegions(const ViewStamp& stamp,
-                   const std::vector<Detection>& detections,
-                   std::vector<TrackedRegion>& regions,
-                   int& next_id);
+// What one view showed of a region.
+struct ViewEvidence {
+  double grass_area_m2 = 0.0;
+  double other_area_m2 = 0.0;
+};
 
-// Grade, and the history entry of the regions that `stamp` observed.
-void GradeRegions(const ViewStamp& stamp,
-                  int min_num_observations,
-                  const RegionsOptions& options,
-                  std::vector<TrackedRegion>& regions);
+struct TrackedRegion {
+  Region region;
+  // By view: a view that saw both of two merged regions counts once.
+  std::map<size_t, ViewEvidence> evidence;
+  bool has_new_corners = false;
+};
 
-// Keeps the best max_num_regions; among equal grades the longest unseen go first.
-void KeepBest(int max_num_regions, std::vector<TrackedRegion>& regions);
+class RegionTracker {
+ public:
+  explicit RegionTracker(const RegionsOptions& options) : options_(options) {}
+  void Update(const ViewStamp& stamp, std::vector<Detection> detections, int min_num_observations);
+  std::vector<Region> Ranked() const;
+
+ private:
+  void Assign(const ViewStamp& stamp, const std::vector<Detection>& detections);
+  bool MergeOnce();
+  void Grade(const ViewStamp& stamp, int min_num_observations);
+  void DropWorst(int min_num_observations);
+
+  RegionsOptions options_;
+  std::vector<TrackedRegion> tracked_;  // by id
+  int next_id_ = 1;
+};
+
+// How often a place is seen: for n_obs,min.
+class ViewOverlap {
+ public:
+  // Ground below the image centre, and the ground that the image covers. A view counts once.
+  void Add(size_t view, const Eigen::Vector2d& center_in_world, const Polygon& footprint);
+  // Median over the views of the number of views that see their centre, themselves included.
+  double ExpectedNumViews() const;
+  // Paper's number, lowered to half of the views to be expected, never below the floor.
+  int MinNumObservations(const RegionsOptions& options) const;
+
+ private:
+  struct Entry {
+    Eigen::Vector2d center_in_world;
+    Polygon footprint;
+    int num_views = 1;
+  };
+  std::set<size_t> views_;
+  std::vector<Entry> entries_;
+};
+
+struct Regions::State {
+  explicit State(const RegionsOptions& regions_options)
+      : options(regions_options), tracker(regions_options) {}
+  RegionsOptions options;
+  RegionTracker tracker;
+  ViewOverlap overlap;
+};
 
 }  // namespace freelsd

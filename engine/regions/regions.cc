@@ -1,61 +1,75 @@
 #include "engine/regions/regions.h"
 
-#include <algorithm>
+#include <cmath>
+#include <sstream>
 #include <stdexcept>
-#include <string>
 
 #include "engine/regions/region_update.h"
 
 namespace freelsd {
 namespace {
 
-void Require(bool holds, const std::string& field, double value, const std::string& constraint) {
-  if (holds) return;
-  throw std::invalid_argument("regions." + field + " = " + std::to_string(value) + ": " +
-                              constraint);
+template <typename Value>
+void Require(bool is_met, const char* field, Value value, const std::string& constraint) {
+  if (is_met) return;
+  std::ostringstream message;
+  message << "regions." << field << " = " << value << ": must be " << constraint;
+  throw std::invalid_argument(message.str());
 }
 
 }  // namespace
 
 void RegionsOptions::Check() const {
-  Require(min_area_m2 > 0.0, "min_area_m2", min_area_m2, "must be positive");
-  Require(min_num_observations >= 2, "min_num_observations", min_num_observations, "must be >= 2");
-  Require(min_num_observations_floor >= 2,
+  Require(std::isfinite(min_area_m2) && min_area_m2 > 0.0,
+          "min_area_m2",
+          min_area_m2,
+          "positive and finite");
+  Require(min_num_observations_floor >= 1,
           "min_num_observations_floor",
           min_num_observations_floor,
-          "must be >= 2");
-  Require(max_num_regions >= 1, "max_num_regions", max_num_regions, "must be >= 1");
-  Require(border_margin_px >= 0.0, "border_margin_px", border_margin_px, "must be >= 0");
+          "at least 1");
+  Require(min_num_observations >= min_num_observations_floor,
+          "min_num_observations",
+          min_num_observations,
+          "at least min_num_observations_floor = " + std::to_string(min_num_observations_floor));
+  Require(max_num_regions >= 1, "max_num_regions", max_num_regions, "at least 1");
+  Require(std::isfinite(border_margin_px) && border_margin_px >= 0.0,
+          "border_margin_px",
+          border_margin_px,
+          "at least 0 and finite");
+  Require(std::isfinite(max_viewing_distance_ratio) && max_viewing_distance_ratio > 1.0,
+          "max_viewing_distance_ratio",
+          max_viewing_distance_ratio,
+          "greater than 1 and finite");
 }
 
-Polygon Region::Footprint() const {
+Polygon GroundPolygon(const std::vector<Eigen::Vector3d>& corners_in_world) {
   Polygon polygon;
   for (const Eigen::Vector3d& corner : corners_in_world) polygon.push_back(corner.head<2>());
   return polygon;
 }
 
+Polygon Region::Footprint() const { return GroundPolygon(corners_in_world); }
+
 Eigen::Vector3d Region::Center() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& corner : corners_in_world) sum += corner;
-  return corners_in_world.empty() ? sum : Eigen::Vector3d(sum / double(corners_in_world.size()));
+  return corners_in_world.empty() ? sum : Eigen::Vector3d(sum / corners_in_world.size());
 }
 
-Regions::Regions(const RegionsOptions& options)
-    : options_(options), min_num_observations_(options.min_num_observations) {
-  options_.Check();
+Regions::Regions(const RegionsOptions& options) {
+  options.Check();
+  state_ = std::make_unique<State>(options);
 }
 
-std::vector<Region> Regions::Ranked() const {
-  std::vector<Region> ranked;
-  for (const TrackedRegion& tracked : regions_) ranked.push_back(tracked.region);
-  std::sort(ranked.begin(), ranked.end(), [](const Region& a, const Region& b) {
-    if (a.grade != b.grade) return a.grade > b.grade;
-    if (a.num_observations != b.num_observations) return a.num_observations > b.num_observations;
-    return a.id < b.id;
-  });
-  return ranked;
-}
+Regions::~Regions() = default;
+Regions::Regions(Regions&&) noexcept = default;
+Regions& Regions::operator=(Regions&&) noexcept = default;
 
-int Regions::MinNumObservations() const { return min_num_observations_; }
+std::vector<Region> Regions::Ranked() const { return state_->tracker.Ranked(); }
+
+int Regions::MinNumObservations() const {
+  return state_->overlap.MinNumObservations(state_->options);
+}
 
 }  // namespace freelsd

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -27,6 +26,9 @@ struct RegionsOptions {
   int max_num_regions = 20;
   // A corner nearer to the border of the image than this counts as not fully visible.
   double border_margin_px = 2.0;
+  // A corner seen from farther than this many heights above ground is too uncertain: the region is
+  // skipped in that view. Differs: the paper's cameras do not look that flat.
+  double max_viewing_distance_ratio = 10.0;
 
   void Check() const;
 };
@@ -44,7 +46,8 @@ struct RegionHistory {
 struct Region {
   // Stable within the flight; of two merged regions the older one's stays.
   int id = 0;
-  // Rectangle, counter-clockwise, world, with the ground's height.
+  // Four corners of the rectangle (projected from the image, so not quite one), counter-clockwise,
+  // world, with the ground's height.
   std::vector<Eigen::Vector3d> corners_in_world;
   bool is_fixed = false;
   int num_observations = 0;
@@ -61,43 +64,26 @@ struct Region {
   Eigen::Vector3d Center() const;
 };
 
-// A region and what it remembers of its observations.
-struct TrackedRegion {
-  Region region;
-  // Whether each view that saw it saw grass, by index of the view.
-  std::map<size_t, bool> votes;
-  // Whether its corners changed with the last view.
-  bool is_updated = false;
-};
-
-// Ground that a view sees, world.
-struct ViewFootprint {
-  Polygon ground;
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-};
-
 // Remembers the regions of one flight. The result does not depend on the order of the segments
-// within a view. Not thread-safe.
+// within a view. A view counts once for a region, however many segments hit it and whatever was
+// merged; it counts as grass when most of the area seen is grass. Not thread-safe.
 class Regions {
  public:
   explicit Regions(const RegionsOptions& options);
+  ~Regions();
+  Regions(Regions&&) noexcept;
+  Regions& operator=(Regions&&) noexcept;
   // segments and labels belong to tracks.views()[view].
   void Update(size_t view, const Segments& segments, const Labels& labels, const Tracks& tracks);
-  // Best grade first; equal grades: seen more often, then older id.
+  // Best grade first; equal grades: seen more often, then older id. At most max_num_regions;
+  // regions seen too seldom for a grade come last and do not push out graded ones.
   std::vector<Region> Ranked() const;
   // n_obs,min as derived from the views so far.
   int MinNumObservations() const;
 
  private:
-  void CountView(const std::optional<ViewFootprint>& footprint);
-
-  RegionsOptions options_;
-  std::vector<TrackedRegion> regions_;
-  int next_id_ = 1;
-  std::vector<ViewFootprint> footprints_;
-  // How many views see the middle of each view, itself included.
-  std::vector<int> num_views_of_middle_;
-  int min_num_observations_ = 10;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace freelsd

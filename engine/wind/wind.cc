@@ -2,45 +2,65 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
-#include <string>
+#include <tuple>
 
 namespace freelsd {
+namespace {
+
+bool IsFinite(const WindSample& sample) {
+  return sample.position_in_world.head<2>().allFinite() && sample.wind_in_world.allFinite();
+}
+
+// Oldest first; samples of one moment in an order that does not depend on their arrival.
+std::vector<WindSample> SamplesNear(const Eigen::Vector2d& place_in_world,
+                                    const std::vector<WindSample>& samples,
+                                    double radius) {
+  std::vector<WindSample> near;
+  for (const WindSample& sample : samples) {
+    if (!IsFinite(sample)) continue;
+    if ((sample.position_in_world.head<2>() - place_in_world).norm() > radius) continue;
+    near.push_back(sample);
+  }
+  const auto key = [](const WindSample& sample) {
+    return std::tuple(sample.timestamp_us, sample.wind_in_world.x(), sample.wind_in_world.y());
+  };
+  std::sort(
+      near.begin(), near.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  return near;
+}
+
+void Require(bool is_met, const char* field, double value, const char* constraint) {
+  if (is_met) return;
+  std::ostringstream message;
+  message << "wind." << field << " = " << value << ": must be " << constraint;
+  throw std::invalid_argument(message.str());
+}
+
+}  // namespace
 
 void WindOptions::Check() const {
-  if (!(radius_m > 0.0)) {
-    throw std::invalid_argument("wind.radius_m = " + std::to_string(radius_m) +
-                                ": must be positive");
-  }
-  if (!(smoothing > 0.0 && smoothing <= 1.0)) {
-    throw std::invalid_argument("wind.smoothing = " + std::to_string(smoothing) +
-                                ": must be in (0, 1]");
-  }
+  Require(std::isfinite(radius_m) && radius_m > 0.0, "radius_m", radius_m, "positive and finite");
+  Require(smoothing > 0.0 && smoothing <= 1.0, "smoothing", smoothing, "in (0, 1]");
 }
 
 std::optional<WindEstimate> WindAt(const Eigen::Vector2d& place_in_world,
                                    const std::vector<WindSample>& samples,
                                    const WindOptions& options) {
-  std::vector<WindSample> near;
-  for (const WindSample& sample : samples) {
-    const double distance = (sample.position_in_world.head<2>() - place_in_world).norm();
-    if (distance <= options.radius_m) near.push_back(sample);
-  }
+  const std::vector<WindSample> near = SamplesNear(place_in_world, samples, options.radius_m);
   if (near.empty()) return std::nullopt;
-  std::stable_sort(near.begin(), near.end(), [](const WindSample& a, const WindSample& b) {
-    return a.timestamp_us < b.timestamp_us;
-  });
   WindEstimate estimate;
   estimate.wind_in_world = near.front().wind_in_world;
-  double variance = 0.0;
-  for (size_t i = 1; i < near.size(); ++i) {
-    // Vectors are averaged, never angles: 350 and 10 degrees would give 180.
-    const Eigen::Vector2d difference = near[i].wind_in_world - estimate.wind_in_world;
-    estimate.wind_in_world += options.smoothing * difference;
-    variance =
-        (1.0 - options.smoothing) * (variance + options.smoothing * 0.5 * difference.squaredNorm());
+  for (const WindSample& sample : near) {
+    estimate.wind_in_world += options.smoothing * (sample.wind_in_world - estimate.wind_in_world);
   }
-  estimate.spread_mps = std::sqrt(variance);
+  double squared_deviation = 0.0;
+  for (const WindSample& sample : near) {
+    squared_deviation += (sample.wind_in_world - estimate.wind_in_world).squaredNorm();
+  }
+  const auto num_samples = static_cast<double>(near.size());
+  estimate.spread_mps = std::sqrt(0.5 * squared_deviation / num_samples);
   estimate.num_samples = static_cast<int>(near.size());
   estimate.last_sample_us = near.back().timestamp_us;
   return estimate;

@@ -1,0 +1,117 @@
+#include "engine/approach/approach_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace freelsd {
+namespace {
+
+constexpr double kGravity = 9.81;  // m/s^2, as in the paper's numbers
+constexpr int kMinPolylinePoints = 4;
+
+// Along the path over ground, in still air.
+double GroundSpeed(const Aircraft& aircraft) {
+  return aircraft.landing_airspeed_mps * std::cos(RadFromDeg(aircraft.flight_path_angle_deg));
+}
+
+double SinkRate(const Aircraft& aircraft) {
+  return aircraft.landing_airspeed_mps * std::sin(RadFromDeg(aircraft.flight_path_angle_deg));
+}
+
+std::vector<double> AllHeadings(double step_deg) {
+  std::vector<double> headings;
+  for (int i = 0; i * step_deg < 360.0; ++i) headings.push_back(RadFromDeg(i * step_deg));
+  return headings;
+}
+
+// From the aircraft to the circle's centre, a quarter turn off the heading.
+Eigen::Vector2d TowardsCenter(double heading, LoiterDirection direction) {
+  const Eigen::Vector2d forward = DirectionOf(heading);
+  const Eigen::Vector2d left(-forward.y(), forward.x());
+  return direction == LoiterDirection::kLeft ? left : Eigen::Vector2d(-left);
+}
+
+}  // namespace
+
+double ApproachDistance(const Aircraft& aircraft, double wind_speed) {
+  const double headwind =
+      wind_speed * std::cos(RadFromDeg(aircraft.crosswind_uncertainty_deg));  // Eq. 1
+  return (GroundSpeed(aircraft) - headwind) / SinkRate(aircraft) * aircraft.approach_height_m;
+}
+
+double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed) {
+  return (GroundSpeed(aircraft) + wind_speed) / SinkRate(aircraft) * aircraft.approach_height_m;
+}
+
+double LoiterRadius(const Aircraft& aircraft, double wind_speed) {
+  const double speed = GroundSpeed(aircraft) + wind_speed;  // Eq. 1
+  return speed * speed / (kGravity * std::tan(RadFromDeg(aircraft.max_bank_deg)));
+}
+
+WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
+                      const Aircraft& aircraft,
+                      const ApproachOptions& options) {
+  WindCase wind;
+  const WindScenario calm{ApproachDistance(aircraft, 0.0), LoiterRadius(aircraft, 0.0)};
+  if (!wind_in_world) {
+    const double worst = options.unknown_wind_mps;
+    wind.headings = AllHeadings(options.heading_step_deg);
+    wind.scenarios = {calm,
+                      {DownwindApproachDistance(aircraft, worst), LoiterRadius(aircraft, worst)}};
+    return wind;
+  }
+  if (!wind_in_world->allFinite()) {
+    throw std::invalid_argument("approach.wind_in_world: must be finite");
+  }
+  wind.is_known = true;
+  wind.wind_speed = wind_in_world->norm();
+  if (wind.wind_speed < options.calm_wind_mps) {
+    wind.headings = AllHeadings(options.heading_step_deg);
+    wind.scenarios = {{calm.approach_distance, LoiterRadius(aircraft, wind.wind_speed)}};
+    return wind;
+  }
+  wind.headings = {HeadingOf(-*wind_in_world)};  // downwind start, into the wind
+  wind.scenarios = {
+      {ApproachDistance(aircraft, wind.wind_speed), LoiterRadius(aircraft, wind.wind_speed)}};
+  wind.is_too_strong = wind.scenarios.front().approach_distance <= 0.0;
+  return wind;
+}
+
+Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,
+                      double heading,
+                      const WindScenario& scenario,
+                      LoiterDirection direction,
+                      double approach_height) {
+  Approach approach;
+  approach.touchdown_in_world = touchdown_in_world;
+  approach.heading = heading;
+  approach.approach_distance = scenario.approach_distance;
+  approach.approach_height = approach_height;
+  approach.loiter_radius = scenario.loiter_radius;
+  approach.loiter_direction = direction;
+  const Eigen::Vector2d start =
+      touchdown_in_world.head<2>() - scenario.approach_distance * DirectionOf(heading);
+  const Eigen::Vector2d center = start + scenario.loiter_radius * TowardsCenter(heading, direction);
+  const double height = touchdown_in_world.z() + approach_height;
+  approach.approach_start_in_world = {start.x(), start.y(), height};
+  approach.loiter_center_in_world = {center.x(), center.y(), height};
+  return approach;
+}
+
+std::vector<Eigen::Vector3d> LoiterPolyline(const Approach& approach, int num_points) {
+  const int num_steps = std::max(num_points, kMinPolylinePoints);
+  // A left turn is counter-clockwise seen from above.
+  const double turn = approach.loiter_direction == LoiterDirection::kLeft ? 2.0 * kPi : -2.0 * kPi;
+  const Eigen::Vector3d from_center =
+      approach.approach_start_in_world - approach.loiter_center_in_world;
+  std::vector<Eigen::Vector3d> polyline;
+  for (int i = 0; i < num_steps; ++i) {
+    const Eigen::AngleAxisd rotation(turn * i / num_steps, Eigen::Vector3d::UnitZ());
+    polyline.push_back(approach.loiter_center_in_world + rotation * from_center);
+  }
+  polyline.push_back(polyline.front());
+  return polyline;
+}
+
+}  // namespace freelsd

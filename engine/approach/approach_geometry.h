@@ -1,0 +1,38 @@
+// Private to approach/: where final and circle lie.
+#pragma once
+
+#include <vector>
+
+#include "engine/approach/approach.h"
+
+namespace freelsd {
+
+// One wind that has to be reckoned with.
+struct WindScenario {
+  double approach_distance = 0.0;
+  double loiter_radius = 0.0;
+};
+
+struct WindCase {
+  // Directions of travel to try, radians clockwise from north.
+  std::vector<double> headings;
+  // All must be clear; the first is the one to fly.
+  std::vector<WindScenario> scenarios;
+  bool is_known = false;
+  bool is_too_strong = false;
+  double wind_speed = 0.0;
+};
+
+// Known: into the wind. Calm: all headings. Unknown: all headings, for calm and from behind.
+WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
+                      const Aircraft& aircraft,
+                      const ApproachOptions& options);
+
+// Start of the final, circle's centre and sizes; what needs a map is left empty.
+Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,
+                      double heading,
+                      const WindScenario& scenario,
+                      LoiterDirection direction,
+                      double approach_height);
+
+}  // namespace freelsd

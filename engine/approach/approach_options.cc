@@ -1,0 +1,61 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+
+#include "engine/approach/approach.h"
+
+namespace freelsd {
+namespace {
+
+// Distance to hazard, clearance, area, slope, roughness, evidence.
+constexpr size_t kNumScoreTerms = 6;
+
+struct Bound {
+  const char* field;
+  double value;
+  double min;
+  double max;
+};
+
+void RequireInside(const Bound& bound) {
+  if (std::isfinite(bound.value) && bound.value >= bound.min && bound.value <= bound.max) return;
+  std::ostringstream message;
+  message << "approach." << bound.field << " = " << bound.value << ": must be in [" << bound.min
+          << ", " << bound.max << "]";
+  throw std::invalid_argument(message.str());
+}
+
+void CheckWeights(const std::vector<double>& weights) {
+  if (weights.size() != kNumScoreTerms) {
+    throw std::invalid_argument("approach.score_weights = " + std::to_string(weights.size()) +
+                                " numbers: must be " + std::to_string(kNumScoreTerms));
+  }
+  for (const double weight : weights) RequireInside({"score_weights", weight, 0.0, 1e6});
+  if (std::accumulate(weights.begin(), weights.end(), 0.0) <= 0.0) {
+    throw std::invalid_argument("approach.score_weights = all 0: must have a positive sum");
+  }
+}
+
+}  // namespace
+
+void ApproachOptions::Check() const {
+  const Bound bounds[] = {
+      {"map_position_sd_m", map_position_sd_m, 0.0, 100.0},
+      {"unclear_height_allowance_m", unclear_height_allowance_m, 0.0, 100.0},
+      {"min_clear_class_posterior", min_clear_class_posterior, 0.0, 1.0},
+      {"max_height_sd_m", max_height_sd_m, 0.01, 100.0},
+      {"unknown_wind_mps", unknown_wind_mps, 0.0, 100.0},
+      {"max_num_candidates", static_cast<double>(max_num_candidates), 1.0, 1e6},
+      {"candidate_spacing_m", candidate_spacing_m, 0.0, 1000.0},
+      {"heading_step_deg", heading_step_deg, 1.0, 180.0},
+      {"calm_wind_mps", calm_wind_mps, 0.0, 10.0},
+      {"path_step_m", path_step_m, 0.05, 5.0},
+      {"max_num_rejections", static_cast<double>(max_num_rejections), 0.0, 1e6},
+  };
+  for (const Bound& bound : bounds) RequireInside(bound);
+  CheckWeights(score_weights);
+}
+
+}  // namespace freelsd

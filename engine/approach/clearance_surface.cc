@@ -1,0 +1,131 @@
+#include "engine/approach/clearance_surface.h"
+
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
+namespace freelsd {
+namespace {
+
+// A circle has at most this many steps: beyond, the steps grow, and the corridor with them.
+constexpr double kMaxNumCircleSteps = 20000.0;
+// A disc is widened in passes of at most this many cells: the cost of one grows with its area.
+constexpr double kMaxPassRadiusCells = 7.0;
+
+double LargestRadius(const std::vector<WindScenario>& scenarios) {
+  double radius = 0.0;
+  for (const WindScenario& scenario : scenarios) radius = std::max(radius, scenario.loiter_radius);
+  return radius;
+}
+
+// From a touchdown to the far side of a circle.
+double Reach(const std::vector<WindScenario>& scenarios) {
+  double reach = 0.0;
+  for (const WindScenario& scenario : scenarios) {
+    reach = std::max(reach, std::max(scenario.approach_distance, 0.0) + 2 * scenario.loiter_radius);
+  }
+  return reach;
+}
+
+// Cells of the grid in the box about the footprint; compared as doubles, a reach may be huge.
+cv::Rect CellsAround(const Grid& grid, const Polygon& footprint, double reach) {
+  Eigen::Vector2d low = footprint.front(), high = footprint.front();
+  for (const Eigen::Vector2d& vertex : footprint) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  const auto clamp = [&](double metres, int end) {
+    return static_cast<int>(std::clamp(std::floor(metres / grid.cell_size_m), 0.0, double(end)));
+  };
+  const double west = low.x() - reach - grid.north_west_in_world.x();
+  const double east = high.x() + reach - grid.north_west_in_world.x() + grid.cell_size_m;
+  const double north = grid.north_west_in_world.y() - high.y() - reach;
+  const double south = grid.north_west_in_world.y() - low.y() + reach + grid.cell_size_m;
+  return {cv::Point(clamp(west, grid.num_cols), clamp(north, grid.num_rows)),
+          cv::Point(clamp(east, grid.num_cols), clamp(south, grid.num_rows))};
+}
+
+struct CellHeight {
+  float height = kNoHeight;
+  bool is_unseen = true;
+};
+
+CellHeight HeightOf(const ElevationMap& map,
+                    const HazardLayers& hazards,
+                    const ApproachOptions& options,
+                    const cv::Point& cell) {
+  const float elevation = map.elevation(cell), upper = map.upper(cell);
+  const float top = std::isnan(upper) ? elevation : upper;
+  const float sd = map.standard_deviation.empty() ? 0.0f : map.standard_deviation(cell);
+  const bool is_certain = sd <= options.max_height_sd_m;  // an unknown deviation is not
+  if (std::isnan(top)) return {};
+  const bool is_clear_class = hazards.grass(cell) >= options.min_clear_class_posterior;
+  const double allowance = is_clear_class ? 0.0 : options.unclear_height_allowance_m;
+  return {.height = top + static_cast<float>(allowance),
+          .is_unseen = std::isnan(elevation) || std::isnan(upper) || !is_certain};
+}
+
+// Maximum over the disc about each cell; outside counts as `outside`.
+cv::Mat MaxOverDisc(const cv::Mat& raster, double radius_cells, double outside) {
+  const double num_passes = std::ceil(radius_cells / kMaxPassRadiusCells);
+  // Discs of whole cells are smaller than their radius; from the second pass on that adds up.
+  const double pass_radius = radius_cells / num_passes + (num_passes > 1.0 ? std::sqrt(0.5) : 0.0);
+  const int half = static_cast<int>(std::floor(pass_radius));
+  cv::Mat1b disc(2 * half + 1, 2 * half + 1, uchar{0});
+  for (int row = -half; row <= half; ++row) {
+    for (int col = -half; col <= half; ++col) {
+      disc(row + half, col + half) = row * row + col * col <= pass_radius * pass_radius;
+    }
+  }
+  cv::Mat widened;
+  cv::dilate(raster,
+             widened,
+             disc,
+             cv::Point(-1, -1),
+             static_cast<int>(num_passes),
+             cv::BORDER_CONSTANT,
+             cv::Scalar::all(outside));
+  return widened;
+}
+
+}  // namespace
+
+ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
+                                      const HazardLayers& hazards,
+                                      const Polygon& footprint,
+                                      const std::vector<WindScenario>& scenarios,
+                                      const Aircraft& aircraft,
+                                      const ApproachOptions& options) {
+  const Grid& grid = map.grid;
+  ClearanceSurface surface;
+  surface.cell_size = grid.cell_size_m;
+  surface.circle_step =
+      std::max(options.path_step_m, 2.0 * kPi * LargestRadius(scenarios) / kMaxNumCircleSteps);
+  // Up to three half diagonals: from the cell's centre to the place in it, from the corridor's edge
+  // to the farthest place looked at beyond it, and from there to that cell's centre.
+  surface.corridor_radius =
+      aircraft.path_half_width_m + 3.0 * surface.HalfDiagonal() + 0.5 * surface.circle_step;
+  const cv::Rect cells = CellsAround(grid, footprint, Reach(scenarios) + surface.corridor_radius);
+  surface.first_row = cells.y;
+  surface.first_col = cells.x;
+  surface.north_west_in_world =
+      grid.north_west_in_world + grid.cell_size_m * Eigen::Vector2d(cells.x, -cells.y);
+  surface.height = cv::Mat1f(cells.size(), kNoHeight);
+  surface.is_unseen = cv::Mat1b(cells.size(), uchar{1});
+  if (cells.empty()) return surface;
+  surface.hazard = hazards.hazard(cells).clone();
+  for (int row = 0; row < cells.height; ++row) {
+    for (int col = 0; col < cells.width; ++col) {
+      const cv::Point cell(col, row);
+      const CellHeight known = HeightOf(map, hazards, options, cell + cells.tl());
+      surface.height(cell) = known.height;
+      surface.is_unseen(cell) = known.is_unseen;
+    }
+  }
+  const double radius_cells = surface.corridor_radius / surface.cell_size;
+  surface.corridor_height = MaxOverDisc(surface.height, radius_cells, kNoHeight);
+  surface.corridor_is_unseen = MaxOverDisc(surface.is_unseen, radius_cells, 1.0);
+  return surface;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,63 @@
+// Private to approach/: what a path has to clear, cut out of the map around one region.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "engine/approach/approach_geometry.h"
+
+namespace freelsd {
+
+// What stands for "no height known" in a raster of which maxima are taken.
+constexpr float kNoHeight = -1e30f;
+
+// Without std::floor, which is a call on the plainest x86: cells are looked up by the million.
+inline int FloorOf(double value) {
+  const int truncated = static_cast<int>(value);
+  return truncated - (value < truncated ? 1 : 0);
+}
+
+struct ClearanceSurface {
+  // Outer corner of cell (0, 0), which is cell (first_row, first_col) of the map.
+  Eigen::Vector2d north_west_in_world = Eigen::Vector2d::Zero();
+  double cell_size = 1.0;
+  int first_row = 0;
+  int first_col = 0;
+  // Highest thing known in the cell with its allowance, or kNoHeight.
+  cv::Mat1f height;
+  // 1 where the height is unknown or too uncertain.
+  cv::Mat1b is_unseen;
+  // Values of Hazard.
+  cv::Mat1b hazard;
+  // The same two over all cells that a corridor through the cell can hold: for the circle, and to
+  // see at a glance that a final is clear.
+  cv::Mat1f corridor_height;
+  cv::Mat1b corridor_is_unseen;
+  // Of that corridor about a cell's centre.
+  double corridor_radius = 0.0;
+  // Along the circle.
+  double circle_step = 0.5;
+
+  int num_rows() const { return height.rows; }
+  int num_cols() const { return height.cols; }
+  bool IsInside(int row, int col) const {
+    return row >= 0 && row < height.rows && col >= 0 && col < height.cols;
+  }
+  int RowAt(double north) const { return FloorOf((north_west_in_world.y() - north) / cell_size); }
+  int ColAt(double east) const { return FloorOf((east - north_west_in_world.x()) / cell_size); }
+  Eigen::Vector2d CellCenter(int row, int col) const {
+    return north_west_in_world + cell_size * Eigen::Vector2d(col + 0.5, -(row + 0.5));
+  }
+  // From a cell's centre to its corner.
+  double HalfDiagonal() const { return cell_size * std::sqrt(0.5); }
+};
+
+// All that a path to a touchdown within the footprint can reach.
+ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
+                                      const HazardLayers& hazards,
+                                      const Polygon& footprint,
+                                      const std::vector<WindScenario>& scenarios,
+                                      const Aircraft& aircraft,
+                                      const ApproachOptions& options);
+
+}  // namespace freelsd

@@ -1,0 +1,253 @@
+#include "engine/approach/path_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace freelsd {
+namespace {
+
+// Samples this far apart along and across a corridor (in cells) have one within half a cell of
+// every cell's centre, so no cell of the corridor is missed.
+constexpr double kAlongSpacing = 0.5;
+constexpr double kAcrossSpacing = 0.86;
+// Share of the path's height above touchdown that is enough near it (spec 3.6).
+constexpr double kShareOfPathHeight = 0.5;
+
+// One slice across a corridor.
+struct Slice {
+  float height = kNoHeight;
+  int row = 0;  // of the highest cell
+  int col = 0;
+  bool is_unseen = false;
+  bool is_on_map = false;
+};
+
+// Samples across a corridor: every cell that reaches into it has its centre within the half-width.
+struct Corridor {
+  Eigen::Vector2d across = Eigen::Vector2d::Zero();
+  double spacing = 0.0;
+  int num_each_side = 0;
+};
+
+Corridor MakeCorridor(double heading, double half_width, const ClearanceSurface& surface) {
+  const Eigen::Vector2d forward = DirectionOf(heading);
+  const double reach = half_width + surface.HalfDiagonal();
+  Corridor corridor;
+  corridor.across = {forward.y(), -forward.x()};
+  corridor.num_each_side =
+      static_cast<int>(std::ceil(reach / (kAcrossSpacing * surface.cell_size)));
+  corridor.spacing = reach / corridor.num_each_side;
+  return corridor;
+}
+
+Slice SliceAt(const Eigen::Vector2d& place,
+              const Corridor& corridor,
+              const ClearanceSurface& surface) {
+  Slice slice;
+  for (int i = -corridor.num_each_side; i <= corridor.num_each_side; ++i) {
+    const Eigen::Vector2d sample = place + (i * corridor.spacing) * corridor.across;
+    const int row = surface.RowAt(sample.y()), col = surface.ColAt(sample.x());
+    if (!surface.IsInside(row, col)) {
+      slice.is_unseen = true;
+      continue;
+    }
+    slice.is_on_map = true;
+    if (surface.is_unseen(row, col)) slice.is_unseen = true;
+    if (surface.height(row, col) <= slice.height) continue;
+    slice.height = surface.height(row, col);
+    slice.row = row;
+    slice.col = col;
+  }
+  return slice;
+}
+
+// More than a slice: the highest within reach of it. Clear here, the slice is clear too.
+Slice GlanceAt(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
+  const int row = surface.RowAt(place.y()), col = surface.ColAt(place.x());
+  if (!surface.IsInside(row, col)) return {.is_unseen = true};
+  return {.height = surface.corridor_height(row, col),
+          .row = row,
+          .col = col,
+          .is_unseen = surface.corridor_is_unseen(row, col) != 0,
+          .is_on_map = true};
+}
+
+// Distances to touchdown, ascending, both ends included; the last step may be shorter.
+std::vector<double> Steps(double from, double to, double step) {
+  std::vector<double> distances;
+  const int num_whole = static_cast<int>(std::floor((to - from) / step));
+  for (int i = 0; i <= num_whole; ++i) distances.push_back(from + i * step);
+  if (!distances.empty() && distances.back() < to) distances.push_back(to);
+  return distances;
+}
+
+double AlongStep(const ClearanceSurface& surface, const ApproachOptions& options) {
+  return std::min(options.path_step_m, kAlongSpacing * surface.cell_size);
+}
+
+PathCheck WithObstacle(PathCheck check, const Obstacle& nearest) {
+  check.min_clearance = std::min(check.min_clearance, nearest.clearance);
+  if (nearest.wanted > 0.0) {
+    check.min_clearance_ratio =
+        std::min(check.min_clearance_ratio, nearest.clearance / nearest.wanted);
+  }
+  if (nearest.Deficit() <= 0.0) return check;
+  if (!check.obstacle || nearest.Deficit() > check.obstacle->Deficit()) check.obstacle = nearest;
+  return check;
+}
+
+bool HasFailed(const PathCheck& check) { return check.obstacle || check.num_unseen_steps > 0; }
+
+// The highest cell of the corridor about a place.
+Eigen::Vector3d HighestAround(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
+  const int center_row = surface.RowAt(place.y()), center_col = surface.ColAt(place.x());
+  const int half = static_cast<int>(std::ceil(surface.corridor_radius / surface.cell_size));
+  Eigen::Vector3d highest(place.x(), place.y(), kNoHeight);
+  for (int row = center_row - half; row <= center_row + half; ++row) {
+    for (int col = center_col - half; col <= center_col + half; ++col) {
+      if (!surface.IsInside(row, col) || surface.height(row, col) <= highest.z()) continue;
+      const Eigen::Vector2d cell = surface.CellCenter(row, col);
+      const Eigen::Vector2d center = surface.CellCenter(center_row, center_col);
+      if ((cell - center).norm() > surface.corridor_radius) continue;
+      highest = {cell.x(), cell.y(), surface.height(row, col)};
+    }
+  }
+  return highest;
+}
+
+}  // namespace
+
+PathCheck Worse(const PathCheck& a, const PathCheck& b) {
+  PathCheck worse = a.UnseenRatio() >= b.UnseenRatio() ? a : b;
+  worse.min_clearance = std::min(a.min_clearance, b.min_clearance);
+  worse.min_clearance_ratio = std::min(a.min_clearance_ratio, b.min_clearance_ratio);
+  worse.clear_ratio = std::min(a.clear_ratio, b.clear_ratio);
+  worse.obstacle = a.obstacle;
+  if (b.obstacle && (!a.obstacle || b.obstacle->Deficit() > a.obstacle->Deficit())) {
+    worse.obstacle = b.obstacle;
+  }
+  return worse;
+}
+
+PathCheck CheckFinal(const Approach& approach,
+                     const ClearanceSurface& surface,
+                     const Aircraft& aircraft,
+                     const ApproachOptions& options,
+                     Depth depth) {
+  const Corridor corridor = MakeCorridor(approach.heading, aircraft.path_half_width_m, surface);
+  const Eigen::Vector2d forward = DirectionOf(approach.heading);
+  const double slope = approach.approach_height / approach.approach_distance;
+  const double step = AlongStep(surface, options);
+  PathCheck check;
+  for (double distance :
+       Steps(aircraft.touchdown_uncertainty_m, approach.approach_distance, step)) {
+    const Eigen::Vector2d place = approach.touchdown_in_world.head<2>() - distance * forward;
+    const double path = slope * distance;
+    const double height = approach.touchdown_in_world.z() + path;
+    const double wanted = std::min(aircraft.safety_margin_m, kShareOfPathHeight * path);
+    if (depth == Depth::kUntilFailure) {
+      const Slice glance = GlanceAt(place, surface);
+      const double clearance = height - glance.height;
+      if (!glance.is_unseen && clearance >= wanted) {
+        check.min_clearance = std::min(check.min_clearance, clearance);
+        ++check.num_steps;
+        continue;
+      }
+    }
+    const Slice slice = SliceAt(place, corridor, surface);
+    ++check.num_steps;
+    if (slice.is_unseen && check.num_unseen_steps++ == 0) check.first_unseen_distance = distance;
+    if (slice.height != kNoHeight) {
+      const Eigen::Vector2d highest = surface.CellCenter(slice.row, slice.col);
+      check = WithObstacle(check,
+                           {.place_in_world = {highest.x(), highest.y(), slice.height},
+                            .distance = distance,
+                            .clearance = height - slice.height,
+                            .wanted = wanted});
+    }
+    if (!HasFailed(check)) continue;
+    check.clear_ratio = std::min(check.clear_ratio, distance / approach.approach_distance);
+    if (depth == Depth::kUntilFailure) break;
+    if (!slice.is_on_map) break;  // the map is convex: what follows is off it too
+  }
+  return check;
+}
+
+PathCheck CheckCircle(const Approach& approach,
+                      const ClearanceSurface& surface,
+                      const Aircraft& aircraft,
+                      Depth depth) {
+  PathCheck check;
+  const double circumference = 2.0 * kPi * approach.loiter_radius;
+  check.num_steps = std::max(4, static_cast<int>(std::ceil(circumference / surface.circle_step)));
+  const Eigen::Vector2d center = approach.loiter_center_in_world.head<2>();
+  const double height = approach.loiter_center_in_world.z();
+  const Eigen::Rotation2Dd one_step(2.0 * kPi / check.num_steps);
+  const Eigen::Matrix2d rotation = one_step.toRotationMatrix();
+  Eigen::Vector2d arm = approach.approach_start_in_world.head<2>() - center;
+  float worst_height = kNoHeight;
+  Eigen::Vector2d worst_place = center;
+  for (int i = 0; i < check.num_steps; ++i, arm = rotation * arm) {
+    const Eigen::Vector2d place = center + arm;
+    const int row = surface.RowAt(place.y()), col = surface.ColAt(place.x());
+    if (!surface.IsInside(row, col)) {
+      ++check.num_unseen_steps;
+      continue;
+    }
+    check.num_unseen_steps += surface.corridor_is_unseen(row, col);
+    if (surface.corridor_height(row, col) <= worst_height) continue;
+    worst_height = surface.corridor_height(row, col);
+    worst_place = place;
+    const bool is_blocked = height - worst_height < aircraft.safety_margin_m;
+    if (is_blocked && depth == Depth::kUntilFailure) break;
+  }
+  if (worst_height == kNoHeight) return check;
+  Obstacle nearest{.clearance = height - worst_height, .wanted = aircraft.safety_margin_m};
+  if (nearest.Deficit() > 0.0 && depth == Depth::kEverything)
+    nearest.place_in_world = HighestAround(worst_place, surface);
+  return WithObstacle(check, nearest);
+}
+
+std::optional<RollHazard> CheckGroundRoll(const Eigen::Vector3d& touchdown_in_world,
+                                          double heading,
+                                          const ClearanceSurface& surface,
+                                          const Aircraft& aircraft) {
+  if (aircraft.ground_roll_m <= 0.0) return std::nullopt;
+  const Corridor corridor = MakeCorridor(heading, aircraft.path_half_width_m, surface);
+  const Eigen::Vector2d forward = DirectionOf(heading);
+  const double end = aircraft.ground_roll_m + surface.HalfDiagonal();
+  for (double distance : Steps(0.0, end, kAlongSpacing * surface.cell_size)) {
+    const Eigen::Vector2d place = touchdown_in_world.head<2>() + distance * forward;
+    for (int i = -corridor.num_each_side; i <= corridor.num_each_side; ++i) {
+      const Eigen::Vector2d sample = place + (i * corridor.spacing) * corridor.across;
+      const int row = surface.RowAt(sample.y()), col = surface.ColAt(sample.x());
+      const int hazard = surface.IsInside(row, col) ? surface.hazard(row, col) : uchar{kUnseen};
+      if (hazard != kFree) return RollHazard{sample, distance, hazard == kUnseen};
+    }
+  }
+  return std::nullopt;
+}
+
+ApproachProfile MakeProfile(const Approach& approach,
+                            const ClearanceSurface& surface,
+                            const Aircraft& aircraft,
+                            const ApproachOptions& options) {
+  const Corridor corridor = MakeCorridor(approach.heading, aircraft.path_half_width_m, surface);
+  const Eigen::Vector2d forward = DirectionOf(approach.heading);
+  const double slope = approach.approach_height / approach.approach_distance;
+  std::vector<double> distances =
+      Steps(0.0, approach.approach_distance, AlongStep(surface, options));
+  std::reverse(distances.begin(), distances.end());
+  ApproachProfile profile;
+  for (double distance : distances) {
+    const Eigen::Vector2d place = approach.touchdown_in_world.head<2>() - distance * forward;
+    const Slice slice = SliceAt(place, corridor, surface);
+    profile.distance.push_back(distance);
+    profile.path_height.push_back(approach.touchdown_in_world.z() + slope * distance);
+    profile.terrain_height.push_back(slice.is_unseen ? std::numeric_limits<double>::quiet_NaN()
+                                                     : slice.height);
+  }
+  return profile;
+}
+
+}  // namespace freelsd

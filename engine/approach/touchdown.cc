@@ -1,0 +1,109 @@
+#include "engine/approach/touchdown.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace freelsd {
+namespace {
+
+Eigen::Vector2d CenterOf(const Grid& grid, int row, int col) {
+  return grid.north_west_in_world + grid.cell_size_m * Eigen::Vector2d(col + 0.5, -(row + 0.5));
+}
+
+// Cells whose centre may lie in the footprint.
+cv::Rect BoundingCells(const Grid& grid, const Polygon& footprint) {
+  Eigen::Vector2d low = footprint.front(), high = footprint.front();
+  for (const Eigen::Vector2d& vertex : footprint) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  const auto clamp = [&](double metres, int end) {
+    return static_cast<int>(std::clamp(std::floor(metres / grid.cell_size_m), 0.0, double(end)));
+  };
+  const Eigen::Vector2d& corner = grid.north_west_in_world;
+  const double cell = grid.cell_size_m;
+  return {cv::Point(clamp(low.x() - corner.x(), grid.num_cols),
+                    clamp(corner.y() - high.y(), grid.num_rows)),
+          cv::Point(clamp(high.x() - corner.x() + cell, grid.num_cols),
+                    clamp(corner.y() - low.y() + cell, grid.num_rows))};
+}
+
+}  // namespace
+
+double RequiredHazardDistance(const ElevationMap& map,
+                              const Aircraft& aircraft,
+                              const ApproachOptions& options) {
+  return aircraft.touchdown_uncertainty_m + options.map_position_sd_m +
+         map.grid.cell_size_m * std::sqrt(0.5);
+}
+
+FootprintContent ReadFootprint(const ElevationMap& map,
+                               const HazardLayers& hazards,
+                               const Polygon& footprint,
+                               const ApproachOptions& options) {
+  FootprintContent content;
+  if (footprint.size() < 3) return content;
+  const cv::Rect cells = BoundingCells(map.grid, footprint);
+  for (int row = cells.y; row < cells.y + cells.height; ++row) {
+    for (int col = cells.x; col < cells.x + cells.width; ++col) {
+      const Eigen::Vector2d place = CenterOf(map.grid, row, col);
+      if (!Contains(footprint, place)) continue;
+      if (hazards.grass(row, col) >= options.min_clear_class_posterior) content.has_grass = true;
+      const float elevation = map.elevation(row, col), distance = hazards.distance(row, col);
+      if (std::isnan(elevation)) continue;
+      content.touchdowns.push_back({.row = row,
+                                    .col = col,
+                                    .place_in_world = {place.x(), place.y(), elevation},
+                                    .hazard_distance = std::isnan(distance) ? 0.0 : distance});
+    }
+  }
+  const Eigen::Vector2d middle = Centroid(footprint);
+  const auto key = [&](const Touchdown& touchdown) {
+    return std::tuple(-touchdown.hazard_distance,
+                      (touchdown.place_in_world.head<2>() - middle).squaredNorm(),
+                      touchdown.row,
+                      touchdown.col);
+  };
+  std::sort(content.touchdowns.begin(),
+            content.touchdowns.end(),
+            [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  return content;
+}
+
+std::vector<Touchdown> TouchdownCandidates(const std::vector<Touchdown>& touchdowns,
+                                           double required_distance,
+                                           const ApproachOptions& options) {
+  std::vector<Touchdown> candidates;
+  for (const Touchdown& touchdown : touchdowns) {
+    if (touchdown.hazard_distance < required_distance) break;
+    if (candidates.size() >= static_cast<size_t>(options.max_num_candidates)) break;
+    const bool is_near_another =
+        std::any_of(candidates.begin(), candidates.end(), [&](const Touchdown& other) {
+          return (other.place_in_world - touchdown.place_in_world).head<2>().norm() <
+                 options.candidate_spacing_m;
+        });
+    if (!is_near_another) candidates.push_back(touchdown);
+  }
+  return candidates;
+}
+
+double LargestInDisc(const cv::Mat1f& layer,
+                     const Touchdown& touchdown,
+                     double radius,
+                     double cell_size) {
+  const int half = static_cast<int>(std::floor(radius / cell_size));
+  double largest = std::numeric_limits<double>::quiet_NaN();
+  for (int row = touchdown.row - half; row <= touchdown.row + half; ++row) {
+    for (int col = touchdown.col - half; col <= touchdown.col + half; ++col) {
+      if (row < 0 || row >= layer.rows || col < 0 || col >= layer.cols) continue;
+      const double distance = cell_size * std::hypot(row - touchdown.row, col - touchdown.col);
+      if (distance > radius || std::isnan(layer(row, col))) continue;
+      if (!(largest >= layer(row, col))) largest = layer(row, col);
+    }
+  }
+  return largest;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,46 @@
+// Private to approach/: where within the region to touch down.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "engine/approach/approach.h"
+
+namespace freelsd {
+
+struct Touchdown {
+  // Of the map.
+  int row = 0;
+  int col = 0;
+  Eigen::Vector3d place_in_world = Eigen::Vector3d::Zero();
+  double hazard_distance = 0.0;
+};
+
+// The touchdown disc, the map's own deviation and half a cell's diagonal (spec 3.6).
+double RequiredHazardDistance(const ElevationMap& map,
+                              const Aircraft& aircraft,
+                              const ApproachOptions& options);
+
+// What the footprint holds.
+struct FootprintContent {
+  // Seen cells, farthest from hazard first; equal ones nearer to the middle first.
+  std::vector<Touchdown> touchdowns;
+  bool has_grass = false;
+};
+FootprintContent ReadFootprint(const ElevationMap& map,
+                               const HazardLayers& hazards,
+                               const Polygon& footprint,
+                               const ApproachOptions& options);
+
+// Those far enough from hazard, spaced, at most max_num_candidates.
+std::vector<Touchdown> TouchdownCandidates(const std::vector<Touchdown>& touchdowns,
+                                           double required_distance,
+                                           const ApproachOptions& options);
+
+// Largest value of a layer within the disc about a touchdown; NaN if all of it is unseen.
+double LargestInDisc(const cv::Mat1f& layer,
+                     const Touchdown& touchdown,
+                     double radius,
+                     double cell_size);
+
+}  // namespace freelsd

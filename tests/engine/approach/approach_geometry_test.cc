@@ -1,0 +1,112 @@
+#include <cmath>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "engine/approach/approach.h"
+#include "tests/engine/approach/scene.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kPrintedDistanceM = 0.005;  // the paper's numbers are rounded
+constexpr double kPrintedRadiusM = 0.05;
+
+Aircraft Profile(const char* name) { return *AircraftProfile(name); }
+
+TEST_CASE("approach: Techpod in 5.5 m/s has a final of 108.58 m and a circle of 178.9 m") {
+  const Aircraft techpod = Profile("techpod");
+  CHECK(std::abs(ApproachDistance(techpod, 5.5) - 108.58) < kPrintedDistanceM);
+  CHECK(std::abs(LoiterRadius(techpod, 5.5) - 178.9) < kPrintedRadiusM);
+}
+
+TEST_CASE("approach: Techpod needs 172 m of final in calm air and 244 m with 5.5 m/s from behind") {
+  const Aircraft techpod = Profile("techpod");
+  CHECK(std::abs(ApproachDistance(techpod, 0.0) - 172.0) < 0.5);
+  CHECK(std::abs(DownwindApproachDistance(techpod, 5.5) - 244.0) < 0.5);
+}
+
+TEST_CASE("approach: AtlantikSolar descends 10.93 m in 74 m, as in the paper's last experiment") {
+  const Aircraft solar = Profile("atlantiksolar");
+  const double slope = solar.approach_height_m / ApproachDistance(solar, 5.5);
+  CHECK(std::abs(slope * 74.0 - 10.93) < 0.15);  // the paper's v_land is only known to be about 9
+}
+
+TEST_CASE("approach: a wind of v cos(gamma) / cos(crosswind uncertainty) leaves no final") {
+  const Aircraft techpod = Profile("techpod");
+  const double strongest = 13.0 * std::cos(RadFromDeg(4.0)) / std::cos(RadFromDeg(30.0));
+  CHECK(std::abs(ApproachDistance(techpod, strongest)) < 1e-9);
+  CHECK(ApproachDistance(techpod, strongest + 0.1) < 0.0);
+}
+
+TEST_CASE("approach: the loiter circle is closed, level, tangent to the final and on its side") {
+  for (const auto direction : {LoiterDirection::kLeft, LoiterDirection::kRight}) {
+    Approach approach;
+    approach.heading = RadFromDeg(30.0);
+    approach.loiter_radius = 50.0;
+    approach.loiter_direction = direction;
+    const Eigen::Vector2d forward = DirectionOf(approach.heading);
+    const Eigen::Vector2d left(-forward.y(), forward.x());
+    const double side = direction == LoiterDirection::kLeft ? 1.0 : -1.0;
+    approach.approach_start_in_world = {10.0, 20.0, 32.0};
+    const Eigen::Vector2d center = Eigen::Vector2d(10.0, 20.0) + side * 50.0 * left;
+    approach.loiter_center_in_world = {center.x(), center.y(), 32.0};
+    const std::vector<Eigen::Vector3d> polyline = LoiterPolyline(approach, 720);
+    REQUIRE(polyline.size() == 721);
+    CHECK((polyline.front() - approach.approach_start_in_world).norm() < 1e-9);
+    CHECK((polyline.back() - polyline.front()).norm() < 1e-9);
+    for (const Eigen::Vector3d& point : polyline) {
+      CHECK(std::abs((point - approach.loiter_center_in_world).norm() - 50.0) < 1e-9);
+      CHECK(point.z() == doctest::Approx(32.0));
+    }
+    // The circle is left along the heading of the final.
+    const Eigen::Vector3d last_leg = polyline[720] - polyline[719];
+    CHECK(last_leg.head<2>().normalized().dot(forward) > std::cos(RadFromDeg(0.5)));
+    const Eigen::Vector3d first_leg = polyline[1] - polyline[0];
+    CHECK(first_leg.head<2>().normalized().dot(forward) > std::cos(RadFromDeg(0.5)));
+  }
+}
+
+TEST_CASE("approach: each option out of its bounds is refused by name") {
+  const auto message_of = [](const auto& change) {
+    ApproachOptions options;
+    change(options);
+    try {
+      options.Check();
+    } catch (const std::invalid_argument& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(message_of([](ApproachOptions&) {}).empty());
+  CHECK(message_of([](ApproachOptions& o) { o.heading_step_deg = 0.0; }) ==
+        "approach.heading_step_deg = 0: must be in [1, 180]");
+  CHECK(message_of([](ApproachOptions& o) {
+          o.map_position_sd_m = -1.0;
+        }).find("map_position_sd") != std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.path_step_m = 0.0; }).find("path_step_m") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.max_height_sd_m = NAN; }).find("max_height_sd_m") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.max_num_candidates = 0; }).find("max_num_cand") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.candidate_spacing_m = -1; }).find("spacing") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.calm_wind_mps = -1; }).find("calm_wind_mps") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.unknown_wind_mps = -1; }).find("unknown_wind") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.max_num_rejections = -1; }).find("rejections") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.min_clear_class_posterior = 2; }).find("class") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.unclear_height_allowance_m = -2; }).find("allow") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.score_weights = {1.0}; }).find("score_weights") !=
+        std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.score_weights.assign(6, 0.0); }).find("score_wei") !=
+        std::string::npos);
+}
+
+}  // namespace
+}  // namespace freelsd
