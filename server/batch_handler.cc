@@ -50,7 +50,7 @@ void RefuseUnknownImages(const Service& service,
   }
 }
 
-// By time where every usable image has one, else as given.
+// By time where every image that can become a frame has one, else as given.
 std::vector<Candidate> InOrderOfFlight(const BatchUpload& upload) {
   std::map<std::string, FrameMeta> poses;
   for (const auto& [id, meta] : upload.poses().poses) poses[id] = meta;
@@ -59,7 +59,7 @@ std::vector<Candidate> InOrderOfFlight(const BatchUpload& upload) {
   for (const BatchImage& entry : upload.images()) {
     Candidate candidate{&entry, {}};
     if (entry.image) candidate.meta = Merged(poses[entry.id], entry.image->tags.meta);
-    if (entry.image) has_all_times &= candidate.meta.timestamp_us.has_value();
+    if (candidate.meta.position) has_all_times &= candidate.meta.timestamp_us.has_value();
     candidates.push_back(std::move(candidate));
   }
   if (has_all_times) {
@@ -100,7 +100,7 @@ Admission Admit(const Service& service, const FlightRow& flight, const BatchUplo
       if (!AdmitOne(service, flight.id, candidate, resolver, admission.frames)) {
         verdict["detail"] = "was stored already";
       }
-      const std::vector<std::string>& warnings = candidate.entry->image->tags.warnings;
+      const std::vector<std::string> warnings = resolver.RelevantWarnings(*candidate.entry->image);
       admission.warnings.insert(admission.warnings.end(), warnings.begin(), warnings.end());
     } catch (const ApiError& error) {
       verdict["verdict"] = "rejected";
@@ -111,6 +111,10 @@ Admission Admit(const Service& service, const FlightRow& flight, const BatchUplo
     admission.verdicts.push_back(std::move(verdict));
   }
   admission.rig_json = resolver.RigJson();
+  // Each once: many images warn of the same.
+  std::sort(admission.warnings.begin(), admission.warnings.end());
+  admission.warnings.erase(std::unique(admission.warnings.begin(), admission.warnings.end()),
+                           admission.warnings.end());
   return admission;
 }
 

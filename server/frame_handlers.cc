@@ -131,7 +131,8 @@ void StoreFrame(Service& service,
   service.storage.InsertFrames(
       flight_id, {std::move(frame_row)}, std::nullopt, [&](FlightRow& flight) {
         flight.rig_json = resolver.RigJson();
-        flight.warnings_json = AddWarnings(flight.warnings_json, "images", image.tags.warnings);
+        flight.warnings_json =
+            AddWarnings(flight.warnings_json, "images", resolver.RelevantWarnings(image));
       });
 }
 

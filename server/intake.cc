@@ -64,6 +64,11 @@ void RigResolver::Admit(const CheckedImage& image, const FrameMeta& meta) {
   resolved_ = rig;
 }
 
+std::vector<std::string> RigResolver::RelevantWarnings(const CheckedImage& image) const {
+  if (request_.camera && !image.tags.meta.position) return {};
+  return image.tags.warnings;
+}
+
 std::string RigResolver::RigJson() const { return resolved_ ? FlightRigJson(*resolved_) : ""; }
 
 FrameRow NewFrameRow(const std::string& flight_id,

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/api.h"
 #include "api/import/import.h"
@@ -27,6 +28,9 @@ class RigResolver {
   explicit RigResolver(const FlightRow& flight);
   // Throws ApiError NoPosition, NoCamera or ImageSizeMismatch; nothing has changed then.
   void Admit(const CheckedImage& image, const FrameMeta& meta);
+  // What the image's tags warn of, where they are used: an image without geotag in a flight with a
+  // camera of its own has no tags that matter.
+  std::vector<std::string> RelevantWarnings(const CheckedImage& image) const;
   // What FlightRow::rig_json should be now.
   std::string RigJson() const;
 

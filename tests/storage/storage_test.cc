@@ -58,7 +58,7 @@ JobRow SomeJob(const std::string& id, const std::string& flight_id) {
 SiteRow SomeSite(const std::string& id, double latitude_deg, double longitude_deg) {
   SiteRow site;
   site.id = id;
-  site.flight_id = "f";
+  site.flight_id = std::string("f");
   site.region_id = 3;
   site.latitude_deg = latitude_deg;
   site.longitude_deg = longitude_deg;

@@ -1,0 +1,134 @@
+// Many images at once.
+#include <filesystem>
+
+#include <doctest/doctest.h>
+
+#include "tests/server/test_server.h"
+
+namespace freelsd {
+namespace {
+
+constexpr char kPosesHeader[] = "image,latitude_deg,longitude_deg,altitude_m,timestamp_us\n";
+
+std::string PoseLine(const std::string& image, int number) {
+  return image + ",47.000" + std::to_string(number) + ",8.0,500," +
+         std::to_string(1700000000000000 + number * 1000000) + "\n";
+}
+
+httplib::MultipartFormData Image(const std::string& name, const std::string& bytes) {
+  return {"images", bytes, name, "image/jpeg"};
+}
+
+httplib::Result PostBatch(httplib::Client& client,
+                          const std::string& flight,
+                          const httplib::MultipartFormDataItems& items) {
+  return client.Post("/v1/flights/" + flight + "/batch", items);
+}
+
+nlohmann::json VerdictOf(const nlohmann::json& job, const std::string& id) {
+  for (const nlohmann::json& image : job["detail"]["images"]) {
+    if (image["id"] == id) return image;
+  }
+  return {};
+}
+
+TEST_CASE("batch: good images go on, damaged ones and ones without pose are told of") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const std::string poses =
+      kPosesHeader + PoseLine("b.jpg", 2) + PoseLine("a.jpg", 1) + PoseLine("cut.jpg", 3);
+  const auto result = PostBatch(fresh.client,
+                                flight,
+                                {Image("b.jpg", NoiseImage(2)),
+                                 {"poses", poses, "poses.csv", "text/csv"},
+                                 Image("cut.jpg", NoiseImage(3).substr(0, 9000)),
+                                 Image("a.jpg", NoiseImage(1)),
+                                 Image("lost.jpg", NoiseImage(4))});
+  REQUIRE(result);
+  INFO(result->body);
+  REQUIRE(result->status == 202);
+  const nlohmann::json job = AwaitJob(fresh.client, nlohmann::json::parse(result->body)["id"]);
+  CHECK(job["state"] == "done");
+  CHECK(VerdictOf(job, "a.jpg")["verdict"] == "accepted");
+  CHECK(VerdictOf(job, "b.jpg")["verdict"] == "accepted");
+  CHECK(VerdictOf(job, "cut.jpg")["code"] == "DamagedImage");
+  CHECK(VerdictOf(job, "lost.jpg")["code"] == "NoPosition");
+  const nlohmann::json frames = FrameList(fresh.client, flight);
+  REQUIRE(frames.size() == 2);
+  // In the order of time, not of arrival.
+  CHECK(frames[0]["id"] == "a.jpg");
+  CHECK(frames[0]["state"] != "queued");
+  const nlohmann::json told = GetJson(fresh.client, "/v1/flights/" + flight);
+  CHECK(told["frames"]["received"] == 2);
+  CHECK(told["frames"]["processed"] == 2);
+  CHECK(told["frames"]["rejected"] == 2);
+}
+
+TEST_CASE("batch: the same batch again changes nothing") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const httplib::MultipartFormDataItems items{
+      Image("a.jpg", NoiseImage(1)), {"poses", kPosesHeader + PoseLine("a.jpg", 1), "p.csv", ""}};
+  CHECK(PostBatch(fresh.client, flight, items)->status == 202);
+  const auto again = PostBatch(fresh.client, flight, items);
+  REQUIRE(again->status == 202);
+  const nlohmann::json job = AwaitJob(fresh.client, nlohmann::json::parse(again->body)["id"]);
+  CHECK(job["state"] == "done");
+  CHECK(VerdictOf(job, "a.jpg")["verdict"] == "accepted");
+  CHECK(FrameList(fresh.client, flight).size() == 1);
+}
+
+TEST_CASE("batch: faults of structure are refused and store nothing") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const std::string image = NoiseImage(1);
+  const auto unknown = PostBatch(
+      fresh.client,
+      flight,
+      {Image("a.jpg", image), {"poses", kPosesHeader + PoseLine("b.jpg", 1), "p.csv", ""}});
+  CheckProblem(unknown, 422, "UnknownImages");
+  CHECK(nlohmann::json::parse(unknown->body)["errors"][0]["pointer"] == "/poses/0/image");
+  CheckProblem(PostBatch(fresh.client, flight, {Image("a.jpg", image), Image("a.jpg", image)}),
+               422,
+               "DuplicateId");
+  CheckProblem(
+      PostBatch(fresh.client, flight, {{"pictures", image, "a.jpg", ""}}), 422, "UnknownPart");
+  CheckProblem(
+      fresh.client.Post("/v1/flights/" + flight + "/batch", "nothing of the kind", "text/plain"),
+      415,
+      "UnsupportedMediaType");
+  CHECK(FrameList(fresh.client, flight).empty());
+  CHECK(GetJson(fresh.client, "/v1/jobs")["jobs"].empty());
+  const std::filesystem::path images = fresh.folder.path() / "data/images";
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(images)) {
+    CHECK_FALSE(entry.is_regular_file());
+  }
+}
+
+TEST_CASE("batch: a body that ends within a part is refused") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const std::string body =
+      "--xyz\r\nContent-Disposition: form-data; name=\"images\"; filename=\"a.jpg\"\r\n\r\nabc";
+  CheckProblem(fresh.client.Post(
+                   "/v1/flights/" + flight + "/batch", body, "multipart/form-data; boundary=xyz"),
+               400,
+               "InvalidMultipart");
+}
+
+TEST_CASE("batch: more parts than the library's own parser takes are taken") {
+  constexpr int kNumImages = 1100;
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  httplib::MultipartFormDataItems items;
+  for (int i = 0; i < kNumImages; ++i) {
+    items.push_back(Image("empty-" + std::to_string(i), "x"));
+  }
+  const auto result = PostBatch(fresh.client, flight, items);
+  REQUIRE(result);
+  REQUIRE(result->status == 202);
+  CHECK(nlohmann::json::parse(result->body)["detail"]["num_rejected"] == kNumImages);
+}
+
+}  // namespace
+}  // namespace freelsd

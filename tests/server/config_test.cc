@@ -1,0 +1,55 @@
+#include "server/config.h"
+
+#include <fstream>
+
+#include <doctest/doctest.h>
+
+#include "tests/server/test_server.h"
+
+namespace freelsd {
+namespace {
+
+std::optional<Config> Read(const std::vector<const char*>& arguments) {
+  std::vector<const char*> all{"freelsd-server"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  return ReadConfig(static_cast<int>(all.size()), all.data());
+}
+
+TEST_CASE("config: data and address suffice") {
+  const auto config = Read({"--data", "/tmp/x", "--listen", "127.0.0.1:9000"});
+  REQUIRE(config);
+  CHECK(config->data == "/tmp/x");
+  CHECK(config->port == 9000);
+}
+
+TEST_CASE("config: the command line wins over the file") {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "config.json";
+  std::ofstream(file) << R"({"data": "/tmp/y", "listen": "[::1]:1", "allowed_hosts": ["base"]})";
+  const auto config = Read({"--config", file.c_str(), "--data", "/tmp/x"});
+  REQUIRE(config);
+  CHECK(config->data == "/tmp/x");
+  CHECK(config->host == "::1");
+  CHECK(config->allowed_hosts == std::vector<std::string>{"base"});
+}
+
+TEST_CASE("config: an address that is not loopback is refused without a token") {
+  for (const char* listen : {"0.0.0.0:80", "[::]:80", "192.168.1.2:80"}) {
+    CHECK_THROWS_WITH_AS(
+        Read({"--data", "/tmp/x", "--listen", listen}), doctest::Contains("loopback"), ConfigError);
+  }
+}
+
+TEST_CASE("config: wrong settings are named") {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "config.json";
+  std::ofstream(file) << R"({"dat": "/tmp/y"})";
+  CHECK_THROWS_WITH_AS(Read({"--config", file.c_str()}), doctest::Contains("dat"), ConfigError);
+  CHECK_THROWS_WITH_AS(Read({}), doctest::Contains("--data"), ConfigError);
+  CHECK_THROWS_AS(Read({"--data", "/tmp/x", "--listen", "127.0.0.1:99999"}), ConfigError);
+  CHECK_THROWS_AS(Read({"--data", "/tmp/x", "--listen", "8080"}), ConfigError);
+  CHECK_THROWS_AS(Read({"--daat", "/tmp/x"}), ConfigError);
+}
+
+}  // namespace
+}  // namespace freelsd
