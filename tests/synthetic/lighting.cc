@@ -9,7 +9,7 @@ namespace {
 
 // Share of the light on flat open ground that comes from the sky.
 constexpr float kSkyShare = 0.36f;
-// The sky is bluer than the sun: gains of B, G, R in full shade.
+// The sky is bluer than the sun, gains of B, G, R; both together are white.
 constexpr float kSkyTint[3] = {1.15f, 1.0f, 0.90f};
 // Shadow edges are soft: over this depth below the shadow's upper edge the sun fades.
 constexpr float kPenumbraM = 0.25f;
@@ -80,7 +80,8 @@ void World::Light() {
             (1.0f - kSkyShare) * lit * Facing(static_cast<Cover>(cover(row, col)), normal, sun);
         const float sky = kSkyShare * (0.4f + 0.6f * normal.z());
         for (int i = 0; i < 3; ++i) {
-          const float gain = std::min(direct + sky * kSkyTint[i], kMaxGain);
+          const float sun_tint = (1.0f - kSkyShare * kSkyTint[i]) / (1.0f - kSkyShare);
+          const float gain = std::min(direct * sun_tint + sky * kSkyTint[i], kMaxGain);
           radiance(row, col)[i] = cv::saturate_cast<uint8_t>(gain * albedo(row, col)[i]);
         }
       }

@@ -36,9 +36,9 @@ struct Look {
 Look LookOf(Cover cover) {
   switch (cover) {
     case Cover::kMeadow:
-      return {{{64, 154, 126}, {70, 152, 122}, {84, 148, 128}, {56, 142, 112}},
+      return {{{62, 154, 128}, {66, 151, 125}, {74, 149, 128}, {60, 147, 121}},
               {0.040f, 0.036f, 0.028f, 0.022f, 0.022f, 0.028f, 0.045f},
-              {5, 1, 7},
+              {4, 1, 5},
               3.2f,
               0.010f};
     case Cover::kStubble:
@@ -46,13 +46,13 @@ Look LookOf(Cover cover) {
               {0.045f, 0.035f, 0.025f, 0.020f, 0.020f, 0.025f, 0.040f},
               {-4, -1, -6},
               1.6f,
-              0.05f};
+              0.04f};
     case Cover::kSoil:
       return {{{82, 104, 124}, {72, 90, 108}, {92, 118, 142}},
               {0.055f, 0.050f, 0.040f, 0.035f, 0.035f, 0.040f, 0.055f},
               {3, 4, 5},
               1.3f,
-              0.09f};
+              0.055f};
     case Cover::kScrub:
       return {{{38, 106, 80}, {44, 92, 84}, {52, 100, 92}},
               {0.10f, 0.10f, 0.09f, 0.07f, 0.05f, 0.05f, 0.07f},
@@ -60,13 +60,13 @@ Look LookOf(Cover cover) {
               0.0f,
               0.0f};
     case Cover::kGravel:
-      return {{{150, 158, 166}, {140, 146, 152}},
+      return {{{168, 176, 184}, {160, 168, 176}},
               {0.030f, 0.028f, 0.022f, 0.020f, 0.022f, 0.022f, 0.025f},
               {-2, 0, 2},
               0.0f,
               0.0f};
     case Cover::kRoad:
-      return {{{158, 158, 163}, {146, 145, 150}},
+      return {{{182, 180, 183}, {168, 167, 171}},
               {0.022f, 0.022f, 0.020f, 0.020f, 0.020f, 0.025f, 0.030f},
               {-1, 0, 1},
               0.0f,
@@ -129,7 +129,7 @@ class Painter {
     if (look.row_spacing_m <= 0.0f) return 1.0f;
     const double heading = 0.4 * (variant % 8);
     const double across =
-        x * std::cos(heading) - y * std::sin(heading) + 0.25 * row_wobble_.At(x, y);
+        x * std::cos(heading) - y * std::sin(heading) + 0.5 * row_wobble_.At(x, y);
     return 1.0f + look.row_contrast *
                       static_cast<float>(1.41 * std::sin(2.0 * kPi * across / look.row_spacing_m));
   }

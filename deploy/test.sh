@@ -1,0 +1,169 @@
+#!/usr/bin/env bash
+# Installs what the tests need, builds and runs them all, from a bare Debian 12.
+#
+#   deploy/test.sh
+#
+# Tests on recorded flights need FREELSD_DATA, the folder that holds them. Ends with a summary;
+# what was skipped is said there too. Status 0 means that everything that ran has passed.
+set -Eeuo pipefail
+cd "$(dirname "$0")/.."
+program="test.sh"
+source deploy/steps.sh
+
+work="$(mktemp -d)"
+server_pid=""
+summary=()
+started=0
+
+end() {
+  local status=$?
+  if [ -n "$server_pid" ]; then stop_server "$server_pid" || true; fi
+  rm -rf "$work"
+  echo
+  echo "== summary"
+  local line
+  for line in "${summary[@]}"; do echo "$line"; done
+  if [ "$status" -eq 0 ]; then
+    echo "test.sh: everything that ran has passed, $SECONDS s"
+  else
+    echo "test.sh: FAILED while $step, after $SECONDS s"
+  fi
+}
+trap end EXIT
+
+start_step() {
+  started=$SECONDS
+  begin "$1"
+}
+passed() { summary+=("$(printf 'passed   %5d s  %s' $((SECONDS - started)) "$step")"); }
+skipped() {
+  summary+=("$(printf 'SKIPPED           %s: %s' "$step" "$1")")
+  echo "SKIPPED: $1"
+}
+
+# Nothing that was compiled may have warned.
+refuse_warnings() {
+  local num_warnings
+  num_warnings="$(grep -c 'warning:' "$1" || true)"
+  if [ "$num_warnings" -ne 0 ]; then
+    grep 'warning:' "$1" | sort | uniq -c >&2
+    fail "the compiler gave $num_warnings warnings"
+  fi
+  echo "no compiler warnings"
+}
+
+free_port() {
+  local port
+  for port in $(seq 18080 18180); do
+    if ! (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; then
+      echo "$port"
+      return
+    fi
+  done
+  fail "no free port between 18080 and 18180"
+}
+
+run_unit_tests() {
+  local arguments=(--preset release -j "$(nproc)" --no-tests=error)
+  ctest "${arguments[@]}" 2>&1 | tee "$work/ctest.log" |
+    grep -vE '^ +Start +[0-9]+:|^ *[0-9]+/[0-9]+ Test .* Passed ' || true
+  # The grep above must not hide how it ended.
+  grep -q '^100% tests passed' "$work/ctest.log" || fail "unit tests failed"
+}
+
+# Each executable of tests runs once under the sanitizers; a report ends it with an error.
+run_sanitized_tests() {
+  export ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1"
+  export UBSAN_OPTIONS="print_stacktrace=1"
+  local folder
+  for folder in "$@"; do
+    echo "-- ${folder}_tests with address and undefined-behaviour sanitizers"
+    "build/asan/tests/${folder}_tests" --no-intro 2>&1 | tee "$work/asan.log" | tail -n 4
+    if grep -qE 'AddressSanitizer|LeakSanitizer|runtime error:' "$work/asan.log"; then
+      cat "$work/asan.log" >&2
+      fail "a sanitizer reported"
+    fi
+  done
+}
+
+# The demo's result must be served again by a new process, set up as the example says.
+restart_on_demo_data() {
+  build/release/server/freelsd-server --config deploy/config.example.json \
+    --data "$work/demo/server" --listen "127.0.0.1:$port" >"$work/server.log" 2>&1 &
+  server_pid=$!
+  await_server "http://127.0.0.1:$port" "$server_pid" "$work/server.log"
+  local num_sites
+  num_sites="$(curl -fsS "http://127.0.0.1:$port/v1/sites" |
+    jq '[.features[] | select(.properties.verdict != "rejected")] | length')"
+  echo "$num_sites sites that are not rejected are served after a restart"
+  if [ "$num_sites" -eq 0 ]; then fail "the demo found no site that is landable or unverified"; fi
+}
+
+test_container() {
+  docker build -t freelsd-test -f deploy/Dockerfile .
+  local container
+  container="$(docker run -d --rm freelsd-test)"
+  local _
+  for _ in $(seq 50); do
+    if docker exec "$container" curl -fs http://127.0.0.1:8080/healthz; then break; fi
+    sleep 0.2
+  done
+  docker exec "$container" curl -fsS http://127.0.0.1:8080/v1/info >/dev/null
+  docker stop "$container" >/dev/null
+}
+
+start_step "installing packages"
+install_packages test
+passed
+
+start_step "building (release)"
+build release 2>&1 | tee "$work/build.log"
+refuse_warnings "$work/build.log"
+passed
+
+start_step "unit tests (release)"
+run_unit_tests
+passed
+if [ -z "${FREELSD_DATA:-}" ]; then skipped "tests on recorded flights: FREELSD_DATA is not set"; fi
+
+sanitized=(engine storage api)
+start_step "building (sanitizers)"
+build asan "${sanitized[@]/%/_tests}" 2>&1 | tee "$work/build.log"
+refuse_warnings "$work/build.log"
+passed
+
+start_step "unit tests (sanitizers)"
+run_sanitized_tests "${sanitized[@]}"
+passed
+
+port="$(free_port)"
+start_step "the demo, end to end"
+deploy/demo.sh --once --port "$port" --data "$work/demo"
+passed
+
+start_step "restart on the demo's data"
+restart_on_demo_data
+passed
+
+start_step "page test in a browser"
+tests/web/run.sh "http://127.0.0.1:$port"
+passed
+stop_server "$server_pid"
+server_pid=""
+
+start_step "container"
+if docker info >/dev/null 2>&1; then
+  test_container
+  passed
+else
+  skipped "no container daemon at hand"
+fi
+
+start_step "service unit"
+if command -v systemd-analyze >/dev/null; then
+  sed 's|/usr/bin/freelsd-server|/bin/true|' deploy/freelsd.service >"$work/freelsd.service"
+  systemd-analyze verify "$work/freelsd.service"
+  passed
+else
+  skipped "no systemd-analyze at hand"
+fi
