@@ -127,7 +127,16 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
   visit("focal_sd_ratio", o.focal_sd_ratio, "deviation of an EXIF focal length");
   visit("radial_sd", o.radial_sd, "deviation of k1 of an EXIF camera");
   visit("max_num_iterations", o.max_num_iterations, "of the solver");
-  visit("num_threads", o.num_threads, "of the solver; does not change the result");
+  visit("estimated_tilt_sd_deg", o.estimated_tilt_sd_deg, "of an attitude that matches gave");
+  visit("estimated_yaw_sd_deg", o.estimated_yaw_sd_deg, "of an attitude that matches gave");
+  visit("min_num_shared_landmarks", o.min_num_shared_landmarks, "that make two views neighbours");
+  visit("min_num_view_observations", o.min_num_view_observations, "that tie a view to others");
+  visit("min_num_connected_views", o.min_num_connected_views, "that make a block");
+  visit("min_position_spread_sigma",
+        o.min_position_spread_sigma,
+        "spread of the positions, in their deviations, that gives scale");
+  visit("max_tilt_sd_deg", o.max_tilt_sd_deg, "deviation of the whole block's tilt");
+  visit("num_threads", o.num_threads, "does not change the result");
 }
 
 template <class Visitor>

