@@ -99,6 +99,9 @@ void VisitFields(Of<RegionsOptions> auto& o, Visitor&& visit) {
   visit("min_num_observations", o.min_num_observations, "from which a region has a grade");
   visit(
       "min_num_observations_floor", o.min_num_observations_floor, "it is never lowered below this");
+  visit("min_overlap_of_unlike_ratio",
+        o.min_overlap_of_unlike_ratio,
+        "overlap that makes grass and another surface one place");
   visit("max_num_regions", o.max_num_regions, "regions kept");
   visit(
       "border_margin_px", o.border_margin_px, "a corner nearer to the border is not fully visible");
@@ -130,7 +133,16 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
   visit("focal_sd_ratio", o.focal_sd_ratio, "deviation of an EXIF focal length");
   visit("radial_sd", o.radial_sd, "deviation of k1 of an EXIF camera");
   visit("max_num_iterations", o.max_num_iterations, "of the solver");
-  visit("num_threads", o.num_threads, "of the solver; does not change the result");
+  visit("estimated_tilt_sd_deg", o.estimated_tilt_sd_deg, "of an attitude that matches gave");
+  visit("estimated_yaw_sd_deg", o.estimated_yaw_sd_deg, "of an attitude that matches gave");
+  visit("min_num_shared_landmarks", o.min_num_shared_landmarks, "that make two views neighbours");
+  visit("min_num_view_observations", o.min_num_view_observations, "that tie a view to others");
+  visit("min_num_connected_views", o.min_num_connected_views, "that make a block");
+  visit("min_position_spread_sigma",
+        o.min_position_spread_sigma,
+        "spread of the positions, in their deviations, that gives scale");
+  visit("max_tilt_sd_deg", o.max_tilt_sd_deg, "deviation of the whole block's tilt");
+  visit("num_threads", o.num_threads, "does not change the result");
 }
 
 template <class Visitor>
@@ -204,9 +216,8 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("min_clear_class_posterior",
         o.min_clear_class_posterior,
         "of grass, below which a cell under the path is unclear");
-  visit("max_height_sd_m",
-        o.max_height_sd_m,
-        "cells above it are as good as unseen under the path");
+  visit(
+      "max_height_sd_m", o.max_height_sd_m, "cells above it are as good as unseen under the path");
   visit("unknown_wind_mps",
         o.unknown_wind_mps,
         "from behind, with which the final must be clear too where no wind is known");

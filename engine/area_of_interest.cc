@@ -47,12 +47,17 @@ Box Box::Intersection(const Box& other) const {
 
 Box AreaOfInterest(const std::vector<Region>& regions,
                    const Aircraft& aircraft,
+                   double strongest_wind,
                    const BackendOptions& options) {
   Box area;
   for (const Region& region : regions) {
     for (const Eigen::Vector2d& corner : region.Footprint()) area.Add(corner);
   }
-  const double wanted = ApproachDistance(aircraft, 0.0) + 2.0 * LoiterRadius(aircraft, 0.0);
+  double wanted = 0.0;
+  for (const double wind_speed : {0.0, strongest_wind}) {
+    const double final = std::max(0.0, ApproachDistance(aircraft, wind_speed));
+    wanted = std::max(wanted, final + 2.0 * LoiterRadius(aircraft, wind_speed));
+  }
   area.Grow(std::min(wanted, options.max_surroundings_m));
   return area;
 }

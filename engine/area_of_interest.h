@@ -20,9 +20,10 @@ struct Box {
   Box Intersection(const Box& other) const;
 };
 
-// Ground that a final and a circle around the regions may need.
+// Ground that a final and a circle around the regions may need, in calm and in the strongest wind.
 Box AreaOfInterest(const std::vector<Region>& regions,
                    const Aircraft& aircraft,
+                   double strongest_wind,
                    const BackendOptions& options);
 
 // Indices of the views that see the area, at most max_num_views (nearest first), ascending.

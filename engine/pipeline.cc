@@ -131,6 +131,17 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
   return Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
 }
 
+double StrongestWind(const std::vector<Region>& regions,
+                     const Snapshot& snapshot,
+                     const WindOptions& options) {
+  double strongest = 0.0;
+  for (const Region& region : regions) {
+    const auto wind = WindAt(region.Center().head<2>(), snapshot.wind_samples, options);
+    if (wind) strongest = std::max(strongest, wind->wind_in_world.norm());
+  }
+  return strongest;
+}
+
 // The key-frames that see the area: the views and their indices in the snapshot.
 struct Selection {
   std::vector<size_t> indices;
@@ -184,6 +195,7 @@ Site PlanSite(const Snapshot& snapshot,
   PlanRequest request;
   request.footprint = region.Footprint();
   request.area_m2 = region.area_m2;
+  request.ground_height = region.Center().z();
   request.grade = region.grade;
   request.num_observations = region.num_observations;
   request.min_num_observations = snapshot.min_num_observations;
@@ -247,12 +259,11 @@ std::vector<FrameResult> Frontend::Flush() { return ProcessReady(tracks_.Flush()
 
 std::vector<FrameResult> Frontend::ProcessReady(std::vector<ReadyFrame> ready) {
   std::vector<FrameResult> results;
-  bool is_any_estimated = false;
-  for (const ReadyFrame& frame : ready) {
-    is_any_estimated |=
-        frame.view && tracks_.views()[*frame.view].attitude_source != AttitudeSource::kGiven;
+  if (std::any_of(ready.begin(), ready.end(), [&](const ReadyFrame& frame) {
+        return frame.view && NeedsRefinement(*frame.view);
+      })) {
+    RefinePoses();
   }
-  if (is_any_estimated) RefineEstimatedPoses();
   for (const ReadyFrame& frame : ready) {
     if (frame.view) ProcessView(frame);
     results.push_back({frame.frame.id, frame.view.has_value(), frame.note});
@@ -281,17 +292,31 @@ void Frontend::ProcessView(const ReadyFrame& ready) {
                                segments.image_px_per_working_px};
 }
 
-// Attitudes found from matches alone are good to a few degrees. The newest views and those that
-// share tracks with them are adjusted together before anything is placed on the ground with them.
-void Frontend::RefineEstimatedPoses() {
+// Attitudes found from matches, and those that survey photographs carry, are good to several
+// degrees.
+bool Frontend::NeedsRefinement(size_t view) const {
+  const std::vector<View>& views = tracks_.views();
+  if (views[view].attitude_source != AttitudeSource::kGiven) return true;
+  // Photographs farther apart than this share of the height are a survey, not a video.
+  constexpr double kSurveyBaselineRatio = 0.2;
+  return view > 0 &&
+         (views[view].world_from_camera.translation - views[view - 1].world_from_camera.translation)
+                 .norm() > kSurveyBaselineRatio * views[view].height_above_ground;
+}
+
+// The newest views are adjusted together before anything is placed on the ground with them.
+void Frontend::RefinePoses() {
   constexpr size_t kNumNewest = 12;
   const std::vector<View>& views = tracks_.views();
   const size_t first = views.size() > kNumNewest ? views.size() - kNumNewest : 0;
   const std::vector<View> window(views.begin() + static_cast<std::ptrdiff_t>(first), views.end());
   if (window.size() < 3) return;
-  const AdjustedBlock block = Timed(reports_, "pose_refinement", [&] {
-    return AdjustPoses(window, rig_.camera, options_.adjustment);
-  });
+  // The newest views often lie in one line. Their tilt is then poorly known, but not worse than
+  // before; what is built on is judged again by the backend.
+  AdjustmentOptions any_tilt = options_.adjustment;
+  any_tilt.max_tilt_sd_deg = 90.0;
+  const AdjustedBlock block = Timed(
+      reports_, "pose_refinement", [&] { return AdjustPoses(window, rig_.camera, any_tilt); });
   if (!block.is_usable) return;
   for (size_t i = 0; i < window.size(); ++i) {
     if (block.views[i].is_connected) {
@@ -329,7 +354,8 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
   Evaluation evaluation;
   if (regions.empty()) return evaluation;
   cancellable.Tell(0.0, "adjustment");
-  const Box area = AreaOfInterest(regions, aircraft, options.backend);
+  const Box area = AreaOfInterest(
+      regions, aircraft, StrongestWind(regions, snapshot, options.wind), options.backend);
   const Selection selection = SelectViews(snapshot, area, options);  // Sec. III-F
   evaluation.block = AdjustSelection(selection, snapshot.rig.camera, options, evaluation.reports);
   if (!evaluation.block.note.empty()) evaluation.warnings.push_back(evaluation.block.note);

@@ -88,7 +88,8 @@ class Frontend {
 
  private:
   std::vector<FrameResult> ProcessReady(std::vector<ReadyFrame> ready);
-  void RefineEstimatedPoses();
+  bool NeedsRefinement(size_t view) const;
+  void RefinePoses();
   void ProcessView(const ReadyFrame& ready);
 
   PipelineOptions options_;

@@ -29,7 +29,30 @@ struct AdjustmentOptions {
   double radial_sd = 0.1;
   int max_num_iterations = 30;
 
+  // --- Priors ---
+  // Where the attitude was estimated or corrected from matches: its deviation from that estimate
+  // about the horizontal axes and about the vertical one. View::attitude_sd_deg counts only where
+  // the attitude was given.
+  double estimated_tilt_sd_deg = 8.0;
+  double estimated_yaw_sd_deg = 20.0;
+
+  // --- What counts as a trustworthy block ---
+  // Two views are neighbours from this number of shared landmarks on; a view is connected by this
+  // many sightings of landmarks that other connected views see.
+  int min_num_shared_landmarks = 8;
+  int min_num_view_observations = 15;
+  // Smaller groups of connected views have too little to check one another by.
+  int min_num_connected_views = 3;
+  // Scale comes from how far the positions are spread: root mean square distance from their mean,
+  // in deviations of a position. In a hover it is the noise's own, 1.7.
+  double min_position_spread_sigma = 3.0;
+  // Largest deviation of the tilt of a group as a whole, for it becomes slope in the map. Positions
+  // in one line leave the roll about that line to the attitudes.
+  double max_tilt_sd_deg = 4.0;
+
   // --- Cost ---
+  // Does not change the result. The solver itself keeps to one thread: more would sum in another
+  // order on each run.
   int num_threads = 1;
 
   void Check() const;
@@ -52,6 +75,9 @@ struct AdjustedView {
   double height_above_ground = 0.0;
   // Whether enough observations tie it to the others; without them the pose is only the prior.
   bool is_connected = false;
+  // Of the absolute position, along one axis; an approximation. What the priors have in common
+  // (GPS drifts, so they count as four independent fixes at most) and what the view's own sightings
+  // leave open with the landmarks held fixed. Bending of the block is not in it.
   double position_sd_m = 0.0;
   // Landmarks it sees: index into AdjustedBlock::landmarks.
   std::vector<size_t> landmarks;
@@ -64,8 +90,12 @@ struct AdjustedBlock {
   std::vector<Landmark> landmarks;
   double rms_before_px = 0.0;
   double rms_after_px = 0.0;
-  // Priors too weak or views too few to trust the block: why. Poses are then the priors.
+  // Deviation of the tilt of the whole, about the worse horizontal axis, from the priors: a part of
+  // the uncertainty of every slope that no number of points averages out.
+  double tilt_sd_deg = 0.0;
+  // Otherwise all poses are the priors, no view is connected and there are no landmarks.
   bool is_usable = false;
+  // Why the block, or a group of its views, is not usable.
   std::string note;
 };
 

@@ -1,225 +1,78 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
-#include <ceres/ceres.h>
-
 #include "engine/adjustment/adjustment.h"
 #include "engine/adjustment/landmarks.h"
-#include "engine/adjustment/residuals.h"
+#include "engine/adjustment/solver.h"
+#include "engine/adjustment/verdict.h"
 
 namespace freelsd {
 namespace {
 
 // Landmarks with less parallax than this say nothing of height and are left out.
 constexpr double kMinParallaxDeg = 1.0;
-// An attitude found from matches alone: its yaw is hardly known, its tilt is that of a plane in
-// level flight.
-constexpr double kEstimatedYawSdDeg = 20.0;
-constexpr double kEstimatedTiltSdDeg = 8.0;
-// GPS may be off by more than it says; beyond this many deviations a position pulls less.
-constexpr double kPositionLossSd = 2.5;
-// Inliers that tie a view to the block.
-constexpr int kMinNumInliers = 15;
 // Poses start up to hundreds of pixels off: the first rounds forgive in multiples of the final
 // outlier gate and of the final width of the loss.
 struct Round {
   double gate_factor;
   double loss_factor;
+  double function_tolerance;
 };
-constexpr std::array<Round, 4> kRounds{{{1e3, 30.0}, {10.0, 6.0}, {2.5, 2.0}, {1.0, 1.0}}};
-// A start is poor where half of the sightings are farther off than this.
-constexpr double kPoorStartPx = 20.0;
-// A given attitude may be wronger than it says, as positions may.
-constexpr double kAttitudeLossSd = 2.0;
+constexpr std::array<Round, 4> kRounds{
+    {{1e3, 30.0, 1e-3}, {10.0, 6.0, 1e-3}, {2.5, 2.0, 1e-4}, {1.0, 1.0, 1e-5}}};
+// A start is poor where half of the sightings of some view are farther off than this: the gate of
+// the second round would leave that view out for good.
+constexpr double kPoorStartPx = 40.0;
+// Rounds before the last are left out where half of the sightings of each view are within this many
+// widths of the final loss.
+constexpr double kGoodStartFactor = 1.0;
 // Pixel noise taken for the deviation of landmarks.
 constexpr double kPixelSd = 0.7;
 constexpr size_t kMinNumLandmarks = 20;
-
-struct Parameters {
-  std::vector<Eigen::Quaterniond> rotations;
-  std::vector<Eigen::Vector3d> positions;
-  std::array<double, 2> intrinsics{1.0, 0.0};
-};
-
-void AddPriors(const std::vector<View>& views,
-               const AdjustmentOptions& options,
-               Parameters& parameters,
-               ceres::Problem& problem) {
-  for (size_t i = 0; i < views.size(); ++i) {
-    const View& view = views[i];
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PositionPrior, 3, 3>(new PositionPrior{
-                                 view.prior_position_in_world, std::max(view.position_sd_m, 0.01)}),
-                             new ceres::HuberLoss(kPositionLossSd),
-                             parameters.positions[i].data());
-    const bool is_given = view.attitude_source == AttitudeSource::kGiven;
-    const double tilt_sd_deg = is_given ? view.attitude_sd_deg : kEstimatedTiltSdDeg;
-    const double yaw_sd_deg = is_given ? view.attitude_sd_deg : kEstimatedYawSdDeg;
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<AttitudePrior, 3, 4>(
-                                 new AttitudePrior{view.world_from_camera.rotation,
-                                                   RadFromDeg(std::max(tilt_sd_deg, 0.01)),
-                                                   RadFromDeg(std::max(yaw_sd_deg, 0.01))}),
-                             nullptr,
-                             parameters.rotations[i].coeffs().data());
-  }
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<IntrinsicsPrior, 2, 2>(
-                               new IntrinsicsPrior{options.focal_sd_ratio, options.radial_sd}),
-                           nullptr,
-                           parameters.intrinsics.data());
-}
-
-void AddObservations(const Camera& camera,
-                     double loss_px,
-                     std::vector<BlockTrack>& tracks,
-                     Parameters& parameters,
-                     ceres::Problem& problem) {
-  for (BlockTrack& track : tracks) {
-    if (!track.has_point) continue;
-    for (const Sighting& sighting : track.sightings) {
-      if (!sighting.is_inlier) continue;
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, 2>(
-                                   new ReprojectionResidual(&camera, sighting.point_in_image)),
-                               new ceres::CauchyLoss(loss_px),
-                               parameters.rotations[sighting.view].coeffs().data(),
-                               parameters.positions[sighting.view].data(),
-                               track.point_in_world.data(),
-                               parameters.intrinsics.data());
-    }
-  }
-}
-
-// The camera with the refined factor and radial change applied.
-Camera Refined(const Camera& camera, const std::array<double, 2>& intrinsics) {
-  Camera refined = camera;
-  refined.fx_px *= intrinsics[0];
-  refined.fy_px *= intrinsics[0];
-  if (intrinsics[1] == 0.0) return refined;
-  if (refined.distortion == DistortionModel::kNone) {
-    refined.distortion = DistortionModel::kRadTan;
-    refined.coefficients = {0.0, 0.0, 0.0, 0.0};
-  }
-  refined.coefficients[0] += intrinsics[1];
-  return refined;
-}
-
-bool MayRefine(const Camera& camera, const AdjustmentOptions& options) {
-  return options.refine_exif_intrinsics && camera.source == CameraSource::kExif &&
-         camera.distortion != DistortionModel::kEquidistant;
-}
-
-// One solve from the given state; nothing when the solver gave no usable answer.
-std::optional<BlockState> Solve(const std::vector<View>& views,
-                                const Camera& camera,
-                                const BlockState& start,
-                                const AdjustmentOptions& options,
-                                double loss_px,
-                                std::vector<BlockTrack>& tracks) {
-  Parameters parameters;
-  for (const Rigid3d& world_from_camera : start.world_from_camera) {
-    parameters.rotations.push_back(world_from_camera.rotation);
-    parameters.positions.push_back(world_from_camera.translation);
-  }
-  parameters.intrinsics[0] = start.camera.fx_px / camera.fx_px;
-  if (!start.camera.coefficients.empty()) {
-    parameters.intrinsics[1] =
-        start.camera.coefficients[0] - (camera.coefficients.empty() ? 0.0 : camera.coefficients[0]);
-  }
-  ceres::Problem problem;
-  AddPriors(views, options, parameters, problem);
-  AddObservations(camera, loss_px, tracks, parameters, problem);
-  for (Eigen::Quaterniond& rotation : parameters.rotations) {
-    problem.SetManifold(rotation.coeffs().data(), new ceres::EigenQuaternionManifold);
-  }
-  if (!MayRefine(camera, options)) problem.SetParameterBlockConstant(parameters.intrinsics.data());
-  ceres::Solver::Options solver;
-  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (BlockTrack& track : tracks) {
-    if (track.has_point) ordering->AddElementToGroup(track.point_in_world.data(), 0);
-  }
-  for (size_t i = 0; i < views.size(); ++i) {
-    ordering->AddElementToGroup(parameters.rotations[i].coeffs().data(), 1);
-    ordering->AddElementToGroup(parameters.positions[i].data(), 1);
-  }
-  ordering->AddElementToGroup(parameters.intrinsics.data(), 1);
-  solver.linear_solver_ordering = ordering;
-  solver.linear_solver_type = ceres::SPARSE_SCHUR;
-  solver.max_num_iterations = options.max_num_iterations;
-  solver.num_threads = options.num_threads;
-  solver.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
-  if (!summary.IsSolutionUsable()) return std::nullopt;
-  BlockState solved{Refined(camera, parameters.intrinsics), {}};
-  for (size_t i = 0; i < views.size(); ++i) {
-    if (!parameters.positions[i].allFinite()) return std::nullopt;
-    solved.world_from_camera.push_back(
-        {parameters.rotations[i].normalized(), parameters.positions[i]});
-  }
-  return solved;
-}
 
 size_t NumPoints(const std::vector<BlockTrack>& tracks) {
   return static_cast<size_t>(std::count_if(
       tracks.begin(), tracks.end(), [](const BlockTrack& track) { return track.has_point; }));
 }
 
-// Poor attitudes first need landmarks that cannot be behind a camera: the ground plane's.
-bool IsStartPoor(const BlockState& state, const std::vector<BlockTrack>& tracks) {
-  std::vector<double> errors;
-  for (const BlockTrack& track : tracks) {
-    for (const Sighting& sighting : track.sightings) {
-      const std::optional<double> error =
-          track.has_point ? ReprojectionError(state, track, sighting) : std::nullopt;
-      errors.push_back(error.value_or(std::numeric_limits<double>::infinity()));
-    }
-  }
-  if (errors.empty()) return true;
-  std::nth_element(errors.begin(),
-                   errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
-                   errors.end());
-  return errors[errors.size() / 2] > kPoorStartPx;
-}
-
-// Rounds of solving with ever tighter gates. Empty when the block does not hold together.
+// Rounds of solving with ever tighter gates; rounds wider than the start needs are left out. Empty
+// when the block does not hold together.
 std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
                                         const BlockState& start,
                                         const AdjustmentOptions& options,
                                         std::vector<BlockTrack>& tracks) {
   BlockState state = start;
-  const bool is_start_poor = IsStartPoor(start, tracks);
-  for (size_t round = is_start_poor ? 0 : 1; round < kRounds.size(); ++round) {
-    const double gate_px = kRounds[round].gate_factor * options.max_reprojection_error_px;
-    if (round == 0) {
+  for (const Round& round : kRounds) {
+    const double gate_px = round.gate_factor * options.max_reprojection_error_px;
+    const bool is_first = &round == &kRounds.front();
+    const bool is_last = &round == &kRounds.back();
+    TriangulateTracks(state, kMinParallaxDeg, gate_px, tracks);
+    const double median_px = WorstMedianError(state, tracks);
+    if (is_first) {
+      if (median_px <= kPoorStartPx) continue;
+      // Poses so poor that rays do not meet: the ground plane's points cannot be behind a camera.
       InitialiseOnGround(views, state, tracks);
-    } else {
-      TriangulateTracks(state, kMinParallaxDeg, tracks);
+      MarkOutliers(state, gate_px, tracks);
+    } else if (!is_last && median_px <= kGoodStartFactor * options.robust_loss_px) {
+      continue;
     }
-    MarkOutliers(state, gate_px, tracks);
     if (NumPoints(tracks) < kMinNumLandmarks) return std::nullopt;
-    const double loss_px = kRounds[round].loss_factor * options.robust_loss_px;
     const std::optional<BlockState> solved =
-        Solve(views, start.camera, state, options, loss_px, tracks);
+        SolveBlock(views,
+                   start.camera,
+                   state,
+                   options,
+                   {round.loss_factor * options.robust_loss_px, round.function_tolerance},
+                   tracks);
     if (!solved) return std::nullopt;
     state = *solved;
-    // What was an outlier for poor poses may fit the better ones.
-    MarkOutliers(state, gate_px, tracks);
   }
+  MarkOutliers(state, options.max_reprojection_error_px, tracks);
   return state;
-}
-
-std::vector<int> InliersPerView(size_t num_views, const std::vector<BlockTrack>& tracks) {
-  std::vector<int> counts(num_views, 0);
-  for (const BlockTrack& track : tracks) {
-    if (!track.has_point) continue;
-    for (const Sighting& sighting : track.sightings) {
-      if (sighting.is_inlier) ++counts[sighting.view];
-    }
-  }
-  return counts;
 }
 
 double MedianDepth(const BlockState& state,
@@ -235,30 +88,56 @@ double MedianDepth(const BlockState& state,
   return heights[heights.size() / 2];
 }
 
-void FillResult(const std::vector<View>& views,
-                const BlockState& state,
-                const std::vector<BlockTrack>& tracks,
-                AdjustedBlock& block) {
-  const std::vector<int> inliers = InliersPerView(views.size(), tracks);
-  for (size_t i = 0; i < views.size(); ++i) {
-    block.views[i].world_from_camera = state.world_from_camera[i];
-    block.views[i].is_connected = inliers[i] >= kMinNumInliers;
-  }
+void FillLandmarks(const BlockState& state,
+                   const std::vector<BlockTrack>& tracks,
+                   AdjustedBlock& block) {
   for (const BlockTrack& track : tracks) {
     if (!track.has_point) continue;
+    const auto is_seen = [&](const Sighting& sighting) {
+      return sighting.is_inlier && block.views[sighting.view].is_connected;
+    };
+    // A view that does not belong to the block has no say about its landmarks.
+    const auto num_views = std::count_if(track.sightings.begin(), track.sightings.end(), is_seen);
+    if (num_views < 2) continue;
     for (const Sighting& sighting : track.sightings) {
-      if (sighting.is_inlier)
-        block.views[sighting.view].landmarks.push_back(block.landmarks.size());
+      if (is_seen(sighting)) block.views[sighting.view].landmarks.push_back(block.landmarks.size());
     }
-    block.landmarks.push_back(
-        {track.point_in_world, HeightDeviation(state, track, kPixelSd), track.NumInliers()});
+    block.landmarks.push_back({track.point_in_world,
+                               HeightDeviation(state, track, kPixelSd),
+                               static_cast<int>(num_views)});
   }
-  for (size_t i = 0; i < views.size(); ++i) {
+}
+
+AdjustedBlock PriorBlock(const std::vector<View>& views, const Camera& camera) {
+  AdjustedBlock block;
+  block.camera = camera;
+  for (const View& view : views) {
+    block.views.push_back({view.frame_id,
+                           view.world_from_camera,
+                           view.height_above_ground,
+                           false,
+                           view.position_sd_m,
+                           {}});
+  }
+  return block;
+}
+
+// The block as solved; poses of views that do not belong to it stay the priors.
+void FillResult(const BlockState& state,
+                const std::vector<BlockTrack>& tracks,
+                const BlockVerdict& verdict,
+                AdjustedBlock& block) {
+  block.camera = state.camera;
+  block.tilt_sd_deg = verdict.tilt_sd_deg;
+  for (size_t i = 0; i < block.views.size(); ++i) {
+    if (!verdict.is_connected[i]) continue;
+    block.views[i].world_from_camera = state.world_from_camera[i];
+    block.views[i].is_connected = true;
+    block.views[i].position_sd_m = verdict.position_sd_m[i];
+  }
+  FillLandmarks(state, tracks, block);
+  for (size_t i = 0; i < block.views.size(); ++i) {
     AdjustedView& view = block.views[i];
-    // Rays of a view average its own position noise over its height: a coarse bound.
-    view.position_sd_m = view.is_connected ? views[i].height_above_ground * kPixelSd /
-                                                 state.camera.MeanFocalPx() * std::sqrt(2.0)
-                                           : views[i].position_sd_m;
     if (view.landmarks.empty()) continue;
     view.height_above_ground = MedianDepth(state, i, view.landmarks, block.landmarks);
   }
@@ -296,6 +175,34 @@ void AdjustmentOptions::Check() const {
           "max_num_iterations",
           max_num_iterations,
           "must be in [1, 1000]");
+  Require(estimated_tilt_sd_deg > 0.0 && estimated_tilt_sd_deg <= 90.0,
+          "estimated_tilt_sd_deg",
+          estimated_tilt_sd_deg,
+          "must be in (0, 90]");
+  Require(estimated_yaw_sd_deg > 0.0 && estimated_yaw_sd_deg <= 180.0,
+          "estimated_yaw_sd_deg",
+          estimated_yaw_sd_deg,
+          "must be in (0, 180]");
+  Require(min_num_view_observations >= 3,
+          "min_num_view_observations",
+          min_num_view_observations,
+          "must be >= 3");
+  Require(min_num_shared_landmarks >= 1,
+          "min_num_shared_landmarks",
+          min_num_shared_landmarks,
+          "must be >= 1");
+  Require(min_num_connected_views >= 2,
+          "min_num_connected_views",
+          min_num_connected_views,
+          "must be >= 2");
+  Require(min_position_spread_sigma >= 0.0,
+          "min_position_spread_sigma",
+          min_position_spread_sigma,
+          "must be >= 0");
+  Require(max_tilt_sd_deg > 0.0 && max_tilt_sd_deg <= 90.0,
+          "max_tilt_sd_deg",
+          max_tilt_sd_deg,
+          "must be in (0, 90]");
   Require(num_threads >= 1 && num_threads <= 64, "num_threads", num_threads, "must be in [1, 64]");
 }
 
@@ -303,20 +210,12 @@ AdjustedBlock AdjustPoses(const std::vector<View>& views,
                           const Camera& camera,
                           const AdjustmentOptions& options) {
   if (views.empty()) throw std::invalid_argument("adjustment: no views were given");
-  AdjustedBlock block;
-  block.camera = camera;
+  AdjustedBlock block = PriorBlock(views, camera);
   BlockState start{camera, {}};
-  for (const View& view : views) {
-    start.world_from_camera.push_back(view.world_from_camera);
-    block.views.push_back({view.frame_id,
-                           view.world_from_camera,
-                           view.height_above_ground,
-                           false,
-                           view.position_sd_m,
-                           {}});
-  }
+  for (const View& view : views) start.world_from_camera.push_back(view.world_from_camera);
   std::vector<BlockTrack> tracks = CollectTracks(views);
-  TriangulateTracks(start, kMinParallaxDeg, tracks);
+  TriangulateTracks(
+      start, kMinParallaxDeg, kRounds[0].gate_factor * options.max_reprojection_error_px, tracks);
   block.rms_before_px = RmsError(start, tracks);
   const std::optional<BlockState> state = SolveInRounds(views, start, options, tracks);
   if (!state) {
@@ -324,13 +223,17 @@ AdjustedBlock AdjustPoses(const std::vector<View>& views,
                  " landmarks are seen with enough parallax: poses are not adjusted";
     return block;
   }
-  block.camera = state->camera;
+  const BlockVerdict verdict = JudgeBlock(views, *state, tracks, options);
+  block.note = verdict.note;
   block.rms_after_px = RmsError(*state, tracks);
-  FillResult(views, *state, tracks, block);
-  const auto num_connected = std::count_if(
-      block.views.begin(), block.views.end(), [](const auto& view) { return view.is_connected; });
-  block.is_usable = num_connected >= 2;
-  if (!block.is_usable) block.note = "no two views are tied together by enough landmarks";
+  block.is_usable = std::find(verdict.is_connected.begin(), verdict.is_connected.end(), true) !=
+                    verdict.is_connected.end();
+  if (block.is_usable) {
+    FillResult(*state, tracks, verdict, block);
+  } else if (block.note.empty()) {
+    block.note = "fewer than " + std::to_string(options.min_num_connected_views) +
+                 " views are tied together by enough landmarks";
+  }
   return block;
 }
 

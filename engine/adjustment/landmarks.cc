@@ -2,16 +2,54 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
 
 #include <Eigen/Dense>
 
 namespace freelsd {
 namespace {
 
+double NormalizedError(const PosedRay& ray, const Eigen::Vector3d& point_in_world) {
+  const Eigen::Vector3d x = Inverse(ray.world_from_camera) * point_in_world;
+  if (x.z() <= 0.0) return std::numeric_limits<double>::infinity();
+  return (x.hnormalized() - ray.point_normalized).norm();
+}
+
+// Where rays meet, and which of them do.
+struct Meeting {
+  TriangulatedPoint point;
+  std::vector<size_t> sightings;
+};
+
+// Leaves out the worst ray until the rest agree.
+std::optional<Meeting> Meet(std::vector<PosedRay> rays, double max_error_normalized) {
+  std::vector<size_t> sightings(rays.size());
+  std::iota(sightings.begin(), sightings.end(), size_t{0});
+  while (rays.size() >= 2) {
+    const std::optional<TriangulatedPoint> point = Triangulate(rays);
+    if (!point) return std::nullopt;
+    size_t worst = 0;
+    double worst_error = 0.0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      const double error = NormalizedError(rays[i], point->point_in_world);
+      if (error > worst_error) {
+        worst = i;
+        worst_error = error;
+      }
+    }
+    if (worst_error <= max_error_normalized) return Meeting{*point, std::move(sightings)};
+    rays.erase(rays.begin() + static_cast<std::ptrdiff_t>(worst));
+    sightings.erase(sightings.begin() + static_cast<std::ptrdiff_t>(worst));
+  }
+  return std::nullopt;
+}
+
 std::vector<PosedRay> Rays(const BlockState& state, const BlockTrack& track) {
   std::vector<PosedRay> rays;
+  rays.reserve(track.sightings.size());
   for (const Sighting& sighting : track.sightings) {
-    if (!sighting.is_inlier) continue;
     rays.push_back({state.world_from_camera[sighting.view],
                     state.camera.NormalizedFromImage(sighting.point_in_image)});
   }
@@ -50,7 +88,10 @@ std::vector<BlockTrack> CollectTracks(const std::vector<View>& views) {
   std::map<int64_t, BlockTrack> by_id;
   for (size_t i = 0; i < views.size(); ++i) {
     for (const Observation& observation : views[i].observations) {
-      by_id[observation.track_id].sightings.push_back({i, observation.point_in_image});
+      std::vector<Sighting>& sightings = by_id[observation.track_id].sightings;
+      const bool is_seen_before = !sightings.empty() && sightings.back().view == i;
+      if (is_seen_before || !observation.point_in_image.allFinite()) continue;
+      sightings.push_back({i, observation.point_in_image});
     }
   }
   std::vector<BlockTrack> tracks;
@@ -72,11 +113,16 @@ void InitialiseOnGround(const std::vector<View>& views,
 
 void TriangulateTracks(const BlockState& state,
                        double min_parallax_deg,
+                       double max_error_px,
                        std::vector<BlockTrack>& tracks) {
+  const double max_error_normalized = max_error_px / state.camera.MeanFocalPx();
   for (BlockTrack& track : tracks) {
-    const std::optional<TriangulatedPoint> point = Triangulate(Rays(state, track));
-    track.has_point = point && DegFromRad(point->parallax) >= min_parallax_deg;
-    if (track.has_point) track.point_in_world = point->point_in_world;
+    const std::optional<Meeting> meeting = Meet(Rays(state, track), max_error_normalized);
+    track.has_point = meeting && DegFromRad(meeting->point.parallax) >= min_parallax_deg;
+    if (!track.has_point) continue;
+    track.point_in_world = meeting->point.point_in_world;
+    for (Sighting& sighting : track.sightings) sighting.is_inlier = false;
+    for (const size_t i : meeting->sightings) track.sightings[i].is_inlier = true;
   }
 }
 
@@ -99,6 +145,26 @@ void MarkOutliers(const BlockState& state, double max_error_px, std::vector<Bloc
     }
     if (track.NumInliers() < 2) track.has_point = false;
   }
+}
+
+double WorstMedianError(const BlockState& state, const std::vector<BlockTrack>& tracks) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<std::vector<double>> errors(state.world_from_camera.size());
+  for (const BlockTrack& track : tracks) {
+    for (const Sighting& sighting : track.sightings) {
+      errors[sighting.view].push_back(
+          track.has_point ? ReprojectionError(state, track, sighting).value_or(kInfinity)
+                          : kInfinity);
+    }
+  }
+  double worst = 0.0;
+  for (std::vector<double>& of_view : errors) {
+    if (of_view.empty()) continue;
+    const auto middle = of_view.begin() + static_cast<std::ptrdiff_t>(of_view.size() / 2);
+    std::nth_element(of_view.begin(), middle, of_view.end());
+    worst = std::max(worst, *middle);
+  }
+  return worst;
 }
 
 double RmsError(const BlockState& state, const std::vector<BlockTrack>& tracks) {

@@ -37,9 +37,12 @@ std::vector<BlockTrack> CollectTracks(const std::vector<View>& views);
 void InitialiseOnGround(const std::vector<View>& views,
                         const BlockState& state,
                         std::vector<BlockTrack>& tracks);
-// Points from the rays of the inliers; tracks that have none, or too little parallax, lose theirs.
+// Points from the rays. Of each track the worst sighting is left out, again and again, until all
+// are within max_error_px; a track that is left with one, or with too little parallax, loses its
+// point. Every sighting gets a new chance: what did not fit poor poses may fit better ones.
 void TriangulateTracks(const BlockState& state,
                        double min_parallax_deg,
+                       double max_error_px,
                        std::vector<BlockTrack>& tracks);
 
 // Distance between sighting and projection, px; nothing when the point is behind the camera.
@@ -48,6 +51,9 @@ std::optional<double> ReprojectionError(const BlockState& state,
                                         const Sighting& sighting);
 // Marks sightings beyond max_error_px as outliers (and back), and drops points left with one ray.
 void MarkOutliers(const BlockState& state, double max_error_px, std::vector<BlockTrack>& tracks);
+// Median error of the sightings of the view that fits worst; infinite where half of them have no
+// point.
+double WorstMedianError(const BlockState& state, const std::vector<BlockTrack>& tracks);
 // Root mean square over inliers of tracks with a point; 0 without any.
 double RmsError(const BlockState& state, const std::vector<BlockTrack>& tracks);
 

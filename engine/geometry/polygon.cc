@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace freelsd {
 namespace {
@@ -112,6 +113,33 @@ Polygon MinAreaRectangle(const Polygon& points) {
     }
   }
   return best;
+}
+
+Polygon ConvexIntersection(const Polygon& a, const Polygon& b) {
+  Polygon inside = a;
+  for (size_t i = 0; i < b.size() && !inside.empty(); ++i) {
+    const Eigen::Vector2d& from = b[i];
+    const Eigen::Vector2d edge = b[(i + 1) % b.size()] - from;
+    Polygon clipped;
+    for (size_t j = 0; j < inside.size(); ++j) {
+      const Eigen::Vector2d& p = inside[j];
+      const Eigen::Vector2d& q = inside[(j + 1) % inside.size()];
+      const double side_p = Cross(edge, p - from), side_q = Cross(edge, q - from);
+      if (side_p >= 0.0) clipped.push_back(p);
+      if ((side_p < 0.0) != (side_q < 0.0)) {
+        clipped.push_back(p + (q - p) * (side_p / (side_p - side_q)));
+      }
+    }
+    inside = std::move(clipped);
+  }
+  return inside.size() < 3 ? Polygon{} : inside;
+}
+
+double OverlapRatio(const Polygon& a, const Polygon& b) {
+  const Polygon common = ConvexIntersection(a, b);
+  if (common.empty()) return 0.0;
+  const double area = Area(common);
+  return area / (Area(a) + Area(b) - area);
 }
 
 }  // namespace freelsd

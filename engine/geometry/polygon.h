@@ -22,4 +22,9 @@ Polygon ConvexHull(Polygon points);
 // Rectangle of least area around the points (rotating calipers), counter-clockwise, four corners.
 Polygon MinAreaRectangle(const Polygon& points);
 
+// Common part of two convex polygons, both counter-clockwise (Sutherland-Hodgman); empty if none.
+Polygon ConvexIntersection(const Polygon& a, const Polygon& b);
+// Area of the common part over area of the union, 0..1.
+double OverlapRatio(const Polygon& a, const Polygon& b);
+
 }  // namespace freelsd

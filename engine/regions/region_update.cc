@@ -28,13 +28,31 @@ void SortByContent(std::vector<Detection>& detections) {
   });
 }
 
+// Unlike surfaces are one place only where they cover the same ground.
+bool AreCompatible(bool is_a_grass,
+                   const Polygon& a,
+                   bool is_b_grass,
+                   const Polygon& b,
+                   const RegionsOptions& options) {
+  return is_a_grass == is_b_grass || OverlapRatio(a, b) >= options.min_overlap_of_unlike_ratio;
+}
+
 // Re-detected region: its corners hold the centroid; of several the one centred nearest.
 std::optional<size_t> RedetectedRegion(const std::vector<TrackedRegion>& tracked,
-                                       const Detection& detection) {
+                                       const Detection& detection,
+                                       const RegionsOptions& options) {
+  const Polygon ground = GroundPolygon(detection.corners_in_world);
   std::optional<size_t> nearest;
   double nearest_distance = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < tracked.size(); ++i) {
     if (!ContainsPlace(tracked[i].region, detection.centroid_in_world)) continue;
+    if (!AreCompatible(tracked[i].IsGrass(),
+                       tracked[i].region.Footprint(),
+                       detection.is_grass,
+                       ground,
+                       options)) {
+      continue;
+    }
     const double distance =
         (tracked[i].region.Center() - detection.centroid_in_world).head<2>().norm();
     if (distance >= nearest_distance) continue;
@@ -97,8 +115,12 @@ TrackedRegion NewRegion(int id, const ViewStamp& stamp, const Detection& detecti
   return tracked;
 }
 
-bool BelongTogether(const TrackedRegion& a, const TrackedRegion& b) {
+bool BelongTogether(const TrackedRegion& a, const TrackedRegion& b, const RegionsOptions& options) {
   if (!a.has_new_corners && !b.has_new_corners) return false;
+  if (!AreCompatible(
+          a.IsGrass(), a.region.Footprint(), b.IsGrass(), b.region.Footprint(), options)) {
+    return false;
+  }
   return ContainsPlace(a.region, b.region.Center()) || ContainsPlace(b.region, a.region.Center());
 }
 
@@ -131,6 +153,13 @@ size_t Root(const std::vector<size_t>& parent, size_t i) {
 
 }  // namespace
 
+bool TrackedRegion::IsGrass() const {
+  const auto num_grass = std::count_if(evidence.begin(), evidence.end(), [](const auto& entry) {
+    return entry.second.grass_area_m2 > entry.second.other_area_m2;
+  });
+  return 2 * num_grass > static_cast<std::ptrdiff_t>(evidence.size());
+}
+
 void RegionTracker::Update(const ViewStamp& stamp,
                            std::vector<Detection> detections,
                            int min_num_observations) {
@@ -148,7 +177,7 @@ void RegionTracker::Assign(const ViewStamp& stamp, const std::vector<Detection>&
   std::vector<std::vector<const Detection*>> detections_of(tracked_.size());
   std::vector<TrackedRegion> added;
   for (const Detection& detection : detections) {
-    if (const std::optional<size_t> i = RedetectedRegion(tracked_, detection)) {
+    if (const std::optional<size_t> i = RedetectedRegion(tracked_, detection, options_)) {
       detections_of[*i].push_back(&detection);
       Observe(tracked_[*i], stamp, detection);
     } else {
@@ -165,7 +194,7 @@ bool RegionTracker::MergeOnce() {
   std::iota(parent.begin(), parent.end(), size_t{0});
   for (size_t i = 0; i < tracked_.size(); ++i) {
     for (size_t j = i + 1; j < tracked_.size(); ++j) {
-      if (!BelongTogether(tracked_[i], tracked_[j])) continue;
+      if (!BelongTogether(tracked_[i], tracked_[j], options_)) continue;
       const size_t a = Root(parent, i), b = Root(parent, j);
       parent[std::max(a, b)] = std::min(a, b);  // the oldest is the root
     }

@@ -41,6 +41,9 @@ struct TrackedRegion {
   // By view: a view that saw both of two merged regions counts once.
   std::map<size_t, ViewEvidence> evidence;
   bool has_new_corners = false;
+
+  // Whether most of its views saw grass.
+  bool IsGrass() const;
 };
 
 class RegionTracker {

@@ -22,6 +22,10 @@ struct RegionsOptions {
   // of views of a place that the flight lets expect, but never below min_num_observations_floor.
   int min_num_observations = 10;
   int min_num_observations_floor = 2;
+  // A region of grass and one of something else are the same place only if their rectangles overlap
+  // by this share (common over union). Differs: the paper asks for a centre inside the other's
+  // corners alone; rectangles around winding woods and roads then swallow the fields between them.
+  double min_overlap_of_unlike_ratio = 0.3;
   // Regions kept. Paper: "20 best", Sec. III-E3.
   int max_num_regions = 20;
   // A corner nearer to the border of the image than this counts as not fully visible.

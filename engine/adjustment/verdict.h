@@ -1,0 +1,27 @@
+// Which views of a solved block can be trusted, and how far.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/adjustment/landmarks.h"
+
+namespace freelsd {
+
+struct BlockVerdict {
+  std::vector<bool> is_connected;
+  // Per view, as AdjustedView::position_sd_m.
+  std::vector<double> position_sd_m;
+  // As AdjustedBlock::tilt_sd_deg; of the worst group of connected views.
+  double tilt_sd_deg = 0.0;
+  // Why groups of views were refused; empty when none was.
+  std::string note;
+};
+
+// Views hang together in groups; each group is judged by itself, for its own priors place it.
+BlockVerdict JudgeBlock(const std::vector<View>& views,
+                        const BlockState& state,
+                        const std::vector<BlockTrack>& tracks,
+                        const AdjustmentOptions& options);
+
+}  // namespace freelsd

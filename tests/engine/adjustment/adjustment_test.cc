@@ -1,0 +1,337 @@
+#include "engine/adjustment/adjustment.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "engine/adjustment/residuals.h"
+#include "tests/engine/adjustment/survey.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kNoisePx = 0.5;
+// Noise of both axes, and what a robust solver may leave on top.
+constexpr double kMaxRmsPx = 0.8;
+
+int NumConnected(const AdjustedBlock& block) {
+  return static_cast<int>(std::count_if(
+      block.views.begin(), block.views.end(), [](const auto& view) { return view.is_connected; }));
+}
+
+// Root mean square height of the landmarks over the true ground below them.
+double HeightError(const AdjustedBlock& block, double relief_m) {
+  double sum = 0.0;
+  for (const Landmark& landmark : block.landmarks) {
+    const Eigen::Vector3d& p = landmark.point_in_world;
+    sum += std::pow(p.z() - SurveyGround(p.x(), p.y(), relief_m), 2);
+  }
+  return std::sqrt(sum / static_cast<double>(block.landmarks.size()));
+}
+
+void CheckIsPrior(const AdjustedBlock& block, const Survey& survey) {
+  CHECK_FALSE(block.is_usable);
+  CHECK_FALSE(block.note.empty());
+  CHECK(block.landmarks.empty());
+  REQUIRE(block.views.size() == survey.views.size());
+  for (size_t i = 0; i < block.views.size(); ++i) {
+    CHECK_FALSE(block.views[i].is_connected);
+    CHECK(block.views[i].world_from_camera.translation ==
+          survey.views[i].world_from_camera.translation);
+    CHECK(block.views[i].world_from_camera.rotation.coeffs() ==
+          survey.views[i].world_from_camera.rotation.coeffs());
+  }
+}
+
+TEST_CASE("adjustment: good positions and noisy attitudes give poses to decimetres") {
+  SurveyOptions options;
+  options.gps_sd_m = 0.05;
+  // A wrong match along the epipolar line of a track of two views cannot be told from relief.
+  options.outlier_ratio = 0.0;
+  const Survey survey = MakeSurvey(options);
+  const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+  REQUIRE(block.is_usable);
+  CHECK(NumConnected(block) == 24);
+  CHECK(block.rms_before_px > 10.0 * kNoisePx);
+  CHECK(block.rms_after_px < kMaxRmsPx);
+  const ShapeError error = CompareWithTruth(survey, block);
+  CHECK(error.shift_m < 0.05);
+  CHECK(error.max_position_m < 0.2);
+  CHECK(error.max_attitude_deg < 0.1);
+  CHECK(HeightError(block, options.relief_m) < 0.3);
+  for (const AdjustedView& view : block.views) {
+    CHECK(view.height_above_ground == doctest::Approx(100.0).epsilon(0.1));
+    CHECK(std::is_sorted(view.landmarks.begin(), view.landmarks.end()));
+  }
+}
+
+TEST_CASE("adjustment: landmarks scatter as much as their height deviation says") {
+  SurveyOptions options;
+  options.gps_sd_m = 0.01;
+  options.outlier_ratio = 0.0;
+  const Survey survey = MakeSurvey(options);
+  const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+  double sum = 0.0;
+  for (const Landmark& landmark : block.landmarks) {
+    const Eigen::Vector3d& p = landmark.point_in_world;
+    sum +=
+        std::pow((p.z() - SurveyGround(p.x(), p.y(), options.relief_m)) / landmark.height_sd_m, 2);
+  }
+  const double ratio = std::sqrt(sum / static_cast<double>(block.landmarks.size()));
+  CHECK(ratio > 0.5);
+  CHECK(ratio < 1.3);
+}
+
+TEST_CASE("adjustment: attitudes 10 and 20 deg off, heights 20 % off, GPS 3 m off still converge") {
+  for (const double height_factor : {0.8, 1.2}) {
+    CAPTURE(height_factor);
+    SurveyOptions options;
+    options.seed = height_factor < 1.0 ? 2 : 3;
+    options.num_points = 700;
+    options.outlier_ratio = 0.08;
+    options.gps_sd_m = 3.0;
+    options.start_yaw_error_deg = 20.0;
+    options.start_tilt_error_deg = 10.0;
+    options.height_factor = height_factor;
+    options.attitude_source = AttitudeSource::kEstimated;
+    const Survey survey = MakeSurvey(options);
+    const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+    REQUIRE(block.is_usable);
+    CHECK(NumConnected(block) == 24);
+    CHECK(block.rms_after_px < kMaxRmsPx);
+    const ShapeError error = CompareWithTruth(survey, block);
+    // What is left is what GPS of 3 m says about the tilt and scale of a block of 200 m.
+    CHECK(error.shift_m < 2.0);
+    CHECK(error.max_position_m < 3.5);
+    CHECK(error.max_attitude_deg < 2.5);
+    CHECK(error.max_attitude_deg < 3.0 * block.tilt_sd_deg);
+    CHECK(HeightError(block, options.relief_m) < 4.0);
+  }
+}
+
+TEST_CASE("adjustment: an EXIF camera gets its focal length and first radial coefficient back") {
+  SurveyOptions options;
+  options.gps_sd_m = 0.3;
+  SurveyMaker maker(options);
+  Survey survey = maker.Make();
+  Camera truth = survey.camera;
+  truth.fx_px = truth.fy_px = 824.0;
+  truth.distortion = DistortionModel::kRadTan;
+  truth.coefficients = {-0.06, 0.0, 0.0, 0.0};
+  maker.Observe(truth, survey);
+
+  SUBCASE("refined") {
+    survey.camera.source = CameraSource::kExif;
+    const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+    REQUIRE(block.is_usable);
+    CHECK(block.camera.fx_px == doctest::Approx(truth.fx_px).epsilon(0.01));
+    CHECK(block.camera.fy_px == block.camera.fx_px);
+    REQUIRE(block.camera.distortion == DistortionModel::kRadTan);
+    CHECK(block.camera.coefficients[0] == doctest::Approx(-0.06).epsilon(0.05));
+    CHECK_NOTHROW(block.camera.Check());
+    CHECK(block.rms_after_px < kMaxRmsPx);
+  }
+  SUBCASE("a calibrated camera is left alone") {
+    const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+    CHECK(block.camera.fx_px == survey.camera.fx_px);
+    CHECK(block.camera.coefficients.empty());
+  }
+}
+
+TEST_CASE("adjustment: one GPS fix 40 m off does not bend the block") {
+  SurveyOptions options;
+  options.gps_sd_m = 0.5;
+  Survey survey = MakeSurvey(options);
+  survey.views[9].prior_position_in_world += Eigen::Vector3d(40.0, 0.0, 0.0);
+  survey.views[9].world_from_camera.translation += Eigen::Vector3d(40.0, 0.0, 0.0);
+  const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+  REQUIRE(block.is_usable);
+  CHECK(CompareWithTruth(survey, block).max_position_m < 1.0);
+}
+
+TEST_CASE("adjustment: a hover has no scale, whatever its GPS noise pretends") {
+  for (const double gps_sd_m : {0.0, 2.0}) {
+    CAPTURE(gps_sd_m);
+    SurveyOptions options;
+    options.num_strips = 1;
+    options.num_points = 400;
+    options.spacing_m = 0.0;
+    options.gps_sd_m = gps_sd_m;
+    Survey survey = MakeSurvey(options);
+    for (View& view : survey.views) view.position_sd_m = 2.0;
+    CheckIsPrior(AdjustPoses(survey.views, survey.camera, {}), survey);
+  }
+}
+
+TEST_CASE("adjustment: equal poses, one view and views without tracks give priors and a reason") {
+  SurveyOptions options;
+  options.num_strips = 1;
+  options.num_points = 200;
+  Survey survey = MakeSurvey(options);
+  SUBCASE("equal poses") {
+    for (View& view : survey.views) view = survey.views[0];
+    CheckIsPrior(AdjustPoses(survey.views, survey.camera, {}), survey);
+  }
+  SUBCASE("one view") {
+    survey.views.resize(1);
+    CheckIsPrior(AdjustPoses(survey.views, survey.camera, {}), survey);
+  }
+  SUBCASE("no tracks") {
+    for (View& view : survey.views) view.observations.clear();
+    CheckIsPrior(AdjustPoses(survey.views, survey.camera, {}), survey);
+  }
+  SUBCASE("matches that are all wrong") {
+    for (View& view : survey.views) {
+      for (Observation& seen : view.observations) {
+        seen.track_id = (seen.track_id * 7919 + seen.track_id * std::stoi(view.frame_id)) % 200;
+      }
+    }
+    CheckIsPrior(AdjustPoses(survey.views, survey.camera, {}), survey);
+  }
+  SUBCASE("no views") {
+    CHECK_THROWS_AS(AdjustPoses({}, survey.camera, {}), std::invalid_argument);
+  }
+}
+
+TEST_CASE("adjustment: a view that shares no tracks keeps its prior and is not connected") {
+  SurveyOptions options;
+  options.num_points = 500;
+  Survey survey = MakeSurvey(options);
+  for (Observation& seen : survey.views[5].observations) seen.track_id += 100000;
+  survey.views[6].observations.resize(6);
+  const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+  REQUIRE(block.is_usable);
+  CHECK(NumConnected(block) == 22);
+  for (const size_t loose : {size_t{5}, size_t{6}}) {
+    CHECK_FALSE(block.views[loose].is_connected);
+    CHECK(block.views[loose].landmarks.empty());
+    CHECK(block.views[loose].position_sd_m == options.gps_sd_m);
+    CHECK(block.views[loose].world_from_camera.translation ==
+          survey.views[loose].world_from_camera.translation);
+  }
+}
+
+TEST_CASE("adjustment: a straight line of views needs attitudes to know the roll around it") {
+  SurveyOptions options;
+  options.num_strips = 1;
+  options.num_per_strip = 8;
+  options.num_points = 500;
+  SUBCASE("given") {
+    const Survey survey = MakeSurvey(options);
+    const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+    CHECK(block.is_usable);
+    // The attitudes' own 2 deg, hardly helped by 2 m of lever arm.
+    CHECK(block.tilt_sd_deg > 1.5);
+    CHECK(block.tilt_sd_deg <= 2.0);
+  }
+  SUBCASE("estimated") {
+    options.attitude_source = AttitudeSource::kEstimated;
+    const Survey survey = MakeSurvey(options);
+    const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+    CheckIsPrior(block, survey);
+    CHECK(block.note.find("tilt") != std::string::npos);
+  }
+}
+
+TEST_CASE("adjustment: the same views give the same bytes for any number of threads") {
+  SurveyOptions options;
+  options.num_points = 300;
+  const Survey survey = MakeSurvey(options);
+  const AdjustedBlock one = AdjustPoses(survey.views, survey.camera, {});
+  AdjustmentOptions threaded;
+  threaded.num_threads = 4;
+  const AdjustedBlock four = AdjustPoses(survey.views, survey.camera, threaded);
+  REQUIRE(one.landmarks.size() == four.landmarks.size());
+  for (size_t i = 0; i < one.views.size(); ++i) {
+    CHECK(one.views[i].world_from_camera.translation ==
+          four.views[i].world_from_camera.translation);
+  }
+  for (size_t i = 0; i < one.landmarks.size(); ++i) {
+    CHECK(one.landmarks[i].point_in_world == four.landmarks[i].point_in_world);
+  }
+}
+
+TEST_CASE("adjustment: the residual projects as the camera does, for every lens") {
+  Camera camera = SurveyCamera();
+  const Rigid3d world_from_camera{NadirCamera(0.7), {3.0, -4.0, 90.0}};
+  const Eigen::Vector3d point(31.0, 12.0, 2.0);
+  for (const auto& [model, coefficients] :
+       {std::pair{DistortionModel::kNone, std::vector<double>{}},
+        std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
+        std::pair{DistortionModel::kEquidistant, std::vector<double>{0.02, -0.01, 3e-3, 1e-3}}}) {
+    camera.distortion = model;
+    camera.coefficients = coefficients;
+    const auto pixel = camera.ImageFromCamera(Inverse(world_from_camera) * point);
+    REQUIRE(pixel);
+    const ReprojectionResidual residual(&camera, {100.0, 200.0});
+    const double intrinsics[2] = {1.0, 0.0};
+    double error[2];
+    REQUIRE(residual(world_from_camera.rotation.coeffs().data(),
+                     world_from_camera.translation.data(),
+                     point.data(),
+                     intrinsics,
+                     error));
+    CHECK(error[0] == doctest::Approx(pixel->x() - 100.0));
+    CHECK(error[1] == doctest::Approx(pixel->y() - 200.0));
+  }
+}
+
+TEST_CASE("adjustment: Check names field, value and constraint") {
+  AdjustmentOptions options;
+  CHECK_NOTHROW(options.Check());
+  options.max_tilt_sd_deg = 0.0;
+  CHECK_THROWS_WITH_AS(options.Check(),
+                       "adjustment.max_tilt_sd_deg = 0.000000: must be in (0, 90]",
+                       std::invalid_argument);
+  const auto refuses = [](auto field, auto value) {
+    AdjustmentOptions wrong;
+    wrong.*field = value;
+    CHECK_THROWS_AS(wrong.Check(), std::invalid_argument);
+  };
+  refuses(&AdjustmentOptions::min_num_track_connections, 0);
+  refuses(&AdjustmentOptions::min_baseline_m, 0.0);
+  refuses(&AdjustmentOptions::max_baseline_ratio, 0.0);
+  refuses(&AdjustmentOptions::robust_loss_px, 0.0);
+  refuses(&AdjustmentOptions::max_reprojection_error_px, -1.0);
+  refuses(&AdjustmentOptions::focal_sd_ratio, 0.6);
+  refuses(&AdjustmentOptions::radial_sd, 0.0);
+  refuses(&AdjustmentOptions::max_num_iterations, 0);
+  refuses(&AdjustmentOptions::estimated_tilt_sd_deg, 0.0);
+  refuses(&AdjustmentOptions::estimated_yaw_sd_deg, 181.0);
+  refuses(&AdjustmentOptions::min_num_shared_landmarks, 0);
+  refuses(&AdjustmentOptions::min_num_view_observations, 2);
+  refuses(&AdjustmentOptions::min_num_connected_views, 1);
+  refuses(&AdjustmentOptions::min_position_spread_sigma, -0.1);
+  refuses(&AdjustmentOptions::num_threads, 0);
+}
+
+// A view `east` metres along whose tracks are [first, first + count).
+View VideoView(double east, int64_t first, int count) {
+  View view;
+  view.world_from_camera = {NadirCamera(kPi / 2), {east, 0.0, 100.0}};
+  view.height_above_ground = 100.0;
+  for (int i = 0; i < count; ++i) view.observations.push_back({first + i, {0.0, 0.0}});
+  return view;
+}
+
+TEST_CASE("key-frames: the predecessor of the first view with fewer than 30 connections is next") {
+  // 100 tracks per view, 10 lost from one view to the next, 3 m apart: view 8 has 20 left of view
+  // 0's, so view 7 is due.
+  std::vector<View> views;
+  for (int i = 0; i < 20; ++i) views.push_back(VideoView(3.0 * i, 10 * i, 100));
+  CHECK(SelectKeyframes(views, {}) == std::vector<size_t>{0, 7, 14, 19});
+}
+
+TEST_CASE("key-frames: a baseline too short for stereo makes none, a long one does at the latest") {
+  std::vector<View> hover(10, VideoView(0.0, 0, 5));
+  for (size_t i = 0; i < hover.size(); ++i) hover[i].observations[0].track_id = 100 + i;
+  CHECK(SelectKeyframes(hover, {}) == std::vector<size_t>{0});
+  std::vector<View> survey;
+  for (int i = 0; i < 4; ++i) survey.push_back(VideoView(40.0 * i, 0, 200));
+  CHECK(SelectKeyframes(survey, {}) == std::vector<size_t>{0, 1, 2, 3});
+  CHECK(SelectKeyframes({}, {}).empty());
+}
+
+}  // namespace
+}  // namespace freelsd
