@@ -73,6 +73,7 @@ void VisitFields(Of<SegmentationOptions> auto& o, Visitor&& visit) {
       "ground_sampling_distance_m", o.ground_sampling_distance_m, "images are resized to it first");
   visit("blur_sigma_px", o.blur_sigma_px, "smoothing before the edges");
   visit("canny_high", o.canny_high, "upper edge threshold in grey levels; the lower is a third");
+  visit("chroma_gain", o.chroma_gain, "stretch of the colour channels for edges; 0: grey alone");
   visit("min_edge_distance_m", o.min_edge_distance_m, "of a region's pixels from an edge");
   visit("min_region_area_m2", o.min_region_area_m2, "smaller regions are dropped");
   visit("paper_canny_coefficients", o.paper_canny_coefficients, "p_canny(h), highest power first");

@@ -62,16 +62,39 @@ cv::Mat3b WorkingImage(const cv::Mat& image, double scale) {
   return resized;
 }
 
-// Pixels farther from any edge than the threshold. The border of the image is no edge.
-cv::Mat1b HomogeneousMask(const cv::Mat1b& grey,
-                          const Plan& plan,
-                          const SegmentationOptions& options) {
-  cv::Mat smooth = grey;
-  if (options.blur_sigma_px > 0.0 && options.thresholds != SegmentationThresholds::kPaper) {
-    cv::GaussianBlur(grey, smooth, {}, options.blur_sigma_px);
-  }
+cv::Mat1b EdgesOf(const cv::Mat& channel, const Plan& plan, double blur_sigma_px) {
+  cv::Mat smooth = channel;
+  if (blur_sigma_px > 0.0) cv::GaussianBlur(channel, smooth, {}, blur_sigma_px);
   cv::Mat1b edges;
   cv::Canny(smooth, edges, plan.canny_high * kCannyLowShare, plan.canny_high);
+  return edges;
+}
+
+// The colour channels around their neutral value, stretched.
+void AddChromaEdges(const cv::Mat3b& image,
+                    const Plan& plan,
+                    const SegmentationOptions& options,
+                    cv::Mat1b& edges) {
+  constexpr double kNeutral = 128.0;
+  cv::Mat3b lab;
+  cv::cvtColor(image, lab, cv::COLOR_BGR2Lab);
+  for (int channel = 1; channel <= 2; ++channel) {
+    cv::Mat chroma;
+    cv::extractChannel(lab, chroma, channel);
+    chroma.convertTo(chroma, CV_8U, options.chroma_gain, kNeutral * (1.0 - options.chroma_gain));
+    edges |= EdgesOf(chroma, plan, options.blur_sigma_px);
+  }
+}
+
+// Pixels farther from any edge than the threshold. The border of the image is no edge.
+cv::Mat1b HomogeneousMask(const cv::Mat3b& image,
+                          const Plan& plan,
+                          const SegmentationOptions& options) {
+  cv::Mat1b grey;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  const bool is_paper = options.thresholds == SegmentationThresholds::kPaper;
+  cv::Mat1b edges = EdgesOf(grey, plan, is_paper ? 0.0 : options.blur_sigma_px);
+  if (!is_paper && options.chroma_gain > 0.0) AddChromaEdges(image, plan, options, edges);
   edges.setTo(255, (grey < kMinGrey) | (grey > kMaxGrey));
   cv::Mat1f distance;
   cv::distanceTransform(edges == 0, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
@@ -118,6 +141,8 @@ void SegmentationOptions::Check() const {
           blur_sigma_px,
           "must be in [0, 20]");
   Require(canny_high > 0.0, "canny_high", canny_high, "must be positive");
+  Require(
+      chroma_gain >= 0.0 && chroma_gain <= 20.0, "chroma_gain", chroma_gain, "must be in [0, 20]");
   Require(min_edge_distance_m >= 0.0, "min_edge_distance_m", min_edge_distance_m, "must be >= 0");
   Require(min_region_area_m2 > 0.0, "min_region_area_m2", min_region_area_m2, "must be positive");
   Require(paper_min_height_m > 0.0 && paper_min_height_m < paper_max_height_m,
@@ -156,12 +181,10 @@ Segments SegmentFrame(const cv::Mat& image,
                             static_cast<double>(image.rows) / size.height);
   segments.image_px_per_working_px = image_px.width;
   segments.ground_sampling_distance_m = plan.ground_sampling_distance;
-  cv::Mat1b grey;
-  cv::cvtColor(segments.image, grey, cv::COLOR_BGR2GRAY);
   cv::Mat1i components, statistics;
   cv::Mat1d centroids;
   const int num_components = cv::connectedComponentsWithStats(
-      HomogeneousMask(grey, plan, options), components, statistics, centroids, 4, CV_32S);
+      HomogeneousMask(segments.image, plan, options), components, statistics, centroids, 4, CV_32S);
   const double cell_area = plan.ground_sampling_distance * plan.ground_sampling_distance;
   std::vector<int> label_of_component(static_cast<size_t>(num_components), 0);
   for (int component = 1; component < num_components; ++component) {

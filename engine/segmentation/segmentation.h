@@ -24,6 +24,9 @@ struct SegmentationOptions {
   double blur_sigma_px = 1.0;
   // Upper hysteresis threshold of the Canny detector, grey levels; the lower is a third of it.
   double canny_high = 120.0;
+  // Edges are also sought in the two colour channels of CIE L*a*b*, stretched by this factor; 0
+  // looks at grey alone, as the paper does. Differs: road, gravel and meadow may be equally bright.
+  double chroma_gain = 2.0;
   // Least distance of a region's pixel from an edge.
   double min_edge_distance_m = 2.0;
   // Smaller regions are dropped.
