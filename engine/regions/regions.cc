@@ -32,10 +32,10 @@ void RegionsOptions::Check() const {
           "min_num_observations",
           min_num_observations,
           "at least min_num_observations_floor = " + std::to_string(min_num_observations_floor));
-  Require(min_overlap_of_unlike_ratio > 0.0 && min_overlap_of_unlike_ratio <= 1.0,
+  Require(min_overlap_of_unlike_ratio >= 0.0 && min_overlap_of_unlike_ratio <= 1.0,
           "min_overlap_of_unlike_ratio",
           min_overlap_of_unlike_ratio,
-          "in (0, 1]");
+          "in [0, 1]");
   Require(max_num_regions >= 1, "max_num_regions", max_num_regions, "at least 1");
   Require(std::isfinite(border_margin_px) && border_margin_px >= 0.0,
           "border_margin_px",

@@ -25,6 +25,7 @@ struct RegionsOptions {
   // A region of grass and one of something else are the same place only if their rectangles overlap
   // by this share (common over union). Differs: the paper asks for a centre inside the other's
   // corners alone; rectangles around winding woods and roads then swallow the fields between them.
+  // 0 is the paper's.
   double min_overlap_of_unlike_ratio = 0.3;
   // Regions kept. Paper: "20 best", Sec. III-E3.
   int max_num_regions = 20;

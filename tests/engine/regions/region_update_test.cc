@@ -36,6 +36,13 @@ ViewStamp Stamp(size_t view) {
 
 constexpr int kPaperMinNumObservations = 10;
 
+// A centre inside the corners is enough, whatever the surface.
+RegionsOptions PaperRule() {
+  RegionsOptions options;
+  options.min_overlap_of_unlike_ratio = 0.0;
+  return options;
+}
+
 TEST_CASE("regions: the paper's grading trace comes out, from 9 to 77 observations") {
   RegionTracker tracker(RegionsOptions{});
   // The good region has 8 grass of 10, the bad one 5 of 10 and never again.
@@ -82,7 +89,7 @@ TEST_CASE("regions: a region that is too small never has a grade") {
 }
 
 TEST_CASE("regions: corners seen whole are fixed, a re-detection changes statistics only") {
-  RegionTracker tracker(RegionsOptions{});
+  RegionTracker tracker(PaperRule());
   tracker.Update(Stamp(0), {Rectangle(0, 0, 60, 40)}, 2);
   const auto corners = tracker.Ranked()[0].corners_in_world;
   tracker.Update(Stamp(1), {Rectangle(10, 5, 90, 90, false)}, 2);
@@ -141,7 +148,7 @@ TEST_CASE("regions: a view that saw both halves counts once after they are merge
 }
 
 TEST_CASE("regions: several segments of one view on one region are one observation, by area") {
-  RegionTracker tracker(RegionsOptions{});
+  RegionTracker tracker(PaperRule());
   tracker.Update(Stamp(0), {Rectangle(0, 0, 100, 100)}, 2);
   tracker.Update(Stamp(1),
                  {Rectangle(-30, 0, 20, 20, true),
@@ -197,7 +204,7 @@ std::string Summary(const std::vector<Region>& regions) {
 TEST_CASE("regions: with poses off by metres a field stays one region") {
   int num_duplicates = 0;
   for (unsigned seed = 0; seed < 20; ++seed) {
-    RegionTracker tracker(RegionsOptions{});
+    RegionTracker tracker(PaperRule());
     const auto views = NoisyFlight(seed, 40);
     for (size_t view = 0; view < views.size(); ++view) tracker.Update(Stamp(view), views[view], 10);
     const std::vector<Region> ranked = tracker.Ranked();
@@ -208,6 +215,22 @@ TEST_CASE("regions: with poses off by metres a field stays one region") {
     num_duplicates += static_cast<int>(ranked.size()) - 4;
   }
   CHECK(num_duplicates <= 4);  // of 80 fields
+}
+
+TEST_CASE("regions: with the default rule a field is at most 1.1 regions on average") {
+  int num_duplicates = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    RegionTracker tracker(RegionsOptions{});
+    const auto views = NoisyFlight(seed, 40);
+    for (size_t view = 0; view < views.size(); ++view) tracker.Update(Stamp(view), views[view], 10);
+    const std::vector<Region> ranked = tracker.Ranked();
+    REQUIRE(ranked.size() >= 4);
+    const auto num_graded = std::count_if(
+        ranked.begin(), ranked.end(), [](const Region& region) { return region.grade > 0.0; });
+    CHECK(num_graded >= 4);
+    num_duplicates += static_cast<int>(ranked.size()) - 4;
+  }
+  CHECK(num_duplicates <= 8);  // of 80 fields
 }
 
 TEST_CASE("regions: the order of the segments within a view does not matter") {
