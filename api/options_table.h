@@ -165,6 +165,8 @@ void VisitFields(Of<StereoOptions> auto& o, Visitor&& visit) {
   visit("speckle_size_px", o.speckle_size_px, "smaller islands of disparity are dropped");
   visit("max_left_right_difference_px", o.max_left_right_difference_px, "of the left-right check");
   visit("min_texture_grey", o.min_texture_grey, "flatter windows have nothing to match");
+  visit("correlation_window_px", o.correlation_window_px, "of matched windows");
+  visit("min_correlation", o.min_correlation, "of matched windows");
   visit("max_num_disparities", o.max_num_disparities, "searched, a multiple of 16");
   visit("max_points_per_m2", o.max_points_per_m2, "points kept per square metre of ground");
   visit("disparity_sd_px", o.disparity_sd_px, "deviation of a disparity");

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
 
 #include <Eigen/Dense>
 #include <opencv2/imgproc.hpp>
@@ -20,6 +24,7 @@ constexpr double kMinDepthRatio = 0.2;
 constexpr int kMinWindowPx = 64;
 constexpr int kMaxWindowPx = 6000;
 constexpr float kOutside = -1e4f;
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 // x along the baseline, z near the mean optical axis. Columns are the rectified axes in world.
 std::optional<Eigen::Matrix3d> RectifiedAxes(const AdjustedView& left, const AdjustedView& right) {
@@ -73,7 +78,7 @@ struct Sampling {
   double focal_px = 0.0;
   double cx_px = 0.0;
   double cy_px = 0.0;
-  cv::Size size;
+  cv::Size size{};
 };
 
 cv::Vec2f SampleAt(const Sampling& sampling, double u, double v) {
@@ -81,7 +86,7 @@ cv::Vec2f SampleAt(const Sampling& sampling, double u, double v) {
       (u - sampling.cx_px) / sampling.focal_px, (v - sampling.cy_px) / sampling.focal_px, 1.0);
   const std::optional<Eigen::Vector2d> pixel =
       sampling.camera.ImageFromCamera(sampling.camera_from_rectified * ray);
-  if (!pixel) return {kOutside, kOutside};
+  if (!pixel) return {kNaN, kNaN};
   return {static_cast<float>(pixel->x()), static_cast<float>(pixel->y())};
 }
 
@@ -104,12 +109,15 @@ cv::Mat2f RemapTable(const Sampling& sampling) {
       const float along = static_cast<float>(u % kNodeSpacingPx) / kNodeSpacingPx;
       const cv::Vec2f upper = nodes(row, col) * (1 - along) + nodes(row, col + 1) * along;
       const cv::Vec2f lower = nodes(row + 1, col) * (1 - along) + nodes(row + 1, col + 1) * along;
-      table(v, u) = upper * (1 - down) + lower * down;
+      const cv::Vec2f at = upper * (1 - down) + lower * down;
+      // Beside a node that no pixel shows there is none either.
+      table(v, u) = std::isfinite(at[0] + at[1]) ? at : cv::Vec2f(kOutside, kOutside);
     }
   }
   return table;
 }
 
+// 8-bit grey at the size of the matching.
 cv::Mat1b GreyAtScale(const cv::Mat& image, const cv::Size& size) {
   cv::Mat grey;
   if (image.channels() == 3) {
@@ -132,6 +140,34 @@ cv::Mat1b InsideMask(const cv::Mat2f& table, const Camera& camera) {
     }
   }
   return mask;
+}
+
+// The rectified image, and where it shows anything.
+std::pair<cv::Mat1b, cv::Mat1b> Sample(const Sampling& sampling, const cv::Mat& image) {
+  const cv::Mat2f table = RemapTable(sampling);
+  const cv::Size scaled(sampling.camera.width_px, sampling.camera.height_px);
+  cv::Mat1b rectified;
+  cv::remap(GreyAtScale(image, scaled), rectified, table, {}, cv::INTER_LINEAR);
+  return {rectified, InsideMask(table, sampling.camera)};
+}
+
+// Ground that both see, in the left one's coordinates.
+Window Intersection(const Window& left, const Window& right, double shift) {
+  return {std::max(left.min_x, right.min_x + shift),
+          std::min(left.max_x, right.max_x + shift),
+          std::max(left.min_y, right.min_y),
+          std::min(left.max_y, right.max_y)};
+}
+
+void CheckImage(const Camera& camera, const AdjustedView& view, const cv::Mat& image) {
+  const bool is_expected = image.cols == camera.width_px && image.rows == camera.height_px &&
+                           (image.type() == CV_8UC1 || image.type() == CV_8UC3);
+  if (is_expected) return;
+  throw std::invalid_argument("stereo: frame " + view.frame_id + ": image is " +
+                              std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                              " of type " + std::to_string(image.type()) + ", camera says " +
+                              std::to_string(camera.width_px) + "x" +
+                              std::to_string(camera.height_px) + ", 8-bit grey or BGR");
 }
 
 }  // namespace
@@ -180,6 +216,8 @@ std::optional<RectifiedPair> RectifyPair(const AdjustedBlock& block,
                                          const cv::Mat& left_image,
                                          const cv::Mat& right_image,
                                          const StereoOptions& options) {
+  CheckImage(block.camera, block.views[pair.left], left_image);
+  CheckImage(block.camera, block.views[pair.right], right_image);
   const Rigid3d& world_from_left = block.views[pair.left].world_from_camera;
   const Rigid3d& world_from_right = block.views[pair.right].world_from_camera;
   const std::optional<Eigen::Matrix3d> axes =
@@ -188,52 +226,36 @@ std::optional<RectifiedPair> RectifyPair(const AdjustedBlock& block,
   const DepthRange depths = DepthsOf(block, pair, options);
   if (depths.typical <= 0.0) return std::nullopt;
   const double native_gsd = depths.typical / block.camera.MeanFocalPx();
-  const double scale = std::min(1.0, native_gsd / options.ground_sampling_distance_m);
-  const Camera camera = block.camera.Scaled(scale);
+  const Camera camera =
+      block.camera.Scaled(std::min(1.0, native_gsd / options.ground_sampling_distance_m));
 
   RectifiedPair rectified;
   rectified.world_from_left = {Eigen::Quaterniond(*axes), world_from_left.translation};
   rectified.baseline = (world_from_right.translation - world_from_left.translation).norm();
   rectified.focal_px = camera.MeanFocalPx();
-  const Eigen::Matrix3d rectified_from_left = axes->transpose() * world_from_left.rotation;
-  const Eigen::Matrix3d rectified_from_right = axes->transpose() * world_from_right.rotation;
-  const Window left = WindowOf(camera, rectified_from_left);
-  const Window right = WindowOf(camera, rectified_from_right);
+  Sampling left{camera, world_from_left.rotation.conjugate() * *axes, rectified.focal_px};
+  Sampling right{camera, world_from_right.rotation.conjugate() * *axes, rectified.focal_px};
   // The right image shows a point of typical depth this much further left.
   const double shift = rectified.baseline / depths.typical;
-  const double min_x = std::max(left.min_x, right.min_x + shift);
-  const double max_x = std::min(left.max_x, right.max_x + shift);
-  const double min_y = std::max(left.min_y, right.min_y);
-  const double max_y = std::min(left.max_y, right.max_y);
+  const Window window = Intersection(WindowOf(camera, left.camera_from_rectified.transpose()),
+                                     WindowOf(camera, right.camera_from_rectified.transpose()),
+                                     shift);
   // Room for the disparities on both sides, so that the matcher loses no ground to its margin.
   const double pad = rectified.baseline * std::max(1.0 / depths.nearest - 1.0 / depths.typical,
                                                    1.0 / depths.typical - 1.0 / depths.farthest);
-  const int width = static_cast<int>((max_x - min_x + 2.0 * pad) * rectified.focal_px);
-  const int height = static_cast<int>((max_y - min_y) * rectified.focal_px);
-  if (!(max_x > min_x) || std::min(width, height) < kMinWindowPx ||
+  const int width =
+      static_cast<int>((window.max_x - window.min_x + 2.0 * pad) * rectified.focal_px);
+  const int height = static_cast<int>((window.max_y - window.min_y) * rectified.focal_px);
+  if (!(window.max_x > window.min_x) || std::min(width, height) < kMinWindowPx ||
       std::max(width, height) > kMaxWindowPx) {
     return std::nullopt;
   }
-  rectified.left_cx_px = -(min_x - pad) * rectified.focal_px;
-  rectified.right_cx_px = rectified.left_cx_px + shift * rectified.focal_px;
-  rectified.cy_px = -min_y * rectified.focal_px;
-  const cv::Size window(width, height);
-  const cv::Mat2f left_table = RemapTable({camera,
-                                           rectified_from_left.transpose(),
-                                           rectified.focal_px,
-                                           rectified.left_cx_px,
-                                           rectified.cy_px,
-                                           window});
-  const cv::Mat2f right_table = RemapTable({camera,
-                                            rectified_from_right.transpose(),
-                                            rectified.focal_px,
-                                            rectified.right_cx_px,
-                                            rectified.cy_px,
-                                            window});
-  const cv::Size scaled(camera.width_px, camera.height_px);
-  cv::remap(GreyAtScale(left_image, scaled), rectified.left, left_table, {}, cv::INTER_LINEAR);
-  cv::remap(GreyAtScale(right_image, scaled), rectified.right, right_table, {}, cv::INTER_LINEAR);
-  rectified.is_inside = InsideMask(left_table, camera);
+  left.size = right.size = cv::Size(width, height);
+  left.cx_px = rectified.left_cx_px = -(window.min_x - pad) * rectified.focal_px;
+  right.cx_px = rectified.right_cx_px = rectified.left_cx_px + shift * rectified.focal_px;
+  left.cy_px = right.cy_px = rectified.cy_px = -window.min_y * rectified.focal_px;
+  std::tie(rectified.left, rectified.is_left_inside) = Sample(left, left_image);
+  std::tie(rectified.right, rectified.is_right_inside) = Sample(right, right_image);
   return rectified;
 }
 

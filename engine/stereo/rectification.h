@@ -26,8 +26,9 @@ struct RectifiedPair {
   double cy_px = 0.0;
   cv::Mat1b left;
   cv::Mat1b right;
-  // Pixels that lie in the left image.
-  cv::Mat1b is_inside;
+  // Non-zero where there is an image; elsewhere left and right are black.
+  cv::Mat1b is_left_inside;
+  cv::Mat1b is_right_inside;
 
   // Disparity (left column minus right column) of a depth, and back.
   double DisparityOf(double depth) const;

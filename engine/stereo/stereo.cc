@@ -5,94 +5,33 @@
 #include <stdexcept>
 #include <string>
 
-#include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
-
-#include "engine/stereo/rectification.h"
+#include "engine/stereo/matching.h"
 
 namespace freelsd {
 namespace {
 
-// OpenCV's matcher gives disparities in sixteenths of a pixel.
-constexpr double kDisparityUnit = 16.0;
-constexpr int kDisparityStep = 16;
-constexpr int kSpeckleRangePx = 2;
-
-struct DisparityRange {
-  int min_px = 0;
-  int count = kDisparityStep;
-};
-
-DisparityRange RangeOf(const RectifiedPair& pair,
-                       const DepthRange& depths,
-                       const StereoOptions& options) {
-  const int low = static_cast<int>(std::floor(pair.DisparityOf(depths.farthest)));
-  const int high = static_cast<int>(std::ceil(pair.DisparityOf(depths.nearest)));
-  int count = (high - low + kDisparityStep) / kDisparityStep * kDisparityStep;
-  count = std::min(count, options.max_num_disparities / kDisparityStep * kDisparityStep);
-  return {low, std::max(count, kDisparityStep)};
-}
-
-cv::Mat1s Match(const RectifiedPair& pair,
-                const DisparityRange& range,
-                const StereoOptions& options) {
-  const int area = options.block_size_px * options.block_size_px;
-  const cv::Ptr<cv::StereoSGBM> matcher =
-      cv::StereoSGBM::create(range.min_px,
-                             range.count,
-                             options.block_size_px,
-                             options.p1_factor * area,
-                             options.p2_factor * area,
-                             options.max_left_right_difference_px,
-                             0,
-                             options.uniqueness_ratio_percent,
-                             options.speckle_size_px,
-                             kSpeckleRangePx,
-                             cv::StereoSGBM::MODE_SGBM_3WAY);
-  cv::Mat1s disparity;
-  matcher->compute(pair.left, pair.right, disparity);
-  return disparity;
-}
-
-// Windows that hold enough contrast to be matched at all.
-cv::Mat1b TexturedMask(const cv::Mat1b& image, const StereoOptions& options) {
-  cv::Mat1f grey, mean, mean_of_squares;
-  image.convertTo(grey, CV_32F);
-  const cv::Size window(options.block_size_px, options.block_size_px);
-  cv::blur(grey, mean, window);
-  cv::blur(grey.mul(grey), mean_of_squares, window);
-  const double limit = options.min_texture_grey * options.min_texture_grey;
-  return (mean_of_squares - mean.mul(mean)) > limit;
-}
-
 Points PointsFrom(const RectifiedPair& pair,
-                  const cv::Mat1s& disparity,
-                  const DisparityRange& range,
+                  const cv::Mat1f& disparity,
                   double typical_depth,
                   const StereoOptions& options) {
-  const cv::Mat1b is_textured = TexturedMask(pair.left, options);
   const double per_m2 = std::pow(pair.focal_px / typical_depth, 2);
   const int stride =
       std::max(1, static_cast<int>(std::round(std::sqrt(per_m2 / options.max_points_per_m2))));
   const Eigen::Matrix3d world_from_rectified = pair.world_from_left.rotation.toRotationMatrix();
-  const Eigen::Vector3d down_in_rectified = -world_from_rectified.row(2).transpose();
   Points points;
   for (int v = 0; v < disparity.rows; v += stride) {
     for (int u = 0; u < disparity.cols; u += stride) {
-      const int16_t value = disparity(v, u);
-      if (value < range.min_px * kDisparityUnit || !is_textured(v, u) || !pair.is_inside(v, u)) {
-        continue;
-      }
-      const double depth = pair.DepthOf(value / kDisparityUnit);
+      if (std::isnan(disparity(v, u))) continue;
+      const double depth = pair.DepthOf(disparity(v, u));
       if (!(depth > 0.0)) continue;
       const Eigen::Vector3d ray(
           (u - pair.left_cx_px) / pair.focal_px, (v - pair.cy_px) / pair.focal_px, 1.0);
-      const Eigen::Vector3d point =
-          world_from_rectified * (ray * depth) + pair.world_from_left.translation;
+      const Eigen::Vector3d ray_in_world = world_from_rectified * ray;
+      const Eigen::Vector3d point = ray_in_world * depth + pair.world_from_left.translation;
       const double depth_sd =
           depth * depth / (pair.focal_px * pair.baseline) * options.disparity_sd_px;
-      points.push_back({point.cast<float>(),
-                        static_cast<float>(depth_sd * std::abs(down_in_rectified.dot(ray)))});
+      points.push_back(
+          {point.cast<float>(), static_cast<float>(depth_sd * std::abs(ray_in_world.z()))});
     }
   }
   return points;
@@ -144,6 +83,15 @@ void StereoOptions::Check() const {
           max_left_right_difference_px,
           "must be >= 0");
   Require(min_texture_grey >= 0.0, "min_texture_grey", min_texture_grey, "must be >= 0");
+  Require(
+      correlation_window_px >= 3 && correlation_window_px <= 63 && correlation_window_px % 2 == 1,
+      "correlation_window_px",
+      correlation_window_px,
+      "must be odd, in [3, 63]");
+  Require(min_correlation >= 0.0 && min_correlation < 1.0,
+          "min_correlation",
+          min_correlation,
+          "must be in [0, 1)");
   Require(max_num_disparities >= 16 && max_num_disparities <= 1024,
           "max_num_disparities",
           max_num_disparities,
@@ -161,11 +109,8 @@ Points ReconstructPoints(const AdjustedBlock& block,
       RectifyPair(block, pair, left_image, right_image, options);
   if (!rectified) return {};
   const DepthRange depths = DepthsOf(block, pair, options);
-  const DisparityRange range = RangeOf(*rectified, depths, options);
-  // The matcher needs room for block and disparities.
-  if (rectified->left.cols <= range.count + 2 * options.block_size_px) return {};
-  const cv::Mat1s disparity = Match(*rectified, range, options);
-  return PointsFrom(*rectified, disparity, range, depths.typical, options);
+  return PointsFrom(
+      *rectified, MatchRectified(*rectified, depths, options), depths.typical, options);
 }
 
 }  // namespace freelsd

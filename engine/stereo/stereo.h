@@ -28,15 +28,19 @@ struct StereoOptions {
   int block_size_px = 7;
   int p1_factor = 8;
   int p2_factor = 32;
-  int uniqueness_ratio_percent = 10;
+  int uniqueness_ratio_percent = 15;
   int speckle_size_px = 100;
   int max_left_right_difference_px = 1;
   // Windows whose grey levels deviate less than this have nothing to match: water, burnt-out
   // ground.
   double min_texture_grey = 1.5;
+  // Matched windows must look alike: normalised cross-correlation. At these values less
+  // than 0.5 % of the pixels of two unrelated photographs do, and 3 % of the true matches do not.
+  int correlation_window_px = 15;
+  double min_correlation = 0.6;
   // Disparities searched at most, a multiple of 16.
   int max_num_disparities = 256;
-  // Points kept per square metre of ground.
+  // Points kept per square metre of ground, about: every n-th pixel of every n-th row is.
   double max_points_per_m2 = 25.0;
   // Standard deviation of a disparity, for the height's.
   double disparity_sd_px = 0.35;
@@ -61,7 +65,8 @@ struct DensePoint {
 using Points = std::vector<DensePoint>;
 
 // Planar rectification (Fusiello et al. 2000) and semi-global matching of one pair. Images are
-// full-size, BGR or grey. Empty where nothing matches (water, uniform ground).
+// full-size, 8-bit BGR or grey; std::invalid_argument for others. Empty where nothing matches
+// (water, uniform ground).
 Points ReconstructPoints(const AdjustedBlock& block,
                          const StereoPair& pair,
                          const cv::Mat& left_image,

@@ -1,0 +1,13 @@
+// Semi-global matching of a rectified pair (Hirschmueller 2008).
+#pragma once
+
+#include "engine/stereo/rectification.h"
+
+namespace freelsd {
+
+// Left column minus right column per pixel of the left image; NaN where nothing matches surely.
+cv::Mat1f MatchRectified(const RectifiedPair& pair,
+                         const DepthRange& depths,
+                         const StereoOptions& options);
+
+}  // namespace freelsd
