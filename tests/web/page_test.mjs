@@ -19,7 +19,11 @@ async function openPage() {
   const page = await browser.newPage({ viewport: { width: 1280, height: 860 } });
   const seen = { requests: [], errors: [] };
   page.on('request', (request) => seen.requests.push(request.url()));
-  page.on('requestfailed', (request) => seen.errors.push(`failed: ${request.url()}`));
+  page.on('requestfailed', (request) => {
+    // The page gives up a picture itself when another layer is chosen before it has come.
+    if (request.failure()?.errorText === 'net::ERR_ABORTED') return;
+    seen.errors.push(`failed: ${request.url()}`);
+  });
   page.on('response', (response) => {
     // A site without approach answers 409: that is an answer, not a fault.
     if (response.status() >= 400 && response.status() !== 409) {
