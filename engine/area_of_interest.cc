@@ -88,4 +88,15 @@ Box SeenArea(const AdjustedBlock& block) {
   return seen;
 }
 
+double StrongestWind(const std::vector<Region>& regions,
+                     const Snapshot& snapshot,
+                     const WindOptions& options) {
+  double strongest = 0.0;
+  for (const Region& region : regions) {
+    const auto wind = WindAt(region.Center().head<2>(), snapshot.wind_samples, options);
+    if (wind) strongest = std::max(strongest, wind->wind_in_world.norm());
+  }
+  return strongest;
+}
+
 }  // namespace freelsd

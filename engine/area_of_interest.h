@@ -26,6 +26,11 @@ Box AreaOfInterest(const std::vector<Region>& regions,
                    double strongest_wind,
                    const BackendOptions& options);
 
+// Largest of the winds at the regions, m/s; 0 where none is known.
+double StrongestWind(const std::vector<Region>& regions,
+                     const Snapshot& snapshot,
+                     const WindOptions& options);
+
 // Indices of the views that see the area, at most max_num_views (nearest first), ascending.
 std::vector<size_t> ViewsOf(const Snapshot& snapshot,
                             const Box& area,

@@ -131,17 +131,6 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
   return Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
 }
 
-double StrongestWind(const std::vector<Region>& regions,
-                     const Snapshot& snapshot,
-                     const WindOptions& options) {
-  double strongest = 0.0;
-  for (const Region& region : regions) {
-    const auto wind = WindAt(region.Center().head<2>(), snapshot.wind_samples, options);
-    if (wind) strongest = std::max(strongest, wind->wind_in_world.norm());
-  }
-  return strongest;
-}
-
 // The key-frames that see the area: the views and their indices in the snapshot.
 struct Selection {
   std::vector<size_t> indices;
