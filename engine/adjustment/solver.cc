@@ -64,7 +64,7 @@ void AddPriors(const std::vector<View>& views,
     const AttitudeDeviation deviation = AttitudeDeviationOf(view, options);
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<AttitudePrior, 3, 4>(new AttitudePrior{
-            view.world_from_camera.rotation, deviation.tilt_sd, deviation.yaw_sd}),
+            view.prior_world_from_camera, deviation.tilt_sd, deviation.yaw_sd}),
         loss,
         parameters.Rotation(i));
     problem.SetManifold(parameters.Rotation(i), new ceres::EigenQuaternionManifold);

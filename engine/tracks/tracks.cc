@@ -204,6 +204,7 @@ void Tracks::State::MakeView(size_t frame, double height_above_ground) {
     view.prior_position_in_world +=
         *record.frame.prior.world_from_body * memory.rig.body_from_camera.translation;
   }
+  view.prior_world_from_camera = record.world_from_camera->rotation;
   view.position_sd_m = record.frame.prior.position_sd_m;
   view.attitude_sd_deg = record.attitude_sd_deg;
   view.attitude_source = record.attitude_source;

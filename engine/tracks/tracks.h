@@ -73,8 +73,10 @@ struct View {
   int64_t timestamp_us = 0;
   // Best estimate so far.
   Rigid3d world_from_camera;
-  // What the priors say of the camera: position, and deviations for the adjustment.
+  // What the priors say of the camera, and their deviations: they stay what they were when
+  // world_from_camera is replaced, or every adjustment would take the last one's result for granted.
   Eigen::Vector3d prior_position_in_world = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond prior_world_from_camera = Eigen::Quaterniond::Identity();
   double position_sd_m = 2.0;
   double attitude_sd_deg = 2.0;
   AttitudeSource attitude_source = AttitudeSource::kGiven;

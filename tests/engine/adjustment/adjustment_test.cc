@@ -310,6 +310,7 @@ TEST_CASE("adjustment: Check names field, value and constraint") {
 View VideoView(double east, int64_t first, int count) {
   View view;
   view.world_from_camera = {NadirCamera(kPi / 2), {east, 0.0, 100.0}};
+  view.prior_world_from_camera = view.world_from_camera.rotation;
   view.height_above_ground = 100.0;
   for (int i = 0; i < count; ++i) view.observations.push_back({first + i, {0.0, 0.0}});
   return view;

@@ -121,6 +121,7 @@ class SurveyMaker {
         RadFromDeg(Uniform(options_.start_yaw_error_deg)), Eigen::Vector3d::UnitZ()));
     view.world_from_camera = {turn * Tilt(options_.start_tilt_error_deg) * truth.rotation,
                               view.prior_position_in_world};
+    view.prior_world_from_camera = view.world_from_camera.rotation;
     view.height_above_ground = options_.height_m * options_.height_factor;
     survey.world_from_camera.push_back(truth);
     survey.views.push_back(view);
