@@ -102,6 +102,7 @@ Camera ParseCamera(const nlohmann::json& object, const std::string& pointer, Cam
   camera.fy_px = reader.RequiredNumber("fy_px");
   camera.cx_px = reader.RequiredNumber("cx_px");
   camera.cy_px = reader.RequiredNumber("cy_px");
+  camera.readout_s = reader.Number("readout_s").value_or(0.0);
   camera = WithDistortion(camera, reader);
   if (origin == CameraOrigin::kStored && reader.Find("source") != nullptr) {
     camera.source = CameraSource::kExif;
@@ -127,6 +128,7 @@ nlohmann::json CameraJson(const Camera& camera) {
       object["distortion"] = {{"model", name}, {"coefficients", camera.coefficients}};
     }
   }
+  if (camera.readout_s > 0.0) object["readout_s"] = camera.readout_s;
   if (camera.source == CameraSource::kExif) object["source"] = "exif";
   return object;
 }

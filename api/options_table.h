@@ -133,6 +133,10 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
         "adjust focal length and k1 of an EXIF camera");
   visit("focal_sd_ratio", o.focal_sd_ratio, "deviation of an EXIF focal length");
   visit("radial_sd", o.radial_sd, "deviation of k1 of an EXIF camera");
+  visit("readout_rate_sd_deg_s",
+        o.readout_rate_sd_deg_s,
+        "how fast the image may slide while a rolling shutter reads it");
+  visit("exif_readout_s", o.exif_readout_s, "time of readout of an EXIF camera");
   visit("max_num_iterations", o.max_num_iterations, "of the solver");
   visit("estimated_tilt_sd_deg", o.estimated_tilt_sd_deg, "of an attitude that matches gave");
   visit("estimated_yaw_sd_deg", o.estimated_yaw_sd_deg, "of an attitude that matches gave");

@@ -82,7 +82,7 @@ std::vector<GrassView> AdjustedGrassViews(const Snapshot& snapshot,
     if (!block.views[i].is_connected) continue;
     GrassView view = snapshot.grass_views[indices[i]];
     view.world_from_camera = block.views[i].world_from_camera;
-    view.camera = block.camera;
+    view.camera = block.CameraOf(i);
     views.push_back(std::move(view));
   }
   return views;
@@ -276,7 +276,7 @@ void Frontend::ProcessView(const ReadyFrame& ready) {
   });
   grass_views_.resize(std::max(grass_views_.size(), *ready.view + 1));
   grass_views_[*ready.view] = {view.world_from_camera,
-                               rig_.camera,
+                               rig_.camera.With(view.readout),
                                GrassMask(segments, labels),
                                segments.image_px_per_working_px};
 }
@@ -309,7 +309,7 @@ void Frontend::RefinePoses() {
   if (!block.is_usable) return;
   for (size_t i = 0; i < window.size(); ++i) {
     if (block.views[i].is_connected) {
-      tracks_.SetPose(first + i, block.views[i].world_from_camera);
+      tracks_.SetPose(first + i, block.views[i].world_from_camera, block.views[i].readout);
     }
   }
 }

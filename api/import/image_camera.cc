@@ -70,6 +70,16 @@ Camera CenteredCamera(const ImageHeader& header, double focal_px) {
   return camera;
 }
 
+// From the first row to the last; 0 when no tag tells. The tag is the time of one row of the sensor
+// (Pix4D's scheme says nanoseconds), so it counts the rows that were exposed.
+double ReadoutSeconds(const TagSource& tags, const ImageHeader& header, double factor) {
+  constexpr double kNanosecond = 1e-9;
+  constexpr double kMaxReadoutS = 0.5;
+  const double row_s = kNanosecond * tags.XmpNumber("Camera", "LineReadoutTime").value_or(0.0);
+  const double readout_s = row_s * header.height_px / factor;
+  return readout_s > 0.0 && readout_s <= kMaxReadoutS ? readout_s : 0.0;
+}
+
 std::optional<Camera> CalibratedCamera(const TagSource& tags,
                                        const ImageHeader& header,
                                        double factor) {
@@ -150,6 +160,7 @@ TaggedCamera CameraFromTags(const TagSource& tags, const ImageHeader& header) {
     tagged.warnings.emplace_back("the image's tags give no focal length");
     return tagged;
   }
+  tagged.camera->readout_s = ReadoutSeconds(tags, header, resize.factor);
   tagged.warnings.insert(tagged.warnings.end(), resize.warnings.begin(), resize.warnings.end());
   return tagged;
 }

@@ -27,6 +27,12 @@ struct AdjustmentOptions {
   bool refine_exif_intrinsics = true;
   double focal_sd_ratio = 0.05;
   double radial_sd = 0.1;
+  // How fast the image may slide or turn while a rolling shutter reads it, by rotation and by flight
+  // past the ground together: the deviation from no motion. Differs: the paper's shutters are
+  // global; a survey photograph may be displaced by a hundred pixels.
+  double readout_rate_sd_deg_s = 20.0;
+  // Time of readout that is assumed where the camera is known from EXIF alone; 0: global shutter.
+  double exif_readout_s = 0.03;
   int max_num_iterations = 30;
 
   // --- Priors ---
@@ -72,6 +78,8 @@ struct Landmark {
 struct AdjustedView {
   std::string frame_id;
   Rigid3d world_from_camera;
+  // How its image was read, as far as the others tell.
+  Readout readout;
   double height_above_ground = 0.0;
   // Whether enough observations tie it to the others; without them the pose is only the prior.
   bool is_connected = false;
@@ -84,6 +92,7 @@ struct AdjustedView {
 };
 
 struct AdjustedBlock {
+  // As refined, without any view's readout.
   Camera camera;
   // Same order as the views that were given.
   std::vector<AdjustedView> views;
@@ -97,6 +106,8 @@ struct AdjustedBlock {
   bool is_usable = false;
   // Why the block, or a group of its views, is not usable.
   std::string note;
+
+  Camera CameraOf(size_t view) const { return camera.With(views[view].readout); }
 };
 
 // Metric and georeferenced: the gauge comes from the priors. Throws std::invalid_argument on empty

@@ -114,6 +114,7 @@ AdjustedBlock PriorBlock(const std::vector<View>& views, const Camera& camera) {
   for (const View& view : views) {
     block.views.push_back({view.frame_id,
                            view.world_from_camera,
+                           view.readout,
                            view.height_above_ground,
                            false,
                            view.position_sd_m,
@@ -132,6 +133,7 @@ void FillResult(const BlockState& state,
   for (size_t i = 0; i < block.views.size(); ++i) {
     if (!verdict.is_connected[i]) continue;
     block.views[i].world_from_camera = state.world_from_camera[i];
+    block.views[i].readout = state.readouts[i];
     block.views[i].is_connected = true;
     block.views[i].position_sd_m = verdict.position_sd_m[i];
   }
@@ -171,6 +173,14 @@ void AdjustmentOptions::Check() const {
           focal_sd_ratio,
           "must be in (0, 0.5]");
   Require(radial_sd > 0.0, "radial_sd", radial_sd, "must be positive");
+  Require(readout_rate_sd_deg_s > 0.0 && readout_rate_sd_deg_s <= 360.0,
+          "readout_rate_sd_deg_s",
+          readout_rate_sd_deg_s,
+          "must be in (0, 360]");
+  Require(exif_readout_s >= 0.0 && exif_readout_s <= 1.0,
+          "exif_readout_s",
+          exif_readout_s,
+          "must be in [0, 1]");
   Require(max_num_iterations >= 1 && max_num_iterations <= 1000,
           "max_num_iterations",
           max_num_iterations,
@@ -211,8 +221,11 @@ AdjustedBlock AdjustPoses(const std::vector<View>& views,
                           const AdjustmentOptions& options) {
   if (views.empty()) throw std::invalid_argument("adjustment: no views were given");
   AdjustedBlock block = PriorBlock(views, camera);
-  BlockState start{camera, {}};
-  for (const View& view : views) start.world_from_camera.push_back(view.world_from_camera);
+  BlockState start{camera, {}, {}};
+  for (const View& view : views) {
+    start.world_from_camera.push_back(view.world_from_camera);
+    start.readouts.push_back(view.readout);
+  }
   std::vector<BlockTrack> tracks = CollectTracks(views);
   TriangulateTracks(
       start, kMinParallaxDeg, kRounds[0].gate_factor * options.max_reprojection_error_px, tracks);

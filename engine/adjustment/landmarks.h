@@ -27,6 +27,9 @@ struct BlockTrack {
 struct BlockState {
   Camera camera;
   std::vector<Rigid3d> world_from_camera;
+  std::vector<Readout> readouts;
+
+  Camera CameraOf(size_t view) const;
 };
 
 // Tracks with at least two sightings, in order of track id.

@@ -2,7 +2,7 @@
 //
 // Parameter blocks: rotation world_from_camera (Eigen order x, y, z, w), position of the camera in
 // world (3), landmark in world (3), intrinsics (2: factor on the focal lengths, change of the first
-// radial coefficient).
+// radial coefficient), readout of the view (3: right px, down px, turn).
 #pragma once
 
 #include <cmath>
@@ -24,6 +24,7 @@ struct ReprojectionResidual {
                   const T* const position,
                   const T* const landmark,
                   const T* const intrinsics,
+                  const T* const readout,
                   T* residual) const {
     const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(rotation);
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(position), point(landmark);
@@ -34,8 +35,12 @@ struct ReprojectionResidual {
     const T r2 = p.squaredNorm();
     const Eigen::Matrix<T, 2, 1> extra = p * (intrinsics[1] * r2);
     p = Distorted(p) + extra;
-    residual[0] = T(camera->fx_px) * intrinsics[0] * p.x() + T(camera->cx_px - point_in_image.x());
-    residual[1] = T(camera->fy_px) * intrinsics[0] * p.y() + T(camera->cy_px - point_in_image.y());
+    const T u = T(camera->fx_px) * intrinsics[0] * p.x();
+    const T v = T(camera->fy_px) * intrinsics[0] * p.y();
+    // The sighting's own row tells when it was read.
+    const T share((point_in_image.y() - camera->cy_px) / camera->height_px);
+    residual[0] = u + share * (readout[0] - readout[2] * v) + T(camera->cx_px - point_in_image.x());
+    residual[1] = v + share * (readout[1] + readout[2] * u) + T(camera->cy_px - point_in_image.y());
     return true;
   }
 
@@ -102,6 +107,20 @@ struct AttitudePrior {
   Eigen::Quaterniond prior_world_from_camera;
   double tilt_sd;
   double yaw_sd;
+};
+
+// The image stood still while it was read, give or take.
+struct ReadoutPrior {
+  template <typename T>
+  bool operator()(const T* const readout, T* residual) const {
+    residual[0] = readout[0] / T(shift_sd_px);
+    residual[1] = readout[1] / T(shift_sd_px);
+    residual[2] = readout[2] / T(turn_sd);
+    return true;
+  }
+
+  double shift_sd_px;
+  double turn_sd;
 };
 
 // Intrinsics stay near what EXIF says.

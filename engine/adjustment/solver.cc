@@ -20,7 +20,8 @@ constexpr double kMinAttitudeSdDeg = 0.01;
 // Up to here a dense reduced system is solved faster than a sparse one.
 constexpr size_t kMaxNumDenseViews = 60;
 
-// Everything but the points, in one piece of memory: Ceres orders parameter blocks by address, and
+// Intrinsics, then rotation and position of each view, then the readout of each: everything but the
+// points, in one piece of memory: Ceres orders parameter blocks by address, and
 // sums, hence last digits, follow that order.
 class Parameters {
  public:
@@ -33,12 +34,16 @@ class Parameters {
       const Eigen::Vector3d& position = world_from_camera.translation;
       values_.insert(values_.end(), position.data(), position.data() + 3);
     }
+    for (const Readout& readout : start.readouts) {
+      values_.insert(values_.end(), {readout.right_px, readout.down_px, readout.turn});
+    }
   }
 
-  size_t num_views() const { return (values_.size() - 2) / 7; }
+  size_t num_views() const { return (values_.size() - 2) / 10; }
   double* Intrinsics() { return values_.data(); }
   double* Rotation(size_t view) { return values_.data() + 2 + 7 * view; }
   double* Position(size_t view) { return Rotation(view) + 4; }
+  double* ReadoutOf(size_t view) { return values_.data() + 2 + 7 * num_views() + 3 * view; }
   const std::vector<double>& values() const { return values_; }
 
  private:
@@ -75,6 +80,31 @@ void AddPriors(const std::vector<View>& views,
                            parameters.Intrinsics());
 }
 
+// How long a rolling shutter may take; 0 when all rows are exposed at once.
+double ReadoutSeconds(const Camera& camera, const AdjustmentOptions& options) {
+  const bool is_unknown = camera.source == CameraSource::kExif && camera.readout_s == 0.0;
+  return is_unknown ? options.exif_readout_s : camera.readout_s;
+}
+
+void AddReadouts(const Camera& camera,
+                 const AdjustmentOptions& options,
+                 Parameters& parameters,
+                 ceres::Problem& problem) {
+  const double turn_sd =
+      ReadoutSeconds(camera, options) * RadFromDeg(options.readout_rate_sd_deg_s);
+  for (size_t i = 0; i < parameters.num_views(); ++i) {
+    problem.AddParameterBlock(parameters.ReadoutOf(i), 3);
+    if (turn_sd == 0.0) {
+      problem.SetParameterBlockConstant(parameters.ReadoutOf(i));
+      continue;
+    }
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ReadoutPrior, 3, 3>(new ReadoutPrior{
+                                 turn_sd * camera.MeanFocalPx(), turn_sd}),
+                             nullptr,
+                             parameters.ReadoutOf(i));
+  }
+}
+
 void AddObservations(const Camera& camera,
                      double loss_px,
                      std::vector<BlockTrack>& tracks,
@@ -85,13 +115,14 @@ void AddObservations(const Camera& camera,
     if (!track.has_point) continue;
     for (const Sighting& sighting : track.sightings) {
       if (!sighting.is_inlier) continue;
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, 2>(
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, 2, 3>(
                                    new ReprojectionResidual(&camera, sighting.point_in_image)),
                                loss,
                                parameters.Rotation(sighting.view),
                                parameters.Position(sighting.view),
                                track.point_in_world.data(),
-                               parameters.Intrinsics());
+                               parameters.Intrinsics(),
+                               parameters.ReadoutOf(sighting.view));
     }
   }
 }
@@ -127,6 +158,7 @@ ceres::Solver::Options SolverOptions(const AdjustmentOptions& options,
   for (size_t i = 0; i < parameters.num_views(); ++i) {
     ordering->AddElementToGroup(parameters.Rotation(i), 1);
     ordering->AddElementToGroup(parameters.Position(i), 1);
+    ordering->AddElementToGroup(parameters.ReadoutOf(i), 1);
   }
   ordering->AddElementToGroup(parameters.Intrinsics(), 1);
   ceres::Solver::Options solver;
@@ -168,17 +200,20 @@ std::optional<BlockState> SolveBlock(const std::vector<View>& views,
   Parameters parameters(start, camera);
   ceres::Problem problem;
   AddPriors(views, options, parameters, problem);
+  AddReadouts(camera, options, parameters, problem);
   AddObservations(camera, settings.loss_px, tracks, parameters, problem);
   if (!MayRefine(camera, options)) problem.SetParameterBlockConstant(parameters.Intrinsics());
   ceres::Solver::Summary summary;
   ceres::Solve(SolverOptions(options, settings, tracks, parameters), &problem, &summary);
   if (!summary.IsSolutionUsable() || !IsFinite(parameters, tracks)) return std::nullopt;
   if (parameters.Intrinsics()[0] <= 0.0) return std::nullopt;
-  BlockState solved{Refined(camera, parameters.Intrinsics()), {}};
+  BlockState solved{Refined(camera, parameters.Intrinsics()), {}, {}};
   for (size_t i = 0; i < views.size(); ++i) {
     solved.world_from_camera.push_back(
         {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(parameters.Rotation(i))).normalized(),
          Eigen::Map<const Eigen::Vector3d>(parameters.Position(i))});
+    const double* readout = parameters.ReadoutOf(i);
+    solved.readouts.push_back({readout[0], readout[1], readout[2]});
   }
   return solved;
 }

@@ -68,6 +68,31 @@ Eigen::Matrix2d DistortionJacobian(const Camera& camera, const Eigen::Vector2d& 
   return jacobian;
 }
 
+// Where a pixel of an instantaneous image comes to lie when rows are read one after the other. The
+// share is that of the displaced row, so it is solved for.
+Eigen::Vector2d Displaced(const Camera& camera, const Eigen::Vector2d& pixel) {
+  const Readout& readout = camera.readout;
+  if (readout.IsGlobal()) return pixel;
+  const Eigen::Vector2d p(pixel.x() - camera.cx_px, pixel.y() - camera.cy_px);
+  const double down = (readout.down_px + readout.turn * p.x()) / camera.height_px;
+  const double y = p.y() / (1.0 - down);
+  const double share = y / camera.height_px;
+  return {pixel.x() + share * (readout.right_px - readout.turn * p.y()), camera.cy_px + y};
+}
+
+// The inverse.
+Eigen::Vector2d Instantaneous(const Camera& camera, const Eigen::Vector2d& pixel) {
+  const Readout& readout = camera.readout;
+  if (readout.IsGlobal()) return pixel;
+  const double share = (pixel.y() - camera.cy_px) / camera.height_px;
+  const double turn = share * readout.turn;
+  const Eigen::Vector2d p(pixel.x() - camera.cx_px - share * readout.right_px,
+                          pixel.y() - camera.cy_px - share * readout.down_px);
+  const double scale = 1.0 + turn * turn;
+  return {camera.cx_px + (p.x() + turn * p.y()) / scale,
+          camera.cy_px + (p.y() - turn * p.x()) / scale};
+}
+
 void Require(bool holds, const char* field, double value, const char* constraint) {
   if (holds) return;
   std::ostringstream message;
@@ -87,12 +112,13 @@ std::optional<Eigen::Vector2d> Camera::ImageFromCamera(
       DistortionJacobian(*this, normalized).determinant() <= 0.0) {
     return std::nullopt;
   }
-  return Eigen::Vector2d(fx_px * distorted.x() + cx_px, fy_px * distorted.y() + cy_px);
+  return Displaced(*this, {fx_px * distorted.x() + cx_px, fy_px * distorted.y() + cy_px});
 }
 
 Eigen::Vector2d Camera::NormalizedFromImage(const Eigen::Vector2d& point_in_image) const {
-  const Eigen::Vector2d target((point_in_image.x() - cx_px) / fx_px,
-                               (point_in_image.y() - cy_px) / fy_px);
+  const Eigen::Vector2d instantaneous = Instantaneous(*this, point_in_image);
+  const Eigen::Vector2d target((instantaneous.x() - cx_px) / fx_px,
+                               (instantaneous.y() - cy_px) / fy_px);
   if (distortion == DistortionModel::kNone) return target;
   Eigen::Vector2d guess = target;
   for (int i = 0; i < kNumNewtonSteps; ++i) {
@@ -123,7 +149,15 @@ Camera Camera::Scaled(double factor) const {
   scaled.fy_px = fy_px * factor_y;
   scaled.cx_px = (cx_px + 0.5) * factor_x - 0.5;
   scaled.cy_px = (cy_px + 0.5) * factor_y - 0.5;
+  scaled.readout.right_px *= factor_x;
+  scaled.readout.down_px *= factor_y;
   return scaled;
+}
+
+Camera Camera::With(const Readout& readout_of_image) const {
+  Camera camera = *this;
+  camera.readout = readout_of_image;
+  return camera;
 }
 
 void Camera::Check() const {
@@ -133,6 +167,12 @@ void Camera::Check() const {
   Require(std::isfinite(fy_px) && fy_px > 0.0, "fy_px", fy_px, "must be positive");
   Require(std::isfinite(cx_px), "cx_px", cx_px, "must be finite");
   Require(std::isfinite(cy_px), "cy_px", cy_px, "must be finite");
+  // Slower than any sensor: a unit is wrong.
+  constexpr double kMaxReadoutS = 1.0;
+  Require(readout_s >= 0.0 && readout_s <= kMaxReadoutS,
+          "readout_s",
+          readout_s,
+          "must be in [0, 1]");
   const size_t count = coefficients.size();
   const double shown = static_cast<double>(count);
   if (distortion == DistortionModel::kNone) {

@@ -17,6 +17,16 @@ enum class DistortionModel {
 // Where the intrinsics come from; only intrinsics from EXIF may be refined.
 enum class CameraSource { kCalibrated, kExif };
 
+// How the image slid over the sensor while its rows were read one after the other (rolling shutter),
+// first order: a pixel is displaced by its share of the readout, (row - cy) / height, of these.
+struct Readout {
+  double right_px = 0.0;
+  double down_px = 0.0;
+  double turn = 0.0;  // about the optical axis, from x to y
+
+  bool IsGlobal() const { return right_px == 0.0 && down_px == 0.0 && turn == 0.0; }
+};
+
 struct Camera {
   int width_px = 0;
   int height_px = 0;
@@ -28,6 +38,11 @@ struct Camera {
   DistortionModel distortion = DistortionModel::kNone;
   std::vector<double> coefficients;
   CameraSource source = CameraSource::kCalibrated;
+  // From the first row's reading to the last one's, seconds; 0 when all are exposed at once, or when
+  // nothing is known of it.
+  double readout_s = 0.0;
+  // Of one image: it differs from image to image with the motion of the aircraft.
+  Readout readout;
 
   // Pixel of a point in the camera frame; nothing for a point behind the camera or so far off-axis
   // that the distortion model folds back.
@@ -40,6 +55,9 @@ struct Camera {
   double MeanFocalPx() const { return 0.5 * (fx_px + fy_px); }
   // The camera of the same image resized by `factor` (pixel areas averaged).
   Camera Scaled(double factor) const;
+
+  // The same lens when its image was read like this.
+  Camera With(const Readout& readout_of_image) const;
 
   // Throws std::invalid_argument: "camera.fx_px = 0: must be positive".
   void Check() const;

@@ -226,19 +226,22 @@ std::optional<RectifiedPair> RectifyPair(const AdjustedBlock& block,
   const DepthRange depths = DepthsOf(block, pair, options);
   if (depths.typical <= 0.0) return std::nullopt;
   const double native_gsd = depths.typical / block.camera.MeanFocalPx();
-  const Camera camera =
-      block.camera.Scaled(std::min(1.0, native_gsd / options.ground_sampling_distance_m));
+  const double scale = std::min(1.0, native_gsd / options.ground_sampling_distance_m);
 
   RectifiedPair rectified;
   rectified.world_from_left = {Eigen::Quaterniond(*axes), world_from_left.translation};
   rectified.baseline = (world_from_right.translation - world_from_left.translation).norm();
-  rectified.focal_px = camera.MeanFocalPx();
-  Sampling left{camera, world_from_left.rotation.conjugate() * *axes, rectified.focal_px};
-  Sampling right{camera, world_from_right.rotation.conjugate() * *axes, rectified.focal_px};
+  rectified.focal_px = block.camera.Scaled(scale).MeanFocalPx();
+  Sampling left{block.CameraOf(pair.left).Scaled(scale),
+                world_from_left.rotation.conjugate() * *axes,
+                rectified.focal_px};
+  Sampling right{block.CameraOf(pair.right).Scaled(scale),
+                 world_from_right.rotation.conjugate() * *axes,
+                 rectified.focal_px};
   // The right image shows a point of typical depth this much further left.
   const double shift = rectified.baseline / depths.typical;
-  const Window window = Intersection(WindowOf(camera, left.camera_from_rectified.transpose()),
-                                     WindowOf(camera, right.camera_from_rectified.transpose()),
+  const Window window = Intersection(WindowOf(left.camera, left.camera_from_rectified.transpose()),
+                                     WindowOf(right.camera, right.camera_from_rectified.transpose()),
                                      shift);
   // Room for the disparities on both sides, so that the matcher loses no ground to its margin.
   const double pad = rectified.baseline * std::max(1.0 / depths.nearest - 1.0 / depths.typical,

@@ -38,7 +38,7 @@ std::optional<TriangulatedPoint> TriangulateTrack(const FrameMemory& memory, int
   for (const TrackMember& member : PosedMembers(memory, track_id)) {
     const Observation& observation = memory.table.ObservationsOf(member.frame)[member.observation];
     rays.push_back({*memory.frames[member.frame].world_from_camera,
-                    memory.rig.camera.NormalizedFromImage(observation.point_in_image)});
+                    memory.CameraOf(member.frame).NormalizedFromImage(observation.point_in_image)});
   }
   return Triangulate(rays);
 }

@@ -27,6 +27,7 @@ struct FrameRecord {
   int first_described = 0;
   // Best so far; nothing while the attitude is unknown.
   std::optional<Rigid3d> world_from_camera;
+  Readout readout;
   AttitudeSource attitude_source = AttitudeSource::kGiven;
   double attitude_sd_deg = 2.0;
   std::optional<double> height_above_ground;
@@ -46,8 +47,9 @@ struct FrameMemory {
   std::vector<FrameRecord> frames;
   TrackTable table;
 
+  Camera CameraOf(size_t frame) const { return rig.camera.With(frames[frame].readout); }
   Eigen::Vector2d Normalized(size_t frame, int point) const {
-    return rig.camera.NormalizedFromImage(frames[frame].points[point]);
+    return CameraOf(frame).NormalizedFromImage(frames[frame].points[point]);
   }
 };
 

@@ -325,13 +325,16 @@ std::vector<ReadyFrame> Tracks::Flush() {
 const std::vector<View>& Tracks::views() const { return state_->views; }
 const Camera& Tracks::camera() const { return state_->memory.rig.camera; }
 
-void Tracks::SetPose(size_t view, const Rigid3d& world_from_camera) {
+void Tracks::SetPose(size_t view,
+                     const Rigid3d& world_from_camera,
+                     const Readout& readout) {
   View& changed = state_->views.at(view);
   FrameRecord& record = state_->memory.frames[state_->frame_of_view[view]];
   const double climb =
       world_from_camera.translation.z() - changed.world_from_camera.translation.z();
   changed.world_from_camera = world_from_camera;
   changed.height_above_ground = std::max(changed.height_above_ground + climb, 0.1);
+  changed.readout = record.readout = readout;
   record.world_from_camera = world_from_camera;
   record.height_above_ground = changed.height_above_ground;
   state_->replaced_views.insert(view);
@@ -347,7 +350,7 @@ void Tracks::SetCamera(const Camera& camera) {
 std::optional<GroundPoint> Tracks::GroundAt(size_t view,
                                             const Eigen::Vector2d& point_in_image) const {
   const View& seen_from = state_->views.at(view);
-  const Camera& camera = state_->memory.rig.camera;
+  const Camera camera = state_->memory.rig.camera.With(seen_from.readout);
   const Rigid3d& world_from_camera = seen_from.world_from_camera;
   GroundHeight height{world_from_camera.translation.z() - seen_from.height_above_ground,
                       kPlaneHeightSdRatio * seen_from.height_above_ground};

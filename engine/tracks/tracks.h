@@ -73,6 +73,7 @@ struct View {
   int64_t timestamp_us = 0;
   // Best estimate so far.
   Rigid3d world_from_camera;
+  Readout readout;
   // What the priors say of the camera, and their deviations: they stay what they were when
   // world_from_camera is replaced, or every adjustment would take the last one's result for granted.
   Eigen::Vector3d prior_position_in_world = Eigen::Vector3d::Zero();
@@ -119,7 +120,7 @@ class Tracks {
   const std::vector<View>& views() const;
   const Camera& camera() const;
   // Better poses from an adjustment, for views given by index, and better intrinsics.
-  void SetPose(size_t view, const Rigid3d& world_from_camera);
+  void SetPose(size_t view, const Rigid3d& world_from_camera, const Readout& readout);
   void SetCamera(const Camera& camera);
 
   // Where the ray of a pixel meets the ground: N nearest landmarks, inverse distance weights;

@@ -256,6 +256,7 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
   Camera camera = SurveyCamera();
   const Rigid3d world_from_camera{NadirCamera(0.7), {3.0, -4.0, 90.0}};
   const Eigen::Vector3d point(31.0, 12.0, 2.0);
+  camera.readout = {40.0, -25.0, 0.03};
   for (const auto& [model, coefficients] :
        {std::pair{DistortionModel::kNone, std::vector<double>{}},
         std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
@@ -264,16 +265,20 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
     camera.coefficients = coefficients;
     const auto pixel = camera.ImageFromCamera(Inverse(world_from_camera) * point);
     REQUIRE(pixel);
-    const ReprojectionResidual residual(&camera, {100.0, 200.0});
+    // The residual takes the share of the readout from the sighting's row, so they must be the same.
+    const Eigen::Vector2d sighting = *pixel - Eigen::Vector2d(3.0, 0.0);
+    const ReprojectionResidual residual(&camera, sighting);
     const double intrinsics[2] = {1.0, 0.0};
+    const double readout[3] = {40.0, -25.0, 0.03};
     double error[2];
     REQUIRE(residual(world_from_camera.rotation.coeffs().data(),
                      world_from_camera.translation.data(),
                      point.data(),
                      intrinsics,
+                     readout,
                      error));
-    CHECK(error[0] == doctest::Approx(pixel->x() - 100.0));
-    CHECK(error[1] == doctest::Approx(pixel->y() - 200.0));
+    CHECK(error[0] == doctest::Approx(3.0));
+    CHECK(std::abs(error[1]) < 1e-9);
   }
 }
 

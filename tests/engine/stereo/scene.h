@@ -119,6 +119,7 @@ inline AdjustedBlock SceneBlock(const Scene& scene, const std::vector<Rigid3d>& 
     block.views.push_back(
         {std::to_string(block.views.size()),
          pose,
+         {},
          pose.translation.z() - scene.height(pose.translation.x(), pose.translation.y()),
          true,
          0.1,

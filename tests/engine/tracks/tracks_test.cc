@@ -181,7 +181,7 @@ TEST_CASE("tracks: a pixel is brought to the ground within 2 m, above the horizo
   }
   Rigid3d level = truth;
   level.rotation = Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitX()) * truth.rotation;
-  tracks.SetPose(last, level);
+  tracks.SetPose(last, level, {});
   CHECK(!tracks.GroundAt(last, {375.0, 240.0}));
 }
 
@@ -364,7 +364,7 @@ TEST_CASE("tracks: a better pose moves the ground point with it") {
   const auto before = tracks.GroundAt(0, {200.0, 200.0});
   Rigid3d moved = tracks.views()[0].world_from_camera;
   moved.translation += shift;
-  tracks.SetPose(0, moved);
+  tracks.SetPose(0, moved, {});
   const auto after = tracks.GroundAt(0, {200.0, 200.0});
   REQUIRE(before);
   REQUIRE(after);
