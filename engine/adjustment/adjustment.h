@@ -84,8 +84,9 @@ struct AdjustedView {
   // Whether enough observations tie it to the others; without them the pose is only the prior.
   bool is_connected = false;
   // Of the absolute position, along one axis; an approximation. What the priors have in common
-  // (GPS drifts, so they count as four independent fixes at most) and what the view's own sightings
-  // leave open with the landmarks held fixed. Bending of the block is not in it.
+  // (GPS drifts, so they count as four independent fixes at most; off by as much as the solved
+  // block shows, if that is more than they claim) and what the view's own sightings leave open with
+  // the landmarks held fixed. Bending of the block is not in it.
   double position_sd_m = 0.0;
   // Landmarks it sees: index into AdjustedBlock::landmarks.
   std::vector<size_t> landmarks;

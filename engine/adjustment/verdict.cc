@@ -90,10 +90,20 @@ Group WithoutLooseViews(Group group, const TracksOfViews& seen, int min_num_obse
   }
 }
 
-double MeanPositionVariance(const std::vector<View>& views, const Group& group) {
-  double sum = 0.0;
-  for (const size_t view : group) sum += std::pow(views[view].position_sd_m, 2);
-  return sum / static_cast<double>(group.size());
+// Per axis: what the priors say of themselves, or what the solved block shows of them if that is
+// more. A geotag that lags the shutter by a second is 13 m off, whatever its GPS claims.
+double MeanPositionVariance(const std::vector<View>& views,
+                            const BlockState& state,
+                            const Group& group) {
+  double claimed = 0.0;
+  double shown = 0.0;
+  for (const size_t view : group) {
+    claimed += std::pow(views[view].position_sd_m, 2);
+    shown += (state.world_from_camera[view].translation - views[view].prior_position_in_world)
+                 .squaredNorm() /
+             3.0;
+  }
+  return std::max(claimed, shown) / static_cast<double>(group.size());
 }
 
 Eigen::Vector3d MeanPosition(const BlockState& state, const Group& group) {
@@ -109,7 +119,8 @@ double PositionSpread(const std::vector<View>& views, const BlockState& state, c
   for (const size_t view : group) {
     sum += (state.world_from_camera[view].translation - mean).squaredNorm();
   }
-  return std::sqrt(sum / static_cast<double>(group.size()) / MeanPositionVariance(views, group));
+  return std::sqrt(sum / static_cast<double>(group.size()) /
+                   MeanPositionVariance(views, state, group));
 }
 
 // Of the group turned as a whole about its worse horizontal axis. Positions resist by their lever
@@ -119,7 +130,7 @@ double TiltDeviation(const std::vector<View>& views,
                      const Group& group,
                      const AdjustmentOptions& options) {
   const Eigen::Vector3d mean = MeanPosition(state, group);
-  const double variance = MeanPositionVariance(views, group);
+  const double variance = MeanPositionVariance(views, state, group);
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   double attitude_information = 0.0;
   for (const size_t view : group) {
@@ -207,7 +218,7 @@ BlockVerdict JudgeBlock(const std::vector<View>& views,
     }
     verdict.tilt_sd_deg = std::max(verdict.tilt_sd_deg, tilt_sd_deg);
     const double common_variance =
-        MeanPositionVariance(views, group) /
+        MeanPositionVariance(views, state, group) /
         std::min(kNumIndependentFixes, static_cast<double>(group.size()));
     for (const size_t view : group) {
       verdict.is_connected[view] = true;

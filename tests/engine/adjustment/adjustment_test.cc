@@ -150,6 +150,24 @@ TEST_CASE("adjustment: one GPS fix 40 m off does not bend the block") {
   CHECK(CompareWithTruth(survey, block).max_position_m < 1.0);
 }
 
+TEST_CASE("adjustment: geotags that lag the shutter show in the position's deviation") {
+  SurveyOptions options;
+  options.num_points = 500;
+  options.gps_sd_m = 0.5;
+  Survey survey = MakeSurvey(options);
+  const double before_m = AdjustPoses(survey.views, survey.camera, {}).views[0].position_sd_m;
+  for (size_t i = 0; i < survey.views.size(); ++i) {
+    // 12 m back along the strip, whose direction alternates.
+    const double lag_m = i / static_cast<size_t>(options.num_per_strip) % 2 == 0 ? -12.0 : 12.0;
+    survey.views[i].prior_position_in_world.x() += lag_m;
+    survey.views[i].world_from_camera.translation.x() += lag_m;
+  }
+  const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+  CHECK(before_m < 0.5);
+  REQUIRE(block.is_usable);
+  CHECK(block.views[0].position_sd_m > 2.0);
+}
+
 TEST_CASE("adjustment: a hover has no scale, whatever its GPS noise pretends") {
   for (const double gps_sd_m : {0.0, 2.0}) {
     CAPTURE(gps_sd_m);
