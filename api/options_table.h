@@ -214,8 +214,8 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
 
 template <class Visitor>
 void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
-  visit("map_position_sd_m",
-        o.map_position_sd_m,
+  visit("min_map_position_sd_m",
+        o.min_map_position_sd_m,
         "the map's horizontal deviation, kept from hazard too");
   visit("unclear_height_allowance_m",
         o.unclear_height_allowance_m,

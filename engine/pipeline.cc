@@ -128,7 +128,10 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
     Timed(reports, "elevation", [&] { return builder.Add(points), 0; });
   }
   builder.Add(SparsePoints(block));
-  return Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
+  ElevationMap map = Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
+  map.position_sd_m = block.position_sd_m;
+  map.tilt_sd_deg = block.tilt_sd_deg;
+  return map;
 }
 
 // The key-frames that see the area: the views and their indices in the snapshot.

@@ -1,6 +1,6 @@
 // The stored form of a site's map:
 //   "FLSM", version (u32), size (u64) and CRC-32 (u32) of the content, then the content deflated.
-// Content: grid (3 doubles, 2 int32), eight float rasters and one of bytes, each row-major. The
+// Content: grid (3 doubles, 2 int32), deviations of position and tilt (2 doubles), eight float rasters and one of bytes, each row-major. The
 // floats of a raster are stored byte plane by byte plane, which deflates to about two thirds.
 #include <bit>
 #include <cmath>
@@ -22,7 +22,7 @@ constexpr uint32_t kVersion = 1;
 constexpr int kDeflateLevel = 3;
 // As many cells as the engine builds at most by default.
 constexpr uint64_t kMaxNumCells = 25000000;
-constexpr uint64_t kGridBytes = 3 * sizeof(double) + 2 * sizeof(int32_t);
+constexpr uint64_t kHeadBytes = 5 * sizeof(double) + 2 * sizeof(int32_t);
 constexpr uint64_t kNumFloatRasters = 8;
 constexpr uint64_t kCellBytes = kNumFloatRasters * sizeof(float) + 1;
 // Deflate cannot shrink further than 1032 : 1, so a larger claim is a lie.
@@ -143,9 +143,9 @@ Header ReadHeader(const std::string& bytes) {
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) Refuse("is none");
   if (header.version != kVersion) Refuse("version " + std::to_string(header.version));
   const uint64_t num_deflated = bytes.size() - sizeof(Header);
-  const uint64_t max_size = std::min(kGridBytes + kMaxNumCells * kCellBytes,
-                                     kGridBytes + num_deflated * kMaxDeflateRatio);
-  if (header.content_size < kGridBytes || header.content_size > max_size) {
+  const uint64_t max_size = std::min(kHeadBytes + kMaxNumCells * kCellBytes,
+                                     kHeadBytes + num_deflated * kMaxDeflateRatio);
+  if (header.content_size < kHeadBytes || header.content_size > max_size) {
     Refuse("damaged: its size cannot be");
   }
   return header;
@@ -162,7 +162,7 @@ Grid ReadGrid(Reader& reader, uint64_t content_size) {
                        grid.cell_size_m > 0.0 && grid.num_rows >= 0 && grid.num_cols >= 0;
   if (!is_sane) Refuse("damaged: its grid cannot be");
   const uint64_t num_cells = static_cast<uint64_t>(grid.num_rows) * grid.num_cols;
-  if (num_cells > kMaxNumCells || kGridBytes + num_cells * kCellBytes != content_size) {
+  if (num_cells > kMaxNumCells || kHeadBytes + num_cells * kCellBytes != content_size) {
     Refuse("damaged: its grid and its size do not match");
   }
   return grid;
@@ -178,6 +178,8 @@ std::string SerializeSiteMap(const SiteMap& site_map) {
   writer.Append(map.grid.cell_size_m);
   writer.Append<int32_t>(map.grid.num_rows);
   writer.Append<int32_t>(map.grid.num_cols);
+  writer.Append(map.position_sd_m);
+  writer.Append(map.tilt_sd_deg);
   for (const cv::Mat1f& raster : {map.elevation,
                                   map.upper,
                                   map.standard_deviation,
@@ -207,6 +209,9 @@ SiteMap DeserializeSiteMap(const std::string& bytes) {
   SiteMap site_map;
   auto& [map, layers] = site_map;
   map.grid = layers.grid = ReadGrid(reader, header.content_size);
+  map.position_sd_m = reader.Take<double>();
+  map.tilt_sd_deg = reader.Take<double>();
+  if (!(map.position_sd_m >= 0.0 && map.tilt_sd_deg >= 0.0)) Refuse("damaged: a deviation below 0");
   for (cv::Mat1f* raster : {&map.elevation,
                             &map.upper,
                             &map.standard_deviation,

@@ -123,6 +123,17 @@ AdjustedBlock PriorBlock(const std::vector<View>& views, const Camera& camera) {
   return block;
 }
 
+// There is at least one connected view.
+double MedianPositionDeviation(const std::vector<AdjustedView>& views) {
+  std::vector<double> deviations;
+  for (const AdjustedView& view : views) {
+    if (view.is_connected) deviations.push_back(view.position_sd_m);
+  }
+  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
+  std::nth_element(deviations.begin(), middle, deviations.end());
+  return *middle;
+}
+
 // The block as solved; poses of views that do not belong to it stay the priors.
 void FillResult(const BlockState& state,
                 const std::vector<BlockTrack>& tracks,
@@ -137,6 +148,7 @@ void FillResult(const BlockState& state,
     block.views[i].is_connected = true;
     block.views[i].position_sd_m = verdict.position_sd_m[i];
   }
+  block.position_sd_m = MedianPositionDeviation(block.views);
   FillLandmarks(state, tracks, block);
   for (size_t i = 0; i < block.views.size(); ++i) {
     AdjustedView& view = block.views[i];

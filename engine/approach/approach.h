@@ -12,8 +12,9 @@ namespace freelsd {
 
 struct ApproachOptions {
   // --- What counts as safe ---
-  // Standard deviation of the map's horizontal position; a touchdown keeps it away from hazard too.
-  double map_position_sd_m = 1.0;
+  // A touchdown keeps the standard deviation of the map's position away from hazard too, and never
+  // less than this.
+  double min_map_position_sd_m = 1.0;
   // Cells of a tree or of no clear class under the path get this height on top: leafless trees are
   // seen through. Such a cell's posterior of grass is unknown or below min_clear_class_posterior.
   double unclear_height_allowance_m = 2.0;

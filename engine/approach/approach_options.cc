@@ -42,7 +42,7 @@ void CheckWeights(const std::vector<double>& weights) {
 
 void ApproachOptions::Check() const {
   const Bound bounds[] = {
-      {"map_position_sd_m", map_position_sd_m, 0.0, 100.0},
+      {"min_map_position_sd_m", min_map_position_sd_m, 0.0, 100.0},
       {"unclear_height_allowance_m", unclear_height_allowance_m, 0.0, 100.0},
       {"min_clear_class_posterior", min_clear_class_posterior, 0.0, 1.0},
       {"max_height_sd_m", max_height_sd_m, 0.01, 100.0},

@@ -35,7 +35,8 @@ cv::Rect BoundingCells(const Grid& grid, const Polygon& footprint) {
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options) {
-  return aircraft.touchdown_uncertainty_m + options.map_position_sd_m +
+  return aircraft.touchdown_uncertainty_m +
+         std::max(options.min_map_position_sd_m, map.position_sd_m) +
          map.grid.cell_size_m * std::sqrt(0.5);
 }
 

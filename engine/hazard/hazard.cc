@@ -43,7 +43,7 @@ Hazard ClassOf(const ElevationMap& map,
   if (!is_seen) return kUnseen;
   const double max_excess = limits.max_roughness_m + options.upper_margin_m;
   const bool is_free = layers.grass(cell) >= options.min_grass_posterior &&
-                       layers.slope(cell) <= RadFromDeg(limits.max_slope_deg) &&
+                       layers.slope(cell) <= RadFromDeg(limits.max_slope_deg - map.tilt_sd_deg) &&
                        layers.roughness(cell) <= limits.max_roughness_m &&
                        map.upper(cell) - map.elevation(cell) <= max_excess;
   return is_free ? kFree : kHazard;

@@ -49,6 +49,7 @@ struct HazardOptions {
 
 // Limits that make a cell a hazard; from the aircraft.
 struct HazardLimits {
+  // Less the deviation of the map's tilt: the whole map may lean.
   double max_slope_deg = 8.0;
   double max_roughness_m = 0.5;
 };

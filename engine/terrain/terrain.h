@@ -64,6 +64,10 @@ struct ElevationMap {
   cv::Mat1f standard_deviation;
   // Points that elevation rests on; NaN where unseen.
   cv::Mat1f num_points;
+  // Standard deviations of the map as a whole, which no number of points averages out: of its
+  // horizontal position, along one axis, and of its tilt.
+  double position_sd_m = 0.0;
+  double tilt_sd_deg = 0.0;
 
   bool IsSeen(int row, int col) const;
 };

@@ -82,7 +82,7 @@ TEST_CASE("approach: each option out of its bounds is refused by name") {
   CHECK(message_of([](ApproachOptions& o) { o.heading_step_deg = 0.0; }) ==
         "approach.heading_step_deg = 0: must be in [1, 180]");
   CHECK(message_of([](ApproachOptions& o) {
-          o.map_position_sd_m = -1.0;
+          o.min_map_position_sd_m = -1.0;
         }).find("map_position_sd") != std::string::npos);
   CHECK(message_of([](ApproachOptions& o) { o.path_step_m = 0.0; }).find("path_step_m") !=
         std::string::npos);
