@@ -1,7 +1,8 @@
 // The stored form of a site's map:
 //   "FLSM", version (u32), size (u64) and CRC-32 (u32) of the content, then the content deflated.
-// Content: grid (3 doubles, 2 int32), deviations of position and tilt (2 doubles), eight float rasters and one of bytes, each row-major. The
-// floats of a raster are stored byte plane by byte plane, which deflates to about two thirds.
+// Content: grid (3 doubles, 2 int32), deviations of position and tilt (2 doubles), eight float
+// rasters and one of bytes, each row-major. The floats of a raster are stored byte plane by byte
+// plane, which deflates to about two thirds.
 #include <bit>
 #include <cmath>
 #include <cstring>

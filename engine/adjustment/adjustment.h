@@ -27,10 +27,11 @@ struct AdjustmentOptions {
   bool refine_exif_intrinsics = true;
   double focal_sd_ratio = 0.05;
   double radial_sd = 0.1;
-  // How fast the image may slide or turn while a rolling shutter reads it, by rotation and by flight
-  // past the ground together: the deviation from no motion. Differs: the paper's shutters are
-  // global; a survey photograph may be displaced by a hundred pixels.
-  double readout_rate_sd_deg_s = 20.0;
+  // How fast the image may slide or turn while a rolling shutter reads it, by rotation and by
+  // flight past the ground together: the deviation from no motion. Differs: the paper's shutters
+  // are global; a survey photograph may be displaced by a hundred pixels. Wider, and views that all
+  // look down on flat ground stretch the block along their own axes.
+  double readout_rate_sd_deg_s = 8.0;
   // Time of readout that is assumed where the camera is known from EXIF alone; 0: global shutter.
   double exif_readout_s = 0.03;
   int max_num_iterations = 30;

@@ -66,8 +66,8 @@ std::optional<Eigen::Vector3d> OnGround(const std::vector<View>& views,
   int count = 0;
   for (const Sighting& sighting : track.sightings) {
     const Rigid3d& world_from_camera = state.world_from_camera[sighting.view];
-    const Eigen::Vector3d ray =
-        world_from_camera.rotation * state.CameraOf(sighting.view).RayFromImage(sighting.point_in_image);
+    const Eigen::Vector3d ray = world_from_camera.rotation *
+                                state.CameraOf(sighting.view).RayFromImage(sighting.point_in_image);
     if (ray.z() > -kMinDescent) continue;
     sum +=
         world_from_camera.translation + ray * (views[sighting.view].height_above_ground / -ray.z());
@@ -79,9 +79,7 @@ std::optional<Eigen::Vector3d> OnGround(const std::vector<View>& views,
 
 }  // namespace
 
-Camera BlockState::CameraOf(size_t view) const {
-  return camera.With(readouts[view]);
-}
+Camera BlockState::CameraOf(size_t view) const { return camera.With(readouts[view]); }
 
 int BlockTrack::NumInliers() const {
   return static_cast<int>(std::count_if(
@@ -135,7 +133,7 @@ std::optional<double> ReprojectionError(const BlockState& state,
                                         const Sighting& sighting) {
   const Eigen::Vector3d point_in_camera =
       Inverse(state.world_from_camera[sighting.view]) * track.point_in_world;
-  const std::optional<Eigen::Vector2d> projection = 
+  const std::optional<Eigen::Vector2d> projection =
       state.CameraOf(sighting.view).ImageFromCamera(point_in_camera);
   if (!projection) return std::nullopt;
   return (*projection - sighting.point_in_image).norm();

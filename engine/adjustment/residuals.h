@@ -2,7 +2,7 @@
 //
 // Parameter blocks: rotation world_from_camera (Eigen order x, y, z, w), position of the camera in
 // world (3), landmark in world (3), intrinsics (2: factor on the focal lengths, change of the first
-// radial coefficient), readout of the view (3: right px, down px, turn).
+// radial coefficient), turn of the view during its readout (3).
 #pragma once
 
 #include <cmath>
@@ -24,23 +24,24 @@ struct ReprojectionResidual {
                   const T* const position,
                   const T* const landmark,
                   const T* const intrinsics,
-                  const T* const readout,
+                  const T* const turn,
                   T* residual) const {
     const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(rotation);
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(position), point(landmark);
-    const Eigen::Matrix<T, 3, 1> x = world_from_camera.conjugate() * (point - camera_in_world);
+    // The sighting's own row tells how far the camera had turned, by angles that are their own
+    // sine.
+    const T share((point_in_image.y() - camera->cy_px) / camera->height_px);
+    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> turn_in_camera(turn);
+    Eigen::Matrix<T, 3, 1> x = world_from_camera.conjugate() * (point - camera_in_world);
+    x -= share * turn_in_camera.cross(x);
     // A point that slips behind the camera during a step gives no finite projection.
     if (x.z() < T(1e-3)) return false;
     Eigen::Matrix<T, 2, 1> p(x.x() / x.z(), x.y() / x.z());
     const T r2 = p.squaredNorm();
     const Eigen::Matrix<T, 2, 1> extra = p * (intrinsics[1] * r2);
     p = Distorted(p) + extra;
-    const T u = T(camera->fx_px) * intrinsics[0] * p.x();
-    const T v = T(camera->fy_px) * intrinsics[0] * p.y();
-    // The sighting's own row tells when it was read.
-    const T share((point_in_image.y() - camera->cy_px) / camera->height_px);
-    residual[0] = u + share * (readout[0] - readout[2] * v) + T(camera->cx_px - point_in_image.x());
-    residual[1] = v + share * (readout[1] + readout[2] * u) + T(camera->cy_px - point_in_image.y());
+    residual[0] = T(camera->fx_px) * intrinsics[0] * p.x() + T(camera->cx_px - point_in_image.x());
+    residual[1] = T(camera->fy_px) * intrinsics[0] * p.y() + T(camera->cy_px - point_in_image.y());
     return true;
   }
 
@@ -109,17 +110,14 @@ struct AttitudePrior {
   double yaw_sd;
 };
 
-// The image stood still while it was read, give or take.
+// The camera stood still while its rows were read, give or take.
 struct ReadoutPrior {
   template <typename T>
-  bool operator()(const T* const readout, T* residual) const {
-    residual[0] = readout[0] / T(shift_sd_px);
-    residual[1] = readout[1] / T(shift_sd_px);
-    residual[2] = readout[2] / T(turn_sd);
+  bool operator()(const T* const turn, T* residual) const {
+    for (int i = 0; i < 3; ++i) residual[i] = turn[i] / T(turn_sd);
     return true;
   }
 
-  double shift_sd_px;
   double turn_sd;
 };
 

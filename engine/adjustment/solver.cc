@@ -35,7 +35,7 @@ class Parameters {
       values_.insert(values_.end(), position.data(), position.data() + 3);
     }
     for (const Readout& readout : start.readouts) {
-      values_.insert(values_.end(), {readout.right_px, readout.down_px, readout.turn});
+      values_.insert(values_.end(), readout.turn.data(), readout.turn.data() + 3);
     }
   }
 
@@ -68,8 +68,8 @@ void AddPriors(const std::vector<View>& views,
                              parameters.Position(i));
     const AttitudeDeviation deviation = AttitudeDeviationOf(view, options);
     problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<AttitudePrior, 3, 4>(new AttitudePrior{
-            view.prior_world_from_camera, deviation.tilt_sd, deviation.yaw_sd}),
+        new ceres::AutoDiffCostFunction<AttitudePrior, 3, 4>(
+            new AttitudePrior{view.prior_world_from_camera, deviation.tilt_sd, deviation.yaw_sd}),
         loss,
         parameters.Rotation(i));
     problem.SetManifold(parameters.Rotation(i), new ceres::EigenQuaternionManifold);
@@ -98,10 +98,10 @@ void AddReadouts(const Camera& camera,
       problem.SetParameterBlockConstant(parameters.ReadoutOf(i));
       continue;
     }
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ReadoutPrior, 3, 3>(new ReadoutPrior{
-                                 turn_sd * camera.MeanFocalPx(), turn_sd}),
-                             nullptr,
-                             parameters.ReadoutOf(i));
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<ReadoutPrior, 3, 3>(new ReadoutPrior{turn_sd}),
+        nullptr,
+        parameters.ReadoutOf(i));
   }
 }
 
@@ -115,14 +115,15 @@ void AddObservations(const Camera& camera,
     if (!track.has_point) continue;
     for (const Sighting& sighting : track.sightings) {
       if (!sighting.is_inlier) continue;
-      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, 2, 3>(
-                                   new ReprojectionResidual(&camera, sighting.point_in_image)),
-                               loss,
-                               parameters.Rotation(sighting.view),
-                               parameters.Position(sighting.view),
-                               track.point_in_world.data(),
-                               parameters.Intrinsics(),
-                               parameters.ReadoutOf(sighting.view));
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, 2, 3>(
+              new ReprojectionResidual(&camera, sighting.point_in_image)),
+          loss,
+          parameters.Rotation(sighting.view),
+          parameters.Position(sighting.view),
+          track.point_in_world.data(),
+          parameters.Intrinsics(),
+          parameters.ReadoutOf(sighting.view));
     }
   }
 }
@@ -212,8 +213,7 @@ std::optional<BlockState> SolveBlock(const std::vector<View>& views,
     solved.world_from_camera.push_back(
         {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(parameters.Rotation(i))).normalized(),
          Eigen::Map<const Eigen::Vector3d>(parameters.Position(i))});
-    const double* readout = parameters.ReadoutOf(i);
-    solved.readouts.push_back({readout[0], readout[1], readout[2]});
+    solved.readouts.push_back({Eigen::Map<const Eigen::Vector3d>(parameters.ReadoutOf(i))});
   }
   return solved;
 }

@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kNumNewtonSteps = 20;
 constexpr double kNewtonTolerance = 1e-12;
+constexpr int kNumRowSteps = 20;
+constexpr double kRowTolerancePx = 1e-9;
 constexpr double kDerivativeStep = 1e-7;
 // Beyond this angle from the optical axis a perspective camera sees nothing useful (cos 85 deg).
 constexpr double kMinCosOffAxis = 0.087;
@@ -68,29 +70,25 @@ Eigen::Matrix2d DistortionJacobian(const Camera& camera, const Eigen::Vector2d& 
   return jacobian;
 }
 
-// Where a pixel of an instantaneous image comes to lie when rows are read one after the other. The
-// share is that of the displaced row, so it is solved for.
-Eigen::Vector2d Displaced(const Camera& camera, const Eigen::Vector2d& pixel) {
-  const Readout& readout = camera.readout;
-  if (readout.IsGlobal()) return pixel;
-  const Eigen::Vector2d p(pixel.x() - camera.cx_px, pixel.y() - camera.cy_px);
-  const double down = (readout.down_px + readout.turn * p.x()) / camera.height_px;
-  const double y = p.y() / (1.0 - down);
-  const double share = y / camera.height_px;
-  return {pixel.x() + share * (readout.right_px - readout.turn * p.y()), camera.cy_px + y};
+// From the camera as it was when a row was read to the camera of the image's middle.
+Eigen::Quaterniond MiddleFromRow(const Camera& camera, double row) {
+  const double share = (row - camera.cy_px) / camera.height_px;
+  const double angle = share * camera.readout.turn.norm();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, camera.readout.turn.normalized()));
 }
 
-// The inverse.
-Eigen::Vector2d Instantaneous(const Camera& camera, const Eigen::Vector2d& pixel) {
-  const Readout& readout = camera.readout;
-  if (readout.IsGlobal()) return pixel;
-  const double share = (pixel.y() - camera.cy_px) / camera.height_px;
-  const double turn = share * readout.turn;
-  const Eigen::Vector2d p(pixel.x() - camera.cx_px - share * readout.right_px,
-                          pixel.y() - camera.cy_px - share * readout.down_px);
-  const double scale = 1.0 + turn * turn;
-  return {camera.cx_px + (p.x() + turn * p.y()) / scale,
-          camera.cy_px + (p.y() - turn * p.x()) / scale};
+// Pixel of a point when all rows are exposed at once.
+std::optional<Eigen::Vector2d> ProjectAtOnce(const Camera& camera, const Eigen::Vector3d& point) {
+  if (point.z() <= kMinCosOffAxis * point.norm()) return std::nullopt;
+  const Eigen::Vector2d normalized = point.head<2>() / point.z();
+  const Eigen::Vector2d distorted = Distort(camera, normalized);
+  // A lens polynomial may fold back outside its fitted field: such a point is not seen.
+  if (camera.distortion != DistortionModel::kNone &&
+      DistortionJacobian(camera, normalized).determinant() <= 0.0) {
+    return std::nullopt;
+  }
+  return Eigen::Vector2d(camera.fx_px * distorted.x() + camera.cx_px,
+                         camera.fy_px * distorted.y() + camera.cy_px);
 }
 
 void Require(bool holds, const char* field, double value, const char* constraint) {
@@ -104,29 +102,29 @@ void Require(bool holds, const char* field, double value, const char* constraint
 
 std::optional<Eigen::Vector2d> Camera::ImageFromCamera(
     const Eigen::Vector3d& point_in_camera) const {
-  if (point_in_camera.z() <= kMinCosOffAxis * point_in_camera.norm()) return std::nullopt;
-  const Eigen::Vector2d normalized = point_in_camera.head<2>() / point_in_camera.z();
-  const Eigen::Vector2d distorted = Distort(*this, normalized);
-  // A lens polynomial may fold back outside its fitted field: such a point is not seen.
-  if (distortion != DistortionModel::kNone &&
-      DistortionJacobian(*this, normalized).determinant() <= 0.0) {
-    return std::nullopt;
+  std::optional<Eigen::Vector2d> pixel = ProjectAtOnce(*this, point_in_camera);
+  if (readout.IsGlobal()) return pixel;
+  // The row decides how far the camera has turned, and the turn which row: each round is nearer by
+  // the ratio of the turn to the field of view.
+  for (int i = 0; i < kNumRowSteps && pixel; ++i) {
+    const double row = pixel->y();
+    pixel = ProjectAtOnce(*this, MiddleFromRow(*this, row).conjugate() * point_in_camera);
+    if (pixel && std::abs(pixel->y() - row) < kRowTolerancePx) break;
   }
-  return Displaced(*this, {fx_px * distorted.x() + cx_px, fy_px * distorted.y() + cy_px});
+  return pixel;
 }
 
 Eigen::Vector2d Camera::NormalizedFromImage(const Eigen::Vector2d& point_in_image) const {
-  const Eigen::Vector2d instantaneous = Instantaneous(*this, point_in_image);
-  const Eigen::Vector2d target((instantaneous.x() - cx_px) / fx_px,
-                               (instantaneous.y() - cy_px) / fy_px);
-  if (distortion == DistortionModel::kNone) return target;
+  const Eigen::Vector2d target((point_in_image.x() - cx_px) / fx_px,
+                               (point_in_image.y() - cy_px) / fy_px);
   Eigen::Vector2d guess = target;
-  for (int i = 0; i < kNumNewtonSteps; ++i) {
+  for (int i = 0; distortion != DistortionModel::kNone && i < kNumNewtonSteps; ++i) {
     const Eigen::Vector2d error = Distort(*this, guess) - target;
     if (error.norm() < kNewtonTolerance) break;
     guess -= DistortionJacobian(*this, guess).inverse() * error;
   }
-  return guess;
+  if (readout.IsGlobal()) return guess;
+  return (MiddleFromRow(*this, point_in_image.y()) * guess.homogeneous()).hnormalized();
 }
 
 Eigen::Vector3d Camera::RayFromImage(const Eigen::Vector2d& point_in_image) const {
@@ -149,8 +147,6 @@ Camera Camera::Scaled(double factor) const {
   scaled.fy_px = fy_px * factor_y;
   scaled.cx_px = (cx_px + 0.5) * factor_x - 0.5;
   scaled.cy_px = (cy_px + 0.5) * factor_y - 0.5;
-  scaled.readout.right_px *= factor_x;
-  scaled.readout.down_px *= factor_y;
   return scaled;
 }
 
@@ -169,10 +165,8 @@ void Camera::Check() const {
   Require(std::isfinite(cy_px), "cy_px", cy_px, "must be finite");
   // Slower than any sensor: a unit is wrong.
   constexpr double kMaxReadoutS = 1.0;
-  Require(readout_s >= 0.0 && readout_s <= kMaxReadoutS,
-          "readout_s",
-          readout_s,
-          "must be in [0, 1]");
+  Require(
+      readout_s >= 0.0 && readout_s <= kMaxReadoutS, "readout_s", readout_s, "must be in [0, 1]");
   const size_t count = coefficients.size();
   const double shown = static_cast<double>(count);
   if (distortion == DistortionModel::kNone) {

@@ -17,14 +17,14 @@ enum class DistortionModel {
 // Where the intrinsics come from; only intrinsics from EXIF may be refined.
 enum class CameraSource { kCalibrated, kExif };
 
-// How the image slid over the sensor while its rows were read one after the other (rolling shutter),
-// first order: a pixel is displaced by its share of the readout, (row - cy) / height, of these.
+// How the camera moved while the rows of one image were read one after the other (rolling shutter).
 struct Readout {
-  double right_px = 0.0;
-  double down_px = 0.0;
-  double turn = 0.0;  // about the optical axis, from x to y
+  // Rotation vector from the first row's reading to the last one's, camera frame, radians: at a row
+  // the camera has turned by (row - cy) / height of it. Flight past the ground looks nearly the
+  // same and is counted as turn.
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
 
-  bool IsGlobal() const { return right_px == 0.0 && down_px == 0.0 && turn == 0.0; }
+  bool IsGlobal() const { return turn.isZero(0.0); }
 };
 
 struct Camera {
@@ -38,10 +38,10 @@ struct Camera {
   DistortionModel distortion = DistortionModel::kNone;
   std::vector<double> coefficients;
   CameraSource source = CameraSource::kCalibrated;
-  // From the first row's reading to the last one's, seconds; 0 when all are exposed at once, or when
-  // nothing is known of it.
+  // From the first row's reading to the last one's, seconds; 0 when all are exposed at once, or
+  // when nothing is known of it.
   double readout_s = 0.0;
-  // Of one image: it differs from image to image with the motion of the aircraft.
+  // Of one image: it differs from image to image.
   Readout readout;
 
   // Pixel of a point in the camera frame; nothing for a point behind the camera or so far off-axis

@@ -240,9 +240,10 @@ std::optional<RectifiedPair> RectifyPair(const AdjustedBlock& block,
                  rectified.focal_px};
   // The right image shows a point of typical depth this much further left.
   const double shift = rectified.baseline / depths.typical;
-  const Window window = Intersection(WindowOf(left.camera, left.camera_from_rectified.transpose()),
-                                     WindowOf(right.camera, right.camera_from_rectified.transpose()),
-                                     shift);
+  const Window window =
+      Intersection(WindowOf(left.camera, left.camera_from_rectified.transpose()),
+                   WindowOf(right.camera, right.camera_from_rectified.transpose()),
+                   shift);
   // Room for the disparities on both sides, so that the matcher loses no ground to its margin.
   const double pad = rectified.baseline * std::max(1.0 / depths.nearest - 1.0 / depths.typical,
                                                    1.0 / depths.typical - 1.0 / depths.farthest);

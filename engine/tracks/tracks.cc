@@ -325,9 +325,7 @@ std::vector<ReadyFrame> Tracks::Flush() {
 const std::vector<View>& Tracks::views() const { return state_->views; }
 const Camera& Tracks::camera() const { return state_->memory.rig.camera; }
 
-void Tracks::SetPose(size_t view,
-                     const Rigid3d& world_from_camera,
-                     const Readout& readout) {
+void Tracks::SetPose(size_t view, const Rigid3d& world_from_camera, const Readout& readout) {
   View& changed = state_->views.at(view);
   FrameRecord& record = state_->memory.frames[state_->frame_of_view[view]];
   const double climb =

@@ -274,7 +274,7 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
   Camera camera = SurveyCamera();
   const Rigid3d world_from_camera{NadirCamera(0.7), {3.0, -4.0, 90.0}};
   const Eigen::Vector3d point(31.0, 12.0, 2.0);
-  camera.readout = {40.0, -25.0, 0.03};
+  camera.readout.turn = {1e-4, -2e-4, 5e-5};
   for (const auto& [model, coefficients] :
        {std::pair{DistortionModel::kNone, std::vector<double>{}},
         std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
@@ -283,20 +283,55 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
     camera.coefficients = coefficients;
     const auto pixel = camera.ImageFromCamera(Inverse(world_from_camera) * point);
     REQUIRE(pixel);
-    // The residual takes the share of the readout from the sighting's row, so they must be the same.
+    // The residual takes the share of the readout from the sighting's row, so they must be the
+    // same.
     const Eigen::Vector2d sighting = *pixel - Eigen::Vector2d(3.0, 0.0);
     const ReprojectionResidual residual(&camera, sighting);
     const double intrinsics[2] = {1.0, 0.0};
-    const double readout[3] = {40.0, -25.0, 0.03};
+    const double turn[3] = {1e-4, -2e-4, 5e-5};
     double error[2];
     REQUIRE(residual(world_from_camera.rotation.coeffs().data(),
                      world_from_camera.translation.data(),
                      point.data(),
                      intrinsics,
-                     readout,
+                     turn,
                      error));
-    CHECK(error[0] == doctest::Approx(3.0));
-    CHECK(std::abs(error[1]) < 1e-9);
+    CHECK(error[0] == doctest::Approx(3.0).epsilon(1e-4));
+    CHECK(std::abs(error[1]) < 1e-4);
+  }
+}
+
+TEST_CASE(
+    "adjustment: what a rolling shutter does to each image is found, not bent into the poses") {
+  SurveyOptions options;
+  options.gps_sd_m = 0.5;
+  options.outlier_ratio = 0.0;
+  options.readout_turn = 0.02;
+  Survey survey = MakeSurvey(options);
+  const AdjustedBlock taken_for_global = AdjustPoses(survey.views, survey.camera, {});
+  CHECK(taken_for_global.rms_after_px > 1.5 * kMaxRmsPx);
+  survey.camera.readout_s = 0.2;
+  const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+  REQUIRE(block.is_usable);
+  CHECK(block.rms_after_px < kMaxRmsPx);
+  CHECK(CompareWithTruth(survey, block).max_attitude_deg <
+        0.5 * CompareWithTruth(survey, taken_for_global).max_attitude_deg);
+}
+
+TEST_CASE("adjustment: a second run on the first one's poses does not drift away from the priors") {
+  SurveyOptions options;
+  options.num_strips = 2;
+  Survey survey = MakeSurvey(options);
+  const AdjustedBlock once = AdjustPoses(survey.views, survey.camera, {});
+  for (size_t i = 0; i < survey.views.size(); ++i) {
+    survey.views[i].world_from_camera = once.views[i].world_from_camera;
+  }
+  const AdjustedBlock twice = AdjustPoses(survey.views, survey.camera, {});
+  constexpr double kMaxDriftM = 0.05;
+  for (size_t i = 0; i < survey.views.size(); ++i) {
+    CHECK(
+        (twice.views[i].world_from_camera.translation - once.views[i].world_from_camera.translation)
+            .norm() < kMaxDriftM);
   }
 }
 

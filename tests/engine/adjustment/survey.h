@@ -24,6 +24,8 @@ struct SurveyOptions {
   double start_yaw_error_deg = 0.0;
   double start_tilt_error_deg = 2.0;
   double height_factor = 1.0;
+  // The camera turns by up to this about each axis while an image is read, radians.
+  double readout_turn = 0.0;
   AttitudeSource attitude_source = AttitudeSource::kGiven;
   unsigned seed = 7;
 };
@@ -76,9 +78,13 @@ class SurveyMaker {
     return survey;
   }
 
-  // Pixels of the points in every view, by `camera` (the true one).
-  void Observe(const Camera& camera, Survey& survey) {
+  // Pixels of the points in every view, by `base` (the true camera), each image displaced in its
+  // own way while it is read.
+  void Observe(const Camera& base, Survey& survey) {
     for (size_t view = 0; view < survey.views.size(); ++view) {
+      const double bound = options_.readout_turn;
+      const Eigen::Vector3d turn(Uniform(bound), Uniform(bound), Uniform(bound));
+      const Camera camera = bound > 0.0 ? base.With({turn}) : base;
       for (size_t id = 0; id < survey.points_in_world.size(); ++id) {
         auto pixel = camera.ImageFromCamera(Inverse(survey.world_from_camera[view]) *
                                             survey.points_in_world[id]);

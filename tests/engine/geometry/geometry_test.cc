@@ -20,6 +20,60 @@ Camera WideCamera() {
   return camera;
 }
 
+// Where a camera that turns and flies on during its readout sees a point: the row that is read when
+// the point's image is on it, found by iteration.
+Eigen::Vector2d SeenWhileMoving(const Camera& camera,
+                                const Eigen::Vector3d& point,
+                                const Eigen::Vector3d& turn,
+                                const Eigen::Vector3d& way) {
+  Eigen::Vector2d pixel(camera.cx_px, camera.cy_px);
+  for (int i = 0; i < 50; ++i) {
+    const double share = (pixel.y() - camera.cy_px) / camera.height_px;
+    const Eigen::AngleAxisd turned(-share * turn.norm(), turn.normalized());
+    pixel = *camera.ImageFromCamera(turned * (point - share * way));
+  }
+  return pixel;
+}
+
+TEST_CASE(
+    "camera: a rolling shutter sees what a turning camera sees, and flight as a turn nearly") {
+  Camera camera = WideCamera();
+  const double depth = 100.0;
+  const Eigen::Vector3d turn(RadFromDeg(0.5), RadFromDeg(2.0), RadFromDeg(1.0)),
+      way(0.0, -1.5, 0.0);
+  const Eigen::Vector3d flight_as_turn(1.5 / depth, 0.0, 0.0);
+  constexpr double kMaxTurnErrorPx = 1e-6;
+  constexpr double kMaxFlightErrorPx = 3.0;  // of up to 8 px of flight: a turn bends the image too
+  double largest_px = 0.0;
+  for (const double x : {-60.0, 0.0, 60.0}) {
+    for (const double y : {-45.0, 5.0, 45.0}) {
+      const Eigen::Vector3d point(x, y, depth);
+      const Eigen::Vector2d turned = SeenWhileMoving(camera, point, turn, Eigen::Vector3d::Zero());
+      CHECK((*camera.With({turn}).ImageFromCamera(point) - turned).norm() < kMaxTurnErrorPx);
+      const Eigen::Vector2d flown = SeenWhileMoving(camera, point, turn, way);
+      const Camera both = camera.With({turn + flight_as_turn});
+      CHECK((*both.ImageFromCamera(point) - flown).norm() < kMaxFlightErrorPx);
+      largest_px = std::max(largest_px, (*camera.ImageFromCamera(point) - flown).norm());
+    }
+  }
+  CHECK(largest_px > 3.0 * kMaxFlightErrorPx);
+}
+
+TEST_CASE(
+    "camera: a pixel's ray leads back to it through a rolling shutter, also at another size") {
+  const Camera camera = WideCamera().With({Eigen::Vector3d(0.02, -0.03, 0.04)});
+  for (const double factor : {1.0, 0.5}) {
+    const Camera scaled = camera.Scaled(factor);
+    for (const Eigen::Vector2d& pixel :
+         {Eigen::Vector2d(30.0, 20.0), Eigen::Vector2d(1500.0, 1100.0)}) {
+      const Eigen::Vector2d there = factor * pixel;
+      const auto back = scaled.ImageFromCamera(scaled.RayFromImage(there));
+      REQUIRE(back);
+      CHECK((*back - there).norm() < 1e-6);
+    }
+  }
+}
+
 TEST_CASE("rigid3: yaw 90 deg is the quaternion of the contract, and the nose points east") {
   const Eigen::Quaterniond ned_from_body = NedFromBody({.roll = 0.0, .pitch = 0.0, .yaw = kPi / 2});
   CHECK(std::abs(ned_from_body.w()) == doctest::Approx(0.7071).epsilon(1e-4));
