@@ -126,8 +126,7 @@ run_unit_tests
 passed
 if [ -z "${FREELSD_DATA:-}" ]; then skipped "tests on recorded flights: FREELSD_DATA is not set"; fi
 
-# The engine's tests are not in this list yet: they have not run to their end under sanitizers.
-sanitized=(storage api)
+sanitized=(engine storage api)
 start_step "building (sanitizers)"
 build asan "${sanitized[@]/%/_tests}" 2>&1 | tee "$work/build.log"
 refuse_warnings "$work/build.log"
@@ -136,7 +135,6 @@ passed
 start_step "unit tests (sanitizers)"
 run_sanitized_tests "${sanitized[@]}"
 passed
-skipped "engine tests under sanitizers: not in the list yet"
 
 port="$(free_port)"
 start_step "the demo, end to end"
