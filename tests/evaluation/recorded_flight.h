@@ -1,0 +1,40 @@
+// A recorded flight in process: its photographs through the frontend and one adjustment of all.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "engine/pipeline.h"
+
+namespace freelsd {
+
+struct RecordedFlight {
+  LocalFrame frame;
+  // As the first photograph tells.
+  Camera camera;
+  // By frame_id, which is the file's name; full size, BGR.
+  std::map<std::string, cv::Mat> images;
+  std::vector<View> views;
+  AdjustedBlock block;
+};
+
+// Reads images/ and, where there is one, poses.csv in the folder. Throws std::runtime_error when
+// nothing can be read there.
+RecordedFlight AdjustRecordedFlight(const std::string& folder,
+                                    const Classifier& classifier,
+                                    const PipelineOptions& options);
+
+// How far the elevation maps of single pairs differ where they overlap, metres. Pairs are up to 30,
+// evenly spread; a map cell is one metre.
+struct PairAgreement {
+  int num_overlaps = 0;
+  double median_m = 0.0;
+  double p90_m = 0.0;
+};
+PairAgreement AgreementOfPairs(const RecordedFlight& flight, const PipelineOptions& options);
+
+// Elevation map of the whole block from all its pairs.
+ElevationMap MapOfBlock(const RecordedFlight& flight, const PipelineOptions& options);
+
+}  // namespace freelsd
