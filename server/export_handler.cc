@@ -81,7 +81,8 @@ std::vector<StoredSite> RankedSitesOf(const Service& service, const std::string&
   std::vector<nlohmann::json> features;
   for (const SiteRow& row : rows) features.push_back(nlohmann::json::parse(row.feature_json));
   std::vector<StoredSite> sites;
-  for (const nlohmann::json& feature : RankedSites(features)["features"]) {
+  const nlohmann::json ranked = RankedSites(features);
+  for (const nlohmann::json& feature : ranked["features"]) {
     for (const SiteRow& row : rows) {
       if (feature["properties"]["id"] != row.id) continue;
       const std::string datum = ParseReplan(row.replan_json).flight.altitude_datum;

@@ -8,6 +8,9 @@ namespace {
 
 // QGroundControl and PX4 measure on a sphere.
 constexpr double kSphereRadiusM = 6371007.2;
+// What a plan may differ from the site by, when the program has computed it anew.
+const double kHeadingTolerance = RadFromDeg(0.1);
+const double kSlopeTolerance = RadFromDeg(0.05);
 // MAV_AUTOPILOT_PX4, vehicle class fixed wing.
 constexpr int kFirmwareType = 12;
 constexpr int kVehicleType = 1;
@@ -35,13 +38,29 @@ SphericalLeg LegOnSphere(const GeoPoint& from, const GeoPoint& to) {
   return {2.0 * kSphereRadiusM * std::asin(std::sqrt(haversine)), azimuth};
 }
 
-// The program finds the heading again as the circle's tangent through the touchdown, on its sphere.
-// Places are ours to the millimetre; the radius (within a percent of ours) is the one that makes
-// that tangent our heading, which the true one misses by up to half a degree.
+// The program finds heading and glide slope again from the circle's tangent through the touchdown,
+// on its sphere, where metres are up to 0.6 % off, and not the same northwards and eastwards.
+// Places are ours to the millimetre. The radius is free by a percent: the one that makes the
+// tangent our heading can miss the slope by 0.055 deg, ours misses the heading by half a degree, so
+// it is the one with the least sum of squared errors, each in units of its tolerance.
 double RadiusOnSphere(const SitePlaces& site) {
-  const SphericalLeg leg = LegOnSphere(site.touchdown, site.final_places->loiter_center);
-  const double back = RadFromDeg(site.final_places->heading_deg + 180.0);
-  return leg.distance_m * std::abs(std::sin(leg.azimuth - back));
+  const FinalPlaces& ours = *site.final_places;
+  const SphericalLeg leg = LegOnSphere(site.touchdown, ours.loiter_center);
+  const double turn = leg.azimuth - RadFromDeg(ours.heading_deg + 180.0);
+  const double radius_m = leg.distance_m * std::abs(std::sin(turn));
+  const double distance_m = leg.distance_m * std::cos(turn);
+  // Derivatives of d = sqrt(D^2 - R^2), of the tangent's angle asin(R / D) and of the slope
+  // atan(h / d).
+  const double slope_per_m =
+      -ours.height_m / (distance_m * distance_m + ours.height_m * ours.height_m);
+  const double heading_errors_per_m = 1.0 / distance_m / kHeadingTolerance;
+  const double slope_errors_per_m = slope_per_m * -radius_m / distance_m / kSlopeTolerance;
+  const double slope_errors =
+      (std::atan2(ours.height_m, distance_m) - std::atan2(ours.height_m, ours.distance_m)) /
+      kSlopeTolerance;
+  return radius_m - slope_errors_per_m * slope_errors /
+                        (heading_errors_per_m * heading_errors_per_m +
+                         slope_errors_per_m * slope_errors_per_m);
 }
 
 nlohmann::json Coordinate(const GeoPoint& place, const AltitudeFrame& frame) {

@@ -43,9 +43,9 @@ FinalPlaces ReadFinal(const nlohmann::json& approach, const GeoPoint& touchdown)
                                            places.start.longitude_deg,
                                            touchdown.latitude_deg,
                                            touchdown.longitude_deg,
-                                           places.distance_m,
                                            heading_at_start,
                                            places.heading_deg);
+  places.distance_m = LocalFrame(touchdown).WorldFromGeo(places.start).head<2>().norm();
   if (places.heading_deg < 0.0) places.heading_deg += 360.0;
   places.height_m = places.start.altitude_m - touchdown.altitude_m;
   return places;

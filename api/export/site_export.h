@@ -21,6 +21,7 @@ struct FinalPlaces {
   bool is_right_turn = false;
   // Direction of travel at the touchdown, from true north there, 0 to 360.
   double heading_deg = 0.0;
+  // Level, where it is flown: up a mountain it is more than between the feet on the ellipsoid.
   double distance_m = 0.0;
   // Start above touchdown.
   double height_m = 0.0;

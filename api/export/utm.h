@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "engine/geometry/local_frame.h"
+#include "engine/geometry/geometry.h"
 #include "engine/terrain/terrain.h"
 
 namespace freelsd {

@@ -63,7 +63,10 @@ std::map<std::string, nlohmann::json> ReadByGdal(const std::string& path,
   std::istringstream lines(*output);
   for (std::string line; std::getline(lines, line);) {
     const nlohmann::json feature = nlohmann::json::parse(line);
-    features[feature["properties"][key]] = feature;
+    // GDAL takes a property "id" that equals the feature's own id for the latter.
+    const nlohmann::json& name =
+        feature["properties"].contains(key) ? feature["properties"] : feature;
+    features[name.at(key)] = feature;
   }
   return features;
 }
@@ -204,7 +207,7 @@ TEST_CASE("kml: GDAL reads touchdown, final and circle where they are") {
     CheckPlace(PlaceOf(line.at(0)), sites[i].start);
     CheckPlace(PlaceOf(line.at(1)), sites[i].touchdown);
     for (const nlohmann::json& position : read.at(id + " loiter")["geometry"]["coordinates"]) {
-      const double radius_m = MetresBetween(PlaceOf(position), sites[i].loiter_center);
+      const double radius_m = MetresInSpace(PlaceOf(position), sites[i].loiter_center);
       CHECK(std::abs(radius_m - sites[i].loiter_radius_m) < kMaxPlaceErrorM);
     }
   }

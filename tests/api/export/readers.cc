@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 
+#include <GeographicLib/Geocentric.hpp>
 #include <GeographicLib/Geodesic.hpp>
 #include <doctest/doctest.h>
 #include <unistd.h>
@@ -73,6 +74,16 @@ double MetresBetween(const GeoPoint& a, const GeoPoint& b) {
   GeographicLib::Geodesic::WGS84().Inverse(
       a.latitude_deg, a.longitude_deg, b.latitude_deg, b.longitude_deg, distance_m);
   return distance_m;
+}
+
+double MetresInSpace(const GeoPoint& a, const GeoPoint& b) {
+  const auto in_space = [](const GeoPoint& place) {
+    Eigen::Vector3d point;
+    GeographicLib::Geocentric::WGS84().Forward(
+        place.latitude_deg, place.longitude_deg, place.altitude_m, point.x(), point.y(), point.z());
+    return point;
+  };
+  return (in_space(a) - in_space(b)).norm();
 }
 
 double DegreesBetween(double a_deg, double b_deg) {

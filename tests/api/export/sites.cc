@@ -67,13 +67,13 @@ KnownSite MakeSite(const KnownSiteOptions& options) {
   known.start = frame.GeoFromWorld(approach.approach_start_in_world);
   known.loiter_center = frame.GeoFromWorld(approach.loiter_center_in_world);
   known.loiter_radius_m = approach.loiter_radius;
+  known.distance_m = approach.approach_distance;
   known.is_right_turn = options.direction == LoiterDirection::kRight;
   double azimuth_at_start;
   GeographicLib::Geodesic::WGS84().Inverse(known.start.latitude_deg,
                                            known.start.longitude_deg,
                                            known.touchdown.latitude_deg,
                                            known.touchdown.longitude_deg,
-                                           known.distance_m,
                                            azimuth_at_start,
                                            known.heading_deg);
   return known;
