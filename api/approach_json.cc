@@ -35,7 +35,7 @@ nlohmann::json ProfileJson(const Approach& approach, const LocalFrame& local_fra
 
 std::vector<nlohmann::json> ApproachFeatures(const Approach& approach,
                                              const LocalFrame& local_frame) {
-  nlohmann::json final_properties = ApproachProperties(approach);
+  nlohmann::json final_properties = ApproachProperties(approach, local_frame);
   final_properties["kind"] = "approach";
   const nlohmann::json loiter{{"kind", "loiter"},
                               {"radius_m", Rounded(approach.loiter_radius)},
@@ -51,14 +51,21 @@ std::vector<nlohmann::json> ApproachFeatures(const Approach& approach,
           Feature(PointGeometry(approach.touchdown_in_world, local_frame), touchdown)};
 }
 
+double TrueHeadingDeg(const Approach& approach, const LocalFrame& local_frame) {
+  const LocalFrame at_touchdown(local_frame.GeoFromWorld(approach.touchdown_in_world));
+  const GeoPoint start = local_frame.GeoFromWorld(approach.approach_start_in_world);
+  const Eigen::Vector3d back = at_touchdown.WorldFromGeo(start);
+  return DegFromRad(std::atan2(-back.x(), -back.y()));
+}
+
 }  // namespace
 
 std::string DirectionName(LoiterDirection direction) {
   return direction == LoiterDirection::kLeft ? "left" : "right";
 }
 
-nlohmann::json ApproachProperties(const Approach& approach) {
-  const double heading = std::remainder(DegFromRad(approach.heading), 360.0);
+nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& local_frame) {
+  const double heading = TrueHeadingDeg(approach, local_frame);
   return {{"heading_deg", Rounded(heading < 0.0 ? heading + 360.0 : heading)},
           {"distance_m", Rounded(approach.approach_distance)},
           {"height_m", Rounded(approach.approach_height)},

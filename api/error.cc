@@ -41,6 +41,8 @@ constexpr ErrorKind kErrorKinds[] = {
     {"Conflict", 409, "The request conflicts with what is stored", 0},
     {"FrameConflict", 409, "The frame is stored with another image or meta", 0},
     {"NoApproach", 409, "The site has no approach", 0},
+    {"SiteRejected", 409, "The site is rejected", 0},
+    {"AltitudeUnknown", 409, "What altitudes are above is not known", 0},
     {"LengthRequired", 411, "The body's length is needed", 0},
     {"TooLarge", 413, "A limit was passed", 0},
     {"BodyTooLarge", 413, "The body is too large", 0},

@@ -11,7 +11,8 @@ namespace freelsd {
 
 // "left" or "right".
 std::string DirectionName(LoiterDirection direction);
-// heading, distance, height, loiter radius and direction, least clearance.
-nlohmann::json ApproachProperties(const Approach& approach);
+// heading, distance, height, loiter radius and direction, least clearance. The heading is from true
+// north at the touchdown; the world's, of the origin, is 0.05 degrees off a kilometre east at 80 N.
+nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& local_frame);
 
 }  // namespace freelsd

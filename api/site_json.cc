@@ -52,10 +52,10 @@ std::string ReasonOf(const Plan& plan) {
   return plan.reject_reason ? NameOf(*plan.reject_reason) : "no_safe_touchdown";
 }
 
-std::string ApproachSentencePart(const Approach& approach) {
+std::string ApproachSentencePart(const Approach& approach, const LocalFrame& local_frame) {
   std::ostringstream text;
   text << "final of " << std::lround(approach.approach_distance) << " m on heading "
-       << std::lround(ApproachProperties(approach)["heading_deg"].get<double>()) % 360
+       << std::lround(ApproachProperties(approach, local_frame)["heading_deg"].get<double>()) % 360
        << " deg after a " << DirectionName(approach.loiter_direction) << " turn of "
        << std::lround(approach.loiter_radius) << " m radius";
   if (std::isfinite(approach.min_clearance)) {
@@ -65,7 +65,7 @@ std::string ApproachSentencePart(const Approach& approach) {
 }
 
 // One English sentence.
-std::string SummaryOf(const Plan& plan) {
+std::string SummaryOf(const Plan& plan, const LocalFrame& local_frame) {
   std::ostringstream text;
   if (plan.verdict == Verdict::kRejected) {
     text << "Rejected (" << ReasonOf(plan) << ")";
@@ -73,7 +73,7 @@ std::string SummaryOf(const Plan& plan) {
   } else {
     text << (plan.verdict == Verdict::kLandable ? "Landable" : "Unverified") << ": "
          << std::lround(plan.hazard_distance) << " m free around the touchdown";
-    if (plan.approach) text << ", " << ApproachSentencePart(*plan.approach);
+    if (plan.approach) text << ", " << ApproachSentencePart(*plan.approach, local_frame);
     if (plan.approach && plan.approach->unseen_ratio > 0.0) {
       text << "; " << std::max(1L, std::lround(100.0 * plan.approach->unseen_ratio))
            << " % of the circle is unseen";
@@ -168,12 +168,12 @@ nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
   properties["score"] = Rounded(std::clamp(plan.score, 0.0, 1.0));
   properties["score_terms"] = ScoreTermsJson(plan);
   properties["why"] = WhyOf(plan);
-  properties["summary"] = SummaryOf(plan);
+  properties["summary"] = SummaryOf(plan, context.local_frame);
   properties["rejections"] = RejectionsJson(plan, context.local_frame);
   properties["approach"] = nullptr;
   properties["unseen_ratio"] = nullptr;
   if (plan.approach) {
-    properties["approach"] = ApproachProperties(*plan.approach);
+    properties["approach"] = ApproachProperties(*plan.approach, context.local_frame);
     properties["unseen_ratio"] = Rounded(plan.approach->unseen_ratio);
   }
   return properties;

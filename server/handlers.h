@@ -38,6 +38,11 @@ void DeleteSite(Service& service, const Call& call, httplib::Response& response)
 // approach_handler.cc
 void GetApproach(Service& service, const Call& call, httplib::Response& response);
 
+// export_handler.cc
+void GetSiteAs(Service& service, const Call& call, httplib::Response& response);
+void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& response);
+void GetLayerWorldFile(Service& service, const Call& call, httplib::Response& response);
+
 // layer_handlers.cc
 void GetLayers(Service& service, const Call& call, httplib::Response& response);
 void GetLayerPicture(Service& service, const Call& call, httplib::Response& response);

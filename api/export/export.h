@@ -1,4 +1,5 @@
-// Engine types -> bytes: pictures of layers, GeoTIFF, and the stored form of a site's map.
+// Engine types -> bytes: pictures of layers, GeoTIFF, and the stored form of a site's map. Stored
+// sites -> the formats of other programs, and a report for people.
 #pragma once
 
 #include <optional>
@@ -58,5 +59,41 @@ std::string LegendPng(const SiteMap& site_map,
 std::string LayerGeoTiff(const SiteMap& site_map,
                          const std::string& name,
                          const LocalFrame& local_frame);
+// World file of the layers' pictures: six lines, in the CRS of the GeoTIFFs, which
+// {epsg} of LayersJson names. std::invalid_argument for an empty map.
+std::string LayerWorldFile(const SiteMap& site_map, const LocalFrame& local_frame);
+
+// --- Sites in the formats of other programs ---
+
+struct StoredSite {
+  // GeoJSON feature, with rank.
+  std::string feature_json;
+  // FeatureCollection of ApproachJson; empty where there is none.
+  std::string approach_json;
+  std::string altitude_datum = "unknown";
+};
+struct ExportOptions {
+  // Of the place of launch, in the sites' datum: autopilots' files then tell altitudes above it.
+  std::optional<double> home_altitude_m;
+};
+struct SiteFormat {
+  const char* name;
+  const char* media_type;
+  const char* extension;
+};
+// plan, waypoints, rally, kml, cup, csv.
+std::vector<SiteFormat> SiteFormats();
+// `sites` of one flight, best first. What something would fly to (plan, waypoints, rally, cup)
+// never holds a rejected site, and an unverified one is named so. Throws ApiError SiteRejected
+// where nothing is left, NoApproach, AltitudeUnknown where the format needs a reference that is not
+// known; std::invalid_argument for another name.
+std::string ExportSites(const std::string& format,
+                        const std::vector<StoredSite>& sites,
+                        const ExportOptions& options);
+// One page of HTML that asks for nothing else: verdict, map with layers, profile, numbers.
+// `site_map` may be empty.
+std::string SiteReport(const StoredSite& site,
+                       const SiteMap& site_map,
+                       const LocalFrame& local_frame);
 
 }  // namespace freelsd

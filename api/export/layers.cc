@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/export/layer_values.h"
+#include "api/export/utm.h"
 
 namespace freelsd {
 namespace {
@@ -133,6 +134,7 @@ nlohmann::json LayersJson(const SiteMap& site_map, const LocalFrame& local_frame
   if (grid.num_rows == 0 || grid.num_cols == 0) return {{"layers", layers}};
   const Placement placement = Place(grid, local_frame);
   const std::vector<Eigen::Vector2d> corners = OuterCorners(grid);
+  const int epsg = ZoneOf(local_frame.origin()).Epsg();
   const double altitude = AltitudeOfPlane(0.5 * (corners[0] + corners[2]), local_frame);
   for (const std::string& name : LayerNames()) {
     const LayerInfo info = DescribeLayer(site_map, name);
@@ -144,6 +146,7 @@ nlohmann::json LayersJson(const SiteMap& site_map, const LocalFrame& local_frame
                       {"width_px", grid.num_cols},
                       {"height_px", grid.num_rows},
                       {"cell_size_m", grid.cell_size_m},
+                      {"epsg", epsg},
                       {"bounds", placement.bounds},
                       {"corners", placement.corners}});
   }

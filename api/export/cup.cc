@@ -1,0 +1,76 @@
+// SeeYou CUP: landables for gliding computers. Its minutes have three decimals (older readers take
+// no others), so a place is right within 1.4 m; the description has it in full.
+#include <cmath>
+
+#include "api/export/site_export.h"
+
+namespace freelsd {
+namespace {
+
+// "Outlanding" in the format's list of styles.
+constexpr int kOutlanding = 3;
+constexpr long kThousandthsPerDegree = 60000;
+
+// DDMM.mmmN, DDDMM.mmmE; counted in thousandths of a minute, so that 59.9996' carries over.
+std::string Angle(double degrees, int num_degree_digits, const char* signs) {
+  const long thousandths =
+      std::lround(std::abs(degrees) * static_cast<double>(kThousandthsPerDegree));
+  const long rest = thousandths % kThousandthsPerDegree;
+  char text[32];
+  std::snprintf(text,
+                sizeof(text),
+                "%0*ld%02ld.%03ld%c",
+                num_degree_digits,
+                thousandths / kThousandthsPerDegree,
+                rest / 1000,
+                rest % 1000,
+                degrees < 0.0 ? signs[1] : signs[0]);
+  return text;
+}
+
+// 001 to 360: readers take 000 without a length for unknown.
+std::string Direction(double heading_deg) {
+  const long rounded = (std::lround(heading_deg) + 359) % 360 + 1;
+  char text[16];
+  std::snprintf(text, sizeof(text), "%03ld", rounded);
+  return text;
+}
+
+std::string Quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? '\'' : c == '\n' || c == '\r' ? ' ' : c;
+  return quoted + "\"";
+}
+
+std::string Description(const SitePlaces& site) {
+  std::string text = site.verdict == "unverified" ? "UNVERIFIED. " : "";
+  text += site.properties.value("summary", "") + " At " +
+          FixedText(site.touchdown.latitude_deg, 8) + " " +
+          FixedText(site.touchdown.longitude_deg, 8);
+  if (site.final_places) {
+    text += ", heading " + FixedText(site.final_places->heading_deg, 1) + " deg";
+  }
+  if (site.altitude_datum != "amsl") text += ". Elevation left out: datum " + site.altitude_datum;
+  return text + ".";
+}
+
+// Elevation is above mean sea level in this format; left empty, readers take their terrain's.
+std::string Row(const SitePlaces& site) {
+  const std::string elevation =
+      site.altitude_datum == "amsl" ? FixedText(site.touchdown.altitude_m, 1) + "m" : "";
+  const std::string direction = site.final_places ? Direction(site.final_places->heading_deg) : "";
+  const std::string code = "R" + std::to_string(site.properties.value("region_id", int64_t{0}));
+  return Quoted(site.Name()) + "," + code + ",," + Angle(site.touchdown.latitude_deg, 2, "NS") +
+         "," + Angle(site.touchdown.longitude_deg, 3, "EW") + "," + elevation + "," +
+         std::to_string(kOutlanding) + "," + direction + ",,," + Quoted(Description(site)) + "\r\n";
+}
+
+}  // namespace
+
+std::string CupFile(const std::vector<StoredSite>& stored, const ExportOptions&) {
+  std::string text = "name,code,country,lat,lon,elev,style,rwdir,rwlen,freq,desc\r\n";
+  for (const SitePlaces& site : SafeSites(stored, false)) text += Row(site);
+  return text;
+}
+
+}  // namespace freelsd
