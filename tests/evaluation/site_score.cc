@@ -24,7 +24,7 @@ PathTruth LookAcross(const World& world,
   for (double t = -half_width; t <= half_width + 1e-9; t += kStepM) {
     const Eigen::Vector2d point = place + t * across;
     const double clearance =
-        path_height - world.surface(world.CellIndex(point.y()), world.CellIndex(point.x()));
+        path_height - world.TopHeight(point.x(), point.y());
     if (clearance >= path.clearance) continue;
     path.clearance = clearance;
     path.worst_place = point;
@@ -77,6 +77,7 @@ PathTruth AlongCircle(const World& world,
 
 std::string NameOfObstacle(const World& world, const PathTruth& path) {
   if (path.clearance >= 0.0) return "";
+  if (world.IsWireAt(path.worst_place.x(), path.worst_place.y())) return "wire";
   const Cover cover = world.CoverAt(path.worst_place.x(), path.worst_place.y());
   return cover == Cover::kMeadow ? "ground" : CoverName(cover);
 }

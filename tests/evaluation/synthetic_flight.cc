@@ -16,7 +16,7 @@ namespace {
 
 constexpr uint64_t kWindPurpose = 501;
 constexpr int kJpegQuality = 92;
-// What a photograph shows near its border is cut off by the next one's: half a metre of it.
+// Views of a place from which it can be known: a pair, and one to check it by.
 constexpr int kMinNumViews = 3;
 constexpr double kMaxWindMps = 6.0;
 constexpr double kMinWindMps = 1.0;
@@ -115,7 +115,7 @@ Scenario MakeScenario(uint64_t seed,
   world_options.cell_size_m = options.cell_size_m;
   world_options.wind_speed_mps = Uniform(seed, kMinWindMps, kMaxWindMps);
   Scenario scenario;
-  scenario.world = MakeFarmland(world_options);
+  scenario.world = MakeCountryside(world_options);
   scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
   scenario.rig.camera = PaperCamera(752, 480);
   scenario.exposures = PlanFlight(FlightFor(seed, options), scenario.world.wind_in_world);

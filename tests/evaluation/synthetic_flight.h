@@ -13,9 +13,10 @@
 namespace freelsd {
 
 struct ScenarioOptions {
-  double world_size_m = 520.0;
-  double cell_size_m = 0.15;
-  int num_frames = 150;
+  // Larger than what the flight sees: beyond the world there is no truth.
+  double world_size_m = 600.0;
+  double cell_size_m = 0.2;
+  int num_frames = 90;
   double height_m = 100.0;
   // 0.75 of overlap along the track and 0.63 beside it, for the paper's down-looking camera.
   double frame_spacing_m = 25.0;

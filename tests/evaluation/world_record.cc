@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 // A region has to do with a field when it holds this share of its ground.
 constexpr double kMinShareOfField = 0.2;
 // Too thin for 0.2 m of ground sampling: in a row of their own.
-const std::set<std::string> kThinThings{"", "pole", "wire"};
+const std::set<std::string> kThinThings{"", "pole", "wire", "fence"};
 
 double Rounded(double value) { return std::round(value * 100.0) / 100.0; }
 Json Place(const Eigen::Vector2d& place) { return {Rounded(place.x()), Rounded(place.y())}; }

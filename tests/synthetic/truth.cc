@@ -36,7 +36,9 @@ double HighestAcross(const World& world,
   double highest = -std::numeric_limits<double>::infinity();
   for (double s = -half_width; s <= half_width + 1e-9; s += kPathStepM) {
     const Eigen::Vector2d place = point + s * across;
-    highest = std::max(highest, world.SurfaceHeight(place.x(), place.y()));
+    highest = std::max({highest,
+                        world.SurfaceHeight(place.x(), place.y()),
+                        world.TopHeight(place.x(), place.y())});
   }
   return highest;
 }
