@@ -53,6 +53,8 @@ std::map<std::string, std::array<int64_t, 3>> AddUpTriples(const Json& records,
 // Sites by verdict and what was wrong with them.
 struct SiteCounts {
   Counts verdicts, reasons, false_safe_causes;
+  // By what the ground at the touchdown truly is: accepted, rejected.
+  std::map<std::string, std::array<int64_t, 2>> grounds;
   int64_t num_false_safe = 0, num_false_safe_without_shift = 0, num_only_thin = 0;
 };
 
@@ -73,6 +75,7 @@ SiteCounts CountSites(const Json& records) {
     for (const Json& site : record.at("sites")) {
       ++counts.verdicts[site.at("verdict").get<std::string>()];
       if (site.at("verdict") == "rejected") ++counts.reasons[site.at("reason").get<std::string>()];
+      ++counts.grounds[site.at("ground").get<std::string>()][site.at("verdict") == "rejected"];
       counts.num_only_thin += site.at("is_only_thin").get<bool>();
       counts.num_false_safe_without_shift += site.at("is_false_safe_without_shift").get<bool>();
       if (!site.at("is_false_safe").get<bool>()) continue;
@@ -86,6 +89,8 @@ SiteCounts CountSites(const Json& records) {
 // Fields that the flight could have found, and those that only look like it.
 struct FieldCounts {
   int64_t num_true = 0, num_true_seen = 0, num_found = 0, num_blocked = 0, num_blocked_accepted = 0;
+  // Of the seen ones: a loiter circle is clear too.
+  int64_t num_with_loiter = 0, num_with_loiter_found = 0;
   Counts fates, blocked_fates;
 };
 
@@ -105,6 +110,9 @@ FieldCounts CountFields(const Json& records) {
       ++counts.num_true_seen;
       ++counts.fates[fate];
       counts.num_found += field.at("is_found").get<bool>();
+      if (!field.at("has_loiter").get<bool>()) continue;
+      ++counts.num_with_loiter;
+      counts.num_with_loiter_found += field.at("is_found").get<bool>();
     }
   }
   return counts;
@@ -118,6 +126,10 @@ Json SafetyTotals(const Json& records) {
     return found == sites.verdicts.end() ? int64_t{0} : found->second;
   };
   const int64_t num_safe = count("landable") + count("unverified");
+  Json grounds = Json::object();
+  for (const auto& [ground, counted] : sites.grounds) {
+    grounds[ground] = {{"num_accepted", counted[0]}, {"num_rejected", counted[1]}};
+  }
   Sums seconds;
   for (const Json& record : records) seconds.Add(record.at("total_s").get<double>());
   return {{"num_worlds", records.size()},
@@ -133,11 +145,14 @@ Json SafetyTotals(const Json& records) {
           {"num_fields", fields.num_true_seen},
           {"num_fields_found", fields.num_found},
           {"fields_found_ratio", Share(fields.num_found, fields.num_true_seen)},
+          {"num_fields_with_loiter", fields.num_with_loiter},
+          {"num_fields_with_loiter_found", fields.num_with_loiter_found},
           {"fates_of_fields", fields.fates},
           {"num_blocked_fields", fields.num_blocked},
           {"num_blocked_fields_accepted", fields.num_blocked_accepted},
           {"fates_of_blocked_fields", fields.blocked_fates},
           {"reject_reasons", sites.reasons},
+          {"sites_by_ground", grounds},
           {"time_to_first_site_s", Number(seconds.Mean())}};
 }
 

@@ -23,8 +23,7 @@ PathTruth LookAcross(const World& world,
   PathTruth path;
   for (double t = -half_width; t <= half_width + 1e-9; t += kStepM) {
     const Eigen::Vector2d point = place + t * across;
-    const double clearance =
-        path_height - world.TopHeight(point.x(), point.y());
+    const double clearance = path_height - world.TopHeight(point.x(), point.y());
     if (clearance >= path.clearance) continue;
     path.clearance = clearance;
     path.worst_place = point;

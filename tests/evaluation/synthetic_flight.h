@@ -14,12 +14,12 @@ namespace freelsd {
 
 struct ScenarioOptions {
   // Larger than what the flight sees: beyond the world there is no truth.
-  double world_size_m = 600.0;
+  double world_size_m = 500.0;
   double cell_size_m = 0.2;
-  int num_frames = 90;
+  int num_frames = 50;
   double height_m = 100.0;
-  // 0.75 of overlap along the track and 0.63 beside it, for the paper's down-looking camera.
-  double frame_spacing_m = 25.0;
+  // 0.71 of overlap along the track and 0.63 beside it, for the paper's down-looking camera.
+  double frame_spacing_m = 30.0;
   double leg_spacing_m = 60.0;
   double noise_scale = 1.0;
   // "techpod", "small"; "both" takes one after the other from seed to seed.

@@ -87,6 +87,9 @@ void CompareNumbers(std::ostringstream& out,
 std::string TableOf(const Json& report) {
   std::ostringstream out;
   WritePart(out, "safety", report.at("safety"));
+  WriteRows(out,
+            "sites, by what the ground at the touchdown truly is",
+            report.at("safety").at("sites_by_ground"));
   WritePart(out, "maps", report.at("maps"));
   WriteRows(out, "cells of the map, by what they truly are", report.at("maps").at("kinds"));
   WritePart(out, "frontend", report.at("frontend"));

@@ -26,6 +26,30 @@ int FieldAt(const Fields& fields, const TruthMap& truth, const Eigen::Vector2d& 
   return fields.label(truth.CellAt(place));
 }
 
+// What a place truly is: a row of the table of decoys.
+std::string GroundAt(const TruthMap& truth, const Fields& fields, const Eigen::Vector2d& place) {
+  if (place.cwiseAbs().maxCoeff() >= 0.5 * truth.size_m) return "outside";
+  const int field = FieldAt(fields, truth, place);
+  if (field > 0) {
+    return fields.fields[static_cast<size_t>(field - 1)].is_landable ? "true field"
+                                                                     : "approach blocked";
+  }
+  const cv::Point cell = truth.CellAt(place);
+  switch (static_cast<GroundFault>(truth.fault(cell))) {
+    case GroundFault::kNone:
+      return "too small";
+    case GroundFault::kSteep:
+      return "too steep";
+    case GroundFault::kRough:
+      return "too rough";
+    case GroundFault::kOutside:
+      return "outside";
+    case GroundFault::kCover:
+      return CoverName(static_cast<Cover>(truth.cover(cell)));
+  }
+  return "";
+}
+
 void AddSafety(Json& json, const std::optional<SafetyScore>& score, const Plan& plan) {
   json["is_false_safe"] = false;
   json["is_only_thin"] = false;
@@ -58,7 +82,8 @@ Json SiteJson(const Site& site,
             {"detail", plan.reject_detail},
             {"touchdown_m", Place(touchdown)},
             {"hazard_distance_m", Rounded(plan.hazard_distance)},
-            {"field", FieldAt(fields, truth, touchdown)}};
+            {"field", FieldAt(fields, truth, touchdown)},
+            {"ground", GroundAt(truth, fields, touchdown)}};
   const World& world = scenario.world;
   AddSafety(json, ScorePlan(world, truth, scenario.aircraft, plan, Eigen::Vector2d::Zero()), plan);
   const auto unshifted = ScorePlan(world, truth, scenario.aircraft, plan, shift);
