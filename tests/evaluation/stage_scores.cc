@@ -192,7 +192,7 @@ MapScore ScoreMap(const EngineRun& run, const Scenario& scenario, const TruthMap
         errors.push_back(map.elevation(row, col) -
                          scenario.world.SurfaceHeight(place.x(), place.y()));
       }
-      if (truth.fault(cell) != 0) continue;
+      if (truth.free_distance(cell) < kSlopeSupportM) continue;  // trees reach into the support
       score.slope_error.Add(DegFromRad(layers.slope(row, col) - TrueSlope(scenario.world, place)));
       score.roughness_error.Add(layers.roughness(row, col) - TrueRoughness(scenario.world, place));
     }

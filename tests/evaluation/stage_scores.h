@@ -32,7 +32,7 @@ struct MapScore {
   // Estimate less truth of open ground: metres, and with the world's median taken off.
   Sums elevation_error, elevation_error_unbiased;
   double elevation_median_error = 0.0;
-  // Of landable ground: degrees, metres.
+  // Of landable ground with none but such around it: degrees, metres.
   Sums slope_error, roughness_error;
   // Cells of the map, by what they truly are ("landable", a cover, "steep", "rough"), at least
   // 2 m inside of it: free, hazard, unseen.
