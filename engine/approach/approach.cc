@@ -188,8 +188,8 @@ Plan PlanApproach(const ElevationMap& map,
   const ClearanceSurface surface =
       MakeClearanceSurface(map, hazards, request.footprint, wind.scenarios, aircraft, options);
   const AttemptContext context{surface, wind, aircraft, options};
-  const SearchResult found =
-      Search(TouchdownCandidates(content.touchdowns, required, options), context);
+  const SearchResult found = Search(
+      TouchdownCandidates(content.touchdowns, required, map.grid.cell_size_m, options), context);
   const Attempt best = Try(found.best->touchdown, found.best->heading, context, Depth::kEverything);
   Plan plan = WithAttempt(PlanAt(best.touchdown, hazards, request, aircraft), best, context);
   plan.rejections = found.rejections;

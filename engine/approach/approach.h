@@ -26,7 +26,8 @@ struct ApproachOptions {
   // in the last experiment.
   double unknown_wind_mps = 5.5;
   // --- Search ---
-  // Touchdown candidates tried per region, best first, at least this far apart.
+  // Touchdown candidates tried per region, best first, at least this far apart; farther where that
+  // many would not reach over all of the region's free ground.
   int max_num_candidates = 60;
   double candidate_spacing_m = 4.0;
   // Headings tried where the wind is unknown or calm.

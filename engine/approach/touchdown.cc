@@ -75,15 +75,21 @@ FootprintContent ReadFootprint(const ElevationMap& map,
 
 std::vector<Touchdown> TouchdownCandidates(const std::vector<Touchdown>& touchdowns,
                                            double required_distance,
+                                           double cell_size,
                                            const ApproachOptions& options) {
+  const auto num_wide = std::count_if(touchdowns.begin(), touchdowns.end(), [&](const auto& place) {
+    return place.hazard_distance >= required_distance;
+  });
+  const double area_of_each =
+      static_cast<double>(num_wide) * cell_size * cell_size / options.max_num_candidates;
+  const double spacing = std::max(options.candidate_spacing_m, std::sqrt(area_of_each));
   std::vector<Touchdown> candidates;
   for (const Touchdown& touchdown : touchdowns) {
     if (touchdown.hazard_distance < required_distance) break;
     if (candidates.size() >= static_cast<size_t>(options.max_num_candidates)) break;
     const bool is_near_another =
         std::any_of(candidates.begin(), candidates.end(), [&](const Touchdown& other) {
-          return (other.place_in_world - touchdown.place_in_world).head<2>().norm() <
-                 options.candidate_spacing_m;
+          return (other.place_in_world - touchdown.place_in_world).head<2>().norm() < spacing;
         });
     if (!is_near_another) candidates.push_back(touchdown);
   }

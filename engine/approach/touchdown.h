@@ -32,9 +32,11 @@ FootprintContent ReadFootprint(const ElevationMap& map,
                                const Polygon& footprint,
                                const ApproachOptions& options);
 
-// Those far enough from hazard, spaced, at most max_num_candidates.
+// Those far enough from hazard, at most max_num_candidates, spread over all of the ground where one
+// could touch down: around the safest place alone, one house on its final would refuse the field.
 std::vector<Touchdown> TouchdownCandidates(const std::vector<Touchdown>& touchdowns,
                                            double required_distance,
+                                           double cell_size,
                                            const ApproachOptions& options);
 
 // Largest value of a layer within the disc about a touchdown; NaN if all of it is unseen.

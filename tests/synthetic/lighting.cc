@@ -26,7 +26,10 @@ cv::Mat1f ShadeHeight(const World& world) {
   const double shift = minor / std::abs(major);  // cells sideways towards the sun per line
   const float drop = static_cast<float>(world.cell_size_m * sun.z() / std::abs(major));
   const int towards_sun = major > 0.0 ? 1 : -1;
-  cv::Mat1f surface = by_rows ? world.surface : cv::Mat1f(world.surface.t());
+  // The sun shines through a leafless crown.
+  cv::Mat1f caster = world.surface.clone();
+  world.ground.copyTo(caster, world.cover == static_cast<uint8_t>(Cover::kBareTree));
+  cv::Mat1f surface = by_rows ? caster : cv::Mat1f(caster.t());
   cv::Mat1f shade(n, n, -1e6f);
   for (int step = 1; step < n; ++step) {
     const int line = towards_sun > 0 ? n - 1 - step : step;
@@ -60,7 +63,8 @@ Eigen::Vector3f NormalAt(const World& world, int row, int col) {
 float Facing(Cover cover, const Eigen::Vector3f& normal, const Eigen::Vector3f& sun) {
   constexpr float kFoliageDiffuse = 0.6f;
   const float facing = std::max(0.0f, normal.dot(sun)) / sun.z();
-  const bool is_foliage = cover == Cover::kTree || cover == Cover::kHedge || cover == Cover::kScrub;
+  const bool is_foliage = cover == Cover::kTree || cover == Cover::kBareTree ||
+                          cover == Cover::kHedge || cover == Cover::kScrub;
   return is_foliage ? kFoliageDiffuse + (1.0f - kFoliageDiffuse) * facing : facing;
 }
 

@@ -83,6 +83,31 @@ Look LookOf(Cover cover) {
       return {{{78, 92, 168}, {118, 114, 112}, {84, 100, 150}, {142, 138, 136}},
               {0.03f, 0.03f, 0.02f, 0.02f, 0.01f, 0.01f, 0.0f},
               {1, 1, 2}};
+    case Cover::kCrop:  // young maize, wheat, rape before it flowers
+      return {{{58, 138, 96}, {72, 142, 100}, {50, 128, 104}, {60, 160, 132}},
+              {0.050f, 0.045f, 0.030f, 0.020f, 0.015f, 0.018f, 0.030f},
+              {3, 0, 4},
+              0.75f,
+              0.05f};
+    case Cover::kWater:
+      return {{{92, 84, 66}, {60, 110, 84}, {52, 124, 96}},  // clear, some algae, full of them
+              {0.004f, 0.004f, 0.004f, 0.006f, 0.010f, 0.020f, 0.030f},
+              {-3, 5, 3}};
+    case Cover::kBareTree:
+      return {{{84, 98, 108}, {76, 88, 96}}, {0.16f, 0.14f, 0.10f, 0.06f, 0.03f, 0.03f, 0.04f}};
+    case Cover::kBoulder:
+      return {{{150, 152, 152}, {128, 132, 134}}, {0.08f, 0.06f, 0.05f, 0.02f, 0.02f, 0.02f, 0.0f}};
+    case Cover::kDitch:
+      return {{{44, 92, 76}, {58, 82, 84}}, {0.12f, 0.10f, 0.08f, 0.05f, 0.04f, 0.04f, 0.04f}};
+    case Cover::kFence:
+      return {{{62, 128, 112}}, {0.10f, 0.08f, 0.06f, 0.04f, 0.03f, 0.03f, 0.03f}};
+    case Cover::kPole:
+      return {{{96, 104, 112}}, {}};
+    case Cover::kVehicle:
+      return {{{200, 200, 200}, {48, 46, 44}, {60, 50, 170}, {160, 110, 70}}, {}};
+    case Cover::kAnimal:
+      return {{{52, 64, 92}, {215, 220, 225}, {40, 40, 44}},
+              {0.06f, 0.10f, 0.06f, 0.0f, 0.0f, 0.0f, 0.0f}};
   }
   return {{{0, 0, 0}}, {}, {}};
 }
@@ -97,7 +122,7 @@ class Painter {
     for (int octave = 0; octave < kNumOctaves; ++octave) {
       brightness_.emplace_back(MixSeed(seed, kBrightness + octave), kWavelengthsM[octave]);
     }
-    for (int cover = 0; cover <= static_cast<int>(Cover::kHouse); ++cover) {
+    for (int cover = 0; cover < kNumCovers; ++cover) {
       looks_.push_back(LookOf(static_cast<Cover>(cover)));
     }
   }

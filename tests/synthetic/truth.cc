@@ -22,15 +22,6 @@ Eigen::Vector2d Downwind(const World& world) {
   return world.wind_in_world / speed;
 }
 
-// Eq. 1 of the paper.
-double FinalLength(const World& world, const Aircraft& aircraft) {
-  const double glide = RadFromDeg(aircraft.flight_path_angle_deg);
-  const double head =
-      world.wind_in_world.norm() * std::cos(RadFromDeg(aircraft.crosswind_uncertainty_deg));
-  return (aircraft.landing_airspeed_mps * std::cos(glide) - head) /
-         (aircraft.landing_airspeed_mps * std::sin(glide)) * aircraft.approach_height_m;
-}
-
 double CircleRadius(const World& world, const Aircraft& aircraft) {
   const double glide = RadFromDeg(aircraft.flight_path_angle_deg);
   const double speed = aircraft.landing_airspeed_mps * std::cos(glide) + world.wind_in_world.norm();
@@ -45,7 +36,9 @@ double HighestAcross(const World& world,
   double highest = -std::numeric_limits<double>::infinity();
   for (double s = -half_width; s <= half_width + 1e-9; s += kPathStepM) {
     const Eigen::Vector2d place = point + s * across;
-    highest = std::max(highest, world.SurfaceHeight(place.x(), place.y()));
+    highest = std::max({highest,
+                        world.SurfaceHeight(place.x(), place.y()),
+                        world.TopHeight(place.x(), place.y())});
   }
   return highest;
 }
@@ -148,27 +141,45 @@ TrueField JudgeField(const World& world,
 
 }  // namespace
 
+// Eq. 1 of the paper.
+double TrueFinalLength(const World& world, const Aircraft& aircraft) {
+  const double glide = RadFromDeg(aircraft.flight_path_angle_deg);
+  const double head =
+      world.wind_in_world.norm() * std::cos(RadFromDeg(aircraft.crosswind_uncertainty_deg));
+  return (aircraft.landing_airspeed_mps * std::cos(glide) - head) /
+         (aircraft.landing_airspeed_mps * std::sin(glide)) * aircraft.approach_height_m;
+}
+
+GroundFault GroundFaultAt(
+    const World& world, const Aircraft& aircraft, double x, double y, double cell_size_m) {
+  const double edge = 0.5 * world.size_m - cell_size_m;
+  if (std::max(std::abs(x), std::abs(y)) > edge) return GroundFault::kOutside;
+  if (!IsMeadowOnly(world, x, y, cell_size_m)) return GroundFault::kCover;
+  if (!IsEven(world, aircraft, x, y)) return GroundFault::kSteep;
+  if (!IsSmooth(world, aircraft, x, y, cell_size_m)) return GroundFault::kRough;
+  return GroundFault::kNone;
+}
+
 cv::Mat1b LandableGround(const World& world, const Aircraft& aircraft, double cell_size_m) {
   const int n = static_cast<int>(std::floor(world.size_m / cell_size_m));
   cv::Mat1b landable(n, n, static_cast<uint8_t>(0));
-  // The outermost cells stay hazard: beyond them nothing is known.
-  for (int row = 1; row + 1 < n; ++row) {
-    for (int col = 1; col + 1 < n; ++col) {
-      const double x = (col + 0.5) * cell_size_m - 0.5 * world.size_m;
-      const double y = (row + 0.5) * cell_size_m - 0.5 * world.size_m;
-      const bool is_free = IsMeadowOnly(world, x, y, cell_size_m) &&
-                           IsEven(world, aircraft, x, y) &&
-                           IsSmooth(world, aircraft, x, y, cell_size_m);
-      landable(row, col) = is_free ? 255 : 0;
+  cv::parallel_for_({0, n}, [&](const cv::Range& rows) {
+    for (int row = rows.start; row < rows.end; ++row) {
+      for (int col = 0; col < n; ++col) {
+        const double x = (col + 0.5) * cell_size_m - 0.5 * world.size_m;
+        const double y = (row + 0.5) * cell_size_m - 0.5 * world.size_m;
+        const GroundFault fault = GroundFaultAt(world, aircraft, x, y, cell_size_m);
+        landable(row, col) = fault == GroundFault::kNone ? 255 : 0;
+      }
     }
-  }
+  });
   return landable;
 }
 
 double FinalReserve(const World& world,
                     const Aircraft& aircraft,
                     const Eigen::Vector2d& touchdown) {
-  const double length = FinalLength(world, aircraft);
+  const double length = TrueFinalLength(world, aircraft);
   if (length <= 0.0) return -std::numeric_limits<double>::infinity();
   const Eigen::Vector2d downwind = Downwind(world);
   const Eigen::Vector2d across(-downwind.y(), downwind.x());
@@ -193,7 +204,7 @@ double LoiterReserve(const World& world,
   // Left of the heading, which is upwind.
   const Eigen::Vector2d left(downwind.y(), -downwind.x());
   const Eigen::Vector2d center =
-      touchdown + FinalLength(world, aircraft) * downwind + side * radius * left;
+      touchdown + TrueFinalLength(world, aircraft) * downwind + side * radius * left;
   const double height =
       world.GroundHeight(touchdown.x(), touchdown.y()) + aircraft.approach_height_m;
   double reserve = std::numeric_limits<double>::infinity();

@@ -24,9 +24,24 @@ struct TrueField {
   std::string reason;
 };
 
+// What is wrong with a cell of ground, first rule that fails.
+enum class GroundFault : uint8_t {
+  kNone,
+  kOutside,  // border of the world: beyond it nothing is known
+  kCover,    // something else than meadow, or something stands on it
+  kSteep,
+  kRough,
+};
+// Of the square cell of `cell_size_m` around a place.
+GroundFault GroundFaultAt(
+    const World& world, const Aircraft& aircraft, double x, double y, double cell_size_m);
+
 // Landable ground on a grid of `cell_size_m` over the world, row 0 south: 255 where meadow, even
 // and smooth enough for the aircraft and nothing stands on it, else 0.
 cv::Mat1b LandableGround(const World& world, const Aircraft& aircraft, double cell_size_m = 1.0);
+
+// Length over ground of the final into the world's wind; zero or negative where it is too strong.
+double TrueFinalLength(const World& world, const Aircraft& aircraft);
 
 // Smallest height of the final over what stands in its corridor, from the touchdown uncertainty
 // outward, less the clearance the aircraft wants there; negative is blocked. Into the world's wind.

@@ -21,12 +21,17 @@ void Require(bool holds, const char* field, double value, const char* constraint
 constexpr uint64_t kCrownShape = 101;
 constexpr uint64_t kCrownLumps = 102;
 constexpr uint64_t kHedgeTop = 103;
+constexpr uint64_t kTwigs = 104;
 
 // The crown of a broad-leaved tree seen from above reaches down to this share of its height.
 constexpr double kCrownBaseRatio = 0.35;
 constexpr double kCrownLumpWavelengthM = 1.1;
 constexpr double kCrownLumpHeightM = 0.35;
 constexpr double kCrownOutlineRatio = 0.14;
+// Twigs of a leafless crown cover about a sixth of the ground; around the stem all of it.
+constexpr double kTwigWavelengthM = 0.5;
+constexpr float kTwigRarity = 1.0f;
+constexpr double kStemRatio = 0.12;
 
 }  // namespace
 
@@ -50,6 +55,24 @@ const char* CoverName(Cover cover) {
       return "hedge";
     case Cover::kHouse:
       return "house";
+    case Cover::kCrop:
+      return "crop";
+    case Cover::kWater:
+      return "water";
+    case Cover::kBareTree:
+      return "bare tree";
+    case Cover::kBoulder:
+      return "boulder";
+    case Cover::kDitch:
+      return "ditch";
+    case Cover::kFence:
+      return "fence";
+    case Cover::kPole:
+      return "pole";
+    case Cover::kVehicle:
+      return "vehicle";
+    case Cover::kAnimal:
+      return "animal";
   }
   return "unknown";
 }
@@ -87,6 +110,16 @@ Cover World::CoverAt(double x, double y) const {
   return static_cast<Cover>(cover(CellIndex(y), CellIndex(x)));
 }
 
+double World::TopHeight(double x, double y) const {
+  const int row = CellIndex(y), col = CellIndex(x);
+  return overhead.empty() ? surface(row, col) : overhead(row, col);
+}
+
+bool World::IsWireAt(double x, double y) const {
+  const int row = CellIndex(y), col = CellIndex(x);
+  return !overhead.empty() && overhead(row, col) > surface(row, col);
+}
+
 void World::Build(const House& house) {
   const double reach = 0.5 * std::hypot(house.length_m, house.width_m) + cell_size_m;
   const Eigen::Vector2d along = DirectionOf(house.heading);
@@ -113,6 +146,7 @@ void World::Build(const House& house) {
 void World::Plant(const Tree& tree) {
   const Noise shape(MixSeed(seed, kCrownShape), 0.55 * tree.radius_m);
   const Noise lumps(MixSeed(seed, kCrownLumps), kCrownLumpWavelengthM);
+  const Noise twigs(MixSeed(seed, kTwigs), kTwigWavelengthM);
   const double base = kCrownBaseRatio * tree.height_m;
   const double reach = 1.5 * tree.radius_m;
   const cv::Range rows = CellsAround(tree.center.y(), reach);
@@ -128,9 +162,10 @@ void World::Plant(const Tree& tree) {
       const double bump = kCrownLumpHeightM * (lumps.At(x, y) + 1.5 * shape.At(x, y));
       const double top = ground(row, col) + std::max(dome + bump, 1.0);
       if (top <= surface(row, col)) continue;
-      surface(row, col) = static_cast<float>(top);
-      cover(row, col) = static_cast<uint8_t>(Cover::kTree);
+      cover(row, col) = static_cast<uint8_t>(tree.is_leafless ? Cover::kBareTree : Cover::kTree);
       variant(row, col) = tree.variant;
+      const bool is_gap = tree.is_leafless && twigs.At(x, y) < kTwigRarity && ratio > kStemRatio;
+      if (!is_gap) surface(row, col) = static_cast<float>(top);
     }
   }
 }

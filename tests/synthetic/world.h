@@ -24,7 +24,17 @@ enum class Cover : uint8_t {
   kTree,
   kHedge,
   kHouse,
+  kCrop,      // standing and green
+  kWater,     // still, more or less full of algae
+  kBareTree,  // leafless: the ground shows through
+  kBoulder,
+  kDitch,
+  kFence,  // posts and the uncut line between them
+  kPole,
+  kVehicle,
+  kAnimal,
 };
+constexpr int kNumCovers = 18;
 const char* CoverName(Cover cover);
 
 struct WorldOptions {
@@ -66,6 +76,8 @@ struct Tree {
   double radius_m = 3.5;
   double height_m = 9.0;
   uint8_t variant = 0;
+  // Only twigs here and there reach the crown's surface.
+  bool is_leafless = false;
 };
 
 struct Hedge {
@@ -73,6 +85,46 @@ struct Hedge {
   Eigen::Vector2d end = Eigen::Vector2d::Zero();
   double width_m = 1.8;
   double height_m = 2.0;
+};
+
+// A boxy thing: a car, a bale, an animal. `length_m` along `heading` (radians clockwise from
+// north).
+struct Block {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  double heading = 0.0;
+  double length_m = 4.4;
+  double width_m = 1.8;
+  double height_m = 1.5;
+  Cover cover = Cover::kVehicle;
+  uint8_t variant = 0;
+};
+
+struct Boulder {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  double radius_m = 0.8;
+  double height_m = 0.9;
+};
+
+struct Ditch {
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();
+  Eigen::Vector2d end = Eigen::Vector2d::Zero();
+  double width_m = 1.6;
+  double depth_m = 0.9;
+};
+
+struct Fence {
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();
+  Eigen::Vector2d end = Eigen::Vector2d::Zero();
+  double height_m = 1.2;
+  double spacing_m = 3.0;
+};
+
+// Poles with wires between their tops.
+struct PowerLine {
+  Eigen::Vector2d start = Eigen::Vector2d::Zero();
+  Eigen::Vector2d end = Eigen::Vector2d::Zero();
+  double height_m = 8.0;
+  double spacing_m = 40.0;
 };
 
 // Grids are row-major, one value per cell; row 0 is the southern edge, column 0 the western one.
@@ -87,8 +139,11 @@ struct World {
   Eigen::Vector3d sun_in_world = Eigen::Vector3d::UnitZ();
   std::vector<Parcel> parcels;
 
-  cv::Mat1f ground;    // bare ground, world z
-  cv::Mat1f surface;   // highest thing, world z: tufts, crowns, roofs
+  cv::Mat1f ground;   // bare ground, world z
+  cv::Mat1f surface;  // highest thing, world z: tufts, crowns, roofs
+  // Surface and wires, world z; empty where there are no wires. Wires are a tenth of a pixel thick:
+  // no photograph shows them, but the truth knows of them.
+  cv::Mat1f overhead;
   cv::Mat1b cover;     // Cover
   cv::Mat1b variant;   // tells one field, tree or roof from the next of its kind
   cv::Mat3b albedo;    // BGR as a camera would see it flat in the sun
@@ -108,10 +163,19 @@ struct World {
   double GroundHeight(double x, double y) const;
   double SurfaceHeight(double x, double y) const;
   Cover CoverAt(double x, double y) const;
+  // Highest thing of the cell, wires too.
+  double TopHeight(double x, double y) const;
+  bool IsWireAt(double x, double y) const;
 
   void Build(const House& house);
   void Plant(const Tree& tree);
   void Plant(const Hedge& hedge);
+  void Put(const Block& block);
+  void Put(const Boulder& boulder);
+  void Dig(const Ditch& ditch);
+  void Build(const Fence& fence);
+  // After everything else that stands.
+  void Build(const PowerLine& line);
   // Colours every cell by its cover; Light then adds slope against the sun, cast shadows and sky.
   // To be called after the last thing was built.
   void Paint();
@@ -139,5 +203,10 @@ World MakeMeadowPlane(const WorldOptions& options);
 // Farmland: parcels of meadow, stubble, soil, scrub and wood with hedges, trees, a road and a farm.
 // The parcel in the middle is a good meadow with low cover downwind of it.
 World MakeFarmland(const WorldOptions& options);
+
+// Countryside for judging an engine: parcels of any size, meadows with and without all that makes a
+// field a trap (too small, steep, rough, tall things downwind, animals, boulders, ditches, fences,
+// poles), and green things that are no meadow. Nothing is arranged in favour of anyone.
+World MakeCountryside(const WorldOptions& options);
 
 }  // namespace freelsd

@@ -131,6 +131,20 @@ TEST_CASE("approach: a house below the final makes it take the next touchdown an
   CHECK(plan.score_terms[0].value > 0.0);
 }
 
+TEST_CASE("approach: a tall thing below the finals of a field's middle leaves its sides") {
+  Scene meadow = FlatMeadow(260, 260);
+  AddBlock(meadow, {-130, -130}, {-60, 130}, 0.0);
+  AddBlock(meadow, {60, -130}, {130, 130}, 0.0);
+  AddBlock(meadow, {-130, 60}, {130, 130}, 0.0);
+  AddBlock(meadow, {-130, -130}, {130, -60}, 0.0);
+  // Flies north; the safest places are those around the origin.
+  scene::ForCells(
+      meadow, {-22, -34}, {22, -30}, [&](int row, int col) { meadow.map.upper(row, col) += 9.0f; });
+  const Plan plan = PlanOn(meadow, Request(Box({-60, -60}, {60, 60}), Eigen::Vector2d(0.0, -4.0)));
+  REQUIRE(plan.verdict == Verdict::kLandable);
+  CHECK(plan.touchdown_in_world.head<2>().norm() > 20.0);
+}
+
 TEST_CASE("approach: a wall across the only final rejects, with its place and height") {
   Scene meadow = FlatMeadow(240, 240);
   AddBlock(meadow, {-120, 30}, {120, 32}, 6.3);  // north of the field

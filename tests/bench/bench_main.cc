@@ -1,0 +1,105 @@
+// freelsd-bench: what the stages cost, each beside the plain way of doing the same in the same run.
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "tests/bench/contest.h"
+
+namespace freelsd {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Arguments {
+  std::string filter;
+  std::string json;
+  std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+  int num_runs = 20;
+  int num_threads = 1;
+};
+
+std::string ReadFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error("cannot read " + path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+Json JsonOf(const Row& row) {
+  Json json{{"name", row.name},
+            {"size", row.size},
+            {"threads", row.threads},
+            {"median_ms", row.median_ms},
+            {"baseline", nullptr},
+            {"baseline_ms", nullptr},
+            {"ratio", nullptr}};
+  if (row.baseline.empty()) return json;
+  json["baseline"] = row.baseline;
+  json["baseline_ms"] = row.baseline_ms;
+  json["ratio"] = row.baseline_ms / row.median_ms;
+  return json;
+}
+
+void PrintRow(const Row& row) {
+  std::printf("%-18s %-28s %10.3f ms", row.name.c_str(), row.size.c_str(), row.median_ms);
+  if (!row.baseline.empty()) {
+    std::printf(" %10.3f ms  x %-7.3g %s",
+                row.baseline_ms,
+                row.baseline_ms / row.median_ms,
+                row.baseline.c_str());
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+void Run(const Arguments& arguments) {
+  cv::setNumThreads(arguments.num_threads);
+  const std::string model_text = ReadFile(arguments.model);
+  std::vector<Entry> entries = FrontendEntries(model_text);
+  for (Entry& entry : BackendEntries(model_text)) entries.push_back(std::move(entry));
+  std::printf("%-18s %-28s %13s %13s  plain / engine\n", "", "", "engine", "plain");
+  Json rows = Json::array();
+  for (const Entry& entry : entries) {
+    if (entry.name.find(arguments.filter) == std::string::npos) continue;
+    const Row row = Measure(entry.prepare(), arguments.num_runs, arguments.num_threads);
+    PrintRow(row);
+    rows.push_back(JsonOf(row));
+  }
+  if (rows.empty()) throw std::invalid_argument("no stage is named like " + arguments.filter);
+  if (arguments.json.empty()) return;
+  std::ofstream file(arguments.json, std::ios::binary);
+  file << rows.dump(1) << "\n";
+  file.flush();
+  if (!file) throw std::runtime_error("cannot write " + arguments.json);
+}
+
+}  // namespace
+}  // namespace freelsd
+
+int main(int argc, char** argv) {
+  freelsd::Arguments arguments;
+  CLI::App app("Measures the engine's stages. Median of the runs, in milliseconds.");
+  app.add_option("--filter", arguments.filter, "stages whose name holds this");
+  app.add_option("--json", arguments.json, "file for the rows");
+  app.add_option("--model", arguments.model, "grass classifier");
+  app.add_option("--runs", arguments.num_runs, "runs of each")->check(CLI::Range(20, 10000));
+  app.add_option("--threads", arguments.num_threads, "threads of OpenCV")->check(CLI::Range(1, 64));
+  CLI11_PARSE(app, argc, argv);
+  try {
+    freelsd::Run(arguments);
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "freelsd-bench: " << error.what() << "\n";
+    return 1;
+  }
+}

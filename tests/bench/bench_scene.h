@@ -1,0 +1,29 @@
+// A short flight over a synthetic farm: what the stages are measured on.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/pipeline.h"
+
+namespace freelsd {
+
+struct BenchScene {
+  Rig rig;
+  // 752x480, 100 m above ground, 13 m apart: a video, so corners are followed.
+  std::vector<Frame> frames;
+  PipelineOptions options;
+  // What the frontend made of them.
+  Snapshot snapshot;
+  AdjustedBlock block;
+  StereoPair pair;
+};
+
+// Made once, at the first call. Height above ground of its frames, metres:
+constexpr double kBenchHeightM = 100.0;
+const BenchScene& Scene(const std::string& model_text);
+
+std::string SizeOf(const cv::Mat& image);
+
+}  // namespace freelsd

@@ -1,0 +1,47 @@
+// One stage of the engine against the plain way of doing the same with the libraries at hand.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace freelsd {
+
+struct Contest {
+  std::string name;
+  // What is worked on: image size, number of points, cells.
+  std::string size;
+  std::function<void()> engine;
+  // Empty where no library does the same.
+  std::string baseline;
+  std::function<void()> plain;
+  // What one run holds of the unit that is reported: frames, pairs.
+  double num_units = 1.0;
+};
+
+// A contest by name; what it works on is made only when it is wanted.
+struct Entry {
+  std::string name;
+  std::function<Contest()> prepare;
+};
+
+struct Row {
+  std::string name;
+  std::string size;
+  int threads = 1;
+  double median_ms = 0.0;
+  std::string baseline;
+  double baseline_ms = 0.0;
+};
+
+// Median of `num_runs` of each, in turns, so that both meet the same machine; one run of each
+// before, to warm up.
+Row Measure(const Contest& contest, int num_runs, int threads);
+
+// Keeps the compiler from leaving out what is measured.
+void Consume(double value);
+
+std::vector<Entry> FrontendEntries(const std::string& model_text);
+std::vector<Entry> BackendEntries(const std::string& model_text);
+
+}  // namespace freelsd

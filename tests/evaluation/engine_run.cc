@@ -1,0 +1,68 @@
+#include "tests/evaluation/engine_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+namespace freelsd {
+namespace {
+
+// Share of an engine's time that the frontend takes, for the progress bar.
+constexpr double kFrontendShare = 0.3;
+
+double SecondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::vector<Region> Graded(const std::vector<Region>& regions) {
+  std::vector<Region> graded;
+  for (const Region& region : regions) {
+    if (region.grade > 0.0) graded.push_back(region);
+  }
+  return graded;
+}
+
+int CountProcessed(const std::vector<FrameResult>& results) {
+  return static_cast<int>(std::count_if(
+      results.begin(), results.end(), [](const auto& result) { return result.is_processed; }));
+}
+
+}  // namespace
+
+EngineRun RunEngine(const Rig& rig,
+                    const std::vector<Frame>& frames,
+                    const Aircraft& aircraft,
+                    const PipelineOptions& options,
+                    const Classifier& classifier,
+                    const Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  EngineRun run;
+  Frontend frontend(rig, options, classifier);
+  std::map<std::string, cv::Mat> images;
+  for (const Frame& frame : frames) {
+    images[frame.id] = frame.image;
+    run.num_processed += CountProcessed(frontend.Process(frame));
+    const double done = static_cast<double>(images.size()) / static_cast<double>(frames.size());
+    progress(kFrontendShare * done, "frontend");
+  }
+  run.num_processed += CountProcessed(frontend.Flush());
+  run.frontend_seconds = SecondsSince(start);
+  run.snapshot = frontend.TakeSnapshot();
+  run.regions = frontend.RankedRegions();
+  const ImageSource source = [&images](const std::string& id) { return images.at(id); };
+  run.evaluation =
+      EvaluateSites(run.snapshot,
+                    Graded(run.regions),
+                    source,
+                    aircraft,
+                    options,
+                    [&](double done, const std::string& stage) {
+                      return progress(kFrontendShare + (1.0 - kFrontendShare) * done, stage);
+                    });
+  std::vector<StageReport> reports = frontend.TakeReports();
+  run.evaluation.reports.insert(run.evaluation.reports.begin(), reports.begin(), reports.end());
+  run.total_seconds = SecondsSince(start);
+  return run;
+}
+
+}  // namespace freelsd

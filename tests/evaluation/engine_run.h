@@ -1,0 +1,30 @@
+// Input: the frames of a flight. Output: everything the engine made of them, with what it cost.
+#pragma once
+
+#include <vector>
+
+#include "engine/pipeline.h"
+
+namespace freelsd {
+
+struct EngineRun {
+  // With the reports of frontend and backend.
+  Evaluation evaluation;
+  Snapshot snapshot;
+  // What the frontend knew of, graded or not.
+  std::vector<Region> regions;
+  int num_processed = 0;
+  // Until the last frame was through the frontend, and until all sites were there.
+  double frontend_seconds = 0.0;
+  double total_seconds = 0.0;
+};
+
+// As Detect does, stage by stage, so that nothing of what lies between is lost.
+EngineRun RunEngine(const Rig& rig,
+                    const std::vector<Frame>& frames,
+                    const Aircraft& aircraft,
+                    const PipelineOptions& options,
+                    const Classifier& classifier,
+                    const Progress& progress);
+
+}  // namespace freelsd

@@ -1,0 +1,271 @@
+#include "tests/evaluation/report.h"
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <sstream>
+
+#include "tests/evaluation/statistics.h"
+
+namespace freelsd {
+namespace {
+
+using Json = nlohmann::json;
+using Counts = std::map<std::string, int64_t>;
+
+// Four significant digits; null where there was nothing.
+Json Number(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == 0.0) return 0.0;
+  const double scale = std::pow(10.0, 3.0 - std::floor(std::log10(std::abs(value))));
+  return std::round(value * scale) / scale;
+}
+
+Json Share(int64_t part, int64_t whole) {
+  if (whole == 0) return nullptr;
+  return Number(static_cast<double>(part) / static_cast<double>(whole));
+}
+
+Sums AddUp(const Json& records, const char* part, const char* key) {
+  Sums sums;
+  for (const Json& record : records) sums.Add(SumsFromJson(record.at(part).at(key)));
+  return sums;
+}
+
+int64_t AddUpCount(const Json& records, const char* part, const char* key) {
+  int64_t total = 0;
+  for (const Json& record : records) total += record.at(part).at(key).get<int64_t>();
+  return total;
+}
+
+std::map<std::string, std::array<int64_t, 3>> AddUpTriples(const Json& records,
+                                                           const char* part,
+                                                           const char* key) {
+  std::map<std::string, std::array<int64_t, 3>> total;
+  for (const Json& record : records) {
+    for (const auto& [name, counts] : record.at(part).at(key).items()) {
+      for (size_t i = 0; i < 3; ++i) total[name][i] += counts.at(i).get<int64_t>();
+    }
+  }
+  return total;
+}
+
+// Sites by verdict and what was wrong with them.
+struct SiteCounts {
+  Counts verdicts, reasons, false_safe_causes;
+  // By what the ground at the touchdown truly is: accepted, rejected.
+  std::map<std::string, std::array<int64_t, 2>> grounds;
+  int64_t num_false_safe = 0, num_false_safe_without_shift = 0, num_only_thin = 0;
+};
+
+std::string CauseOf(const Json& site) {
+  std::string cause;
+  for (const char* place : {"ground", "final", "loiter"}) {
+    const std::string fault = site.value(std::string(place) + "_fault", "");
+    if (fault.empty()) continue;
+    if (std::string(place) == "loiter" && site.at("verdict") != "landable") continue;
+    cause += (cause.empty() ? "" : ", ") + std::string(place) + ": " + fault;
+  }
+  return cause;
+}
+
+SiteCounts CountSites(const Json& records) {
+  SiteCounts counts;
+  for (const Json& record : records) {
+    for (const Json& site : record.at("sites")) {
+      ++counts.verdicts[site.at("verdict").get<std::string>()];
+      if (site.at("verdict") == "rejected") ++counts.reasons[site.at("reason").get<std::string>()];
+      ++counts.grounds[site.at("ground").get<std::string>()][site.at("verdict") == "rejected"];
+      counts.num_only_thin += site.at("is_only_thin").get<bool>();
+      counts.num_false_safe_without_shift += site.at("is_false_safe_without_shift").get<bool>();
+      if (!site.at("is_false_safe").get<bool>()) continue;
+      ++counts.num_false_safe;
+      ++counts.false_safe_causes[CauseOf(site)];
+    }
+  }
+  return counts;
+}
+
+// Fields that the flight could have found, and those that only look like it.
+struct FieldCounts {
+  int64_t num_true = 0, num_true_seen = 0, num_found = 0, num_blocked = 0, num_blocked_accepted = 0;
+  // Of the seen ones: a loiter circle is clear too.
+  int64_t num_with_loiter = 0, num_with_loiter_found = 0;
+  Counts fates, blocked_fates;
+};
+
+FieldCounts CountFields(const Json& records) {
+  FieldCounts counts;
+  for (const Json& record : records) {
+    for (const Json& field : record.at("fields")) {
+      const std::string fate = field.at("fate").get<std::string>();
+      if (!field.at("is_landable").get<bool>()) {
+        ++counts.num_blocked;
+        ++counts.blocked_fates[fate];
+        counts.num_blocked_accepted += field.at("is_found").get<bool>();
+        continue;
+      }
+      ++counts.num_true;
+      if (!field.at("is_seen").get<bool>()) continue;
+      ++counts.num_true_seen;
+      ++counts.fates[fate];
+      counts.num_found += field.at("is_found").get<bool>();
+      if (!field.at("has_loiter").get<bool>()) continue;
+      ++counts.num_with_loiter;
+      counts.num_with_loiter_found += field.at("is_found").get<bool>();
+    }
+  }
+  return counts;
+}
+
+Json SafetyTotals(const Json& records) {
+  const SiteCounts sites = CountSites(records);
+  const FieldCounts fields = CountFields(records);
+  const auto count = [&](const char* verdict) {
+    const auto found = sites.verdicts.find(verdict);
+    return found == sites.verdicts.end() ? int64_t{0} : found->second;
+  };
+  const int64_t num_safe = count("landable") + count("unverified");
+  Json grounds = Json::object();
+  for (const auto& [ground, counted] : sites.grounds) {
+    grounds[ground] = {{"num_accepted", counted[0]}, {"num_rejected", counted[1]}};
+  }
+  Sums seconds;
+  for (const Json& record : records) seconds.Add(record.at("total_s").get<double>());
+  return {{"num_worlds", records.size()},
+          {"num_landable_sites", count("landable")},
+          {"num_unverified_sites", count("unverified")},
+          {"num_rejected_sites", count("rejected")},
+          {"num_false_safe", sites.num_false_safe},
+          {"false_safe_bound_95", Number(UpperBound95(sites.num_false_safe, num_safe))},
+          {"num_false_safe_without_shift", sites.num_false_safe_without_shift},
+          {"num_false_safe_thin", sites.num_only_thin},
+          {"false_safe_causes", sites.false_safe_causes},
+          {"num_fields_in_world", fields.num_true},
+          {"num_fields", fields.num_true_seen},
+          {"num_fields_found", fields.num_found},
+          {"fields_found_ratio", Share(fields.num_found, fields.num_true_seen)},
+          {"num_fields_with_loiter", fields.num_with_loiter},
+          {"num_fields_with_loiter_found", fields.num_with_loiter_found},
+          {"fates_of_fields", fields.fates},
+          {"num_blocked_fields", fields.num_blocked},
+          {"num_blocked_fields_accepted", fields.num_blocked_accepted},
+          {"fates_of_blocked_fields", fields.blocked_fates},
+          {"reject_reasons", sites.reasons},
+          {"sites_by_ground", grounds},
+          {"time_to_first_site_s", Number(seconds.Mean())}};
+}
+
+Json MapTotals(const Json& records) {
+  Json kinds = Json::object();
+  for (const auto& [kind, counts] : AddUpTriples(records, "maps", "hazard_of_kind")) {
+    const int64_t total = counts[0] + counts[1] + counts[2];
+    kinds[kind] = {{"num_cells", total},
+                   {"free_ratio", Share(counts[0], total)},
+                   {"hazard_ratio", Share(counts[1], total)},
+                   {"unseen_ratio", Share(counts[2], total)}};
+  }
+  Sums median;
+  for (const Json& record : records) {
+    const Json& value = record.at("maps").at("elevation_median_error_m");
+    if (value.is_number()) median.Add(value.get<double>());
+  }
+  return {{"elevation_rmse_m", Number(AddUp(records, "maps", "elevation_error_m").Rms())},
+          {"elevation_rmse_unbiased_m",
+           Number(AddUp(records, "maps", "elevation_error_unbiased_m").Rms())},
+          {"elevation_median_error_m", Number(median.Mean())},
+          {"slope_rmse_deg", Number(AddUp(records, "maps", "slope_error_deg").Rms())},
+          {"slope_bias_deg", Number(AddUp(records, "maps", "slope_error_deg").Mean())},
+          {"roughness_rmse_m", Number(AddUp(records, "maps", "roughness_error_m").Rms())},
+          {"hazard_recall",
+           Share(AddUpCount(records, "maps", "num_faulty_not_free"),
+                 AddUpCount(records, "maps", "num_faulty"))},
+          {"hazard_precision",
+           Share(AddUpCount(records, "maps", "num_called_hazard_rightly"),
+                 AddUpCount(records, "maps", "num_called_hazard"))},
+          {"kinds", kinds}};
+}
+
+Json FrontendTotals(const Json& records) {
+  RocCounts roc;
+  for (const Json& record : records) roc.Add(RocFromJson(record.at("frontend").at("regions")));
+  Json covers = Json::object();
+  for (const auto& [cover, counts] : AddUpTriples(records, "frontend", "pixels_of_cover")) {
+    const int64_t total = counts[0] + counts[1] + counts[2];
+    covers[cover] = {{"called_grass_ratio", Share(counts[0], total)},
+                     {"called_other_ratio", Share(counts[1], total)},
+                     {"unclassified_ratio", Share(counts[2], total)}};
+  }
+  const Sums height = AddUp(records, "frontend", "coarse_height_error_m");
+  return {{"region_error_ratio", Number(roc.ErrorRatio())},
+          {"region_auc", Number(roc.Auc())},
+          {"coarse_height_rmse_m", Number(height.Rms())},
+          {"coarse_height_bias_m", Number(height.Mean())},
+          {"num_regions", AddUpCount(records, "frontend", "num_regions")},
+          {"num_graded", AddUpCount(records, "frontend", "num_graded")},
+          {"num_duplicates", AddUpCount(records, "frontend", "num_duplicates")},
+          {"mean_track_length", Number(AddUp(records, "frontend", "track_length").Mean())},
+          {"covers", covers}};
+}
+
+Json PoseTotals(const Json& records) {
+  Sums before, after, shift;
+  for (const Json& record : records) {
+    const Json& poses = record.at("poses");
+    before.Add(poses.at("rms_before_px").get<double>());
+    after.Add(poses.at("rms_after_px").get<double>());
+    const auto offset = poses.at("shift_m").get<std::array<double, 3>>();
+    shift.Add(std::hypot(offset[0], offset[1]));
+  }
+  const auto rms = [&](const char* key) { return Number(AddUp(records, "poses", key).Rms()); };
+  return {{"num_views", AddUpCount(records, "poses", "num_views")},
+          {"num_connected", AddUpCount(records, "poses", "num_connected")},
+          {"horizontal_before_m", rms("horizontal_before_m")},
+          {"horizontal_after_m", rms("horizontal_after_m")},
+          {"horizontal_shift_m", Number(shift.Rms())},
+          {"horizontal_within_m", rms("horizontal_within_m")},
+          {"vertical_before_m", rms("vertical_before_m")},
+          {"vertical_after_m", rms("vertical_after_m")},
+          {"attitude_before_deg", rms("attitude_before_deg")},
+          {"attitude_after_deg", rms("attitude_after_deg")},
+          {"reprojection_before_px", Number(before.Mean())},
+          {"reprojection_after_px", Number(after.Mean())}};
+}
+
+Json CostTotals(const Json& settings, const Json& records) {
+  std::map<std::string, std::pair<Sums, LogHistogram>> stages;
+  for (const Json& record : records) {
+    for (const auto& [stage, cost] : record.at("cost").items()) {
+      stages[stage].first.Add(SumsFromJson(cost.at("ms")));
+      stages[stage].second.Add(LogHistogram::FromJson(cost.at("histogram")));
+    }
+  }
+  Json rows = Json::array();
+  for (const auto& [stage, cost] : stages) {
+    rows.push_back({{"stage", stage},
+                    {"size", settings.value("image_size", "")},
+                    {"threads", settings.value("threads", 1)},
+                    {"samples", cost.first.count},
+                    {"mean_ms", Number(cost.first.Mean())},
+                    {"sd_ms", Number(cost.first.Sd())},
+                    {"p95_ms", Number(cost.second.Percentile(95.0))}});
+  }
+  return rows;
+}
+
+}  // namespace
+
+Json MakeReport(const Json& settings, const Json& records) {
+  double peak_mib = 0.0;
+  for (const Json& record : records) peak_mib = std::max(peak_mib, record.value("peak_mib", 0.0));
+  return {{"settings", settings},
+          {"safety", SafetyTotals(records)},
+          {"maps", MapTotals(records)},
+          {"frontend", FrontendTotals(records)},
+          {"poses", PoseTotals(records)},
+          {"cost", CostTotals(settings, records)},
+          {"peak_memory_with_world_mib", Number(peak_mib)},
+          {"worlds", records}};
+}
+
+}  // namespace freelsd

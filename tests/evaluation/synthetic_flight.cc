@@ -1,0 +1,135 @@
+#include "tests/evaluation/synthetic_flight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <stdexcept>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/synthetic/flight_files.h"
+#include "tests/synthetic/noise.h"
+#include "tests/synthetic/renderer.h"
+
+namespace freelsd {
+namespace {
+
+constexpr uint64_t kWindPurpose = 501;
+constexpr int kJpegQuality = 92;
+// Views of a place from which it can be known: a pair, and one to check it by.
+constexpr int kMinNumViews = 3;
+constexpr double kMaxWindMps = 6.0;
+constexpr double kMinWindMps = 1.0;
+
+double Uniform(uint64_t seed, double low, double high) {
+  std::mt19937_64 random(MixSeed(seed, kWindPurpose));
+  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
+}
+
+// As a camera stores it: compressed.
+cv::Mat Compressed(const cv::Mat& image) {
+  std::vector<uchar> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  return cv::imdecode(bytes, cv::IMREAD_COLOR);
+}
+
+Frame MakeFrame(const SyntheticExposure& exposure, const cv::Mat& image) {
+  Frame frame;
+  frame.id = exposure.image;
+  frame.timestamp_us = exposure.timestamp_us;
+  frame.image = image;
+  frame.prior.position_in_world = exposure.reported.position_in_world;
+  frame.prior.world_from_body = WorldFromBody(exposure.reported).rotation;
+  frame.wind_in_world = exposure.reported_wind_in_world;
+  return frame;
+}
+
+// Is a place of the world within the photograph? Things that stand before it are not asked.
+bool IsInImage(const Camera& camera,
+               const Rigid3d& camera_from_world,
+               const Eigen::Vector3d& point_in_world) {
+  const Eigen::Vector3d point_in_camera = camera_from_world * point_in_world;
+  if (point_in_camera.z() <= 0.0) return false;
+  const auto pixel = camera.ImageFromCamera(point_in_camera);
+  return pixel && pixel->x() >= 0.0 && pixel->y() >= 0.0 && pixel->x() <= camera.width_px - 1.0 &&
+         pixel->y() <= camera.height_px - 1.0;
+}
+
+cv::Mat1b SeenGround(const Scenario& scenario) {
+  const int n = static_cast<int>(std::floor(scenario.world.size_m));
+  const double half = 0.5 * scenario.world.size_m;
+  cv::Mat1b num_views(n, n, static_cast<uint8_t>(0));
+  for (size_t i = 0; i < scenario.exposures.size(); ++i) {
+    const Rigid3d camera_from_world = Inverse(scenario.TrueWorldFromCamera(i));
+    for (int row = 0; row < n; ++row) {
+      for (int col = 0; col < n; ++col) {
+        if (num_views(row, col) >= kMinNumViews) continue;
+        const double x = col + 0.5 - half, y = row + 0.5 - half;
+        const Eigen::Vector3d place(x, y, scenario.world.GroundHeight(x, y));
+        num_views(row, col) += IsInImage(scenario.rig.camera, camera_from_world, place);
+      }
+    }
+  }
+  return num_views >= kMinNumViews;
+}
+
+FlightOptions FlightFor(uint64_t seed, const ScenarioOptions& options) {
+  FlightOptions flight;
+  flight.seed = seed;
+  flight.num_frames = options.num_frames;
+  flight.height_above_origin_m = options.height_m;
+  flight.leg_spacing_m = options.leg_spacing_m;
+  flight.frame_period_s = options.frame_spacing_m / flight.airspeed_mps;
+  flight.noise_scale = options.noise_scale;
+  return flight;
+}
+
+std::string ProfileFor(uint64_t seed, const ScenarioOptions& options) {
+  if (options.aircraft != "both") return options.aircraft;
+  return seed % 2 == 0 ? "small" : "techpod";
+}
+
+}  // namespace
+
+void ScenarioOptions::Check() const {
+  if (num_frames < 3 || num_frames > 300) {
+    throw std::invalid_argument("scenario.num_frames = " + std::to_string(num_frames) +
+                                ": must be in [3, 300]");
+  }
+  if (aircraft != "both" && !AircraftProfile(aircraft)) {
+    throw std::invalid_argument("scenario.aircraft = " + aircraft + ": must be both or a profile");
+  }
+}
+
+Rigid3d Scenario::TrueWorldFromCamera(size_t exposure) const {
+  return WorldFromBody(exposures[exposure].truth) * rig.body_from_camera;
+}
+
+Scenario MakeScenario(uint64_t seed,
+                      const ScenarioOptions& options,
+                      const std::function<void(double)>& progress) {
+  options.Check();
+  WorldOptions world_options;
+  world_options.seed = seed;
+  world_options.size_m = options.world_size_m;
+  world_options.cell_size_m = options.cell_size_m;
+  world_options.wind_speed_mps = Uniform(seed, kMinWindMps, kMaxWindMps);
+  Scenario scenario;
+  scenario.world = MakeCountryside(world_options);
+  scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
+  scenario.rig.camera = PaperCamera(752, 480);
+  scenario.exposures = PlanFlight(FlightFor(seed, options), scenario.world.wind_in_world);
+  const Renderer renderer(scenario.world);
+  RenderOptions render_options;
+  render_options.seed = seed;
+  for (size_t i = 0; i < scenario.exposures.size(); ++i) {
+    const cv::Mat image = renderer.Render(
+        scenario.rig.camera, scenario.TrueWorldFromCamera(i), render_options, static_cast<int>(i));
+    scenario.frames.push_back(MakeFrame(scenario.exposures[i], Compressed(image)));
+    progress(static_cast<double>(i + 1) / static_cast<double>(scenario.exposures.size()));
+  }
+  scenario.seen = SeenGround(scenario);
+  return scenario;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,51 @@
+// Input: a seed. Output: a world, an aircraft, and the frames of a flight over it as an engine gets
+// them.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "engine/flight/flight.h"
+#include "tests/synthetic/flight_plan.h"
+#include "tests/synthetic/world.h"
+
+namespace freelsd {
+
+struct ScenarioOptions {
+  // Larger than what the flight sees: beyond the world there is no truth.
+  double world_size_m = 500.0;
+  double cell_size_m = 0.2;
+  int num_frames = 50;
+  double height_m = 100.0;
+  // 0.71 of overlap along the track and 0.63 beside it, for the paper's down-looking camera.
+  double frame_spacing_m = 30.0;
+  double leg_spacing_m = 60.0;
+  double noise_scale = 1.0;
+  // "techpod", "small"; "both" takes one after the other from seed to seed.
+  std::string aircraft = "both";
+  int num_threads = 1;
+
+  // Throws std::invalid_argument.
+  void Check() const;
+};
+
+struct Scenario {
+  World world;
+  Aircraft aircraft;
+  Rig rig;
+  std::vector<SyntheticExposure> exposures;
+  // Same order as exposures; ids are the image names.
+  std::vector<Frame> frames;
+  // Cells of 1 m, row 0 south, that at least three photographs see, 255 or 0.
+  cv::Mat1b seen;
+
+  Rigid3d TrueWorldFromCamera(size_t exposure) const;
+};
+
+// `progress` is told the share that is done.
+Scenario MakeScenario(uint64_t seed,
+                      const ScenarioOptions& options,
+                      const std::function<void(double)>& progress);
+
+}  // namespace freelsd

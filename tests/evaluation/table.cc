@@ -1,0 +1,133 @@
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "tests/evaluation/report.h"
+
+namespace freelsd {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kNameWidth = 36;
+
+std::string Text(const Json& value) {
+  if (value.is_null()) return "-";
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_number_float()) return value.dump();
+  std::ostringstream text;
+  text << std::setprecision(4) << value.get<double>();
+  return text.str();
+}
+
+// `name  value` for numbers and `name  key value, key value` for what is counted by name.
+void WritePart(std::ostringstream& out, const std::string& title, const Json& part) {
+  out << title << "\n";
+  for (const auto& [name, value] : part.items()) {
+    if (value.is_object() && !value.empty() && value.begin()->is_object()) continue;
+    out << "  " << std::left << std::setw(kNameWidth) << name;
+    if (!value.is_object()) {
+      out << Text(value) << "\n";
+      continue;
+    }
+    std::string line;
+    for (const auto& [key, number] : value.items()) {
+      line += (line.empty() ? "" : "; ") + key + " " + Text(number);
+    }
+    out << (line.empty() ? "-" : line) << "\n";
+  }
+}
+
+// One row per name, one column per number.
+void WriteRows(std::ostringstream& out, const std::string& title, const Json& rows) {
+  if (rows.empty()) return;
+  out << title << "\n";
+  bool is_first = true;
+  for (const auto& [name, row] : rows.items()) {
+    if (is_first) {
+      out << "  " << std::left << std::setw(20) << "";
+      for (const auto& [column, value] : row.items()) out << std::setw(20) << column;
+      out << "\n";
+    }
+    is_first = false;
+    out << "  " << std::left << std::setw(20) << name;
+    for (const auto& [column, value] : row.items()) out << std::setw(20) << Text(value);
+    out << "\n";
+  }
+}
+
+bool IsBetterWhenLarger(const std::string& name) {
+  for (const char* word :
+       {"found", "auc", "recall", "precision", "connected", "landable_sites", "track_length"}) {
+    if (name.find(word) != std::string::npos) return true;
+  }
+  return false;
+}
+
+void CompareNumbers(std::ostringstream& out,
+                    const std::string& path,
+                    const Json& older,
+                    const Json& newer) {
+  if (newer.is_object()) {
+    for (const auto& [key, value] : newer.items()) {
+      if (older.is_object() && older.contains(key)) {
+        CompareNumbers(out, path.empty() ? key : path + "." + key, older.at(key), value);
+      }
+    }
+    return;
+  }
+  if (!older.is_number() || !newer.is_number() || older == newer) return;
+  const bool is_larger = newer.get<double>() > older.get<double>();
+  out << (is_larger == IsBetterWhenLarger(path) ? "better  " : "worse   ") << std::left
+      << std::setw(56) << path << Text(older) << " -> " << Text(newer) << "\n";
+}
+
+}  // namespace
+
+std::string TableOf(const Json& report) {
+  std::ostringstream out;
+  WritePart(out, "safety", report.at("safety"));
+  WriteRows(out,
+            "sites, by what the ground at the touchdown truly is",
+            report.at("safety").at("sites_by_ground"));
+  WritePart(out, "maps", report.at("maps"));
+  WriteRows(out, "cells of the map, by what they truly are", report.at("maps").at("kinds"));
+  WritePart(out, "frontend", report.at("frontend"));
+  WriteRows(
+      out, "pixels of the masks, by what they truly show", report.at("frontend").at("covers"));
+  WritePart(out, "poses", report.at("poses"));
+  Json cost = Json::object();
+  for (const Json& row : report.at("cost")) {
+    cost[row.at("stage").get<std::string>()] = {{"samples", row.at("samples")},
+                                                {"mean_ms", row.at("mean_ms")},
+                                                {"sd_ms", row.at("sd_ms")},
+                                                {"p95_ms", row.at("p95_ms")}};
+  }
+  WriteRows(out,
+            "cost, images of " + report.at("settings").value("image_size", "") + ", threads " +
+                std::to_string(report.at("settings").value("threads", 1)),
+            cost);
+  out << "peak memory, with the world: " << Text(report.at("peak_memory_with_world_mib"))
+      << " MiB\n";
+  return out.str();
+}
+
+std::string Comparison(const Json& older, const Json& newer) {
+  std::ostringstream out;
+  for (const char* part : {"safety", "maps", "frontend", "poses"}) {
+    CompareNumbers(out, part, older.at(part), newer.at(part));
+  }
+  for (const Json& row : newer.at("cost")) {
+    for (const Json& old_row : older.at("cost")) {
+      if (old_row.at("stage") != row.at("stage")) continue;
+      CompareNumbers(out,
+                     "cost." + row.at("stage").get<std::string>() + ".mean_ms",
+                     old_row.at("mean_ms"),
+                     row.at("mean_ms"));
+    }
+  }
+  const std::string text = out.str();
+  return text.empty() ? "no number differs\n" : text;
+}
+
+}  // namespace freelsd

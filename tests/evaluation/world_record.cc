@@ -1,0 +1,279 @@
+#include "tests/evaluation/world_record.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "tests/evaluation/site_score.h"
+#include "tests/evaluation/stage_scores.h"
+#include "tests/evaluation/statistics.h"
+
+namespace freelsd {
+namespace {
+
+using Json = nlohmann::json;
+
+// A region has to do with a field when it holds this share of its ground.
+constexpr double kMinShareOfField = 0.2;
+// Too thin for 0.2 m of ground sampling: in a row of their own.
+const std::set<std::string> kThinThings{"", "pole", "wire", "fence"};
+
+double Rounded(double value) { return std::round(value * 100.0) / 100.0; }
+Json Place(const Eigen::Vector2d& place) { return {Rounded(place.x()), Rounded(place.y())}; }
+
+int FieldAt(const Fields& fields, const TruthMap& truth, const Eigen::Vector2d& place) {
+  if (place.cwiseAbs().maxCoeff() >= 0.5 * truth.size_m) return 0;
+  return fields.label(truth.CellAt(place));
+}
+
+// What a place truly is: a row of the table of decoys.
+std::string GroundAt(const TruthMap& truth, const Fields& fields, const Eigen::Vector2d& place) {
+  if (place.cwiseAbs().maxCoeff() >= 0.5 * truth.size_m) return "outside";
+  const int field = FieldAt(fields, truth, place);
+  if (field > 0) {
+    return fields.fields[static_cast<size_t>(field - 1)].is_landable ? "true field"
+                                                                     : "approach blocked";
+  }
+  const cv::Point cell = truth.CellAt(place);
+  switch (static_cast<GroundFault>(truth.fault(cell))) {
+    case GroundFault::kNone:
+      return "too small";
+    case GroundFault::kSteep:
+      return "too steep";
+    case GroundFault::kRough:
+      return "too rough";
+    case GroundFault::kOutside:
+      return "outside";
+    case GroundFault::kCover:
+      return CoverName(static_cast<Cover>(truth.cover(cell)));
+  }
+  return "";
+}
+
+void AddSafety(Json& json, const std::optional<SafetyScore>& score, const Plan& plan) {
+  json["is_false_safe"] = false;
+  json["is_only_thin"] = false;
+  if (!score) return;
+  json["ground_fault"] = score->ground_fault;
+  json["final_fault"] = score->final_fault;
+  json["loiter_fault"] = score->loiter_fault;
+  json["free_distance_m"] = Rounded(score->free_distance);
+  json["final_clearance_m"] = Rounded(score->final_clearance);
+  json["loiter_clearance_m"] = Rounded(score->loiter_clearance);
+  const bool is_false_safe = score->IsFalseSafe(plan.verdict);
+  const bool counts_loiter = plan.verdict == Verdict::kLandable;
+  const bool is_only_thin = is_false_safe && kThinThings.contains(score->ground_fault) &&
+                            kThinThings.contains(score->final_fault) &&
+                            (!counts_loiter || kThinThings.contains(score->loiter_fault));
+  json["is_false_safe"] = is_false_safe && !is_only_thin;
+  json["is_only_thin"] = is_only_thin;
+}
+
+Json SiteJson(const Site& site,
+              const Scenario& scenario,
+              const TruthMap& truth,
+              const Fields& fields,
+              const Eigen::Vector2d& shift) {
+  const Plan& plan = site.plan;
+  const Eigen::Vector2d touchdown = plan.touchdown_in_world.head<2>();
+  Json json{{"region", site.region.id},
+            {"verdict", VerdictName(plan.verdict)},
+            {"reason", plan.reject_reason ? ReasonName(*plan.reject_reason) : ""},
+            {"detail", plan.reject_detail},
+            {"touchdown_m", Place(touchdown)},
+            {"hazard_distance_m", Rounded(plan.hazard_distance)},
+            {"field", FieldAt(fields, truth, touchdown)},
+            {"ground", GroundAt(truth, fields, touchdown)}};
+  const World& world = scenario.world;
+  AddSafety(json, ScorePlan(world, truth, scenario.aircraft, plan, Eigen::Vector2d::Zero()), plan);
+  const auto unshifted = ScorePlan(world, truth, scenario.aircraft, plan, shift);
+  json["is_false_safe_without_shift"] = unshifted && unshifted->IsFalseSafe(plan.verdict);
+  if (plan.approach) {
+    json["unseen_ratio"] = Rounded(plan.approach->unseen_ratio);
+    json["heading_deg"] = Rounded(DegFromRad(plan.approach->heading));
+    json["approach_distance_m"] = Rounded(plan.approach->approach_distance);
+  }
+  if (site.wind) {
+    json["wind_error_mps"] = Rounded((site.wind->wind_in_world - world.wind_in_world).norm());
+  }
+  return json;
+}
+
+// Share of a field's ground within a region.
+double ShareIn(const Region& region, const Field& field, const TruthMap& truth, const Fields& all) {
+  const Polygon footprint = region.Footprint();
+  if (footprint.size() < 3) return 0.0;
+  int num_inside = 0, num_cells = 0;
+  constexpr int kStep = 3;
+  for (int row = 0; row < all.label.rows; row += kStep) {
+    for (int col = 0; col < all.label.cols; col += kStep) {
+      if (all.label(row, col) != field.id) continue;
+      ++num_cells;
+      num_inside += Contains(footprint, truth.CellCenter(row, col));
+    }
+  }
+  return num_cells == 0 ? 0.0 : static_cast<double>(num_inside) / num_cells;
+}
+
+// Which stage lost a field, or why the site on it was refused.
+std::string FateOf(const Field& field,
+                   const EngineRun& run,
+                   const TruthMap& truth,
+                   const Fields& all) {
+  const auto concerns = [&](const Region& region) {
+    return Contains(region.Footprint(), field.touchdown) ||
+           ShareIn(region, field, truth, all) >= kMinShareOfField;
+  };
+  std::string fate = "no region";
+  for (const Region& region : run.regions) {
+    if (concerns(region)) fate = "region without a grade";
+  }
+  for (const Site& site : run.evaluation.sites) {
+    if (!concerns(site.region)) continue;
+    if (FieldAt(all, truth, site.plan.touchdown_in_world.head<2>()) == field.id) {
+      if (site.plan.verdict != Verdict::kRejected) return "found";
+      return ReasonName(*site.plan.reject_reason);
+    }
+    fate = site.plan.verdict == Verdict::kRejected ? ReasonName(*site.plan.reject_reason)
+                                                   : "touchdown elsewhere";
+  }
+  return fate;
+}
+
+Json FieldJson(const Field& field, const EngineRun& run, const TruthMap& truth, const Fields& all) {
+  bool is_found = false;
+  for (const Site& site : run.evaluation.sites) {
+    is_found |= site.plan.verdict != Verdict::kRejected &&
+                FieldAt(all, truth, site.plan.touchdown_in_world.head<2>()) == field.id;
+  }
+  return {{"id", field.id},
+          {"area_m2", field.area_m2},
+          {"is_landable", field.is_landable},
+          {"is_seen", field.num_seen_touchdowns > 0},
+          {"num_touchdowns", field.num_touchdowns},
+          {"touchdown_m", Place(field.touchdown)},
+          {"free_radius_m", Rounded(field.free_radius)},
+          {"has_loiter", field.has_loiter},
+          {"is_found", is_found},
+          {"fate", is_found ? "found" : FateOf(field, run, truth, all)}};
+}
+
+Json PosesJson(const PoseScore& score) {
+  return {{"num_views", score.num_views},
+          {"num_connected", score.num_connected},
+          {"horizontal_before_m", ToJson(score.horizontal_before)},
+          {"horizontal_after_m", ToJson(score.horizontal_after)},
+          {"horizontal_within_m", ToJson(score.horizontal_within)},
+          {"vertical_before_m", ToJson(score.vertical_before)},
+          {"vertical_after_m", ToJson(score.vertical_after)},
+          {"attitude_before_deg", ToJson(score.attitude_before)},
+          {"attitude_after_deg", ToJson(score.attitude_after)},
+          {"rms_before_px", score.rms_before_px},
+          {"rms_after_px", score.rms_after_px},
+          {"shift_m", {score.shift.x(), score.shift.y(), score.shift.z()}}};
+}
+
+Json MapsJson(const MapScore& score) {
+  return {{"elevation_error_m", ToJson(score.elevation_error)},
+          {"elevation_error_unbiased_m", ToJson(score.elevation_error_unbiased)},
+          {"elevation_median_error_m", score.elevation_median_error},
+          {"slope_error_deg", ToJson(score.slope_error)},
+          {"roughness_error_m", ToJson(score.roughness_error)},
+          {"hazard_of_kind", score.hazard_of_kind},
+          {"num_faulty", score.num_faulty},
+          {"num_faulty_not_free", score.num_faulty_not_free},
+          {"num_called_hazard", score.num_called_hazard},
+          {"num_called_hazard_rightly", score.num_called_hazard_rightly}};
+}
+
+Json FrontendJson(const FrontendScore& score) {
+  return {{"regions", ToJson(score.regions)},
+          {"pixels_of_cover", score.pixels_of_cover},
+          {"coarse_height_error_m", ToJson(score.coarse_height_error)},
+          {"num_regions", score.num_regions},
+          {"num_graded", score.num_graded},
+          {"num_duplicates", score.num_duplicates},
+          {"track_length", ToJson(score.track_length)}};
+}
+
+Json CostJson(const EngineRun& run) {
+  std::map<std::string, std::pair<Sums, LogHistogram>> cost;
+  for (const StageReport& report : run.evaluation.reports) {
+    cost[report.stage].first.Add(1e3 * report.seconds);
+    cost[report.stage].second.Add(1e3 * report.seconds);
+  }
+  Json json = Json::object();
+  for (const auto& [stage, sums] : cost) {
+    json[stage] = {{"ms", ToJson(sums.first)}, {"histogram", sums.second.ToJson()}};
+  }
+  return json;
+}
+
+}  // namespace
+
+const char* VerdictName(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kLandable:
+      return "landable";
+    case Verdict::kUnverified:
+      return "unverified";
+    case Verdict::kRejected:
+      return "rejected";
+  }
+  return "";
+}
+
+const char* ReasonName(RejectReason reason) {
+  switch (reason) {
+    case RejectReason::kNoSafeTouchdown:
+      return "no_safe_touchdown";
+    case RejectReason::kApproachBlocked:
+      return "approach_blocked";
+    case RejectReason::kApproachUnseen:
+      return "approach_unseen";
+    case RejectReason::kLoiterBlocked:
+      return "loiter_blocked";
+    case RejectReason::kWindTooStrong:
+      return "wind_too_strong";
+    case RejectReason::kTooSmall:
+      return "too_small";
+    case RejectReason::kTooFewObservations:
+      return "too_few_observations";
+    case RejectReason::kNotGrass:
+      return "not_grass";
+    case RejectReason::kNoTerrain:
+      return "no_terrain";
+  }
+  return "";
+}
+
+Json WorldRecord(uint64_t seed,
+                 const Scenario& scenario,
+                 const EngineRun& run,
+                 const TruthMap& truth,
+                 const Fields& fields) {
+  const PoseScore poses = ScorePoses(run, scenario);
+  Json record{{"seed", seed},
+              {"aircraft", scenario.aircraft.profile},
+              {"wind_mps", Rounded(scenario.world.wind_in_world.norm())},
+              {"num_frames", scenario.frames.size()},
+              {"num_processed", run.num_processed},
+              {"frontend_s", run.frontend_seconds},
+              {"total_s", run.total_seconds},
+              {"warnings", run.evaluation.warnings},
+              {"poses", PosesJson(poses)},
+              {"maps", MapsJson(ScoreMap(run, scenario, truth))},
+              {"frontend", FrontendJson(ScoreFrontend(run, scenario))},
+              {"cost", CostJson(run)},
+              {"sites", Json::array()},
+              {"fields", Json::array()}};
+  for (const Site& site : run.evaluation.sites) {
+    record["sites"].push_back(SiteJson(site, scenario, truth, fields, poses.shift.head<2>()));
+  }
+  for (const Field& field : fields.fields) {
+    record["fields"].push_back(FieldJson(field, run, truth, fields));
+  }
+  return record;
+}
+
+}  // namespace freelsd

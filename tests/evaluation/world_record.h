@@ -1,0 +1,23 @@
+// Input: an engine's run over one world. Output: everything that is scored of it, as JSON that can
+// be added up with that of other worlds.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "tests/evaluation/engine_run.h"
+#include "tests/evaluation/synthetic_flight.h"
+#include "tests/evaluation/truth_map.h"
+
+namespace freelsd {
+
+nlohmann::json WorldRecord(uint64_t seed,
+                           const Scenario& scenario,
+                           const EngineRun& run,
+                           const TruthMap& truth,
+                           const Fields& fields);
+
+// Words of the wire for verdicts and reasons.
+const char* VerdictName(Verdict verdict);
+const char* ReasonName(RejectReason reason);
+
+}  // namespace freelsd

@@ -1,0 +1,438 @@
+// Countryside as it comes: the square is split again and again into parcels, each of which gets a
+// cover, borders and whatever people and weather have left on it.
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "tests/synthetic/noise.h"
+#include "tests/synthetic/world.h"
+
+namespace freelsd {
+namespace {
+
+// Purposes of randomness.
+enum Purpose : uint64_t {
+  kLayout = 601,
+  kHills,
+  kRolls,
+  kSwells,
+  kTufts,
+  kClods,
+  kBushes,
+  kTussocks,
+  kRagged,
+};
+
+constexpr double kMinSideM = 34.0;
+// A parcel of less than this is split no more, with a probability.
+constexpr double kMaxSideM = 150.0;
+constexpr double kLaneHalfWidthM = 2.6;
+constexpr double kVergeM = 1.5;
+constexpr double kRaggedM = 0.35;
+// A hill whose flanks are too steep to land on.
+constexpr double kHillHeightM = 20.0;
+constexpr double kHillRadiusM = 62.0;
+
+// What makes a meadow a good field or a trap.
+enum class Feature { kGood, kTussocks, kBoulders, kAnimals, kDitch, kBales, kParkedCars };
+
+struct Lot {
+  // In the layout's frame.
+  Eigen::Vector2d min, max;
+  Cover cover = Cover::kMeadow;
+  Feature feature = Feature::kGood;
+  uint8_t variant = 0;
+
+  Eigen::Vector2d Size() const { return max - min; }
+  Eigen::Vector2d Middle() const { return 0.5 * (min + max); }
+};
+
+// A split of the layout: lots on both sides; the first ones are lanes.
+struct Split {
+  int axis = 0;
+  double at = 0.0;
+  int lower = 0, upper = 0;  // index into splits, or ~index into lots
+  bool is_lane = false;
+  Eigen::Vector2d start, end;
+};
+
+class Countryside {
+ public:
+  explicit Countryside(const WorldOptions& options)
+      : options_(options), random_(MixSeed(options.seed, kLayout)) {}
+
+  World Make() {
+    World world = Empty();
+    const double reach = 0.75 * options_.size_m;  // the layout is turned
+    root_ = Divide({-reach, -reach}, {reach, reach}, 0);
+    hill_ = {Uniform(-0.4, 0.4) * options_.size_m, Uniform(-0.4, 0.4) * options_.size_m};
+    LayGround(world);
+    NameParcels(world);
+    for (const Lot& lot : lots_) Furnish(world, lot);
+    for (const Split& split : splits_) PlantBorder(world, split);
+    PlantSingleTrees(world);
+    if (Uniform(0, 1) < 0.35) BuildPowerLine(world);
+    return world;
+  }
+
+ private:
+  double Uniform(double low, double high) {
+    return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1.0p-53;
+  }
+
+  Eigen::Vector2d WorldFromLayout(const Eigen::Vector2d& p) const {
+    return p.x() * forward_ + p.y() * Eigen::Vector2d(-forward_.y(), forward_.x());
+  }
+  Eigen::Vector2d LayoutFromWorld(const Eigen::Vector2d& p) const {
+    return {p.dot(forward_), p.y() * forward_.x() - p.x() * forward_.y()};
+  }
+
+  World Empty() {
+    World world;
+    world.seed = options_.seed;
+    world.size_m = options_.size_m;
+    world.cell_size_m = options_.cell_size_m;
+    world.origin = options_.origin;
+    forward_ = DirectionOf(Uniform(0.0, 2.0 * kPi));
+    world.wind_in_world = options_.wind_speed_mps * DirectionOf(Uniform(0.0, 2.0 * kPi));
+    const double elevation = RadFromDeg(Uniform(32.0, 60.0));
+    world.sun_in_world << DirectionOf(RadFromDeg(Uniform(100.0, 260.0))) * std::cos(elevation),
+        std::sin(elevation);
+    const int n = static_cast<int>(std::lround(options_.size_m / options_.cell_size_m));
+    for (cv::Mat1f* grid : {&world.ground, &world.surface}) grid->create(n, n);
+    for (cv::Mat1b* grid : {&world.cover, &world.variant}) grid->create(n, n);
+    return world;
+  }
+
+  // Node of the tree of splits over a rectangle: an index, or ~index of a lot.
+  int Divide(const Eigen::Vector2d& min, const Eigen::Vector2d& max, int depth) {
+    const Eigen::Vector2d size = max - min;
+    const int axis = size.x() >= size.y() ? 0 : 1;
+    const bool may_stay = size.maxCoeff() < kMaxSideM && Uniform(0, 1) < 0.55;
+    if (size[axis] < 2.0 * kMinSideM || may_stay) return ~AddLot(min, max);
+    const size_t index = splits_.size();
+    splits_.emplace_back();
+    Split split;
+    split.axis = axis;
+    split.at = min[axis] + size[axis] * Uniform(0.35, 0.65);
+    split.is_lane = depth == 1 && Uniform(0, 1) < 0.7;
+    split.start = min;
+    split.end = max;
+    split.start[axis] = split.end[axis] = split.at;
+    Eigen::Vector2d middle_max = max, middle_min = min;
+    middle_max[axis] = middle_min[axis] = split.at;
+    split.lower = Divide(min, middle_max, depth + 1);
+    split.upper = Divide(middle_min, max, depth + 1);
+    splits_[index] = split;
+    return static_cast<int>(index);
+  }
+
+  int AddLot(const Eigen::Vector2d& min, const Eigen::Vector2d& max) {
+    Lot lot{min, max};
+    struct Share {
+      Cover cover;
+      double share;
+    };
+    constexpr Share kShares[] = {{Cover::kMeadow, 0.42},
+                                 {Cover::kCrop, 0.12},
+                                 {Cover::kStubble, 0.12},
+                                 {Cover::kSoil, 0.08},
+                                 {Cover::kScrub, 0.08},
+                                 {Cover::kWater, 0.04},
+                                 {Cover::kGravel, 0.04}};
+    lot.cover = Cover::kTree;  // the rest
+    double dice = Uniform(0, 1);
+    for (const Share& share : kShares) {
+      if (dice >= 0.0 && dice < share.share) lot.cover = share.cover;
+      dice -= share.share;
+    }
+    constexpr Feature kTraps[] = {Feature::kTussocks,
+                                  Feature::kBoulders,
+                                  Feature::kAnimals,
+                                  Feature::kDitch,
+                                  Feature::kBales,
+                                  Feature::kParkedCars};
+    const double trap = Uniform(0, 1);
+    if (trap < 0.42) lot.feature = kTraps[static_cast<int>(trap / 0.07)];
+    lot.variant = static_cast<uint8_t>(Uniform(0.0, 255.9));
+    lots_.push_back(lot);
+    return static_cast<int>(lots_.size()) - 1;
+  }
+
+  const Lot& LotAt(const Eigen::Vector2d& place) const {
+    int node = root_;
+    while (node >= 0) {
+      const Split& split = splits_[static_cast<size_t>(node)];
+      node = place[split.axis] < split.at ? split.lower : split.upper;
+    }
+    return lots_[static_cast<size_t>(~node)];
+  }
+
+  // Distance to the middle of the nearest lane.
+  double ToLane(const Eigen::Vector2d& place) const {
+    double nearest = 1e9;
+    for (const Split& split : splits_) {
+      if (!split.is_lane) continue;
+      const int other = 1 - split.axis;
+      if (place[other] < split.start[other] || place[other] > split.end[other]) continue;
+      nearest = std::min(nearest, std::abs(place[split.axis] - split.at));
+    }
+    return nearest;
+  }
+
+  double GroundAt(double x, double y) const {
+    const double r = (Eigen::Vector2d(x, y) - hill_).norm() / kHillRadiusM;
+    return options_.relief_sd_m * (hills_.At(x, y) + 0.10 * rolls_.At(x, y)) +
+           kHillHeightM * std::exp(-0.5 * r * r);
+  }
+
+  // What grows there, over the ground.
+  double GrowthAt(const Lot& lot, Cover cover, double x, double y) const {
+    switch (cover) {
+      case Cover::kMeadow:
+        if (lot.feature == Feature::kTussocks) {
+          return std::max(0.0, 0.25 + 0.3 * static_cast<double>(tussocks_.At(x, y)));
+        }
+        return 0.04 * tufts_.At(x, y) + 0.02 * swells_.At(x, y);
+      case Cover::kCrop:
+        return 0.5 + 0.002 * lot.variant + 0.05 * tufts_.At(x, y) + 0.03 * swells_.At(x, y);
+      case Cover::kSoil:
+      case Cover::kStubble:
+        return 0.06 * clods_.At(x, y);
+      case Cover::kScrub:
+        return std::max(0.0, 0.8 + 0.35 * static_cast<double>(bushes_.At(x, y)));
+      default:
+        return 0.0;
+    }
+  }
+
+  void LayGround(World& world) const {
+    cv::parallel_for_({0, world.num_cells()}, [&](const cv::Range& rows) {
+      for (int row = rows.start; row < rows.end; ++row) {
+        for (int col = 0; col < world.num_cells(); ++col) LayCell(world, row, col);
+      }
+    });
+  }
+
+  void LayCell(World& world, int row, int col) const {
+    const double x = world.CellCenter(col), y = world.CellCenter(row);
+    const Eigen::Vector2d place = LayoutFromWorld({x, y});
+    // Borders were ploughed by people, not drawn with a ruler.
+    const Eigen::Vector2d ragged =
+        place + kRaggedM * Eigen::Vector2d(ragged_.At(x, y), ragged_.At(x + 500.0, y));
+    const Lot& lot = LotAt(ragged);
+    const double to_lane = ToLane(place);
+    Cover cover = lot.cover == Cover::kTree ? Cover::kScrub : lot.cover;
+    if (to_lane < kLaneHalfWidthM + kVergeM) cover = Cover::kMeadow;
+    if (to_lane < kLaneHalfWidthM) cover = Cover::kRoad;
+    double ground = GroundAt(x, y);
+    if (cover == Cover::kWater) {  // a pond is level, and lower than its banks
+      const Eigen::Vector2d middle = WorldFromLayout(lot.Middle());
+      ground = GroundAt(middle.x(), middle.y()) - 0.5;
+    }
+    world.ground(row, col) = static_cast<float>(ground);
+    world.surface(row, col) = static_cast<float>(ground + GrowthAt(lot, cover, x, y));
+    world.cover(row, col) = static_cast<uint8_t>(cover);
+    world.variant(row, col) = lot.variant;
+  }
+
+  void NameParcels(World& world) const {
+    for (const Lot& lot : lots_) {
+      Parcel parcel;
+      parcel.cover = lot.cover;
+      parcel.name = std::string(CoverName(lot.cover)) + " " + std::to_string(world.parcels.size());
+      parcel.outline = {WorldFromLayout(lot.min),
+                        WorldFromLayout({lot.max.x(), lot.min.y()}),
+                        WorldFromLayout(lot.max),
+                        WorldFromLayout({lot.min.x(), lot.max.y()})};
+      world.parcels.push_back(parcel);
+    }
+  }
+
+  // A place within a lot, in the layout.
+  Eigen::Vector2d PlaceIn(const Lot& lot, double margin) {
+    const double x = Uniform(lot.min.x() + margin, lot.max.x() - margin);
+    const double y = Uniform(lot.min.y() + margin, lot.max.y() - margin);
+    return {x, y};
+  }
+
+  void Furnish(World& world, const Lot& lot) {
+    if (lot.cover == Cover::kTree) PlantWood(world, lot);
+    if (lot.cover == Cover::kGravel) BuildFarm(world, lot);
+    if (lot.cover != Cover::kMeadow) return;
+    const double area = lot.Size().prod();
+    switch (lot.feature) {
+      case Feature::kGood:
+      case Feature::kTussocks:
+        return;
+      case Feature::kBoulders:
+        return Scatter(lot, static_cast<int>(area / 400.0), [&](const Eigen::Vector2d& place) {
+          const double radius = Uniform(0.5, 1.4);
+          world.Put(Boulder{place, radius, radius * Uniform(0.7, 1.1)});
+        });
+      case Feature::kAnimals:
+        return Scatter(lot, 4 + static_cast<int>(area / 900.0), [&](const Eigen::Vector2d& place) {
+          const uint8_t kind = static_cast<uint8_t>(Uniform(0, 2.99));
+          world.Put(Block{place, Uniform(0, 2.0 * kPi), 2.1, 0.8, 1.4, Cover::kAnimal, kind});
+        });
+      case Feature::kBales:
+        return Scatter(lot, 3 + static_cast<int>(area / 1200.0), [&](const Eigen::Vector2d& place) {
+          world.Put(Block{place, Uniform(0, 2.0 * kPi), 1.5, 1.2, 1.3, Cover::kVehicle, 3});
+        });
+      case Feature::kParkedCars:
+        return Scatter(lot, 2 + static_cast<int>(Uniform(0, 4)), [&](const Eigen::Vector2d& place) {
+          const uint8_t paint = static_cast<uint8_t>(Uniform(0, 3.99));
+          world.Put(Block{place, Uniform(0, 2.0 * kPi), 4.4, 1.8, 1.5, Cover::kVehicle, paint});
+        });
+      case Feature::kDitch:
+        return DigAcross(world, lot);
+    }
+  }
+
+  template <typename PutAt>
+  void Scatter(const Lot& lot, int count, PutAt put_at) {
+    for (int i = 0; i < count; ++i) put_at(WorldFromLayout(PlaceIn(lot, 2.0)));
+  }
+
+  void DigAcross(World& world, const Lot& lot) {
+    const int axis = Uniform(0, 1) < 0.5 ? 0 : 1;
+    Eigen::Vector2d start = lot.min, end = lot.max;
+    start[axis] = lot.min[axis] + Uniform(0.25, 0.75) * lot.Size()[axis];
+    end[axis] = lot.min[axis] + Uniform(0.25, 0.75) * lot.Size()[axis];
+    world.Dig(Ditch{.start = WorldFromLayout(start),
+                    .end = WorldFromLayout(end),
+                    .width_m = Uniform(1.2, 2.4),
+                    .depth_m = Uniform(0.5, 1.2)});
+  }
+
+  Tree RandomTree(const Eigen::Vector2d& place, bool is_leafless) {
+    Tree tree;
+    tree.center = WorldFromLayout(place);
+    tree.height_m = Uniform(6.0, 16.0);
+    tree.radius_m = std::clamp(tree.height_m * Uniform(0.28, 0.42), 2.2, 5.5);
+    tree.variant = static_cast<uint8_t>(Uniform(0.0, 255.9));
+    tree.is_leafless = is_leafless;
+    return tree;
+  }
+
+  void PlantWood(World& world, const Lot& lot) {
+    constexpr double kSpacingM = 6.0;
+    const bool is_leafless = Uniform(0, 1) < 0.2;
+    for (double y = lot.min.y() + 4.0; y < lot.max.y() - 4.0; y += kSpacingM) {
+      for (double x = lot.min.x() + 4.0; x < lot.max.x() - 4.0; x += kSpacingM) {
+        const Eigen::Vector2d place(x + Uniform(-2.2, 2.2), y + Uniform(-2.2, 2.2));
+        if (ToLane(place) < kLaneHalfWidthM + 4.0 || Uniform(0, 1) < 0.06) continue;
+        world.Plant(RandomTree(place, is_leafless));
+      }
+    }
+  }
+
+  void BuildFarm(World& world, const Lot& lot) {
+    const int num_houses = 2 + static_cast<int>(Uniform(0, 3));
+    for (int i = 0; i < num_houses; ++i) {
+      House house;
+      house.center = WorldFromLayout(PlaceIn(lot, 13.0));
+      house.heading = HeadingOf(forward_) + (i % 2) * 0.5 * kPi + Uniform(-0.15, 0.15);
+      house.length_m = Uniform(10.0, 22.0);
+      house.width_m = Uniform(7.0, 10.0);
+      house.eaves_m = Uniform(3.0, 5.5);
+      house.ridge_m = house.eaves_m + Uniform(1.5, 3.2);
+      house.variant = static_cast<uint8_t>(i);
+      world.Build(house);
+    }
+    Scatter(lot, 3, [&](const Eigen::Vector2d& place) {
+      world.Put(Block{.center = place, .heading = Uniform(0, 2.0 * kPi)});
+    });
+  }
+
+  // Every border has its chance of a hedge, trees, a fence, a ditch, or nothing.
+  void PlantBorder(World& world, const Split& split) {
+    if (split.is_lane) return ParkOnLane(world, split);
+    const double length = (split.end - split.start).norm();
+    const Eigen::Vector2d along = (split.end - split.start) / length;
+    // A long border is not the same all along.
+    for (double s = 5.0; s < length - 12.0;) {
+      const double piece = std::min(Uniform(40.0, 110.0), length - 5.0 - s);
+      const Eigen::Vector2d start = split.start + s * along;
+      PlantPiece(world, start, start + (piece - 6.0) * along);
+      s += piece;
+    }
+  }
+
+  void PlantPiece(World& world, const Eigen::Vector2d& start, const Eigen::Vector2d& end) {
+    const double dice = Uniform(0, 1);
+    const Eigen::Vector2d from = WorldFromLayout(start), to = WorldFromLayout(end);
+    if (dice < 0.28) {
+      world.Plant(Hedge{.start = from, .end = to, .height_m = Uniform(1.2, 2.6)});
+    } else if (dice < 0.48) {
+      const bool is_leafless = Uniform(0, 1) < 0.25;
+      const Eigen::Vector2d along = (end - start).normalized();
+      for (double s = 4.0; s < (end - start).norm(); s += Uniform(7.0, 20.0)) {
+        world.Plant(RandomTree(start + s * along, is_leafless));
+      }
+    } else if (dice < 0.68) {
+      world.Build(Fence{.start = from, .end = to});
+    } else if (dice < 0.78) {
+      world.Dig(Ditch{.start = from, .end = to});
+    }
+  }
+
+  void ParkOnLane(World& world, const Split& split) {
+    const Eigen::Vector2d span = split.end - split.start;
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Vector2d place = split.start + Uniform(0.05, 0.95) * span;
+      world.Put(Block{.center = WorldFromLayout(place),
+                      .heading = HeadingOf(WorldFromLayout(span)),
+                      .variant = static_cast<uint8_t>(Uniform(0, 3.99))});
+    }
+  }
+
+  void PlantSingleTrees(World& world) {
+    constexpr int kNumTrees = 22;
+    const double half = 0.5 * options_.size_m;
+    for (int i = 0; i < kNumTrees; ++i) {
+      const Eigen::Vector2d place = LayoutFromWorld({Uniform(-half, half), Uniform(-half, half)});
+      const Cover cover = LotAt(place).cover;
+      const Tree tree = RandomTree(place, Uniform(0, 1) < 0.2);
+      if (cover == Cover::kWater || ToLane(place) < kLaneHalfWidthM + 5.0) continue;
+      world.Plant(tree);
+    }
+  }
+
+  void BuildPowerLine(World& world) {
+    const double angle = Uniform(0, kPi);
+    const Eigen::Vector2d along = DirectionOf(angle);
+    const Eigen::Vector2d across(along.y(), -along.x());
+    const Eigen::Vector2d middle = Uniform(-0.3, 0.3) * options_.size_m * across;
+    world.Build(PowerLine{.start = middle - options_.size_m * along,
+                          .end = middle + options_.size_m * along});
+  }
+
+  WorldOptions options_;
+  std::mt19937_64 random_;
+  Noise hills_{MixSeed(options_.seed, kHills), 150.0};
+  Noise rolls_{MixSeed(options_.seed, kRolls), 60.0};
+  Noise swells_{MixSeed(options_.seed, kSwells), 3.0};
+  Noise tufts_{MixSeed(options_.seed, kTufts), 0.5};
+  Noise clods_{MixSeed(options_.seed, kClods), 0.4};
+  Noise bushes_{MixSeed(options_.seed, kBushes), 1.3};
+  Noise tussocks_{MixSeed(options_.seed, kTussocks), 1.6};
+  Noise ragged_{MixSeed(options_.seed, kRagged), 4.0};
+  Eigen::Vector2d forward_ = Eigen::Vector2d::UnitX();
+  Eigen::Vector2d hill_ = Eigen::Vector2d::Zero();
+  std::vector<Lot> lots_;
+  std::vector<Split> splits_;
+  int root_ = 0;
+};
+
+}  // namespace
+
+World MakeCountryside(const WorldOptions& options) {
+  options.Check();
+  World world = Countryside(options).Make();
+  world.Paint();
+  world.Light();
+  return world;
+}
+
+}  // namespace freelsd
