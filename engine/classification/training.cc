@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -19,6 +20,10 @@
 namespace freelsd {
 namespace {
 
+// Leaving one of two places out trains on a single one, which says nothing of a forest that is
+// trained on both: fewer places are cut into random folds.
+constexpr int kMinPlacesToLeaveOneOut = 3;
+
 using Samples = std::vector<const TrainingSample*>;
 
 struct ForestSettings {
@@ -26,15 +31,29 @@ struct ForestSettings {
   int min_samples = 0;
 };
 
+// The forest draws from OpenCV's generator of this thread: seeded here, and left as it was.
+class SeededRng {
+ public:
+  explicit SeededRng(int seed) : saved_(cv::theRNG()) {
+    cv::theRNG() = cv::RNG(static_cast<uint64_t>(seed));
+  }
+  ~SeededRng() { cv::theRNG() = saved_; }
+  SeededRng(const SeededRng&) = delete;
+  SeededRng& operator=(const SeededRng&) = delete;
+
+ private:
+  cv::RNG saved_;
+};
+
 cv::Ptr<cv::ml::RTrees> TrainForest(const Samples& samples,
                                     const ForestSettings& settings,
                                     const TrainingOptions& options) {
-  cv::Mat1f rows(static_cast<int>(samples.size()),
-                 static_cast<int>(samples.front()->features.size()));
+  const size_t num_features = NumForestFeatures(options.feature_set);
+  cv::Mat1f rows(static_cast<int>(samples.size()), static_cast<int>(num_features));
   cv::Mat1i labels(static_cast<int>(samples.size()), 1);
   for (int i = 0; i < rows.rows; ++i) {
     const TrainingSample& sample = *samples[static_cast<size_t>(i)];
-    std::copy(sample.features.begin(), sample.features.end(), rows[i]);
+    std::copy_n(sample.features.begin(), num_features, rows[i]);
     labels(i, 0) = sample.is_grass ? 1 : 0;
   }
   const cv::Ptr<cv::ml::RTrees> forest = cv::ml::RTrees::create();
@@ -42,9 +61,15 @@ cv::Ptr<cv::ml::RTrees> TrainForest(const Samples& samples,
   forest->setMinSampleCount(settings.min_samples);
   forest->setActiveVarCount(0);
   forest->setTermCriteria({cv::TermCriteria::MAX_ITER, options.num_trees, 0.0});
-  cv::setRNGSeed(options.seed);
+  const SeededRng seeded(options.seed);
   forest->train(cv::ml::TrainData::create(rows, cv::ml::ROW_SAMPLE, labels));
   return forest;
+}
+
+bool HasBothKinds(const Samples& samples) {
+  const auto is_grass = [](const TrainingSample* sample) { return sample->is_grass; };
+  return std::any_of(samples.begin(), samples.end(), is_grass) &&
+         !std::all_of(samples.begin(), samples.end(), is_grass);
 }
 
 struct Prediction {
@@ -52,23 +77,24 @@ struct Prediction {
   bool is_grass = false;
 };
 
-// Votes for every sample from a forest that was trained on the other folds.
+// Votes for every sample that is not augmented, from a forest trained on the other folds.
 std::vector<Prediction> CrossValidate(const std::vector<TrainingSample>& samples,
                                       const std::vector<int>& fold_of_sample,
                                       const ForestSettings& settings,
                                       const TrainingOptions& options) {
-  std::vector<Prediction> predictions(samples.size());
+  std::vector<Prediction> predictions;
   const std::set<int> folds(fold_of_sample.begin(), fold_of_sample.end());
   for (const int fold : folds) {
     Samples training;
     for (size_t i = 0; i < samples.size(); ++i) {
       if (fold_of_sample[i] != fold) training.push_back(&samples[i]);
     }
-    if (training.empty()) continue;
+    // Nothing is learnt from one kind alone.
+    if (!HasBothKinds(training)) continue;
     const cv::Ptr<cv::ml::RTrees> forest = TrainForest(training, settings, options);
     for (size_t i = 0; i < samples.size(); ++i) {
-      if (fold_of_sample[i] != fold) continue;
-      predictions[i] = {GrassVotes(*forest, samples[i].features), samples[i].is_grass};
+      if (fold_of_sample[i] != fold || samples[i].is_augmented) continue;
+      predictions.push_back({GrassVotes(*forest, samples[i].features), samples[i].is_grass});
     }
   }
   return predictions;
@@ -158,10 +184,19 @@ void SetGrassRange(const std::vector<TrainingSample>& samples, Classifier::Model
   }
 }
 
+std::vector<TrainingSample> Originals(const std::vector<TrainingSample>& samples) {
+  std::vector<TrainingSample> originals;
+  std::copy_if(samples.begin(),
+               samples.end(),
+               std::back_inserter(originals),
+               [](const TrainingSample& sample) { return !sample.is_augmented; });
+  return originals;
+}
+
 ForestSettings BestSettings(const std::vector<TrainingSample>& samples,
                             const std::vector<int>& folds,
                             const TrainingOptions& options) {
-  ForestSettings best;
+  ForestSettings best{options.max_depths.front(), options.min_samples_per_branch.front()};
   double best_error = std::numeric_limits<double>::infinity();
   for (const int max_depth : options.max_depths) {
     for (const int min_samples : options.min_samples_per_branch) {
@@ -214,11 +249,16 @@ std::pair<Classifier, TrainingReport> TrainClassifier(const std::vector<Training
                                                       const std::string& provenance,
                                                       const TrainingOptions& options) {
   CheckSamples(samples, options);
-  const std::vector<int> random_folds = RandomFolds(samples.size(), options);
-  const ForestSettings settings = BestSettings(samples, random_folds, options);
-  const std::vector<Prediction> random = CrossValidate(samples, random_folds, settings, options);
-  const std::vector<Prediction> by_place =
-      CrossValidate(samples, FoldsByPlace(samples), settings, options);
+  const std::vector<int> place_folds = FoldsByPlace(samples);
+  const int num_places = *std::max_element(place_folds.begin(), place_folds.end()) + 1;
+  const std::vector<int> folds =
+      num_places < kMinPlacesToLeaveOneOut ? RandomFolds(samples.size(), options) : place_folds;
+  const ForestSettings settings = BestSettings(samples, folds, options);
+  const std::vector<Prediction> by_place = CrossValidate(samples, folds, settings, options);
+  // Without augmented samples: their originals would sit in another fold.
+  const std::vector<TrainingSample> originals = Originals(samples);
+  const std::vector<Prediction> random =
+      CrossValidate(originals, RandomFolds(originals.size(), options), settings, options);
   TrainingReport report;
   report.max_depth = settings.max_depth;
   report.min_samples_per_branch = settings.min_samples;
