@@ -50,9 +50,13 @@ void DrawNumber(cv::Mat3b& sheet, int number, const cv::Point& at) {
 }  // namespace
 
 std::string RegionRows(const LabelledPhotograph& photograph, const Segments& segments) {
+  // Without the name of the flight.
+  const size_t stem = photograph.name.find("__");
+  const std::string name =
+      stem == std::string::npos ? photograph.name : photograph.name.substr(stem + 2);
   std::ostringstream rows;
   for (const Segment& segment : segments.segments) {
-    rows << photograph.name << "," << segment.label << ",0,";
+    rows << name << "," << segment.label << ",0,";
     const char* separator = "";
     for (const Ring& ring : RingsOf(segments.labels == segment.label)) {
       rows << separator;
@@ -78,8 +82,7 @@ cv::Mat3b RegionSheet(const LabelledPhotograph& photograph,
   cv::resize(photograph.image, sheet, {}, scale, scale, cv::INTER_AREA);
   for (const Segment& segment : segments.segments) {
     cv::Mat1b mask;
-    cv::resize(
-        segments.labels == segment.label, mask, sheet.size(), 0.0, 0.0, cv::INTER_NEAREST);
+    cv::resize(segments.labels == segment.label, mask, sheet.size(), 0.0, 0.0, cv::INTER_NEAREST);
     std::vector<Ring> rings;
     cv::findContours(mask, rings, cv::RETR_CCOMP, cv::CHAIN_APPROX_NONE);
     cv::drawContours(sheet, rings, -1, {0, 0, 255}, 1);

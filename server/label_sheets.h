@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "server/training_data.h"
+#include "server/labelled_photographs.h"
 
 namespace freelsd {
 

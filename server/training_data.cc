@@ -1,22 +1,21 @@
 #include "server/training_data.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
+#include <numeric>
 #include <random>
-#include <sstream>
-#include <stdexcept>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace freelsd {
 namespace {
 
-constexpr int kUnlabelled = 0;
-constexpr int kGrass = 1;
-constexpr int kDormantGrass = 9;
+constexpr double kTileM = 10.0;
+// A region counts with its majority when at least this share of it is labelled.
+constexpr double kMinLabelledRatio = 0.3;
+// Smaller regions than the pipeline uses are worth learning from.
+constexpr double kMinTrainingAreaM2 = 30.0;
 // Share of a tile that must carry its label: borders of polygons may cut a corner.
 constexpr double kMinTilePurity = 0.9;
 constexpr int kMinTileSidePx = 8;
@@ -28,58 +27,28 @@ constexpr double kMinLogSaturation = -0.2;
 constexpr double kMaxLogSaturation = 0.6;
 constexpr double kMaxLogSampling = 0.35;
 constexpr double kMaxLogToldSampling = 0.2;
-constexpr double kMaxNoiseSdGrey = 5.0;
+constexpr double kMaxNoiseSdGrey = 2.0;
 
-LabelledCamera CameraFor(const std::string& name, const std::vector<LabelledCamera>& cameras) {
-  LabelledCamera mean{"", name.substr(0, name.find("__")), 0.0, 0.0};
-  for (const LabelledCamera& camera : cameras) {
-    if (name.starts_with(camera.prefix)) return camera;
-    mean.focal_ratio += camera.focal_ratio / static_cast<double>(cameras.size());
-    mean.height_m += camera.height_m / static_cast<double>(cameras.size());
-  }
-  return mean;
-}
-
-Camera NadirCamera(const cv::Size& size, double focal_ratio) {
-  Camera camera;
-  camera.width_px = size.width;
-  camera.height_px = size.height;
-  camera.fx_px = camera.fy_px = focal_ratio * size.width;
-  camera.cx_px = 0.5 * (size.width - 1);
-  camera.cy_px = 0.5 * (size.height - 1);
-  return camera;
-}
-
-struct Count {
-  int num_pixels = 0;
-  int num_grass = 0;
-  int num_dormant = 0;
-  int num_other = 0;
-};
-
-// Labels where `inside` is set.
-Count CountLabels(const cv::Mat1b& mask, const cv::Mat1b& inside) {
-  Count count;
+// Pixels of each class where `inside` is set.
+std::array<int, kNumClasses> CountClasses(const cv::Mat1b& mask, const cv::Mat1b& inside) {
+  std::array<int, kNumClasses> counts{};
   for (int y = 0; y < mask.rows; ++y) {
     for (int x = 0; x < mask.cols; ++x) {
-      if (inside(y, x) == 0) continue;
-      const int label = mask(y, x);
-      ++count.num_pixels;
-      count.num_grass += label == kGrass ? 1 : 0;
-      count.num_dormant += label == kDormantGrass ? 1 : 0;
-      count.num_other += label != kUnlabelled && label != kGrass && label != kDormantGrass ? 1 : 0;
+      if (inside(y, x) != 0 && mask(y, x) < kNumClasses) ++counts[mask(y, x)];
     }
   }
-  return count;
+  return counts;
 }
 
-std::optional<bool> Majority(const Count& count, double min_labelled_ratio) {
-  const int num_labelled = count.num_grass + count.num_other + count.num_dormant;
-  if (num_labelled == 0 || num_labelled < min_labelled_ratio * count.num_pixels) {
-    return std::nullopt;
-  }
-  if (count.num_dormant >= std::max(count.num_grass, count.num_other)) return std::nullopt;
-  return count.num_grass > count.num_other;
+int MajorityClass(const std::array<int, kNumClasses>& counts, double min_labelled_ratio) {
+  const int num_pixels = std::accumulate(counts.begin(), counts.end(), 0);
+  const int num_labelled = num_pixels - counts[kUnlabelledClass];
+  if (num_labelled == 0 || num_labelled < min_labelled_ratio * num_pixels) return kUnlabelledClass;
+  return static_cast<int>(std::max_element(counts.begin() + 1, counts.end()) - counts.begin());
+}
+
+bool TellsGrass(int surface_class) {
+  return surface_class != kUnlabelledClass && surface_class != kDormantGrassClass;
 }
 
 cv::Mat3b Recoloured(const cv::Mat3b& image, const Variation& variation) {
@@ -115,55 +84,6 @@ cv::Mat1b MaskAt(const cv::Mat1b& mask, const cv::Size& size) {
 
 }  // namespace
 
-std::vector<LabelledCamera> ReadLabelledCameras(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error("cannot read the cameras file " + path);
-  std::vector<LabelledCamera> cameras;
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.empty() || line.front() == '#' || line.starts_with("prefix,")) continue;
-    std::istringstream cells(line);
-    LabelledCamera camera;
-    char comma = 0;
-    std::getline(cells, camera.prefix, ',');
-    std::getline(cells, camera.place, ',');
-    if (!(cells >> camera.focal_ratio >> comma >> camera.height_m) || camera.focal_ratio <= 0.0 ||
-        camera.height_m <= 0.0) {
-      throw std::runtime_error(path + ": cannot understand the line '" + line + "'");
-    }
-    cameras.push_back(camera);
-  }
-  if (cameras.empty()) throw std::runtime_error(path + ": names no camera");
-  return cameras;
-}
-
-std::vector<LabelledPhotograph> ReadLabelledPhotographs(
-    const std::string& folder, const std::vector<LabelledCamera>& cameras) {
-  std::vector<std::filesystem::path> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(folder + "/images")) {
-    paths.push_back(entry.path());
-  }
-  std::sort(paths.begin(), paths.end());
-  std::vector<LabelledPhotograph> photographs;
-  for (const std::filesystem::path& path : paths) {
-    LabelledPhotograph photograph;
-    photograph.name = path.stem().string();
-    photograph.image = cv::imread(path.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-    photograph.mask =
-        cv::imread(folder + "/masks/" + photograph.name + ".png", cv::IMREAD_UNCHANGED);
-    if (photograph.image.empty() || photograph.mask.size() != photograph.image.size()) {
-      throw std::runtime_error(path.string() + ": needs an image and a mask of the same size");
-    }
-    const LabelledCamera camera = CameraFor(photograph.name, cameras);
-    photograph.place = camera.place;
-    photograph.camera = NadirCamera(photograph.image.size(), camera.focal_ratio);
-    photograph.height_above_ground = camera.height_m;
-    photographs.push_back(std::move(photograph));
-  }
-  if (photographs.empty()) throw std::runtime_error(folder + ": holds no images");
-  return photographs;
-}
-
 std::vector<Variation> Variations(int num_copies, uint64_t seed) {
   std::mt19937_64 generator(seed);
   // In [-1, 1]; by hand, since the standard's distributions differ between libraries.
@@ -188,37 +108,46 @@ std::vector<Variation> Variations(int num_copies, uint64_t seed) {
 }
 
 LabelledRegions CutPhotograph(const LabelledPhotograph& photograph,
-                              const Variation& variation,
+                              const SegmentationOptions& options,
                               double min_labelled_ratio) {
+  LabelledRegions regions;
+  regions.segments =
+      SegmentFrame(photograph.image, photograph.camera, photograph.height_above_ground, options);
+  regions.mask = MaskAt(photograph.mask, regions.segments.image.size());
+  for (const Segment& segment : regions.segments.segments) {
+    const cv::Mat1b inside = regions.segments.labels == segment.label;
+    regions.classes.push_back(
+        MajorityClass(CountClasses(regions.mask, inside), min_labelled_ratio));
+  }
+  return regions;
+}
+
+LabelledRegions CutVaried(const LabelledPhotograph& photograph,
+                          const Variation& variation,
+                          double min_labelled_ratio) {
   SegmentationOptions options;
   options.ground_sampling_distance_m *= variation.sampling_ratio;
-  LabelledRegions regions;
-  regions.segments = SegmentFrame(Recoloured(photograph.image, variation),
-                                  photograph.camera,
-                                  photograph.height_above_ground,
-                                  options);
+  options.min_region_area_m2 = kMinTrainingAreaM2;
+  LabelledPhotograph varied = photograph;
+  varied.image = Recoloured(photograph.image, variation);
+  LabelledRegions regions = CutPhotograph(varied, options, min_labelled_ratio);
   if (variation.noise_sd_grey > 0.0) {
     regions.segments.image = WithNoise(regions.segments.image, variation);
   }
   regions.segments.ground_sampling_distance_m *= variation.told_sampling_ratio;
-  regions.mask = MaskAt(photograph.mask, regions.segments.image.size());
-  for (const Segment& segment : regions.segments.segments) {
-    const cv::Mat1b inside = regions.segments.labels == segment.label;
-    regions.is_grass.push_back(Majority(CountLabels(regions.mask, inside), min_labelled_ratio));
-  }
   return regions;
 }
 
 std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions, FeatureSet feature_set) {
   std::vector<TrainingSample> samples;
-  for (size_t i = 0; i < regions.is_grass.size(); ++i) {
-    if (!regions.is_grass[i]) continue;
+  for (size_t i = 0; i < regions.classes.size(); ++i) {
+    if (!TellsGrass(regions.classes[i])) continue;
     TrainingSample sample;
     sample.features = RegionFeatures(regions.segments.image,
                                      regions.segments.labels == regions.segments.segments[i].label,
                                      regions.segments.ground_sampling_distance_m,
                                      feature_set);
-    sample.is_grass = *regions.is_grass[i];
+    sample.is_grass = regions.classes[i] == kGrassClass;
     samples.push_back(std::move(sample));
   }
   return samples;
@@ -230,21 +159,46 @@ std::vector<TrainingSample> TileSamples(const LabelledRegions& regions,
   const cv::Mat1b& mask = regions.mask;
   const double ground_sampling = regions.segments.ground_sampling_distance_m;
   const int side = std::max(kMinTileSidePx, cvRound(tile_m / ground_sampling));
-  // Half overlapping, for the small lawns' sake.
-  const int step = side / 2;
   std::vector<TrainingSample> samples;
-  for (int y = 0; y + side <= mask.rows; y += step) {
-    for (int x = 0; x + side <= mask.cols; x += step) {
+  for (int y = 0; y + side <= mask.rows; y += side) {
+    for (int x = 0; x + side <= mask.cols; x += side) {
       const cv::Rect tile(x, y, side, side);
-      const Count count = CountLabels(mask(tile), cv::Mat1b(tile.size(), uint8_t{1}));
-      if (std::max(count.num_grass, count.num_other) < kMinTilePurity * tile.area()) continue;
+      const auto counts = CountClasses(mask(tile), cv::Mat1b(tile.size(), uint8_t{1}));
+      const int surface_class = MajorityClass(counts, kMinTilePurity);
+      if (!TellsGrass(surface_class) ||
+          counts[static_cast<size_t>(surface_class)] < kMinTilePurity * tile.area()) {
+        continue;
+      }
       cv::Mat1b inside(mask.size(), uint8_t{0});
       inside(tile) = 255;
       TrainingSample sample;
       sample.features =
           RegionFeatures(regions.segments.image, inside, ground_sampling, feature_set);
-      sample.is_grass = count.num_grass > count.num_other;
+      sample.is_grass = surface_class == kGrassClass;
       samples.push_back(std::move(sample));
+    }
+  }
+  return samples;
+}
+
+std::vector<TrainingSample> SamplesOf(const Photographs& photographs,
+                                      FeatureSet feature_set,
+                                      int num_copies,
+                                      int seed) {
+  std::vector<TrainingSample> samples;
+  auto variation_seed = static_cast<uint64_t>(seed) * photographs.size();
+  for (const LabelledPhotograph& photograph : photographs) {
+    const std::vector<Variation> variations = Variations(num_copies, variation_seed++);
+    for (size_t i = 0; i < variations.size(); ++i) {
+      const LabelledRegions regions = CutVaried(photograph, variations[i], kMinLabelledRatio);
+      for (const auto& some :
+           {RegionSamples(regions, feature_set), TileSamples(regions, feature_set, kTileM)}) {
+        for (TrainingSample sample : some) {
+          sample.place = photograph.place;
+          sample.is_augmented = i > 0;
+          samples.push_back(std::move(sample));
+        }
+      }
     }
   }
   return samples;

@@ -17,18 +17,18 @@ enum class FeatureSet {
   kHsv,      // 6: hue circular
   kRgbHsv,   // 12
   kPaper18,  // 12 + mean and deviation of three Gabor responses
-  // What generalises best to other places; the default. Grass is green and, at the scale of a
-  // bush, even: mean excess green (2G - R - B) / (R + G + B), and the logarithm of the deviation of
-  // log brightness between windows of 1.8 and 4.2 m. Colour ratios and fine texture follow; the
-  // forest does not see them, they only tell what is like no grass of the training data.
+  // What generalises best to other places; the default. Grass is green and, from the size of a leaf
+  // to that of a bush, even: mean excess green (2G - R - B) / (R + G + B), and the logarithms of
+  // the deviation of log brightness between windows of 0.6 and 1.8 m, and of 1.8 and 4.2 m. The
+  // mean logarithms of red to green and of blue to green follow; the forest does not see them, they
+  // only tell what is like no grass of the training data.
   kRobust,
 };
 
 struct ClassificationOptions {
   // --- Behaviour ---
   // Probability from which a region is grass, and below which it is not; between them it is not
-  // sure, which counts as not grass. Differs: the paper takes the majority of trees; at 0.6 a
-  // clearing strewn with leaves was still called grass.
+  // sure, which counts as not grass. Differs: the paper takes the majority of trees.
   double min_grass_probability = 0.7;
   double max_not_grass_probability = 0.4;
   // Mean grey level outside which a region is too dark or too bright to tell.
@@ -96,9 +96,9 @@ struct TrainingOptions {
   // Maximal depth and least samples per branch are chosen from these by cross-validation: the pair
   // that errs least on places left out. Paper: Sec. III-D, 10-fold, values not given. Differs:
   // random folds share a place between training and validation, which flatters deep trees.
-  std::vector<int> max_depths{4, 8};
-  std::vector<int> min_samples_per_branch{10, 30};
-  int num_trees = 50;
+  std::vector<int> max_depths{3, 5};
+  std::vector<int> min_samples_per_branch{10, 40};
+  int num_trees = 30;
   int num_folds = 10;
   int seed = 1;
 

@@ -24,9 +24,10 @@ constexpr int kMarginPx = kGaborSizePx / 2;
 constexpr float kTinyGrey = 1.0f;
 // Added to grey levels before the logarithm, so that noise in shadows is not taken for texture.
 constexpr float kLogOffset = 4.0f;
-// Sides of the averaging windows, metres on the ground: below tufts, tufts, bushes.
-constexpr double kFineWindowM = 1.8;
-constexpr double kTuftWindowM = 4.2;
+// Sides of the averaging windows, metres on the ground: a pixel, tufts and leaves, bushes.
+constexpr double kPixelWindowM = 0.6;
+constexpr double kTuftWindowM = 1.8;
+constexpr double kBushWindowM = 4.2;
 // Least deviation of log brightness: half a grey level in a hundred.
 constexpr double kTinyDeviation = 0.005;
 
@@ -160,16 +161,20 @@ void AppendRobust(const cv::Mat3b& image,
   mask.convertTo(weight, CV_32F, 1.0 / 255.0);
   cv::threshold(weight, weight, 0.0, 1.0, cv::THRESH_BINARY);
   const cv::Mat1f log_grey = LogGrey(grey);
-  const cv::Mat1f fine = MeanInRegion(log_grey, weight, kFineWindowM / ground_sampling_distance_m);
-  const cv::Mat1f tufts = MeanInRegion(log_grey, weight, kTuftWindowM / ground_sampling_distance_m);
+  const auto mean_over = [&](double window_m) {
+    return MeanInRegion(log_grey, weight, window_m / ground_sampling_distance_m);
+  };
+  const cv::Mat1f pixels = mean_over(kPixelWindowM);
+  const cv::Mat1f tufts = mean_over(kTuftWindowM);
+  const cv::Mat1f bushes = mean_over(kBushWindowM);
   std::array<cv::Mat1b, 3> bgr;
   cv::split(image, bgr.data());
   const double log_green = cv::mean(LogGrey(bgr[1]), mask)[0];
   row.push_back(static_cast<float>(MeanExcessGreen(image, mask)));
-  row.push_back(LogDeviation(fine - tufts, mask));
+  row.push_back(LogDeviation(pixels - tufts, mask));
+  row.push_back(LogDeviation(tufts - bushes, mask));
   row.push_back(static_cast<float>(cv::mean(LogGrey(bgr[2]), mask)[0] - log_green));
   row.push_back(static_cast<float>(cv::mean(LogGrey(bgr[0]), mask)[0] - log_green));
-  row.push_back(LogDeviation(log_grey - fine, mask));
 }
 
 // The region and its surroundings as far as the filters reach.
@@ -192,7 +197,7 @@ constexpr NamedSet kSets[] = {{FeatureSet::kRgb, "rgb", 6, 6},
                               {FeatureSet::kHsv, "hsv", 6, 6},
                               {FeatureSet::kRgbHsv, "rgbhsv", 12, 12},
                               {FeatureSet::kPaper18, "paper18", 18, 18},
-                              {FeatureSet::kRobust, "robust", 5, 2}};
+                              {FeatureSet::kRobust, "robust", 5, 3}};
 
 }  // namespace
 

@@ -20,9 +20,11 @@
 namespace freelsd {
 namespace {
 
-// Leaving one of two places out trains on a single one, which says nothing of a forest that is
-// trained on both: fewer places are cut into random folds.
-constexpr int kMinPlacesToLeaveOneOut = 3;
+// Samples of fewer places are cut into random folds.
+constexpr int kMinPlacesToLeaveOneOut = 2;
+
+// Share of the training grass at either end of a feature's range that the range leaves out.
+constexpr double kRareGrassRatio = 0.002;
 
 using Samples = std::vector<const TrainingSample*>;
 
@@ -171,16 +173,19 @@ std::pair<double, double> FitCalibration(const std::vector<Prediction>& predicti
   return {parameters[0], parameters[1]};
 }
 
-void SetGrassRange(const std::vector<TrainingSample>& samples, Classifier::Model& model) {
+// Of the grass as it was photographed: varied copies show what no camera would. Its rarest share at
+// either end is left out, since labels have errors.
+void SetGrassRange(const std::vector<TrainingSample>& originals, Classifier::Model& model) {
   const size_t num_features = NumFeatures(model.feature_set);
-  model.grass_min.assign(num_features, std::numeric_limits<float>::max());
-  model.grass_max.assign(num_features, std::numeric_limits<float>::lowest());
-  for (const TrainingSample& sample : samples) {
-    if (!sample.is_grass) continue;
-    for (size_t i = 0; i < num_features; ++i) {
-      model.grass_min[i] = std::min(model.grass_min[i], sample.features[i]);
-      model.grass_max[i] = std::max(model.grass_max[i], sample.features[i]);
+  for (size_t i = 0; i < num_features; ++i) {
+    std::vector<float> values;
+    for (const TrainingSample& sample : originals) {
+      if (sample.is_grass) values.push_back(sample.features[i]);
     }
+    std::sort(values.begin(), values.end());
+    const auto num_rare = static_cast<size_t>(kRareGrassRatio * static_cast<double>(values.size()));
+    model.grass_min.push_back(values[num_rare]);
+    model.grass_max.push_back(values[values.size() - 1 - num_rare]);
   }
 }
 
@@ -214,16 +219,18 @@ ForestSettings BestSettings(const std::vector<TrainingSample>& samples,
 void CheckSamples(const std::vector<TrainingSample>& samples, const TrainingOptions& options) {
   options.Check();
   const size_t num_features = NumFeatures(options.feature_set);
-  size_t num_grass = 0;
+  size_t num_grass = 0, num_originals = 0;
   for (const TrainingSample& sample : samples) {
     if (sample.features.size() != num_features) {
       throw std::invalid_argument("training: a sample has " +
                                   std::to_string(sample.features.size()) + " features, not " +
                                   std::to_string(num_features));
     }
+    if (sample.is_augmented) continue;
+    ++num_originals;
     num_grass += sample.is_grass ? 1 : 0;
   }
-  if (num_grass == 0 || num_grass == samples.size()) {
+  if (num_grass == 0 || num_grass == num_originals) {
     throw std::invalid_argument("training: samples of grass and of other surfaces are needed");
   }
 }
@@ -269,7 +276,7 @@ std::pair<Classifier, TrainingReport> TrainClassifier(const std::vector<Training
   model->feature_set = options.feature_set;
   model->provenance = provenance;
   std::tie(model->calibration_slope, model->calibration_offset) = FitCalibration(by_place);
-  SetGrassRange(samples, *model);
+  SetGrassRange(originals, *model);
   Samples all;
   for (const TrainingSample& sample : samples) all.push_back(&sample);
   model->forest = TrainForest(all, settings, options);

@@ -154,9 +154,8 @@ cv::Mat1b Edges(const Segments& frame,
   if (options.thresholds == SegmentationThresholds::kPaper) return EdgesOf(grey, thresholds, 0.0);
   cv::Mat1b input = grey;
   if (options.contrast_window_m > 0.0) {
-    input = EvenExposure(grey,
-                         options.contrast_window_m / frame.ground_sampling_distance_m,
-                         options.reference_grey);
+    input = EvenExposure(
+        grey, options.contrast_window_m / frame.ground_sampling_distance_m, options.reference_grey);
   }
   cv::Mat1b edges = EdgesOf(input, thresholds, options.blur_sigma_px);
   if (options.chroma_gain > 0.0) edges |= ChromaEdges(frame.image, thresholds, options);
