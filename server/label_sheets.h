@@ -16,7 +16,11 @@ constexpr const char* kLabelTableHeader = "photograph,region,class,rings";
 // The table of one photograph's regions, all of class 0.
 std::string RegionRows(const LabelledPhotograph& photograph, const Segments& segments);
 
-// The photograph, width_px wide, with its regions.
-cv::Mat3b RegionSheet(const LabelledPhotograph& photograph, const Segments& segments, int width_px);
+// The photograph, width_px wide, with its regions outlined: in red, or where `labels` has one per
+// region in green for grass, yellow for unsure and red for the rest.
+cv::Mat3b RegionSheet(const LabelledPhotograph& photograph,
+                      const Segments& segments,
+                      const Labels& labels,
+                      int width_px);
 
 }  // namespace freelsd

@@ -40,6 +40,7 @@ struct Arguments {
   std::string cameras = FREELSD_SOURCE_DIR "/tests/evaluation/grass_cameras.csv";
   std::string features = "robust";
   double min_area_m2 = 30.0;
+  bool is_classified = false;
   int seed = 1;
 };
 
@@ -136,13 +137,17 @@ int DrawSheets(const Arguments& arguments) {
   table << kLabelTableHeader << "\n";
   SegmentationOptions options;
   options.min_region_area_m2 = arguments.min_area_m2;
+  std::optional<Classifier> classifier;
+  if (arguments.is_classified) classifier = Classifier::Parse(ReadFile(arguments.model));
   for (const auto& path : FlightPaths(arguments.flights, arguments.flight)) {
     const LabelledPhotograph photograph = ReadFlightPhotograph(path, arguments.flight, cameras);
     const Segments segments =
         SegmentFrame(photograph.image, photograph.camera, photograph.height_above_ground, options);
     table << RegionRows(photograph, segments);
     const std::string sheet = arguments.out + "/" + photograph.name + ".png";
-    if (!cv::imwrite(sheet, RegionSheet(photograph, segments, kSheetWidthPx))) {
+    const Labels labels =
+        classifier ? ClassifySegments(segments, *classifier, ClassificationOptions{}) : Labels{};
+    if (!cv::imwrite(sheet, RegionSheet(photograph, segments, labels, kSheetWidthPx))) {
       throw std::runtime_error("cannot write " + sheet);
     }
   }
@@ -178,6 +183,8 @@ int Run(int argc, char** argv) {
   sheets->add_option("--out", arguments.out, "Folder for the sheets and the table")->required();
   sheets->add_option("--min-area", arguments.min_area_m2, "Of a region, square metres")
       ->capture_default_str();
+  sheets->add_flag("--classify", arguments.is_classified, "Colour the regions as --model does");
+  sheets->add_option("--model", arguments.model, "Model file")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   if (evaluate->parsed()) return Evaluate(arguments);
   if (segmentation->parsed()) return MeasureSegmentation(arguments);

@@ -19,9 +19,10 @@ enum class FeatureSet {
   kPaper18,  // 12 + mean and deviation of three Gabor responses
   // What generalises best to other places; the default. Grass is green and, from the size of a leaf
   // to that of a bush, even: mean excess green (2G - R - B) / (R + G + B), and the logarithms of
-  // the deviation of log brightness between windows of 0.6 and 1.8 m, and of 1.8 and 4.2 m. The
-  // mean logarithms of red to green and of blue to green follow; the forest does not see them, they
-  // only tell what is like no grass of the training data.
+  // the deviation of log brightness between windows of 0.6 and 1.8 m, and of 1.8 and 4.2 m; its
+  // skewness (fern has dark gaps between bright leaves). The mean logarithms of red to green and of
+  // blue to green follow; the forest does not see them, they only tell what is like no grass of the
+  // training data.
   kRobust,
 };
 
@@ -96,8 +97,8 @@ struct TrainingOptions {
   // Maximal depth and least samples per branch are chosen from these by cross-validation: the pair
   // that errs least on places left out. Paper: Sec. III-D, 10-fold, values not given. Differs:
   // random folds share a place between training and validation, which flatters deep trees.
-  std::vector<int> max_depths{3, 5};
-  std::vector<int> min_samples_per_branch{10, 40};
+  std::vector<int> max_depths{4, 6};
+  std::vector<int> min_samples_per_branch{20, 60};
   int num_trees = 30;
   int num_folds = 10;
   int seed = 1;

@@ -14,15 +14,15 @@ namespace freelsd {
 namespace {
 
 constexpr int kModelVersion = 1;
-// Share of the range of training grass by which a feature may lie outside it.
-constexpr float kRangeMargin = 0.15f;
 // What lies outside can at best not be told: half way between grass and not.
 constexpr double kUnsureProbability = 0.5;
 
 bool IsInGrassRange(const Classifier::Model& model, const std::vector<float>& features) {
   for (size_t i = 0; i < features.size(); ++i) {
-    const float margin = kRangeMargin * (model.grass_max[i] - model.grass_min[i]);
-    if (features[i] < model.grass_min[i] - margin || features[i] > model.grass_max[i] + margin) {
+    const RangeMargin margin = MarginOf(model.feature_set, i);
+    const float range = model.grass_max[i] - model.grass_min[i];
+    if (features[i] < model.grass_min[i] - margin.below * range ||
+        features[i] > model.grass_max[i] + margin.above * range) {
       return false;
     }
   }

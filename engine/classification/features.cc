@@ -151,6 +151,15 @@ float LogDeviation(const cv::Mat1f& values, const cv::Mat1b& mask) {
   return static_cast<float>(std::log(deviation[0] + kTinyDeviation));
 }
 
+// Skewness of a distribution: below 0 where dark gaps lie between evenly bright leaves. 0 where
+// there is nothing but noise of the logarithm's rounding.
+float Skewness(const cv::Mat1f& values, const cv::Mat1b& mask) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(values, mean, deviation, mask);
+  const cv::Mat1f scaled = (values - mean[0]) / (deviation[0] + kTinyDeviation);
+  return static_cast<float>(cv::mean(scaled.mul(scaled).mul(scaled), mask)[0]);
+}
+
 // Logarithms make all of it independent of exposure.
 void AppendRobust(const cv::Mat3b& image,
                   const cv::Mat1b& grey,
@@ -173,6 +182,7 @@ void AppendRobust(const cv::Mat3b& image,
   row.push_back(static_cast<float>(MeanExcessGreen(image, mask)));
   row.push_back(LogDeviation(pixels - tufts, mask));
   row.push_back(LogDeviation(tufts - bushes, mask));
+  row.push_back(Skewness(pixels - bushes, mask));
   row.push_back(static_cast<float>(cv::mean(LogGrey(bgr[2]), mask)[0] - log_green));
   row.push_back(static_cast<float>(cv::mean(LogGrey(bgr[0]), mask)[0] - log_green));
 }
@@ -197,9 +207,19 @@ constexpr NamedSet kSets[] = {{FeatureSet::kRgb, "rgb", 6, 6},
                               {FeatureSet::kHsv, "hsv", 6, 6},
                               {FeatureSet::kRgbHsv, "rgbhsv", 12, 12},
                               {FeatureSet::kPaper18, "paper18", 18, 18},
-                              {FeatureSet::kRobust, "robust", 5, 3}};
+                              {FeatureSet::kRobust, "robust", 6, 4}};
+
+constexpr RangeMargin kRangeMargin{0.15f, 0.15f};
+// More vivid green is another camera or season, bluer or greyer is another material. Less texture
+// is a softer lens, more of it is no meadow.
+constexpr std::array<RangeMargin, 6> kRobustMargins{
+    {{0.15f, 0.5f}, {0.3f, 0.15f}, {0.3f, 0.15f}, {0.15f, 0.5f}, {0.5f, 0.15f}, {0.5f, 0.15f}}};
 
 }  // namespace
+
+RangeMargin MarginOf(FeatureSet feature_set, size_t feature) {
+  return feature_set == FeatureSet::kRobust ? kRobustMargins[feature] : kRangeMargin;
+}
 
 size_t NumFeatures(FeatureSet feature_set) {
   for (const NamedSet& set : kSets) {
