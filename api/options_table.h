@@ -74,6 +74,12 @@ void VisitFields(Of<SegmentationOptions> auto& o, Visitor&& visit) {
   visit("blur_sigma_px", o.blur_sigma_px, "smoothing before the edges");
   visit("canny_high", o.canny_high, "upper edge threshold in grey levels; the lower is a third");
   visit("chroma_gain", o.chroma_gain, "stretch of the colour channels for edges; 0: grey alone");
+  visit("split_level_ratio", o.split_level_ratio, "excess green at which regions are split");
+  visit("split_sigma_m", o.split_sigma_m, "smoothing of excess green; 0: no split");
+  visit("contrast_window_m", o.contrast_window_m, "grey is divided by its mean over it; 0: not");
+  visit("reference_grey", o.reference_grey, "grey level that the mean becomes");
+  visit("min_grey", o.min_grey, "darker pixels are in no region");
+  visit("max_grey", o.max_grey, "brighter pixels are in no region");
   visit("min_edge_distance_m", o.min_edge_distance_m, "of a region's pixels from an edge");
   visit("min_region_area_m2", o.min_region_area_m2, "smaller regions are dropped");
   visit("paper_canny_coefficients", o.paper_canny_coefficients, "p_canny(h), highest power first");

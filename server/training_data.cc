@@ -3,109 +3,77 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-#include <stdexcept>
+#include <numeric>
+#include <random>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace freelsd {
 namespace {
 
-constexpr int kUnlabelled = 0;
-constexpr int kGrass = 1;
-constexpr int kDormantGrass = 9;
-constexpr int kNumLabels = 256;
+constexpr double kTileM = 10.0;
+// A region counts with its majority when at least this share of it is labelled.
+constexpr double kMinLabelledRatio = 0.3;
+// Smaller regions than the pipeline uses are worth learning from.
+constexpr double kMinTrainingAreaM2 = 30.0;
 // Share of a tile that must carry its label: borders of polygons may cut a corner.
-constexpr double kMinTilePurity = 0.98;
+constexpr double kMinTilePurity = 0.9;
+constexpr int kMinTileSidePx = 8;
+// Limits of the variations, natural logarithm of a ratio unless the unit says otherwise.
+constexpr double kMaxLogExposure = 0.5;
+constexpr double kMaxLogWhiteBalance = 0.1;
+// Paler grass than this is not worth the risk of learning leaf litter as grass.
+constexpr double kMinLogSaturation = -0.2;
+constexpr double kMaxLogSaturation = 0.6;
+constexpr double kMaxLogSampling = 0.35;
+constexpr double kMaxLogToldSampling = 0.2;
+constexpr double kMaxNoiseSdGrey = 2.0;
 
-LabelledCamera CameraFor(const std::string& name, const std::vector<LabelledCamera>& cameras) {
-  LabelledCamera mean{"", name.substr(0, name.find("__")), 0.0, 0.0};
-  for (const LabelledCamera& camera : cameras) {
-    if (name.starts_with(camera.prefix)) return camera;
-    mean.focal_ratio += camera.focal_ratio / static_cast<double>(cameras.size());
-    mean.height_m += camera.height_m / static_cast<double>(cameras.size());
-  }
-  return mean;
-}
-
-Camera NadirCamera(const cv::Size& size, double focal_ratio) {
-  Camera camera;
-  camera.width_px = size.width;
-  camera.height_px = size.height;
-  camera.fx_px = camera.fy_px = focal_ratio * size.width;
-  camera.cx_px = 0.5 * (size.width - 1);
-  camera.cy_px = 0.5 * (size.height - 1);
-  return camera;
-}
-
-// Pixels of each label where `inside` is set.
-std::array<int, kNumLabels> CountLabels(const cv::Mat1b& mask, const cv::Mat1b& inside) {
-  std::array<int, kNumLabels> counts{};
+// Pixels of each class where `inside` is set.
+std::array<int, kNumClasses> CountClasses(const cv::Mat1b& mask, const cv::Mat1b& inside) {
+  std::array<int, kNumClasses> counts{};
   for (int y = 0; y < mask.rows; ++y) {
     for (int x = 0; x < mask.cols; ++x) {
-      if (inside(y, x) != 0) ++counts[mask(y, x)];
+      if (inside(y, x) != 0 && mask(y, x) < kNumClasses) ++counts[mask(y, x)];
     }
   }
   return counts;
 }
 
-// How other cameras, exposures and light would have shown the same ground.
-struct Rendering {
-  double gain;
-  double saturation;
-  // Factors on blue and red: cold or warm light.
-  double blue;
-  double red;
-};
-constexpr Rendering kRenderings[] = {{1.0, 1.0, 1.0, 1.0},
-                                     {0.65, 1.0, 1.0, 1.0},
-                                     {1.35, 1.0, 1.0, 1.0},
-                                     {1.0, 0.75, 1.0, 1.0},
-                                     {1.0, 1.35, 1.0, 1.0},
-                                     {1.0, 1.0, 0.9, 1.08},
-                                     {1.0, 1.0, 1.1, 0.94}};
-
-cv::Mat3b Rendered(const cv::Mat3b& image, const Rendering& rendering) {
-  cv::Mat3b rendered(image.size());
-  for (int y = 0; y < image.rows; ++y) {
-    for (int x = 0; x < image.cols; ++x) {
-      const cv::Vec3b& bgr = image(y, x);
-      const double grey = (bgr[0] + bgr[1] + bgr[2]) / 3.0;
-      const double factors[] = {rendering.blue, 1.0, rendering.red};
-      for (int i = 0; i < 3; ++i) {
-        const double saturated = grey + rendering.saturation * (bgr[i] - grey);
-        rendered(y, x)[i] = cv::saturate_cast<uint8_t>(rendering.gain * factors[i] * saturated);
-      }
-    }
-  }
-  return rendered;
+int MajorityClass(const std::array<int, kNumClasses>& counts, double min_labelled_ratio) {
+  const int num_pixels = std::accumulate(counts.begin(), counts.end(), 0);
+  const int num_labelled = num_pixels - counts[kUnlabelledClass];
+  if (num_labelled == 0 || num_labelled < min_labelled_ratio * num_pixels) return kUnlabelledClass;
+  return static_cast<int>(std::max_element(counts.begin() + 1, counts.end()) - counts.begin());
 }
 
-// One sample per rendering.
-std::vector<TrainingSample> SamplesOf(const std::vector<cv::Mat3b>& renderings,
-                                      const cv::Mat1b& inside,
-                                      double ground_sampling_distance_m,
-                                      FeatureSet feature_set,
-                                      const TrainingSample& label) {
-  std::vector<TrainingSample> samples;
-  for (const cv::Mat3b& image : renderings) {
-    samples.push_back(label);
-    samples.back().features =
-        RegionFeatures(image, inside, ground_sampling_distance_m, feature_set);
-  }
-  return samples;
+bool TellsGrass(int surface_class) {
+  return surface_class != kUnlabelledClass && surface_class != kDormantGrassClass;
 }
 
-std::vector<cv::Mat3b> RenderingsOf(const cv::Mat3b& image, Augmentation augmentation) {
-  std::vector<cv::Mat3b> renderings;
-  for (const Rendering& rendering : kRenderings) {
-    renderings.push_back(Rendered(image, rendering));
-    if (augmentation == Augmentation::kNone) break;
+cv::Mat3b Recoloured(const cv::Mat3b& image, const Variation& variation) {
+  const auto saturation = static_cast<float>(variation.saturation_ratio);
+  const auto grey_share = (1.0f - saturation) / 3.0f;
+  const cv::Vec3f gain(static_cast<float>(variation.exposure_ratio * variation.blue_ratio),
+                       static_cast<float>(variation.exposure_ratio),
+                       static_cast<float>(variation.exposure_ratio * variation.red_ratio));
+  cv::Matx33f colours = cv::Matx33f::all(grey_share);
+  for (int channel = 0; channel < 3; ++channel) {
+    colours(channel, channel) += saturation;
+    for (int from = 0; from < 3; ++from) colours(channel, from) *= gain[channel];
   }
-  return renderings;
+  cv::Mat3b recoloured;
+  cv::transform(image, recoloured, colours);
+  return recoloured;
+}
+
+cv::Mat3b WithNoise(const cv::Mat3b& image, const Variation& variation) {
+  cv::Mat3s noise(image.size());
+  cv::RNG generator(variation.noise_seed);
+  generator.fill(noise, cv::RNG::NORMAL, 0.0, variation.noise_sd_grey);
+  cv::Mat3b noisy;
+  cv::add(image, noise, noisy, cv::noArray(), CV_8U);
+  return noisy;
 }
 
 cv::Mat1b MaskAt(const cv::Mat1b& mask, const cv::Size& size) {
@@ -116,109 +84,121 @@ cv::Mat1b MaskAt(const cv::Mat1b& mask, const cv::Size& size) {
 
 }  // namespace
 
-std::vector<LabelledCamera> ReadLabelledCameras(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error("cannot read the cameras file " + path);
-  std::vector<LabelledCamera> cameras;
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.empty() || line.front() == '#' || line.starts_with("prefix,")) continue;
-    std::istringstream cells(line);
-    LabelledCamera camera;
-    char comma = 0;
-    std::getline(cells, camera.prefix, ',');
-    std::getline(cells, camera.place, ',');
-    if (!(cells >> camera.focal_ratio >> comma >> camera.height_m) || camera.focal_ratio <= 0.0 ||
-        camera.height_m <= 0.0) {
-      throw std::runtime_error(path + ": cannot understand the line '" + line + "'");
-    }
-    cameras.push_back(camera);
+std::vector<Variation> Variations(int num_copies, uint64_t seed) {
+  std::mt19937_64 generator(seed);
+  // In [-1, 1]; by hand, since the standard's distributions differ between libraries.
+  const auto symmetric = [&generator] {
+    return 2.0 * static_cast<double>(generator() >> 11) / 9007199254740992.0 - 1.0;
+  };
+  std::vector<Variation> variations(1);
+  for (int copy = 0; copy < num_copies; ++copy) {
+    Variation variation;
+    variation.exposure_ratio = std::exp(kMaxLogExposure * symmetric());
+    variation.red_ratio = std::exp(kMaxLogWhiteBalance * symmetric());
+    variation.blue_ratio = std::exp(kMaxLogWhiteBalance * symmetric());
+    variation.saturation_ratio = std::exp(
+        kMinLogSaturation + 0.5 * (kMaxLogSaturation - kMinLogSaturation) * (symmetric() + 1.0));
+    variation.sampling_ratio = std::exp(kMaxLogSampling * symmetric());
+    variation.told_sampling_ratio = std::exp(kMaxLogToldSampling * symmetric());
+    variation.noise_sd_grey = kMaxNoiseSdGrey * std::abs(symmetric());
+    variation.noise_seed = generator();
+    variations.push_back(variation);
   }
-  if (cameras.empty()) throw std::runtime_error(path + ": names no camera");
-  return cameras;
+  return variations;
 }
 
-std::vector<LabelledPhotograph> ReadLabelledPhotographs(
-    const std::string& folder, const std::vector<LabelledCamera>& cameras) {
-  std::vector<std::filesystem::path> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(folder + "/images")) {
-    paths.push_back(entry.path());
+LabelledRegions CutPhotograph(const LabelledPhotograph& photograph,
+                              const SegmentationOptions& options,
+                              double min_labelled_ratio) {
+  LabelledRegions regions;
+  regions.segments =
+      SegmentFrame(photograph.image, photograph.camera, photograph.height_above_ground, options);
+  regions.mask = MaskAt(photograph.mask, regions.segments.image.size());
+  for (const Segment& segment : regions.segments.segments) {
+    const cv::Mat1b inside = regions.segments.labels == segment.label;
+    regions.classes.push_back(
+        MajorityClass(CountClasses(regions.mask, inside), min_labelled_ratio));
   }
-  std::sort(paths.begin(), paths.end());
-  std::vector<LabelledPhotograph> photographs;
-  for (const std::filesystem::path& path : paths) {
-    LabelledPhotograph photograph;
-    photograph.name = path.stem().string();
-    photograph.image = cv::imread(path.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
-    photograph.mask =
-        cv::imread(folder + "/masks/" + photograph.name + ".png", cv::IMREAD_UNCHANGED);
-    if (photograph.image.empty() || photograph.mask.size() != photograph.image.size()) {
-      throw std::runtime_error(path.string() + ": needs an image and a mask of the same size");
-    }
-    const LabelledCamera camera = CameraFor(photograph.name, cameras);
-    photograph.place = camera.place;
-    photograph.camera = NadirCamera(photograph.image.size(), camera.focal_ratio);
-    photograph.height_above_ground = camera.height_m;
-    photographs.push_back(std::move(photograph));
-  }
-  if (photographs.empty()) throw std::runtime_error(folder + ": holds no images");
-  return photographs;
+  return regions;
 }
 
-std::vector<TrainingSample> RegionSamples(const LabelledPhotograph& photograph,
-                                          FeatureSet feature_set,
-                                          double min_labelled_ratio,
-                                          Augmentation augmentation) {
-  const Segments segments = SegmentFrame(
-      photograph.image, photograph.camera, photograph.height_above_ground, SegmentationOptions{});
-  const cv::Mat1b mask = MaskAt(photograph.mask, segments.labels.size());
-  const std::vector<cv::Mat3b> renderings = RenderingsOf(segments.image, augmentation);
+LabelledRegions CutVaried(const LabelledPhotograph& photograph,
+                          const Variation& variation,
+                          double min_labelled_ratio) {
+  SegmentationOptions options;
+  options.ground_sampling_distance_m *= variation.sampling_ratio;
+  options.min_region_area_m2 = kMinTrainingAreaM2;
+  LabelledPhotograph varied = photograph;
+  varied.image = Recoloured(photograph.image, variation);
+  LabelledRegions regions = CutPhotograph(varied, options, min_labelled_ratio);
+  if (variation.noise_sd_grey > 0.0) {
+    regions.segments.image = WithNoise(regions.segments.image, variation);
+  }
+  regions.segments.ground_sampling_distance_m *= variation.told_sampling_ratio;
+  return regions;
+}
+
+std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions, FeatureSet feature_set) {
   std::vector<TrainingSample> samples;
-  for (const Segment& segment : segments.segments) {
-    const cv::Mat1b inside = segments.labels == segment.label;
-    const std::array<int, kNumLabels> counts = CountLabels(mask, inside);
-    const int num_pixels = cv::countNonZero(inside);
-    const int num_labelled = num_pixels - counts[kUnlabelled];
-    const auto majority = std::max_element(counts.begin() + 1, counts.end());
-    const auto label = static_cast<int>(majority - counts.begin());
-    if (num_labelled < min_labelled_ratio * num_pixels || label == kDormantGrass) continue;
-    const std::vector<TrainingSample> added = SamplesOf(renderings,
-                                                        inside,
-                                                        segments.ground_sampling_distance_m,
-                                                        feature_set,
-                                                        {{}, label == kGrass, photograph.place});
-    samples.insert(samples.end(), added.begin(), added.end());
+  for (size_t i = 0; i < regions.classes.size(); ++i) {
+    if (!TellsGrass(regions.classes[i])) continue;
+    TrainingSample sample;
+    sample.features = RegionFeatures(regions.segments.image,
+                                     regions.segments.labels == regions.segments.segments[i].label,
+                                     regions.segments.ground_sampling_distance_m,
+                                     feature_set);
+    sample.is_grass = regions.classes[i] == kGrassClass;
+    samples.push_back(std::move(sample));
   }
   return samples;
 }
 
-std::vector<TrainingSample> TileSamples(const LabelledPhotograph& photograph,
+std::vector<TrainingSample> TileSamples(const LabelledRegions& regions,
                                         FeatureSet feature_set,
-                                        double tile_m,
-                                        Augmentation augmentation) {
-  // The working image of the segmentation, so that tiles look like regions do.
-  const Segments segments = SegmentFrame(
-      photograph.image, photograph.camera, photograph.height_above_ground, SegmentationOptions{});
-  const cv::Mat1b mask = MaskAt(photograph.mask, segments.image.size());
-  const std::vector<cv::Mat3b> renderings = RenderingsOf(segments.image, augmentation);
-  const int side = std::max(8, cvRound(tile_m / segments.ground_sampling_distance_m));
+                                        double tile_m) {
+  const cv::Mat1b& mask = regions.mask;
+  const double ground_sampling = regions.segments.ground_sampling_distance_m;
+  const int side = std::max(kMinTileSidePx, cvRound(tile_m / ground_sampling));
   std::vector<TrainingSample> samples;
-  for (int y = 0; y + side <= mask.rows; y += side / 2) {
-    for (int x = 0; x + side <= mask.cols; x += side / 2) {
+  for (int y = 0; y + side <= mask.rows; y += side) {
+    for (int x = 0; x + side <= mask.cols; x += side) {
       const cv::Rect tile(x, y, side, side);
-      const std::array<int, kNumLabels> counts =
-          CountLabels(mask(tile), cv::Mat1b(tile.size(), uint8_t{1}));
-      const auto majority = std::max_element(counts.begin() + 1, counts.end());
-      const auto label = static_cast<int>(majority - counts.begin());
-      if (*majority < kMinTilePurity * side * side || label == kDormantGrass) continue;
+      const auto counts = CountClasses(mask(tile), cv::Mat1b(tile.size(), uint8_t{1}));
+      const int surface_class = MajorityClass(counts, kMinTilePurity);
+      if (!TellsGrass(surface_class) ||
+          counts[static_cast<size_t>(surface_class)] < kMinTilePurity * tile.area()) {
+        continue;
+      }
       cv::Mat1b inside(mask.size(), uint8_t{0});
       inside(tile) = 255;
-      const std::vector<TrainingSample> added = SamplesOf(renderings,
-                                                          inside,
-                                                          segments.ground_sampling_distance_m,
-                                                          feature_set,
-                                                          {{}, label == kGrass, photograph.place});
-      samples.insert(samples.end(), added.begin(), added.end());
+      TrainingSample sample;
+      sample.features =
+          RegionFeatures(regions.segments.image, inside, ground_sampling, feature_set);
+      sample.is_grass = surface_class == kGrassClass;
+      samples.push_back(std::move(sample));
+    }
+  }
+  return samples;
+}
+
+std::vector<TrainingSample> SamplesOf(const Photographs& photographs,
+                                      FeatureSet feature_set,
+                                      int num_copies,
+                                      int seed) {
+  std::vector<TrainingSample> samples;
+  auto variation_seed = static_cast<uint64_t>(seed) * photographs.size();
+  for (const LabelledPhotograph& photograph : photographs) {
+    const std::vector<Variation> variations = Variations(num_copies, variation_seed++);
+    for (size_t i = 0; i < variations.size(); ++i) {
+      const LabelledRegions regions = CutVaried(photograph, variations[i], kMinLabelledRatio);
+      for (const auto& some :
+           {RegionSamples(regions, feature_set), TileSamples(regions, feature_set, kTileM)}) {
+        for (TrainingSample sample : some) {
+          sample.place = photograph.place;
+          sample.is_augmented = i > 0;
+          samples.push_back(std::move(sample));
+        }
+      }
     }
   }
   return samples;

@@ -1,53 +1,59 @@
-// Labelled photographs -> training samples. Layout of a data folder: images/NAME.jpg and
-// masks/NAME.png (8 bit, same size: 0 unlabelled, 1 grass, 2 to 8 other surfaces, 9 dormant grass).
+// Labelled photographs -> training samples.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "engine/pipeline.h"
+#include "server/labelled_photographs.h"
 
 namespace freelsd {
 
-// One line of the cameras file: how large the photographs of one prefix are on the ground.
-struct LabelledCamera {
-  std::string prefix;
-  std::string place;
-  double focal_ratio = 0.0;
-  double height_m = 0.0;
+// How a copy of a photograph differs, so that a forest learns what does not matter.
+struct Variation {
+  double exposure_ratio = 1.0;
+  // White balance, relative to green.
+  double red_ratio = 1.0;
+  double blue_ratio = 1.0;
+  // Distance of colours from grey: cameras differ in it more than grass from trees.
+  double saturation_ratio = 1.0;
+  // Ground sampling distance of the working image relative to the default.
+  double sampling_ratio = 1.0;
+  // Ground sampling distance told to the features relative to the true one: heights are guesses.
+  double told_sampling_ratio = 1.0;
+  double noise_sd_grey = 0.0;
+  uint64_t noise_seed = 0;
 };
 
-// Throws std::runtime_error naming the line that cannot be read.
-std::vector<LabelledCamera> ReadLabelledCameras(const std::string& path);
+// The photograph as it is, then num_copies seeded variations of it.
+std::vector<Variation> Variations(int num_copies, uint64_t seed);
 
-struct LabelledPhotograph {
-  std::string name;
-  std::string place;
-  cv::Mat3b image;
+// A photograph cut into regions and the labels at the size of its working image.
+struct LabelledRegions {
+  Segments segments;
   cv::Mat1b mask;
-  Camera camera;
-  double height_above_ground = 0.0;
+  // One per segment: the class of most of its labelled pixels; unlabelled where too few of them
+  // are labelled.
+  std::vector<int> classes;
 };
+LabelledRegions CutPhotograph(const LabelledPhotograph& photograph,
+                              const SegmentationOptions& options,
+                              double min_labelled_ratio);
+LabelledRegions CutVaried(const LabelledPhotograph& photograph,
+                          const Variation& variation,
+                          double min_labelled_ratio);
 
-// All photographs of the folder that have a mask, in order of name. Prefixes that the cameras do
-// not name are taken for a place of their own, at the mean scale of the others.
-std::vector<LabelledPhotograph> ReadLabelledPhotographs(const std::string& folder,
-                                                        const std::vector<LabelledCamera>& cameras);
-
-// Whether samples are also taken in other exposures and light.
-enum class Augmentation { kNone, kPhotometric };
-
-// Regions found by the segmentation, labelled by the majority of their labelled pixels; regions of
-// which less than min_labelled_ratio is labelled, or that are mostly dormant grass, are left out.
-std::vector<TrainingSample> RegionSamples(const LabelledPhotograph& photograph,
-                                          FeatureSet feature_set,
-                                          double min_labelled_ratio,
-                                          Augmentation augmentation);
-
-// Square tiles of tile_m on the ground, half a tile apart, whose pixels all carry one label.
-std::vector<TrainingSample> TileSamples(const LabelledPhotograph& photograph,
+// The regions of classes that say whether there is grass, and the square tiles of tile_m on the
+// ground whose pixels nearly all carry one such label.
+std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions, FeatureSet feature_set);
+std::vector<TrainingSample> TileSamples(const LabelledRegions& regions,
                                         FeatureSet feature_set,
-                                        double tile_m,
-                                        Augmentation augmentation);
+                                        double tile_m);
+
+// Regions and tiles of every photograph and of num_copies variations of it.
+std::vector<TrainingSample> SamplesOf(const Photographs& photographs,
+                                      FeatureSet feature_set,
+                                      int num_copies,
+                                      int seed);
 
 }  // namespace freelsd

@@ -14,15 +14,15 @@ namespace freelsd {
 namespace {
 
 constexpr int kModelVersion = 1;
-// Share of the range of training grass by which a feature may lie outside it.
-constexpr float kRangeMargin = 0.15f;
 // What lies outside can at best not be told: half way between grass and not.
 constexpr double kUnsureProbability = 0.5;
 
 bool IsInGrassRange(const Classifier::Model& model, const std::vector<float>& features) {
   for (size_t i = 0; i < features.size(); ++i) {
-    const float margin = kRangeMargin * (model.grass_max[i] - model.grass_min[i]);
-    if (features[i] < model.grass_min[i] - margin || features[i] > model.grass_max[i] + margin) {
+    const RangeMargin margin = MarginOf(model.feature_set, i);
+    const float range = model.grass_max[i] - model.grass_min[i];
+    if (features[i] < model.grass_min[i] - margin.below * range ||
+        features[i] > model.grass_max[i] + margin.above * range) {
       return false;
     }
   }
@@ -35,7 +35,7 @@ void CheckModel(const Classifier::Model& model) {
     throw std::invalid_argument("grass model: ranges do not fit the feature set");
   }
   if (!model.forest || !model.forest->isTrained() ||
-      model.forest->getVarCount() != static_cast<int>(num_features)) {
+      model.forest->getVarCount() != static_cast<int>(NumForestFeatures(model.feature_set))) {
     throw std::invalid_argument("grass model: the forest does not fit the feature set");
   }
 }
@@ -131,6 +131,11 @@ FeatureSet Classifier::feature_set() const { return model_->feature_set; }
 const std::string& Classifier::provenance() const { return model_->provenance; }
 
 double Classifier::Predict(const std::vector<float>& features) const {
+  if (features.size() != NumFeatures(model_->feature_set)) {
+    throw std::invalid_argument("classification: " + std::to_string(features.size()) +
+                                " features, the model has " +
+                                std::to_string(NumFeatures(model_->feature_set)));
+  }
   const double votes = GrassVotes(*model_->forest, features);
   const double probability =
       1.0 / (1.0 + std::exp(-(model_->calibration_slope * votes + model_->calibration_offset)));
@@ -139,7 +144,7 @@ double Classifier::Predict(const std::vector<float>& features) const {
 }
 
 double GrassVotes(const cv::ml::RTrees& forest, const std::vector<float>& features) {
-  const cv::Mat1f row(1, static_cast<int>(features.size()), const_cast<float*>(features.data()));
+  const cv::Mat1f row(1, forest.getVarCount(), const_cast<float*>(features.data()));
   cv::Mat1i votes;
   forest.getVotes(row, votes, 0);
   // First row: class labels; second: votes for each.

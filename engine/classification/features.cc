@@ -20,10 +20,16 @@ constexpr int kNumGaborOrientations = 4;
 constexpr int kGaborSizePx = 31;
 // Room around a region that the largest filter needs.
 constexpr int kMarginPx = kGaborSizePx / 2;
-// Avoids divisions by zero in black regions.
+// Avoids divisions by zero in black pixels.
 constexpr float kTinyGrey = 1.0f;
-// Windows of local contrast, metres on the ground: tufts and clumps.
-constexpr std::array<double, 2> kContrastWindowsM{0.9, 2.7};
+// Added to grey levels before the logarithm, so that noise in shadows is not taken for texture.
+constexpr float kLogOffset = 4.0f;
+// Sides of the averaging windows, metres on the ground: a pixel, tufts and leaves, bushes.
+constexpr double kPixelWindowM = 0.6;
+constexpr double kTuftWindowM = 1.8;
+constexpr double kBushWindowM = 4.2;
+// Least deviation of log brightness: half a grey level in a hundred.
+constexpr double kTinyDeviation = 0.005;
 
 void AppendMeanAndDeviation(const cv::Mat& channel,
                             const cv::Mat1b& mask,
@@ -104,53 +110,81 @@ void AppendGabor(const cv::Mat1f& grey, const cv::Mat1b& mask, std::vector<float
   }
 }
 
-// Colour without brightness: shares of red and green, and excess green 2g - r - b.
-void AppendChromaticity(const cv::Mat3b& image, const cv::Mat1b& mask, std::vector<float>& row) {
-  cv::Mat1f red(image.size()), green(image.size()), excess(image.size());
+cv::Mat1f LogGrey(const cv::Mat1b& grey) {
+  cv::Mat1f table(1, 256);
+  for (int level = 0; level < table.cols; ++level) {
+    table(0, level) = std::log(static_cast<float>(level) + kLogOffset);
+  }
+  cv::Mat1f result;
+  cv::LUT(grey, table, result);
+  return result;
+}
+
+double MeanExcessGreen(const cv::Mat3b& image, const cv::Mat1b& mask) {
+  double sum = 0.0;
+  int count = 0;
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
+      if (mask(y, x) == 0) continue;
       const cv::Vec3b& bgr = image(y, x);
-      const float sum = static_cast<float>(bgr[0] + bgr[1] + bgr[2]) + kTinyGrey;
-      red(y, x) = bgr[2] / sum;
-      green(y, x) = bgr[1] / sum;
-      excess(y, x) = (2.0f * bgr[1] - bgr[2] - bgr[0]) / sum;
+      const float brightness = static_cast<float>(bgr[0] + bgr[1] + bgr[2]) + kTinyGrey;
+      sum += static_cast<float>(2 * bgr[1] - bgr[2] - bgr[0]) / brightness;
+      ++count;
     }
   }
-  AppendMeanAndDeviation(red, mask, row);
-  AppendMeanAndDeviation(green, mask, row);
-  AppendMeanAndDeviation(excess, mask, row);
+  return count > 0 ? sum / count : 0.0;
 }
 
-// Contrast relative to brightness: of the whole region, and within windows of fixed ground size.
-void AppendContrast(const cv::Mat1f& grey,
-                    const cv::Mat1b& mask,
-                    double ground_sampling_distance_m,
-                    std::vector<float>& row) {
+// Mean over the part of a square window that is in the region. weight: 1 in the region, else 0.
+cv::Mat1f MeanInRegion(const cv::Mat1f& values, const cv::Mat1f& weight, double window_px) {
+  const int half = std::max(0, cvRound(0.5 * (window_px - 1.0)));
+  const cv::Size window(2 * half + 1, 2 * half + 1);
+  cv::Mat1f sum, sum_of_weights;
+  cv::boxFilter(values.mul(weight), sum, CV_32F, window, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::boxFilter(weight, sum_of_weights, CV_32F, window, {-1, -1}, false, cv::BORDER_CONSTANT);
+  return sum / cv::max(sum_of_weights, 1.0);
+}
+
+float LogDeviation(const cv::Mat1f& values, const cv::Mat1b& mask) {
   cv::Scalar mean, deviation;
-  cv::meanStdDev(grey, mean, deviation, mask);
-  const float brightness = static_cast<float>(mean[0]) + kTinyGrey;
-  row.push_back(static_cast<float>(deviation[0]) / brightness);
-  for (const double window_m : kContrastWindowsM) {
-    const int window = 2 * static_cast<int>(0.5 * window_m / ground_sampling_distance_m) + 1;
-    cv::Mat1f local_mean, local_squares, local_deviation;
-    cv::blur(grey, local_mean, {window, window});
-    cv::blur(grey.mul(grey), local_squares, {window, window});
-    cv::sqrt(cv::max(local_squares - local_mean.mul(local_mean), 0.0f), local_deviation);
-    row.push_back(static_cast<float>(cv::mean(local_deviation, mask)[0]) / brightness);
-  }
+  cv::meanStdDev(values, mean, deviation, mask);
+  return static_cast<float>(std::log(deviation[0] + kTinyDeviation));
 }
 
+// Skewness of a distribution: below 0 where dark gaps lie between evenly bright leaves. 0 where
+// there is nothing but noise of the logarithm's rounding.
+float Skewness(const cv::Mat1f& values, const cv::Mat1b& mask) {
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(values, mean, deviation, mask);
+  const cv::Mat1f scaled = (values - mean[0]) / (deviation[0] + kTinyDeviation);
+  return static_cast<float>(cv::mean(scaled.mul(scaled).mul(scaled), mask)[0]);
+}
+
+// Logarithms make all of it independent of exposure.
 void AppendRobust(const cv::Mat3b& image,
-                  const cv::Mat1f& grey,
+                  const cv::Mat1b& grey,
                   const cv::Mat1b& mask,
                   double ground_sampling_distance_m,
                   std::vector<float>& row) {
-  std::vector<float> hsv;
-  AppendHsv(image, mask, hsv);
-  // Hue and saturation; value is exposure.
-  row.insert(row.end(), hsv.begin(), hsv.begin() + 4);
-  AppendChromaticity(image, mask, row);
-  AppendContrast(grey, mask, ground_sampling_distance_m, row);
+  cv::Mat1f weight;
+  mask.convertTo(weight, CV_32F, 1.0 / 255.0);
+  cv::threshold(weight, weight, 0.0, 1.0, cv::THRESH_BINARY);
+  const cv::Mat1f log_grey = LogGrey(grey);
+  const auto mean_over = [&](double window_m) {
+    return MeanInRegion(log_grey, weight, window_m / ground_sampling_distance_m);
+  };
+  const cv::Mat1f pixels = mean_over(kPixelWindowM);
+  const cv::Mat1f tufts = mean_over(kTuftWindowM);
+  const cv::Mat1f bushes = mean_over(kBushWindowM);
+  std::array<cv::Mat1b, 3> bgr;
+  cv::split(image, bgr.data());
+  const double log_green = cv::mean(LogGrey(bgr[1]), mask)[0];
+  row.push_back(static_cast<float>(MeanExcessGreen(image, mask)));
+  row.push_back(LogDeviation(pixels - tufts, mask));
+  row.push_back(LogDeviation(tufts - bushes, mask));
+  row.push_back(Skewness(pixels - bushes, mask));
+  row.push_back(static_cast<float>(cv::mean(LogGrey(bgr[2]), mask)[0] - log_green));
+  row.push_back(static_cast<float>(cv::mean(LogGrey(bgr[0]), mask)[0] - log_green));
 }
 
 // The region and its surroundings as far as the filters reach.
@@ -167,18 +201,36 @@ struct NamedSet {
   FeatureSet feature_set;
   const char* name;
   size_t num_features;
+  size_t num_forest_features;
 };
-constexpr NamedSet kSets[] = {{FeatureSet::kRgb, "rgb", 6},
-                              {FeatureSet::kHsv, "hsv", 6},
-                              {FeatureSet::kRgbHsv, "rgbhsv", 12},
-                              {FeatureSet::kPaper18, "paper18", 18},
-                              {FeatureSet::kRobust, "robust", 13}};
+constexpr NamedSet kSets[] = {{FeatureSet::kRgb, "rgb", 6, 6},
+                              {FeatureSet::kHsv, "hsv", 6, 6},
+                              {FeatureSet::kRgbHsv, "rgbhsv", 12, 12},
+                              {FeatureSet::kPaper18, "paper18", 18, 18},
+                              {FeatureSet::kRobust, "robust", 6, 4}};
+
+constexpr RangeMargin kRangeMargin{0.15f, 0.15f};
+// More vivid green is another camera or season, bluer or greyer is another material. Less texture
+// is a softer lens, more of it is no meadow.
+constexpr std::array<RangeMargin, 6> kRobustMargins{
+    {{0.15f, 0.5f}, {0.3f, 0.15f}, {0.3f, 0.15f}, {0.15f, 0.5f}, {0.5f, 0.15f}, {0.5f, 0.15f}}};
 
 }  // namespace
+
+RangeMargin MarginOf(FeatureSet feature_set, size_t feature) {
+  return feature_set == FeatureSet::kRobust ? kRobustMargins[feature] : kRangeMargin;
+}
 
 size_t NumFeatures(FeatureSet feature_set) {
   for (const NamedSet& set : kSets) {
     if (set.feature_set == feature_set) return set.num_features;
+  }
+  return 0;
+}
+
+size_t NumForestFeatures(FeatureSet feature_set) {
+  for (const NamedSet& set : kSets) {
+    if (set.feature_set == feature_set) return set.num_forest_features;
   }
   return 0;
 }
@@ -215,7 +267,7 @@ std::vector<float> RegionFeatures(const cv::Mat3b& image,
   if (feature_set == FeatureSet::kHsv || is_rgb_hsv) AppendHsv(patch, inside, row);
   if (is_paper) AppendGabor(grey, inside, row);
   if (feature_set == FeatureSet::kRobust) {
-    AppendRobust(patch, grey, inside, ground_sampling_distance_m, row);
+    AppendRobust(patch, grey_levels, inside, ground_sampling_distance_m, row);
   }
   return row;
 }

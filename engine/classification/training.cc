@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -19,6 +20,12 @@
 namespace freelsd {
 namespace {
 
+// Samples of fewer places are cut into random folds.
+constexpr int kMinPlacesToLeaveOneOut = 2;
+
+// Share of the training grass at either end of a feature's range that the range leaves out.
+constexpr double kRareGrassRatio = 0.002;
+
 using Samples = std::vector<const TrainingSample*>;
 
 struct ForestSettings {
@@ -26,15 +33,29 @@ struct ForestSettings {
   int min_samples = 0;
 };
 
+// The forest draws from OpenCV's generator of this thread: seeded here, and left as it was.
+class SeededRng {
+ public:
+  explicit SeededRng(int seed) : saved_(cv::theRNG()) {
+    cv::theRNG() = cv::RNG(static_cast<uint64_t>(seed));
+  }
+  ~SeededRng() { cv::theRNG() = saved_; }
+  SeededRng(const SeededRng&) = delete;
+  SeededRng& operator=(const SeededRng&) = delete;
+
+ private:
+  cv::RNG saved_;
+};
+
 cv::Ptr<cv::ml::RTrees> TrainForest(const Samples& samples,
                                     const ForestSettings& settings,
                                     const TrainingOptions& options) {
-  cv::Mat1f rows(static_cast<int>(samples.size()),
-                 static_cast<int>(samples.front()->features.size()));
+  const size_t num_features = NumForestFeatures(options.feature_set);
+  cv::Mat1f rows(static_cast<int>(samples.size()), static_cast<int>(num_features));
   cv::Mat1i labels(static_cast<int>(samples.size()), 1);
   for (int i = 0; i < rows.rows; ++i) {
     const TrainingSample& sample = *samples[static_cast<size_t>(i)];
-    std::copy(sample.features.begin(), sample.features.end(), rows[i]);
+    std::copy_n(sample.features.begin(), num_features, rows[i]);
     labels(i, 0) = sample.is_grass ? 1 : 0;
   }
   const cv::Ptr<cv::ml::RTrees> forest = cv::ml::RTrees::create();
@@ -42,9 +63,15 @@ cv::Ptr<cv::ml::RTrees> TrainForest(const Samples& samples,
   forest->setMinSampleCount(settings.min_samples);
   forest->setActiveVarCount(0);
   forest->setTermCriteria({cv::TermCriteria::MAX_ITER, options.num_trees, 0.0});
-  cv::setRNGSeed(options.seed);
+  const SeededRng seeded(options.seed);
   forest->train(cv::ml::TrainData::create(rows, cv::ml::ROW_SAMPLE, labels));
   return forest;
+}
+
+bool HasBothKinds(const Samples& samples) {
+  const auto is_grass = [](const TrainingSample* sample) { return sample->is_grass; };
+  return std::any_of(samples.begin(), samples.end(), is_grass) &&
+         !std::all_of(samples.begin(), samples.end(), is_grass);
 }
 
 struct Prediction {
@@ -52,23 +79,24 @@ struct Prediction {
   bool is_grass = false;
 };
 
-// Votes for every sample from a forest that was trained on the other folds.
+// Votes for every sample that is not augmented, from a forest trained on the other folds.
 std::vector<Prediction> CrossValidate(const std::vector<TrainingSample>& samples,
                                       const std::vector<int>& fold_of_sample,
                                       const ForestSettings& settings,
                                       const TrainingOptions& options) {
-  std::vector<Prediction> predictions(samples.size());
+  std::vector<Prediction> predictions;
   const std::set<int> folds(fold_of_sample.begin(), fold_of_sample.end());
   for (const int fold : folds) {
     Samples training;
     for (size_t i = 0; i < samples.size(); ++i) {
       if (fold_of_sample[i] != fold) training.push_back(&samples[i]);
     }
-    if (training.empty()) continue;
+    // Nothing is learnt from one kind alone.
+    if (!HasBothKinds(training)) continue;
     const cv::Ptr<cv::ml::RTrees> forest = TrainForest(training, settings, options);
     for (size_t i = 0; i < samples.size(); ++i) {
-      if (fold_of_sample[i] != fold) continue;
-      predictions[i] = {GrassVotes(*forest, samples[i].features), samples[i].is_grass};
+      if (fold_of_sample[i] != fold || samples[i].is_augmented) continue;
+      predictions.push_back({GrassVotes(*forest, samples[i].features), samples[i].is_grass});
     }
   }
   return predictions;
@@ -145,23 +173,35 @@ std::pair<double, double> FitCalibration(const std::vector<Prediction>& predicti
   return {parameters[0], parameters[1]};
 }
 
-void SetGrassRange(const std::vector<TrainingSample>& samples, Classifier::Model& model) {
+// Of the grass as it was photographed: varied copies show what no camera would. Its rarest share at
+// either end is left out, since labels have errors.
+void SetGrassRange(const std::vector<TrainingSample>& originals, Classifier::Model& model) {
   const size_t num_features = NumFeatures(model.feature_set);
-  model.grass_min.assign(num_features, std::numeric_limits<float>::max());
-  model.grass_max.assign(num_features, std::numeric_limits<float>::lowest());
-  for (const TrainingSample& sample : samples) {
-    if (!sample.is_grass) continue;
-    for (size_t i = 0; i < num_features; ++i) {
-      model.grass_min[i] = std::min(model.grass_min[i], sample.features[i]);
-      model.grass_max[i] = std::max(model.grass_max[i], sample.features[i]);
+  for (size_t i = 0; i < num_features; ++i) {
+    std::vector<float> values;
+    for (const TrainingSample& sample : originals) {
+      if (sample.is_grass) values.push_back(sample.features[i]);
     }
+    std::sort(values.begin(), values.end());
+    const auto num_rare = static_cast<size_t>(kRareGrassRatio * static_cast<double>(values.size()));
+    model.grass_min.push_back(values[num_rare]);
+    model.grass_max.push_back(values[values.size() - 1 - num_rare]);
   }
+}
+
+std::vector<TrainingSample> Originals(const std::vector<TrainingSample>& samples) {
+  std::vector<TrainingSample> originals;
+  std::copy_if(samples.begin(),
+               samples.end(),
+               std::back_inserter(originals),
+               [](const TrainingSample& sample) { return !sample.is_augmented; });
+  return originals;
 }
 
 ForestSettings BestSettings(const std::vector<TrainingSample>& samples,
                             const std::vector<int>& folds,
                             const TrainingOptions& options) {
-  ForestSettings best;
+  ForestSettings best{options.max_depths.front(), options.min_samples_per_branch.front()};
   double best_error = std::numeric_limits<double>::infinity();
   for (const int max_depth : options.max_depths) {
     for (const int min_samples : options.min_samples_per_branch) {
@@ -179,16 +219,18 @@ ForestSettings BestSettings(const std::vector<TrainingSample>& samples,
 void CheckSamples(const std::vector<TrainingSample>& samples, const TrainingOptions& options) {
   options.Check();
   const size_t num_features = NumFeatures(options.feature_set);
-  size_t num_grass = 0;
+  size_t num_grass = 0, num_originals = 0;
   for (const TrainingSample& sample : samples) {
     if (sample.features.size() != num_features) {
       throw std::invalid_argument("training: a sample has " +
                                   std::to_string(sample.features.size()) + " features, not " +
                                   std::to_string(num_features));
     }
+    if (sample.is_augmented) continue;
+    ++num_originals;
     num_grass += sample.is_grass ? 1 : 0;
   }
-  if (num_grass == 0 || num_grass == samples.size()) {
+  if (num_grass == 0 || num_grass == num_originals) {
     throw std::invalid_argument("training: samples of grass and of other surfaces are needed");
   }
 }
@@ -214,11 +256,16 @@ std::pair<Classifier, TrainingReport> TrainClassifier(const std::vector<Training
                                                       const std::string& provenance,
                                                       const TrainingOptions& options) {
   CheckSamples(samples, options);
-  const std::vector<int> random_folds = RandomFolds(samples.size(), options);
-  const ForestSettings settings = BestSettings(samples, random_folds, options);
-  const std::vector<Prediction> random = CrossValidate(samples, random_folds, settings, options);
-  const std::vector<Prediction> by_place =
-      CrossValidate(samples, FoldsByPlace(samples), settings, options);
+  const std::vector<int> place_folds = FoldsByPlace(samples);
+  const int num_places = *std::max_element(place_folds.begin(), place_folds.end()) + 1;
+  const std::vector<int> folds =
+      num_places < kMinPlacesToLeaveOneOut ? RandomFolds(samples.size(), options) : place_folds;
+  const ForestSettings settings = BestSettings(samples, folds, options);
+  const std::vector<Prediction> by_place = CrossValidate(samples, folds, settings, options);
+  // Without augmented samples: their originals would sit in another fold.
+  const std::vector<TrainingSample> originals = Originals(samples);
+  const std::vector<Prediction> random =
+      CrossValidate(originals, RandomFolds(originals.size(), options), settings, options);
   TrainingReport report;
   report.max_depth = settings.max_depth;
   report.min_samples_per_branch = settings.min_samples;
@@ -229,7 +276,7 @@ std::pair<Classifier, TrainingReport> TrainClassifier(const std::vector<Training
   model->feature_set = options.feature_set;
   model->provenance = provenance;
   std::tie(model->calibration_slope, model->calibration_offset) = FitCalibration(by_place);
-  SetGrassRange(samples, *model);
+  SetGrassRange(originals, *model);
   Samples all;
   for (const TrainingSample& sample : samples) all.push_back(&sample);
   model->forest = TrainForest(all, settings, options);

@@ -2,22 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <stdexcept>
-#include <string>
 
 #include <opencv2/imgproc.hpp>
 
 namespace freelsd {
 namespace {
 
-// Lower hysteresis threshold of the Canny detector as a share of the upper one.
-constexpr double kCannyLowShare = 1.0 / 3.0;
-// The paper gives one threshold: it is the lower, and Canny's advice of 1:3 makes the upper.
-constexpr double kPaperHighFactor = 3.0;
-// Grey levels outside which the sensor shows nothing: no edges there, but no homogeneous ground.
-constexpr int kMinGrey = 8;
-constexpr int kMaxGrey = 250;
-constexpr int kMinWorkingSidePx = 16;
+// The paper gives one Canny threshold; a ratio of three to its partner is Canny's own advice.
+constexpr double kCannyRatio = 3.0;
+// Holds a grey pixel's quotient finite where the neighbourhood is black.
+constexpr double kMinLocalMeanGrey = 4.0;
+constexpr int kConnectivity = 4;
+// Keeps a wrong height from asking for an image of no pixels.
+constexpr int kMinWorkingSidePx = 8;
+
+struct Bound {
+  const char* field;
+  double value;
+  double min;
+  double max;
+};
+
+void RequireInside(const Bound& bound) {
+  if (std::isfinite(bound.value) && bound.value >= bound.min && bound.value <= bound.max) return;
+  std::ostringstream message;
+  message << "segmentation." << bound.field << " = " << bound.value << ": must be in [" << bound.min
+          << ", " << bound.max << "]";
+  throw std::invalid_argument(message.str());
+}
 
 double Polynomial(const std::array<double, 4>& coefficients, double x) {
   double value = 0.0;
@@ -25,186 +39,276 @@ double Polynomial(const std::array<double, 4>& coefficients, double x) {
   return value;
 }
 
-double ClampedHeight(double height_above_ground, const SegmentationOptions& options) {
+double FittedHeight(double height_above_ground, const SegmentationOptions& options) {
   return std::clamp(height_above_ground, options.paper_min_height_m, options.paper_max_height_m);
 }
 
-// Size, thresholds and scale of one frame's segmentation.
-struct Plan {
-  double scale = 1.0;  // working pixels per pixel of the full-size image
-  double ground_sampling_distance = 0.0;
+// What the edge detector needs, in pixels of the working image.
+struct Thresholds {
+  double canny_low = 0.0;
   double canny_high = 0.0;
   double min_edge_distance_px = 0.0;
 };
 
-Plan PlanFor(const Camera& camera, double height_above_ground, const SegmentationOptions& options) {
-  const double native = height_above_ground / camera.MeanFocalPx();
-  Plan plan;
+// Factor (at most 1) from the full-size image to the working image.
+double WorkingScale(const Camera& camera,
+                    double height_above_ground,
+                    const SegmentationOptions& options) {
+  const double wanted =
+      options.thresholds == SegmentationThresholds::kPaper
+          ? options.paper_focal_px / camera.MeanFocalPx()
+          : height_above_ground / camera.MeanFocalPx() / options.ground_sampling_distance_m;
+  return std::min(1.0, wanted);
+}
+
+Thresholds ThresholdsFor(double height_above_ground,
+                         double working_focal_px,
+                         const SegmentationOptions& options) {
   if (options.thresholds == SegmentationThresholds::kPaper) {
-    plan.scale = std::min(1.0, options.paper_focal_px / camera.MeanFocalPx());
-    plan.canny_high = kPaperHighFactor * CannyThreshold(height_above_ground, options);
-    plan.min_edge_distance_px = MinEdgeDistancePx(height_above_ground, options);
-  } else {
-    plan.scale = std::min(1.0, native / options.ground_sampling_distance_m);
-    plan.canny_high = options.canny_high;
-    plan.min_edge_distance_px = options.min_edge_distance_m / (native / plan.scale);
+    const double low = CannyThreshold(height_above_ground, options);
+    // What stays constant is metres on the ground, so pixels go with the focal length.
+    const double distance_px =
+        MinEdgeDistancePx(height_above_ground, options) * working_focal_px / options.paper_focal_px;
+    return {low, kCannyRatio * low, distance_px};
   }
-  plan.ground_sampling_distance = native / plan.scale;
-  return plan;
+  return {options.canny_high / kCannyRatio,
+          options.canny_high,
+          options.min_edge_distance_m * working_focal_px / height_above_ground};
+}
+
+cv::Mat3b ColourImage(const cv::Mat& image) {
+  if (image.type() == CV_8UC3) return image;
+  if (image.type() != CV_8UC1) {
+    throw std::invalid_argument("segmentation: the image must be 8 bit, grey or BGR");
+  }
+  cv::Mat3b colour;
+  cv::cvtColor(image, colour, cv::COLOR_GRAY2BGR);
+  return colour;
 }
 
 cv::Mat3b WorkingImage(const cv::Mat& image, double scale) {
+  if (scale >= 1.0) return ColourImage(image).clone();
+  const int width = std::max(kMinWorkingSidePx, static_cast<int>(std::lround(image.cols * scale)));
+  const int height = std::max(kMinWorkingSidePx, static_cast<int>(std::lround(image.rows * scale)));
   cv::Mat resized;
-  const cv::Size size(std::max(kMinWorkingSidePx, cvRound(image.cols * scale)),
-                      std::max(kMinWorkingSidePx, cvRound(image.rows * scale)));
-  cv::resize(image, resized, size, 0, 0, cv::INTER_AREA);
-  if (resized.channels() == 1) cv::cvtColor(resized, resized, cv::COLOR_GRAY2BGR);
-  return resized;
+  cv::resize(image, resized, cv::Size(width, height), 0.0, 0.0, cv::INTER_AREA);
+  return ColourImage(resized);
 }
 
-cv::Mat1b EdgesOf(const cv::Mat& channel, const Plan& plan, double blur_sigma_px) {
-  cv::Mat smooth = channel;
+cv::Mat1b EvenExposure(const cv::Mat1b& grey, double window_px, double reference_grey) {
+  const int side = std::max(3, static_cast<int>(std::lround(window_px)) | 1);
+  cv::Mat1f local_mean, even;
+  cv::boxFilter(grey, local_mean, CV_32F, cv::Size(side, side), {-1, -1}, true, cv::BORDER_REFLECT);
+  cv::max(local_mean, kMinLocalMeanGrey, local_mean);
+  cv::divide(grey, local_mean, even, reference_grey, CV_32F);
+  cv::Mat1b result;
+  even.convertTo(result, CV_8U);
+  return result;
+}
+
+cv::Mat1b EdgesOf(const cv::Mat1b& channel, const Thresholds& thresholds, double blur_sigma_px) {
+  cv::Mat1b smooth = channel;
   if (blur_sigma_px > 0.0) cv::GaussianBlur(channel, smooth, {}, blur_sigma_px);
   cv::Mat1b edges;
-  cv::Canny(smooth, edges, plan.canny_high * kCannyLowShare, plan.canny_high);
+  cv::Canny(smooth, edges, thresholds.canny_low, thresholds.canny_high);
   return edges;
 }
 
-// The colour channels around their neutral value, stretched.
-void AddChromaEdges(const cv::Mat3b& image,
-                    const Plan& plan,
-                    const SegmentationOptions& options,
-                    cv::Mat1b& edges) {
+// Edges of the two colour channels, stretched around their neutral value.
+cv::Mat1b ChromaEdges(const cv::Mat3b& image,
+                      const Thresholds& thresholds,
+                      const SegmentationOptions& options) {
   constexpr double kNeutral = 128.0;
   cv::Mat3b lab;
   cv::cvtColor(image, lab, cv::COLOR_BGR2Lab);
+  cv::Mat1b edges(image.size(), uint8_t{0});
   for (int channel = 1; channel <= 2; ++channel) {
     cv::Mat chroma;
     cv::extractChannel(lab, chroma, channel);
     chroma.convertTo(chroma, CV_8U, options.chroma_gain, kNeutral * (1.0 - options.chroma_gain));
-    edges |= EdgesOf(chroma, plan, options.blur_sigma_px);
+    edges |= EdgesOf(chroma, thresholds, options.blur_sigma_px);
   }
+  return edges;
 }
 
-// Pixels farther from any edge than the threshold. The border of the image is no edge.
-cv::Mat1b HomogeneousMask(const cv::Mat3b& image,
-                          const Plan& plan,
-                          const SegmentationOptions& options) {
-  cv::Mat1b grey;
-  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
-  const bool is_paper = options.thresholds == SegmentationThresholds::kPaper;
-  cv::Mat1b edges = EdgesOf(grey, plan, is_paper ? 0.0 : options.blur_sigma_px);
-  if (!is_paper && options.chroma_gain > 0.0) AddChromaEdges(image, plan, options, edges);
-  edges.setTo(255, (grey < kMinGrey) | (grey > kMaxGrey));
-  cv::Mat1f distance;
-  cv::distanceTransform(edges == 0, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-  return distance > plan.min_edge_distance_px;
+// Both sides of the line where smoothed excess green crosses the level.
+cv::Mat1b GreenEdges(const Segments& frame, const SegmentationOptions& options) {
+  cv::Mat3f smooth;
+  frame.image.convertTo(smooth, CV_32F);
+  cv::GaussianBlur(smooth, smooth, {}, options.split_sigma_m / frame.ground_sampling_distance_m);
+  cv::Mat1b is_green(smooth.size());
+  const auto level = static_cast<float>(options.split_level_ratio);
+  std::transform(smooth.begin(), smooth.end(), is_green.begin(), [level](const cv::Vec3f& bgr) {
+    const float excess = 2.0f * bgr[1] - bgr[0] - bgr[2];
+    return excess > level * (bgr[0] + bgr[1] + bgr[2]) ? uint8_t{255} : uint8_t{0};
+  });
+  cv::Mat1b edges;
+  cv::morphologyEx(is_green, edges, cv::MORPH_GRADIENT, cv::Mat1b(3, 3, uint8_t{1}));
+  return edges;
 }
 
-bool TouchesBorder(const cv::Rect& box, const cv::Size& size) {
-  return box.x == 0 || box.y == 0 || box.x + box.width == size.width ||
-         box.y + box.height == size.height;
+cv::Mat1b Edges(const Segments& frame,
+                const cv::Mat1b& grey,
+                const Thresholds& thresholds,
+                const SegmentationOptions& options) {
+  if (options.thresholds == SegmentationThresholds::kPaper) return EdgesOf(grey, thresholds, 0.0);
+  cv::Mat1b input = grey;
+  if (options.contrast_window_m > 0.0) {
+    input = EvenExposure(
+        grey, options.contrast_window_m / frame.ground_sampling_distance_m, options.reference_grey);
+  }
+  cv::Mat1b edges = EdgesOf(input, thresholds, options.blur_sigma_px);
+  if (options.chroma_gain > 0.0) edges |= ChromaEdges(frame.image, thresholds, options);
+  if (options.split_sigma_m > 0.0) edges |= GreenEdges(frame, options);
+  return edges;
 }
 
-std::vector<Eigen::Vector2d> OuterContour(const cv::Mat1i& components,
-                                          int component,
-                                          const cv::Rect& box,
-                                          const cv::Size2d& image_px_per_working_px) {
+// 255 where the nearest edge is far enough away and the sensor recorded something.
+cv::Mat1b HomogeneousPixels(const cv::Mat1b& grey,
+                            const cv::Mat1b& edges,
+                            const Thresholds& thresholds,
+                            const SegmentationOptions& options) {
+  cv::Mat1f edge_distance_px;
+  cv::distanceTransform(~edges, edge_distance_px, cv::DIST_L2, cv::DIST_MASK_5);
+  cv::Mat1b recorded;
+  cv::inRange(grey, options.min_grey, options.max_grey, recorded);
+  const cv::Mat1b far_from_edges = edge_distance_px > thresholds.min_edge_distance_px;
+  return far_from_edges & recorded;
+}
+
+std::vector<Eigen::Vector2d> OuterContour(const cv::Mat1b& mask,
+                                          const cv::Point& offset,
+                                          double image_px_per_working_px) {
   std::vector<std::vector<cv::Point>> contours;
-  const cv::Mat1b mask = components(box) == component;
-  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE, box.tl());
+  cv::findContours(mask, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE, offset);
   std::vector<Eigen::Vector2d> contour_in_image;
-  for (const auto& contour : contours) {
-    for (const cv::Point& point : contour) {
-      contour_in_image.emplace_back((point.x + 0.5) * image_px_per_working_px.width - 0.5,
-                                    (point.y + 0.5) * image_px_per_working_px.height - 0.5);
-    }
+  for (const cv::Point& point : contours.at(0)) {
+    contour_in_image.emplace_back((point.x + 0.5) * image_px_per_working_px - 0.5,
+                                  (point.y + 0.5) * image_px_per_working_px - 0.5);
   }
   return contour_in_image;
 }
 
-void Require(bool holds, const char* field, double value, const char* constraint) {
-  if (holds) return;
-  throw std::invalid_argument(std::string("segmentation.") + field + " = " + std::to_string(value) +
-                              ": " + constraint);
+struct Components {
+  cv::Mat1i labels;
+  // One row per label: cv::ConnectedComponentsTypes.
+  cv::Mat1i statistics;
+};
+
+Components ConnectedComponents(const cv::Mat1b& mask) {
+  Components components;
+  cv::Mat1d centroids;
+  cv::connectedComponentsWithStats(
+      mask, components.labels, components.statistics, centroids, kConnectivity, CV_32S);
+  return components;
+}
+
+// The same components, without those of fewer pixels, numbered anew from 1.
+Components WithoutSmall(const Components& components, double min_num_pixels) {
+  std::vector<int> new_label(static_cast<size_t>(components.statistics.rows), 0);
+  Components kept;
+  kept.statistics.push_back(components.statistics.row(0));
+  for (int label = 1; label < components.statistics.rows; ++label) {
+    if (components.statistics(label, cv::CC_STAT_AREA) < min_num_pixels) continue;
+    new_label[static_cast<size_t>(label)] = kept.statistics.rows;
+    kept.statistics.push_back(components.statistics.row(label));
+  }
+  kept.labels.create(components.labels.size());
+  std::transform(
+      components.labels.begin(), components.labels.end(), kept.labels.begin(), [&](int label) {
+        return new_label[static_cast<size_t>(label)];
+      });
+  return kept;
+}
+
+Segment MakeSegment(const Components& components, int label, const Segments& frame) {
+  const int* row = components.statistics[label];
+  const cv::Rect box(
+      row[cv::CC_STAT_LEFT], row[cv::CC_STAT_TOP], row[cv::CC_STAT_WIDTH], row[cv::CC_STAT_HEIGHT]);
+  const cv::Size size = components.labels.size();
+  Segment segment;
+  segment.label = label;
+  segment.contour_in_image =
+      OuterContour(components.labels(box) == label, box.tl(), frame.image_px_per_working_px);
+  segment.area_m2 =
+      row[cv::CC_STAT_AREA] * frame.ground_sampling_distance_m * frame.ground_sampling_distance_m;
+  segment.touches_border =
+      box.x == 0 || box.y == 0 || box.br().x == size.width || box.br().y == size.height;
+  return segment;
+}
+
+void CheckInput(const cv::Mat& image, const Camera& camera, double height_above_ground) {
+  if (image.empty()) throw std::invalid_argument("segmentation: the image is empty");
+  if (image.cols != camera.width_px || image.rows != camera.height_px) {
+    std::ostringstream message;
+    message << "segmentation: image is " << image.cols << "x" << image.rows << ", camera says "
+            << camera.width_px << "x" << camera.height_px;
+    throw std::invalid_argument(message.str());
+  }
+  if (!std::isfinite(height_above_ground) || height_above_ground <= 0.0) {
+    throw std::invalid_argument("segmentation: height above ground must be positive");
+  }
 }
 
 }  // namespace
 
 void SegmentationOptions::Check() const {
-  Require(ground_sampling_distance_m >= 0.02 && ground_sampling_distance_m <= 5.0,
-          "ground_sampling_distance_m",
-          ground_sampling_distance_m,
-          "must be in [0.02, 5]");
-  Require(blur_sigma_px >= 0.0 && blur_sigma_px <= 20.0,
-          "blur_sigma_px",
-          blur_sigma_px,
-          "must be in [0, 20]");
-  Require(canny_high > 0.0, "canny_high", canny_high, "must be positive");
-  Require(
-      chroma_gain >= 0.0 && chroma_gain <= 20.0, "chroma_gain", chroma_gain, "must be in [0, 20]");
-  Require(min_edge_distance_m >= 0.0, "min_edge_distance_m", min_edge_distance_m, "must be >= 0");
-  Require(min_region_area_m2 > 0.0, "min_region_area_m2", min_region_area_m2, "must be positive");
-  Require(paper_min_height_m > 0.0 && paper_min_height_m < paper_max_height_m,
-          "paper_min_height_m",
-          paper_min_height_m,
-          "must be positive and below paper_max_height_m");
-  Require(paper_focal_px > 0.0, "paper_focal_px", paper_focal_px, "must be positive");
-  Require(paper_min_edge_distance_px >= 0.0,
-          "paper_min_edge_distance_px",
-          paper_min_edge_distance_px,
-          "must be >= 0");
+  const Bound bounds[] = {
+      {"ground_sampling_distance_m", ground_sampling_distance_m, 0.02, 5.0},
+      {"blur_sigma_px", blur_sigma_px, 0.0, 20.0},
+      {"canny_high", canny_high, 1.0, 2000.0},
+      {"chroma_gain", chroma_gain, 0.0, 20.0},
+      {"split_level_ratio", split_level_ratio, -2.0, 2.0},
+      {"split_sigma_m", split_sigma_m, 0.0, 100.0},
+      {"min_edge_distance_m", min_edge_distance_m, 0.0, 50.0},
+      {"contrast_window_m", contrast_window_m, 0.0, 1000.0},
+      {"reference_grey", reference_grey, 1.0, 255.0},
+      {"min_grey", min_grey, 0.0, 255.0},
+      {"max_grey", max_grey, min_grey, 255.0},
+      {"min_region_area_m2", min_region_area_m2, 1.0, 1e6},
+      {"paper_min_height_m", paper_min_height_m, 1.0, 1000.0},
+      {"paper_max_height_m", paper_max_height_m, paper_min_height_m, 1000.0},
+      {"paper_focal_px", paper_focal_px, 10.0, 10000.0},
+      {"paper_min_edge_distance_px", paper_min_edge_distance_px, 0.0, 100.0},
+  };
+  for (const Bound& bound : bounds) RequireInside(bound);
 }
 
 double CannyThreshold(double height_above_ground, const SegmentationOptions& options) {
-  return Polynomial(options.paper_canny_coefficients, ClampedHeight(height_above_ground, options));
+  return Polynomial(options.paper_canny_coefficients, FittedHeight(height_above_ground, options));
 }
 
 double MinEdgeDistancePx(double height_above_ground, const SegmentationOptions& options) {
   return std::max(options.paper_min_edge_distance_px,
                   Polynomial(options.paper_edge_distance_coefficients,
-                             ClampedHeight(height_above_ground, options)));
+                             FittedHeight(height_above_ground, options)));
 }
 
 Segments SegmentFrame(const cv::Mat& image,
                       const Camera& camera,
                       double height_above_ground,
                       const SegmentationOptions& options) {
-  if (image.empty() || !(height_above_ground > 0.0)) {
-    throw std::invalid_argument("segmentation: needs an image and a height above ground > 0");
-  }
-  const Plan plan = PlanFor(camera, height_above_ground, options);
+  options.Check();
+  CheckInput(image, camera, height_above_ground);
   Segments segments;
-  segments.image = WorkingImage(image, plan.scale);
-  const cv::Size size = segments.image.size();
-  const cv::Size2d image_px(static_cast<double>(image.cols) / size.width,
-                            static_cast<double>(image.rows) / size.height);
-  segments.image_px_per_working_px = image_px.width;
-  segments.ground_sampling_distance_m = plan.ground_sampling_distance;
-  cv::Mat1i components, statistics;
-  cv::Mat1d centroids;
-  const int num_components = cv::connectedComponentsWithStats(
-      HomogeneousMask(segments.image, plan, options), components, statistics, centroids, 4, CV_32S);
-  const double cell_area = plan.ground_sampling_distance * plan.ground_sampling_distance;
-  std::vector<int> label_of_component(static_cast<size_t>(num_components), 0);
-  for (int component = 1; component < num_components; ++component) {
-    const double area = statistics(component, cv::CC_STAT_AREA) * cell_area;
-    if (area < options.min_region_area_m2) continue;
-    const cv::Rect box(statistics(component, cv::CC_STAT_LEFT),
-                       statistics(component, cv::CC_STAT_TOP),
-                       statistics(component, cv::CC_STAT_WIDTH),
-                       statistics(component, cv::CC_STAT_HEIGHT));
-    const int label = static_cast<int>(segments.segments.size()) + 1;
-    label_of_component[static_cast<size_t>(component)] = label;
-    segments.segments.push_back({label,
-                                 OuterContour(components, component, box, image_px),
-                                 area,
-                                 TouchesBorder(box, size)});
+  segments.image = WorkingImage(image, WorkingScale(camera, height_above_ground, options));
+  segments.image_px_per_working_px = static_cast<double>(image.cols) / segments.image.cols;
+  const double working_focal_px = camera.MeanFocalPx() / segments.image_px_per_working_px;
+  segments.ground_sampling_distance_m = height_above_ground / working_focal_px;
+
+  cv::Mat1b grey;
+  cv::cvtColor(segments.image, grey, cv::COLOR_BGR2GRAY);
+  const Thresholds thresholds = ThresholdsFor(height_above_ground, working_focal_px, options);
+  const cv::Mat1b edges = Edges(segments, grey, thresholds, options);
+  const cv::Mat1b homogeneous = HomogeneousPixels(grey, edges, thresholds, options);
+  const double pixel_area_m2 =
+      segments.ground_sampling_distance_m * segments.ground_sampling_distance_m;
+  const Components components =
+      WithoutSmall(ConnectedComponents(homogeneous), options.min_region_area_m2 / pixel_area_m2);
+  segments.labels = components.labels;
+  for (int label = 1; label < components.statistics.rows; ++label) {
+    segments.segments.push_back(MakeSegment(components, label, segments));
   }
-  segments.labels.create(size);
-  std::transform(components.begin(), components.end(), segments.labels.begin(), [&](int component) {
-    return label_of_component[static_cast<size_t>(component)];
-  });
   return segments;
 }
 

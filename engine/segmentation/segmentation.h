@@ -19,16 +19,32 @@ struct SegmentationOptions {
   // --- Behaviour ---
   // Differs: the published polynomials leave no region on sharp photographs; see kPaper.
   SegmentationThresholds thresholds = SegmentationThresholds::kGroundSampling;
-  // The image is resized to this ground sampling distance first.
-  double ground_sampling_distance_m = 0.3;
+  // The image is resized to this ground sampling distance first; never enlarged. This and the
+  // three below: tests/evaluation/segmentation.md says what was tried.
+  double ground_sampling_distance_m = 0.6;
   double blur_sigma_px = 1.0;
   // Upper hysteresis threshold of the Canny detector, grey levels; the lower is a third of it.
-  double canny_high = 120.0;
+  double canny_high = 105.0;
   // Edges are also sought in the two colour channels of CIE L*a*b*, stretched by this factor; 0
   // looks at grey alone, as the paper does. Differs: road, gravel and meadow may be equally bright.
-  double chroma_gain = 2.0;
+  double chroma_gain = 1.0;
+  // Where excess green (2G - R - B) / (R + G + B), smoothed by split_sigma_m, crosses split_level
+  // there is an edge too; a sigma of 0 has none. Differs: a lawn fades into the leaf litter under
+  // bare trees without any edge. Labelled grass lies above 0.07, road, soil and litter mostly below
+  // 0.05.
+  double split_level_ratio = 0.06;
+  double split_sigma_m = 1.2;
   // Least distance of a region's pixel from an edge.
-  double min_edge_distance_m = 2.0;
+  double min_edge_distance_m = 1.0;
+  // Grey levels are divided by their mean over a square of this side and multiplied by
+  // reference_grey before the edges are sought, so that canny_high means the same contrast in a
+  // dark frame as in a bright one. 0 takes them as they are, as the paper does.
+  double contrast_window_m = 40.0;
+  double reference_grey = 110.0;
+  // Pixels outside this range of grey levels are in no region: black and burnt-out areas have no
+  // edges because nothing was recorded there.
+  double min_grey = 12.0;
+  double max_grey = 250.0;
   // Smaller regions are dropped.
   double min_region_area_m2 = 100.0;
   // Paper: p_canny(h), p_dtf(h), Sec. III-C, coefficients from the highest power down, h in metres.
@@ -49,7 +65,7 @@ double CannyThreshold(double height_above_ground, const SegmentationOptions& opt
 double MinEdgeDistancePx(double height_above_ground, const SegmentationOptions& options);
 
 struct Segment {
-  // Value of its pixels in Segments::labels.
+  // Value of its pixels in Segments::labels: its place in Segments::segments, from 1.
   int label = 0;
   // Outer contour, pixels of the full-size image.
   std::vector<Eigen::Vector2d> contour_in_image;
