@@ -1,10 +1,8 @@
 #!/usr/bin/env bash
 # Sends every recorded flight of $FREELSD_DATA through a fresh server, by curl alone, from geotags
-# or the flight's pose file, and prints what came out as the table of RESULTS.md.
+# or the flight's pose file, and prints what came out as a part of RESULTS.md.
 #
 #   tests/evaluation/flights.sh [--server PATH] [--pictures DIR] [--flight NAME] [--aircraft NAME]
-#
-# RESULTS.md is made by: tests/evaluation/flights.sh > tests/evaluation/RESULTS.md
 set -euo pipefail
 root="$(cd "$(dirname "$0")/../.." && pwd)"
 server="$root/build/release/server/freelsd-server"
@@ -119,12 +117,6 @@ run_flight() {
 }
 
 cat <<'TEXT'
-# What freelsd achieves
-
-Made by `tests/evaluation/flights.sh > tests/evaluation/RESULTS.md`; not edited by hand.
-
-## Recorded flights
-
 Each flight is sent by `curl` as one batch (swindale with its pose file, the others by their geotags
 alone) to a fresh server, then finished. Sites are landable / unverified / rejected.
 
