@@ -1,36 +1,137 @@
-// The only file that calls fetch. Names and units are those of the JSON.
+// The only file that talks to the server. Names and units are those of the JSON.
 
-async function getJson(path) {
-  const response = await fetch(path, { headers: { Accept: 'application/json' } });
-  if (!response.ok) {
-    const problem = await response.json().catch(() => ({}));
-    throw Object.assign(new Error(problem.detail ?? response.statusText), {
-      status: response.status,
-      code: problem.code,
-    });
+export class Problem extends Error {
+  constructor(status, body, retryAfter_s) {
+    super(body.detail ?? body.title ?? `the server answered ${status}`);
+    this.status = status;
+    this.code = body.code;
+    this.errors = body.errors ?? [];
+    this.retryAfter_s = retryAfter_s;
   }
-  return response.json();
 }
 
+// --- Token: kept for this tab, or on this device where the user says so ---
+
+const tokenKey = 'freelsd.token';
+export const token = () => sessionStorage.getItem(tokenKey) ?? localStorage.getItem(tokenKey);
+export function setToken(value, isKept) {
+  sessionStorage.removeItem(tokenKey);
+  localStorage.removeItem(tokenKey);
+  if (value) (isKept ? localStorage : sessionStorage).setItem(tokenKey, value);
+}
+const authorization = () => (token() ? { Authorization: `Bearer ${token()}` } : {});
+
+// Told when the server wants a token (401), or a better one (403).
+let onUnauthorized = () => {};
+export function whenUnauthorized(listener) { onUnauthorized = listener; }
+
+function problemOf(status, text, retryAfter) {
+  let body = {};
+  try { body = JSON.parse(text); } catch { body = { detail: text.slice(0, 200) || undefined }; }
+  if (status === 401) onUnauthorized();
+  return new Problem(status, body, Number(retryAfter) || null);
+}
+
+export async function call(path, { method = 'GET', headers = {}, body, signal } = {}) {
+  const response = await fetch(path, {
+    method, body, signal, headers: { ...authorization(), ...headers }, cache: 'no-store',
+  });
+  if (!response.ok) {
+    throw problemOf(response.status, await response.text(), response.headers.get('Retry-After'));
+  }
+  return response;
+}
+
+const getJson = async (path, options) =>
+  (await call(path, { ...options, headers: { Accept: 'application/json, application/geo+json' } })).json();
+
+// --- Paths, also shown as curl ---
+
 const part = encodeURIComponent;
+export function query(values) {
+  const known = Object.entries(values).filter(([, v]) => v !== null && v !== undefined && v !== '');
+  return known.length ? `?${known.map(([k, v]) => `${k}=${part(v)}`).join('&')}` : '';
+}
+export const paths = {
+  flight: (flight) => `/v1/flights/${part(flight)}`,
+  regions: (flight) => `/v1/flights/${part(flight)}/regions`,
+  history: (flight, region) => `/v1/flights/${part(flight)}/regions/${part(region)}/history`,
+  frames: (flight) => `/v1/flights/${part(flight)}/frames`,
+  batch: (flight) => `/v1/flights/${part(flight)}/batch`,
+  finish: (flight) => `/v1/flights/${part(flight)}/finish`,
+  flightSites: (flight) => `/v1/flights/${part(flight)}/sites`,
+  site: (site) => `/v1/sites/${part(site)}`,
+  approach: (site, wind) => `/v1/sites/${part(site)}/approach${wind ? query({
+    wind_east_mps: wind.east_mps.toFixed(3), wind_north_mps: wind.north_mps.toFixed(3) }) : ''}`,
+  layers: (site) => `/v1/sites/${part(site)}/layers`,
+  layerPicture: (site, layer) => `/v1/sites/${part(site)}/layers/${part(layer)}.png`,
+  layerTiff: (site, layer) => `/v1/sites/${part(site)}/layers/${part(layer)}.tif`,
+  legend: (site, layer) => `/v1/sites/${part(site)}/layers/${part(layer)}/legend.png`,
+  emergency: (request) => `/v1/emergency${query(request)}`,
+  events: (flight) => `/v1/events${query({ flight })}`,
+};
 
+// --- Reading ---
+
+export const getInfo = () => getJson('/v1/info');
 export const listFlights = async () => (await getJson('/v1/flights')).flights;
-export const getFlight = (flight) => getJson(`/v1/flights/${part(flight)}`);
-export const getRegions = (flight) => getJson(`/v1/flights/${part(flight)}/regions`);
-export const getSites = (flight) => getJson(`/v1/flights/${part(flight)}/sites`);
-export const getSite = (site) => getJson(`/v1/sites/${part(site)}`);
-export const getLayers = async (site) => (await getJson(`/v1/sites/${part(site)}/layers`)).layers;
 export const listJobs = async () => (await getJson('/v1/jobs')).jobs;
-export const layerUrl = (site, layer) => `/v1/sites/${part(site)}/layers/${part(layer)}.png`;
-export const legendUrl = (site, layer) =>
-  `/v1/sites/${part(site)}/layers/${part(layer)}/legend.png`;
+export const getFlight = (flight) => getJson(paths.flight(flight));
+export const getRegions = (flight) => getJson(paths.regions(flight));
+export const getSites = (flight) => getJson(paths.flightSites(flight));
+export const getAllSites = () => getJson('/v1/sites');
+export const getSite = (site) => getJson(paths.site(site));
+export const getHistory = async (flight, region) => (await getJson(paths.history(flight, region))).history;
+export const getFrames = async (flight) => (await getJson(paths.frames(flight))).frames;
+export const getLayers = async (site) => (await getJson(paths.layers(site))).layers;
+export const getEmergency = (request, signal) => getJson(paths.emergency(request), { signal });
 
-// Nothing for a site that has no approach (409).
-export async function getApproach(site) {
+// {collection}, or {refusal} where the site has no approach, for this wind or at all (409).
+export async function getApproach(site, wind, signal) {
   try {
-    return await getJson(`/v1/sites/${part(site)}/approach`);
+    return { collection: await getJson(paths.approach(site, wind), { signal }) };
   } catch (error) {
-    if (error.status === 409) return null;
+    if (error.status === 409) return { refusal: error.message };
     throw error;
   }
+}
+
+export const getBytes = async (path, signal) => (await call(path, { signal })).arrayBuffer();
+export const getBlob = async (path, signal) => (await call(path, { signal })).blob();
+
+// A file to keep: {blob, name}, named as the server names it.
+export async function getFile(path, fallbackName) {
+  const response = await call(path);
+  const named = /filename="?([^";]+)"?/.exec(response.headers.get('Content-Disposition') ?? '');
+  return { blob: await response.blob(), name: named?.[1] ?? fallbackName };
+}
+
+// --- Writing ---
+
+const postJson = async (path, object) => (await call(path, {
+  method: 'POST', body: JSON.stringify(object), headers: { 'Content-Type': 'application/json' },
+})).json();
+export const createFlight = (request) => postJson('/v1/flights', request);
+export const finishFlight = async (flight) => (await call(paths.finish(flight), { method: 'POST' })).json();
+export const cancelJob = (job) => call(`/v1/jobs/${part(job)}`, { method: 'DELETE' });
+
+// XMLHttpRequest, because fetch does not tell how much has been sent.
+export function send(path, body, { contentType, onProgress, signal }) {
+  return new Promise((resolve, reject) => {
+    const request = new XMLHttpRequest();
+    request.open('POST', path);
+    for (const [name, value] of Object.entries(authorization())) request.setRequestHeader(name, value);
+    if (contentType) request.setRequestHeader('Content-Type', contentType);
+    request.upload.onprogress = (event) => onProgress(event.loaded);
+    request.onload = () => {
+      if (request.status < 300) resolve(JSON.parse(request.responseText));
+      else {
+        reject(problemOf(request.status, request.responseText, request.getResponseHeader('Retry-After')));
+      }
+    };
+    request.onerror = () => reject(new TypeError('the connection broke'));
+    request.onabort = () => reject(new DOMException('stopped', 'AbortError'));
+    signal?.addEventListener('abort', () => request.abort());
+    request.send(body);
+  });
 }

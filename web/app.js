@@ -1,95 +1,274 @@
-// Ties the page together: polls the server, remembers what is chosen.
+// Ties the page together: what is chosen, and what is drawn when something changes.
 
 import * as api from './api.js';
+import { curlButton, curlOf } from './curl.js';
+import { byId, notify } from './dom.js';
+import { createEmergency } from './emergency.js';
+import { drawFlight } from './flight.js';
+import { drawHistory } from './history.js';
+import { createLayers } from './layers.js';
+import { createLive } from './live.js';
 import { createMap } from './map.js';
-import { drawFlight, drawSite, drawSiteList } from './panel.js';
 import { drawProfile } from './profile.js';
+import { drawSite } from './site.js';
+import { drawSiteList } from './sites.js';
+import { askToken } from './token.js';
+import { createUpload } from './upload.js';
+import { answerNodeOf, createWhy } from './why.js';
+import { createWind, replanNode } from './wind.js';
+import { findRegion } from './places.js';
 
-const POLL_MS = 2000;
-const byId = (id) => document.getElementById(id);
+const state = {
+  flight: null, flightJson: null, flights: [], sites: { features: [] }, regions: { features: [] },
+  siteId: null, site: null, approach: null, triedWind: null, drawnProfile: null,
+  drawn: '', drawnSite: '',
+};
 
-const state = { flight: null, site: null, layers: [], sites: { features: [] }, drawn: '' };
-const map = createMap('map', chooseSite);
+const map = createMap(byId('map'), { site: (id) => openSite(id), place: answerPlace });
+const layers = createLayers(map);
+const whyNot = createWhy();
+const wind = createWind(replan);
+const live = createLive(refresh, (transport) => {
+  byId('transport').textContent = transport === 'events' ? 'live' : 'updated every 2 s';
+});
+
+// --- Views of the panel ---
+
+function showView(name) {
+  for (const view of document.querySelectorAll('[data-view]')) view.hidden = view.dataset.view !== name;
+  const tab = { site: 'sites', region: 'sites' }[name] ?? name;
+  for (const button of document.querySelectorAll('[data-tab]')) {
+    button.setAttribute('aria-selected', String(button.dataset.tab === tab));
+  }
+  byId('panel').scrollTop = 0;
+}
+
+function keepInAddress() {
+  const parts = new URLSearchParams();
+  if (state.flight) parts.set('flight', state.flight);
+  if (state.siteId && !byId('view-site').hidden) parts.set('site', state.siteId);
+  history.replaceState(null, '', `#${parts}`);
+}
+
+// --- A site ---
+
+const rankOf = (id) => state.sites.features.find((f) => f.properties.id === id)?.properties.rank;
+
+// An answer that comes after another choice is dropped.
+async function loadSite(siteId) {
+  const [feature, list, approach] = await Promise.all(
+    [api.getSite(siteId), api.getLayers(siteId), api.getApproach(siteId)]);
+  if (state.siteId !== siteId) return false;
+  feature.properties.rank = rankOf(siteId) ?? feature.properties.rank;
+  Object.assign(state, { site: feature, approach: approach.collection ?? null, triedWind: null });
+  state.drawnSite = feature.properties.updated_at;
+  layers.show(siteId, list);
+  drawSite(feature, { place: showRejection, wind: () => state.triedWind });
+  wind.show(feature.properties.wind);
+  byId('replan').replaceChildren();
+  drawApproach(approach, false);
+  return true;
+}
 
 async function chooseSite(siteId) {
-  state.site = siteId;
-  drawSiteList(state.sites, siteId, chooseSite);
-  const [feature, layers, approach] = await Promise.all(
-    [api.getSite(siteId), api.getLayers(siteId), api.getApproach(siteId)]);
-  const listed = state.sites.features.find((f) => f.properties.id === siteId);
-  feature.properties.rank = listed?.properties.rank;
-  drawSite(feature);
-  state.layers = layers;
-  const chosen = byId('layer').value || 'hazard';
-  byId('layer').replaceChildren(...layers.map((layer) => new Option(
-    layer.unit ? `${layer.name} (${layer.unit})` : layer.name, layer.name)));
-  if (layers.some((layer) => layer.name === chosen)) byId('layer').value = chosen;
-  drawChosenLayer();
-  map.drawApproach(approach);
-  byId('no-profile').hidden = Boolean(approach);
-  drawProfile(byId('profile'), approach?.profile);
-}
-
-function drawChosenLayer() {
-  const layer = state.layers.find((l) => l.name === byId('layer').value);
-  const legend = byId('legend');
-  legend.hidden = !layer;
-  if (layer) legend.src = api.legendUrl(state.site, layer.name);
-  map.drawLayer(
-    layer && api.layerUrl(state.site, layer.name), layer, Number(byId('opacity').value));
-}
-
-async function refreshFlights() {
-  const flights = await api.listFlights();
-  const select = byId('flight');
-  const known = [...select.options].map((option) => option.value).join();
-  if (known !== flights.map((f) => f.id).join()) {
-    select.replaceChildren(...flights.map((f) => new Option(f.name || f.id, f.id)));
-    if (!flights.some((f) => f.id === state.flight)) {
-      state.flight = flights.at(-1)?.id ?? null;
-      state.drawn = '';
-    }
-    if (state.flight) select.value = state.flight;
+  state.siteId = siteId;
+  drawLists();
+  map.drawMarks([]);
+  try {
+    return await loadSite(siteId);
+  } catch (error) {
+    notify(`The site did not come: ${error.message}`);
+    return false;
   }
 }
 
-async function refreshFlight() {
-  if (!state.flight) return;
-  const [flight, regions, sites, jobs] = await Promise.all([
-    api.getFlight(state.flight), api.getRegions(state.flight), api.getSites(state.flight),
-    api.listJobs(),
-  ]);
-  drawFlight(flight, jobs.filter((job) => !job.flight_id || job.flight_id === state.flight));
-  const drawn = JSON.stringify([regions, sites]);
-  if (drawn === state.drawn) return;
-  const isFirst = state.drawn === '';
-  state.drawn = drawn;
-  state.sites = sites;
-  map.drawRegions(regions);
-  map.drawSites(sites);
-  drawSiteList(sites, state.site, chooseSite);
-  if (isFirst) map.fit();
+async function openSite(siteId) {
+  showView('site');
+  if (!await chooseSite(siteId)) return;
+  map.fitApproach();
+  byId('site-title').focus({ preventScroll: true });
+  keepInAddress();
 }
 
-async function poll() {
+function drawApproach({ collection, refusal }, isReplanned) {
+  const aircraft = state.site.properties.aircraft;
+  state.drawnProfile = collection?.profile;
+  map.drawApproach(collection, { touchdownRadius_m: aircraft?.touchdown_uncertainty_m, isReplanned });
+  byId('no-profile').hidden = Boolean(collection);
+  byId('no-profile').textContent = refusal ? `No approach: ${refusal}` : 'This site has no approach.';
+  drawProfile(byId('profile'), collection?.profile, aircraft);
+}
+
+// wind: null for what is stored.
+async function replan(tried, signal) {
+  const siteId = state.siteId;
+  state.triedWind = tried;
+  if (!tried) {
+    byId('replan').replaceChildren();
+    drawApproach({ collection: state.approach }, false);
+    return;
+  }
+  byId('replan').setAttribute('aria-busy', 'true');
   try {
-    await refreshFlights();
-    await refreshFlight();
+    const answer = await api.getApproach(siteId, tried, signal);
+    if (siteId !== state.siteId || signal.aborted) return;
+    byId('replan').replaceChildren(replanNode(answer, state.site.properties.approach));
+    drawApproach(answer, true);
+  } catch (error) {
+    if (error.name === 'AbortError') return;
+    // A path for another wind must not stay as if it were this one's.
+    byId('replan').replaceChildren(replanNode({ refusal: error.message }));
+    drawApproach({ refusal: error.message }, true);
+  } finally {
+    byId('replan').removeAttribute('aria-busy');
+  }
+}
+
+function showRejection(index) {
+  const rejection = state.site.properties.rejections[index];
+  const letter = String.fromCharCode(97 + index % 26);
+  const marks = [{ place: rejection.touchdown, sign: letter, className: 'refused', title: `Refused: ${rejection.detail}` }];
+  if (rejection.obstacle) {
+    marks.push({ place: rejection.obstacle, sign: '!', className: 'obstacle', title: 'What stands in the way' });
+  }
+  map.drawMarks(marks);
+  map.panTo(rejection.touchdown);
+}
+
+// --- A place on the map ---
+
+async function answerPlace(latlng) {
+  const region = findRegion(state.regions, latlng);
+  const openHistory = region ? () => openRegion(region) : null;
+  try {
+    map.drawAnswer(latlng, answerNodeOf(await whyNot(latlng, state.site, layers.all()), region, openHistory));
+  } catch (error) {
+    notify(`No answer for this place: ${error.message}`);
+  }
+}
+
+async function openRegion({ properties }) {
+  map.drawAnswer(null);
+  showView('region');
+  const site = state.sites.features.find((f) => f.properties.region_id === properties.id)?.properties;
+  try {
+    await drawHistory(state.flight, properties, site, openSite);
+  } catch (error) {
+    notify(`The history did not come: ${error.message}`);
+  }
+}
+
+// --- What the server has ---
+
+function drawLists() {
+  drawSiteList(state.sites, state.siteId, openSite, state.flightJson);
+  map.drawSites(state.sites, state.siteId);
+}
+
+function chooseFlight(id) {
+  Object.assign(state, { flight: id, siteId: null, site: null, approach: null, drawn: '', drawnSite: '',
+    flightJson: null, sites: { features: [] }, regions: { features: [] } });
+  byId('flight').value = id ?? '';
+  map.drawApproach(null);
+  map.drawMarks([]);
+  map.drawAnswer(null);
+  layers.show(null, []);
+  live.follow(id);
+}
+
+function drawFlightChoice() {
+  const select = byId('flight');
+  const shown = [...select.options].map((option) => option.value + option.text).join();
+  const options = state.flights.map((f) => new Option(f.name || f.id, f.id));
+  if (shown !== options.map((option) => option.value + option.text).join()) {
+    select.replaceChildren(...options);
+  }
+  if (!state.flights.some((f) => f.id === state.flight)) {
+    const wanted = new URLSearchParams(location.hash.slice(1)).get('flight');
+    chooseFlight(state.flights.find((f) => f.id === wanted)?.id ?? state.flights.at(-1)?.id ?? null);
+  }
+  select.value = state.flight ?? '';
+  for (const node of document.querySelectorAll('[data-needs-flight]')) node.hidden = !state.flight;
+  byId('no-flight').hidden = Boolean(state.flight);
+}
+
+// At the first look the best site, or the one in the address, is drawn at once.
+async function drawFirst() {
+  const wanted = new URLSearchParams(location.hash.slice(1)).get('site');
+  const isThere = (id) => state.sites.features.some((f) => f.properties.id === id);
+  if (wanted && isThere(wanted)) await openSite(wanted);
+  else if (state.sites.features.length) await chooseSite(state.sites.features[0].properties.id);
+  map.fit();
+}
+
+async function refreshFlight(flight) {
+  const [flightJson, regions, sites, jobs] = await Promise.all([
+    api.getFlight(flight), api.getRegions(flight), api.getSites(flight), api.listJobs()]);
+  if (state.flight !== flight) return;
+  state.flightJson = flightJson;
+  drawFlight(flightJson, jobs.filter((job) => !job.flight_id || job.flight_id === flight), live.now);
+  const drawn = JSON.stringify([regions, sites, flightJson.state]);
+  if (drawn === state.drawn) return;
+  const isFirst = state.drawn === '';
+  Object.assign(state, { drawn, regions, sites });
+  map.drawRegions(regions);
+  drawLists();
+  const chosen = sites.features.find((f) => f.properties.id === state.siteId);
+  if (isFirst || (!state.siteId && sites.features.length)) await drawFirst();
+  else if (chosen && chosen.properties.updated_at !== state.drawnSite && !state.triedWind) await loadSite(state.siteId);
+}
+
+async function refresh() {
+  try {
+    state.flights = await api.listFlights();
+    drawFlightChoice();
+    if (state.flight) await refreshFlight(state.flight);
+    else drawLists();
     byId('connection').hidden = true;
   } catch (error) {
     byId('connection').hidden = false;
-    byId('connection').textContent = `No answer from the server: ${error.message}`;
+    byId('connection').textContent = error.status
+      ? `The server refuses: ${error.message}` : 'No connection to the server; what is shown may be old.';
   }
-  setTimeout(poll, POLL_MS);
 }
 
-byId('flight').addEventListener('change', async (event) => {
-  Object.assign(state, { flight: event.target.value, site: null, layers: [], drawn: '' });
-  drawSite(null);
-  map.drawApproach(null);
-  map.drawLayer(null, null, 0);
-  await refreshFlight();
+// --- Beginning ---
+
+for (const tab of document.querySelectorAll('[data-tab]')) {
+  tab.addEventListener('click', () => { showView(tab.dataset.tab); keepInAddress(); });
+}
+for (const back of document.querySelectorAll('[data-back]')) {
+  back.addEventListener('click', () => { showView('sites'); keepInAddress(); });
+}
+byId('flight').addEventListener('change', (event) => {
+  chooseFlight(event.target.value);
+  showView('sites');
+  keepInAddress();
+  live.now();
 });
-byId('layer').addEventListener('change', drawChosenLayer);
-byId('opacity').addEventListener('input', (event) => map.setOpacity(Number(event.target.value)));
-poll();
+byId('sites-curl').replaceChildren(curlButton('the list of sites', () => curlOf(api.paths.flightSites(state.flight))));
+addEventListener('freelsd-theme', () => {
+  if (state.site) drawProfile(byId('profile'), state.drawnProfile, state.site.properties.aircraft);
+});
+
+const upload = createUpload({
+  flight: () => state.flight,
+  created: (id) => { chooseFlight(id); live.now(); },
+  changed: live.now,
+  open: () => showView('upload'),
+});
+createEmergency({
+  show: ({ site_id, flight_id }) => {
+    if (flight_id && flight_id !== state.flight) {
+      chooseFlight(flight_id);
+      location.hash = `flight=${flight_id}&site=${encodeURIComponent(site_id)}`;
+      live.now();
+    } else openSite(site_id);
+  },
+  center: map.center,
+  drawBearings: map.drawBearings,
+  wind: () => state.site?.properties.wind ?? null,
+});
+api.whenUnauthorized(() => askToken(live.now));
+live.start();
+api.getInfo().then((info) => upload.showProfiles(info.aircraft_profiles ?? {})).catch(() => {});

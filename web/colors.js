@@ -1,11 +1,11 @@
-// Colours that people with any colour vision can tell apart; shape and text repeat what they say.
+// Colours that people with any colour vision can tell apart; sign and text repeat what they say.
 
-export const verdictColor = { landable: '#00689d', unverified: '#b35c00', rejected: '#6b6b6b' };
+// As the server paints the layers `hazard` and `distance`.
+export const safetyColor = { free: '#7ed396', hazard: '#c84600', unseen: '#1a1a1a' };
 
 // Cividis, dark to bright, for 0..1.
 const cividis = [
-  [0, 32, 77], [32, 56, 109], [73, 83, 109], [109, 111, 113], [142, 139, 120], [178, 169, 112],
-  [215, 200, 96], [255, 234, 70],
+  [0, 34, 78], [59, 73, 108], [112, 113, 115], [165, 156, 116], [225, 204, 85], [254, 232, 56],
 ];
 
 export function gradeColor(grade) {

@@ -1,125 +1,165 @@
-// The map: regions by grade, sites by rank, the chosen site's layer and approach.
+// The map: regions by grade, sites by rank, the chosen site's layer, approach and circle.
 /* global L */
 
-import { gradeColor, verdictColor } from './colors.js';
+import { gradeColor } from './colors.js';
+import { Graticule } from './graticule.js';
+import { verdictSign } from './units.js';
 
-// Lines of latitude and longitude at a round spacing: there is no other background without network.
-const Graticule = L.LayerGroup.extend({
-  onAdd(map) {
-    L.LayerGroup.prototype.onAdd.call(this, map);
-    map.on('moveend', this.redraw, this);
-    this.redraw();
-  },
-  redraw() {
-    const map = this._map;
-    this.clearLayers();
-    const bounds = map.getBounds().pad(0.2);
-    const wanted = (bounds.getEast() - bounds.getWest()) / 8;
-    const power = 10 ** Math.floor(Math.log10(wanted));
-    const step = [1, 2, 5, 10].map((n) => n * power).find((n) => n >= wanted);
-    const style = { color: '#8a949e', weight: 0.5, interactive: false };
-    for (let lon = Math.ceil(bounds.getWest() / step) * step; lon < bounds.getEast(); lon += step) {
-      this.addLayer(L.polyline([[bounds.getSouth(), lon], [bounds.getNorth(), lon]], style));
-    }
-    for (let lat = Math.ceil(bounds.getSouth() / step) * step; lat < bounds.getNorth(); lat += step) {
-      this.addLayer(L.polyline([[lat, bounds.getWest()], [lat, bounds.getEast()]], style));
-    }
-  },
-});
+const kMarker = 44;  // px, for gloves; the disc drawn in it is smaller
 
-export function createMap(element, onSite) {
-  const map = L.map(element, { maxZoom: 23, zoomSnap: 0.25, attributionControl: false });
+// Two lines on each other: a light one below keeps the dark one legible on any layer.
+function casedLine(places, kind, suffix) {
+  return [
+    L.polyline(places, { className: `casing ${kind}-casing`, interactive: false }),
+    L.polyline(places, { className: kind + suffix, interactive: false }),
+  ];
+}
+
+const latLngs = (line) => line.coordinates.map(([lon, lat]) => [lat, lon]);
+
+function discMarker(place, className, text, options = {}) {
+  const disc = document.createElement('span');
+  disc.textContent = text;
+  return L.marker(place, {
+    icon: L.divIcon({ className: `disc-marker ${className}`, html: disc, iconSize: [kMarker, kMarker] }),
+    ...options,
+  });
+}
+
+// on: {site(id), place(latlng)}
+export function createMap(element, on) {
+  const map = L.map(element, {
+    maxZoom: 23, zoomSnap: 0.25, attributionControl: false, zoomControl: false,
+  });
   map.setView([0, 0], 2);
-  L.control.scale({ imperial: false }).addTo(map);
+  L.control.zoom({ position: 'topright' }).addTo(map);
+  L.control.scale({ imperial: false, position: 'bottomright', maxWidth: 140 }).addTo(map);
+  map.createPane('layers').style.zIndex = 250;
   new Graticule().addTo(map);
   const regions = L.layerGroup().addTo(map);
+  const path = L.layerGroup().addTo(map);
   const sites = L.layerGroup().addTo(map);
-  const chosen = L.layerGroup().addTo(map);
+  const marks = L.layerGroup().addTo(map);
+  const asked = L.layerGroup().addTo(map);
   let overlay = null;
+  let bearings = [];
+
+  map.on('click', (event) => on.place(event.latlng));
+  new ResizeObserver(() => map.invalidateSize({ animate: false })).observe(element);
+
+  // Room is left for what lies over the map's lower edge.
+  const fitTo = (bounds) => {
+    if (bounds.isValid()) {
+      map.fitBounds(bounds, { paddingTopLeft: [28, 28], paddingBottomRight: [28, 64], maxZoom: 20 });
+    }
+  };
 
   return {
     drawRegions(collection) {
       regions.clearLayers();
+      L.geoJSON(collection, { style: { className: 'region-casing' }, interactive: false }).addTo(regions);
       L.geoJSON(collection, {
-        style: (feature) => ({
-          color: '#333',
-          weight: 1,
-          dashArray: feature.properties.is_fixed ? null : '4 4',
-          fillColor: gradeColor(feature.properties.grade),
-          fillOpacity: 0.35,
-          className: 'region',
+        bubblingMouseEvents: true,
+        style: ({ properties }) => ({
+          color: gradeColor(properties.grade),
+          fillColor: gradeColor(properties.grade),
+          className: `region${properties.is_fixed ? '' : ' growing'}`,
         }),
-        onEachFeature: (feature, layer) => {
-          const p = feature.properties;
-          layer.bindTooltip(`Region ${p.id}: grade ${p.grade.toFixed(2)}, grass ` +
-            `${p.num_grass_observations} of ${p.num_observations}, ${Math.round(p.area_m2)} m²`);
-        },
       }).addTo(regions);
     },
 
-    drawSites(collection) {
+    drawSites(collection, chosenId) {
       sites.clearLayers();
-      for (const feature of collection.features) {
-        const [lon, lat] = feature.geometry.coordinates;
-        const icon = L.divIcon({
-          className: 'rank-marker',
-          html: String(feature.properties.rank),
-          iconSize: [26, 26],
-        });
-        const marker = L.marker([lat, lon], {
-          icon,
-          title: feature.properties.summary,
-          alt: `Site of rank ${feature.properties.rank}`,
-        });
-        marker.on('click', () => onSite(feature.properties.id));
-        marker.on('add', () => {
-          marker.getElement()?.style.setProperty(
-            '--verdict', verdictColor[feature.properties.verdict]);
-        });
-        marker.addTo(sites);
+      for (const { properties: p, geometry } of collection.features) {
+        if (!geometry) continue;
+        const [lon, lat] = geometry.coordinates;
+        discMarker([lat, lon], `verdict-${p.verdict}${p.id === chosenId ? ' chosen' : ''}`, p.rank, {
+          alt: `Site ${p.rank}, ${p.verdict}`,
+          title: `${verdictSign[p.verdict]} ${p.verdict}: ${p.summary}`,
+          zIndexOffset: p.id === chosenId ? 1000 : -p.rank,
+        }).on('click', () => on.site(p.id)).on('keypress', (event) => {
+          if (event.originalEvent.key === 'Enter') on.site(p.id);
+        }).addTo(sites);
       }
     },
 
-    // [west, south, east, north] of everything drawn; the view moves there.
     fit() {
       const group = L.featureGroup([...regions.getLayers(), ...sites.getLayers()]);
-      const bounds = group.getBounds();
-      if (bounds.isValid()) map.fitBounds(bounds.pad(0.15));
+      fitTo(group.getBounds());
     },
 
+    // url: of a picture that is already here; null takes the layer away.
     drawLayer(url, layer, opacity) {
       overlay?.remove();
       overlay = null;
-      if (!layer) return;
+      if (!url) return;
       const [west, south, east, north] = layer.bounds;
       overlay = L.imageOverlay(url, [[south, west], [north, east]], {
-        opacity,
-        className: 'site-layer',
-        alt: `${layer.name} layer`,
+        opacity, pane: 'layers', className: 'site-layer', alt: `Layer ${layer.name}`,
       }).addTo(map);
-      overlay.bringToBack?.();
+      overlay.getElement().dataset.layer = layer.name;
     },
 
-    setOpacity(opacity) {
-      overlay?.setOpacity(opacity);
-    },
+    setOpacity(opacity) { overlay?.setOpacity(opacity); },
 
-    drawApproach(collection) {
-      chosen.clearLayers();
+    // A path for another wind (isReplanned) looks other than the stored one.
+    drawApproach(collection, { touchdownRadius_m, isReplanned } = {}) {
+      path.clearLayers();
       if (!collection) return;
-      L.geoJSON(collection, {
-        style: (feature) => ({
-          color: feature.properties.kind === 'loiter' ? '#7a0177' : '#d7191c',
-          weight: 3,
-          fill: false,
-          dashArray: feature.properties.kind === 'loiter' ? '6 6' : null,
-          className: feature.properties.kind,
-        }),
-        pointToLayer: (feature, place) =>
-          L.circleMarker(place, { radius: 6, color: '#d7191c', fillOpacity: 1, className: 'touchdown' }),
-      }).addTo(chosen);
-      const bounds = L.featureGroup(chosen.getLayers()).getBounds();
-      if (bounds.isValid()) map.fitBounds(bounds.pad(0.2));
+      const suffix = isReplanned ? ' replanned' : '';
+      for (const { properties, geometry } of collection.features) {
+        if (properties.kind === 'touchdown') {
+          const [lon, lat] = geometry.coordinates;
+          L.circle([lat, lon], {
+            radius: touchdownRadius_m ?? 1, className: 'touchdown', interactive: false,
+          }).addTo(path);
+        } else {
+          casedLine(latLngs(geometry), properties.kind, suffix).forEach((line) => line.addTo(path));
+        }
+      }
+    },
+
+    fitApproach() {
+      const bounds = L.latLngBounds([]);
+      path.eachLayer((layer) => bounds.extend(layer.getBounds()));
+      fitTo(bounds.isValid() ? bounds.pad(0.1) : bounds);
+    },
+
+    // marks: [{place: {latitude_deg, longitude_deg}, sign, className, title}]
+    drawMarks(list) {
+      marks.clearLayers();
+      for (const { place, sign, className, title } of list) {
+        discMarker([place.latitude_deg, place.longitude_deg], className, sign, { title, alt: title })
+          .addTo(marks);
+      }
+    },
+
+    panTo: ({ latitude_deg, longitude_deg }) => map.panTo([latitude_deg, longitude_deg]),
+
+    center: () => {
+      const { lat, lng } = map.getCenter();
+      return { latitude_deg: lat, longitude_deg: lng };
+    },
+
+    // A popup with what is known of a place; content is a DOM node.
+    drawAnswer(latlng, content) {
+      asked.clearLayers();
+      if (!latlng) return;
+      L.popup({ maxWidth: 300, minWidth: 230, autoPanPadding: [16, 16] })
+        .setLatLng(latlng).setContent(content).addTo(asked);
+    },
+
+    // Lines from here to the sites in reach, for emergencies.
+    drawBearings(from, sitesInReach) {
+      bearings.forEach((layer) => layer.remove());
+      bearings = [];
+      if (!from) return;
+      const here = [from.latitude_deg, from.longitude_deg];
+      for (const { touchdown } of sitesInReach) {
+        bearings.push(L.polyline([here, [touchdown.latitude_deg, touchdown.longitude_deg]],
+          { className: 'bearing', interactive: false }).addTo(map));
+      }
+      bearings.push(discMarker(here, 'here', '✈', { title: 'You', alt: 'You' }).addTo(map));
     },
   };
 }

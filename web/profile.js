@@ -1,31 +1,124 @@
-// Clearance plot: path and highest terrain in the corridor against distance to touchdown.
+// Clearance along the final: path, highest terrain in the corridor, and what limits it.
 
+import { cssColor, el } from './dom.js';
+import { fixed, isKnown } from './units.js';
 import uPlot from './vendor/uPlot.esm.js';
+
+// The clearance wanted at a point of the final: the margin, but near the ground half the height.
+const wantedAt = (height_m, margin_m) => Math.min(margin_m, height_m / 2);
+
+// {distance_m, clearance_m, terrain_m, isBelowWanted}: the seen point outside the touchdown disc
+// where least is left over what is wanted; nothing where no such point was seen.
+export function limitOf(profile, aircraft) {
+  const touchdown_m = profile.path_m.at(-1);
+  let limit = null;
+  profile.distance_m.forEach((distance_m, i) => {
+    const clearance_m = profile.clearance_m[i];
+    if (!isKnown(clearance_m) || distance_m < (aircraft?.touchdown_uncertainty_m ?? 0)) return;
+    const wanted_m = wantedAt(profile.path_m[i] - touchdown_m, aircraft?.safety_margin_m ?? 0);
+    const spare_m = clearance_m - wanted_m;
+    if (limit && limit.spare_m <= spare_m) return;
+    limit = { distance_m, clearance_m, wanted_m, spare_m, terrain_m: profile.terrain_m[i] };
+  });
+  return limit;
+}
+
+export function limitText(limit, profile) {
+  const numUnseen = profile.terrain_m.filter((terrain) => !isKnown(terrain)).length;
+  const unseen = numUnseen === 0 ? '' :
+    ` ${Math.round(100 * numUnseen / profile.terrain_m.length)} % of the final was never seen.`;
+  if (!limit) return `Nothing under the final was seen.${unseen}`;
+  return `Tightest ${fixed(limit.distance_m, 0, 'm')} before touchdown: ` +
+    `${fixed(limit.clearance_m, 1, 'm')} over the ground, ${fixed(limit.wanted_m, 1, 'm')} wanted.${unseen}`;
+}
+
+// Bands where nothing was seen, drawn hatched over the whole height.
+function drawUnseen(plot, distance, terrain) {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.fillStyle = cssColor('--unseen-wash');
+  for (let i = 0; i + 1 < distance.length; ++i) {
+    if (isKnown(terrain[i]) && isKnown(terrain[i + 1])) continue;
+    const from = plot.valToPos(distance[i], 'x', true);
+    const to = plot.valToPos(distance[i + 1], 'x', true);
+    ctx.fillRect(Math.min(from, to), bbox.top, Math.abs(to - from) + 1, bbox.height);
+  }
+  ctx.restore();
+}
+
+function drawLimit(plot, limit) {
+  if (!limit) return;
+  const { ctx } = plot;
+  const x = plot.valToPos(limit.distance_m, 'x', true);
+  const top = plot.valToPos(limit.terrain_m + limit.clearance_m, 'y', true);
+  const bottom = plot.valToPos(limit.terrain_m, 'y', true);
+  ctx.save();
+  ctx.strokeStyle = ctx.fillStyle = cssColor('--ink');
+  ctx.lineWidth = 2 * devicePixelRatio;
+  ctx.beginPath();
+  ctx.moveTo(x, top);
+  ctx.lineTo(x, bottom);
+  ctx.stroke();
+  ctx.beginPath();
+  ctx.arc(x, bottom, 4 * devicePixelRatio, 0, 2 * Math.PI);
+  ctx.fill();
+  ctx.restore();
+}
+
+const legendItem = (className, text) =>
+  el('span', { class: 'swatch' }, el('i', { class: `line ${className}` }), text);
+
+export const axis = (label, extra = {}) => ({
+  label,
+  labelSize: 20,
+  labelFont: '600 13px system-ui, sans-serif',
+  font: '13px system-ui, sans-serif',
+  stroke: cssColor('--faint'),
+  grid: { stroke: cssColor('--line'), width: 1 },
+  ticks: { stroke: cssColor('--line'), width: 1 },
+  ...extra,
+});
 
 let plot = null;
 
-export function drawProfile(element, profile) {
+export function drawProfile(element, profile, aircraft) {
   plot?.destroy();
   plot = null;
   element.replaceChildren();
   if (!profile) return;
+  const limit = limitOf(profile, aircraft);
+  const touchdown_m = profile.path_m.at(-1);
+  const margin_m = aircraft?.safety_margin_m ?? 0;
   // uPlot wants ascending x; the aircraft comes from the left, so the axis runs backwards.
-  const distance = [...profile.distance_m].reverse();
-  const path = [...profile.path_m].reverse();
-  const terrain = [...profile.terrain_m].reverse();
+  const ascending = (values) => [...values].reverse();
+  const distance = ascending(profile.distance_m);
+  const terrain = ascending(profile.terrain_m);
+  const path = ascending(profile.path_m);
+  const lowest = path.map((z) => z - wantedAt(z - touchdown_m, margin_m));
   plot = new uPlot(
     {
-      width: Math.max(element.clientWidth, 280),
-      height: 190,
+      width: Math.max(element.clientWidth, 260),
+      height: 200,
+      legend: { show: false },
+      cursor: { y: false, points: { show: false } },
       scales: { x: { time: false, dir: -1 } },
-      axes: [{ label: 'distance to touchdown (m)' }, { label: 'altitude (m)' }],
+      axes: [axis('before touchdown (m)', { size: 34 }), axis('altitude (m)', { size: 52 })],
       series: [
-        { label: 'distance' },
-        { label: 'path', stroke: '#d7191c', width: 2 },
-        { label: 'terrain', stroke: '#5b4a1f', width: 1.5, fill: 'rgba(120,100,40,0.3)' },
+        {},
+        { stroke: cssColor('--path'), width: 3, points: { show: false } },
+        { stroke: cssColor('--path'), width: 1.5, dash: [5, 5], points: { show: false } },
+        { stroke: cssColor('--terrain'), width: 2, fill: cssColor('--terrain-wash'), points: { show: false } },
       ],
+      hooks: {
+        drawClear: [(u) => drawUnseen(u, distance, terrain)],
+        draw: [(u) => drawLimit(u, limit)],
+      },
     },
-    [distance, path, terrain],
+    [distance, path, lowest, terrain],
     element,
   );
+  element.append(
+    el('div', { class: 'legend-line' }, legendItem('path', 'path'), legendItem('wanted', 'ground must stay below'),
+      legendItem('terrain', 'highest ground'), legendItem('unseen', 'not seen')),
+    el('p', { class: 'limit' }, limitText(limit, profile)));
 }

@@ -1,0 +1,38 @@
+// Small helpers around the DOM. Text is always set as text, never as HTML.
+
+export const byId = (id) => document.getElementById(id);
+
+// el('button', {class: 'chip', onclick: f, 'aria-label': 'x'}, 'text', node, null)
+export function el(name, attributes = {}, ...children) {
+  const node = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) {
+    if (value === null || value === undefined || value === false) continue;
+    if (key.startsWith('on')) node.addEventListener(key.slice(2), value);
+    else if (key === 'style') Object.entries(value).forEach(([k, v]) => node.style.setProperty(k, v));
+    else node.setAttribute(key, value === true ? '' : String(value));
+  }
+  node.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  return node;
+}
+
+// svg('path', {d: '…'}): the same for drawings.
+export function svg(name, attributes = {}, ...children) {
+  const node = document.createElementNS('http://www.w3.org/2000/svg', name);
+  for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, String(value));
+  node.append(...children.flat());
+  return node;
+}
+
+// A short notice that a screen reader speaks and that goes by itself.
+let noticeTimer = 0;
+export function notify(text) {
+  const notice = byId('notice');
+  notice.textContent = text;
+  notice.hidden = false;
+  clearTimeout(noticeTimer);
+  noticeTimer = setTimeout(() => { notice.hidden = true; }, 4000);
+}
+
+// The style sheet's colours, for canvases.
+export const cssColor = (name) =>
+  getComputedStyle(document.documentElement).getPropertyValue(name).trim();

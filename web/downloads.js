@@ -1,0 +1,64 @@
+// Buttons that fetch a site or a flight in the formats of other programs.
+
+import { getFile, query } from './api.js';
+import { curlButton, curlOf } from './curl.js';
+import { el } from './dom.js';
+
+const formats = {
+  html: ['Report', 'one page to print', 'html'],
+  plan: ['QGC plan', 'QGroundControl', 'plan'],
+  waypoints: ['Waypoints', 'Mission Planner, MAVProxy', 'waypoints'],
+  rally: ['Rally', 'ArduPilot rally points', 'rally'],
+  kml: ['KML', 'Google Earth', 'kml'],
+  cup: ['CUP', 'XCSoar, SeeYou', 'cup'],
+  geojson: ['GeoJSON', 'QGIS, web maps', 'geojson'],
+  csv: ['CSV', 'tables', 'csv'],
+};
+const ofFlight = Object.keys(formats).filter((f) => f !== 'html');
+const needsHome = new Set(['plan', 'waypoints', 'rally']);
+const keptHome = 'freelsd.home_altitude_m';
+
+function save({ blob, name }) {
+  const link = el('a', { href: URL.createObjectURL(blob), download: name });
+  document.body.append(link);
+  link.click();
+  link.remove();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+// kind: 'site' or 'flight'; name: what files are called where the server does not say.
+export function drawDownloads(path, kind, { id, altitude_datum }) {
+  const home = el('input', {
+    type: 'number', step: '0.1', inputmode: 'decimal', class: 'short', value: sessionStorage.getItem(keptHome) ?? '',
+    oninput: () => sessionStorage.setItem(keptHome, home.value),
+  });
+  const message = el('p', { class: 'bad', role: 'alert', hidden: true });
+  const urlOf = (f) => path + query({ f, home_altitude_m: needsHome.has(f) ? home.value : null });
+
+  async function download(f, button) {
+    message.hidden = true;
+    button.setAttribute('aria-busy', 'true');
+    try {
+      save(await getFile(urlOf(f), `${id}.${formats[f][2]}`));
+    } catch (error) {
+      message.hidden = false;
+      message.textContent = error.status === 409 ? error.message : `${formats[f][0]}: ${error.message}`;
+      if (error.code === 'AltitudeUnknown') home.focus();
+    } finally {
+      button.removeAttribute('aria-busy');
+    }
+  }
+
+  const buttons = (kind === 'site' ? Object.keys(formats) : ofFlight).map((f) => {
+    const [name, reader] = formats[f];
+    const button = el('button', { type: 'button', class: 'download', 'data-format': f, onclick: () => download(f, button) },
+      el('strong', {}, name), el('small', {}, reader));
+    return button;
+  });
+  return el('div', { class: 'downloads' },
+    el('div', { class: 'download-grid' }, buttons),
+    el('label', { class: 'field' }, `Altitude of the launch place, m (${altitude_datum ?? 'the flight’s datum'})`, home),
+    el('p', { class: 'faint' }, 'Rally points need it; plan and waypoints need it unless altitudes are above mean sea level.'),
+    message,
+    el('div', { class: 'card-foot' }, curlButton('a download', () => curlOf(urlOf('plan'), '-OJ'))));
+}

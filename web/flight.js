@@ -1,0 +1,102 @@
+// The flight: how far it is, what it warns of, its jobs, its stages.
+
+import { cancelJob, finishFlight, paths } from './api.js';
+import { curlButton, curlOf } from './curl.js';
+import { byId, el, notify } from './dom.js';
+import { drawDownloads } from './downloads.js';
+import { words } from './units.js';
+
+const stateText = {
+  receiving: 'Receiving photographs', processing: 'Processing', idle: 'Up to date', failed: 'Failed',
+};
+const isOpen = (job) => job.state === 'running' || job.state === 'queued';
+
+// What is being done and how far it is; value null where the server cannot tell.
+function progressOf(flight, jobs) {
+  const running = jobs.find((job) => job.state === 'running');
+  const { received, processed } = flight.frames;
+  if (flight.state === 'failed') return null;
+  if (running?.kind === 'finish') {
+    return { value: running.progress || null, text: `Evaluating regions${running.stage ? `: ${words(running.stage)}` : ''}` };
+  }
+  if (processed < received) return { value: processed / received, text: `Photographs ${processed} of ${received}` };
+  if (running) return { value: running.progress, text: words(running.stage || running.kind || 'working') };
+  return jobs.some(isOpen) ? { value: null, text: 'Waiting for its turn' } : null;
+}
+
+function drawStatus(flight, jobs) {
+  const progress = progressOf(flight, jobs);
+  const chip = byId('flight-state');
+  chip.className = `chip state-${flight.state}`;
+  chip.textContent = progress ? progress.text : stateText[flight.state] ?? flight.state;
+  const bar = byId('flight-progress');
+  bar.hidden = !progress;
+  if (progress && progress.value !== null) bar.value = progress.value;
+  else bar.removeAttribute('value');
+}
+
+function counts(flight) {
+  const { received, processed, rejected } = flight.frames;
+  return el('dl', { class: 'counts' },
+    [['photographs', `${processed}/${received}`], ['refused', rejected], ['regions', flight.num_regions],
+      ['sites', flight.num_sites]].map(([name, value]) => el('div', {}, el('dt', {}, name), el('dd', {}, value))));
+}
+
+function jobRow(job, onChange) {
+  const cancel = isOpen(job) ? el('button', {
+    type: 'button', class: 'quiet', 'aria-label': `Cancel job ${job.id}`,
+    onclick: async () => {
+      await cancelJob(job.id).catch((error) => notify(error.message));
+      onChange();
+    },
+  }, 'Cancel') : null;
+  const detail = typeof job.detail === 'string' ? job.detail : job.detail?.detail;
+  return el('li', { class: `job job-${job.state}` },
+    el('span', {}, el('strong', {}, words(job.kind ?? 'job')),
+      ` ${job.state}${job.state === 'running' ? ` ${Math.round(100 * job.progress)} %` : ''}`,
+      job.state === 'failed' && detail ? el('small', {}, detail) : null),
+    cancel);
+}
+
+function stagesTable(stages) {
+  const rows = Object.entries(stages ?? {});
+  if (rows.length === 0) return el('p', { class: 'faint' }, 'Nothing has run yet.');
+  return el('table', { class: 'numbers' },
+    el('thead', {}, el('tr', {}, ['stage', 'runs', 'mean'].map((t) => el('th', { scope: 'col' }, t)))),
+    el('tbody', {}, rows.map(([name, { count, mean_ms }]) => el('tr', {}, el('th', { scope: 'row' }, words(name)),
+      el('td', {}, count ?? ''), el('td', {}, mean_ms === undefined ? '' : `${mean_ms.toFixed(1)} ms`)))));
+}
+
+let drawnDownloads = null;
+
+// onChange() asks for a fresh look.
+export function drawFlight(flight, jobs, onChange) {
+  drawStatus(flight, jobs);
+  byId('flight-title').textContent = flight.name || flight.id;
+  byId('flight-curl').replaceChildren(curlButton('this flight', () => curlOf(paths.flight(flight.id))));
+  byId('flight-counts').replaceChildren(counts(flight));
+  byId('flight-warnings').hidden = (flight.warnings ?? []).length === 0;
+  byId('warnings').replaceChildren(...(flight.warnings ?? []).map((w) =>
+    el('li', {}, typeof w === 'string' ? w : w.detail ?? JSON.stringify(w))));
+  byId('stages').replaceChildren(stagesTable(flight.stages));
+  const shown = [...jobs.filter(isOpen), ...jobs.filter((job) => !isOpen(job)).slice(-5).reverse()];
+  const focused = document.activeElement?.closest('#jobs') !== null;
+  if (!focused) byId('jobs').replaceChildren(...shown.map((job) => jobRow(job, onChange)));
+  byId('no-jobs').hidden = shown.length > 0;
+  const finish = byId('finish');
+  finish.disabled = flight.frames.received === 0 || jobs.some((job) => job.kind === 'finish' && isOpen(job));
+  finish.onclick = async () => {
+    finish.disabled = true;
+    try {
+      await finishFlight(flight.id);
+      notify('Every region is being evaluated');
+    } catch (error) {
+      notify(error.message);
+    }
+    onChange();
+  };
+  if (drawnDownloads !== flight.id) {
+    drawnDownloads = flight.id;
+    byId('flight-downloads').replaceChildren(drawDownloads(paths.flightSites(flight.id), 'flight', flight));
+  }
+}

@@ -1,0 +1,90 @@
+// Tells when something changed: by Server-Sent Events where the server has them, else by asking.
+
+import { Problem, call, paths } from './api.js';
+
+const POLL_MS = 2000;
+// With events one looks only now and then, in case one was missed.
+const POLL_WITH_EVENTS_MS = 15000;
+const RETRY_MS = 5000;
+// Events come in bursts; one look serves all.
+const GATHER_MS = 250;
+
+const pause = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
+
+// Calls onEvent(name) for every event of the stream until it ends.
+async function readEvents(response, onEvent) {
+  const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
+  let rest = '';
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) return;
+    const blocks = (rest + value).replaceAll('\r\n', '\n').split('\n\n');
+    rest = blocks.pop();
+    for (const block of blocks) {
+      const name = /^event: ?(.*)$/m.exec(block);
+      if (name || /^data:/m.test(block)) onEvent(name?.[1] ?? 'message');
+    }
+  }
+}
+
+// refresh() is awaited; it never runs twice at once. follow(flight) changes what events are about.
+export function createLive(refresh, onTransport) {
+  let flight = null;
+  let stop = new AbortController();
+  let hasEvents = false;
+  let canListen = true;
+  let isWanted = false;
+  let wake = () => {};
+
+  async function loop() {
+    for (;;) {
+      isWanted = false;
+      await refresh();
+      if (!isWanted) {
+        const wait = pause(hasEvents ? POLL_WITH_EVENTS_MS : POLL_MS);
+        await Promise.race([wait, new Promise((resolve) => { wake = resolve; })]);
+      }
+      if (hasEvents) await pause(GATHER_MS);
+    }
+  }
+
+  function now() {
+    isWanted = true;
+    wake();
+  }
+
+  function tell(has) {
+    hasEvents = has;
+    onTransport(has ? 'events' : 'polling');
+  }
+
+  async function listen(signal) {
+    while (!signal.aborted) {
+      try {
+        const response = await call(paths.events(flight), { signal, headers: { Accept: 'text/event-stream' } });
+        if (!response.headers.get('Content-Type')?.startsWith('text/event-stream')) throw new Problem(501, {});
+        tell(true);
+        await readEvents(response, now);
+      } catch (error) {
+        // This server has no events: asking goes on as before.
+        if ([404, 405, 501].includes(error.status)) canListen = false;
+      }
+      if (signal.aborted || !canListen) return;
+      tell(false);
+      await pause(RETRY_MS);
+    }
+  }
+
+  return {
+    start() { loop(); },
+    now,
+    follow(wanted) {
+      if (wanted === flight) return;
+      flight = wanted;
+      stop.abort();
+      stop = new AbortController();
+      tell(false);
+      if (flight && canListen) listen(stop.signal);
+    },
+  };
+}

@@ -1,0 +1,118 @@
+// Everything about the chosen site.
+
+import { paths } from './api.js';
+import { curlButton, curlOf } from './curl.js';
+import { byId, el } from './dom.js';
+import { drawDownloads } from './downloads.js';
+import { age, area, distance, fixed, heading, isKnown, verdictSign, windText, words } from './units.js';
+
+const tile = (name, value, note) => el('div', { class: 'tile' },
+  el('span', {}, name), el('strong', {}, value), note ? el('small', {}, note) : null);
+
+function tiles(p) {
+  const { approach } = p;
+  if (!approach) {
+    return [tile('To next hazard', distance(p.hazard_distance_m)), tile('Area', area(p.area_m2)),
+      tile('Slope', fixed(p.slope_deg, 1, '°')), tile('Wind', windText(p.wind))];
+  }
+  return [
+    tile('Land on', heading(approach.heading_deg), `final ${distance(approach.distance_m)}`),
+    tile('Least clearance', fixed(approach.min_clearance_m, 1, 'm'), 'final and circle'),
+    tile('To next hazard', distance(p.hazard_distance_m), `slope ${fixed(p.slope_deg, 1, '°')}`),
+    tile('Circle', `${approach.loiter_direction} ${distance(approach.loiter_radius_m)}`,
+      p.unseen_ratio > 0 ? `${fixed(100 * p.unseen_ratio, 0, '%')} never seen` :
+        isKnown(p.unseen_ratio) ? 'wholly seen' : 'seen part unknown'),
+  ];
+}
+
+function scoreTable(p) {
+  const terms = p.score_terms ?? [];
+  if (terms.length === 0) return el('p', { class: 'faint' }, `Score ${p.score.toFixed(2)}; its terms are not stored.`);
+  const rows = terms.map(({ name, value, weight }) => el('tr', {},
+    el('th', { scope: 'row' }, words(name)),
+    el('td', { class: 'share' }, el('i', { style: { width: `${100 * (isKnown(value) ? value : 0)}%` } })),
+    el('td', {}, isKnown(value) ? value.toFixed(2) : 'unknown'),
+    el('td', {}, `× ${fixed(weight, 2)}`),
+    el('td', {}, isKnown(value) && isKnown(weight) ? (value * weight).toFixed(2) : '–')));
+  return el('table', { class: 'numbers score-table' },
+    el('thead', {}, el('tr', {}, ['term', '', 'value', 'weight', 'gain'].map((t) => el('th', { scope: 'col' }, t)))),
+    el('tbody', {}, rows),
+    el('tfoot', {}, el('tr', {}, el('th', { scope: 'row', colspan: 4 }, 'Score'), el('td', {}, p.score.toFixed(2)))));
+}
+
+function numbersTable(p, [lon, lat]) {
+  const evidence = `${p.num_grass_observations} of ${p.num_observations} views saw grass`;
+  const rows = [
+    ['Touchdown', `${lat.toFixed(6)}, ${lon.toFixed(6)}`],
+    ['Elevation', `${fixed(p.elevation_m, 1, 'm')} (datum ${p.altitude_datum ?? 'unknown'})`],
+    ['Slope', fixed(p.slope_deg, 1, '°')],
+    ['Roughness', fixed(p.roughness_m, 2, 'm')],
+    ['Area', area(p.area_m2)],
+    ['Grade', `${p.grade.toFixed(2)} (${evidence})`],
+    ['Wind in flight', windText(p.wind)],
+    ['Updated', `${age((Date.now() - Date.parse(p.updated_at)) / 1000)} ago`],
+    ['Id', p.id],
+  ];
+  return el('table', { class: 'numbers' }, el('tbody', {}, rows.map(([name, value]) =>
+    el('tr', {}, el('th', { scope: 'row' }, name), el('td', {}, value)))));
+}
+
+const unitOf = (name) => ({ m2: 'm²', mps: 'm/s', deg: '°', m: 'm' })[/_(m2|mps|deg|m)$/.exec(name)?.[1]] ?? '';
+
+function aircraftTable(aircraft) {
+  return el('table', { class: 'numbers' }, el('tbody', {}, Object.entries(aircraft ?? {}).map(([name, value]) =>
+    el('tr', {}, el('th', { scope: 'row' }, words(name.replace(/_(m2|mps|deg|m)$/, ''))),
+      el('td', {}, `${value} ${unitOf(name)}`)))));
+}
+
+// onPlace(rejection) shows the candidate and its obstacle on the map.
+function rejectionItem(rejection, index, onPlace) {
+  return el('li', {}, el('button', { type: 'button', class: 'rejection', onclick: () => onPlace(index) },
+    el('span', { class: 'rank', 'aria-hidden': 'true' }, String.fromCharCode(97 + index % 26)),
+    el('span', { class: 'site-text' },
+      el('strong', {}, `✕ ${words(rejection.reason)}`), el('small', {}, rejection.detail))));
+}
+
+function section(title, body, { what, command, isOpen = true, id }) {
+  return el('details', { class: 'card', open: isOpen, id },
+    el('summary', {}, el('h3', {}, title)),
+    body, what ? el('div', { class: 'card-foot' }, curlButton(what, command)) : null);
+}
+
+function whyNotSection(p, onPlace) {
+  const rejections = p.rejections ?? [];
+  const own = p.verdict === 'rejected' ? [el('p', { class: 'outcome rejected' },
+    el('strong', {}, `✕ ${words(p.reject_reason ?? 'rejected')}`), el('span', {}, p.reject_detail ?? p.summary))] : [];
+  if (rejections.length === 0 && own.length === 0) return null;
+  const title = p.verdict === 'rejected' ? 'Why not' : 'Better touchdowns that were refused';
+  const list = el('ul', { class: 'rejections' }, rejections.map((r, i) => rejectionItem(r, i, onPlace)));
+  return section(title, [...own, rejections.length ? list : null],
+    { isOpen: p.verdict === 'rejected', id: 'why-not' });
+}
+
+export function drawSiteHead(p) {
+  byId('site-head').className = `site-head verdict-${p.verdict}`;
+  byId('site-rank').textContent = p.rank ?? '';
+  byId('site-title').textContent = `${verdictSign[p.verdict]} ${p.verdict[0].toUpperCase()}${p.verdict.slice(1)}`;
+  byId('site-score').textContent = p.verdict === 'rejected' ? '' : `score ${p.score.toFixed(2)}`;
+  byId('site-summary').textContent = p.summary;
+  byId('site-curl').replaceChildren(curlButton('this site', () => curlOf(paths.site(p.id))));
+}
+
+// on: {place(index) of a rejection, wind(): the wind that is tried, or null}
+export function drawSite(feature, on) {
+  const { properties: p, geometry } = feature;
+  drawSiteHead(p);
+  byId('site-tiles').replaceChildren(...tiles(p));
+  byId('approach-curl').replaceChildren(curlButton('this approach', () => curlOf(paths.approach(p.id, on.wind()))));
+  const warnings = p.warnings ?? [];
+  byId('site-more').replaceChildren(...[
+    whyNotSection(p, on.place),
+    section('Score, term by term', [el('p', {}, p.why ?? ''), scoreTable(p)],
+      { what: 'the score', command: () => `${curlOf(paths.site(p.id))} | jq .properties.score_terms` }),
+    warnings.length ? section('Keep in mind', el('ul', { class: 'plain' }, warnings.map((w) => el('li', {}, w))), {}) : null,
+    section('Take it with you', drawDownloads(paths.site(p.id), 'site', p), { id: 'site-downloads' }),
+    section('All numbers', numbersTable(p, geometry.coordinates), { isOpen: false }),
+    section('Aircraft it was planned for', aircraftTable(p.aircraft), { isOpen: false }),
+  ].filter(Boolean));
+}

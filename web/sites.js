@@ -1,0 +1,42 @@
+// The list of ranked sites.
+
+import { byId, el } from './dom.js';
+import { area, fixed, heading, verdictSign, words } from './units.js';
+
+const kinds = { landable: 'Landable', unverified: 'Unverified', rejected: 'Rejected' };
+
+function numbersOf(p) {
+  if (p.verdict === 'rejected') return p.reject_reason ? words(p.reject_reason) : 'no reason given';
+  const land = p.approach ? `land ${heading(p.approach.heading_deg)}, ` : '';
+  const unseen = p.verdict === 'unverified' && p.unseen_ratio ? `${Math.round(100 * p.unseen_ratio)} % of circle unseen, ` : '';
+  return `${land}${unseen}${fixed(p.hazard_distance_m, 0, 'm')} to hazard, ${area(p.area_m2)}`;
+}
+
+function row(p, isChosen, onSite) {
+  return el('li', {}, el('button', {
+    type: 'button', 'data-site': p.id, 'aria-pressed': isChosen, class: `site-row verdict-${p.verdict}`,
+    onclick: () => onSite(p.id),
+  },
+  el('span', { class: 'rank', 'aria-hidden': 'true' }, p.rank),
+  el('span', { class: 'site-text' },
+    el('strong', {}, el('span', { class: 'sign', 'aria-hidden': 'true' }, verdictSign[p.verdict]), ` ${kinds[p.verdict]}`),
+    el('small', {}, numbersOf(p))),
+  el('span', { class: 'score', title: 'Score from 0 to 1' }, p.verdict === 'rejected' ? '–' : p.score.toFixed(2))));
+}
+
+// flight: to say the right thing where there is nothing yet.
+export function drawSiteList(collection, chosenId, onSite, flight) {
+  const focused = document.activeElement?.dataset?.site;
+  const list = byId('sites');
+  list.replaceChildren(...collection.features.map(({ properties }) =>
+    row(properties, properties.id === chosenId, onSite)));
+  if (focused) list.querySelector(`[data-site="${CSS.escape(focused)}"]`)?.focus({ preventScroll: true });
+  const count = collection.features.length;
+  const isBusy = flight && flight.state !== 'idle' && flight.state !== 'failed';
+  const empty = byId('no-sites');
+  empty.hidden = count > 0;
+  empty.textContent = !flight ? 'No flight yet. Send photographs under Upload.'
+    : isBusy ? 'No site yet; the flight is still being worked on.'
+      : flight.frames.received === 0 ? 'This flight has no photographs yet. Send some under Upload.'
+        : 'No site has been evaluated. Under Flight, “Evaluate all regions” looks into every region.';
+}

@@ -1,0 +1,74 @@
+// Numbers as people read them. What is unknown is said, never shown as 0.
+
+export const isKnown = (value) => value !== null && value !== undefined && Number.isFinite(value);
+
+export const fixed = (value, digits, unit = '') =>
+  isKnown(value) ? `${value.toFixed(digits)}${unit && unit !== '°' ? ' ' : ''}${unit}` : 'unknown';
+
+export const words = (name) => name.replaceAll('_', ' ');
+
+export function area(value_m2) {
+  if (!isKnown(value_m2)) return 'unknown';
+  return value_m2 >= 10000 ? `${(value_m2 / 10000).toFixed(1)} ha` : `${Math.round(value_m2)} m²`;
+}
+
+export function distance(value_m) {
+  if (!isKnown(value_m)) return 'unknown';
+  return value_m >= 2000 ? `${(value_m / 1000).toFixed(1)} km` : `${Math.round(value_m)} m`;
+}
+
+// 7 -> "007°", as headings are spoken.
+export const heading = (value_deg) =>
+  isKnown(value_deg) ? `${String(Math.round(value_deg) % 360).padStart(3, '0')}°` : 'unknown';
+
+export function age(seconds) {
+  if (!isKnown(seconds)) return 'unknown';
+  const steps = [[86400, 'd'], [3600, 'h'], [60, 'min']];
+  for (const [size, unit] of steps) {
+    if (seconds >= size) return `${Math.floor(seconds / size)} ${unit}`;
+  }
+  return `${Math.max(0, Math.round(seconds))} s`;
+}
+
+export function bytes(count) {
+  return count >= 1 << 20 ? `${(count / (1 << 20)).toFixed(1)} MiB` : `${Math.ceil(count / 1024)} KiB`;
+}
+
+export const verdictSign = { landable: '✓', unverified: '?', rejected: '✕' };
+
+// The wire says where the air moves to; pilots say where it comes from.
+export function windFrom(wind) {
+  if (!wind) return null;
+  const speed_mps = Math.hypot(wind.east_mps, wind.north_mps);
+  const from_deg = (Math.atan2(-wind.east_mps, -wind.north_mps) * 180 / Math.PI + 360) % 360;
+  return { speed_mps, from_deg };
+}
+
+export function windTo(speed_mps, from_deg) {
+  const to_rad = (from_deg + 180) * Math.PI / 180;
+  return { east_mps: speed_mps * Math.sin(to_rad), north_mps: speed_mps * Math.cos(to_rad) };
+}
+
+export function windText(wind) {
+  const from = windFrom(wind);
+  if (!from) return 'unknown';
+  if (from.speed_mps < 0.05) return 'calm';
+  return `${from.speed_mps.toFixed(1)} m/s from ${heading(from.from_deg)}`;
+}
+
+const earthRadius_m = 6371008.8;
+const rad = (deg) => deg * Math.PI / 180;
+
+// Great circle from a to b ({latitude_deg, longitude_deg}).
+export function courseTo(a, b) {
+  const [lat1, lat2] = [rad(a.latitude_deg), rad(b.latitude_deg)];
+  const dLon = rad(b.longitude_deg - a.longitude_deg);
+  const h = Math.sin((lat2 - lat1) / 2) ** 2 +
+    Math.cos(lat1) * Math.cos(lat2) * Math.sin(dLon / 2) ** 2;
+  const bearing = Math.atan2(Math.sin(dLon) * Math.cos(lat2),
+    Math.cos(lat1) * Math.sin(lat2) - Math.sin(lat1) * Math.cos(lat2) * Math.cos(dLon));
+  return {
+    distance_m: 2 * earthRadius_m * Math.asin(Math.min(1, Math.sqrt(h))),
+    bearing_deg: (bearing * 180 / Math.PI + 360) % 360,
+  };
+}

@@ -1,0 +1,106 @@
+// A wind barb, and the control that plans the approach anew for another wind.
+
+import { svg, byId, el } from './dom.js';
+import { fixed, heading, isKnown, verdictSign, windFrom, windTo } from './units.js';
+
+const knotsPerMps = 1.9438;
+const kReplanDelay_ms = 120;
+
+// Feathers as on weather charts: half 5 kt, full 10 kt, flag 50 kt; the staff points to where the
+// wind comes from.
+export function windBarb(speed_mps, from_deg, size = 56) {
+  const root = svg('svg', { viewBox: '-30 -30 60 60', width: size, height: size, class: 'barb', role: 'img',
+    'aria-label': `Wind ${fixed(speed_mps, 1, 'm/s')} from ${heading(from_deg)}` });
+  let knots = Math.round(speed_mps * knotsPerMps / 5) * 5;
+  root.append(svg('circle', { r: 4, class: 'barb-disc' }));
+  if (knots === 0) {
+    root.append(svg('circle', { r: 8, class: 'barb-calm' }));
+    return root;
+  }
+  const staff = svg('g', { transform: `rotate(${from_deg})` }, svg('path', { d: 'M0 -4V-28' }));
+  let y = -28;
+  if (knots === 5) y += 5;
+  for (; knots >= 50; knots -= 50, y += 8) staff.append(svg('path', { d: `M0 ${y}L11 ${y + 1}L0 ${y + 6}Z`, class: 'flag' }));
+  for (; knots >= 10; knots -= 10, y += 5) staff.append(svg('path', { d: `M0 ${y}L12 ${y - 5}` }));
+  if (knots >= 5) staff.append(svg('path', { d: `M0 ${y}L6 ${y - 2.5}` }));
+  root.append(staff);
+  return root;
+}
+
+// replan(wind, signal) is called with the wind wanted, or null for the stored one.
+export function createWind(replan) {
+  const speed = byId('wind-speed');
+  const from = byId('wind-from');
+  let stored = null;
+  let timer = 0;
+  let running = new AbortController();
+
+  function drawBarb(isStored) {
+    const [speed_mps, from_deg] = [Number(speed.value), Number(from.value)];
+    byId('wind-barb').replaceChildren(windBarb(speed_mps, from_deg));
+    byId('wind-speed-value').textContent = fixed(speed_mps, 1, 'm/s');
+    byId('wind-from-value').textContent = heading(from_deg);
+    byId('wind-source').textContent = !isStored ? 'Tried wind; what is stored does not change'
+      : stored ? 'Wind measured in flight' : 'No wind is known: every heading was tried';
+    byId('wind-reset').hidden = isStored;
+  }
+
+  function changed() {
+    drawBarb(false);
+    clearTimeout(timer);
+    timer = setTimeout(() => {
+      running.abort();
+      running = new AbortController();
+      replan(windTo(Number(speed.value), Number(from.value)), running.signal);
+    }, kReplanDelay_ms);
+  }
+
+  function reset() {
+    clearTimeout(timer);
+    running.abort();
+    const known = windFrom(stored);
+    speed.value = known ? known.speed_mps : 0;
+    from.value = known ? Math.round(known.from_deg) % 360 : 0;
+    drawBarb(true);
+  }
+
+  for (const input of [speed, from]) input.addEventListener('input', changed);
+  for (const button of document.querySelectorAll('[data-turn]')) {
+    button.addEventListener('click', () => {
+      from.value = (Number(from.value) + Number(button.dataset.turn) + 360) % 360;
+      changed();
+    });
+  }
+  byId('wind-reset').addEventListener('click', () => {
+    reset();
+    replan(null, null);
+  });
+
+  return {
+    // A site's own wind.
+    show(wind) {
+      stored = wind;
+      reset();
+    },
+  };
+}
+
+// What another wind does to a site: {collection} or {refusal}, against the stored approach. Only a
+// verdict from the server makes it look safe.
+export function replanNode(answer, stored) {
+  if (answer.refusal) {
+    return el('div', { class: 'outcome rejected', role: 'status' },
+      el('strong', {}, '✕ No approach for this wind'), el('span', {}, answer.refusal));
+  }
+  const kind = (name) => answer.collection.features.find((f) => f.properties.kind === name)?.properties;
+  const final = kind('approach');
+  const unseen = kind('loiter')?.unseen_ratio;
+  const verdict = answer.collection.plan?.verdict ?? 'unverified';
+  const turn = stored ? Math.round(((final.heading_deg - stored.heading_deg + 540) % 360) - 180) : 0;
+  return el('div', { class: `outcome ${verdict}`, role: 'status' },
+    el('strong', {}, `${verdictSign[verdict]} Land on ${heading(final.heading_deg)}, ${verdict}`),
+    el('span', {}, `Final ${fixed(final.distance_m, 0, 'm')}, least clearance ` +
+      `${fixed(final.min_clearance_m, 1, 'm')}` +
+      (unseen === 0 ? '' : `; ${isKnown(unseen) ? fixed(100 * unseen, 0, '%') : 'part'} of the circle was never seen`) +
+      (turn ? `; ${Math.abs(turn)}° to the ${turn > 0 ? 'right' : 'left'} of the stored approach` : '')));
+}
