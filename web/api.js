@@ -103,7 +103,9 @@ export const getBlob = async (path, signal) => (await call(path, { signal })).bl
 export async function getFile(path, fallbackName) {
   const response = await call(path);
   const named = /filename="?([^";]+)"?/.exec(response.headers.get('Content-Disposition') ?? '');
-  return { blob: await response.blob(), name: named?.[1] ?? fallbackName };
+  const blob = await response.blob();
+  if (blob.size === 0) throw new Problem(response.status, { detail: 'the server sent an empty file' });
+  return { blob, name: named?.[1] ?? fallbackName };
 }
 
 // --- Writing ---

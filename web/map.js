@@ -28,8 +28,10 @@ function discMarker(place, className, text, options = {}) {
 
 // on: {site(id), place(latlng)}
 export function createMap(element, on) {
+  const isCalm = matchMedia('(prefers-reduced-motion: reduce)').matches;
   const map = L.map(element, {
     maxZoom: 23, zoomSnap: 0.25, attributionControl: false, zoomControl: false,
+    zoomAnimation: !isCalm, fadeAnimation: !isCalm, markerZoomAnimation: !isCalm,
   });
   map.setView([0, 0], 2);
   L.control.zoom({ position: 'topright' }).addTo(map);

@@ -130,6 +130,7 @@ export function createUpload(on) {
   async function sendImages(flight, signal) {
     const rows = dropped.images.map((file) => ({ file, row: fileRow(file) }));
     const missing = await persistently(() => missingRows(flight, rows), signal, say);
+    if (missing.length === 0) return `All ${rows.length} photographs are there already`;
     const text = dropped.poses ? await dropped.poses.text() : '';
     const names = missing.map(({ file }) => file.name);
     const split = text ? splitPoses(text, names) : { linesOf: () => '' };

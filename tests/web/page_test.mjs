@@ -1,106 +1,201 @@
-// Loads the page of a running server with a finished flight, clicks a site, and checks that what
-// belongs to it is drawn and that no request left the machine.
-// Run: node page_test.mjs http://127.0.0.1:8080 [picture.png]
+// Drives the page of a running server that holds a finished flight.
+// FREELSD_URL: of the server; FREELSD_SCREENSHOTS: a folder for pictures of the page.
 
 import assert from 'node:assert/strict';
-import test from 'node:test';
+import { mkdir } from 'node:fs/promises';
+import { after, before, test } from 'node:test';
 
-import { chromium } from 'playwright-core';
+import { accessibilityFaults, flownSite, launch, openPage, outside, smallTargets, url } from './browser.mjs';
 
-const url = process.env.FREELSD_URL ?? 'http://127.0.0.1:8080';
-const picture = process.env.FREELSD_PICTURE;
+const kWait = { timeout: 15000 };
+const folder = process.env.FREELSD_SCREENSHOTS;
+let browser;
+let site;
 
-async function openPage() {
-  const browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
-      '--disable-background-networking', '--disable-component-update', '--disable-sync'],
-  });
-  const page = await browser.newPage({ viewport: { width: 1280, height: 860 } });
-  const seen = { requests: [], errors: [] };
-  page.on('request', (request) => seen.requests.push(request.url()));
-  page.on('requestfailed', (request) => {
-    // The page gives up a picture itself when another layer is chosen before it has come.
-    if (request.failure()?.errorText === 'net::ERR_ABORTED') return;
-    seen.errors.push(`failed: ${request.url()}`);
-  });
-  page.on('response', (response) => {
-    // A site without approach answers 409: that is an answer, not a fault.
-    if (response.status() >= 400 && response.status() !== 409) {
-      seen.errors.push(`${response.status()}: ${response.url()}`);
-    }
-  });
-  page.on('pageerror', (error) => seen.errors.push(String(error)));
-  return { browser, page, seen };
+before(async () => {
+  if (folder) await mkdir(folder, { recursive: true });
+  [browser, site] = await Promise.all([launch(), flownSite()]);
+});
+after(() => browser?.close());
+
+const shoot = async (page, name) => {
+  if (folder) await page.screenshot({ path: `${folder}/${name}.jpg`, type: 'jpeg', quality: 70 });
+};
+const address = () => `${url}/#flight=${site.flight}`;
+const siteAddress = () => `${address()}&site=${encodeURIComponent(site.properties.id)}`;
+const pictureIsDrawn = (page, layer) => page.waitForFunction((name) => {
+  const image = document.querySelector('img.site-layer');
+  return image && image.dataset.layer === name && image.complete && image.naturalWidth > 10;
+}, layer, kWait);
+
+async function openSite(t, options) {
+  const opened = await openPage(t, browser, { address: siteAddress(), ...options });
+  await opened.page.locator('#profile canvas').waitFor(kWait);
+  await pictureIsDrawn(opened.page, 'hazard');
+  return opened;
 }
 
-const siteWithApproach = async () => {
-  const { flights } = await (await fetch(`${url}/v1/flights`)).json();
-  assert.ok(flights.length > 0, 'the server has no flight');
-  const sites = await (await fetch(`${url}/v1/flights/${flights.at(-1).id}/sites`)).json();
-  const feature = sites.features.find((f) => f.properties.approach);
-  assert.ok(feature, 'the last flight has no site with an approach');
-  return feature.properties;
-};
+// A place of the map in the window, some pixels off another one.
+async function clickPlace(page, [lon, lat], [right, down]) {
+  const marker = page.locator(`.disc-marker.chosen`);
+  const box = await marker.boundingBox();
+  assert.ok(box, `the marker at ${lat}, ${lon} is drawn`);
+  await page.mouse.click(box.x + box.width / 2 + right, box.y + box.height / 2 + down);
+}
 
-test('page: a chosen site shows its layer, approach, circle and profile, all from this machine', async () => {
-  const site = await siteWithApproach();
-  const { browser, page, seen } = await openPage();
-  try {
-    await page.goto(url, { waitUntil: 'load' });
-    const button = page.locator(`#sites button[data-site="${site.id}"]`);
-    await button.waitFor({ timeout: 10000 });
-    assert.ok((await page.locator('path.region').count()) > 0, 'regions are drawn');
-    assert.ok((await page.locator('.rank-marker').count()) > 0, 'sites are drawn');
-    await button.click();
-    await page.locator('path.approach').waitFor({ state: 'attached', timeout: 10000 });
-    await page.locator('path.loiter').waitFor({ state: 'attached' });
-    await page.locator('path.touchdown').waitFor({ state: 'attached' });
-    await page.waitForFunction(() => {
-      const image = document.querySelector('img.site-layer');
-      return image && image.complete && image.naturalWidth > 10;
-    });
-    await page.locator('#profile canvas').waitFor();
-    const painted = await page.evaluate(() => {
-      const canvas = document.querySelector('#profile canvas');
-      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-      let red = 0;
-      for (let i = 0; i < data.length; i += 4) {
-        if (data[i] > 180 && data[i + 1] < 80 && data[i + 2] < 90 && data[i + 3] > 128) ++red;
-      }
-      return red;
-    });
-    assert.ok(painted > 50, `the path is plotted (${painted} red pixels)`);
-    for (const name of await page.locator('#layer option').evaluateAll((all) => all.map((o) => o.value))) {
-      await page.selectOption('#layer', name);
-      await page.waitForFunction((layer) => {
-        const image = document.querySelector('img.site-layer');
-        return image && image.src.includes(`/layers/${layer}.png`) && image.complete && image.naturalWidth > 10;
-      }, name);
-    }
-    await page.selectOption('#layer', 'hazard');
-    await page.waitForTimeout(500);
-    if (picture) await page.screenshot({ path: picture });
-    assert.match(await page.locator('#site-title').textContent(), new RegExp(site.verdict));
-    const outside = seen.requests.filter((r) => !r.startsWith(url) && !/^(data|blob):/.test(r));
-    assert.deepEqual(outside, [], 'no request left the machine');
-    assert.deepEqual(seen.errors, [], 'no request or script failed');
-  } finally {
-    await browser.close();
-  }
+test('page: paints within a second, shows the best site and asks nobody but its server', async (t) => {
+  const { page, seen } = await openPage(t, browser, { address: address() });
+  await page.locator('#sites button').first().waitFor(kWait);
+  await pictureIsDrawn(page, 'hazard');
+  const paint_ms = await page.evaluate(() => performance.getEntriesByName('first-contentful-paint')[0]?.startTime);
+  assert.ok(paint_ms <= 1000, `first paint after ${paint_ms} ms`);
+  assert.ok(await page.locator('path.region').count() > 0, 'regions are drawn');
+  assert.ok(await page.locator('.disc-marker').count() > 0, 'sites are drawn');
+  await shoot(page, 'flight');
+  assert.deepEqual(outside(seen, url), [], 'no request left the machine');
+  assert.deepEqual(seen.errors, []);
 });
 
-test('page: a phone 360 px wide shows the list without sideways scrolling', async () => {
-  const { browser, page, seen } = await openPage();
-  try {
-    await page.setViewportSize({ width: 360, height: 740 });
-    await page.goto(url, { waitUntil: 'load' });
-    await page.locator('#sites button').first().waitFor({ timeout: 10000 });
-    const overflow = await page.evaluate(
-      () => document.documentElement.scrollWidth - document.documentElement.clientWidth);
-    assert.ok(overflow <= 0, `the page is ${overflow} px too wide`);
-    assert.deepEqual(seen.errors, []);
-  } finally {
-    await browser.close();
+test('page: a chosen site shows layers, approach, circle, profile and every term of its score', async (t) => {
+  const { page, seen } = await openPage(t, browser, { address: address() });
+  const button = page.locator(`#sites button[data-site="${site.properties.id}"]`);
+  await button.waitFor(kWait);
+  await button.focus();
+  await page.keyboard.press('Enter');
+  await page.locator('#profile canvas').waitFor(kWait);
+  for (const kind of ['approach', 'loiter', 'touchdown']) await page.locator(`path.${kind}`).waitFor({ state: 'attached' });
+  assert.match(await page.locator('#site-title').textContent(), new RegExp(site.properties.verdict, 'i'));
+  const gains = await page.locator('.score-table tbody td:last-child').allTextContents();
+  const sum = gains.reduce((total, gain) => total + Number(gain), 0);
+  assert.ok(Math.abs(sum - site.properties.score) < 0.04, `the terms make ${sum}, the score is ${site.properties.score}`);
+  assert.match(await page.locator('.limit').textContent(), /before touchdown|was seen/);
+  const layers = await page.locator('#layer option').evaluateAll((all) => all.map((o) => o.value).filter(Boolean));
+  assert.deepEqual(layers, ['elevation', 'slope', 'roughness', 'grass', 'hazard', 'distance']);
+  for (const name of layers) {
+    await page.selectOption('#layer', name);
+    await pictureIsDrawn(page, name);
+    await page.locator(name === 'hazard' ? '#legend .swatch' : '#legend img').first().waitFor(kWait);
   }
+  await page.selectOption('#layer', 'hazard');
+  await shoot(page, 'site');
+  assert.deepEqual(await smallTargets(page), []);
+  assert.deepEqual(await accessibilityFaults(page), []);
+  assert.deepEqual(seen.errors, []);
+});
+
+test('page: the legend has the colours of the picture', async (t) => {
+  const { page } = await openSite(t);
+  const missing = await page.evaluate(async () => {
+    const image = document.querySelector('img.site-layer');
+    const canvas = new OffscreenCanvas(image.naturalWidth, image.naturalHeight);
+    const context = canvas.getContext('2d');
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
+    const found = new Set();
+    for (let i = 0; i < data.length; i += 4) found.add(`rgb(${data[i]}, ${data[i + 1]}, ${data[i + 2]})`);
+    const legend = [...document.querySelectorAll('#legend i:not(.hatch):not(.ramp)')].map((i) => getComputedStyle(i).backgroundColor);
+    return [...found].filter((color) => !legend.includes(color));
+  });
+  assert.deepEqual(missing, [], 'every colour of the picture is in the legend');
+});
+
+test('page: another wind plans anew; where there is no approach none is left on the map', async (t) => {
+  const { page, seen } = await openSite(t);
+  const answer = page.waitForResponse((r) => r.url().includes('/approach?wind_east_mps='), kWait);
+  await page.locator('#wind-from').press('ArrowRight');
+  assert.equal((await answer).status(), 200);
+  await page.locator('#replan .outcome').waitFor(kWait);
+  await page.locator('path.approach.replanned').waitFor({ state: 'attached' });
+  await page.locator('#wind-speed').press('End');
+  await page.waitForFunction(() => document.querySelector('#replan .rejected'), null, kWait);
+  assert.equal(await page.locator('path.approach').count(), 0, 'no path of another wind stays');
+  assert.equal(await page.locator('#profile canvas').count(), 0, 'nor its profile');
+  await page.locator('#wind-reset').click();
+  await page.locator('path.approach:not(.replanned)').waitFor({ state: 'attached' });
+  assert.deepEqual(seen.errors, []);
+});
+
+test('page: a click answers why not here, off the map with never seen', async (t) => {
+  const { page, seen } = await openSite(t);
+  await clickPlace(page, site.place, [40, 0]);
+  await page.locator('.answer .rules li').first().waitFor(kWait);
+  assert.equal(await page.locator('.answer .rules li').count(), 5);
+  await shoot(page, 'why-not-here');
+  assert.deepEqual(await accessibilityFaults(page), []);
+  const history = page.locator('.answer button');
+  if (await history.count()) {
+    await history.click();
+    await page.locator('#region-plots canvas').first().waitFor(kWait);
+    assert.equal(await page.locator('#region-plots canvas').count(), 3);
+  }
+  for (let i = 0; i < 5; ++i) await page.locator('.leaflet-control-zoom-out').click();
+  const map = await page.locator('#map').boundingBox();
+  await page.mouse.click(map.x + 60, map.y + 60);
+  await page.getByText('Not here: never seen').waitFor(kWait);
+  assert.deepEqual(seen.errors, []);
+});
+
+test('page: a site comes in the formats of other programs, a refusal is told', async (t) => {
+  const { page } = await openSite(t);
+  for (const format of ['html', 'kml', 'geojson', 'csv']) {
+    const [download] = await Promise.all([page.waitForEvent('download', kWait),
+      page.locator(`#site-downloads [data-format="${format}"]`).click()]);
+    assert.match(download.suggestedFilename(), new RegExp(`\\.(${format}|json)$`));
+  }
+  await page.locator('#site-downloads [data-format="rally"]').click();
+  await page.locator('#site-downloads .bad:not([hidden])').waitFor(kWait);
+  assert.match(await page.locator('#site-downloads .bad').textContent(), /home_altitude_m|altitude/i);
+});
+
+test('page: a rejected site says why not, and shows what stands in the way', async (t) => {
+  const { page, seen } = await openPage(t, browser, { address: 'about:blank' });
+  const touchdown = { latitude_deg: site.place[1], longitude_deg: site.place[0], altitude_m: 0 };
+  const asRejected = (properties) => Object.assign(properties, {
+    verdict: 'rejected', reject_reason: 'approach_blocked', reject_detail: 'a tree 14 m high', approach: null,
+    rejections: [{ touchdown, reason: 'approach_blocked', detail: 'a tree 40 m before touchdown', obstacle: touchdown }],
+  });
+  await page.route('**/v1/**', async (route) => {
+    const path = new URL(route.request().url()).pathname;
+    if (path.endsWith('/approach')) return route.fulfill({ status: 409, contentType: 'application/problem+json', body: '{"detail":"the site has no approach"}' });
+    const isList = path.endsWith(`${site.flight}/sites`);
+    if (!isList && !path.endsWith(`/sites/${encodeURIComponent(site.properties.id)}`)) return route.continue();
+    const response = await route.fetch();
+    const json = await response.json();
+    (isList ? json.features : [json]).forEach((feature) => asRejected(feature.properties));
+    return route.fulfill({ response, json });
+  });
+  await page.goto(siteAddress());
+  await page.locator('#why-not .rejection').first().waitFor(kWait);
+  assert.match(await page.locator('#why-not').textContent(), /approach blocked.*a tree 14 m high/);
+  assert.equal(await page.locator('path.approach').count(), 0);
+  await page.locator('#why-not .rejection').first().click();
+  await page.locator('.disc-marker.obstacle').waitFor({ state: 'attached' });
+  assert.deepEqual(seen.errors, []);
+});
+
+for (const colorScheme of ['light', 'dark']) {
+  test(`page: a phone 360 px wide, ${colorScheme}: no sideways scrolling, nothing too small to touch`, async (t) => {
+    const { page, seen } = await openSite(t, { width: 360, height: 740, colorScheme });
+    await page.locator('#site-tiles .tile').first().waitFor(kWait);
+    await shoot(page, `phone-${colorScheme}`);
+    for (const tab of ['site', 'flight', 'upload', 'sites']) {
+      if (tab !== 'site') await page.locator(`[data-tab="${tab}"]`).click();
+      const overflow = await page.evaluate(() => Math.max(
+        document.documentElement.scrollWidth - innerWidth,
+        document.getElementById('panel').scrollWidth - document.getElementById('panel').clientWidth));
+      assert.ok(overflow <= 0, `${tab} is ${overflow} px too wide`);
+      assert.deepEqual(await smallTargets(page), [], tab);
+      assert.deepEqual(await accessibilityFaults(page), [], tab);
+    }
+    assert.deepEqual(seen.errors, []);
+  });
+}
+
+test('page: in the dark it is dark, and the theme can be changed', async (t) => {
+  const { page } = await openSite(t, { colorScheme: 'dark' });
+  const paper = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  assert.equal(await paper(), 'rgb(13, 20, 27)');
+  await shoot(page, 'dark');
+  await page.locator('#theme').click();
+  assert.equal(await paper(), 'rgb(255, 255, 255)');
 });

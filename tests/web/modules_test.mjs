@@ -1,0 +1,102 @@
+// What the page computes by itself, without a browser.
+
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import { findRegion } from '../../web/places.js';
+import { age, area, courseTo, heading, windFrom, windTo } from '../../web/units.js';
+import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
+import { cellAt, judge } from '../../web/why.js';
+
+const aircraft = { max_slope_deg: 8, max_roughness_m: 0.5, touchdown_uncertainty_m: 10 };
+const good = { hazard: 0, grass: 1, slope: 3, roughness: 0.2, distance: 25 };
+const firstFault = (values) => judge({ ...good, ...values }, aircraft).find((rule) => rule.state !== 'pass');
+
+test('wind: the wire says where it blows to, the page where it comes from', () => {
+  const from = windFrom({ east_mps: 5, north_mps: 0 });
+  assert.equal(from.speed_mps, 5);
+  assert.equal(from.from_deg, 270);
+  const to = windTo(5, 270);
+  assert.ok(Math.abs(to.east_mps - 5) < 1e-9 && Math.abs(to.north_mps) < 1e-9);
+  assert.equal(windFrom(null), null);
+});
+
+test('units: what is unknown is said, and headings have three digits', () => {
+  assert.equal(heading(7.4), '007°');
+  assert.equal(heading(359.7), '000°');
+  assert.equal(heading(null), 'unknown');
+  assert.equal(area(null), 'unknown');
+  assert.equal(age(3700), '1 h');
+});
+
+test('course: a tenth of a degree of latitude north is 11.12 km on 000°', () => {
+  const course = courseTo({ latitude_deg: 47, longitude_deg: 8 }, { latitude_deg: 47.1, longitude_deg: 8 });
+  assert.ok(Math.abs(course.distance_m - 11119.5) < 1);
+  assert.ok(Math.abs(course.bearing_deg) < 1e-9);
+});
+
+test('why not here: the first rule that fails is named with how much is missing', () => {
+  assert.equal(firstFault({}), undefined);
+  assert.match(firstFault({ slope: 12.3 }).text, /4\.3° too much/);
+  assert.match(firstFault({ roughness: 0.75 }).text, /0\.25 m too much/);
+  assert.match(firstFault({ distance: 4 }).text, /6\.0 m too near/);
+  assert.equal(firstFault({ grass: 0 }).name, 'grass');
+});
+
+test('why not here: what was not seen never passes', () => {
+  assert.equal(firstFault({ hazard: 2 }).name, 'seen');
+  assert.equal(firstFault({ hazard: NaN }).name, 'seen');
+  for (const name of ['grass', 'slope', 'roughness', 'distance']) {
+    assert.equal(firstFault({ [name]: NaN }).state, 'unknown', name);
+  }
+  const withoutLimits = judge(good, undefined).filter((rule) => rule.state === 'pass').map((rule) => rule.name);
+  assert.deepEqual(withoutLimits, ['seen', 'grass']);
+});
+
+test('why not here: a place is found in its cell, in a turned grid too', () => {
+  const layer = { width_px: 100, height_px: 50, corners: [[8, 47], [8.1, 47.01], [8.11, 46.96], [8.01, 46.95]] };
+  assert.deepEqual(cellAt(layer, { lat: 47 - 0.00001, lng: 8 + 0.0001 }), { row: 0, col: 0 });
+  const middle = cellAt(layer, { lat: 46.98, lng: 8.055 });
+  assert.ok(Math.abs(middle.row - 25) <= 1 && Math.abs(middle.col - 50) <= 1);
+  assert.ok(cellAt(layer, { lat: 47.2, lng: 8.05 }).row < 0);
+});
+
+test('regions: the smallest one at a place is meant', () => {
+  const square = (size, area_m2) => ({
+    properties: { area_m2 },
+    geometry: { type: 'Polygon', coordinates: [[[-size, -size], [size, -size], [size, size], [-size, size], [-size, -size]]] },
+  });
+  const collection = { features: [square(2, 400), square(1, 100)] };
+  assert.equal(findRegion(collection, { lat: 0.5, lng: 0.5 }).properties.area_m2, 100);
+  assert.equal(findRegion(collection, { lat: 1.5, lng: 0 }).properties.area_m2, 400);
+  assert.equal(findRegion(collection, { lat: 5, lng: 0 }), null);
+});
+
+test('upload: files are told apart and photographs put in their natural order', () => {
+  const file = (name) => ({ name, size: 1 });
+  const sorted = sortOut(['b10.jpg', 'b9.JPG', 'poses.csv', 'flight.json', 'x.exe'].map(file));
+  assert.deepEqual(sorted.images.map((f) => f.name), ['b9.JPG', 'b10.jpg']);
+  assert.equal(sorted.poses.name, 'poses.csv');
+  assert.equal(sorted.flightJson.name, 'flight.json');
+  assert.deepEqual(sorted.ignored.map((f) => f.name), ['x.exe']);
+  assert.equal(frameId('a b(1).jpg'), 'a_b_1_.jpg');
+});
+
+test('upload: each request gets the poses of its own photographs, whatever the column is called', () => {
+  const csv = 'lat,photo,lon\r\n1,"a.jpg",2\n3,b.jpg,4\n';
+  const split = splitPoses(csv, ['a.jpg', 'b.jpg', 'c.jpg']);
+  assert.equal(split.linesOf(['b.jpg']), 'lat,photo,lon\n3,b.jpg,4');
+  assert.equal(split.linesOf(['c.jpg']), '');
+  const lines = splitPoses('{"image":"a.jpg","timestamp_us":1}\n{"image":"b.jpg"}\n', ['a.jpg']);
+  assert.equal(lines.linesOf(['a.jpg']), '{"image":"a.jpg","timestamp_us":1}');
+  assert.equal(splitPoses('EPSG:4326\na.jpg 1 2 3\n', ['a.jpg']), null);
+  assert.equal(splitPoses('image,name\na.jpg,"x, y"\n', ['a.jpg']), null);
+});
+
+test('upload: chunks stay small, and what is sent is shared out file by file', () => {
+  const entries = Array.from({ length: 20 }, (_, i) => ({ file: { size: 1 << 20, name: `${i}` } }));
+  assert.deepEqual(chunksOf(entries).map((chunk) => chunk.length), [8, 8, 4]);
+  const large = Array.from({ length: 3 }, () => ({ file: { size: 20 << 20 } }));
+  assert.equal(chunksOf(large).length, 3);
+  assert.deepEqual(sharesOf([{ size: 100 }, { size: 100 }, { size: 100 }], 150), [1, 0.5, 0]);
+});

@@ -1,0 +1,157 @@
+// The page against what a server may do: break off, want a token, send events, know emergencies.
+
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+
+import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
+import { startStandIn } from './stand_in.mjs';
+
+const kWait = { timeout: 15000 };
+const folder = process.env.FREELSD_SCREENSHOTS;
+let browser;
+let site;
+
+before(async () => { [browser, site] = await Promise.all([launch(), flownSite()]); });
+after(() => browser?.close());
+
+// Small photographs with something in them, as the browser draws them: [{name, mimeType, buffer}]
+async function drawPhotographs(page, count) {
+  const encoded = await page.evaluate(async (n) => Promise.all(Array.from({ length: n }, async (_, i) => {
+    const canvas = new OffscreenCanvas(160, 120);
+    const context = canvas.getContext('2d');
+    for (let k = 0; k < 200; ++k) {
+      context.fillStyle = `hsl(${(k * 47 + i * 11) % 360} 60% 50%)`;
+      context.fillRect((k * 37) % 160, (k * 53) % 120, 12, 9);
+    }
+    const blob = await canvas.convertToBlob({ type: 'image/jpeg', quality: 0.9 });
+    return [...new Uint8Array(await blob.arrayBuffer())];
+  })), count);
+  return encoded.map((bytes, i) => ({ name: `photo ${i + 1}.jpg`, mimeType: 'image/jpeg', buffer: Buffer.from(bytes) }));
+}
+
+function settings(photographs) {
+  const rows = photographs.map(({ name }, i) => `${name},${47 + i * 1e-4},8,${600}`);
+  const camera = { width_px: 160, height_px: 120, fx_px: 120, fy_px: 120, cx_px: 79.5, cy_px: 59.5 };
+  return [
+    { name: 'poses.csv', mimeType: 'text/csv', buffer: Buffer.from(['image,latitude_deg,longitude_deg,altitude_m', ...rows].join('\n')) },
+    { name: 'flight.json', mimeType: 'application/json', buffer: Buffer.from(JSON.stringify({ name: 'x', camera })) },
+  ];
+}
+
+test('upload: survives a broken connection, shows each file, and sends nothing twice', async (t) => {
+  const { page } = await openPage(t, browser);
+  await page.locator('[data-tab="upload"]').click();
+  const photographs = await drawPhotographs(page, 10);
+  const name = `page test ${Date.now()}`;
+  let numBatches = 0;
+  await page.route('**/batch', (route) => (++numBatches === 2 ? route.abort('connectionreset') : route.continue()));
+  await page.setInputFiles('#upload-files', [...photographs, ...settings(photographs)]);
+  await page.fill('#upload-name', name);
+  await page.uncheck('#upload-finish');
+  await page.click('#upload-start');
+  await page.getByText('10 of 10 photographs are stored').waitFor(kWait);
+  assert.equal(numBatches, 3, 'two requests, one of them twice');
+  const flight = (await getJson('/v1/flights')).flights.find((f) => f.name === name);
+  try {
+    const { frames } = await getJson(`/v1/flights/${flight.id}/frames`);
+    assert.deepEqual(frames.map((f) => f.id).sort(), photographs.map((p) => p.name.replace(' ', '_')).sort());
+    assert.equal(await page.locator('.file-stored').count(), 10);
+    await page.click('#upload-start');
+    await page.waitForFunction(() => document.querySelectorAll('.file-kept').length === 10, null, kWait);
+    assert.equal(numBatches, 3, 'nothing was sent again');
+    assert.deepEqual(await smallTargets(page), []);
+    assert.deepEqual(await accessibilityFaults(page), []);
+  } finally {
+    await page.goto('about:blank');
+    await fetch(`${url}/v1/flights/${flight.id}?forget_sites=true`, { method: 'DELETE' });
+  }
+});
+
+test('token: the page asks for it, keeps it out of curl, and gets pictures with it', async (t) => {
+  const server = await startStandIn(t, url, { token: 'secret-7' });
+  const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
+  await page.locator('#token-value').fill('wrong');
+  await page.locator('#token-form button').click();
+  await page.locator('#token-refused').waitFor(kWait);
+  await page.locator('#token-value').fill('secret-7');
+  await page.locator('#token-form button').click();
+  await page.waitForFunction(() => document.querySelector('img.site-layer')?.naturalWidth > 10, null, kWait);
+  await page.evaluate(() => { navigator.clipboard.writeText = async (text) => { globalThis.copied = text; }; });
+  await page.locator('#sites-curl button').click();
+  const copied = await page.waitForFunction(() => globalThis.copied);
+  assert.match(await copied.jsonValue(), /\$FREELSD_TOKEN/);
+  assert.doesNotMatch(await copied.jsonValue(), /secret-7/);
+});
+
+test('events: a change is seen at once where the server tells, and by asking where it does not', async (t) => {
+  const server = await startStandIn(t, url, { hasEvents: true });
+  const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
+  await page.locator('#transport', { hasText: 'live' }).waitFor(kWait);
+  await page.locator('#sites button').first().waitFor(kWait);
+  await page.waitForTimeout(600);
+  const numLooks = () => server.asked.filter((path) => path === '/v1/flights').length;
+  const before = numLooks();
+  await page.waitForTimeout(2600);
+  assert.equal(numLooks(), before, 'it does not ask while nothing happens');
+  const look = page.waitForRequest((request) => request.url().endsWith('/v1/flights'), { timeout: 1500 });
+  server.emit('site', { id: site.properties.id });
+  await look;
+  const poor = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
+  await poor.page.waitForRequest((request) => request.url().endsWith('/v1/flights'), { timeout: 6000 });
+  assert.deepEqual(poor.seen.errors, []);
+});
+
+const inReach = (rank, verdict, distance_m, arrival_margin_m) => ({
+  site_id: site.properties.id, flight_id: site.flight, rank, reachable: true, verdict, unseen_ratio: verdict === 'landable' ? 0 : 0.4,
+  distance_m, bearing_deg: 41 * rank, arrival_margin_m, time_s: 65 * rank, score: 0.8, age_s: 86400 * rank,
+  touchdown: { latitude_deg: site.place[1], longitude_deg: site.place[0], altitude_m: 450 }, approach: site.properties.approach,
+});
+
+test('emergency: three sites, big, with bearing, distance, heading and age', async (t) => {
+  const emergency = {
+    sites: [inReach(1, 'landable', 840, 34), inReach(2, 'landable', 1260, 12), inReach(3, 'unverified', 2310, 5), inReach(4, 'unverified', 9000, 1)],
+    warnings: ['the altitude’s datum is unknown'],
+  };
+  const server = await startStandIn(t, url, { emergency });
+  const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
+  await page.locator('#sites button').first().waitFor(kWait);
+  await page.locator('.bar [data-emergency]').click();
+  await page.locator('#em-altitude_m').fill('700');
+  await page.locator('#em-message', { hasText: 'In reach' }).waitFor(kWait);
+  assert.equal(await page.locator('.em-card').count(), 3);
+  const first = await page.locator('.em-card').first().textContent();
+  for (const part of ['041°', '840 m', '+34 m', '1:05', '1 d ago']) assert.ok(first.includes(part), `${part} in ${first}`);
+  const asked = server.asked.filter((entry) => entry instanceof URLSearchParams).at(-1);
+  assert.equal(asked.get('altitude_m'), '700');
+  assert.equal(asked.get('limit'), '3');
+  if (folder) await page.screenshot({ path: `${folder}/emergency.jpg`, type: 'jpeg', quality: 70 });
+  assert.deepEqual(await smallTargets(page), []);
+  assert.deepEqual(await accessibilityFaults(page), []);
+  await page.setViewportSize({ width: 360, height: 740 });
+  if (folder) await page.screenshot({ path: `${folder}/emergency-phone.jpg`, type: 'jpeg', quality: 70 });
+  const tooWide = await page.evaluate(() => document.getElementById('emergency').scrollWidth - document.getElementById('emergency').clientWidth);
+  assert.ok(tooWide <= 0, `${tooWide} px too wide`);
+  await page.locator('.em-card button').first().click();
+  await page.locator('#view-site:not([hidden]) #profile canvas').waitFor(kWait);
+});
+
+test('emergency: nothing in reach is said, with the nearest miss', async (t) => {
+  const server = await startStandIn(t, url, { emergency: {
+    sites: [], nearest_miss: { ...inReach(1, 'landable', 5000, -42), reachable: false }, warnings: [] } });
+  const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
+  await page.locator('.bar [data-emergency]').click();
+  await page.locator('#em-altitude_m').fill('500');
+  await page.getByText('Nothing in reach').waitFor(kWait);
+  assert.match(await page.locator('.em-card').textContent(), /−42 m/);
+});
+
+test('emergency: a server without reach gives the nearest sites, and says that reach is not known', async (t) => {
+  const server = await startStandIn(t, url, {});
+  const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
+  await page.locator('#sites button').first().waitFor(kWait);
+  await page.locator('.bar [data-emergency]').click();
+  await page.locator('#em-altitude_m').fill('700');
+  await page.getByText('does not compute reach').waitFor(kWait);
+  assert.ok(await page.locator('.em-card').count() > 0);
+  assert.equal(await page.locator('.em-card .chip').first().textContent(), 'reach not computed');
+});
