@@ -196,9 +196,9 @@ function drawFlightChoice() {
 async function drawFirst() {
   const wanted = new URLSearchParams(location.hash.slice(1)).get('site');
   const isThere = (id) => state.sites.features.some((f) => f.properties.id === id);
-  if (wanted && isThere(wanted)) await openSite(wanted);
-  else if (state.sites.features.length) await chooseSite(state.sites.features[0].properties.id);
-  map.fit();
+  if (wanted && isThere(wanted)) return openSite(wanted);
+  if (state.sites.features.length) await chooseSite(state.sites.features[0].properties.id);
+  return map.fit();
 }
 
 async function refreshFlight(flight) {

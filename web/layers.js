@@ -20,6 +20,7 @@ export function createLayers(map) {
   let site = null;
   let layers = [];
   let loading = new AbortController();
+  let drawnName;
   let pictureUrl = null;
   let legendUrl = null;
 
@@ -51,10 +52,10 @@ export function createLayers(map) {
     byId('layer-box').hidden = layers.length === 0;
     byId('layer-name').textContent = select.selectedOptions[0]?.text ?? '';
     drawLegend(layer);
-    if (!layer) {
-      map.drawLayer(null);
-      return;
-    }
+    // A picture never stands beside the name or the legend of another layer.
+    if (drawnName !== layer?.name) map.drawLayer(null);
+    drawnName = layer?.name;
+    if (!layer) return;
     try {
       const blob = await api.getBlob(api.paths.layerPicture(site, layer.name), signal);
       const former = pictureUrl;
