@@ -147,7 +147,10 @@ export function createMap(element, on) {
     drawAnswer(latlng, content) {
       asked.clearLayers();
       if (!latlng) return;
-      L.popup({ maxWidth: 300, minWidth: 230, autoPanPadding: [16, 16] })
+      L.popup({
+        maxWidth: 300, minWidth: 230, maxHeight: Math.max(160, element.clientHeight - 90),
+        autoPanPaddingTopLeft: [16, 16], autoPanPaddingBottomRight: [kMarker + 28, 16],
+      })
         .setLatLng(latlng).setContent(content).addTo(asked);
     },
 

@@ -69,7 +69,7 @@ function headline(rules, hazard) {
   const first = rules.find((rule) => rule.state !== 'pass');
   if (first) return first.state === 'fail' ? `Not here: ${first.name}` : `Not here: ${first.name} unknown`;
   if (hazard !== 0) return 'Not here: marked as hazard';
-  return 'No rule of the ground fails here';
+  return 'The ground passes; landing here is not checked';
 }
 
 export function answerNode(rules, values) {

@@ -19,7 +19,7 @@ before(async () => {
 after(() => browser?.close());
 
 const shoot = async (page, name) => {
-  if (folder) await page.screenshot({ path: `${folder}/${name}.png` });
+  if (folder) await page.screenshot({ path: `${folder}/${name}.jpg`, type: 'jpeg', quality: 65 });
 };
 const address = () => `${url}/#flight=${site.flight}`;
 const siteAddress = () => `${address()}&site=${encodeURIComponent(site.properties.id)}`;

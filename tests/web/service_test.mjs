@@ -124,11 +124,11 @@ test('emergency: three sites, big, with bearing, distance, heading and age', asy
   const asked = server.asked.filter((entry) => entry instanceof URLSearchParams).at(-1);
   assert.equal(asked.get('altitude_m'), '700');
   assert.equal(asked.get('limit'), '3');
-  if (folder) await page.screenshot({ path: `${folder}/emergency.png` });
+  if (folder) await page.screenshot({ path: `${folder}/emergency.jpg`, type: 'jpeg', quality: 65 });
   assert.deepEqual(await smallTargets(page), []);
   assert.deepEqual(await accessibilityFaults(page), []);
   await page.setViewportSize({ width: 360, height: 740 });
-  if (folder) await page.screenshot({ path: `${folder}/emergency-phone.png` });
+  if (folder) await page.screenshot({ path: `${folder}/emergency-phone.jpg`, type: 'jpeg', quality: 65 });
   const tooWide = await page.evaluate(() => document.getElementById('emergency').scrollWidth - document.getElementById('emergency').clientWidth);
   assert.ok(tooWide <= 0, `${tooWide} px too wide`);
   await page.locator('.em-card button').first().click();
