@@ -21,7 +21,7 @@ bool IsInGrassRange(const Classifier::Model& model, const std::vector<float>& fe
   for (size_t i = 0; i < features.size(); ++i) {
     const RangeMargin margin = MarginOf(model.feature_set, i);
     const float range = model.grass_max[i] - model.grass_min[i];
-    if (features[i] < model.grass_min[i] - margin.below * range ||
+    if (features[i] < std::max(margin.least, model.grass_min[i] - margin.below * range) ||
         features[i] > model.grass_max[i] + margin.above * range) {
       return false;
     }
@@ -64,6 +64,13 @@ Surface SurfaceOf(double probability, const ClassificationOptions& options) {
   if (probability >= options.min_grass_probability) return Surface::kGrass;
   if (probability <= options.max_not_grass_probability) return Surface::kNotGrass;
   return Surface::kUnsure;
+}
+
+// The labels at the size of the detail image.
+cv::Mat1i LabelsInDetail(const Segments& segments) {
+  cv::Mat1i labels;
+  cv::resize(segments.labels, labels, segments.detail_image.size(), 0.0, 0.0, cv::INTER_NEAREST);
+  return labels;
 }
 
 // Box of every label, by label.
@@ -159,8 +166,9 @@ double GrassVotes(const cv::ml::RTrees& forest, const std::vector<float>& featur
 Labels ClassifySegments(const Segments& segments,
                         const Classifier& classifier,
                         const ClassificationOptions& options) {
-  const std::vector<cv::Rect> boxes = BoxesOf(segments.labels, segments.segments.size());
-  const cv::Rect frame({0, 0}, segments.labels.size());
+  const cv::Mat1i regions = LabelsInDetail(segments);
+  const std::vector<cv::Rect> boxes = BoxesOf(regions, segments.segments.size());
+  const cv::Rect frame({0, 0}, regions.size());
   // Filters look beyond the region: keep some of its surroundings.
   constexpr int kSurroundingsPx = 16;
   Labels labels;
@@ -171,14 +179,14 @@ Labels ClassifySegments(const Segments& segments,
                    box.width + 2 * kSurroundingsPx,
                    box.height + 2 * kSurroundingsPx) &
           frame;
-    const cv::Mat3b image = segments.image(box);
-    const cv::Mat1b mask = segments.labels(box) == segment.label;
+    const cv::Mat3b image = segments.detail_image(box);
+    const cv::Mat1b mask = regions(box) == segment.label;
     const cv::Scalar mean = cv::mean(image, mask);
     const double grey = (mean[0] + mean[1] + mean[2]) / 3.0;
     Label label;
     if (grey >= options.min_mean_grey && grey <= options.max_mean_grey) {
       label.probability = classifier.Predict(RegionFeatures(
-          image, mask, segments.ground_sampling_distance_m, classifier.feature_set()));
+          image, mask, segments.detail_sampling_distance_m, classifier.feature_set()));
       label.surface = SurfaceOf(label.probability, options);
     }
     labels.push_back(label);
