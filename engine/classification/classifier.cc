@@ -14,6 +14,8 @@ namespace freelsd {
 namespace {
 
 constexpr int kModelVersion = 1;
+// Red soil and leaf litter have up to 1.3; vegetation in infrared false colour 1.4 to 2.
+constexpr double kMaxRedToGreen = 1.35;
 // What lies outside can at best not be told: half way between grass and not.
 constexpr double kUnsureProbability = 0.5;
 
@@ -64,6 +66,13 @@ Surface SurfaceOf(double probability, const ClassificationOptions& options) {
   if (probability >= options.min_grass_probability) return Surface::kGrass;
   if (probability <= options.max_not_grass_probability) return Surface::kNotGrass;
   return Surface::kUnsure;
+}
+
+// Neither too dark, nor burnt out, nor as red as vegetation in infrared.
+bool CanBeTold(const cv::Scalar& mean_bgr, const ClassificationOptions& options) {
+  const double grey = (mean_bgr[0] + mean_bgr[1] + mean_bgr[2]) / 3.0;
+  return grey >= options.min_mean_grey && grey <= options.max_mean_grey &&
+         mean_bgr[2] <= kMaxRedToGreen * mean_bgr[1];
 }
 
 // The labels at the size of the detail image.
@@ -181,10 +190,8 @@ Labels ClassifySegments(const Segments& segments,
           frame;
     const cv::Mat3b image = segments.detail_image(box);
     const cv::Mat1b mask = regions(box) == segment.label;
-    const cv::Scalar mean = cv::mean(image, mask);
-    const double grey = (mean[0] + mean[1] + mean[2]) / 3.0;
     Label label;
-    if (grey >= options.min_mean_grey && grey <= options.max_mean_grey) {
+    if (CanBeTold(cv::mean(image, mask), options)) {
       label.probability = classifier.Predict(RegionFeatures(
           image, mask, segments.detail_sampling_distance_m, classifier.feature_set()));
       label.surface = SurfaceOf(label.probability, options);
