@@ -14,7 +14,7 @@ namespace freelsd {
 namespace {
 
 constexpr int kModelVersion = 1;
-// Red soil and leaf litter have up to 1.3; vegetation in infrared false colour 1.4 to 2.
+// Soil and leaf litter hardly reach it; vegetation in infrared false colour has 1.4 to 2.
 constexpr double kMaxRedToGreen = 1.35;
 // What lies outside can at best not be told: half way between grass and not.
 constexpr double kUnsureProbability = 0.5;
