@@ -71,6 +71,7 @@ void VisitFields(Of<SegmentationOptions> auto& o, Visitor&& visit) {
   visit("thresholds", o.thresholds, "fixed ground sampling, or the paper's polynomials of height");
   visit(
       "ground_sampling_distance_m", o.ground_sampling_distance_m, "images are resized to it first");
+  visit("detail_sampling_distance_m", o.detail_sampling_distance_m, "and to it for their texture");
   visit("blur_sigma_px", o.blur_sigma_px, "smoothing before the edges");
   visit("canny_high", o.canny_high, "upper edge threshold in grey levels; the lower is a third");
   visit("chroma_gain", o.chroma_gain, "stretch of the colour channels for edges; 0: grey alone");

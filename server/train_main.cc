@@ -17,6 +17,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "engine/pipeline.h"
+#include "server/curve_plots.h"
 #include "server/label_sheets.h"
 #include "server/training_data.h"
 #include "server/training_scores.h"
@@ -39,6 +40,7 @@ struct Arguments {
   std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
   std::string cameras = FREELSD_SOURCE_DIR "/tests/evaluation/grass_cameras.csv";
   std::string features = "robust";
+  std::string plots;
   double min_area_m2 = 30.0;
   bool is_classified = false;
   int seed = 1;
@@ -50,6 +52,11 @@ std::string ReadFile(const std::string& path) {
   std::ostringstream text;
   text << file.rdbuf();
   return text.str();
+}
+
+void WriteFile(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  if (!(file << text << std::flush)) throw std::runtime_error("cannot write " + path);
 }
 
 // Photographs with masks, and those of flights with tables of labels, as far as they are given.
@@ -95,11 +102,9 @@ int Train(const Arguments& arguments) {
   options.seed = arguments.seed;
   const auto [classifier, report] =
       TrainClassifier(samples, Provenance(arguments, num_originals), options);
-  std::ofstream file(arguments.out, std::ios::binary);
-  if (!(file << classifier.Serialize() << std::flush)) {
-    throw std::runtime_error("cannot write " + arguments.out);
-  }
+  WriteFile(arguments.out, classifier.Serialize());
   const std::vector<Answer> unseen = AnswersOfUnseenPlaces(photographs, samples, options);
+  if (!arguments.plots.empty()) WriteFile(arguments.plots, CurvePlots(unseen));
   const Json figures{{"model", arguments.out},
                      {"features", arguments.features},
                      {"num_samples", num_originals},
@@ -170,6 +175,7 @@ int Run(int argc, char** argv) {
   app.add_option("--out", arguments.out, "Model file to write")->capture_default_str();
   app.add_option("--features", arguments.features, "rgb, hsv, rgbhsv, paper18 or robust")
       ->capture_default_str();
+  app.add_option("--plots", arguments.plots, "ROC and precision-recall at unseen places, SVG");
   app.add_option("--seed", arguments.seed, "Of the forest")->capture_default_str();
   CLI::App* evaluate = app.add_subcommand("evaluate", "Prints a model's scores on regions");
   AddPhotographOptions(*evaluate, arguments);

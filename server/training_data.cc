@@ -127,26 +127,28 @@ LabelledRegions CutVaried(const LabelledPhotograph& photograph,
                           double min_labelled_ratio) {
   SegmentationOptions options;
   options.ground_sampling_distance_m *= variation.sampling_ratio;
+  options.detail_sampling_distance_m *= variation.sampling_ratio;
   options.min_region_area_m2 = kMinTrainingAreaM2;
   LabelledPhotograph varied = photograph;
   varied.image = Recoloured(photograph.image, variation);
   LabelledRegions regions = CutPhotograph(varied, options, min_labelled_ratio);
   if (variation.noise_sd_grey > 0.0) {
-    regions.segments.image = WithNoise(regions.segments.image, variation);
+    regions.segments.detail_image = WithNoise(regions.segments.detail_image, variation);
   }
-  regions.segments.ground_sampling_distance_m *= variation.told_sampling_ratio;
+  regions.segments.detail_sampling_distance_m *= variation.told_sampling_ratio;
   return regions;
 }
 
 std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions, FeatureSet feature_set) {
+  const cv::Mat3b& detail = regions.segments.detail_image;
   std::vector<TrainingSample> samples;
   for (size_t i = 0; i < regions.classes.size(); ++i) {
     if (!TellsGrass(regions.classes[i])) continue;
     TrainingSample sample;
-    sample.features = RegionFeatures(regions.segments.image,
-                                     regions.segments.labels == regions.segments.segments[i].label,
-                                     regions.segments.ground_sampling_distance_m,
-                                     feature_set);
+    const cv::Mat1b inside =
+        MaskAt(regions.segments.labels == regions.segments.segments[i].label, detail.size());
+    sample.features =
+        RegionFeatures(detail, inside, regions.segments.detail_sampling_distance_m, feature_set);
     sample.is_grass = regions.classes[i] == kGrassClass;
     samples.push_back(std::move(sample));
   }
@@ -156,8 +158,9 @@ std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions, Featur
 std::vector<TrainingSample> TileSamples(const LabelledRegions& regions,
                                         FeatureSet feature_set,
                                         double tile_m) {
-  const cv::Mat1b& mask = regions.mask;
-  const double ground_sampling = regions.segments.ground_sampling_distance_m;
+  const cv::Mat3b& detail = regions.segments.detail_image;
+  const cv::Mat1b mask = MaskAt(regions.mask, detail.size());
+  const double ground_sampling = regions.segments.detail_sampling_distance_m;
   const int side = std::max(kMinTileSidePx, cvRound(tile_m / ground_sampling));
   std::vector<TrainingSample> samples;
   for (int y = 0; y + side <= mask.rows; y += side) {
@@ -172,8 +175,7 @@ std::vector<TrainingSample> TileSamples(const LabelledRegions& regions,
       cv::Mat1b inside(mask.size(), uint8_t{0});
       inside(tile) = 255;
       TrainingSample sample;
-      sample.features =
-          RegionFeatures(regions.segments.image, inside, ground_sampling, feature_set);
+      sample.features = RegionFeatures(detail, inside, ground_sampling, feature_set);
       sample.is_grass = surface_class == kGrassClass;
       samples.push_back(std::move(sample));
     }

@@ -16,13 +16,13 @@ enum class FeatureSet {
   kRgb,      // 6: mean and deviation of R, G, B
   kHsv,      // 6: hue circular
   kRgbHsv,   // 12
-  kPaper18,  // 12 + mean and deviation of three Gabor responses
+  kPaper18,  // 12 + mean and deviation of three Gabor responses, see gabor.h
   // What generalises best to other places; the default. Grass is green and, from the size of a leaf
-  // to that of a bush, even: mean excess green (2G - R - B) / (R + G + B), and the logarithms of
-  // the deviation of log brightness between windows of 0.6 and 1.8 m, and of 1.8 and 4.2 m; its
-  // skewness (fern has dark gaps between bright leaves). The mean logarithms of red to green and of
-  // blue to green follow; the forest does not see them, they only tell what is like no grass of the
-  // training data.
+  // to that of a bush, even: mean excess green (2G - R - B) / (R + G + B), the logarithms of the
+  // deviation of log brightness between windows of 0.6 and 1.8 m, and of 1.8 and 4.2 m, and the
+  // skewness between windows of 0.3 and 0.9 m (fern has dark gaps between bright leaves). The mean
+  // logarithms of red to green and of blue to green follow; the forest does not see them, they only
+  // tell what is like no grass of the training data.
   kRobust,
 };
 

@@ -14,6 +14,8 @@ namespace freelsd {
 namespace {
 
 constexpr int kModelVersion = 1;
+// Soil and leaf litter hardly reach it; vegetation in infrared false colour has 1.4 to 2.
+constexpr double kMaxRedToGreen = 1.35;
 // What lies outside can at best not be told: half way between grass and not.
 constexpr double kUnsureProbability = 0.5;
 
@@ -21,7 +23,7 @@ bool IsInGrassRange(const Classifier::Model& model, const std::vector<float>& fe
   for (size_t i = 0; i < features.size(); ++i) {
     const RangeMargin margin = MarginOf(model.feature_set, i);
     const float range = model.grass_max[i] - model.grass_min[i];
-    if (features[i] < model.grass_min[i] - margin.below * range ||
+    if (features[i] < std::max(margin.least, model.grass_min[i] - margin.below * range) ||
         features[i] > model.grass_max[i] + margin.above * range) {
       return false;
     }
@@ -64,6 +66,20 @@ Surface SurfaceOf(double probability, const ClassificationOptions& options) {
   if (probability >= options.min_grass_probability) return Surface::kGrass;
   if (probability <= options.max_not_grass_probability) return Surface::kNotGrass;
   return Surface::kUnsure;
+}
+
+// Neither too dark, nor burnt out, nor as red as vegetation in infrared.
+bool CanBeTold(const cv::Scalar& mean_bgr, const ClassificationOptions& options) {
+  const double grey = (mean_bgr[0] + mean_bgr[1] + mean_bgr[2]) / 3.0;
+  return grey >= options.min_mean_grey && grey <= options.max_mean_grey &&
+         mean_bgr[2] <= kMaxRedToGreen * mean_bgr[1];
+}
+
+// The labels at the size of the detail image.
+cv::Mat1i LabelsInDetail(const Segments& segments) {
+  cv::Mat1i labels;
+  cv::resize(segments.labels, labels, segments.detail_image.size(), 0.0, 0.0, cv::INTER_NEAREST);
+  return labels;
 }
 
 // Box of every label, by label.
@@ -159,8 +175,9 @@ double GrassVotes(const cv::ml::RTrees& forest, const std::vector<float>& featur
 Labels ClassifySegments(const Segments& segments,
                         const Classifier& classifier,
                         const ClassificationOptions& options) {
-  const std::vector<cv::Rect> boxes = BoxesOf(segments.labels, segments.segments.size());
-  const cv::Rect frame({0, 0}, segments.labels.size());
+  const cv::Mat1i regions = LabelsInDetail(segments);
+  const std::vector<cv::Rect> boxes = BoxesOf(regions, segments.segments.size());
+  const cv::Rect frame({0, 0}, regions.size());
   // Filters look beyond the region: keep some of its surroundings.
   constexpr int kSurroundingsPx = 16;
   Labels labels;
@@ -171,14 +188,12 @@ Labels ClassifySegments(const Segments& segments,
                    box.width + 2 * kSurroundingsPx,
                    box.height + 2 * kSurroundingsPx) &
           frame;
-    const cv::Mat3b image = segments.image(box);
-    const cv::Mat1b mask = segments.labels(box) == segment.label;
-    const cv::Scalar mean = cv::mean(image, mask);
-    const double grey = (mean[0] + mean[1] + mean[2]) / 3.0;
+    const cv::Mat3b image = segments.detail_image(box);
+    const cv::Mat1b mask = regions(box) == segment.label;
     Label label;
-    if (grey >= options.min_mean_grey && grey <= options.max_mean_grey) {
+    if (CanBeTold(cv::mean(image, mask), options)) {
       label.probability = classifier.Predict(RegionFeatures(
-          image, mask, segments.ground_sampling_distance_m, classifier.feature_set()));
+          image, mask, segments.detail_sampling_distance_m, classifier.feature_set()));
       label.surface = SurfaceOf(label.probability, options);
     }
     labels.push_back(label);

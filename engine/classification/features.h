@@ -1,6 +1,8 @@
 // Feature rows of a region.
 #pragma once
 
+#include <limits>
+
 #include "engine/classification/classification.h"
 
 namespace freelsd {
@@ -13,6 +15,8 @@ size_t NumFeatures(FeatureSet feature_set);
 struct RangeMargin {
   float below = 0.0f;
   float above = 0.0f;
+  // Nothing below it can be told either, whatever the training grass was.
+  float least = std::numeric_limits<float>::lowest();
 };
 RangeMargin MarginOf(FeatureSet feature_set, size_t feature);
 // How many of them, from the first, the forest sees. The rest only guard against what is unlike

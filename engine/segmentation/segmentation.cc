@@ -50,15 +50,19 @@ struct Thresholds {
   double min_edge_distance_px = 0.0;
 };
 
-// Factor (at most 1) from the full-size image to the working image.
+// Factor (at most 1) from the full-size image to one of the given ground sampling distance.
+double Scale(const Camera& camera, double height_above_ground, double ground_sampling_distance_m) {
+  return std::min(1.0, height_above_ground / camera.MeanFocalPx() / ground_sampling_distance_m);
+}
+
+// The same to the working image.
 double WorkingScale(const Camera& camera,
                     double height_above_ground,
                     const SegmentationOptions& options) {
-  const double wanted =
-      options.thresholds == SegmentationThresholds::kPaper
-          ? options.paper_focal_px / camera.MeanFocalPx()
-          : height_above_ground / camera.MeanFocalPx() / options.ground_sampling_distance_m;
-  return std::min(1.0, wanted);
+  if (options.thresholds == SegmentationThresholds::kPaper) {
+    return std::min(1.0, options.paper_focal_px / camera.MeanFocalPx());
+  }
+  return Scale(camera, height_above_ground, options.ground_sampling_distance_m);
 }
 
 Thresholds ThresholdsFor(double height_above_ground,
@@ -86,7 +90,7 @@ cv::Mat3b ColourImage(const cv::Mat& image) {
   return colour;
 }
 
-cv::Mat3b WorkingImage(const cv::Mat& image, double scale) {
+cv::Mat3b Resized(const cv::Mat& image, double scale) {
   if (scale >= 1.0) return ColourImage(image).clone();
   const int width = std::max(kMinWorkingSidePx, static_cast<int>(std::lround(image.cols * scale)));
   const int height = std::max(kMinWorkingSidePx, static_cast<int>(std::lround(image.rows * scale)));
@@ -255,6 +259,7 @@ void CheckInput(const cv::Mat& image, const Camera& camera, double height_above_
 void SegmentationOptions::Check() const {
   const Bound bounds[] = {
       {"ground_sampling_distance_m", ground_sampling_distance_m, 0.02, 5.0},
+      {"detail_sampling_distance_m", detail_sampling_distance_m, 0.02, 5.0},
       {"blur_sigma_px", blur_sigma_px, 0.0, 20.0},
       {"canny_high", canny_high, 1.0, 2000.0},
       {"chroma_gain", chroma_gain, 0.0, 20.0},
@@ -291,7 +296,12 @@ Segments SegmentFrame(const cv::Mat& image,
   options.Check();
   CheckInput(image, camera, height_above_ground);
   Segments segments;
-  segments.image = WorkingImage(image, WorkingScale(camera, height_above_ground, options));
+  const double detail_scale =
+      Scale(camera, height_above_ground, options.detail_sampling_distance_m);
+  segments.detail_image = Resized(image, detail_scale);
+  segments.detail_sampling_distance_m =
+      height_above_ground / camera.MeanFocalPx() * image.cols / segments.detail_image.cols;
+  segments.image = Resized(image, WorkingScale(camera, height_above_ground, options));
   segments.image_px_per_working_px = static_cast<double>(image.cols) / segments.image.cols;
   const double working_focal_px = camera.MeanFocalPx() / segments.image_px_per_working_px;
   segments.ground_sampling_distance_m = height_above_ground / working_focal_px;

@@ -22,6 +22,8 @@ struct SegmentationOptions {
   // The image is resized to this ground sampling distance first; never enlarged. This and the
   // three below: tests/evaluation/segmentation.md says what was tried.
   double ground_sampling_distance_m = 0.6;
+  // And to this one for the classification, which looks at finer texture.
+  double detail_sampling_distance_m = 0.3;
   double blur_sigma_px = 1.0;
   // Upper hysteresis threshold of the Canny detector, grey levels; the lower is a third of it.
   double canny_high = 105.0;
@@ -82,6 +84,9 @@ struct Segments {
   // Pixels of the full-size image per pixel of the working image.
   double image_px_per_working_px = 1.0;
   double ground_sampling_distance_m = 0.0;
+  // The frame at the finer scale of detail_sampling_distance_m, or as fine as it is.
+  cv::Mat3b detail_image;
+  double detail_sampling_distance_m = 0.0;
   std::vector<Segment> segments;
 };
 
