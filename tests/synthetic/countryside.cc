@@ -14,8 +14,7 @@ namespace {
 enum Purpose : uint64_t { kLayout = 601, kRagged = 609 };
 
 constexpr double kMinSideM = 34.0;
-// Less than this is split no more, with a probability.
-constexpr double kMaxSideM = 150.0;
+constexpr double kMaxSideM = 150.0;  // less is split no more, with a probability
 constexpr double kLaneHalfWidthM = 2.6;
 constexpr double kVergeM = 1.5;
 constexpr double kRaggedM = 0.35;
