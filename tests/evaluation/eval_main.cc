@@ -14,6 +14,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "tests/evaluation/curves.h"
 #include "tests/evaluation/pictures.h"
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/world_record.h"
@@ -25,7 +26,7 @@ using Json = nlohmann::json;
 
 struct Arguments {
   int num_worlds = 6;
-  uint64_t seed = 1;
+  uint64_t seed = 1000;
   ScenarioOptions scenario;
   std::string json;
   std::string compare;
@@ -96,6 +97,7 @@ Json SettingsOf(const Arguments& arguments) {
           {"frame_spacing_m", scenario.frame_spacing_m},
           {"leg_spacing_m", scenario.leg_spacing_m},
           {"noise_scale", scenario.noise_scale},
+          {"damaged_ratio", scenario.damaged_ratio},
           {"aircraft", scenario.aircraft},
           {"image_size", "752x480"},
           {"threads", scenario.num_threads}};
@@ -125,6 +127,7 @@ Json EvaluateWorld(const Arguments& arguments,
   const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
   if (!arguments.pictures.empty()) {
     DrawWorld(arguments.pictures, std::to_string(seed), scenario, run, truth, fields);
+    DrawCurves(arguments.pictures, std::to_string(seed), run);
   }
   Json record = WorldRecord(seed, scenario, run, truth, fields);
   record["peak_mib"] = std::round(PeakMib());
@@ -196,6 +199,15 @@ int StatusOf(const Arguments& arguments, const Json& safety) {
   return status;
 }
 
+// Of the classifier, over the regions of all worlds.
+RocCounts RegionRoc(const Json& report) {
+  RocCounts counts;
+  for (const Json& record : report.at("worlds")) {
+    counts.Add(RocFromJson(record.at("frontend").at("regions")));
+  }
+  return counts;
+}
+
 int Run(const Arguments& arguments) {
   arguments.scenario.Check();
   if (arguments.resume && arguments.json.empty()) {
@@ -204,6 +216,7 @@ int Run(const Arguments& arguments) {
   cv::setNumThreads(arguments.scenario.num_threads);
   const Json report = EvaluateAll(arguments);
   std::cout << TableOf(report);
+  if (!arguments.pictures.empty()) DrawRoc(arguments.pictures, "all", RegionRoc(report));
   if (!arguments.compare.empty()) {
     std::cout << Comparison(Json::parse(ReadFile(arguments.compare)), report);
   }
@@ -223,10 +236,13 @@ int main(int argc, char** argv) {
   app.add_option("--json", arguments.json, "report to write, after every world");
   app.add_flag("--resume", arguments.resume, "go on from the report: its seeds are not run again");
   app.add_option("--compare", arguments.compare, "older report: says what got better and worse");
-  app.add_option("--pictures", arguments.pictures, "folder for pictures of worlds and maps");
+  app.add_option(
+      "--plots,--pictures", arguments.pictures, "folder for pictures of worlds and maps");
   app.add_option("--model", arguments.model, "grass classifier");
   app.add_option("--noise", arguments.scenario.noise_scale, "scale of the autopilot's errors")
       ->check(CLI::Range(0.0, 10.0));
+  app.add_option("--damage", arguments.scenario.damaged_ratio, "share of photographs damaged")
+      ->check(CLI::Range(0.0, 1.0));
   app.add_option("--frames", arguments.scenario.num_frames, "photographs per world")
       ->check(CLI::Range(3, 300));
   app.add_option("--size", arguments.scenario.world_size_m, "side of a world in metres")

@@ -22,8 +22,8 @@ $(git rev-parse --short HEAD), on $(nproc) cores; not edited by hand. What the f
 [evaluation.md](evaluation.md); what the classifier scores in
 [grass_model.md](../../engine/classification/grass_model.md).
 TEXT
-part "Seeded worlds: the safety table" "freelsd-eval --worlds $num_worlds"
-verbatim $programs/freelsd-eval --worlds "$num_worlds"
+part "Seeded worlds: the safety table" "freelsd-eval --worlds $num_worlds --seed 9000"
+verbatim $programs/freelsd-eval --worlds "$num_worlds" --seed 9000
 part "Recorded flights" "tests/evaluation/flights.sh"
 tests/evaluation/flights.sh
 part "How recorded flights fit" "freelsd-survey \$FREELSD_DATA/flights/*"

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "tests/synthetic/flight_files.h"
 #include "tests/synthetic/noise.h"
@@ -15,14 +16,15 @@ namespace freelsd {
 namespace {
 
 constexpr uint64_t kWindPurpose = 501;
+constexpr uint64_t kDamagePurpose = 502;
 constexpr int kJpegQuality = 92;
 // Views of a place from which it can be known: a pair, and one to check it by.
 constexpr int kMinNumViews = 3;
 constexpr double kMaxWindMps = 6.0;
 constexpr double kMinWindMps = 1.0;
 
-double Uniform(uint64_t seed, double low, double high) {
-  std::mt19937_64 random(MixSeed(seed, kWindPurpose));
+double Uniform(uint64_t seed, uint64_t purpose, double low, double high) {
+  std::mt19937_64 random(MixSeed(seed, purpose));
   return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
 }
 
@@ -31,6 +33,33 @@ cv::Mat Compressed(const cv::Mat& image) {
   std::vector<uchar> bytes;
   cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
   return cv::imdecode(bytes, cv::IMREAD_COLOR);
+}
+
+// What transmission, sun, vibration and mixed-up names do, in turns. `earlier` is the photograph
+// before this one.
+cv::Mat Damaged(const cv::Mat& image, const cv::Mat& earlier, size_t index) {
+  constexpr double kBurntGain = 4.0;
+  constexpr int kSmearPx = 41;
+  cv::Mat damaged = image.clone();
+  switch (index % 4) {
+    case 0:
+      damaged.rowRange(image.rows / 2, image.rows).setTo(0);
+      break;
+    case 1:
+      damaged.convertTo(damaged, -1, kBurntGain);
+      break;
+    case 2:
+      cv::blur(damaged, damaged, {kSmearPx, 1});
+      break;
+    default:
+      earlier.copyTo(damaged);
+  }
+  return damaged;
+}
+
+// Which photographs, and how, depends on seed and number alone.
+bool IsDamaged(uint64_t seed, size_t index, double ratio) {
+  return Uniform(MixSeed(seed, index), kDamagePurpose, 0.0, 1.0) < ratio;
 }
 
 Frame MakeFrame(const SyntheticExposure& exposure, const cv::Mat& image) {
@@ -96,6 +125,10 @@ void ScenarioOptions::Check() const {
     throw std::invalid_argument("scenario.num_frames = " + std::to_string(num_frames) +
                                 ": must be in [3, 300]");
   }
+  if (!(damaged_ratio >= 0.0 && damaged_ratio <= 1.0)) {
+    throw std::invalid_argument("scenario.damaged_ratio = " + std::to_string(damaged_ratio) +
+                                ": must be in [0, 1]");
+  }
   if (aircraft != "both" && !AircraftProfile(aircraft)) {
     throw std::invalid_argument("scenario.aircraft = " + aircraft + ": must be both or a profile");
   }
@@ -113,7 +146,7 @@ Scenario MakeScenario(uint64_t seed,
   world_options.seed = seed;
   world_options.size_m = options.world_size_m;
   world_options.cell_size_m = options.cell_size_m;
-  world_options.wind_speed_mps = Uniform(seed, kMinWindMps, kMaxWindMps);
+  world_options.wind_speed_mps = Uniform(seed, kWindPurpose, kMinWindMps, kMaxWindMps);
   Scenario scenario;
   scenario.world = MakeCountryside(world_options);
   scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
@@ -123,8 +156,11 @@ Scenario MakeScenario(uint64_t seed,
   RenderOptions render_options;
   render_options.seed = seed;
   for (size_t i = 0; i < scenario.exposures.size(); ++i) {
-    const cv::Mat image = renderer.Render(
+    cv::Mat image = renderer.Render(
         scenario.rig.camera, scenario.TrueWorldFromCamera(i), render_options, static_cast<int>(i));
+    if (i > 0 && IsDamaged(seed, i, options.damaged_ratio)) {
+      image = Damaged(image, scenario.frames.back().image, i);
+    }
     scenario.frames.push_back(MakeFrame(scenario.exposures[i], Compressed(image)));
     progress(static_cast<double>(i + 1) / static_cast<double>(scenario.exposures.size()));
   }

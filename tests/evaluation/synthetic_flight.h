@@ -22,6 +22,8 @@ struct ScenarioOptions {
   double frame_spacing_m = 30.0;
   double leg_spacing_m = 60.0;
   double noise_scale = 1.0;
+  // Share of the photographs that are damaged: half black, burnt out, smeared, or another's.
+  double damaged_ratio = 0.0;
   // "techpod", "small"; "both" takes one after the other from seed to seed.
   std::string aircraft = "both";
   int num_threads = 1;

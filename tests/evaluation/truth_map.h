@@ -41,7 +41,7 @@ struct Field {
   // The roomiest such touchdown; for a field that is not landable the roomiest disc.
   Eigen::Vector2d touchdown = Eigen::Vector2d::Zero();
   double free_radius = 0.0;
-  // Number of cells on which one could touch down.
+  // Number of places on which one could touch down, of a lattice of 3 m.
   int num_touchdowns = 0;
   // The same, where touchdown, roll and final are also all within the ground that was seen.
   int num_seen_touchdowns = 0;

@@ -158,6 +158,28 @@ Json FieldJson(const Field& field, const EngineRun& run, const TruthMap& truth, 
           {"fate", is_found ? "found" : FateOf(field, run, truth, all)}};
 }
 
+// What the frontend knew in the end, with its history over the frames: the paper's plots.
+Json RegionJson(const Region& region) {
+  Json json{{"id", region.id},
+            {"grade", region.grade},
+            {"area_m2", std::round(region.area_m2)},
+            {"num_observations", region.num_observations},
+            {"num_grass_observations", region.num_grass_observations},
+            {"is_fixed", region.is_fixed},
+            {"corners_m", Json::array()},
+            {"history", Json::array()}};
+  for (const Eigen::Vector2d& corner : region.Footprint())
+    json["corners_m"].push_back(Place(corner));
+  for (const RegionHistory& state : region.history) {
+    json["history"].push_back({state.frame_id,
+                               state.num_observations,
+                               state.num_grass_observations,
+                               Rounded(state.grade),
+                               std::round(state.area_m2)});
+  }
+  return json;
+}
+
 Json PosesJson(const PoseScore& score) {
   return {{"num_views", score.num_views},
           {"num_connected", score.num_connected},
@@ -266,10 +288,12 @@ Json WorldRecord(uint64_t seed,
               {"frontend", FrontendJson(ScoreFrontend(run, scenario))},
               {"cost", CostJson(run)},
               {"sites", Json::array()},
-              {"fields", Json::array()}};
+              {"fields", Json::array()},
+              {"regions", Json::array()}};
   for (const Site& site : run.evaluation.sites) {
     record["sites"].push_back(SiteJson(site, scenario, truth, fields, poses.shift.head<2>()));
   }
+  for (const Region& region : run.regions) record["regions"].push_back(RegionJson(region));
   for (const Field& field : fields.fields) {
     record["fields"].push_back(FieldJson(field, run, truth, fields));
   }

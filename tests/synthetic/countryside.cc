@@ -4,34 +4,20 @@
 #include <cmath>
 #include <random>
 
+#include "tests/synthetic/countryside_relief.h"
 #include "tests/synthetic/noise.h"
-#include "tests/synthetic/world.h"
 
 namespace freelsd {
 namespace {
 
 // Purposes of randomness.
-enum Purpose : uint64_t {
-  kLayout = 601,
-  kHills,
-  kRolls,
-  kSwells,
-  kTufts,
-  kClods,
-  kBushes,
-  kTussocks,
-  kRagged,
-};
+enum Purpose : uint64_t { kLayout = 601, kRagged = 609 };
 
 constexpr double kMinSideM = 34.0;
-// A parcel of less than this is split no more, with a probability.
-constexpr double kMaxSideM = 150.0;
+constexpr double kMaxSideM = 150.0;  // less is split no more, with a probability
 constexpr double kLaneHalfWidthM = 2.6;
 constexpr double kVergeM = 1.5;
 constexpr double kRaggedM = 0.35;
-// A hill whose flanks are too steep to land on.
-constexpr double kHillHeightM = 20.0;
-constexpr double kHillRadiusM = 62.0;
 
 // What makes a meadow a good field or a trap.
 enum class Feature { kGood, kTussocks, kBoulders, kAnimals, kDitch, kBales, kParkedCars };
@@ -65,7 +51,8 @@ class Countryside {
     World world = Empty();
     const double reach = 0.75 * options_.size_m;  // the layout is turned
     root_ = Divide({-reach, -reach}, {reach, reach}, 0);
-    hill_ = {Uniform(-0.4, 0.4) * options_.size_m, Uniform(-0.4, 0.4) * options_.size_m};
+    const double east = Uniform(-0.4, 0.4), north = Uniform(-0.4, 0.4);
+    relief_.PlaceHill(options_.size_m * Eigen::Vector2d(east, north));
     LayGround(world);
     NameParcels(world);
     for (const Lot& lot : lots_) Furnish(world, lot);
@@ -180,30 +167,11 @@ class Countryside {
     return nearest;
   }
 
-  double GroundAt(double x, double y) const {
-    const double r = (Eigen::Vector2d(x, y) - hill_).norm() / kHillRadiusM;
-    return options_.relief_sd_m * (hills_.At(x, y) + 0.10 * rolls_.At(x, y)) +
-           kHillHeightM * std::exp(-0.5 * r * r);
-  }
-
-  // What grows there, over the ground.
   double GrowthAt(const Lot& lot, Cover cover, double x, double y) const {
-    switch (cover) {
-      case Cover::kMeadow:
-        if (lot.feature == Feature::kTussocks) {
-          return std::max(0.0, 0.25 + 0.3 * static_cast<double>(tussocks_.At(x, y)));
-        }
-        return 0.04 * tufts_.At(x, y) + 0.02 * swells_.At(x, y);
-      case Cover::kCrop:
-        return 0.5 + 0.002 * lot.variant + 0.05 * tufts_.At(x, y) + 0.03 * swells_.At(x, y);
-      case Cover::kSoil:
-      case Cover::kStubble:
-        return 0.06 * clods_.At(x, y);
-      case Cover::kScrub:
-        return std::max(0.0, 0.8 + 0.35 * static_cast<double>(bushes_.At(x, y)));
-      default:
-        return 0.0;
+    if (cover == Cover::kMeadow && lot.feature == Feature::kTussocks) {
+      return relief_.TussocksAt(x, y);
     }
+    return relief_.GrowthAt(cover, lot.variant, x, y);
   }
 
   void LayGround(World& world) const {
@@ -225,10 +193,10 @@ class Countryside {
     Cover cover = lot.cover == Cover::kTree ? Cover::kScrub : lot.cover;
     if (to_lane < kLaneHalfWidthM + kVergeM) cover = Cover::kMeadow;
     if (to_lane < kLaneHalfWidthM) cover = Cover::kRoad;
-    double ground = GroundAt(x, y);
+    double ground = relief_.GroundAt(x, y);
     if (cover == Cover::kWater) {  // a pond is level, and lower than its banks
       const Eigen::Vector2d middle = WorldFromLayout(lot.Middle());
-      ground = GroundAt(middle.x(), middle.y()) - 0.5;
+      ground = relief_.GroundAt(middle.x(), middle.y()) - 0.5;
     }
     world.ground(row, col) = static_cast<float>(ground);
     world.surface(row, col) = static_cast<float>(ground + GrowthAt(lot, cover, x, y));
@@ -410,16 +378,9 @@ class Countryside {
 
   WorldOptions options_;
   std::mt19937_64 random_;
-  Noise hills_{MixSeed(options_.seed, kHills), 150.0};
-  Noise rolls_{MixSeed(options_.seed, kRolls), 60.0};
-  Noise swells_{MixSeed(options_.seed, kSwells), 3.0};
-  Noise tufts_{MixSeed(options_.seed, kTufts), 0.5};
-  Noise clods_{MixSeed(options_.seed, kClods), 0.4};
-  Noise bushes_{MixSeed(options_.seed, kBushes), 1.3};
-  Noise tussocks_{MixSeed(options_.seed, kTussocks), 1.6};
+  CountrysideRelief relief_{options_};
   Noise ragged_{MixSeed(options_.seed, kRagged), 4.0};
   Eigen::Vector2d forward_ = Eigen::Vector2d::UnitX();
-  Eigen::Vector2d hill_ = Eigen::Vector2d::Zero();
   std::vector<Lot> lots_;
   std::vector<Split> splits_;
   int root_ = 0;

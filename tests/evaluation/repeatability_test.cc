@@ -1,0 +1,86 @@
+// Same seed and flight, same bytes: with one thread and two, twice; and nothing false safe in a
+// small world.
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include <doctest/doctest.h>
+
+#include "tests/evaluation/world_record.h"
+
+namespace freelsd {
+namespace {
+
+std::string ReadModel() {
+  std::ifstream file(FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml");
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+// Everything that the engine answered and knew; not what it cost.
+nlohmann::json AnswersOf(const Scenario& scenario,
+                         const Classifier& classifier,
+                         const TruthMap& truth,
+                         const Fields& fields,
+                         int num_threads) {
+  cv::setNumThreads(num_threads);
+  PipelineOptions options;
+  options.regions.min_area_m2 = scenario.aircraft.min_area_m2;
+  options.adjustment.num_threads = num_threads;
+  const EngineRun run = RunEngine(scenario.rig,
+                                  scenario.frames,
+                                  scenario.aircraft,
+                                  options,
+                                  classifier,
+                                  [](double, const std::string&) { return true; });
+  const nlohmann::json record = WorldRecord(1, scenario, run, truth, fields);
+  return {{"sites", record.at("sites")},
+          {"regions", record.at("regions")},
+          {"maps", record.at("maps")},
+          {"poses", record.at("poses")}};
+}
+
+TEST_CASE("evaluation: one thread or two, the same bytes, and nothing false safe") {
+  if (std::getenv("FREELSD_SLOW_TESTS") == nullptr) {
+    MESSAGE("skipped: FREELSD_SLOW_TESTS is not set");
+    return;
+  }
+  constexpr uint64_t kSeed = 1001;
+  ScenarioOptions small;
+  small.world_size_m = 260.0;
+  small.cell_size_m = 0.25;
+  small.num_frames = 10;
+  small.aircraft = "small";
+  const Scenario scenario = MakeScenario(kSeed, small, [](double) {});
+  const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
+  const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
+  const Classifier classifier = Classifier::Parse(ReadModel());
+  const nlohmann::json once = AnswersOf(scenario, classifier, truth, fields, 1);
+  CHECK(AnswersOf(scenario, classifier, truth, fields, 2).dump() == once.dump());
+  CHECK(once.at("poses").at("num_connected").get<int>() >= 8);
+  CHECK(!once.at("regions").empty());
+  for (const nlohmann::json& site : once.at("sites")) CHECK(!site.at("is_false_safe"));
+}
+
+TEST_CASE("evaluation: same seed, same photographs but for the damaged ones") {
+  ScenarioOptions options;
+  options.world_size_m = 200.0;
+  options.cell_size_m = 0.5;
+  options.num_frames = 3;
+  const Scenario plain = MakeScenario(1002, options, [](double) {});
+  options.damaged_ratio = 1.0;
+  const Scenario damaged = MakeScenario(1002, options, [](double) {});
+  int num_damaged = 0;
+  for (size_t i = 0; i < plain.frames.size(); ++i) {
+    const double change = cv::norm(plain.frames[i].image, damaged.frames[i].image, cv::NORM_INF);
+    num_damaged += change > 0.0;
+    CHECK(damaged.exposures[i].reported.position_in_world ==
+          plain.exposures[i].reported.position_in_world);
+  }
+  // All but the first, which has none before it.
+  CHECK(num_damaged == 2);
+}
+
+}  // namespace
+}  // namespace freelsd
