@@ -78,7 +78,7 @@ TEST_CASE("options: what is wrong is refused where it is") {
 TEST_CASE("options: described with default, unit and help, beside the aircraft profiles") {
   const nlohmann::json described = OptionsJson();
   const nlohmann::json& field = described["options"]["segmentation"]["ground_sampling_distance_m"];
-  CHECK(field["default"] == 0.3);
+  CHECK(field["default"] == 0.6);
   CHECK(field["unit"] == "m");
   CHECK_FALSE(field["help"].get<std::string>().empty());
   CHECK(described["aircraft_profiles"]["small"]["glide_ratio"] == 7.0);
