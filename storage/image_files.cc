@@ -19,7 +19,8 @@ constexpr char kUnfinishedSuffix[] = "-part";
 
 [[noreturn]] void Fail(const std::string& step) {
   const int error = errno;
-  throw StorageError(step, std::strerror(error), error == ENOSPC || error == EDQUOT);
+  const bool is_full = error == ENOSPC || error == EDQUOT || error == EFBIG;
+  throw StorageError(step, std::strerror(error), is_full);
 }
 
 class File {

@@ -1,16 +1,26 @@
 #include "storage/sqlite.h"
 
+#include <cerrno>
+
 namespace freelsd {
 namespace {
 
 // How long a connection waits for another's lock; the writer is alone, so this covers checkpoints.
 constexpr int kBusyTimeoutMs = 2000;
 
+// SQLite calls only ENOSPC full; a quota or a limit of file size is an I/O error to it.
+bool IsFull(sqlite3* database, int code) {
+  if (code == SQLITE_FULL) return true;
+  if (database == nullptr || code != SQLITE_IOERR) return false;
+  const int error = sqlite3_system_errno(database);
+  return error == EDQUOT || error == EFBIG;
+}
+
 [[noreturn]] void Fail(sqlite3* database, const std::string& step) {
   const int code = database == nullptr ? SQLITE_NOMEM : sqlite3_errcode(database);
   const std::string reason =
       database == nullptr ? "out of memory" : std::string(sqlite3_errmsg(database));
-  throw StorageError(step, reason, code == SQLITE_FULL);
+  throw StorageError(step, reason, IsFull(database, code));
 }
 
 // First words of a statement: enough to find it, without values.
