@@ -1,4 +1,5 @@
--- Everything that survives, beside the image files. user_version 1.
+-- Everything that survives, beside the image files. user_version 2;
+-- migrations.cc brings older ones up.
 -- Times are microseconds since 1970 (UTC). JSON columns hold text that this folder does not read.
 
 CREATE TABLE flights (
@@ -72,3 +73,22 @@ CREATE TABLE site_maps (
   site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
   map BLOB NOT NULL                          -- compressed layers (m, rad, 0..1), versioned inside
 ) STRICT;
+
+-- What emergency recall reads of sites, by number, so that the neighbourhood can be an R*Tree.
+CREATE TABLE site_numbers (
+  number INTEGER PRIMARY KEY,
+  site_id TEXT NOT NULL UNIQUE REFERENCES sites (id) ON DELETE CASCADE,
+  is_recallable INTEGER NOT NULL,            -- 0: rejected, or without terrain; its map still counts
+  is_landable INTEGER NOT NULL,              -- 1 landable, 0 unverified
+  altitude_m REAL NOT NULL,                  -- of the touchdown, in altitude_datum
+  altitude_datum TEXT NOT NULL,              -- 'amsl', 'ellipsoid' or 'unknown'
+  score REAL NOT NULL,                       -- 0..1, when the site was stored
+  aircraft_json TEXT NOT NULL                -- the aircraft it was planned for
+) STRICT;
+CREATE VIRTUAL TABLE site_boxes USING rtree (
+  number,                                    -- of site_numbers
+  west_deg, east_deg, south_deg, north_deg   -- WGS84: what the site's map covers, touchdown included
+);
+CREATE TRIGGER site_boxes_follow AFTER DELETE ON site_numbers BEGIN
+  DELETE FROM site_boxes WHERE number = old.number;
+END;

@@ -41,6 +41,58 @@ void PutSiteRow(const Connection& writer, const SiteRow& site) {
       .Run();
 }
 
+int64_t NumberOf(const Connection& writer, const std::string& site_id) {
+  Statement statement = writer.Prepare("SELECT number FROM site_numbers WHERE site_id = ?1");
+  statement.Bind(site_id).Step();
+  return statement.Int(0);
+}
+
+void PutRecall(const Connection& writer, const SiteRow& site) {
+  const RecallData data = site.recall.value_or(RecallData{});
+  writer
+      .Prepare(
+          "INSERT INTO site_numbers (site_id, is_recallable, is_landable, altitude_m, "
+          "altitude_datum, score, aircraft_json) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7) "
+          "ON CONFLICT (site_id) DO UPDATE SET is_recallable = ?2, is_landable = ?3, "
+          "altitude_m = ?4, altitude_datum = ?5, score = ?6, aircraft_json = ?7")
+      .Bind(site.id,
+            static_cast<int>(site.recall.has_value()),
+            static_cast<int>(data.is_landable),
+            data.altitude_m,
+            data.altitude_datum,
+            data.score,
+            data.aircraft_json)
+      .Run();
+  const BoundingBox touchdown{
+      site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg};
+  const BoundingBox box = site.map_box.value_or(touchdown);
+  writer.Prepare("INSERT OR REPLACE INTO site_boxes VALUES (?1, ?2, ?3, ?4, ?5)")
+      .Bind(NumberOf(writer, site.id), box.west_deg, box.east_deg, box.south_deg, box.north_deg)
+      .Run();
+}
+
+// One box, or the two halves of one that crosses the antimeridian.
+std::vector<BoundingBox> PlainBoxes(const BoundingBox& box) {
+  if (box.west_deg <= box.east_deg) return {box};
+  return {{box.west_deg, box.south_deg, 180.0, box.north_deg},
+          {-180.0, box.south_deg, box.east_deg, box.north_deg}};
+}
+
+RecallRow RecallRowOf(const Statement& statement) {
+  RecallRow row;
+  row.site_id = statement.Text(0);
+  row.flight_id = statement.Text(1);
+  row.latitude_deg = statement.Real(2);
+  row.longitude_deg = statement.Real(3);
+  row.updated_at_us = statement.Int(4);
+  row.data = {statement.Int(5) != 0,
+              statement.Real(6),
+              statement.Text(7),
+              statement.Real(8),
+              statement.Text(9)};
+  return row;
+}
+
 }  // namespace
 
 void Storage::ReplaceRegions(const std::string& flight_id, const std::vector<RegionRow>& regions) {
@@ -86,6 +138,7 @@ void Storage::PutSite(const SiteRow& site, std::string_view map_blob) {
   const std::lock_guard lock(state_->write_mutex);
   Transaction transaction(state_->writer);
   PutSiteRow(state_->writer, site);
+  PutRecall(state_->writer, site);
   if (map_blob.empty()) {
     state_->writer.Prepare("DELETE FROM site_maps WHERE site_id = ?1").Bind(site.id).Run();
   } else {
@@ -131,6 +184,38 @@ std::optional<std::string> Storage::ReadSiteMap(const std::string& site_id) cons
   Statement statement = reader->Prepare("SELECT map FROM site_maps WHERE site_id = ?1");
   if (!statement.Bind(site_id).Step()) return std::nullopt;
   return statement.Text(0);
+}
+
+std::vector<RecallRow> Storage::ListRecallable(const BoundingBox& box) const {
+  const Reader reader(state_->readers);
+  std::vector<RecallRow> rows;
+  for (const BoundingBox& part : PlainBoxes(box)) {
+    Statement statement = reader->Prepare(
+        "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, is_landable, "
+        "altitude_m, altitude_datum, score, aircraft_json FROM site_boxes "
+        "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
+        "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
+        "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1");
+    statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg);
+    while (statement.Step()) rows.push_back(RecallRowOf(statement));
+  }
+  return rows;
+}
+
+std::vector<Storage::MapRow> Storage::ListMaps(const BoundingBox& box) const {
+  const Reader reader(state_->readers);
+  std::vector<MapRow> rows;
+  for (const BoundingBox& part : PlainBoxes(box)) {
+    Statement statement = reader->Prepare(
+        "SELECT sites.id, updated_at_us, altitude_datum FROM site_boxes "
+        "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
+        "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
+        "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2");
+    statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg);
+    while (statement.Step())
+      rows.push_back({statement.Text(0), statement.Int(1), statement.Text(2)});
+  }
+  return rows;
 }
 
 bool Storage::DeleteSite(const std::string& site_id) {

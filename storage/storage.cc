@@ -10,6 +10,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "storage/migrations.h"
 #include "storage/state.h"
 
 extern const char* const kSchemaSql;
@@ -18,7 +19,6 @@ namespace freelsd {
 namespace {
 
 constexpr char kDatabaseName[] = "freelsd.db";
-constexpr int kSchemaVersion = 1;
 // Below this free space nothing new is taken: the results of what is there must still fit.
 constexpr uint64_t kMinFreeBytes = uint64_t{256} << 20;
 
@@ -29,19 +29,24 @@ std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
   return folder;
 }
 
-void CreateOrCheckSchema(const Connection& writer) {
+// Creates the schema, or brings an older one up, in one transaction.
+void OpenSchema(const Connection& writer) {
   Statement statement = writer.Prepare("PRAGMA user_version");
   statement.Step();
   const int64_t version = statement.Int(0);
   if (version == kSchemaVersion) return;
-  if (version != 0) {
+  if (version < 0 || version > kSchemaVersion) {
     throw StorageError("open the database",
                        "its schema has version " + std::to_string(version) +
-                           ", this program understands " + std::to_string(kSchemaVersion));
+                           ", this program understands up to " + std::to_string(kSchemaVersion));
   }
   Transaction transaction(writer);
-  writer.Execute(kSchemaSql);
-  writer.Execute("PRAGMA user_version = 1");
+  if (version == 0) {
+    writer.Execute(kSchemaSql);
+  } else {
+    Migrate(writer, version);
+  }
+  writer.Execute("PRAGMA user_version = 2");
   transaction.Commit();
 }
 
@@ -93,7 +98,7 @@ Storage::State::State(const std::filesystem::path& data_folder)
       readers(folder / kDatabaseName) {}
 
 Storage::Storage(const std::filesystem::path& folder) : state_(std::make_unique<State>(folder)) {
-  CreateOrCheckSchema(state_->writer);
+  OpenSchema(state_->writer);
   SyncFolder(state_->folder);
   const std::set<std::string> images = ImagesInUse(state_->writer);
   state_->images.RemoveUnless(

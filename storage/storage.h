@@ -68,6 +68,29 @@ struct JobRow {
   int64_t created_at_us = 0;
 };
 
+// A box with west > east crosses the antimeridian.
+struct BoundingBox {
+  double west_deg, south_deg, east_deg, north_deg;
+};
+
+// What emergency recall needs of a site before it reads the rest.
+struct RecallData {
+  bool is_landable = false;  // else unverified
+  double altitude_m = 0.0;   // of the touchdown, in altitude_datum
+  std::string altitude_datum = "unknown";
+  double score = 0.0;
+  std::string aircraft_json = "{}";
+};
+
+struct RecallRow {
+  std::string site_id;
+  std::string flight_id;
+  double latitude_deg = 0.0;
+  double longitude_deg = 0.0;
+  int64_t updated_at_us = 0;
+  RecallData data;
+};
+
 struct SiteRow {
   std::string id;
   std::string flight_id;
@@ -81,11 +104,10 @@ struct SiteRow {
   // What planning anew needs: region, aircraft, origin, datum.
   std::string replan_json;
   int64_t updated_at_us = 0;
-};
-
-// A box with west > east crosses the antimeridian.
-struct BoundingBox {
-  double west_deg, south_deg, east_deg, north_deg;
+  // Nothing: never to be recalled (rejected, or no terrain was seen).
+  std::optional<RecallData> recall;
+  // What the map covers; nothing: the touchdown alone.
+  std::optional<BoundingBox> map_box;
 };
 
 class Storage {
@@ -167,6 +189,15 @@ class Storage {
                                  const std::optional<BoundingBox>& box) const;
   int64_t CountSites(const std::string& flight_id) const;
   std::optional<std::string> ReadSiteMap(const std::string& site_id) const;
+  // Sites that can be recalled, their map or touchdown in the box.
+  std::vector<RecallRow> ListRecallable(const BoundingBox& box) const;
+  // Id and time of sites, also rejected ones, whose map may lie in the box.
+  struct MapRow {
+    std::string site_id;
+    int64_t updated_at_us = 0;
+    std::string altitude_datum;
+  };
+  std::vector<MapRow> ListMaps(const BoundingBox& box) const;
   bool DeleteSite(const std::string& site_id);
 
   // Whether a write would work now: nothing, or why not.
