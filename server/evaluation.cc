@@ -1,5 +1,7 @@
 #include "server/evaluation.h"
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <nlohmann/json.hpp>
@@ -54,6 +56,37 @@ Replan ReplanOf(const Site& site, const FlightSession& session, int min_num_obse
   return replan;
 }
 
+std::optional<RecallData> RecallOf(const Site& site,
+                                   const FlightRequest& request,
+                                   double altitude) {
+  const Plan& plan = site.plan;
+  if (plan.verdict == Verdict::kRejected || !plan.approach) return std::nullopt;
+  if (!std::isfinite(altitude)) return std::nullopt;
+  return RecallData{plan.verdict == Verdict::kLandable,
+                    altitude,
+                    request.altitude_datum,
+                    std::clamp(plan.score, 0.0, 1.0),
+                    AircraftJson(request.aircraft).dump()};
+}
+
+// Of the stored map, by its corners.
+BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame) {
+  const Eigen::Vector2d size(grid.num_cols * grid.cell_size_m, -grid.num_rows * grid.cell_size_m);
+  BoundingBox box{180.0, 90.0, -180.0, -90.0};
+  for (const double x : {0.0, 1.0}) {
+    for (const double y : {0.0, 1.0}) {
+      const Eigen::Vector2d corner =
+          grid.north_west_in_world + Eigen::Vector2d(x * size.x(), y * size.y());
+      const GeoPoint place = local_frame.GeoFromWorld({corner.x(), corner.y(), 0.0});
+      box.west_deg = std::min(box.west_deg, place.longitude_deg);
+      box.east_deg = std::max(box.east_deg, place.longitude_deg);
+      box.south_deg = std::min(box.south_deg, place.latitude_deg);
+      box.north_deg = std::max(box.north_deg, place.latitude_deg);
+    }
+  }
+  return box;
+}
+
 NewSite SiteOf(const Site& site,
                const Evaluation& evaluation,
                const FlightSession& session,
@@ -73,11 +106,16 @@ NewSite SiteOf(const Site& site,
       SiteFeature(made.row.id, site, request.aircraft, updated_at, context).dump();
   if (site.plan.approach) made.row.approach_json = ApproachJson(site.plan, context).dump();
   made.row.replan_json = ReplanJson(ReplanOf(site, session, min_num_observations));
+  made.row.recall = RecallOf(site, request, touchdown.altitude_m);
   if (evaluation.map.grid.num_rows > 0) {
-    made.map_blob = SerializeSiteMap(CropAround(evaluation.map,
-                                                evaluation.hazards,
-                                                site.region.Footprint(),
-                                                request.options.backend.max_surroundings_m));
+    const SiteMap cropped = CropAround(evaluation.map,
+                                       evaluation.hazards,
+                                       site.region.Footprint(),
+                                       request.options.backend.max_surroundings_m);
+    made.map_blob = SerializeSiteMap(cropped);
+    if (cropped.map.grid.num_rows > 0) {
+      made.row.map_box = BoxOf(cropped.map.grid, context.local_frame);
+    }
   }
   return made;
 }

@@ -114,6 +114,7 @@ void AnswerProblem(const ApiError& error, httplib::Response& response) {
   if (const std::optional<int> seconds = RetryAfterSeconds(error.code())) {
     response.set_header("Retry-After", std::to_string(*seconds));
   }
+  if (error.http_status() == 401) response.set_header("WWW-Authenticate", "Bearer");
 }
 
 HttpServer::HttpServer(const HttpOptions& options, Handler handler)

@@ -10,7 +10,10 @@
 
 #include "api/import/import.h"
 #include "server/config.h"
+#include "server/map_cache.h"
+#include "server/metrics.h"
 #include "server/page.h"
+#include "server/tokens.h"
 #include "storage/storage.h"
 
 namespace freelsd {
@@ -21,7 +24,11 @@ struct Service {
   const Config& config;
   Storage& storage;
   Page page;
+  TokenList tokens;
+  Metrics metrics;
   ImageLimits image_limits;
+  // Of recall: its own, so that nothing else pushes maps out.
+  mutable MapCache maps{size_t{256} << 20};
   // Tells the worker that there is something new in storage.
   std::function<void()> wake_worker = [] {};
 

@@ -1,6 +1,9 @@
+#include <sstream>
+
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
+#include "server/emergency.h"
 #include "server/handlers.h"
 
 namespace freelsd {
@@ -28,6 +31,34 @@ void GetReadiness(Service& service, const Call&, httplib::Response& response) {
   response.set_header("Retry-After", std::to_string(RetryAfterSeconds("Unavailable").value_or(1)));
 }
 
+// Gauges are read from storage when asked: they cannot drift from it.
+void GetMetrics(Service& service, const Call&, httplib::Response& response) {
+  std::ostringstream text;
+  const auto gauge = [&text](const char* name, const char* help, auto value) {
+    text << "# HELP freelsd_" << name << ' ' << help << "\n# TYPE freelsd_" << name
+         << " gauge\nfreelsd_" << name << ' ' << value << '\n';
+  };
+  gauge("queued_frames", "Frames that wait for the engine.", service.storage.CountQueuedFrames());
+  gauge("unfinished_jobs", "Jobs queued or running.", service.storage.ListUnfinishedJobs().size());
+  gauge("flights", "Stored flights.", service.storage.ListFlights().size());
+  gauge("recallable_sites",
+        "Sites that emergency recall may answer with.",
+        service.storage.ListRecallable({-180.0, -90.0, 180.0, 90.0}).size());
+  gauge("writable", "1 where storage takes writes.", service.storage.WhyNotWritable() ? 0 : 1);
+  response.set_content(text.str() + service.metrics.Text(), "text/plain; version=0.0.4");
+}
+
+namespace {
+
+nlohmann::json EmergencyInfo() {
+  const GlideOptions options;
+  return {{"unknown_wind_mps", options.unknown_wind_mps},
+          {"datum_penalty_m", options.datum_penalty_m},
+          {"terrain_clearance_m", options.terrain_clearance_m}};
+}
+
+}  // namespace
+
 void GetInfo(Service& service, const Call&, httplib::Response& response) {
   nlohmann::json info = OptionsJson();
   info["name"] = "freelsd";
@@ -37,7 +68,9 @@ void GetInfo(Service& service, const Call&, httplib::Response& response) {
                     {"max_image_bytes", service.image_limits.max_bytes},
                     {"max_batch_bytes", service.config.max_batch_bytes},
                     {"max_num_queued_frames", service.config.max_num_queued_frames},
+                    {"max_num_emergency_sites", kMaxNumEmergencySites},
                     {"max_json_bytes", 1 << 20}};
+  info["emergency"] = EmergencyInfo();
   response.set_content(info.dump(), "application/json");
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "api/api.h"
+#include "api/export/export.h"
 #include "server/call.h"
 #include "server/service.h"
 
@@ -18,6 +19,8 @@ struct Replan {
   GeoPoint origin;
   PlanRequest request;
 };
+// The plan for this request and the flight's aircraft, on a map stored before.
+Plan PlanOnStoredMap(const Replan& replan, const SiteMap& site_map);
 std::string ReplanJson(const Replan& replan);
 Replan ParseReplan(const std::string& text);
 

@@ -85,9 +85,8 @@ std::optional<Flown> Fly(const Stance& from,
     const double next = TimeOf(path, performance);
     if (std::abs(next - time) < kTimeTolerance) {
       const double turning = path.turned * performance.turn_radius / performance.airspeed;
-      return Flown{next,
-                   turning * performance.turning_sink_rate +
-                       (next - turning) * performance.sink_rate};
+      return Flown{
+          next, turning * performance.turning_sink_rate + (next - turning) * performance.sink_rate};
     }
     time = next;
   }
@@ -184,8 +183,8 @@ std::optional<Glide> GlideTo(const GlideStart& start,
                              const GlideOptions& options) {
   const Performance performance = PerformanceOf(aircraft);
   const Stance to{approach_start_in_world.head<2>(), final_heading};
-  const double extra_time = TurnBetweenHeadings(start, options) * performance.turn_radius /
-                            performance.airspeed;
+  const double extra_time =
+      TurnBetweenHeadings(start, options) * performance.turn_radius / performance.airspeed;
   Flown worst;
   for (const Eigen::Vector2d& wind : WindsToReckonWith(start, aircraft, options)) {
     for (const double heading : HeadingsToReckonWith(start, options)) {
@@ -194,12 +193,11 @@ std::optional<Glide> GlideTo(const GlideStart& start,
       const std::optional<Flown> flown = Fly(from, to, wind, performance);
       if (!flown) return std::nullopt;
       worst.time = std::max(worst.time, flown->time + extra_time);
-      worst.height_lost = std::max(
-          worst.height_lost, flown->height_lost + extra_time * performance.turning_sink_rate);
+      worst.height_lost = std::max(worst.height_lost,
+                                   flown->height_lost + extra_time * performance.turning_sink_rate);
     }
   }
-  return Glide{
-      worst.time, worst.height_lost, start.position_in_world.z() - worst.height_lost};
+  return Glide{worst.time, worst.height_lost, start.position_in_world.z() - worst.height_lost};
 }
 
 std::optional<double> LeastHeightLost(const GlideStart& start,
@@ -212,8 +210,7 @@ std::optional<double> LeastHeightLost(const GlideStart& start,
   if (distance <= 0.0) return 0.0;
   // The nearest point of a disc need not be the quickest in wind: the wind helps at most by itself.
   const double wind_speed = start.wind_in_world ? start.wind_in_world->norm() : 0.0;
-  const double along =
-      start.wind_in_world ? start.wind_in_world->dot(way.normalized()) : 0.0;
+  const double along = start.wind_in_world ? start.wind_in_world->dot(way.normalized()) : 0.0;
   const double turned_aside = std::min(1.0, within_m / way.norm());
   const double speed = performance.airspeed + along + wind_speed * turned_aside;
   if (speed <= 0.0) return std::nullopt;
@@ -232,8 +229,7 @@ std::optional<double> LeastHeightOver(const ElevationMap& map,
       map.grid.north_west_in_world + 0.5 * Eigen::Vector2d(size.x(), -size.y());
   const double length = way.norm();
   const double reach = 0.5 * size.norm();
-  const double middle =
-      length > 0.0 ? (center - begin_in_world.head<2>()).dot(way) / length : 0.0;
+  const double middle = length > 0.0 ? (center - begin_in_world.head<2>()).dot(way) / length : 0.0;
   const double first = length > 0.0 ? std::clamp((middle - reach) / length, 0.0, 1.0) : 0.0;
   const double last = length > 0.0 ? std::clamp((middle + reach) / length, 0.0, 1.0) : 1.0;
   const Eigen::Vector3d line = end_in_world - begin_in_world;

@@ -56,8 +56,9 @@ std::optional<Glide> GlideTo(const GlideStart& start,
                              const Aircraft& aircraft,
                              const GlideOptions& options);
 
-// Least height that any way to within `within_m` of a place costs: straight, no turn, the known wind
-// as it is, an unknown one calm. Never more than GlideTo says. Nothing where the wind is too strong.
+// Least height that any way to within `within_m` of a place costs: straight, no turn, the known
+// wind as it is, an unknown one calm. Never more than GlideTo says. Nothing where the wind is too
+// strong.
 std::optional<double> LeastHeightLost(const GlideStart& start,
                                       const Eigen::Vector2d& place_in_world,
                                       double within_m,

@@ -40,6 +40,8 @@ class TestServer {
 
   int port() const { return app_.port(); }
   httplib::Client Client() const;
+  // Of the emergency listener, which must be on.
+  httplib::Client EmergencyClient() const;
 
  private:
   App app_;

@@ -1,9 +1,10 @@
+#include "engine/glide/glide.h"
+
 #include <cmath>
 #include <random>
 
 #include <doctest/doctest.h>
 
-#include "engine/glide/glide.h"
 #include "engine/glide/shortest_turns.h"
 
 namespace freelsd {
@@ -85,7 +86,8 @@ TEST_CASE("glide: in still air straight ahead height is distance over glide rati
   CHECK(glide->arrival_height_m == doctest::Approx(200.0).epsilon(kMaxHeightErrorM / 200.0));
 }
 
-TEST_CASE("glide: straight into a wind that may turn, closed form for the worst of its directions") {
+TEST_CASE(
+    "glide: straight into a wind that may turn, closed form for the worst of its directions") {
   // Head wind of 5 m/s exactly; turned aside it is weaker.
   const double airspeed = 13.0 * std::cos(std::atan(1.0 / 12.0));
   const double expected = 1200.0 / (airspeed - 5.0) * 13.0 * std::sin(std::atan(1.0 / 12.0));
@@ -152,9 +154,7 @@ TEST_CASE("glide: terrain of a map counts where the line crosses it, unseen cell
   map.elevation = cv::Mat1f(100, 100, 20.0f);
   map.upper = map.elevation.clone();
   map.upper(50, 50) = 70.0f;  // a tree on the line, at (0.5, 499.5)
-  const auto over = [&map](double x) {
-    return LeastHeightOver(map, {x, 0, 100}, {x, 1000, 50});
-  };
+  const auto over = [&map](double x) { return LeastHeightOver(map, {x, 0, 100}, {x, 1000, 50}); };
   REQUIRE(over(0.5));
   CHECK(*over(0.5) == doctest::Approx(5.0).epsilon(0.02));
   CHECK(*over(-20.0) == doctest::Approx(52.5).epsilon(0.01));
@@ -167,7 +167,8 @@ TEST_CASE("glide: options out of their bounds are named") {
   GlideOptions options;
   options.Check();
   options.unknown_wind_mps = -1.0;
-  CHECK_THROWS_WITH_AS(options.Check(), doctest::Contains("unknown_wind_mps"), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      options.Check(), doctest::Contains("unknown_wind_mps"), std::invalid_argument);
   options = {};
   options.num_unknown_winds = 3;
   CHECK_THROWS_AS(options.Check(), std::invalid_argument);
