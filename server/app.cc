@@ -67,6 +67,7 @@ App::App(const Config& config)
   service_.page = ReadPageFiles(config_);
   if (!config_.token_file.empty()) service_.tokens = TokenList::Read(config_.token_file);
   service_.wake_worker = [this] { worker_.Wake(); };
+  service_.alternates.Start();
   if (!config_.emergency) return;
   emergency_http_ = std::make_unique<HttpServer>(OptionsOf(config_, Listener::kEmergency),
                                                  HandlerFor(service_, Listener::kEmergency));
@@ -82,6 +83,8 @@ void App::Run() {
 
 bool App::Stop(std::chrono::milliseconds patience) {
   service_.is_stopping = true;
+  service_.events.Stop();
+  service_.alternates.Stop();
   http_.Stop();
   if (emergency_http_) emergency_http_->Stop();
   return worker_.Stop(patience);

@@ -77,6 +77,11 @@ void ReadConfigFile(const std::string& path, Config& config) {
   Take(object, "num_http_threads", config.num_http_threads);
   Take(object, "max_num_queued_frames", config.max_num_queued_frames);
   Take(object, "max_batch_bytes", config.max_batch_bytes);
+  Take(object, "max_image_age_days", config.max_image_age_days);
+  Take(object, "max_stored_image_bytes", config.max_stored_image_bytes);
+  Take(object, "telemetry_wait_s", config.telemetry_wait_s);
+  Take(object, "max_telemetry_gap_s", config.max_telemetry_gap_s);
+  Take(object, "max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s);
   if (!object.empty()) throw ConfigError("config file: unknown key " + object.begin().key());
 }
 
@@ -94,6 +99,14 @@ void Check(const Config& config) {
   if (config.num_http_threads < 2 || config.num_http_threads > 512) {
     throw ConfigError("num_http_threads: must be in [2, 512]");
   }
+  for (const double seconds : {config.telemetry_wait_s,
+                               config.max_telemetry_gap_s,
+                               config.max_telemetry_extrapolation_s}) {
+    if (!(seconds >= 0.0 && seconds <= 60.0)) {
+      throw ConfigError("times of telemetry: must be in [0, 60] s");
+    }
+  }
+  if (!(config.max_image_age_days >= 0.0)) throw ConfigError("max_image_age_days: must be >= 0");
   if (config.max_num_queued_frames < 1) throw ConfigError("max_num_queued_frames: must be >= 1");
 }
 

@@ -34,6 +34,15 @@ struct Config {
   // Frames that may wait for the frontend; batches are outside this limit.
   int64_t max_num_queued_frames = 256;
   uint64_t max_batch_bytes = uint64_t{2} << 30;
+  // Images of idle flights are removed, oldest first, beyond these; 0: never. Sites stay.
+  double max_image_age_days = 0.0;
+  uint64_t max_stored_image_bytes = 0;
+  // How long a frame without position waits for telemetry that covers its time.
+  double telemetry_wait_s = 10.0;
+  // Longest time between two telemetry samples that is bridged, and the longest that a pose is
+  // taken beyond the last one.
+  double max_telemetry_gap_s = 2.0;
+  double max_telemetry_extrapolation_s = 0.2;
 };
 
 // What is wrong with the settings, in a sentence.

@@ -52,6 +52,19 @@ void GetLayerLegend(Service& service, const Call& call, httplib::Response& respo
 // emergency_handlers.cc
 void GetEmergency(Service& service, const Call& call, httplib::Response& response);
 void PostEmergency(Service& service, const Call& call, httplib::Response& response);
+void GetEmergencyExport(Service& service, const Call& call, httplib::Response& response);
+
+// alternates_handler.cc
+void GetAlternates(Service& service, const Call& call, httplib::Response& response);
+
+// telemetry_handler.cc
+void PostTelemetry(Service& service, const Call& call, httplib::Response& response);
+
+// stream_handler.cc
+void PostStream(Service& service, const Call& call, httplib::Response& response);
+
+// events_handler.cc
+void GetEvents(Service& service, const Call& call, httplib::Response& response);
 
 // service_handlers.cc
 void GetHealth(Service& service, const Call& call, httplib::Response& response);

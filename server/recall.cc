@@ -10,7 +10,6 @@
 
 #include "api/api.h"
 #include "server/emergency.h"
-#include "server/site_lookup.h"
 #include "server/stamps.h"
 
 namespace freelsd {
@@ -21,6 +20,8 @@ constexpr double kMetresPerDegree = 111195.0;  // of latitude, on a sphere
 constexpr double kMaxReachM = 100000.0;
 // Planning anew may choose another touchdown of the same region, and the final starts elsewhere.
 constexpr double kPlanShiftM = 1000.0;
+// Boxes are of maps, touchdowns lie somewhere within.
+constexpr double kMapHalfSizeM = 500.0;
 // More height than this in hand makes no site better than another.
 constexpr double kPlentyMarginM = 60.0;
 // Margins within one step of it count as equal.
@@ -75,10 +76,26 @@ Eigen::Vector2d WayTo(const RecallRow& row, const GeoPoint& place) {
           (row.latitude_deg - place.latitude_deg) * kMetresPerDegree};
 }
 
+Aircraft AircraftOf(const EmergencyRequest& request, const Aircraft& site_aircraft) {
+  return Unpowered(request.aircraft.value_or(site_aircraft), request.glide_ratio);
+}
+
 Aircraft AircraftOf(const EmergencyRequest& request, const std::string& aircraft_json) {
-  const Aircraft aircraft =
-      request.aircraft ? *request.aircraft : ParseAircraft(ParseJson(aircraft_json), "/aircraft");
-  return Unpowered(aircraft, request.glide_ratio);
+  return AircraftOf(request, ParseAircraft(ParseJson(aircraft_json), "/aircraft"));
+}
+
+// No site lies lower, and no aircraft glides farther, than those this is for.
+double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds) {
+  const double height_m = std::max(0.0, request.place.altitude_m - bounds.min_altitude_m);
+  const double wind_mps = request.wind_in_world ? request.wind_in_world->norm() : 0.0;
+  double reach_m = 0.0;
+  for (const std::string& aircraft_json : bounds.aircraft_jsons) {
+    const Aircraft aircraft = AircraftOf(request, aircraft_json);
+    const double speed_mps = aircraft.glide_airspeed_mps.value_or(aircraft.landing_airspeed_mps);
+    const double aloft_s = height_m * std::hypot(aircraft.glide_ratio, 1.0) / speed_mps;
+    reach_m = std::max(reach_m, height_m * aircraft.glide_ratio + wind_mps * aloft_s);
+  }
+  return std::min(kMaxReachM, reach_m + kPlanShiftM + kMapHalfSizeM);
 }
 
 GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& position_in_world) {
@@ -126,11 +143,24 @@ bool IsBetter(double margin_a,
   return a.row.site_id < b.row.site_id;
 }
 
-std::vector<Candidate> Candidates(const Service& service, const EmergencyRequest& request) {
+// These are the only stored values that no checksum covers.
+double SafeReach(const Service& service, const EmergencyRequest& request) {
+  const RecallBounds bounds = service.storage.BoundsOfRecallable();
+  try {
+    return GreatestReach(request, bounds);
+  } catch (const ApiError& error) {
+    service.storage.MarkDamaged(error.what());
+    return kMaxReachM;
+  }
+}
+
+std::vector<Candidate> Candidates(const Service& service,
+                                  const EmergencyRequest& request,
+                                  double reach_m) {
   std::vector<Candidate> candidates;
   std::map<std::string, Aircraft> aircraft_by_json;
   std::set<std::string> ids;
-  for (RecallRow& row : service.storage.ListRecallable(BoxAround(request.place, kMaxReachM))) {
+  for (RecallRow& row : service.storage.ListRecallable(BoxAround(request.place, reach_m))) {
     if (!ids.insert(row.site_id).second) continue;
     auto aircraft = aircraft_by_json.find(row.data.aircraft_json);
     if (aircraft == aircraft_by_json.end()) {
@@ -166,12 +196,11 @@ std::optional<double> TerrainMargin(const Service& service,
                         std::max(request.place.latitude_deg, end.latitude_deg)};
   std::optional<double> least;
   for (const Storage::MapRow& row : service.storage.ListMaps(box)) {
-    const auto map = service.maps.Get(service.storage, row.site_id, row.updated_at_us);
-    const auto site = map ? service.storage.FindSite(row.site_id) : std::nullopt;
-    if (!map || !site) continue;
-    const LocalFrame local_frame(ParseReplan(site->replan_json).origin);
+    const auto site = service.maps.Get(service.storage, row.site_id, row.updated_at_us);
+    if (!site) continue;
+    const LocalFrame local_frame(site->replan.origin);
     const auto height = LeastHeightOver(
-        map->map, local_frame.WorldFromGeo(request.place), local_frame.WorldFromGeo(end));
+        site->site_map.map, local_frame.WorldFromGeo(request.place), local_frame.WorldFromGeo(end));
     if (!height) continue;
     const double margin = *height - GlideOptions{}.terrain_clearance_m -
                           PenaltyFor(request.altitude_datum, row.altitude_datum);
@@ -215,24 +244,20 @@ nlohmann::json AnswerOf(const Candidate& candidate,
 std::optional<Reached> Reach(const Service& service,
                              const EmergencyRequest& request,
                              const Candidate& candidate) {
-  const std::optional<SiteRow> site = service.storage.FindSite(candidate.row.site_id);
+  const auto site =
+      service.maps.Get(service.storage, candidate.row.site_id, candidate.row.updated_at_us);
   if (!site) return std::nullopt;
-  const auto map = service.maps.Get(service.storage, site->id, site->updated_at_us);
-  if (!map) return std::nullopt;
-  Replan replan = ParseReplan(site->replan_json);
-  replan.flight.aircraft = AircraftOf(request, AircraftJson(replan.flight.aircraft).dump());
-  replan.request.wind_in_world = request.wind_in_world;
-  const Plan plan = PlanOnStoredMap(replan, *map);
+  const FlightRequest& flight = site->replan.flight;
+  const Aircraft aircraft = AircraftOf(request, flight.aircraft);
+  const auto kept_plan = service.maps.PlanFor(site, aircraft, request.wind_in_world);
+  const Plan& plan = *kept_plan;
   if (plan.verdict == Verdict::kRejected || !plan.approach) return std::nullopt;
   const FlightContext context{
-      site->flight_id, replan.flight.altitude_datum, LocalFrame(replan.origin)};
+      site->row.flight_id, flight.altitude_datum, LocalFrame(site->replan.origin)};
   const Eigen::Vector3d& approach_start = plan.approach->approach_start_in_world;
   const Eigen::Vector3d here = context.local_frame.WorldFromGeo(request.place);
-  const auto glide = GlideTo(StartOf(request, here),
-                             approach_start,
-                             plan.approach->heading,
-                             replan.flight.aircraft,
-                             GlideOptions{});
+  const auto glide = GlideTo(
+      StartOf(request, here), approach_start, plan.approach->heading, aircraft, GlideOptions{});
   if (!glide) return std::nullopt;
   Reached reached;
   reached.is_landable = plan.verdict == Verdict::kLandable;
@@ -316,8 +341,16 @@ Search SearchAmong(const Service& service,
 }  // namespace
 
 nlohmann::json RecallSites(const Service& service, const EmergencyRequest& request) {
-  const std::vector<Candidate> candidates = Candidates(service, request);
+  double reach_m = SafeReach(service, request);
+  std::vector<Candidate> candidates = Candidates(service, request, reach_m);
   Search search = SearchAmong(service, request, candidates);
+  // Nothing can be reached: how near the nearest miss is, is looked for ever farther out.
+  while (search.reachable.empty() && !search.nearest_miss && !search.is_cut_short &&
+         reach_m < kMaxReachM) {
+    reach_m = std::min(kMaxReachM, 3.0 * reach_m);
+    candidates = Candidates(service, request, reach_m);
+    search = SearchAmong(service, request, candidates);
+  }
   std::sort(search.reachable.begin(), search.reachable.end(), [](const Ranked& a, const Ranked& b) {
     return IsBetter(a.reached.margin_m,
                     a.reached.is_landable,

@@ -1,6 +1,6 @@
-#include <nlohmann/json.hpp>
+#include "server/replan.h"
 
-#include "server/site_lookup.h"
+#include <nlohmann/json.hpp>
 
 namespace freelsd {
 

@@ -60,6 +60,10 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/flights/{flight}/frames", GetFrames},
     {"POST", "/v1/flights/{flight}/batch", PostBatch},
     {"POST", "/v1/flights/{flight}/finish", PostFinish},
+    {"POST", "/v1/flights/{flight}/telemetry", PostTelemetry},
+    {"POST", "/v1/flights/{flight}/stream", PostStream},
+    {"GET", "/v1/flights/{flight}/alternates", GetAlternates},
+    {"GET", "/v1/events", GetEvents, "flight"},
     {"GET", "/v1/jobs", GetJobs},
     {"GET", "/v1/jobs/{job}", GetJob},
     {"DELETE", "/v1/jobs/{job}", DeleteJob},
@@ -77,6 +81,7 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/sites/{site}/layers/{layer}/legend.png", GetLayerLegend},
     {"GET", "/v1/emergency", GetEmergency, kEmergency, Listeners::kBoth},
     {"POST", "/v1/emergency", PostEmergency, kEmergency, Listeners::kBoth},
+    {"GET", "/v1/emergency/export", GetEmergencyExport, "bbox f home_altitude_m", Listeners::kBoth},
     {"GET", "/healthz", GetHealth, "", Listeners::kBoth},
     {"GET", "/readyz", GetReadiness},
     {"GET", "/metrics", GetMetrics},
@@ -179,7 +184,7 @@ void Dispatch(Service& service,
   }
   if (!allow.empty()) RefuseMethod(allow, response);
   if (listener == Listener::kEmergency) {
-    throw ApiError("NotFound", "this listener has /v1/emergency and /healthz only");
+    throw ApiError("NotFound", "this listener has /v1/emergency, its export and /healthz only");
   }
   if (ServePage(service, request, response)) return;
   if (service.page.contains(request.path)) RefuseMethod("GET, HEAD", response);
@@ -198,8 +203,10 @@ void DispatchSafely(Service& service,
     AnswerProblem(error, response);
   } catch (const StorageError& error) {
     spdlog::error("storage: {}", error.what());
-    AnswerProblem(error.is_full ? ApiError("StorageFull", "the disk is full")
-                                : ApiError("Unavailable", "the storage failed; try again"),
+    if (error.fault == StorageFault::kDamaged) service.storage.MarkDamaged(error.what());
+    AnswerProblem(error.fault == StorageFault::kFull
+                      ? ApiError("StorageFull", "the disk is full")
+                      : ApiError("Unavailable", "the storage failed; try again"),
                   response);
   } catch (const std::exception& error) {
     spdlog::error("request failed: {}", error.what());

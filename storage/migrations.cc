@@ -6,6 +6,24 @@ namespace {
 // The one place where JSON is read here: what is a column from version 2 on stood only in the
 // sites' features. The maps' extents did not stand anywhere: a box of about 3 km is surely enough.
 constexpr char kFrom1To2[] = R"sql(
+ALTER TABLE flights ADD COLUMN has_retired_images INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE frames ADD COLUMN tags_json TEXT NOT NULL DEFAULT '{}';
+ALTER TABLE frames ADD COLUMN resolved_json TEXT NOT NULL DEFAULT '';
+UPDATE frames SET resolved_json = meta_json;
+CREATE TABLE telemetry (
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  kind INTEGER NOT NULL,
+  timestamp_us INTEGER NOT NULL,
+  value_0 REAL NOT NULL,
+  value_1 REAL NOT NULL,
+  value_2 REAL NOT NULL,
+  value_3 REAL NOT NULL,
+  PRIMARY KEY (flight_id, kind, timestamp_us)
+) STRICT, WITHOUT ROWID;
+ALTER TABLE sites ADD COLUMN checksum INTEGER;
+ALTER TABLE sites ADD COLUMN superseded_by TEXT
+  REFERENCES sites (id) ON DELETE SET NULL DEFERRABLE INITIALLY DEFERRED;
+CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
 CREATE TABLE site_numbers (
   number INTEGER PRIMARY KEY,
   site_id TEXT NOT NULL UNIQUE REFERENCES sites (id) ON DELETE CASCADE,
@@ -14,14 +32,13 @@ CREATE TABLE site_numbers (
   altitude_m REAL NOT NULL,
   altitude_datum TEXT NOT NULL,
   score REAL NOT NULL,
-  aircraft_json TEXT NOT NULL
+  aircraft_json TEXT NOT NULL,
+  checksum INTEGER
 ) STRICT;
+CREATE INDEX site_numbers_by_altitude ON site_numbers (altitude_m) WHERE is_recallable = 1;
 CREATE VIRTUAL TABLE site_boxes USING rtree (
   number, west_deg, east_deg, south_deg, north_deg
 );
-CREATE TRIGGER site_boxes_follow AFTER DELETE ON site_numbers BEGIN
-  DELETE FROM site_boxes WHERE number = old.number;
-END;
 INSERT INTO site_numbers (site_id, is_recallable, is_landable, altitude_m, altitude_datum, score,
                           aircraft_json)
 SELECT id,

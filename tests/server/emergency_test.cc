@@ -251,5 +251,76 @@ TEST_CASE("emergency: the answer is the same after kill -9 and a cold start") {
   CHECK(ask() == first);
 }
 
+TEST_CASE("emergency: sites stay when their flight is deleted, unless they are to be forgotten") {
+  for (const bool is_forgotten : {false, true}) {
+    INFO("forgotten " << is_forgotten);
+    const MeadowServer meadow([](Storage& storage) {
+      FlightRow flight;
+      flight.id = std::string("f");
+      flight.request_json = R"({"name":"x"})";
+      storage.InsertFlight(flight);
+      StoreAmslMeadow(storage);
+    });
+    const std::string path =
+        std::string("/v1/flights/f") + (is_forgotten ? "?forget_sites=true" : "");
+    CHECK(meadow.client->Delete(path)->status == 204);
+    CHECK(GetJson(*meadow.client, Query(600.0, kCalmNorth))["sites"].size() ==
+          (is_forgotten ? 0 : 1));
+  }
+}
+
+TEST_CASE("emergency: a superseded site is not recalled") {
+  const MeadowServer meadow([](Storage& storage) {
+    StoreAmslMeadow(storage);
+    SiteRow later = MeadowSite("amsl");
+    later.id = std::string("g-r1");
+    later.flight_id = std::string("g");
+    storage.PutSite(later, SerializeSiteMap(Meadow()), {"f-r1"});
+  });
+  const nlohmann::json answer = GetJson(*meadow.client, Query(900.0, kCalmNorth));
+  REQUIRE(answer["sites"].size() == 1);
+  CHECK(answer["sites"][0]["site_id"] == "g-r1");
+}
+
+TEST_CASE("emergency: the nearest miss is found also far beyond reach") {
+  const MeadowServer meadow(StoreAmslMeadow);
+  const nlohmann::json answer = GetJson(
+      *meadow.client,
+      "/v1/emergency?latitude_deg=47.3&longitude_deg=8.0&altitude_m=600" + std::string(kCalmNorth));
+  CHECK(answer["sites"].empty());
+  REQUIRE(answer.contains("nearest_miss"));
+  CHECK(answer["nearest_miss"]["distance_m"].get<double>() == doctest::Approx(33300).epsilon(0.01));
+}
+
+TEST_CASE("emergency: an area's sites are exported to preload an aircraft, none rejected") {
+  const MeadowServer meadow(
+      [](Storage& storage) {
+        SiteRow site = MeadowSite("amsl");
+        const Replan replan = ParseReplan(site.replan_json);
+        const Plan plan = PlanOnStoredMap(replan, Meadow());
+        REQUIRE(plan.approach);
+        const FlightContext context{"f", "amsl", LocalFrame(replan.origin)};
+        site.approach_json = ApproachJson(plan, context).dump();
+        storage.PutSite(site, SerializeSiteMap(Meadow()));
+      },
+      [](Config& config) {
+        config.emergency = Address{"127.0.0.1", 0};
+      });
+  httplib::Client& client = *meadow.client;
+  const std::string path = "/v1/emergency/export";
+  const nlohmann::json all = GetJson(client, path);
+  REQUIRE(all["features"].size() == 1);
+  CHECK(all["features"][0]["properties"]["id"] == "f-r1");
+  CHECK(GetJson(client, path + "?bbox=8.5,46,9.5,48")["features"].empty());
+  const nlohmann::json plan = GetJson(client, path + "?f=plan&home_altitude_m=350");
+  REQUIRE(plan["rallyPoints"]["points"].size() == 1);
+  CHECK(plan["rallyPoints"]["points"][0][0].get<double>() == doctest::Approx(47.0));
+  const auto rally = client.Get(path + "?f=rally&home_altitude_m=350");
+  CHECK(rally->body.find("RALLY 47.0") != std::string::npos);
+  CheckProblem(client.Get(path + "?f=rally"), 409, "AltitudeUnknown");
+  CheckProblem(client.Get(path + "?f=kml"), 400, "InvalidQuery");
+  CHECK(meadow.server->EmergencyClient().Get(path)->status == 200);
+}
+
 }  // namespace
 }  // namespace freelsd

@@ -140,6 +140,21 @@ std::string RawConnection::Receive() {
   }
 }
 
+std::string RawConnection::ReceiveHead() {
+  char bytes[4096];
+  while (true) {
+    const size_t end = buffer_.find("\r\n\r\n");
+    if (end != std::string::npos) {
+      std::string head = buffer_.substr(0, end + 4);
+      buffer_.erase(0, end + 4);
+      return head;
+    }
+    const ssize_t num_read = ::recv(descriptor_, bytes, sizeof(bytes), 0);
+    if (num_read <= 0) return {};
+    buffer_.append(bytes, static_cast<size_t>(num_read));
+  }
+}
+
 std::string NoiseImage(int seed, int width_px, int height_px, const char* type) {
   cv::Mat3b image(height_px, width_px);
   cv::RNG random(static_cast<uint64_t>(seed) + 1);

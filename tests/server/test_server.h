@@ -66,6 +66,8 @@ class RawConnection {
   void Send(const std::string& bytes) const;
   // One answer with a Content-Length: status line, headers and body. Empty when the server closes.
   std::string Receive();
+  // Up to the blank line alone.
+  std::string ReceiveHead();
 
  private:
   int descriptor_;

@@ -1,70 +1,16 @@
 #include "storage/storage.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <doctest/doctest.h>
-#include <sqlite3.h>
+
+#include "tests/storage/rows.h"
 
 namespace freelsd {
 namespace {
-
-// A fresh folder, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "freelsd-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-const std::string kImage(64, 'a');
-const std::string kOtherImage(64, 'b');
-
-FlightRow SomeFlight(const std::string& id) {
-  FlightRow flight;
-  flight.id = id;
-  flight.name = "a meadow";
-  flight.request_json = R"({"name":"a meadow"})";
-  flight.created_at_us = 1700000000000000;
-  return flight;
-}
-
-FrameRow SomeFrame(const std::string& flight_id, const std::string& id) {
-  FrameRow frame;
-  frame.flight_id = flight_id;
-  frame.id = id;
-  frame.sha256 = kImage;
-  frame.meta_json = "{}";
-  return frame;
-}
-
-JobRow SomeJob(const std::string& id, const std::string& flight_id) {
-  JobRow job;
-  job.id = id;
-  job.kind = "batch";
-  job.flight_id = flight_id;
-  return job;
-}
-
-SiteRow SomeSite(const std::string& id, double latitude_deg, double longitude_deg) {
-  SiteRow site;
-  site.id = id;
-  site.flight_id = std::string("f");
-  site.region_id = 3;
-  site.latitude_deg = latitude_deg;
-  site.longitude_deg = longitude_deg;
-  site.feature_json = R"({"type":"Feature"})";
-  return site;
-}
 
 size_t NumFiles(const std::filesystem::path& folder) {
   size_t count = 0;
@@ -72,13 +18,6 @@ size_t NumFiles(const std::filesystem::path& folder) {
     count += entry.is_regular_file() ? 1 : 0;
   }
   return count;
-}
-
-void SetUserVersion(const std::filesystem::path& file, const char* sql) {
-  sqlite3* database = nullptr;
-  REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
-  REQUIRE(sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
-  sqlite3_close(database);
 }
 
 TEST_CASE("storage: what was stored is there after opening the folder again") {
@@ -110,7 +49,7 @@ TEST_CASE("storage: a second process is refused while the folder is in use") {
 TEST_CASE("storage: a newer schema is refused and named") {
   const TemporaryFolder folder;
   { const Storage storage(folder.path()); }
-  SetUserVersion(folder.path() / "freelsd.db", "PRAGMA user_version = 999");
+  Execute(folder.path() / "freelsd.db", "PRAGMA user_version = 999");
   CHECK_THROWS_WITH_AS(Storage(folder.path()), doctest::Contains("999"), StorageError);
 }
 
@@ -127,6 +66,8 @@ CREATE TABLE frames (flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE C
 CREATE TABLE sites (id TEXT PRIMARY KEY, flight_id TEXT NOT NULL, region_id INTEGER NOT NULL,
   latitude_deg REAL NOT NULL, longitude_deg REAL NOT NULL, feature_json TEXT NOT NULL,
   approach_json TEXT NOT NULL, replan_json TEXT NOT NULL, updated_at_us INTEGER NOT NULL) STRICT;
+CREATE TABLE site_maps (site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
+  map BLOB NOT NULL) STRICT;
 INSERT INTO sites VALUES ('good', 'f', 1, 50.0, 8.0, '{"properties":{"verdict":"landable",
   "elevation_m":312.5,"score":0.7,"altitude_datum":"amsl","aircraft":{"profile":"small"}}}',
   '', '{}', 5);
@@ -140,7 +81,7 @@ PRAGMA user_version = 1;
 TEST_CASE("storage: version 1 is brought up, and only what is known to be good is recalled") {
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.path());
-  SetUserVersion(folder.path() / "freelsd.db", kVersion1);
+  Execute(folder.path() / "freelsd.db", kVersion1);
   for (int i = 0; i < 2; ++i) {
     const Storage storage(folder.path());
     const std::vector<RecallRow> rows = storage.ListRecallable({7.0, 49.0, 9.0, 51.0});
