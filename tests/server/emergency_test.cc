@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include "engine/glide/glide.h"
 #include "tests/server/child.h"
 #include "tests/server/meadow.h"
 

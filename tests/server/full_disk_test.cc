@@ -44,7 +44,7 @@ TEST_CASE(
   httplib::Client client = server.Client();
   const std::string flight = NewFlight(client);
   int num_stored = 0;
-  httplib::Result result;
+  httplib::Result result(nullptr, httplib::Error::Unknown);
   for (; num_stored < kMaxNumUploads; ++num_stored) {
     result = PutFrame(
         client, flight, std::to_string(num_stored), LargeImage(num_stored), SomeMeta(num_stored));
