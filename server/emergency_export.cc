@@ -23,7 +23,8 @@ std::vector<StoredSite> SitesIn(const Service& service, const BoundingBox& box) 
     features.push_back(nlohmann::json::parse(row->feature_json));
   }
   std::vector<StoredSite> sites;
-  for (const nlohmann::json& feature : RankedSites(features)["features"]) {
+  const nlohmann::json ranked = RankedSites(features);
+  for (const nlohmann::json& feature : ranked.at("features")) {
     const SiteRow& row = rows.at(feature["properties"]["id"].get<std::string>());
     sites.push_back(
         {feature.dump(), row.approach_json, ParseReplan(row.replan_json).flight.altitude_datum});

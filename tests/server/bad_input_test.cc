@@ -69,8 +69,9 @@ TEST_CASE("bad input: the header of a 30000x30000 image is 413 before anything i
 TEST_CASE("bad input: the header of a 30000x30000 PNG is 413 too") {
   StoredFlight stored;
   std::string png = NoiseImage(2, 320, 240, ".png");
-  // Width and height stand in the IHDR chunk, 16 bytes from the start.
+  // Width and height stand in the IHDR chunk, 16 bytes from the start; its checksum ends it.
   png.replace(16, 8, std::string("\0\0\x75\x30\0\0\x75\x30", 8));
+  png.replace(29, 4, std::string("\xe9\x45\x6f\xed", 4));
   CheckProblem(stored.Put(png, SomeMeta(1)), 413, "ImageTooLarge");
 }
 
