@@ -151,6 +151,14 @@ passed
 stop_server "$server_pid"
 server_pid=""
 
+start_step "nginx in front"
+if command -v nginx >/dev/null; then
+  tests/deploy/nginx.sh build/release/server/freelsd-server engine/classification/grass_model.yml
+  passed
+else
+  skipped "no nginx at hand"
+fi
+
 start_step "container"
 if docker info >/dev/null 2>&1; then
   test_container

@@ -37,11 +37,22 @@ Page ReadPageFiles(const Config& config) {
   return page;
 }
 
-HttpOptions OptionsOf(const Config& config) {
+// Enough for answers that take milliseconds; uploads cannot take these.
+constexpr int kNumEmergencyThreads = 4;
+
+HttpOptions OptionsOf(const Config& config, Listener listener) {
   HttpOptions options;
   options.allowed_hosts = config.allowed_hosts;
-  options.num_threads = config.num_http_threads;
+  const bool is_main = listener == Listener::kMain;
+  options.num_threads = is_main ? config.num_http_threads : kNumEmergencyThreads;
   return options;
+}
+
+HttpServer::Handler HandlerFor(Service& service, Listener listener) {
+  return [&service, listener](
+             const httplib::Request& request, BodyReader& body, httplib::Response& response) {
+    Serve(service, listener, request, body, response);
+  };
 }
 
 }  // namespace
@@ -50,21 +61,32 @@ App::App(const Config& config)
     : config_(config),
       storage_(config_.data),
       service_(config_, storage_),
-      http_(OptionsOf(config_),
-            [this](const httplib::Request& request, BodyReader& body, httplib::Response& response) {
-              Serve(service_, request, body, response);
-            }),
+      http_(OptionsOf(config_, Listener::kMain), HandlerFor(service_, Listener::kMain)),
       port_(http_.Bind(config_.host, config_.port)),
       worker_(service_, ReadModel(config_)) {
   service_.page = ReadPageFiles(config_);
+  if (!config_.token_file.empty()) service_.tokens = TokenList::Read(config_.token_file);
   service_.wake_worker = [this] { worker_.Wake(); };
+  service_.alternates.Start();
+  if (!config_.emergency) return;
+  emergency_http_ = std::make_unique<HttpServer>(OptionsOf(config_, Listener::kEmergency),
+                                                 HandlerFor(service_, Listener::kEmergency));
+  emergency_port_ = emergency_http_->Bind(config_.emergency->host, config_.emergency->port);
 }
 
-void App::Run() { http_.Run(); }
+void App::Run() {
+  std::thread emergency;
+  if (emergency_http_) emergency = std::thread([this] { emergency_http_->Run(); });
+  http_.Run();
+  if (emergency.joinable()) emergency.join();
+}
 
 bool App::Stop(std::chrono::milliseconds patience) {
   service_.is_stopping = true;
+  service_.events.Stop();
+  service_.alternates.Stop();
   http_.Stop();
+  if (emergency_http_) emergency_http_->Stop();
   return worker_.Stop(patience);
 }
 

@@ -1,6 +1,9 @@
 // The whole service: storage, worker and HTTP, made and ended in the right order.
 #pragma once
 
+#include <memory>
+#include <optional>
+
 #include "server/config.h"
 #include "server/http_server.h"
 #include "server/service.h"
@@ -15,6 +18,8 @@ class App {
   explicit App(const Config& config);
 
   int port() const { return port_; }
+  // Nothing without an emergency listener.
+  std::optional<int> emergency_port() const { return emergency_port_; }
   // Serves until Stop, from another thread.
   void Run();
   // Requests end, then the worker. False when the engine is still busy after `patience`: what it
@@ -27,6 +32,8 @@ class App {
   Service service_;
   HttpServer http_;
   int port_;
+  std::unique_ptr<HttpServer> emergency_http_;
+  std::optional<int> emergency_port_;
   Worker worker_;
 };
 

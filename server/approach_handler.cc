@@ -43,15 +43,9 @@ std::optional<Eigen::Vector2d> WindOf(const Call& call, const PlanRequest& reque
 
 nlohmann::json PlanAnew(const SiteRow& site, const std::string& map_blob, const Call& call) {
   Replan replan = ParseReplan(site.replan_json);
-  const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
+  replan.flight.aircraft = AircraftOf(call, replan.flight.aircraft);
   replan.request.wind_in_world = WindOf(call, replan.request);
-  const SiteMap site_map = DeserializeSiteMap(map_blob);
-  const PipelineOptions& options = replan.flight.options;
-  const HazardLayers layers = WithLimits(site_map.map,
-                                         site_map.layers,
-                                         {aircraft.max_slope_deg, aircraft.max_roughness_m},
-                                         options.hazard);
-  const Plan plan = PlanApproach(site_map.map, layers, replan.request, aircraft, options.approach);
+  const Plan plan = PlanOnStoredMap(replan, DeserializeSiteMap(map_blob));
   const FlightContext context{
       site.flight_id, replan.flight.altitude_datum, LocalFrame(replan.origin)};
   if (!plan.approach)

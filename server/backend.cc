@@ -5,6 +5,7 @@
 #include "server/evaluation.h"
 #include "server/failure.h"
 #include "server/job_json.h"
+#include "server/retention.h"
 #include "server/warnings.h"
 #include "server/worker.h"
 
@@ -12,11 +13,12 @@ namespace freelsd {
 namespace {
 
 constexpr std::chrono::milliseconds kProgressPeriod{300};
+constexpr std::chrono::seconds kRetirePeriod{30};
 
 // Tells the job's row how far it is; answers false once it is cancelled or gone.
 class JobProgress {
  public:
-  JobProgress(Storage& storage, JobRow& job) : storage_(storage), job_(job) {}
+  JobProgress(Service& service, JobRow& job) : service_(service), job_(job) {}
 
   bool Tell(double done_ratio, const std::string& stage) {
     const auto now = std::chrono::steady_clock::now();
@@ -24,15 +26,15 @@ class JobProgress {
     told_at_ = now;
     job_.progress_ratio = done_ratio;
     job_.stage = stage;
-    storage_.UpdateJob(job_);
-    const std::optional<JobRow> stored = storage_.FindJob(job_.id);
+    UpdateJob(service_, job_);
+    const std::optional<JobRow> stored = service_.storage.FindJob(job_.id);
     is_wanted_ = stored && stored->state == JobState::kRunning;
     return is_wanted_;
   }
   bool is_wanted() const { return is_wanted_; }
 
  private:
-  Storage& storage_;
+  Service& service_;
   JobRow& job_;
   std::chrono::steady_clock::time_point told_at_{};
   bool is_wanted_ = true;
@@ -48,12 +50,12 @@ std::string Sentence(const std::exception& error) {
   return error.what();
 }
 
-void FailJob(Storage& storage, JobRow job, const std::string& why) {
+void FailJob(Service& service, JobRow job, const std::string& why) {
   nlohmann::json detail = nlohmann::json::parse(job.detail_json);
   detail["message"] = why;
   job.detail_json = detail.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   job.state = JobState::kFailed;
-  storage.UpdateJob(job);
+  UpdateJob(service, job);
 }
 
 // The oldest finish whose frames are all through the frontend, else a flight that is due.
@@ -67,8 +69,12 @@ bool Worker::StepBackend() {
   }
   std::string flight_id;
   {
-    const std::lock_guard lock(mutex_);
-    if (due_.empty()) return false;
+    std::unique_lock lock(mutex_);
+    if (due_.empty()) {
+      lock.unlock();
+      RetireImages();
+      return false;
+    }
     flight_id = *due_.begin();
     due_.erase(due_.begin());
   }
@@ -78,8 +84,8 @@ bool Worker::StepBackend() {
 
 void Worker::RunFinish(JobRow job, FlightSession& session) {
   job.state = JobState::kRunning;
-  service_.storage.UpdateJob(job);
-  JobProgress progress(service_.storage, job);
+  UpdateJob(service_, job);
+  JobProgress progress(service_, job);
   try {
     const size_t num_sites = EvaluateFlight(service_,
                                             job.flight_id,
@@ -94,14 +100,14 @@ void Worker::RunFinish(JobRow job, FlightSession& session) {
     job.state = JobState::kDone;
     job.progress_ratio = 1.0;
     job.stage.clear();
-    service_.storage.UpdateJob(job);
+    UpdateJob(service_, job);
   } catch (const StorageError&) {
     throw;
   } catch (const std::exception& error) {
     // A stopping server leaves the job as it is: the next start goes on with it.
     if (is_stopping_ || !progress.is_wanted()) return;
     spdlog::error("job {}: {}", job.id, Sentence(error));
-    FailJob(service_.storage, job, Sentence(error));
+    FailJob(service_, job, Sentence(error));
   }
 }
 
@@ -119,6 +125,22 @@ void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
     service_.storage.ChangeFlight(flight_id, [&error](FlightRow& flight) {
       flight.warnings_json = AddWarnings(flight.warnings_json, "evaluation", {Sentence(error)});
     });
+  }
+}
+
+void Worker::RetireImages() {
+  const auto now = std::chrono::steady_clock::now();
+  if (retired_at_ != std::chrono::steady_clock::time_point{} && now - retired_at_ < kRetirePeriod) {
+    return;
+  }
+  retired_at_ = now;
+  for (const std::string& id : FlightsToRetire(service_)) {
+    {
+      const std::lock_guard lock(mutex_);
+      sessions_.erase(id);
+    }
+    spdlog::info("images of flight {} are removed to make room", id);
+    service_.storage.RetireImages(id);
   }
 }
 

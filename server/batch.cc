@@ -34,7 +34,9 @@ class SpoolFile {
       file.write(bytes.data(), static_cast<std::streamsize>(num_read));
     }
     file.close();
-    if (!file) throw StorageError("write the spool file", "no space or I/O error", true);
+    if (!file) {
+      throw StorageError("write the spool file", "no space or I/O error", StorageFault::kFull);
+    }
   }
   std::string path() const { return path_.string(); }
 

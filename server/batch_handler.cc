@@ -6,6 +6,7 @@
 #include "api/api.h"
 #include "server/batch.h"
 #include "server/flight_lookup.h"
+#include "server/frame_resolution.h"
 #include "server/handlers.h"
 #include "server/job_json.h"
 #include "server/stamps.h"
@@ -17,9 +18,10 @@ namespace {
 // Unknown images listed in one answer.
 constexpr size_t kMaxNumListedErrors = 20;
 
-// An image with all that is known of it, in the order of flight.
+// An image with what its pose file says, and with all that is known of it, in the order of flight.
 struct Candidate {
   const BatchImage* entry = nullptr;
+  FrameMeta given;
   FrameMeta meta;
 };
 
@@ -51,14 +53,18 @@ void RefuseUnknownImages(const Service& service,
 }
 
 // By time where every image that can become a frame has one, else as given.
-std::vector<Candidate> InOrderOfFlight(const BatchUpload& upload) {
+std::vector<Candidate> InOrderOfFlight(const Service& service,
+                                       const std::string& flight_id,
+                                       const BatchUpload& upload) {
   std::map<std::string, FrameMeta> poses;
   for (const auto& [id, meta] : upload.poses().poses) poses[id] = meta;
   std::vector<Candidate> candidates;
   bool has_all_times = true;
   for (const BatchImage& entry : upload.images()) {
-    Candidate candidate{&entry, {}};
-    if (entry.image) candidate.meta = Merged(poses[entry.id], entry.image->tags.meta);
+    Candidate candidate{&entry, poses[entry.id], {}};
+    if (entry.image) {
+      candidate.meta = KnownMeta(service, flight_id, candidate.given, entry.image->tags.meta);
+    }
     if (candidate.meta.position) has_all_times &= candidate.meta.timestamp_us.has_value();
     candidates.push_back(std::move(candidate));
   }
@@ -79,7 +85,7 @@ bool AdmitOne(const Service& service,
               std::vector<FrameRow>& frames) {
   const BatchImage& entry = *candidate.entry;
   if (!entry.image) throw ApiError(entry.code, entry.reason);
-  FrameRow frame = NewFrameRow(flight_id, entry.id, *entry.image, candidate.meta);
+  FrameRow frame = NewFrameRow(flight_id, entry.id, *entry.image, candidate.given);
   frame.is_from_batch = true;
   if (const auto stored = service.storage.FindFrame(flight_id, entry.id)) {
     if (stored->sha256 == frame.sha256 && stored->meta_json == frame.meta_json) return false;
@@ -94,7 +100,7 @@ Admission Admit(const Service& service, const FlightRow& flight, const BatchUplo
   Admission admission;
   RigResolver resolver(flight);
   admission.warnings = upload.poses().warnings;
-  for (const Candidate& candidate : InOrderOfFlight(upload)) {
+  for (const Candidate& candidate : InOrderOfFlight(service, flight.id, upload)) {
     nlohmann::json verdict{{"id", candidate.entry->id}, {"verdict", "accepted"}};
     try {
       if (!AdmitOne(service, flight.id, candidate, resolver, admission.frames)) {
@@ -137,7 +143,9 @@ JobRow NewBatchJob(const std::string& flight_id, const Admission& admission) {
 }  // namespace
 
 void PostBatch(Service& service, const Call& call, httplib::Response& response) {
-  const std::string flight_id = ExistingFlight(service, call).id;
+  const FlightRow flight_row = ExistingFlight(service, call);
+  RefuseWhenRetired(flight_row);
+  const std::string flight_id = flight_row.id;
   const Receiving receiving(service, flight_id);
   BatchUpload upload(service);
   upload.Read(call);
@@ -150,6 +158,7 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
     flight.num_rejected_frames += admission.num_rejected;
     flight.warnings_json = AddWarnings(flight.warnings_json, "images", admission.warnings);
   });
+  service.events.Publish("job", flight_id, JobJson(job).dump());
   service.wake_worker();
   AnswerJob(job, response);
 }

@@ -8,7 +8,6 @@
 namespace freelsd {
 namespace {
 
-constexpr std::chrono::seconds kIdleTimeout{10};
 // Rest of a refused body that is worth reading to keep the connection.
 constexpr uint64_t kMaxSkippedBytes = 256 << 10;
 constexpr size_t kMaxChunkLine = 64;
@@ -56,7 +55,7 @@ size_t BodyReader::ReadRaw(char* bytes, size_t size) {
     must_continue_ = false;
     socket_.Write("HTTP/1.1 100 Continue\r\n\r\n");
   }
-  const SteadyTime deadline = std::chrono::steady_clock::now() + kIdleTimeout;
+  const SteadyTime deadline = std::chrono::steady_clock::now() + idle_timeout_;
   const size_t num_read = socket_.Read(bytes, size, deadline);
   if (num_read > 0) return num_read;
   if (std::chrono::steady_clock::now() >= deadline) {

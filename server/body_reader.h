@@ -2,6 +2,7 @@
 // a limit, never held in memory unless asked for.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
 
@@ -18,6 +19,8 @@ class BodyReader {
   // All that follows counts against this; a longer Content-Length is refused at once.
   // Throws ApiError BodyTooLarge.
   void LimitTo(uint64_t max_bytes);
+  // How long the next bytes may take to come.
+  void WaitFor(std::chrono::seconds idle_timeout) { idle_timeout_ = idle_timeout; }
   // Up to `size` bytes; 0 at the end. Throws ApiError: BodyTooLarge, RequestTimeout,
   // InvalidRequest for bad chunks or a client that leaves early.
   size_t Read(char* bytes, size_t size);
@@ -42,6 +45,7 @@ class BodyReader {
   uint64_t num_left_ = 0;
   uint64_t num_read_ = 0;
   uint64_t max_bytes_ = 1 << 20;
+  std::chrono::seconds idle_timeout_{10};
 };
 
 }  // namespace freelsd

@@ -55,6 +55,12 @@ nlohmann::json ReadFile(const std::string& path) {
   }
 }
 
+void SetListen(const std::string& listen, Config& config) {
+  const Address address = ParseAddress(listen);
+  config.host = address.host;
+  config.port = address.port;
+}
+
 void ReadConfigFile(const std::string& path, Config& config) {
   nlohmann::json object = ReadFile(path);
   TakePath(object, "data", config.data);
@@ -63,41 +69,66 @@ void ReadConfigFile(const std::string& path, Config& config) {
   std::string listen;
   Take(object, "listen", listen);
   if (!listen.empty()) SetListen(listen, config);
+  std::string emergency_listen;
+  Take(object, "emergency_listen", emergency_listen);
+  if (!emergency_listen.empty()) config.emergency = ParseAddress(emergency_listen);
+  TakePath(object, "token_file", config.token_file);
   Take(object, "allowed_hosts", config.allowed_hosts);
   Take(object, "num_http_threads", config.num_http_threads);
   Take(object, "max_num_queued_frames", config.max_num_queued_frames);
   Take(object, "max_batch_bytes", config.max_batch_bytes);
+  Take(object, "max_image_age_days", config.max_image_age_days);
+  Take(object, "max_stored_image_bytes", config.max_stored_image_bytes);
+  Take(object, "telemetry_wait_s", config.telemetry_wait_s);
+  Take(object, "max_telemetry_gap_s", config.max_telemetry_gap_s);
+  Take(object, "max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s);
   if (!object.empty()) throw ConfigError("config file: unknown key " + object.begin().key());
 }
 
+// Beyond this machine nobody is let in without a token.
+void CheckAddress(const std::string& host, const Config& config) {
+  if (IsLoopback(host) || !config.token_file.empty()) return;
+  throw ConfigError("listen: " + host +
+                    " is not a loopback address, and there is no --token-file to ask tokens from");
+}
+
 void Check(const Config& config) {
+  CheckAddress(config.host, config);
+  if (config.emergency) CheckAddress(config.emergency->host, config);
   if (config.data.empty()) throw ConfigError("--data is needed: the folder to keep everything in");
   if (config.num_http_threads < 2 || config.num_http_threads > 512) {
     throw ConfigError("num_http_threads: must be in [2, 512]");
   }
+  for (const double seconds : {config.telemetry_wait_s,
+                               config.max_telemetry_gap_s,
+                               config.max_telemetry_extrapolation_s}) {
+    if (!(seconds >= 0.0 && seconds <= 60.0)) {
+      throw ConfigError("times of telemetry: must be in [0, 60] s");
+    }
+  }
+  if (!(config.max_image_age_days >= 0.0)) throw ConfigError("max_image_age_days: must be >= 0");
   if (config.max_num_queued_frames < 1) throw ConfigError("max_num_queued_frames: must be >= 1");
 }
 
 }  // namespace
 
-void SetListen(const std::string& listen, Config& config) {
+Address ParseAddress(const std::string& listen) {
   const size_t colon = listen.rfind(':');
   if (colon == std::string::npos) throw ConfigError("listen: must be ADDRESS:PORT");
   std::string host = listen.substr(0, colon);
   if (host.starts_with("[") && host.ends_with("]")) host = host.substr(1, host.size() - 2);
-  if (!IsLoopback(host)) {
-    throw ConfigError("listen: " + host +
-                      " is not a loopback address, and this server has no token to ask for");
-  }
-  config.host = host;
-  config.port = ParsePort(listen.substr(colon + 1));
+  return {host, ParsePort(listen.substr(colon + 1))};
 }
 
 std::optional<Config> ReadConfig(int argc, const char* const* argv) {
   CLI::App app("Finds landing sites for small planes; HTTP/JSON service.", "freelsd-server");
-  std::string data, listen, config_file, model, page;
+  std::string data, listen, emergency_listen, config_file, model, page, token_file;
   app.add_option("--data", data, "Folder for the database and the images");
   app.add_option("--listen", listen, "ADDRESS:PORT, default 127.0.0.1:8080");
+  app.add_option("--emergency-listen",
+                 emergency_listen,
+                 "ADDRESS:PORT of a listener for /v1/emergency with threads of its own");
+  app.add_option("--token-file", token_file, "JSON list of token hashes and their scopes");
   app.add_option("--config", config_file, "JSON file with the same and more settings");
   app.add_option("--model", model, "Grass classifier, default: beside the program");
   app.add_option("--page", page, "Folder of the page, default: beside the program");
@@ -114,6 +145,8 @@ std::optional<Config> ReadConfig(int argc, const char* const* argv) {
   if (!config_file.empty()) ReadConfigFile(config_file, config);
   if (!data.empty()) config.data = data;
   if (!listen.empty()) SetListen(listen, config);
+  if (!emergency_listen.empty()) config.emergency = ParseAddress(emergency_listen);
+  if (!token_file.empty()) config.token_file = token_file;
   if (!model.empty()) config.model = model;
   if (!page.empty()) config.page = page;
   Check(config);

@@ -4,12 +4,12 @@
 #include <exception>
 #include <string>
 
-#include "storage/storage.h"
+#include "server/service.h"
 
 namespace freelsd {
 
 // For clients: without source files.
 std::string Sentence(const std::exception& error);
-void FailJob(Storage& storage, JobRow job, const std::string& why);
+void FailJob(Service& service, JobRow job, const std::string& why);
 
 }  // namespace freelsd

@@ -57,6 +57,7 @@ nlohmann::json FlightJson(const Service& service, const FlightRow& flight) {
           {"origin", OriginJson(flight, request)},
           {"aircraft", AircraftJson(request.aircraft)},
           {"altitude_datum", request.altitude_datum},
+          {"has_retired_images", flight.has_retired_images},
           {"created_at", Rfc3339(flight.created_at_us)}};
 }
 
@@ -101,6 +102,7 @@ void DeleteFlight(Service& service, const Call& call, httplib::Response& respons
     const std::lock_guard lock(service.sites_mutex);
     service.storage.DeleteFlight(flight.id, forget_sites);
   }
+  service.alternates.Forget(flight.id);
   service.wake_worker();
   response.status = 204;
 }

@@ -20,7 +20,7 @@ FlightContext FlightSession::Context() const {
 }
 
 std::vector<FrameResult> FlightSession::Give(const FrameRow& row, const cv::Mat& image) {
-  const FrameMeta meta = ParseStoredFrameMeta(row.meta_json);
+  const FrameMeta meta = ParseStoredFrameMeta(row.resolved_json);
   // Frames without time are numbered in the order they came.
   Frame frame = MakeFrame(row.id, image, meta, rig_.rig, local_frame_, row.sequence);
   const std::lock_guard lock(frontend_mutex_);

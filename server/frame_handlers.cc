@@ -1,15 +1,12 @@
-#include <algorithm>
-
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
 #include "server/digest.h"
 #include "server/flight_lookup.h"
+#include "server/frame_intake.h"
 #include "server/handlers.h"
-#include "server/intake.h"
 #include "server/multipart.h"
 #include "server/stamps.h"
-#include "server/warnings.h"
 
 namespace freelsd {
 namespace {
@@ -17,23 +14,6 @@ namespace {
 constexpr size_t kMaxMetaBytes = 1 << 20;
 // Boundaries and part headers around an image and its meta.
 constexpr size_t kMultipartOverheadBytes = 64 << 10;
-
-struct FrameUpload {
-  std::string image;
-  std::string meta = "{}";
-};
-
-const char* StateName(FrameState state) {
-  constexpr const char* kNames[] = {"queued", "processed", "rejected"};
-  return kNames[static_cast<int>(state)];
-}
-
-nlohmann::json FrameJson(const FrameRow& frame) {
-  nlohmann::json object{
-      {"id", frame.id}, {"sha256", frame.sha256}, {"state", StateName(frame.state)}};
-  if (!frame.reason.empty()) object["reason"] = frame.reason;
-  return object;
-}
 
 void TakePart(MultipartReader& parts, const std::string& name, size_t max_bytes, std::string& to) {
   std::optional<std::string> content = parts.ReadAll(max_bytes);
@@ -93,49 +73,6 @@ FrameUpload ReadUpload(const Service& service, const Call& call) {
   return upload;
 }
 
-void RefuseWhenFull(const Service& service) {
-  const int64_t num_queued = service.storage.CountQueuedFrames();
-  if (num_queued < service.config.max_num_queued_frames) return;
-  ApiError error("QueueFull", "too many frames wait for the engine");
-  error.limit = static_cast<double>(service.config.max_num_queued_frames);
-  error.observed = static_cast<double>(num_queued);
-  throw error;
-}
-
-// The stored frame when it is the same; nothing when there is none. Throws FrameConflict.
-std::optional<FrameRow> SameFrame(const Service& service, const FrameRow& frame) {
-  const auto stored = service.storage.FindFrame(frame.flight_id, frame.id);
-  if (!stored) return std::nullopt;
-  if (stored->sha256 != frame.sha256) {
-    throw ApiError(
-        "FrameConflict",
-        "the frame is stored with the image " + stored->sha256 + ", not with " + frame.sha256);
-  }
-  if (stored->meta_json != frame.meta_json) {
-    throw ApiError("FrameConflict", "the frame is stored with another meta");
-  }
-  return stored;
-}
-
-void StoreFrame(Service& service,
-                const Call& call,
-                const FrameUpload& upload,
-                FrameRow frame_row,
-                const CheckedImage& image,
-                const FrameMeta& meta) {
-  RefuseWhenFull(service);
-  RigResolver resolver(ExistingFlight(service, call));
-  resolver.Admit(image, meta);
-  service.storage.WriteImage(image.sha256, upload.image);
-  const std::string flight_id = frame_row.flight_id;
-  service.storage.InsertFrames(
-      flight_id, {std::move(frame_row)}, std::nullopt, [&](FlightRow& flight) {
-        flight.rig_json = resolver.RigJson();
-        flight.warnings_json =
-            AddWarnings(flight.warnings_json, "images", resolver.RelevantWarnings(image));
-      });
-}
-
 void TakeFrame(Service& service,
                const Call& call,
                const std::string& frame_id,
@@ -147,17 +84,10 @@ void TakeFrame(Service& service,
   // A repeat of a stored frame is answered also when the queue is full.
   if (!service.storage.FindFrame(flight.id, frame_id)) RefuseWhenFull(service);
   const Receiving receiving(service, flight.id);
-  const FrameUpload upload = ReadUpload(service, call);
-  const CheckedImage image = CheckImage(service, upload.image);
-  const FrameMeta meta = Merged(ParseFrameMeta(upload.meta), image.tags.meta);
-  FrameRow frame = NewFrameRow(flight.id, frame_id, image, meta);
-  const std::lock_guard lock(service.intake_mutex);
-  const std::optional<FrameRow> stored = SameFrame(service, frame);
-  if (!stored) StoreFrame(service, call, upload, frame, image, meta);
-  service.wake_worker();
-  response.status = stored ? 200 : 201;
+  const TakenFrame taken = TakeFrame(service, flight.id, frame_id, ReadUpload(service, call));
+  response.status = taken.is_new ? 201 : 200;
   response.set_header("Location", "/v1/flights/" + flight.id + "/frames");
-  response.set_content(FrameJson(stored.value_or(frame)).dump(), "application/json");
+  response.set_content(FrameJson(taken.frame).dump(), "application/json");
 }
 
 }  // namespace

@@ -49,9 +49,27 @@ void GetLayerPicture(Service& service, const Call& call, httplib::Response& resp
 void GetLayerGeoTiff(Service& service, const Call& call, httplib::Response& response);
 void GetLayerLegend(Service& service, const Call& call, httplib::Response& response);
 
+// emergency_handlers.cc
+void GetEmergency(Service& service, const Call& call, httplib::Response& response);
+void PostEmergency(Service& service, const Call& call, httplib::Response& response);
+void GetEmergencyExport(Service& service, const Call& call, httplib::Response& response);
+
+// alternates_handler.cc
+void GetAlternates(Service& service, const Call& call, httplib::Response& response);
+
+// telemetry_handler.cc
+void PostTelemetry(Service& service, const Call& call, httplib::Response& response);
+
+// stream_handler.cc
+void PostStream(Service& service, const Call& call, httplib::Response& response);
+
+// events_handler.cc
+void GetEvents(Service& service, const Call& call, httplib::Response& response);
+
 // service_handlers.cc
 void GetHealth(Service& service, const Call& call, httplib::Response& response);
 void GetReadiness(Service& service, const Call& call, httplib::Response& response);
+void GetMetrics(Service& service, const Call& call, httplib::Response& response);
 void GetInfo(Service& service, const Call& call, httplib::Response& response);
 void GetOpenApi(Service& service, const Call& call, httplib::Response& response);
 

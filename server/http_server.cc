@@ -67,6 +67,8 @@ class HeadStream : public httplib::Stream {
   bool is_broken_ = false;
 };
 
+thread_local HeadStream* stream_of_this_thread = nullptr;
+
 // A problem in plain bytes, for requests that never reach the library.
 std::string RawProblem(const ApiError& error) {
   const std::string body = ProblemJson(error);
@@ -114,6 +116,7 @@ void AnswerProblem(const ApiError& error, httplib::Response& response) {
   if (const std::optional<int> seconds = RetryAfterSeconds(error.code())) {
     response.set_header("Retry-After", std::to_string(*seconds));
   }
+  if (error.http_status() == 401) response.set_header("WWW-Authenticate", "Bearer");
 }
 
 HttpServer::HttpServer(const HttpOptions& options, Handler handler)
@@ -155,6 +158,8 @@ int HttpServer::Bind(const std::string& host, int port) {
   return bound;
 }
 
+bool FlushAnswer() { return stream_of_this_thread->Flush(); }
+
 void HttpServer::Run() { listen_after_bind(); }
 
 void HttpServer::Stop() {
@@ -184,10 +189,12 @@ bool HttpServer::ServeOne(const ClientSocket& socket, std::string& buffered, boo
     BodyReader body(socket, head, buffered);
     HeadStream stream(socket, head.forwarded);
     body_of_this_thread = &body;
+    stream_of_this_thread = &stream;
     bool is_closed = false;
     const bool is_written =
         process_request(stream, is_last || is_stopping_, is_closed, nullptr) && stream.Flush();
     body_of_this_thread = nullptr;
+    stream_of_this_thread = nullptr;
     if (!body.IsAtEnd()) {
       socket.Linger();
       return false;

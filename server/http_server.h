@@ -45,6 +45,10 @@ class HttpServer : public httplib::Server {
   std::atomic<bool> is_stopping_{false};
 };
 
+// Sends what was written of the answer so far: for answers that go on. Only within a request; false
+// where the client is gone.
+bool FlushAnswer();
+
 // Fills in a problem+json for this error.
 void AnswerProblem(const class ApiError& error, httplib::Response& response);
 

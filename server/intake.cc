@@ -37,30 +37,38 @@ RigResolver::RigResolver(const FlightRow& flight)
   if (!flight.rig_json.empty()) resolved_ = ParseStoredFlightRig(flight.rig_json);
 }
 
-void RigResolver::Admit(const CheckedImage& image, const FrameMeta& meta) {
-  if (!meta.position) {
-    throw ApiError("NoPosition", "neither meta, poses nor the image's tags give a position");
+FlightRig RigResolver::RigFor(const CheckedImage& image) const {
+  if (resolved_) return *resolved_;
+  const std::optional<Camera> camera = request_.camera ? request_.camera : image.tags.camera;
+  if (!camera) {
+    throw ApiError("NoCamera",
+                   "the flight has no camera and the image's tags do not describe one",
+                   {{"/camera", "is needed for these images"}});
   }
   FlightRig rig;
-  if (resolved_) {
-    rig = *resolved_;
-  } else {
-    const std::optional<Camera> camera = request_.camera ? request_.camera : image.tags.camera;
-    if (!camera) {
-      throw ApiError("NoCamera",
-                     "the flight has no camera and the image's tags do not describe one",
-                     {{"/camera", "is needed for these images"}});
-    }
-    rig.rig.camera = *camera;
-    if (request_.body_from_camera) rig.rig.body_from_camera = *request_.body_from_camera;
-    rig.origin = request_.origin.value_or(*meta.position);
+  rig.rig.camera = *camera;
+  if (request_.body_from_camera) rig.rig.body_from_camera = *request_.body_from_camera;
+  return rig;
+}
+
+void RigResolver::CheckSize(const CheckedImage& image) const {
+  const Camera camera = RigFor(image).rig.camera;
+  if (image.header.width_px == camera.width_px && image.header.height_px == camera.height_px) {
+    return;
   }
-  const Camera& camera = rig.rig.camera;
-  if (image.header.width_px != camera.width_px || image.header.height_px != camera.height_px) {
-    throw ApiError("ImageSizeMismatch",
-                   "the image is " + SizeText(image.header.width_px, image.header.height_px) +
-                       ", the camera says " + SizeText(camera.width_px, camera.height_px));
+  throw ApiError("ImageSizeMismatch",
+                 "the image is " + SizeText(image.header.width_px, image.header.height_px) +
+                     ", the camera says " + SizeText(camera.width_px, camera.height_px));
+}
+
+void RigResolver::Admit(const CheckedImage& image, const FrameMeta& meta) {
+  if (!meta.position) {
+    throw ApiError("NoPosition",
+                   "neither meta, poses, telemetry nor the image's tags give a position");
   }
+  FlightRig rig = RigFor(image);
+  if (!resolved_) rig.origin = request_.origin.value_or(*meta.position);
+  CheckSize(image);
   resolved_ = rig;
 }
 
@@ -74,12 +82,13 @@ std::string RigResolver::RigJson() const { return resolved_ ? FlightRigJson(*res
 FrameRow NewFrameRow(const std::string& flight_id,
                      const std::string& frame_id,
                      const CheckedImage& image,
-                     const FrameMeta& meta) {
+                     const FrameMeta& given) {
   FrameRow row;
   row.flight_id = flight_id;
   row.id = frame_id;
   row.sha256 = image.sha256;
-  row.meta_json = FrameMetaJson(meta);
+  row.meta_json = FrameMetaJson(given);
+  row.tags_json = FrameMetaJson(image.tags.meta);
   return row;
 }
 

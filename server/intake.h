@@ -26,8 +26,11 @@ CheckedImage CheckImage(Service& service, std::string_view bytes);
 class RigResolver {
  public:
   explicit RigResolver(const FlightRow& flight);
-  // Throws ApiError NoPosition, NoCamera or ImageSizeMismatch; nothing has changed then.
+  // Throws ApiError NoPosition, NoCamera or ImageSizeMismatch; nothing has changed then. `meta`:
+  // with the image's tags.
   void Admit(const CheckedImage& image, const FrameMeta& meta);
+  // The same of a frame whose position is to come from telemetry: it resolves nothing.
+  void CheckSize(const CheckedImage& image) const;
   // What the image's tags warn of, where they are used: an image without geotag in a flight with a
   // camera of its own has no tags that matter.
   std::vector<std::string> RelevantWarnings(const CheckedImage& image) const;
@@ -35,13 +38,16 @@ class RigResolver {
   std::string RigJson() const;
 
  private:
+  FlightRig RigFor(const CheckedImage& image) const;
+
   FlightRequest request_;
   std::optional<FlightRig> resolved_;
 };
 
+// `given`: without the image's tags.
 FrameRow NewFrameRow(const std::string& flight_id,
                      const std::string& frame_id,
                      const CheckedImage& image,
-                     const FrameMeta& meta);
+                     const FrameMeta& given);
 
 }  // namespace freelsd

@@ -34,7 +34,7 @@ std::vector<JobRow> FinishJobs(const Service& service, const std::string& flight
 
 // The job that answers this finish: the one that runs, or a new one, done already where nothing
 // came since the last.
-JobRow FinishJob(Service& service, const std::string& flight_id) {
+JobRow FinishJob(Service& service, const std::string& flight_id, bool is_over) {
   const std::lock_guard lock(service.intake_mutex);
   const std::vector<JobRow> earlier = FinishJobs(service, flight_id);
   const auto running = std::find_if(earlier.begin(), earlier.end(), IsUnfinished);
@@ -44,8 +44,9 @@ JobRow FinishJob(Service& service, const std::string& flight_id) {
   const auto done = std::find_if(earlier.begin(), earlier.end(), [](const JobRow& job) {
     return job.state == JobState::kDone;
   });
+  // Without its images a flight cannot be looked at again; what was found stays.
   const bool is_nothing_new =
-      frames.empty() ||
+      frames.empty() || is_over ||
       (done != earlier.end() && LastSequenceOf(*done, service.storage) == last_sequence);
   JobRow job;
   job.id = NewId("j");
@@ -58,6 +59,7 @@ JobRow FinishJob(Service& service, const std::string& flight_id) {
     job.progress_ratio = 1.0;
   }
   service.storage.InsertJob(job);
+  service.events.Publish("job", flight_id, JobJson(job).dump());
   return job;
 }
 
@@ -79,6 +81,11 @@ nlohmann::json JobJson(const JobRow& job) {
           {"created_at", Rfc3339(job.created_at_us)}};
 }
 
+void UpdateJob(Service& service, const JobRow& job) {
+  service.storage.UpdateJob(job);
+  service.events.Publish("job", job.flight_id, JobJson(job).dump());
+}
+
 void AnswerJob(const JobRow& job, httplib::Response& response) {
   response.status = 202;
   response.set_header("Location", "/v1/jobs/" + job.id);
@@ -98,7 +105,7 @@ int64_t LastSequenceOf(const JobRow& job, const Storage& storage) {
 
 void PostFinish(Service& service, const Call& call, httplib::Response& response) {
   const FlightRow flight = ExistingFlight(service, call);
-  const JobRow job = FinishJob(service, flight.id);
+  const JobRow job = FinishJob(service, flight.id, flight.has_retired_images);
   service.wake_worker();
   AnswerJob(job, response);
 }
@@ -118,7 +125,7 @@ void DeleteJob(Service& service, const Call& call, httplib::Response& response) 
   JobRow job = ExistingJob(service, call);
   if (IsUnfinished(job)) {
     job.state = JobState::kCancelled;
-    service.storage.UpdateJob(job);
+    UpdateJob(service, job);
     service.wake_worker();
     response.set_content(JobJson(ExistingJob(service, call)).dump(), "application/json");
     return;

@@ -36,6 +36,9 @@ int Run(int argc, char** argv) {
   const sigset_t signals = BlockStopSignals();
   App app(*config);
   std::printf("freelsd-server listens on http://%s:%d/\n", config->host.c_str(), app.port());
+  if (const auto port = app.emergency_port()) {
+    std::printf("emergency recall on http://%s:%d/\n", config->emergency->host.c_str(), *port);
+  }
   std::fflush(stdout);
   std::future<void> http = std::async(std::launch::async, [&app] { app.Run(); });
   int signal = 0;

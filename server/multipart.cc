@@ -45,8 +45,9 @@ std::optional<std::string> Parameter(const std::string& header, const std::strin
 
 }  // namespace
 
-std::optional<std::string> MultipartBoundary(const std::string& content_type) {
-  if (!Lower(content_type).starts_with("multipart/form-data")) return std::nullopt;
+std::optional<std::string> MultipartBoundary(const std::string& content_type,
+                                             const std::string& kind) {
+  if (!Lower(content_type).starts_with(kind)) return std::nullopt;
   const std::optional<std::string> boundary = Parameter(content_type, "boundary");
   if (!boundary || boundary->empty() || boundary->size() > kMaxBoundaryBytes) {
     Refuse("the Content-Type names no usable boundary");
@@ -118,7 +119,12 @@ std::optional<Part> MultipartReader::Next() {
       is_in_part_ = true;
       return part;
     }
-    if (!Lower(line).starts_with("content-disposition:")) continue;
+    const size_t colon = std::min(line.find(':'), line.size());
+    const std::string key = Lower(line.substr(0, colon));
+    const size_t begin = std::min(line.find_first_not_of(" :\t", colon), line.size());
+    if (key == "content-type") part.content_type = Lower(line.substr(begin));
+    if (key == "x-timestamp-us") part.timestamp_us = line.substr(begin);
+    if (key != "content-disposition") continue;
     part.name = Parameter(line, "name").value_or("");
     part.file_name = Parameter(line, "filename").value_or("");
   }

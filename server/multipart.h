@@ -1,4 +1,4 @@
-// multipart/form-data, part by part, without holding more than a window of it.
+// multipart bodies, part by part, without holding more than a window of it.
 #pragma once
 
 #include <functional>
@@ -11,11 +11,16 @@ namespace freelsd {
 struct Part {
   std::string name;
   std::string file_name;
+  // Empty where the part does not say.
+  std::string content_type;
+  // X-Timestamp-Us, as it stands.
+  std::string timestamp_us;
 };
 
-// Boundary of a Content-Type; nothing when it is not multipart/form-data. Throws ApiError
+// Boundary of a Content-Type; nothing when it is not of this kind of multipart. Throws ApiError
 // InvalidMultipart when it is and has no usable boundary.
-std::optional<std::string> MultipartBoundary(const std::string& content_type);
+std::optional<std::string> MultipartBoundary(const std::string& content_type,
+                                             const std::string& kind = "multipart/form-data");
 
 class MultipartReader {
  public:

@@ -1,8 +1,18 @@
+#include "server/replan.h"
+
 #include <nlohmann/json.hpp>
 
-#include "server/site_lookup.h"
-
 namespace freelsd {
+
+Plan PlanOnStoredMap(const Replan& replan, const SiteMap& site_map) {
+  const Aircraft& aircraft = replan.flight.aircraft;
+  const PipelineOptions& options = replan.flight.options;
+  const HazardLayers layers = WithLimits(site_map.map,
+                                         site_map.layers,
+                                         {aircraft.max_slope_deg, aircraft.max_roughness_m},
+                                         options.hazard);
+  return PlanApproach(site_map.map, layers, replan.request, aircraft, options.approach);
+}
 
 std::string ReplanJson(const Replan& replan) {
   nlohmann::json footprint = nlohmann::json::array();

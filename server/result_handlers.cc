@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
+#include "server/bounding_box.h"
 #include "server/flight_lookup.h"
 #include "server/handlers.h"
 #include "server/site_lookup.h"
@@ -18,21 +19,6 @@ std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
   std::vector<nlohmann::json> features;
   for (const SiteRow& site : sites) features.push_back(nlohmann::json::parse(site.feature_json));
   return features;
-}
-
-BoundingBox ParseBox(const std::string& text) {
-  std::vector<double> sides;
-  std::istringstream stream(text);
-  for (std::string side; std::getline(stream, side, ',');) {
-    sides.push_back(ParseQueryNumber(side, "bbox"));
-  }
-  const bool is_box = sides.size() == 4 && std::abs(sides[0]) <= 180 && std::abs(sides[2]) <= 180 &&
-                      sides[1] >= -90 && sides[1] <= sides[3] && sides[3] <= 90;
-  if (!is_box) {
-    const std::string detail = "bbox: must be west,south,east,north in degrees";
-    throw ApiError("InvalidQuery", detail, {{"bbox", detail}});
-  }
-  return {sides[0], sides[1], sides[2], sides[3]};
 }
 
 size_t ParseLimit(const Call& call) {
@@ -78,8 +64,7 @@ void GetFlightSites(Service& service, const Call& call, httplib::Response& respo
 }
 
 void GetSites(Service& service, const Call& call, httplib::Response& response) {
-  std::optional<BoundingBox> box;
-  if (const auto text = call.Query("bbox")) box = ParseBox(*text);
+  const std::optional<BoundingBox> box = ParseBoundingBox(call);
   const size_t limit = ParseLimit(call);
   nlohmann::json sites = RankedSites(FeaturesOf(service.storage.ListSites(std::nullopt, box)));
   nlohmann::json& features = sites["features"];

@@ -19,19 +19,36 @@ namespace {
 
 using Handler = void (*)(Service&, const Call&, httplib::Response&);
 
+enum class Listeners { kMain, kBoth };
+
 struct Route {
   const char* method;
   const char* path;
   Handler handler;
   // Query parameters that are understood, separated by spaces.
   const char* parameters = "";
+  Listeners listeners = Listeners::kMain;
 };
+
+// What a token must allow: reading, taking in, or deleting. Asking what can be reached changes
+// nothing, whatever the method.
+Scope ScopeOf(const Route& route) {
+  const std::string_view path = route.path;
+  if (path == "/healthz") return Scope::kNone;
+  const std::string_view method = route.method;
+  if (method == "GET" || path == "/v1/emergency") return Scope::kRead;
+  return method == "DELETE" ? Scope::kAdmin : Scope::kIngest;
+}
 
 constexpr char kReplanning[] =
     "wind_east_mps wind_north_mps profile landing_airspeed_mps flight_path_angle_deg max_bank_deg "
     "approach_height_m crosswind_uncertainty_deg touchdown_uncertainty_m glide_ratio "
     "glide_airspeed_mps max_slope_deg max_roughness_m safety_margin_m path_half_width_m "
     "ground_roll_m min_area_m2";
+
+constexpr char kEmergency[] =
+    "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps heading_deg "
+    "glide_ratio aircraft limit";
 
 constexpr Route kRoutes[] = {
     {"POST", "/v1/flights", PostFlight},
@@ -43,6 +60,10 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/flights/{flight}/frames", GetFrames},
     {"POST", "/v1/flights/{flight}/batch", PostBatch},
     {"POST", "/v1/flights/{flight}/finish", PostFinish},
+    {"POST", "/v1/flights/{flight}/telemetry", PostTelemetry},
+    {"POST", "/v1/flights/{flight}/stream", PostStream},
+    {"GET", "/v1/flights/{flight}/alternates", GetAlternates},
+    {"GET", "/v1/events", GetEvents, "flight"},
     {"GET", "/v1/jobs", GetJobs},
     {"GET", "/v1/jobs/{job}", GetJob},
     {"DELETE", "/v1/jobs/{job}", DeleteJob},
@@ -58,8 +79,12 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/sites/{site}/layers/{layer}.pgw", GetLayerWorldFile},
     {"GET", "/v1/sites/{site}/layers/{layer}.tif", GetLayerGeoTiff},
     {"GET", "/v1/sites/{site}/layers/{layer}/legend.png", GetLayerLegend},
-    {"GET", "/healthz", GetHealth},
+    {"GET", "/v1/emergency", GetEmergency, kEmergency, Listeners::kBoth},
+    {"POST", "/v1/emergency", PostEmergency, kEmergency, Listeners::kBoth},
+    {"GET", "/v1/emergency/export", GetEmergencyExport, "bbox f home_altitude_m", Listeners::kBoth},
+    {"GET", "/healthz", GetHealth, "", Listeners::kBoth},
     {"GET", "/readyz", GetReadiness},
+    {"GET", "/metrics", GetMetrics},
     {"GET", "/v1/info", GetInfo},
     {"GET", "/openapi.json", GetOpenApi},
 };
@@ -139,14 +164,17 @@ bool ServePage(const Service& service,
 }
 
 void Dispatch(Service& service,
+              Listener listener,
               const httplib::Request& request,
               BodyReader& body,
               httplib::Response& response) {
   std::string allow;
   for (const Route& route : kRoutes) {
+    if (listener == Listener::kEmergency && route.listeners != Listeners::kBoth) continue;
     std::optional<std::map<std::string, std::string>> ids = Match(route.path, request.path);
     if (!ids) continue;
     if (IsMethod(route, request.method)) {
+      service.tokens.Require(ScopeOf(route), request.get_header_value("Authorization"));
       RefuseUnknownParameters(route, request);
       route.handler(service, {request, body, std::move(*ids)}, response);
       return;
@@ -155,6 +183,9 @@ void Dispatch(Service& service,
     if (std::string_view(route.method) == "GET") allow += ", HEAD";
   }
   if (!allow.empty()) RefuseMethod(allow, response);
+  if (listener == Listener::kEmergency) {
+    throw ApiError("NotFound", "this listener has /v1/emergency, its export and /healthz only");
+  }
   if (ServePage(service, request, response)) return;
   if (service.page.contains(request.path)) RefuseMethod("GET, HEAD", response);
   throw ApiError("NotFound", "there is nothing at this path");
@@ -162,22 +193,33 @@ void Dispatch(Service& service,
 
 // The one place where failures become answers. What is not meant for a client is only logged.
 void DispatchSafely(Service& service,
+                    Listener listener,
                     const httplib::Request& request,
                     BodyReader& body,
                     httplib::Response& response) {
   try {
-    Dispatch(service, request, body, response);
+    Dispatch(service, listener, request, body, response);
   } catch (const ApiError& error) {
     AnswerProblem(error, response);
   } catch (const StorageError& error) {
     spdlog::error("storage: {}", error.what());
-    AnswerProblem(error.is_full ? ApiError("StorageFull", "the disk is full")
-                                : ApiError("Unavailable", "the storage failed; try again"),
+    if (error.fault == StorageFault::kDamaged) service.storage.MarkDamaged(error.what());
+    AnswerProblem(error.fault == StorageFault::kFull
+                      ? ApiError("StorageFull", "the disk is full")
+                      : ApiError("Unavailable", "the storage failed; try again"),
                   response);
   } catch (const std::exception& error) {
     spdlog::error("request failed: {}", error.what());
     AnswerProblem(ApiError("InternalError", "the server failed"), response);
   }
+}
+
+// The pattern that the request matches: labels of bounded number, whatever clients send.
+std::string RouteOf(const Service& service, const httplib::Request& request) {
+  for (const Route& route : kRoutes) {
+    if (Match(route.path, request.path)) return route.path;
+  }
+  return service.page.contains(request.path) ? "page" : "unknown";
 }
 
 std::string Loggable(const std::string& text) {
@@ -188,16 +230,19 @@ std::string Loggable(const std::string& text) {
 }  // namespace
 
 void Serve(Service& service,
+           Listener listener,
            const httplib::Request& request,
            BodyReader& body,
            httplib::Response& response) {
   const auto begin = std::chrono::steady_clock::now();
   response.set_header("X-Content-Type-Options", "nosniff");
-  DispatchSafely(service, request, body, response);
+  DispatchSafely(service, listener, request, body, response);
   if (!response.has_header("Cache-Control")) response.set_header("Cache-Control", "no-store");
   if (response.status == -1) response.status = 200;
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - begin;
+  service.metrics.CountRequest(
+      request.method, RouteOf(service, request), response.status, elapsed.count() * 1e-3);
   spdlog::info("{} {} {} {:.1f} ms",
                request.method,
                Loggable(request.path),

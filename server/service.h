@@ -9,11 +9,20 @@
 #include <string>
 
 #include "api/import/import.h"
+#include "server/alternates.h"
 #include "server/config.h"
+#include "server/events.h"
+#include "server/map_cache.h"
+#include "server/metrics.h"
 #include "server/page.h"
+#include "server/tokens.h"
 #include "storage/storage.h"
 
 namespace freelsd {
+
+inline constexpr int kMaxNumUploads = 8;
+inline constexpr int kMaxNumStreams = 8;
+inline constexpr int kMaxNumEventClients = 8;
 
 struct Service {
   Service(const Config& settings, Storage& store) : config(settings), storage(store) {}
@@ -21,7 +30,13 @@ struct Service {
   const Config& config;
   Storage& storage;
   Page page;
+  TokenList tokens;
+  Metrics metrics;
   ImageLimits image_limits;
+  // Of recall: its own, so that nothing else pushes maps out.
+  mutable MapCache maps{size_t{256} << 20};
+  EventLog events;
+  Alternates alternates{*this};
   // Tells the worker that there is something new in storage.
   std::function<void()> wake_worker = [] {};
 
@@ -32,7 +47,10 @@ struct Service {
   // Decoded images held at once by requests: 64 megapixels are 192 MiB each.
   std::counting_semaphore<2> decoders{2};
   // Uploads read at once: each holds an encoded image in memory, and a thread.
-  std::counting_semaphore<8> uploads{8};
+  std::counting_semaphore<kMaxNumUploads> uploads{kMaxNumUploads};
+  // Requests that last as long as a flight does: each holds a thread.
+  std::counting_semaphore<kMaxNumStreams> streams{kMaxNumStreams};
+  std::counting_semaphore<kMaxNumEventClients> event_clients{kMaxNumEventClients};
   bool IsReceiving(const std::string& flight_id) const;
   mutable std::mutex receiving_mutex;
   // Flights by id, once per upload that is being read.
@@ -48,6 +66,19 @@ class Receiving {
   ~Receiving();
   Receiving(const Receiving&) = delete;
   Receiving& operator=(const Receiving&) = delete;
+
+ private:
+  Service& service_;
+  std::string flight_id_;
+};
+
+// The same for requests that last as long as a flight does.
+class Streaming {
+ public:
+  Streaming(Service& service, const std::string& flight_id);
+  ~Streaming();
+  Streaming(const Streaming&) = delete;
+  Streaming& operator=(const Streaming&) = delete;
 
  private:
   Service& service_;

@@ -1,7 +1,11 @@
+#include <sstream>
+
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
+#include "server/emergency.h"
 #include "server/handlers.h"
+#include "server/request_head.h"
 
 namespace freelsd {
 
@@ -15,29 +19,91 @@ void GetReadiness(Service& service, const Call&, httplib::Response& response) {
   if (const auto reason = service.storage.WhyNotWritable())
     reasons.push_back("storage: " + *reason);
   const bool is_ready = reasons.empty();
+  const std::vector<std::string> notices = service.storage.Notices();
   if (is_ready) {
-    response.set_content(R"({"ready":true,"reasons":[]})", "application/json");
+    const nlohmann::json answer{{"ready", true}, {"reasons", reasons}, {"notices", notices}};
+    response.set_content(answer.dump(), "application/json");
     return;
   }
   nlohmann::json problem = nlohmann::json::parse(
       ProblemJson(ApiError("Unavailable", "the server cannot accept work now")));
   problem["ready"] = false;
   problem["reasons"] = reasons;
+  problem["notices"] = notices;
   response.status = 503;
   response.set_content(problem.dump(), "application/problem+json");
   response.set_header("Retry-After", std::to_string(RetryAfterSeconds("Unavailable").value_or(1)));
 }
 
+// Gauges are read from storage when asked: they cannot drift from it.
+void GetMetrics(Service& service, const Call&, httplib::Response& response) {
+  std::ostringstream text;
+  const auto gauge = [&text](const char* name, const char* help, auto value) {
+    text << "# HELP freelsd_" << name << ' ' << help << "\n# TYPE freelsd_" << name
+         << " gauge\nfreelsd_" << name << ' ' << value << '\n';
+  };
+  gauge("queued_frames", "Frames that wait for the engine.", service.storage.CountQueuedFrames());
+  gauge("unfinished_jobs", "Jobs queued or running.", service.storage.ListUnfinishedJobs().size());
+  gauge("flights", "Stored flights.", service.storage.ListFlights().size());
+  gauge("recallable_sites",
+        "Sites that emergency recall may answer with.",
+        service.storage.ListRecallable({-180.0, -90.0, 180.0, 90.0}).size());
+  gauge("notices", "What an operator must know, see /readyz.", service.storage.Notices().size());
+  gauge("stored_image_bytes", "Of all image files.", service.storage.NumImageBytes());
+  gauge("writable", "1 where storage takes writes.", service.storage.WhyNotWritable() ? 0 : 1);
+  response.set_content(text.str() + service.metrics.Text(), "text/plain; version=0.0.4");
+}
+
+namespace {
+
+// Everything that is bounded, and by what.
+nlohmann::json LimitsJson(const Service& service) {
+  const Config& config = service.config;
+  const HeadLimits head;
+  const ZipLimits zip;
+  return {{"max_head_bytes", head.max_bytes},
+          {"max_num_head_lines", head.max_num_lines},
+          {"max_head_line_bytes", head.max_line_bytes},
+          {"max_url_bytes", head.max_target_bytes},
+          {"max_json_bytes", 1 << 20},
+          {"max_json_depth", 32},
+          {"max_image_megapixels", service.image_limits.max_megapixels},
+          {"max_image_side_px", service.image_limits.max_side_px},
+          {"max_image_bytes", service.image_limits.max_bytes},
+          {"max_batch_bytes", config.max_batch_bytes},
+          {"max_num_zip_entries", zip.max_entries},
+          {"max_zip_ratio", zip.max_ratio},
+          {"max_zip_entry_bytes", zip.max_entry_bytes},
+          {"max_zip_total_bytes", zip.max_total_bytes},
+          {"max_telemetry_line_bytes", 8 << 10},
+          {"max_telemetry_gap_s", config.max_telemetry_gap_s},
+          {"max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s},
+          {"telemetry_wait_s", config.telemetry_wait_s},
+          {"max_num_queued_frames", config.max_num_queued_frames},
+          {"max_num_uploads", kMaxNumUploads},
+          {"max_num_streams", kMaxNumStreams},
+          {"max_num_event_clients", kMaxNumEventClients},
+          {"num_http_threads", config.num_http_threads},
+          {"max_num_emergency_sites", kMaxNumEmergencySites},
+          {"max_image_age_days", config.max_image_age_days},
+          {"max_stored_image_bytes", config.max_stored_image_bytes}};
+}
+
+nlohmann::json EmergencyInfo() {
+  const GlideOptions options;
+  return {{"unknown_wind_mps", options.unknown_wind_mps},
+          {"datum_penalty_m", options.datum_penalty_m},
+          {"terrain_clearance_m", options.terrain_clearance_m}};
+}
+
+}  // namespace
+
 void GetInfo(Service& service, const Call&, httplib::Response& response) {
   nlohmann::json info = OptionsJson();
   info["name"] = "freelsd";
   info["version"] = FREELSD_VERSION;
-  info["limits"] = {{"max_image_megapixels", service.image_limits.max_megapixels},
-                    {"max_image_side_px", service.image_limits.max_side_px},
-                    {"max_image_bytes", service.image_limits.max_bytes},
-                    {"max_batch_bytes", service.config.max_batch_bytes},
-                    {"max_num_queued_frames", service.config.max_num_queued_frames},
-                    {"max_json_bytes", 1 << 20}};
+  info["limits"] = LimitsJson(service);
+  info["emergency"] = EmergencyInfo();
   response.set_content(info.dump(), "application/json");
 }
 

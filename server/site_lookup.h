@@ -1,24 +1,13 @@
-// The site that a path names, and what of it is needed to plan on its map again.
+// The site that a path names.
 #pragma once
 
-#include <string>
-
-#include "api/api.h"
 #include "server/call.h"
+#include "server/replan.h"
 #include "server/service.h"
 
 namespace freelsd {
 
 // Throws ApiError NoSuchSite.
 SiteRow ExistingSite(const Service& service, const Call& call);
-
-// SiteRow::replan_json: the flight as requested, its origin, and the region's part of the plan.
-struct Replan {
-  FlightRequest flight;
-  GeoPoint origin;
-  PlanRequest request;
-};
-std::string ReplanJson(const Replan& replan);
-Replan ParseReplan(const std::string& text);
 
 }  // namespace freelsd

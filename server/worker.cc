@@ -8,6 +8,8 @@
 #include "api/import/import.h"
 #include "server/evaluation.h"
 #include "server/failure.h"
+#include "server/frame_intake.h"
+#include "server/frame_resolution.h"
 #include "server/job_json.h"
 #include "server/warnings.h"
 
@@ -20,6 +22,14 @@ constexpr std::chrono::seconds kIdlePeriod{2};
 constexpr std::chrono::milliseconds kStorePeriod{500};
 // Flights kept in memory without work; others are built again when needed.
 constexpr size_t kMaxNumIdleSessions = 4;
+
+bool IsUnresolved(const FrameRow& frame) {
+  return frame.resolved_json.empty() && frame.state == FrameState::kQueued;
+}
+
+void TellOfFrame(Service& service, const FrameRow& frame) {
+  service.events.Publish("frame", frame.flight_id, FrameJson(frame).dump());
+}
 
 }  // namespace
 
@@ -61,8 +71,11 @@ void Worker::Repeat(bool (Worker::*step)()) {
     bool has_worked = false;
     try {
       has_worked = (this->*step)();
+    } catch (const StorageError& error) {
+      // Disk full, I/O: tried again after the idle period.
+      if (error.fault == StorageFault::kDamaged) service_.storage.MarkDamaged(error.what());
+      spdlog::error("worker: {}", error.what());
     } catch (const std::exception& error) {
-      // Storage refuses (disk full, I/O): tried again after the idle period.
       spdlog::error("worker: {}", error.what());
     }
     if (has_worked) continue;
@@ -115,6 +128,7 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
     return true;
   }
   if (flight->rig_json.empty()) {
+    if (ResolveFirst(*flight)) return true;
     UpdateBatchJobs(flight_id, jobs);
     return false;
   }
@@ -122,7 +136,7 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
   for (const JobRow& job : jobs) {
     if (job.flight_id == flight_id) session->AddFlushPoint(LastSequence(job));
   }
-  const std::optional<FrameRow> frame = service_.storage.NextFrame(flight_id, session->cursor());
+  std::optional<FrameRow> frame = service_.storage.NextFrame(flight_id, session->cursor());
   const std::optional<int64_t> flush_point = session->NextFlushPoint();
   if (flush_point && (!frame || frame->sequence > *flush_point)) {
     ApplyResults(flight_id, *session, session->Flush(*flush_point));
@@ -134,6 +148,12 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
     UpdateBatchJobs(flight_id, jobs);
     return false;
   }
+  if (IsUnresolved(*frame)) {
+    if (ResolveFrame(service_, *flight, *frame, MayWait(*frame)) == Resolution::kWaiting) {
+      return false;
+    }
+    TellOfFrame(service_, *frame);
+  }
   TakeFrame(flight_id, *session, *frame);
   const bool is_last = !service_.storage.NextFrame(flight_id, session->cursor());
   if (is_last || std::chrono::steady_clock::now() - stored_at_[flight_id] > kStorePeriod) {
@@ -142,10 +162,34 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
   return true;
 }
 
+// The first frame that has a position decides what the request left open.
+bool Worker::ResolveFirst(const FlightRow& flight) {
+  const auto sequence = service_.storage.NextQueuedSequence(flight.id, 0);
+  std::optional<FrameRow> frame;
+  if (sequence) frame = service_.storage.NextFrame(flight.id, *sequence - 1);
+  if (!frame) return false;
+  if (ResolveFrame(service_, flight, *frame, MayWait(*frame)) == Resolution::kWaiting) return false;
+  TellOfFrame(service_, *frame);
+  return true;
+}
+
+// By a clock that nobody sets.
+bool Worker::MayWait(const FrameRow& frame) {
+  const auto now = std::chrono::steady_clock::now();
+  auto& [sequence, since] = waiting_[frame.flight_id];
+  if (sequence != frame.sequence) {
+    sequence = frame.sequence;
+    since = now;
+  }
+  return now - since < std::chrono::duration<double>(service_.config.telemetry_wait_s);
+}
+
 // Also for frames that were processed before a restart: the engine needs to see them again.
 void Worker::TakeFrame(const std::string& flight_id,
                        FlightSession& session,
                        const FrameRow& frame) {
+  // Rejected before it had a position.
+  if (frame.resolved_json.empty()) return session.Skip(frame.sequence);
   cv::Mat image;
   std::string why_not = "its image file is gone";
   if (const auto bytes = service_.storage.ReadImage(frame.sha256)) {
@@ -173,6 +217,10 @@ void Worker::ApplyResults(const std::string& flight_id,
     if (!frame || frame->state != FrameState::kQueued) continue;
     const FrameState state = result.is_processed ? FrameState::kProcessed : FrameState::kRejected;
     service_.storage.SetFrameState(flight_id, result.frame_id, state, result.note);
+    FrameRow told = *frame;
+    told.state = state;
+    told.reason = result.note;
+    TellOfFrame(service_, told);
     ++num_since_evaluation_[flight_id];
   }
   const int period = session.request().options.backend.backend_period_frames;
@@ -190,6 +238,11 @@ void Worker::StoreProgress(const std::string& flight_id,
                            const std::vector<JobRow>& jobs) {
   if (!service_.storage.FindFlight(flight_id)) return;
   session.Store(service_.storage);
+  service_.events.Publish("region",
+                          flight_id,
+                          nlohmann::json{{"flight_id", flight_id},
+                                         {"num_regions", service_.storage.CountRegions(flight_id)}}
+                              .dump());
   UpdateBatchJobs(flight_id, jobs);
   stored_at_[flight_id] = std::chrono::steady_clock::now();
 }
@@ -212,7 +265,7 @@ void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<Job
     job.progress_ratio = std::clamp(1.0 - num_left / num_frames, 0.0, 1.0);
     job.state = is_done ? JobState::kDone : JobState::kRunning;
     job.stage = is_done ? "" : "frontend";
-    service_.storage.UpdateJob(job);
+    UpdateJob(service_, job);
   }
 }
 
@@ -253,7 +306,7 @@ void Worker::FailFlight(const std::string& flight_id, const std::string& why) {
     service_.storage.SetFrameState(flight_id, frame.id, FrameState::kRejected, why);
   }
   for (JobRow job : service_.storage.ListUnfinishedJobs()) {
-    if (job.flight_id == flight_id) FailJob(service_.storage, job, why);
+    if (job.flight_id == flight_id) FailJob(service_, job, why);
   }
   const std::lock_guard lock(mutex_);
   sessions_.erase(flight_id);

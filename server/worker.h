@@ -12,6 +12,7 @@
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "server/flight_session.h"
@@ -39,6 +40,9 @@ class Worker {
   void RunFrontend();
   bool StepFrontend();
   bool StepFlight(const std::string& flight_id, const std::vector<JobRow>& jobs);
+  bool ResolveFirst(const FlightRow& flight);
+  // Whether a frame may wait on for telemetry that tells its position.
+  bool MayWait(const FrameRow& frame);
   void TakeFrame(const std::string& flight_id, FlightSession& session, const FrameRow& frame);
   void ApplyResults(const std::string& flight_id,
                     FlightSession& session,
@@ -57,6 +61,8 @@ class Worker {
   bool StepBackend();
   void RunFinish(JobRow job, FlightSession& session);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
+  // Removes images of flights that are over, as far as the settings ask for it.
+  void RetireImages();
 
   SessionPointer FindSession(const std::string& flight_id) const;
   // Repeats a step while it has something to do; waits otherwise.
@@ -78,7 +84,12 @@ class Worker {
   std::string last_flight_id_;
   std::map<std::string, int64_t> last_sequences_;
   std::map<std::string, int> num_since_evaluation_;
+  // By flight: the frame that waits for telemetry, and since when.
+  std::map<std::string, std::pair<int64_t, std::chrono::steady_clock::time_point>> waiting_;
   std::map<std::string, std::chrono::steady_clock::time_point> stored_at_;
+
+  // Backend thread only.
+  std::chrono::steady_clock::time_point retired_at_{};
 
   std::thread frontend_thread_;
   std::thread backend_thread_;

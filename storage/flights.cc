@@ -1,6 +1,7 @@
 #include <mutex>
 
 #include "storage/flight_rows.h"
+#include "storage/site_rows.h"
 #include "storage/state.h"
 #include "storage/storage.h"
 
@@ -9,10 +10,12 @@ namespace {
 
 constexpr char kSelectFlight[] =
     "SELECT id, name, request_json, rig_json, warnings_json, stages_json, created_at_us, "
-    "num_rejected_frames, has_failed, ground_altitude_m FROM flights WHERE id = ?1";
+    "num_rejected_frames, has_failed, ground_altitude_m, has_retired_images FROM flights WHERE id "
+    "= ?1";
 constexpr char kSelectFlights[] =
     "SELECT id, name, request_json, rig_json, warnings_json, stages_json, created_at_us, "
-    "num_rejected_frames, has_failed, ground_altitude_m FROM flights ORDER BY created_at_us DESC, "
+    "num_rejected_frames, has_failed, ground_altitude_m, has_retired_images FROM flights ORDER BY "
+    "created_at_us DESC, "
     "id";
 
 FlightRow RowOf(const Statement& statement) {
@@ -27,6 +30,7 @@ FlightRow RowOf(const Statement& statement) {
   flight.num_rejected_frames = statement.Int(7);
   flight.has_failed = statement.Int(8) != 0;
   flight.ground_altitude_m = statement.OptionalReal(9);
+  flight.has_retired_images = statement.Int(10) != 0;
   return flight;
 }
 
@@ -58,7 +62,8 @@ bool ChangeFlightRow(const Connection& writer,
   writer
       .Prepare(
           "UPDATE flights SET name = ?2, rig_json = ?3, warnings_json = ?4, stages_json = ?5, "
-          "num_rejected_frames = ?6, has_failed = ?7, ground_altitude_m = ?8 WHERE id = ?1")
+          "num_rejected_frames = ?6, has_failed = ?7, ground_altitude_m = ?8, "
+          "has_retired_images = ?9 WHERE id = ?1")
       .Bind(flight_id,
             flight->name,
             flight->rig_json,
@@ -66,14 +71,18 @@ bool ChangeFlightRow(const Connection& writer,
             flight->stages_json,
             flight->num_rejected_frames,
             static_cast<int>(flight->has_failed),
-            flight->ground_altitude_m)
+            flight->ground_altitude_m,
+            static_cast<int>(flight->has_retired_images))
       .Run();
   return true;
 }
 
 void Storage::InsertFlight(const FlightRow& flight) {
-  const std::lock_guard lock(state_->write_mutex);
-  state_->writer.Prepare("INSERT INTO flights VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
+  const auto lock = state_->LockForWriting();
+  state_->writer
+      .Prepare(
+          "INSERT INTO flights VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
+          "?11)")
       .Bind(flight.id,
             flight.name,
             flight.request_json,
@@ -83,12 +92,13 @@ void Storage::InsertFlight(const FlightRow& flight) {
             flight.created_at_us,
             flight.num_rejected_frames,
             static_cast<int>(flight.has_failed),
-            flight.ground_altitude_m)
+            flight.ground_altitude_m,
+            static_cast<int>(flight.has_retired_images))
       .Run();
 }
 
 bool Storage::ChangeFlight(const std::string& flight_id, const FlightChange& change) {
-  const std::lock_guard lock(state_->write_mutex);
+  const auto lock = state_->LockForWriting();
   Transaction transaction(state_->writer);
   const bool is_there = ChangeFlightRow(state_->writer, flight_id, change);
   transaction.Commit();
@@ -110,16 +120,33 @@ std::vector<FlightRow> Storage::ListFlights() const {
   return flights;
 }
 
-bool Storage::DeleteFlight(const std::string& flight_id, bool forget_sites) {
-  const std::lock_guard lock(state_->write_mutex);
+uint64_t Storage::NumImageBytes() const { return state_->images.NumBytes(); }
+
+void Storage::RetireImages(const std::string& flight_id) {
+  const auto lock = state_->LockForWriting();
   Transaction transaction(state_->writer);
   const std::vector<std::string> images = OwnImages(state_->writer, flight_id);
-  state_->writer.Prepare("DELETE FROM flights WHERE id = ?1").Bind(flight_id).Run();
-  const bool was_there = state_->writer.NumChanges() > 0;
-  if (was_there && forget_sites) {
-    state_->writer.Prepare("DELETE FROM sites WHERE flight_id = ?1").Bind(flight_id).Run();
-  }
+  ChangeFlightRow(
+      state_->writer, flight_id, [](FlightRow& flight) { flight.has_retired_images = true; });
   transaction.Commit();
+  for (const std::string& sha256 : images) state_->images.Remove(sha256);
+}
+
+bool Storage::DeleteFlight(const std::string& flight_id, bool forget_sites) {
+  const auto lock = state_->LockForWriting();
+  std::vector<std::string> images;
+  bool was_there = false;
+  {
+    Transaction transaction(state_->writer);
+    images = OwnImages(state_->writer, flight_id);
+    state_->writer.Prepare("DELETE FROM flights WHERE id = ?1").Bind(flight_id).Run();
+    was_there = state_->writer.NumChanges() > 0;
+    transaction.Commit();
+  }
+  if (was_there && forget_sites) {
+    state_->WriteSites(
+        [&](const Connection& connection) { DeleteSiteRowsOf(connection, flight_id); });
+  }
   for (const std::string& sha256 : images) state_->images.Remove(sha256);
   return was_there;
 }

@@ -17,6 +17,8 @@ FrameRow RowOf(const Statement& statement) {
   frame.state = static_cast<FrameState>(statement.Int(5));
   frame.reason = statement.Text(6);
   frame.is_from_batch = statement.Int(7) != 0;
+  frame.tags_json = statement.Text(8);
+  frame.resolved_json = statement.Text(9);
   return frame;
 }
 
@@ -28,7 +30,11 @@ int64_t LastSequence(const Connection& writer, const std::string& flight_id) {
 }
 
 void InsertFrameRow(const Connection& writer, const FrameRow& frame, int64_t sequence) {
-  writer.Prepare("INSERT INTO frames VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")
+  writer
+      .Prepare(
+          "INSERT INTO frames (flight_id, sequence, id, sha256, meta_json, state, reason, "
+          "is_from_batch, tags_json, resolved_json) "
+          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
       .Bind(frame.flight_id,
             sequence,
             frame.id,
@@ -36,7 +42,9 @@ void InsertFrameRow(const Connection& writer, const FrameRow& frame, int64_t seq
             frame.meta_json,
             static_cast<int>(frame.state),
             frame.reason,
-            static_cast<int>(frame.is_from_batch))
+            static_cast<int>(frame.is_from_batch),
+            frame.tags_json,
+            frame.resolved_json)
       .Run();
 }
 
@@ -46,7 +54,7 @@ void Storage::InsertFrames(const std::string& flight_id,
                            const std::vector<FrameRow>& frames,
                            const std::optional<JobRow>& job,
                            const FlightChange& change) {
-  const std::lock_guard lock(state_->write_mutex);
+  const auto lock = state_->LockForWriting();
   Transaction transaction(state_->writer);
   int64_t sequence = LastSequence(state_->writer, flight_id);
   for (const FrameRow& frame : frames) {
@@ -65,7 +73,8 @@ std::optional<FrameRow> Storage::FindFrame(const std::string& flight_id,
                                            const std::string& frame_id) const {
   const Reader reader(state_->readers);
   Statement statement = reader->Prepare(
-      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch FROM frames "
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch, tags_json, "
+      "resolved_json FROM frames "
       "WHERE flight_id = ?1 AND id = ?2");
   if (!statement.Bind(flight_id, frame_id).Step()) return std::nullopt;
   return RowOf(statement);
@@ -74,7 +83,8 @@ std::optional<FrameRow> Storage::FindFrame(const std::string& flight_id,
 std::vector<FrameRow> Storage::ListFrames(const std::string& flight_id) const {
   const Reader reader(state_->readers);
   Statement statement = reader->Prepare(
-      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch FROM frames "
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch, tags_json, "
+      "resolved_json FROM frames "
       "WHERE flight_id = ?1 ORDER BY sequence");
   statement.Bind(flight_id);
   std::vector<FrameRow> frames;
@@ -113,9 +123,19 @@ std::optional<FrameRow> Storage::NextFrame(const std::string& flight_id,
                                            int64_t after_sequence) const {
   const Reader reader(state_->readers);
   Statement statement = reader->Prepare(
-      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch FROM frames "
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch, tags_json, "
+      "resolved_json FROM frames "
       "WHERE flight_id = ?1 AND sequence > ?2 ORDER BY sequence LIMIT 1");
   if (!statement.Bind(flight_id, after_sequence).Step()) return std::nullopt;
+  return RowOf(statement);
+}
+
+std::optional<FrameRow> Storage::LastFrame(const std::string& flight_id) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch, tags_json, "
+      "resolved_json FROM frames WHERE flight_id = ?1 ORDER BY sequence DESC LIMIT 1");
+  if (!statement.Bind(flight_id).Step()) return std::nullopt;
   return RowOf(statement);
 }
 
@@ -133,11 +153,24 @@ void Storage::SetFrameState(const std::string& flight_id,
                             const std::string& frame_id,
                             FrameState state,
                             const std::string& reason) {
-  const std::lock_guard lock(state_->write_mutex);
+  const auto lock = state_->LockForWriting();
   state_->writer
       .Prepare("UPDATE frames SET state = ?3, reason = ?4 WHERE flight_id = ?1 AND id = ?2")
       .Bind(flight_id, frame_id, static_cast<int>(state), reason)
       .Run();
+}
+
+void Storage::ResolveFrame(const std::string& flight_id,
+                           const std::string& frame_id,
+                           const std::string& resolved_json,
+                           const FlightChange& change) {
+  const auto lock = state_->LockForWriting();
+  Transaction transaction(state_->writer);
+  state_->writer.Prepare("UPDATE frames SET resolved_json = ?3 WHERE flight_id = ?1 AND id = ?2")
+      .Bind(flight_id, frame_id, resolved_json)
+      .Run();
+  if (change) ChangeFlightRow(state_->writer, flight_id, change);
+  transaction.Commit();
 }
 
 }  // namespace freelsd

@@ -19,7 +19,9 @@ constexpr char kUnfinishedSuffix[] = "-part";
 
 [[noreturn]] void Fail(const std::string& step) {
   const int error = errno;
-  throw StorageError(step, std::strerror(error), error == ENOSPC || error == EDQUOT);
+  const bool is_full = error == ENOSPC || error == EDQUOT || error == EFBIG;
+  throw StorageError(
+      step, std::strerror(error), is_full ? StorageFault::kFull : StorageFault::kOther);
 }
 
 class File {
@@ -107,6 +109,18 @@ bool ImageFiles::Has(const std::string& sha256) const {
 }
 
 void ImageFiles::Remove(const std::string& sha256) const { ::unlink(PathOf(sha256).c_str()); }
+
+uint64_t ImageFiles::NumBytes() const {
+  uint64_t num_bytes = 0;
+  std::error_code error;
+  for (const auto& shelf : std::filesystem::directory_iterator(folder_, error)) {
+    for (const auto& file : std::filesystem::directory_iterator(shelf.path(), error)) {
+      const uintmax_t size = file.file_size(error);
+      if (!error) num_bytes += size;
+    }
+  }
+  return num_bytes;
+}
 
 void ImageFiles::RemoveUnless(const std::function<bool(const std::string&)>& is_needed) const {
   std::error_code error;

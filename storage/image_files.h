@@ -20,6 +20,8 @@ class ImageFiles {
   std::optional<std::string> Read(const std::string& sha256) const;
   bool Has(const std::string& sha256) const;
   void Remove(const std::string& sha256) const;
+  // Of all files.
+  uint64_t NumBytes() const;
   // Removes every file that nothing needs.
   void RemoveUnless(const std::function<bool(const std::string& sha256)>& is_needed) const;
 

@@ -48,12 +48,12 @@ void InsertJobRow(const Connection& writer, const JobRow& job) {
 }
 
 void Storage::InsertJob(const JobRow& job) {
-  const std::lock_guard lock(state_->write_mutex);
+  const auto lock = state_->LockForWriting();
   InsertJobRow(state_->writer, job);
 }
 
 void Storage::UpdateJob(const JobRow& job) {
-  const std::lock_guard lock(state_->write_mutex);
+  const auto lock = state_->LockForWriting();
   state_->writer
       .Prepare(
           "UPDATE jobs SET state = ?2, progress_ratio = ?3, stage = ?4, detail_json = ?5 "
@@ -88,7 +88,7 @@ std::vector<JobRow> Storage::ListUnfinishedJobs() const {
 }
 
 bool Storage::DeleteJob(const std::string& job_id) {
-  const std::lock_guard lock(state_->write_mutex);
+  const auto lock = state_->LockForWriting();
   state_->writer.Prepare("DELETE FROM jobs WHERE id = ?1").Bind(job_id).Run();
   return state_->writer.NumChanges() > 0;
 }

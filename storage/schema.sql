@@ -1,4 +1,6 @@
--- Everything that survives, beside the image files. user_version 1.
+-- Everything that survives, beside the image files. user_version 2; the tables of sites are there a
+-- second time in a file of their own, recall.db, which is read where this one is damaged;
+-- migrations.cc brings older ones up.
 -- Times are microseconds since 1970 (UTC). JSON columns hold text that this folder does not read.
 
 CREATE TABLE flights (
@@ -11,7 +13,8 @@ CREATE TABLE flights (
   created_at_us INTEGER NOT NULL,            -- microseconds since 1970
   num_rejected_frames INTEGER NOT NULL,      -- refused images of batches and streams, which have no row
   has_failed INTEGER NOT NULL,               -- 1: the engine failed on this flight, see warnings
-  ground_altitude_m REAL                     -- ground below the first frame, flight's datum; NULL: unknown
+  ground_altitude_m REAL,                    -- ground below the first frame, flight's datum; NULL: unknown
+  has_retired_images INTEGER NOT NULL DEFAULT 0  -- 1: its images were removed to make room
 ) STRICT;
 
 CREATE TABLE frames (
@@ -19,16 +22,30 @@ CREATE TABLE frames (
   sequence INTEGER NOT NULL,                 -- order of processing within the flight, from 1
   id TEXT NOT NULL,                          -- unique within the flight
   sha256 TEXT NOT NULL,                      -- of the image file, lower-case hex; also its name
-  meta_json TEXT NOT NULL,                   -- timestamp_us, position (deg, m), attitude (deg), wind (mps)
+  meta_json TEXT NOT NULL,                   -- sent with it: timestamp_us, position (deg, m), attitude, wind (mps)
   state INTEGER NOT NULL,                    -- 0 queued, 1 processed, 2 rejected by the frontend
   reason TEXT NOT NULL,                      -- why rejected, or a note; '' for none
   is_from_batch INTEGER NOT NULL,            -- 1: outside the limit of the frame queue
+  tags_json TEXT NOT NULL DEFAULT '{}',      -- the same, from the image's own tags
+  resolved_json TEXT NOT NULL DEFAULT '',    -- the same, as the engine took it; '' before
   PRIMARY KEY (flight_id, id)
 ) STRICT, WITHOUT ROWID;
 CREATE UNIQUE INDEX frames_by_sequence ON frames (flight_id, sequence);
 CREATE INDEX frames_by_image ON frames (sha256);
 CREATE INDEX frames_queued ON frames (flight_id, sequence) WHERE state = 0;
 CREATE INDEX frames_in_queue ON frames (state) WHERE state = 0 AND is_from_batch = 0;
+
+-- What an aircraft says of itself between frames.
+CREATE TABLE telemetry (
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  kind INTEGER NOT NULL,                     -- 0 position (deg, deg, m), 1 attitude (w, x, y, z), 2 wind (mps)
+  timestamp_us INTEGER NOT NULL,             -- microseconds since 1970
+  value_0 REAL NOT NULL,                     -- latitude_deg | w | east_mps
+  value_1 REAL NOT NULL,                     -- longitude_deg | x | north_mps
+  value_2 REAL NOT NULL,                     -- altitude_m | y | 0
+  value_3 REAL NOT NULL,                     -- 0 | z | 0
+  PRIMARY KEY (flight_id, kind, timestamp_us)
+) STRICT, WITHOUT ROWID;
 
 CREATE TABLE jobs (
   number INTEGER PRIMARY KEY AUTOINCREMENT,  -- order of arrival
@@ -63,8 +80,12 @@ CREATE TABLE sites (
   feature_json TEXT NOT NULL,                -- GeoJSON feature without rank
   approach_json TEXT NOT NULL,               -- FeatureCollection; '' where there is no approach
   replan_json TEXT NOT NULL,                 -- region, aircraft, origin, datum
-  updated_at_us INTEGER NOT NULL             -- microseconds since 1970
+  updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
+  checksum INTEGER,                          -- of the row; NULL: from a version without
+  superseded_by TEXT                         -- later site on the same ground
+    REFERENCES sites (id) ON DELETE SET NULL DEFERRABLE INITIALLY DEFERRED
 ) STRICT;
+CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
 CREATE INDEX sites_by_flight ON sites (flight_id);
 CREATE INDEX sites_by_place ON sites (latitude_deg, longitude_deg);
 
@@ -72,3 +93,21 @@ CREATE TABLE site_maps (
   site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
   map BLOB NOT NULL                          -- compressed layers (m, rad, 0..1), versioned inside
 ) STRICT;
+
+-- What emergency recall reads of sites, by number, so that the neighbourhood can be an R*Tree.
+CREATE TABLE site_numbers (
+  number INTEGER PRIMARY KEY,
+  site_id TEXT NOT NULL UNIQUE REFERENCES sites (id) ON DELETE CASCADE,
+  is_recallable INTEGER NOT NULL,            -- 0: rejected, or without terrain; its map still counts
+  is_landable INTEGER NOT NULL,              -- 1 landable, 0 unverified
+  altitude_m REAL NOT NULL,                  -- of the touchdown, in altitude_datum
+  altitude_datum TEXT NOT NULL,              -- 'amsl', 'ellipsoid' or 'unknown'
+  score REAL NOT NULL,                       -- 0..1, when the site was stored
+  aircraft_json TEXT NOT NULL,               -- the aircraft it was planned for
+  checksum INTEGER                           -- of the row and the site's place; NULL: from a version without
+) STRICT;
+CREATE INDEX site_numbers_by_altitude ON site_numbers (altitude_m) WHERE is_recallable = 1;
+CREATE VIRTUAL TABLE site_boxes USING rtree (
+  number,                                    -- of site_numbers
+  west_deg, east_deg, south_deg, north_deg   -- WGS84: what the site's map covers, touchdown included
+);

@@ -1,16 +1,27 @@
 #include "storage/sqlite.h"
 
+#include <cerrno>
+
 namespace freelsd {
 namespace {
 
 // How long a connection waits for another's lock; the writer is alone, so this covers checkpoints.
 constexpr int kBusyTimeoutMs = 2000;
 
+// SQLite calls only ENOSPC full; a quota or a limit of file size is an I/O error to it.
+StorageFault FaultOf(sqlite3* database, int code) {
+  if (code == SQLITE_FULL) return StorageFault::kFull;
+  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) return StorageFault::kDamaged;
+  if (database == nullptr || code != SQLITE_IOERR) return StorageFault::kOther;
+  const int error = sqlite3_system_errno(database);
+  return error == EDQUOT || error == EFBIG ? StorageFault::kFull : StorageFault::kOther;
+}
+
 [[noreturn]] void Fail(sqlite3* database, const std::string& step) {
   const int code = database == nullptr ? SQLITE_NOMEM : sqlite3_errcode(database);
   const std::string reason =
       database == nullptr ? "out of memory" : std::string(sqlite3_errmsg(database));
-  throw StorageError(step, reason, code == SQLITE_FULL);
+  throw StorageError(step, reason, FaultOf(database, code));
 }
 
 // First words of a statement: enough to find it, without values.
@@ -49,6 +60,11 @@ void Statement::Run() {
 std::optional<double> Statement::OptionalReal(int column) const {
   if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::nullopt;
   return Real(column);
+}
+
+std::optional<int64_t> Statement::OptionalInt(int column) const {
+  if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::nullopt;
+  return Int(column);
 }
 
 std::string Statement::Text(int column) const {

@@ -40,6 +40,7 @@ class Statement {
   int64_t Int(int column) const { return sqlite3_column_int64(statement_, column); }
   double Real(int column) const { return sqlite3_column_double(statement_, column); }
   std::optional<double> OptionalReal(int column) const;
+  std::optional<int64_t> OptionalInt(int column) const;
   std::string Text(int column) const;
 
  private:
@@ -67,6 +68,8 @@ class Connection {
   Statement Prepare(const char* sql) const { return Statement(database_, sql); }
   // Several statements without parameters or rows.
   void Execute(const char* sql) const;
+  // Makes what runs in another thread fail soon.
+  void Interrupt() const { sqlite3_interrupt(database_); }
   int NumChanges() const { return sqlite3_changes(database_); }
 
  private:

@@ -1,9 +1,13 @@
 // What Storage's methods share: the write connection behind its mutex, and the readers' pool.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -45,6 +49,7 @@ class Reader {
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
   const Connection* operator->() const { return connection_.get(); }
+  const Connection& operator*() const { return *connection_; }
 
  private:
   ReaderPool& pool_;
@@ -52,14 +57,66 @@ class Reader {
 };
 
 struct Storage::State {
+  // Opens or creates both databases and brings them to one state.
   explicit State(const std::filesystem::path& data_folder);
+  ~State();
+
+  // Throws StorageError where the database is damaged.
+  std::unique_lock<std::mutex> LockForWriting();
+  void MarkDamaged(const std::string& why);
+  // From the database, or from the sites' second copy where it is damaged. Waits for no writer.
+  template <typename Read>
+  auto ReadSites(Read read) {
+    if (!is_damaged) {
+      try {
+        const Reader reader(readers);
+        return read(*reader);
+      } catch (const StorageError& error) {
+        if (error.fault != StorageFault::kDamaged) throw;
+        MarkDamaged(error.what());
+      }
+    }
+    const Reader reader(copy_readers);
+    return read(*reader);
+  }
+  // The same change of sites in both, each in a transaction.
+  template <typename Write>
+  void WriteSites(Write write) {
+    {
+      Transaction transaction(writer);
+      write(writer);
+      transaction.Commit();
+    }
+    ++sites_version;
+    WriteCopy(write);
+  }
 
   std::filesystem::path folder;
   FolderLock lock;
+  std::mutex notices_mutex;
+  std::vector<std::string> notices;
   ImageFiles images;
   std::mutex write_mutex;
   Connection writer;
   ReaderPool readers;
+  // Sites alone, a second time.
+  Connection copy_writer;
+  ReaderPool copy_readers;
+  std::atomic<bool> is_damaged{false};
+  // Changes when any site does.
+  std::atomic<uint64_t> sites_version{1};
+  std::mutex bounds_mutex;
+  uint64_t bounds_version = 0;
+  RecallBounds bounds;
+
+ private:
+  void WriteCopy(const std::function<void(const Connection&)>& write);
+  void CheckWholeFile();
+
+  // Reads the whole database once, beside everything else: at start it would take too long.
+  Connection check_connection_;
+  std::atomic<bool> is_check_over_{false};
+  std::thread check_thread_;
 };
 
 }  // namespace freelsd

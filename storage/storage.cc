@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <cstring>
-#include <set>
 #include <utility>
 
 #include <fcntl.h>
@@ -12,13 +11,9 @@
 
 #include "storage/state.h"
 
-extern const char* const kSchemaSql;
-
 namespace freelsd {
 namespace {
 
-constexpr char kDatabaseName[] = "freelsd.db";
-constexpr int kSchemaVersion = 1;
 // Below this free space nothing new is taken: the results of what is there must still fit.
 constexpr uint64_t kMinFreeBytes = uint64_t{256} << 20;
 
@@ -29,33 +24,10 @@ std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
   return folder;
 }
 
-void CreateOrCheckSchema(const Connection& writer) {
-  Statement statement = writer.Prepare("PRAGMA user_version");
-  statement.Step();
-  const int64_t version = statement.Int(0);
-  if (version == kSchemaVersion) return;
-  if (version != 0) {
-    throw StorageError("open the database",
-                       "its schema has version " + std::to_string(version) +
-                           ", this program understands " + std::to_string(kSchemaVersion));
-  }
-  Transaction transaction(writer);
-  writer.Execute(kSchemaSql);
-  writer.Execute("PRAGMA user_version = 1");
-  transaction.Commit();
-}
-
-std::set<std::string> ImagesInUse(const Connection& writer) {
-  std::set<std::string> images;
-  Statement statement = writer.Prepare("SELECT DISTINCT sha256 FROM frames");
-  while (statement.Step()) images.insert(statement.Text(0));
-  return images;
-}
-
 }  // namespace
 
-StorageError::StorageError(const std::string& step, const std::string& reason, bool full)
-    : std::runtime_error(step + ": " + reason), is_full(full) {}
+StorageError::StorageError(const std::string& step, const std::string& reason, StorageFault kind)
+    : std::runtime_error(step + ": " + reason), fault(kind) {}
 
 FolderLock::FolderLock(const std::filesystem::path& folder)
     : descriptor_(::open((folder / "freelsd.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0640)) {
@@ -85,19 +57,7 @@ void ReaderPool::GiveBack(std::unique_ptr<Connection> connection) {
   idle_.push_back(std::move(connection));
 }
 
-Storage::State::State(const std::filesystem::path& data_folder)
-    : folder(MadeFolder(data_folder)),
-      lock(folder),
-      images(folder / "images"),
-      writer(folder / kDatabaseName, Access::kWrite),
-      readers(folder / kDatabaseName) {}
-
-Storage::Storage(const std::filesystem::path& folder) : state_(std::make_unique<State>(folder)) {
-  CreateOrCheckSchema(state_->writer);
-  SyncFolder(state_->folder);
-  const std::set<std::string> images = ImagesInUse(state_->writer);
-  state_->images.RemoveUnless(
-      [&images](const std::string& sha256) { return images.contains(sha256); });
+Storage::Storage(const std::filesystem::path& folder) : state_(Opened(folder)) {
   std::error_code error;
   std::filesystem::remove_all(SpoolFolder(), error);
   MadeFolder(SpoolFolder());
@@ -116,19 +76,27 @@ std::optional<std::string> Storage::ReadImage(const std::string& sha256) const {
 }
 
 void Storage::RemoveUnusedImage(const std::string& sha256) {
-  const std::lock_guard lock(state_->write_mutex);
+  const auto lock = state_->LockForWriting();
   Statement statement = state_->writer.Prepare("SELECT 1 FROM frames WHERE sha256 = ?1 LIMIT 1");
   if (!statement.Bind(sha256).Step()) state_->images.Remove(sha256);
 }
 
+void Storage::MarkDamaged(const std::string& why) const { state_->MarkDamaged(why); }
+
+std::vector<std::string> Storage::Notices() const {
+  const std::lock_guard lock(state_->notices_mutex);
+  return state_->notices;
+}
+
 std::optional<std::string> Storage::WhyNotWritable() const {
+  if (state_->is_damaged) return "the database is damaged";
   struct statvfs disk {};
   if (::statvfs(state_->folder.c_str(), &disk) != 0) return std::strerror(errno);
   if (static_cast<uint64_t>(disk.f_bavail) * disk.f_frsize < kMinFreeBytes) {
     return "less than 256 MiB are free on the disk";
   }
   try {
-    const std::lock_guard lock(state_->write_mutex);
+    const auto lock = state_->LockForWriting();
     const Transaction transaction(state_->writer);
   } catch (const StorageError& error) {
     return error.what();

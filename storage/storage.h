@@ -6,6 +6,7 @@
 // for it. All methods are thread-safe.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -18,11 +19,16 @@
 
 namespace freelsd {
 
-// What SQL step or file operation failed, and why. is_full: no space left.
+enum class StorageFault { kOther, kFull, kDamaged };
+
+// What SQL step or file operation failed, and why.
 class StorageError : public std::runtime_error {
  public:
-  StorageError(const std::string& step, const std::string& reason, bool is_full = false);
-  bool is_full = false;
+  StorageError(const std::string& step,
+               const std::string& reason,
+               StorageFault fault = StorageFault::kOther);
+  // kFull: no space left. kDamaged: the database's file is not what was written.
+  StorageFault fault;
 };
 
 struct FlightRow {
@@ -38,6 +44,8 @@ struct FlightRow {
   bool has_failed = false;
   // Of the ground below the first frame, in the flight's datum, once the engine has an estimate.
   std::optional<double> ground_altitude_m;
+  // Its images were removed to make room: it is over, but its regions and sites stay.
+  bool has_retired_images = false;
 };
 
 enum class FrameState { kQueued, kProcessed, kRejected };
@@ -48,7 +56,11 @@ struct FrameRow {
   std::string flight_id;
   std::string id;
   std::string sha256;
+  // What was sent with it, and what the image says of itself.
   std::string meta_json;
+  std::string tags_json = "{}";
+  // Both and telemetry together, as the engine took it; empty before.
+  std::string resolved_json;
   FrameState state = FrameState::kQueued;
   std::string reason;
   // Batches are outside the limit of the frame queue.
@@ -68,6 +80,39 @@ struct JobRow {
   int64_t created_at_us = 0;
 };
 
+enum class TelemetryKind { kPosition, kAttitude, kWind };
+
+// position: latitude, longitude (deg), altitude (m); attitude: ned_from_body w, x, y, z; wind:
+// east, north (m/s), where the air moves to.
+struct TelemetryRow {
+  TelemetryKind kind = TelemetryKind::kPosition;
+  int64_t timestamp_us = 0;
+  std::array<double, 4> values{};
+};
+
+// A box with west > east crosses the antimeridian.
+struct BoundingBox {
+  double west_deg, south_deg, east_deg, north_deg;
+};
+
+// What emergency recall needs of a site before it reads the rest.
+struct RecallData {
+  bool is_landable = false;  // else unverified
+  double altitude_m = 0.0;   // of the touchdown, in altitude_datum
+  std::string altitude_datum = "unknown";
+  double score = 0.0;
+  std::string aircraft_json = "{}";
+};
+
+struct RecallRow {
+  std::string site_id;
+  std::string flight_id;
+  double latitude_deg = 0.0;
+  double longitude_deg = 0.0;
+  int64_t updated_at_us = 0;
+  RecallData data;
+};
+
 struct SiteRow {
   std::string id;
   std::string flight_id;
@@ -81,17 +126,27 @@ struct SiteRow {
   // What planning anew needs: region, aircraft, origin, datum.
   std::string replan_json;
   int64_t updated_at_us = 0;
+  // Nothing: never to be recalled (rejected, or no terrain was seen).
+  std::optional<RecallData> recall;
+  // What the map covers; nothing: the touchdown alone.
+  std::optional<BoundingBox> map_box;
+  // The site that a later look at the same ground gave; read only.
+  std::optional<std::string> superseded_by;
 };
 
-// A box with west > east crosses the antimeridian.
-struct BoundingBox {
-  double west_deg, south_deg, east_deg, north_deg;
+// What bounds the reach of any stored site.
+struct RecallBounds {
+  double min_altitude_m = 0.0;
+  // Each that a site that can be recalled was planned for, once.
+  std::vector<std::string> aircraft_jsons;
 };
 
 class Storage {
  public:
-  // Creates the folder and schema, or opens them; image files that no frame names are removed.
-  // Throws StorageError when another process has it, or a newer version wrote it.
+  // Creates the folder and schema, or opens them; image files that no frame names are removed. A
+  // damaged database is set aside, with its images, and a new one begun with the sites of their
+  // second copy. Throws StorageError when another process has the folder, or a newer version wrote
+  // it.
   explicit Storage(const std::filesystem::path& folder);
   ~Storage();
   // For uploads that are not acknowledged yet; emptied at start.
@@ -133,6 +188,8 @@ class Storage {
   std::vector<std::string> FlightsWithQueuedFrames() const;
   // Of the flight the first frame after `after_sequence`, whatever its state.
   std::optional<FrameRow> NextFrame(const std::string& flight_id, int64_t after_sequence) const;
+  // By sequence.
+  std::optional<FrameRow> LastFrame(const std::string& flight_id) const;
   // Sequence number of the flight's first queued frame after `after_sequence`.
   std::optional<int64_t> NextQueuedSequence(const std::string& flight_id,
                                             int64_t after_sequence) const;
@@ -140,6 +197,24 @@ class Storage {
                      const std::string& frame_id,
                      FrameState state,
                      const std::string& reason);
+  // What the engine takes of the frame from now on, and what that changes of the flight.
+  void ResolveFrame(const std::string& flight_id,
+                    const std::string& frame_id,
+                    const std::string& resolved_json,
+                    const FlightChange& change = {});
+  uint64_t NumImageBytes() const;
+  // Removes the flight's images, unless other flights need them, and marks it.
+  void RetireImages(const std::string& flight_id);
+
+  // Telemetry of a flight, all in one commit; what comes again replaces what was there.
+  void PutTelemetry(const std::string& flight_id, const std::vector<TelemetryRow>& rows);
+  // The last at or before, and the first at or after a time.
+  struct TelemetryPair {
+    std::optional<TelemetryRow> before, after;
+  };
+  TelemetryPair TelemetryAround(const std::string& flight_id,
+                                TelemetryKind kind,
+                                int64_t timestamp_us) const;
 
   // Jobs.
   void InsertJob(const JobRow& job);
@@ -160,20 +235,40 @@ class Storage {
   std::vector<RegionRow> ListRegions(const std::string& flight_id) const;
   int64_t CountRegions(const std::string& flight_id) const;
 
-  // Sites: inserted or replaced by id, with their map (empty: none), in one commit.
-  void PutSite(const SiteRow& site, std::string_view map_blob);
+  // Sites: inserted or replaced by id, with their map (empty: none), in one commit. Each is kept
+  // twice: where the database is damaged, sites are read from their second copy. `supersedes`: ids
+  // of sites on the same ground, which are not recalled while this one is there.
+  void PutSite(const SiteRow& site,
+               std::string_view map_blob,
+               const std::vector<std::string>& supersedes = {});
   std::optional<SiteRow> FindSite(const std::string& site_id) const;
   std::vector<SiteRow> ListSites(const std::optional<std::string>& flight_id,
                                  const std::optional<BoundingBox>& box) const;
   int64_t CountSites(const std::string& flight_id) const;
   std::optional<std::string> ReadSiteMap(const std::string& site_id) const;
+  RecallBounds BoundsOfRecallable() const;
+  // Sites that can be recalled, their map or touchdown in the box.
+  std::vector<RecallRow> ListRecallable(const BoundingBox& box) const;
+  // Id and time of sites, also rejected ones, whose map may lie in the box.
+  struct MapRow {
+    std::string site_id;
+    int64_t updated_at_us = 0;
+    std::string altitude_datum;
+  };
+  std::vector<MapRow> ListMaps(const BoundingBox& box) const;
   bool DeleteSite(const std::string& site_id);
 
   // Whether a write would work now: nothing, or why not.
   std::optional<std::string> WhyNotWritable() const;
+  // The database's file is damaged: from now on nothing is written, sites are read from their
+  // second copy, and the next start sets it aside. Also called by a check that runs beside.
+  void MarkDamaged(const std::string& why) const;
+  // What an operator must know: damage, and what was set aside at this start.
+  std::vector<std::string> Notices() const;
 
  private:
   struct State;  // storage/state.h
+  static std::unique_ptr<State> Opened(const std::filesystem::path& folder);
   std::unique_ptr<State> state_;
 };
 

@@ -1,6 +1,8 @@
 // Many images at once.
 #include <filesystem>
 
+#include <archive.h>
+#include <archive_entry.h>
 #include <doctest/doctest.h>
 
 #include "tests/server/test_server.h"
@@ -30,6 +32,67 @@ nlohmann::json VerdictOf(const nlohmann::json& job, const std::string& id) {
     if (image["id"] == id) return image;
   }
   return {};
+}
+
+// A zip archive in memory.
+std::string Zip(const std::vector<std::pair<std::string, std::string>>& files) {
+  std::string bytes(size_t{4} << 20, '\0');
+  size_t size = 0;
+  archive* const written = archive_write_new();
+  archive_write_set_format_zip(written);
+  archive_write_open_memory(written, bytes.data(), bytes.size(), &size);
+  for (const auto& [name, content] : files) {
+    archive_entry* const header = archive_entry_new();
+    archive_entry_set_pathname(header, name.c_str());
+    archive_entry_set_filetype(header, AE_IFREG);
+    archive_entry_set_perm(header, 0644);
+    archive_entry_set_size(header, static_cast<la_int64_t>(content.size()));
+    archive_write_header(written, header);
+    archive_write_data(written, content.data(), content.size());
+    archive_entry_free(header);
+  }
+  archive_write_close(written);
+  archive_write_free(written);
+  return bytes.substr(0, size);
+}
+
+TEST_CASE("batch: a zip archive of images and poses is taken as a multipart body is") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const std::string poses = kPosesHeader + PoseLine("b.jpg", 2) + PoseLine("a.jpg", 1);
+  const std::string zip = Zip({{"flight/b.jpg", NoiseImage(2)},
+                               {"flight/poses.csv", poses},
+                               {"flight/a.jpg", NoiseImage(1)},
+                               {"flight/cut.jpg", NoiseImage(3).substr(0, 9000)}});
+  for (const char* type : {"application/zip", "application/octet-stream", ""}) {
+    const auto result = fresh.client.Post("/v1/flights/" + flight + "/batch", zip, type);
+    REQUIRE(result);
+    INFO(result->body);
+    REQUIRE(result->status == 202);
+    const nlohmann::json job = AwaitJob(fresh.client, nlohmann::json::parse(result->body)["id"]);
+    CHECK(job["state"] == "done");
+    CHECK(VerdictOf(job, "a.jpg")["verdict"] == "accepted");
+    CHECK(VerdictOf(job, "b.jpg")["verdict"] == "accepted");
+    CHECK(VerdictOf(job, "cut.jpg")["code"] == "DamagedImage");
+  }
+  const nlohmann::json frames = FrameList(fresh.client, flight);
+  REQUIRE(frames.size() == 2);
+  CHECK(frames[0]["id"] == "a.jpg");
+  CHECK(std::filesystem::is_empty(fresh.folder.path() / "data/spool"));
+}
+
+TEST_CASE("batch: a zip that is cut or names a place outside is refused and stores nothing") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const std::string path = "/v1/flights/" + flight + "/batch";
+  const std::string zip = Zip({{"a.jpg", NoiseImage(1)}});
+  const auto cut = fresh.client.Post(path, zip.substr(0, zip.size() / 2), "application/zip");
+  CheckProblem(cut, 422, "ZipRefused");
+  const auto slip =
+      fresh.client.Post(path, Zip({{"../../a.jpg", NoiseImage(1)}}), "application/zip");
+  CheckProblem(slip, 422, "ZipRefused");
+  CHECK(FrameList(fresh.client, flight).empty());
+  CHECK(std::filesystem::is_empty(fresh.folder.path() / "data/spool"));
 }
 
 TEST_CASE("batch: good images go on, damaged ones and ones without pose are told of") {

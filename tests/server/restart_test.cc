@@ -1,86 +1,14 @@
 // The program itself, killed and started again.
 #include <csignal>
-#include <fstream>
-#include <iterator>
 
 #include <doctest/doctest.h>
-#include <fcntl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/server/test_server.h"
+#include "tests/server/child.h"
+#include "tests/server/sample_flight.h"
 
 namespace freelsd {
 namespace {
-
-// freelsd-server as a child; killed at the end if it still runs.
-class Child {
- public:
-  Child(const std::filesystem::path& folder, const std::string& listen)
-      : output_(folder / "output.txt") {
-    const std::string data = folder / "data";
-    const std::string model = TestModel();
-    std::filesystem::remove(output_);
-    process_ = ::fork();
-    if (process_ != 0) return;
-    const int descriptor = ::open(output_.c_str(), O_CREAT | O_WRONLY | O_APPEND, 0600);
-    ::dup2(descriptor, 1);
-    ::dup2(descriptor, 2);
-    ::execl(FREELSD_SERVER,
-            "freelsd-server",
-            "--data",
-            data.c_str(),
-            "--listen",
-            listen.c_str(),
-            "--model",
-            model.c_str(),
-            nullptr);
-    ::_exit(127);
-  }
-  ~Child() {
-    if (process_ > 0) Stop(SIGKILL);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-
-  // The port it says it listens on.
-  int AwaitPort() const {
-    const std::string key = "listens on http://127.0.0.1:";
-    for (int i = 0; i < 1000; ++i) {
-      const std::string text = Output();
-      const size_t at = text.find(key);
-      if (at != std::string::npos) return std::stoi(text.substr(at + key.size()));
-      ::usleep(10000);
-    }
-    FAIL("the server did not start: " << Output());
-    return 0;
-  }
-  // Exit code, or minus the signal.
-  int Wait() {
-    int status = 0;
-    ::waitpid(process_, &status, 0);
-    process_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
-  int Stop(int signal) {
-    ::kill(process_, signal);
-    return Wait();
-  }
-  std::string Output() const {
-    std::ifstream file(output_);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  }
-
- private:
-  std::filesystem::path output_;
-  pid_t process_ = -1;
-};
-
-httplib::Client ClientOf(int port) {
-  httplib::Client client("127.0.0.1", port);
-  client.set_read_timeout(30);
-  return client;
-}
 
 TEST_CASE("restart: what was acknowledged before a kill is there after it, and the batch goes on") {
   constexpr int kNumImages = 12;
@@ -88,7 +16,7 @@ TEST_CASE("restart: what was acknowledged before a kill is there after it, and t
   std::string flight;
   std::string job;
   {
-    Child child(folder.path(), "127.0.0.1:0");
+    Child child({folder.path()});
     httplib::Client client = ClientOf(child.AwaitPort());
     flight = NewFlight(client);
     CHECK(PutFrame(client, flight, "single", NoiseImage(99), SomeMeta())->status == 201);
@@ -108,7 +36,7 @@ TEST_CASE("restart: what was acknowledged before a kill is there after it, and t
     CHECK(finish->status == 202);
     CHECK(child.Stop(SIGKILL) == -SIGKILL);
   }
-  Child child(folder.path(), "127.0.0.1:0");
+  Child child({folder.path()});
   httplib::Client client = ClientOf(child.AwaitPort());
   CHECK(FrameList(client, flight).size() == kNumImages + 1);
   CHECK(AwaitJob(client, job)["state"] == "done");
@@ -124,7 +52,7 @@ TEST_CASE("restart: killed in the middle of an upload, nothing of it is there an
   const TemporaryFolder folder;
   std::string flight;
   {
-    Child child(folder.path(), "127.0.0.1:0");
+    Child child({folder.path()});
     const int port = child.AwaitPort();
     httplib::Client client = ClientOf(port);
     flight = NewFlight(client);
@@ -140,7 +68,7 @@ TEST_CASE("restart: killed in the middle of an upload, nothing of it is there an
     ::usleep(300000);
     child.Stop(SIGKILL);
   }
-  Child child(folder.path(), "127.0.0.1:0");
+  Child child({folder.path()});
   httplib::Client client = ClientOf(child.AwaitPort());
   CHECK(FrameList(client, flight).empty());
   for (const auto& entry :
@@ -150,9 +78,36 @@ TEST_CASE("restart: killed in the middle of an upload, nothing of it is there an
   CHECK(PutFrame(client, flight, "a.jpg", NoiseImage(1), SomeMeta())->status == 201);
 }
 
+TEST_CASE("restart: killed while it evaluates, it ends the job by itself; sites found are served") {
+  const TemporaryFolder folder;
+  const ChildOptions options{folder.path(), RealModel()};
+  std::string flight;
+  std::string second_job;
+  nlohmann::json sites_before;
+  {
+    Child child(options);
+    httplib::Client client = ClientOf(child.AwaitPort());
+    flight = PostSampleFlight(client, 0, kNumSampleFrames - 1);
+    REQUIRE(AwaitJob(client, Finish(client, flight))["state"] == "done");
+    sites_before = SiteIds(client, flight);
+    REQUIRE_FALSE(sites_before.empty());
+    PostSampleFrames(client, flight, kNumSampleFrames - 1, kNumSampleFrames);
+    second_job = Finish(client, flight);
+    REQUIRE(AwaitEvaluation(client, second_job));
+    CHECK(child.Stop(SIGKILL) == -SIGKILL);
+  }
+  Child child(options);
+  httplib::Client client = ClientOf(child.AwaitPort());
+  CHECK(SiteIds(client, flight) == sites_before);
+  CHECK(GetJson(client, "/v1/jobs/" + second_job)["state"] != "done");
+  CHECK(AwaitJob(client, second_job)["state"] == "done");
+  CHECK_FALSE(SiteIds(client, flight).empty());
+  CHECK(GetJson(client, "/v1/flights/" + flight)["state"] == "idle");
+}
+
 TEST_CASE("restart: SIGTERM ends the program cleanly within 10 s") {
   const TemporaryFolder folder;
-  Child child(folder.path(), "127.0.0.1:0");
+  Child child({folder.path()});
   httplib::Client client = ClientOf(child.AwaitPort());
   client.set_keep_alive(true);
   const std::string flight = NewFlight(client);
@@ -168,14 +123,14 @@ TEST_CASE("restart: SIGTERM ends the program cleanly within 10 s") {
 TEST_CASE("restart: a taken port ends the program with a sentence and a code") {
   const FreshServer fresh;
   const TemporaryFolder folder;
-  Child child(folder.path(), "127.0.0.1:" + std::to_string(fresh.server.port()));
+  Child child({folder.path(), TestModel(), "127.0.0.1:" + std::to_string(fresh.server.port())});
   CHECK(child.Wait() > 0);
   CHECK(child.Output().find("the port is taken") != std::string::npos);
 }
 
 TEST_CASE("restart: an address that is not loopback ends the program with a sentence and a code") {
   const TemporaryFolder folder;
-  Child child(folder.path(), "0.0.0.0:0");
+  Child child({folder.path(), TestModel(), "0.0.0.0:0"});
   CHECK(child.Wait() == 78);
   CHECK(child.Output().find("not a loopback address") != std::string::npos);
 }

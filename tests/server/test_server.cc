@@ -72,15 +72,15 @@ TestServer::~TestServer() {
   thread_.join();
 }
 
-httplib::Client TestServer::Client() const {
-  httplib::Client client("127.0.0.1", app_.port());
+namespace {
+
+httplib::Client ClientFor(int port) {
+  httplib::Client client("127.0.0.1", port);
   client.set_keep_alive(true);
   client.set_read_timeout(30);
   client.set_tcp_nodelay(true);
   return client;
 }
-
-namespace {
 
 Config Changed(Config config, const std::function<void(Config&)>& change) {
   if (change) change(config);
@@ -88,6 +88,12 @@ Config Changed(Config config, const std::function<void(Config&)>& change) {
 }
 
 }  // namespace
+
+httplib::Client TestServer::Client() const { return ClientFor(app_.port()); }
+
+httplib::Client TestServer::EmergencyClient() const {
+  return ClientFor(app_.emergency_port().value());
+}
 
 FreshServer::FreshServer(const std::function<void(Config&)>& change)
     : server(Changed(TestConfig(folder.path() / "data"), change)), client(server.Client()) {}
@@ -127,6 +133,21 @@ std::string RawConnection::Receive() {
         buffer_.erase(0, size);
         return answer;
       }
+    }
+    const ssize_t num_read = ::recv(descriptor_, bytes, sizeof(bytes), 0);
+    if (num_read <= 0) return {};
+    buffer_.append(bytes, static_cast<size_t>(num_read));
+  }
+}
+
+std::string RawConnection::ReceiveHead() {
+  char bytes[4096];
+  while (true) {
+    const size_t end = buffer_.find("\r\n\r\n");
+    if (end != std::string::npos) {
+      std::string head = buffer_.substr(0, end + 4);
+      buffer_.erase(0, end + 4);
+      return head;
     }
     const ssize_t num_read = ::recv(descriptor_, bytes, sizeof(bytes), 0);
     if (num_read <= 0) return {};

@@ -40,6 +40,8 @@ class TestServer {
 
   int port() const { return app_.port(); }
   httplib::Client Client() const;
+  // Of the emergency listener, which must be on.
+  httplib::Client EmergencyClient() const;
 
  private:
   App app_;
@@ -64,6 +66,8 @@ class RawConnection {
   void Send(const std::string& bytes) const;
   // One answer with a Content-Length: status line, headers and body. Empty when the server closes.
   std::string Receive();
+  // Up to the blank line alone.
+  std::string ReceiveHead();
 
  private:
   int descriptor_;

@@ -1,70 +1,16 @@
 #include "storage/storage.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <doctest/doctest.h>
-#include <sqlite3.h>
+
+#include "tests/storage/rows.h"
 
 namespace freelsd {
 namespace {
-
-// A fresh folder, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "freelsd-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-const std::string kImage(64, 'a');
-const std::string kOtherImage(64, 'b');
-
-FlightRow SomeFlight(const std::string& id) {
-  FlightRow flight;
-  flight.id = id;
-  flight.name = "a meadow";
-  flight.request_json = R"({"name":"a meadow"})";
-  flight.created_at_us = 1700000000000000;
-  return flight;
-}
-
-FrameRow SomeFrame(const std::string& flight_id, const std::string& id) {
-  FrameRow frame;
-  frame.flight_id = flight_id;
-  frame.id = id;
-  frame.sha256 = kImage;
-  frame.meta_json = "{}";
-  return frame;
-}
-
-JobRow SomeJob(const std::string& id, const std::string& flight_id) {
-  JobRow job;
-  job.id = id;
-  job.kind = "batch";
-  job.flight_id = flight_id;
-  return job;
-}
-
-SiteRow SomeSite(const std::string& id, double latitude_deg, double longitude_deg) {
-  SiteRow site;
-  site.id = id;
-  site.flight_id = std::string("f");
-  site.region_id = 3;
-  site.latitude_deg = latitude_deg;
-  site.longitude_deg = longitude_deg;
-  site.feature_json = R"({"type":"Feature"})";
-  return site;
-}
 
 size_t NumFiles(const std::filesystem::path& folder) {
   size_t count = 0;
@@ -72,13 +18,6 @@ size_t NumFiles(const std::filesystem::path& folder) {
     count += entry.is_regular_file() ? 1 : 0;
   }
   return count;
-}
-
-void SetUserVersion(const std::filesystem::path& file, const char* sql) {
-  sqlite3* database = nullptr;
-  REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
-  REQUIRE(sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
-  sqlite3_close(database);
 }
 
 TEST_CASE("storage: what was stored is there after opening the folder again") {
@@ -110,8 +49,77 @@ TEST_CASE("storage: a second process is refused while the folder is in use") {
 TEST_CASE("storage: a newer schema is refused and named") {
   const TemporaryFolder folder;
   { const Storage storage(folder.path()); }
-  SetUserVersion(folder.path() / "freelsd.db", "PRAGMA user_version = 999");
+  Execute(folder.path() / "freelsd.db", "PRAGMA user_version = 999");
   CHECK_THROWS_WITH_AS(Storage(folder.path()), doctest::Contains("999"), StorageError);
+}
+
+// What version 1 had of sites, with one of each verdict.
+constexpr char kVersion1[] = R"sql(
+CREATE TABLE flights (id TEXT PRIMARY KEY, name TEXT NOT NULL, request_json TEXT NOT NULL,
+  rig_json TEXT NOT NULL, warnings_json TEXT NOT NULL, stages_json TEXT NOT NULL,
+  created_at_us INTEGER NOT NULL, num_rejected_frames INTEGER NOT NULL, has_failed INTEGER NOT NULL,
+  ground_altitude_m REAL) STRICT;
+CREATE TABLE frames (flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  sequence INTEGER NOT NULL, id TEXT NOT NULL, sha256 TEXT NOT NULL, meta_json TEXT NOT NULL,
+  state INTEGER NOT NULL, reason TEXT NOT NULL, is_from_batch INTEGER NOT NULL,
+  PRIMARY KEY (flight_id, id)) STRICT, WITHOUT ROWID;
+CREATE TABLE sites (id TEXT PRIMARY KEY, flight_id TEXT NOT NULL, region_id INTEGER NOT NULL,
+  latitude_deg REAL NOT NULL, longitude_deg REAL NOT NULL, feature_json TEXT NOT NULL,
+  approach_json TEXT NOT NULL, replan_json TEXT NOT NULL, updated_at_us INTEGER NOT NULL) STRICT;
+CREATE TABLE site_maps (site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
+  map BLOB NOT NULL) STRICT;
+INSERT INTO sites VALUES ('good', 'f', 1, 50.0, 8.0, '{"properties":{"verdict":"landable",
+  "elevation_m":312.5,"score":0.7,"altitude_datum":"amsl","aircraft":{"profile":"small"}}}',
+  '', '{}', 5);
+INSERT INTO sites VALUES ('bad', 'f', 2, 50.0, 8.0, '{"properties":{"verdict":"rejected",
+  "elevation_m":312.5,"score":0.1}}', '', '{}', 5);
+INSERT INTO sites VALUES ('odd', 'f', 3, 50.0, 8.0, '{"properties":{"verdict":"landable",
+  "elevation_m":null}}', '', '{}', 5);
+PRAGMA user_version = 1;
+)sql";
+
+TEST_CASE("storage: version 1 is brought up, and only what is known to be good is recalled") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path());
+  Execute(folder.path() / "freelsd.db", kVersion1);
+  for (int i = 0; i < 2; ++i) {
+    const Storage storage(folder.path());
+    const std::vector<RecallRow> rows = storage.ListRecallable({7.0, 49.0, 9.0, 51.0});
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0].site_id == "good");
+    CHECK(rows[0].data.is_landable);
+    CHECK(rows[0].data.altitude_m == 312.5);
+    CHECK(rows[0].data.altitude_datum == "amsl");
+    CHECK(rows[0].data.aircraft_json.find("small") != std::string::npos);
+    CHECK(storage.ListMaps({7.0, 49.0, 9.0, 51.0}).size() == 3);
+  }
+}
+
+TEST_CASE(
+    "storage: recall finds sites by box, also over the antimeridian, and forgets deleted ones") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  SiteRow site = SomeSite("fiji", -17.0, 179.95);
+  site.recall = RecallData{true, 10.0, "amsl", 0.5, "{}"};
+  storage.PutSite(site, "");
+  site = SomeSite("taveuni", -17.0, -179.9);
+  site.recall = RecallData{false, 20.0, "amsl", 0.4, "{}"};
+  site.map_box = BoundingBox{-179.95, -17.1, -179.5, -16.9};
+  storage.PutSite(site, "map");
+  storage.PutSite(SomeSite("rejected", -17.0, 179.95), "");
+  CHECK(storage.ListRecallable({179.9, -18.0, -179.8, -16.0}).size() == 2);
+  CHECK(storage.ListRecallable({179.0, -18.0, 180.0, -16.0}).size() == 1);
+  // By the map's extent, not the touchdown.
+  CHECK(storage.ListRecallable({-179.6, -18.0, -179.4, -16.0}).size() == 1);
+  CHECK(storage.ListRecallable({0.0, -18.0, 10.0, -16.0}).empty());
+  CHECK(storage.ListMaps({179.9, -18.0, 180.0, -16.0}).size() == 2);
+  // Rejected at the next evaluation: no longer recalled.
+  site.recall.reset();
+  storage.PutSite(site, "map");
+  CHECK(storage.ListRecallable({-180.0, -90.0, 180.0, 90.0}).size() == 1);
+  storage.DeleteSite("fiji");
+  CHECK(storage.ListRecallable({-180.0, -90.0, 180.0, 90.0}).empty());
+  CHECK(storage.ListMaps({-180.0, -90.0, 180.0, 90.0}).size() == 2);
 }
 
 TEST_CASE("storage: frames of a refused insert are not there, nor is their job") {

@@ -1,0 +1,241 @@
+#include "engine/glide/glide.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "engine/glide/shortest_turns.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kGravity = 9.81;  // m/s^2, as in approach/
+// Longer glides are not followed: no small plane has the height.
+constexpr double kMaxGlideTime = 3600.0;
+constexpr int kMaxIterations = 60;
+constexpr double kTimeTolerance = 0.01;
+// Where the iteration finds no time, times are tried in these steps.
+constexpr double kTimeStep = 1.0;
+
+// What the aircraft does in the air's own frame.
+struct Performance {
+  double airspeed = 0.0;  // horizontal
+  double sink_rate = 0.0;
+  double turn_radius = 0.0;
+  // The part of the drag that lift induces grows with the square of the load factor; all of it is
+  // taken as such a part, which is the most that a turn can cost.
+  double turning_sink_rate = 0.0;
+};
+
+Performance PerformanceOf(const Aircraft& aircraft) {
+  const double speed = aircraft.glide_airspeed_mps.value_or(aircraft.landing_airspeed_mps);
+  const double angle = std::atan(1.0 / aircraft.glide_ratio);
+  const double bank = RadFromDeg(aircraft.max_bank_deg);
+  Performance performance;
+  performance.airspeed = speed * std::cos(angle);
+  performance.sink_rate = speed * std::sin(angle);
+  performance.turn_radius = speed * speed / (kGravity * std::tan(bank));
+  performance.turning_sink_rate = performance.sink_rate / std::pow(std::cos(bank), 2.0);
+  return performance;
+}
+
+// Speed over ground along a direction; nothing where the wind does not let it be held.
+std::optional<double> GroundSpeed(const Eigen::Vector2d& direction,
+                                  const Eigen::Vector2d& wind,
+                                  double airspeed) {
+  const double along = wind.dot(direction);
+  const double across_squared = wind.squaredNorm() - along * along;
+  const double left = airspeed * airspeed - across_squared;
+  if (left <= 0.0) return std::nullopt;
+  const double speed = along + std::sqrt(left);
+  if (speed <= 0.0) return std::nullopt;
+  return speed;
+}
+
+// Where the nose points (as far as the air is concerned) while this is the direction of travel.
+double AirHeading(double travel_heading, const Eigen::Vector2d& wind, double airspeed) {
+  const Eigen::Vector2d direction = DirectionOf(travel_heading);
+  const std::optional<double> speed = GroundSpeed(direction, wind, airspeed);
+  if (!speed) return travel_heading;
+  return HeadingOf(*speed * direction - wind);
+}
+
+struct Flown {
+  double time = 0.0;
+  double height_lost = 0.0;
+};
+
+double TimeOf(const TurnPath& path, const Performance& performance) {
+  return (path.turned * performance.turn_radius + path.straight_m) / performance.airspeed;
+}
+
+// The place drifts against the wind in the air's frame: the time of flight decides where it is met.
+std::optional<Flown> Fly(const Stance& from,
+                         const Stance& to,
+                         const Eigen::Vector2d& wind,
+                         const Performance& performance) {
+  const auto path_for = [&](double time) {
+    return ShortestTurns(from, {to.place - wind * time, to.heading}, performance.turn_radius);
+  };
+  double time = 0.0;
+  for (int i = 0; i < kMaxIterations && time < kMaxGlideTime; ++i) {
+    const TurnPath path = path_for(time);
+    const double next = TimeOf(path, performance);
+    if (std::abs(next - time) < kTimeTolerance) {
+      const double turning = path.turned * performance.turn_radius / performance.airspeed;
+      return Flown{
+          next, turning * performance.turning_sink_rate + (next - turning) * performance.sink_rate};
+    }
+    time = next;
+  }
+  // The shortest path jumps from one kind to another: a time that is more than enough is flown off
+  // in turns.
+  for (time = 0.0; time < kMaxGlideTime; time += kTimeStep) {
+    if (TimeOf(path_for(time), performance) <= time) {
+      return Flown{time, time * performance.turning_sink_rate};
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
+                                               const Aircraft& aircraft,
+                                               const GlideOptions& options) {
+  std::vector<Eigen::Vector2d> winds;
+  if (!start.wind_in_world) {
+    winds.push_back(Eigen::Vector2d::Zero());
+    for (int i = 0; i < options.num_unknown_winds; ++i) {
+      winds.push_back(options.unknown_wind_mps *
+                      DirectionOf(2.0 * kPi * i / options.num_unknown_winds));
+    }
+    return winds;
+  }
+  const double turned = RadFromDeg(aircraft.crosswind_uncertainty_deg);
+  for (const double angle : {0.0, turned, -turned}) {
+    winds.push_back(Eigen::Rotation2Dd(angle) * *start.wind_in_world);
+  }
+  return winds;
+}
+
+std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOptions& options) {
+  if (start.heading) return {*start.heading};
+  std::vector<double> headings;
+  for (int i = 0; i < options.num_unknown_headings; ++i) {
+    headings.push_back(2.0 * kPi * i / options.num_unknown_headings);
+  }
+  return headings;
+}
+
+// Between two of the headings tried: at most this much more has to be turned, there and back.
+double TurnBetweenHeadings(const GlideStart& start, const GlideOptions& options) {
+  return start.heading ? 0.0 : 2.0 * kPi / options.num_unknown_headings;
+}
+
+void RequireInside(const char* field, double value, double min, double max) {
+  if (std::isfinite(value) && value >= min && value <= max) return;
+  std::ostringstream message;
+  message << "glide." << field << " = " << value << ": must be in [" << min << ", " << max << "]";
+  throw std::invalid_argument(message.str());
+}
+
+// Least of line minus upper surface within the grid, sampled at half cells.
+std::optional<double> LeastAt(const ElevationMap& map,
+                              const Eigen::Vector3d& begin,
+                              const Eigen::Vector3d& end,
+                              int num_steps) {
+  std::optional<double> least;
+  for (int i = 0; i <= num_steps; ++i) {
+    const Eigen::Vector3d point = begin + (end - begin) * (static_cast<double>(i) / num_steps);
+    const std::optional<cv::Point> cell = map.grid.CellAt(point.head<2>());
+    if (!cell) continue;
+    const double top = static_cast<double>(map.upper(*cell));
+    if (!std::isfinite(top)) continue;
+    const double height = point.z() - top;
+    if (!least || height < *least) least = height;
+  }
+  return least;
+}
+
+}  // namespace
+
+void GlideOptions::Check() const {
+  RequireInside("unknown_wind_mps", unknown_wind_mps, 0.0, 50.0);
+  RequireInside("num_unknown_winds", num_unknown_winds, 4, 360);
+  RequireInside("num_unknown_headings", num_unknown_headings, 8, 360);
+  RequireInside("terrain_clearance_m", terrain_clearance_m, 0.0, 1000.0);
+  RequireInside("datum_penalty_m", datum_penalty_m, 0.0, 1000.0);
+}
+
+Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio) {
+  if (glide_ratio) aircraft.glide_ratio = *glide_ratio;
+  aircraft.Check();
+  const double glide_angle_deg = DegFromRad(std::atan(1.0 / aircraft.glide_ratio));
+  aircraft.flight_path_angle_deg = std::max(aircraft.flight_path_angle_deg, glide_angle_deg);
+  return aircraft;
+}
+
+std::optional<Glide> GlideTo(const GlideStart& start,
+                             const Eigen::Vector3d& approach_start_in_world,
+                             double final_heading,
+                             const Aircraft& aircraft,
+                             const GlideOptions& options) {
+  const Performance performance = PerformanceOf(aircraft);
+  const Stance to{approach_start_in_world.head<2>(), final_heading};
+  const double extra_time =
+      TurnBetweenHeadings(start, options) * performance.turn_radius / performance.airspeed;
+  Flown worst;
+  for (const Eigen::Vector2d& wind : WindsToReckonWith(start, aircraft, options)) {
+    for (const double heading : HeadingsToReckonWith(start, options)) {
+      const Stance from{start.position_in_world.head<2>(),
+                        start.heading ? AirHeading(heading, wind, performance.airspeed) : heading};
+      const std::optional<Flown> flown = Fly(from, to, wind, performance);
+      if (!flown) return std::nullopt;
+      worst.time = std::max(worst.time, flown->time + extra_time);
+      worst.height_lost = std::max(worst.height_lost,
+                                   flown->height_lost + extra_time * performance.turning_sink_rate);
+    }
+  }
+  return Glide{worst.time, worst.height_lost, start.position_in_world.z() - worst.height_lost};
+}
+
+std::optional<double> LeastHeightLost(const GlideStart& start,
+                                      const Eigen::Vector2d& place_in_world,
+                                      double within_m,
+                                      const Aircraft& aircraft) {
+  const Performance performance = PerformanceOf(aircraft);
+  const Eigen::Vector2d way = place_in_world - start.position_in_world.head<2>();
+  const double distance = way.norm() - within_m;
+  if (distance <= 0.0) return 0.0;
+  // The nearest point of a disc need not be the quickest in wind: the wind helps at most by itself.
+  const double wind_speed = start.wind_in_world ? start.wind_in_world->norm() : 0.0;
+  const double along = start.wind_in_world ? start.wind_in_world->dot(way.normalized()) : 0.0;
+  const double turned_aside = std::min(1.0, within_m / way.norm());
+  const double speed = performance.airspeed + along + wind_speed * turned_aside;
+  if (speed <= 0.0) return std::nullopt;
+  return distance / speed * performance.sink_rate;
+}
+
+std::optional<double> LeastHeightOver(const ElevationMap& map,
+                                      const Eigen::Vector3d& begin_in_world,
+                                      const Eigen::Vector3d& end_in_world) {
+  if (map.grid.num_rows == 0 || map.grid.num_cols == 0) return std::nullopt;
+  const Eigen::Vector2d way = (end_in_world - begin_in_world).head<2>();
+  // Only the part of the line about the grid is walked.
+  const Eigen::Vector2d size(map.grid.num_cols * map.grid.cell_size_m,
+                             map.grid.num_rows * map.grid.cell_size_m);
+  const Eigen::Vector2d center =
+      map.grid.north_west_in_world + 0.5 * Eigen::Vector2d(size.x(), -size.y());
+  const double length = way.norm();
+  const double reach = 0.5 * size.norm();
+  const double middle = length > 0.0 ? (center - begin_in_world.head<2>()).dot(way) / length : 0.0;
+  const double first = length > 0.0 ? std::clamp((middle - reach) / length, 0.0, 1.0) : 0.0;
+  const double last = length > 0.0 ? std::clamp((middle + reach) / length, 0.0, 1.0) : 1.0;
+  const Eigen::Vector3d line = end_in_world - begin_in_world;
+  const int num_steps = std::max(
+      1, static_cast<int>(std::ceil((last - first) * length / (0.5 * map.grid.cell_size_m))));
+  return LeastAt(map, begin_in_world + first * line, begin_in_world + last * line, num_steps);
+}
+
+}  // namespace freelsd

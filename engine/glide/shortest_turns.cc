@@ -1,0 +1,91 @@
+#include "engine/glide/shortest_turns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+
+#include "engine/geometry/geometry.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kNoStraight = 1e-6;  // radii
+
+// In [0, 2 pi); what is a rounding error below a whole turn is none.
+double Turn(double angle) {
+  constexpr double kNoTurn = 1e-6;
+  double turn = std::fmod(angle, 2.0 * kPi);
+  if (turn < 0.0) turn += 2.0 * kPi;
+  return turn > 2.0 * kPi - kNoTurn ? 0.0 : turn;
+}
+
+// Distance d in radii and both headings counter-clockwise from the line between the places, as in
+// Shkel and Lumelsky, "Classification of the Dubins set", 2001, Eq. 6 to 17.
+struct Problem {
+  double d, alpha, beta;
+};
+
+struct Word {
+  double turned, straight;
+  double Length() const { return turned + straight; }
+};
+
+// Same sense twice; `sense` 1 for left, -1 for right.
+Word SameSense(const Problem& p, double sense) {
+  const double x = p.d - sense * (std::sin(p.beta) - std::sin(p.alpha));
+  const double y = -sense * (std::cos(p.alpha) - std::cos(p.beta));
+  const double straight = std::hypot(x, y);
+  // One circle: a straight piece without length has no direction.
+  if (straight < kNoStraight) return {Turn(sense * (p.beta - p.alpha)), straight};
+  const double direction = std::atan2(y, x);
+  return {Turn(sense * (direction - p.alpha)) + Turn(sense * (p.beta - direction)), straight};
+}
+
+// First this sense, then the other. Nothing where the circles overlap.
+std::optional<Word> OtherSense(const Problem& p, double sense) {
+  // Centres one radius to the side of each place.
+  const double x = p.d + sense * (std::sin(p.beta) + std::sin(p.alpha));
+  const double y = -sense * (std::cos(p.beta) + std::cos(p.alpha));
+  const double between = std::hypot(x, y);
+  // Circles that touch may seem to overlap by a rounding error.
+  if (between < 2.0 - kNoStraight) return std::nullopt;
+  const double direction = std::atan2(y, x) + sense * std::asin(std::min(1.0, 2.0 / between));
+  return Word{Turn(sense * (direction - p.alpha)) + Turn(sense * (direction - p.beta)),
+              std::sqrt(std::max(0.0, between * between - 4.0))};
+}
+
+// Three arcs, the middle one of the other sense and longer than half a turn.
+std::optional<Word> ThreeArcs(const Problem& p, double sense) {
+  const double x = p.d - sense * (std::sin(p.beta) - std::sin(p.alpha));
+  const double y = -sense * (std::cos(p.alpha) - std::cos(p.beta));
+  const double between = std::hypot(x, y);
+  if (between > 4.0) return std::nullopt;
+  const double middle = 2.0 * kPi - 2.0 * std::asin(between / 4.0);
+  // Outer arcs: what is left of the change of heading.
+  const double first = Turn(sense * (std::atan2(y, x) - p.alpha) + middle / 2.0);
+  const double last = Turn(sense * (p.beta - p.alpha) + middle - first);
+  return Word{first + middle + last, 0.0};
+}
+
+}  // namespace
+
+TurnPath ShortestTurns(const Stance& from, const Stance& to, double radius_m) {
+  const Eigen::Vector2d way = to.place - from.place;
+  const double direction = way.norm() > 0.0 ? std::atan2(way.y(), way.x()) : 0.0;
+  const Problem problem{way.norm() / radius_m,
+                        kPi / 2.0 - from.heading - direction,
+                        kPi / 2.0 - to.heading - direction};
+  Word best = SameSense(problem, 1.0);
+  for (const double sense : {1.0, -1.0}) {
+    const Word same = SameSense(problem, sense);
+    if (same.Length() < best.Length()) best = same;
+    const std::optional<Word> others[] = {OtherSense(problem, sense), ThreeArcs(problem, sense)};
+    for (const std::optional<Word>& other : others) {
+      if (other && other->Length() < best.Length()) best = *other;
+    }
+  }
+  return {best.turned, best.straight * radius_m};
+}
+
+}  // namespace freelsd

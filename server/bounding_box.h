@@ -1,0 +1,15 @@
+// The query parameter bbox.
+#pragma once
+
+#include <optional>
+
+#include "server/call.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+
+// "west,south,east,north" in degrees; west > east crosses the antimeridian. Nothing where it is
+// absent. Throws ApiError InvalidQuery.
+std::optional<BoundingBox> ParseBoundingBox(const Call& call);
+
+}  // namespace freelsd

@@ -1,0 +1,55 @@
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/emergency.h"
+#include "server/handlers.h"
+
+namespace freelsd {
+namespace {
+
+constexpr uint64_t kMaxBodyBytes = 64 << 10;
+
+// Query parameters as a JSON object: one set of rules for both forms.
+nlohmann::json QueryObject(const Call& call) {
+  nlohmann::json object = nlohmann::json::object();
+  for (const auto& [name, value] : call.request.params) {
+    if (name == "altitude_datum" || name == "aircraft") {
+      object[name] = *call.Query(name);
+    } else {
+      object[name] = *call.QueryNumber(name);
+    }
+  }
+  return object;
+}
+
+// A query parameter is named as it is, not as a place in a body.
+EmergencyRequest ParseQuery(const Call& call) {
+  try {
+    return ParseEmergencyRequest(QueryObject(call));
+  } catch (const ApiError& error) {
+    std::vector<FieldError> errors = error.errors();
+    for (FieldError& each : errors) {
+      if (each.pointer.starts_with("/")) each.pointer.erase(0, 1);
+    }
+    throw ApiError(error.code(), error.what(), errors);
+  }
+}
+
+}  // namespace
+
+void GetEmergency(Service& service, const Call& call, httplib::Response& response) {
+  response.set_content(RecallSites(service, ParseQuery(call)).dump(), "application/json");
+}
+
+// The same as JSON in the body; a POST without a body may use the query instead.
+void PostEmergency(Service& service, const Call& call, httplib::Response& response) {
+  const std::string body = call.body.ReadAll(kMaxBodyBytes);
+  if (!body.empty() && !call.request.params.empty()) {
+    throw ApiError("InvalidQuery", "either a body or query parameters, not both");
+  }
+  const EmergencyRequest request =
+      body.empty() ? ParseQuery(call) : ParseEmergencyRequest(ParseJson(body, kMaxBodyBytes));
+  response.set_content(RecallSites(service, request).dump(), "application/json");
+}
+
+}  // namespace freelsd

@@ -1,0 +1,117 @@
+#include "server/map_cache.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+namespace freelsd {
+namespace {
+
+// Eight layers of float and one of bytes.
+constexpr size_t kBytesPerCell = 33;
+constexpr size_t kMaxNumPlansKept = 8;
+
+std::string KeyOf(const std::string& site_id, int64_t updated_at_us) {
+  return site_id + "@" + std::to_string(updated_at_us);
+}
+
+// Exact: another wind is another plan.
+std::string PlanKey(const Aircraft& aircraft, const std::optional<Eigen::Vector2d>& wind) {
+  std::string key = AircraftJson(aircraft).dump();
+  if (wind) key.append(reinterpret_cast<const char*>(wind->data()), 2 * sizeof(double));
+  return key;
+}
+
+// Nothing where it cannot be used: one damaged site must not keep the others from an emergency.
+std::shared_ptr<const KeptSite> ReadSite(const Storage& storage, const std::string& site_id) {
+  const std::optional<SiteRow> row = storage.FindSite(site_id);
+  const std::optional<std::string> blob = storage.ReadSiteMap(site_id);
+  if (!row || !blob) return nullptr;
+  return std::make_shared<const KeptSite>(
+      KeptSite{*row, ParseReplan(row->replan_json), DeserializeSiteMap(*blob)});
+}
+
+std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage, const std::string& site_id) {
+  try {
+    return ReadSite(storage, site_id);
+  } catch (const StorageError&) {
+    throw;
+  } catch (const std::exception& error) {
+    // Not what was written: there is a second copy of it.
+    spdlog::error("site {}: {}", site_id, error.what());
+    storage.MarkDamaged(std::string("site ").append(site_id).append(": ").append(error.what()));
+  }
+  try {
+    return ReadSite(storage, site_id);
+  } catch (const std::exception& error) {
+    spdlog::error("site {}, second copy: {}", site_id, error.what());
+    return nullptr;
+  }
+}
+
+}  // namespace
+
+MapCache::Entry* MapCache::Find(const std::string& key) {
+  const auto found = std::find_if(
+      entries_.begin(), entries_.end(), [&key](const Entry& each) { return each.key == key; });
+  if (found == entries_.end()) return nullptr;
+  entries_.splice(entries_.begin(), entries_, found);
+  return &entries_.front();
+}
+
+void MapCache::Keep(Entry entry) {
+  const std::lock_guard lock(mutex_);
+  if (Find(entry.key) != nullptr) return;
+  num_bytes_ += entry.num_bytes;
+  entries_.push_front(std::move(entry));
+  while (num_bytes_ > max_bytes_ && entries_.size() > 1) {
+    num_bytes_ -= entries_.back().num_bytes;
+    entries_.pop_back();
+  }
+}
+
+std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
+                                              const std::string& site_id,
+                                              int64_t updated_at_us) {
+  const std::string key = KeyOf(site_id, updated_at_us);
+  {
+    const std::lock_guard lock(mutex_);
+    if (const Entry* entry = Find(key)) return entry->site;
+  }
+  const std::shared_ptr<const KeptSite> site = ReadSiteSafely(storage, site_id);
+  if (!site) return nullptr;
+  const Grid& grid = site->site_map.map.grid;
+  const size_t num_cells = static_cast<size_t>(grid.num_rows) * static_cast<size_t>(grid.num_cols);
+  Keep({key, num_cells * kBytesPerCell, site, {}});
+  return site;
+}
+
+std::shared_ptr<const Plan> MapCache::PlanFor(const std::shared_ptr<const KeptSite>& site,
+                                              const Aircraft& aircraft,
+                                              const std::optional<Eigen::Vector2d>& wind_in_world) {
+  const std::string key = KeyOf(site->row.id, site->row.updated_at_us);
+  const std::string plan_key = PlanKey(aircraft, wind_in_world);
+  {
+    const std::lock_guard lock(mutex_);
+    const Entry* const entry = Find(key);
+    if (entry != nullptr) {
+      for (const auto& [kept_key, plan] : entry->plans) {
+        if (kept_key == plan_key) return plan;
+      }
+    }
+  }
+  Replan replan = site->replan;
+  replan.flight.aircraft = aircraft;
+  replan.request.wind_in_world = wind_in_world;
+  const auto plan = std::make_shared<const Plan>(PlanOnStoredMap(replan, site->site_map));
+  const std::lock_guard lock(mutex_);
+  if (Entry* const entry = Find(key)) {
+    entry->plans.emplace_front(plan_key, plan);
+    if (entry->plans.size() > kMaxNumPlansKept) entry->plans.pop_back();
+  }
+  return plan;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,37 @@
+// Rows of sites, on one connection: the database's, or that of their second copy.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "storage/sqlite.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+
+// One box, or the two halves of one that crosses the antimeridian.
+std::vector<BoundingBox> PlainBoxes(const BoundingBox& box);
+
+// Within a transaction of the caller; as Storage::PutSite.
+void PutSiteRows(const Connection& writer,
+                 const SiteRow& site,
+                 std::string_view map_blob,
+                 const std::vector<std::string>& supersedes);
+
+// All but recall and map_box; throws StorageError kDamaged where a row is not what was written.
+std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::string& site_id);
+std::vector<SiteRow> ListSiteRows(const Connection& connection,
+                                  const std::optional<std::string>& flight_id,
+                                  const std::optional<BoundingBox>& box);
+std::optional<std::string> ReadMapBlob(const Connection& connection, const std::string& site_id);
+std::vector<RecallRow> ListRecallRows(const Connection& connection, const BoundingBox& box);
+
+// Whether it was there. An R*Tree takes no foreign key, so its row is deleted here too.
+bool DeleteSiteRows(const Connection& writer, const std::string& site_id);
+void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id);
+
+// Changes `to` so that it has the sites that `from` has.
+void CopySites(const Connection& from, const Connection& to);
+
+}  // namespace freelsd

@@ -1,0 +1,51 @@
+// Jobs that are cancelled.
+#include <doctest/doctest.h>
+
+#include "tests/server/sample_flight.h"
+
+namespace freelsd {
+namespace {
+
+TEST_CASE("jobs: a queued job is cancelled, then forgotten, and its frames stay") {
+  constexpr int kNumImages = 40;
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  httplib::MultipartFormDataItems items;
+  std::string poses = "image,latitude_deg,longitude_deg,altitude_m\n";
+  for (int i = 0; i < kNumImages; ++i) {
+    const std::string name = std::to_string(i) + ".jpg";
+    items.push_back({"images", NoiseImage(i), name, "image/jpeg"});
+    poses += name + ",47.00" + std::to_string(100 + i) + ",8.0,500\n";
+  }
+  items.push_back({"poses", poses, "poses.csv", "text/csv"});
+  REQUIRE(fresh.client.Post("/v1/flights/" + flight + "/batch", items)->status == 202);
+  // Waits for the batch, so it is queued.
+  const std::string job = Finish(fresh.client, flight);
+  const auto cancelled = fresh.client.Delete("/v1/jobs/" + job);
+  REQUIRE(cancelled);
+  CHECK(cancelled->status == 200);
+  CHECK(nlohmann::json::parse(cancelled->body)["state"] == "cancelled");
+  CHECK(AwaitJob(fresh.client, job)["state"] == "cancelled");
+  CHECK(FrameList(fresh.client, flight).size() == kNumImages);
+  CHECK(fresh.client.Delete("/v1/jobs/" + job)->status == 204);
+  CheckProblem(fresh.client.Get("/v1/jobs/" + job), 404, "NoSuchJob");
+}
+
+TEST_CASE("jobs: an evaluation that runs is cancelled, and the next finish does it whole") {
+  FreshServer fresh([](Config& config) { config.model = RealModel(); });
+  const std::string flight = PostSampleFlight(fresh.client, 0, kNumSampleFrames);
+  const std::string job = Finish(fresh.client, flight);
+  REQUIRE(AwaitEvaluation(fresh.client, job));
+  CHECK(fresh.client.Delete("/v1/jobs/" + job)->status == 200);
+  CHECK(AwaitJob(fresh.client, job)["state"] == "cancelled");
+  // A cancelled evaluation stores nothing.
+  CHECK(SiteIds(fresh.client, flight).empty());
+  const std::string again = Finish(fresh.client, flight);
+  CHECK(again != job);
+  CHECK(AwaitJob(fresh.client, again)["state"] == "done");
+  CHECK(GetJson(fresh.client, "/v1/jobs/" + job)["state"] == "cancelled");
+  CHECK_FALSE(SiteIds(fresh.client, flight).empty());
+}
+
+}  // namespace
+}  // namespace freelsd

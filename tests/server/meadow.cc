@@ -1,0 +1,69 @@
+#include "tests/server/meadow.h"
+
+namespace freelsd {
+
+SiteMap Meadow() {
+  constexpr int kNumCells = 600;
+  SiteMap meadow;
+  meadow.map.grid = {Eigen::Vector2d(-300, 300), 1.0, kNumCells, kNumCells};
+  const cv::Size size(kNumCells, kNumCells);
+  meadow.map.elevation = cv::Mat1f(size, 0.0f);
+  meadow.map.upper = cv::Mat1f(size, 0.1f);
+  meadow.map.standard_deviation = cv::Mat1f(size, 0.1f);
+  meadow.map.num_points = cv::Mat1f(size, 9.0f);
+  meadow.layers.grid = meadow.map.grid;
+  meadow.layers.slope = cv::Mat1f(size, 0.0f);
+  meadow.layers.roughness = cv::Mat1f(size, 0.0f);
+  meadow.layers.grass = cv::Mat1f(size, 0.99f);
+  meadow.layers.hazard = cv::Mat1b(size, uchar{0});
+  meadow.layers.distance = cv::Mat1f(size, 100.0f);
+  return meadow;
+}
+
+SiteRow MeadowSite(const std::string& altitude_datum) {
+  Replan replan;
+  replan.flight = ParseFlightRequest(R"({"name":"meadow","aircraft":{"profile":"small"},)"
+                                     R"("altitude_datum":")" +
+                                     altitude_datum + "\"}");
+  replan.origin = {47.0, 8.0, 400.0};
+  replan.request.footprint = {{-60, -60}, {60, -60}, {60, 60}, {-60, 60}};
+  replan.request.area_m2 = 14400.0;
+  replan.request.grade = 1.0;
+  replan.request.num_observations = 20;
+  SiteRow site;
+  site.id = std::string("f-r1");
+  site.flight_id = std::string("f");
+  site.region_id = 1;
+  site.latitude_deg = 47.0;
+  site.longitude_deg = 8.0;
+  site.feature_json = R"({"type":"Feature","geometry":{"type":"Point","coordinates":[8,47,400]},)"
+                      R"("properties":{"id":"f-r1","verdict":"unverified","score":0.5}})";
+  site.replan_json = ReplanJson(replan);
+  site.recall =
+      RecallData{false, 400.0, altitude_datum, 0.5, AircraftJson(replan.flight.aircraft).dump()};
+  site.map_box = BoundingBox{7.996, 46.997, 8.004, 47.003};
+  return site;
+}
+
+MeadowServer::MeadowServer(const std::function<void(Storage&)>& fill,
+                           const std::function<void(Config&)>& change) {
+  {
+    Storage storage(folder.path() / "data");
+    storage.PutSite(MeadowSite(), SerializeSiteMap(Meadow()));
+    SiteRow bare = MeadowSite();
+    bare.id = std::string("f-r2");
+    bare.longitude_deg = 9.0;
+    bare.feature_json = R"({"type":"Feature","geometry":{"type":"Point","coordinates":[9,47,400]},)"
+                        R"("properties":{"id":"f-r2","verdict":"rejected","score":0.1}})";
+    bare.recall.reset();
+    bare.map_box.reset();
+    storage.PutSite(bare, "");
+    if (fill) fill(storage);
+  }
+  Config config = TestConfig(folder.path() / "data");
+  if (change) change(config);
+  server = std::make_unique<TestServer>(config);
+  client = std::make_unique<httplib::Client>(server->Client());
+}
+
+}  // namespace freelsd

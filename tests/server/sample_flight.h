@@ -1,0 +1,21 @@
+// A small rendered flight that yields regions and sites, and the calls to submit it.
+#pragma once
+
+#include "tests/server/test_server.h"
+
+namespace freelsd {
+
+constexpr int kNumSampleFrames = 36;
+
+// The model that is delivered.
+std::filesystem::path RealModel();
+// Flight with its frames [begin, end) as one batch; its id.
+std::string PostSampleFlight(httplib::Client& client, int begin, int end);
+void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end);
+// POST finish; the job's id.
+std::string Finish(httplib::Client& client, const std::string& flight);
+// Whether the job is seen running in the backend.
+bool AwaitEvaluation(httplib::Client& client, const std::string& job);
+nlohmann::json SiteIds(httplib::Client& client, const std::string& flight);
+
+}  // namespace freelsd

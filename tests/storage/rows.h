@@ -1,0 +1,77 @@
+// Rows to store, and the folder to store them in.
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+#include <sqlite3.h>
+
+#include "storage/storage.h"
+
+namespace freelsd {
+
+// A fresh folder, removed at the end.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "freelsd-XXXXXX").string();
+    path_ = ::mkdtemp(name.data());
+  }
+  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+inline const std::string kImage(64, 'a');
+inline const std::string kOtherImage(64, 'b');
+
+inline FlightRow SomeFlight(const std::string& id) {
+  FlightRow flight;
+  flight.id = id;
+  flight.name = "a meadow";
+  flight.request_json = R"({"name":"a meadow"})";
+  flight.created_at_us = 1700000000000000;
+  return flight;
+}
+
+inline FrameRow SomeFrame(const std::string& flight_id, const std::string& id) {
+  FrameRow frame;
+  frame.flight_id = flight_id;
+  frame.id = id;
+  frame.sha256 = kImage;
+  frame.meta_json = "{}";
+  return frame;
+}
+
+inline JobRow SomeJob(const std::string& id, const std::string& flight_id) {
+  JobRow job;
+  job.id = id;
+  job.kind = "batch";
+  job.flight_id = flight_id;
+  return job;
+}
+
+inline SiteRow SomeSite(const std::string& id, double latitude_deg, double longitude_deg) {
+  SiteRow site;
+  site.id = id;
+  site.flight_id = std::string("f");
+  site.region_id = 3;
+  site.latitude_deg = latitude_deg;
+  site.longitude_deg = longitude_deg;
+  site.feature_json = R"({"type":"Feature"})";
+  return site;
+}
+
+// On a closed database, as another program would.
+inline void Execute(const std::filesystem::path& file, const char* sql) {
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
+  REQUIRE(sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
+  sqlite3_close(database);
+}
+
+}  // namespace freelsd
