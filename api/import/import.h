@@ -51,14 +51,40 @@ struct PoseFile {
   // Frame id (IdFromFileName of the image column) and what the line says, in file order.
   std::vector<std::pair<std::string, FrameMeta>> poses;
   std::vector<std::string> warnings;  // ignored columns, and what was assumed
+  struct Format {
+    std::string name;  // "csv", "odm-geo", ...
+    std::string path;
+    std::string why;
+  };
+  std::vector<Format> formats;
+  std::optional<Camera> camera;
 };
-// ApiError with pointer "/poses/<line>/<column>" when a line cannot be used.
+// ApiError with pointers "/poses/<line>/<column>" to every line that cannot be used, the first 20.
 PoseFile ParsePoses(std::string_view text);
 
-// Entries of a zip, in order, by callback (name without folders made of id characters, bytes).
-// Names, kinds and count are checked before the first call. Refuses with ApiError ZipRefused (422),
-// over a limit ZipTooLarge (413). Folders and what file managers leave behind (__MACOSX, .DS_Store,
-// Thumbs.db) are passed over. Reads from a file.
+// A text beside the images: poses, a calibration, a reconstruction.
+struct SideFile {
+  std::string path;  // as in the archive
+  std::string text;
+};
+// By its extension: csv, txt, json, jsonl, ndjson, yaml, yml.
+bool IsSideFile(std::string_view path);
+// What is known besides.
+struct SideContext {
+  // The flight's.
+  std::optional<GeoPoint> origin;
+  // What the images' own tags say, by frame id, in the order of the images.
+  std::vector<std::pair<std::string, FrameMeta>> image_tags;
+};
+// The one door for what comes beside images. Each file's format is found by its content: CSV,
+// NDJSON, ODM geo.txt, EuRoC/ASL, Kalibr camchain, ROS camera_info, COLMAP text, OpenSfM. Throws
+// ApiError InvalidPoses where a file cannot be used.
+PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& context);
+
+// Entries of a zip, in order, by callback (path in the archive, bytes). Names, kinds and count are
+// checked before the first call: two of one frame id are refused, except side files. Refuses with
+// ApiError ZipRefused (422), over a limit ZipTooLarge (413). Folders and what file managers leave
+// behind (__MACOSX, .DS_Store, Thumbs.db) are passed over. Reads from a file.
 struct ZipLimits {
   int max_entries = 20000;
   double max_ratio = 200.0;
@@ -67,7 +93,7 @@ struct ZipLimits {
 };
 void ReadZip(const std::string& path,
              const ZipLimits& limits,
-             const std::function<void(const std::string& name, std::string&& bytes)>& entry);
+             const std::function<void(const std::string& path, std::string&& bytes)>& entry);
 
 // "[A-Za-z0-9._-]{1,128}", not "." or "..".
 bool IsValidId(std::string_view id);

@@ -21,7 +21,20 @@ struct FieldNames {
 const std::vector<FieldNames>& AllFieldNames() {
   using F = PoseField;
   static const std::vector<FieldNames> all{
-      {F::kImage, "", {"image", "image_name", "file", "filename", "file_name", "img", "img_name"}},
+      {F::kImage,
+       "",
+       {"image",
+        "image_name",
+        "file",
+        "filename",
+        "file_name",
+        "img",
+        "img_name",
+        "imagename",
+        "label",
+        "photo",
+        "picture",
+        "sourcefile"}},
       {F::kLatitude,
        "/position/latitude_deg",
        {"latitude_deg",
@@ -30,7 +43,9 @@ const std::vector<FieldNames>& AllFieldNames() {
         "gps_latitude_deg",
         "latitude",
         "lat",
-        "gps_lat"}},
+        "gps_lat",
+        "gpslatitude",
+        "y/latitude"}},
       {F::kLongitude,
        "/position/longitude_deg",
        {"longitude_deg",
@@ -41,7 +56,9 @@ const std::vector<FieldNames>& AllFieldNames() {
         "lon",
         "lng",
         "long",
-        "gps_lon"}},
+        "gps_lon",
+        "gpslongitude",
+        "x/longitude"}},
       {F::kAltitude,
        "/position/altitude_m",
        {"altitude_m",
@@ -51,8 +68,12 @@ const std::vector<FieldNames>& AllFieldNames() {
         "gps_height_m",
         "gps_altitude_m",
         "abs_altitude_m",
+        "alt_amsl_m",
+        "alt_hae_m",
         "altitude",
-        "alt"}},
+        "alt",
+        "gpsaltitude",
+        "z/altitude"}},
       {F::kTimestamp, "/timestamp_us", {"timestamp_us", "time_us"}},
       {F::kDateTime, "", {"utc", "utc_time", "time_utc", "local_time", "date_time", "datetime"}},
       {F::kRoll, "/attitude/roll_deg", {"roll_deg", "body_roll_deg", "roll"}},
@@ -66,6 +87,10 @@ const std::vector<FieldNames>& AllFieldNames() {
       {F::kImageUpHeading, "", {"image_up_heading_deg", "image_top_heading_deg"}},
       {F::kWindEast, "/wind/east_mps", {"wind_east_mps"}},
       {F::kWindNorth, "/wind/north_mps", {"wind_north_mps"}},
+      {F::kWindFrom,
+       "",
+       {"wind_from_deg", "wind_direction_from_deg", "wind_direction_deg", "wind_dir_deg"}},
+      {F::kWindSpeed, "", {"wind_speed_mps", "wind_speed"}},
       {F::kHeightAboveGround,
        "/height_above_ground_m",
        {"height_above_ground_m", "agl_m", "height_agl_m"}},
@@ -84,9 +109,9 @@ const FieldNames& NamesOf(PoseField field) {
       all.begin(), all.end(), [field](const FieldNames& each) { return each.field == field; });
 }
 
-// Lower case, without spaces around, "_" for spaces and what is not printable.
+// Lower case, without spaces and a comment's # around, "_" for spaces and what is not printable.
 std::string Harmless(const std::string& name) {
-  const size_t first = name.find_first_not_of(" \t\r");
+  const size_t first = name.find_first_not_of(" \t\r#");
   if (first == std::string::npos) return "";
   std::string plain = name.substr(first, name.find_last_not_of(" \t\r") - first + 1);
   for (char& c : plain) {

@@ -25,6 +25,8 @@ enum class PoseField {
   kImageUpHeading,
   kWindEast,
   kWindNorth,
+  kWindFrom,
+  kWindSpeed,
   kHeightAboveGround,
   kHeightAboveTakeOff,
   kPositionSd,

@@ -20,6 +20,8 @@ constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr double kUnknownTiltSdDeg = 8.0;
 constexpr double kDownPitchDeg = -90.0;
 constexpr double kMaxAngleDeg = 1e6;
+// Lines told of at once.
+constexpr size_t kMaxNumListedErrors = 20;
 
 ApiError InvalidPose(const std::string& pointer, const std::string& detail) {
   return ApiError("InvalidPoses", detail, {{pointer, detail}});
@@ -84,6 +86,20 @@ std::optional<int64_t> TimeOf(const PoseLine& line) {
   return time;
 }
 
+// Wind told by where it comes from: the air moves the other way.
+std::optional<nlohmann::json> WindOf(const PoseLine& line) {
+  const std::optional<double> from = line.AngleRad(PoseField::kWindFrom);
+  const std::optional<double> speed_mps = line.Number(PoseField::kWindSpeed);
+  if (from.has_value() != speed_mps.has_value()) {
+    throw InvalidPose(line.Pointer(from ? PoseField::kWindSpeed : PoseField::kWindFrom),
+                      "wind needs both where it comes from and its speed");
+  }
+  if (!from) return std::nullopt;
+  if (*speed_mps < 0.0) throw InvalidPose(line.Pointer(PoseField::kWindSpeed), "is negative");
+  const Eigen::Vector2d towards = -*speed_mps * DirectionOf(*from);
+  return nlohmann::json{{"east_mps", towards.x()}, {"north_mps", towards.y()}};
+}
+
 // The same meta as a client would send, so that one place knows the ranges.
 nlohmann::json MetaOf(const PoseLine& line, const PoseColumns& header) {
   nlohmann::json meta = nlohmann::json::object();
@@ -95,6 +111,7 @@ nlohmann::json MetaOf(const PoseLine& line, const PoseColumns& header) {
   if (const std::optional<int64_t> time = TimeOf(line); time && !meta.contains("timestamp_us")) {
     meta["timestamp_us"] = *time;
   }
+  if (const auto wind = WindOf(line); wind && !meta.contains("wind")) meta["wind"] = *wind;
   return meta;
 }
 
@@ -189,6 +206,10 @@ std::vector<std::string> AssumptionsOf(const PoseColumns& header) {
   if (has_heading && !has_tilt) {
     warnings.emplace_back("only headings are given: roll and pitch are taken as level");
   }
+  const auto wind = header.columns.find(PoseField::kWindFrom);
+  if (wind != header.columns.end() && wind->second.name.find("from") == std::string::npos) {
+    warnings.push_back("column \"" + wind->second.name + "\" is taken as where wind comes from");
+  }
   const auto time = header.columns.find(PoseField::kDateTime);
   if (time != header.columns.end() && time->second.name.find("utc") == std::string::npos) {
     warnings.emplace_back("times of column \"" + time->second.name + "\" are taken as UTC");
@@ -208,14 +229,23 @@ PoseFile ParseCsvPoses(std::string_view text) {
   PoseFile file;
   file.warnings = header.warnings;
   for (const std::string& warning : AssumptionsOf(header)) file.warnings.push_back(warning);
-  for (size_t i = 1; i < lines.size(); ++i) {
-    if (lines[i].cells.size() > lines[0].cells.size()) {
-      throw InvalidPose(LinePointer(lines[i].number), "more cells than the header has columns");
+  std::optional<ApiError> first_error;
+  std::vector<FieldError> errors;
+  for (size_t i = 1; i < lines.size() && errors.size() < kMaxNumListedErrors; ++i) {
+    try {
+      if (lines[i].cells.size() > lines[0].cells.size()) {
+        throw InvalidPose(LinePointer(lines[i].number), "more cells than the header has columns");
+      }
+      const PoseLine line(header, lines[i]);
+      FrameMeta meta = ReadPoseLine(line, header);
+      file.poses.emplace_back(IdFromFileName(line.Text(PoseField::kImage).value()),
+                              std::move(meta));
+    } catch (const ApiError& error) {
+      if (!first_error) first_error = error;
+      errors.insert(errors.end(), error.errors().begin(), error.errors().end());
     }
-    const PoseLine line(header, lines[i]);
-    FrameMeta meta = ReadPoseLine(line, header);
-    file.poses.emplace_back(IdFromFileName(line.Text(PoseField::kImage).value()), std::move(meta));
   }
+  if (first_error) throw ApiError(first_error->code(), first_error->what(), errors);
   return file;
 }
 

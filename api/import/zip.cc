@@ -77,8 +77,8 @@ bool IsLeftBehind(const std::string& name) {
          file == "desktop.ini";
 }
 
-// Nothing for folders and what was left behind; else the id. Refuses what is no plain file.
-std::optional<std::string> IdOf(archive_entry* entry) {
+// Nothing for folders and what was left behind. Refuses what is no plain file.
+std::optional<std::string> PathOf(archive_entry* entry) {
   const std::string name = NameOf(entry);
   CheckName(name);
   const auto type = archive_entry_filetype(entry);
@@ -88,7 +88,7 @@ std::optional<std::string> IdOf(archive_entry* entry) {
     throw Refused("an entry of the zip archive is not a plain file");
   }
   if (archive_entry_is_encrypted(entry) != 0) throw Refused("the zip archive is encrypted");
-  return IdFromFileName(name);
+  return name;
 }
 
 // All that the directory tells, before anything is handed out.
@@ -100,9 +100,11 @@ void CheckDirectory(const std::string& path, const ZipLimits& limits) {
     if (++num_entries > limits.max_entries) {
       throw TooLarge("too many entries in the zip archive", limits.max_entries, num_entries);
     }
-    const std::optional<std::string> id = IdOf(entry);
-    if (id && !ids.insert(*id).second) {
-      throw Refused("two entries of the zip archive have the id \"" + *id + "\"");
+    const std::optional<std::string> path_in_zip = PathOf(entry);
+    if (!path_in_zip) continue;
+    const std::string id = IsSideFile(*path_in_zip) ? *path_in_zip : IdFromFileName(*path_in_zip);
+    if (!ids.insert(id).second) {
+      throw Refused("two entries of the zip archive have the id \"" + IdFromFileName(id) + "\"");
     }
   }
 }
@@ -156,13 +158,13 @@ std::string ReadEntry(const Archive& opened, Allowance& allowance) {
 
 void ReadZip(const std::string& path,
              const ZipLimits& limits,
-             const std::function<void(const std::string& name, std::string&& bytes)>& entry) {
+             const std::function<void(const std::string& path, std::string&& bytes)>& entry) {
   CheckDirectory(path, limits);
   Allowance allowance(path, limits);
   const Archive opened = Open(path);
   while (archive_entry* const next = NextEntry(opened)) {
-    const std::optional<std::string> id = IdOf(next);
-    if (id) entry(*id, ReadEntry(opened, allowance));
+    const std::optional<std::string> path_in_zip = PathOf(next);
+    if (path_in_zip) entry(*path_in_zip, ReadEntry(opened, allowance));
   }
 }
 

@@ -80,7 +80,7 @@ std::string ErrorOfZip(const std::vector<Entry>& entries, const ZipLimits& limit
   return error;
 }
 
-TEST_CASE("zip: plain files come in order under their ids, folders and leftovers do not") {
+TEST_CASE("zip: plain files come in order with their paths, folders and leftovers do not") {
   const std::string large(300000, 'x');
   const ZipFile zip({{"flight/", "", AE_IFDIR},
                      {"flight/b 1.jpg", "second"},
@@ -89,7 +89,7 @@ TEST_CASE("zip: plain files come in order under their ids, folders and leftovers
                      {"a.csv", large}});
   const auto entries = Read(zip, ZipLimits{100, 1e4, 1 << 30, 1 << 30});
   REQUIRE(entries.size() == 2);
-  CHECK(entries[0].name == "b_1.jpg");
+  CHECK(entries[0].name == "flight/b 1.jpg");
   CHECK(entries[0].bytes == "second");
   CHECK(entries[1].bytes == large);
 }
@@ -103,6 +103,8 @@ TEST_CASE("zip: traversal, absolute paths, links and doubles are refused") {
   CHECK(ErrorOfZip({{"good.jpg", "x"}, {"link.jpg", "/etc/passwd", AE_IFLNK}}) == "422 ZipRefused");
   CHECK(ErrorOfZip({{"a/1.jpg", "x"}, {"b/1.jpg", "y"}}) == "422 ZipRefused");
   CHECK(ErrorOfZip({{"a..b.jpg", "x"}}) == "nothing");
+  CHECK(ErrorOfZip({{"cam0/data.csv", "x"}, {"imu0/data.csv", "y"}}) == "nothing");
+  CHECK(ErrorOfZip({{"a.csv", "x"}, {"a.csv", "y"}}) == "422 ZipRefused");
 }
 
 TEST_CASE("zip: over a limit it is 413") {

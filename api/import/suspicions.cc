@@ -1,0 +1,168 @@
+// What can be read and still looks wrong: latitude for longitude, quaternions w last, poses one
+// image off. Each is told by name; nothing is changed.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include <GeographicLib/Geodesic.hpp>
+
+#include "api/import/side_files.h"
+
+namespace freelsd {
+namespace {
+
+// Cosines of tilts: of cameras and craft that look down, and that do not.
+constexpr double kLooksDown = 0.5;
+constexpr double kMinOddRatio = 0.25;
+constexpr double kMinDownRatio = 0.95;
+constexpr size_t kMinNumPoses = 4;
+// Nobody's reference is this far off, and a swap brings the place ten times nearer.
+constexpr double kFarM = 20000.0;
+constexpr double kNearerRatio = 0.1;
+// One image further the poses fit the images twice as well, and they are not the same anyway.
+constexpr double kShiftGain = 0.5;
+constexpr double kMinShiftM = 3.0;
+constexpr double kMinShiftS = 0.05;
+
+double MetresBetween(const GeoPoint& a, const GeoPoint& b) {
+  double distance_m;
+  GeographicLib::Geodesic::WGS84().Inverse(
+      a.latitude_deg, a.longitude_deg, b.latitude_deg, b.longitude_deg, distance_m);
+  return distance_m;
+}
+
+double DownOf(const Eigen::Quaterniond& ned_from_x) {
+  return (ned_from_x * Eigen::Vector3d::UnitZ()).z();
+}
+
+double RatioOf(const std::vector<Eigen::Quaterniond>& attitudes,
+               const std::function<bool(double)>& is_it) {
+  const auto count = std::count_if(attitudes.begin(), attitudes.end(), [&](const auto& attitude) {
+    return is_it(DownOf(attitude));
+  });
+  return static_cast<double>(count) / static_cast<double>(std::max<size_t>(1, attitudes.size()));
+}
+
+// (w, x, y, z) were the file's numbers; in the other order the first was x.
+Eigen::Quaterniond WLast(const Eigen::Quaterniond& q) { return {q.z(), q.w(), q.x(), q.y()}; }
+
+// Only what was given as a quaternion or a gimbal's angles: of angles there is no other order, but
+// then nothing looks sideways.
+bool IsWLastLikelyIn(const PoseFile& file) {
+  std::vector<Eigen::Quaterniond> as_given, w_last;
+  for (const auto& [image_id, meta] : file.poses) {
+    if (!meta.ned_from_body) continue;
+    as_given.push_back(*meta.ned_from_body);
+    w_last.push_back(WLast(*meta.ned_from_body));
+  }
+  return IsWLastLikely(as_given, w_last);
+}
+
+using Tags = std::map<std::string, FrameMeta>;
+
+// Geotag of the image, else the flight's origin.
+std::optional<GeoPoint> ReferenceFor(const std::string& image_id,
+                                     const Tags& tags,
+                                     const SideContext& context) {
+  const auto tag = tags.find(image_id);
+  if (tag != tags.end() && tag->second.position) return tag->second.position;
+  return context.origin;
+}
+
+bool AreSwapped(const PoseFile& file, const Tags& tags, const SideContext& context) {
+  size_t num_swapped = 0;
+  for (const auto& [image_id, meta] : file.poses) {
+    const std::optional<GeoPoint> reference = ReferenceFor(image_id, tags, context);
+    if (!meta.position || !reference || std::abs(meta.position->longitude_deg) > 90.0) continue;
+    const GeoPoint swapped{meta.position->longitude_deg, meta.position->latitude_deg, 0.0};
+    const double distance_m = MetresBetween(*meta.position, *reference);
+    if (distance_m > kFarM && MetresBetween(swapped, *reference) < kNearerRatio * distance_m) {
+      ++num_swapped;
+    }
+  }
+  return num_swapped * 2 > file.poses.size();
+}
+
+// Mean of error(pose i + shift, image i) over the images that have all three; nothing where too few
+// do.
+using Error = std::function<std::optional<double>(const FrameMeta& pose, const FrameMeta& tags)>;
+std::optional<double> MeanError(const std::vector<std::pair<FrameMeta, FrameMeta>>& pairs,
+                                int shift,
+                                const Error& error) {
+  double sum = 0.0;
+  size_t num = 0;
+  for (size_t i = 1; i + 1 < pairs.size(); ++i) {
+    const FrameMeta& pose = pairs[static_cast<size_t>(static_cast<int>(i) + shift)].first;
+    const std::optional<double> one = error(pose, pairs[i].second);
+    if (!one) continue;
+    sum += *one;
+    ++num;
+  }
+  if (num < kMinNumPoses) return std::nullopt;
+  return sum / static_cast<double>(num);
+}
+
+bool FitsShifted(const std::vector<std::pair<FrameMeta, FrameMeta>>& pairs,
+                 double min_error,
+                 const Error& error) {
+  const std::optional<double> as_given = MeanError(pairs, 0, error);
+  if (!as_given || *as_given < min_error) return false;
+  for (const int shift : {-1, 1}) {
+    const std::optional<double> shifted = MeanError(pairs, shift, error);
+    if (shifted && *shifted < kShiftGain * *as_given) return true;
+  }
+  return false;
+}
+
+// Against the images' own geotags, or their own times.
+bool AreShifted(const PoseFile& file, const SideContext& context) {
+  std::map<std::string, FrameMeta> poses(file.poses.begin(), file.poses.end());
+  std::vector<std::pair<FrameMeta, FrameMeta>> pairs;
+  for (const auto& [image_id, tags] : context.image_tags) {
+    const auto pose = poses.find(image_id);
+    if (pose != poses.end()) pairs.emplace_back(pose->second, tags);
+  }
+  const Error metres = [](const FrameMeta& pose, const FrameMeta& tags) -> std::optional<double> {
+    if (!pose.position || !tags.position) return std::nullopt;
+    return MetresBetween(*pose.position, *tags.position);
+  };
+  const Error seconds = [](const FrameMeta& pose, const FrameMeta& tags) -> std::optional<double> {
+    if (!pose.timestamp_us || !tags.timestamp_us) return std::nullopt;
+    return 1e-6 * std::abs(static_cast<double>(*pose.timestamp_us - *tags.timestamp_us));
+  };
+  return FitsShifted(pairs, kMinShiftM, metres) || FitsShifted(pairs, kMinShiftS, seconds);
+}
+
+}  // namespace
+
+bool IsWLastLikely(const std::vector<Eigen::Quaterniond>& ned_from_x,
+                   const std::vector<Eigen::Quaterniond>& ned_from_x_w_last) {
+  if (ned_from_x.size() < kMinNumPoses) return false;
+  const auto is_odd = [](double down) { return down < kLooksDown; };
+  const auto is_down = [](double down) { return down >= kLooksDown; };
+  return RatioOf(ned_from_x, is_odd) >= kMinOddRatio &&
+         RatioOf(ned_from_x_w_last, is_down) >= kMinDownRatio;
+}
+
+std::vector<std::string> SuspicionsOf(const PoseFile& file, const SideContext& context) {
+  const Tags tags(context.image_tags.begin(), context.image_tags.end());
+  std::vector<std::string> warnings;
+  if (AreSwapped(file, tags, context)) {
+    warnings.emplace_back(
+        "SwappedLatitudeLongitude: with latitude and longitude swapped the poses are where the "
+        "images' geotags or the flight's origin are");
+  }
+  if (IsWLastLikelyIn(file)) {
+    warnings.emplace_back(
+        "QuaternionOrder: the craft flies level only if the quaternions are read w last; they are "
+        "read w first");
+  }
+  if (AreShifted(file, context)) {
+    warnings.emplace_back(
+        "ShiftedPoses: shifted by one image the poses fit the images' own tags much better");
+  }
+  return warnings;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,68 @@
+#include "tests/api/side_files.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kMaxErrorDeg = 1e-8;
+
+PoseFile ReadGeo(const std::string& text) { return PosesFromFiles({{"geo.txt", text}}, {}); }
+std::string ErrorOfGeo(const std::string& text) { return ErrorOfFiles({{"geo.txt", text}}); }
+
+void CheckGeo(const std::string& text, double latitude_deg, double longitude_deg) {
+  const GeoPoint place = MetaOf(ReadGeo(text), "a.jpg").position.value();
+  CHECK(std::abs(place.latitude_deg - latitude_deg) < kMaxErrorDeg);
+  CHECK(std::abs(place.longitude_deg - longitude_deg) < kMaxErrorDeg);
+  CHECK(place.altitude_m == 100.5);
+}
+
+TEST_CASE("geo.txt: x is the longitude and comes first; it is named as what it is") {
+  const std::string text = "EPSG:4326\r\n# remark\r\n\r\na.jpg -91.5 46.25 100.5\r\n";
+  CheckGeo(text, 46.25, -91.5);
+  const PoseFile file = ReadGeo(text);
+  REQUIRE(file.formats.size() == 1);
+  CHECK(file.formats[0].name == "odm-geo");
+  CHECK(file.warnings.empty());
+}
+
+TEST_CASE("geo.txt: UTM in all its spellings, north and south") {
+  // On the central meridian: the arc to 45 deg is 4984944.378 m, times 0.9996.
+  CheckGeo("EPSG:32632\na.jpg 500000 4982950.400217 100.5", 45.0, 9.0);
+  CheckGeo("WGS84 UTM 32N\na.jpg 500000 4982950.400217 100.5", 45.0, 9.0);
+  CheckGeo("+proj=utm +zone=32 +datum=WGS84 +units=m +no_defs\na.jpg 500000 4982950.400217 100.5",
+           45.0,
+           9.0);
+  CheckGeo("EPSG:32732\na.jpg 500000 5017049.599783 100.5", -45.0, 9.0);
+  CheckGeo("+proj=utm +zone=32 +south +ellps=WGS84\na.jpg 500000 5017049.599783 100.5", -45.0, 9.0);
+}
+
+TEST_CASE("geo.txt: yaw turns the image's top from north to east, pitch 0 looks down") {
+  const PoseFile file = ReadGeo("EPSG:4326\na.jpg 8 47 500 90 0 0 0.5 1\nb.jpg 8 47 500 0 10 0\n");
+  const FrameMeta& meta = MetaOf(file, "a.jpg");
+  CheckAxis(meta, {0, -1, 0}, {0, 1, 0});
+  CheckAxis(meta, {0, 0, 1}, {0, 0, 1});
+  CHECK(meta.position_sd_m == 0.5);
+  CHECK(meta.attitude_sd_deg == 5.0);
+  // 10 deg up: it looks forward by sin(10 deg).
+  CheckAxis(MetaOf(file, "b.jpg"), {0, 0, 1}, {0.1736481777, 0, 0.9848077530});
+  CHECK(Warns(file, "yaw, pitch, roll"));
+}
+
+TEST_CASE("geo.txt: angles of zero are none, omega phi kappa are not taken for yaw pitch roll") {
+  CHECK_FALSE(MetaOf(ReadGeo("EPSG:4326\na.jpg 8 47 500 0 0 0\n"), "a.jpg").ned_from_camera);
+  const PoseFile file = ReadGeo("EPSG:4326\na.jpg 8 47 500 1 2 -120\nb.jpg 8 47 500 1 0 10\n");
+  CHECK_FALSE(MetaOf(file, "b.jpg").ned_from_camera);
+  CHECK(Warns(file, "CameraAnglesIgnored"));
+}
+
+TEST_CASE("geo.txt: what cannot be used is refused at its line") {
+  CHECK(ErrorOfGeo("EPSG:2056\na.jpg 8 47 5") == "422 InvalidPoses /poses/geo.txt/1");
+  CHECK(ErrorOfGeo("WGS84 UTM 61N\na.jpg 8 47 5") == "422 InvalidPoses /poses/geo.txt/1");
+  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 8 47") == "422 InvalidPoses /poses/geo.txt/2");
+  CHECK(ErrorOfGeo("EPSG:4326\n\na.jpg 8 nan 5") == "422 InvalidPoses /poses/geo.txt/3");
+  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 47 91 5") == "422 InvalidPoses /poses/geo.txt/2");
+  CHECK(ErrorOfGeo("EPSG:4326\na.jpg 8 47 5\na.jpg 8 47 5") == "422 InvalidPoses /poses");
+  CHECK(ErrorOfGeo("EPSG:32632\na.jpg 8e9 47 5") == "422 InvalidPoses /poses/geo.txt/2");
+}
+
+}  // namespace
+}  // namespace freelsd
