@@ -37,15 +37,11 @@ nlohmann::json PostTelemetry(httplib::Client& client,
   return nlohmann::json::parse(result->body);
 }
 
-// The frame's state once it is no longer queued, or after ten seconds.
-nlohmann::json AwaitFrame(httplib::Client& client, const std::string& flight) {
-  nlohmann::json frame;
-  for (int i = 0; i < 400; ++i) {
-    frame = FrameList(client, flight).at(0);
-    if (frame["state"] != "queued") break;
-    std::this_thread::sleep_for(std::chrono::milliseconds(25));
-  }
-  return frame;
+// The first frame when all are through the engine, which may keep the last until it is told so.
+nlohmann::json FinishedFrame(httplib::Client& client, const std::string& flight) {
+  const auto finish = client.Post("/v1/flights/" + flight + "/finish");
+  CHECK(AwaitJob(client, nlohmann::json::parse(finish->body)["id"])["state"] == "done");
+  return FrameList(client, flight).at(0);
 }
 
 TEST_CASE("telemetry: good lines are taken, bad ones told of with their number") {
@@ -73,7 +69,7 @@ TEST_CASE("telemetry: a frame between two samples gets the pose between them") {
       fresh.client, flight, Line(kStart, 47.0, 350.0) + Line(kStart + 1000000, 47.0001, 10.0));
   const auto put = PutFrame(fresh.client, flight, "one", NoiseImage(1), TimeOnly(kStart + 500000));
   CHECK(put->status == 201);
-  CHECK(AwaitFrame(fresh.client, flight)["state"] == "processed");
+  CHECK(FinishedFrame(fresh.client, flight)["state"] == "processed");
 }
 
 TEST_CASE("telemetry: a frame that comes before its telemetry waits for it") {
@@ -84,7 +80,7 @@ TEST_CASE("telemetry: a frame that comes before its telemetry waits for it") {
   CHECK(FrameList(fresh.client, flight)[0]["state"] == "queued");
   PostTelemetry(
       fresh.client, flight, Line(kStart, 47.0, 0.0) + Line(kStart + 1000000, 47.0001, 0.0));
-  CHECK(AwaitFrame(fresh.client, flight)["state"] == "processed");
+  CHECK(FinishedFrame(fresh.client, flight)["state"] == "processed");
 }
 
 TEST_CASE("telemetry: a frame that nothing covers is rejected after its time, the rest goes on") {
@@ -113,7 +109,6 @@ TEST_CASE("telemetry: lines of a long chunked upload are durable while it goes o
   const TestServer server(TestConfig(folder.path() / "data"));
   httplib::Client client = server.Client();
   const std::string flight = NewFlight(client);
-  CHECK(PutFrame(client, flight, "one", NoiseImage(1), TimeOnly(kStart + 10000))->status == 201);
   const RawConnection connection(server.port());
   const auto chunk = [&](const std::string& text) {
     char size[32];
@@ -122,12 +117,13 @@ TEST_CASE("telemetry: lines of a long chunked upload are durable while it goes o
   };
   connection.Send("POST /v1/flights/" + flight +
                   "/telemetry HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n");
-  // Until the pose is there: the upload never ends.
-  for (int i = 0; FrameList(client, flight)[0]["state"] == "queued" && i < 200; ++i) {
+  // Until the pose is known: the upload never ends.
+  const std::string alternates = "/v1/flights/" + flight + "/alternates";
+  for (int i = 0; !GetJson(client, alternates).contains("pose") && i < 400; ++i) {
     chunk(Line(kStart + i * 20000, 47.0 + i * 1e-6, 0.0));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  CHECK(FrameList(client, flight)[0]["state"] == "processed");
+  CHECK(GetJson(client, alternates).contains("pose"));
   CHECK(GetJson(client, "/v1/flights/" + flight)["state"] != "idle");
 }
 
