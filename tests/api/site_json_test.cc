@@ -180,7 +180,7 @@ TEST_CASE("region: history as in the paper's plots") {
   CHECK(history[1]["frame_id"] == "b");
 }
 
-TEST_CASE("approach: straight final, closed circle flown left, touchdown; unseen ground is null") {
+TEST_CASE("approach: straight final, closed circle flown left, touchdown, unseen ground is null") {
   const FlightContext context = Context();
   const nlohmann::json answer = ApproachJson(LandablePlan(), context);
   const nlohmann::json& line = answer["features"][0];

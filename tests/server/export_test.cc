@@ -80,7 +80,7 @@ TEST_CASE("export: every format by name, for a site and for a flight") {
   CHECK(TypeOf(sites.client->Get("/v1/flights/f1/sites?f=geojson")) == "application/geo+json");
 }
 
-TEST_CASE("export: Accept chooses too, by its weights; what is not known is answered in GeoJSON") {
+TEST_CASE("export: Accept chooses too, by its weights, what is not known is answered in GeoJSON") {
   const SitesServer sites;
   const auto type = [&sites](const std::string& accept) {
     return TypeOf(sites.client->Get("/v1/sites/f1-r1", {{"Accept", accept}}));

@@ -40,7 +40,8 @@ TEST_CASE("restart: what was acknowledged before a kill is there after it, and t
   httplib::Client client = ClientOf(child.AwaitPort());
   CHECK(FrameList(client, flight).size() == kNumImages + 1);
   CHECK(AwaitJob(client, job)["state"] == "done");
-  for (const auto& unfinished : GetJson(client, "/v1/jobs")["jobs"]) {
+  const nlohmann::json list = GetJson(client, "/v1/jobs");
+  for (const auto& unfinished : list["jobs"]) {
     CHECK(AwaitJob(client, unfinished["id"])["state"] == "done");
   }
   const nlohmann::json told = GetJson(client, "/v1/flights/" + flight);
@@ -78,7 +79,7 @@ TEST_CASE("restart: killed in the middle of an upload, nothing of it is there an
   CHECK(PutFrame(client, flight, "a.jpg", NoiseImage(1), SomeMeta())->status == 201);
 }
 
-TEST_CASE("restart: killed while it evaluates, it ends the job by itself; sites found are served") {
+TEST_CASE("restart: killed while it evaluates, it ends the job by itself, sites found are served") {
   const TemporaryFolder folder;
   const ChildOptions options{folder.path(), RealModel()};
   std::string flight;

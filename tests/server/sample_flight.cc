@@ -11,8 +11,8 @@
 namespace freelsd {
 namespace {
 
-constexpr int kWidthPx = 376;
-constexpr int kHeightPx = 240;
+constexpr int kWidthPx = 564;
+constexpr int kHeightPx = 360;
 
 struct SampleFlight {
   std::string request;
@@ -23,8 +23,7 @@ struct SampleFlight {
 
 SampleFlight Render() {
   WorldOptions world_options;
-  world_options.seed = 5;
-  world_options.size_m = 400.0;
+  world_options.seed = 1;
   FlightOptions flight_options;
   flight_options.num_frames = kNumSampleFrames;
   const World world = MakeFarmland(world_options);
@@ -106,7 +105,8 @@ bool AwaitEvaluation(httplib::Client& client, const std::string& job) {
 
 nlohmann::json SiteIds(httplib::Client& client, const std::string& flight) {
   nlohmann::json ids = nlohmann::json::array();
-  for (const auto& site : GetJson(client, "/v1/flights/" + flight + "/sites")["features"]) {
+  const nlohmann::json sites = GetJson(client, "/v1/flights/" + flight + "/sites");
+  for (const auto& site : sites["features"]) {
     ids.push_back(site["properties"]["id"]);
   }
   return ids;

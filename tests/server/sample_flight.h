@@ -5,7 +5,7 @@
 
 namespace freelsd {
 
-constexpr int kNumSampleFrames = 36;
+constexpr int kNumSampleFrames = 24;
 
 // The model that is delivered.
 std::filesystem::path RealModel();

@@ -22,7 +22,7 @@ std::string ImagePart(int number) {
 
 constexpr char kType[] = "multipart/mixed; boundary=xyz";
 
-TEST_CASE("stream: each part is stored; a damaged image is told of and ends nothing") {
+TEST_CASE("stream: each part is stored, a damaged image is told of and ends nothing") {
   FreshServer fresh;
   const std::string flight = NewFlight(fresh.client);
   const std::string damaged = PartOf("Content-Type: image/jpeg", NoiseImage(7).substr(0, 9000));
@@ -94,7 +94,17 @@ TEST_CASE("stream: a camera that is faster than the engine is slowed down, not r
 
 TEST_CASE("stream: a time of its own stands in for a meta part, and telemetry gives the pose") {
   FreshServer fresh([](Config& config) { config.telemetry_wait_s = 0.1; });
-  const std::string flight = NewFlight(fresh.client);
+  // A single frame has no neighbours to tell its height, so the ground is taken as a plane.
+  const auto posted =
+      fresh.client.Post("/v1/flights",
+                        R"({"name":"one frame","origin":{"latitude_deg":47,"longitude_deg":8,)"
+                        R"("altitude_m":400},"camera":{"width_px":320,)"
+                        R"("height_px":240,"fx_px":300,"fy_px":300,"cx_px":160,)"
+                        R"("cy_px":120},"options":{"tracks":)"
+                        R"({"assume_ground_plane":true}}})",
+                        "application/json");
+  REQUIRE(posted->status == 201);
+  const std::string flight = nlohmann::json::parse(posted->body).at("id");
   const auto telemetry = fresh.client.Post(
       "/v1/flights/" + flight + "/telemetry",
       R"({"timestamp_us":77000000,"position":{"latitude_deg":47,"longitude_deg":8,)"

@@ -27,6 +27,11 @@ std::string TimeOnly(int64_t timestamp_us) {
   return nlohmann::json{{"timestamp_us", timestamp_us}}.dump();
 }
 
+// A single frame has no neighbours to tell its height.
+std::string TimeAndHeight(int64_t timestamp_us) {
+  return nlohmann::json{{"timestamp_us", timestamp_us}, {"height_above_ground_m", 100.0}}.dump();
+}
+
 nlohmann::json PostTelemetry(httplib::Client& client,
                              const std::string& flight,
                              const std::string& lines) {
@@ -67,7 +72,8 @@ TEST_CASE("telemetry: a frame between two samples gets the pose between them") {
   const std::string flight = NewFlight(fresh.client);
   PostTelemetry(
       fresh.client, flight, Line(kStart, 47.0, 350.0) + Line(kStart + 1000000, 47.0001, 10.0));
-  const auto put = PutFrame(fresh.client, flight, "one", NoiseImage(1), TimeOnly(kStart + 500000));
+  const auto put =
+      PutFrame(fresh.client, flight, "one", NoiseImage(1), TimeAndHeight(kStart + 500000));
   CHECK(put->status == 201);
   CHECK(FinishedFrame(fresh.client, flight)["state"] == "processed");
 }
@@ -75,8 +81,8 @@ TEST_CASE("telemetry: a frame between two samples gets the pose between them") {
 TEST_CASE("telemetry: a frame that comes before its telemetry waits for it") {
   FreshServer fresh;
   const std::string flight = NewFlight(fresh.client);
-  CHECK(PutFrame(fresh.client, flight, "one", NoiseImage(1), TimeOnly(kStart + 500000))->status ==
-        201);
+  CHECK(PutFrame(fresh.client, flight, "one", NoiseImage(1), TimeAndHeight(kStart + 500000))
+            ->status == 201);
   CHECK(FrameList(fresh.client, flight)[0]["state"] == "queued");
   PostTelemetry(
       fresh.client, flight, Line(kStart, 47.0, 0.0) + Line(kStart + 1000000, 47.0001, 0.0));

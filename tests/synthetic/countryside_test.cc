@@ -60,7 +60,7 @@ TEST_CASE("things: most of a leafless crown is seen through, and its top is stil
   CHECK(highest > 10.0);
 }
 
-TEST_CASE("countryside: same seed, same world; it holds good fields and traps") {
+TEST_CASE("countryside: same seed, same world, it holds good fields and traps") {
   WorldOptions options;
   options.size_m = 400.0;
   options.cell_size_m = 0.5;

@@ -73,7 +73,7 @@ TEST_CASE("kalibr: resolution is width first, radtan is k1, k2, p1, p2") {
   CHECK(camera.coefficients == std::vector<double>{-0.28, 0.07, 1.9e-4, 1.8e-5});
 }
 
-TEST_CASE("kalibr: equidistant and none; another model is refused by name") {
+TEST_CASE("kalibr: equidistant and none, another model is refused by name") {
   CHECK(CameraIn(Replaced(kKalibr, "radtan", "equidistant")).distortion ==
         DistortionModel::kEquidistant);
   CHECK(CameraIn(Replaced(kKalibr, "radtan", "none")).distortion == DistortionModel::kNone);

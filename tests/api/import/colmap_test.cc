@@ -46,7 +46,7 @@ SideContext Geotags() {
   return context;
 }
 
-TEST_CASE("colmap: camera from world, w first; scale and turn come from geotags") {
+TEST_CASE("colmap: camera from world, w first, scale and turn come from geotags") {
   const PoseFile file = PosesFromFiles(
       {{"sparse/cameras.txt", kCameras}, {"sparse/images.txt", Images()}}, Geotags());
   REQUIRE(file.poses.size() == 5);

@@ -15,7 +15,7 @@ void CheckGeo(const std::string& text, double latitude_deg, double longitude_deg
   CHECK(place.altitude_m == 100.5);
 }
 
-TEST_CASE("geo.txt: x is the longitude and comes first; it is named as what it is") {
+TEST_CASE("geo.txt: x is the longitude and comes first, it is named as what it is") {
   const std::string text = "EPSG:4326\r\n# remark\r\n\r\na.jpg -91.5 46.25 100.5\r\n";
   CheckGeo(text, 46.25, -91.5);
   const PoseFile file = ReadGeo(text);

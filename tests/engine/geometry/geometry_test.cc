@@ -171,7 +171,7 @@ TEST_CASE("polygon: rotating calipers find a turned rectangle") {
   CHECK(SignedArea(rectangle) == doctest::Approx(12.0));
 }
 
-TEST_CASE("polygon: two squares that share a quarter overlap by a seventh; far ones not at all") {
+TEST_CASE("polygon: two squares that share a quarter overlap by a seventh, far ones not at all") {
   const Polygon a{{0, 0}, {2, 0}, {2, 2}, {0, 2}};
   const Polygon b{{1, 1}, {3, 1}, {3, 3}, {1, 3}};
   CHECK(Area(ConvexIntersection(a, b)) == doctest::Approx(1.0));
@@ -180,7 +180,7 @@ TEST_CASE("polygon: two squares that share a quarter overlap by a seventh; far o
   CHECK(OverlapRatio(a, {{5, 5}, {6, 5}, {6, 6}, {5, 6}}) == 0.0);
 }
 
-TEST_CASE("triangulation: exact rays meet in their point; parallel rays do not meet") {
+TEST_CASE("triangulation: exact rays meet in their point, parallel rays do not meet") {
   const Eigen::Vector3d truth(3.0, -2.0, 1.0);
   std::vector<PosedRay> rays;
   for (const double east : {-10.0, 0.0, 15.0}) {

@@ -315,7 +315,7 @@ TEST_CASE("tracks: a hover tells no height, however long it lasts") {
   CHECK(tracks.views().empty());
 }
 
-TEST_CASE("tracks: a given height needs no neighbours; a plane can be assumed") {
+TEST_CASE("tracks: a given height needs no neighbours, a plane can be assumed") {
   const Rig rig = VideoRig();
   SyntheticFlight flight(rig, 120.0);
   Frame frame = flight.Expose({0.0, 0.0, kHeightM}, EulerAngles{}, Noise{});
