@@ -1,8 +1,6 @@
 #include "server/batch.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 
@@ -14,6 +12,7 @@ namespace freelsd {
 namespace {
 
 constexpr size_t kMaxPosesBytes = 16 << 20;
+constexpr size_t kMaxNumSideFiles = 64;
 constexpr size_t kMaxNumImages = 20000;
 
 // A file in the spool, removed at the end.
@@ -44,16 +43,6 @@ class SpoolFile {
   std::filesystem::path path_;
 };
 
-bool IsPosesName(const std::string& name) {
-  const size_t dot = name.rfind('.');
-  std::string extension = dot == std::string::npos ? "" : name.substr(dot);
-  std::transform(extension.begin(), extension.end(), extension.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  return extension == ".csv" || extension == ".ndjson" || extension == ".jsonl" ||
-         extension == ".txt";
-}
-
 }  // namespace
 
 BatchUpload::~BatchUpload() {
@@ -75,7 +64,7 @@ void BatchUpload::Read(const Call& call) {
   } else {
     ReadArchive(call);
   }
-  if (images_.empty() && !has_poses_) {
+  if (images_.empty() && side_files_.empty()) {
     throw ApiError("MissingPart", "the batch has no images", {{"/images", "is missing"}});
   }
 }
@@ -87,9 +76,9 @@ void BatchUpload::ReadParts(const Call& call, const std::string& boundary) {
     if (part->name == "images") {
       AddImage(part->file_name, parts.ReadAll(service_.image_limits.max_bytes));
     } else if (part->name == "poses") {
-      AddPoses(parts.ReadAll(kMaxPosesBytes));
+      AddSideFile(part->file_name, parts.ReadAll(kMaxPosesBytes));
     } else {
-      throw ApiError("UnknownPart", "a batch has images and one poses part only");
+      throw ApiError("UnknownPart", "a batch has images and poses parts only");
     }
   }
 }
@@ -102,11 +91,11 @@ void BatchUpload::ReadArchive(const Call& call) {
   if (magic[0] != 'P' || magic[1] != 'K') {
     throw ApiError("UnsupportedMediaType", "a batch is multipart/form-data or a zip archive");
   }
-  ReadZip(file.path(), ZipLimits{}, [this](const std::string& name, std::string&& bytes) {
-    if (IsPosesName(name)) {
-      AddPoses(std::move(bytes));
+  ReadZip(file.path(), ZipLimits{}, [this](const std::string& path, std::string&& bytes) {
+    if (IsSideFile(path)) {
+      AddSideFile(path, std::move(bytes));
     } else {
-      AddImage(name, std::move(bytes));
+      AddImage(path, std::move(bytes));
     }
   });
 }
@@ -135,11 +124,21 @@ void BatchUpload::AddImage(const std::string& file_name, const std::optional<std
   images_.push_back(std::move(entry));
 }
 
-void BatchUpload::AddPoses(const std::optional<std::string>& text) {
-  if (has_poses_) throw ApiError("UnknownPart", "a batch has at most one poses part");
+void BatchUpload::AddSideFile(const std::string& path, const std::optional<std::string>& text) {
   if (!text) throw ApiError("PosesTooLarge", "the pose file is larger than 16 MiB");
-  poses_ = ParsePoses(*text);
-  has_poses_ = true;
+  if (side_files_.size() >= kMaxNumSideFiles) {
+    throw ApiError("TooManyParts", "a batch has at most 64 files beside its images");
+  }
+  side_files_.push_back({path, *text});
+}
+
+void BatchUpload::ParsePoses(const std::optional<GeoPoint>& origin) {
+  SideContext context;
+  context.origin = origin;
+  for (const BatchImage& entry : images_) {
+    if (entry.image) context.image_tags.emplace_back(entry.id, entry.image->tags.meta);
+  }
+  poses_ = PosesFromFiles(side_files_, context);
 }
 
 }  // namespace freelsd

@@ -27,9 +27,11 @@ class BatchUpload {
   BatchUpload(const BatchUpload&) = delete;
   BatchUpload& operator=(const BatchUpload&) = delete;
 
-  // Multipart of `images` and one optional `poses`, or a zip of the same. Throws ApiError for a
-  // fault of structure.
+  // Multipart of `images` and `poses` (files beside the images), or a zip of the same. Throws
+  // ApiError for a fault of structure.
   void Read(const Call& call);
+  // After Read: what the files beside the images say. Throws ApiError.
+  void ParsePoses(const std::optional<GeoPoint>& origin);
 
   const std::vector<BatchImage>& images() const { return images_; }
   const PoseFile& poses() const { return poses_; }
@@ -38,13 +40,13 @@ class BatchUpload {
   void ReadParts(const Call& call, const std::string& boundary);
   void ReadArchive(const Call& call);
   void AddImage(const std::string& file_name, const std::optional<std::string>& bytes);
-  void AddPoses(const std::optional<std::string>& text);
+  void AddSideFile(const std::string& path, const std::optional<std::string>& text);
 
   Service& service_;
   std::vector<BatchImage> images_;
   std::set<std::string> ids_;
+  std::vector<SideFile> side_files_;
   PoseFile poses_;
-  bool has_poses_ = false;
   std::set<std::string> written_;
 };
 

@@ -34,9 +34,10 @@ struct Admission {
   int64_t num_rejected = 0;
 };
 
-void RefuseUnknownImages(const Service& service,
-                         const std::string& flight_id,
-                         const BatchUpload& upload) {
+// Poses that no image is there for, the first of them.
+std::vector<FieldError> UnknownImages(const Service& service,
+                                      const std::string& flight_id,
+                                      const BatchUpload& upload) {
   std::set<std::string> known;
   for (const BatchImage& entry : upload.images()) known.insert(entry.id);
   std::vector<FieldError> errors;
@@ -46,10 +47,16 @@ void RefuseUnknownImages(const Service& service,
     if (known.contains(id) || service.storage.FindFrame(flight_id, id)) continue;
     errors.push_back({"/poses/" + std::to_string(i) + "/image", "there is no image " + id});
   }
-  if (!errors.empty()) {
-    throw ApiError(
-        "UnknownImages", "poses name images that are neither here nor in the flight", errors);
-  }
+  return errors;
+}
+
+void RefuseUnknownImages(const Service& service,
+                         const std::string& flight_id,
+                         const BatchUpload& upload) {
+  const std::vector<FieldError> errors = UnknownImages(service, flight_id, upload);
+  if (errors.empty()) return;
+  throw ApiError(
+      "UnknownImages", "poses name images that are neither here nor in the flight", errors);
 }
 
 // By time where every image that can become a frame has one, else as given.
@@ -98,8 +105,13 @@ bool AdmitOne(const Service& service,
 
 Admission Admit(const Service& service, const FlightRow& flight, const BatchUpload& upload) {
   Admission admission;
-  RigResolver resolver(flight);
-  admission.warnings = upload.poses().warnings;
+  const PoseFile& poses = upload.poses();
+  RigResolver resolver(flight, poses.camera);
+  admission.warnings = poses.warnings;
+  if (poses.camera && ParseFlightRequest(flight.request_json).camera) {
+    admission.warnings.emplace_back(
+        "the flight has a camera: the one beside the images is not used");
+  }
   for (const Candidate& candidate : InOrderOfFlight(service, flight.id, upload)) {
     nlohmann::json verdict{{"id", candidate.entry->id}, {"verdict", "accepted"}};
     try {
@@ -124,20 +136,74 @@ Admission Admit(const Service& service, const FlightRow& flight, const BatchUplo
   return admission;
 }
 
-JobRow NewBatchJob(const std::string& flight_id, const Admission& admission) {
+nlohmann::json FormatsJson(const PoseFile& poses) {
+  nlohmann::json formats = nlohmann::json::array();
+  for (const PoseFile::Format& format : poses.formats) {
+    formats.push_back({{"format", format.name}, {"file", format.path}, {"why", format.why}});
+  }
+  return formats;
+}
+
+nlohmann::json DetailJson(const Admission& admission, const PoseFile& poses) {
+  const int64_t num_images = static_cast<int64_t>(admission.verdicts.size());
+  return {{"images", admission.verdicts},
+          {"num_accepted", num_images - admission.num_rejected},
+          {"num_rejected", admission.num_rejected},
+          {"formats", FormatsJson(poses)},
+          {"warnings", admission.warnings}};
+}
+
+JobRow NewBatchJob(const std::string& flight_id,
+                   const Admission& admission,
+                   const PoseFile& poses) {
   JobRow job;
   job.id = NewId("j");
   job.kind = "batch";
   job.flight_id = flight_id;
   job.stage = "frontend";
   job.created_at_us = NowUs();
-  const int64_t num_images = static_cast<int64_t>(admission.verdicts.size());
-  const nlohmann::json detail{{"images", admission.verdicts},
-                              {"num_accepted", num_images - admission.num_rejected},
-                              {"num_rejected", admission.num_rejected},
-                              {"warnings", admission.warnings}};
+  const nlohmann::json detail = DetailJson(admission, poses);
   job.detail_json = detail.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   return job;
+}
+
+void AppendProblem(const ApiError& error, nlohmann::json& problems) {
+  nlohmann::json problem{{"code", error.code()}, {"detail", error.what()}};
+  problem["errors"] = nlohmann::json::array();
+  for (const FieldError& field : error.errors()) {
+    problem["errors"].push_back({{"pointer", field.pointer}, {"detail", field.detail}});
+  }
+  problems.push_back(problem);
+}
+
+// What the same request without dry_run would meet, all of it at once. Stores nothing.
+nlohmann::json DryRun(const Service& service, const FlightRow& flight, BatchUpload& upload) {
+  nlohmann::json problems = nlohmann::json::array();
+  try {
+    upload.ParsePoses(ParseFlightRequest(flight.request_json).origin);
+    RefuseUnknownImages(service, flight.id, upload);
+  } catch (const ApiError& error) {
+    AppendProblem(error, problems);
+  }
+  const Admission admission = Admit(service, flight, upload);
+  nlohmann::json answer = DetailJson(admission, upload.poses());
+  std::set<std::string> posed;
+  for (const auto& [id, meta] : upload.poses().poses) posed.insert(id);
+  nlohmann::json unposed = nlohmann::json::array();
+  for (const BatchImage& entry : upload.images()) {
+    if (!posed.contains(entry.id) && unposed.size() < kMaxNumListedErrors) {
+      unposed.push_back(entry.id);
+    }
+  }
+  answer["dry_run"] = true;
+  answer["would_be_refused"] = !problems.empty();
+  answer["problems"] = problems;
+  answer["images_without_pose"] = unposed;
+  answer["num_poses"] = upload.poses().poses.size();
+  answer["altitude_datum"] = ParseFlightRequest(flight.request_json).altitude_datum;
+  answer["camera"] = nullptr;
+  if (upload.poses().camera) answer["camera"] = CameraJson(*upload.poses().camera);
+  return answer;
 }
 
 }  // namespace
@@ -147,12 +213,20 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
   RefuseWhenRetired(flight_row);
   const std::string flight_id = flight_row.id;
   const Receiving receiving(service, flight_id);
+  const bool is_dry_run = call.QueryFlag("dry_run");
   BatchUpload upload(service);
   upload.Read(call);
+  if (is_dry_run) {
+    const nlohmann::json answer = DryRun(service, ExistingFlight(service, call), upload);
+    response.set_content(answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                         "application/json");
+    return;
+  }
+  upload.ParsePoses(ParseFlightRequest(ExistingFlight(service, call).request_json).origin);
   RefuseUnknownImages(service, flight_id, upload);
   const std::lock_guard lock(service.intake_mutex);
   const Admission admission = Admit(service, ExistingFlight(service, call), upload);
-  const JobRow job = NewBatchJob(flight_id, admission);
+  const JobRow job = NewBatchJob(flight_id, admission, upload.poses());
   service.storage.InsertFrames(flight_id, admission.frames, job, [&](FlightRow& flight) {
     flight.rig_json = admission.rig_json;
     flight.num_rejected_frames += admission.num_rejected;

@@ -32,8 +32,9 @@ CheckedImage CheckImage(Service& service, std::string_view bytes) {
   return image;
 }
 
-RigResolver::RigResolver(const FlightRow& flight)
+RigResolver::RigResolver(const FlightRow& flight, const std::optional<Camera>& side_camera)
     : request_(ParseFlightRequest(flight.request_json)) {
+  if (!request_.camera) request_.camera = side_camera;
   if (!flight.rig_json.empty()) resolved_ = ParseStoredFlightRig(flight.rig_json);
 }
 

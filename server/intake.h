@@ -25,7 +25,10 @@ CheckedImage CheckImage(Service& service, std::string_view bytes);
 // open.
 class RigResolver {
  public:
-  explicit RigResolver(const FlightRow& flight);
+  // `side_camera`: of a calibration that came beside the images; the flight's own wins over it, and
+  // it over the images' tags.
+  explicit RigResolver(const FlightRow& flight,
+                       const std::optional<Camera>& side_camera = std::nullopt);
   // Throws ApiError NoPosition, NoCamera or ImageSizeMismatch; nothing has changed then. `meta`:
   // with the image's tags.
   void Admit(const CheckedImage& image, const FrameMeta& meta);

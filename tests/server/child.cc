@@ -9,6 +9,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/server/openapi_check.h"
+
 namespace freelsd {
 namespace {
 
@@ -86,6 +88,7 @@ std::string Child::Output() const {
 httplib::Client ClientOf(int port) {
   httplib::Client client("127.0.0.1", port);
   client.set_read_timeout(30);
+  HoldAgainstContract(client);
   return client;
 }
 

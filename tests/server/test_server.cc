@@ -10,6 +10,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "tests/server/openapi_check.h"
+
 namespace freelsd {
 namespace {
 
@@ -79,6 +81,7 @@ httplib::Client ClientFor(int port) {
   client.set_keep_alive(true);
   client.set_read_timeout(30);
   client.set_tcp_nodelay(true);
+  HoldAgainstContract(client);
   return client;
 }
 

@@ -1,0 +1,119 @@
+// Files of other programs beside the images, over HTTP.
+#include <set>
+
+#include <doctest/doctest.h>
+
+#include "tests/server/test_server.h"
+
+namespace freelsd {
+namespace {
+
+constexpr int kNumImages = 4;
+constexpr char kCameras[] = "# Camera list\n1 PINHOLE 320 240 300 300 160 120\n";
+
+std::string NameOf(int i) { return std::to_string(i) + ".jpg"; }
+
+httplib::MultipartFormDataItems Images() {
+  httplib::MultipartFormDataItems items;
+  for (int i = 0; i < kNumImages; ++i) {
+    items.push_back({"images", NoiseImage(i), NameOf(i), "image/jpeg"});
+  }
+  return items;
+}
+
+httplib::MultipartFormData Beside(const std::string& name, const std::string& text) {
+  return {"poses", text, name, "text/plain"};
+}
+
+std::string Geo(int num_images) {
+  std::string text = "EPSG:4326\n";
+  for (int i = 0; i < num_images; ++i) {
+    text += NameOf(i) + " 8.0 47.000" + std::to_string(i) + " 500\n";
+  }
+  return text;
+}
+
+std::string FlightWithoutCamera(httplib::Client& client) {
+  const auto result = client.Post("/v1/flights", R"({"name": "a test"})", "application/json");
+  REQUIRE(result->status == 201);
+  return nlohmann::json::parse(result->body)["id"];
+}
+
+httplib::Result Post(httplib::Client& client,
+                     const std::string& flight,
+                     const httplib::MultipartFormDataItems& items,
+                     const std::string& query = "") {
+  return client.Post("/v1/flights/" + flight + "/batch" + query, items);
+}
+
+TEST_CASE("import: geo.txt and a COLMAP camera make a flight, and are named in the answer") {
+  FreshServer fresh;
+  const std::string flight = FlightWithoutCamera(fresh.client);
+  auto items = Images();
+  items.push_back(Beside("geo.txt", Geo(kNumImages)));
+  items.push_back(Beside("cameras.txt", kCameras));
+  const auto result = Post(fresh.client, flight, items);
+  INFO(result->body);
+  REQUIRE(result->status == 202);
+  const nlohmann::json job = nlohmann::json::parse(result->body);
+  CHECK(job["detail"]["formats"][0]["format"] == "odm-geo");
+  CHECK(job["detail"]["formats"][1]["format"] == "colmap-cameras");
+  CHECK(AwaitJob(fresh.client, job["id"])["state"] == "done");
+  const nlohmann::json told = GetJson(fresh.client, "/v1/flights/" + flight);
+  CHECK(told["frames"]["processed"] == kNumImages);
+  CHECK(told["camera"]["cx_px"] == 159.5);
+}
+
+TEST_CASE("import: a dry run tells every problem at once and stores nothing") {
+  FreshServer fresh;
+  const std::string flight = FlightWithoutCamera(fresh.client);
+  auto items = Images();
+  items[1].content = items[1].content.substr(0, 5000);
+  items.push_back(Beside("geo.txt", Geo(kNumImages + 2)));
+  const auto result = Post(fresh.client, flight, items, "?dry_run=true");
+  REQUIRE(result->status == 200);
+  const nlohmann::json answer = nlohmann::json::parse(result->body);
+  CHECK(answer["would_be_refused"] == true);
+  REQUIRE(answer["problems"].size() == 1);
+  CHECK(answer["problems"][0]["code"] == "UnknownImages");
+  CHECK(answer["problems"][0]["errors"].size() == 2);
+  CHECK(answer["images"].size() == kNumImages);
+  CHECK(answer["num_rejected"] == kNumImages);
+  CHECK(answer["formats"][0]["format"] == "odm-geo");
+  std::set<std::string> codes;
+  for (const auto& image : answer["images"]) codes.insert(image["code"]);
+  CHECK(codes == std::set<std::string>{"DamagedImage", "NoCamera"});
+  CHECK(FrameList(fresh.client, flight).empty());
+  CHECK(GetJson(fresh.client, "/v1/jobs")["jobs"].empty());
+  CheckProblem(Post(fresh.client, flight, items, "?dry_run=maybe"), 400, "InvalidQuery");
+}
+
+TEST_CASE("import: a dry run of what is right says so, and the same goes in afterwards") {
+  FreshServer fresh;
+  const std::string flight = FlightWithoutCamera(fresh.client);
+  auto items = Images();
+  items.push_back(Beside("geo.txt", Geo(kNumImages - 1)));
+  items.push_back(Beside("cameras.txt", kCameras));
+  const auto dry = Post(fresh.client, flight, items, "?dry_run=true");
+  REQUIRE(dry->status == 200);
+  const nlohmann::json answer = nlohmann::json::parse(dry->body);
+  CHECK(answer["would_be_refused"] == false);
+  CHECK(answer["num_accepted"] == kNumImages - 1);
+  CHECK(answer["images_without_pose"] == nlohmann::json{NameOf(kNumImages - 1)});
+  CHECK(answer["camera"]["width_px"] == 320);
+  CHECK(FrameList(fresh.client, flight).empty());
+  CHECK(Post(fresh.client, flight, items)->status == 202);
+}
+
+TEST_CASE("import: a file that cannot be read is told of with its line") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  auto items = Images();
+  items.push_back(Beside("geo.txt", "EPSG:4326\n0.jpg 8 47\n"));
+  const auto result = Post(fresh.client, flight, items);
+  CheckProblem(result, 422, "InvalidPoses");
+  CHECK(nlohmann::json::parse(result->body)["errors"][0]["pointer"] == "/poses/geo.txt/2");
+}
+
+}  // namespace
+}  // namespace freelsd
