@@ -7,8 +7,9 @@
 namespace freelsd {
 namespace {
 
-// A line that keeps proxies from closing, and shows whether the client is still there.
-constexpr std::chrono::seconds kHeartbeatPeriod{10};
+// A line that keeps proxies from closing, and shows whether the client is still there: one that has
+// left holds its slot until a line cannot be written.
+constexpr std::chrono::seconds kHeartbeatPeriod{2};
 constexpr std::chrono::milliseconds kRetryAfter{2000};
 
 // A client's place in the log; its slot is given back with it.
