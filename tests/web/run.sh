@@ -9,4 +9,5 @@ for program in node npm; do
   command -v "$program" >/dev/null || { echo "page test: $program is not installed" >&2; exit 1; }
 done
 npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
-exec node --test --test-concurrency=2 --test-reporter=spec modules_test.mjs page_test.mjs service_test.mjs
+# A page that hangs must not hang the tests.
+exec timeout 300 node --test --test-concurrency=2 --test-reporter=spec modules_test.mjs page_test.mjs service_test.mjs

@@ -96,7 +96,8 @@ test('events: a change is seen at once where the server tells, and by asking whe
   const look = page.waitForRequest((request) => request.url().endsWith('/v1/flights'), { timeout: 1500 });
   server.emit('site', { id: site.properties.id });
   await look;
-  const poor = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
+  const mute = await startStandIn(t, url);
+  const poor = await openPage(t, browser, { address: `${mute.url}/#flight=${site.flight}` });
   await poor.page.waitForRequest((request) => request.url().endsWith('/v1/flights'), { timeout: 6000 });
   assert.deepEqual(poor.seen.errors, []);
 });

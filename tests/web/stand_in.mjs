@@ -22,6 +22,11 @@ export async function startStandIn(t, target, { token = null, hasEvents = false,
       response.on('close', () => state.streams.delete(response));
       return true;
     }
+    if (path === '/v1/events') {
+      response.writeHead(404, { 'Content-Type': 'application/problem+json' });
+      response.end(JSON.stringify({ title: 'Not Found', status: 404, code: 'NotFound', detail: 'no events here' }));
+      return true;
+    }
     if (path === '/v1/emergency') {
       state.asked.push(new URL(request.url, target).searchParams);
       response.writeHead(emergency ? 200 : 404, { 'Content-Type': emergency ? 'application/json' : 'application/problem+json' });
@@ -37,11 +42,13 @@ export async function startStandIn(t, target, { token = null, hasEvents = false,
     const headers = { ...request.headers, host: to.host };
     delete headers.origin;
     delete headers.authorization;
-    request.pipe(http.request({ host: to.hostname, port: to.port, path: request.url, method: request.method, headers },
+    const asked = http.request({ host: to.hostname, port: to.port, path: request.url, method: request.method, headers },
       (answer) => {
         response.writeHead(answer.statusCode, answer.headers);
         answer.pipe(response);
-      }).on('error', () => response.destroy()));
+      }).on('error', () => response.destroy());
+    response.on('close', () => asked.destroy());
+    request.pipe(asked);
   });
   await new Promise((resolve) => { server.listen(0, '127.0.0.1', resolve); });
   t.after(() => {
