@@ -104,7 +104,7 @@ struct AdjustedBlock {
   // Deviation of the tilt of the whole, about the worse horizontal axis, from the priors: a part of
   // the uncertainty of every slope that no number of points averages out.
   double tilt_sd_deg = 0.0;
-  // Of the position of the whole, along one axis: the median of its connected views'.
+  // Of the position of the whole, along one axis: the largest of its connected views.
   double position_sd_m = 0.0;
   // Otherwise all poses are the priors, no view is connected and there are no landmarks.
   bool is_usable = false;

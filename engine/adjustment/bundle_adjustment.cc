@@ -123,15 +123,13 @@ AdjustedBlock PriorBlock(const std::vector<View>& views, const Camera& camera) {
   return block;
 }
 
-// There is at least one connected view.
-double MedianPositionDeviation(const std::vector<AdjustedView>& views) {
-  std::vector<double> deviations;
+// A map is one for all groups, so it is only as good as the worst of them.
+double LargestPositionDeviation(const std::vector<AdjustedView>& views) {
+  double largest_m = 0.0;
   for (const AdjustedView& view : views) {
-    if (view.is_connected) deviations.push_back(view.position_sd_m);
+    if (view.is_connected) largest_m = std::max(largest_m, view.position_sd_m);
   }
-  const auto middle = deviations.begin() + static_cast<std::ptrdiff_t>(deviations.size() / 2);
-  std::nth_element(deviations.begin(), middle, deviations.end());
-  return *middle;
+  return largest_m;
 }
 
 // The block as solved; poses of views that do not belong to it stay the priors.
@@ -148,7 +146,7 @@ void FillResult(const BlockState& state,
     block.views[i].is_connected = true;
     block.views[i].position_sd_m = verdict.position_sd_m[i];
   }
-  block.position_sd_m = MedianPositionDeviation(block.views);
+  block.position_sd_m = LargestPositionDeviation(block.views);
   FillLandmarks(state, tracks, block);
   for (size_t i = 0; i < block.views.size(); ++i) {
     AdjustedView& view = block.views[i];

@@ -196,7 +196,10 @@ double HeightDeviation(const BlockState& state, const BlockTrack& track, double 
     const double across_sd = pixel_sd * distance / state.camera.MeanFocalPx();
     information += (Eigen::Matrix3d::Identity() - ray * ray.transpose()) / (across_sd * across_sd);
   }
-  return std::sqrt(std::max(0.0, information.inverse()(2, 2)));
+  // Rays that are all but parallel leave it open, and rounding may give anything.
+  const double variance = information.inverse()(2, 2);
+  const bool is_known = std::isfinite(variance) && variance > 0.0;
+  return is_known ? std::sqrt(variance) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace freelsd

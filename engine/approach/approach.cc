@@ -36,8 +36,7 @@ void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards) {
   const bool is_whole = map.elevation.size() == size && map.upper.size() == size &&
                         hazards.slope.size() == size && hazards.roughness.size() == size &&
                         hazards.grass.size() == size && hazards.hazard.size() == size &&
-                        hazards.distance.size() == size &&
-                        (map.standard_deviation.empty() || map.standard_deviation.size() == size);
+                        hazards.distance.size() == size && map.standard_deviation.size() == size;
   if (map.grid == hazards.grid && is_whole) return;
   throw std::invalid_argument("approach.hazards: must be of the map's grid, " +
                               std::to_string(size.height) + "x" + std::to_string(size.width) +

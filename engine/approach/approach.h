@@ -22,6 +22,9 @@ struct ApproachOptions {
   // A cell whose height is less certain than this counts as unseen under the path too; what stands
   // in it still blocks.
   double max_height_sd_m = 1.0;
+  // The whole map may lean: what lies at a distance from touchdown may stand higher against it by
+  // the distance times this many standard deviations of the map's tilt.
+  double tilt_sigma = 2.0;
   // Where no wind is known, the final must also be clear with this wind from behind. Paper: 5.5 m/s
   // in the last experiment.
   double unknown_wind_mps = 5.5;

@@ -46,6 +46,7 @@ void ApproachOptions::Check() const {
       {"unclear_height_allowance_m", unclear_height_allowance_m, 0.0, 100.0},
       {"min_clear_class_posterior", min_clear_class_posterior, 0.0, 1.0},
       {"max_height_sd_m", max_height_sd_m, 0.01, 100.0},
+      {"tilt_sigma", tilt_sigma, 0.0, 10.0},
       {"unknown_wind_mps", unknown_wind_mps, 0.0, 100.0},
       {"max_num_candidates", static_cast<double>(max_num_candidates), 1.0, 1e6},
       {"candidate_spacing_m", candidate_spacing_m, 0.0, 1000.0},

@@ -11,6 +11,8 @@ namespace {
 constexpr double kMaxNumCircleSteps = 20000.0;
 // A disc is widened in passes of at most this many cells: the cost of one grows with its area.
 constexpr double kMaxPassRadiusCells = 7.0;
+// A map that may lean more than this clears nothing anyway; its tangent stays finite.
+constexpr double kMaxLeanDeg = 80.0;
 
 double LargestRadius(const std::vector<WindScenario>& scenarios) {
   double radius = 0.0;
@@ -56,7 +58,7 @@ CellHeight HeightOf(const ElevationMap& map,
                     const cv::Point& cell) {
   const float elevation = map.elevation(cell), upper = map.upper(cell);
   const float top = std::isnan(upper) ? elevation : upper;
-  const float sd = map.standard_deviation.empty() ? 0.0f : map.standard_deviation(cell);
+  const float sd = map.standard_deviation(cell);
   const bool is_certain = sd <= options.max_height_sd_m;  // an unknown deviation is not
   if (std::isnan(top)) return {};
   const bool is_clear_class = hazards.grass(cell) >= options.min_clear_class_posterior;
@@ -105,6 +107,7 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
   // to the farthest place looked at beyond it, and from there to that cell's centre.
   surface.corridor_radius =
       aircraft.path_half_width_m + 3.0 * surface.HalfDiagonal() + 0.5 * surface.circle_step;
+  surface.lean = std::tan(RadFromDeg(std::min(options.tilt_sigma * map.tilt_sd_deg, kMaxLeanDeg)));
   const cv::Rect cells = CellsAround(grid, footprint, Reach(scenarios) + surface.corridor_radius);
   surface.first_row = cells.y;
   surface.first_col = cells.x;

@@ -35,6 +35,8 @@ struct ClearanceSurface {
   cv::Mat1b corridor_is_unseen;
   // Of that corridor about a cell's centre.
   double corridor_radius = 0.0;
+  // How much higher things may stand for each metre from touchdown, because the map leans.
+  double lean = 0.0;
   // Along the circle.
   double circle_step = 0.5;
 

@@ -144,7 +144,8 @@ PathCheck CheckFinal(const Approach& approach,
     const Eigen::Vector2d place = approach.touchdown_in_world.head<2>() - distance * forward;
     const double path = slope * distance;
     const double height = approach.touchdown_in_world.z() + path;
-    const double wanted = std::min(aircraft.safety_margin_m, kShareOfPathHeight * path);
+    const double wanted =
+        std::min(aircraft.safety_margin_m, kShareOfPathHeight * path) + surface.lean * distance;
     if (depth == Depth::kUntilFailure) {
       const Slice glance = GlanceAt(place, surface);
       const double clearance = height - glance.height;
@@ -185,7 +186,9 @@ PathCheck CheckCircle(const Approach& approach,
   const Eigen::Rotation2Dd one_step(2.0 * kPi / check.num_steps);
   const Eigen::Matrix2d rotation = one_step.toRotationMatrix();
   Eigen::Vector2d arm = approach.approach_start_in_world.head<2>() - center;
-  float worst_height = kNoHeight;
+  const Eigen::Vector2d touchdown = approach.touchdown_in_world.head<2>();
+  Obstacle nearest;
+  bool is_something_seen = false;
   Eigen::Vector2d worst_place = center;
   for (int i = 0; i < check.num_steps; ++i, arm = rotation * arm) {
     const Eigen::Vector2d place = center + arm;
@@ -195,14 +198,18 @@ PathCheck CheckCircle(const Approach& approach,
       continue;
     }
     check.num_unseen_steps += surface.corridor_is_unseen(row, col);
-    if (surface.corridor_height(row, col) <= worst_height) continue;
-    worst_height = surface.corridor_height(row, col);
+    if (surface.corridor_height(row, col) == kNoHeight) continue;
+    const double distance = (place - touchdown).norm();
+    const Obstacle here{.distance = distance,
+                        .clearance = height - surface.corridor_height(row, col),
+                        .wanted = aircraft.safety_margin_m + surface.lean * distance};
+    if (is_something_seen && here.Deficit() <= nearest.Deficit()) continue;
+    is_something_seen = true;
+    nearest = here;
     worst_place = place;
-    const bool is_blocked = height - worst_height < aircraft.safety_margin_m;
-    if (is_blocked && depth == Depth::kUntilFailure) break;
+    if (nearest.Deficit() > 0.0 && depth == Depth::kUntilFailure) break;
   }
-  if (worst_height == kNoHeight) return check;
-  Obstacle nearest{.clearance = height - worst_height, .wanted = aircraft.safety_margin_m};
+  if (!is_something_seen) return check;
   if (nearest.Deficit() > 0.0 && depth == Depth::kEverything)
     nearest.place_in_world = HighestAround(worst_place, surface);
   return WithObstacle(check, nearest);

@@ -12,7 +12,7 @@ namespace freelsd {
 struct Obstacle {
   // Top of the thing.
   Eigen::Vector3d place_in_world = Eigen::Vector3d::Zero();
-  // Along the final to touchdown.
+  // To touchdown; of the final along it.
   double distance = 0.0;
   double clearance = 0.0;
   double wanted = 0.0;
@@ -46,7 +46,7 @@ PathCheck Worse(const PathCheck& a, const PathCheck& b);
 
 // kUntilFailure gives the same verdict, but only a lower bound of the clearance.
 // Spec 3.6: from the touchdown disc outward, corridor of path_half_width_m; wanted is the lesser of
-// safety margin and half the path's height above touchdown.
+// safety margin and half the path's height above touchdown, and what the map may lean up to there.
 PathCheck CheckFinal(const Approach& approach,
                      const ClearanceSurface& surface,
                      const Aircraft& aircraft,

@@ -36,7 +36,8 @@ double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options) {
   return aircraft.touchdown_uncertainty_m +
-         std::max(options.min_map_position_sd_m, map.position_sd_m) +
+         // In this order an unknown deviation makes an unknown distance, which nothing keeps.
+         std::max(map.position_sd_m, options.min_map_position_sd_m) +
          map.grid.cell_size_m * std::sqrt(0.5);
 }
 
@@ -77,6 +78,7 @@ std::vector<Touchdown> TouchdownCandidates(const std::vector<Touchdown>& touchdo
                                            double required_distance,
                                            double cell_size,
                                            const ApproachOptions& options) {
+  if (!std::isfinite(required_distance)) return {};
   const auto num_wide = std::count_if(touchdowns.begin(), touchdowns.end(), [&](const auto& place) {
     return place.hazard_distance >= required_distance;
   });

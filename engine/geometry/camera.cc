@@ -16,6 +16,9 @@ constexpr double kNewtonTolerance = 1e-12;
 constexpr int kNumRowSteps = 20;
 constexpr double kRowTolerancePx = 1e-9;
 constexpr double kDerivativeStep = 1e-7;
+// Where along the ray from the optical axis the lens polynomial is asked whether it still rises.
+constexpr int kNumFoldSamples = 16;
+constexpr double kBorderTolerancePx = 0.5;
 // Beyond this angle from the optical axis a perspective camera sees nothing useful (cos 85 deg).
 constexpr double kMinCosOffAxis = 0.087;
 
@@ -70,6 +73,28 @@ Eigen::Matrix2d DistortionJacobian(const Camera& camera, const Eigen::Vector2d& 
   return jacobian;
 }
 
+// Change of the distorted radius with the undistorted one (of the angle, for kEquidistant): 1 + 3
+// k1 u + 5 k2 u^2 + ..., u the radius (angle) squared.
+double RadialSlope(const Camera& camera, double u) {
+  const bool is_equidistant = camera.distortion == DistortionModel::kEquidistant;
+  const double k1 = CoefficientAt(camera, 0), k2 = CoefficientAt(camera, 1);
+  const double k3 = CoefficientAt(camera, is_equidistant ? 2 : 4);
+  const double k4 = is_equidistant ? CoefficientAt(camera, 3) : 0.0;
+  return 1.0 + u * (3.0 * k1 + u * (5.0 * k2 + u * (7.0 * k3 + u * 9.0 * k4)));
+}
+
+// A lens polynomial may fold back outside its fitted field, and far outside it even mirrors the
+// point through the centre into the image: beyond the first fold nothing is seen.
+bool IsBeyondFold(const Camera& camera, const Eigen::Vector2d& p) {
+  if (camera.distortion == DistortionModel::kNone) return false;
+  const bool is_equidistant = camera.distortion == DistortionModel::kEquidistant;
+  const double radius = is_equidistant ? std::atan(p.norm()) : p.norm();
+  for (int i = 1; i <= kNumFoldSamples; ++i) {
+    if (RadialSlope(camera, radius * radius * i / kNumFoldSamples) <= 0.0) return true;
+  }
+  return DistortionJacobian(camera, p).determinant() <= 0.0;
+}
+
 // From the camera as it was when a row was read to the camera of the image's middle.
 Eigen::Quaterniond MiddleFromRow(const Camera& camera, double row) {
   const double share = (row - camera.cy_px) / camera.height_px;
@@ -81,12 +106,8 @@ Eigen::Quaterniond MiddleFromRow(const Camera& camera, double row) {
 std::optional<Eigen::Vector2d> ProjectAtOnce(const Camera& camera, const Eigen::Vector3d& point) {
   if (point.z() <= kMinCosOffAxis * point.norm()) return std::nullopt;
   const Eigen::Vector2d normalized = point.head<2>() / point.z();
+  if (IsBeyondFold(camera, normalized)) return std::nullopt;
   const Eigen::Vector2d distorted = Distort(camera, normalized);
-  // A lens polynomial may fold back outside its fitted field: such a point is not seen.
-  if (camera.distortion != DistortionModel::kNone &&
-      DistortionJacobian(camera, normalized).determinant() <= 0.0) {
-    return std::nullopt;
-  }
   return Eigen::Vector2d(camera.fx_px * distorted.x() + camera.cx_px,
                          camera.fy_px * distorted.y() + camera.cy_px);
 }
@@ -96,6 +117,24 @@ void Require(bool holds, const char* field, double value, const char* constraint
   std::ostringstream message;
   message << "camera." << field << " = " << value << ": " << constraint;
   throw std::invalid_argument(message.str());
+}
+
+// The lens must be known out to the corners: a ray from beyond the fold would be anywhere.
+void CheckBorder(const Camera& camera) {
+  if (camera.distortion == DistortionModel::kNone) return;
+  for (const double u : {0.0, 0.5, 1.0}) {
+    for (const double v : {0.0, 0.5, 1.0}) {
+      const Eigen::Vector2d pixel(u * (camera.width_px - 1), v * (camera.height_px - 1));
+      const Eigen::Vector2d ray = camera.NormalizedFromImage(pixel);
+      const std::optional<Eigen::Vector2d> back =
+          ray.allFinite() ? ProjectAtOnce(camera, ray.homogeneous()) : std::nullopt;
+      if (back && (*back - pixel).norm() < kBorderTolerancePx) continue;
+      Require(false,
+              "distortion.coefficients",
+              CoefficientAt(camera, 0),
+              "the lens polynomial folds back, or sees nothing, within the image");
+    }
+  }
 }
 
 }  // namespace
@@ -179,6 +218,7 @@ void Camera::Check() const {
   for (const double coefficient : coefficients) {
     Require(std::isfinite(coefficient), "distortion.coefficients", coefficient, "must be finite");
   }
+  CheckBorder(*this);
 }
 
 }  // namespace freelsd

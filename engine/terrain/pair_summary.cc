@@ -85,9 +85,10 @@ std::vector<MapPoint> PointsInGrid(const Points& points, const Grid& grid) {
     const double u = (point.point_in_world.x() - grid.north_west_in_world.x()) / grid.cell_size_m;
     const double v = (grid.north_west_in_world.y() - point.point_in_world.y()) / grid.cell_size_m;
     const bool is_inside = u >= 0.0 && v >= 0.0 && u < grid.num_cols && v < grid.num_rows;
-    if (!is_inside || !std::isfinite(point.point_in_world.z())) continue;
-    const float sd = std::isfinite(point.height_sd_m) ? std::abs(point.height_sd_m) : 0.0f;
-    inside.push_back({u, v, point.point_in_world.z(), sd});
+    const bool is_known = std::isfinite(point.point_in_world.z()) &&
+                          std::isfinite(point.height_sd_m) && point.height_sd_m >= 0.0f;
+    if (!is_inside || !is_known) continue;
+    inside.push_back({u, v, point.point_in_world.z(), point.height_sd_m});
   }
   return inside;
 }

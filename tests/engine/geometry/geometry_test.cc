@@ -134,6 +134,31 @@ TEST_CASE("camera: a point behind it is not seen, and half size keeps the same r
   CHECK((half.NormalizedFromImage({0, 0}) - camera.NormalizedFromImage({0.5, 0.5})).norm() < 1e-9);
 }
 
+TEST_CASE("camera: what lies beyond the fold of the lens is not seen, however far beyond") {
+  Camera camera = WideCamera();
+  for (int model = 0; model < 2; ++model) {
+    camera.distortion = model == 0 ? DistortionModel::kRadTan : DistortionModel::kEquidistant;
+    // Radius and angle of the fold: 1 + 3 k1 r^2 = 0.
+    camera.coefficients = {model == 0 ? -0.05 : -0.4, 0.0, 0.0, 0.0};
+    const double fold = model == 0 ? 2.582 : std::tan(0.9129);
+    CAPTURE(model);
+    CHECK(camera.ImageFromCamera({0.98 * fold, 0.0, 1.0}));
+    for (const double factor : {1.02, 1.7, 2.0, 3.0, 4.0}) {
+      CHECK_FALSE(camera.ImageFromCamera({factor * fold, 0.0, 1.0}));
+      CHECK_FALSE(camera.ImageFromCamera({0.6 * factor * fold, -0.8 * factor * fold, 1.0}));
+    }
+  }
+}
+
+TEST_CASE("camera: a lens that is not known out to the corners is refused") {
+  Camera camera = WideCamera();
+  CHECK_NOTHROW(camera.Check());
+  camera.coefficients = {-0.6, 0.0, 0.0, 0.0};
+  CHECK_THROWS_AS(camera.Check(), std::invalid_argument);
+  camera.coefficients = {1e9, 1e9, 0.0, 0.0};
+  CHECK_THROWS_AS(camera.Check(), std::invalid_argument);
+}
+
 TEST_CASE("camera: Check names field, value and constraint") {
   Camera camera = WideCamera();
   camera.fx_px = 0.0;

@@ -1,0 +1,71 @@
+// What the map does not know for certain has to be cleared as well.
+#include <limits>
+
+#include <doctest/doctest.h>
+
+#include "tests/engine/approach/scene.h"
+
+namespace freelsd {
+namespace {
+
+using scene::AddBlock;
+using scene::Box;
+using scene::FlatMeadow;
+using scene::Request;
+using scene::Scene;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Aircraft Nimble() {
+  Aircraft aircraft = *AircraftProfile("small");
+  aircraft.max_bank_deg = 45.0;
+  return aircraft;
+}
+
+PlanRequest IntoNorthWind() { return Request(Box({-2, -2}, {2, 2}), Eigen::Vector2d(0.0, -4.0)); }
+
+Plan PlanOn(const Scene& on, const ApproachOptions& options = {}) {
+  return PlanApproach(on.map, on.hazards, IntoNorthWind(), Nimble(), options);
+}
+
+TEST_CASE("uncertainty: a map that may lean needs more clearance, the more the farther out") {
+  // Below the path at 40 m, which is 8.7 m up there, with the 2 m margin: 3 m to spare.
+  Scene meadow = FlatMeadow(240, 240);
+  AddBlock(meadow, {-5, -41}, {5, -39}, 3.5);
+  CHECK(PlanOn(meadow).verdict == Verdict::kLandable);
+  meadow.map.tilt_sd_deg = 1.5;  // 2.1 m at 40 m, doubled sigma
+  CHECK(PlanOn(meadow).verdict == Verdict::kLandable);
+  meadow.map.tilt_sd_deg = 3.0;  // 4.2 m
+  const Plan plan = PlanOn(meadow);
+  CHECK(plan.verdict == Verdict::kRejected);
+  CHECK(plan.reject_reason == RejectReason::kApproachBlocked);
+  CHECK(PlanOn(meadow, {.tilt_sigma = 0.0}).verdict == Verdict::kLandable);
+}
+
+TEST_CASE("uncertainty: the circle clears the lean of its own distance from touchdown") {
+  // Path height 10 m, both circles above ground that is 6 m up beyond their near side.
+  Scene meadow = FlatMeadow(240, 240);
+  const double start_y = -ApproachDistance(Nimble(), 4.0);
+  AddBlock(meadow, {-60, start_y - 30}, {60, start_y - 12}, 6.0);
+  CHECK(PlanOn(meadow).verdict == Verdict::kLandable);
+  meadow.map.tilt_sd_deg = 1.5;  // 3.4 m at 65 m
+  const Plan plan = PlanOn(meadow);
+  CHECK(plan.verdict == Verdict::kRejected);
+  CHECK(plan.reject_reason == RejectReason::kLoiterBlocked);
+}
+
+TEST_CASE("uncertainty: what is unknown about the map is never taken for zero") {
+  Scene meadow = FlatMeadow(240, 240);
+  meadow.map.position_sd_m = kNaN;
+  CHECK(PlanOn(meadow).verdict == Verdict::kRejected);
+  meadow.map.position_sd_m = 0.0;
+  CHECK(PlanOn(meadow).verdict == Verdict::kLandable);
+  meadow.map.tilt_sd_deg = kNaN;
+  CHECK(PlanOn(meadow).verdict == Verdict::kRejected);
+  meadow.map.tilt_sd_deg = 0.0;
+  meadow.map.standard_deviation.release();
+  CHECK_THROWS_AS(PlanOn(meadow), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace freelsd
