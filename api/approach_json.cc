@@ -80,6 +80,11 @@ nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context) {
       FeatureCollection(ApproachFeatures(*plan.approach, context.local_frame));
   collection["profile"] = ProfileJson(*plan.approach, context.local_frame);
   collection["altitude_datum"] = context.altitude_datum;
+  // Nobody who holds this file alone may take the path of a rejected site for a good one.
+  const nlohmann::json properties = PlanProperties(plan, context);
+  for (const char* const name : {"verdict", "reject_reason", "reject_detail"}) {
+    if (properties.contains(name)) collection[name] = properties[name];
+  }
   return collection;
 }
 

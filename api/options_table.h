@@ -121,6 +121,7 @@ void VisitFields(Of<RegionsOptions> auto& o, Visitor&& visit) {
 template <class Visitor>
 void VisitFields(Of<WindOptions> auto& o, Visitor&& visit) {
   visit("radius_m", o.radius_m, "measurements farther away do not belong to a place");
+  visit("max_age_s", o.max_age_s, "nor older ones, at the time of the newest image");
   visit("smoothing", o.smoothing, "weight of a new measurement in the moving average");
 }
 
@@ -232,6 +233,7 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
         "of grass, below which a cell under the path is unclear");
   visit(
       "max_height_sd_m", o.max_height_sd_m, "cells above it are as good as unseen under the path");
+  visit("tilt_sigma", o.tilt_sigma, "deviations of the map's tilt that a path clears too");
   visit("unknown_wind_mps",
         o.unknown_wind_mps,
         "from behind, with which the final must be clear too where no wind is known");
@@ -255,7 +257,8 @@ void VisitFields(Of<BackendOptions> auto& o, Visitor&& visit) {
         "every so many frames regions are evaluated");
   visit("num_backend_candidates", o.num_backend_candidates, "regions evaluated then");
   visit("max_surroundings_m", o.max_surroundings_m, "ground mapped around a region, at most");
-  visit("max_num_views", o.max_num_views, "views that take part in one evaluation");
+  visit("max_num_views", o.max_num_views, "key-frames that take part in one evaluation");
+  visit("max_group_extent_m", o.max_group_extent_m, "regions farther apart get a map each");
 }
 
 // visit(name, options) for every stage, in the order of the pipeline.

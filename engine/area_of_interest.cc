@@ -46,37 +46,61 @@ Box Box::Intersection(const Box& other) const {
 }
 
 Box AreaOfInterest(const std::vector<Region>& regions,
+                   const Snapshot& snapshot,
                    const Aircraft& aircraft,
-                   double strongest_wind,
-                   const BackendOptions& options) {
+                   const PipelineOptions& options) {
   Box area;
+  double strongest_wind = 0.0;
+  bool is_wind_known = true;
   for (const Region& region : regions) {
     for (const Eigen::Vector2d& corner : region.Footprint()) area.Add(corner);
+    const auto wind = WindAt(region.Center().head<2>(), snapshot.wind_samples, options.wind);
+    if (wind) strongest_wind = std::max(strongest_wind, wind->wind_in_world.norm());
+    is_wind_known = is_wind_known && wind;
   }
   double wanted = 0.0;
   for (const double wind_speed : {0.0, strongest_wind}) {
     const double final = std::max(0.0, ApproachDistance(aircraft, wind_speed));
     wanted = std::max(wanted, final + 2.0 * LoiterRadius(aircraft, wind_speed));
   }
-  area.Grow(std::min(wanted, options.max_surroundings_m));
+  if (!is_wind_known) {
+    const double wind_speed = options.approach.unknown_wind_mps;
+    const double final = DownwindApproachDistance(aircraft, wind_speed);
+    wanted = std::max(wanted, final + 2.0 * LoiterRadius(aircraft, wind_speed));
+  }
+  area.Grow(std::min(wanted, options.backend.max_surroundings_m));
   return area;
 }
 
-std::vector<size_t> ViewsOf(const Snapshot& snapshot,
-                            const Box& area,
-                            const BackendOptions& options) {
-  std::vector<std::pair<double, size_t>> near;
+Selection SelectViews(const Snapshot& snapshot, const Box& area, const PipelineOptions& options) {
+  const Camera& camera = snapshot.rig.camera;
+  std::vector<size_t> seeing;
+  std::vector<View> views;
   for (size_t i = 0; i < snapshot.views.size(); ++i) {
-    const Footprint footprint = FootprintOf(snapshot.views[i], snapshot.rig.camera);
-    const double distance = area.DistanceTo(footprint.center);
-    if (distance <= footprint.radius) near.emplace_back(distance, i);
+    const Footprint footprint = FootprintOf(snapshot.views[i], camera);
+    if (area.DistanceTo(footprint.center) > footprint.radius) continue;
+    seeing.push_back(i);
+    views.push_back(snapshot.views[i]);
   }
-  std::stable_sort(near.begin(), near.end());
-  near.resize(std::min(near.size(), static_cast<size_t>(options.max_num_views)));
-  std::vector<size_t> indices;
-  for (const auto& [distance, index] : near) indices.push_back(index);
-  std::sort(indices.begin(), indices.end());
-  return indices;
+  // By distance from the middle, so that a neighbour of each stays with it.
+  const Eigen::Vector2d middle = 0.5 * (area.min + area.max);
+  std::vector<std::pair<double, size_t>> nearest;
+  for (const size_t keyframe : SelectKeyframes(views, options.adjustment)) {
+    const Footprint footprint = FootprintOf(views[keyframe], camera);
+    nearest.emplace_back((footprint.center - middle).norm(), keyframe);
+  }
+  Selection selection;
+  selection.num_seeing = nearest.size();
+  std::sort(nearest.begin(), nearest.end());
+  nearest.resize(std::min(nearest.size(), static_cast<size_t>(options.backend.max_num_views)));
+  std::sort(nearest.begin(), nearest.end(), [](const auto& left, const auto& right) {
+    return left.second < right.second;
+  });
+  for (const auto& [distance, keyframe] : nearest) {
+    selection.indices.push_back(seeing[keyframe]);
+    selection.views.push_back(std::move(views[keyframe]));
+  }
+  return selection;
 }
 
 Box SeenArea(const AdjustedBlock& block) {
@@ -86,17 +110,6 @@ Box SeenArea(const AdjustedBlock& block) {
   constexpr double kBeyondLandmarks = 25.0;
   seen.Grow(kBeyondLandmarks);
   return seen;
-}
-
-double StrongestWind(const std::vector<Region>& regions,
-                     const Snapshot& snapshot,
-                     const WindOptions& options) {
-  double strongest = 0.0;
-  for (const Region& region : regions) {
-    const auto wind = WindAt(region.Center().head<2>(), snapshot.wind_samples, options);
-    if (wind) strongest = std::max(strongest, wind->wind_in_world.norm());
-  }
-  return strongest;
 }
 
 }  // namespace freelsd

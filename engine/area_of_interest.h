@@ -20,21 +20,22 @@ struct Box {
   Box Intersection(const Box& other) const;
 };
 
-// Ground that a final and a circle around the regions may need, in calm and in the strongest wind.
+// Ground that a final and a circle around the regions may need: in calm, in the strongest of their
+// winds, and where one of them has none, with the wind from behind that has to be reckoned with.
 Box AreaOfInterest(const std::vector<Region>& regions,
+                   const Snapshot& snapshot,
                    const Aircraft& aircraft,
-                   double strongest_wind,
-                   const BackendOptions& options);
+                   const PipelineOptions& options);
 
-// Largest of the winds at the regions, m/s; 0 where none is known.
-double StrongestWind(const std::vector<Region>& regions,
-                     const Snapshot& snapshot,
-                     const WindOptions& options);
-
-// Indices of the views that see the area, at most max_num_views (nearest first), ascending.
-std::vector<size_t> ViewsOf(const Snapshot& snapshot,
-                            const Box& area,
-                            const BackendOptions& options);
+// The key-frames that see an area.
+struct Selection {
+  std::vector<View> views;
+  // Of the views in the snapshot, ascending.
+  std::vector<size_t> indices;
+  // Before those farthest from the area's middle were left out, because there were too many.
+  size_t num_seeing = 0;
+};
+Selection SelectViews(const Snapshot& snapshot, const Box& area, const PipelineOptions& options);
 
 // Ground around the landmarks of an adjusted block.
 Box SeenArea(const AdjustedBlock& block);

@@ -134,24 +134,6 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
   return map;
 }
 
-// The key-frames that see the area: the views and their indices in the snapshot.
-struct Selection {
-  std::vector<size_t> indices;
-  std::vector<View> views;
-};
-
-Selection SelectViews(const Snapshot& snapshot, const Box& area, const PipelineOptions& options) {
-  const std::vector<size_t> seeing = ViewsOf(snapshot, area, options.backend);
-  std::vector<View> views;
-  for (const size_t index : seeing) views.push_back(snapshot.views[index]);
-  Selection selection;
-  for (const size_t keyframe : SelectKeyframes(views, options.adjustment)) {
-    selection.indices.push_back(seeing[keyframe]);
-    selection.views.push_back(views[keyframe]);
-  }
-  return selection;
-}
-
 AdjustedBlock AdjustSelection(const Selection& selection,
                               const Camera& camera,
                               const PipelineOptions& options,
@@ -210,6 +192,8 @@ void BackendOptions::Check() const {
           "num_backend_candidates = " + std::to_string(num_backend_candidates) + ": must be >= 1");
   require(max_surroundings_m >= 0.0 && max_surroundings_m <= 2000.0,
           "max_surroundings_m = " + std::to_string(max_surroundings_m) + ": must be in [0, 2000]");
+  require(max_group_extent_m >= 0.0 && max_group_extent_m <= 3000.0,
+          "max_group_extent_m = " + std::to_string(max_group_extent_m) + ": must be in [0, 3000]");
   require(max_num_views >= 2,
           "max_num_views = " + std::to_string(max_num_views) + ": must be >= 2");
 }
@@ -320,12 +304,14 @@ void Frontend::RefinePoses() {
 std::vector<Region> Frontend::RankedRegions() const { return regions_.Ranked(); }
 
 Snapshot Frontend::TakeSnapshot() const {
+  int64_t now_us = 0;
+  for (const View& view : tracks_.views()) now_us = std::max(now_us, view.timestamp_us);
   return {rig_,
           tracks_.views(),
           grass_views_,
           regions_.Ranked(),
           regions_.MinNumObservations(),
-          wind_samples_};
+          RecentSamples(wind_samples_, now_us, options_.wind)};
 }
 
 std::vector<StageReport> Frontend::TakeReports() { return std::exchange(reports_, {}); }
@@ -346,11 +332,15 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
   Evaluation evaluation;
   if (regions.empty()) return evaluation;
   cancellable.Tell(0.0, "adjustment");
-  const Box area = AreaOfInterest(
-      regions, aircraft, StrongestWind(regions, snapshot, options.wind), options.backend);
+  const Box area = AreaOfInterest(regions, snapshot, aircraft, options);
   const Selection selection = SelectViews(snapshot, area, options);  // Sec. III-F
   evaluation.block = AdjustSelection(selection, snapshot.rig.camera, options, evaluation.reports);
   if (!evaluation.block.note.empty()) evaluation.warnings.push_back(evaluation.block.note);
+  if (selection.num_seeing > selection.views.size()) {
+    evaluation.warnings.push_back("of " + std::to_string(selection.num_seeing) +
+                                  " key-frames that see the regions, " +
+                                  std::to_string(selection.views.size()) + " were used");
+  }
   if (evaluation.block.is_usable) {
     evaluation.map = ReconstructMap(
         evaluation.block, area, images, options, cancellable, evaluation.reports);  // III-F, G

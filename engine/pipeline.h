@@ -29,8 +29,11 @@ struct BackendOptions {
   int num_backend_candidates = 1;
   // Ground mapped around the regions: enough for final and circle, at most this.
   double max_surroundings_m = 400.0;
-  // Views that may take part in one evaluation; the ones nearest to the regions are taken.
+  // Key-frames that may take part in one evaluation. Regions that need more are evaluated in
+  // groups; of a single region's the ones nearest to its middle are taken.
   int max_num_views = 300;
+  // Regions farther apart than this are evaluated in groups, each on a map of its own.
+  double max_group_extent_m = 1500.0;
 
   void Check() const;
 };
@@ -118,6 +121,13 @@ struct Evaluation {
   std::vector<StageReport> reports;
   std::vector<std::string> warnings;
 };
+
+// Groups of regions that can be evaluated on one map, best first within each. A survey of a farm is
+// one group; a flight across the country has many.
+std::vector<std::vector<Region>> GroupRegions(const Snapshot& snapshot,
+                                              const std::vector<Region>& regions,
+                                              const Aircraft& aircraft,
+                                              const PipelineOptions& options);
 
 // The regions in depth, on one map of them all. `progress` is told 0..1 and the stage; when it
 // answers false the evaluation ends with std::runtime_error("cancelled").

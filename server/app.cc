@@ -37,14 +37,17 @@ Page ReadPageFiles(const Config& config) {
   return page;
 }
 
-// Enough for answers that take milliseconds; uploads cannot take these.
-constexpr int kNumEmergencyThreads = 4;
+// Answers take milliseconds, and uploads cannot take these threads; but a connection that waits
+// holds one, so there are many and they do not wait for long.
+constexpr int kNumEmergencyThreads = 32;
+constexpr std::chrono::milliseconds kEmergencyIdleTimeout{200};
 
 HttpOptions OptionsOf(const Config& config, Listener listener) {
   HttpOptions options;
   options.allowed_hosts = config.allowed_hosts;
   const bool is_main = listener == Listener::kMain;
   options.num_threads = is_main ? config.num_http_threads : kNumEmergencyThreads;
+  if (!is_main) options.idle_timeout = kEmergencyIdleTimeout;
   return options;
 }
 

@@ -13,9 +13,11 @@ constexpr char kGeoJson[] = "application/geo+json";
 // The site's aircraft with the query's fields in place of its own, or of the named profile's.
 Aircraft AircraftOf(const Call& call, const Aircraft& site_aircraft) {
   nlohmann::json object = AircraftJson(site_aircraft);
-  if (const auto profile = call.Query("profile")) object = {{"profile", *profile}};
+  for (const char* const name : {"aircraft", "profile"}) {
+    if (const auto profile = call.Query(name)) object = {{"profile", *profile}};
+  }
   for (const auto& [name, value] : call.request.params) {
-    if (name == "profile" || name.starts_with("wind_")) continue;
+    if (name == "aircraft" || name == "profile" || name.starts_with("wind_")) continue;
     object[name] = *call.QueryNumber(name);
   }
   try {

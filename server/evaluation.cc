@@ -17,11 +17,12 @@ namespace {
 // Where other sites on the same ground may have their touchdown.
 constexpr double kNeighbourhoodDeg = 0.02;
 
+// A camera whose clock says less was never set.
+constexpr int64_t kEarliestCaptureUs = 1262304000000000;  // 2010
+
 struct NewSite {
   SiteRow row;
   std::string map_blob;
-  // It tells of the ground, so what others told before is out of date.
-  bool is_evidence = false;
 };
 
 std::vector<Region> RegionsToEvaluate(const Snapshot& snapshot,
@@ -92,12 +93,21 @@ BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame) {
   return box;
 }
 
-// What a rejection says of the ground itself, not of the wind or of how often it was seen.
+// Whether the verdict tells of the ground itself, not of how often it was seen or of too strong a
+// wind. A blocked path may only be blocked in the wind of that day; but something stands there.
 bool IsEvidence(const Site& site) {
   if (site.plan.verdict != Verdict::kRejected) return true;
   const RejectReason reason = site.plan.reject_reason.value_or(RejectReason::kNoTerrain);
   return reason == RejectReason::kNoSafeTouchdown || reason == RejectReason::kApproachBlocked ||
          reason == RejectReason::kLoiterBlocked || reason == RejectReason::kNotGrass;
+}
+
+// When its ground was last photographed, as far as the photographs' times can be believed: an old
+// flight that is sent today tells of then. Frames without a time were taken at the latest now.
+int64_t SeenAt(const Region& region, int64_t now_us) {
+  const bool is_plausible =
+      region.last_seen_us >= kEarliestCaptureUs && region.last_seen_us <= now_us;
+  return is_plausible ? region.last_seen_us : now_us;
 }
 
 NewSite SiteOf(const Site& site,
@@ -115,11 +125,13 @@ NewSite SiteOf(const Site& site,
   made.row.latitude_deg = touchdown.latitude_deg;
   made.row.longitude_deg = touchdown.longitude_deg;
   const std::string updated_at = Rfc3339(made.row.updated_at_us);
-  made.row.feature_json =
-      SiteFeature(made.row.id, site, request.aircraft, updated_at, context).dump();
+  made.row.seen_at_us = SeenAt(site.region, made.row.updated_at_us);
+  nlohmann::json feature = SiteFeature(made.row.id, site, request.aircraft, updated_at, context);
+  feature["properties"]["last_seen_at"] = Rfc3339(made.row.seen_at_us);
+  made.row.feature_json = feature.dump();
   if (site.plan.approach) made.row.approach_json = ApproachJson(site.plan, context).dump();
   made.row.replan_json = ReplanJson(ReplanOf(site, session, min_num_observations));
-  made.is_evidence = IsEvidence(site);
+  made.row.is_evidence = IsEvidence(site);
   made.row.recall = RecallOf(site, request, touchdown.altitude_m);
   if (evaluation.map.grid.num_rows > 0) {
     const SiteMap cropped = CropAround(evaluation.map,
@@ -155,32 +167,47 @@ bool IsSameGround(const Replan& a, const Replan& b) {
   return holds(a, frame_a, b, frame_b) || holds(b, frame_b, a, frame_a);
 }
 
-// Sites of other flights on the same ground, which was seen again now.
-std::vector<std::string> SupersededBy(const Service& service, const NewSite& site) {
-  std::vector<std::string> ids;
-  if (!site.is_evidence) return ids;
-  const Replan replan = ParseReplan(site.row.replan_json);
-  const BoundingBox box{site.row.longitude_deg - kNeighbourhoodDeg,
-                        site.row.latitude_deg - kNeighbourhoodDeg,
-                        site.row.longitude_deg + kNeighbourhoodDeg,
-                        site.row.latitude_deg + kNeighbourhoodDeg};
-  for (const RecallRow& other : service.storage.ListRecallable(box)) {
-    if (other.flight_id == site.row.flight_id) continue;
-    const std::optional<SiteRow> row = service.storage.FindSite(other.site_id);
-    if (row && IsSameGround(replan, ParseReplan(row->replan_json))) ids.push_back(row->id);
+// Sites of other flights on the same ground.
+std::vector<SiteRow> OnSameGround(const Service& service, const SiteRow& site) {
+  const Replan replan = ParseReplan(site.replan_json);
+  const BoundingBox box{std::remainder(site.longitude_deg - kNeighbourhoodDeg, 360.0),
+                        site.latitude_deg - kNeighbourhoodDeg,
+                        std::remainder(site.longitude_deg + kNeighbourhoodDeg, 360.0),
+                        site.latitude_deg + kNeighbourhoodDeg};
+  std::vector<SiteRow> same;
+  for (SiteRow& other : service.storage.ListSites(std::nullopt, box)) {
+    if (other.flight_id == site.flight_id) continue;
+    if (IsSameGround(replan, ParseReplan(other.replan_json))) same.push_back(std::move(other));
   }
-  return ids;
+  return same;
+}
+
+// Which of the sites on one ground speaks is decided by when it was photographed, not by when the
+// photographs came.
+std::vector<std::string> SettleWith(const std::vector<SiteRow>& others, SiteRow& site) {
+  std::vector<std::string> superseded;
+  int64_t newest_us = site.seen_at_us;
+  for (const SiteRow& other : others) {
+    if (site.is_evidence && other.seen_at_us <= site.seen_at_us) superseded.push_back(other.id);
+    if (other.is_evidence && other.seen_at_us > newest_us) {
+      newest_us = other.seen_at_us;
+      site.superseded_by = other.id;
+    }
+  }
+  return superseded;
 }
 
 void StoreSites(Service& service,
                 const std::string& flight_id,
-                const std::vector<NewSite>& sites,
+                std::vector<NewSite> sites,
                 EvaluationScope scope) {
   const std::lock_guard lock(service.sites_mutex);
   if (!service.storage.FindFlight(flight_id)) return;
   std::set<std::string> ids;
-  for (const NewSite& site : sites) {
-    service.storage.PutSite(site.row, site.map_blob, SupersededBy(service, site));
+  for (NewSite& site : sites) {
+    const std::vector<std::string> superseded =
+        SettleWith(OnSameGround(service, site.row), site.row);
+    service.storage.PutSite(site.row, site.map_blob, superseded);
     ids.insert(site.row.id);
     service.events.Publish(
         "site", flight_id, nlohmann::json{{"id", site.row.id}, {"flight_id", flight_id}}.dump());
@@ -189,6 +216,35 @@ void StoreSites(Service& service,
   for (const SiteRow& site : service.storage.ListSites(flight_id, std::nullopt)) {
     if (!ids.contains(site.id)) service.storage.DeleteSite(site.id);
   }
+}
+
+// Why a flight has no site at all.
+std::vector<std::string> NoSiteReason(const Snapshot& snapshot) {
+  if (snapshot.regions.empty()) {
+    return {"no sites: no smooth ground was found in any photograph"};
+  }
+  const auto seen_most = std::max_element(
+      snapshot.regions.begin(), snapshot.regions.end(), [](const Region& a, const Region& b) {
+        return a.num_observations < b.num_observations;
+      });
+  int num_grass_at_most = 0;
+  for (const Region& region : snapshot.regions) {
+    num_grass_at_most = std::max(num_grass_at_most, region.num_grass_observations);
+  }
+  return {"no sites: none of the " + std::to_string(snapshot.regions.size()) +
+          " regions has a grade above 0 (seen at most " +
+          std::to_string(seen_most->num_observations) + " times, " +
+          std::to_string(snapshot.min_num_observations) + " are needed; seen as grass at most " +
+          std::to_string(num_grass_at_most) + " times)"};
+}
+
+// The share of the whole that one of several groups is.
+Progress ShareOf(const Progress& progress, size_t index, size_t num_groups) {
+  if (!progress) return progress;
+  return [&progress, index, num_groups](double done_ratio, const std::string& stage) {
+    return progress((static_cast<double>(index) + done_ratio) / static_cast<double>(num_groups),
+                    stage);
+  };
 }
 
 }  // namespace
@@ -200,25 +256,39 @@ size_t EvaluateFlight(Service& service,
                       const Progress& progress) {
   const Snapshot snapshot = session.TakeSnapshot();
   const FlightRequest& request = session.request();
-  const std::vector<Region> regions = RegionsToEvaluate(snapshot, scope, request.options.backend);
-  const Evaluation evaluation = EvaluateSites(snapshot,
-                                              regions,
-                                              StoredImages(service, flight_id),
-                                              request.aircraft,
-                                              request.options,
-                                              progress);
+  const std::vector<std::vector<Region>> groups =
+      GroupRegions(snapshot,
+                   RegionsToEvaluate(snapshot, scope, request.options.backend),
+                   request.aircraft,
+                   request.options);
   std::vector<NewSite> sites;
-  for (const Site& site : evaluation.sites) {
-    sites.push_back(SiteOf(site, evaluation, session, snapshot.min_num_observations));
+  std::vector<std::string> warnings;
+  for (size_t i = 0; i < groups.size(); ++i) {
+    const Evaluation evaluation = EvaluateSites(snapshot,
+                                                groups[i],
+                                                StoredImages(service, flight_id),
+                                                request.aircraft,
+                                                request.options,
+                                                ShareOf(progress, i, groups.size()));
+    for (const Site& site : evaluation.sites) {
+      sites.push_back(SiteOf(site, evaluation, session, snapshot.min_num_observations));
+    }
+    session.AddReports(evaluation.reports);
+    for (const std::string& warning : evaluation.warnings) {
+      if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) {
+        warnings.push_back(warning);
+      }
+    }
   }
-  StoreSites(service, flight_id, sites, scope);
+  if (sites.empty()) warnings = NoSiteReason(snapshot);
+  const size_t num_sites = sites.size();
+  StoreSites(service, flight_id, std::move(sites), scope);
   service.alternates.Wake(flight_id);
-  session.AddReports(evaluation.reports);
   session.Store(service.storage);
   service.storage.ChangeFlight(flight_id, [&](FlightRow& flight) {
-    flight.warnings_json = ReplaceWarnings(flight.warnings_json, "evaluation", evaluation.warnings);
+    flight.warnings_json = ReplaceWarnings(flight.warnings_json, "evaluation", warnings);
   });
-  return sites.size();
+  return num_sites;
 }
 
 }  // namespace freelsd

@@ -12,7 +12,6 @@ namespace freelsd {
 namespace {
 
 constexpr std::chrono::seconds kHeadTimeout{5};
-constexpr std::chrono::seconds kIdleTimeout{15};
 constexpr std::chrono::milliseconds kStopPollPeriod{200};
 constexpr int kMaxRequestsPerConnection = 10000;
 // Connections that wait to be accepted; the library's own figure is 5.
@@ -174,7 +173,7 @@ void HttpServer::Answer(const httplib::Request& request, httplib::Response& resp
 }
 
 bool HttpServer::WaitForRequest(const ClientSocket& socket, const std::string& buffered) const {
-  const SteadyTime deadline = std::chrono::steady_clock::now() + kIdleTimeout;
+  const SteadyTime deadline = std::chrono::steady_clock::now() + options_.idle_timeout;
   while (buffered.empty() && !is_stopping_ && std::chrono::steady_clock::now() < deadline) {
     if (socket.IsReadableBefore(std::chrono::steady_clock::now() + kStopPollPeriod)) return true;
   }

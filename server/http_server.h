@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ struct HttpOptions {
   HeadLimits head;
   std::vector<std::string> allowed_hosts;
   int num_threads = 32;
+  // How long a thread waits for the next request of its connection.
+  std::chrono::milliseconds idle_timeout{15000};
 };
 
 class HttpServer : public httplib::Server {

@@ -38,10 +38,14 @@ std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage, const std
     return ReadSite(storage, site_id);
   } catch (const StorageError&) {
     throw;
-  } catch (const std::exception& error) {
-    // Not what was written: there is a second copy of it.
+  } catch (const DamagedMap& error) {
+    // There is a second copy of it.
     spdlog::error("site {}: {}", site_id, error.what());
     storage.MarkDamaged(std::string("site ").append(site_id).append(": ").append(error.what()));
+  } catch (const std::exception& error) {
+    // Written by another version, or too large for today's memory: no reason to give up the rest.
+    spdlog::error("site {} cannot be used: {}", site_id, error.what());
+    return nullptr;
   }
   try {
     return ReadSite(storage, site_id);

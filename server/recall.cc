@@ -7,6 +7,7 @@
 #include <set>
 
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 
 #include "api/api.h"
 #include "server/emergency.h"
@@ -80,8 +81,15 @@ Aircraft AircraftOf(const EmergencyRequest& request, const Aircraft& site_aircra
   return Unpowered(request.aircraft.value_or(site_aircraft), request.glide_ratio);
 }
 
-Aircraft AircraftOf(const EmergencyRequest& request, const std::string& aircraft_json) {
-  return AircraftOf(request, ParseAircraft(ParseJson(aircraft_json), "/aircraft"));
+// Nothing where the stored aircraft is none by today's rules.
+std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
+                                   const std::string& aircraft_json) {
+  try {
+    return AircraftOf(request, ParseAircraft(ParseJson(aircraft_json), "/aircraft"));
+  } catch (const ApiError& error) {
+    spdlog::error("a stored aircraft cannot be used: {}", error.what());
+    return std::nullopt;
+  }
 }
 
 // No site lies lower, and no aircraft glides farther, than those this is for.
@@ -90,10 +98,11 @@ double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds
   const double wind_mps = request.wind_in_world ? request.wind_in_world->norm() : 0.0;
   double reach_m = 0.0;
   for (const std::string& aircraft_json : bounds.aircraft_jsons) {
-    const Aircraft aircraft = AircraftOf(request, aircraft_json);
-    const double speed_mps = aircraft.glide_airspeed_mps.value_or(aircraft.landing_airspeed_mps);
-    const double aloft_s = height_m * std::hypot(aircraft.glide_ratio, 1.0) / speed_mps;
-    reach_m = std::max(reach_m, height_m * aircraft.glide_ratio + wind_mps * aloft_s);
+    const std::optional<Aircraft> aircraft = AircraftOf(request, aircraft_json);
+    if (!aircraft) return kMaxReachM;
+    const double speed_mps = aircraft->glide_airspeed_mps.value_or(aircraft->landing_airspeed_mps);
+    const double aloft_s = height_m * std::hypot(aircraft->glide_ratio, 1.0) / speed_mps;
+    reach_m = std::max(reach_m, height_m * aircraft->glide_ratio + wind_mps * aloft_s);
   }
   return std::min(kMaxReachM, reach_m + kPlanShiftM + kMapHalfSizeM);
 }
@@ -112,7 +121,7 @@ Candidate CandidateOf(const EmergencyRequest& request, RecallRow row, const Airc
   candidate.distance_m = way.norm();
   candidate.bearing_deg = DegFromRad(HeadingOf(way));
   candidate.datum_penalty_m = PenaltyFor(request.altitude_datum, row.data.altitude_datum);
-  candidate.age_s = std::max(0.0, static_cast<double>(NowUs() - row.updated_at_us) * 1e-6);
+  candidate.age_s = std::max(0.0, static_cast<double>(NowUs() - row.seen_at_us) * 1e-6);
   candidate.score = row.data.score * std::pow(0.5, candidate.age_s / kScoreHalfLifeS);
   const GlideStart start = StartOf(request, {0.0, 0.0, request.place.altitude_m});
   const auto lost = LeastHeightLost(start, way, kPlanShiftM, aircraft);
@@ -143,22 +152,11 @@ bool IsBetter(double margin_a,
   return a.row.site_id < b.row.site_id;
 }
 
-// These are the only stored values that no checksum covers.
-double SafeReach(const Service& service, const EmergencyRequest& request) {
-  const RecallBounds bounds = service.storage.BoundsOfRecallable();
-  try {
-    return GreatestReach(request, bounds);
-  } catch (const ApiError& error) {
-    service.storage.MarkDamaged(error.what());
-    return kMaxReachM;
-  }
-}
-
 std::vector<Candidate> Candidates(const Service& service,
                                   const EmergencyRequest& request,
                                   double reach_m) {
   std::vector<Candidate> candidates;
-  std::map<std::string, Aircraft> aircraft_by_json;
+  std::map<std::string, std::optional<Aircraft>> aircraft_by_json;
   std::set<std::string> ids;
   for (RecallRow& row : service.storage.ListRecallable(BoxAround(request.place, reach_m))) {
     if (!ids.insert(row.site_id).second) continue;
@@ -168,7 +166,8 @@ std::vector<Candidate> Candidates(const Service& service,
                      .emplace(row.data.aircraft_json, AircraftOf(request, row.data.aircraft_json))
                      .first;
     }
-    candidates.push_back(CandidateOf(request, std::move(row), aircraft->second));
+    if (!aircraft->second) continue;
+    candidates.push_back(CandidateOf(request, std::move(row), *aircraft->second));
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return IsBetter(
@@ -235,6 +234,7 @@ nlohmann::json AnswerOf(const Candidate& candidate,
           {"score_when_stored", candidate.row.data.score},
           {"age_s", candidate.age_s},
           {"updated_at", Rfc3339(candidate.row.updated_at_us)},
+          {"last_seen_at", Rfc3339(candidate.row.seen_at_us)},
           {"altitude_datum", candidate.row.data.altitude_datum},
           {"touchdown", PlaceOf(touchdown)},
           {"approach", ApproachOf(plan, context)}};
@@ -341,7 +341,7 @@ Search SearchAmong(const Service& service,
 }  // namespace
 
 nlohmann::json RecallSites(const Service& service, const EmergencyRequest& request) {
-  double reach_m = SafeReach(service, request);
+  double reach_m = GreatestReach(request, service.storage.BoundsOfRecallable());
   std::vector<Candidate> candidates = Candidates(service, request, reach_m);
   Search search = SearchAmong(service, request, candidates);
   // Nothing can be reached: how near the nearest miss is, is looked for ever farther out.

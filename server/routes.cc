@@ -41,7 +41,8 @@ Scope ScopeOf(const Route& route) {
 }
 
 constexpr char kReplanning[] =
-    "wind_east_mps wind_north_mps profile landing_airspeed_mps flight_path_angle_deg max_bank_deg "
+    "wind_east_mps wind_north_mps aircraft profile landing_airspeed_mps flight_path_angle_deg "
+    "max_bank_deg "
     "approach_height_m crosswind_uncertainty_deg touchdown_uncertainty_m glide_ratio "
     "glide_airspeed_mps max_slope_deg max_roughness_m safety_margin_m path_half_width_m "
     "ground_roll_m min_area_m2";

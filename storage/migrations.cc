@@ -56,10 +56,21 @@ SELECT number, longitude_deg - 0.03, longitude_deg + 0.03, latitude_deg - 0.015,
 FROM site_numbers JOIN sites ON sites.id = site_numbers.site_id;
 )sql";
 
+// When the ground was last seen is at the latest when the site was written. Checksums cover the new
+// columns too.
+constexpr char kFrom2To3[] = R"sql(
+ALTER TABLE sites ADD COLUMN seen_at_us INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE sites ADD COLUMN is_evidence INTEGER NOT NULL DEFAULT 0;
+UPDATE sites SET seen_at_us = updated_at_us, checksum = NULL,
+  is_evidence = (SELECT is_recallable FROM site_numbers WHERE site_id = id);
+UPDATE site_numbers SET checksum = NULL;
+)sql";
+
 }  // namespace
 
 void Migrate(const Connection& writer, int64_t version) {
   if (version < 2) writer.Execute(kFrom1To2);
+  if (version < 3) writer.Execute(kFrom2To3);
 }
 
 }  // namespace freelsd

@@ -5,7 +5,7 @@
 
 namespace freelsd {
 
-constexpr int kSchemaVersion = 2;
+constexpr int kSchemaVersion = 3;
 
 // From `version` (1 or more) to kSchemaVersion, within a transaction of the caller.
 void Migrate(const Connection& writer, int64_t version);

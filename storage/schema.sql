@@ -1,4 +1,4 @@
--- Everything that survives, beside the image files. user_version 2; the tables of sites are there a
+-- Everything that survives, beside the image files. user_version 3; the tables of sites are there a
 -- second time in a file of their own, recall.db, which is read where this one is damaged;
 -- migrations.cc brings older ones up.
 -- Times are microseconds since 1970 (UTC). JSON columns hold text that this folder does not read.
@@ -83,7 +83,9 @@ CREATE TABLE sites (
   updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
   checksum INTEGER,                          -- of the row; NULL: from a version without
   superseded_by TEXT                         -- later site on the same ground
-    REFERENCES sites (id) ON DELETE SET NULL DEFERRABLE INITIALLY DEFERRED
+    REFERENCES sites (id) ON DELETE SET NULL DEFERRABLE INITIALLY DEFERRED,
+  seen_at_us INTEGER NOT NULL DEFAULT 0,     -- when its ground was last photographed, microseconds since 1970
+  is_evidence INTEGER NOT NULL DEFAULT 0     -- 1: its verdict tells of the ground itself
 ) STRICT;
 CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
 CREATE INDEX sites_by_flight ON sites (flight_id);

@@ -21,6 +21,8 @@ int64_t ChecksumOf(const SiteRow& site) {
       .Add(site.approach_json)
       .Add(site.replan_json)
       .Add(site.updated_at_us)
+      .Add(site.seen_at_us)
+      .Add(static_cast<int64_t>(site.is_evidence))
       .value();
 }
 
@@ -30,6 +32,7 @@ int64_t ChecksumOf(const RecallRow& row) {
       .Add(row.latitude_deg)
       .Add(row.longitude_deg)
       .Add(row.updated_at_us)
+      .Add(row.seen_at_us)
       .Add(static_cast<int64_t>(row.data.is_landable))
       .Add(row.data.altitude_m)
       .Add(row.data.altitude_datum)
@@ -59,6 +62,8 @@ SiteRow RowOf(const Statement& statement) {
   site.replan_json = statement.Text(7);
   site.updated_at_us = statement.Int(8);
   if (std::string id = statement.Text(10); !id.empty()) site.superseded_by = std::move(id);
+  site.seen_at_us = statement.Int(11);
+  site.is_evidence = statement.Int(12) != 0;
   return Checked(site, statement, 9);
 }
 
@@ -69,22 +74,24 @@ RecallRow RecallRowOf(const Statement& statement) {
   row.latitude_deg = statement.Real(2);
   row.longitude_deg = statement.Real(3);
   row.updated_at_us = statement.Int(4);
-  row.data = {statement.Int(5) != 0,
-              statement.Real(6),
-              statement.Text(7),
-              statement.Real(8),
-              statement.Text(9)};
-  return Checked(row, statement, 10);
+  row.seen_at_us = statement.Int(5);
+  row.data = {statement.Int(6) != 0,
+              statement.Real(7),
+              statement.Text(8),
+              statement.Real(9),
+              statement.Text(10)};
+  return Checked(row, statement, 11);
 }
 
 void PutSiteRow(const Connection& writer, const SiteRow& site) {
   writer
       .Prepare(
           "INSERT INTO sites (id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, "
-          "approach_json, replan_json, updated_at_us, checksum) "
-          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10) ON CONFLICT (id) DO UPDATE SET "
-          "latitude_deg = ?4, longitude_deg = ?5, feature_json = ?6, approach_json = ?7, "
-          "replan_json = ?8, updated_at_us = ?9, checksum = ?10, superseded_by = NULL")
+          "approach_json, replan_json, updated_at_us, checksum, superseded_by, seen_at_us, "
+          "is_evidence) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, nullif(?11, ''), ?12, "
+          "?13) ON CONFLICT (id) DO UPDATE SET latitude_deg = ?4, longitude_deg = ?5, "
+          "feature_json = ?6, approach_json = ?7, replan_json = ?8, updated_at_us = ?9, "
+          "checksum = ?10, superseded_by = nullif(?11, ''), seen_at_us = ?12, is_evidence = ?13")
       .Bind(site.id,
             site.flight_id,
             site.region_id,
@@ -94,7 +101,10 @@ void PutSiteRow(const Connection& writer, const SiteRow& site) {
             site.approach_json,
             site.replan_json,
             site.updated_at_us,
-            ChecksumOf(site))
+            ChecksumOf(site),
+            site.superseded_by.value_or(""),
+            site.seen_at_us,
+            static_cast<int>(site.is_evidence))
       .Run();
 }
 
@@ -115,8 +125,13 @@ void PutBox(const Connection& writer, const SiteRow& site) {
 
 void PutRecall(const Connection& writer, const SiteRow& site) {
   const RecallData data = site.recall.value_or(RecallData{});
-  const RecallRow row{
-      site.id, site.flight_id, site.latitude_deg, site.longitude_deg, site.updated_at_us, data};
+  const RecallRow row{site.id,
+                      site.flight_id,
+                      site.latitude_deg,
+                      site.longitude_deg,
+                      site.updated_at_us,
+                      site.seen_at_us,
+                      data};
   writer
       .Prepare(
           "INSERT INTO site_numbers (site_id, is_recallable, is_landable, altitude_m, "
@@ -139,13 +154,14 @@ void PutRecall(const Connection& writer, const SiteRow& site) {
 SiteRow WholeSite(const Connection& connection, const std::string& site_id) {
   SiteRow site = FindSiteRow(connection, site_id).value();
   Statement recall = connection.Prepare(
-      "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, is_landable, "
-      "altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, is_recallable, "
+      "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
+      "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
+      "is_recallable, "
       "west_deg, south_deg, east_deg, north_deg FROM site_numbers JOIN sites ON sites.id = site_id "
       "JOIN site_boxes USING (number) WHERE site_id = ?1");
   if (!recall.Bind(site_id).Step()) return site;
-  if (recall.Int(11) != 0) site.recall = RecallRowOf(recall).data;
-  site.map_box = BoundingBox{recall.Real(12), recall.Real(13), recall.Real(14), recall.Real(15)};
+  if (recall.Int(12) != 0) site.recall = RecallRowOf(recall).data;
+  site.map_box = BoundingBox{recall.Real(13), recall.Real(14), recall.Real(15), recall.Real(16)};
   return site;
 }
 
@@ -191,7 +207,8 @@ void PutSiteRows(const Connection& writer,
 std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::string& site_id) {
   Statement statement = connection.Prepare(
       "SELECT id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
-      "replan_json, updated_at_us, checksum, superseded_by FROM sites WHERE id = ?1");
+      "replan_json, updated_at_us, checksum, superseded_by, seen_at_us, is_evidence "
+      "FROM sites WHERE id = ?1");
   if (!statement.Bind(site_id).Step()) return std::nullopt;
   return RowOf(statement);
 }
@@ -201,7 +218,8 @@ std::vector<SiteRow> ListSiteRows(const Connection& connection,
                                   const std::optional<BoundingBox>& box) {
   Statement statement = connection.Prepare(
       "SELECT id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
-      "replan_json, updated_at_us, checksum, superseded_by FROM sites "
+      "replan_json, updated_at_us, checksum, superseded_by, seen_at_us, is_evidence "
+      "FROM sites "
       "WHERE (?1 = 0 OR flight_id = ?2) AND latitude_deg BETWEEN ?3 AND ?5 AND ("
       "CASE WHEN ?4 <= ?6 THEN longitude_deg BETWEEN ?4 AND ?6 "
       "ELSE longitude_deg >= ?4 OR longitude_deg <= ?6 END) ORDER BY id");
@@ -227,8 +245,9 @@ std::vector<RecallRow> ListRecallRows(const Connection& connection, const Boundi
   std::vector<RecallRow> rows;
   for (const BoundingBox& part : PlainBoxes(box)) {
     Statement statement = connection.Prepare(
-        "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, is_landable, "
-        "altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum FROM site_boxes "
+        "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
+        "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum FROM "
+        "site_boxes "
         "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
         "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
         "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1 AND "
@@ -268,9 +287,6 @@ void CopySites(const Connection& from, const Connection& to) {
     const auto found = present.find(id);
     if (found != present.end() && found->second == stamp) continue;
     PutSiteRows(to, WholeSite(from, id), ReadMapBlob(from, id).value_or(""), {});
-    if (const std::string& newer = std::get<1>(stamp); !newer.empty()) {
-      to.Prepare("UPDATE sites SET superseded_by = ?2 WHERE id = ?1").Bind(id, newer).Run();
-    }
   }
   transaction.Commit();
 }

@@ -38,7 +38,7 @@ bool OpenSchema(const Connection& writer) {
   } else {
     Migrate(writer, version);
   }
-  writer.Execute("PRAGMA user_version = 2");
+  writer.Execute(("PRAGMA user_version = " + std::to_string(kSchemaVersion)).c_str());
   transaction.Commit();
   return version == 0;
 }

@@ -110,6 +110,7 @@ struct RecallRow {
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
   int64_t updated_at_us = 0;
+  int64_t seen_at_us = 0;
   RecallData data;
 };
 
@@ -126,11 +127,15 @@ struct SiteRow {
   // What planning anew needs: region, aircraft, origin, datum.
   std::string replan_json;
   int64_t updated_at_us = 0;
+  // When its ground was last photographed: what decides which of two sites tells of today.
+  int64_t seen_at_us = 0;
+  // Its verdict tells of the ground itself, so it may supersede what was seen there before.
+  bool is_evidence = false;
   // Nothing: never to be recalled (rejected, or no terrain was seen).
   std::optional<RecallData> recall;
   // What the map covers; nothing: the touchdown alone.
   std::optional<BoundingBox> map_box;
-  // The site that a later look at the same ground gave; read only.
+  // The site that a later look at the same ground gave.
   std::optional<std::string> superseded_by;
 };
 

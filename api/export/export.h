@@ -25,8 +25,13 @@ SiteMap CropAround(const ElevationMap& map,
                    const Polygon& footprint,
                    double margin_m);
 
-// Compressed, versioned, with a checksum; Deserialize throws std::runtime_error on anything else,
-// before it allocates more than the bytes can hold.
+// What is stored is not what was written.
+class DamagedMap : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+// Compressed, versioned, with a checksum; Deserialize throws DamagedMap on anything else, and
+// std::runtime_error on another version, before it allocates more than the bytes can hold.
 std::string SerializeSiteMap(const SiteMap& site_map);
 SiteMap DeserializeSiteMap(const std::string& bytes);
 

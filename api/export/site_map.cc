@@ -38,7 +38,7 @@ struct Header {
 };
 
 [[noreturn]] void Refuse(const std::string& reason) {
-  throw std::runtime_error("stored site map: " + reason);
+  throw DamagedMap("stored site map: " + reason);
 }
 
 uint32_t Checksum(const std::string& bytes) {
@@ -121,7 +121,7 @@ std::string Deflate(const std::string& content) {
                                reinterpret_cast<const Bytef*>(content.data()),
                                content.size(),
                                kDeflateLevel);
-  if (status != Z_OK) Refuse("zlib could not deflate it");
+  if (status != Z_OK) throw std::runtime_error("site map: zlib could not deflate it");
   deflated.resize(size);
   return deflated;
 }
@@ -133,7 +133,7 @@ std::string Inflate(const char* bytes, size_t num_bytes, uint64_t content_size) 
                                 &size,
                                 reinterpret_cast<const Bytef*>(bytes),
                                 num_bytes);
-  if (status != Z_OK || size != content_size) Refuse("damaged: does not inflate");
+  if (status != Z_OK || size != content_size) Refuse("does not inflate");
   return content;
 }
 
@@ -142,12 +142,14 @@ Header ReadHeader(const std::string& bytes) {
   if (bytes.size() < sizeof(Header)) Refuse("shorter than its header");
   std::memcpy(&header, bytes.data(), sizeof(Header));
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) Refuse("is none");
-  if (header.version != kVersion) Refuse("version " + std::to_string(header.version));
+  if (header.version != kVersion) {
+    throw std::runtime_error("stored site map: version " + std::to_string(header.version));
+  }
   const uint64_t num_deflated = bytes.size() - sizeof(Header);
   const uint64_t max_size = std::min(kHeadBytes + kMaxNumCells * kCellBytes,
                                      kHeadBytes + num_deflated * kMaxDeflateRatio);
   if (header.content_size < kHeadBytes || header.content_size > max_size) {
-    Refuse("damaged: its size cannot be");
+    Refuse("its size cannot be");
   }
   return header;
 }
@@ -161,10 +163,10 @@ Grid ReadGrid(Reader& reader, uint64_t content_size) {
   grid.num_cols = reader.Take<int32_t>();
   const bool is_sane = grid.north_west_in_world.allFinite() && std::isfinite(grid.cell_size_m) &&
                        grid.cell_size_m > 0.0 && grid.num_rows >= 0 && grid.num_cols >= 0;
-  if (!is_sane) Refuse("damaged: its grid cannot be");
+  if (!is_sane) Refuse("its grid cannot be");
   const uint64_t num_cells = static_cast<uint64_t>(grid.num_rows) * grid.num_cols;
   if (num_cells > kMaxNumCells || kHeadBytes + num_cells * kCellBytes != content_size) {
-    Refuse("damaged: its grid and its size do not match");
+    Refuse("its grid and its size do not match");
   }
   return grid;
 }
@@ -205,14 +207,14 @@ SiteMap DeserializeSiteMap(const std::string& bytes) {
   const Header header = ReadHeader(bytes);
   const std::string content =
       Inflate(bytes.data() + sizeof(Header), bytes.size() - sizeof(Header), header.content_size);
-  if (Checksum(content) != header.content_crc) Refuse("damaged: its checksum does not match");
+  if (Checksum(content) != header.content_crc) Refuse("its checksum does not match");
   Reader reader(content);
   SiteMap site_map;
   auto& [map, layers] = site_map;
   map.grid = layers.grid = ReadGrid(reader, header.content_size);
   map.position_sd_m = reader.Take<double>();
   map.tilt_sd_deg = reader.Take<double>();
-  if (!(map.position_sd_m >= 0.0 && map.tilt_sd_deg >= 0.0)) Refuse("damaged: a deviation below 0");
+  if (!(map.position_sd_m >= 0.0 && map.tilt_sd_deg >= 0.0)) Refuse("a deviation below 0");
   for (cv::Mat1f* raster : {&map.elevation,
                             &map.upper,
                             &map.standard_deviation,
@@ -225,7 +227,7 @@ SiteMap DeserializeSiteMap(const std::string& bytes) {
   }
   layers.hazard = reader.TakeBytes(map.grid);
   for (const uint8_t value : layers.hazard) {
-    if (value > kUnseen) Refuse("damaged: a hazard that is none");
+    if (value > kUnseen) Refuse("a hazard that is none");
   }
   return site_map;
 }

@@ -24,10 +24,10 @@ void RegionsOptions::Check() const {
           "min_area_m2",
           min_area_m2,
           "positive and finite");
-  Require(min_num_observations_floor >= 1,
+  Require(min_num_observations_floor >= 2,
           "min_num_observations_floor",
           min_num_observations_floor,
-          "at least 1");
+          "at least 2");
   Require(min_num_observations >= min_num_observations_floor,
           "min_num_observations",
           min_num_observations,

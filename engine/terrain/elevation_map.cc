@@ -63,7 +63,7 @@ void TerrainOptions::Check() const {
   RequireInside("outlier_sigma", outlier_sigma, 1.0, 1e6);
   RequireInside("upper_percentile", upper_percentile, 50.0, 100.0);
   RequireInside("max_relief_m", max_relief_m, 1.0, 10000.0);
-  RequireInside("max_num_cells", max_num_cells, 1, 100000000);
+  RequireInside("max_num_cells", max_num_cells, 1, 25000000);
 }
 
 bool ElevationMap::IsSeen(int row, int col) const { return std::isfinite(elevation(row, col)); }

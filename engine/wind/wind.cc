@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 #include <tuple>
@@ -42,7 +43,20 @@ void Require(bool is_met, const char* field, double value, const char* constrain
 
 void WindOptions::Check() const {
   Require(std::isfinite(radius_m) && radius_m > 0.0, "radius_m", radius_m, "positive and finite");
+  Require(
+      std::isfinite(max_age_s) && max_age_s > 0.0, "max_age_s", max_age_s, "positive and finite");
   Require(smoothing > 0.0 && smoothing <= 1.0, "smoothing", smoothing, "in (0, 1]");
+}
+
+std::vector<WindSample> RecentSamples(const std::vector<WindSample>& samples,
+                                      int64_t now_us,
+                                      const WindOptions& options) {
+  std::vector<WindSample> recent;
+  std::copy_if(
+      samples.begin(), samples.end(), std::back_inserter(recent), [&](const WindSample& sample) {
+        return static_cast<double>(now_us - sample.timestamp_us) * 1e-6 <= options.max_age_s;
+      });
+  return recent;
 }
 
 std::optional<WindEstimate> WindAt(const Eigen::Vector2d& place_in_world,

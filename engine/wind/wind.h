@@ -13,6 +13,8 @@ struct WindOptions {
   // --- Behaviour ---
   // Measurements farther from the place than this do not belong to it. Paper: "within a radius".
   double radius_m = 300.0;
+  // Nor those that are older than this when the flight's newest image is taken.
+  double max_age_s = 1800.0;
   // Weight of a new measurement in the moving average, (0, 1]. Paper: EWMA, no number.
   double smoothing = 0.1;
 
@@ -33,6 +35,11 @@ struct WindEstimate {
   int num_samples = 0;
   int64_t last_sample_us = 0;
 };
+
+// Those that are not too old at `now_us`.
+std::vector<WindSample> RecentSamples(const std::vector<WindSample>& samples,
+                                      int64_t now_us,
+                                      const WindOptions& options);
 
 // Exponentially weighted moving average of the vectors, oldest first. Nothing without samples.
 std::optional<WindEstimate> WindAt(const Eigen::Vector2d& place_in_world,

@@ -176,6 +176,7 @@ TEST_CASE("emergency: sites are ranked by margin, then verdict and score, up to 
       row.id = "f-r" + std::to_string(i);
       row.recall->score = 0.1 * i;
       row.updated_at_us = 1700000000000000;
+      row.seen_at_us = row.updated_at_us;
       storage.PutSite(row, SerializeSiteMap(Meadow()));
     }
   });

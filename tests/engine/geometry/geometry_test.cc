@@ -150,12 +150,12 @@ TEST_CASE("camera: what lies beyond the fold of the lens is not seen, however fa
   }
 }
 
-TEST_CASE("camera: a lens that is not known out to the corners is refused") {
+TEST_CASE("camera: a lens that is not known out to the borders is refused") {
   Camera camera = WideCamera();
   CHECK_NOTHROW(camera.Check());
   camera.coefficients = {-0.6, 0.0, 0.0, 0.0};
   CHECK_THROWS_AS(camera.Check(), std::invalid_argument);
-  camera.coefficients = {1e9, 1e9, 0.0, 0.0};
+  camera.coefficients = {-1e9, 1e9, 0.0, 0.0};
   CHECK_THROWS_AS(camera.Check(), std::invalid_argument);
 }
 

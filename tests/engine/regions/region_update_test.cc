@@ -357,8 +357,8 @@ TEST_CASE("regions: options out of bounds are refused by name") {
         "regions.min_area_m2 = 0: must be positive and finite");
   CHECK(message_of([](RegionsOptions& o) { o.min_num_observations = 1; }) ==
         "regions.min_num_observations = 1: must be at least min_num_observations_floor = 2");
-  CHECK(message_of([](RegionsOptions& o) { o.min_num_observations_floor = 0; }) ==
-        "regions.min_num_observations_floor = 0: must be at least 1");
+  CHECK(message_of([](RegionsOptions& o) { o.min_num_observations_floor = 1; }) ==
+        "regions.min_num_observations_floor = 1: must be at least 2");
   CHECK(message_of([](RegionsOptions& o) { o.max_num_regions = 0; }) ==
         "regions.max_num_regions = 0: must be at least 1");
   CHECK(message_of([](RegionsOptions& o) { o.border_margin_px = -1; }) ==

@@ -68,6 +68,16 @@ TEST_CASE("wind: noise averages out and its spread per axis is told") {
   CHECK(std::abs(estimate->spread_mps - 0.8) < 0.1);
 }
 
+TEST_CASE("wind: what was measured too long ago says nothing of now") {
+  const std::vector<WindSample> samples{Sample(0, 1, 0, 0), Sample(0, 2, 0, 3'000'000'000)};
+  const auto recent = RecentSamples(samples, 3'600'000'000, {.max_age_s = 1800.0});
+  REQUIRE(recent.size() == 1);
+  CHECK(recent[0].wind_in_world.x() == 2.0);
+  CHECK(RecentSamples(samples, 6'000'000'000, {.max_age_s = 1800.0}).empty());
+  // Measured after the image: it is not old.
+  CHECK(RecentSamples(samples, 0, {.max_age_s = 1.0}).size() == 2);
+}
+
 TEST_CASE("wind: options out of bounds are refused by name") {
   CHECK_NOTHROW(WindOptions{}.Check());
   CHECK_THROWS_WITH_AS((WindOptions{.radius_m = 0.0, .smoothing = 0.1}.Check()),

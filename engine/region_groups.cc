@@ -1,0 +1,54 @@
+#include <iterator>
+#include <utility>
+
+#include "engine/area_of_interest.h"
+
+namespace freelsd {
+namespace {
+
+using Group = std::vector<Region>;
+
+Box BoxOf(const Group& regions) {
+  Box box;
+  for (const Region& region : regions) box.Add(region.Center().head<2>());
+  return box;
+}
+
+// Across the middle of the longer side, each in the order given. Neither is empty, unless all lie
+// in one place.
+std::pair<Group, Group> Halves(const Group& regions) {
+  const Box box = BoxOf(regions);
+  const Eigen::Vector2d extent = box.max - box.min, middle = 0.5 * (box.min + box.max);
+  const int axis = extent.x() >= extent.y() ? 0 : 1;
+  std::pair<Group, Group> halves;
+  for (const Region& region : regions) {
+    (region.Center()[axis] < middle[axis] ? halves.first : halves.second).push_back(region);
+  }
+  return halves;
+}
+
+}  // namespace
+
+std::vector<Group> GroupRegions(const Snapshot& snapshot,
+                                const Group& regions,
+                                const Aircraft& aircraft,
+                                const PipelineOptions& options) {
+  if (regions.empty()) return {};
+  const Box box = BoxOf(regions);
+  const bool is_near = (box.max - box.min).maxCoeff() <= options.backend.max_group_extent_m;
+  const auto has_few_views = [&] {
+    const Box area = AreaOfInterest(regions, snapshot, aircraft, options);
+    return SelectViews(snapshot, area, options).num_seeing <=
+           static_cast<size_t>(options.backend.max_num_views);
+  };
+  if (regions.size() == 1 || (is_near && has_few_views())) return {regions};
+  const auto [first, second] = Halves(regions);
+  if (first.empty() || second.empty()) return {regions};
+  std::vector<Group> groups = GroupRegions(snapshot, first, aircraft, options);
+  std::vector<Group> others = GroupRegions(snapshot, second, aircraft, options);
+  groups.insert(
+      groups.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));
+  return groups;
+}
+
+}  // namespace freelsd
