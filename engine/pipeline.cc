@@ -303,15 +303,19 @@ void Frontend::RefinePoses() {
 
 std::vector<Region> Frontend::RankedRegions() const { return regions_.Ranked(); }
 
-Snapshot Frontend::TakeSnapshot() const {
+std::vector<WindSample> Frontend::RecentWind() const {
   int64_t now_us = 0;
   for (const View& view : tracks_.views()) now_us = std::max(now_us, view.timestamp_us);
+  return RecentSamples(wind_samples_, now_us, options_.wind);
+}
+
+Snapshot Frontend::TakeSnapshot() const {
   return {rig_,
           tracks_.views(),
           grass_views_,
           regions_.Ranked(),
           regions_.MinNumObservations(),
-          RecentSamples(wind_samples_, now_us, options_.wind)};
+          RecentWind()};
 }
 
 std::vector<StageReport> Frontend::TakeReports() { return std::exchange(reports_, {}); }

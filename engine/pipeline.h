@@ -84,6 +84,8 @@ class Frontend {
   std::vector<FrameResult> Flush();
 
   std::vector<Region> RankedRegions() const;
+  // As in the snapshot.
+  std::vector<WindSample> RecentWind() const;
   Snapshot TakeSnapshot() const;
   std::vector<StageReport> TakeReports();
   // Height of the ground below the first view, world z; unknown before any view.

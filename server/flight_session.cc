@@ -95,12 +95,18 @@ std::vector<std::string> FlightSession::NoteSentences() {
 }
 
 void FlightSession::StoreRegions(Storage& storage) {
-  const Snapshot snapshot = TakeSnapshot();
+  std::vector<Region> regions;
+  std::vector<WindSample> wind_samples;
+  {
+    const std::lock_guard lock(frontend_mutex_);
+    regions = frontend_.RankedRegions();
+    wind_samples = frontend_.RecentWind();
+  }
   const FlightContext context = Context();
   std::vector<Storage::RegionRow> rows;
-  for (const Region& region : snapshot.regions) {
+  for (const Region& region : regions) {
     const std::optional<WindEstimate> wind =
-        WindAt(region.Center().head<2>(), snapshot.wind_samples, request_.options.wind);
+        WindAt(region.Center().head<2>(), wind_samples, request_.options.wind);
     rows.push_back(
         {region.id, RegionFeature(region, wind, context).dump(), RegionHistoryJson(region).dump()});
   }

@@ -25,10 +25,8 @@ JobRow ExistingJob(const Service& service, const Call& call) {
 
 // Newest first.
 std::vector<JobRow> FinishJobs(const Service& service, const std::string& flight_id) {
-  std::vector<JobRow> jobs = service.storage.ListJobs();
-  std::erase_if(jobs, [&flight_id](const JobRow& job) {
-    return job.kind != "finish" || job.flight_id != flight_id;
-  });
+  std::vector<JobRow> jobs = service.storage.ListJobsOf(flight_id);
+  std::erase_if(jobs, [](const JobRow& job) { return job.kind != "finish"; });
   return jobs;
 }
 

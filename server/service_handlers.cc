@@ -47,7 +47,7 @@ void GetMetrics(Service& service, const Call&, httplib::Response& response) {
   gauge("flights", "Stored flights.", service.storage.ListFlights().size());
   gauge("recallable_sites",
         "Sites that emergency recall may answer with.",
-        service.storage.ListRecallable({-180.0, -90.0, 180.0, 90.0}).size());
+        service.storage.CountRecallable());
   gauge("notices", "What an operator must know, see /readyz.", service.storage.Notices().size());
   gauge("stored_image_bytes", "Of all image files.", service.storage.NumImageBytes());
   gauge("writable", "1 where storage takes writes.", service.storage.WhyNotWritable() ? 0 : 1);

@@ -273,8 +273,8 @@ Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
   if (SessionPointer session = FindSession(flight.id)) return session;
   const auto session = std::make_shared<FlightSession>(flight, classifier_);
   // The same flushes as the first time, so that a replay gives the same result.
-  for (const JobRow& job : service_.storage.ListJobs()) {
-    if (job.flight_id == flight.id) session->AddFlushPoint(LastSequence(job));
+  for (const JobRow& job : service_.storage.ListJobsOf(flight.id)) {
+    session->AddFlushPoint(LastSequence(job));
   }
   const std::lock_guard lock(mutex_);
   sessions_[flight.id] = session;

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -15,6 +16,8 @@
 namespace freelsd {
 namespace {
 
+// By the first byte of the digest.
+constexpr int kNumShelves = 256;
 constexpr char kUnfinishedSuffix[] = "-part";
 
 [[noreturn]] void Fail(const std::string& step) {
@@ -66,6 +69,15 @@ ImageFiles::ImageFiles(const std::filesystem::path& folder) : folder_(folder) {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) throw StorageError("create images folder", error.message());
+  // Shelves are made once, so that no image waits for the name of its shelf to be on disk.
+  for (int shelf = 0; shelf < kNumShelves; ++shelf) {
+    char name[3];
+    std::snprintf(name, sizeof(name), "%02x", shelf);
+    if (::mkdir((folder_ / name).c_str(), 0750) != 0 && errno != EEXIST) {
+      Fail("create images folder");
+    }
+  }
+  SyncFolder(folder_);
   SyncFolder(folder_.parent_path());
 }
 
@@ -75,12 +87,6 @@ std::filesystem::path ImageFiles::PathOf(const std::string& sha256) const {
 
 void ImageFiles::Write(const std::string& sha256, std::string_view bytes) const {
   const std::filesystem::path path = PathOf(sha256);
-  const std::filesystem::path shelf = path.parent_path();
-  if (::mkdir(shelf.c_str(), 0750) == 0) {
-    SyncFolder(folder_);
-  } else if (errno != EEXIST) {
-    Fail("create images folder");
-  }
   if (!Has(sha256)) {
     const std::filesystem::path unfinished = path.string() + '.' + UniqueSuffix();
     try {
@@ -94,7 +100,7 @@ void ImageFiles::Write(const std::string& sha256, std::string_view bytes) const 
     }
   }
   // Also when the file was there: whoever wrote it may not have come to this line yet.
-  SyncFolder(shelf);
+  SyncFolder(path.parent_path());
 }
 
 std::optional<std::string> ImageFiles::Read(const std::string& sha256) const {

@@ -79,6 +79,14 @@ std::vector<JobRow> Storage::ListJobs() const {
   return RowsOf(statement.Bind(kMaxNumListedJobs));
 }
 
+std::vector<JobRow> Storage::ListJobsOf(const std::string& flight_id) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, created_at_us "
+      "FROM jobs WHERE flight_id = ?1 ORDER BY number DESC");
+  return RowsOf(statement.Bind(flight_id));
+}
+
 std::vector<JobRow> Storage::ListUnfinishedJobs() const {
   const Reader reader(state_->readers);
   Statement statement = reader->Prepare(

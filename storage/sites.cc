@@ -94,6 +94,16 @@ std::vector<RecallRow> Storage::ListRecallable(const BoundingBox& box) const {
       [&](const Connection& connection) { return ListRecallRows(connection, box); });
 }
 
+int64_t Storage::CountRecallable() const {
+  return state_->ReadSites([](const Connection& connection) {
+    Statement statement = connection.Prepare(
+        "SELECT count(*) FROM site_numbers JOIN sites ON sites.id = site_id "
+        "WHERE is_recallable = 1 AND superseded_by IS NULL");
+    statement.Step();
+    return statement.Int(0);
+  });
+}
+
 std::vector<Storage::MapRow> Storage::ListMaps(const BoundingBox& box) const {
   return state_->ReadSites([&](const Connection& connection) {
     std::vector<MapRow> rows;

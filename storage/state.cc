@@ -16,8 +16,9 @@ constexpr std::chrono::milliseconds kInterruptPeriod{5};
 
 std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  const bool is_new = std::filesystem::create_directories(folder, error);
   if (error) throw StorageError("create folder " + folder.string(), error.message());
+  if (is_new) SyncFolder(std::filesystem::absolute(folder / ".").parent_path().parent_path());
   return folder;
 }
 

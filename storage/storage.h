@@ -226,7 +226,8 @@ class Storage {
   // State, progress, stage, detail; a job that is done, failed or cancelled stays so.
   void UpdateJob(const JobRow& job);
   std::optional<JobRow> FindJob(const std::string& job_id) const;
-  std::vector<JobRow> ListJobs() const;            // newest first, at most 1000
+  std::vector<JobRow> ListJobs() const;                                // newest first, at most 1000
+  std::vector<JobRow> ListJobsOf(const std::string& flight_id) const;  // newest first, all
   std::vector<JobRow> ListUnfinishedJobs() const;  // queued or running, oldest first
   bool DeleteJob(const std::string& job_id);
 
@@ -254,6 +255,7 @@ class Storage {
   RecallBounds BoundsOfRecallable() const;
   // Sites that can be recalled, their map or touchdown in the box.
   std::vector<RecallRow> ListRecallable(const BoundingBox& box) const;
+  int64_t CountRecallable() const;
   // Id and time of sites, also rejected ones, whose map may lie in the box.
   struct MapRow {
     std::string site_id;

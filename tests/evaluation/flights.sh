@@ -105,6 +105,8 @@ run_flight() {
       "\(count("landable")) / \(count("unverified")) / \(count("rejected"))"
       + " | " + ([$p[] | .reject_reason | select(. != null)] | group_by(.)
                  | map("\(.[0]) \(length)") | join(", "))')"
+  # Without any site the flight itself says why.
+  sites="$sites$(jq -r '[.warnings[] | select(startswith("no sites: "))] | join(", ")' "$work/flight.json")"
   memory="$(awk '/VmHWM/ {printf "%d", $2 / 1024}' "/proc/$server_pid/status")"
   printf '| %s | %s | %s | %s | %.0f | %s MiB |\n' "$name" "$profile" \
     "$(jq -r '"\(.frames.processed) of \(.frames.received) | \(.num_regions)"' "$work/flight.json")" \
