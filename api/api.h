@@ -129,6 +129,8 @@ nlohmann::json SiteFeature(const std::string& site_id,
 // FeatureCollection with kind = approach, loiter, touchdown, and `profile`. Throws ApiError
 // NoApproach (409) where the plan has none.
 nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context);
+// What a person who takes a site by these limits has to be told; nothing for a known profile's.
+std::vector<std::string> LimitsWarnings(const Aircraft& aircraft);
 // The part of a site's properties that a plan decides (verdict, score, approach, rejections, ...).
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context);
 // FeatureCollection in ranking order (landable, unverified, rejected; then score), rank from 1.

@@ -83,7 +83,11 @@ nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context) {
   // Nobody who holds this file alone may take the path of a rejected site for a good one.
   const nlohmann::json properties = PlanProperties(plan, context);
   for (const char* const name : {"verdict", "reject_reason", "reject_detail"}) {
-    if (properties.contains(name)) collection[name] = properties[name];
+    if (!properties.contains(name)) continue;
+    collection[name] = properties[name];
+    for (nlohmann::json& feature : collection["features"]) {
+      feature["properties"][name] = properties[name];
+    }
   }
   return collection;
 }

@@ -179,6 +179,14 @@ nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
   return properties;
 }
 
+std::vector<std::string> LimitsWarnings(const Aircraft& aircraft) {
+  const std::vector<std::string> looser = LimitsLooserThanProfiles(aircraft);
+  if (looser.empty()) return {};
+  std::string text = "safe only by limits that are looser than any known profile's: ";
+  for (const std::string& each : looser) text += (&each == &looser.front() ? "" : ", ") + each;
+  return {text};
+}
+
 nlohmann::json SiteFeature(const std::string& site_id,
                            const Site& site,
                            const Aircraft& aircraft,
@@ -199,6 +207,9 @@ nlohmann::json SiteFeature(const std::string& site_id,
   properties["footprint"] = PolygonGeometry(region.corners_in_world, context.local_frame);
   properties["warnings"] = nlohmann::json::array({kWhatIsNotSeen});
   if (!site.wind) properties["warnings"].push_back("no wind is known: all headings were tried");
+  for (const std::string& warning : LimitsWarnings(aircraft)) {
+    properties["warnings"].push_back(warning);
+  }
   properties["updated_at"] = updated_at;
   nlohmann::json feature =
       Feature(PointGeometry(site.plan.touchdown_in_world, context.local_frame), properties);

@@ -41,13 +41,17 @@ Page ReadPageFiles(const Config& config) {
 // holds one, so there are many and they do not wait for long.
 constexpr int kNumEmergencyThreads = 32;
 constexpr std::chrono::milliseconds kEmergencyIdleTimeout{200};
+constexpr std::chrono::milliseconds kEmergencyHeadTimeout{1000};
 
 HttpOptions OptionsOf(const Config& config, Listener listener) {
   HttpOptions options;
   options.allowed_hosts = config.allowed_hosts;
   const bool is_main = listener == Listener::kMain;
   options.num_threads = is_main ? config.num_http_threads : kNumEmergencyThreads;
-  if (!is_main) options.idle_timeout = kEmergencyIdleTimeout;
+  if (!is_main) {
+    options.idle_timeout = kEmergencyIdleTimeout;
+    options.head_timeout = kEmergencyHeadTimeout;
+  }
   return options;
 }
 

@@ -54,6 +54,8 @@ nlohmann::json PlanAnew(const SiteRow& site, const std::string& map_blob, const 
     throw ApiError("NoApproach", "no approach for this wind: " + plan.reject_detail);
   nlohmann::json answer = ApproachJson(plan, context);
   answer["plan"] = PlanProperties(plan, context);
+  answer["plan"]["aircraft"] = AircraftJson(replan.flight.aircraft);
+  answer["plan"]["warnings"] = LimitsWarnings(replan.flight.aircraft);
   return answer;
 }
 

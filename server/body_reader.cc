@@ -10,6 +10,11 @@ namespace {
 
 // Rest of a refused body that is worth reading to keep the connection.
 constexpr uint64_t kMaxSkippedBytes = 256 << 10;
+// How long that may take.
+constexpr std::chrono::seconds kSkipTimeout{1};
+// What an upload has to bring on average once it has had time to begin: who drips holds a thread.
+constexpr double kMinBytesPerSecond = 8192.0;
+constexpr double kGraceSeconds = 10.0;
 constexpr size_t kMaxChunkLine = 64;
 constexpr size_t kMaxChunkDigits = 12;
 constexpr int kMaxNumTrailerBytes = 4096;
@@ -44,6 +49,14 @@ void BodyReader::Count(size_t num_bytes) {
   throw error;
 }
 
+void BodyReader::CheckRate() const {
+  if (is_live_) return;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
+  const double num_wanted = kMinBytesPerSecond * (elapsed.count() - kGraceSeconds);
+  if (static_cast<double>(num_read_) >= num_wanted) return;
+  throw ApiError("RequestTimeout", "the body comes too slowly");
+}
+
 size_t BodyReader::ReadRaw(char* bytes, size_t size) {
   if (!buffered_.empty()) {
     const size_t num_taken = std::min(size, buffered_.size());
@@ -55,6 +68,7 @@ size_t BodyReader::ReadRaw(char* bytes, size_t size) {
     must_continue_ = false;
     socket_.Write("HTTP/1.1 100 Continue\r\n\r\n");
   }
+  CheckRate();
   const SteadyTime deadline = std::chrono::steady_clock::now() + idle_timeout_;
   const size_t num_read = socket_.Read(bytes, size, deadline);
   if (num_read > 0) return num_read;
@@ -133,9 +147,12 @@ bool BodyReader::SkipRest() {
   // A client that waits for "100 Continue" sends nothing when it gets an answer instead.
   if (must_continue_ || (!is_chunked_ && num_left_ > kMaxSkippedBytes)) return false;
   max_bytes_ = num_read_ + kMaxSkippedBytes;
+  idle_timeout_ = kSkipTimeout;
+  const SteadyTime deadline = std::chrono::steady_clock::now() + kSkipTimeout;
   try {
     std::array<char, 65536> ignored;
     while (Read(ignored.data(), ignored.size()) > 0) {
+      if (std::chrono::steady_clock::now() > deadline) return false;
     }
   } catch (const ApiError&) {
     // Too long or broken: the connection is not kept.

@@ -19,8 +19,12 @@ class BodyReader {
   // All that follows counts against this; a longer Content-Length is refused at once.
   // Throws ApiError BodyTooLarge.
   void LimitTo(uint64_t max_bytes);
-  // How long the next bytes may take to come.
-  void WaitFor(std::chrono::seconds idle_timeout) { idle_timeout_ = idle_timeout; }
+  // How long the next bytes may take to come, of a body that goes on as things happen: it may be
+  // slow. Any other body has to keep up a least rate after its first seconds.
+  void WaitFor(std::chrono::seconds idle_timeout) {
+    idle_timeout_ = idle_timeout;
+    is_live_ = true;
+  }
   // Up to `size` bytes; 0 at the end. Throws ApiError: BodyTooLarge, RequestTimeout,
   // InvalidRequest for bad chunks or a client that leaves early.
   size_t Read(char* bytes, size_t size);
@@ -31,6 +35,7 @@ class BodyReader {
 
  private:
   size_t ReadRaw(char* bytes, size_t size);
+  void CheckRate() const;
   char ReadByte();
   void StartChunk();
   void EndChunk();
@@ -46,6 +51,8 @@ class BodyReader {
   uint64_t num_read_ = 0;
   uint64_t max_bytes_ = 1 << 20;
   std::chrono::seconds idle_timeout_{10};
+  bool is_live_ = false;
+  SteadyTime begin_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace freelsd

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <type_traits>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -29,6 +30,9 @@ template <typename T>
 void Take(nlohmann::json& object, const char* key, T& value) {
   const auto found = object.find(key);
   if (found == object.end()) return;
+  if (std::is_unsigned_v<T> && !found->is_number_unsigned()) {
+    throw ConfigError(std::string("config file: ") + key + " must be a whole number, 0 or more");
+  }
   try {
     found->get_to(value);
   } catch (const nlohmann::json::exception&) {

@@ -9,13 +9,11 @@
 #include "api/export/export.h"
 #include "server/site_lookup.h"
 #include "server/stamps.h"
+#include "server/superseding.h"
 #include "server/warnings.h"
 
 namespace freelsd {
 namespace {
-
-// Where other sites on the same ground may have their touchdown.
-constexpr double kNeighbourhoodDeg = 0.02;
 
 // A camera whose clock says less was never set.
 constexpr int64_t kEarliestCaptureUs = 1262304000000000;  // 2010
@@ -146,57 +144,6 @@ NewSite SiteOf(const Site& site,
   return made;
 }
 
-Eigen::Vector2d CenterOf(const Polygon& polygon) {
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& corner : polygon) sum += corner;
-  return sum / std::max<double>(1.0, static_cast<double>(polygon.size()));
-}
-
-// Whether either region's middle lies within the other.
-bool IsSameGround(const Replan& a, const Replan& b) {
-  const LocalFrame frame_a(a.origin);
-  const LocalFrame frame_b(b.origin);
-  const auto holds = [](const Replan& outer,
-                        const LocalFrame& outer_frame,
-                        const Replan& inner,
-                        const LocalFrame& inner_frame) {
-    const Eigen::Vector2d center = CenterOf(inner.request.footprint);
-    const GeoPoint place = inner_frame.GeoFromWorld({center.x(), center.y(), 0.0});
-    return Contains(outer.request.footprint, outer_frame.WorldFromGeo(place).head<2>());
-  };
-  return holds(a, frame_a, b, frame_b) || holds(b, frame_b, a, frame_a);
-}
-
-// Sites of other flights on the same ground.
-std::vector<SiteRow> OnSameGround(const Service& service, const SiteRow& site) {
-  const Replan replan = ParseReplan(site.replan_json);
-  const BoundingBox box{std::remainder(site.longitude_deg - kNeighbourhoodDeg, 360.0),
-                        site.latitude_deg - kNeighbourhoodDeg,
-                        std::remainder(site.longitude_deg + kNeighbourhoodDeg, 360.0),
-                        site.latitude_deg + kNeighbourhoodDeg};
-  std::vector<SiteRow> same;
-  for (SiteRow& other : service.storage.ListSites(std::nullopt, box)) {
-    if (other.flight_id == site.flight_id) continue;
-    if (IsSameGround(replan, ParseReplan(other.replan_json))) same.push_back(std::move(other));
-  }
-  return same;
-}
-
-// Which of the sites on one ground speaks is decided by when it was photographed, not by when the
-// photographs came.
-std::vector<std::string> SettleWith(const std::vector<SiteRow>& others, SiteRow& site) {
-  std::vector<std::string> superseded;
-  int64_t newest_us = site.seen_at_us;
-  for (const SiteRow& other : others) {
-    if (site.is_evidence && other.seen_at_us <= site.seen_at_us) superseded.push_back(other.id);
-    if (other.is_evidence && other.seen_at_us > newest_us) {
-      newest_us = other.seen_at_us;
-      site.superseded_by = other.id;
-    }
-  }
-  return superseded;
-}
-
 void StoreSites(Service& service,
                 const std::string& flight_id,
                 std::vector<NewSite> sites,
@@ -205,16 +152,16 @@ void StoreSites(Service& service,
   if (!service.storage.FindFlight(flight_id)) return;
   std::set<std::string> ids;
   for (NewSite& site : sites) {
-    const std::vector<std::string> superseded =
-        SettleWith(OnSameGround(service, site.row), site.row);
-    service.storage.PutSite(site.row, site.map_blob, superseded);
+    const Standing standing = StandingOf(service.storage, site.row);
+    site.row.superseded_by = standing.superseded_by;
+    service.storage.PutSite(site.row, site.map_blob, standing.supersedes);
     ids.insert(site.row.id);
     service.events.Publish(
         "site", flight_id, nlohmann::json{{"id", site.row.id}, {"flight_id", flight_id}}.dump());
   }
   if (scope != EvaluationScope::kEveryGraded) return;
   for (const SiteRow& site : service.storage.ListSites(flight_id, std::nullopt)) {
-    if (!ids.contains(site.id)) service.storage.DeleteSite(site.id);
+    if (!ids.contains(site.id)) ForgetSite(service.storage, site.id);
   }
 }
 

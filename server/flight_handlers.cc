@@ -4,6 +4,7 @@
 #include "server/flight_lookup.h"
 #include "server/handlers.h"
 #include "server/stamps.h"
+#include "server/superseding.h"
 #include "server/warnings.h"
 
 namespace freelsd {
@@ -100,6 +101,11 @@ void DeleteFlight(Service& service, const Call& call, httplib::Response& respons
   const FlightRow flight = ExistingFlight(service, call);
   {
     const std::lock_guard lock(service.sites_mutex);
+    if (forget_sites) {
+      for (const SiteRow& site : service.storage.ListSites(flight.id, std::nullopt)) {
+        ForgetSite(service.storage, site.id);
+      }
+    }
     service.storage.DeleteFlight(flight.id, forget_sites);
   }
   service.alternates.Forget(flight.id);

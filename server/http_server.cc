@@ -11,7 +11,6 @@
 namespace freelsd {
 namespace {
 
-constexpr std::chrono::seconds kHeadTimeout{5};
 constexpr std::chrono::milliseconds kStopPollPeriod{200};
 constexpr int kMaxRequestsPerConnection = 10000;
 // Connections that wait to be accepted; the library's own figure is 5.
@@ -82,8 +81,8 @@ std::string RawProblem(const ApiError& error) {
 // sends nothing; throws ApiError for heads that are too large or too slow.
 std::optional<std::string> ReadHead(const ClientSocket& socket,
                                     std::string& buffered,
-                                    const HeadLimits& limits) {
-  const SteadyTime deadline = std::chrono::steady_clock::now() + kHeadTimeout;
+                                    const HeadLimits& limits,
+                                    SteadyTime deadline) {
   std::array<char, 4096> bytes;
   size_t end = 0;
   while ((end = buffered.find("\r\n\r\n")) == std::string::npos) {
@@ -182,7 +181,8 @@ bool HttpServer::WaitForRequest(const ClientSocket& socket, const std::string& b
 
 bool HttpServer::ServeOne(const ClientSocket& socket, std::string& buffered, bool is_last) {
   try {
-    const std::optional<std::string> text = ReadHead(socket, buffered, options_.head);
+    const SteadyTime deadline = std::chrono::steady_clock::now() + options_.head_timeout;
+    const std::optional<std::string> text = ReadHead(socket, buffered, options_.head, deadline);
     if (!text) return false;
     const RequestHead head = ParseRequestHead(*text, options_.head, options_.allowed_hosts);
     BodyReader body(socket, head, buffered);

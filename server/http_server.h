@@ -18,6 +18,8 @@ struct HttpOptions {
   HeadLimits head;
   std::vector<std::string> allowed_hosts;
   int num_threads = 32;
+  // How long a head may take to come.
+  std::chrono::milliseconds head_timeout{5000};
   // How long a thread waits for the next request of its connection.
   std::chrono::milliseconds idle_timeout{15000};
 };

@@ -219,6 +219,7 @@ nlohmann::json ApproachOf(const Plan& plan, const FlightContext& context) {
 
 nlohmann::json AnswerOf(const Candidate& candidate,
                         const Plan& plan,
+                        const Aircraft& aircraft,
                         const Glide& glide,
                         const FlightContext& context) {
   const GeoPoint touchdown = context.local_frame.GeoFromWorld(plan.touchdown_in_world);
@@ -236,6 +237,8 @@ nlohmann::json AnswerOf(const Candidate& candidate,
           {"updated_at", Rfc3339(candidate.row.updated_at_us)},
           {"last_seen_at", Rfc3339(candidate.row.seen_at_us)},
           {"altitude_datum", candidate.row.data.altitude_datum},
+          {"aircraft", AircraftJson(aircraft)},
+          {"warnings", LimitsWarnings(aircraft)},
           {"touchdown", PlaceOf(touchdown)},
           {"approach", ApproachOf(plan, context)}};
 }
@@ -264,7 +267,7 @@ std::optional<Reached> Reach(const Service& service,
   reached.margin_m = glide->arrival_height_m - approach_start.z() - candidate.datum_penalty_m;
   GeoPoint end = context.local_frame.GeoFromWorld(approach_start);
   end.altitude_m += glide->arrival_height_m - approach_start.z();
-  reached.answer = AnswerOf(candidate, plan, *glide, context);
+  reached.answer = AnswerOf(candidate, plan, aircraft, *glide, context);
   if (const auto terrain = TerrainMargin(service, request, end)) {
     reached.answer["terrain_margin_m"] = *terrain;
     reached.margin_m = std::min(reached.margin_m, *terrain);
@@ -372,6 +375,10 @@ nlohmann::json RecallSites(const Service& service, const EmergencyRequest& reque
   if (search.num_without_approach > 0) {
     warnings.push_back(std::to_string(search.num_without_approach) +
                        " nearer stored sites have no approach in this wind");
+  }
+  if (const int64_t count = service.storage.CountOverruled(BoxAround(request.place, reach_m))) {
+    warnings.push_back(std::to_string(count) +
+                       " sites hereabouts are left out: a later look at their ground rejects it");
   }
   if (search.is_cut_short) warnings.push_back("not every stored site in reach was looked at");
   answer["warnings"] = warnings;

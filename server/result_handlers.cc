@@ -8,6 +8,7 @@
 #include "server/flight_lookup.h"
 #include "server/handlers.h"
 #include "server/site_lookup.h"
+#include "server/superseding.h"
 
 namespace freelsd {
 namespace {
@@ -84,7 +85,7 @@ void GetSite(Service& service, const Call& call, httplib::Response& response) {
 
 void DeleteSite(Service& service, const Call& call, httplib::Response& response) {
   const std::lock_guard lock(service.sites_mutex);
-  service.storage.DeleteSite(ExistingSite(service, call).id);
+  ForgetSite(service.storage, ExistingSite(service, call).id);
   response.status = 204;
 }
 

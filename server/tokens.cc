@@ -1,6 +1,7 @@
 #include "server/tokens.h"
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <iterator>
 
@@ -47,6 +48,13 @@ nlohmann::json ReadList(const std::filesystem::path& file) {
   }
 }
 
+// The scheme's name is case-insensitive (RFC 9110, 11.1).
+bool IsSameScheme(std::string_view a, std::string_view b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](unsigned char x, unsigned char y) {
+    return std::tolower(x) == std::tolower(y);
+  });
+}
+
 }  // namespace
 
 TokenList TokenList::Read(const std::filesystem::path& file) {
@@ -74,7 +82,7 @@ void TokenList::Require(Scope scope, const std::string& authorization) const {
   constexpr std::string_view kScheme = "Bearer ";
   const bool is_bearer = authorization.size() > kScheme.size() &&
                          authorization.size() <= kScheme.size() + kMaxTokenBytes &&
-                         authorization.starts_with(kScheme);
+                         IsSameScheme(authorization.substr(0, kScheme.size()), kScheme);
   const std::string sha256 =
       Sha256Hex(is_bearer ? authorization.substr(kScheme.size()) : std::string());
   // All are compared, each in constant time: how long it takes tells nothing.

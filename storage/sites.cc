@@ -104,6 +104,34 @@ int64_t Storage::CountRecallable() const {
   });
 }
 
+int64_t Storage::CountOverruled(const BoundingBox& box) const {
+  return state_->ReadSites([&](const Connection& connection) {
+    int64_t count = 0;
+    for (const BoundingBox& part : PlainBoxes(box)) {
+      Statement statement = connection.Prepare(
+          "SELECT count(*) FROM site_boxes JOIN site_numbers AS own USING (number) "
+          "JOIN sites ON sites.id = own.site_id "
+          "JOIN site_numbers AS newer ON newer.site_id = superseded_by "
+          "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
+          "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND "
+          "own.is_recallable = 1 AND newer.is_recallable = 0");
+      statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg).Step();
+      count += statement.Int(0);
+    }
+    return count;
+  });
+}
+
+void Storage::SetSupersededBy(const std::string& site_id,
+                              const std::optional<std::string>& newer_id) {
+  const auto lock = state_->LockForWriting();
+  state_->WriteSites([&](const Connection& connection) {
+    connection.Prepare("UPDATE sites SET superseded_by = nullif(?2, '') WHERE id = ?1")
+        .Bind(site_id, newer_id.value_or(""))
+        .Run();
+  });
+}
+
 std::vector<Storage::MapRow> Storage::ListMaps(const BoundingBox& box) const {
   return state_->ReadSites([&](const Connection& connection) {
     std::vector<MapRow> rows;

@@ -256,6 +256,10 @@ class Storage {
   // Sites that can be recalled, their map or touchdown in the box.
   std::vector<RecallRow> ListRecallable(const BoundingBox& box) const;
   int64_t CountRecallable() const;
+  // Sites that could be recalled, had not a later one rejected their ground.
+  int64_t CountOverruled(const BoundingBox& box) const;
+  // Anew; nothing: it is superseded no more.
+  void SetSupersededBy(const std::string& site_id, const std::optional<std::string>& newer_id);
   // Id and time of sites, also rejected ones, whose map may lie in the box.
   struct MapRow {
     std::string site_id;

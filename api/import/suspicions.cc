@@ -19,6 +19,8 @@ constexpr double kMinDownRatio = 0.95;
 constexpr size_t kMinNumPoses = 4;
 // Nobody's reference is this far off, and a swap brings the place ten times nearer.
 constexpr double kFarM = 20000.0;
+// No geotag of a photograph is this far off.
+constexpr double kDisagreeM = 1000.0;
 constexpr double kNearerRatio = 0.1;
 // One image further the poses fit the images twice as well, and they are not the same anyway.
 constexpr double kShiftGain = 0.5;
@@ -82,6 +84,18 @@ bool AreSwapped(const PoseFile& file, const Tags& tags, const SideContext& conte
     }
   }
   return num_swapped * 2 > file.poses.size();
+}
+
+// Of most poses that have one, the image's own geotag is far away.
+bool DisagreesWithGeotags(const PoseFile& file, const Tags& tags) {
+  size_t num_compared = 0, num_far = 0;
+  for (const auto& [image_id, meta] : file.poses) {
+    const auto tag = tags.find(image_id);
+    if (tag == tags.end() || !tag->second.position || !meta.position) continue;
+    ++num_compared;
+    num_far += MetresBetween(*meta.position, *tag->second.position) > kDisagreeM;
+  }
+  return num_far * 2 > num_compared;
 }
 
 // Mean of error(pose i + shift, image i) over the images that have all three; nothing where too few
@@ -152,6 +166,11 @@ std::vector<std::string> SuspicionsOf(const PoseFile& file, const SideContext& c
     warnings.emplace_back(
         "SwappedLatitudeLongitude: with latitude and longitude swapped the poses are where the "
         "images' geotags or the flight's origin are");
+  }
+  if (DisagreesWithGeotags(file, tags)) {
+    warnings.emplace_back(
+        "GeotagsDisagree: most poses are more than a kilometre from where the images' own geotags "
+        "say; the poses are used");
   }
   if (IsWLastLikelyIn(file)) {
     warnings.emplace_back(

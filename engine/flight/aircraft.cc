@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -22,6 +23,29 @@ void RequireInside(const Bound& bound) {
   throw std::invalid_argument(message.str());
 }
 
+// A final or a circle of many kilometres is a unit's error, and no map holds it.
+void RequirePath(const Aircraft& aircraft) {
+  constexpr double kMaxFinalM = 10000.0;
+  constexpr double kMaxRadiusM = 10000.0;
+  constexpr double kGravity = 9.81;
+  const double final_m =
+      aircraft.approach_height_m / std::tan(RadFromDeg(aircraft.flight_path_angle_deg));
+  const double radius_m = aircraft.landing_airspeed_mps * aircraft.landing_airspeed_mps /
+                          (kGravity * std::tan(RadFromDeg(aircraft.max_bank_deg)));
+  std::ostringstream message;
+  if (final_m > kMaxFinalM) {
+    message << "aircraft.flight_path_angle_deg = " << aircraft.flight_path_angle_deg
+            << ": makes a final of " << final_m << " m from approach_height_m, at most "
+            << kMaxFinalM << " m";
+  } else if (radius_m > kMaxRadiusM) {
+    message << "aircraft.max_bank_deg = " << aircraft.max_bank_deg << ": makes a circle of "
+            << radius_m << " m radius at landing_airspeed_mps, at most " << kMaxRadiusM << " m";
+  } else {
+    return;
+  }
+  throw std::invalid_argument(message.str());
+}
+
 }  // namespace
 
 void Aircraft::Check() const {
@@ -42,6 +66,34 @@ void Aircraft::Check() const {
       {"min_area_m2", min_area_m2, 1.0, 1e7},
   };
   for (const Bound& bound : bounds) RequireInside(bound);
+  RequirePath(*this);
+}
+
+std::vector<std::string> LimitsLooserThanProfiles(const Aircraft& aircraft) {
+  std::vector<Aircraft> known;
+  for (const std::string& name : AircraftProfileNames()) known.push_back(*AircraftProfile(name));
+  std::vector<std::string> looser;
+  const auto compare = [&](const char* field, double Aircraft::*value, bool is_larger_looser) {
+    const auto [least, most] = std::minmax_element(
+        known.begin(), known.end(), [value](const Aircraft& a, const Aircraft& b) {
+          return a.*value < b.*value;
+        });
+    const double bound = is_larger_looser ? (*most).*value : (*least).*value;
+    const bool is_looser = is_larger_looser ? aircraft.*value > bound : aircraft.*value < bound;
+    if (!is_looser) return;
+    std::ostringstream text;
+    text << field << " = " << aircraft.*value
+         << " (profiles: " << (is_larger_looser ? "at most " : "at least ") << bound << ")";
+    looser.push_back(text.str());
+  };
+  compare("crosswind_uncertainty_deg", &Aircraft::crosswind_uncertainty_deg, false);
+  compare("touchdown_uncertainty_m", &Aircraft::touchdown_uncertainty_m, false);
+  compare("max_slope_deg", &Aircraft::max_slope_deg, true);
+  compare("max_roughness_m", &Aircraft::max_roughness_m, true);
+  compare("safety_margin_m", &Aircraft::safety_margin_m, false);
+  compare("path_half_width_m", &Aircraft::path_half_width_m, false);
+  compare("ground_roll_m", &Aircraft::ground_roll_m, false);
+  return looser;
 }
 
 std::optional<Aircraft> AircraftProfile(std::string_view name) {

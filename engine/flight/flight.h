@@ -88,6 +88,8 @@ struct Aircraft {
 // "techpod", "atlantiksolar" or "small"; nothing for another name.
 std::optional<Aircraft> AircraftProfile(std::string_view name);
 std::vector<std::string> AircraftProfileNames();
+// Limits that accept what no known profile would: "max_slope_deg = 60 (profiles: at most 8)".
+std::vector<std::string> LimitsLooserThanProfiles(const Aircraft& aircraft);
 
 // What one run of a stage cost and found. The engine does not log: the server does.
 struct StageReport {

@@ -1,5 +1,6 @@
 #include "engine/geometry/camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -19,6 +20,8 @@ constexpr double kDerivativeStep = 1e-7;
 // Where along the ray from the optical axis the lens polynomial is asked whether it still rises.
 constexpr int kNumFoldSamples = 16;
 constexpr double kBorderTolerancePx = 0.5;
+constexpr double kMinFocalRatio = 0.05;
+constexpr double kMaxFocalRatio = 100.0;
 // Beyond this angle from the optical axis a perspective camera sees nothing useful (cos 85 deg).
 constexpr double kMinCosOffAxis = 0.087;
 
@@ -202,8 +205,18 @@ void Camera::Check() const {
   Require(height_px > 0, "height_px", height_px, "must be positive");
   Require(std::isfinite(fx_px) && fx_px > 0.0, "fx_px", fx_px, "must be positive");
   Require(std::isfinite(fy_px) && fy_px > 0.0, "fy_px", fy_px, "must be positive");
-  Require(std::isfinite(cx_px), "cx_px", cx_px, "must be finite");
-  Require(std::isfinite(cy_px), "cy_px", cy_px, "must be finite");
+  // From wider than any lens to narrower than a telescope, with pixels that are nearly square.
+  const double size_px = std::max(width_px, height_px);
+  Require(fx_px >= kMinFocalRatio * size_px && fx_px <= kMaxFocalRatio * size_px,
+          "fx_px",
+          fx_px,
+          "must be between 0.05 and 100 times the larger side of the image");
+  Require(fy_px >= 0.5 * fx_px && fy_px <= 2.0 * fx_px,
+          "fy_px",
+          fy_px,
+          "must be between half and twice fx_px");
+  Require(cx_px >= 0.0 && cx_px <= width_px - 1.0, "cx_px", cx_px, "must be within the image");
+  Require(cy_px >= 0.0 && cy_px <= height_px - 1.0, "cy_px", cy_px, "must be within the image");
   // Slower than any sensor: a unit is wrong.
   constexpr double kMaxReadoutS = 1.0;
   Require(

@@ -54,6 +54,14 @@ TEST_CASE("suspicions: latitude for longitude, by geotags or by the flight's ori
   }
 }
 
+TEST_CASE("suspicions: poses that are far from where the photographs say") {
+  SideContext elsewhere = Tagged(Tag::kPlace);
+  for (auto& [id, meta] : elsewhere.image_tags) meta.position->longitude_deg += 0.1;
+  CHECK(IsWarned(Poses(0), elsewhere, "GeotagsDisagree"));
+  CHECK_FALSE(IsWarned(Poses(0), Tagged(Tag::kPlace), "GeotagsDisagree"));
+  CHECK_FALSE(IsWarned(Poses(0), {}, "GeotagsDisagree"));
+}
+
 TEST_CASE("suspicions: poses one image early or late, by geotags or by times") {
   for (const Tag tag : {Tag::kPlace, Tag::kTime}) {
     CHECK(IsWarned(Poses(1), Tagged(tag), "ShiftedPoses"));

@@ -1,6 +1,7 @@
 #include "engine/geometry/geometry.h"
 
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include <doctest/doctest.h>
@@ -157,6 +158,26 @@ TEST_CASE("camera: a lens that is not known out to the borders is refused") {
   CHECK_THROWS_AS(camera.Check(), std::invalid_argument);
   camera.coefficients = {-1e9, 1e9, 0.0, 0.0};
   CHECK_THROWS_AS(camera.Check(), std::invalid_argument);
+}
+
+TEST_CASE("camera: what no lens and no sensor can be is refused") {
+  const auto is_refused = [](const std::function<void(Camera&)>& change) {
+    Camera camera = WideCamera();
+    change(camera);
+    try {
+      camera.Check();
+    } catch (const std::invalid_argument&) {
+      return true;
+    }
+    return false;
+  };
+  for (const double focal_px : {5e-324, 0.001, 1e308}) {
+    CHECK(is_refused([&](Camera& camera) { camera.fx_px = camera.fy_px = focal_px; }));
+  }
+  CHECK(is_refused([](Camera& camera) { camera.fy_px = 5.0 * camera.fx_px; }));
+  CHECK(is_refused([](Camera& camera) { camera.cx_px = 1e300; }));
+  CHECK(is_refused([](Camera& camera) { camera.cy_px = -1.0; }));
+  CHECK_FALSE(is_refused([](Camera&) {}));
 }
 
 TEST_CASE("camera: Check names field, value and constraint") {

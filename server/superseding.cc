@@ -1,0 +1,102 @@
+#include "server/superseding.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <spdlog/spdlog.h>
+
+#include "server/replan.h"
+
+namespace freelsd {
+namespace {
+
+// Where other sites on the same ground may have their touchdown.
+constexpr double kNeighbourhoodDeg = 0.02;
+
+Eigen::Vector2d CenterOf(const Polygon& polygon) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& corner : polygon) sum += corner;
+  return sum / std::max<double>(1.0, static_cast<double>(polygon.size()));
+}
+
+// Whether either region's middle lies within the other.
+bool IsSameGround(const Replan& a, const Replan& b) {
+  const LocalFrame frame_a(a.origin);
+  const LocalFrame frame_b(b.origin);
+  const auto holds = [](const Replan& outer,
+                        const LocalFrame& outer_frame,
+                        const Replan& inner,
+                        const LocalFrame& inner_frame) {
+    const Eigen::Vector2d center = CenterOf(inner.request.footprint);
+    const GeoPoint place = inner_frame.GeoFromWorld({center.x(), center.y(), 0.0});
+    return Contains(outer.request.footprint, outer_frame.WorldFromGeo(place).head<2>());
+  };
+  return holds(a, frame_a, b, frame_b) || holds(b, frame_b, a, frame_a);
+}
+
+// Nothing where the row is none by today's rules; then it cannot be recalled either.
+std::optional<Replan> UsableReplan(const SiteRow& site) {
+  try {
+    return ParseReplan(site.replan_json);
+  } catch (const std::exception& error) {
+    spdlog::error("site {} cannot be used: {}", site.id, error.what());
+    return std::nullopt;
+  }
+}
+
+// Sites of other flights on the same ground.
+std::vector<SiteRow> OnSameGround(const Storage& storage, const SiteRow& site) {
+  const std::optional<Replan> replan = UsableReplan(site);
+  if (!replan) return {};
+  const BoundingBox box{std::remainder(site.longitude_deg - kNeighbourhoodDeg, 360.0),
+                        site.latitude_deg - kNeighbourhoodDeg,
+                        std::remainder(site.longitude_deg + kNeighbourhoodDeg, 360.0),
+                        site.latitude_deg + kNeighbourhoodDeg};
+  std::vector<SiteRow> same;
+  for (SiteRow& other : storage.ListSites(std::nullopt, box)) {
+    if (other.flight_id == site.flight_id) continue;
+    const std::optional<Replan> other_replan = UsableReplan(other);
+    if (other_replan && IsSameGround(*replan, *other_replan)) same.push_back(std::move(other));
+  }
+  return same;
+}
+
+}  // namespace
+
+Standing StandingOf(const Storage& storage, const SiteRow& site) {
+  Standing standing;
+  int64_t newest_us = site.seen_at_us;
+  for (const SiteRow& other : OnSameGround(storage, site)) {
+    if (site.is_evidence && other.seen_at_us <= site.seen_at_us) {
+      standing.supersedes.push_back(other.id);
+    }
+    if (other.is_evidence && other.seen_at_us > newest_us) {
+      newest_us = other.seen_at_us;
+      standing.superseded_by = other.id;
+    }
+  }
+  return standing;
+}
+
+bool ForgetSite(Storage& storage, const std::string& site_id) {
+  const std::optional<SiteRow> site = storage.FindSite(site_id);
+  if (!site) return false;
+  std::vector<SiteRow> superseded = OnSameGround(storage, *site);
+  std::erase_if(superseded,
+                [&site_id](const SiteRow& other) { return other.superseded_by != site_id; });
+  // Settled before it is gone, so that none of them is recalled in between.
+  for (const SiteRow& other : superseded) {
+    std::optional<std::string> newer_id;
+    int64_t newest_us = -1;
+    for (const SiteRow& third : OnSameGround(storage, other)) {
+      const bool is_newer = third.seen_at_us >= other.seen_at_us && third.seen_at_us > newest_us;
+      if (third.id == site_id || !third.is_evidence || !is_newer) continue;
+      newest_us = third.seen_at_us;
+      newer_id = third.id;
+    }
+    storage.SetSupersededBy(other.id, newer_id);
+  }
+  return storage.DeleteSite(site_id);
+}
+
+}  // namespace freelsd
