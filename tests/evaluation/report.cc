@@ -258,7 +258,20 @@ Json CostTotals(const Json& settings, const Json& records) {
 Json MakeReport(const Json& settings, const Json& records) {
   double peak_mib = 0.0;
   for (const Json& record : records) peak_mib = std::max(peak_mib, record.value("peak_mib", 0.0));
+  std::map<std::string, Sums> parts;
+  for (const Json& record : records) {
+    if (!record.contains("cpu_s")) continue;
+    for (const auto& [part, seconds] : record.at("cpu_s").items()) {
+      parts[part].Add(seconds.get<double>());
+      parts["all"].Add(seconds.get<double>());
+    }
+  }
+  Json cpu = Json::object();
+  for (const auto& [part, seconds] : parts) {
+    cpu[part] = Number(seconds.sum / static_cast<double>(records.size()));
+  }
   return {{"settings", settings},
+          {"cpu_s_per_world", cpu},
           {"safety", SafetyTotals(records)},
           {"maps", MapTotals(records)},
           {"frontend", FrontendTotals(records)},
