@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "tests/evaluation/curves.h"
+#include "tests/evaluation/http_run.h"
 #include "tests/evaluation/pictures.h"
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/stopwatch.h"
@@ -57,8 +58,10 @@ class ProgressBar {
 };
 
 // What a report is about; reports of other settings cannot be continued.
-Json SettingsOf(const ScenarioOptions& scenario) {
-  return {{"world_size_m", scenario.world_size_m},
+Json SettingsOf(const CampaignOptions& options) {
+  const ScenarioOptions& scenario = options.scenario;
+  return {{"over_http", !options.url.empty()},
+          {"world_size_m", scenario.world_size_m},
           {"cell_size_m", scenario.cell_size_m},
           {"num_frames", scenario.num_frames},
           {"height_m", scenario.height_m},
@@ -89,15 +92,17 @@ Json EvaluateWorld(const CampaignOptions& campaign,
     progress(0.5 * done, "rendering");
   });
   stopwatch.Lap("truth");
-  const EngineRun run = RunEngine(scenario.rig,
-                                  scenario.frames,
-                                  scenario.aircraft,
-                                  OptionsFor(scenario.aircraft, num_threads),
-                                  classifier,
-                                  [&](double done, const std::string& stage) {
-                                    stopwatch.Lap(stage == "frontend" ? stage : "backend");
-                                    return progress(0.5 + 0.5 * done, stage);
-                                  });
+  const Progress tell = [&](double done, const std::string& stage) {
+    stopwatch.Lap(stage == "frontend" ? stage : "backend");
+    return progress(0.5 + 0.5 * done, stage);
+  };
+  const EngineRun run = campaign.url.empty() ? RunEngine(scenario.rig,
+                                                         scenario.frames,
+                                                         scenario.aircraft,
+                                                         OptionsFor(scenario.aircraft, num_threads),
+                                                         classifier,
+                                                         tell)
+                                             : RunOverHttp(campaign.url, scenario, tell);
   stopwatch.Lap("backend");
   const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
   const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
@@ -136,7 +141,7 @@ void Sort(Json& records) {
 Json ReadRecords(const CampaignOptions& options) {
   if (!options.resumes || !std::filesystem::exists(options.json)) return Json::array();
   const Json report = Json::parse(ReadTextFile(options.json));
-  if (report.at("settings") != SettingsOf(options.scenario)) {
+  if (report.at("settings") != SettingsOf(options)) {
     throw std::runtime_error(options.json +
                              " was made with other settings: " + report.at("settings").dump());
   }
@@ -197,7 +202,7 @@ class Campaign {
     if (!options_.json.empty()) WriteTextFile(options_.json, Report().dump(1) + "\n");
   }
 
-  Json Report() const { return MakeReport(SettingsOf(options_.scenario), records_); }
+  Json Report() const { return MakeReport(SettingsOf(options_), records_); }
 
   const CampaignOptions& options_;
   const Classifier& classifier_;

@@ -24,6 +24,8 @@ struct CampaignOptions {
   bool resumes = false;
   // Folder for pictures; "" for none.
   std::string pictures;
+  // Service that is asked instead of the engine in this process; "" for none.
+  std::string url;
 
   // Throws std::invalid_argument.
   void Check() const;

@@ -168,7 +168,8 @@ Json MapTotals(const Json& records) {
   Sums median;
   for (const Json& record : records) {
     const Json& value = record.at("maps").at("elevation_median_error_m");
-    if (value.is_number()) median.Add(value.get<double>());
+    // Not a number where there is no map; null in a file.
+    if (value.is_number() && std::isfinite(value.get<double>())) median.Add(value.get<double>());
   }
   return {{"elevation_rmse_m", Number(AddUp(records, "maps", "elevation_error_m").Rms())},
           {"elevation_rmse_unbiased_m",
