@@ -1,6 +1,5 @@
 // Same seed and flight, same bytes: with one thread and two, twice; and nothing false safe in a
 // small world.
-#include <cstdlib>
 #include <fstream>
 #include <sstream>
 
@@ -42,15 +41,11 @@ nlohmann::json AnswersOf(const Scenario& scenario,
 }
 
 TEST_CASE("evaluation: one thread or two, the same bytes, and nothing false safe") {
-  if (std::getenv("FREELSD_SLOW_TESTS") == nullptr) {
-    MESSAGE("skipped: FREELSD_SLOW_TESTS is not set");
-    return;
-  }
   constexpr uint64_t kSeed = 1001;
   ScenarioOptions small;
-  small.world_size_m = 260.0;
-  small.cell_size_m = 0.25;
-  small.num_frames = 10;
+  small.world_size_m = 220.0;
+  small.cell_size_m = 0.5;
+  small.num_frames = 6;
   small.aircraft = "small";
   const Scenario scenario = MakeScenario(kSeed, small, [](double) {});
   const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
@@ -58,7 +53,7 @@ TEST_CASE("evaluation: one thread or two, the same bytes, and nothing false safe
   const Classifier classifier = Classifier::Parse(ReadModel());
   const nlohmann::json once = AnswersOf(scenario, classifier, truth, fields, 1);
   CHECK(AnswersOf(scenario, classifier, truth, fields, 2).dump() == once.dump());
-  CHECK(once.at("poses").at("num_connected").get<int>() >= 8);
+  CHECK(once.at("poses").at("num_connected").get<int>() >= 5);
   CHECK(!once.at("regions").empty());
   for (const nlohmann::json& site : once.at("sites")) CHECK(!site.at("is_false_safe"));
 }

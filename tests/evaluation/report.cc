@@ -168,7 +168,8 @@ Json MapTotals(const Json& records) {
   Sums median;
   for (const Json& record : records) {
     const Json& value = record.at("maps").at("elevation_median_error_m");
-    if (value.is_number()) median.Add(value.get<double>());
+    // Not a number where there is no map; null in a file.
+    if (value.is_number() && std::isfinite(value.get<double>())) median.Add(value.get<double>());
   }
   return {{"elevation_rmse_m", Number(AddUp(records, "maps", "elevation_error_m").Rms())},
           {"elevation_rmse_unbiased_m",
@@ -258,7 +259,20 @@ Json CostTotals(const Json& settings, const Json& records) {
 Json MakeReport(const Json& settings, const Json& records) {
   double peak_mib = 0.0;
   for (const Json& record : records) peak_mib = std::max(peak_mib, record.value("peak_mib", 0.0));
+  std::map<std::string, Sums> parts;
+  for (const Json& record : records) {
+    if (!record.contains("cpu_s")) continue;
+    for (const auto& [part, seconds] : record.at("cpu_s").items()) {
+      parts[part].Add(seconds.get<double>());
+      parts["all"].Add(seconds.get<double>());
+    }
+  }
+  Json cpu = Json::object();
+  for (const auto& [part, seconds] : parts) {
+    cpu[part] = Number(seconds.sum / static_cast<double>(records.size()));
+  }
   return {{"settings", settings},
+          {"cpu_s_per_world", cpu},
           {"safety", SafetyTotals(records)},
           {"maps", MapTotals(records)},
           {"frontend", FrontendTotals(records)},

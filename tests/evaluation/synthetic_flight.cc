@@ -152,6 +152,7 @@ Scenario MakeScenario(uint64_t seed,
   scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
   scenario.rig.camera = PaperCamera(752, 480);
   scenario.exposures = PlanFlight(FlightFor(seed, options), scenario.world.wind_in_world);
+  progress(0.0);
   const Renderer renderer(scenario.world);
   RenderOptions render_options;
   render_options.seed = seed;

@@ -45,7 +45,7 @@ struct Scenario {
   Rigid3d TrueWorldFromCamera(size_t exposure) const;
 };
 
-// `progress` is told the share that is done.
+// `progress` is told the share of the photographs that is done: 0 when the world stands.
 Scenario MakeScenario(uint64_t seed,
                       const ScenarioOptions& options,
                       const std::function<void(double)>& progress);

@@ -107,6 +107,11 @@ std::string TableOf(const Json& report) {
             "cost, images of " + report.at("settings").value("image_size", "") + ", threads " +
                 std::to_string(report.at("settings").value("threads", 1)),
             cost);
+  std::string parts;
+  for (const auto& [part, seconds] : report.at("cpu_s_per_world").items()) {
+    parts += (parts.empty() ? "" : "; ") + part + " " + Text(seconds);
+  }
+  out << "processor seconds per world: " << parts << "\n";
   out << "peak memory, with the world: " << Text(report.at("peak_memory_with_world_mib"))
       << " MiB\n";
   return out.str();

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <random>
 
+#include "tests/synthetic/countryside_lots.h"
 #include "tests/synthetic/countryside_relief.h"
+#include "tests/synthetic/crops.h"
 #include "tests/synthetic/noise.h"
 
 namespace freelsd {
@@ -18,29 +20,6 @@ constexpr double kMaxSideM = 150.0;  // less is split no more, with a probabilit
 constexpr double kLaneHalfWidthM = 2.6;
 constexpr double kVergeM = 1.5;
 constexpr double kRaggedM = 0.35;
-
-// What makes a meadow a good field or a trap.
-enum class Feature { kGood, kTussocks, kBoulders, kAnimals, kDitch, kBales, kParkedCars };
-
-struct Lot {
-  // In the layout's frame.
-  Eigen::Vector2d min, max;
-  Cover cover = Cover::kMeadow;
-  Feature feature = Feature::kGood;
-  uint8_t variant = 0;
-
-  Eigen::Vector2d Size() const { return max - min; }
-  Eigen::Vector2d Middle() const { return 0.5 * (min + max); }
-};
-
-// A split of the layout: lots on both sides; the first ones are lanes.
-struct Split {
-  int axis = 0;
-  double at = 0.0;
-  int lower = 0, upper = 0;  // index into splits, or ~index into lots
-  bool is_lane = false;
-  Eigen::Vector2d start, end;
-};
 
 class Countryside {
  public:
@@ -193,6 +172,11 @@ class Countryside {
     Cover cover = lot.cover == Cover::kTree ? Cover::kScrub : lot.cover;
     if (to_lane < kLaneHalfWidthM + kVergeM) cover = Cover::kMeadow;
     if (to_lane < kLaneHalfWidthM) cover = Cover::kRoad;
+    // Tractors drive straighter than ploughs leave a border.
+    const Eigen::Vector2d driven = place + 0.2 * (ragged - place) - lot.min;
+    if (cover == Cover::kCrop && IsBare(CropOf(lot.variant), driven, lot.Size())) {
+      cover = Cover::kSoil;
+    }
     double ground = relief_.GroundAt(x, y);
     if (cover == Cover::kWater) {  // a pond is level, and lower than its banks
       const Eigen::Vector2d middle = WorldFromLayout(lot.Middle());

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "tests/synthetic/crops.h"
+
 namespace freelsd {
 namespace {
 
@@ -42,7 +44,7 @@ double CountrysideRelief::GrowthAt(Cover cover, uint8_t variant, double x, doubl
     case Cover::kMeadow:
       return 0.04 * tufts_.At(x, y) + 0.02 * swells_.At(x, y);
     case Cover::kCrop:
-      return 0.5 + 0.002 * variant + 0.05 * tufts_.At(x, y) + 0.03 * swells_.At(x, y);
+      return CropOf(variant).height_m + 0.05 * tufts_.At(x, y) + 0.03 * swells_.At(x, y);
     case Cover::kSoil:
     case Cover::kStubble:
       return 0.06 * clods_.At(x, y);

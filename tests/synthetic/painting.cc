@@ -41,8 +41,8 @@ Look LookOf(Cover cover) {
               {4, 1, 5},
               3.2f,
               0.010f};
-    case Cover::kStubble:
-      return {{{112, 168, 190}, {98, 150, 172}, {126, 176, 196}},
+    case Cover::kStubble:  // straw: redder than green; the second with weeds in it
+      return {{{118, 164, 190}, {100, 148, 172}, {132, 172, 196}},
               {0.045f, 0.035f, 0.025f, 0.020f, 0.020f, 0.025f, 0.040f},
               {-4, -1, -6},
               1.6f,

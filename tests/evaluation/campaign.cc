@@ -1,0 +1,273 @@
+#include "tests/evaluation/campaign.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <mutex>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "tests/evaluation/curves.h"
+#include "tests/evaluation/http_run.h"
+#include "tests/evaluation/pictures.h"
+#include "tests/evaluation/report.h"
+#include "tests/evaluation/stopwatch.h"
+#include "tests/evaluation/world_record.h"
+
+namespace freelsd {
+namespace {
+
+using Json = nlohmann::json;
+
+double PeakMib() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+// A bar on a terminal while one world is flown at a time, a line per world always.
+class ProgressBar {
+ public:
+  ProgressBar(int num_worlds, int num_jobs)
+      : num_worlds_(num_worlds), has_bar_(num_jobs == 1 && isatty(STDERR_FILENO) != 0) {}
+  void Tell(int world, uint64_t seed, const std::string& stage, double done) const {
+    if (!has_bar_) return;
+    constexpr int kWidth = 30;
+    const double all = (world + done) / num_worlds_;
+    const int filled = static_cast<int>(kWidth * all);
+    std::cerr << "\r[" << std::string(static_cast<size_t>(filled), '#')
+              << std::string(static_cast<size_t>(kWidth - filled), '.') << "] world " << world + 1
+              << " of " << num_worlds_ << ", seed " << seed << ", " << stage << " "
+              << static_cast<int>(100.0 * done) << " %      " << std::flush;
+  }
+  void Line(const std::string& text) const {
+    std::cerr << (has_bar_ ? "\r\033[K" : "") << text << std::endl;
+  }
+
+ private:
+  int num_worlds_;
+  bool has_bar_;
+};
+
+// What a report is about; reports of other settings cannot be continued.
+Json SettingsOf(const CampaignOptions& options) {
+  const ScenarioOptions& scenario = options.scenario;
+  return {{"over_http", !options.url.empty()},
+          {"world_size_m", scenario.world_size_m},
+          {"cell_size_m", scenario.cell_size_m},
+          {"num_frames", scenario.num_frames},
+          {"height_m", scenario.height_m},
+          {"frame_spacing_m", scenario.frame_spacing_m},
+          {"leg_spacing_m", scenario.leg_spacing_m},
+          {"noise_scale", scenario.noise_scale},
+          {"damaged_ratio", scenario.damaged_ratio},
+          {"aircraft", scenario.aircraft},
+          {"image_size", "752x480"},
+          {"threads", scenario.num_threads}};
+}
+
+PipelineOptions OptionsFor(const Aircraft& aircraft, int num_threads) {
+  PipelineOptions options;
+  options.regions.min_area_m2 = aircraft.min_area_m2;
+  options.adjustment.num_threads = num_threads;
+  return options;
+}
+
+Json EvaluateWorld(const CampaignOptions& campaign,
+                   const Classifier& classifier,
+                   uint64_t seed,
+                   const Progress& progress) {
+  const int num_threads = campaign.scenario.num_threads;
+  Stopwatch stopwatch(num_threads > 1);
+  const Scenario scenario = MakeScenario(seed, campaign.scenario, [&](double done) {
+    stopwatch.Lap(done == 0.0 ? "world" : "photographs");
+    progress(0.5 * done, "rendering");
+  });
+  stopwatch.Lap("truth");
+  const Progress tell = [&](double done, const std::string& stage) {
+    stopwatch.Lap(stage == "frontend" ? stage : "backend");
+    return progress(0.5 + 0.5 * done, stage);
+  };
+  const EngineRun run = campaign.url.empty() ? RunEngine(scenario.rig,
+                                                         scenario.frames,
+                                                         scenario.aircraft,
+                                                         OptionsFor(scenario.aircraft, num_threads),
+                                                         classifier,
+                                                         tell)
+                                             : RunOverHttp(campaign.url, scenario, tell);
+  stopwatch.Lap("backend");
+  const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
+  const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
+  stopwatch.Lap("truth");
+  Json record = WorldRecord(seed, scenario, run, truth, fields);
+  stopwatch.Lap("scores");
+  if (!campaign.pictures.empty()) {
+    DrawWorld(campaign.pictures, std::to_string(seed), scenario, run, truth, fields);
+    DrawCurves(campaign.pictures, std::to_string(seed), run);
+  }
+  record["cpu_s"] = stopwatch.seconds();
+  record["peak_mib"] = std::round(PeakMib());
+  return record;
+}
+
+std::string LineOf(const Json& record) {
+  const Json report = MakeReport(Json::object(), Json::array({record}));
+  const Json& safety = report.at("safety");
+  std::ostringstream line;
+  line << "seed " << record.at("seed") << ", " << record.at("aircraft").get<std::string>() << ": "
+       << safety.at("num_landable_sites") << " landable, " << safety.at("num_unverified_sites")
+       << " unverified, " << safety.at("num_rejected_sites") << " rejected, "
+       << safety.at("num_false_safe") << " false safe; " << safety.at("num_fields_found") << " of "
+       << safety.at("num_fields") << " fields found; engine "
+       << std::lround(record.at("total_s").get<double>()) << " s";
+  return line.str();
+}
+
+void Sort(Json& records) {
+  std::sort(records.begin(), records.end(), [](const Json& a, const Json& b) {
+    return a.at("seed").get<uint64_t>() < b.at("seed").get<uint64_t>();
+  });
+}
+
+// The records of an earlier run with the same settings.
+Json ReadRecords(const CampaignOptions& options) {
+  if (!options.resumes || !std::filesystem::exists(options.json)) return Json::array();
+  const Json report = Json::parse(ReadTextFile(options.json));
+  if (report.at("settings") != SettingsOf(options)) {
+    throw std::runtime_error(options.json +
+                             " was made with other settings: " + report.at("settings").dump());
+  }
+  return report.at("worlds");
+}
+
+// Gives out seeds and takes records, to and from several threads.
+class Campaign {
+ public:
+  Campaign(const CampaignOptions& options, const Classifier& classifier)
+      : options_(options),
+        classifier_(classifier),
+        records_(ReadRecords(options)),
+        bar_(options.num_worlds, options.num_jobs) {
+    for (const Json& record : records_) done_.insert(record.at("seed").get<uint64_t>());
+  }
+
+  Json Run() {
+    std::vector<std::thread> jobs;
+    for (int i = 1; i < options_.num_jobs; ++i) jobs.emplace_back([this] { Work(); });
+    Work();
+    for (std::thread& job : jobs) job.join();
+    if (failure_) std::rethrow_exception(failure_);
+    return Report();
+  }
+
+ private:
+  // Number of the next world that is still to be flown; num_worlds where none is.
+  int Next() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (failure_) return options_.num_worlds;
+    while (next_ < options_.num_worlds && done_.contains(SeedOf(next_))) ++next_;
+    return next_ < options_.num_worlds ? next_++ : options_.num_worlds;
+  }
+  uint64_t SeedOf(int world) const { return options_.seed + static_cast<uint64_t>(world); }
+
+  void Work() {
+    try {
+      for (int world = Next(); world < options_.num_worlds; world = Next()) {
+        const uint64_t seed = SeedOf(world);
+        Keep(
+            EvaluateWorld(options_, classifier_, seed, [&](double share, const std::string& stage) {
+              bar_.Tell(world, seed, stage, share);
+              return true;
+            }));
+      }
+    } catch (...) {  // handed on to the thread that waits
+      const std::lock_guard<std::mutex> lock(mutex_);
+      if (!failure_) failure_ = std::current_exception();
+    }
+  }
+
+  void Keep(Json record) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    bar_.Line(LineOf(record));
+    records_.push_back(std::move(record));
+    Sort(records_);
+    if (!options_.json.empty()) WriteTextFile(options_.json, Report().dump(1) + "\n");
+  }
+
+  Json Report() const { return MakeReport(SettingsOf(options_), records_); }
+
+  const CampaignOptions& options_;
+  const Classifier& classifier_;
+  std::mutex mutex_;
+  Json records_;
+  ProgressBar bar_;
+  std::set<uint64_t> done_;
+  int next_ = 0;
+  std::exception_ptr failure_;
+};
+
+}  // namespace
+
+void CampaignOptions::Check() const {
+  scenario.Check();
+  if (resumes && json.empty()) throw std::invalid_argument("--resume needs --json");
+  if (num_jobs > 1 && scenario.num_threads > 1) {
+    throw std::invalid_argument("--jobs and --threads: only one of them can be more than 1");
+  }
+}
+
+Json RunCampaign(const CampaignOptions& options, const Classifier& classifier) {
+  options.Check();
+  cv::setNumThreads(options.scenario.num_threads);
+  return Campaign(options, classifier).Run();
+}
+
+Json MergeReports(const std::vector<Json>& reports) {
+  if (reports.empty()) throw std::runtime_error("no report to merge");
+  Json records = Json::array();
+  std::set<uint64_t> seeds;
+  for (const Json& report : reports) {
+    if (report.at("settings") != reports.front().at("settings")) {
+      throw std::runtime_error("reports of different settings: " + report.at("settings").dump() +
+                               " and " + reports.front().at("settings").dump());
+    }
+    for (const Json& record : report.at("worlds")) {
+      const uint64_t seed = record.at("seed").get<uint64_t>();
+      if (!seeds.insert(seed).second) {
+        throw std::runtime_error("seed " + std::to_string(seed) + " is in two reports");
+      }
+      records.push_back(record);
+    }
+  }
+  Sort(records);
+  return MakeReport(reports.front().at("settings"), records);
+}
+
+std::string ReadTextFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error("cannot read " + path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void WriteTextFile(const std::string& path, const std::string& text) {
+  const std::string part = path + ".part";
+  {
+    std::ofstream file(part, std::ios::binary);
+    file << text;
+    file.flush();
+    if (!file) throw std::runtime_error("cannot write " + part);
+  }
+  std::filesystem::rename(part, path);
+}
+
+}  // namespace freelsd

@@ -1,0 +1,46 @@
+// Many worlds: several at once, to be interrupted and gone on with, in parts that are put together.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/classification/classification.h"
+#include "tests/evaluation/synthetic_flight.h"
+
+namespace freelsd {
+
+struct CampaignOptions {
+  int num_worlds = 6;
+  // Of the first world; the others follow.
+  uint64_t seed = 1000;
+  // Worlds at once. Each needs the memory of a world, and its engine has one thread.
+  int num_jobs = 1;
+  ScenarioOptions scenario;
+  // Report to write after every world; "" for none.
+  std::string json;
+  // Go on from that report: its seeds are not flown again.
+  bool resumes = false;
+  // Folder for pictures; "" for none.
+  std::string pictures;
+  // Service that is asked instead of the engine in this process; "" for none.
+  std::string url;
+
+  // Throws std::invalid_argument.
+  void Check() const;
+};
+
+// The report of all worlds, by seed. Whatever the number of jobs, the records are the same but for
+// what they cost.
+nlohmann::json RunCampaign(const CampaignOptions& options, const Classifier& classifier);
+
+// One report of the worlds of several. Throws std::runtime_error where settings differ or a seed
+// is in two of them.
+nlohmann::json MergeReports(const std::vector<nlohmann::json>& reports);
+
+std::string ReadTextFile(const std::string& path);
+// Whole or not at all: a run that is interrupted must not spoil what it would go on from.
+void WriteTextFile(const std::string& path, const std::string& text);
+
+}  // namespace freelsd
