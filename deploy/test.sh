@@ -136,6 +136,12 @@ start_step "unit tests (sanitizers)"
 run_sanitized_tests "${sanitized[@]}"
 passed
 
+start_step "parsers on changed seeds (sanitizers)"
+build asan freelsd-fuzz 2>&1 | tee "$work/build.log"
+refuse_warnings "$work/build.log"
+build/asan/tests/freelsd-fuzz tests/fuzz/seeds --seconds 2
+passed
+
 port="$(free_port)"
 start_step "the demo, end to end"
 deploy/demo.sh --once --port "$port" --data "$work/demo"
@@ -150,6 +156,10 @@ tests/web/run.sh "http://127.0.0.1:$port"
 passed
 stop_server "$server_pid"
 server_pid=""
+
+start_step "faults, short form"
+tests/faults/run.sh --short
+passed
 
 start_step "nginx in front"
 if command -v nginx >/dev/null; then

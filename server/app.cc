@@ -81,6 +81,17 @@ void App::Run() {
   if (emergency.joinable()) emergency.join();
 }
 
+bool App::CanRecall() const {
+  try {
+    storage_.BoundsOfRecallable();
+    storage_.ListRecallable({0.0, 0.0, 0.0, 0.0});
+    return true;
+  } catch (const std::exception& error) {
+    spdlog::error("sites cannot be read: {}", error.what());
+    return false;
+  }
+}
+
 bool App::Stop(std::chrono::milliseconds patience) {
   service_.is_stopping = true;
   service_.events.Stop();
