@@ -90,26 +90,11 @@ RecallBounds Storage::BoundsOfRecallable() const {
 }
 
 std::vector<RecallRow> Storage::ListRecallable(const BoundingBox& box) const {
-  return state_->ReadSites(
-      [&](const Connection& connection) { return ListRecallRows(connection, box); });
+  return state_->RowsWithin(state_->recall_rows, box, ListRecallRows);
 }
 
 std::vector<Storage::MapRow> Storage::ListMaps(const BoundingBox& box) const {
-  return state_->ReadSites([&](const Connection& connection) {
-    std::vector<MapRow> rows;
-    for (const BoundingBox& part : PlainBoxes(box)) {
-      Statement statement = connection.Prepare(
-          "SELECT sites.id, updated_at_us, altitude_datum FROM site_boxes "
-          "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
-          "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
-          "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2");
-      statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg);
-      while (statement.Step()) {
-        rows.push_back({statement.Text(0), statement.Int(1), statement.Text(2)});
-      }
-    }
-    return rows;
-  });
+  return state_->RowsWithin(state_->map_rows, box, ListMapRows);
 }
 
 bool Storage::DeleteSite(const std::string& site_id) {

@@ -5,6 +5,7 @@ import datetime
 import os
 import platform
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -21,7 +22,7 @@ import kills
 import numbers_in_fields
 import recalls
 import slow_clients
-from harness import Fault, check
+from harness import Fault, end_all
 from pictures import Flight
 
 
@@ -93,6 +94,7 @@ def run_row(row, size, tools, work, flight_files):
     except Exception:
         traceback.print_exc()
         result, seen = "FAILED", traceback.format_exc(limit=1).splitlines()[-1]
+    end_all()
     shutil.rmtree(folder, ignore_errors=True)
     return result, seen, time.monotonic() - begin
 
@@ -124,6 +126,7 @@ def parse_arguments():
 
 
 def main():
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
     arguments = parse_arguments()
     root = Path(__file__).resolve().parents[2]
     tools = SimpleNamespace(

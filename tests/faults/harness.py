@@ -1,5 +1,6 @@
 """The server as a child process to be harmed, and what the rows of the table share."""
 
+import atexit
 import http.client
 import json
 import os
@@ -26,6 +27,8 @@ def check(condition, what):
 
 class Server:
     """A freelsd-server on free ports of 127.0.0.1, ended with the block."""
+
+    running = set()  # to be ended where a row stopped within
 
     def __init__(self, tools, data, *, preload=None, environment=None, config=None):
         self.tools = tools
@@ -57,6 +60,7 @@ class Server:
             self.process = subprocess.Popen(
                 self.arguments, stdout=subprocess.PIPE, stderr=log, bufsize=0,
                 env=self.environment)
+        Server.running.add(self)
         try:
             self.port = self._read_port(b"listens on http://127.0.0.1:", begin)
             self.emergency_port = self._read_port(b"emergency recall on http://127.0.0.1:", begin)
@@ -96,6 +100,7 @@ class Server:
             self.process.send_signal(with_signal)
         code = self.process.wait(30)
         self.process = None
+        Server.running.discard(self)
         return code
 
     def is_alive(self):
@@ -199,6 +204,12 @@ def multipart(parts, boundary="----freelsd-faults"):
                    content, b"\r\n"]
     return b"".join(pieces) + f"--{boundary}--\r\n".encode(), \
         f"multipart/form-data; boundary={boundary}"
+
+
+@atexit.register
+def end_all():
+    for server in list(Server.running):
+        server.kill()
 
 
 def slowdown():

@@ -40,4 +40,6 @@ if command -v g++ >/dev/null; then
   g++ -shared -fPIC -O2 -o "$work/shifted_clock.so" "$here/shifted_clock.cc" -ldl
   arguments+=(--clock "$work/shifted_clock.so")
 fi
-PYTHONDONTWRITEBYTECODE=1 python3 "$here/faults.py" --build "$build" "${arguments[@]}"
+PYTHONDONTWRITEBYTECODE=1 python3 "$here/faults.py" --build "$build" "${arguments[@]}" &
+trap 'kill "$!" 2>/dev/null || true; rm -rf "$work"' EXIT
+wait "$!"
