@@ -76,7 +76,7 @@ constexpr ErrorKind kErrorKinds[] = {
     {"InternalError", 500, "The server failed", 0},
     {"Unavailable", 503, "The server cannot do this now", 2},
     {"ShuttingDown", 503, "The server is stopping", 5},
-    {"StorageFull", 507, "The disk is full", 0},
+    {"StorageFull", 507, "The disk is full", 30},
 };
 
 const ErrorKind* FindKind(const std::string& code) {

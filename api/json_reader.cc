@@ -1,5 +1,6 @@
 #include "api/json_reader.h"
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -14,6 +15,9 @@ constexpr double kMinQuaternionNorm = 0.99;
 constexpr double kMaxQuaternionNorm = 1.01;
 constexpr size_t kMaxShownKeyBytes = 100;
 constexpr double kUnitNormTolerance = 1e-12;
+// No quantity here is larger, and its square is still finite: the bound of fields without their
+// own.
+constexpr double kLargestNumber = 1e12;
 // Below the Dead Sea to above any small plane.
 constexpr NumberRange kAltitudeRange{-1000.0, 20000.0};
 
@@ -105,10 +109,11 @@ double ReadNumber(const nlohmann::json& value,
     throw InvalidValue(pointer, LastToken(pointer) + ": must be a number");
   }
   const double number = value.get<double>();
-  if (std::isfinite(number) && number >= range.min && number <= range.max) return number;
+  const double min = std::max(range.min, -kLargestNumber);
+  const double max = std::min(range.max, kLargestNumber);
+  if (number >= min && number <= max) return number;
   std::ostringstream detail;
-  detail << LastToken(pointer) << " = " << number << ": must be in [" << range.min << ", "
-         << range.max << "]";
+  detail << LastToken(pointer) << " = " << number << ": must be in [" << min << ", " << max << "]";
   throw InvalidValue(pointer, detail.str());
 }
 

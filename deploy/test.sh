@@ -136,6 +136,10 @@ start_step "unit tests (sanitizers)"
 run_sanitized_tests "${sanitized[@]}"
 passed
 
+start_step "parsers on changed seeds"
+build/release/tests/freelsd-fuzz tests/fuzz/seeds --seconds 2
+passed
+
 port="$(free_port)"
 start_step "the demo, end to end"
 deploy/demo.sh --once --port "$port" --data "$work/demo"
@@ -150,6 +154,10 @@ tests/web/run.sh "http://127.0.0.1:$port"
 passed
 stop_server "$server_pid"
 server_pid=""
+
+start_step "faults, short form"
+tests/faults/run.sh --short
+passed
 
 start_step "nginx in front"
 if command -v nginx >/dev/null; then

@@ -88,6 +88,17 @@ void App::Run() {
   if (emergency.joinable()) emergency.join();
 }
 
+bool App::CanRecall() const {
+  try {
+    // From the file, not from what is kept of it.
+    storage_.FindSite("none");
+    return true;
+  } catch (const std::exception& error) {
+    spdlog::error("sites cannot be read: {}", error.what());
+    return false;
+  }
+}
+
 bool App::Stop(std::chrono::milliseconds patience) {
   service_.is_stopping = true;
   service_.events.Stop();

@@ -25,6 +25,8 @@ class App {
   // Requests end, then the worker. False when the engine is still busy after `patience`: what it
   // was doing is done again at the next start.
   bool Stop(std::chrono::milliseconds patience);
+  // Whether stored sites can be read: what this service must never lose.
+  bool CanRecall() const;
 
  private:
   Config config_;

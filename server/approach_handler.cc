@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
@@ -31,10 +33,19 @@ Aircraft AircraftOf(const Call& call, const Aircraft& site_aircraft) {
   }
 }
 
+// Beyond any wind, as in a frame's meta.
+constexpr double kMaxWindMps = 100.0;
+
+std::optional<double> WindComponent(const Call& call, const std::string& name) {
+  const std::optional<double> speed_mps = call.QueryNumber(name);
+  if (!speed_mps || std::abs(*speed_mps) <= kMaxWindMps) return speed_mps;
+  throw ApiError("InvalidValue", name + ": must be in [-100, 100]", {{name, "out of range"}});
+}
+
 // The query's wind, else the one the site was planned with.
 std::optional<Eigen::Vector2d> WindOf(const Call& call, const PlanRequest& request) {
-  const auto east_mps = call.QueryNumber("wind_east_mps");
-  const auto north_mps = call.QueryNumber("wind_north_mps");
+  const auto east_mps = WindComponent(call, "wind_east_mps");
+  const auto north_mps = WindComponent(call, "wind_north_mps");
   if (east_mps.has_value() != north_mps.has_value()) {
     const std::string missing = east_mps ? "wind_north_mps" : "wind_east_mps";
     throw ApiError("InvalidQuery", missing + ": is missing", {{missing, "is missing"}});

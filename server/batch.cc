@@ -58,6 +58,9 @@ BatchUpload::~BatchUpload() {
 
 void BatchUpload::Read(const Call& call) {
   call.body.LimitTo(service_.config.max_batch_bytes);
+  if (const auto flight = service_.storage.FindFlight(call.Id("flight"))) {
+    camera_ = CameraOf(*flight);
+  }
   const auto boundary = MultipartBoundary(call.request.get_header_value("Content-Type"));
   if (boundary) {
     ReadParts(call, *boundary);
@@ -114,7 +117,7 @@ void BatchUpload::AddImage(const std::string& file_name, const std::optional<std
   if (images_.size() >= kMaxNumImages) throw ApiError("TooManyParts", "too many images");
   try {
     if (!bytes) throw ApiError("ImageTooLarge", "the file is larger than 32 MiB");
-    entry.image = CheckImage(service_, *bytes);
+    entry.image = CheckImage(service_, *bytes, camera_);
     written_.insert(entry.image->sha256);
     service_.storage.WriteImage(entry.image->sha256, *bytes);
   } catch (const ApiError& error) {

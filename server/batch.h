@@ -44,6 +44,7 @@ class BatchUpload {
 
   Service& service_;
   std::vector<BatchImage> images_;
+  std::optional<Camera> camera_;
   std::set<std::string> ids_;
   std::vector<SideFile> side_files_;
   PoseFile poses_;

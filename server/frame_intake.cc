@@ -52,11 +52,17 @@ void StoreFrame(Service& service,
     resolver.Admit(image, meta);
   }
   service.storage.WriteImage(image.sha256, upload.image);
-  service.storage.InsertFrames(frame.flight_id, {frame}, std::nullopt, [&](FlightRow& flight) {
-    flight.rig_json = resolver.RigJson();
-    flight.warnings_json =
-        AddWarnings(flight.warnings_json, "images", resolver.RelevantWarnings(image));
-  });
+  try {
+    service.storage.InsertFrames(frame.flight_id, {frame}, std::nullopt, [&](FlightRow& flight) {
+      flight.rig_json = resolver.RigJson();
+      flight.warnings_json =
+          AddWarnings(flight.warnings_json, "images", resolver.RelevantWarnings(image));
+    });
+  } catch (const StorageError&) {
+    // A disk that is full must not keep what was refused.
+    service.storage.RemoveUnusedImage(image.sha256);
+    throw;
+  }
 }
 
 }  // namespace
@@ -65,7 +71,10 @@ TakenFrame TakeFrame(Service& service,
                      const std::string& flight_id,
                      const std::string& frame_id,
                      const FrameUpload& upload) {
-  const CheckedImage image = CheckImage(service, upload.image);
+  // Under an id that is known, what the image is decides between a conflict and damage.
+  const bool is_known = service.storage.FindFrame(flight_id, frame_id).has_value();
+  const CheckedImage image = CheckImage(
+      service, upload.image, is_known ? std::nullopt : CameraOf(OpenFlight(service, flight_id)));
   const FrameMeta given = ParseFrameMeta(upload.meta);
   const FrameRow frame = NewFrameRow(flight_id, frame_id, image, given);
   {

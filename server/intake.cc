@@ -18,11 +18,21 @@ std::string SizeText(int width_px, int height_px) {
   return std::to_string(width_px) + "x" + std::to_string(height_px);
 }
 
+void RefuseOtherSize(const ImageHeader& header, const Camera& camera) {
+  if (header.width_px == camera.width_px && header.height_px == camera.height_px) return;
+  throw ApiError("ImageSizeMismatch",
+                 "the image is " + SizeText(header.width_px, header.height_px) +
+                     ", the camera says " + SizeText(camera.width_px, camera.height_px));
+}
+
 }  // namespace
 
-CheckedImage CheckImage(Service& service, std::string_view bytes) {
+CheckedImage CheckImage(Service& service,
+                        std::string_view bytes,
+                        const std::optional<Camera>& camera) {
   CheckedImage image;
   image.header = SniffImage(bytes, service.image_limits);
+  if (camera) RefuseOtherSize(image.header, *camera);
   {
     const DecoderSlot slot(service);
     DecodeImage(bytes, service.image_limits);
@@ -30,6 +40,11 @@ CheckedImage CheckImage(Service& service, std::string_view bytes) {
   image.sha256 = Sha256Hex(bytes);
   image.tags = ReadImageTags(bytes, image.header);
   return image;
+}
+
+std::optional<Camera> CameraOf(const FlightRow& flight) {
+  if (!flight.rig_json.empty()) return ParseStoredFlightRig(flight.rig_json).rig.camera;
+  return ParseFlightRequest(flight.request_json).camera;
 }
 
 RigResolver::RigResolver(const FlightRow& flight, const std::optional<Camera>& side_camera)
@@ -53,13 +68,7 @@ FlightRig RigResolver::RigFor(const CheckedImage& image) const {
 }
 
 void RigResolver::CheckSize(const CheckedImage& image) const {
-  const Camera camera = RigFor(image).rig.camera;
-  if (image.header.width_px == camera.width_px && image.header.height_px == camera.height_px) {
-    return;
-  }
-  throw ApiError("ImageSizeMismatch",
-                 "the image is " + SizeText(image.header.width_px, image.header.height_px) +
-                     ", the camera says " + SizeText(camera.width_px, camera.height_px));
+  RefuseOtherSize(image.header, RigFor(image).rig.camera);
 }
 
 void RigResolver::Admit(const CheckedImage& image, const FrameMeta& meta) {

@@ -18,8 +18,13 @@ struct CheckedImage {
   ImageTags tags;
 };
 
-// Decodes strictly, so that what is stored can be used. Throws ApiError.
-CheckedImage CheckImage(Service& service, std::string_view bytes);
+// Decodes strictly, so that what is stored can be used. With a camera, an image of another size is
+// refused by its header: nothing of its pixels is unpacked. Throws ApiError.
+CheckedImage CheckImage(Service& service,
+                        std::string_view bytes,
+                        const std::optional<Camera>& camera = std::nullopt);
+// Of the flight's images, where it is known before they come.
+std::optional<Camera> CameraOf(const FlightRow& flight);
 
 // What a flight's frames are placed with; the first admitted image decides what the request left
 // open.

@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "server/app.h"
+#include "server/supervisor.h"
 
 namespace freelsd {
 namespace {
@@ -41,8 +42,13 @@ int Run(int argc, char** argv) {
   }
   std::fflush(stdout);
   std::future<void> http = std::async(std::launch::async, [&app] { app.Run(); });
+  NotifySupervisor("READY=1");
   int signal = 0;
-  sigwait(&signals, &signal);
+  {
+    const Heartbeat heartbeat([&app] { return app.CanRecall(); });
+    sigwait(&signals, &signal);
+  }
+  NotifySupervisor("STOPPING=1");
   spdlog::info("stopping");
   const bool has_stopped =
       app.Stop(kEnginePatience) && http.wait_for(kRequestPatience) == std::future_status::ready;

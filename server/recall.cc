@@ -5,6 +5,8 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <string_view>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
@@ -12,6 +14,7 @@
 #include "api/api.h"
 #include "server/emergency.h"
 #include "server/stamps.h"
+#include "server/terrain_margin.h"
 
 namespace freelsd {
 namespace {
@@ -29,6 +32,8 @@ constexpr double kPlentyMarginM = 60.0;
 constexpr double kMarginStepM = 15.0;
 // A site's score halves in this time: ground changes.
 constexpr double kScoreHalfLifeS = 365.0 * 24.0 * 3600.0;
+// Scores within one step of it are equally promising.
+constexpr double kScoreStep = 0.05;
 // Sites that are planned on for one answer, and the time after which no further one is begun.
 constexpr size_t kMaxNumPlanned = 40;
 constexpr std::chrono::milliseconds kTimeBudget{1500};
@@ -42,6 +47,8 @@ struct Candidate {
   double age_s = 0.0;
   // Never less than the margin that the glide turns out to have.
   double best_margin_m = 0.0;
+  // Straight to the site: about what it turns out to have.
+  double expected_margin_m = 0.0;
 };
 
 struct Reached {
@@ -49,11 +56,6 @@ struct Reached {
   bool is_landable = false;
   nlohmann::json answer;
 };
-
-double PenaltyFor(const std::string& given, const std::string& stored) {
-  const bool is_same = given == stored && given != "unknown";
-  return is_same ? 0.0 : GlideOptions{}.datum_penalty_m;
-}
 
 BoundingBox BoxAround(const GeoPoint& place, double reach_m) {
   const double dlat_deg = reach_m / kMetresPerDegree;
@@ -115,20 +117,28 @@ GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& posit
   return start;
 }
 
+double StraightMargin(const EmergencyRequest& request,
+                      const Candidate& candidate,
+                      double within_m,
+                      const Aircraft& aircraft) {
+  const GlideStart start = StartOf(request, {0.0, 0.0, request.place.altitude_m});
+  const auto lost = LeastHeightLost(start, WayTo(candidate.row, request.place), within_m, aircraft);
+  if (!lost) return -std::numeric_limits<double>::infinity();
+  return request.place.altitude_m - candidate.datum_penalty_m - *lost -
+         candidate.row.data.altitude_m - aircraft.approach_height_m;
+}
+
 Candidate CandidateOf(const EmergencyRequest& request, RecallRow row, const Aircraft& aircraft) {
   Candidate candidate;
   const Eigen::Vector2d way = WayTo(row, request.place);
   candidate.distance_m = way.norm();
   candidate.bearing_deg = DegFromRad(HeadingOf(way));
-  candidate.datum_penalty_m = PenaltyFor(request.altitude_datum, row.data.altitude_datum);
+  candidate.datum_penalty_m = DatumPenalty(request.altitude_datum, row.data.altitude_datum);
   candidate.age_s = std::max(0.0, static_cast<double>(NowUs() - row.seen_at_us) * 1e-6);
   candidate.score = row.data.score * std::pow(0.5, candidate.age_s / kScoreHalfLifeS);
-  const GlideStart start = StartOf(request, {0.0, 0.0, request.place.altitude_m});
-  const auto lost = LeastHeightLost(start, way, kPlanShiftM, aircraft);
-  candidate.best_margin_m = lost ? request.place.altitude_m - candidate.datum_penalty_m - *lost -
-                                       row.data.altitude_m - aircraft.approach_height_m
-                                 : -std::numeric_limits<double>::infinity();
   candidate.row = std::move(row);
+  candidate.best_margin_m = StraightMargin(request, candidate, kPlanShiftM, aircraft);
+  candidate.expected_margin_m = StraightMargin(request, candidate, 0.0, aircraft);
   return candidate;
 }
 
@@ -152,6 +162,24 @@ bool IsBetter(double margin_a,
   return a.row.site_id < b.row.site_id;
 }
 
+// The order in which candidates are looked at: what is promising first, and of what is equally so
+// the nearest. What is out of reach comes last, least far out first.
+bool IsMorePromising(const Candidate& a, const Candidate& b) {
+  const bool is_a_in_reach = a.best_margin_m >= 0.0;
+  if (is_a_in_reach != (b.best_margin_m >= 0.0)) return is_a_in_reach;
+  if (!is_a_in_reach && a.best_margin_m != b.best_margin_m) {
+    return a.best_margin_m > b.best_margin_m;
+  }
+  const auto rank = [](const Candidate& candidate) {
+    return std::tuple(-MarginStep(candidate.expected_margin_m),
+                      !candidate.row.data.is_landable,
+                      -std::floor(candidate.score / kScoreStep),
+                      candidate.distance_m,
+                      std::string_view(candidate.row.site_id));
+  };
+  return rank(a) < rank(b);
+}
+
 std::vector<Candidate> Candidates(const Service& service,
                                   const EmergencyRequest& request,
                                   double reach_m) {
@@ -169,10 +197,7 @@ std::vector<Candidate> Candidates(const Service& service,
     if (!aircraft->second) continue;
     candidates.push_back(CandidateOf(request, std::move(row), *aircraft->second));
   }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return IsBetter(
-        a.best_margin_m, a.row.data.is_landable, a, b.best_margin_m, b.row.data.is_landable, b);
-  });
+  std::sort(candidates.begin(), candidates.end(), IsMorePromising);
   return candidates;
 }
 
@@ -180,32 +205,6 @@ nlohmann::json PlaceOf(const GeoPoint& place) {
   return {{"latitude_deg", place.latitude_deg},
           {"longitude_deg", place.longitude_deg},
           {"altitude_m", place.altitude_m}};
-}
-
-// Least height of the way over every stored map that it crosses, less the clearance; nothing where
-// it crosses none.
-std::optional<double> TerrainMargin(const Service& service,
-                                    const EmergencyRequest& request,
-                                    const GeoPoint& end) {
-  const double dlon_deg = std::remainder(end.longitude_deg - request.place.longitude_deg, 360.0);
-  const double west_deg = request.place.longitude_deg + std::min(0.0, dlon_deg);
-  const BoundingBox box{std::remainder(west_deg, 360.0),
-                        std::min(request.place.latitude_deg, end.latitude_deg),
-                        std::remainder(west_deg + std::abs(dlon_deg), 360.0),
-                        std::max(request.place.latitude_deg, end.latitude_deg)};
-  std::optional<double> least;
-  for (const Storage::MapRow& row : service.storage.ListMaps(box)) {
-    const auto site = service.maps.Get(service.storage, row.site_id, row.updated_at_us);
-    if (!site) continue;
-    const LocalFrame local_frame(site->replan.origin);
-    const auto height = LeastHeightOver(
-        site->site_map.map, local_frame.WorldFromGeo(request.place), local_frame.WorldFromGeo(end));
-    if (!height) continue;
-    const double margin = *height - GlideOptions{}.terrain_clearance_m -
-                          PenaltyFor(request.altitude_datum, row.altitude_datum);
-    if (!least || margin < *least) least = margin;
-  }
-  return least;
 }
 
 nlohmann::json ApproachOf(const Plan& plan, const FlightContext& context) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
@@ -24,9 +25,8 @@ std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
 
 size_t ParseLimit(const Call& call) {
   const double limit = call.QueryNumber("limit").value_or(kMaxNumListedSites);
-  if (limit < 1 || limit > kMaxNumListedSites ||
-      limit != static_cast<double>(static_cast<int>(limit))) {
-    throw ApiError("InvalidQuery", "limit: must be 1 to 1000", {{"limit", "must be 1 to 1000"}});
+  if (limit < 1 || limit > kMaxNumListedSites || limit != std::floor(limit)) {
+    throw ApiError("InvalidValue", "limit: must be 1 to 1000", {{"limit", "must be 1 to 1000"}});
   }
   return static_cast<size_t>(limit);
 }

@@ -67,6 +67,13 @@ SiteRow RowOf(const Statement& statement) {
   return Checked(site, statement, 9);
 }
 
+BoundingBox BoxOf(const Statement& statement, int first_column) {
+  return {statement.Real(first_column),
+          statement.Real(first_column + 1),
+          statement.Real(first_column + 2),
+          statement.Real(first_column + 3)};
+}
+
 RecallRow RecallRowOf(const Statement& statement) {
   RecallRow row;
   row.site_id = statement.Text(0);
@@ -241,19 +248,31 @@ std::optional<std::string> ReadMapBlob(const Connection& connection, const std::
   return statement.Text(0);
 }
 
-std::vector<RecallRow> ListRecallRows(const Connection& connection, const BoundingBox& box) {
-  std::vector<RecallRow> rows;
-  for (const BoundingBox& part : PlainBoxes(box)) {
-    Statement statement = connection.Prepare(
-        "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
-        "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum FROM "
-        "site_boxes "
-        "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
-        "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
-        "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1 AND "
-        "superseded_by IS NULL");
-    statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg);
-    while (statement.Step()) rows.push_back(RecallRowOf(statement));
+BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box) {
+  BoxCache<RecallRow>::Rows rows;
+  Statement statement = connection.Prepare(
+      "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
+      "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
+      "west_deg, south_deg, east_deg, north_deg FROM site_boxes "
+      "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
+      "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
+      "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1 AND "
+      "superseded_by IS NULL");
+  statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
+  while (statement.Step()) rows.push_back({BoxOf(statement, 12), RecallRowOf(statement)});
+  return rows;
+}
+
+BoxCache<Storage::MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
+  BoxCache<Storage::MapRow>::Rows rows;
+  Statement statement = connection.Prepare(
+      "SELECT sites.id, updated_at_us, altitude_datum, west_deg, south_deg, east_deg, north_deg "
+      "FROM site_boxes JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
+      "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
+      "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2");
+  statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
+  while (statement.Step()) {
+    rows.push_back({BoxOf(statement, 3), {statement.Text(0), statement.Int(1), statement.Text(2)}});
   }
   return rows;
 }

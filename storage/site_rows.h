@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "storage/box_cache.h"
 #include "storage/sqlite.h"
 #include "storage/storage.h"
 
@@ -25,7 +26,9 @@ std::vector<SiteRow> ListSiteRows(const Connection& connection,
                                   const std::optional<std::string>& flight_id,
                                   const std::optional<BoundingBox>& box);
 std::optional<std::string> ReadMapBlob(const Connection& connection, const std::string& site_id);
-std::vector<RecallRow> ListRecallRows(const Connection& connection, const BoundingBox& box);
+// Both for a box that does not cross the antimeridian.
+BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box);
+BoxCache<Storage::MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box);
 
 // Whether it was there. An R*Tree takes no foreign key, so its row is deleted here too.
 bool DeleteSiteRows(const Connection& writer, const std::string& site_id);

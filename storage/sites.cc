@@ -90,8 +90,7 @@ RecallBounds Storage::BoundsOfRecallable() const {
 }
 
 std::vector<RecallRow> Storage::ListRecallable(const BoundingBox& box) const {
-  return state_->ReadSites(
-      [&](const Connection& connection) { return ListRecallRows(connection, box); });
+  return state_->RowsWithin(state_->recall_rows, box, ListRecallRows);
 }
 
 int64_t Storage::CountRecallable() const {
@@ -109,10 +108,12 @@ int64_t Storage::CountOverruled(const BoundingBox& box) const {
     int64_t count = 0;
     for (const BoundingBox& part : PlainBoxes(box)) {
       Statement statement = connection.Prepare(
-          "SELECT count(*) FROM site_boxes JOIN site_numbers AS own USING (number) "
-          "JOIN sites ON sites.id = own.site_id "
-          "JOIN site_numbers AS newer ON newer.site_id = superseded_by "
-          "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
+          // In this order: few sites are superseded, many may lie in the box.
+          "SELECT count(*) FROM sites CROSS JOIN site_numbers AS own ON own.site_id = sites.id "
+          "CROSS JOIN site_boxes USING (number) "
+          "CROSS JOIN site_numbers AS newer ON newer.site_id = superseded_by "
+          "WHERE superseded_by IS NOT NULL AND site_boxes.west_deg <= ?3 AND site_boxes.east_deg "
+          ">= ?1 AND "
           "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND "
           "own.is_recallable = 1 AND newer.is_recallable = 0");
       statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg).Step();
@@ -133,21 +134,7 @@ void Storage::SetSupersededBy(const std::string& site_id,
 }
 
 std::vector<Storage::MapRow> Storage::ListMaps(const BoundingBox& box) const {
-  return state_->ReadSites([&](const Connection& connection) {
-    std::vector<MapRow> rows;
-    for (const BoundingBox& part : PlainBoxes(box)) {
-      Statement statement = connection.Prepare(
-          "SELECT sites.id, updated_at_us, altitude_datum FROM site_boxes "
-          "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
-          "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
-          "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2");
-      statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg);
-      while (statement.Step()) {
-        rows.push_back({statement.Text(0), statement.Int(1), statement.Text(2)});
-      }
-    }
-    return rows;
-  });
+  return state_->RowsWithin(state_->map_rows, box, ListMapRows);
 }
 
 bool Storage::DeleteSite(const std::string& site_id) {

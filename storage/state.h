@@ -4,6 +4,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -11,7 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "storage/box_cache.h"
 #include "storage/image_files.h"
+#include "storage/site_rows.h"
 #include "storage/sqlite.h"
 #include "storage/storage.h"
 
@@ -79,6 +82,22 @@ struct Storage::State {
     const Reader reader(copy_readers);
     return read(*reader);
   }
+  // Through the cache; both halves of a box that crosses the antimeridian.
+  template <typename Row>
+  std::vector<Row> RowsWithin(BoxCache<Row>& cache,
+                              const BoundingBox& box,
+                              typename BoxCache<Row>::Rows (*list)(const Connection&,
+                                                                   const BoundingBox&)) {
+    const uint64_t version = sites_version;
+    std::vector<Row> rows;
+    for (const BoundingBox& part : PlainBoxes(box)) {
+      std::vector<Row> some = cache.Within(part, version, [&](const BoundingBox& wide) {
+        return ReadSites([&](const Connection& connection) { return list(connection, wide); });
+      });
+      std::move(some.begin(), some.end(), std::back_inserter(rows));
+    }
+    return rows;
+  }
   // The same change of sites in both, each in a transaction.
   template <typename Write>
   void WriteSites(Write write) {
@@ -105,6 +124,8 @@ struct Storage::State {
   std::atomic<bool> is_damaged{false};
   // Changes when any site does.
   std::atomic<uint64_t> sites_version{1};
+  BoxCache<RecallRow> recall_rows;
+  BoxCache<Storage::MapRow> map_rows;
   std::mutex bounds_mutex;
   uint64_t bounds_version = 0;
   RecallBounds bounds;

@@ -43,18 +43,25 @@ cv::Mat DecodeJpeg(std::string_view bytes, const ImageHeader& header) {
   return image;
 }
 
-void CheckPngChunks(std::string_view bytes) {
+// Checked, and without what is not pixels: texts and profiles are deflated too, and a small one may
+// unpack to anything.
+std::string PixelChunks(std::string_view bytes) {
+  constexpr size_t kSignatureBytes = 8;
   const std::vector<PngChunk> chunks = PngChunks(bytes);
+  if (chunks.empty() || chunks.back().type != "IEND") throw Damaged("PNG: the end is missing");
+  std::string kept(bytes.substr(0, kSignatureBytes));
   for (const PngChunk& chunk : chunks) {
     if (!chunk.has_valid_crc) throw Damaged("PNG: a chunk does not match its checksum");
+    const bool is_needed = (chunk.type[0] & 0x20) == 0 || chunk.type == "tRNS";
+    // Length before, checksum behind: views of the same bytes.
+    if (is_needed) kept.append(chunk.type.data() - 4, chunk.payload.size() + 12);
   }
-  if (chunks.empty() || chunks.back().type != "IEND") throw Damaged("PNG: the end is missing");
+  return kept;
 }
 
 cv::Mat DecodePng(std::string_view bytes, const ImageHeader& header) {
-  CheckPngChunks(bytes);
-  const cv::Mat encoded(
-      1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+  std::string pixels = PixelChunks(bytes);
+  const cv::Mat encoded(1, static_cast<int>(pixels.size()), CV_8UC1, pixels.data());
   cv::Mat image;
   try {
     // As it is stored, EXIF orientation not applied; alpha comes as a fourth channel.

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <fstream>
 #include <memory>
 #include <set>
 #include <stdexcept>
@@ -91,24 +92,6 @@ std::optional<std::string> PathOf(archive_entry* entry) {
   return name;
 }
 
-// All that the directory tells, before anything is handed out.
-void CheckDirectory(const std::string& path, const ZipLimits& limits) {
-  const Archive opened = Open(path);
-  std::set<std::string> ids;
-  int num_entries = 0;
-  while (archive_entry* const entry = NextEntry(opened)) {
-    if (++num_entries > limits.max_entries) {
-      throw TooLarge("too many entries in the zip archive", limits.max_entries, num_entries);
-    }
-    const std::optional<std::string> path_in_zip = PathOf(entry);
-    if (!path_in_zip) continue;
-    const std::string id = IsSideFile(*path_in_zip) ? *path_in_zip : IdFromFileName(*path_in_zip);
-    if (!ids.insert(id).second) {
-      throw Refused("two entries of the zip archive have the id \"" + IdFromFileName(id) + "\"");
-    }
-  }
-}
-
 // Counts what comes out, since a directory may lie about sizes.
 class Allowance {
  public:
@@ -142,7 +125,51 @@ class Allowance {
   double total_ = 0.0;
 };
 
-std::string ReadEntry(const Archive& opened, Allowance& allowance) {
+// As the end of the directory says; a larger archive says it elsewhere, and is over any limit. The
+// library would read every entry before it tells of the first.
+int NumEntriesTold(const std::string& path) {
+  constexpr std::streamoff kMaxEndBytes = 22 + 65535;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  const std::streamoff begin = std::max<std::streamoff>(0, size - kMaxEndBytes);
+  std::string end(static_cast<size_t>(std::max<std::streamoff>(0, size - begin)), '\0');
+  file.seekg(begin);
+  file.read(end.data(), static_cast<std::streamsize>(end.size()));
+  const size_t at = end.rfind("PK\5\6");
+  // Without one the library decides.
+  if (at == std::string::npos || at + 12 > end.size()) return 0;
+  return static_cast<unsigned char>(end[at + 10]) | static_cast<unsigned char>(end[at + 11]) << 8;
+}
+
+void RefuseTooMany(int num_entries, const ZipLimits& limits) {
+  if (num_entries <= limits.max_entries) return;
+  throw TooLarge("too many entries in the zip archive", limits.max_entries, num_entries);
+}
+
+// All that the directory tells, before anything is handed out.
+void CheckDirectory(const std::string& path, const ZipLimits& limits) {
+  RefuseTooMany(NumEntriesTold(path), limits);
+  Allowance allowance(path, limits);
+  const Archive opened = Open(path);
+  std::set<std::string> ids;
+  int num_entries = 0;
+  while (archive_entry* const entry = NextEntry(opened)) {
+    RefuseTooMany(++num_entries, limits);
+    const std::optional<std::string> path_in_zip = PathOf(entry);
+    if (!path_in_zip) continue;
+    // An honest bomb says what it is.
+    const auto told = static_cast<size_t>(std::max<int64_t>(0, archive_entry_size(entry)));
+    allowance.Take(told, told);
+    const std::string id = IsSideFile(*path_in_zip) ? *path_in_zip : IdFromFileName(*path_in_zip);
+    if (!ids.insert(id).second) {
+      throw Refused("two entries of the zip archive have the id \"" + IdFromFileName(id) + "\"");
+    }
+  }
+}
+
+std::string ReadEntry(const Archive& opened, archive_entry* entry, Allowance& allowance) {
+  const bool is_told = archive_entry_size_is_set(entry) != 0;
+  const auto told = static_cast<size_t>(std::max<int64_t>(0, archive_entry_size(entry)));
   std::string bytes;
   std::string block(kReadBlockBytes, '\0');
   while (true) {
@@ -150,6 +177,9 @@ std::string ReadEntry(const Archive& opened, Allowance& allowance) {
     if (count == 0) return bytes;
     if (count < 0) throw Refused("an entry of the zip archive is damaged");
     allowance.Take(bytes.size() + static_cast<size_t>(count), static_cast<size_t>(count));
+    if (is_told && bytes.size() + static_cast<size_t>(count) > told) {
+      throw Refused("an entry of the zip archive is larger than its directory says");
+    }
     bytes.append(block.data(), static_cast<size_t>(count));
   }
 }
@@ -164,7 +194,7 @@ void ReadZip(const std::string& path,
   const Archive opened = Open(path);
   while (archive_entry* const next = NextEntry(opened)) {
     const std::optional<std::string> path_in_zip = PathOf(next);
-    if (path_in_zip) entry(*path_in_zip, ReadEntry(opened, allowance));
+    if (path_in_zip) entry(*path_in_zip, ReadEntry(opened, next, allowance));
   }
 }
 

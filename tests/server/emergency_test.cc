@@ -29,6 +29,18 @@ double MarginOf(httplib::Client& client, const std::string& path) {
   return answer["nearest_miss"]["arrival_margin_m"];
 }
 
+// An answer is cut short when planning takes too long; what was planned is kept, so that a busy
+// machine gets there in a few requests.
+nlohmann::json WholeAnswer(httplib::Client& client, const std::string& path) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(3);
+  nlohmann::json answer;
+  do {
+    answer = GetJson(client, path);
+  } while (answer["warnings"].dump().find("not every stored site") != std::string::npos &&
+           std::chrono::steady_clock::now() < deadline);
+  return answer;
+}
+
 TEST_CASE("emergency: a site in reach is told with its approach, margin and time") {
   const MeadowServer meadow(StoreAmslMeadow);
   const nlohmann::json answer = GetJson(*meadow.client, Query(600.0, kCalmNorth));
@@ -181,7 +193,7 @@ TEST_CASE("emergency: sites are ranked by margin, then verdict and score, up to 
     }
   });
   const nlohmann::json answer =
-      GetJson(*meadow.client, Query(900.0, std::string(kCalmNorth) + "&limit=3"));
+      WholeAnswer(*meadow.client, Query(900.0, std::string(kCalmNorth) + "&limit=3"));
   REQUIRE(answer["sites"].size() == 3);
   for (size_t i = 0; i < 3; ++i) {
     CHECK(answer["sites"][i]["rank"] == i + 1);

@@ -217,9 +217,9 @@ nlohmann::json GetJson(httplib::Client& client, const std::string& path) {
 }
 
 nlohmann::json AwaitJob(httplib::Client& client, const std::string& job) {
-  constexpr int kNumTries = 600;
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(5);
   nlohmann::json state;
-  for (int i = 0; i < kNumTries; ++i) {
+  while (std::chrono::steady_clock::now() < deadline) {
     state = GetJson(client, "/v1/jobs/" + job);
     if (state["state"] != "queued" && state["state"] != "running") break;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -91,7 +91,7 @@ httplib::Result PutFrame(httplib::Client& client,
                          const std::string& meta);
 nlohmann::json FrameList(httplib::Client& client, const std::string& flight);
 nlohmann::json GetJson(httplib::Client& client, const std::string& path);
-// The job when it is over, or after half a minute.
+// The job when it is over, or after five minutes: a machine may be busy.
 nlohmann::json AwaitJob(httplib::Client& client, const std::string& job);
 // Checks status, content type and code of a problem+json.
 void CheckProblem(const httplib::Result& result, int status, const std::string& code);

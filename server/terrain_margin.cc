@@ -1,0 +1,67 @@
+#include "server/terrain_margin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+namespace freelsd {
+namespace {
+
+// Maps on the way are looked for piece by piece: of one box around it most maps lie beside.
+constexpr double kMinPieceDeg = 0.004;
+constexpr int kMaxNumPieces = 16;
+
+// Stored maps that the straight way may cross, each once.
+std::vector<Storage::MapRow> MapsOnTheWay(const Service& service,
+                                          const GeoPoint& begin,
+                                          const GeoPoint& end) {
+  const double dlat_deg = end.latitude_deg - begin.latitude_deg;
+  const double dlon_deg = std::remainder(end.longitude_deg - begin.longitude_deg, 360.0);
+  const double length_deg = std::max(std::abs(dlat_deg), std::abs(dlon_deg));
+  const int num_pieces =
+      std::clamp(static_cast<int>(std::ceil(length_deg / kMinPieceDeg)), 1, kMaxNumPieces);
+  std::vector<Storage::MapRow> rows;
+  std::set<std::string> ids;
+  for (int i = 0; i < num_pieces; ++i) {
+    const double from = static_cast<double>(i) / num_pieces;
+    const double to = static_cast<double>(i + 1) / num_pieces;
+    const auto [south_deg, north_deg] =
+        std::minmax({begin.latitude_deg + from * dlat_deg, begin.latitude_deg + to * dlat_deg});
+    const auto [west_deg, east_deg] =
+        std::minmax({begin.longitude_deg + from * dlon_deg, begin.longitude_deg + to * dlon_deg});
+    const BoundingBox box{
+        std::remainder(west_deg, 360.0), south_deg, std::remainder(east_deg, 360.0), north_deg};
+    for (Storage::MapRow& row : service.storage.ListMaps(box)) {
+      if (ids.insert(row.site_id).second) rows.push_back(std::move(row));
+    }
+  }
+  return rows;
+}
+
+}  // namespace
+
+double DatumPenalty(const std::string& given, const std::string& stored) {
+  const bool is_same = given == stored && given != "unknown";
+  return is_same ? 0.0 : GlideOptions{}.datum_penalty_m;
+}
+
+std::optional<double> TerrainMargin(const Service& service,
+                                    const EmergencyRequest& request,
+                                    const GeoPoint& end) {
+  std::optional<double> least;
+  for (const Storage::MapRow& row : MapsOnTheWay(service, request.place, end)) {
+    const auto site = service.maps.Get(service.storage, row.site_id, row.updated_at_us);
+    if (!site) continue;
+    const LocalFrame local_frame(site->replan.origin);
+    const auto height = LeastHeightOver(
+        site->site_map.map, local_frame.WorldFromGeo(request.place), local_frame.WorldFromGeo(end));
+    if (!height) continue;
+    const double margin = *height - GlideOptions{}.terrain_clearance_m -
+                          DatumPenalty(request.altitude_datum, row.altitude_datum);
+    if (!least || margin < *least) least = margin;
+  }
+  return least;
+}
+
+}  // namespace freelsd

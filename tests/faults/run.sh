@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# Harms a real server and tells what became of it, as a Markdown table.
+#
+#   tests/faults/run.sh [--short | --long] [--rows NAME,...] [--sizes NAME=N,...] [--minutes N]
+#                       [--build DIR] [--out FILE]
+#
+#   --short    less than a minute, the default
+#   --long     the sizes of RESULTS.md: an hour; writes tests/faults/RESULTS.md unless --out says else
+#   --rows     only these rows of faults.py, by name
+#   --sizes    how often, instead of the form's number: kill=50
+#   --minutes  of the soak
+#   --build    a build with freelsd-server and freelsd-render, default build/release
+#
+# Needs python3 and g++ (for the clock). What cannot be done here is told as SKIPPED. Status 0 means
+# that no row failed.
+set -Eeuo pipefail
+here="$(cd "$(dirname "$0")" && pwd)"
+root="$(cd "$here/../.." && pwd)"
+build="$root/build/release"
+arguments=()
+out=""
+is_long=no
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --short) shift ;;
+    --long) is_long=yes; arguments+=(--long); shift ;;
+    --build) build="$(realpath "${2:?--build needs a folder}")"; shift 2 ;;
+    --out) out="${2:?--out needs a file}"; shift 2 ;;
+    --rows | --sizes | --minutes) arguments+=("$1" "${2:?$1 needs a value}"); shift 2 ;;
+    -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
+    *) echo "run.sh: unknown argument $1" >&2; exit 1 ;;
+  esac
+done
+if [ "$is_long" = yes ] && [ -z "$out" ]; then out="$here/RESULTS.md"; fi
+if [ -n "$out" ]; then arguments+=(--out "$out"); fi
+
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+if command -v g++ >/dev/null; then
+  g++ -shared -fPIC -O2 -o "$work/shifted_clock.so" "$here/shifted_clock.cc" -ldl
+  arguments+=(--clock "$work/shifted_clock.so")
+fi
+PYTHONDONTWRITEBYTECODE=1 python3 "$here/faults.py" --build "$build" "${arguments[@]}" &
+trap 'kill "$!" 2>/dev/null || true; rm -rf "$work"' EXIT
+wait "$!"

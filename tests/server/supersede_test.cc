@@ -1,0 +1,49 @@
+// The same ground flown over twice, from upload to recall.
+#include <map>
+
+#include <doctest/doctest.h>
+
+#include "tests/server/sample_flight.h"
+
+namespace freelsd {
+namespace {
+
+// Flights that the recalled sites are of, each with its number of sites.
+std::map<std::string, int> RecalledFlights(httplib::Client& client, const std::string& flight) {
+  const nlohmann::json sites = GetJson(client, "/v1/flights/" + flight + "/sites");
+  REQUIRE_FALSE(sites["features"].empty());
+  const nlohmann::json& place = sites["features"][0]["geometry"]["coordinates"];
+  const std::string path = "/v1/emergency?latitude_deg=" + place[1].dump() +
+                           "&longitude_deg=" + place[0].dump() +
+                           "&altitude_m=1500&altitude_datum=amsl&heading_deg=0&limit=50"
+                           "&wind_east_mps=0&wind_north_mps=0";
+  std::map<std::string, int> flights;
+  const nlohmann::json answer = GetJson(client, path);
+  for (const nlohmann::json& site : answer["sites"]) ++flights[site["flight_id"]];
+  return flights;
+}
+
+std::string FlyOver(httplib::Client& client) {
+  const std::string flight = PostSampleFlight(client, 0, kNumSampleFrames);
+  REQUIRE(AwaitJob(client, Finish(client, flight))["state"] == "done");
+  return flight;
+}
+
+TEST_CASE("supersede: ground seen by a second flight is recalled from that one, until it is gone") {
+  FreshServer fresh([](Config& config) { config.model = RealModel(); });
+  const std::string first = FlyOver(fresh.client);
+  const std::map<std::string, int> before = RecalledFlights(fresh.client, first);
+  REQUIRE(before.contains(first));
+  const std::string second = FlyOver(fresh.client);
+  const std::map<std::string, int> after = RecalledFlights(fresh.client, second);
+  CHECK_FALSE(after.contains(first));
+  REQUIRE(after.contains(second));
+  CHECK(after.at(second) == before.at(first));
+  // Both are still there to be read.
+  CHECK_FALSE(SiteIds(fresh.client, first).empty());
+  CHECK(fresh.client.Delete("/v1/flights/" + second + "?forget_sites=true")->status == 204);
+  CHECK(RecalledFlights(fresh.client, first) == before);
+}
+
+}  // namespace
+}  // namespace freelsd
