@@ -113,6 +113,16 @@ TEST_CASE("bad input: a zero quaternion is 422 with its place") {
   CHECK(result->body.find("/attitude/quaternion_wxyz") != std::string::npos);
 }
 
+TEST_CASE("bad input: a place a hundred kilometres from the flight's others is 422") {
+  StoredFlight stored;
+  const nlohmann::json meta = nlohmann::json::parse(SomeMeta(1));
+  const double latitude_deg = meta["position"]["latitude_deg"].get<double>() + 1.0;
+  const auto result =
+      stored.Put(NoiseImage(2), MetaWith("latitude_deg", std::to_string(latitude_deg)));
+  CheckProblem(result, 422, "InvalidValue");
+  CHECK(result->body.find("\"/position\"") != std::string::npos);
+}
+
 TEST_CASE("bad input: latitude 95 is 422 with its place") {
   StoredFlight stored;
   const auto result = stored.Put(NoiseImage(2), MetaWith("latitude_deg", "95"));
