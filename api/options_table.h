@@ -136,11 +136,16 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
   visit("max_reprojection_error_px",
         o.max_reprojection_error_px,
         "of observations kept after the first solve");
-  visit("refine_exif_intrinsics",
-        o.refine_exif_intrinsics,
-        "adjust focal length and k1 of an EXIF camera");
+  visit("refine_exif_intrinsics", o.refine_exif_intrinsics, "adjust the lens of an EXIF camera");
+  visit("min_num_lens_views",
+        o.min_num_lens_views,
+        "from which on more than focal length and k1 is adjusted");
   visit("focal_sd_ratio", o.focal_sd_ratio, "deviation of an EXIF focal length");
-  visit("radial_sd", o.radial_sd, "deviation of k1 of an EXIF camera");
+  visit("radial_sd", o.radial_sd, "deviation of k1 and k2 of an EXIF camera");
+  visit("tangential_sd", o.tangential_sd, "deviation of p1 and p2 of an EXIF camera");
+  visit("principal_point_sd_ratio",
+        o.principal_point_sd_ratio,
+        "deviation of an EXIF camera's principal point, share of the focal length");
   visit("readout_rate_sd_deg_s",
         o.readout_rate_sd_deg_s,
         "how fast the image may slide while a rolling shutter reads it");
