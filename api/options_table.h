@@ -61,6 +61,14 @@ void VisitFields(Of<TracksOptions> auto& o, Visitor&& visit) {
   visit("max_num_waiting_frames",
         o.max_num_waiting_frames,
         "frames that may wait for attitude or height");
+  visit("ground_matching_width_px",
+        o.ground_matching_width_px,
+        "width at which photographs are matched as seen from above");
+  visit("max_num_ground_keypoints", o.max_num_ground_keypoints, "per photograph seen from above");
+  visit("min_num_tie_matches", o.min_num_tie_matches, "that tie two groups of photographs");
+  visit("max_ground_error_ratio",
+        o.max_ground_error_ratio,
+        "how far off ground is looked for when tying groups, share of the height");
   visit("assume_ground_plane",
         o.assume_ground_plane,
         "take the ground as a plane below the aircraft");

@@ -92,8 +92,8 @@ struct AdjustedView {
   // Whether enough observations tie it to the others; without them the pose is only the prior.
   bool is_connected = false;
   // Connected views of one group are tied to one another by landmarks; two groups only by what the
-  // priors say of each.
-  int group = 0;
+  // priors say of each. Below zero where the view is not connected.
+  int group = -1;
   // Of the absolute position, along one axis; an approximation. What the priors have in common
   // (GPS drifts, so they count as four independent fixes at most; off by as much as the solved
   // block shows, if that is more than they claim) and what the view's own sightings leave open with
@@ -122,6 +122,8 @@ struct AdjustedBlock {
   std::string note;
 
   Camera CameraOf(size_t view) const { return camera.With(views[view].readout); }
+  // Views of the group with the most, ascending: what is one block.
+  std::vector<size_t> LargestGroup() const;
 };
 
 // Metric and georeferenced: the gauge comes from the priors. Throws std::invalid_argument on empty

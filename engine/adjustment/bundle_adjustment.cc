@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -143,7 +144,7 @@ AdjustedBlock PriorBlock(const std::vector<View>& views, const Camera& camera) {
                            view.readout,
                            view.height_above_ground,
                            false,
-                           0,
+                           -1,
                            view.position_sd_m,
                            {}});
   }
@@ -258,6 +259,18 @@ void AdjustmentOptions::Check() const {
           max_tilt_sd_deg,
           "must be in (0, 90]");
   Require(num_threads >= 1 && num_threads <= 64, "num_threads", num_threads, "must be in [1, 64]");
+}
+
+std::vector<size_t> AdjustedBlock::LargestGroup() const {
+  std::map<int, std::vector<size_t>> groups;
+  std::vector<size_t> largest;
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (!views[i].is_connected) continue;
+    std::vector<size_t>& group = groups[views[i].group];
+    group.push_back(i);
+    if (group.size() > largest.size()) largest = group;
+  }
+  return largest;
 }
 
 AdjustedBlock AdjustPoses(const std::vector<View>& views,

@@ -203,7 +203,7 @@ BlockVerdict JudgeBlock(const std::vector<View>& views,
                         const AdjustmentOptions& options) {
   BlockVerdict verdict;
   verdict.is_connected.assign(views.size(), false);
-  verdict.group.assign(views.size(), 0);
+  verdict.group.assign(views.size(), -1);
   int num_groups = 0;
   for (const View& view : views) verdict.position_sd_m.push_back(view.position_sd_m);
   const TracksOfViews seen = InlierTracks(views.size(), tracks);

@@ -10,7 +10,7 @@ namespace freelsd {
 
 struct BlockVerdict {
   std::vector<bool> is_connected;
-  // As AdjustedView::group; meaningless where the view is not connected.
+  // As AdjustedView::group.
   std::vector<int> group;
   // Per view, as AdjustedView::position_sd_m.
   std::vector<double> position_sd_m;
