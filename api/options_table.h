@@ -61,6 +61,14 @@ void VisitFields(Of<TracksOptions> auto& o, Visitor&& visit) {
   visit("max_num_waiting_frames",
         o.max_num_waiting_frames,
         "frames that may wait for attitude or height");
+  visit("ground_matching_width_px",
+        o.ground_matching_width_px,
+        "width at which photographs are matched as seen from above");
+  visit("max_num_ground_keypoints", o.max_num_ground_keypoints, "per photograph seen from above");
+  visit("min_num_tie_matches", o.min_num_tie_matches, "that tie two groups of photographs");
+  visit("max_ground_error_ratio",
+        o.max_ground_error_ratio,
+        "how far off ground is looked for when tying groups, share of the height");
   visit("assume_ground_plane",
         o.assume_ground_plane,
         "take the ground as a plane below the aircraft");
@@ -136,11 +144,16 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
   visit("max_reprojection_error_px",
         o.max_reprojection_error_px,
         "of observations kept after the first solve");
-  visit("refine_exif_intrinsics",
-        o.refine_exif_intrinsics,
-        "adjust focal length and k1 of an EXIF camera");
+  visit("refine_exif_intrinsics", o.refine_exif_intrinsics, "adjust the lens of an EXIF camera");
+  visit("min_num_lens_views",
+        o.min_num_lens_views,
+        "from which on more than focal length and k1 is adjusted");
   visit("focal_sd_ratio", o.focal_sd_ratio, "deviation of an EXIF focal length");
-  visit("radial_sd", o.radial_sd, "deviation of k1 of an EXIF camera");
+  visit("radial_sd", o.radial_sd, "deviation of k1 and k2 of an EXIF camera");
+  visit("tangential_sd", o.tangential_sd, "deviation of p1 and p2 of an EXIF camera");
+  visit("principal_point_sd_ratio",
+        o.principal_point_sd_ratio,
+        "deviation of an EXIF camera's principal point, share of the focal length");
   visit("readout_rate_sd_deg_s",
         o.readout_rate_sd_deg_s,
         "how fast the image may slide while a rolling shutter reads it");

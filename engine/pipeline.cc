@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engine/area_of_interest.h"
+#include "engine/tied_adjustment.h"
 
 namespace freelsd {
 namespace {
@@ -136,13 +137,14 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
 
 AdjustedBlock AdjustSelection(const Selection& selection,
                               const Camera& camera,
+                              const ImageSource& images,
                               const PipelineOptions& options,
                               std::vector<StageReport>& reports) {
   AdjustedBlock block;
   block.note = "fewer than two key-frames see the region";
   if (selection.views.size() < 2) return block;
   return Timed(reports, "bundle_adjustment", [&] {
-    return AdjustPoses(selection.views, camera, options.adjustment);
+    return AdjustAndTie(selection.views, camera, images, options.tracks, options.adjustment);
   });
 }
 
@@ -338,7 +340,8 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
   cancellable.Tell(0.0, "adjustment");
   const Box area = AreaOfInterest(regions, snapshot, aircraft, options);
   const Selection selection = SelectViews(snapshot, area, options);  // Sec. III-F
-  evaluation.block = AdjustSelection(selection, snapshot.rig.camera, options, evaluation.reports);
+  evaluation.block =
+      AdjustSelection(selection, snapshot.rig.camera, images, options, evaluation.reports);
   if (!evaluation.block.note.empty()) evaluation.warnings.push_back(evaluation.block.note);
   if (selection.num_seeing > selection.views.size()) {
     evaluation.warnings.push_back("of " + std::to_string(selection.num_seeing) +

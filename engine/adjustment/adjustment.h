@@ -22,17 +22,24 @@ struct AdjustmentOptions {
   double robust_loss_px = 1.5;
   // Observations farther off than this after the first solve are dropped before the second.
   double max_reprojection_error_px = 6.0;
-  // Where the intrinsics come from EXIF, focal length and first radial coefficient are refined
-  // within these deviations. Differs: the paper's cameras are calibrated.
+  // Where the intrinsics come from EXIF, the lens is refined within these deviations: focal length
+  // and first radial coefficient always, the second one, the tangential ones and the principal
+  // point (as a share of the focal length) from min_num_lens_views views on. Fewer cannot tell
+  // them from tilt. Differs: the paper's cameras are calibrated.
   bool refine_exif_intrinsics = true;
+  int min_num_lens_views = 20;
   double focal_sd_ratio = 0.05;
   double radial_sd = 0.1;
+  double tangential_sd = 0.01;
+  double principal_point_sd_ratio = 0.03;
   // How fast the image may slide or turn while a rolling shutter reads it, by rotation and by
   // flight past the ground together: the deviation from no motion. Differs: the paper's shutters
   // are global; a survey photograph may be displaced by a hundred pixels. Wider, and views that all
   // look down on flat ground stretch the block along their own axes.
   double readout_rate_sd_deg_s = 8.0;
   // Time of readout that is assumed where the camera is known from EXIF alone; 0: global shutter.
+  // Kept only where it explains more than its number of parameters would by chance (Schwarz): else
+  // it would bend a block that its photographs do not.
   double exif_readout_s = 0.03;
   int max_num_iterations = 30;
 
@@ -84,6 +91,9 @@ struct AdjustedView {
   double height_above_ground = 0.0;
   // Whether enough observations tie it to the others; without them the pose is only the prior.
   bool is_connected = false;
+  // Connected views of one group are tied to one another by landmarks; two groups only by what the
+  // priors say of each. Below zero where the view is not connected.
+  int group = -1;
   // Of the absolute position, along one axis; an approximation. What the priors have in common
   // (GPS drifts, so they count as four independent fixes at most; off by as much as the solved
   // block shows, if that is more than they claim) and what the view's own sightings leave open with
@@ -112,6 +122,8 @@ struct AdjustedBlock {
   std::string note;
 
   Camera CameraOf(size_t view) const { return camera.With(views[view].readout); }
+  // Views of the group with the most, ascending: what is one block.
+  std::vector<size_t> LargestGroup() const;
 };
 
 // Metric and georeferenced: the gauge comes from the priors. Throws std::invalid_argument on empty

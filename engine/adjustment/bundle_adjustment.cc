@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -39,6 +40,31 @@ size_t NumPoints(const std::vector<BlockTrack>& tracks) {
       tracks.begin(), tracks.end(), [](const BlockTrack& track) { return track.has_point; }));
 }
 
+// The readouts are kept where they are worth their parameters (Schwarz's criterion, with the scale
+// of the residuals unknown); otherwise the block as solved without.
+std::optional<SolvedBlock> WithReadoutsIfShown(const std::vector<View>& views,
+                                               const Camera& camera,
+                                               const SolvedBlock& with,
+                                               const AdjustmentOptions& options,
+                                               SolverSettings settings,
+                                               std::vector<BlockTrack>& tracks) {
+  settings.has_readouts = false;
+  BlockState start = with.state;
+  for (Readout& readout : start.readouts) readout = {};
+  std::vector<BlockTrack> tracks_without = tracks;
+  std::optional<SolvedBlock> without =
+      SolveBlock(views, camera, start, options, settings, tracks_without);
+  if (!without) return with;
+  const double num_residuals = with.num_residuals;
+  const double num_parameters = 3.0 * static_cast<double>(views.size());
+  if (num_residuals * std::log(without->cost / with.cost) >
+      num_parameters * std::log(num_residuals)) {
+    return with;
+  }
+  tracks = std::move(tracks_without);
+  return without;
+}
+
 // Rounds of solving with ever tighter gates; rounds wider than the start needs are left out. Empty
 // when the block does not hold together.
 std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
@@ -61,15 +87,16 @@ std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
       continue;
     }
     if (NumPoints(tracks) < kMinNumLandmarks) return std::nullopt;
-    const std::optional<BlockState> solved =
-        SolveBlock(views,
-                   start.camera,
-                   state,
-                   options,
-                   {round.loss_factor * options.robust_loss_px, round.function_tolerance},
-                   tracks);
+    const SolverSettings settings{round.loss_factor * options.robust_loss_px,
+                                  round.function_tolerance};
+    std::optional<SolvedBlock> solved =
+        SolveBlock(views, start.camera, state, options, settings, tracks);
+    const bool is_choice = IsReadoutUnknown(start.camera) && options.exif_readout_s > 0.0;
+    if (solved && is_last && is_choice) {
+      solved = WithReadoutsIfShown(views, start.camera, *solved, options, settings, tracks);
+    }
     if (!solved) return std::nullopt;
-    state = *solved;
+    state = solved->state;
   }
   MarkOutliers(state, options.max_reprojection_error_px, tracks);
   return state;
@@ -117,6 +144,7 @@ AdjustedBlock PriorBlock(const std::vector<View>& views, const Camera& camera) {
                            view.readout,
                            view.height_above_ground,
                            false,
+                           -1,
                            view.position_sd_m,
                            {}});
   }
@@ -144,6 +172,7 @@ void FillResult(const BlockState& state,
     block.views[i].world_from_camera = state.world_from_camera[i];
     block.views[i].readout = state.readouts[i];
     block.views[i].is_connected = true;
+    block.views[i].group = verdict.group[i];
     block.views[i].position_sd_m = verdict.position_sd_m[i];
   }
   block.position_sd_m = LargestPositionDeviation(block.views);
@@ -183,6 +212,12 @@ void AdjustmentOptions::Check() const {
           focal_sd_ratio,
           "must be in (0, 0.5]");
   Require(radial_sd > 0.0, "radial_sd", radial_sd, "must be positive");
+  Require(tangential_sd > 0.0, "tangential_sd", tangential_sd, "must be positive");
+  Require(principal_point_sd_ratio > 0.0 && principal_point_sd_ratio <= 0.5,
+          "principal_point_sd_ratio",
+          principal_point_sd_ratio,
+          "must be in (0, 0.5]");
+  Require(min_num_lens_views >= 1, "min_num_lens_views", min_num_lens_views, "must be >= 1");
   Require(readout_rate_sd_deg_s > 0.0 && readout_rate_sd_deg_s <= 360.0,
           "readout_rate_sd_deg_s",
           readout_rate_sd_deg_s,
@@ -224,6 +259,18 @@ void AdjustmentOptions::Check() const {
           max_tilt_sd_deg,
           "must be in (0, 90]");
   Require(num_threads >= 1 && num_threads <= 64, "num_threads", num_threads, "must be in [1, 64]");
+}
+
+std::vector<size_t> AdjustedBlock::LargestGroup() const {
+  std::map<int, std::vector<size_t>> groups;
+  std::vector<size_t> largest;
+  for (size_t i = 0; i < views.size(); ++i) {
+    if (!views[i].is_connected) continue;
+    std::vector<size_t>& group = groups[views[i].group];
+    group.push_back(i);
+    if (group.size() > largest.size()) largest = group;
+  }
+  return largest;
 }
 
 AdjustedBlock AdjustPoses(const std::vector<View>& views,

@@ -1,10 +1,11 @@
 // Residuals of the bundle adjustment, differentiated automatically.
 //
 // Parameter blocks: rotation world_from_camera (Eigen order x, y, z, w), position of the camera in
-// world (3), landmark in world (3), intrinsics (2: factor on the focal lengths, change of the first
-// radial coefficient), turn of the view during its readout (3).
+// world (3), landmark in world (3), lens (7, see LensParameter), turn of the view during its
+// readout (3).
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include <Eigen/Core>
@@ -13,6 +14,19 @@
 #include "engine/geometry/geometry.h"
 
 namespace freelsd {
+
+// What is refined of the lens: a factor on the focal lengths, changes of the radial and tangential
+// coefficients, and of the principal point as a share of the focal length.
+enum LensParameter {
+  kFocalFactor,
+  kRadial1,
+  kRadial2,
+  kTangential1,
+  kTangential2,
+  kPrincipalX,
+  kPrincipalY,
+  kNumLensParameters
+};
 
 struct ReprojectionResidual {
   ReprojectionResidual(const Camera* calibrated_camera, const Eigen::Vector2d& sighting)
@@ -23,25 +37,25 @@ struct ReprojectionResidual {
   bool operator()(const T* const rotation,
                   const T* const position,
                   const T* const landmark,
-                  const T* const intrinsics,
+                  const T* const lens,
                   const T* const turn,
                   T* residual) const {
     const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(rotation);
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(position), point(landmark);
+    const T cx = T(camera->cx_px) + camera->fx_px * lens[kPrincipalX];
+    const T cy = T(camera->cy_px) + camera->fy_px * lens[kPrincipalY];
     // The sighting's own row tells how far the camera had turned, by angles that are their own
     // sine.
-    const T share((point_in_image.y() - camera->cy_px) / camera->height_px);
+    const T share = (T(point_in_image.y()) - cy) / T(camera->height_px);
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> turn_in_camera(turn);
     Eigen::Matrix<T, 3, 1> x = world_from_camera.conjugate() * (point - camera_in_world);
     x -= share * turn_in_camera.cross(x);
     // A point that slips behind the camera during a step gives no finite projection.
     if (x.z() < T(1e-3)) return false;
     Eigen::Matrix<T, 2, 1> p(x.x() / x.z(), x.y() / x.z());
-    const T r2 = p.squaredNorm();
-    const Eigen::Matrix<T, 2, 1> extra = p * (intrinsics[1] * r2);
-    p = Distorted(p) + extra;
-    residual[0] = T(camera->fx_px) * intrinsics[0] * p.x() + T(camera->cx_px - point_in_image.x());
-    residual[1] = T(camera->fy_px) * intrinsics[0] * p.y() + T(camera->cy_px - point_in_image.y());
+    p = Distorted(p) + Change(p, lens);
+    residual[0] = T(camera->fx_px) * lens[kFocalFactor] * p.x() + cx - T(point_in_image.x());
+    residual[1] = T(camera->fy_px) * lens[kFocalFactor] * p.y() + cy - T(point_in_image.y());
     return true;
   }
 
@@ -49,6 +63,17 @@ struct ReprojectionResidual {
   Eigen::Vector2d point_in_image;
 
  private:
+  // By the change of the coefficients, which enter the model linearly.
+  template <typename T>
+  static Eigen::Matrix<T, 2, 1> Change(const Eigen::Matrix<T, 2, 1>& p, const T* const lens) {
+    const T r2 = p.squaredNorm();
+    const T radial = r2 * (lens[kRadial1] + r2 * lens[kRadial2]);
+    const T xy = T(2.0) * p.x() * p.y();
+    const T &p1 = lens[kTangential1], &p2 = lens[kTangential2];
+    return {p.x() * radial + p1 * xy + p2 * (r2 + T(2.0) * p.x() * p.x()),
+            p.y() * radial + p1 * (r2 + T(2.0) * p.y() * p.y()) + p2 * xy};
+  }
+
   double Coefficient(size_t i) const {
     return i < camera->coefficients.size() ? camera->coefficients[i] : 0.0;
   }
@@ -121,17 +146,17 @@ struct ReadoutPrior {
   double turn_sd;
 };
 
-// Intrinsics stay near what EXIF says.
-struct IntrinsicsPrior {
+// The lens stays near what is known of it.
+struct LensPrior {
   template <typename T>
-  bool operator()(const T* const intrinsics, T* residual) const {
-    residual[0] = (intrinsics[0] - T(1.0)) / T(focal_sd_ratio);
-    residual[1] = intrinsics[1] / T(radial_sd);
+  bool operator()(const T* const lens, T* residual) const {
+    for (int i = 0; i < kNumLensParameters; ++i) {
+      residual[i] = (lens[i] - T(i == kFocalFactor ? 1.0 : 0.0)) / T(sd[i]);
+    }
     return true;
   }
 
-  double focal_sd_ratio;
-  double radial_sd;
+  std::array<double, kNumLensParameters> sd;
 };
 
 }  // namespace freelsd

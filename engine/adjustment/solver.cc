@@ -1,6 +1,7 @@
 #include "engine/adjustment/solver.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -20,14 +21,31 @@ constexpr double kMinAttitudeSdDeg = 0.01;
 // Up to here a dense reduced system is solved faster than a sparse one.
 constexpr size_t kMaxNumDenseViews = 60;
 
-// Intrinsics, then rotation and position of each view, then the readout of each: everything but the
+// Change of the lens that was given to the one that a solution starts from.
+std::array<double, kNumLensParameters> LensChange(const Camera& given, const Camera& start) {
+  const auto change = [&](size_t i) {
+    const auto at = [i](const Camera& camera) {
+      return i < camera.coefficients.size() ? camera.coefficients[i] : 0.0;
+    };
+    return at(start) - at(given);
+  };
+  return {start.fx_px / given.fx_px,
+          change(0),
+          change(1),
+          change(2),
+          change(3),
+          (start.cx_px - given.cx_px) / given.fx_px,
+          (start.cy_px - given.cy_px) / given.fy_px};
+}
+
+// Lens, then rotation and position of each view, then the readout of each: everything but the
 // points, in one piece of memory: Ceres orders parameter blocks by address, and
 // sums, hence last digits, follow that order.
 class Parameters {
  public:
-  Parameters(const BlockState& start, const Camera& camera) : values_(2, 1.0) {
-    values_[0] = start.camera.fx_px / camera.fx_px;
-    values_[1] = FirstRadial(start.camera) - FirstRadial(camera);
+  Parameters(const BlockState& start, const Camera& camera) {
+    const std::array<double, kNumLensParameters> lens = LensChange(camera, start.camera);
+    values_.assign(lens.begin(), lens.end());
     for (const Rigid3d& world_from_camera : start.world_from_camera) {
       const auto& quaternion = world_from_camera.rotation.coeffs();
       values_.insert(values_.end(), quaternion.data(), quaternion.data() + 4);
@@ -39,18 +57,14 @@ class Parameters {
     }
   }
 
-  size_t num_views() const { return (values_.size() - 2) / 10; }
-  double* Intrinsics() { return values_.data(); }
-  double* Rotation(size_t view) { return values_.data() + 2 + 7 * view; }
+  size_t num_views() const { return (values_.size() - kNumLensParameters) / 10; }
+  double* Lens() { return values_.data(); }
+  double* Rotation(size_t view) { return values_.data() + kNumLensParameters + 7 * view; }
   double* Position(size_t view) { return Rotation(view) + 4; }
-  double* ReadoutOf(size_t view) { return values_.data() + 2 + 7 * num_views() + 3 * view; }
+  double* ReadoutOf(size_t view) { return Rotation(num_views()) + 3 * view; }
   const std::vector<double>& values() const { return values_; }
 
  private:
-  static double FirstRadial(const Camera& camera) {
-    return camera.coefficients.empty() ? 0.0 : camera.coefficients[0];
-  }
-
   std::vector<double> values_;
 };
 
@@ -74,24 +88,53 @@ void AddPriors(const std::vector<View>& views,
         parameters.Rotation(i));
     problem.SetManifold(parameters.Rotation(i), new ceres::EigenQuaternionManifold);
   }
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<IntrinsicsPrior, 2, 2>(
-                               new IntrinsicsPrior{options.focal_sd_ratio, options.radial_sd}),
-                           nullptr,
-                           parameters.Intrinsics());
+}
+
+// An equidistant lens has no EXIF tag: its intrinsics were measured.
+bool MayRefine(const Camera& camera, const AdjustmentOptions& options) {
+  return options.refine_exif_intrinsics && camera.source == CameraSource::kExif &&
+         camera.distortion != DistortionModel::kEquidistant;
+}
+
+void AddLens(const Camera& camera,
+             const AdjustmentOptions& options,
+             Parameters& parameters,
+             ceres::Problem& problem) {
+  problem.AddParameterBlock(parameters.Lens(), kNumLensParameters);
+  if (!MayRefine(camera, options)) {
+    problem.SetParameterBlockConstant(parameters.Lens());
+    return;
+  }
+  const double radial_sd = options.radial_sd, tangential_sd = options.tangential_sd;
+  const double principal_sd = options.principal_point_sd_ratio;
+  problem.AddResidualBlock(
+      new ceres::AutoDiffCostFunction<LensPrior, kNumLensParameters, kNumLensParameters>(
+          new LensPrior{{options.focal_sd_ratio,
+                         radial_sd,
+                         radial_sd,
+                         tangential_sd,
+                         tangential_sd,
+                         principal_sd,
+                         principal_sd}}),
+      nullptr,
+      parameters.Lens());
+  if (static_cast<int>(parameters.num_views()) >= options.min_num_lens_views) return;
+  problem.SetManifold(
+      parameters.Lens(),
+      new ceres::SubsetManifold(kNumLensParameters,
+                                {kRadial2, kTangential1, kTangential2, kPrincipalX, kPrincipalY}));
 }
 
 // How long a rolling shutter may take; 0 when all rows are exposed at once.
 double ReadoutSeconds(const Camera& camera, const AdjustmentOptions& options) {
-  const bool is_unknown = camera.source == CameraSource::kExif && camera.readout_s == 0.0;
-  return is_unknown ? options.exif_readout_s : camera.readout_s;
+  return IsReadoutUnknown(camera) ? options.exif_readout_s : camera.readout_s;
 }
 
-void AddReadouts(const Camera& camera,
+void AddReadouts(double readout_s,
                  const AdjustmentOptions& options,
                  Parameters& parameters,
                  ceres::Problem& problem) {
-  const double turn_sd =
-      ReadoutSeconds(camera, options) * RadFromDeg(options.readout_rate_sd_deg_s);
+  const double turn_sd = readout_s * RadFromDeg(options.readout_rate_sd_deg_s);
   for (size_t i = 0; i < parameters.num_views(); ++i) {
     problem.AddParameterBlock(parameters.ReadoutOf(i), 3);
     if (turn_sd == 0.0) {
@@ -105,47 +148,48 @@ void AddReadouts(const Camera& camera,
   }
 }
 
-void AddObservations(const Camera& camera,
-                     double loss_px,
-                     std::vector<BlockTrack>& tracks,
-                     Parameters& parameters,
-                     ceres::Problem& problem) {
+// How many residuals there are.
+int AddObservations(const Camera& camera,
+                    double loss_px,
+                    std::vector<BlockTrack>& tracks,
+                    Parameters& parameters,
+                    ceres::Problem& problem) {
   auto* loss = new ceres::CauchyLoss(loss_px);
+  int num_residuals = 0;
   for (BlockTrack& track : tracks) {
     if (!track.has_point) continue;
     for (const Sighting& sighting : track.sightings) {
       if (!sighting.is_inlier) continue;
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, 2, 3>(
+          new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, kNumLensParameters, 3>(
               new ReprojectionResidual(&camera, sighting.point_in_image)),
           loss,
           parameters.Rotation(sighting.view),
           parameters.Position(sighting.view),
           track.point_in_world.data(),
-          parameters.Intrinsics(),
+          parameters.Lens(),
           parameters.ReadoutOf(sighting.view));
+      num_residuals += 2;
     }
   }
+  return num_residuals;
 }
 
-// The camera with the refined factor and radial change applied.
-Camera Refined(const Camera& camera, const double* intrinsics) {
+// The camera with the change of its lens applied.
+Camera Refined(const Camera& camera, const double* lens) {
   Camera refined = camera;
-  refined.fx_px *= intrinsics[0];
-  refined.fy_px *= intrinsics[0];
-  if (intrinsics[1] == 0.0) return refined;
-  if (refined.distortion == DistortionModel::kNone) {
-    refined.distortion = DistortionModel::kRadTan;
-    refined.coefficients = {0.0, 0.0, 0.0, 0.0};
+  refined.fx_px *= lens[kFocalFactor];
+  refined.fy_px *= lens[kFocalFactor];
+  refined.cx_px += camera.fx_px * lens[kPrincipalX];
+  refined.cy_px += camera.fy_px * lens[kPrincipalY];
+  const double* coefficients = lens + kRadial1;
+  if (std::all_of(coefficients, coefficients + 4, [](double c) { return c == 0.0; })) {
+    return refined;
   }
-  refined.coefficients[0] += intrinsics[1];
+  refined.distortion = DistortionModel::kRadTan;
+  refined.coefficients.resize(std::max<size_t>(4, refined.coefficients.size()), 0.0);
+  for (size_t i = 0; i < 4; ++i) refined.coefficients[i] += coefficients[i];
   return refined;
-}
-
-// An equidistant lens has no EXIF tag: its intrinsics were measured.
-bool MayRefine(const Camera& camera, const AdjustmentOptions& options) {
-  return options.refine_exif_intrinsics && camera.source == CameraSource::kExif &&
-         camera.distortion != DistortionModel::kEquidistant;
 }
 
 ceres::Solver::Options SolverOptions(const AdjustmentOptions& options,
@@ -161,7 +205,7 @@ ceres::Solver::Options SolverOptions(const AdjustmentOptions& options,
     ordering->AddElementToGroup(parameters.Position(i), 1);
     ordering->AddElementToGroup(parameters.ReadoutOf(i), 1);
   }
-  ordering->AddElementToGroup(parameters.Intrinsics(), 1);
+  ordering->AddElementToGroup(parameters.Lens(), 1);
   ceres::Solver::Options solver;
   solver.linear_solver_ordering = ordering;
   solver.linear_solver_type =
@@ -192,28 +236,34 @@ AttitudeDeviation AttitudeDeviationOf(const View& view, const AdjustmentOptions&
           RadFromDeg(is_given ? given_sd_deg : options.estimated_yaw_sd_deg)};
 }
 
-std::optional<BlockState> SolveBlock(const std::vector<View>& views,
-                                     const Camera& camera,
-                                     const BlockState& start,
-                                     const AdjustmentOptions& options,
-                                     const SolverSettings& settings,
-                                     std::vector<BlockTrack>& tracks) {
+bool IsReadoutUnknown(const Camera& camera) {
+  return camera.source == CameraSource::kExif && camera.readout_s == 0.0;
+}
+
+std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
+                                      const Camera& camera,
+                                      const BlockState& start,
+                                      const AdjustmentOptions& options,
+                                      const SolverSettings& settings,
+                                      std::vector<BlockTrack>& tracks) {
   Parameters parameters(start, camera);
   ceres::Problem problem;
   AddPriors(views, options, parameters, problem);
-  AddReadouts(camera, options, parameters, problem);
-  AddObservations(camera, settings.loss_px, tracks, parameters, problem);
-  if (!MayRefine(camera, options)) problem.SetParameterBlockConstant(parameters.Intrinsics());
+  AddLens(camera, options, parameters, problem);
+  AddReadouts(
+      settings.has_readouts ? ReadoutSeconds(camera, options) : 0.0, options, parameters, problem);
+  const int num_residuals = AddObservations(camera, settings.loss_px, tracks, parameters, problem);
   ceres::Solver::Summary summary;
   ceres::Solve(SolverOptions(options, settings, tracks, parameters), &problem, &summary);
   if (!summary.IsSolutionUsable() || !IsFinite(parameters, tracks)) return std::nullopt;
-  if (parameters.Intrinsics()[0] <= 0.0) return std::nullopt;
-  BlockState solved{Refined(camera, parameters.Intrinsics()), {}, {}};
+  if (parameters.Lens()[kFocalFactor] <= 0.0) return std::nullopt;
+  SolvedBlock solved{
+      {Refined(camera, parameters.Lens()), {}, {}}, summary.final_cost, num_residuals};
   for (size_t i = 0; i < views.size(); ++i) {
-    solved.world_from_camera.push_back(
+    solved.state.world_from_camera.push_back(
         {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(parameters.Rotation(i))).normalized(),
          Eigen::Map<const Eigen::Vector3d>(parameters.Position(i))});
-    solved.readouts.push_back({Eigen::Map<const Eigen::Vector3d>(parameters.ReadoutOf(i))});
+    solved.state.readouts.push_back({Eigen::Map<const Eigen::Vector3d>(parameters.ReadoutOf(i))});
   }
   return solved;
 }

@@ -203,6 +203,8 @@ BlockVerdict JudgeBlock(const std::vector<View>& views,
                         const AdjustmentOptions& options) {
   BlockVerdict verdict;
   verdict.is_connected.assign(views.size(), false);
+  verdict.group.assign(views.size(), -1);
+  int num_groups = 0;
   for (const View& view : views) verdict.position_sd_m.push_back(view.position_sd_m);
   const TracksOfViews seen = InlierTracks(views.size(), tracks);
   const double pixel_sd = std::max(kMinPixelSd, RmsError(state, tracks) / std::sqrt(2.0));
@@ -222,9 +224,11 @@ BlockVerdict JudgeBlock(const std::vector<View>& views,
         std::min(kNumIndependentFixes, static_cast<double>(group.size()));
     for (const size_t view : group) {
       verdict.is_connected[view] = true;
+      verdict.group[view] = num_groups;
       verdict.position_sd_m[view] =
           std::sqrt(common_variance + OwnVariance(state, view, seen[view], tracks, pixel_sd));
     }
+    ++num_groups;
   }
   return verdict;
 }

@@ -10,6 +10,8 @@ namespace freelsd {
 
 struct BlockVerdict {
   std::vector<bool> is_connected;
+  // As AdjustedView::group.
+  std::vector<int> group;
   // Per view, as AdjustedView::position_sd_m.
   std::vector<double> position_sd_m;
   // As AdjustedBlock::tilt_sd_deg; of the worst group of connected views.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
@@ -27,6 +29,8 @@ constexpr int kSiftLayersPerOctave = 3;
 constexpr int kNumGridCells = 8;
 // Lowe's ratio of the nearest to the second nearest distance.
 constexpr double kMaxDistanceRatio = 0.85;
+// Of root descriptors of unrelated points, about.
+constexpr float kUnrelatedCosine = 0.75F;
 // Root-SIFT entries are in [0, 1] and rarely above one half: stored as bytes.
 constexpr double kDescriptorScale = 400.0;
 
@@ -108,6 +112,47 @@ std::vector<int> NearestPerRow(const Eigen::MatrixXf& cosines) {
     if (1.0 - best < limit) nearest[col] = best_row;
   }
   return nearest;
+}
+
+// The two most similar so far. A second is assumed from the start: nearby there may be none, and
+// points that have nothing to do with one another are this similar.
+struct BestTwo {
+  int index = -1;
+  float best = kUnrelatedCosine;
+  float second = kUnrelatedCosine;
+
+  void Offer(int candidate, float cosine) {
+    if (cosine > best) {
+      second = std::exchange(best, cosine);
+      index = candidate;
+    } else {
+      second = std::max(second, cosine);
+    }
+  }
+  bool IsClear() const {
+    return index >= 0 && 1.0 - best < kMaxDistanceRatio * kMaxDistanceRatio * (1.0 - second);
+  }
+};
+
+// Points by square cells as wide as a radius.
+using Buckets = std::map<std::pair<int, int>, std::vector<int>>;
+
+std::pair<int, int> CellOf(const Eigen::Vector2d& point, double width) {
+  return {static_cast<int>(std::floor(point.x() / width)),
+          static_cast<int>(std::floor(point.y() / width))};
+}
+
+// Of the nine cells about a place.
+std::vector<int> Nearby(const Buckets& buckets, const std::pair<int, int>& cell) {
+  std::vector<int> nearby;
+  for (int x = cell.first - 1; x <= cell.first + 1; ++x) {
+    for (int y = cell.second - 1; y <= cell.second + 1; ++y) {
+      const auto bucket = buckets.find({x, y});
+      if (bucket == buckets.end()) continue;
+      nearby.insert(nearby.end(), bucket->second.begin(), bucket->second.end());
+    }
+  }
+  return nearby;
 }
 
 }  // namespace
@@ -236,6 +281,36 @@ std::vector<IndexPair> MatchDescriptors(const cv::Mat& a, const cv::Mat& b) {
   for (int i = 0; i < a.rows; ++i) {
     const int j = b_of_a[i];
     if (j >= 0 && a_of_b[j] == i) matches.push_back({i, j});
+  }
+  return matches;
+}
+
+std::vector<IndexPair> MatchDescriptorsNear(const DescribedPoints& a,
+                                            const DescribedPoints& b,
+                                            double radius) {
+  if (a.points.empty() || b.points.empty()) return {};
+  const cv::Mat1f unit_a = UnitRows(a.descriptors), unit_b = UnitRows(b.descriptors);
+  Buckets buckets;
+  for (size_t j = 0; j < b.points.size(); ++j) {
+    buckets[CellOf(b.points[j], radius)].push_back(static_cast<int>(j));
+  }
+  std::vector<BestTwo> of_a(a.points.size()), of_b(b.points.size());
+  for (size_t i = 0; i < a.points.size(); ++i) {
+    const Eigen::Map<const Eigen::VectorXf> row_a(unit_a[static_cast<int>(i)], unit_a.cols);
+    for (const int j : Nearby(buckets, CellOf(a.points[i], radius))) {
+      if ((a.points[i] - b.points[static_cast<size_t>(j)]).norm() > radius) continue;
+      const float cosine = row_a.dot(Eigen::Map<const Eigen::VectorXf>(unit_b[j], unit_b.cols));
+      of_a[i].Offer(j, cosine);
+      of_b[static_cast<size_t>(j)].Offer(static_cast<int>(i), cosine);
+    }
+  }
+  std::vector<IndexPair> matches;
+  for (size_t i = 0; i < of_a.size(); ++i) {
+    if (!of_a[i].IsClear()) continue;
+    const BestTwo& back = of_b[static_cast<size_t>(of_a[i].index)];
+    if (back.index == static_cast<int>(i) && back.IsClear()) {
+      matches.push_back({static_cast<int>(i), of_a[i].index});
+    }
   }
   return matches;
 }

@@ -52,5 +52,9 @@ DescribedPoints DescribeKeypoints(const TrackingImage& image, const TracksOption
 
 // Mutual nearest neighbours that are clearly better than the second nearest.
 std::vector<IndexPair> MatchDescriptors(const cv::Mat& a, const cv::Mat& b);
+// The same among points that are within `radius` of one another.
+std::vector<IndexPair> MatchDescriptorsNear(const DescribedPoints& a,
+                                            const DescribedPoints& b,
+                                            double radius);
 
 }  // namespace freelsd

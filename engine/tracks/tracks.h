@@ -48,6 +48,14 @@ struct TracksOptions {
   double nadir_sd_deg = 8.0;
   // Frames that may wait for enough matches to find their attitude or height.
   int max_num_waiting_frames = 12;
+  // Photographs that see the same ground and yet hang together over no tracks are matched once more
+  // when their poses are adjusted: at this width, each as seen from straight above.
+  // Differs: the paper's video hangs together.
+  int ground_matching_width_px = 1200;
+  int max_num_ground_keypoints = 3000;
+  int min_num_tie_matches = 12;
+  // How far from its place the same ground may be seen, share of the height: poses and relief.
+  double max_ground_error_ratio = 0.15;
   // Take the ground as the plane below by height_above_ground (or below take-off). Paper: the
   // footnote's ground plane approximation.
   bool assume_ground_plane = false;
@@ -75,7 +83,8 @@ struct View {
   Rigid3d world_from_camera;
   Readout readout;
   // What the priors say of the camera, and their deviations: they stay what they were when
-  // world_from_camera is replaced, or every adjustment would take the last one's result for granted.
+  // world_from_camera is replaced, or every adjustment would take the last one's result for
+  // granted.
   Eigen::Vector3d prior_position_in_world = Eigen::Vector3d::Zero();
   Eigen::Quaterniond prior_world_from_camera = Eigen::Quaterniond::Identity();
   double position_sd_m = 2.0;
@@ -101,6 +110,16 @@ struct ReadyFrame {
   // Why it was given up, or what is worth a warning about it; often empty.
   std::string note;
 };
+
+// The views with tracks added that tie those of different groups (one number per view; below zero:
+// a view of no group) which see the same ground. The images, seen from straight above with the
+// poses and `camera` as adjusted, are matched near where the poses say: this finds what the first
+// matching could not (a strip of overlap, another heading). One image at a time is in memory.
+std::vector<View> TieOnGround(std::vector<View> views,
+                              const std::vector<int>& group,
+                              const Camera& camera,
+                              const ImageSource& images,
+                              const TracksOptions& options);
 
 // Remembers all views of one flight. Frames come in the order of flight. Not thread-safe.
 class Tracks {

@@ -39,6 +39,10 @@ void TracksOptions::Check() const {
       {"max_reprojection_error_px", max_reprojection_error_px, 0.1, 200.0},
       {"max_attitude_disagreement_deg", max_attitude_disagreement_deg, 5.0, 180.0},
       {"nadir_sd_deg", nadir_sd_deg, 0.5, 30.0},
+      {"ground_matching_width_px", static_cast<double>(ground_matching_width_px), 160, 8000},
+      {"max_num_ground_keypoints", static_cast<double>(max_num_ground_keypoints), 50, 20000},
+      {"min_num_tie_matches", static_cast<double>(min_num_tie_matches), 8, 1000},
+      {"max_ground_error_ratio", max_ground_error_ratio, 0.001, 1.0},
       {"max_num_waiting_frames", static_cast<double>(max_num_waiting_frames), 2, 200},
   };
   for (const Bound& bound : bounds) RequireInside(bound);

@@ -44,9 +44,9 @@ Correspondences TriangulateTargets(const AdjustedBlock& block,
                                    const std::vector<Sighting>& sightings) {
   std::map<std::string, std::vector<PosedRay>> rays;
   for (const Sighting& sighting : sightings) {
-    for (size_t i = 0; i < block.views.size(); ++i) {
+    for (const size_t i : block.LargestGroup()) {
       const AdjustedView& view = block.views[i];
-      if (view.frame_id != sighting.frame_id || !view.is_connected) continue;
+      if (view.frame_id != sighting.frame_id) continue;
       rays[sighting.target].push_back(
           {view.world_from_camera, block.CameraOf(i).NormalizedFromImage(sighting.point_in_image)});
     }

@@ -27,7 +27,7 @@ std::vector<Sighting> ReadSightings(const std::string& path);
 GeoPoint GeoFromBritishGrid(const Eigen::Vector3d& target);
 
 struct ControlErrors {
-  // Targets seen in two connected views or more.
+  // Targets seen in two views or more of the largest group: another group has a place of its own.
   int num_targets = 0;
   // Root mean squares, metres. Aligned: after the similarity that the other targets define.
   double aligned_horizontal_m = 0.0;

@@ -9,6 +9,7 @@
 
 #include "api/api.h"
 #include "api/import/import.h"
+#include "engine/tied_adjustment.h"
 
 namespace freelsd {
 namespace {
@@ -106,7 +107,9 @@ RecordedFlight AdjustRecordedFlight(const std::string& folder,
   frontend.Flush();
   const Snapshot snapshot = frontend.TakeSnapshot();
   flight.views = snapshot.views;
-  flight.block = AdjustPoses(snapshot.views, rig.camera, options.adjustment);
+  const ImageSource source = [&flight](const std::string& id) { return flight.images.at(id); };
+  flight.block =
+      AdjustAndTie(snapshot.views, rig.camera, source, options.tracks, options.adjustment);
   return flight;
 }
 

@@ -1,4 +1,5 @@
-// A recorded flight in process: its photographs through the frontend and one adjustment of all.
+// A recorded flight in process: its photographs through the frontend and one adjustment of all,
+// groups tied.
 #pragma once
 
 #include <map>

@@ -29,10 +29,11 @@ void PrintFlight(const std::string& name,
                  const PairAgreement& agreement) {
   int num_connected = 0;
   for (const AdjustedView& view : flight.block.views) num_connected += view.is_connected;
-  std::printf("| %s | %zu | %d | %.2f | %.0f | %.2f | %.2f | %.2f | %.2f |\n",
+  std::printf("| %s | %zu | %d | %zu | %.2f | %.0f | %.2f | %.2f | %.2f | %.2f |\n",
               name.c_str(),
               flight.images.size(),
               num_connected,
+              flight.block.LargestGroup().size(),
               flight.block.rms_after_px,
               flight.block.camera.fx_px,
               flight.block.position_sd_m,
@@ -66,8 +67,9 @@ void Run(const std::vector<std::string>& folders, const std::string& model) {
   const Classifier classifier = ReadClassifier(model);
   const PipelineOptions options;
   std::puts(
-      "| flight | photographs | in one block | reprojection px | focal length px | position sd m | "
-      "tilt sd deg | pairs differ by m, median | p90 |\n|---|---|---|---|---|---|---|---|---|");
+      "| flight | photographs | adjusted | in one block | reprojection px | focal length px | "
+      "position sd m | "
+      "tilt sd deg | pairs differ by m, median | p90 |\n|---|---|---|---|---|---|---|---|---|---|");
   std::vector<std::pair<std::string, ControlErrors>> controls;
   for (const std::string& folder : folders) {
     const std::string name = fs::path(folder).filename().string();

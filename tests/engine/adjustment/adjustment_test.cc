@@ -139,6 +139,38 @@ TEST_CASE("adjustment: an EXIF camera gets its focal length and first radial coe
   }
 }
 
+TEST_CASE(
+    "adjustment: a lens off its middle is found from twenty views on, and not bent into poses") {
+  SurveyOptions options;
+  options.gps_sd_m = 0.3;
+  SurveyMaker maker(options);
+  Survey survey = maker.Make();
+  Camera truth = survey.camera;
+  truth.cx_px += 9.0;
+  truth.cy_px -= 14.0;
+  truth.distortion = DistortionModel::kRadTan;
+  truth.coefficients = {-0.06, 0.03, 2e-3, -1.5e-3};
+  maker.Observe(truth, survey);
+  survey.camera.source = CameraSource::kExif;
+  const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+  REQUIRE(block.is_usable);
+  CHECK(block.rms_after_px < kMaxRmsPx);
+  // Principal point and tangential distortion make up for one another; together they are sharp.
+  for (const Eigen::Vector2d& corner :
+       {Eigen::Vector2d(20.0, 20.0), Eigen::Vector2d(980.0, 730.0)}) {
+    const Eigen::Vector2d error_normalized =
+        block.camera.NormalizedFromImage(corner) - truth.NormalizedFromImage(corner);
+    CHECK(error_normalized.norm() * truth.fx_px < 6.0);
+  }
+  AdjustmentOptions focal_only;
+  focal_only.min_num_lens_views = 25;
+  const AdjustedBlock bent = AdjustPoses(survey.views, survey.camera, focal_only);
+  CHECK(bent.camera.cx_px == survey.camera.cx_px);
+  CHECK(bent.rms_after_px > 1.05 * block.rms_after_px);
+  CHECK(CompareWithTruth(survey, block).max_attitude_deg <
+        0.5 * CompareWithTruth(survey, bent).max_attitude_deg);
+}
+
 TEST_CASE("adjustment: one GPS fix 40 m off does not bend the block") {
   SurveyOptions options;
   options.gps_sd_m = 0.5;
@@ -287,13 +319,13 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
     // same.
     const Eigen::Vector2d sighting = *pixel - Eigen::Vector2d(3.0, 0.0);
     const ReprojectionResidual residual(&camera, sighting);
-    const double intrinsics[2] = {1.0, 0.0};
+    const double lens[kNumLensParameters] = {1.0};
     const double turn[3] = {1e-4, -2e-4, 5e-5};
     double error[2];
     REQUIRE(residual(world_from_camera.rotation.coeffs().data(),
                      world_from_camera.translation.data(),
                      point.data(),
-                     intrinsics,
+                     lens,
                      turn,
                      error));
     CHECK(error[0] == doctest::Approx(3.0).epsilon(1e-4));
@@ -316,6 +348,39 @@ TEST_CASE(
   CHECK(block.rms_after_px < kMaxRmsPx);
   CHECK(CompareWithTruth(survey, block).max_attitude_deg <
         0.5 * CompareWithTruth(survey, taken_for_global).max_attitude_deg);
+}
+
+TEST_CASE("adjustment: a readout that nobody stated is kept where images show it, and only there") {
+  SurveyOptions options;
+  options.gps_sd_m = 0.5;
+  options.num_points = 700;
+  options.outlier_ratio = 0.02;
+  const auto block_of = [&](double readout_turn) {
+    options.readout_turn = readout_turn;
+    Survey survey = MakeSurvey(options);
+    survey.camera.source = CameraSource::kExif;
+    return AdjustPoses(survey.views, survey.camera, {});
+  };
+  const auto is_global = [](const AdjustedView& view) { return view.readout.IsGlobal(); };
+  const AdjustedBlock rolling = block_of(0.005);
+  CHECK(std::none_of(rolling.views.begin(), rolling.views.end(), is_global));
+  CHECK(rolling.rms_after_px < kMaxRmsPx);
+  const AdjustedBlock still = block_of(0.0);
+  CHECK(std::all_of(still.views.begin(), still.views.end(), is_global));
+  CHECK(still.rms_after_px < kMaxRmsPx);
+}
+
+TEST_CASE("adjustment: two surveys without a common landmark are two groups") {
+  SurveyOptions options;
+  options.num_points = 500;
+  options.outlier_ratio = 0.0;
+  Survey survey = MakeSurvey(options);
+  for (size_t i = 12; i < survey.views.size(); ++i) {
+    for (Observation& seen : survey.views[i].observations) seen.track_id += 100000;
+  }
+  const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+  REQUIRE(NumConnected(block) == 24);
+  for (size_t i = 0; i < block.views.size(); ++i) CHECK(block.views[i].group == (i < 12 ? 0 : 1));
 }
 
 TEST_CASE("adjustment: a second run on the first one's poses does not drift away from the priors") {
@@ -354,6 +419,9 @@ TEST_CASE("adjustment: Check names field, value and constraint") {
   refuses(&AdjustmentOptions::max_reprojection_error_px, -1.0);
   refuses(&AdjustmentOptions::focal_sd_ratio, 0.6);
   refuses(&AdjustmentOptions::radial_sd, 0.0);
+  refuses(&AdjustmentOptions::tangential_sd, 0.0);
+  refuses(&AdjustmentOptions::principal_point_sd_ratio, 0.6);
+  refuses(&AdjustmentOptions::min_num_lens_views, 0);
   refuses(&AdjustmentOptions::max_num_iterations, 0);
   refuses(&AdjustmentOptions::estimated_tilt_sd_deg, 0.0);
   refuses(&AdjustmentOptions::estimated_yaw_sd_deg, 181.0);
