@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 
 namespace freelsd {
@@ -31,6 +33,18 @@ cv::Rect BoundingCells(const Grid& grid, const Polygon& footprint) {
 }
 
 }  // namespace
+
+void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards) {
+  const cv::Size size(map.grid.num_cols, map.grid.num_rows);
+  const bool is_whole = map.elevation.size() == size && map.upper.size() == size &&
+                        hazards.slope.size() == size && hazards.roughness.size() == size &&
+                        hazards.grass.size() == size && hazards.hazard.size() == size &&
+                        hazards.distance.size() == size && map.standard_deviation.size() == size;
+  if (map.grid == hazards.grid && is_whole) return;
+  throw std::invalid_argument("approach.hazards: must be of the map's grid, " +
+                              std::to_string(size.height) + "x" + std::to_string(size.width) +
+                              " cells");
+}
 
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,

@@ -25,13 +25,20 @@ struct Entry {
   std::function<Contest()> prepare;
 };
 
+// Medians. Of two clocks: what passed, and what the processors worked for it, which other programs
+// on the same machine hardly disturb.
+struct Times {
+  double wall_ms = 0.0;
+  double processor_ms = 0.0;
+};
+
 struct Row {
   std::string name;
   std::string size;
   int threads = 1;
-  double median_ms = 0.0;
+  Times engine;
   std::string baseline;
-  double baseline_ms = 0.0;
+  Times plain;
 };
 
 // Median of `num_runs` of each, in turns, so that both meet the same machine; one run of each
@@ -42,6 +49,7 @@ Row Measure(const Contest& contest, int num_runs, int threads);
 void Consume(double value);
 
 std::vector<Entry> FrontendEntries(const std::string& model_text);
-std::vector<Entry> BackendEntries(const std::string& model_text);
+std::vector<Entry> ReconstructionEntries(const std::string& model_text);
+std::vector<Entry> MapEntries();
 
 }  // namespace freelsd
