@@ -46,6 +46,7 @@ Json JsonOf(const Row& row) {
             {"baseline_processor_ms", nullptr},
             {"ratio", nullptr},
             {"processor_ratio", nullptr}};
+  if (!row.note.empty()) json["note"] = row.note;
   if (row.baseline.empty()) return json;
   json["baseline"] = row.baseline;
   json["baseline_ms"] = row.plain.wall_ms;
@@ -69,6 +70,7 @@ void PrintRow(const Row& row) {
                 row.baseline.c_str());
   }
   std::printf("\n");
+  if (!row.note.empty()) std::printf("%-18s %s\n", "", row.note.c_str());
   std::fflush(stdout);
 }
 

@@ -51,7 +51,13 @@ Row Measure(const Contest& contest, int num_runs, int threads) {
     engine.Run(contest.engine);
     if (contest.plain) plain.Run(contest.plain);
   }
-  return {contest.name, contest.size, threads, engine.Medians(), contest.baseline, plain.Medians()};
+  return {contest.name,
+          contest.size,
+          threads,
+          engine.Medians(),
+          contest.baseline,
+          plain.Medians(),
+          contest.note};
 }
 
 }  // namespace freelsd

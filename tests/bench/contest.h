@@ -17,6 +17,8 @@ struct Contest {
   std::function<void()> plain;
   // What one run holds of the unit that is reported: frames, pairs.
   double num_units = 1.0;
+  // How good the answers of both are, where that is not the same.
+  std::string note = {};
 };
 
 // A contest by name; what it works on is made only when it is wanted.
@@ -39,6 +41,7 @@ struct Row {
   Times engine;
   std::string baseline;
   Times plain;
+  std::string note;
 };
 
 // Median of `num_runs` of each, in turns, so that both meet the same machine; one run of each
