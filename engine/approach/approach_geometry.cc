@@ -64,16 +64,21 @@ WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
   if (!wind_in_world->allFinite()) {
     throw std::invalid_argument("approach.wind_in_world: must be finite");
   }
+  const double speed = wind_in_world->norm();
+  if (speed >= options.calm_wind_mps) return AgainstWind(*wind_in_world, speed, aircraft);
   wind.is_known = true;
-  wind.wind_speed = wind_in_world->norm();
-  if (wind.wind_speed < options.calm_wind_mps) {
-    wind.headings = AllHeadings(options.heading_step_deg);
-    wind.scenarios = {{calm.approach_distance, LoiterRadius(aircraft, wind.wind_speed)}};
-    return wind;
-  }
-  wind.headings = {HeadingOf(-*wind_in_world)};  // downwind start, into the wind
-  wind.scenarios = {
-      {ApproachDistance(aircraft, wind.wind_speed), LoiterRadius(aircraft, wind.wind_speed)}};
+  wind.wind_speed = speed;
+  wind.headings = AllHeadings(options.heading_step_deg);
+  wind.scenarios = {{calm.approach_distance, LoiterRadius(aircraft, speed)}};
+  return wind;
+}
+
+WindCase AgainstWind(const Eigen::Vector2d& towards, double wind_speed, const Aircraft& aircraft) {
+  WindCase wind;
+  wind.is_known = true;
+  wind.wind_speed = wind_speed;
+  wind.headings = {HeadingOf(-towards)};  // downwind start, into the wind
+  wind.scenarios = {{ApproachDistance(aircraft, wind_speed), LoiterRadius(aircraft, wind_speed)}};
   wind.is_too_strong = wind.scenarios.front().approach_distance <= 0.0;
   return wind;
 }

@@ -28,6 +28,9 @@ WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,
                       const ApproachOptions& options);
 
+// One that blows towards a direction, flown against whatever its speed.
+WindCase AgainstWind(const Eigen::Vector2d& towards, double wind_speed, const Aircraft& aircraft);
+
 // Start of the final, circle's centre and sizes; what needs a map is left empty.
 Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,
                       double heading,

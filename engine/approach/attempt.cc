@@ -35,22 +35,58 @@ Approach ApproachOf(const Attempt& attempt,
                       context.aircraft.approach_height_m);
 }
 
+CellsBelow Below(const Touchdown& touchdown, const AttemptContext& context) {
+  const ClearanceSurface& surface = context.surface;
+  return {surface,
+          touchdown.row - surface.first_row,
+          touchdown.col - surface.first_col,
+          touchdown.place_in_world.z()};
+}
+
+bool IsRollFreeAtAGlance(const Attempt& attempt, const AttemptContext& context) {
+  return Below(attempt.touchdown, context)
+      .IsRollFree(context.cells[attempt.heading_index].ground_roll);
+}
+
+PathCheck FinalOf(const Attempt& attempt,
+                  size_t scenario,
+                  const AttemptContext& context,
+                  Depth depth) {
+  if (depth == Depth::kUntilFailure) {
+    const PathCells& cells = context.cells[attempt.heading_index].scenarios[scenario];
+    const auto glance = Below(attempt.touchdown, context).GlanceAlongFinal(cells);
+    if (glance) return *glance;
+  }
+  const Approach approach = ApproachOf(attempt, context, context.wind.scenarios[scenario]);
+  return CheckFinal(approach, context.surface, context.aircraft, context.options, depth);
+}
+
 PathCheck FinalOf(const Attempt& attempt, const AttemptContext& context, Depth depth) {
   PathCheck check;
-  for (const WindScenario& scenario : context.wind.scenarios) {
-    const Approach approach = ApproachOf(attempt, context, scenario);
-    check = Worse(check,
-                  CheckFinal(approach, context.surface, context.aircraft, context.options, depth));
+  for (size_t scenario = 0; scenario < context.wind.scenarios.size(); ++scenario) {
+    check = Worse(check, FinalOf(attempt, scenario, context, depth));
     if (depth == Depth::kUntilFailure && check.clear_ratio < 1.0) break;
   }
   return check;
 }
 
+PathCheck CircleOf(const Attempt& attempt,
+                   size_t scenario,
+                   const AttemptContext& context,
+                   Depth depth) {
+  if (depth == Depth::kUntilFailure) {
+    const PathCells& cells = context.cells[attempt.heading_index].scenarios[scenario];
+    return Below(attempt.touchdown, context)
+        .CheckCircle(cells, attempt.direction, context.aircraft.approach_height_m);
+  }
+  const Approach approach = ApproachOf(attempt, context, context.wind.scenarios[scenario]);
+  return CheckCircle(approach, context.surface, context.aircraft);
+}
+
 PathCheck CircleOf(const Attempt& attempt, const AttemptContext& context, Depth depth) {
   PathCheck check;
-  for (const WindScenario& scenario : context.wind.scenarios) {
-    const Approach approach = ApproachOf(attempt, context, scenario);
-    check = Worse(check, CheckCircle(approach, context.surface, context.aircraft, depth));
+  for (size_t scenario = 0; scenario < context.wind.scenarios.size(); ++scenario) {
+    check = Worse(check, CircleOf(attempt, scenario, context, depth));
     if (depth == Depth::kUntilFailure && check.obstacle) break;
   }
   return check;
@@ -113,15 +149,18 @@ std::string DescribeRoll(const RollHazard& hazard) {
 }  // namespace
 
 Attempt Try(const Touchdown& touchdown,
-            double heading,
+            size_t heading_index,
             const AttemptContext& context,
             Depth depth) {
   const bool is_thorough = depth == Depth::kEverything;
   Attempt attempt;
   attempt.touchdown = touchdown;
-  attempt.heading = heading;
-  attempt.roll_hazard =
-      CheckGroundRoll(touchdown.place_in_world, heading, context.surface, context.aircraft);
+  attempt.heading_index = heading_index;
+  attempt.heading = context.wind.headings[heading_index];
+  if (is_thorough || !IsRollFreeAtAGlance(attempt, context)) {
+    attempt.roll_hazard = CheckGroundRoll(
+        touchdown.place_in_world, attempt.heading, context.surface, context.aircraft);
+  }
   if (!ReasonOf(attempt) || is_thorough) attempt.final_path = FinalOf(attempt, context, depth);
   if (!ReasonOf(attempt) || is_thorough) attempt = WithCircle(std::move(attempt), context, depth);
   attempt.reason = ReasonOf(attempt);
@@ -140,10 +179,9 @@ bool IsBetter(const Attempt& a, const Attempt& b) {
 }
 
 Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context) {
-  const std::vector<double>& headings = context.wind.headings;
-  Attempt best = Try(touchdown, headings.front(), context, Depth::kUntilFailure);
-  for (size_t i = 1; i < headings.size(); ++i) {
-    const Attempt attempt = Try(touchdown, headings[i], context, Depth::kUntilFailure);
+  Attempt best = Try(touchdown, 0, context, Depth::kUntilFailure);
+  for (size_t i = 1; i < context.wind.headings.size(); ++i) {
+    const Attempt attempt = Try(touchdown, i, context, Depth::kUntilFailure);
     if (IsBetter(attempt, best)) best = attempt;
   }
   return best;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "engine/approach/path_check.h"
+#include "engine/approach/path_cells.h"
 #include "engine/approach/touchdown.h"
 
 namespace freelsd {
@@ -15,10 +15,14 @@ struct AttemptContext {
   const WindCase& wind;
   const Aircraft& aircraft;
   const ApproachOptions& options;
+  // One per heading of the wind.
+  const std::vector<HeadingCells>& cells;
 };
 
 struct Attempt {
   Touchdown touchdown;
+  // Among the wind's.
+  size_t heading_index = 0;
   double heading = 0.0;
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reason;
@@ -29,7 +33,10 @@ struct Attempt {
   PathCheck circle;
 };
 
-Attempt Try(const Touchdown& touchdown, double heading, const AttemptContext& context, Depth depth);
+Attempt Try(const Touchdown& touchdown,
+            size_t heading_index,
+            const AttemptContext& context,
+            Depth depth);
 
 // Of all headings the best attempt.
 Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context);

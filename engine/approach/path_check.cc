@@ -85,17 +85,6 @@ double AlongStep(const ClearanceSurface& surface, const ApproachOptions& options
   return std::min(options.path_step_m, kAlongSpacing * surface.cell_size);
 }
 
-PathCheck WithObstacle(PathCheck check, const Obstacle& nearest) {
-  check.min_clearance = std::min(check.min_clearance, nearest.clearance);
-  if (nearest.wanted > 0.0) {
-    check.min_clearance_ratio =
-        std::min(check.min_clearance_ratio, nearest.clearance / nearest.wanted);
-  }
-  if (nearest.Deficit() <= 0.0) return check;
-  if (!check.obstacle || nearest.Deficit() > check.obstacle->Deficit()) check.obstacle = nearest;
-  return check;
-}
-
 bool HasFailed(const PathCheck& check) { return check.obstacle || check.num_unseen_steps > 0; }
 
 // The highest cell of the corridor about a place.
@@ -117,6 +106,53 @@ Eigen::Vector3d HighestAround(const Eigen::Vector2d& place, const ClearanceSurfa
 
 }  // namespace
 
+std::vector<double> FinalSteps(const ClearanceSurface& surface,
+                               const WindScenario& scenario,
+                               const Aircraft& aircraft,
+                               const ApproachOptions& options) {
+  return Steps(
+      aircraft.touchdown_uncertainty_m, scenario.approach_distance, AlongStep(surface, options));
+}
+
+double WantedClearance(double distance,
+                       double path_height,
+                       const ClearanceSurface& surface,
+                       const Aircraft& aircraft) {
+  return std::min(aircraft.safety_margin_m, kShareOfPathHeight * path_height) +
+         surface.lean * distance;
+}
+
+int NumCircleSteps(double radius, const ClearanceSurface& surface) {
+  return std::max(4, static_cast<int>(std::ceil(2.0 * kPi * radius / surface.circle_step)));
+}
+
+std::vector<RollSample> RollSamples(double heading,
+                                    const ClearanceSurface& surface,
+                                    const Aircraft& aircraft) {
+  std::vector<RollSample> samples;
+  if (aircraft.ground_roll_m <= 0.0) return samples;
+  const Corridor corridor = MakeCorridor(heading, aircraft.path_half_width_m, surface);
+  const Eigen::Vector2d forward = DirectionOf(heading);
+  const double end = aircraft.ground_roll_m + surface.HalfDiagonal();
+  for (double distance : Steps(0.0, end, kAlongSpacing * surface.cell_size)) {
+    for (int i = -corridor.num_each_side; i <= corridor.num_each_side; ++i) {
+      samples.push_back({distance * forward + (i * corridor.spacing) * corridor.across, distance});
+    }
+  }
+  return samples;
+}
+
+PathCheck WithObstacle(PathCheck check, const Obstacle& nearest) {
+  check.min_clearance = std::min(check.min_clearance, nearest.clearance);
+  if (nearest.wanted > 0.0) {
+    check.min_clearance_ratio =
+        std::min(check.min_clearance_ratio, nearest.clearance / nearest.wanted);
+  }
+  if (nearest.Deficit() <= 0.0) return check;
+  if (!check.obstacle || nearest.Deficit() > check.obstacle->Deficit()) check.obstacle = nearest;
+  return check;
+}
+
 PathCheck Worse(const PathCheck& a, const PathCheck& b) {
   PathCheck worse = a.UnseenRatio() >= b.UnseenRatio() ? a : b;
   worse.min_clearance = std::min(a.min_clearance, b.min_clearance);
@@ -137,15 +173,13 @@ PathCheck CheckFinal(const Approach& approach,
   const Corridor corridor = MakeCorridor(approach.heading, aircraft.path_half_width_m, surface);
   const Eigen::Vector2d forward = DirectionOf(approach.heading);
   const double slope = approach.approach_height / approach.approach_distance;
-  const double step = AlongStep(surface, options);
+  const WindScenario scenario{approach.approach_distance, approach.loiter_radius};
   PathCheck check;
-  for (double distance :
-       Steps(aircraft.touchdown_uncertainty_m, approach.approach_distance, step)) {
+  for (double distance : FinalSteps(surface, scenario, aircraft, options)) {
     const Eigen::Vector2d place = approach.touchdown_in_world.head<2>() - distance * forward;
     const double path = slope * distance;
     const double height = approach.touchdown_in_world.z() + path;
-    const double wanted =
-        std::min(aircraft.safety_margin_m, kShareOfPathHeight * path) + surface.lean * distance;
+    const double wanted = WantedClearance(distance, path, surface, aircraft);
     if (depth == Depth::kUntilFailure) {
       const Slice glance = GlanceAt(place, surface);
       const double clearance = height - glance.height;
@@ -176,11 +210,9 @@ PathCheck CheckFinal(const Approach& approach,
 
 PathCheck CheckCircle(const Approach& approach,
                       const ClearanceSurface& surface,
-                      const Aircraft& aircraft,
-                      Depth depth) {
+                      const Aircraft& aircraft) {
   PathCheck check;
-  const double circumference = 2.0 * kPi * approach.loiter_radius;
-  check.num_steps = std::max(4, static_cast<int>(std::ceil(circumference / surface.circle_step)));
+  check.num_steps = NumCircleSteps(approach.loiter_radius, surface);
   const Eigen::Vector2d center = approach.loiter_center_in_world.head<2>();
   const double height = approach.loiter_center_in_world.z();
   const Eigen::Rotation2Dd one_step(2.0 * kPi / check.num_steps);
@@ -207,11 +239,9 @@ PathCheck CheckCircle(const Approach& approach,
     is_something_seen = true;
     nearest = here;
     worst_place = place;
-    if (nearest.Deficit() > 0.0 && depth == Depth::kUntilFailure) break;
   }
   if (!is_something_seen) return check;
-  if (nearest.Deficit() > 0.0 && depth == Depth::kEverything)
-    nearest.place_in_world = HighestAround(worst_place, surface);
+  if (nearest.Deficit() > 0.0) nearest.place_in_world = HighestAround(worst_place, surface);
   return WithObstacle(check, nearest);
 }
 
@@ -219,18 +249,11 @@ std::optional<RollHazard> CheckGroundRoll(const Eigen::Vector3d& touchdown_in_wo
                                           double heading,
                                           const ClearanceSurface& surface,
                                           const Aircraft& aircraft) {
-  if (aircraft.ground_roll_m <= 0.0) return std::nullopt;
-  const Corridor corridor = MakeCorridor(heading, aircraft.path_half_width_m, surface);
-  const Eigen::Vector2d forward = DirectionOf(heading);
-  const double end = aircraft.ground_roll_m + surface.HalfDiagonal();
-  for (double distance : Steps(0.0, end, kAlongSpacing * surface.cell_size)) {
-    const Eigen::Vector2d place = touchdown_in_world.head<2>() + distance * forward;
-    for (int i = -corridor.num_each_side; i <= corridor.num_each_side; ++i) {
-      const Eigen::Vector2d sample = place + (i * corridor.spacing) * corridor.across;
-      const int row = surface.RowAt(sample.y()), col = surface.ColAt(sample.x());
-      const int hazard = surface.IsInside(row, col) ? surface.hazard(row, col) : uchar{kUnseen};
-      if (hazard != kFree) return RollHazard{sample, distance, hazard == kUnseen};
-    }
+  for (const RollSample& sample : RollSamples(heading, surface, aircraft)) {
+    const Eigen::Vector2d place = touchdown_in_world.head<2>() + sample.from_touchdown;
+    const int row = surface.RowAt(place.y()), col = surface.ColAt(place.x());
+    const int hazard = surface.IsInside(row, col) ? surface.hazard(row, col) : uchar{kUnseen};
+    if (hazard != kFree) return RollHazard{place, sample.distance, hazard == kUnseen};
   }
   return std::nullopt;
 }

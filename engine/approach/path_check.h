@@ -41,6 +41,30 @@ struct PathCheck {
   }
 };
 
+// Distances to touchdown at which the final is checked, ascending, both ends included.
+std::vector<double> FinalSteps(const ClearanceSurface& surface,
+                               const WindScenario& scenario,
+                               const Aircraft& aircraft,
+                               const ApproachOptions& options);
+// Clearance wanted of the final at a distance to touchdown (spec 3.6), where the path is so high
+// over touchdown.
+double WantedClearance(double distance,
+                       double path_height,
+                       const ClearanceSurface& surface,
+                       const Aircraft& aircraft);
+// Steps around a circle: about circle_step long.
+int NumCircleSteps(double radius, const ClearanceSurface& surface);
+// Places that the ground roll is checked at, from touchdown outward.
+struct RollSample {
+  Eigen::Vector2d from_touchdown = Eigen::Vector2d::Zero();
+  double distance = 0.0;
+};
+std::vector<RollSample> RollSamples(double heading,
+                                    const ClearanceSurface& surface,
+                                    const Aircraft& aircraft);
+
+// With one more thing below the path.
+PathCheck WithObstacle(PathCheck check, const Obstacle& nearest);
 // The worse of two: both have to be clear.
 PathCheck Worse(const PathCheck& a, const PathCheck& b);
 
@@ -55,8 +79,7 @@ PathCheck CheckFinal(const Approach& approach,
 
 PathCheck CheckCircle(const Approach& approach,
                       const ClearanceSurface& surface,
-                      const Aircraft& aircraft,
-                      Depth depth);
+                      const Aircraft& aircraft);
 
 // First cell of the strip behind touchdown that is not free.
 struct RollHazard {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <tuple>
 
 namespace freelsd {
@@ -30,7 +32,37 @@ cv::Rect BoundingCells(const Grid& grid, const Polygon& footprint) {
                     clamp(corner.y() - low.y() + cell, grid.num_rows))};
 }
 
+// Equal ones nearer to the middle first, then in the order of the map.
+std::vector<Touchdown> SafestFirst(const std::vector<Touchdown>& touchdowns,
+                                   const Eigen::Vector2d& middle) {
+  // Negative distance to hazard, squared distance to the middle, index.
+  std::vector<std::tuple<double, double, size_t>> keys;
+  keys.reserve(touchdowns.size());
+  for (size_t i = 0; i < touchdowns.size(); ++i) {
+    keys.emplace_back(-touchdowns[i].hazard_distance,
+                      (touchdowns[i].place_in_world.head<2>() - middle).squaredNorm(),
+                      i);
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<Touchdown> sorted;
+  sorted.reserve(touchdowns.size());
+  for (const auto& key : keys) sorted.push_back(touchdowns[std::get<2>(key)]);
+  return sorted;
+}
+
 }  // namespace
+
+void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards) {
+  const cv::Size size(map.grid.num_cols, map.grid.num_rows);
+  const bool is_whole = map.elevation.size() == size && map.upper.size() == size &&
+                        hazards.slope.size() == size && hazards.roughness.size() == size &&
+                        hazards.grass.size() == size && hazards.hazard.size() == size &&
+                        hazards.distance.size() == size && map.standard_deviation.size() == size;
+  if (map.grid == hazards.grid && is_whole) return;
+  throw std::invalid_argument("approach.hazards: must be of the map's grid, " +
+                              std::to_string(size.height) + "x" + std::to_string(size.width) +
+                              " cells");
+}
 
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
@@ -61,16 +93,7 @@ FootprintContent ReadFootprint(const ElevationMap& map,
                                     .hazard_distance = std::isnan(distance) ? 0.0 : distance});
     }
   }
-  const Eigen::Vector2d middle = Centroid(footprint);
-  const auto key = [&](const Touchdown& touchdown) {
-    return std::tuple(-touchdown.hazard_distance,
-                      (touchdown.place_in_world.head<2>() - middle).squaredNorm(),
-                      touchdown.row,
-                      touchdown.col);
-  };
-  std::sort(content.touchdowns.begin(),
-            content.touchdowns.end(),
-            [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  content.touchdowns = SafestFirst(content.touchdowns, Centroid(footprint));
   return content;
 }
 
@@ -91,7 +114,8 @@ std::vector<Touchdown> TouchdownCandidates(const std::vector<Touchdown>& touchdo
     if (candidates.size() >= static_cast<size_t>(options.max_num_candidates)) break;
     const bool is_near_another =
         std::any_of(candidates.begin(), candidates.end(), [&](const Touchdown& other) {
-          return (other.place_in_world - touchdown.place_in_world).head<2>().norm() < spacing;
+          return (other.place_in_world - touchdown.place_in_world).head<2>().squaredNorm() <
+                 spacing * spacing;
         });
     if (!is_near_another) candidates.push_back(touchdown);
   }

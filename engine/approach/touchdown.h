@@ -16,6 +16,9 @@ struct Touchdown {
   double hazard_distance = 0.0;
 };
 
+// Throws std::invalid_argument when map and hazards are not of one grid.
+void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards);
+
 // The touchdown disc, the map's own deviation and half a cell's diagonal (spec 3.6).
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,

@@ -82,13 +82,15 @@ cv::Mat1i LabelsInDetail(const Segments& segments) {
   return labels;
 }
 
-// Box of every label, by label.
+// Box of every label, by label. Rows are looked at run by run.
 std::vector<cv::Rect> BoxesOf(const cv::Mat1i& labels, size_t num_labels) {
   std::vector<cv::Rect> boxes(num_labels + 1);
   for (int y = 0; y < labels.rows; ++y) {
-    for (int x = 0; x < labels.cols; ++x) {
-      const int label = labels(y, x);
-      if (label > 0) boxes[static_cast<size_t>(label)] |= cv::Rect(x, y, 1, 1);
+    const int* row = labels[y];
+    for (int x = 0; x < labels.cols;) {
+      const int label = row[x], first = x;
+      while (x < labels.cols && row[x] == label) ++x;
+      if (label > 0) boxes[static_cast<size_t>(label)] |= cv::Rect(first, y, x - first, 1);
     }
   }
   return boxes;

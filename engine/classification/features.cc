@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/classification/gabor.h"
+#include "engine/classification/texture.h"
 #include "engine/geometry/geometry.h"
 
 namespace freelsd {
@@ -16,16 +17,8 @@ namespace {
 constexpr float kTinyGrey = 1.0f;
 // Added to grey levels before the logarithm, so that noise in shadows is not taken for texture.
 constexpr float kLogOffset = 4.0f;
-// Sides of the averaging windows, metres on the ground.
-constexpr double kGapWindowM = 0.3;
-constexpr double kFrondWindowM = 0.9;
-constexpr double kLeafWindowM = 0.6;
-constexpr double kTuftWindowM = 1.8;
-constexpr double kBushWindowM = 4.2;
-// Share of the pixels at either end of a distribution that its skewness leaves out.
-constexpr double kTailRatio = 0.05;
-// Least deviation of log brightness: half a grey level in a hundred.
-constexpr double kTinyDeviation = 0.005;
+
+using LogTable = std::array<float, 256>;
 
 void AppendMeanAndDeviation(const cv::Mat& channel,
                             const cv::Mat1b& mask,
@@ -84,14 +77,48 @@ void AppendGabor(const cv::Mat1f& grey, const cv::Mat1b& mask, std::vector<float
   }
 }
 
-cv::Mat1f LogGrey(const cv::Mat1b& grey) {
-  cv::Mat1f table(1, 256);
-  for (int level = 0; level < table.cols; ++level) {
-    table(0, level) = std::log(static_cast<float>(level) + kLogOffset);
+LogTable MakeLogTable() {
+  LogTable table;
+  for (size_t level = 0; level < table.size(); ++level) {
+    table[level] = std::log(static_cast<float>(level) + kLogOffset);
   }
+  return table;
+}
+
+const LogTable& LogOfLevel() {
+  static const LogTable table = MakeLogTable();
+  return table;
+}
+
+cv::Mat1f LogGrey(const cv::Mat1b& grey) {
   cv::Mat1f result;
-  cv::LUT(grey, table, result);
+  cv::LUT(grey, cv::Mat1f(1, 256, const_cast<float*>(LogOfLevel().data())), result);
   return result;
+}
+
+// Mean logarithms of blue, green and red.
+std::array<double, 3> MeanLogs(const cv::Mat3b& image, const cv::Mat1b& mask) {
+  std::array<std::array<int, 256>, 3> histograms{};
+  for (int y = 0; y < image.rows; ++y) {
+    const cv::Vec3b* pixels = image[y];
+    const uint8_t* inside = mask[y];
+    for (int x = 0; x < image.cols; ++x) {
+      if (inside[x] == 0) continue;
+      for (size_t channel = 0; channel < 3; ++channel) {
+        ++histograms[channel][pixels[x][static_cast<int>(channel)]];
+      }
+    }
+  }
+  std::array<double, 3> means{};
+  for (size_t channel = 0; channel < 3; ++channel) {
+    double sum = 0.0, count = 0.0;
+    for (size_t level = 0; level < 256; ++level) {
+      sum += static_cast<double>(LogOfLevel()[level]) * histograms[channel][level];
+      count += histograms[channel][level];
+    }
+    means[channel] = count > 0.0 ? sum / count : 0.0;
+  }
+  return means;
 }
 
 double MeanExcessGreen(const cv::Mat3b& image, const cv::Mat1b& mask) {
@@ -109,68 +136,20 @@ double MeanExcessGreen(const cv::Mat3b& image, const cv::Mat1b& mask) {
   return count > 0 ? sum / count : 0.0;
 }
 
-// Mean over the part of a square window that is in the region. weight: 1 in the region, else 0.
-cv::Mat1f MeanInRegion(const cv::Mat1f& values, const cv::Mat1f& weight, double window_px) {
-  const int side = std::max(1, cvRound(window_px));
-  const cv::Size window(side, side);
-  cv::Mat1f sum, sum_of_weights;
-  cv::boxFilter(values.mul(weight), sum, CV_32F, window, {-1, -1}, false, cv::BORDER_CONSTANT);
-  cv::boxFilter(weight, sum_of_weights, CV_32F, window, {-1, -1}, false, cv::BORDER_CONSTANT);
-  return sum / cv::max(sum_of_weights, 1.0);
-}
-
-float LogDeviation(const cv::Mat1f& values, const cv::Mat1b& mask) {
-  cv::Scalar mean, deviation;
-  cv::meanStdDev(values, mean, deviation, mask);
-  return static_cast<float>(std::log(deviation[0] + kTinyDeviation));
-}
-
-// (upper + lower - 2 median) / (upper - lower) of a distribution's tails: below 0 where dark gaps
-// lie between evenly bright leaves; not moved by a few sheep. Deviations as small as the rounding
-// of grey levels have none.
-float TailSkewness(const cv::Mat1f& values, const cv::Mat1b& mask) {
-  std::vector<float> inside;
-  for (int y = 0; y < mask.rows; ++y) {
-    for (int x = 0; x < mask.cols; ++x) {
-      if (mask(y, x) != 0) inside.push_back(values(y, x));
-    }
-  }
-  if (inside.empty()) return 0.0f;
-  const auto quantile = [&inside](double share) {
-    const auto at = inside.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(inside.size() - 1));
-    std::nth_element(inside.begin(), at, inside.end());
-    return *at;
-  };
-  const float lower = quantile(kTailRatio), median = quantile(0.5),
-              upper = quantile(1.0 - kTailRatio);
-  return (upper + lower - 2.0f * median) /
-         (upper - lower + 2.0f * static_cast<float>(kTinyDeviation));
-}
-
 // Logarithms make all of it independent of exposure.
 void AppendRobust(const cv::Mat3b& image,
                   const cv::Mat1b& grey,
                   const cv::Mat1b& mask,
                   double ground_sampling_distance_m,
                   std::vector<float>& row) {
-  cv::Mat1f weight;
-  mask.convertTo(weight, CV_32F, 1.0 / 255.0);
-  cv::threshold(weight, weight, 0.0, 1.0, cv::THRESH_BINARY);
-  const cv::Mat1f log_grey = LogGrey(grey);
-  const auto mean_over = [&](double window_m) {
-    return MeanInRegion(log_grey, weight, window_m / ground_sampling_distance_m);
-  };
-  const cv::Mat1f tufts = mean_over(kTuftWindowM);
-  std::array<cv::Mat1b, 3> bgr;
-  cv::split(image, bgr.data());
-  const double log_green = cv::mean(LogGrey(bgr[1]), mask)[0];
+  const Texture texture = TextureOf(LogGrey(grey), mask, ground_sampling_distance_m);
+  const std::array<double, 3> logs = MeanLogs(image, mask);
   row.push_back(static_cast<float>(MeanExcessGreen(image, mask)));
-  row.push_back(LogDeviation(mean_over(kLeafWindowM) - tufts, mask));
-  row.push_back(LogDeviation(tufts - mean_over(kBushWindowM), mask));
-  row.push_back(TailSkewness(mean_over(kGapWindowM) - mean_over(kFrondWindowM), mask));
-  row.push_back(static_cast<float>(cv::mean(LogGrey(bgr[2]), mask)[0] - log_green));
-  row.push_back(static_cast<float>(cv::mean(LogGrey(bgr[0]), mask)[0] - log_green));
+  row.push_back(texture.leaf_log_deviation);
+  row.push_back(texture.tuft_log_deviation);
+  row.push_back(texture.gap_skewness);
+  row.push_back(static_cast<float>(logs[2] - logs[1]));
+  row.push_back(static_cast<float>(logs[0] - logs[1]));
 }
 
 // The region and its surroundings as far as the filters reach.
@@ -249,18 +228,16 @@ std::vector<float> RegionFeatures(const cv::Mat3b& image,
   const cv::Rect box = BoxOf(mask);
   const cv::Mat3b patch = image(box);
   const cv::Mat1b inside = mask(box);
-  cv::Mat1f grey;
-  cv::Mat1b grey_levels;
-  cv::cvtColor(patch, grey_levels, cv::COLOR_BGR2GRAY);
-  grey_levels.convertTo(grey, CV_32F);
+  cv::Mat1b grey;
+  cv::cvtColor(patch, grey, cv::COLOR_BGR2GRAY);
   std::vector<float> row;
   const bool is_paper = feature_set == FeatureSet::kPaper18;
   const bool is_rgb_hsv = feature_set == FeatureSet::kRgbHsv || is_paper;
   if (feature_set == FeatureSet::kRgb || is_rgb_hsv) AppendRgb(patch, inside, row);
   if (feature_set == FeatureSet::kHsv || is_rgb_hsv) AppendHsv(patch, inside, row);
-  if (is_paper) AppendGabor(grey, inside, row);
+  if (is_paper) AppendGabor(cv::Mat1f(grey), inside, row);
   if (feature_set == FeatureSet::kRobust) {
-    AppendRobust(patch, grey_levels, inside, ground_sampling_distance_m, row);
+    AppendRobust(patch, grey, inside, ground_sampling_distance_m, row);
   }
   return row;
 }

@@ -73,6 +73,7 @@ class Voter {
   Voter(const GrassView& view, const HazardOptions& options)
       : view_(view),
         camera_from_world_(Inverse(view.world_from_camera)),
+        rotation_(camera_from_world_.rotation.toRotationMatrix()),
         half_angle_(HalfFieldOfView(view.camera)) {
     for (int value = 0; value < 256; ++value) {
       const double probability = std::clamp((value - 1) / 254.0,
@@ -89,7 +90,7 @@ class Voter {
   // Counts the view's look at a place, and its vote if it classified it.
   void Vote(const Eigen::Vector3d& place_in_world, Votes& votes) const {
     const std::optional<Eigen::Vector2d> pixel =
-        view_.camera.ImageFromCamera(camera_from_world_ * place_in_world);
+        view_.camera.ImageFromCamera(rotation_ * place_in_world + camera_from_world_.translation);
     if (!pixel || !view_.camera.IsInside(*pixel)) return;
     const Eigen::Vector2d in_mask = (pixel->array() + 0.5) / view_.image_px_per_mask_px - 0.5;
     const int x = static_cast<int>(std::lround(in_mask.x()));
@@ -106,6 +107,7 @@ class Voter {
  private:
   const GrassView& view_;
   Rigid3d camera_from_world_;
+  Eigen::Matrix3d rotation_;
   double half_angle_;
   float log_odds_[256];
 };

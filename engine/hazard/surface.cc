@@ -1,7 +1,9 @@
 #include "engine/hazard/surface.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <Eigen/Eigenvalues>
 
@@ -16,49 +18,63 @@ struct Moments {
   double z = 0.0, xz = 0.0, yz = 0.0;
 };
 
-// Moments of one column of the window, x not yet known.
+// Arrays over the columns of the map, widened by the window's reach on both sides: many windows are
+// summed at a time.
+using Columns = Eigen::ArrayXd;
+
+// Moments of each column of the window, x not yet known.
 struct ColumnMoments {
-  double n = 0.0, y = 0.0, yy = 0.0, z = 0.0, yz = 0.0;
+  explicit ColumnMoments(Eigen::Index size) { n = y = yy = z = yz = Columns::Zero(size); }
+  Columns n, y, yy, z, yz;
 };
 
-// Of the rows [row - reach, row + reach] of every column; heights relative to base_height.
-std::vector<ColumnMoments> ColumnsAround(const cv::Mat1f& elevation,
-                                         int row,
-                                         int reach,
-                                         double base_height) {
-  std::vector<ColumnMoments> columns(elevation.cols);
+struct WindowMoments {
+  explicit WindowMoments(Eigen::Index size) {
+    n = x = y = xx = xy = yy = z = xz = yz = Columns::Zero(size);
+  }
+  Moments At(Eigen::Index i) const {
+    return {n[i], x[i], y[i], xx[i], xy[i], yy[i], z[i], xz[i], yz[i]};
+  }
+  Columns n, x, y, xx, xy, yy, z, xz, yz;
+};
+
+// Of the rows [row - reach, row + reach]; heights relative to base_height.
+ColumnMoments ColumnsAround(const cv::Mat1f& elevation, int row, int reach, double base_height) {
+  ColumnMoments columns(elevation.cols + 2 * reach);
+  Columns is_seen = columns.n, height = columns.n;
   for (int r = std::max(0, row - reach); r <= std::min(elevation.rows - 1, row + reach); ++r) {
     const float* line = elevation[r];
-    const double y = r - row;
     for (int col = 0; col < elevation.cols; ++col) {
-      if (std::isnan(line[col])) continue;
-      const double z = line[col] - base_height;
-      ColumnMoments& column = columns[col];
-      column.n += 1.0;
-      column.y += y;
-      column.yy += y * y;
-      column.z += z;
-      column.yz += y * z;
+      const bool is_number = line[col] == line[col];
+      is_seen[col + reach] = is_number ? 1.0 : 0.0;
+      height[col + reach] = is_number ? line[col] - base_height : 0.0;
     }
+    const double y = r - row;
+    columns.n += is_seen;
+    columns.y += y * is_seen;
+    columns.yy += y * y * is_seen;
+    columns.z += height;
+    columns.yz += y * height;
   }
   return columns;
 }
 
-Moments WindowAround(const std::vector<ColumnMoments>& columns, int col, int reach) {
-  Moments m;
-  const int last = std::min(static_cast<int>(columns.size()) - 1, col + reach);
-  for (int c = std::max(0, col - reach); c <= last; ++c) {
-    const ColumnMoments& column = columns[c];
-    const double x = c - col;
-    m.n += column.n;
-    m.x += x * column.n;
-    m.y += column.y;
-    m.xx += x * x * column.n;
-    m.xy += x * column.y;
-    m.yy += column.yy;
-    m.z += column.z;
-    m.xz += x * column.z;
-    m.yz += column.yz;
+WindowMoments WindowsAround(const ColumnMoments& columns, int num_cols, int reach) {
+  WindowMoments m(num_cols);
+  for (int offset = -reach; offset <= reach; ++offset) {
+    const auto beside = [&](const Columns& of_column) {
+      return of_column.segment(reach + offset, num_cols);
+    };
+    const double x = offset;
+    m.n += beside(columns.n);
+    m.x += x * beside(columns.n);
+    m.y += beside(columns.y);
+    m.xx += x * x * beside(columns.n);
+    m.xy += x * beside(columns.y);
+    m.yy += beside(columns.yy);
+    m.z += beside(columns.z);
+    m.xz += x * beside(columns.z);
+    m.yz += beside(columns.yz);
   }
   return m;
 }
@@ -76,7 +92,7 @@ float SlopeOf(const Moments& m, double cell_size_m) {
   if (!(determinant >= kMinDeterminant)) return kNaN;
   const double east = (xz * yy - yz * xy) / determinant;
   const double south = (yz * xx - xz * xy) / determinant;
-  return static_cast<float>(std::atan(std::hypot(east, south) / cell_size_m));
+  return static_cast<float>(std::atan(std::sqrt(east * east + south * south) / cell_size_m));
 }
 
 // Seen cells of the 3x3 neighbourhood, metres, relative to its centre.
@@ -102,6 +118,25 @@ float PcaSlopeOf(const Eigen::Matrix3Xd& points) {
   return static_cast<float>(std::acos(std::min(1.0, cosine)));
 }
 
+// Heights of the 3x3 neighbourhood relative to its middle, row by row; nothing unless all are seen.
+std::optional<std::array<double, 9>> WholeNeighbourhood(const cv::Mat1f& elevation,
+                                                        int row,
+                                                        int col) {
+  if (row < 1 || col < 1 || row + 1 >= elevation.rows || col + 1 >= elevation.cols) {
+    return std::nullopt;
+  }
+  std::array<double, 9> heights{};
+  double sum = 0.0;
+  for (int i = 0; i < 9; ++i) {
+    const double height = elevation(row + i / 3 - 1, col + i % 3 - 1);
+    heights[static_cast<size_t>(i)] = height - elevation(row, col);
+    sum += height;
+  }
+  // NaN where one of them is.
+  if (std::isnan(sum)) return std::nullopt;
+  return heights;
+}
+
 }  // namespace
 
 cv::Mat1f TrustedElevation(const ElevationMap& map, double max_standard_deviation_m) {
@@ -116,6 +151,23 @@ cv::Mat1f TrustedElevation(const ElevationMap& map, double max_standard_deviatio
   return trusted;
 }
 
+// x and y are spread evenly and independently of each other, so the covariance has only two rows
+// that matter, along the steepest way up; the tangent of twice the angle of its axes is known.
+double PcaSlopeOf(const std::array<double, 9>& heights, double cell_size_m) {
+  double sum = 0.0, squares = 0.0, east = 0.0, south = 0.0;
+  for (int i = 0; i < 9; ++i) {
+    const double height = heights[static_cast<size_t>(i)];
+    sum += height;
+    squares += height * height;
+    east += (i % 3 - 1) * height;
+    south += (i / 3 - 1) * height;
+  }
+  const double level_variance = 6.0 * cell_size_m * cell_size_m;
+  const double height_variance = squares - sum * sum / 9.0;
+  const double covariance = cell_size_m * std::sqrt(east * east + south * south);
+  return 0.5 * std::atan2(2.0 * covariance, level_variance - height_variance);
+}
+
 cv::Mat1f PlaneSlope(const cv::Mat1f& elevation, double cell_size_m, const HazardOptions& options) {
   cv::Mat1f slope(elevation.size(), kNaN);
   // A support of 9 m is 9 cells of 1 m: 4 to each side; at least the 3x3 neighbourhood.
@@ -128,11 +180,11 @@ cv::Mat1f PlaneSlope(const cv::Mat1f& elevation, double cell_size_m, const Hazar
     }
   }
   for (int row = 0; row < elevation.rows; ++row) {
-    const std::vector<ColumnMoments> columns = ColumnsAround(elevation, row, reach, base_height);
+    const WindowMoments windows =
+        WindowsAround(ColumnsAround(elevation, row, reach, base_height), elevation.cols, reach);
     for (int col = 0; col < elevation.cols; ++col) {
-      if (std::isnan(elevation(row, col))) continue;
-      const Moments moments = WindowAround(columns, col, reach);
-      if (moments.n >= min_num_cells) slope(row, col) = SlopeOf(moments, cell_size_m);
+      if (std::isnan(elevation(row, col)) || windows.n[col] < min_num_cells) continue;
+      slope(row, col) = SlopeOf(windows.At(col), cell_size_m);
     }
   }
   return slope;
@@ -146,6 +198,10 @@ cv::Mat1f PaperPcaSlope(const cv::Mat1f& elevation,
   for (int row = 0; row < elevation.rows; ++row) {
     for (int col = 0; col < elevation.cols; ++col) {
       if (std::isnan(elevation(row, col))) continue;
+      if (const auto heights = WholeNeighbourhood(elevation, row, col)) {
+        slope(row, col) = static_cast<float>(PcaSlopeOf(*heights, cell_size_m));
+        continue;
+      }
       const Eigen::Matrix3Xd points = Neighbourhood(elevation, row, col, cell_size_m);
       const bool is_supported = points.cols() >= options.min_support_ratio * kNumCells;
       if (is_supported) slope(row, col) = PcaSlopeOf(points);

@@ -1,6 +1,8 @@
 // Private to hazard/. Shape of the ground: slope and roughness of an elevation raster.
 #pragma once
 
+#include <array>
+
 #include "engine/hazard/hazard.h"
 
 namespace freelsd {
@@ -13,6 +15,10 @@ cv::Mat1f PlaneSlope(const cv::Mat1f& elevation, double cell_size_m, const Hazar
 cv::Mat1f PaperPcaSlope(const cv::Mat1f& elevation,
                         double cell_size_m,
                         const HazardOptions& options);
+
+// Radians between the vertical and the normal by PCA of nine cells, in closed form. Heights in
+// metres, row by row; only differences between them count.
+double PcaSlopeOf(const std::array<double, 9>& heights, double cell_size_m);
 
 // Riley et al. 1999, neighbours `spacing` cells away; NaN unless all of the nine are seen.
 cv::Mat1f Ruggedness(const cv::Mat1f& elevation, int spacing);

@@ -7,6 +7,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/segmentation/area_resize.h"
+
 namespace freelsd {
 namespace {
 
@@ -94,6 +96,8 @@ cv::Mat3b Resized(const cv::Mat& image, double scale) {
   if (scale >= 1.0) return ColourImage(image).clone();
   const int width = std::max(kMinWorkingSidePx, static_cast<int>(std::lround(image.cols * scale)));
   const int height = std::max(kMinWorkingSidePx, static_cast<int>(std::lround(image.rows * scale)));
+  const bool is_smaller = width <= image.cols && height <= image.rows;
+  if (is_smaller) return ColourImage(ReduceByArea(image, {width, height}));
   cv::Mat resized;
   cv::resize(image, resized, cv::Size(width, height), 0.0, 0.0, cv::INTER_AREA);
   return ColourImage(resized);
@@ -129,23 +133,31 @@ cv::Mat1b ChromaEdges(const cv::Mat3b& image,
   for (int channel = 1; channel <= 2; ++channel) {
     cv::Mat chroma;
     cv::extractChannel(lab, chroma, channel);
-    chroma.convertTo(chroma, CV_8U, options.chroma_gain, kNeutral * (1.0 - options.chroma_gain));
+    if (options.chroma_gain != 1.0) {
+      chroma.convertTo(chroma, CV_8U, options.chroma_gain, kNeutral * (1.0 - options.chroma_gain));
+    }
     edges |= EdgesOf(chroma, thresholds, options.blur_sigma_px);
   }
   return edges;
 }
 
+// 2G - R - B - level (R + G + B): positive where excess green is above the level. Linear, so it may
+// be smoothed in place of the three channels.
+cv::Mat1f GreenOverLevel(const cv::Mat3b& image, double level_ratio) {
+  const auto green = static_cast<float>(2.0 - level_ratio);
+  const auto others = static_cast<float>(1.0 + level_ratio);
+  cv::Mat1f over(image.size());
+  std::transform(image.begin(), image.end(), over.begin(), [=](const cv::Vec3b& bgr) {
+    return green * static_cast<float>(bgr[1]) - others * static_cast<float>(bgr[0] + bgr[2]);
+  });
+  return over;
+}
+
 // Both sides of the line where smoothed excess green crosses the level.
 cv::Mat1b GreenEdges(const Segments& frame, const SegmentationOptions& options) {
-  cv::Mat3f smooth;
-  frame.image.convertTo(smooth, CV_32F);
-  cv::GaussianBlur(smooth, smooth, {}, options.split_sigma_m / frame.ground_sampling_distance_m);
-  cv::Mat1b is_green(smooth.size());
-  const auto level = static_cast<float>(options.split_level_ratio);
-  std::transform(smooth.begin(), smooth.end(), is_green.begin(), [level](const cv::Vec3f& bgr) {
-    const float excess = 2.0f * bgr[1] - bgr[0] - bgr[2];
-    return excess > level * (bgr[0] + bgr[1] + bgr[2]) ? uint8_t{255} : uint8_t{0};
-  });
+  cv::Mat1f over = GreenOverLevel(frame.image, options.split_level_ratio);
+  cv::GaussianBlur(over, over, {}, options.split_sigma_m / frame.ground_sampling_distance_m);
+  const cv::Mat1b is_green = over > 0.0f;
   cv::Mat1b edges;
   cv::morphologyEx(is_green, edges, cv::MORPH_GRADIENT, cv::Mat1b(3, 3, uint8_t{1}));
   return edges;

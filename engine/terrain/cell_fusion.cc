@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <tuple>
 
@@ -10,13 +11,6 @@ namespace {
 
 // Normal deviation from the median absolute one.
 constexpr double kSigmaPerMad = 1.4826;
-
-// Of sorted values; between the two middle ones if their number is even, so that two pairs that
-// contradict each other are both far from it and neither is taken for the outlier.
-double MedianOfSorted(const std::vector<double>& values) {
-  const size_t n = values.size();
-  return 0.5 * (values[(n - 1) / 2] + values[n / 2]);
-}
 
 void SortByValue(std::vector<CellSummary>& summaries) {
   std::sort(summaries.begin(), summaries.end(), [](const CellSummary& a, const CellSummary& b) {
@@ -38,14 +32,23 @@ struct Center {
   double spread = 0.0;
 };
 
+// Between the two middle ones if their number is even, so that two pairs that contradict each other
+// are both far from it and neither is taken for the outlier.
 Center CenterOf(const std::vector<CellSummary>& sorted) {
-  std::vector<double> values;
-  for (const CellSummary& summary : sorted) values.push_back(summary.mean);
+  const size_t low = (sorted.size() - 1) / 2, high = sorted.size() / 2;
   Center center;
-  center.median = MedianOfSorted(values);
-  for (double& value : values) value = std::abs(value - center.median);
-  std::sort(values.begin(), values.end());
-  center.spread = kSigmaPerMad * MedianOfSorted(values);
+  center.median = 0.5 * (sorted[low].mean + sorted[high].mean);
+  const auto deviation = [&](const CellSummary& summary) {
+    return std::abs(summary.mean - center.median);
+  };
+  if (sorted.size() <= 2) {
+    center.spread = kSigmaPerMad * 0.5 * (deviation(sorted.front()) + deviation(sorted.back()));
+    return center;
+  }
+  std::vector<double> deviations;
+  for (const CellSummary& summary : sorted) deviations.push_back(deviation(summary));
+  std::sort(deviations.begin(), deviations.end());
+  center.spread = kSigmaPerMad * (0.5 * (deviations[low] + deviations[high]));
   return center;
 }
 
@@ -93,17 +96,20 @@ std::optional<FusedCell> FuseCell(std::vector<CellSummary> summaries,
   DropWeak(summaries, options.min_num_points);
   SortByValue(summaries);
   const Center center = CenterOf(summaries);
-  std::vector<CellSummary> inliers;
-  UpperHeight upper;
-  for (const CellSummary& summary : summaries) {
+  const auto is_inlier = [&](const CellSummary& summary) {
     const double deviation = std::hypot(center.spread, summary.standard_deviation);
-    const bool is_inlier =
-        std::abs(summary.mean - center.median) <= options.outlier_sigma * deviation;
-    if (is_inlier) inliers.push_back(summary);
+    return std::abs(summary.mean - center.median) <= options.outlier_sigma * deviation;
+  };
+  UpperHeight upper;
+  bool has_inlier = false;
+  for (const CellSummary& summary : summaries) {
     const bool has_support = summary.num_points >= static_cast<uint32_t>(options.min_num_points);
-    if (is_inlier || has_support) upper.Add(summary);
+    const bool agrees = is_inlier(summary);
+    has_inlier = has_inlier || agrees;
+    if (agrees || has_support) upper.Add(summary);
   }
-  FusedCell fused = WeightedMean(inliers.empty() ? summaries : inliers);
+  if (has_inlier) std::erase_if(summaries, std::not_fn(is_inlier));
+  FusedCell fused = WeightedMean(summaries);
   fused.upper = std::max(upper.Height(), fused.elevation);
   if (fused.num_points < options.min_num_points) return std::nullopt;
   return fused;

@@ -6,6 +6,7 @@
 #include "engine/terrain/cell_fusion.h"
 #include "engine/terrain/pair_summary.h"
 #include "engine/terrain/terrain.h"
+#include "engine/terrain/weighted_sums.h"
 
 namespace freelsd {
 namespace {
@@ -54,6 +55,37 @@ void Write(const FusedCell& cell, int row, int col, ElevationMap& map) {
   map.num_points(row, col) = static_cast<float>(cell.num_points);
 }
 
+std::optional<WeightedSums> WithPoints(std::optional<WeightedSums> sums,
+                                       const Points& points,
+                                       const Grid& grid,
+                                       const TerrainOptions& options) {
+  if (points.empty()) return sums;
+  if (!sums) {
+    sums.emplace(grid,
+                 cv::Rect(0, 0, grid.num_cols, grid.num_rows),
+                 options.interpolation_radius_m,
+                 points.front().point_in_world.z(),
+                 SumKind::kMeanOnly);
+  }
+  sums->Add(points.data(), points.size());
+  return sums;
+}
+
+ElevationMap MapOfMeans(const WeightedSums& sums, const Grid& grid) {
+  ElevationMap map{grid, Unknown(grid), {}, Unknown(grid), Unknown(grid)};
+  for (int row = 0; row < grid.num_rows; ++row) {
+    for (int col = 0; col < grid.num_cols; ++col) {
+      const CellSums sum = sums.At(row, col);
+      if (sum.weight == 0.0) continue;
+      map.elevation(row, col) = static_cast<float>(sums.base_height() + sum.height / sum.weight);
+      map.standard_deviation(row, col) = 0.0f;
+      map.num_points(row, col) = 1.0f;
+    }
+  }
+  map.upper = map.elevation.clone();
+  return map;
+}
+
 }  // namespace
 
 void TerrainOptions::Check() const {
@@ -73,17 +105,23 @@ struct ElevationMapBuilder::State {
   TerrainOptions options;
   // One per pair, each in row-major order.
   std::vector<std::vector<CellSummary>> pairs;
+  // Of all points so far, for the paper's mean only.
+  std::optional<WeightedSums> sums;
 };
 
 ElevationMapBuilder::ElevationMapBuilder(const Grid& grid, const TerrainOptions& options) {
   options.Check();
   CheckGrid(grid, options);
-  state_ = std::make_unique<State>(State{grid, options, {}});
+  state_ = std::make_unique<State>(State{grid, options, {}, {}});
 }
 
 ElevationMapBuilder::~ElevationMapBuilder() = default;
 
 void ElevationMapBuilder::Add(const Points& points) {
+  if (state_->options.height_fusion == HeightFusion::kPaperMean) {
+    state_->sums = WithPoints(std::move(state_->sums), points, state_->grid, state_->options);
+    return;
+  }
   std::vector<CellSummary> summaries = SummarizePair(points, state_->grid, state_->options);
   summaries.shrink_to_fit();
   if (!summaries.empty()) state_->pairs.push_back(std::move(summaries));
@@ -91,6 +129,7 @@ void ElevationMapBuilder::Add(const Points& points) {
 
 ElevationMap ElevationMapBuilder::Build() const {
   const Grid& grid = state_->grid;
+  if (state_->sums) return MapOfMeans(*state_->sums, grid);
   ElevationMap map{grid, Unknown(grid), Unknown(grid), Unknown(grid), Unknown(grid)};
   // Row by row, so that only one row's summaries are gathered at a time.
   std::vector<size_t> next(state_->pairs.size(), 0);

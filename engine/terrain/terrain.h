@@ -27,8 +27,17 @@ struct Grid {
   bool operator==(const Grid&) const = default;
 };
 
+enum class HeightFusion {
+  kRobust,     // outliers clipped, upper heights kept, pairs weighed by their deviations
+  kPaperMean,  // the weighted mean of all points of all pairs
+};
+
 struct TerrainOptions {
   // --- Behaviour ---
+  // Differs: the paper's mean knows neither outliers nor its own error, and buries what stands in a
+  // cell: upper is elevation there, standard_deviation 0 and num_points 1. Good to compare with,
+  // not to land by, so the service does not offer it. Its sums depend on the order of the pairs.
+  HeightFusion height_fusion = HeightFusion::kRobust;
   double cell_size_m = 1.0;
   // A point counts for cell centres within this distance, weight 1 / d^2. Paper: IDW in a radius.
   double interpolation_radius_m = 1.0;

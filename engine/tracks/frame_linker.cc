@@ -169,6 +169,8 @@ bool FrameLinker::LinkByFollowing(FrameMemory& memory, std::optional<double> gro
   std::vector<Eigen::Vector2d> corners;
   for (const int index : chosen) corners.push_back(from.points[index]);
   const std::vector<Eigen::Vector2d> guesses = PredictPoints(memory, corners, ground_height);
+  previous_image_ = WithPyramid(std::move(previous_image_));
+  image_ = WithPyramid(std::move(image_));
   const auto followed = FollowCorners(previous_image_, image_, corners, guesses, memory.options);
   std::vector<IndexPair> matches;
   std::vector<double> flows;

@@ -14,7 +14,7 @@ namespace {
 
 // Lucas-Kanade: the window sees texture of a meadow, the pyramid reaches displacements of about
 // ten windows.
-constexpr int kWindowPx = 17;
+const cv::Size kWindow(17, 17);
 constexpr int kNumPyramidLevels = 4;
 constexpr int kMaxNumIterations = 10;
 constexpr double kIterationTolerancePx = 0.03;
@@ -200,6 +200,13 @@ std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
   return points;
 }
 
+TrackingImage WithPyramid(TrackingImage image) {
+  if (image.pyramid.empty()) {
+    cv::buildOpticalFlowPyramid(image.grey, image.pyramid, kWindow, kNumPyramidLevels);
+  }
+  return image;
+}
+
 std::vector<std::optional<Eigen::Vector2d>> FollowCorners(
     const TrackingImage& from,
     const TrackingImage& to,
@@ -212,31 +219,27 @@ std::vector<std::optional<Eigen::Vector2d>> FollowCorners(
   for (const Eigen::Vector2d& point : points) start.push_back(from.ReducedFromFull(point));
   for (const Eigen::Vector2d& guess : guesses) there.push_back(to.ReducedFromFull(guess));
   const int flags = guesses.empty() ? 0 : cv::OPTFLOW_USE_INITIAL_FLOW;
-  const cv::Size window(kWindowPx, kWindowPx);
   const cv::TermCriteria criteria(
       cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMaxNumIterations, kIterationTolerancePx);
-  std::vector<cv::Mat> pyramid_from, pyramid_to;
-  cv::buildOpticalFlowPyramid(from.grey, pyramid_from, window, kNumPyramidLevels);
-  cv::buildOpticalFlowPyramid(to.grey, pyramid_to, window, kNumPyramidLevels);
   std::vector<uchar> found, found_back;
-  cv::calcOpticalFlowPyrLK(pyramid_from,
-                           pyramid_to,
+  cv::calcOpticalFlowPyrLK(from.pyramid,
+                           to.pyramid,
                            start,
                            there,
                            found,
                            cv::noArray(),
-                           window,
+                           kWindow,
                            kNumPyramidLevels,
                            criteria,
                            flags);
   back = start;
-  cv::calcOpticalFlowPyrLK(pyramid_to,
-                           pyramid_from,
+  cv::calcOpticalFlowPyrLK(to.pyramid,
+                           from.pyramid,
                            there,
                            back,
                            found_back,
                            cv::noArray(),
-                           window,
+                           kWindow,
                            kNumPyramidLevels,
                            criteria,
                            cv::OPTFLOW_USE_INITIAL_FLOW);

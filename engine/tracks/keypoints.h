@@ -17,6 +17,8 @@ struct TrackingImage {
   cv::Mat grey;
   // Tracking pixels per full-size pixel; at most 1.
   double scale = 1.0;
+  // For following corners; empty until some are.
+  std::vector<cv::Mat> pyramid;
 
   Eigen::Vector2d FullFromReduced(const cv::Point2f& point) const;
   cv::Point2f ReducedFromFull(const Eigen::Vector2d& point) const;
@@ -34,8 +36,11 @@ std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
                                          const std::vector<Eigen::Vector2d>& existing,
                                          const TracksOptions& options);
 
-// Where the points of one frame are in the next; nothing for a point that was lost. `guesses` are
-// their predicted places, or empty.
+// The same image with its pyramid, which serves twice: to its predecessor and to its successor.
+TrackingImage WithPyramid(TrackingImage image);
+
+// Where the points of one frame are in the next, both with their pyramids; nothing for a point that
+// was lost. `guesses` are their predicted places, or empty.
 std::vector<std::optional<Eigen::Vector2d>> FollowCorners(
     const TrackingImage& from,
     const TrackingImage& to,

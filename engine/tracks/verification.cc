@@ -71,22 +71,29 @@ std::vector<int> VerifyMatches(const std::vector<Eigen::Vector2d>& points_a,
   if (homography.empty() || cv::countNonZero(plane_mask) < min_count) return {};
   const Eigen::Matrix3d b_from_a = EigenOf(homography);
   if (!IsBelievable(b_from_a)) return {};
-  const cv::Mat fundamental = cv::findFundamentalMat(a, b, epipolar_mask, Sampling(max_error_px));
   double largest_flow = 0.0;
   for (int i = 0; i < count; ++i) {
     if (IsMarked(plane_mask, i)) {
       largest_flow = std::max(largest_flow, (points_a[i] - points_b[i]).norm());
     }
   }
-  std::vector<int> verified;
+  std::vector<int> verified, off_plane;
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d on_plane = b_from_a * points_a[i].homogeneous();
     const double relief = (on_plane.hnormalized() - points_b[i]).norm();
-    const bool is_epipolar = !fundamental.empty() && IsMarked(epipolar_mask, i);
-    if (IsMarked(plane_mask, i) || (is_epipolar && relief < kMaxReliefRatio * largest_flow)) {
+    if (IsMarked(plane_mask, i)) {
       verified.push_back(i);
+    } else if (relief < kMaxReliefRatio * largest_flow) {
+      off_plane.push_back(i);
     }
   }
+  // Where the plane explains all that relief could, the epipolar geometry has no say.
+  if (off_plane.empty()) return verified;
+  const cv::Mat fundamental = cv::findFundamentalMat(a, b, epipolar_mask, Sampling(max_error_px));
+  for (const int i : off_plane) {
+    if (!fundamental.empty() && IsMarked(epipolar_mask, i)) verified.push_back(i);
+  }
+  std::sort(verified.begin(), verified.end());
   return verified;
 }
 

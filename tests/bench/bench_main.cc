@@ -39,26 +39,38 @@ Json JsonOf(const Row& row) {
   Json json{{"name", row.name},
             {"size", row.size},
             {"threads", row.threads},
-            {"median_ms", row.median_ms},
+            {"median_ms", row.engine.wall_ms},
+            {"processor_ms", row.engine.processor_ms},
             {"baseline", nullptr},
             {"baseline_ms", nullptr},
-            {"ratio", nullptr}};
+            {"baseline_processor_ms", nullptr},
+            {"ratio", nullptr},
+            {"processor_ratio", nullptr}};
+  if (!row.note.empty()) json["note"] = row.note;
   if (row.baseline.empty()) return json;
   json["baseline"] = row.baseline;
-  json["baseline_ms"] = row.baseline_ms;
-  json["ratio"] = row.baseline_ms / row.median_ms;
+  json["baseline_ms"] = row.plain.wall_ms;
+  json["baseline_processor_ms"] = row.plain.processor_ms;
+  json["ratio"] = row.plain.wall_ms / row.engine.wall_ms;
+  json["processor_ratio"] = row.plain.processor_ms / row.engine.processor_ms;
   return json;
 }
 
 void PrintRow(const Row& row) {
-  std::printf("%-18s %-28s %10.3f ms", row.name.c_str(), row.size.c_str(), row.median_ms);
+  std::printf("%-18s %-28s %9.3f %9.3f",
+              row.name.c_str(),
+              row.size.c_str(),
+              row.engine.wall_ms,
+              row.engine.processor_ms);
   if (!row.baseline.empty()) {
-    std::printf(" %10.3f ms  x %-7.3g %s",
-                row.baseline_ms,
-                row.baseline_ms / row.median_ms,
+    std::printf(" %9.3f %9.3f  x %-7.3g %s",
+                row.plain.wall_ms,
+                row.plain.processor_ms,
+                row.plain.processor_ms / row.engine.processor_ms,
                 row.baseline.c_str());
   }
   std::printf("\n");
+  if (!row.note.empty()) std::printf("%-18s %s\n", "", row.note.c_str());
   std::fflush(stdout);
 }
 
@@ -66,8 +78,15 @@ void Run(const Arguments& arguments) {
   cv::setNumThreads(arguments.num_threads);
   const std::string model_text = ReadFile(arguments.model);
   std::vector<Entry> entries = FrontendEntries(model_text);
-  for (Entry& entry : BackendEntries(model_text)) entries.push_back(std::move(entry));
-  std::printf("%-18s %-28s %13s %13s  plain / engine\n", "", "", "engine", "plain");
+  for (Entry& entry : ReconstructionEntries(model_text)) entries.push_back(std::move(entry));
+  for (Entry& entry : MapEntries()) entries.push_back(std::move(entry));
+  std::printf("%-18s %-28s %9s %9s %9s %9s  plain / engine, processor time\n",
+              "milliseconds",
+              "",
+              "engine",
+              "processor",
+              "plain",
+              "processor");
   Json rows = Json::array();
   for (const Entry& entry : entries) {
     if (entry.name.find(arguments.filter) == std::string::npos) continue;

@@ -26,11 +26,13 @@ BenchScene MakeScene(const std::string& model_text) {
   WorldOptions world_options;
   world_options.size_m = 400.0;
   world_options.cell_size_m = 0.2;
-  const World world = MakeFarmland(world_options);
+  const auto made = std::make_shared<const World>(MakeFarmland(world_options));
+  const World& world = *made;
   FlightOptions flight;
   flight.num_frames = kNumFrames;
   flight.height_above_origin_m = kBenchHeightM;
   BenchScene scene;
+  scene.world = made;
   scene.rig.camera = PaperCamera(752, 480);
   const Renderer renderer(world);
   int index = 0;

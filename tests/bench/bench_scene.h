@@ -6,10 +6,13 @@
 #include <vector>
 
 #include "engine/pipeline.h"
+#include "tests/synthetic/world.h"
 
 namespace freelsd {
 
 struct BenchScene {
+  // What there is to see.
+  std::shared_ptr<const World> world;
   Rig rig;
   // 752x480, 100 m above ground, 13 m apart: a video, so corners are followed.
   std::vector<Frame> frames;

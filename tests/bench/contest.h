@@ -17,6 +17,8 @@ struct Contest {
   std::function<void()> plain;
   // What one run holds of the unit that is reported: frames, pairs.
   double num_units = 1.0;
+  // How good the answers of both are, where that is not the same.
+  std::string note = {};
 };
 
 // A contest by name; what it works on is made only when it is wanted.
@@ -25,13 +27,21 @@ struct Entry {
   std::function<Contest()> prepare;
 };
 
+// Medians. Of two clocks: what passed, and what the processors worked for it, which other programs
+// on the same machine hardly disturb.
+struct Times {
+  double wall_ms = 0.0;
+  double processor_ms = 0.0;
+};
+
 struct Row {
   std::string name;
   std::string size;
   int threads = 1;
-  double median_ms = 0.0;
+  Times engine;
   std::string baseline;
-  double baseline_ms = 0.0;
+  Times plain;
+  std::string note;
 };
 
 // Median of `num_runs` of each, in turns, so that both meet the same machine; one run of each
@@ -42,6 +52,7 @@ Row Measure(const Contest& contest, int num_runs, int threads);
 void Consume(double value);
 
 std::vector<Entry> FrontendEntries(const std::string& model_text);
-std::vector<Entry> BackendEntries(const std::string& model_text);
+std::vector<Entry> ReconstructionEntries(const std::string& model_text);
+std::vector<Entry> MapEntries();
 
 }  // namespace freelsd

@@ -1,4 +1,6 @@
 // Stages of the frontend, and what one would write with OpenCV alone for each.
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
@@ -113,15 +115,22 @@ Contest PaperFeatures(const BenchScene& scene) {
           [image] { Consume(PlainFeatures(image)); }};
 }
 
+// As they are in flight: the ground's height is known, so corners are followed from the start.
+std::vector<Frame> FramesInFlight(const BenchScene& scene) {
+  std::vector<Frame> frames = scene.frames;
+  for (Frame& frame : frames) frame.height_above_ground = kBenchHeightM;
+  return frames;
+}
+
 Contest FollowTracks(const BenchScene& scene) {
   std::vector<cv::Mat1b> grey;
   for (const Frame& frame : scene.frames) grey.push_back(Grey(frame.image));
   const int num_corners = scene.options.tracks.max_num_corners;
   return {"tracks",
           SizeOf(scene.frames.front().image),
-          [&scene] {
+          [&scene, frames = FramesInFlight(scene)] {
             Tracks tracks(scene.rig, scene.options.tracks);
-            for (const Frame& frame : scene.frames) tracks.Add(frame);
+            for (const Frame& frame : frames) tracks.Add(frame);
             Consume(static_cast<double>(tracks.views().size()));
           },
           "goodFeaturesToTrack, calcOpticalFlowPyrLK there and back",
@@ -130,6 +139,42 @@ Contest FollowTracks(const BenchScene& scene) {
               Consume(PlainTracks(grey[i - 1], grey[i], num_corners));
             }
           },
+          static_cast<double>(scene.frames.size())};
+}
+
+// SIFT on every image, and its nearest neighbours among the image before by brute force.
+double PlainDescriptors(const std::vector<cv::Mat1b>& grey, int num_keypoints) {
+  const cv::Ptr<cv::SIFT> sift = cv::SIFT::create(num_keypoints);
+  const cv::BFMatcher matcher(cv::NORM_L2, true);
+  cv::Mat previous;
+  double sum = 0.0;
+  for (const cv::Mat1b& image : grey) {
+    std::vector<cv::KeyPoint> keypoints;
+    cv::Mat descriptors;
+    sift->detectAndCompute(image, {}, keypoints, descriptors);
+    std::vector<cv::DMatch> matches;
+    if (!previous.empty()) matcher.match(previous, descriptors, matches);
+    previous = descriptors;
+    sum += static_cast<double>(matches.size());
+  }
+  return sum;
+}
+
+// Survey photographs: each against its predecessor and up to six neighbours.
+Contest MatchDescriptorsOfSurvey(const BenchScene& scene) {
+  std::vector<cv::Mat1b> grey;
+  for (const Frame& frame : scene.frames) grey.push_back(Grey(frame.image));
+  TracksOptions options = scene.options.tracks;
+  options.max_klt_flow_ratio = 0.0;
+  return {"descriptors",
+          SizeOf(scene.frames.front().image),
+          [&scene, options, frames = FramesInFlight(scene)] {
+            Tracks tracks(scene.rig, options);
+            for (const Frame& frame : frames) tracks.Add(frame);
+            Consume(static_cast<double>(tracks.views().size()));
+          },
+          "SIFT and BFMatcher with the image before, no verification",
+          [grey, options] { Consume(PlainDescriptors(grey, options.max_num_keypoints)); },
           static_cast<double>(scene.frames.size())};
 }
 
@@ -165,9 +210,9 @@ Contest WholeFrontend(const BenchScene& scene, const std::string& model_text) {
   const int num_corners = scene.options.tracks.max_num_corners;
   return {"frontend",
           SizeOf(scene.frames.front().image),
-          [=, &scene] {
+          [=, &scene, frames = FramesInFlight(scene)] {
             Frontend frontend(scene.rig, scene.options, classifier);
-            for (const Frame& frame : scene.frames) frontend.Process(frame);
+            for (const Frame& frame : frames) frontend.Process(frame);
             Consume(static_cast<double>(frontend.RankedRegions().size()));
           },
           "the plain ways of segmentation, classification and tracks together",
@@ -182,6 +227,35 @@ Contest WholeFrontend(const BenchScene& scene, const std::string& model_text) {
           static_cast<double>(scene.frames.size())};
 }
 
+// A photograph of 12 megapixels from its JPEG to labelled regions; joining it with others is the
+// row of descriptors.
+Contest Photograph(const BenchScene& scene, const std::string& model_text) {
+  const Classifier classifier = Classifier::Parse(model_text);
+  constexpr int kWidthPx = 4000;
+  const double scale = static_cast<double>(kWidthPx) / scene.rig.camera.width_px;
+  const Camera camera = scene.rig.camera.Scaled(scale);
+  cv::Mat large;
+  cv::resize(scene.frames[5].image,
+             large,
+             cv::Size(camera.width_px, camera.height_px),
+             0.0,
+             0.0,
+             cv::INTER_CUBIC);
+  std::vector<uint8_t> jpeg;
+  cv::imencode(".jpg", large, jpeg);
+  return {"photograph",
+          SizeOf(large),
+          [=, &scene] {
+            const cv::Mat image = cv::imdecode(jpeg, cv::IMREAD_COLOR);
+            const Segments segments =
+                SegmentFrame(image, camera, kBenchHeightM, scene.options.segmentation);
+            Consume(static_cast<double>(
+                ClassifySegments(segments, classifier, scene.options.classification).size()));
+          },
+          "imdecode alone",
+          [jpeg] { Consume(cv::imdecode(jpeg, cv::IMREAD_COLOR).rows); }};
+}
+
 }  // namespace
 
 std::vector<Entry> FrontendEntries(const std::string& model_text) {
@@ -190,8 +264,10 @@ std::vector<Entry> FrontendEntries(const std::string& model_text) {
       {"classification", [=] { return Classification(Scene(model_text), model_text); }},
       {"features_paper18", [=] { return PaperFeatures(Scene(model_text)); }},
       {"tracks", [=] { return FollowTracks(Scene(model_text)); }},
+      {"descriptors", [=] { return MatchDescriptorsOfSurvey(Scene(model_text)); }},
       {"region_manager", [=] { return ManageRegions(Scene(model_text), model_text); }},
       {"frontend", [=] { return WholeFrontend(Scene(model_text), model_text); }},
+      {"photograph", [=] { return Photograph(Scene(model_text), model_text); }},
   };
 }
 

@@ -1,12 +1,12 @@
-// Stages of the backend, and what one would write with OpenCV or a plain loop for each.
+// From points to touchdown and approach, and what one would write with OpenCV or a plain loop for
+// each.
 #include <cmath>
 #include <limits>
 #include <random>
 
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "tests/bench/bench_scene.h"
+#include "engine/pipeline.h"
 #include "tests/bench/contest.h"
 
 namespace freelsd {
@@ -24,24 +24,35 @@ Grid PaperGrid() {
   return GridAround({-half, -half}, {half, half}, 1.0);
 }
 
-std::vector<Points> PaperPoints() {
-  std::mt19937 random(1);
+// Of a pair that sees one part of the map, as stereo gives them: 25 per square metre, row by row.
+Points PointsOfPair(int pair) {
+  constexpr int kNumPairsPerRow = 8;
+  constexpr double kSpacing = 0.2, kWidth = 65.0;
+  const double reach = kNumCells - kWidth;
+  const double west = reach * (pair % kNumPairsPerRow) / (kNumPairsPerRow - 1.0);
+  const double south = reach * (pair / kNumPairsPerRow) / (kNumPairs / kNumPairsPerRow - 1.0);
+  const int num_per_row = static_cast<int>(kWidth / kSpacing);
+  std::mt19937 random(static_cast<unsigned>(pair) + 1);
   const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0; };
-  std::vector<Points> pairs(kNumPairs);
-  for (Points& points : pairs) {
-    points.resize(kNumPointsOfPair);
-    for (DensePoint& point : points) {
-      const double x = kNumCells * (uniform() - 0.5), y = kNumCells * (uniform() - 0.5);
-      const double z = Rolling(x, y) + 0.2 * (uniform() + uniform() - 1.0);
-      point = {Eigen::Vector3d(x, y, z).cast<float>(), 0.2f};
-    }
+  Points points(kNumPointsOfPair);
+  for (int i = 0; i < kNumPointsOfPair; ++i) {
+    const double x = west - 0.5 * kNumCells + kSpacing * (i % num_per_row + uniform());
+    const double y = south - 0.5 * kNumCells + kSpacing * (i / num_per_row + uniform());
+    const double z = Rolling(x, y) + 0.2 * (uniform() + uniform() - 1.0);
+    points[static_cast<size_t>(i)] = {Eigen::Vector3d(x, y, z).cast<float>(), 0.2f};
   }
+  return points;
+}
+
+std::vector<Points> PaperPoints() {
+  std::vector<Points> pairs;
+  for (int pair = 0; pair < kNumPairs; ++pair) pairs.push_back(PointsOfPair(pair));
   return pairs;
 }
 
 // Inverse-distance weights within 1 m, one pass, in double: no counts, deviations, upper heights or
 // outliers.
-double PlainElevation(const std::vector<Points>& pairs) {
+cv::Mat1f PlainMap(const std::vector<Points>& pairs) {
   cv::Mat1d sum(kNumCells, kNumCells, 0.0), weight(kNumCells, kNumCells, 0.0);
   const double half = 0.5 * kNumCells;
   for (const Points& points : pairs) {
@@ -60,28 +71,27 @@ double PlainElevation(const std::vector<Points>& pairs) {
       }
     }
   }
-  const cv::Mat1d mean = sum / weight;
-  return mean(kNumCells / 2, kNumCells / 2);
+  return cv::Mat1d(sum / weight);
 }
 
-Contest Elevation() {
-  const auto pairs = std::make_shared<std::vector<Points>>(PaperPoints());
-  return {"elevation",
-          "4.2e6 points, 300x300 cells",
-          [pairs] {
-            ElevationMapBuilder builder(PaperGrid(), TerrainOptions{});
-            for (const Points& points : *pairs) builder.Add(points);
-            Consume(builder.Build().elevation(0, 0));
-          },
-          "plain weighted mean, one pass in double, nothing else",
-          [pairs] { Consume(PlainElevation(*pairs)); }};
-}
-
-ElevationMap PaperMap() {
-  ElevationMapBuilder builder(PaperGrid(), TerrainOptions{});
-  for (const Points& points : PaperPoints()) builder.Add(points);
+ElevationMap MapOf(const std::vector<Points>& pairs, HeightFusion fusion) {
+  TerrainOptions options;
+  options.height_fusion = fusion;
+  ElevationMapBuilder builder(PaperGrid(), options);
+  for (const Points& points : pairs) builder.Add(points);
   return builder.Build();
 }
+
+Contest Elevation(const std::string& name, HeightFusion fusion) {
+  const auto pairs = std::make_shared<std::vector<Points>>(PaperPoints());
+  return {name,
+          "4.2e6 points, 300x300 cells",
+          [=] { Consume(MapOf(*pairs, fusion).elevation(0, 0)); },
+          "plain weighted mean, one pass in double, nothing else",
+          [pairs] { Consume(PlainMap(*pairs)(0, 0)); }};
+}
+
+ElevationMap PaperMap() { return MapOf(PaperPoints(), HeightFusion::kRobust); }
 
 // One camera straight above that calls everything grass but a block in one corner.
 std::vector<GrassView> GrassFromAbove(int num_views) {
@@ -116,6 +126,33 @@ double PlainLayers(const cv::Mat1f& elevation) {
   const cv::Mat1b free = (steepness < std::tan(RadFromDeg(8.0))) & (roughness < 0.5f);
   cv::distanceTransform(free, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
   return distance(kNumCells / 2, kNumCells / 2);
+}
+
+PlanRequest WholeMap(const Eigen::Vector2d& wind) {
+  PlanRequest request;
+  const double half = 0.5 * kNumCells - 20.0;
+  request.footprint = {{-half, -half}, {half, -half}, {half, half}, {-half, half}};
+  request.area_m2 = 4.0 * half * half;
+  request.grade = 1.0;
+  request.num_observations = 10;
+  request.wind_in_world = wind;
+  return request;
+}
+
+// Everything from points to a touchdown with its approach.
+Contest DecisionLayers(const std::string& name, HeightFusion fusion) {
+  const auto pairs = std::make_shared<std::vector<Points>>(PaperPoints());
+  const auto views = std::make_shared<std::vector<GrassView>>(GrassFromAbove(1));
+  return {name,
+          "4.2e6 points, 300x300 cells",
+          [=] {
+            const ElevationMap map = MapOf(*pairs, fusion);
+            const HazardLayers layers = AssessHazards(map, *views, HazardLimits{}, HazardOptions{});
+            const PlanRequest request = WholeMap(Eigen::Vector2d(0.0, 5.5));
+            Consume(PlanApproach(map, layers, request, Aircraft{}, ApproachOptions{}).score);
+          },
+          "plain weighted mean in double, Sobel, eight differences, distanceTransform",
+          [=] { Consume(PlainLayers(PlainMap(*pairs))); }};
 }
 
 Contest Layers() {
@@ -172,115 +209,68 @@ double PlainPathCheck(const cv::Mat1f& upper,
   return least;
 }
 
-PlanRequest WholeMap(const Eigen::Vector2d& wind) {
-  PlanRequest request;
-  const double half = 0.5 * kNumCells - 20.0;
-  request.footprint = {{-half, -half}, {half, -half}, {half, half}, {-half, half}};
-  request.area_m2 = 4.0 * half * half;
-  request.grade = 1.0;
-  request.num_observations = 10;
-  request.wind_in_world = wind;
-  return request;
+struct Site {
+  ElevationMap map;
+  HazardLayers layers;
+};
+
+std::shared_ptr<const Site> PaperSite() {
+  auto site = std::make_shared<Site>();
+  site->map = PaperMap();
+  site->layers = AssessHazards(site->map, GrassFromAbove(10), HazardLimits{}, HazardOptions{});
+  return site;
 }
 
-Contest WindRose(const std::string& name, int num_directions, const std::vector<double>& speeds) {
-  const auto map = std::make_shared<ElevationMap>(PaperMap());
-  const auto layers = std::make_shared<HazardLayers>(
-      AssessHazards(*map, GrassFromAbove(10), HazardLimits{}, HazardOptions{}));
-  std::vector<Eigen::Vector2d> winds;
-  for (int i = 0; i < num_directions; ++i) {
-    const double angle = 2.0 * kPi * i / num_directions;
-    for (const double speed : speeds) {
-      winds.emplace_back(speed * std::sin(angle), speed * std::cos(angle));
-    }
-  }
+constexpr char kPlainPath[] = "one line of cells along final and circle, one touchdown";
+
+Contest OneWind() {
+  const Eigen::Vector2d wind(0.0, 5.5);
   return {
-      name,
-      "300x300 cells, " + std::to_string(winds.size()) + " winds",
-      [=] {
-        for (const Eigen::Vector2d& wind : winds) {
-          Consume(PlanApproach(*map, *layers, WholeMap(wind), Aircraft{}, ApproachOptions{}).score);
-        }
+      "approach",
+      "300x300 cells, 1 wind",
+      [site = PaperSite(), wind] {
+        const PlanRequest request = WholeMap(wind);
+        Consume(
+            PlanApproach(site->map, site->layers, request, Aircraft{}, ApproachOptions{}).score);
       },
-      "one line of cells along final and circle, one touchdown",
-      [=] {
-        for (const Eigen::Vector2d& wind : winds) {
-          Consume(PlainPathCheck(map->upper, Aircraft{}, wind));
+      kPlainPath,
+      [site = PaperSite(), wind] { Consume(PlainPathCheck(site->map.upper, {}, wind)); }};
+}
+
+Contest AllWinds() {
+  const WindRoseOptions winds{.num_directions = 72, .speeds_mps = {1.0, 2.5, 4.0, 5.5, 7.0}};
+  return {
+      "wind_rose",
+      "300x300 cells, 360 winds",
+      [site = PaperSite(), winds] {
+        const PlanRequest request = WholeMap({0.0, 0.0});
+        Consume(PlanWindRose(site->map, site->layers, request, Aircraft{}, ApproachOptions{}, winds)
+                    .entries.front()
+                    .hazard_distance);
+      },
+      kPlainPath,
+      [site = PaperSite(), winds] {
+        for (const double speed : winds.speeds_mps) {
+          for (int i = 0; i < winds.num_directions; ++i) {
+            const Eigen::Vector2d towards = DirectionOf(2.0 * kPi * i / winds.num_directions);
+            Consume(PlainPathCheck(site->map.upper, {}, speed * towards));
+          }
         }
       }};
 }
 
-// Rectified by OpenCV and matched by its slower, better mode, as aerial_mapper sets it.
-double PlainStereo(const cv::Mat& left,
-                   const cv::Mat& right,
-                   const cv::Mat& map_x,
-                   const cv::Mat& map_y) {
-  constexpr int kNumDisparities = 80, kBlockPx = 9;
-  cv::Mat1b grey[2];
-  const cv::Mat* images[2] = {&left, &right};
-  for (int i = 0; i < 2; ++i) {
-    cv::Mat rectified;
-    cv::remap(*images[i], rectified, map_x, map_y, cv::INTER_LINEAR);
-    cv::cvtColor(rectified, grey[i], cv::COLOR_BGR2GRAY);
-  }
-  const auto matcher = cv::StereoSGBM::create(
-      1, kNumDisparities, kBlockPx, 120, 250, 0, 35, 10, 100, 20, cv::StereoSGBM::MODE_SGBM);
-  cv::Mat disparity, points;
-  matcher->compute(grey[0], grey[1], disparity);
-  cv::reprojectImageTo3D(disparity, points, cv::Mat::eye(4, 4, CV_64F));
-  return points.at<cv::Vec3f>(0, 0)[2];
-}
-
-Contest Stereo(const BenchScene& scene) {
-  const cv::Mat left = scene.frames[scene.pair.left].image;
-  const cv::Mat right = scene.frames[scene.pair.right].image;
-  cv::Mat1f map_x(left.size()), map_y(left.size());
-  for (int row = 0; row < left.rows; ++row) {
-    for (int col = 0; col < left.cols; ++col) {
-      map_x(row, col) = static_cast<float>(col) + 0.25f;
-      map_y(row, col) = static_cast<float>(row) + 0.25f;
-    }
-  }
-  return {
-      "stereo",
-      SizeOf(left),
-      [=, &scene] {
-        Consume(static_cast<double>(
-            ReconstructPoints(scene.block, scene.pair, left, right, scene.options.stereo).size()));
-      },
-      "remap twice, StereoSGBM of 5 directions and 80 disparities, reprojectImageTo3D",
-      [=] { Consume(PlainStereo(left, right, map_x, map_y)); }};
-}
-
-// Per view. OpenCV has no adjustment of cameras that move.
-Contest Adjustment(const BenchScene& scene) {
-  const size_t num_views = scene.snapshot.views.size();
-  return {"bundle_adjustment",
-          std::to_string(num_views) + " views, " + std::to_string(scene.block.landmarks.size()) +
-              " landmarks",
-          [&scene] {
-            Consume(AdjustPoses(scene.snapshot.views, scene.rig.camera, scene.options.adjustment)
-                        .rms_after_px);
-          },
-          "",
-          {},
-          static_cast<double>(num_views)};
-}
-
 }  // namespace
 
-std::vector<Entry> BackendEntries(const std::string& model_text) {
+std::vector<Entry> MapEntries() {
   return {
-      {"bundle_adjustment", [=] { return Adjustment(Scene(model_text)); }},
-      {"stereo", [=] { return Stereo(Scene(model_text)); }},
-      {"elevation", [] { return Elevation(); }},
+      {"elevation_paper", [] { return Elevation("elevation_paper", HeightFusion::kPaperMean); }},
+      {"elevation", [] { return Elevation("elevation", HeightFusion::kRobust); }},
       {"layers", [] { return Layers(); }},
       {"hazard_distance", [] { return Relimit(); }},
-      {"approach", [] { return WindRose("approach", 1, {5.5}); }},
-      {"wind_rose",
-       [] {
-         return WindRose("wind_rose", 72, {1.0, 2.5, 4.0, 5.5, 7.0});
-       }},
+      {"decision_paper", [] { return DecisionLayers("decision_paper", HeightFusion::kPaperMean); }},
+      {"decision", [] { return DecisionLayers("decision", HeightFusion::kRobust); }},
+      {"approach", [] { return OneWind(); }},
+      {"wind_rose", [] { return AllWinds(); }},
   };
 }
 

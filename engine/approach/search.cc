@@ -1,0 +1,42 @@
+#include "engine/approach/search.h"
+
+#include <utility>
+
+namespace freelsd {
+namespace {
+
+bool IsTaken(const Attempt& attempt, const std::optional<Attempt>& best) {
+  if (!best) return true;
+  if (attempt.verdict == Verdict::kRejected) return IsBetter(attempt, *best);
+  return attempt.verdict < best->verdict;
+}
+
+bool IsSamePlace(const Touchdown& a, const Touchdown& b) {
+  return a.row == b.row && a.col == b.col;
+}
+
+}  // namespace
+
+SearchResult SearchTouchdown(const std::vector<Touchdown>& candidates,
+                             const AttemptContext& context) {
+  std::optional<Attempt> best;
+  std::vector<Attempt> tried;
+  for (const Touchdown& candidate : candidates) {
+    Attempt attempt = BestHeading(candidate, context);
+    if (IsTaken(attempt, best)) best = attempt;
+    if (attempt.verdict == Verdict::kLandable) break;
+    if (attempt.verdict == Verdict::kUnverified && !context.wind.is_known) break;
+    tried.push_back(std::move(attempt));
+  }
+  SearchResult result;
+  result.best = *best;
+  // What comes after the chosen one is not better; unless none was good.
+  for (Attempt& attempt : tried) {
+    const bool is_chosen = IsSamePlace(attempt.touchdown, result.best.touchdown);
+    if (is_chosen && attempt.verdict != Verdict::kRejected) break;
+    result.passed_over.push_back(std::move(attempt));
+  }
+  return result;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,21 @@
+// Private to approach/: the search over the touchdowns of a region.
+#pragma once
+
+#include <vector>
+
+#include "engine/approach/attempt.h"
+
+namespace freelsd {
+
+struct SearchResult {
+  Attempt best;
+  // Tried before it, and not taken; all of them where none was good.
+  std::vector<Attempt> passed_over;
+};
+
+// Sec. III-H: from the safest touchdown on, the first free one wins; else the first unverified one;
+// else the least bad one. At least one candidate.
+SearchResult SearchTouchdown(const std::vector<Touchdown>& candidates,
+                             const AttemptContext& context);
+
+}  // namespace freelsd
