@@ -5,7 +5,6 @@
 
 #include <doctest/doctest.h>
 
-#include "engine/adjustment/residuals.h"
 #include "tests/engine/adjustment/survey.h"
 
 namespace freelsd {
@@ -302,37 +301,6 @@ TEST_CASE("adjustment: the same views give the same bytes for any number of thre
   }
 }
 
-TEST_CASE("adjustment: the residual projects as the camera does, for every lens") {
-  Camera camera = SurveyCamera();
-  const Rigid3d world_from_camera{NadirCamera(0.7), {3.0, -4.0, 90.0}};
-  const Eigen::Vector3d point(31.0, 12.0, 2.0);
-  camera.readout.turn = {1e-4, -2e-4, 5e-5};
-  for (const auto& [model, coefficients] :
-       {std::pair{DistortionModel::kNone, std::vector<double>{}},
-        std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
-        std::pair{DistortionModel::kEquidistant, std::vector<double>{0.02, -0.01, 3e-3, 1e-3}}}) {
-    camera.distortion = model;
-    camera.coefficients = coefficients;
-    const auto pixel = camera.ImageFromCamera(Inverse(world_from_camera) * point);
-    REQUIRE(pixel);
-    // The residual takes the share of the readout from the sighting's row, so they must be the
-    // same.
-    const Eigen::Vector2d sighting = *pixel - Eigen::Vector2d(3.0, 0.0);
-    const ReprojectionResidual residual(&camera, sighting);
-    const double lens[kNumLensParameters] = {1.0};
-    const double turn[3] = {1e-4, -2e-4, 5e-5};
-    double error[2];
-    REQUIRE(residual(world_from_camera.rotation.coeffs().data(),
-                     world_from_camera.translation.data(),
-                     point.data(),
-                     lens,
-                     turn,
-                     error));
-    CHECK(error[0] == doctest::Approx(3.0).epsilon(1e-4));
-    CHECK(std::abs(error[1]) < 1e-4);
-  }
-}
-
 TEST_CASE(
     "adjustment: what a rolling shutter does to each image is found, not bent into the poses") {
   SurveyOptions options;
@@ -398,66 +366,6 @@ TEST_CASE("adjustment: a second run on the first one's poses does not drift away
         (twice.views[i].world_from_camera.translation - once.views[i].world_from_camera.translation)
             .norm() < kMaxDriftM);
   }
-}
-
-TEST_CASE("adjustment: Check names field, value and constraint") {
-  AdjustmentOptions options;
-  CHECK_NOTHROW(options.Check());
-  options.max_tilt_sd_deg = 0.0;
-  CHECK_THROWS_WITH_AS(options.Check(),
-                       "adjustment.max_tilt_sd_deg = 0.000000: must be in (0, 90]",
-                       std::invalid_argument);
-  const auto refuses = [](auto field, auto value) {
-    AdjustmentOptions wrong;
-    wrong.*field = value;
-    CHECK_THROWS_AS(wrong.Check(), std::invalid_argument);
-  };
-  refuses(&AdjustmentOptions::min_num_track_connections, 0);
-  refuses(&AdjustmentOptions::min_baseline_m, 0.0);
-  refuses(&AdjustmentOptions::max_baseline_ratio, 0.0);
-  refuses(&AdjustmentOptions::robust_loss_px, 0.0);
-  refuses(&AdjustmentOptions::max_reprojection_error_px, -1.0);
-  refuses(&AdjustmentOptions::focal_sd_ratio, 0.6);
-  refuses(&AdjustmentOptions::radial_sd, 0.0);
-  refuses(&AdjustmentOptions::tangential_sd, 0.0);
-  refuses(&AdjustmentOptions::principal_point_sd_ratio, 0.6);
-  refuses(&AdjustmentOptions::min_num_lens_views, 0);
-  refuses(&AdjustmentOptions::max_num_iterations, 0);
-  refuses(&AdjustmentOptions::estimated_tilt_sd_deg, 0.0);
-  refuses(&AdjustmentOptions::estimated_yaw_sd_deg, 181.0);
-  refuses(&AdjustmentOptions::min_num_shared_landmarks, 0);
-  refuses(&AdjustmentOptions::min_num_view_observations, 2);
-  refuses(&AdjustmentOptions::min_num_connected_views, 1);
-  refuses(&AdjustmentOptions::min_position_spread_sigma, -0.1);
-  refuses(&AdjustmentOptions::num_threads, 0);
-}
-
-// A view `east` metres along whose tracks are [first, first + count).
-View VideoView(double east, int64_t first, int count) {
-  View view;
-  view.world_from_camera = {NadirCamera(kPi / 2), {east, 0.0, 100.0}};
-  view.prior_world_from_camera = view.world_from_camera.rotation;
-  view.height_above_ground = 100.0;
-  for (int i = 0; i < count; ++i) view.observations.push_back({first + i, {0.0, 0.0}});
-  return view;
-}
-
-TEST_CASE("key-frames: the predecessor of the first view with fewer than 30 connections is next") {
-  // 100 tracks per view, 10 lost from one view to the next, 3 m apart: view 8 has 20 left of view
-  // 0's, so view 7 is due.
-  std::vector<View> views;
-  for (int i = 0; i < 20; ++i) views.push_back(VideoView(3.0 * i, 10 * i, 100));
-  CHECK(SelectKeyframes(views, {}) == std::vector<size_t>{0, 7, 14, 19});
-}
-
-TEST_CASE("key-frames: a baseline too short for stereo makes none, a long one does at the latest") {
-  std::vector<View> hover(10, VideoView(0.0, 0, 5));
-  for (size_t i = 0; i < hover.size(); ++i) hover[i].observations[0].track_id = 100 + i;
-  CHECK(SelectKeyframes(hover, {}) == std::vector<size_t>{0});
-  std::vector<View> survey;
-  for (int i = 0; i < 4; ++i) survey.push_back(VideoView(40.0 * i, 0, 200));
-  CHECK(SelectKeyframes(survey, {}) == std::vector<size_t>{0, 1, 2, 3});
-  CHECK(SelectKeyframes({}, {}).empty());
 }
 
 }  // namespace

@@ -1,0 +1,76 @@
+#include "engine/adjustment/residuals.h"
+
+#include <stdexcept>
+
+#include <doctest/doctest.h>
+
+#include "tests/engine/adjustment/survey.h"
+
+namespace freelsd {
+namespace {
+
+TEST_CASE("adjustment: the residual projects as the camera does, for every lens") {
+  Camera camera = SurveyCamera();
+  const Rigid3d world_from_camera{NadirCamera(0.7), {3.0, -4.0, 90.0}};
+  const Eigen::Vector3d point(31.0, 12.0, 2.0);
+  camera.readout.turn = {1e-4, -2e-4, 5e-5};
+  for (const auto& [model, coefficients] :
+       {std::pair{DistortionModel::kNone, std::vector<double>{}},
+        std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
+        std::pair{DistortionModel::kEquidistant, std::vector<double>{0.02, -0.01, 3e-3, 1e-3}}}) {
+    camera.distortion = model;
+    camera.coefficients = coefficients;
+    const auto pixel = camera.ImageFromCamera(Inverse(world_from_camera) * point);
+    REQUIRE(pixel);
+    // The residual takes the share of the readout from the sighting's row, so they must be the
+    // same.
+    const Eigen::Vector2d sighting = *pixel - Eigen::Vector2d(3.0, 0.0);
+    const ReprojectionResidual residual(&camera, sighting);
+    const double lens[kNumLensParameters] = {1.0};
+    const double turn[3] = {1e-4, -2e-4, 5e-5};
+    double error[2];
+    REQUIRE(residual(world_from_camera.rotation.coeffs().data(),
+                     world_from_camera.translation.data(),
+                     point.data(),
+                     lens,
+                     turn,
+                     error));
+    CHECK(error[0] == doctest::Approx(3.0).epsilon(1e-4));
+    CHECK(std::abs(error[1]) < 1e-4);
+  }
+}
+
+TEST_CASE("adjustment: Check names field, value and constraint") {
+  AdjustmentOptions options;
+  CHECK_NOTHROW(options.Check());
+  options.max_tilt_sd_deg = 0.0;
+  CHECK_THROWS_WITH_AS(options.Check(),
+                       "adjustment.max_tilt_sd_deg = 0.000000: must be in (0, 90]",
+                       std::invalid_argument);
+  const auto refuses = [](auto field, auto value) {
+    AdjustmentOptions wrong;
+    wrong.*field = value;
+    CHECK_THROWS_AS(wrong.Check(), std::invalid_argument);
+  };
+  refuses(&AdjustmentOptions::min_num_track_connections, 0);
+  refuses(&AdjustmentOptions::min_baseline_m, 0.0);
+  refuses(&AdjustmentOptions::max_baseline_ratio, 0.0);
+  refuses(&AdjustmentOptions::robust_loss_px, 0.0);
+  refuses(&AdjustmentOptions::max_reprojection_error_px, -1.0);
+  refuses(&AdjustmentOptions::focal_sd_ratio, 0.6);
+  refuses(&AdjustmentOptions::radial_sd, 0.0);
+  refuses(&AdjustmentOptions::tangential_sd, 0.0);
+  refuses(&AdjustmentOptions::principal_point_sd_ratio, 0.6);
+  refuses(&AdjustmentOptions::min_num_lens_views, 0);
+  refuses(&AdjustmentOptions::max_num_iterations, 0);
+  refuses(&AdjustmentOptions::estimated_tilt_sd_deg, 0.0);
+  refuses(&AdjustmentOptions::estimated_yaw_sd_deg, 181.0);
+  refuses(&AdjustmentOptions::min_num_shared_landmarks, 0);
+  refuses(&AdjustmentOptions::min_num_view_observations, 2);
+  refuses(&AdjustmentOptions::min_num_connected_views, 1);
+  refuses(&AdjustmentOptions::min_position_spread_sigma, -0.1);
+  refuses(&AdjustmentOptions::num_threads, 0);
+}
+
+}  // namespace
+}  // namespace freelsd
