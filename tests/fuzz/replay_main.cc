@@ -111,7 +111,7 @@ void Run(const FuzzTarget& target, const Arguments& arguments) {
   }
   Mutator mutator;
   size_t num_runs = seeds.size();
-  for (; std::chrono::steady_clock::now() < end; ++num_runs) {
+  for (; target.max_bytes > 0 && std::chrono::steady_clock::now() < end; ++num_runs) {
     const std::string bytes = mutator.Changed(seeds, target.max_bytes);
     Keep(arguments, bytes);
     RunSafely(target, bytes);

@@ -13,7 +13,7 @@ struct FuzzTarget {
   // Also the folder of its seeds.
   const char* name;
   void (*run)(std::string_view bytes);
-  // The longest input that is worth trying.
+  // The longest input that is worth trying; 0: seeds only.
   size_t max_bytes = 4096;
 };
 
