@@ -184,7 +184,9 @@ def run_bombs(tools, folder, flight_files, num_tries):
             num_taken += status in (200, 201, 202)
             times_ms.append(elapsed_ms)
             worst.append((mib, elapsed_ms, name, status))
-    failed = [each for each in worst if each[0] > MAX_BOMB_MIB * min(2.0, harness.patience) or each[1] > MAX_BOMB_MS * harness.patience]
+    max_mib = MAX_BOMB_MIB * min(2.0, harness.patience)
+    max_ms = MAX_BOMB_MS * harness.patience
+    failed = [each for each in worst if each[0] > max_mib or each[1] > max_ms]
     most = max(worst)
     slowest = max(worst, key=lambda each: each[1])
     seen = (f"{len(bombs)} bombs, {num_taken} of them harmless and taken; most memory "
