@@ -11,6 +11,8 @@ namespace freelsd {
 namespace {
 
 constexpr char kMarkName[] = "damaged";
+// More versions of the schema than there will ever be.
+constexpr int64_t kMaxVersionsAhead = 1000;
 constexpr const char* kSuffixes[] = {"", "-wal", "-shm"};
 
 // Nothing where the file is not there.
@@ -45,11 +47,11 @@ std::optional<std::string> WhyDamaged(const std::filesystem::path& folder) {
     return error.what();
   }
   // The copy is brought up last: where it is ahead, the file is not what it was. A newer one is
-  // another program's, and refused.
-  if (VersionOfCopy(folder) != kSchemaVersion || version.value_or(0) >= kSchemaVersion) {
-    return std::nullopt;
-  }
-  return version ? "its version is behind that of its copy" : "its file is gone";
+  // another program's, and refused, unless no program will ever write that number.
+  const int64_t number = version.value_or(0);
+  const bool can_be_newer = number >= kSchemaVersion && number < kSchemaVersion + kMaxVersionsAhead;
+  if (VersionOfCopy(folder) != kSchemaVersion || can_be_newer) return std::nullopt;
+  return version ? "its version is not that of its copy" : "its file is gone";
 }
 
 void Move(const std::filesystem::path& from, const std::filesystem::path& to) {

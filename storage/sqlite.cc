@@ -12,6 +12,11 @@ constexpr int kBusyTimeoutMs = 2000;
 StorageFault FaultOf(sqlite3* database, int code) {
   if (code == SQLITE_FULL) return StorageFault::kFull;
   if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) return StorageFault::kDamaged;
+  // A head that no SQLite writes has no code of its own.
+  if (code == SQLITE_ERROR && database != nullptr &&
+      std::string_view(sqlite3_errmsg(database)) == "unsupported file format") {
+    return StorageFault::kDamaged;
+  }
   if (database == nullptr || code != SQLITE_IOERR) return StorageFault::kOther;
   const int error = sqlite3_system_errno(database);
   return error == EDQUOT || error == EFBIG ? StorageFault::kFull : StorageFault::kOther;

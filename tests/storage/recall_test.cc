@@ -27,6 +27,12 @@ void StoreTwoSites(const std::filesystem::path& folder) {
   storage.PutSite(SomeSite("f-r2", 50.1, 8.0), "");
 }
 
+void WriteAt(const std::filesystem::path& file, std::streamoff place, const std::string& bytes) {
+  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
+  stream.seekp(place);
+  stream << bytes;
+}
+
 bool HasBoth(const Storage& storage) {
   return storage.ListSites(std::nullopt, std::nullopt).size() == 2 &&
          storage.ReadSiteMap("f-r1") == "map" &&
@@ -34,12 +40,15 @@ bool HasBoth(const Storage& storage) {
 }
 
 TEST_CASE("storage: a database that is damaged, cut or gone is set aside, and sites stay") {
-  for (const std::string kind : {"spoilt", "cut", "gone"}) {
+  for (const std::string kind : {"spoilt", "cut", "gone", "format", "version"}) {
     INFO(kind);
     const TemporaryFolder folder;
     StoreTwoSites(folder.path());
     const std::filesystem::path file = folder.path() / "freelsd.db";
     if (kind == "spoilt") Spoil(file, 0, 4096);
+    // Numbers in the head that nothing ever writes: of the file's format, and of our schema.
+    if (kind == "format") WriteAt(file, 44, "\x7f\x7f\x7f\x7f");
+    if (kind == "version") WriteAt(file, 60, "\x7f\x7f\x7f\x7f");
     if (kind == "cut") std::filesystem::resize_file(file, 0);
     if (kind == "gone") std::filesystem::remove(file);
     Storage storage(folder.path());
