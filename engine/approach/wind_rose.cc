@@ -110,10 +110,12 @@ std::vector<size_t> Enclosing(double place, size_t count) {
 
 // Nothing beyond the table.
 std::vector<size_t> EnclosingSpeeds(const std::vector<double>& speeds, double speed) {
+  for (size_t i = 0; i < speeds.size(); ++i) {
+    if (std::abs(speeds[i] - speed) <= kSameWind * (1.0 + speed)) return {i};
+  }
   const auto above = std::lower_bound(speeds.begin(), speeds.end(), speed);
-  if (above == speeds.end() || (above == speeds.begin() && *above > speed)) return {};
+  if (above == speeds.begin() || above == speeds.end()) return {};
   const auto index = static_cast<size_t>(above - speeds.begin());
-  if (*above == speed) return {index};
   return {index - 1, index};
 }
 

@@ -32,6 +32,8 @@ struct Batch {
   std::array<std::array<double, kBatch>, 4> weights;
   std::array<double, kBatch> height;
   std::array<double, kBatch> variance;
+  // Not weighed: on a line of centres a point may be a whole radius from the centres on both sides.
+  std::array<int, kBatch> is_on_line;
 };
 
 // Four reciprocals for one division: 1 / a = (b c d) / (a b c d). A processor divides slowly.
@@ -55,7 +57,9 @@ struct Batch {
     const double c = std::max((west * west + south * south) * layout.cell_area, kLeast);
     const double d = std::max((east * east + south * south) * layout.cell_area, kLeast);
     const double ab = a * b, cd = c * d;
-    const double reciprocal = is_inside ? 1.0 / (ab * cd) : 0.0;
+    const bool is_on_line = is_inside & ((west == 0.0) | (north == 0.0));
+    const double reciprocal = is_inside & !is_on_line ? 1.0 / (ab * cd) : 0.0;
+    batch.is_on_line[i] = is_on_line ? 1 : 0;
     batch.slot[i] = row * layout.stride + col;
     batch.weights[0][i] = a <= layout.squared_radius ? reciprocal * (b * cd) : 0.0;
     batch.weights[1][i] = b <= layout.squared_radius ? reciprocal * (a * cd) : 0.0;
@@ -167,6 +171,9 @@ void WeightedSums::AddNear(const DensePoint* points, size_t num_points) {
       ScatterMean(batch, count, stride_, sums_.data());
     } else {
       ScatterAll(batch, count, stride_, sums_.data());
+    }
+    for (size_t i = 0; i < count; ++i) {
+      if (batch.is_on_line[i] != 0) AddWide(points[first + i]);
     }
   }
 }
