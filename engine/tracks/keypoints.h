@@ -18,7 +18,7 @@ struct TrackingImage {
   // Tracking pixels per full-size pixel; at most 1.
   double scale = 1.0;
   // For following corners; empty until some are.
-  std::vector<cv::Mat> pyramid;
+  std::vector<cv::Mat> pyramid = {};
 
   Eigen::Vector2d FullFromReduced(const cv::Point2f& point) const;
   cv::Point2f ReducedFromFull(const Eigen::Vector2d& point) const;
