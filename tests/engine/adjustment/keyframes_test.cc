@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "engine/adjustment/adjustment.h"
+#include "tests/engine/adjustment/survey.h"
 
 namespace freelsd {
 namespace {

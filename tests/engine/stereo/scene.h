@@ -122,6 +122,7 @@ inline AdjustedBlock SceneBlock(const Scene& scene, const std::vector<Rigid3d>& 
          {},
          pose.translation.z() - scene.height(pose.translation.x(), pose.translation.y()),
          true,
+         0,
          0.1,
          {}});
   }

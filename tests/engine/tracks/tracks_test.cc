@@ -374,7 +374,9 @@ TEST_CASE("tracks: a better pose moves the ground point with it") {
 
 TEST_CASE("tracks: an image of another size is refused with both sizes") {
   Tracks tracks(VideoRig(), TracksOptions{});
-  const Frame frame{.id = "12", .image = cv::Mat::zeros(480, 640, CV_8U)};
+  Frame frame;
+  frame.id = "12";
+  frame.image = cv::Mat::zeros(480, 640, CV_8U);
   CHECK_THROWS_WITH_AS(
       tracks.Add(frame), "frame 12: image is 640x480, camera says 752x480", std::invalid_argument);
 }
