@@ -37,7 +37,9 @@ TEST_CASE("options: the table has every field of every stage") {
     VisitFields(stage_options,
                 [&num_fields](const char*, const auto&, const char*) { ++num_fields; });
     CAPTURE(std::string(stage));
-    CHECK(num_fields == NumFields<std::decay_t<decltype(stage_options)>>());
+    // terrain.height_fusion is to compare with, and nothing to land by: it is not offered.
+    const size_t num_withheld = std::string(stage) == "terrain" ? 1 : 0;
+    CHECK(num_fields + num_withheld == NumFields<std::decay_t<decltype(stage_options)>>());
   });
   CHECK(num_stages == NumFields<PipelineOptions>());
 }
