@@ -1,5 +1,7 @@
 #include "server/frame_resolution.h"
 
+#include <cmath>
+
 #include "server/intake.h"
 #include "server/telemetry.h"
 
@@ -11,6 +13,17 @@ Resolution Reject(Service& service, FrameRow& frame, const std::string& why) {
   frame.state = FrameState::kRejected;
   frame.reason = why;
   return Resolution::kRejected;
+}
+
+// One flight is one flat world: at this distance the plumb line is half a degree off. What is
+// farther away is a wrong fix, or another flight.
+std::optional<std::string> WhyTooFar(const GeoPoint& place, const std::string& rig_json) {
+  constexpr double kMaxDistanceM = 50000.0;
+  const LocalFrame local_frame(ParseStoredFlightRig(rig_json).origin);
+  const double distance_m = local_frame.WorldFromGeo(place).head<2>().norm();
+  if (distance_m <= kMaxDistanceM) return std::nullopt;
+  return "its position is " + std::to_string(std::lround(distance_m / 1000.0)) +
+         " km from the flight's origin, at most 50 km";
 }
 
 }  // namespace
@@ -46,6 +59,7 @@ Resolution ResolveFrame(Service& service, const FlightRow& flight, FrameRow& fra
       return Reject(service, frame, error.what());
     }
   }
+  if (const auto why = WhyTooFar(*meta.position, rig_json)) return Reject(service, frame, *why);
   frame.resolved_json = FrameMetaJson(meta);
   service.storage.ResolveFrame(
       flight.id, frame.id, frame.resolved_json, [&](FlightRow& row) { row.rig_json = rig_json; });

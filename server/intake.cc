@@ -1,7 +1,5 @@
 #include "server/intake.h"
 
-#include <cmath>
-
 namespace freelsd {
 namespace {
 
@@ -25,17 +23,6 @@ void RefuseOtherSize(const ImageHeader& header, const Camera& camera) {
   throw ApiError("ImageSizeMismatch",
                  "the image is " + SizeText(header.width_px, header.height_px) +
                      ", the camera says " + SizeText(camera.width_px, camera.height_px));
-}
-
-// One flight is one flat world: at this distance the plumb line is half a degree off. What is
-// farther away is a wrong fix, or another flight.
-void RefuseFarAway(const GeoPoint& place, const GeoPoint& origin) {
-  constexpr double kMaxDistanceM = 50000.0;
-  const double distance_m = LocalFrame(origin).WorldFromGeo(place).head<2>().norm();
-  if (distance_m <= kMaxDistanceM) return;
-  const std::string text = "is " + std::to_string(std::lround(distance_m / 1000.0)) +
-                           " km from the flight's origin, at most 50 km";
-  throw ApiError("InvalidValue", "position: " + text, {{"/position", text}});
 }
 
 }  // namespace
@@ -92,7 +79,6 @@ void RigResolver::Admit(const CheckedImage& image, const FrameMeta& meta) {
   FlightRig rig = RigFor(image);
   if (!resolved_) rig.origin = request_.origin.value_or(*meta.position);
   CheckSize(image);
-  RefuseFarAway(*meta.position, rig.origin);
   resolved_ = rig;
 }
 

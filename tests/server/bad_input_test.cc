@@ -113,14 +113,20 @@ TEST_CASE("bad input: a zero quaternion is 422 with its place") {
   CHECK(result->body.find("/attitude/quaternion_wxyz") != std::string::npos);
 }
 
-TEST_CASE("bad input: a place a hundred kilometres from the flight's others is 422") {
-  StoredFlight stored;
-  const nlohmann::json meta = nlohmann::json::parse(SomeMeta(1));
-  const double latitude_deg = meta["position"]["latitude_deg"].get<double>() + 1.0;
-  const auto result =
-      stored.Put(NoiseImage(2), MetaWith("latitude_deg", std::to_string(latitude_deg)));
-  CheckProblem(result, 422, "InvalidValue");
-  CHECK(result->body.find("\"/position\"") != std::string::npos);
+TEST_CASE(
+    "bad input: a frame a hundred kilometres from the flight's others is rejected, told why") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  PutFrame(fresh.client, flight, "here", NoiseImage(1), SomeMeta());
+  const double latitude_deg =
+      nlohmann::json::parse(SomeMeta(1))["position"]["latitude_deg"].get<double>() + 1.0;
+  const std::string meta = MetaWith("latitude_deg", std::to_string(latitude_deg));
+  CHECK(PutFrame(fresh.client, flight, "far", NoiseImage(2), meta)->status == 201);
+  const auto finish = fresh.client.Post("/v1/flights/" + flight + "/finish");
+  REQUIRE(AwaitJob(fresh.client, nlohmann::json::parse(finish->body)["id"])["state"] == "done");
+  const nlohmann::json far = FrameList(fresh.client, flight)[1];
+  CHECK(far["state"] == "rejected");
+  CHECK(far["reason"] == "its position is 111 km from the flight's origin, at most 50 km");
 }
 
 TEST_CASE("bad input: latitude 95 is 422 with its place") {
