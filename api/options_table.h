@@ -66,6 +66,9 @@ void VisitFields(Of<TracksOptions> auto& o, Visitor&& visit) {
         "width at which photographs are matched as seen from above");
   visit("max_num_ground_keypoints", o.max_num_ground_keypoints, "per photograph seen from above");
   visit("min_num_tie_matches", o.min_num_tie_matches, "that tie two groups of photographs");
+  visit("min_ground_overlap_ratio",
+        o.min_ground_overlap_ratio,
+        "share of the smaller photograph's ground that two have in common to be tied");
   visit("max_ground_error_ratio",
         o.max_ground_error_ratio,
         "how far off ground is looked for when tying groups, share of the height");

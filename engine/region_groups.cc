@@ -36,10 +36,11 @@ std::vector<Group> GroupRegions(const Snapshot& snapshot,
   if (regions.empty()) return {};
   const Box box = BoxOf(regions);
   const bool is_near = (box.max - box.min).maxCoeff() <= options.backend.max_group_extent_m;
+  const size_t max_num_views = static_cast<size_t>(options.backend.max_num_views);
   const auto has_few_views = [&] {
+    if (snapshot.views.size() <= max_num_views) return true;
     const Box area = AreaOfInterest(regions, snapshot, aircraft, options);
-    return SelectViews(snapshot, area, options).num_seeing <=
-           static_cast<size_t>(options.backend.max_num_views);
+    return SelectViews(snapshot, area, options).num_seeing <= max_num_views;
   };
   if (regions.size() == 1 || (is_near && has_few_views())) return {regions};
   const auto [first, second] = Halves(regions);

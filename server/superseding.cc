@@ -1,6 +1,5 @@
 #include "server/superseding.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <spdlog/spdlog.h>
@@ -13,12 +12,6 @@ namespace {
 // Where other sites on the same ground may have their touchdown.
 constexpr double kNeighbourhoodDeg = 0.02;
 
-Eigen::Vector2d CenterOf(const Polygon& polygon) {
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& corner : polygon) sum += corner;
-  return sum / std::max<double>(1.0, static_cast<double>(polygon.size()));
-}
-
 // Whether either region's middle lies within the other.
 bool IsSameGround(const Replan& a, const Replan& b) {
   const LocalFrame frame_a(a.origin);
@@ -27,7 +20,7 @@ bool IsSameGround(const Replan& a, const Replan& b) {
                         const LocalFrame& outer_frame,
                         const Replan& inner,
                         const LocalFrame& inner_frame) {
-    const Eigen::Vector2d center = CenterOf(inner.request.footprint);
+    const Eigen::Vector2d center = Centroid(inner.request.footprint);
     const GeoPoint place = inner_frame.GeoFromWorld({center.x(), center.y(), 0.0});
     return Contains(outer.request.footprint, outer_frame.WorldFromGeo(place).head<2>());
   };
@@ -61,20 +54,32 @@ std::vector<SiteRow> OnSameGround(const Storage& storage, const SiteRow& site) {
   return same;
 }
 
+// Of these sites the one whose evidence is newest, if it is newer than that.
+const SiteRow* NewestEvidence(const std::vector<SiteRow>& sites, int64_t after_us) {
+  const SiteRow* newest = nullptr;
+  for (const SiteRow& site : sites) {
+    if (!site.is_evidence || site.seen_at_us <= after_us) continue;
+    newest = &site;
+    after_us = site.seen_at_us;
+  }
+  return newest;
+}
+
+std::optional<std::string> IdOf(const SiteRow* site) {
+  return site == nullptr ? std::nullopt : std::optional(site->id);
+}
+
 }  // namespace
 
 Standing StandingOf(const Storage& storage, const SiteRow& site) {
+  const std::vector<SiteRow> same = OnSameGround(storage, site);
   Standing standing;
-  int64_t newest_us = site.seen_at_us;
-  for (const SiteRow& other : OnSameGround(storage, site)) {
+  for (const SiteRow& other : same) {
     if (site.is_evidence && other.seen_at_us <= site.seen_at_us) {
       standing.supersedes.push_back(other.id);
     }
-    if (other.is_evidence && other.seen_at_us > newest_us) {
-      newest_us = other.seen_at_us;
-      standing.superseded_by = other.id;
-    }
   }
+  standing.superseded_by = IdOf(NewestEvidence(same, site.seen_at_us));
   return standing;
 }
 
@@ -86,15 +91,10 @@ bool ForgetSite(Storage& storage, const std::string& site_id) {
                 [&site_id](const SiteRow& other) { return other.superseded_by != site_id; });
   // Settled before it is gone, so that none of them is recalled in between.
   for (const SiteRow& other : superseded) {
-    std::optional<std::string> newer_id;
-    int64_t newest_us = -1;
-    for (const SiteRow& third : OnSameGround(storage, other)) {
-      const bool is_newer = third.seen_at_us >= other.seen_at_us && third.seen_at_us > newest_us;
-      if (third.id == site_id || !third.is_evidence || !is_newer) continue;
-      newest_us = third.seen_at_us;
-      newer_id = third.id;
-    }
-    storage.SetSupersededBy(other.id, newer_id);
+    std::vector<SiteRow> others = OnSameGround(storage, other);
+    std::erase_if(others, [&site_id](const SiteRow& third) { return third.id == site_id; });
+    // Of the same instant is new enough: it may have come later.
+    storage.SetSupersededBy(other.id, IdOf(NewestEvidence(others, other.seen_at_us - 1)));
   }
   return storage.DeleteSite(site_id);
 }

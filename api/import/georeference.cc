@@ -30,7 +30,7 @@ Georeferencing AboutOrigin(const GeoPoint& origin) {
   return reference;
 }
 
-ApiError NeedsReference(const std::string& detail) {
+ApiError UnusablePoses(const std::string& detail) {
   return ApiError("InvalidPoses", detail, {{"/poses", detail}});
 }
 
@@ -71,7 +71,7 @@ std::optional<Georeferencing> FitToGeotags(const std::vector<LocalPose>& poses,
     world.col(static_cast<long>(i)) = frame.WorldFromGeo(pairs[i].second);
   }
   if (LieOnLine(local) || LieOnLine(world)) {
-    throw NeedsReference("the geotags lie on a line: they do not say how the poses are turned");
+    throw UnusablePoses("the geotags lie on a line: they do not say how the poses are turned");
   }
   const Eigen::Matrix4d world_from_local = Eigen::umeyama(local, world, true);
   const Eigen::Matrix3d scaled = world_from_local.topLeftCorner<3, 3>();
@@ -93,7 +93,7 @@ Georeferencing ReferenceOf(const std::vector<LocalPose>& poses,
   if (const auto fit = FitToGeotags(poses, geotags)) return *fit;
   if (data.local_kind == LocalFrameKind::kLevelMetric && context.origin)
     return AboutOrigin(*context.origin);
-  throw NeedsReference(
+  throw UnusablePoses(
       data.local_kind == LocalFrameKind::kLevelMetric
           ? "local poses need the flight's origin, or positions of 3 images (geotags, geo.txt, CSV)"
           : "local poses need positions of at least 3 images (geotags, geo.txt or CSV)");
@@ -111,6 +111,13 @@ FrameMeta MetaOf(const LocalPose& pose, const Georeferencing& reference, const L
       (WorldFromNed().conjugate() * world_from_local.rotation * pose.local_from_camera.rotation)
           .normalized();
   return meta;
+}
+
+// Numbers that are finite in the file may not be so any more where they were multiplied.
+bool IsFinite(const FrameMeta& meta) {
+  return std::isfinite(meta.position->latitude_deg) &&
+         std::isfinite(meta.position->longitude_deg) && std::isfinite(meta.position->altitude_m) &&
+         meta.ned_from_camera->coeffs().allFinite();
 }
 
 std::vector<Eigen::Quaterniond> AttitudesOf(const std::vector<LocalPose>& poses,
@@ -174,6 +181,9 @@ void Georeference(const SideContext& context, SideData& data) {
   const LocalFrame frame(reference.origin);
   for (const LocalPose& pose : data.local_poses) {
     FrameMeta meta = MetaOf(pose, reference, frame);
+    if (!IsFinite(meta)) {
+      throw UnusablePoses("the pose of " + pose.image_id + " has numbers beyond all bounds");
+    }
     // Of another file of the same images: what a reconstruction does not say.
     if (const auto other = known.find(pose.image_id); other != known.end()) {
       meta = Merged(meta, other->second);

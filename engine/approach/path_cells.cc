@@ -118,7 +118,7 @@ std::optional<PathCheck> CellsBelow::GlanceAlongFinal(const PathCells& cells) co
     const int row = row_ + cell.offset.row, col = col_ + cell.offset.col;
     if (!surface_.IsInside(row, col) || surface_.corridor_is_unseen(row, col)) return std::nullopt;
     const double top = surface_.corridor_height(row, col) - height_;
-    if (top > cell.free_height) return std::nullopt;
+    if (!(top <= cell.free_height)) return std::nullopt;  // Nor where it is no number.
     check.min_clearance = std::min(check.min_clearance, cell.path_height - top);
   }
   return check;

@@ -31,6 +31,38 @@ bool IsInGrassRange(const Classifier::Model& model, const std::vector<float>& fe
   return true;
 }
 
+// Whether nodes, in preorder, are one whole tree: OpenCV trusts them, and ends the process where a
+// file was cut.
+bool IsWholeTree(const cv::FileNode& nodes, int num_variables, int num_classes) {
+  const auto is_index = [](int index, int count) { return index >= 0 && index < count; };
+  std::vector<int> awaited_depths{0};
+  for (const cv::FileNode& node : nodes) {
+    if (awaited_depths.empty() || static_cast<int>(node["depth"]) != awaited_depths.back() ||
+        !is_index(static_cast<int>(node["norm_class_idx"]), num_classes)) {
+      return false;
+    }
+    const int child_depth = awaited_depths.back() + 1;
+    awaited_depths.pop_back();
+    for (const cv::FileNode& split : node["splits"]) {
+      if (!is_index(static_cast<int>(split["var"]), num_variables)) return false;
+    }
+    if (node["splits"].size() > 0) awaited_depths.insert(awaited_depths.end(), 2, child_depth);
+  }
+  return awaited_depths.empty();
+}
+
+void CheckForest(const cv::FileNode& forest) {
+  const cv::FileNode trees = forest["trees"];
+  const int num_variables = static_cast<int>(forest["var_count"]);
+  const int num_classes = static_cast<int>(forest["class_labels"].size());
+  bool is_whole =
+      trees.size() > 0 && static_cast<size_t>(static_cast<int>(forest["ntrees"])) == trees.size();
+  for (const cv::FileNode& tree : trees) {
+    is_whole = is_whole && IsWholeTree(tree["nodes"], num_variables, num_classes);
+  }
+  if (!is_whole) throw std::invalid_argument("grass model: the forest is cut or damaged");
+}
+
 void CheckModel(const Classifier::Model& model) {
   const size_t num_features = NumFeatures(model.feature_set);
   if (model.grass_min.size() != num_features || model.grass_max.size() != num_features) {
@@ -56,6 +88,7 @@ std::shared_ptr<Classifier::Model> ReadModel(const cv::FileStorage& file) {
   model->calibration_offset = static_cast<double>(file["calibration_offset"]);
   file["grass_min"] >> model->grass_min;
   file["grass_max"] >> model->grass_max;
+  CheckForest(file["forest"]);
   model->forest = cv::ml::RTrees::create();
   model->forest->read(file["forest"]);
   CheckModel(*model);
@@ -127,6 +160,8 @@ Classifier Classifier::Parse(const std::string& model_text) {
     return Classifier(ReadModel(file));
   } catch (const cv::Exception& error) {
     throw std::invalid_argument("grass model: " + error.err);
+  } catch (const std::length_error&) {
+    throw std::invalid_argument("grass model: OpenCV cannot read it");
   }
 }
 

@@ -76,14 +76,23 @@ Eigen::Matrix2d DistortionJacobian(const Camera& camera, const Eigen::Vector2d& 
   return jacobian;
 }
 
-// Change of the distorted radius with the undistorted one (of the angle, for kEquidistant): 1 + 3
-// k1 u + 5 k2 u^2 + ..., u the radius (angle) squared.
-double RadialSlope(const Camera& camera, double u) {
+// Change of the distorted radius with the undistorted one (of the angle, for kEquidistant), as a
+// polynomial of the radius (angle) squared.
+struct RadialSlope {
+  double k1, k2, k3, k4;
+
+  double At(double u) const {
+    return 1.0 + u * (3.0 * k1 + u * (5.0 * k2 + u * (7.0 * k3 + u * 9.0 * k4)));
+  }
+  bool AlwaysRises() const { return std::min({k1, k2, k3, k4}) >= 0.0; }
+};
+
+RadialSlope RadialSlopeOf(const Camera& camera) {
   const bool is_equidistant = camera.distortion == DistortionModel::kEquidistant;
-  const double k1 = CoefficientAt(camera, 0), k2 = CoefficientAt(camera, 1);
-  const double k3 = CoefficientAt(camera, is_equidistant ? 2 : 4);
-  const double k4 = is_equidistant ? CoefficientAt(camera, 3) : 0.0;
-  return 1.0 + u * (3.0 * k1 + u * (5.0 * k2 + u * (7.0 * k3 + u * 9.0 * k4)));
+  return {CoefficientAt(camera, 0),
+          CoefficientAt(camera, 1),
+          CoefficientAt(camera, is_equidistant ? 2 : 4),
+          is_equidistant ? CoefficientAt(camera, 3) : 0.0};
 }
 
 // A lens polynomial may fold back outside its fitted field, and far outside it even mirrors the
@@ -92,8 +101,9 @@ bool IsBeyondFold(const Camera& camera, const Eigen::Vector2d& p) {
   if (camera.distortion == DistortionModel::kNone) return false;
   const bool is_equidistant = camera.distortion == DistortionModel::kEquidistant;
   const double radius = is_equidistant ? std::atan(p.norm()) : p.norm();
-  for (int i = 1; i <= kNumFoldSamples; ++i) {
-    if (RadialSlope(camera, radius * radius * i / kNumFoldSamples) <= 0.0) return true;
+  const RadialSlope slope = RadialSlopeOf(camera);
+  for (int i = 1; i <= kNumFoldSamples && !slope.AlwaysRises(); ++i) {
+    if (slope.At(radius * radius * i / kNumFoldSamples) <= 0.0) return true;
   }
   return DistortionJacobian(camera, p).determinant() <= 0.0;
 }

@@ -11,10 +11,12 @@
 #include <Eigen/Dense>
 #include <opencv2/imgproc.hpp>
 
+#include "engine/geometry/geometry.h"
+
 namespace freelsd {
 namespace {
 
-// Nodes of the remap tables; between them the lens distortion is straight to a hundredth pixel.
+// Between the nodes of the remap tables the lens distortion is straight to a hundredth pixel.
 constexpr int kNodeSpacingPx = 8;
 // Landmarks beyond these shares are taken for outliers.
 constexpr double kLowShare = 0.02;
@@ -23,8 +25,6 @@ constexpr size_t kMinNumLandmarks = 5;
 constexpr double kMinDepthRatio = 0.2;
 constexpr int kMinWindowPx = 64;
 constexpr int kMaxWindowPx = 6000;
-constexpr float kOutside = -1e4f;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 // x along the baseline, z near the mean optical axis. Columns are the rectified axes in world.
 std::optional<Eigen::Matrix3d> RectifiedAxes(const AdjustedView& left, const AdjustedView& right) {
@@ -81,40 +81,12 @@ struct Sampling {
   cv::Size size{};
 };
 
-cv::Vec2f SampleAt(const Sampling& sampling, double u, double v) {
-  const Eigen::Vector3d ray(
-      (u - sampling.cx_px) / sampling.focal_px, (v - sampling.cy_px) / sampling.focal_px, 1.0);
-  const std::optional<Eigen::Vector2d> pixel =
-      sampling.camera.ImageFromCamera(sampling.camera_from_rectified * ray);
-  if (!pixel) return {kNaN, kNaN};
-  return {static_cast<float>(pixel->x()), static_cast<float>(pixel->y())};
-}
-
-// Remap table: exact at the nodes, linear between them.
-cv::Mat2f RemapTable(const Sampling& sampling) {
-  const int rows = sampling.size.height / kNodeSpacingPx + 2;
-  const int cols = sampling.size.width / kNodeSpacingPx + 2;
-  cv::Mat2f nodes(rows, cols);
-  for (int row = 0; row < rows; ++row) {
-    for (int col = 0; col < cols; ++col) {
-      nodes(row, col) = SampleAt(sampling, col * kNodeSpacingPx, row * kNodeSpacingPx);
-    }
-  }
-  cv::Mat2f table(sampling.size);
-  for (int v = 0; v < table.rows; ++v) {
-    const int row = v / kNodeSpacingPx;
-    const float down = static_cast<float>(v % kNodeSpacingPx) / kNodeSpacingPx;
-    for (int u = 0; u < table.cols; ++u) {
-      const int col = u / kNodeSpacingPx;
-      const float along = static_cast<float>(u % kNodeSpacingPx) / kNodeSpacingPx;
-      const cv::Vec2f upper = nodes(row, col) * (1 - along) + nodes(row, col + 1) * along;
-      const cv::Vec2f lower = nodes(row + 1, col) * (1 - along) + nodes(row + 1, col + 1) * along;
-      const cv::Vec2f at = upper * (1 - down) + lower * down;
-      // Beside a node that no pixel shows there is none either.
-      table(v, u) = std::isfinite(at[0] + at[1]) ? at : cv::Vec2f(kOutside, kOutside);
-    }
-  }
-  return table;
+cv::Mat2f SamplingTable(const Sampling& sampling) {
+  return RemapTable(sampling.size, kNodeSpacingPx, [&](double u, double v) {
+    const Eigen::Vector3d ray(
+        (u - sampling.cx_px) / sampling.focal_px, (v - sampling.cy_px) / sampling.focal_px, 1.0);
+    return sampling.camera.ImageFromCamera(sampling.camera_from_rectified * ray);
+  });
 }
 
 // 8-bit grey at the size of the matching.
@@ -144,7 +116,7 @@ cv::Mat1b InsideMask(const cv::Mat2f& table, const Camera& camera) {
 
 // The rectified image, and where it shows anything.
 std::pair<cv::Mat1b, cv::Mat1b> Sample(const Sampling& sampling, const cv::Mat& image) {
-  const cv::Mat2f table = RemapTable(sampling);
+  const cv::Mat2f table = SamplingTable(sampling);
   const cv::Size scaled(sampling.camera.width_px, sampling.camera.height_px);
   cv::Mat1b rectified;
   cv::remap(GreyAtScale(image, scaled), rectified, table, {}, cv::INTER_LINEAR);

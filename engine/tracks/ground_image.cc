@@ -5,6 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/geometry/geometry.h"
 #include "engine/tracks/keypoints.h"
 
 namespace freelsd {
@@ -12,10 +13,8 @@ namespace {
 
 // Rays flatter than this see too little of the ground.
 constexpr double kMinDescent = 0.5;
-// Where each pixel comes from is computed at every n-th and interpolated between.
-constexpr int kStepPx = 16;
-// A pixel that no camera has.
-constexpr float kNowhere = -1e4F;
+// Ground is seen from afar: the lens is straight enough over this many pixels.
+constexpr int kNodeSpacingPx = 16;
 
 // Bounds on the ground of what the photograph shows; empty when it looks at the sky.
 struct Footprint {
@@ -41,42 +40,21 @@ Footprint FootprintOf(const View& view, const Camera& camera) {
   return footprint;
 }
 
-// Pixel of the reduced photograph for every n-th pixel of the ground image.
-cv::Mat2f CoarseMap(const GroundImage& ground,
-                    const cv::Size& size,
-                    const View& view,
-                    const Camera& camera,
-                    const TrackingImage& reduced) {
+// Where the reduced photograph shows each pixel of the ground image.
+cv::Mat2f TableOf(const GroundImage& ground,
+                  const cv::Size& size,
+                  const View& view,
+                  const Camera& camera,
+                  const TrackingImage& reduced) {
   const Rigid3d camera_from_world = Inverse(view.world_from_camera);
-  cv::Mat2f map(size.height / kStepPx + 2, size.width / kStepPx + 2);
-  for (int row = 0; row < map.rows; ++row) {
-    for (int col = 0; col < map.cols; ++col) {
-      const Eigen::Vector3d place = ground.WorldFromPixel(
-          {static_cast<double>(col * kStepPx), static_cast<double>(row * kStepPx)});
-      const auto pixel = camera.ImageFromCamera(camera_from_world * place);
-      map(row, col) = cv::Vec2f(kNowhere, kNowhere);
-      if (!pixel) continue;
-      const cv::Point2f there = reduced.ReducedFromFull(*pixel);
-      map(row, col) = cv::Vec2f(there.x, there.y);
-    }
-  }
-  return map;
-}
-
-cv::Mat2f FineMap(const cv::Mat2f& coarse, const cv::Size& size) {
-  cv::Mat2f fine(size);
-  for (int row = 0; row < size.height; ++row) {
-    const int i = row / kStepPx;
-    const float down = static_cast<float>(row % kStepPx) / kStepPx;
-    for (int col = 0; col < size.width; ++col) {
-      const int j = col / kStepPx;
-      const float right = static_cast<float>(col % kStepPx) / kStepPx;
-      const cv::Vec2f above = coarse(i, j) * (1.0F - right) + coarse(i, j + 1) * right;
-      const cv::Vec2f below = coarse(i + 1, j) * (1.0F - right) + coarse(i + 1, j + 1) * right;
-      fine(row, col) = above * (1.0F - down) + below * down;
-    }
-  }
-  return fine;
+  return RemapTable(
+      size, kNodeSpacingPx, [&](double col, double row) -> std::optional<Eigen::Vector2d> {
+        const auto pixel =
+            camera.ImageFromCamera(camera_from_world * ground.WorldFromPixel({col, row}));
+        if (!pixel) return std::nullopt;
+        const cv::Point2f there = reduced.ReducedFromFull(*pixel);
+        return Eigen::Vector2d(there.x, there.y);
+      });
 }
 
 }  // namespace
@@ -97,9 +75,9 @@ GroundImage SeenFromAbove(const View& view,
   const Eigen::Vector2d extent =
       ((footprint.max - footprint.min) / ground.pixel_m).cwiseMin(2.0 * reduced.grey.cols);
   const cv::Size size(static_cast<int>(extent.x()), static_cast<int>(extent.y()));
-  if (size.width < 2 * kStepPx || size.height < 2 * kStepPx) return ground;
-  const cv::Mat2f map = FineMap(CoarseMap(ground, size, view, camera, reduced), size);
-  cv::remap(reduced.grey, ground.grey, map, cv::noArray(), cv::INTER_LINEAR);
+  if (size.width < 2 * kNodeSpacingPx || size.height < 2 * kNodeSpacingPx) return ground;
+  const cv::Mat2f table = TableOf(ground, size, view, camera, reduced);
+  cv::remap(reduced.grey, ground.grey, table, cv::noArray(), cv::INTER_LINEAR);
   return ground;
 }
 

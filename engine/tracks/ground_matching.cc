@@ -65,9 +65,9 @@ std::vector<cv::Point2f> Footprint(const View& view, const Camera& camera) {
 using ViewPair = std::pair<size_t, size_t>;
 
 // Pairs of views that see ground in common, the first one lower.
-std::vector<ViewPair> OverlappingPairs(const std::vector<View>& views, const Camera& camera) {
-  // Less of the smaller footprint than this is within what tilt and relief may pretend.
-  constexpr double kMinOverlapRatio = 0.02;
+std::vector<ViewPair> OverlappingPairs(const std::vector<View>& views,
+                                       const Camera& camera,
+                                       double min_overlap_ratio) {
   std::vector<std::vector<cv::Point2f>> footprints;
   for (const View& view : views) footprints.push_back(Footprint(view, camera.With(view.readout)));
   std::vector<ViewPair> pairs;
@@ -78,7 +78,7 @@ std::vector<ViewPair> OverlappingPairs(const std::vector<View>& views, const Cam
       const double area = cv::intersectConvexConvex(footprints[i], footprints[j], common);
       const double smaller =
           std::min(cv::contourArea(footprints[i]), cv::contourArea(footprints[j]));
-      if (area > kMinOverlapRatio * smaller) pairs.emplace_back(i, j);
+      if (area > min_overlap_ratio * smaller) pairs.emplace_back(i, j);
     }
   }
   return pairs;
@@ -153,7 +153,8 @@ std::vector<View> TieOnGround(std::vector<View> views,
                               const Camera& camera,
                               const ImageSource& images,
                               const TracksOptions& options) {
-  const std::vector<ViewPair> pairs = OverlappingPairs(views, camera);
+  const std::vector<ViewPair> pairs =
+      OverlappingPairs(views, camera, options.min_ground_overlap_ratio);
   const std::vector<bool> is_border = BorderViews(pairs, group);
   std::vector<GroundPoints> points(views.size());
   TrackTable table;

@@ -54,6 +54,8 @@ struct TracksOptions {
   int ground_matching_width_px = 1200;
   int max_num_ground_keypoints = 3000;
   int min_num_tie_matches = 12;
+  // Less of the smaller footprint in common than this is within what tilt and relief may pretend.
+  double min_ground_overlap_ratio = 0.02;
   // How far from its place the same ground may be seen, share of the height: poses and relief.
   double max_ground_error_ratio = 0.15;
   // Take the ground as the plane below by height_above_ground (or below take-off). Paper: the

@@ -42,6 +42,7 @@ void TracksOptions::Check() const {
       {"ground_matching_width_px", static_cast<double>(ground_matching_width_px), 160, 8000},
       {"max_num_ground_keypoints", static_cast<double>(max_num_ground_keypoints), 50, 20000},
       {"min_num_tie_matches", static_cast<double>(min_num_tie_matches), 8, 1000},
+      {"min_ground_overlap_ratio", min_ground_overlap_ratio, 0.0, 1.0},
       {"max_ground_error_ratio", max_ground_error_ratio, 0.001, 1.0},
       {"max_num_waiting_frames", static_cast<double>(max_num_waiting_frames), 2, 200},
   };

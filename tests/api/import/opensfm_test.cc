@@ -36,6 +36,18 @@ TEST_CASE("opensfm: lengths of the camera are in the image's longer side, from i
   CHECK(camera.coefficients == std::vector<double>{-0.1, 0.02, 0.001, 0.002, 0.003});
 }
 
+TEST_CASE("opensfm: numbers that overflow on their way to the earth are refused, not carried on") {
+  for (const char* const shot :
+       {R"({"rotation": [1e307, 0.2, 3.0], "translation": [1, 2, 3], "camera": "c"})",
+        R"({"rotation": [0.1, 0.2, 3.0], "translation": [1e308, 1e308, 3], "camera": "c"})"}) {
+    const std::string text =
+        R"([{"cameras": {"c": {"projection_type": "perspective", "width": 400, "height": 300,
+          "focal": 0.6, "k1": 0, "k2": 0}}, "shots": {"a.jpg": )" +
+        std::string(shot) + "}}]";
+    CHECK(ErrorOfFiles({{"r.json", text}, {"l.json", kReference}}) == "422 InvalidPoses /poses");
+  }
+}
+
 TEST_CASE("opensfm: what is missing is said") {
   CHECK(ErrorOfFiles({{"r.json", kReconstruction}}) == "422 InvalidPoses /poses");
   CHECK(ErrorOfFiles({{"r.json", R"([{"cameras": {}}])"}}) == "422 InvalidPoses /poses/r.json");

@@ -14,18 +14,11 @@ using scene::AddBlock;
 using scene::AddUnseen;
 using scene::Box;
 using scene::FlatMeadow;
+using scene::Nimble;
 using scene::Request;
 using scene::Scene;
 
 constexpr double kCellM = 1.0;
-
-// Small circles, so that small maps hold them: in 4 m/s of wind a final of 45.9 m, a radius
-// of 19.7.
-Aircraft Nimble() {
-  Aircraft aircraft = *AircraftProfile("small");
-  aircraft.max_bank_deg = 45.0;
-  return aircraft;
-}
 
 Plan PlanOn(const Scene& on,
             const PlanRequest& request,

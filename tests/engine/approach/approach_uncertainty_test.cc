@@ -11,16 +11,11 @@ namespace {
 using scene::AddBlock;
 using scene::Box;
 using scene::FlatMeadow;
+using scene::Nimble;
 using scene::Request;
 using scene::Scene;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-Aircraft Nimble() {
-  Aircraft aircraft = *AircraftProfile("small");
-  aircraft.max_bank_deg = 45.0;
-  return aircraft;
-}
 
 PlanRequest IntoNorthWind() { return Request(Box({-2, -2}, {2, 2}), Eigen::Vector2d(0.0, -4.0)); }
 

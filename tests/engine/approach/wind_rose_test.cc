@@ -13,17 +13,11 @@ using scene::AddBlock;
 using scene::AddUnseen;
 using scene::Box;
 using scene::FlatMeadow;
+using scene::Nimble;
 using scene::Request;
 using scene::Scene;
 
 constexpr double kSameM = 1e-9;
-
-// Small circles, so that small maps hold them.
-Aircraft Nimble() {
-  Aircraft aircraft = *AircraftProfile("small");
-  aircraft.max_bank_deg = 45.0;
-  return aircraft;
-}
 
 // Blocks and gaps around a field, so that every verdict occurs.
 Scene Obstructed() {

@@ -35,6 +35,7 @@ TEST_CASE("tracks: options out of range are refused with field, value and constr
   refuses([](TracksOptions& o) { o.ground_matching_width_px = 10; });
   refuses([](TracksOptions& o) { o.max_num_ground_keypoints = 0; });
   refuses([](TracksOptions& o) { o.min_num_tie_matches = 4; });
+  refuses([](TracksOptions& o) { o.min_ground_overlap_ratio = -0.1; });
   refuses([](TracksOptions& o) { o.max_ground_error_ratio = 0.0; });
 }
 

@@ -1,0 +1,22 @@
+// Where each pixel of a resampled image is read.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+
+namespace freelsd {
+
+// What a table says where no pixel is shown: far outside every image.
+inline constexpr float kNoPixel = -1e4F;
+
+// Table for cv::remap: source_at(column, row) is exact at every n-th pixel, linear between them.
+// Beside a place that has no source there is none either (kNoPixel).
+cv::Mat2f RemapTable(
+    const cv::Size& size,
+    int node_spacing_px,
+    const std::function<std::optional<Eigen::Vector2d>(double, double)>& source_at);
+
+}  // namespace freelsd
