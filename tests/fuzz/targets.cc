@@ -29,7 +29,7 @@ const std::vector<FuzzTarget>& FuzzTargets() {
                                                {"image_tags", FuzzImageTags, 20000},
                                                {"image_decoding", FuzzImageDecoding, 20000},
                                                {"zip", FuzzZip, 20000},
-                                               {"model", FuzzModel, 20000},
+                                               {"model", FuzzModel, 0},
                                                {"site_map", FuzzSiteMap, 20000}};
   return targets;
 }
