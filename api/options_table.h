@@ -246,10 +246,7 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("edge_step_m", o.edge_step_m, "from which grass stands above its surroundings");
   visit("min_edge_distance_m", o.min_edge_distance_m, "surroundings begin this far outside");
   visit("max_edge_distance_m", o.max_edge_distance_m, "and end this far outside");
-  visit("edge_support_m", o.edge_support_m, "of the plane at the edge of grass");
-  visit("max_growth_roughness_m",
-        o.max_growth_roughness_m,
-        "from which a step parts one piece of grass from the next");
+  visit("edge_support_m", o.edge_support_m, "of the planes on either side of an edge of grass");
   visit("min_piece_half_width_m",
         o.min_piece_half_width_m,
         "narrower strips of grass part one piece from the next");

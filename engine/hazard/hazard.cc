@@ -83,7 +83,6 @@ void HazardOptions::Check() const {
       {"min_edge_distance_m", min_edge_distance_m, 0.1, 100.0},
       {"max_edge_distance_m", max_edge_distance_m, min_edge_distance_m, 100.0},
       {"edge_support_m", edge_support_m, 1.0, 100.0},
-      {"max_growth_roughness_m", max_growth_roughness_m, 0.01, 1000.0},
       {"min_piece_half_width_m", min_piece_half_width_m, 0.0, 100.0},
       {"min_num_edge_cells", static_cast<double>(min_num_edge_cells), 1.0, 1e9},
   };
@@ -108,7 +107,7 @@ HazardLayers AssessHazards(const ElevationMap& map,
   layers.roughness = Ruggedness(elevation, spacing);
   layers.grass = FuseGrass(map, grass_views, options);
   layers.grass.setTo(
-      0.0f, FindStandingGrowth(elevation, layers.roughness, layers.grass, cell_size_m, options));
+      0.0f, FindStandingGrowth(elevation, layers.grass, cell_size_m, options));
   Classify(map, limits, options, layers);
   return layers;
 }

@@ -53,15 +53,14 @@ struct HazardOptions {
   double max_raised_edge_ratio = 0.4;
   double min_telling_edge_ratio = 0.12;
   double edge_step_m = 0.2;
-  // Outside is from the one to the other distance from the piece: its own edge is blurred.
-  double min_edge_distance_m = 3.0;
-  double max_edge_distance_m = 6.0;
-  // The piece goes on as the plane through its cells within this distance of its edge.
-  double edge_support_m = 4.0;
-  // Pieces end where roughness says that there is a step, and where they are narrower than twice
-  // this: strips are not judged, no touchdown disc lies in one.
-  double max_growth_roughness_m = 0.5;
+  // Pieces end at a step between two planes of the same slope that reach this far, and where they
+  // are narrower than twice min_piece_half_width_m: strips are not judged, no touchdown disc lies in
+  // one. A piece goes on as the plane through its last cells before the step.
+  double edge_support_m = 6.0;
   double min_piece_half_width_m = 5.0;
+  // Outside is from the one to the other distance from those cells.
+  double min_edge_distance_m = 6.0;
+  double max_edge_distance_m = 10.0;
   // Pieces with fewer cells (of 1 m) outside that were seen are not judged.
   int min_num_edge_cells = 40;
 

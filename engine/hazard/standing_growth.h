@@ -22,7 +22,6 @@ struct EdgeLevel {
 // 255 where grass (posterior of at least options.min_grass_posterior) is suspect to be a standing
 // crop. `elevation` as trusted: NaN where unseen.
 cv::Mat1b FindStandingGrowth(const cv::Mat1f& elevation,
-                             const cv::Mat1f& roughness,
                              const cv::Mat1f& grass,
                              double cell_size_m,
                              const HazardOptions& options);

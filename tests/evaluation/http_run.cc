@@ -189,10 +189,12 @@ EngineRun RunOverHttp(const std::string& url, const Scenario& scenario, const Pr
   service.Await(service.Post("/v1/flights/" + flight + "/finish", "", 202).at("id"), progress);
   run.total_seconds = SecondsSince(start);
   const LocalFrame frame(world.origin);
-  for (const Json& feature : service.Get("/v1/flights/" + flight + "/sites").at("features")) {
+  const Json sites = service.Get("/v1/flights/" + flight + "/sites");
+  for (const Json& feature : sites.at("features")) {
     run.evaluation.sites.push_back(SiteOf(feature, frame));
   }
-  for (const Json& feature : service.Get("/v1/flights/" + flight + "/regions").at("features")) {
+  const Json regions = service.Get("/v1/flights/" + flight + "/regions");
+  for (const Json& feature : regions.at("features")) {
     run.regions.push_back(RegionOf(feature.at("geometry"), feature.at("properties"), frame));
     run.regions.back().id = feature.at("properties").at("id").get<int>();
   }

@@ -335,7 +335,6 @@ TEST_CASE("hazard: Check names field, value and constraint") {
   CHECK(is_refused([](HazardOptions& o) { o.min_edge_distance_m = 0.0; }));
   CHECK(is_refused([](HazardOptions& o) { o.max_edge_distance_m = 2.0; }));
   CHECK(is_refused([](HazardOptions& o) { o.edge_support_m = 0.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.max_growth_roughness_m = 0.0; }));
   CHECK(is_refused([](HazardOptions& o) { o.min_piece_half_width_m = -1.0; }));
   CHECK(is_refused([](HazardOptions& o) { o.min_num_edge_cells = 0; }));
   HazardOptions options;

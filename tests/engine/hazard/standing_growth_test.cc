@@ -62,19 +62,12 @@ int NumFree(const ElevationMap& map, const HazardOptions& options = {}) {
   return cv::countNonZero(AssessHazards(map, {ViewOfField()}, limits, options).hazard == kFree);
 }
 
-// Noise and relief reach the default limit here and there.
-HazardOptions ForNoise() {
-  HazardOptions options;
-  options.max_growth_roughness_m = 0.8;
-  return options;
-}
-
 TEST_CASE("standing growth: a green crop above its surroundings is no grass, a meadow is") {
   const auto crop = [](double x, double y) { return IsField(x, y) ? kCropM : 0.0; };
-  CHECK(NumFree(MapOf(crop), ForNoise()) <= kMaxNumStray);
-  CHECK(NumFree(MapOf([](double, double) { return 0.0; }), ForNoise()) > 1000);
+  CHECK(NumFree(MapOf(crop)) <= kMaxNumStray);
+  CHECK(NumFree(MapOf([](double, double) { return 0.0; })) > 1000);
   // Switched off, the crop is taken for what it looks like.
-  HazardOptions off = ForNoise();
+  HazardOptions off;
   off.max_raised_edge_ratio = 1.0;
   off.min_telling_edge_ratio = 0.0;
   CHECK(NumFree(MapOf(crop), off) > 900);
@@ -84,11 +77,10 @@ TEST_CASE("standing growth: slope and relief hide neither crop nor meadow") {
   const auto relief = [](double x, double y) {
     return 0.08 * x + 0.03 * y + 0.6 * std::sin(x / 25.0) * std::cos(y / 30.0);
   };
-  CHECK(NumFree(MapOf(relief), ForNoise()) > 800);
+  CHECK(NumFree(MapOf(relief)) > 800);
   CHECK(NumFree(MapOf([&](double x, double y) {
-                  return relief(x, y) + (IsField(x, y) ? kCropM : 0.0);
-                }),
-                ForNoise()) <= kMaxNumStray);
+          return relief(x, y) + (IsField(x, y) ? kCropM : 0.0);
+        })) <= kMaxNumStray);
 }
 
 TEST_CASE("standing growth: hedges on all sides and a ditch on one do not make a meadow a crop") {
@@ -97,14 +89,14 @@ TEST_CASE("standing growth: hedges on all sides and a ditch on one do not make a
     if (x > 0.0 && x - kHalfFieldM > 2.5 && x - kHalfFieldM < 5.0) return -0.8;  // ditch, east
     return outside > 0.5 && outside < 2.5 && x < kHalfFieldM ? 2.0 : 0.0;
   };
-  CHECK(NumFree(MapOf(hedged), ForNoise()) > 800);
+  CHECK(NumFree(MapOf(hedged)) > 800);
 }
 
 TEST_CASE("standing growth: green between higher banks, and a field amid woods, are not known") {
   const auto pond = [](double x, double y) { return IsField(x, y) ? -0.6 : 0.0; };
-  CHECK(NumFree(MapOf(pond), ForNoise()) <= kMaxNumStray);
+  CHECK(NumFree(MapOf(pond)) <= kMaxNumStray);
   const auto clearing = [](double x, double y) { return IsField(x, y) ? 0.0 : 9.0; };
-  CHECK(NumFree(MapOf(clearing), ForNoise()) <= kMaxNumStray);
+  CHECK(NumFree(MapOf(clearing)) <= kMaxNumStray);
 }
 
 TEST_CASE("standing growth: a crop and a meadow that touch by a gap in the step are two") {
@@ -137,7 +129,7 @@ TEST_CASE("standing growth: where nothing around a field was seen nothing is jud
       map.elevation(row, col) = map.upper(row, col) = std::numeric_limits<float>::quiet_NaN();
     }
   }
-  CHECK(NumFree(map, ForNoise()) > 500);
+  CHECK(NumFree(map) > 500);
 }
 
 }  // namespace
