@@ -1,5 +1,6 @@
 #include "storage/image_files.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
@@ -53,6 +54,21 @@ class File {
   int descriptor_;
 };
 
+// Images leave this much of the disk to the database, or this share of a small disk: without any,
+// not even a flight could be deleted to make room.
+constexpr uintmax_t kReservedBytes = 16 << 20;
+constexpr uintmax_t kReservedShare = 16;
+
+void CheckRoom(const std::filesystem::path& folder, size_t num_bytes) {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(folder, error);
+  if (error) throw StorageError("write image", error.message());
+  const uintmax_t reserved = std::min(kReservedBytes, space.capacity / kReservedShare);
+  if (space.available < reserved + num_bytes) {
+    throw StorageError("write image", "no space is left beside the reserve", StorageFault::kFull);
+  }
+}
+
 // Two writers of the same image need two temporary names.
 std::string UniqueSuffix() {
   static std::atomic<uint64_t> next{0};
@@ -88,6 +104,7 @@ std::filesystem::path ImageFiles::PathOf(const std::string& sha256) const {
 void ImageFiles::Write(const std::string& sha256, std::string_view bytes) const {
   const std::filesystem::path path = PathOf(sha256);
   if (!Has(sha256)) {
+    CheckRoom(folder_, bytes.size());
     const std::filesystem::path unfinished = path.string() + '.' + UniqueSuffix();
     try {
       const File file(unfinished, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC);

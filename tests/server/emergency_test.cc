@@ -245,6 +245,19 @@ TEST_CASE("emergency: its listener has threads of its own and nothing else") {
   CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(4));
 }
 
+TEST_CASE("emergency: connections that say nothing, more than it has threads, do not silence it") {
+  const MeadowServer meadow(StoreAmslMeadow, [](Config& config) {
+    config.emergency = Address{"127.0.0.1", 0};
+  });
+  std::vector<std::unique_ptr<RawConnection>> silent;
+  for (int i = 0; i < 40; ++i) {
+    silent.push_back(std::make_unique<RawConnection>(meadow.server->emergency_port()));
+    if (i % 2 == 0) silent.back()->Send("GET /v1/emergency HTTP/1.1\r\nHost: ");
+  }
+  httplib::Client client = meadow.server->EmergencyClient();
+  CHECK(GetJson(client, Query(600.0, kCalmNorth))["sites"].size() == 1);
+}
+
 TEST_CASE("emergency: the answer is the same after kill -9 and a cold start") {
   const TemporaryFolder folder;
   {

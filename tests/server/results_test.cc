@@ -71,5 +71,20 @@ TEST_CASE("results: regions and their history of a flight without any are empty 
       fresh.client.Get("/v1/flights/" + flight + "/regions/1/history"), 404, "NoSuchRegion");
 }
 
+TEST_CASE("results: a finished flight without a site says why") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  for (int i = 0; i < 3; ++i) {
+    REQUIRE(PutFrame(fresh.client, flight, std::to_string(i), NoiseImage(i), SomeMeta(i))->status ==
+            201);
+  }
+  const auto job = fresh.client.Post("/v1/flights/" + flight + "/finish");
+  REQUIRE(job->status == 202);
+  CHECK(AwaitJob(fresh.client, nlohmann::json::parse(job->body)["id"])["state"] == "done");
+  const nlohmann::json warnings = GetJson(fresh.client, "/v1/flights/" + flight)["warnings"];
+  CAPTURE(warnings.dump());
+  CHECK(warnings.dump().find("no sites: none of the ") != std::string::npos);
+}
+
 }  // namespace
 }  // namespace freelsd

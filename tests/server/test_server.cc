@@ -95,7 +95,7 @@ Config Changed(Config config, const std::function<void(Config&)>& change) {
 httplib::Client TestServer::Client() const { return ClientFor(app_.port()); }
 
 httplib::Client TestServer::EmergencyClient() const {
-  return ClientFor(app_.emergency_port().value());
+  return ClientFor(emergency_port());
 }
 
 FreshServer::FreshServer(const std::function<void(Config&)>& change)

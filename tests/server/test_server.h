@@ -41,6 +41,7 @@ class TestServer {
   int port() const { return app_.port(); }
   httplib::Client Client() const;
   // Of the emergency listener, which must be on.
+  int emergency_port() const { return app_.emergency_port().value(); }
   httplib::Client EmergencyClient() const;
 
  private:
