@@ -126,13 +126,6 @@ run_unit_tests
 passed
 if [ -z "${FREELSD_DATA:-}" ]; then skipped "tests on recorded flights: FREELSD_DATA is not set"; fi
 
-# A few small worlds whose truth is known; the long run is in tests/evaluation/results.sh.
-start_step "seeded worlds: nothing false safe"
-build/release/tests/freelsd-eval --worlds 6 --seed 2000 --size 260 --cell 0.25 --frames 12 \
-  --aircraft small --jobs "$(nproc)" --max-false-safe 0 >"$work/worlds.txt"
-sed -n '/^safety/,/^maps/p' "$work/worlds.txt"
-passed
-
 sanitized=(engine storage api)
 start_step "building (sanitizers)"
 build asan "${sanitized[@]/%/_tests}" 2>&1 | tee "$work/build.log"

@@ -252,6 +252,8 @@ cv::Mat1b FindStandingGrowth(const cv::Mat1f& elevation,
                              double cell_size_m,
                              const HazardOptions& options) {
   cv::Mat1b suspect(grass.size(), uchar{0});
+  const bool is_off = options.max_raised_edge_ratio >= 1.0 && options.min_telling_edge_ratio <= 0.0;
+  if (is_off) return suspect;
   const cv::Mat1b cells = GrassCells(elevation, grass, options);
   if (cv::countNonZero(cells) == 0) return suspect;
   const cv::Mat1f step = StepOf(elevation, options.edge_support_m, cell_size_m);

@@ -29,8 +29,9 @@ struct RegionsOptions {
   double min_overlap_of_unlike_ratio = 0.3;
   // A segment that hangs together by less than this is several regions: what is narrower than a
   // touchdown disc (twice Delta_TD of the smallest aircraft) joins two fields, and a rectangle
-  // around both would hold whatever lies between. 0 is the paper's: a segment is a region.
-  double min_passage_m = 16.0;
+  // around both would hold whatever lies between; 16 m is narrower than any such disc. 0 is the
+  // paper's: a segment is a region.
+  double min_passage_m = 0.0;
   // Regions kept. Paper: "20 best", Sec. III-E3.
   int max_num_regions = 20;
   // A corner nearer to the border of the image than this counts as not fully visible.
