@@ -106,8 +106,7 @@ HazardLayers AssessHazards(const ElevationMap& map,
                      : PaperPcaSlope(elevation, cell_size_m, options);
   layers.roughness = Ruggedness(elevation, spacing);
   layers.grass = FuseGrass(map, grass_views, options);
-  layers.grass.setTo(
-      0.0f, FindStandingGrowth(elevation, layers.grass, cell_size_m, options));
+  layers.grass.setTo(0.0f, FindStandingGrowth(elevation, layers.grass, cell_size_m, options));
   Classify(map, limits, options, layers);
   return layers;
 }

@@ -49,14 +49,15 @@ struct HazardOptions {
   // grass is none where more than max_raised_edge_ratio of the ground just outside, as far as it is
   // not above the piece, lies more than edge_step_m below it; nor where less than
   // min_telling_edge_ratio of the ground outside is not above it (a pond between its banks, a field
-  // amid woods): it then stands on nobody knows what. 0.4 and 0.12 part crops from meadows on worlds
-  // made for it, and take nearly all meadows of a real dale for crops: off (1 and 0) by default.
+  // amid woods): it then stands on nobody knows what. 0.4 and 0.12 part crops from meadows on
+  // worlds made for it, and take nearly all meadows of a real dale for crops: off (1 and 0) by
+  // default.
   double max_raised_edge_ratio = 1.0;
   double min_telling_edge_ratio = 0.0;
   double edge_step_m = 0.2;
   // Pieces end at a step between two planes of the same slope that reach this far, and where they
-  // are narrower than twice min_piece_half_width_m: strips are not judged, no touchdown disc lies in
-  // one. A piece goes on as the plane through its last cells before the step.
+  // are narrower than twice min_piece_half_width_m: strips are not judged, no touchdown disc lies
+  // in one. A piece goes on as the plane through its last cells before the step.
   double edge_support_m = 6.0;
   double min_piece_half_width_m = 5.0;
   // Outside is from the one to the other distance from those cells.

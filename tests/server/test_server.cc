@@ -94,9 +94,7 @@ Config Changed(Config config, const std::function<void(Config&)>& change) {
 
 httplib::Client TestServer::Client() const { return ClientFor(app_.port()); }
 
-httplib::Client TestServer::EmergencyClient() const {
-  return ClientFor(emergency_port());
-}
+httplib::Client TestServer::EmergencyClient() const { return ClientFor(emergency_port()); }
 
 FreshServer::FreshServer(const std::function<void(Config&)>& change)
     : server(Changed(TestConfig(folder.path() / "data"), change)), client(server.Client()) {}
