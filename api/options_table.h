@@ -121,9 +121,6 @@ void VisitFields(Of<RegionsOptions> auto& o, Visitor&& visit) {
   visit("min_overlap_of_unlike_ratio",
         o.min_overlap_of_unlike_ratio,
         "overlap that makes grass and another surface one place");
-  visit("min_passage_m",
-        o.min_passage_m,
-        "a segment that hangs together by less is several regions; 0 never");
   visit("max_num_regions", o.max_num_regions, "regions kept");
   visit(
       "border_margin_px", o.border_margin_px, "a corner nearer to the border is not fully visible");
@@ -237,22 +234,6 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("max_standard_deviation_m",
         o.max_standard_deviation_m,
         "cells above it are as good as unseen");
-  visit("max_raised_edge_ratio",
-        o.max_raised_edge_ratio,
-        "of its surroundings that grass may stand above; 1: any");
-  visit("min_telling_edge_ratio",
-        o.min_telling_edge_ratio,
-        "of its surroundings that must not be above grass; 0: none");
-  visit("edge_step_m", o.edge_step_m, "from which grass stands above its surroundings");
-  visit("min_edge_distance_m", o.min_edge_distance_m, "surroundings begin this far outside");
-  visit("max_edge_distance_m", o.max_edge_distance_m, "and end this far outside");
-  visit("edge_support_m", o.edge_support_m, "of the planes on either side of an edge of grass");
-  visit("min_piece_half_width_m",
-        o.min_piece_half_width_m,
-        "narrower strips of grass part one piece from the next");
-  visit("min_num_edge_cells",
-        o.min_num_edge_cells,
-        "outside that must be seen to judge a piece of grass");
 }
 
 template <class Visitor>

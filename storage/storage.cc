@@ -6,7 +6,6 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "storage/state.h"
@@ -14,7 +13,7 @@
 namespace freelsd {
 namespace {
 
-// Below this free space nothing new is taken: the results of what is there must still fit.
+// Below this free space the service says that it is not ready: results must still fit.
 constexpr uint64_t kMinFreeBytes = uint64_t{256} << 20;
 
 std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
@@ -90,16 +89,15 @@ std::vector<std::string> Storage::Notices() const {
 
 std::optional<std::string> Storage::WhyNotWritable() const {
   if (state_->is_damaged) return "the database is damaged";
-  struct statvfs disk {};
-  if (::statvfs(state_->folder.c_str(), &disk) != 0) return std::strerror(errno);
-  if (static_cast<uint64_t>(disk.f_bavail) * disk.f_frsize < kMinFreeBytes) {
-    return "less than 256 MiB are free on the disk";
-  }
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(state_->folder, error);
+  if (error) return error.message();
+  if (space.available < kMinFreeBytes) return "less than 256 MiB are free on the disk";
   try {
     const auto lock = state_->LockForWriting();
     const Transaction transaction(state_->writer);
-  } catch (const StorageError& error) {
-    return error.what();
+  } catch (const StorageError& failure) {
+    return failure.what();
   }
   return std::nullopt;
 }

@@ -6,7 +6,6 @@
 
 #include "engine/hazard/distance_transform.h"
 #include "engine/hazard/grass.h"
-#include "engine/hazard/standing_growth.h"
 #include "engine/hazard/surface.h"
 
 namespace freelsd {
@@ -77,14 +76,6 @@ void HazardOptions::Check() const {
       {"roughness_spacing_m", roughness_spacing_m, 0.05, 100.0},
       {"upper_margin_m", upper_margin_m, 0.0, 10.0},
       {"max_standard_deviation_m", max_standard_deviation_m, 0.01, 100.0},
-      {"max_raised_edge_ratio", max_raised_edge_ratio, 0.0, 1.0},
-      {"min_telling_edge_ratio", min_telling_edge_ratio, 0.0, 1.0},
-      {"edge_step_m", edge_step_m, 0.01, 10.0},
-      {"min_edge_distance_m", min_edge_distance_m, 0.1, 100.0},
-      {"max_edge_distance_m", max_edge_distance_m, min_edge_distance_m, 100.0},
-      {"edge_support_m", edge_support_m, 1.0, 100.0},
-      {"min_piece_half_width_m", min_piece_half_width_m, 0.0, 100.0},
-      {"min_num_edge_cells", static_cast<double>(min_num_edge_cells), 1.0, 1e9},
   };
   for (const Bound& bound : bounds) RequireInside(bound);
 }
@@ -106,7 +97,6 @@ HazardLayers AssessHazards(const ElevationMap& map,
                      : PaperPcaSlope(elevation, cell_size_m, options);
   layers.roughness = Ruggedness(elevation, spacing);
   layers.grass = FuseGrass(map, grass_views, options);
-  layers.grass.setTo(0.0f, FindStandingGrowth(elevation, layers.grass, cell_size_m, options));
   Classify(map, limits, options, layers);
   return layers;
 }

@@ -43,28 +43,6 @@ struct HazardOptions {
   double upper_margin_m = 0.5;
   // Cells with a larger deviation of elevation are as good as unseen.
   double max_standard_deviation_m = 1.0;
-  // --- Growth that stands ---
-  // Differs: the paper tells grass by its looks alone, but a green crop looks like a meadow. It
-  // stands 0.3 m and more above road, verge, soil and mown grass around it. A connected piece of
-  // grass is none where more than max_raised_edge_ratio of the ground just outside, as far as it is
-  // not above the piece, lies more than edge_step_m below it; nor where less than
-  // min_telling_edge_ratio of the ground outside is not above it (a pond between its banks, a field
-  // amid woods): it then stands on nobody knows what. 0.4 and 0.12 part crops from meadows on
-  // worlds made for it, and take nearly all meadows of a real dale for crops: off (1 and 0) by
-  // default.
-  double max_raised_edge_ratio = 1.0;
-  double min_telling_edge_ratio = 0.0;
-  double edge_step_m = 0.2;
-  // Pieces end at a step between two planes of the same slope that reach this far, and where they
-  // are narrower than twice min_piece_half_width_m: strips are not judged, no touchdown disc lies
-  // in one. A piece goes on as the plane through its last cells before the step.
-  double edge_support_m = 6.0;
-  double min_piece_half_width_m = 5.0;
-  // Outside is from the one to the other distance from those cells.
-  double min_edge_distance_m = 6.0;
-  double max_edge_distance_m = 10.0;
-  // Pieces with fewer cells (of 1 m) outside that were seen are not judged.
-  int min_num_edge_cells = 40;
 
   void Check() const;
 };
@@ -96,8 +74,7 @@ struct HazardLayers {
   cv::Mat1f slope;
   // Terrain ruggedness index (Riley): root of summed squared differences to 8 neighbours, metres.
   cv::Mat1f roughness;
-  // Posterior probability of grass; NaN where no view, or too small a share, classified the cell; 0
-  // where what looks like grass stands above its surroundings.
+  // Posterior probability of grass; NaN where no view, or too small a share, classified the cell.
   cv::Mat1f grass;
   // Hazard values.
   cv::Mat1b hazard;

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "engine/regions/region_update.h"
-#include "engine/regions/segment_parts.h"
 
 namespace freelsd {
 namespace {
@@ -107,12 +106,10 @@ void Regions::Update(size_t view,
   }
   std::vector<Detection> detections;
   for (size_t i = 0; i < labels.size(); ++i) {
-    for (const Segment& part : PartsOf(segments, segments.segments[i], options.min_passage_m)) {
-      auto detection = ProjectSegment(part, view, tracks, options);
-      if (!detection) continue;
-      detection->is_grass = labels[i].surface == Surface::kGrass;
-      detections.push_back(std::move(*detection));
-    }
+    auto detection = ProjectSegment(segments.segments[i], view, tracks, options);
+    if (!detection) continue;
+    detection->is_grass = labels[i].surface == Surface::kGrass;
+    detections.push_back(std::move(*detection));
   }
   const View& seen = tracks.views()[view];
   state_->tracker.Update(

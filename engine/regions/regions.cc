@@ -36,10 +36,6 @@ void RegionsOptions::Check() const {
           "min_overlap_of_unlike_ratio",
           min_overlap_of_unlike_ratio,
           "in [0, 1]");
-  Require(std::isfinite(min_passage_m) && min_passage_m >= 0.0,
-          "min_passage_m",
-          min_passage_m,
-          "at least 0 and finite");
   Require(max_num_regions >= 1, "max_num_regions", max_num_regions, "at least 1");
   Require(std::isfinite(border_margin_px) && border_margin_px >= 0.0,
           "border_margin_px",

@@ -27,11 +27,6 @@ struct RegionsOptions {
   // corners alone; rectangles around winding woods and roads then swallow the fields between them.
   // 0 is the paper's.
   double min_overlap_of_unlike_ratio = 0.3;
-  // A segment that hangs together by less than this is several regions: what is narrower than a
-  // touchdown disc (twice Delta_TD of the smallest aircraft) joins two fields, and a rectangle
-  // around both would hold whatever lies between; 16 m is narrower than any such disc. 0 is the
-  // paper's: a segment is a region.
-  double min_passage_m = 0.0;
   // Regions kept. Paper: "20 best", Sec. III-E3.
   int max_num_regions = 20;
   // A corner nearer to the border of the image than this counts as not fully visible.

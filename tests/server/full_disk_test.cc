@@ -59,13 +59,24 @@ TEST_CASE(
   CHECK(GetJson(client, "/v1/flights")["flights"].size() == 2);
   CHECK(client.Get("/v1/sites")->status == 200);
   // Images leave the database room enough to make room.
+  // Small ones neither, that would have found a place.
+  int num_small = 0;
+  for (; num_small < kMaxNumUploads; ++num_small) {
+    const std::string small = NoiseImage(1000 + num_small);
+    result = PutFrame(client, flight, "s" + std::to_string(num_small), small, SomeMeta());
+    REQUIRE(result);
+    if (result->status != 201) break;
+  }
+  CheckProblem(result, 507, "StorageFull");
+  const auto space = std::filesystem::space(folder.path() / "data");
+  CHECK(space.available > space.capacity / 32);
   CHECK(client.Delete("/v1/flights/" + unwanted)->status == 204);
   // More room on the same disk; the server is not started again.
   const std::filesystem::path data = folder.path() / "data";
   REQUIRE(::mount("tmpfs", data.c_str(), "tmpfs", MS_REMOUNT, "size=64m") == 0);
   const std::string id = std::to_string(num_stored);
   CHECK(PutFrame(client, flight, id, LargeImage(num_stored), SomeMeta(num_stored))->status == 201);
-  CHECK(FrameList(client, flight).size() == static_cast<size_t>(num_stored) + 1);
+  CHECK(FrameList(client, flight).size() == static_cast<size_t>(num_stored + num_small) + 1);
 }
 
 TEST_CASE("full disk: a file that cannot grow is 507 too, without any privilege to test it") {

@@ -361,8 +361,6 @@ TEST_CASE("regions: options out of bounds are refused by name") {
         "regions.min_num_observations_floor = 1: must be at least 2");
   CHECK(message_of([](RegionsOptions& o) { o.max_num_regions = 0; }) ==
         "regions.max_num_regions = 0: must be at least 1");
-  CHECK(message_of([](RegionsOptions& o) { o.min_passage_m = -1; }) ==
-        "regions.min_passage_m = -1: must be at least 0 and finite");
   CHECK(message_of([](RegionsOptions& o) { o.border_margin_px = -1; }) ==
         "regions.border_margin_px = -1: must be at least 0 and finite");
   CHECK(message_of([](RegionsOptions& o) { o.max_viewing_distance_ratio = 1; }) ==
