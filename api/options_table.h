@@ -121,6 +121,9 @@ void VisitFields(Of<RegionsOptions> auto& o, Visitor&& visit) {
   visit("min_overlap_of_unlike_ratio",
         o.min_overlap_of_unlike_ratio,
         "overlap that makes grass and another surface one place");
+  visit("min_fixing_overlap_ratio",
+        o.min_fixing_overlap_ratio,
+        "of a region that one view must show to fix its corners");
   visit("max_num_regions", o.max_num_regions, "regions kept");
   visit(
       "border_margin_px", o.border_margin_px, "a corner nearer to the border is not fully visible");
@@ -210,6 +213,7 @@ void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
       "upper_percentile", o.upper_percentile, "of a cell's points: the height that clearance uses");
   visit("max_relief_m", o.max_relief_m, "points farther from the landmarks' heights are wild");
   visit("max_num_cells", o.max_num_cells, "of the largest map that is built");
+  visit("orthophoto_cell_size_m", o.orthophoto_cell_size_m, "of the picture from straight above");
 }
 
 template <class Visitor>
@@ -234,6 +238,16 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("max_standard_deviation_m",
         o.max_standard_deviation_m,
         "cells above it are as good as unseen");
+  visit("min_rut_contrast", o.min_rut_contrast, "of wheel tracks in crops; 0: not looked for");
+  visit("rut_filter_length_m", o.rut_filter_length_m, "over which a rut has that contrast");
+  visit("min_track_length_m", o.min_track_length_m, "of straight wheel tracks");
+  visit("min_working_width_m", o.min_working_width_m, "between neighbouring tracks of a sprayer");
+  visit("max_working_width_m", o.max_working_width_m, "between neighbouring tracks of a sprayer");
+  visit("sprayed_margin_m", o.sprayed_margin_m, "of a crop beyond half a working width");
+  visit("min_row_strength", o.min_row_strength, "of crops in rows; 0: not looked for");
+  visit("min_row_spacing_m", o.min_row_spacing_m, "of crops in rows");
+  visit("max_row_spacing_m", o.max_row_spacing_m, "of crops in rows");
+  visit("min_detail_ratio", o.min_detail_ratio, "less is water; 0: not looked for");
 }
 
 template <class Visitor>
@@ -253,7 +267,13 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("unknown_wind_mps",
         o.unknown_wind_mps,
         "from behind, with which the final must be clear too where no wind is known");
+  visit("path_margin_sigma",
+        o.path_margin_sigma,
+        "deviations of the map's position by which roll and corridor are wider");
   visit("max_num_candidates", o.max_num_candidates, "touchdown candidates tried per region");
+  visit("max_num_reserve_candidates",
+        o.max_num_reserve_candidates,
+        "more of them, where none of those is good");
   visit("candidate_spacing_m", o.candidate_spacing_m, "between touchdown candidates");
   visit("heading_step_deg",
         o.heading_step_deg,
@@ -275,6 +295,9 @@ void VisitFields(Of<BackendOptions> auto& o, Visitor&& visit) {
   visit("max_surroundings_m", o.max_surroundings_m, "ground mapped around a region, at most");
   visit("max_num_views", o.max_num_views, "key-frames that take part in one evaluation");
   visit("max_group_extent_m", o.max_group_extent_m, "regions farther apart get a map each");
+  visit("max_num_further_fields",
+        o.max_num_further_fields,
+        "tried within the rectangle of one region, besides its own site");
 }
 
 // visit(name, options) for every stage, in the order of the pipeline.

@@ -6,6 +6,7 @@
 
 #include "engine/hazard/distance_transform.h"
 #include "engine/hazard/grass.h"
+#include "engine/hazard/look_alikes.h"
 #include "engine/hazard/surface.h"
 
 namespace freelsd {
@@ -76,6 +77,16 @@ void HazardOptions::Check() const {
       {"roughness_spacing_m", roughness_spacing_m, 0.05, 100.0},
       {"upper_margin_m", upper_margin_m, 0.0, 10.0},
       {"max_standard_deviation_m", max_standard_deviation_m, 0.01, 100.0},
+      {"min_rut_contrast", min_rut_contrast, 0.0, 1.0},
+      {"rut_filter_length_m", rut_filter_length_m, 1.0, 100.0},
+      {"min_track_length_m", min_track_length_m, 1.0, 1000.0},
+      {"min_working_width_m", min_working_width_m, 3.0, 100.0},
+      {"max_working_width_m", max_working_width_m, 3.0, 100.0},
+      {"sprayed_margin_m", sprayed_margin_m, 0.0, 100.0},
+      {"min_row_strength", min_row_strength, 0.0, 1e6},
+      {"min_row_spacing_m", min_row_spacing_m, 0.1, 10.0},
+      {"max_row_spacing_m", max_row_spacing_m, 0.1, 10.0},
+      {"min_detail_ratio", min_detail_ratio, 0.0, 1.0},
   };
   for (const Bound& bound : bounds) RequireInside(bound);
 }
@@ -83,7 +94,8 @@ void HazardOptions::Check() const {
 HazardLayers AssessHazards(const ElevationMap& map,
                            const std::vector<GrassView>& grass_views,
                            const HazardLimits& limits,
-                           const HazardOptions& options) {
+                           const HazardOptions& options,
+                           const Orthophoto& photo) {
   options.Check();
   CheckLimits(limits);
   const double cell_size_m = map.grid.cell_size_m;
@@ -97,6 +109,9 @@ HazardLayers AssessHazards(const ElevationMap& map,
                      : PaperPcaSlope(elevation, cell_size_m, options);
   layers.roughness = Ruggedness(elevation, spacing);
   layers.grass = FuseGrass(map, grass_views, options);
+  if (!photo.image.empty()) {
+    layers.grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
+  }
   Classify(map, limits, options, layers);
   return layers;
 }

@@ -43,6 +43,25 @@ struct HazardOptions {
   double upper_margin_m = 0.5;
   // Cells with a larger deviation of elevation are as good as unseen.
   double max_standard_deviation_m = 1.0;
+  // --- What looks like grass from above, and is not ---
+  // How much less green a rut is than the plants beside it, as a share of the brightness, over the
+  // length of the filter. 0: crops are not looked for, as in the paper.
+  double min_rut_contrast = 0.03;
+  double rut_filter_length_m = 8.0;
+  double min_track_length_m = 15.0;
+  // Distance of neighbouring tracks: the width of sprayers. Narrower ones are of mowers.
+  double min_working_width_m = 6.0;
+  double max_working_width_m = 42.0;
+  // What is sprayed reaches half a working width from a track, and this far beyond.
+  double sprayed_margin_m = 2.0;
+  // Crops in rows: how far the strongest direction stands out of the spectrum, in medians, for rows
+  // of that distance. 0: not looked for.
+  double min_row_strength = 10.0;
+  double min_row_spacing_m = 0.55;
+  double max_row_spacing_m = 0.9;
+  // Water with algae has less fine detail than this, as a share of the brightness. 0: not looked
+  // for.
+  double min_detail_ratio = 0.015;
 
   void Check() const;
 };
@@ -83,10 +102,13 @@ struct HazardLayers {
   cv::Mat1f distance;
 };
 
+// Where the photograph shows a green crop there is no grass, whatever the views say; without one
+// (an empty picture) crops are not looked for.
 HazardLayers AssessHazards(const ElevationMap& map,
                            const std::vector<GrassView>& grass_views,
                            const HazardLimits& limits,
-                           const HazardOptions& options);
+                           const HazardOptions& options,
+                           const Orthophoto& photo = {});
 
 // hazard and distance anew for other limits, from the layers that do not depend on them.
 HazardLayers WithLimits(const ElevationMap& map,

@@ -57,6 +57,8 @@ struct TerrainOptions {
   double max_relief_m = 150.0;
   // Cells of the largest grid that is built; a larger area is refused.
   int max_num_cells = 25000000;
+  // Cells of the picture from straight above: a wheel's track is two of them wide.
+  double orthophoto_cell_size_m = 0.25;
 
   void Check() const;
 };
@@ -103,5 +105,20 @@ class ElevationMapBuilder {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// The ground from straight above, each cell from the view that looks down on it most steeply.
+struct Orthophoto {
+  // Its cells part those of the map it was made with.
+  Grid grid;
+  cv::Mat3b image;  // BGR, as photographed; black where unseen
+  cv::Mat1b seen;   // 255 or 0
+};
+
+// Only ground that the map sees and a connected view shows. `images` gives full-size images; empty
+// ones are left out.
+Orthophoto MakeOrthophoto(const ElevationMap& map,
+                          const AdjustedBlock& block,
+                          const ImageSource& images,
+                          const TerrainOptions& options);
 
 }  // namespace freelsd

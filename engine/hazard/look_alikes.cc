@@ -1,0 +1,246 @@
+#include "engine/hazard/look_alikes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <opencv2/imgproc.hpp>
+
+#include "engine/hazard/wheel_tracks.h"
+
+namespace freelsd {
+namespace {
+
+// Side of the squares of which spectra are taken; they overlap by half, and those of neighbours are
+// averaged: rows are the same in all of them, noise is not.
+constexpr double kSquareM = 12.0;
+// Squares with more of them unseen have no spectrum.
+constexpr double kMaxUnseenRatio = 0.2;
+// Rings of the spectrum, in rows per metre.
+constexpr double kRingStep = 0.1;
+constexpr double kRingHalfWidth = 0.08;
+// A peak is one of rows when it is that much higher than what lies in its direction at that share
+// of its distance from the middle of the spectrum.
+constexpr double kInside = 0.7;
+constexpr float kMinPeakToLine = 1.0f;
+// A field is at least that many squares; a single one is chance.
+constexpr int kMinNumSquares = 4;
+constexpr int kMaxGapSquares = 2;
+// What is finer than this is detail, and its strength is taken over squares of that side.
+constexpr double kDetailM = 0.5;
+constexpr double kDetailSquareM = 6.0;
+
+cv::Mat1f Brightness(const Orthophoto& photo) {
+  cv::Mat1f brightness;
+  cv::Mat1b grey;
+  cv::cvtColor(photo.image, grey, cv::COLOR_BGR2GRAY);
+  grey.convertTo(brightness, CV_32F);
+  return brightness;
+}
+
+// Squares in rows and columns over the picture, the first at its corner, half a side apart.
+struct Squares {
+  int side = 0;
+  int step = 0;
+  int num_rows = 0;
+  int num_cols = 0;
+
+  Squares(const cv::Size& size, double side_m, double cell_size_m)
+      : side(2 * std::max(4, static_cast<int>(std::lround(0.5 * side_m / cell_size_m)))),
+        step(side / 2),
+        num_rows(std::max(0, (size.height - side) / step + 1)),
+        num_cols(std::max(0, (size.width - side) / step + 1)) {}
+  cv::Rect At(int row, int col) const { return {col * step, row * step, side, side}; }
+  // The middle of it, which no other square has.
+  cv::Rect Core(int row, int col) const {
+    return {col * step + step / 2, row * step + step / 2, step, step};
+  }
+};
+
+// Power of the brightness, in units of its variance; empty where too much is unseen.
+cv::Mat1f PowerOf(const cv::Mat1f& brightness, const cv::Mat1b& seen, const cv::Mat1f& window) {
+  const double num_unseen = static_cast<double>(seen.total()) - cv::countNonZero(seen);
+  if (num_unseen > kMaxUnseenRatio * static_cast<double>(seen.total())) return {};
+  cv::Scalar mean, deviation;
+  cv::meanStdDev(brightness, mean, deviation, seen);
+  if (!(deviation[0] > 0.0)) return {};
+  cv::Mat1f even = (brightness - mean[0]) / deviation[0];
+  even.setTo(0.0f, seen == 0);
+  even = even.mul(window);
+  cv::Mat spectrum;
+  cv::dft(even, spectrum, cv::DFT_COMPLEX_OUTPUT);
+  cv::Mat parts[2];
+  cv::split(spectrum, parts);
+  return cv::Mat1f(parts[0].mul(parts[0]) + parts[1].mul(parts[1]));
+}
+
+// In the direction of a peak, nearer to the middle of the spectrum: where a road or a wall has more
+// than at the peak, and rows have less.
+float PowerInside(const cv::Mat1f& power, const cv::Point& peak) {
+  const int side = power.rows;
+  const auto u = static_cast<int>(std::lround(kInside * peak.x));
+  const auto v = static_cast<int>(std::lround(kInside * peak.y));
+  float most = 0.0f;
+  for (int dv = -1; dv <= 1; ++dv) {
+    for (int du = -1; du <= 1; ++du) {
+      most = std::max(most, power((v + dv + side) % side, (u + du + side) % side));
+    }
+  }
+  return most;
+}
+
+// Places of the spectrum with about the same number of rows per metre; x across, y down.
+using Ring = std::vector<cv::Point>;
+
+std::vector<Ring> RingsOf(int side, double cell_size_m, const HazardOptions& options) {
+  const double finest = std::min(1.0 / options.min_row_spacing_m, 0.48 / cell_size_m);
+  std::vector<Ring> rings;
+  for (double middle = 1.0 / options.max_row_spacing_m; middle <= finest; middle += kRingStep) {
+    Ring ring;
+    for (int v = -side / 2; v < side / 2; ++v) {
+      for (int u = 0; u < side / 2; ++u) {
+        const double rows_per_m = std::hypot(u, v) / (side * cell_size_m);
+        if (std::abs(rows_per_m - middle) <= kRingHalfWidth) ring.emplace_back(u, v);
+      }
+    }
+    if (!ring.empty()) rings.push_back(std::move(ring));
+  }
+  return rings;
+}
+
+// How far the strongest direction stands out of its ring, in the ring's medians; the most of all
+// rings.
+double RowStrength(const cv::Mat1f& power, const std::vector<Ring>& rings) {
+  const int side = power.rows;
+  double strength = 0.0;
+  std::vector<float> values;
+  for (const Ring& ring : rings) {
+    values.clear();
+    for (const cv::Point& place : ring) values.push_back(power((place.y + side) % side, place.x));
+    const auto largest = std::max_element(values.begin(), values.end());
+    const cv::Point peak = ring[static_cast<size_t>(largest - values.begin())];
+    const float height = *largest;
+    if (height <= kMinPeakToLine * PowerInside(power, peak)) continue;
+    const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), half, values.end());
+    if (*half > 0.0f) strength = std::max<double>(strength, height / *half);
+  }
+  return strength;
+}
+
+// The mean of a square's spectrum and its neighbours'; empty where the square has none.
+cv::Mat1f MeanAround(const std::vector<cv::Mat1f>& powers,
+                     const Squares& squares,
+                     int row,
+                     int col) {
+  const auto at = [&](int r, int c) -> const cv::Mat1f& {
+    return powers[static_cast<size_t>(r * squares.num_cols + c)];
+  };
+  if (at(row, col).empty()) return {};
+  cv::Mat1f sum = cv::Mat1f::zeros(squares.side, squares.side);
+  for (int r = std::max(0, row - 1); r <= std::min(squares.num_rows - 1, row + 1); ++r) {
+    for (int c = std::max(0, col - 1); c <= std::min(squares.num_cols - 1, col + 1); ++c) {
+      if (!at(r, c).empty()) sum += at(r, c);
+    }
+  }
+  return sum;
+}
+
+// Without pieces of fewer squares than a field has.
+cv::Mat1b WithoutSpecks(const cv::Mat1b& squares) {
+  cv::Mat labels, stats, centers;
+  const int num_labels = cv::connectedComponentsWithStats(squares, labels, stats, centers);
+  cv::Mat1b kept = cv::Mat1b::zeros(squares.size());
+  for (int label = 1; label < num_labels; ++label) {
+    if (stats.at<int>(label, cv::CC_STAT_AREA) >= kMinNumSquares) kept.setTo(255, labels == label);
+  }
+  return kept;
+}
+
+// With the gaps within a field, and up to its border, where a square holds half of what lies
+// beyond.
+cv::Mat1b WholeFields(const cv::Mat1b& squares) {
+  const cv::Mat gap = cv::Mat1b::ones(2 * kMaxGapSquares + 1, 2 * kMaxGapSquares + 1);
+  cv::Mat1b closed, grown;
+  cv::morphologyEx(squares, closed, cv::MORPH_CLOSE, gap);
+  cv::dilate(closed, grown, cv::Mat1b::ones(3, 3));
+  return grown;
+}
+
+}  // namespace
+
+cv::Mat1b RowCrops(const Orthophoto& photo, const HazardOptions& options) {
+  const double cell = photo.grid.cell_size_m;
+  const Squares squares(photo.image.size(), kSquareM, cell);
+  cv::Mat1b mask = cv::Mat1b::zeros(photo.image.size());
+  if (squares.num_rows == 0 || squares.num_cols == 0) return mask;
+  const cv::Mat1f brightness = Brightness(photo);
+  cv::Mat1f window;
+  cv::createHanningWindow(window, {squares.side, squares.side}, CV_32F);
+  std::vector<cv::Mat1f> powers;
+  for (int row = 0; row < squares.num_rows; ++row) {
+    for (int col = 0; col < squares.num_cols; ++col) {
+      const cv::Rect square = squares.At(row, col);
+      powers.push_back(PowerOf(brightness(square), photo.seen(square), window));
+    }
+  }
+  const std::vector<Ring> rings = RingsOf(squares.side, cell, options);
+  cv::Mat1b has_rows = cv::Mat1b::zeros(squares.num_rows, squares.num_cols);
+  for (int row = 0; row < squares.num_rows; ++row) {
+    for (int col = 0; col < squares.num_cols; ++col) {
+      const cv::Mat1f power = MeanAround(powers, squares, row, col);
+      if (power.empty()) continue;
+      if (RowStrength(power, rings) >= options.min_row_strength) has_rows(row, col) = 255;
+    }
+  }
+  has_rows = WholeFields(WithoutSpecks(has_rows));
+  for (int row = 0; row < squares.num_rows; ++row) {
+    for (int col = 0; col < squares.num_cols; ++col) {
+      if (has_rows(row, col)) mask(squares.Core(row, col)).setTo(255);
+    }
+  }
+  return mask;
+}
+
+cv::Mat1b StillWater(const Orthophoto& photo, const HazardOptions& options) {
+  const double cell = photo.grid.cell_size_m;
+  cv::Mat1f brightness = Brightness(photo), coarse, seen, detail;
+  photo.seen.convertTo(seen, CV_32F, 1.0 / 255.0);
+  cv::GaussianBlur(brightness, coarse, {}, kDetailM / cell);
+  detail = (brightness - coarse).mul(seen);
+  const int side = 2 * static_cast<int>(0.5 * kDetailSquareM / cell) + 1;
+  const auto mean_of = [&](const cv::Mat1f& values) {
+    cv::Mat1f mean;
+    cv::boxFilter(values, mean, CV_32F, {side, side});
+    return mean;
+  };
+  const cv::Mat1f power = mean_of(detail.mul(detail)), share = mean_of(seen);
+  const cv::Mat1f level = mean_of(brightness.mul(seen));
+  cv::Mat1b mask = cv::Mat1b::zeros(photo.image.size());
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int col = 0; col < mask.cols; ++col) {
+      if (!photo.seen(row, col)) continue;
+      const double strength =
+          std::sqrt(power(row, col) * share(row, col)) / (level(row, col) + 1.0);
+      if (strength < options.min_detail_ratio) mask(row, col) = 255;
+    }
+  }
+  return mask;
+}
+
+cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const HazardOptions& options) {
+  if (photo.image.empty()) return {};
+  cv::Mat1b found = cv::Mat1b::zeros(grid.num_rows, grid.num_cols);
+  if (options.min_rut_contrast > 0.0) {
+    found |= SprayedGround(FindWheelTracks(photo, options), grid, options);
+  }
+  cv::Mat1b fine = cv::Mat1b::zeros(photo.image.size());
+  if (options.min_row_strength > 0.0) fine |= RowCrops(photo, options);
+  if (options.min_detail_ratio > 0.0) fine |= StillWater(photo, options);
+  cv::Mat1f share;
+  cv::resize(cv::Mat1f(fine), share, found.size(), 0.0, 0.0, cv::INTER_AREA);
+  found.setTo(255, share > 0.0f);
+  return found;
+}
+
+}  // namespace freelsd

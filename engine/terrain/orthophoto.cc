@@ -1,0 +1,172 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "engine/terrain/terrain.h"
+
+namespace freelsd {
+namespace {
+
+// A whole number of picture cells is a map cell.
+int CellsPerMapCell(const ElevationMap& map, const TerrainOptions& options) {
+  const double ratio = map.grid.cell_size_m / options.orthophoto_cell_size_m;
+  return std::max(1, static_cast<int>(std::lround(ratio)));
+}
+
+// Where on the image the corner (row, col) of the map's cells lies; the height is that of the cell
+// south-east of it.
+std::optional<Eigen::Vector2d> ImageOfCorner(const ElevationMap& map,
+                                             const Camera& camera,
+                                             const Rigid3d& camera_from_world,
+                                             double row,
+                                             double col,
+                                             float height) {
+  const double cell = map.grid.cell_size_m;
+  Eigen::Vector3d place_in_world;
+  place_in_world << map.grid.north_west_in_world + cell * Eigen::Vector2d(col, -row), height;
+  const std::optional<Eigen::Vector2d> pixel =
+      camera.ImageFromCamera(camera_from_world * place_in_world);
+  if (!pixel || !camera.IsInside(*pixel)) return std::nullopt;
+  return pixel;
+}
+
+// For every seen cell the connected view that looks down on it most steeply; -1 where none sees it.
+cv::Mat1i SteepestViews(const ElevationMap& map, const AdjustedBlock& block) {
+  cv::Mat1i steepest(map.elevation.size(), -1);
+  cv::Mat1f least(map.elevation.size(), std::numeric_limits<float>::infinity());
+  for (size_t v = 0; v < block.views.size(); ++v) {
+    if (!block.views[v].is_connected) continue;
+    const Camera camera = block.CameraOf(v);
+    const Rigid3d& world_from_camera = block.views[v].world_from_camera;
+    const Rigid3d camera_from_world = Inverse(world_from_camera);
+    for (int row = 0; row < steepest.rows; ++row) {
+      for (int col = 0; col < steepest.cols; ++col) {
+        if (!map.IsSeen(row, col)) continue;
+        const Eigen::Vector2d offset =
+            map.grid.CellCenter(row, col) - world_from_camera.translation.head<2>();
+        const auto distance = static_cast<float>(offset.squaredNorm());
+        if (distance >= least(row, col)) continue;
+        const float height = map.elevation(row, col);
+        if (!ImageOfCorner(map, camera, camera_from_world, row + 0.5, col + 0.5, height)) continue;
+        least(row, col) = distance;
+        steepest(row, col) = static_cast<int>(v);
+      }
+    }
+  }
+  return steepest;
+}
+
+// An image whose pixels are about as large on the ground as the picture's cells: no finer, or the
+// picture would take one pixel of many.
+struct ScaledImage {
+  cv::Mat image;
+  double pixels_per_pixel = 1.0;
+};
+
+ScaledImage ScaleTo(const cv::Mat& image, double ground_sampling_m, double cell_size_m) {
+  const double factor = std::min(1.0, ground_sampling_m / cell_size_m);
+  if (factor > 0.75) return {image, 1.0};
+  ScaledImage scaled;
+  cv::resize(image, scaled.image, {}, factor, factor, cv::INTER_AREA);
+  scaled.pixels_per_pixel = static_cast<double>(scaled.image.cols) / image.cols;
+  return scaled;
+}
+
+// Between the four pixels around it; the border repeats.
+cv::Vec3b Sample(const cv::Mat& image, const Eigen::Vector2d& pixel) {
+  const double x = std::clamp(pixel.x(), 0.0, image.cols - 1.001);
+  const double y = std::clamp(pixel.y(), 0.0, image.rows - 1.001);
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const double u = x - left, v = y - top;
+  const auto weigh = [&](auto at) {
+    const double upper = (1.0 - u) * at(top, left) + u * at(top, left + 1);
+    const double lower = (1.0 - u) * at(top + 1, left) + u * at(top + 1, left + 1);
+    return static_cast<uint8_t>(std::lround((1.0 - v) * upper + v * lower));
+  };
+  if (image.channels() == 1) {
+    const uint8_t grey =
+        weigh([&](int row, int col) { return double(image.at<uint8_t>(row, col)); });
+    return {grey, grey, grey};
+  }
+  cv::Vec3b color;
+  for (int c = 0; c < 3; ++c) {
+    color[c] = weigh([&](int row, int col) { return double(image.at<cv::Vec3b>(row, col)[c]); });
+  }
+  return color;
+}
+
+class CellPainter {
+ public:
+  CellPainter(const ElevationMap& map,
+              const AdjustedBlock& block,
+              size_t view,
+              const ScaledImage& scaled)
+      : map_(map),
+        camera_(block.CameraOf(view)),
+        camera_from_world_(Inverse(block.views[view].world_from_camera)),
+        scaled_(scaled) {}
+
+  // Between the images of the cell's corners.
+  void Paint(int row, int col, int num_parts, Orthophoto& photo) const {
+    Eigen::Vector2d corners[4];
+    for (int i = 0; i < 4; ++i) {
+      const auto corner = ImageOfCorner(
+          map_, camera_, camera_from_world_, row + i / 2, col + i % 2, map_.elevation(row, col));
+      if (!corner) return;
+      corners[i] = *corner;
+    }
+    for (int i = 0; i < num_parts * num_parts; ++i) {
+      const double v = (i / num_parts + 0.5) / num_parts, u = (i % num_parts + 0.5) / num_parts;
+      const Eigen::Vector2d pixel = (1.0 - v) * ((1.0 - u) * corners[0] + u * corners[1]) +
+                                    v * ((1.0 - u) * corners[2] + u * corners[3]);
+      const Eigen::Vector2d in_scaled = (pixel.array() + 0.5) * scaled_.pixels_per_pixel - 0.5;
+      const cv::Point cell(col * num_parts + i % num_parts, row * num_parts + i / num_parts);
+      photo.image(cell) = Sample(scaled_.image, in_scaled);
+      photo.seen(cell) = 255;
+    }
+  }
+
+ private:
+  const ElevationMap& map_;
+  const Camera camera_;
+  const Rigid3d camera_from_world_;
+  const ScaledImage& scaled_;
+};
+
+}  // namespace
+
+Orthophoto MakeOrthophoto(const ElevationMap& map,
+                          const AdjustedBlock& block,
+                          const ImageSource& images,
+                          const TerrainOptions& options) {
+  Orthophoto photo;
+  const int num_parts = CellsPerMapCell(map, options);
+  photo.grid = map.grid;
+  photo.grid.cell_size_m /= num_parts;
+  photo.grid.num_rows *= num_parts;
+  photo.grid.num_cols *= num_parts;
+  photo.image = cv::Mat3b::zeros(photo.grid.num_rows, photo.grid.num_cols);
+  photo.seen = cv::Mat1b::zeros(photo.grid.num_rows, photo.grid.num_cols);
+  const cv::Mat1i views = SteepestViews(map, block);
+  for (size_t v = 0; v < block.views.size(); ++v) {
+    const cv::Mat1b is_mine = views == static_cast<int>(v);
+    if (cv::countNonZero(is_mine) == 0) continue;
+    const cv::Mat image = images(block.views[v].frame_id);
+    if (image.empty()) continue;
+    const double ground_sampling_m =
+        block.views[v].height_above_ground / block.camera.MeanFocalPx();
+    const ScaledImage scaled = ScaleTo(image, ground_sampling_m, photo.grid.cell_size_m);
+    const CellPainter painter(map, block, v, scaled);
+    for (int row = 0; row < views.rows; ++row) {
+      for (int col = 0; col < views.cols; ++col) {
+        if (is_mine(row, col)) painter.Paint(row, col, num_parts, photo);
+      }
+    }
+  }
+  return photo;
+}
+
+}  // namespace freelsd
