@@ -82,12 +82,23 @@ void SetCorners(TrackedRegion& tracked, std::vector<Eigen::Vector3d> corners_in_
   tracked.has_new_corners = true;
 }
 
+// Whether all of it was seen, and not only a patch of it. Rectangles, counter-clockwise.
+bool ShowsAllOf(const Region& region, const Detection& detection, double min_share) {
+  if (!detection.is_fully_visible) return false;
+  const Polygon known = region.Footprint();
+  const Polygon common = ConvexIntersection(known, GroundPolygon(detection.corners_in_world));
+  return Area(common) >= min_share * Area(known);
+}
+
 // Sec. III-E1: fixed corners stay; the first full view fixes them; till then they grow.
-void UpdateCorners(TrackedRegion& tracked, const std::vector<const Detection*>& detections) {
+void UpdateCorners(TrackedRegion& tracked,
+                   const std::vector<const Detection*>& detections,
+                   const RegionsOptions& options) {
   if (tracked.region.is_fixed || detections.empty()) return;
   std::vector<Eigen::Vector3d> corners = tracked.region.corners_in_world;
   for (const Detection* detection : detections) {
-    if (detection->is_fully_visible) {  // the largest one: they are sorted
+    // The largest one: they are sorted.
+    if (ShowsAllOf(tracked.region, *detection, options.min_fixing_overlap_ratio)) {
       tracked.region.is_fixed = true;
       SetCorners(tracked, detection->corners_in_world);
       return;
@@ -184,7 +195,8 @@ void RegionTracker::Assign(const ViewStamp& stamp, const std::vector<Detection>&
       added.push_back(NewRegion(next_id_++, stamp, detection));
     }
   }
-  for (size_t i = 0; i < detections_of.size(); ++i) UpdateCorners(tracked_[i], detections_of[i]);
+  for (size_t i = 0; i < detections_of.size(); ++i)
+    UpdateCorners(tracked_[i], detections_of[i], options_);
   for (TrackedRegion& tracked : added) tracked_.push_back(std::move(tracked));
 }
 

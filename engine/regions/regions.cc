@@ -36,6 +36,10 @@ void RegionsOptions::Check() const {
           "min_overlap_of_unlike_ratio",
           min_overlap_of_unlike_ratio,
           "in [0, 1]");
+  Require(min_fixing_overlap_ratio >= 0.0 && min_fixing_overlap_ratio <= 1.0,
+          "min_fixing_overlap_ratio",
+          min_fixing_overlap_ratio,
+          "in [0, 1]");
   Require(max_num_regions >= 1, "max_num_regions", max_num_regions, "at least 1");
   Require(std::isfinite(border_margin_px) && border_margin_px >= 0.0,
           "border_margin_px",
