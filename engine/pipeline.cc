@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engine/area_of_interest.h"
+#include "engine/further_fields.h"
 #include "engine/tied_adjustment.h"
 
 namespace freelsd {
@@ -166,7 +167,7 @@ Site PlanSite(const Snapshot& snapshot,
   const std::optional<WindEstimate> wind =
       WindAt(region.Center().head<2>(), snapshot.wind_samples, options.wind);
   if (evaluation.map.grid.num_rows == 0) {
-    return {region, wind, NoTerrain(region, evaluation.block.note)};
+    return {.region = region, .wind = wind, .plan = NoTerrain(region, evaluation.block.note)};
   }
   PlanRequest request;
   request.footprint = region.Footprint();
@@ -176,10 +177,40 @@ Site PlanSite(const Snapshot& snapshot,
   request.num_observations = region.num_observations;
   request.min_num_observations = snapshot.min_num_observations;
   if (wind) request.wind_in_world = wind->wind_in_world;
-  return {region, wind, Timed(evaluation.reports, "approach", [&] {
-            return PlanApproach(
-                evaluation.map, evaluation.hazards, request, aircraft, options.approach);
-          })};
+  Plan plan = Timed(evaluation.reports, "approach", [&] {
+    return PlanApproach(evaluation.map, evaluation.hazards, request, aircraft, options.approach);
+  });
+  return {.region = region, .wind = wind, .plan = std::move(plan)};
+}
+
+// Fields already found are not found again, be it by another region.
+bool IsNearAnother(const Site& site, const std::vector<Site>& others, double distance) {
+  return std::any_of(others.begin(), others.end(), [&](const Site& other) {
+    return other.plan.verdict != Verdict::kRejected &&
+           (other.plan.touchdown_in_world - site.plan.touchdown_in_world).head<2>().norm() <
+               distance;
+  });
+}
+
+// The other fields within the rectangle of a site's region, as far as one can land there.
+void AddFurtherFields(const Snapshot& snapshot,
+                      const Site& site,
+                      Evaluation& evaluation,
+                      const Aircraft& aircraft,
+                      const PipelineOptions& options) {
+  const double required = RequiredHazardDistance(evaluation.map, aircraft, options.approach);
+  int number = 1;
+  for (const Region& field : FurtherFields(site.region,
+                                           site.plan.touchdown_in_world.head<2>(),
+                                           evaluation,
+                                           required,
+                                           options.backend.max_num_further_fields)) {
+    Site further = PlanSite(snapshot, field, evaluation, aircraft, options);
+    if (further.plan.verdict == Verdict::kRejected) continue;
+    if (IsNearAnother(further, evaluation.sites, 2.0 * required)) continue;
+    further.field_number = ++number;
+    evaluation.sites.push_back(std::move(further));
+  }
 }
 
 }  // namespace
@@ -196,6 +227,9 @@ void BackendOptions::Check() const {
           "max_surroundings_m = " + std::to_string(max_surroundings_m) + ": must be in [0, 2000]");
   require(max_group_extent_m >= 0.0 && max_group_extent_m <= 3000.0,
           "max_group_extent_m = " + std::to_string(max_group_extent_m) + ": must be in [0, 3000]");
+  require(max_num_further_fields >= 0 && max_num_further_fields <= 1000,
+          "max_num_further_fields = " + std::to_string(max_num_further_fields) +
+              ": must be in [0, 1000]");
   require(max_num_views >= 2,
           "max_num_views = " + std::to_string(max_num_views) + ": must be >= 2");
 }
@@ -352,17 +386,26 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
     evaluation.map = ReconstructMap(
         evaluation.block, area, images, options, cancellable, evaluation.reports);  // III-F, G
     cancellable.Tell(kStereoDone, "hazards");
+    const Orthophoto photo = Timed(evaluation.reports, "orthophoto", [&] {
+      return MakeOrthophoto(evaluation.map, evaluation.block, images, options.terrain);
+    });
     evaluation.hazards = Timed(evaluation.reports, "hazard_layers", [&] {  // Sec. III-G
       return AssessHazards(evaluation.map,
                            AdjustedGrassViews(snapshot, selection.indices, evaluation.block),
                            {aircraft.max_slope_deg, aircraft.max_roughness_m},
-                           options.hazard);
+                           options.hazard,
+                           photo);
     });
   }
   cancellable.Tell(kLayersDone, "approach");
   for (const Region& region : regions) {
     evaluation.sites.push_back(
         PlanSite(snapshot, region, evaluation, aircraft, options));  // Sec. III-H
+  }
+  const std::vector<Site> own = evaluation.sites;
+  for (const Site& site : own) {
+    if (site.plan.verdict == Verdict::kRejected) continue;
+    AddFurtherFields(snapshot, site, evaluation, aircraft, options);
   }
   return evaluation;
 }

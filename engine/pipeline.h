@@ -34,6 +34,10 @@ struct BackendOptions {
   int max_num_views = 300;
   // Regions farther apart than this are evaluated in groups, each on a map of its own.
   double max_group_extent_m = 1500.0;
+  // Further fields that are tried within the rectangle of one region. Differs: the paper's region
+  // has one site, but grass hangs together through gaps in hedges, and the rectangle around it all
+  // holds many fields. 0 is the paper's.
+  int max_num_further_fields = 8;
 
   void Check() const;
 };
@@ -109,13 +113,18 @@ class Frontend {
 
 // A region in depth.
 struct Site {
+  // For a further field the rectangle around that field alone, else as tracked.
   Region region;
+  // 1 for the region's own site. A rectangle may hold several fields, and one may be good where
+  // another is better: from 2 on, the others.
+  int field_number = 1;
   std::optional<WindEstimate> wind;
   Plan plan;
 };
 
 struct Evaluation {
-  std::vector<Site> sites;  // one per region that was asked for, same order
+  // One per region that was asked for, same order; then further fields of these, accepted ones only.
+  std::vector<Site> sites;
   // Shared by all sites; empty grids when nothing could be reconstructed.
   ElevationMap map;
   HazardLayers hazards;

@@ -116,6 +116,7 @@ NewSite SiteOf(const Site& site,
   const FlightRequest& request = session.request();
   NewSite made;
   made.row.id = context.flight_id + "-r" + std::to_string(site.region.id);
+  if (site.field_number > 1) made.row.id += "-f" + std::to_string(site.field_number);
   made.row.flight_id = context.flight_id;
   made.row.region_id = site.region.id;
   made.row.updated_at_us = NowUs();
@@ -151,17 +152,20 @@ void StoreSites(Service& service,
   const std::lock_guard lock(service.sites_mutex);
   if (!service.storage.FindFlight(flight_id)) return;
   std::set<std::string> ids;
+  std::set<int64_t> region_ids;
   for (NewSite& site : sites) {
     const Standing standing = StandingOf(service.storage, site.row);
     site.row.superseded_by = standing.superseded_by;
     service.storage.PutSite(site.row, site.map_blob, standing.supersedes);
     ids.insert(site.row.id);
+    region_ids.insert(site.row.region_id);
     service.events.Publish(
         "site", flight_id, nlohmann::json{{"id", site.row.id}, {"flight_id", flight_id}}.dump());
   }
-  if (scope != EvaluationScope::kEveryGraded) return;
   for (const SiteRow& site : service.storage.ListSites(flight_id, std::nullopt)) {
-    if (!ids.contains(site.id)) ForgetSite(service.storage, site.id);
+    const bool is_out_of_date =
+        scope == EvaluationScope::kEveryGraded || region_ids.contains(site.region_id);
+    if (is_out_of_date && !ids.contains(site.id)) ForgetSite(service.storage, site.id);
   }
 }
 

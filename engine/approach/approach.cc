@@ -78,9 +78,10 @@ Plan WithAttempt(Plan plan, const Attempt& attempt, const AttemptContext& contex
 Plan PlanApproach(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,
-                  const Aircraft& aircraft,
+                  const Aircraft& profile,
                   const ApproachOptions& options) {
   RequireOneGrid(map, hazards);
+  const Aircraft aircraft = WithPositionMargin(profile, map, options);
   const WindCase wind = MakeWindCase(request.wind_in_world, aircraft, options);
   const double required = RequiredHazardDistance(map, aircraft, options);
   const FootprintContent content = ReadFootprint(map, hazards, request.footprint, options);
@@ -100,7 +101,7 @@ Plan PlanApproach(const ElevationMap& map,
   const std::vector<HeadingCells> cells = MakeHeadingCells(wind, surface, aircraft, options);
   const AttemptContext context{surface, wind, aircraft, options, cells};
   const SearchResult found = SearchTouchdown(
-      TouchdownCandidates(content.touchdowns, required, map.grid.cell_size_m, options), context);
+      SelectCandidates(content.touchdowns, required, map.grid.cell_size_m, options), context);
   const Attempt best =
       Try(found.best.touchdown, found.best.heading_index, context, Depth::kEverything);
   Plan plan = WithAttempt(PlanAt(best.touchdown, hazards, request, aircraft), best, context);

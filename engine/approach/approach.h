@@ -15,6 +15,9 @@ struct ApproachOptions {
   // A touchdown keeps the standard deviation of the map's position away from hazard too, and never
   // less than this.
   double min_map_position_sd_m = 1.0;
+  // Ground roll and corridor of the paths are wider on either side, and the roll longer, by this
+  // many standard deviations of the map's position: what stands beside them may stand in them.
+  double path_margin_sigma = 2.0;
   // Cells of a tree or of no clear class under the path get this height on top: leafless trees are
   // seen through. Such a cell's posterior of grass is unknown or below min_clear_class_posterior.
   double unclear_height_allowance_m = 2.0;
@@ -32,6 +35,9 @@ struct ApproachOptions {
   // Touchdown candidates tried per region, best first, at least this far apart; farther where that
   // many would not reach over all of the region's free ground.
   int max_num_candidates = 60;
+  // Where none of those is good: this many more, at equal distances. A field with room for a single
+  // final has no place for two candidates beside each other.
+  int max_num_reserve_candidates = 500;
   double candidate_spacing_m = 4.0;
   // Headings tried where the wind is unknown or calm.
   double heading_step_deg = 10.0;
@@ -70,6 +76,12 @@ double ApproachDistance(const Aircraft& aircraft, double wind_speed);
 // The same with all of the wind from behind, which nobody plans but who does not know it may get.
 double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed);
 double LoiterRadius(const Aircraft& aircraft, double wind_speed);
+
+// What a touchdown keeps from hazard: its disc, the map's own deviation and half a cell's diagonal
+// (spec 3.6). NaN where the deviation is unknown: nothing keeps that.
+double RequiredHazardDistance(const ElevationMap& map,
+                              const Aircraft& aircraft,
+                              const ApproachOptions& options);
 
 // Path height against the map's upper surface, from the start of the final to touchdown.
 struct ApproachProfile {
@@ -144,7 +156,7 @@ struct PlanRequest {
 };
 
 // Touchdown candidates are tried best first (distance to hazard) and the first landable one wins;
-// else the first unverified one. The search looks at max_num_candidates places, so it may miss a
+// else the first unverified one. The search looks at a limited number of places, so it may miss a
 // good place, but never accepts a bad one. Throws std::invalid_argument when map and hazards are
 // not of one grid.
 Plan PlanApproach(const ElevationMap& map,

@@ -5,31 +5,41 @@
 namespace freelsd {
 namespace {
 
-bool IsTaken(const Attempt& attempt, const std::optional<Attempt>& best) {
-  if (!best) return true;
-  if (attempt.verdict == Verdict::kRejected) return IsBetter(attempt, *best);
-  return attempt.verdict < best->verdict;
+bool IsTaken(const Attempt& attempt, const Attempt& best) {
+  if (attempt.verdict == Verdict::kRejected) return IsBetter(attempt, best);
+  return attempt.verdict < best.verdict;
 }
 
 bool IsSamePlace(const Touchdown& a, const Touchdown& b) {
   return a.row == b.row && a.col == b.col;
 }
 
+// Of very many the first that is good; else the least bad of them and the best so far.
+Attempt BestOfReserve(const std::vector<Touchdown>& reserve,
+                      Attempt best,
+                      const AttemptContext& context) {
+  for (const Touchdown& candidate : reserve) {
+    if (best.verdict != Verdict::kRejected) break;
+    Attempt attempt = BestHeading(candidate, context);
+    if (IsTaken(attempt, best)) best = std::move(attempt);
+  }
+  return best;
+}
+
 }  // namespace
 
-SearchResult SearchTouchdown(const std::vector<Touchdown>& candidates,
-                             const AttemptContext& context) {
+SearchResult SearchTouchdown(const TouchdownCandidates& candidates, const AttemptContext& context) {
   std::optional<Attempt> best;
   std::vector<Attempt> tried;
-  for (const Touchdown& candidate : candidates) {
+  for (const Touchdown& candidate : candidates.first) {
     Attempt attempt = BestHeading(candidate, context);
-    if (IsTaken(attempt, best)) best = attempt;
+    if (!best || IsTaken(attempt, *best)) best = attempt;
     if (attempt.verdict == Verdict::kLandable) break;
     if (attempt.verdict == Verdict::kUnverified && !context.wind.is_known) break;
     tried.push_back(std::move(attempt));
   }
   SearchResult result;
-  result.best = *best;
+  result.best = BestOfReserve(candidates.reserve, *best, context);
   // What comes after the chosen one is not better; unless none was good.
   for (Attempt& attempt : tried) {
     const bool is_chosen = IsSamePlace(attempt.touchdown, result.best.touchdown);

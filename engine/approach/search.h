@@ -14,8 +14,8 @@ struct SearchResult {
 };
 
 // Sec. III-H: from the safest touchdown on, the first free one wins; else the first unverified one;
-// else the least bad one. At least one candidate.
-SearchResult SearchTouchdown(const std::vector<Touchdown>& candidates,
-                             const AttemptContext& context);
+// else the least bad one. The reserve is looked at where none of the first ones is good. At least
+// one candidate.
+SearchResult SearchTouchdown(const TouchdownCandidates& candidates, const AttemptContext& context);
 
 }  // namespace freelsd

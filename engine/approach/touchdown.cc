@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <utility>
 
 namespace freelsd {
 namespace {
@@ -50,6 +52,43 @@ std::vector<Touchdown> SafestFirst(const std::vector<Touchdown>& touchdowns,
   return sorted;
 }
 
+// Safest first, none nearer to another than what spreads them over all.
+std::vector<Touchdown> SpreadOut(const std::vector<Touchdown>& wide,
+                                 double cell_size,
+                                 const ApproachOptions& options) {
+  const double area_of_each =
+      static_cast<double>(wide.size()) * cell_size * cell_size / options.max_num_candidates;
+  const double spacing = std::max(options.candidate_spacing_m, std::sqrt(area_of_each));
+  std::vector<Touchdown> candidates;
+  for (const Touchdown& touchdown : wide) {
+    if (candidates.size() >= static_cast<size_t>(options.max_num_candidates)) break;
+    const bool is_near_another =
+        std::any_of(candidates.begin(), candidates.end(), [&](const Touchdown& other) {
+          return (other.place_in_world - touchdown.place_in_world).head<2>().squaredNorm() <
+                 spacing * spacing;
+        });
+    if (!is_near_another) candidates.push_back(touchdown);
+  }
+  return candidates;
+}
+
+// The safest cell of every square block; all cells, where they are few.
+std::vector<Touchdown> SafestOfBlocks(const std::vector<Touchdown>& wide,
+                                      const ApproachOptions& options) {
+  const auto limit = static_cast<size_t>(options.max_num_reserve_candidates);
+  if (limit == 0) return {};
+  for (int side = 1;; ++side) {
+    std::set<std::pair<int, int>> blocks;
+    std::vector<Touchdown> safest;
+    for (const Touchdown& touchdown : wide) {
+      const bool is_first = blocks.emplace(touchdown.row / side, touchdown.col / side).second;
+      if (is_first) safest.push_back(touchdown);
+      if (safest.size() > limit) break;
+    }
+    if (safest.size() <= limit) return safest;
+  }
+}
+
 }  // namespace
 
 void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards) {
@@ -71,6 +110,16 @@ double RequiredHazardDistance(const ElevationMap& map,
          // In this order an unknown deviation makes an unknown distance, which nothing keeps.
          std::max(map.position_sd_m, options.min_map_position_sd_m) +
          map.grid.cell_size_m * std::sqrt(0.5);
+}
+
+Aircraft WithPositionMargin(Aircraft aircraft,
+                            const ElevationMap& map,
+                            const ApproachOptions& options) {
+  const double margin = options.path_margin_sigma * map.position_sd_m;
+  aircraft.path_half_width_m += margin;
+  // Without a roll the paper's rule holds: the disc alone.
+  if (aircraft.ground_roll_m > 0.0) aircraft.ground_roll_m += margin;
+  return aircraft;
 }
 
 FootprintContent ReadFootprint(const ElevationMap& map,
@@ -97,29 +146,17 @@ FootprintContent ReadFootprint(const ElevationMap& map,
   return content;
 }
 
-std::vector<Touchdown> TouchdownCandidates(const std::vector<Touchdown>& touchdowns,
-                                           double required_distance,
-                                           double cell_size,
-                                           const ApproachOptions& options) {
+TouchdownCandidates SelectCandidates(const std::vector<Touchdown>& touchdowns,
+                                     double required_distance,
+                                     double cell_size,
+                                     const ApproachOptions& options) {
   if (!std::isfinite(required_distance)) return {};
-  const auto num_wide = std::count_if(touchdowns.begin(), touchdowns.end(), [&](const auto& place) {
-    return place.hazard_distance >= required_distance;
-  });
-  const double area_of_each =
-      static_cast<double>(num_wide) * cell_size * cell_size / options.max_num_candidates;
-  const double spacing = std::max(options.candidate_spacing_m, std::sqrt(area_of_each));
-  std::vector<Touchdown> candidates;
-  for (const Touchdown& touchdown : touchdowns) {
-    if (touchdown.hazard_distance < required_distance) break;
-    if (candidates.size() >= static_cast<size_t>(options.max_num_candidates)) break;
-    const bool is_near_another =
-        std::any_of(candidates.begin(), candidates.end(), [&](const Touchdown& other) {
-          return (other.place_in_world - touchdown.place_in_world).head<2>().squaredNorm() <
-                 spacing * spacing;
-        });
-    if (!is_near_another) candidates.push_back(touchdown);
-  }
-  return candidates;
+  const auto end_of_wide =
+      std::find_if(touchdowns.begin(), touchdowns.end(), [&](const Touchdown& place) {
+        return place.hazard_distance < required_distance;
+      });
+  const std::vector<Touchdown> wide(touchdowns.begin(), end_of_wide);
+  return {SpreadOut(wide, cell_size, options), SafestOfBlocks(wide, options)};
 }
 
 double LargestInDisc(const cv::Mat1f& layer,

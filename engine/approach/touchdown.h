@@ -19,10 +19,10 @@ struct Touchdown {
 // Throws std::invalid_argument when map and hazards are not of one grid.
 void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards);
 
-// The touchdown disc, the map's own deviation and half a cell's diagonal (spec 3.6).
-double RequiredHazardDistance(const ElevationMap& map,
-                              const Aircraft& aircraft,
-                              const ApproachOptions& options);
+// With a ground roll and corridor that hold what may stand there, wherever the map really lies.
+Aircraft WithPositionMargin(Aircraft aircraft,
+                            const ElevationMap& map,
+                            const ApproachOptions& options);
 
 // What the footprint holds.
 struct FootprintContent {
@@ -35,12 +35,18 @@ FootprintContent ReadFootprint(const ElevationMap& map,
                                const Polygon& footprint,
                                const ApproachOptions& options);
 
-// Those far enough from hazard, at most max_num_candidates, spread over all of the ground where one
+// Places far enough from hazard, each list safest first and spread over all of the ground where one
 // could touch down: around the safest place alone, one house on its final would refuse the field.
-std::vector<Touchdown> TouchdownCandidates(const std::vector<Touchdown>& touchdowns,
-                                           double required_distance,
-                                           double cell_size,
-                                           const ApproachOptions& options);
+struct TouchdownCandidates {
+  // At most max_num_candidates.
+  std::vector<Touchdown> first;
+  // Closer together, at most max_num_reserve_candidates: for fields with room for one final only.
+  std::vector<Touchdown> reserve;
+};
+TouchdownCandidates SelectCandidates(const std::vector<Touchdown>& touchdowns,
+                                     double required_distance,
+                                     double cell_size,
+                                     const ApproachOptions& options);
 
 // Largest value of a layer within the disc about a touchdown; NaN if all of it is unseen.
 double LargestInDisc(const cv::Mat1f& layer,

@@ -25,7 +25,7 @@ void Require(bool holds, const std::string& message) {
 // What all winds share.
 struct Ground {
   FootprintContent content;
-  std::vector<Touchdown> candidates;
+  TouchdownCandidates candidates;
   std::optional<Refusal> refusal;
   ClearanceSurface surface;
 };
@@ -42,7 +42,7 @@ Ground PrepareGround(const ElevationMap& map,
   ground.refusal = RefuseGround(request, ground.content, required, aircraft);
   if (ground.refusal) return ground;
   ground.candidates =
-      TouchdownCandidates(ground.content.touchdowns, required, map.grid.cell_size_m, options);
+      SelectCandidates(ground.content.touchdowns, required, map.grid.cell_size_m, options);
   std::vector<WindScenario> scenarios;
   for (const double speed : speeds) {
     scenarios.push_back({ApproachDistance(aircraft, speed), LoiterRadius(aircraft, speed)});
@@ -167,11 +167,12 @@ const WindRoseEntry& WindRose::At(size_t speed, size_t direction) const {
 WindRose PlanWindRose(const ElevationMap& map,
                       const HazardLayers& hazards,
                       const PlanRequest& request,
-                      const Aircraft& aircraft,
+                      const Aircraft& profile,
                       const ApproachOptions& options,
                       const WindRoseOptions& rose_options) {
   rose_options.Check();
   RequireOneGrid(map, hazards);
+  const Aircraft aircraft = WithPositionMargin(profile, map, options);
   WindRose rose{rose_options.num_directions, rose_options.speeds_mps, options.calm_wind_mps, {}};
   const Ground ground =
       PrepareGround(map, hazards, request, aircraft, options, rose_options.speeds_mps);
