@@ -52,13 +52,24 @@ bool IsEven(const World& world, const Aircraft& aircraft, double x, double y) {
   return std::atan(std::hypot(dx, dy)) <= RadFromDeg(aircraft.max_slope_deg);
 }
 
-// Ruggedness of the surface over the eight neighbours (Riley et al. 1999).
+// Of all that stands in a square cell.
+double MeanSurface(const World& world, double x, double y, double cell) {
+  const cv::Range rows = world.CellsAround(y, 0.5 * cell), cols = world.CellsAround(x, 0.5 * cell);
+  double sum = 0.0;
+  for (int row = rows.start; row < rows.end; ++row) {
+    for (int col = cols.start; col < cols.end; ++col) sum += world.surface(row, col);
+  }
+  return sum / (rows.size() * cols.size());
+}
+
+// Ruggedness over the eight neighbours (Riley et al. 1999), which is one of cells: of single points
+// one stalk each would make a lawn rugged.
 bool IsSmooth(const World& world, const Aircraft& aircraft, double x, double y, double cell) {
-  const double middle = world.SurfaceHeight(x, y);
+  const double middle = MeanSurface(world, x, y, cell);
   double sum = 0.0;
   for (int i = -1; i <= 1; ++i) {
     for (int j = -1; j <= 1; ++j) {
-      const double step = world.SurfaceHeight(x + i * cell, y + j * cell) - middle;
+      const double step = MeanSurface(world, x + i * cell, y + j * cell, cell) - middle;
       sum += step * step;
     }
   }
