@@ -154,11 +154,7 @@ class Countryside {
   }
 
   void LayGround(World& world) const {
-    cv::parallel_for_({0, world.num_cells()}, [&](const cv::Range& rows) {
-      for (int row = rows.start; row < rows.end; ++row) {
-        for (int col = 0; col < world.num_cells(); ++col) LayCell(world, row, col);
-      }
-    });
+    ForEachCell(world, [&](int row, int col) { LayCell(world, row, col); });
   }
 
   void LayCell(World& world, int row, int col) const {

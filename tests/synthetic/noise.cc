@@ -2,32 +2,15 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 namespace freelsd {
 namespace {
 
-constexpr int kLatticeSize = 512;  // a power of two: the lattice repeats after so many wavelengths
-constexpr int kLatticeMask = kLatticeSize - 1;
-// Smooth interpolation averages neighbours; this brings the standard deviation back to 1.
-constexpr float kInterpolationGain = 1.36f;
 constexpr uint64_t kLatticeSeed = 20;
 constexpr double kTwoPi = 6.28318530717958647692;
 
-// One lattice serves all octaves; each reads it at its own turn and shift.
-std::shared_ptr<const std::vector<float>> SharedLattice() {
-  static const std::shared_ptr<const std::vector<float>> lattice = [] {
-    auto values = std::make_shared<std::vector<float>>(kLatticeSize * kLatticeSize);
-    std::mt19937_64 random(kLatticeSeed);
-    std::normal_distribution<float> normal;
-    for (float& value : *values) value = normal(random);
-    return values;
-  }();
-  return lattice;
-}
-
 double UnitInterval(uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1.0p-53; }
-
-float Smooth(float t) { return t * t * (3.0f - 2.0f * t); }
 
 }  // namespace
 
@@ -47,20 +30,15 @@ Noise::Noise(uint64_t seed, double wavelength_m) : lattice_(SharedLattice()) {
   shift_y_ = 4.0e6 + kLatticeSize * UnitInterval(MixSeed(seed, 3));
 }
 
-float Noise::At(double x, double y) const {
-  const double u = x * cos_per_wavelength_ - y * sin_per_wavelength_ + shift_x_;
-  const double v = x * sin_per_wavelength_ + y * cos_per_wavelength_ + shift_y_;
-  const int col = static_cast<int>(u);
-  const int row = static_cast<int>(v);
-  const float tu = Smooth(static_cast<float>(u - col));
-  const float tv = Smooth(static_cast<float>(v - row));
-  const float* upper = lattice_->data() + (row & kLatticeMask) * kLatticeSize;
-  const float* lower = lattice_->data() + ((row + 1) & kLatticeMask) * kLatticeSize;
-  const int left = col & kLatticeMask;
-  const int right = (col + 1) & kLatticeMask;
-  const float top = upper[left] + tu * (upper[right] - upper[left]);
-  const float bottom = lower[left] + tu * (lower[right] - lower[left]);
-  return kInterpolationGain * (top + tv * (bottom - top));
+const float* Noise::SharedLattice() {
+  static const std::vector<float> lattice = [] {
+    std::vector<float> values(kLatticeSize * kLatticeSize);
+    std::mt19937_64 random(kLatticeSeed);
+    std::normal_distribution<float> normal;
+    for (float& value : values) value = normal(random);
+    return values;
+  }();
+  return lattice.data();
 }
 
 }  // namespace freelsd

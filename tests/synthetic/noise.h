@@ -2,8 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <vector>
 
 namespace freelsd {
 
@@ -12,10 +10,34 @@ namespace freelsd {
 class Noise {
  public:
   Noise(uint64_t seed, double wavelength_m);
-  float At(double x, double y) const;
+  float At(double x, double y) const {
+    const double u = x * cos_per_wavelength_ - y * sin_per_wavelength_ + shift_x_;
+    const double v = x * sin_per_wavelength_ + y * cos_per_wavelength_ + shift_y_;
+    const int col = static_cast<int>(u);
+    const int row = static_cast<int>(v);
+    const float tu = Smooth(static_cast<float>(u - col));
+    const float tv = Smooth(static_cast<float>(v - row));
+    const float* upper = lattice_ + (row & kLatticeMask) * kLatticeSize;
+    const float* lower = lattice_ + ((row + 1) & kLatticeMask) * kLatticeSize;
+    const int left = col & kLatticeMask;
+    const int right = (col + 1) & kLatticeMask;
+    const float top = upper[left] + tu * (upper[right] - upper[left]);
+    const float bottom = lower[left] + tu * (lower[right] - lower[left]);
+    return kInterpolationGain * (top + tv * (bottom - top));
+  }
 
  private:
-  std::shared_ptr<const std::vector<float>> lattice_;
+  // A power of two: the lattice repeats after so many wavelengths.
+  static constexpr int kLatticeSize = 512;
+  static constexpr int kLatticeMask = kLatticeSize - 1;
+  // Smooth interpolation averages neighbours; this brings the standard deviation back to 1.
+  static constexpr float kInterpolationGain = 1.36f;
+
+  static float Smooth(float t) { return t * t * (3.0f - 2.0f * t); }
+  // One lattice serves all octaves; each reads it at its own turn and shift.
+  static const float* SharedLattice();
+
+  const float* lattice_;
   double cos_per_wavelength_ = 0.0;
   double sin_per_wavelength_ = 0.0;
   double shift_x_ = 0.0;

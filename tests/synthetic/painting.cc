@@ -20,6 +20,9 @@ constexpr uint64_t kHueFine = 220;
 constexpr uint64_t kHueCoarse = 221;
 constexpr uint64_t kSpots = 222;
 constexpr uint64_t kRowWobble = 223;
+// The variant of a field chooses the direction of its rows.
+constexpr int kNumRowHeadings = 8;
+constexpr double kRowHeadingStep = 0.4;
 
 struct Look {
   // One is chosen by the variant.
@@ -122,6 +125,9 @@ class Painter {
     for (int octave = 0; octave < kNumOctaves; ++octave) {
       brightness_.emplace_back(MixSeed(seed, kBrightness + octave), kWavelengthsM[octave]);
     }
+    for (int i = 0; i < kNumRowHeadings; ++i) {
+      row_normals_[i] << std::cos(kRowHeadingStep * i), -std::sin(kRowHeadingStep * i);
+    }
     for (int cover = 0; cover < kNumCovers; ++cover) {
       looks_.push_back(LookOf(static_cast<Cover>(cover)));
     }
@@ -145,6 +151,7 @@ class Painter {
   float Brightness(const Look& look, double x, double y) const {
     float gain = 1.0f;
     for (int octave = 0; octave < kNumOctaves; ++octave) {
+      if (look.contrast[octave] == 0.0f) continue;
       gain += look.contrast[octave] * brightness_[octave].At(x, y);
     }
     return std::max(gain, 0.15f);
@@ -152,9 +159,8 @@ class Painter {
 
   float Rows(const Look& look, uint8_t variant, double x, double y) const {
     if (look.row_spacing_m <= 0.0f) return 1.0f;
-    const double heading = 0.4 * (variant % 8);
-    const double across =
-        x * std::cos(heading) - y * std::sin(heading) + 0.5 * row_wobble_.At(x, y);
+    const Eigen::Vector2d& normal = row_normals_[variant % kNumRowHeadings];
+    const double across = x * normal.x() + y * normal.y() + 0.5 * row_wobble_.At(x, y);
     return 1.0f + look.row_contrast *
                       static_cast<float>(1.41 * std::sin(2.0 * kPi * across / look.row_spacing_m));
   }
@@ -172,6 +178,7 @@ class Painter {
 
   std::vector<Noise> brightness_;
   Noise hue_fine_, hue_coarse_, spots_, row_wobble_;
+  std::array<Eigen::Vector2d, kNumRowHeadings> row_normals_;
   std::vector<Look> looks_;
 };
 
@@ -180,15 +187,9 @@ class Painter {
 void World::Paint() {
   const Painter painter(seed);
   albedo.create(num_cells(), num_cells());
-  cv::parallel_for_({0, num_cells()}, [&](const cv::Range& rows) {
-    for (int row = rows.start; row < rows.end; ++row) {
-      for (int col = 0; col < num_cells(); ++col) {
-        albedo(row, col) = painter.ColorAt(static_cast<Cover>(cover(row, col)),
-                                           variant(row, col),
-                                           CellCenter(col),
-                                           CellCenter(row));
-      }
-    }
+  ForEachCell(*this, [&](int row, int col) {
+    albedo(row, col) = painter.ColorAt(
+        static_cast<Cover>(cover(row, col)), variant(row, col), CellCenter(col), CellCenter(row));
   });
 }
 

@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include <opencv2/core.hpp>
 
 #include "engine/flight/flight.h"
+#include "tests/synthetic/height_field.h"
 #include "tests/synthetic/world.h"
 
 namespace freelsd {
@@ -41,11 +41,11 @@ class Renderer {
                                           const Eigen::Vector3d& ray_in_world) const;
 
  private:
+  // A place in cells (x, y) and metres (z).
+  Eigen::Vector3d CellsFrom(const Eigen::Vector3d& point_in_world) const;
+
   const World& world_;
-  // Highest surface in blocks of cells, coarse to fine: empty air is crossed in one step.
-  std::vector<cv::Mat1f> block_tops_;
-  double highest_ = 0.0;
-  double lowest_ = 0.0;
+  HeightField field_;
 };
 
 }  // namespace freelsd

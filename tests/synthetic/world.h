@@ -197,6 +197,23 @@ inline float Bilinear(const cv::Mat1f& grid, double col, double row) {
   return south + tv * (north - south);
 }
 
+// Visits every cell once, in parallel, square by square: what neighbours read of a noise's lattice
+// then stays in the cache.
+template <typename Visit>
+void ForEachCell(const World& world, Visit visit) {
+  constexpr int kSide = 32;
+  const int n = world.num_cells();
+  cv::parallel_for_({0, (n + kSide - 1) / kSide}, [&](const cv::Range& bands) {
+    for (int band = bands.start; band < bands.end; ++band) {
+      for (int left = 0; left < n; left += kSide) {
+        for (int row = band * kSide; row < std::min(n, (band + 1) * kSide); ++row) {
+          for (int col = left; col < std::min(n, left + kSide); ++col) visit(row, col);
+        }
+      }
+    }
+  });
+}
+
 // An even grass plane at z = 0 with nothing on it, painted and lit. For tests.
 World MakeMeadowPlane(const WorldOptions& options);
 
