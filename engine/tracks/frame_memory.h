@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/tracks/keypoints.h"
+#include "engine/tracks/descriptor_matching.h"
 #include "engine/tracks/track_table.h"
 #include "engine/tracks/tracks.h"
 

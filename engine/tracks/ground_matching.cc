@@ -5,6 +5,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/tracks/descriptor_matching.h"
 #include "engine/tracks/ground_image.h"
 #include "engine/tracks/keypoints.h"
 #include "engine/tracks/track_table.h"

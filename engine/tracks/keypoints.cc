@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include <opencv2/features2d.hpp>
@@ -27,10 +26,6 @@ constexpr double kSiftSigma = 1.6;
 constexpr int kSiftLayersPerOctave = 3;
 // Cells over which keypoints are spread, per axis.
 constexpr int kNumGridCells = 8;
-// Lowe's ratio of the nearest to the second nearest distance.
-constexpr double kMaxDistanceRatio = 0.85;
-// Of root descriptors of unrelated points, about.
-constexpr float kUnrelatedCosine = 0.75F;
 // Root-SIFT entries are in [0, 1] and rarely above one half: stored as bytes.
 constexpr double kDescriptorScale = 400.0;
 
@@ -79,80 +74,6 @@ cv::Mat RootDescriptors(const cv::Mat& descriptors) {
     }
   }
   return root;
-}
-
-cv::Mat UnitRows(const cv::Mat& bytes) {
-  cv::Mat unit;
-  bytes.convertTo(unit, CV_32F);
-  for (int row = 0; row < unit.rows; ++row) {
-    cv::Mat line = unit.row(row);
-    line /= std::max(cv::norm(line), 1.0);
-  }
-  return unit;
-}
-
-// Nearest per row, by cosine; -1 where the second nearest is about as near. Internal sentinel.
-std::vector<int> NearestPerRow(const Eigen::MatrixXf& cosines) {
-  std::vector<int> nearest(cosines.cols(), -1);
-  for (Eigen::Index col = 0; col < cosines.cols(); ++col) {
-    float best = -1.0F, second = -1.0F;
-    int best_row = -1;
-    for (Eigen::Index row = 0; row < cosines.rows(); ++row) {
-      const float cosine = cosines(row, col);
-      if (cosine > best) {
-        second = best;
-        best = cosine;
-        best_row = static_cast<int>(row);
-      } else if (cosine > second) {
-        second = cosine;
-      }
-    }
-    // Squared distance of unit vectors is 2 - 2 cos.
-    const double limit = kMaxDistanceRatio * kMaxDistanceRatio * (1.0 - second);
-    if (1.0 - best < limit) nearest[col] = best_row;
-  }
-  return nearest;
-}
-
-// The two most similar so far. A second is assumed from the start: nearby there may be none, and
-// points that have nothing to do with one another are this similar.
-struct BestTwo {
-  int index = -1;
-  float best = kUnrelatedCosine;
-  float second = kUnrelatedCosine;
-
-  void Offer(int candidate, float cosine) {
-    if (cosine > best) {
-      second = std::exchange(best, cosine);
-      index = candidate;
-    } else {
-      second = std::max(second, cosine);
-    }
-  }
-  bool IsClear() const {
-    return index >= 0 && 1.0 - best < kMaxDistanceRatio * kMaxDistanceRatio * (1.0 - second);
-  }
-};
-
-// Points by square cells as wide as a radius.
-using Buckets = std::map<std::pair<int, int>, std::vector<int>>;
-
-std::pair<int, int> CellOf(const Eigen::Vector2d& point, double width) {
-  return {static_cast<int>(std::floor(point.x() / width)),
-          static_cast<int>(std::floor(point.y() / width))};
-}
-
-// Of the nine cells about a place.
-std::vector<int> Nearby(const Buckets& buckets, const std::pair<int, int>& cell) {
-  std::vector<int> nearby;
-  for (int x = cell.first - 1; x <= cell.first + 1; ++x) {
-    for (int y = cell.second - 1; y <= cell.second + 1; ++y) {
-      const auto bucket = buckets.find({x, y});
-      if (bucket == buckets.end()) continue;
-      nearby.insert(nearby.end(), bucket->second.begin(), bucket->second.end());
-    }
-  }
-  return nearby;
 }
 
 }  // namespace
@@ -268,54 +189,6 @@ DescribedPoints DescribeKeypoints(const TrackingImage& image, const TracksOption
     described.points.push_back(image.FullFromReduced(keypoint.pt));
   }
   return described;
-}
-
-std::vector<IndexPair> MatchDescriptors(const cv::Mat& a, const cv::Mat& b) {
-  if (a.rows < 2 || b.rows < 2) return {};
-  using Rows =
-      Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
-  const cv::Mat unit_a = UnitRows(a), unit_b = UnitRows(b);
-  const Rows rows_a(unit_a.ptr<float>(), unit_a.rows, unit_a.cols);
-  const Rows rows_b(unit_b.ptr<float>(), unit_b.rows, unit_b.cols);
-  const Eigen::MatrixXf cosines = rows_a * rows_b.transpose();
-  const std::vector<int> a_of_b = NearestPerRow(cosines);
-  const std::vector<int> b_of_a = NearestPerRow(cosines.transpose());
-  std::vector<IndexPair> matches;
-  for (int i = 0; i < a.rows; ++i) {
-    const int j = b_of_a[i];
-    if (j >= 0 && a_of_b[j] == i) matches.push_back({i, j});
-  }
-  return matches;
-}
-
-std::vector<IndexPair> MatchDescriptorsNear(const DescribedPoints& a,
-                                            const DescribedPoints& b,
-                                            double radius) {
-  if (a.points.empty() || b.points.empty()) return {};
-  const cv::Mat1f unit_a = UnitRows(a.descriptors), unit_b = UnitRows(b.descriptors);
-  Buckets buckets;
-  for (size_t j = 0; j < b.points.size(); ++j) {
-    buckets[CellOf(b.points[j], radius)].push_back(static_cast<int>(j));
-  }
-  std::vector<BestTwo> of_a(a.points.size()), of_b(b.points.size());
-  for (size_t i = 0; i < a.points.size(); ++i) {
-    const Eigen::Map<const Eigen::VectorXf> row_a(unit_a[static_cast<int>(i)], unit_a.cols);
-    for (const int j : Nearby(buckets, CellOf(a.points[i], radius))) {
-      if ((a.points[i] - b.points[static_cast<size_t>(j)]).norm() > radius) continue;
-      const float cosine = row_a.dot(Eigen::Map<const Eigen::VectorXf>(unit_b[j], unit_b.cols));
-      of_a[i].Offer(j, cosine);
-      of_b[static_cast<size_t>(j)].Offer(static_cast<int>(i), cosine);
-    }
-  }
-  std::vector<IndexPair> matches;
-  for (size_t i = 0; i < of_a.size(); ++i) {
-    if (!of_a[i].IsClear()) continue;
-    const BestTwo& back = of_b[static_cast<size_t>(of_a[i].index)];
-    if (back.index == static_cast<int>(i) && back.IsClear()) {
-      matches.push_back({static_cast<int>(i), of_a[i].index});
-    }
-  }
-  return matches;
 }
 
 }  // namespace freelsd

@@ -25,12 +25,6 @@ struct TrackingImage {
 };
 TrackingImage ReduceForTracking(const cv::Mat& image, const TracksOptions& options);
 
-// One match: index of a point in either frame.
-struct IndexPair {
-  int a = 0;
-  int b = 0;
-};
-
 // New corners, spread evenly, away from those there are already.
 std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
                                          const std::vector<Eigen::Vector2d>& existing,
@@ -54,12 +48,5 @@ struct DescribedPoints {
   cv::Mat descriptors;
 };
 DescribedPoints DescribeKeypoints(const TrackingImage& image, const TracksOptions& options);
-
-// Mutual nearest neighbours that are clearly better than the second nearest.
-std::vector<IndexPair> MatchDescriptors(const cv::Mat& a, const cv::Mat& b);
-// The same among points that are within `radius` of one another.
-std::vector<IndexPair> MatchDescriptorsNear(const DescribedPoints& a,
-                                            const DescribedPoints& b,
-                                            double radius);
 
 }  // namespace freelsd
