@@ -46,12 +46,37 @@ std::optional<Meeting> Meet(std::vector<PosedRay> rays, double max_error_normali
   return std::nullopt;
 }
 
-std::vector<PosedRay> Rays(const BlockState& state, const BlockTrack& track) {
+// The cameras of all views with their own readouts: made once, not for every sighting.
+std::vector<Camera> CamerasOf(const BlockState& state) {
+  std::vector<Camera> cameras;
+  cameras.reserve(state.readouts.size());
+  for (size_t view = 0; view < state.readouts.size(); ++view) {
+    cameras.push_back(state.CameraOf(view));
+  }
+  return cameras;
+}
+
+// Distance between sighting and projection, px; nothing when the point is behind the camera.
+std::optional<double> ReprojectionError(const BlockState& state,
+                                        const std::vector<Camera>& cameras,
+                                        const BlockTrack& track,
+                                        const Sighting& sighting) {
+  const Eigen::Vector3d point_in_camera =
+      Inverse(state.world_from_camera[sighting.view]) * track.point_in_world;
+  const std::optional<Eigen::Vector2d> projection =
+      cameras[sighting.view].ImageFromCamera(point_in_camera);
+  if (!projection) return std::nullopt;
+  return (*projection - sighting.point_in_image).norm();
+}
+
+std::vector<PosedRay> Rays(const BlockState& state,
+                           const std::vector<Camera>& cameras,
+                           const BlockTrack& track) {
   std::vector<PosedRay> rays;
   rays.reserve(track.sightings.size());
   for (const Sighting& sighting : track.sightings) {
     rays.push_back({state.world_from_camera[sighting.view],
-                    state.CameraOf(sighting.view).NormalizedFromImage(sighting.point_in_image)});
+                    cameras[sighting.view].NormalizedFromImage(sighting.point_in_image)});
   }
   return rays;
 }
@@ -59,6 +84,7 @@ std::vector<PosedRay> Rays(const BlockState& state, const BlockTrack& track) {
 // Mean over the sightings of where their rays meet the ground below their own view.
 std::optional<Eigen::Vector3d> OnGround(const std::vector<View>& views,
                                         const BlockState& state,
+                                        const std::vector<Camera>& cameras,
                                         const BlockTrack& track) {
   // Rays flatter than this hit the plane too far away to be of use.
   constexpr double kMinDescent = 0.2;
@@ -66,8 +92,8 @@ std::optional<Eigen::Vector3d> OnGround(const std::vector<View>& views,
   int count = 0;
   for (const Sighting& sighting : track.sightings) {
     const Rigid3d& world_from_camera = state.world_from_camera[sighting.view];
-    const Eigen::Vector3d ray = world_from_camera.rotation *
-                                state.CameraOf(sighting.view).RayFromImage(sighting.point_in_image);
+    const Eigen::Vector3d ray =
+        world_from_camera.rotation * cameras[sighting.view].RayFromImage(sighting.point_in_image);
     if (ray.z() > -kMinDescent) continue;
     sum +=
         world_from_camera.translation + ray * (views[sighting.view].height_above_ground / -ray.z());
@@ -106,8 +132,9 @@ std::vector<BlockTrack> CollectTracks(const std::vector<View>& views) {
 void InitialiseOnGround(const std::vector<View>& views,
                         const BlockState& state,
                         std::vector<BlockTrack>& tracks) {
+  const std::vector<Camera> cameras = CamerasOf(state);
   for (BlockTrack& track : tracks) {
-    const std::optional<Eigen::Vector3d> point = OnGround(views, state, track);
+    const std::optional<Eigen::Vector3d> point = OnGround(views, state, cameras, track);
     track.has_point = point.has_value();
     if (point) track.point_in_world = *point;
   }
@@ -117,9 +144,10 @@ void TriangulateTracks(const BlockState& state,
                        double min_parallax_deg,
                        double max_error_px,
                        std::vector<BlockTrack>& tracks) {
+  const std::vector<Camera> cameras = CamerasOf(state);
   const double max_error_normalized = max_error_px / state.camera.MeanFocalPx();
   for (BlockTrack& track : tracks) {
-    const std::optional<Meeting> meeting = Meet(Rays(state, track), max_error_normalized);
+    const std::optional<Meeting> meeting = Meet(Rays(state, cameras, track), max_error_normalized);
     track.has_point = meeting && DegFromRad(meeting->point.parallax) >= min_parallax_deg;
     if (!track.has_point) continue;
     track.point_in_world = meeting->point.point_in_world;
@@ -128,22 +156,12 @@ void TriangulateTracks(const BlockState& state,
   }
 }
 
-std::optional<double> ReprojectionError(const BlockState& state,
-                                        const BlockTrack& track,
-                                        const Sighting& sighting) {
-  const Eigen::Vector3d point_in_camera =
-      Inverse(state.world_from_camera[sighting.view]) * track.point_in_world;
-  const std::optional<Eigen::Vector2d> projection =
-      state.CameraOf(sighting.view).ImageFromCamera(point_in_camera);
-  if (!projection) return std::nullopt;
-  return (*projection - sighting.point_in_image).norm();
-}
-
 void MarkOutliers(const BlockState& state, double max_error_px, std::vector<BlockTrack>& tracks) {
+  const std::vector<Camera> cameras = CamerasOf(state);
   for (BlockTrack& track : tracks) {
     if (!track.has_point) continue;
     for (Sighting& sighting : track.sightings) {
-      const std::optional<double> error = ReprojectionError(state, track, sighting);
+      const std::optional<double> error = ReprojectionError(state, cameras, track, sighting);
       sighting.is_inlier = error && *error <= max_error_px;
     }
     if (track.NumInliers() < 2) track.has_point = false;
@@ -151,12 +169,13 @@ void MarkOutliers(const BlockState& state, double max_error_px, std::vector<Bloc
 }
 
 double WorstMedianError(const BlockState& state, const std::vector<BlockTrack>& tracks) {
+  const std::vector<Camera> cameras = CamerasOf(state);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<std::vector<double>> errors(state.world_from_camera.size());
   for (const BlockTrack& track : tracks) {
     for (const Sighting& sighting : track.sightings) {
       errors[sighting.view].push_back(
-          track.has_point ? ReprojectionError(state, track, sighting).value_or(kInfinity)
+          track.has_point ? ReprojectionError(state, cameras, track, sighting).value_or(kInfinity)
                           : kInfinity);
     }
   }
@@ -171,12 +190,13 @@ double WorstMedianError(const BlockState& state, const std::vector<BlockTrack>& 
 }
 
 double RmsError(const BlockState& state, const std::vector<BlockTrack>& tracks) {
+  const std::vector<Camera> cameras = CamerasOf(state);
   double sum = 0.0;
   int count = 0;
   for (const BlockTrack& track : tracks) {
     if (!track.has_point) continue;
     for (const Sighting& sighting : track.sightings) {
-      const std::optional<double> error = ReprojectionError(state, track, sighting);
+      const std::optional<double> error = ReprojectionError(state, cameras, track, sighting);
       if (!sighting.is_inlier || !error) continue;
       sum += *error * *error;
       ++count;

@@ -48,10 +48,6 @@ void TriangulateTracks(const BlockState& state,
                        double max_error_px,
                        std::vector<BlockTrack>& tracks);
 
-// Distance between sighting and projection, px; nothing when the point is behind the camera.
-std::optional<double> ReprojectionError(const BlockState& state,
-                                        const BlockTrack& track,
-                                        const Sighting& sighting);
 // Marks sightings beyond max_error_px as outliers (and back), and drops points left with one ray.
 void MarkOutliers(const BlockState& state, double max_error_px, std::vector<BlockTrack>& tracks);
 // Median error of the sightings of the view that fits worst; infinite where half of them have no

@@ -1,4 +1,4 @@
-// Residuals of the bundle adjustment, differentiated automatically.
+// Residuals of the bundle adjustment, in a form that can be differentiated automatically.
 //
 // Parameter blocks: rotation world_from_camera (Eigen order x, y, z, w), position of the camera in
 // world (3), landmark in world (3), lens (7, see LensParameter), turn of the view during its

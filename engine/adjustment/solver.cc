@@ -7,6 +7,7 @@
 
 #include <ceres/ceres.h>
 
+#include "engine/adjustment/reprojection_cost.h"
 #include "engine/adjustment/residuals.h"
 
 namespace freelsd {
@@ -160,15 +161,13 @@ int AddObservations(const Camera& camera,
     if (!track.has_point) continue;
     for (const Sighting& sighting : track.sightings) {
       if (!sighting.is_inlier) continue;
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, kNumLensParameters, 3>(
-              new ReprojectionResidual(&camera, sighting.point_in_image)),
-          loss,
-          parameters.Rotation(sighting.view),
-          parameters.Position(sighting.view),
-          track.point_in_world.data(),
-          parameters.Lens(),
-          parameters.ReadoutOf(sighting.view));
+      problem.AddResidualBlock(new ReprojectionCost(&camera, sighting.point_in_image),
+                               loss,
+                               parameters.Rotation(sighting.view),
+                               parameters.Position(sighting.view),
+                               track.point_in_world.data(),
+                               parameters.Lens(),
+                               parameters.ReadoutOf(sighting.view));
       num_residuals += 2;
     }
   }

@@ -1,9 +1,13 @@
 #include "engine/adjustment/residuals.h"
 
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
+#include <ceres/autodiff_cost_function.h>
 #include <doctest/doctest.h>
 
+#include "engine/adjustment/reprojection_cost.h"
 #include "tests/engine/adjustment/survey.h"
 
 namespace freelsd {
@@ -37,6 +41,54 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
                      error));
     CHECK(error[0] == doctest::Approx(3.0).epsilon(1e-4));
     CHECK(std::abs(error[1]) < 1e-4);
+  }
+}
+
+// Derivatives of the residual by each parameter block, one after the other.
+std::vector<double> Derivatives(const ceres::CostFunction& cost,
+                                const std::vector<std::vector<double>>& blocks) {
+  std::vector<const double*> parameters;
+  std::vector<std::vector<double>> jacobians;
+  std::vector<double*> to;
+  for (const std::vector<double>& block : blocks) {
+    parameters.push_back(block.data());
+    jacobians.emplace_back(2 * block.size());
+  }
+  for (std::vector<double>& jacobian : jacobians) to.push_back(jacobian.data());
+  double residuals[2];
+  REQUIRE(cost.Evaluate(parameters.data(), residuals, to.data()));
+  std::vector<double> all(residuals, residuals + 2);
+  for (const std::vector<double>& jacobian : jacobians) {
+    all.insert(all.end(), jacobian.begin(), jacobian.end());
+  }
+  return all;
+}
+
+TEST_CASE("adjustment: derivatives by hand are those found automatically, for every lens") {
+  Camera camera = SurveyCamera();
+  const Eigen::Vector4d q = NadirCamera(0.7).coeffs();
+  const std::vector<std::vector<double>> blocks = {{q[0], q[1], q[2], q[3]},
+                                                   {3.0, -4.0, 90.0},
+                                                   {31.0, 12.0, 2.0},
+                                                   {1.02, 0.03, -0.01, 2e-3, -1e-3, 0.01, -0.02},
+                                                   {0.01, -0.02, 0.005}};
+  for (const auto& [model, coefficients] :
+       {std::pair{DistortionModel::kNone, std::vector<double>{}},
+        std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
+        std::pair{DistortionModel::kEquidistant, std::vector<double>{0.02, -0.01, 3e-3, 1e-3}}}) {
+    CAPTURE(static_cast<int>(model));
+    camera.distortion = model;
+    camera.coefficients = coefficients;
+    const Eigen::Vector2d sighting(140.0, 60.0);
+    using Automatic =
+        ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, kNumLensParameters, 3>;
+    const std::vector<double> expected =
+        Derivatives(Automatic(new ReprojectionResidual(&camera, sighting)), blocks);
+    const std::vector<double> by_hand = Derivatives(ReprojectionCost(&camera, sighting), blocks);
+    for (size_t i = 0; i < expected.size(); ++i) {
+      CAPTURE(i);
+      CHECK(by_hand[i] == doctest::Approx(expected[i]).epsilon(1e-9));
+    }
   }
 }
 

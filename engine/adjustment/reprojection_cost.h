@@ -1,0 +1,26 @@
+// The reprojection residual with derivatives by hand: the same numbers as differentiating it
+// automatically, at a fraction of the cost, and only those that the solver asks for.
+#pragma once
+
+#include <ceres/sized_cost_function.h>
+
+#include "engine/adjustment/residuals.h"
+
+namespace freelsd {
+
+// Parameter blocks as in residuals.h.
+class ReprojectionCost final : public ceres::SizedCostFunction<2, 4, 3, 3, kNumLensParameters, 3> {
+ public:
+  // The camera must outlive this.
+  ReprojectionCost(const Camera* calibrated_camera, const Eigen::Vector2d& sighting)
+      : residual_(calibrated_camera, sighting) {}
+
+  bool Evaluate(double const* const* parameters,
+                double* residuals,
+                double** jacobians) const override;
+
+ private:
+  ReprojectionResidual residual_;
+};
+
+}  // namespace freelsd
