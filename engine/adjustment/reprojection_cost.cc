@@ -5,7 +5,7 @@
 namespace freelsd {
 namespace {
 
-enum Block { kRotation, kPosition, kLandmark, kLens, kTurn };
+enum Block { kPose, kLandmark, kLens, kTurn };
 
 // CrossWith(a) * b = a x b.
 Eigen::Matrix3d CrossWith(const Eigen::Vector3d& a) {
@@ -122,8 +122,7 @@ Eigen::Matrix<double, 2, kNumLensParameters> StillLensSlope(const Camera& camera
 bool ReprojectionCost::Evaluate(double const* const* parameters,
                                 double* residuals,
                                 double** jacobians) const {
-  if (!residual_(parameters[kRotation],
-                 parameters[kPosition],
+  if (!residual_(parameters[kPose],
                  parameters[kLandmark],
                  parameters[kLens],
                  parameters[kTurn],
@@ -134,8 +133,8 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
   const Camera& camera = *residual_.camera;
   const double* lens = parameters[kLens];
   const Eigen::Quaterniond world_from_camera =
-      Eigen::Map<const Eigen::Quaterniond>(parameters[kRotation]);
-  const Eigen::Map<const Eigen::Vector3d> position(parameters[kPosition]);
+      Eigen::Map<const Eigen::Quaterniond>(parameters[kPose]);
+  const Eigen::Map<const Eigen::Vector3d> position(parameters[kPose] + 4);
   const Eigen::Map<const Eigen::Vector3d> landmark(parameters[kLandmark]);
   const Eigen::Map<const Eigen::Vector3d> turn(parameters[kTurn]);
   const double cy = camera.cy_px + camera.fx_px * lens[kPrincipalY];
@@ -153,8 +152,9 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
       by_x * (Eigen::Matrix3d::Identity() - share * CrossWith(turn));
   const Eigen::Matrix<double, 2, 3> by_world =
       by_still * world_from_camera.conjugate().toRotationMatrix();
-  Write<4>(by_still * TurnedBackSlope(world_from_camera, in_world), jacobians[kRotation]);
-  Write<3>(-by_world, jacobians[kPosition]);
+  Eigen::Matrix<double, 2, kNumPoseParameters> by_pose;
+  by_pose << by_still * TurnedBackSlope(world_from_camera, in_world), -by_world;
+  Write<kNumPoseParameters>(by_pose, jacobians[kPose]);
   Write<3>(by_world, jacobians[kLandmark]);
   Write<3>(by_x * (share * CrossWith(still)), jacobians[kTurn]);
   if (jacobians[kLens] == nullptr) return true;

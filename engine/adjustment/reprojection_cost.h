@@ -9,7 +9,8 @@
 namespace freelsd {
 
 // Parameter blocks as in residuals.h.
-class ReprojectionCost final : public ceres::SizedCostFunction<2, 4, 3, 3, kNumLensParameters, 3> {
+class ReprojectionCost final
+    : public ceres::SizedCostFunction<2, kNumPoseParameters, 3, kNumLensParameters, 3> {
  public:
   // The camera must outlive this.
   ReprojectionCost(const Camera* calibrated_camera, const Eigen::Vector2d& sighting)

@@ -1,8 +1,8 @@
 // Residuals of the bundle adjustment, in a form that can be differentiated automatically.
 //
-// Parameter blocks: rotation world_from_camera (Eigen order x, y, z, w), position of the camera in
-// world (3), landmark in world (3), lens (7, see LensParameter), turn of the view during its
-// readout (3).
+// Parameter blocks: pose (rotation world_from_camera in Eigen's order x, y, z, w, then the position
+// of the camera in world; one block, for the solver's cost grows with the square of their number),
+// landmark in world (3), lens (7, see LensParameter), turn of the view during its readout (3).
 #pragma once
 
 #include <array>
@@ -28,20 +28,21 @@ enum LensParameter {
   kNumLensParameters
 };
 
+constexpr int kNumPoseParameters = 7;
+
 struct ReprojectionResidual {
   ReprojectionResidual(const Camera* calibrated_camera, const Eigen::Vector2d& sighting)
       : camera(calibrated_camera), point_in_image(sighting) {}
 
   // Projection minus sighting, px.
   template <typename T>
-  bool operator()(const T* const rotation,
-                  const T* const position,
+  bool operator()(const T* const pose,
                   const T* const landmark,
                   const T* const lens,
                   const T* const turn,
                   T* residual) const {
-    const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(rotation);
-    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(position), point(landmark);
+    const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(pose);
+    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(pose + 4), point(landmark);
     const T cx = T(camera->cx_px) + camera->fx_px * lens[kPrincipalX];
     const T cy = T(camera->cy_px) + camera->fy_px * lens[kPrincipalY];
     // The sighting's own row tells how far the camera had turned, by angles that are their own
@@ -105,7 +106,8 @@ struct ReprojectionResidual {
 
 struct PositionPrior {
   template <typename T>
-  bool operator()(const T* const position, T* residual) const {
+  bool operator()(const T* const pose, T* residual) const {
+    const T* const position = pose + 4;
     for (int i = 0; i < 3; ++i) residual[i] = (position[i] - T(prior_in_world[i])) / T(sd_m);
     return true;
   }
@@ -118,8 +120,8 @@ struct PositionPrior {
 // and about horizontal axes (tilt) it has deviations of its own.
 struct AttitudePrior {
   template <typename T>
-  bool operator()(const T* const rotation, T* residual) const {
-    const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(rotation);
+  bool operator()(const T* const pose, T* residual) const {
+    const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(pose);
     Eigen::Quaternion<T> difference =
         world_from_camera * prior_world_from_camera.conjugate().cast<T>();
     if (difference.w() < T(0.0)) difference.coeffs() = -difference.coeffs();

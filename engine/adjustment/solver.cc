@@ -39,7 +39,7 @@ std::array<double, kNumLensParameters> LensChange(const Camera& given, const Cam
           (start.cy_px - given.cy_px) / given.fy_px};
 }
 
-// Lens, then rotation and position of each view, then the readout of each: everything but the
+// Lens, then the pose of each view, then the readout of each: everything but the
 // points, in one piece of memory: Ceres orders parameter blocks by address, and
 // sums, hence last digits, follow that order.
 class Parameters {
@@ -58,16 +58,22 @@ class Parameters {
     }
   }
 
-  size_t num_views() const { return (values_.size() - kNumLensParameters) / 10; }
+  size_t num_views() const {
+    return (values_.size() - kNumLensParameters) / (kNumPoseParameters + 3);
+  }
   double* Lens() { return values_.data(); }
-  double* Rotation(size_t view) { return values_.data() + kNumLensParameters + 7 * view; }
-  double* Position(size_t view) { return Rotation(view) + 4; }
-  double* ReadoutOf(size_t view) { return Rotation(num_views()) + 3 * view; }
+  double* Pose(size_t view) {
+    return values_.data() + kNumLensParameters + kNumPoseParameters * view;
+  }
+  double* ReadoutOf(size_t view) { return Pose(num_views()) + 3 * view; }
   const std::vector<double>& values() const { return values_; }
 
  private:
   std::vector<double> values_;
 };
+
+using PoseManifold =
+    ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>>;
 
 void AddPriors(const std::vector<View>& views,
                const AdjustmentOptions& options,
@@ -77,17 +83,17 @@ void AddPriors(const std::vector<View>& views,
   for (size_t i = 0; i < views.size(); ++i) {
     const View& view = views[i];
     const double position_sd_m = std::max(view.position_sd_m, kMinPositionSdM);
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PositionPrior, 3, 3>(
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<PositionPrior, 3, kNumPoseParameters>(
                                  new PositionPrior{view.prior_position_in_world, position_sd_m}),
                              loss,
-                             parameters.Position(i));
+                             parameters.Pose(i));
     const AttitudeDeviation deviation = AttitudeDeviationOf(view, options);
     problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<AttitudePrior, 3, 4>(
+        new ceres::AutoDiffCostFunction<AttitudePrior, 3, kNumPoseParameters>(
             new AttitudePrior{view.prior_world_from_camera, deviation.tilt_sd, deviation.yaw_sd}),
         loss,
-        parameters.Rotation(i));
-    problem.SetManifold(parameters.Rotation(i), new ceres::EigenQuaternionManifold);
+        parameters.Pose(i));
+    problem.SetManifold(parameters.Pose(i), new PoseManifold);
   }
 }
 
@@ -163,8 +169,7 @@ int AddObservations(const Camera& camera,
       if (!sighting.is_inlier) continue;
       problem.AddResidualBlock(new ReprojectionCost(&camera, sighting.point_in_image),
                                loss,
-                               parameters.Rotation(sighting.view),
-                               parameters.Position(sighting.view),
+                               parameters.Pose(sighting.view),
                                track.point_in_world.data(),
                                parameters.Lens(),
                                parameters.ReadoutOf(sighting.view));
@@ -200,8 +205,7 @@ ceres::Solver::Options SolverOptions(const AdjustmentOptions& options,
     if (track.has_point) ordering->AddElementToGroup(track.point_in_world.data(), 0);
   }
   for (size_t i = 0; i < parameters.num_views(); ++i) {
-    ordering->AddElementToGroup(parameters.Rotation(i), 1);
-    ordering->AddElementToGroup(parameters.Position(i), 1);
+    ordering->AddElementToGroup(parameters.Pose(i), 1);
     ordering->AddElementToGroup(parameters.ReadoutOf(i), 1);
   }
   ordering->AddElementToGroup(parameters.Lens(), 1);
@@ -260,8 +264,8 @@ std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
       {Refined(camera, parameters.Lens()), {}, {}}, summary.final_cost, num_residuals};
   for (size_t i = 0; i < views.size(); ++i) {
     solved.state.world_from_camera.push_back(
-        {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(parameters.Rotation(i))).normalized(),
-         Eigen::Map<const Eigen::Vector3d>(parameters.Position(i))});
+        {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(parameters.Pose(i))).normalized(),
+         Eigen::Map<const Eigen::Vector3d>(parameters.Pose(i) + 4)});
     solved.state.readouts.push_back({Eigen::Map<const Eigen::Vector3d>(parameters.ReadoutOf(i))});
   }
   return solved;

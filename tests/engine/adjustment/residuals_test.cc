@@ -33,12 +33,9 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
     const double lens[kNumLensParameters] = {1.0};
     const double turn[3] = {1e-4, -2e-4, 5e-5};
     double error[2];
-    REQUIRE(residual(world_from_camera.rotation.coeffs().data(),
-                     world_from_camera.translation.data(),
-                     point.data(),
-                     lens,
-                     turn,
-                     error));
+    Eigen::Matrix<double, kNumPoseParameters, 1> pose;
+    pose << world_from_camera.rotation.coeffs(), world_from_camera.translation;
+    REQUIRE(residual(pose.data(), point.data(), lens, turn, error));
     CHECK(error[0] == doctest::Approx(3.0).epsilon(1e-4));
     CHECK(std::abs(error[1]) < 1e-4);
   }
@@ -67,8 +64,7 @@ std::vector<double> Derivatives(const ceres::CostFunction& cost,
 TEST_CASE("adjustment: derivatives by hand are those found automatically, for every lens") {
   Camera camera = SurveyCamera();
   const Eigen::Vector4d q = NadirCamera(0.7).coeffs();
-  const std::vector<std::vector<double>> blocks = {{q[0], q[1], q[2], q[3]},
-                                                   {3.0, -4.0, 90.0},
+  const std::vector<std::vector<double>> blocks = {{q[0], q[1], q[2], q[3], 3.0, -4.0, 90.0},
                                                    {31.0, 12.0, 2.0},
                                                    {1.02, 0.03, -0.01, 2e-3, -1e-3, 0.01, -0.02},
                                                    {0.01, -0.02, 0.005}};
@@ -80,8 +76,8 @@ TEST_CASE("adjustment: derivatives by hand are those found automatically, for ev
     camera.distortion = model;
     camera.coefficients = coefficients;
     const Eigen::Vector2d sighting(140.0, 60.0);
-    using Automatic =
-        ceres::AutoDiffCostFunction<ReprojectionResidual, 2, 4, 3, 3, kNumLensParameters, 3>;
+    using Automatic = ceres::
+        AutoDiffCostFunction<ReprojectionResidual, 2, kNumPoseParameters, 3, kNumLensParameters, 3>;
     const std::vector<double> expected =
         Derivatives(Automatic(new ReprojectionResidual(&camera, sighting)), blocks);
     const std::vector<double> by_hand = Derivatives(ReprojectionCost(&camera, sighting), blocks);
