@@ -297,7 +297,9 @@ void VisitFields(Of<BackendOptions> auto& o, Visitor&& visit) {
   visit("max_group_extent_m", o.max_group_extent_m, "regions farther apart get a map each");
   visit("max_num_further_fields",
         o.max_num_further_fields,
-        "tried within the rectangle of one region, besides its own site");
+        "within the rectangle of one region, besides its own site");
+  visit(
+      "further_field_extent_m", o.further_field_extent_m, "of pieces in which they are looked for");
 }
 
 // visit(name, options) for every stage, in the order of the pipeline.

@@ -1,11 +1,16 @@
 #include "engine/further_fields.h"
 
 #include <algorithm>
+#include <map>
+#include <tuple>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
 namespace freelsd {
 namespace {
+
+using Piece = std::vector<cv::Point>;  // cells: x = column, y = row
 
 // Cells of the region on which the touchdown disc fits: 255, else 0.
 cv::Mat1b WideGround(const Region& region, const HazardLayers& hazards, double required_distance) {
@@ -20,31 +25,45 @@ cv::Mat1b WideGround(const Region& region, const HazardLayers& hazards, double r
   return is_wide;
 }
 
+// What hangs together, cut along the lines of squares of `side` cells; largest first.
+std::vector<Piece> PiecesOf(const cv::Mat1b& is_wide, int side) {
+  cv::Mat1i labels;
+  cv::connectedComponents(is_wide, labels, 8, CV_32S);
+  std::map<std::tuple<int, int, int>, Piece> by_place;
+  for (int row = 0; row < labels.rows; ++row) {
+    for (int col = 0; col < labels.cols; ++col) {
+      if (labels(row, col) == 0) continue;
+      by_place[{labels(row, col), row / side, col / side}].emplace_back(col, row);
+    }
+  }
+  std::vector<Piece> pieces;
+  for (auto& [place, piece] : by_place) pieces.push_back(std::move(piece));
+  std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
+    return a.size() > b.size();
+  });
+  return pieces;
+}
+
 // The rectangle around a piece with the discs of its touchdowns.
-Region Around(const cv::Mat1b& is_piece,
+Region Around(const Piece& piece,
               const Region& region,
               const Evaluation& evaluation,
               double margin) {
   Polygon outline;
   double height = 0.0;
-  int num_cells = 0;
-  for (int row = 0; row < is_piece.rows; ++row) {
-    for (int col = 0; col < is_piece.cols; ++col) {
-      if (!is_piece(row, col)) continue;
-      const Eigen::Vector2d center = evaluation.hazards.grid.CellCenter(row, col);
-      for (const double east : {-margin, margin}) {
-        for (const double north : {-margin, margin}) {
-          outline.push_back(center + Eigen::Vector2d(east, north));
-        }
+  for (const cv::Point& cell : piece) {
+    const Eigen::Vector2d center = evaluation.hazards.grid.CellCenter(cell.y, cell.x);
+    for (const double east : {-margin, margin}) {
+      for (const double north : {-margin, margin}) {
+        outline.push_back(center + Eigen::Vector2d(east, north));
       }
-      height += evaluation.map.elevation(row, col);
-      ++num_cells;
     }
+    height += evaluation.map.elevation(cell) / static_cast<double>(piece.size());
   }
   Region field = region;
   field.corners_in_world.clear();
   for (const Eigen::Vector2d& corner : MinAreaRectangle(outline)) {
-    field.corners_in_world.emplace_back(corner.x(), corner.y(), height / num_cells);
+    field.corners_in_world.emplace_back(corner.x(), corner.y(), height);
   }
   field.area_m2 = Area(field.Footprint());
   return field;
@@ -53,25 +72,15 @@ Region Around(const cv::Mat1b& is_piece,
 }  // namespace
 
 std::vector<Region> FurtherFields(const Region& region,
-                                  const Eigen::Vector2d& taken,
                                   const Evaluation& evaluation,
                                   double required_hazard_distance,
-                                  int max_num_fields) {
-  cv::Mat labels, stats, centers;
-  const int num_labels = cv::connectedComponentsWithStats(
-      WideGround(region, evaluation.hazards, required_hazard_distance), labels, stats, centers);
-  const std::optional<cv::Point> taken_cell = evaluation.hazards.grid.CellAt(taken);
-  std::vector<int> pieces;
-  for (int label = 1; label < num_labels; ++label) {
-    if (!taken_cell || labels.at<int>(*taken_cell) != label) pieces.push_back(label);
-  }
-  std::stable_sort(pieces.begin(), pieces.end(), [&](int a, int b) {
-    return stats.at<int>(a, cv::CC_STAT_AREA) > stats.at<int>(b, cv::CC_STAT_AREA);
-  });
+                                  double max_extent_m) {
+  const cv::Mat1b is_wide = WideGround(region, evaluation.hazards, required_hazard_distance);
+  const double cell_size_m = evaluation.hazards.grid.cell_size_m;
+  const int side = std::max(1, static_cast<int>(max_extent_m / cell_size_m));
   std::vector<Region> fields;
-  for (const int label : pieces) {
-    if (fields.size() >= static_cast<size_t>(max_num_fields)) break;
-    fields.push_back(Around(labels == label, region, evaluation, required_hazard_distance));
+  for (const Piece& piece : PiecesOf(is_wide, side)) {
+    fields.push_back(Around(piece, region, evaluation, required_hazard_distance));
   }
   return fields;
 }

@@ -1,4 +1,5 @@
-// Fields that share a region's rectangle with the one its site lies in. Private to the pipeline.
+// Ground within a region's rectangle on which one may land besides its site. Private to the
+// pipeline.
 #pragma once
 
 #include <vector>
@@ -8,12 +9,11 @@
 namespace freelsd {
 
 // Pieces of ground within a region on which the touchdown disc fits, each as a region of its own:
-// the rectangle around it, everything else as observed. Widest first, at most `max_num_fields`.
-// Without the piece that holds `taken`.
+// the rectangle around it, everything else as observed. What hangs together is cut into pieces of
+// at most that extent, for a border that the map does not show may part it. Widest first.
 std::vector<Region> FurtherFields(const Region& region,
-                                  const Eigen::Vector2d& taken,
                                   const Evaluation& evaluation,
                                   double required_hazard_distance,
-                                  int max_num_fields);
+                                  double max_extent_m);
 
 }  // namespace freelsd

@@ -199,15 +199,14 @@ void AddFurtherFields(const Snapshot& snapshot,
                       const Aircraft& aircraft,
                       const PipelineOptions& options) {
   const double required = RequiredHazardDistance(evaluation.map, aircraft, options.approach);
+  const double extent = options.backend.further_field_extent_m;
   int number = 1;
-  for (const Region& field : FurtherFields(site.region,
-                                           site.plan.touchdown_in_world.head<2>(),
-                                           evaluation,
-                                           required,
-                                           options.backend.max_num_further_fields)) {
+  for (const Region& field : FurtherFields(site.region, evaluation, required, extent)) {
+    if (number > options.backend.max_num_further_fields) break;
+    if (field.area_m2 < aircraft.min_area_m2) continue;
     Site further = PlanSite(snapshot, field, evaluation, aircraft, options);
     if (further.plan.verdict == Verdict::kRejected) continue;
-    if (IsNearAnother(further, evaluation.sites, 2.0 * required)) continue;
+    if (IsNearAnother(further, evaluation.sites, 0.5 * extent)) continue;
     further.field_number = ++number;
     evaluation.sites.push_back(std::move(further));
   }
@@ -230,6 +229,9 @@ void BackendOptions::Check() const {
   require(max_num_further_fields >= 0 && max_num_further_fields <= 1000,
           "max_num_further_fields = " + std::to_string(max_num_further_fields) +
               ": must be in [0, 1000]");
+  require(further_field_extent_m >= 10.0 && further_field_extent_m <= 10000.0,
+          "further_field_extent_m = " + std::to_string(further_field_extent_m) +
+              ": must be in [10, 10000]");
   require(max_num_views >= 2,
           "max_num_views = " + std::to_string(max_num_views) + ": must be >= 2");
 }

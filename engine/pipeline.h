@@ -34,10 +34,13 @@ struct BackendOptions {
   int max_num_views = 300;
   // Regions farther apart than this are evaluated in groups, each on a map of its own.
   double max_group_extent_m = 1500.0;
-  // Further fields that are tried within the rectangle of one region. Differs: the paper's region
-  // has one site, but grass hangs together through gaps in hedges, and the rectangle around it all
-  // holds many fields. 0 is the paper's.
+  // Further fields within the rectangle of one region that get a site. Differs: the paper's region
+  // has one, but grass hangs together through gaps in hedges, and the rectangle around it all holds
+  // many fields. 0 is the paper's.
   int max_num_further_fields = 8;
+  // What hangs together is looked at in pieces of this extent; touchdowns of one region lie at least
+  // half of it apart.
+  double further_field_extent_m = 80.0;
 
   void Check() const;
 };
