@@ -72,7 +72,7 @@ CREATE TABLE regions (
 
 -- Sites outlive their flight: no reference to flights.
 CREATE TABLE sites (
-  id TEXT PRIMARY KEY,                       -- '<flight>-r<region>'
+  id TEXT PRIMARY KEY,                       -- '<flight>-r<region>', further fields of it '…-f<number>'
   flight_id TEXT NOT NULL,
   region_id INTEGER NOT NULL,
   latitude_deg REAL NOT NULL,                -- touchdown, WGS84 degrees
