@@ -57,6 +57,7 @@ std::vector<Region> FurtherFields(const Region& region,
                                   const Evaluation& evaluation,
                                   double required_hazard_distance,
                                   int max_num_fields) {
+  if (evaluation.hazards.distance.empty()) return {};
   cv::Mat labels, stats, centers;
   const int num_labels = cv::connectedComponentsWithStats(
       WideGround(region, evaluation.hazards, required_hazard_distance), labels, stats, centers);
