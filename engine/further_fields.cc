@@ -75,6 +75,7 @@ std::vector<Region> FurtherFields(const Region& region,
                                   const Evaluation& evaluation,
                                   double required_hazard_distance,
                                   double max_extent_m) {
+  if (evaluation.hazards.distance.empty()) return {};
   const cv::Mat1b is_wide = WideGround(region, evaluation.hazards, required_hazard_distance);
   const double cell_size_m = evaluation.hazards.grid.cell_size_m;
   const int side = std::max(1, static_cast<int>(max_extent_m / cell_size_m));

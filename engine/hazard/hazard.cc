@@ -80,12 +80,12 @@ void HazardOptions::Check() const {
       {"min_rut_contrast", min_rut_contrast, 0.0, 1.0},
       {"rut_filter_length_m", rut_filter_length_m, 1.0, 100.0},
       {"min_track_length_m", min_track_length_m, 1.0, 1000.0},
-      {"min_working_width_m", min_working_width_m, 3.0, 100.0},
       {"max_working_width_m", max_working_width_m, 3.0, 100.0},
+      {"min_working_width_m", min_working_width_m, 3.0, max_working_width_m},
       {"sprayed_margin_m", sprayed_margin_m, 0.0, 100.0},
       {"min_row_strength", min_row_strength, 0.0, 1e6},
-      {"min_row_spacing_m", min_row_spacing_m, 0.1, 10.0},
       {"max_row_spacing_m", max_row_spacing_m, 0.1, 10.0},
+      {"min_row_spacing_m", min_row_spacing_m, 0.1, max_row_spacing_m},
       {"min_detail_ratio", min_detail_ratio, 0.0, 1.0},
   };
   for (const Bound& bound : bounds) RequireInside(bound);

@@ -1,5 +1,5 @@
-// Input: elevation map and grass observations. Output: slope, roughness, grass, hazard and the
-// distance to it. Paper: Sec. III-G.
+// Input: elevation map, grass observations and the picture from straight above. Output: slope,
+// roughness, grass, hazard and the distance to it. Paper: Sec. III-G.
 #pragma once
 
 #include <vector>

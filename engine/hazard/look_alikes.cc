@@ -29,6 +29,8 @@ constexpr int kMaxGapSquares = 2;
 // What is finer than this is detail, and its strength is taken over squares of that side.
 constexpr double kDetailM = 0.5;
 constexpr double kDetailSquareM = 6.0;
+// Where nothing is seen the mean is 0, not one of nothing.
+constexpr double kNoWeight = 1e-6;
 
 cv::Mat1f Brightness(const Orthophoto& photo) {
   cv::Mat1f brightness;
@@ -48,8 +50,9 @@ struct Squares {
   Squares(const cv::Size& size, double side_m, double cell_size_m)
       : side(2 * std::max(4, static_cast<int>(std::lround(0.5 * side_m / cell_size_m)))),
         step(side / 2),
-        num_rows(std::max(0, (size.height - side) / step + 1)),
-        num_cols(std::max(0, (size.width - side) / step + 1)) {}
+        num_rows(CountAlong(size.height)),
+        num_cols(CountAlong(size.width)) {}
+  int CountAlong(int length) const { return length < side ? 0 : (length - side) / step + 1; }
   cv::Rect At(int row, int col) const { return {col * step, row * step, side, side}; }
   // The middle of it, which no other square has.
   cv::Rect Core(int row, int col) const {
@@ -204,10 +207,13 @@ cv::Mat1b RowCrops(const Orthophoto& photo, const HazardOptions& options) {
 
 cv::Mat1b StillWater(const Orthophoto& photo, const HazardOptions& options) {
   const double cell = photo.grid.cell_size_m;
-  cv::Mat1f brightness = Brightness(photo), coarse, seen, detail;
+  const cv::Mat1f brightness = Brightness(photo);
+  cv::Mat1f seen, weight, coarse;
   photo.seen.convertTo(seen, CV_32F, 1.0 / 255.0);
-  cv::GaussianBlur(brightness, coarse, {}, kDetailM / cell);
-  detail = (brightness - coarse).mul(seen);
+  // Of the seen cells alone: the border of a hole is no detail, and water is full of holes.
+  cv::GaussianBlur(brightness.mul(seen), coarse, {}, kDetailM / cell);
+  cv::GaussianBlur(seen, weight, {}, kDetailM / cell);
+  const cv::Mat1f detail = (brightness - coarse / (weight + kNoWeight)).mul(seen);
   const int side = 2 * static_cast<int>(0.5 * kDetailSquareM / cell) + 1;
   const auto mean_of = [&](const cv::Mat1f& values) {
     cv::Mat1f mean;

@@ -1,4 +1,4 @@
-// Input: points in world. Output: 2.5D elevation map. Paper: Sec. III-G.
+// Input: points in world. Output: 2.5D elevation map, and a picture of it. Paper: Sec. III-G.
 //
 // Cell order, for every raster of the map frame: row 0 is the northern edge, column 0 the western;
 // one value per cell, at its centre. Unseen cells are NaN.

@@ -1,0 +1,179 @@
+#include "engine/hazard/ruts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <utility>
+
+#include <opencv2/imgproc.hpp>
+
+namespace freelsd {
+namespace {
+
+constexpr int kNumDirections = 18;
+// What is green about a place is compared with this much around it.
+constexpr double kSurroundingsM = 5.0;
+// Distance between the two ruts of a vehicle, tried in steps of a rut's half width.
+constexpr std::array<double, 4> kGaugesM{1.5, 1.75, 2.0, 2.25};
+// Beside the ruts the crop stands again: that far outside them.
+constexpr double kBesideM = 0.85;
+// A rut is narrower than twice this, and a line is looked at in steps of half a metre.
+constexpr double kMaxRutHalfWidthM = 0.75;
+constexpr double kSampleStepM = 0.5;
+// Crops are looked for among green plants: less green than this all around is soil, straw or road.
+constexpr float kMinGreen = 0.05f;
+
+// How much less green each cell is than what surrounds it: excess green (Woebbecke et al. 1995) as
+// a share of the brightness, so that shade does not count. 0 where unseen.
+cv::Mat1f LackOfGreen(const Orthophoto& photo) {
+  cv::Mat1f green(photo.image.size(), 0.0f), seen(photo.image.size(), 0.0f);
+  for (int row = 0; row < green.rows; ++row) {
+    for (int col = 0; col < green.cols; ++col) {
+      if (!photo.seen(row, col)) continue;
+      const cv::Vec3b& bgr = photo.image(row, col);
+      const float sum = static_cast<float>(bgr[0] + bgr[1] + bgr[2]) + 1.0f;
+      green(row, col) = (3.0f * bgr[1] - sum) / sum;
+      seen(row, col) = 1.0f;
+    }
+  }
+  const int size = 2 * static_cast<int>(0.5 * kSurroundingsM / photo.grid.cell_size_m) + 1;
+  cv::Mat1f mean, count;
+  cv::boxFilter(green, mean, CV_32F, {size, size});
+  cv::boxFilter(seen, count, CV_32F, {size, size});
+  cv::Mat1f lack(green.size(), 0.0f);
+  for (int row = 0; row < green.rows; ++row) {
+    for (int col = 0; col < green.cols; ++col) {
+      if (seen(row, col) == 0.0f) continue;
+      const float around = mean(row, col) / count(row, col);
+      if (around >= kMinGreen) lack(row, col) = around - green(row, col);
+    }
+  }
+  return lack;
+}
+
+// Looks for a pair of ruts at one cell in every direction. Means are taken over lines of cells,
+// whose offsets are the same everywhere.
+class RutFilter {
+ public:
+  RutFilter(const cv::Mat1f& lack, double cell_size_m, const HazardOptions& options)
+      : cell_size_(cell_size_m), min_contrast_(options.min_rut_contrast) {
+    const double reach_m =
+        0.5 * options.rut_filter_length_m + kGaugesM.back() + kBesideM + kMaxRutHalfWidthM;
+    margin_ = static_cast<int>(std::ceil(reach_m / cell_size_m)) + 1;
+    // Outside there is nothing to lack.
+    cv::copyMakeBorder(
+        lack, lack_, margin_, margin_, margin_, margin_, cv::BORDER_CONSTANT, cv::Scalar(0.0));
+    const int num_steps = static_cast<int>(0.5 * options.rut_filter_length_m / kSampleStepM);
+    for (int i = 0; i < kNumDirections; ++i) {
+      directions_[i] = MakeDirection(kPi * i / kNumDirections, num_steps);
+    }
+    for (const auto& [right, down] : {std::pair(1, 0), {0, 1}, {1, 1}, {1, -1}}) {
+      const double length = std::hypot(right, down) * cell_size_;
+      sides_.push_back(OffsetOf(Eigen::Vector2d(right, down) * (kMaxRutHalfWidthM / length)));
+    }
+  }
+
+  // With the direction that tells most; nothing where there is no pair of ruts.
+  std::optional<TrackPlace> At(int row, int col) const {
+    const float* cell = lack_[row + margin_] + col + margin_;
+    if (*cell < min_contrast_ || !StandsOut(cell)) return std::nullopt;
+    std::optional<TrackPlace> best;
+    for (int i = 0; i < kNumDirections; ++i) {
+      const auto place = Along(cell, Eigen::Vector2d(col, row), i);
+      if (place && (!best || place->contrast > best->contrast)) best = place;
+    }
+    return best;
+  }
+
+ private:
+  struct Gauge {
+    std::ptrdiff_t other_rut = 0;
+    std::ptrdiff_t between = 0;
+    std::ptrdiff_t behind = 0;
+    Eigen::Vector2d step = Eigen::Vector2d::Zero();
+  };
+  struct Direction {
+    std::vector<std::ptrdiff_t> line;
+    std::ptrdiff_t before = 0;
+    std::vector<Gauge> gauges;
+  };
+
+  std::ptrdiff_t OffsetOf(const Eigen::Vector2d& step) const {
+    return std::lround(step.y()) * static_cast<std::ptrdiff_t>(lack_.step1()) +
+           std::lround(step.x());
+  }
+
+  Direction MakeDirection(double direction, int num_steps) const {
+    const Eigen::Vector2d along(std::cos(direction), std::sin(direction));
+    const Eigen::Vector2d across(-along.y(), along.x());
+    Direction made;
+    for (int step = -num_steps; step <= num_steps; ++step) {
+      made.line.push_back(OffsetOf(along * (step * kSampleStepM / cell_size_)));
+    }
+    const Eigen::Vector2d beside = across * (kBesideM / cell_size_);
+    made.before = OffsetOf(-beside);
+    for (const double gauge_m : kGaugesM) {
+      const Eigen::Vector2d step = across * (gauge_m / cell_size_);
+      made.gauges.push_back({OffsetOf(step), OffsetOf(0.5 * step), OffsetOf(step + beside), step});
+    }
+    return made;
+  }
+
+  // From both sides, in some direction: most cells do not.
+  bool StandsOut(const float* cell) const {
+    return std::any_of(sides_.begin(), sides_.end(), [&](std::ptrdiff_t side) {
+      return *cell - std::max(cell[side], cell[-side]) >= 0.3 * min_contrast_;
+    });
+  }
+
+  std::optional<TrackPlace> Along(const float* rut, const Eigen::Vector2d& place, int index) const {
+    const Direction& direction = directions_[index];
+    const double own = MeanLack(rut, direction);
+    if (own < min_contrast_) return std::nullopt;
+    const double before = MeanLack(rut + direction.before, direction);
+    if (own - before < min_contrast_) return std::nullopt;
+    std::optional<TrackPlace> best;
+    for (const Gauge& gauge : direction.gauges) {
+      const double ruts = std::min(own, MeanLack(rut + gauge.other_rut, direction));
+      if (ruts < min_contrast_) continue;
+      const double between = MeanLack(rut + gauge.between, direction);
+      const double behind = MeanLack(rut + gauge.behind, direction);
+      const double contrast = ruts - std::max({before, between, behind});
+      if (contrast < min_contrast_ || (best && contrast <= best->contrast)) continue;
+      best = TrackPlace{place + 0.5 * gauge.step, kPi * index / kNumDirections, contrast};
+    }
+    return best;
+  }
+
+  static double MeanLack(const float* middle, const Direction& direction) {
+    float sum = 0.0f;
+    for (const std::ptrdiff_t offset : direction.line) sum += middle[offset];
+    return sum / static_cast<double>(direction.line.size());
+  }
+
+  cv::Mat1f lack_;
+  int margin_ = 0;
+  double cell_size_;
+  double min_contrast_;
+  std::array<Direction, kNumDirections> directions_;
+  std::vector<std::ptrdiff_t> sides_;
+};
+
+}  // namespace
+
+std::vector<TrackPlace> RutPairs(const Orthophoto& photo, const HazardOptions& options) {
+  const cv::Mat1f lack = LackOfGreen(photo);
+  const RutFilter filter(lack, photo.grid.cell_size_m, options);
+  std::vector<TrackPlace> places;
+  for (int row = 0; row < lack.rows; ++row) {
+    for (int col = 0; col < lack.cols; ++col) {
+      const std::optional<TrackPlace> found = filter.At(row, col);
+      if (found) places.push_back(*found);
+    }
+  }
+  return places;
+}
+
+}  // namespace freelsd
