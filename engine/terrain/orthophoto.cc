@@ -143,6 +143,7 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
                           const ImageSource& images,
                           const TerrainOptions& options) {
   Orthophoto photo;
+  if (map.elevation.empty()) return photo;
   const int num_parts = CellsPerMapCell(map, options);
   photo.grid = map.grid;
   photo.grid.cell_size_m /= num_parts;

@@ -115,7 +115,7 @@ struct Orthophoto {
 };
 
 // Only ground that the map sees and a connected view shows. `images` gives full-size images; empty
-// ones are left out.
+// ones are left out. Empty for an empty map.
 Orthophoto MakeOrthophoto(const ElevationMap& map,
                           const AdjustedBlock& block,
                           const ImageSource& images,

@@ -90,6 +90,14 @@ TEST_CASE("approach: each option out of its bounds is refused by name") {
         std::string::npos);
   CHECK(message_of([](ApproachOptions& o) { o.max_num_candidates = 0; }).find("max_num_cand") !=
         std::string::npos);
+  CHECK(message_of([](ApproachOptions& o) { o.max_num_reserve_candidates = -1; }) ==
+        "approach.max_num_reserve_candidates = -1: must be in [0, 1e+06]");
+  CHECK(message_of([](ApproachOptions& o) { o.path_margin_sigma = 11; }) ==
+        "approach.path_margin_sigma = 11: must be in [0, 10]");
+  CHECK(message_of([](ApproachOptions& o) {
+          o.max_num_reserve_candidates = 0;
+          o.path_margin_sigma = 0;
+        }).empty());
   CHECK(message_of([](ApproachOptions& o) { o.candidate_spacing_m = -1; }).find("spacing") !=
         std::string::npos);
   CHECK(message_of([](ApproachOptions& o) { o.calm_wind_mps = -1; }).find("calm_wind_mps") !=

@@ -49,6 +49,60 @@ TEST_CASE("uncertainty: the circle clears the lean of its own distance from touc
   CHECK(plan.reject_reason == RejectReason::kLoiterBlocked);
 }
 
+// Just outside the corridor, the strip's side and its end; in metres from touchdown, flying north.
+constexpr double kBesideM = 2.5;
+
+TEST_CASE(
+    "uncertainty: what stands beside the path may stand in it, where the map may be shifted") {
+  const Aircraft aircraft = Nimble();
+  const double side = aircraft.path_half_width_m + kBesideM;
+  const double end = aircraft.ground_roll_m + kBesideM;
+  const Eigen::Vector2d places[] = {{side, -25.0}, {-side, -25.0}, {side, 13.0}, {0.0, end}};
+  for (const Eigen::Vector2d& place : places) {
+    CAPTURE(place.x());
+    CAPTURE(place.y());
+    Scene meadow = FlatMeadow(240, 240);
+    // Touches down at the origin alone, so that the disc is not what refuses.
+    scene::ForCells(meadow, place.array() - 1.0, place.array() + 1.0, [&](int row, int col) {
+      meadow.map.upper(row, col) += 6.0f;
+      meadow.hazards.hazard(row, col) = kHazard;
+    });
+    const PlanRequest request = Request(Box({-0.9, -0.9}, {0.9, 0.9}), Eigen::Vector2d(0.0, -4.0));
+    const auto plan_with = [&](const ApproachOptions& options) {
+      return PlanApproach(meadow.map, meadow.hazards, request, aircraft, options);
+    };
+    CHECK(plan_with({}).verdict == Verdict::kLandable);
+    meadow.map.position_sd_m = 2.0;
+    CHECK(plan_with({.path_margin_sigma = 0.0}).verdict == Verdict::kLandable);
+    const Plan plan = plan_with({});
+    CHECK(plan.verdict == Verdict::kRejected);
+    const bool is_below_final = place.y() < 0.0;
+    CHECK((plan.reject_reason == RejectReason::kApproachBlocked) == is_below_final);
+    const WindRoseOptions winds{.num_directions = 2, .speeds_mps = {4.0}};
+    const auto rose_with = [&](const ApproachOptions& options) {
+      return PlanWindRose(meadow.map, meadow.hazards, request, aircraft, options, winds);
+    };
+    // Towards the south.
+    CHECK(rose_with({.path_margin_sigma = 0.0}).At(0, 1).verdict == Verdict::kLandable);
+    CHECK(rose_with({}).At(0, 1).verdict == Verdict::kRejected);
+  }
+}
+
+TEST_CASE("uncertainty: without a ground roll a shifted map makes none") {
+  Scene meadow = FlatMeadow(240, 240);
+  meadow.map.position_sd_m = 2.0;
+  scene::ForCells(meadow, {-5.0, 12.0}, {5.0, 14.0}, [&](int row, int col) {
+    meadow.hazards.hazard(row, col) = kHazard;
+  });
+  Aircraft aircraft = Nimble();
+  const PlanRequest request = Request(Box({-0.9, -0.9}, {0.9, 0.9}), Eigen::Vector2d(0.0, -4.0));
+  CHECK(PlanApproach(meadow.map, meadow.hazards, request, aircraft, {}).verdict ==
+        Verdict::kRejected);
+  aircraft.ground_roll_m = 0.0;
+  CHECK(PlanApproach(meadow.map, meadow.hazards, request, aircraft, {}).verdict ==
+        Verdict::kLandable);
+}
+
 TEST_CASE("uncertainty: what is unknown about the map is never taken for zero") {
   Scene meadow = FlatMeadow(240, 240);
   meadow.map.position_sd_m = kNaN;

@@ -7,32 +7,10 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/engine/regions/detections.h"
+
 namespace freelsd {
 namespace {
-
-// Axis-parallel rectangle about a centre.
-Detection Rectangle(double east, double north, double width, double height, bool is_grass = true) {
-  Detection detection;
-  for (const auto& [x, y] : {std::pair(-0.5, -0.5), {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}) {
-    detection.corners_in_world.emplace_back(east + x * width, north + y * height, 0.0);
-  }
-  detection.centroid_in_world = {east, north, 0.0};
-  detection.is_fully_visible = true;
-  detection.is_grass = is_grass;
-  detection.area_m2 = width * height;
-  return detection;
-}
-
-Detection PartlyVisible(Detection detection) {
-  detection.is_fully_visible = false;
-  return detection;
-}
-
-ViewStamp Stamp(size_t view) {
-  return {.view = view,
-          .frame_id = "frame " + std::to_string(view),
-          .timestamp_us = static_cast<int64_t>(1000 * view)};
-}
 
 constexpr int kPaperMinNumObservations = 10;
 
@@ -359,6 +337,10 @@ TEST_CASE("regions: options out of bounds are refused by name") {
         "regions.min_num_observations = 1: must be at least min_num_observations_floor = 2");
   CHECK(message_of([](RegionsOptions& o) { o.min_num_observations_floor = 1; }) ==
         "regions.min_num_observations_floor = 1: must be at least 2");
+  CHECK(message_of([](RegionsOptions& o) { o.min_fixing_overlap_ratio = 1.5; }) ==
+        "regions.min_fixing_overlap_ratio = 1.5: must be in [0, 1]");
+  CHECK_FALSE(
+      message_of([](RegionsOptions& o) { o.min_fixing_overlap_ratio = std::nan(""); }).empty());
   CHECK(message_of([](RegionsOptions& o) { o.max_num_regions = 0; }) ==
         "regions.max_num_regions = 0: must be at least 1");
   CHECK(message_of([](RegionsOptions& o) { o.border_margin_px = -1; }) ==
