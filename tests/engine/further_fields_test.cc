@@ -1,5 +1,9 @@
 #include "engine/further_fields.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include <doctest/doctest.h>
 
 #include "tests/engine/approach/scene.h"
@@ -9,7 +13,7 @@ namespace {
 
 constexpr double kRequiredM = 10.0;
 constexpr double kGroundM = 70.0;
-constexpr int kAnyNumber = 8;
+constexpr double kUncutM = 1000.0;
 
 // One rectangle from -100 to 100 east and -60 to 60 north.
 Region WholeRegion() {
@@ -38,16 +42,13 @@ Evaluation MeadowWithHedges(const std::vector<double>& hedges_east) {
   return evaluation;
 }
 
-std::vector<Region> FieldsBeside(const Eigen::Vector2d& taken,
-                                 const Evaluation& evaluation,
-                                 int max_num_fields = kAnyNumber) {
-  return FurtherFields(WholeRegion(), taken, evaluation, kRequiredM, max_num_fields);
+std::vector<Region> FieldsOf(const Evaluation& evaluation, double max_extent_m = kUncutM) {
+  return FurtherFields(WholeRegion(), evaluation, kRequiredM, max_extent_m);
 }
 
-TEST_CASE("further fields: beyond a hedge is a field of its own, the taken one is left out") {
-  const Evaluation evaluation = MeadowWithHedges({-20.0});
-  const std::vector<Region> fields = FieldsBeside({-60.0, 0.0}, evaluation);
-  REQUIRE(fields.size() == 1);
+TEST_CASE("further fields: on either side of a hedge is a field of its own") {
+  const std::vector<Region> fields = FieldsOf(MeadowWithHedges({-20.0}));
+  REQUIRE(fields.size() == 2);
   const Region& field = fields.front();
   const Polygon footprint = field.Footprint();
   CHECK(footprint.size() == 4);
@@ -63,26 +64,41 @@ TEST_CASE("further fields: beyond a hedge is a field of its own, the taken one i
   CHECK(field.id == 4);
   CHECK(field.num_observations == 7);
   CHECK(field.grade == 0.9);
-  const std::vector<Region> others = FieldsBeside({60.0, 0.0}, evaluation);
-  REQUIRE(others.size() == 1);
-  CHECK(Contains(others.front().Footprint(), {-60.0, 0.0}));
+  CHECK(Contains(fields.back().Footprint(), {-60.0, 0.0}));
 }
 
-TEST_CASE("further fields: the widest comes first, and the limit is kept") {
-  const Evaluation evaluation = MeadowWithHedges({-70.0, -20.0, 10.0});
-  const std::vector<Region> fields = FieldsBeside({-5.0, 0.0}, evaluation);
-  REQUIRE(fields.size() == 3);
+TEST_CASE("further fields: the widest comes first") {
+  const std::vector<Region> fields = FieldsOf(MeadowWithHedges({-70.0, -20.0, 10.0}));
+  REQUIRE(fields.size() == 4);
   CHECK(Contains(fields[0].Footprint(), {60.0, 0.0}));
   CHECK(Contains(fields[1].Footprint(), {-45.0, 0.0}));
   CHECK(Contains(fields[2].Footprint(), {-90.0, 0.0}));
-  CHECK(FieldsBeside({-5.0, 0.0}, evaluation, 2).size() == 2);
-  CHECK(FieldsBeside({-5.0, 0.0}, evaluation, 0).empty());
+  CHECK(Contains(fields[3].Footprint(), {-5.0, 0.0}));
 }
 
-TEST_CASE("further fields: one piece of ground has none, nor has ground that is too narrow") {
-  CHECK(FieldsBeside({0.0, 0.0}, MeadowWithHedges({})).empty());
+TEST_CASE(
+    "further fields: what hangs together is cut into pieces of the extent, and loses nothing") {
+  const Evaluation evaluation = MeadowWithHedges({});
+  CHECK(FieldsOf(evaluation).size() == 1);
+  constexpr double kExtentM = 60.0;
+  const std::vector<Region> fields = FieldsOf(evaluation, kExtentM);
+  CHECK(fields.size() > 4);
+  for (const Region& field : fields) {
+    // With the discs on either side.
+    CHECK(field.area_m2 <= std::pow(kExtentM + 2.0 * kRequiredM, 2));
+  }
+  for (const double east : {-95.0, -30.0, 0.0, 31.0, 95.0}) {
+    CHECK(std::any_of(fields.begin(), fields.end(), [&](const Region& field) {
+      return Contains(field.Footprint(), {east, 20.0});
+    }));
+  }
+}
+
+TEST_CASE("further fields: ground that is too narrow is none") {
   // 20 m between two hedges: less than two discs.
-  CHECK(FieldsBeside({60.0, 0.0}, MeadowWithHedges({-98.0, -76.0, -54.0, -32.0, -10.0})).empty());
+  for (const Region& field : FieldsOf(MeadowWithHedges({-98.0, -76.0, -54.0, -32.0, -10.0}))) {
+    CHECK_FALSE(Contains(field.Footprint(), {-43.0, 0.0}));
+  }
 }
 
 TEST_CASE(
@@ -92,18 +108,17 @@ TEST_CASE(
   Evaluation evaluation;
   evaluation.map = meadow.map;
   evaluation.hazards = meadow.hazards;
-  CHECK(FieldsBeside({-60.0, 0.0}, evaluation).size() == 1);
+  CHECK(FieldsOf(evaluation).size() == 2);
   scene::AddUnseen(meadow, {0.0, -80.0}, {120.0, 80.0});
   evaluation.map = meadow.map;
   evaluation.hazards = meadow.hazards;
-  CHECK(FieldsBeside({-60.0, 0.0}, evaluation).empty());
+  CHECK(FieldsOf(evaluation).size() == 1);
 }
 
 TEST_CASE("further fields: an evaluation without a map, and an unknown distance, have none") {
-  CHECK(FieldsBeside({0.0, 0.0}, Evaluation{}).empty());
+  CHECK(FieldsOf(Evaluation{}).empty());
   const double unknown = std::numeric_limits<double>::quiet_NaN();
-  CHECK(FurtherFields(WholeRegion(), {60.0, 0.0}, MeadowWithHedges({-20.0}), unknown, kAnyNumber)
-            .empty());
+  CHECK(FurtherFields(WholeRegion(), MeadowWithHedges({-20.0}), unknown, kUncutM).empty());
 }
 
 }  // namespace
