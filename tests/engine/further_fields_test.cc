@@ -1,8 +1,8 @@
 #include "engine/further_fields.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include <doctest/doctest.h>
 
@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kRequiredM = 10.0;
 constexpr double kGroundM = 70.0;
+// Longer than the map: nothing is cut.
 constexpr double kUncutM = 1000.0;
 
 // One rectangle from -100 to 100 east and -60 to 60 north.
@@ -46,7 +47,11 @@ std::vector<Region> FieldsOf(const Evaluation& evaluation, double max_extent_m =
   return FurtherFields(WholeRegion(), evaluation, kRequiredM, max_extent_m);
 }
 
-TEST_CASE("further fields: on either side of a hedge is a field of its own") {
+bool IsWithin(const Region& field, const Eigen::Vector2d& place) {
+  return Contains(field.Footprint(), place);
+}
+
+TEST_CASE("further fields: either side of a hedge is a field of its own, the wider one first") {
   const std::vector<Region> fields = FieldsOf(MeadowWithHedges({-20.0}));
   REQUIRE(fields.size() == 2);
   const Region& field = fields.front();
@@ -57,68 +62,82 @@ TEST_CASE("further fields: on either side of a hedge is a field of its own") {
   // From the hedge to the region's end, with the discs of the outermost touchdowns.
   CHECK(field.Center().x() == doctest::Approx(0.5 * (-18.0 + 100.0 + kRequiredM)).epsilon(0.05));
   CHECK(field.Center().z() == doctest::Approx(kGroundM + 0.05 * 46.0).epsilon(0.01));
-  CHECK(Contains(footprint, {-7.0, 0.0}));
-  CHECK(Contains(footprint, {99.0, 0.0}));
-  CHECK_FALSE(Contains(footprint, {-20.0, 0.0}));
+  CHECK(IsWithin(field, {-7.0, 0.0}));
+  CHECK(IsWithin(field, {99.0, 0.0}));
+  CHECK_FALSE(IsWithin(field, {-20.0, 0.0}));
   // Everything else as observed.
   CHECK(field.id == 4);
   CHECK(field.num_observations == 7);
   CHECK(field.grade == 0.9);
-  CHECK(Contains(fields.back().Footprint(), {-60.0, 0.0}));
+  CHECK(IsWithin(fields.back(), {-60.0, 0.0}));
+  CHECK_FALSE(IsWithin(fields.back(), {-15.0, 0.0}));
 }
 
-TEST_CASE("further fields: the widest comes first") {
+TEST_CASE("further fields: of many the widest come first") {
   const std::vector<Region> fields = FieldsOf(MeadowWithHedges({-70.0, -20.0, 10.0}));
   REQUIRE(fields.size() == 4);
-  CHECK(Contains(fields[0].Footprint(), {60.0, 0.0}));
-  CHECK(Contains(fields[1].Footprint(), {-45.0, 0.0}));
-  CHECK(Contains(fields[2].Footprint(), {-90.0, 0.0}));
-  CHECK(Contains(fields[3].Footprint(), {-5.0, 0.0}));
+  CHECK(IsWithin(fields[0], {60.0, 0.0}));
+  CHECK(IsWithin(fields[1], {-45.0, 0.0}));
+  CHECK(IsWithin(fields[2], {-87.0, 0.0}));
+  CHECK(IsWithin(fields[3], {-5.0, 0.0}));
 }
 
-TEST_CASE(
-    "further fields: what hangs together is cut into pieces of the extent, and loses nothing") {
+TEST_CASE("further fields: what hangs together is cut into pieces that cover all of it") {
+  constexpr double kExtentM = 80.0;
   const Evaluation evaluation = MeadowWithHedges({});
   CHECK(FieldsOf(evaluation).size() == 1);
-  constexpr double kExtentM = 60.0;
   const std::vector<Region> fields = FieldsOf(evaluation, kExtentM);
-  CHECK(fields.size() > 4);
+  CHECK(fields.size() >= 3);
+  const double longest_m = kExtentM + 2.0 * kRequiredM;
   for (const Region& field : fields) {
-    // With the discs on either side.
-    CHECK(field.area_m2 <= std::pow(kExtentM + 2.0 * kRequiredM, 2));
+    const Polygon footprint = field.Footprint();
+    CHECK((footprint[1] - footprint[0]).norm() <= longest_m);
+    CHECK((footprint[2] - footprint[1]).norm() <= longest_m);
   }
-  for (const double east : {-95.0, -30.0, 0.0, 31.0, 95.0}) {
-    CHECK(std::any_of(fields.begin(), fields.end(), [&](const Region& field) {
-      return Contains(field.Footprint(), {east, 20.0});
-    }));
+  for (double east = -99.5; east <= 99.5; east += 3.0) {
+    for (double north = -59.5; north <= 59.5; north += 3.0) {
+      CHECK(std::any_of(fields.begin(), fields.end(), [&](const Region& field) {
+        return IsWithin(field, {east, north});
+      }));
+    }
   }
 }
 
 TEST_CASE("further fields: ground that is too narrow is none") {
-  // 20 m between two hedges: less than two discs.
-  for (const Region& field : FieldsOf(MeadowWithHedges({-98.0, -76.0, -54.0, -32.0, -10.0}))) {
-    CHECK_FALSE(Contains(field.Footprint(), {-43.0, 0.0}));
-  }
+  // 18 m between hedges: less than two discs. Without the ends, which are wide enough.
+  std::vector<double> hedges;
+  for (double east = -109.0; east <= 109.0; east += 21.8) hedges.push_back(east);
+  CHECK(FieldsOf(MeadowWithHedges(hedges)).empty());
 }
 
-TEST_CASE(
-    "further fields: an unseen strip parts fields as a hedge does, and unseen ground is none") {
+TEST_CASE("further fields: an unseen strip parts fields as a hedge does, unseen ground is none") {
   scene::Scene meadow = scene::FlatMeadow(160, 240);
   scene::AddUnseen(meadow, {-2.0, -80.0}, {2.0, 80.0});
   Evaluation evaluation;
   evaluation.map = meadow.map;
   evaluation.hazards = meadow.hazards;
   CHECK(FieldsOf(evaluation).size() == 2);
-  scene::AddUnseen(meadow, {0.0, -80.0}, {120.0, 80.0});
+  scene::AddUnseen(meadow, {-120.0, -80.0}, {120.0, 80.0});
   evaluation.map = meadow.map;
   evaluation.hazards = meadow.hazards;
-  CHECK(FieldsOf(evaluation).size() == 1);
+  CHECK(FieldsOf(evaluation).empty());
 }
 
 TEST_CASE("further fields: an evaluation without a map, and an unknown distance, have none") {
   CHECK(FieldsOf(Evaluation{}).empty());
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   CHECK(FurtherFields(WholeRegion(), MeadowWithHedges({-20.0}), unknown, kUncutM).empty());
+}
+
+TEST_CASE("further fields: their number and extent are checked") {
+  BackendOptions options;
+  options.max_num_further_fields = 0;
+  CHECK_NOTHROW(options.Check());
+  options.max_num_further_fields = -1;
+  CHECK_THROWS_AS(options.Check(), std::invalid_argument);
+  options = {};
+  options.further_field_extent_m = 0.0;
+  CHECK_THROWS_AS(options.Check(), std::invalid_argument);
 }
 
 }  // namespace
