@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/hazard/photo_bands.h"
 #include "engine/hazard/wheel_tracks.h"
 
 namespace freelsd {
@@ -26,6 +27,8 @@ constexpr float kMinPeakToLine = 1.0f;
 // A field is at least that many squares; a single one is chance.
 constexpr int kMinNumSquares = 4;
 constexpr int kMaxGapSquares = 2;
+// Squares of a band's edge know less; a field of rows is found from this far beyond it.
+constexpr double kHaloM = 48.0;
 // What is finer than this is detail, and its strength is taken over squares of that side.
 constexpr double kDetailM = 0.5;
 constexpr double kDetailSquareM = 6.0;
@@ -241,11 +244,16 @@ cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const Hazard
     found |= SprayedGround(FindWheelTracks(photo, options), grid, options);
   }
   cv::Mat1b fine = cv::Mat1b::zeros(photo.image.size());
-  if (options.min_row_strength > 0.0) fine |= RowCrops(photo, options);
-  if (options.min_detail_ratio > 0.0) fine |= StillWater(photo, options);
-  cv::Mat1f share;
-  cv::resize(cv::Mat1f(fine), share, found.size(), 0.0, 0.0, cv::INTER_AREA);
-  found.setTo(255, share > 0.0f);
+  for (const PhotoBand& band : BandsOf(photo, kHaloM)) {
+    cv::Mat1b in_band = cv::Mat1b::zeros(band.photo.image.size());
+    if (options.min_row_strength > 0.0) in_band |= RowCrops(band.photo, options);
+    if (options.min_detail_ratio > 0.0) in_band |= StillWater(band.photo, options);
+    const cv::Range own(band.first_row, band.end_row);
+    in_band.rowRange(own - band.photo_first_row).copyTo(fine.rowRange(own));
+  }
+  cv::Mat1b share;
+  cv::resize(fine, share, found.size(), 0.0, 0.0, cv::INTER_AREA);
+  found.setTo(255, share);
   return found;
 }
 

@@ -9,6 +9,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/hazard/photo_bands.h"
+
 namespace freelsd {
 namespace {
 
@@ -164,13 +166,17 @@ class RutFilter {
 }  // namespace
 
 std::vector<TrackPlace> RutPairs(const Orthophoto& photo, const HazardOptions& options) {
-  const cv::Mat1f lack = LackOfGreen(photo);
-  const RutFilter filter(lack, photo.grid.cell_size_m, options);
   std::vector<TrackPlace> places;
-  for (int row = 0; row < lack.rows; ++row) {
-    for (int col = 0; col < lack.cols; ++col) {
-      const std::optional<TrackPlace> found = filter.At(row, col);
-      if (found) places.push_back(*found);
+  for (const PhotoBand& band : BandsOf(photo, kSurroundingsM + options.rut_filter_length_m)) {
+    const cv::Mat1f lack = LackOfGreen(band.photo);
+    const RutFilter filter(lack, photo.grid.cell_size_m, options);
+    for (int row = band.first_row; row < band.end_row; ++row) {
+      for (int col = 0; col < lack.cols; ++col) {
+        std::optional<TrackPlace> found = filter.At(row - band.photo_first_row, col);
+        if (!found) continue;
+        found->place.y() += band.photo_first_row;
+        places.push_back(*found);
+      }
     }
   }
   return places;

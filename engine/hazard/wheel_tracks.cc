@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -19,8 +20,13 @@ namespace {
 constexpr double kSquareM = 0.5;
 constexpr int kMaxGapSquares = 4;
 constexpr double kMaxBendRad = 0.3;
-// A track may bend by this much from the line through it, as a deviation.
-constexpr double kMaxWaveM = 1.2;
+// A track may bend by this much from the line through it.
+constexpr double kMaxWaveM = 0.75;
+// One place in every square would be two for each metre.
+constexpr double kMinPlacesPerM = 1.4;
+constexpr int kNumFits = 3;
+// Straight ones that are looked for in what hangs together.
+constexpr int kMaxNumTracks = 40;
 constexpr double kParallelRad = 0.17;
 // Neighbours lie beside each other for at least this share of the shorter one.
 constexpr double kMinOverlapRatio = 0.3;
@@ -89,31 +95,99 @@ std::vector<std::vector<TrackPlace>> ChainsOf(const Squares& squares) {
   return gathered;
 }
 
-// The line through the places of one track; nothing if it is short or no line.
-std::optional<WheelTrack> TrackThrough(const std::vector<TrackPlace>& chain,
-                                       const Grid& grid,
-                                       const HazardOptions& options) {
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const TrackPlace& place : chain) mean += place.place / static_cast<double>(chain.size());
+// A straight line, in cells of the photograph.
+struct Line {
+  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
+  Eigen::Vector2d along = Eigen::Vector2d::UnitX();
+
+  double Turn() const { return std::atan2(along.y(), along.x()); }
+  double Along(const TrackPlace& place) const { return (place.place - middle).dot(along); }
+  double Across(const TrackPlace& place) const {
+    return (place.place - middle).dot(Eigen::Vector2d(-along.y(), along.x()));
+  }
+};
+
+Line LineThrough(const std::vector<TrackPlace>& places) {
+  Line line;
+  for (const TrackPlace& place : places) {
+    line.middle += place.place / static_cast<double>(places.size());
+  }
   Eigen::Matrix2d moments = Eigen::Matrix2d::Zero();
-  for (const TrackPlace& place : chain) {
-    moments += (place.place - mean) * (place.place - mean).transpose();
+  for (const TrackPlace& place : places) {
+    moments += (place.place - line.middle) * (place.place - line.middle).transpose();
   }
   const double turn = 0.5 * std::atan2(2.0 * moments(0, 1), moments(0, 0) - moments(1, 1));
-  const Eigen::Vector2d along(std::cos(turn), std::sin(turn)), across(-along.y(), along.x());
-  double first = 0.0, last = 0.0;
-  for (const TrackPlace& place : chain) {
-    first = std::min(first, (place.place - mean).dot(along));
-    last = std::max(last, (place.place - mean).dot(along));
+  line.along = {std::cos(turn), std::sin(turn)};
+  return line;
+}
+
+bool IsOn(const Line& line, const TrackPlace& place, double cell_size_m) {
+  return std::abs(line.Across(place)) * cell_size_m <= kMaxWaveM &&
+         AngleBetween(std::fmod(line.Turn() + kPi, kPi), place.direction) <= kMaxBendRad;
+}
+
+struct StraightTrack {
+  Line line;
+  // All that lie on it.
+  std::vector<TrackPlace> places;
+};
+
+// About the line that the clearest of all places points along, which is then laid through those
+// that lie on it.
+StraightTrack ClearestTrack(const std::vector<TrackPlace>& places, double cell_size_m) {
+  const TrackPlace& clearest =
+      *std::max_element(places.begin(), places.end(), [](const auto& a, const auto& b) {
+        return a.contrast < b.contrast;
+      });
+  StraightTrack track;
+  track.line = {clearest.place, {std::cos(clearest.direction), std::sin(clearest.direction)}};
+  for (int round = 0; round < kNumFits; ++round) {
+    if (track.places.size() >= 2) track.line = LineThrough(track.places);
+    track.places.clear();
+    std::copy_if(places.begin(),
+                 places.end(),
+                 std::back_inserter(track.places),
+                 [&](const TrackPlace& place) { return IsOn(track.line, place, cell_size_m); });
   }
-  const double cell = grid.cell_size_m;
-  const double wave_m =
-      cell * std::sqrt(across.dot(moments * across) / static_cast<double>(chain.size()));
-  if ((last - first) * cell < options.min_track_length_m || wave_m > kMaxWaveM) return std::nullopt;
-  const auto in_world = [&](const Eigen::Vector2d& place) -> Eigen::Vector2d {
-    return grid.north_west_in_world + cell * Eigen::Vector2d(place.x() + 0.5, -(place.y() + 0.5));
+  return track;
+}
+
+// Nothing if it is short, or has more gaps than places.
+std::optional<WheelTrack> TrackOf(const std::vector<TrackPlace>& places,
+                                  const Grid& grid,
+                                  const HazardOptions& options) {
+  if (places.size() < 2) return std::nullopt;
+  const Line line = LineThrough(places);
+  double first = 0.0, last = 0.0;
+  for (const TrackPlace& place : places) {
+    first = std::min(first, line.Along(place));
+    last = std::max(last, line.Along(place));
+  }
+  const double length_m = (last - first) * grid.cell_size_m;
+  if (length_m < options.min_track_length_m) return std::nullopt;
+  if (static_cast<double>(places.size()) < kMinPlacesPerM * length_m) return std::nullopt;
+  const auto in_world = [&](double along) -> Eigen::Vector2d {
+    const Eigen::Vector2d place = line.middle + along * line.along;
+    return grid.north_west_in_world +
+           grid.cell_size_m * Eigen::Vector2d(place.x() + 0.5, -(place.y() + 0.5));
   };
-  return WheelTrack{in_world(mean + first * along), in_world(mean + last * along)};
+  return WheelTrack{in_world(first), in_world(last)};
+}
+
+// Of what hangs together, which chance may have joined to other tracks, the straight tracks.
+std::vector<WheelTrack> TracksThrough(std::vector<TrackPlace> chain,
+                                      const Grid& grid,
+                                      const HazardOptions& options) {
+  const double min_num_places = kMinPlacesPerM * options.min_track_length_m;
+  std::vector<WheelTrack> tracks;
+  for (int i = 0; i < kMaxNumTracks && static_cast<double>(chain.size()) >= min_num_places; ++i) {
+    const StraightTrack found = ClearestTrack(chain, grid.cell_size_m);
+    if (const auto track = TrackOf(found.places, grid, options)) tracks.push_back(*track);
+    const size_t num_used = std::erase_if(
+        chain, [&](const TrackPlace& place) { return IsOn(found.line, place, grid.cell_size_m); });
+    if (num_used == 0) break;
+  }
+  return tracks;
 }
 
 // A track in the frame of another one: across to the left of it, from where to where along it.
@@ -210,8 +284,8 @@ std::vector<WheelTrack> FindWheelTracks(const Orthophoto& photo, const HazardOpt
   if (photo.image.empty()) return tracks;
   const Squares squares = GatherPlaces(RutPairs(photo, options), photo.grid.cell_size_m);
   for (const auto& chain : ChainsOf(squares)) {
-    const auto track = TrackThrough(chain, photo.grid, options);
-    if (track) tracks.push_back(*track);
+    const std::vector<WheelTrack> found = TracksThrough(chain, photo.grid, options);
+    tracks.insert(tracks.end(), found.begin(), found.end());
   }
   return tracks;
 }
