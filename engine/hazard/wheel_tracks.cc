@@ -28,6 +28,8 @@ constexpr int kNumFits = 3;
 // Straight ones that are looked for in what hangs together.
 constexpr int kMaxNumTracks = 40;
 constexpr double kParallelRad = 0.17;
+// What lies closer is the same track, found twice.
+constexpr double kSameTrackM = 2.5;
 // Neighbours lie beside each other for at least this share of the shorter one.
 constexpr double kMinOverlapRatio = 0.3;
 
@@ -206,18 +208,17 @@ Beside BesideOf(const WheelTrack& track, const WheelTrack& other) {
   return {(middle - track.start).dot(across), std::min(start, end), std::max(start, end)};
 }
 
-// Nothing for one that is not beside it, or not parallel.
-std::optional<Beside> NeighbourOf(const WheelTrack& track,
-                                  const WheelTrack& other,
-                                  const HazardOptions& options) {
+// Nothing for one that is not parallel, or not beside it within these distances.
+std::optional<Beside> NeighbourWithin(const WheelTrack& track,
+                                      const WheelTrack& other,
+                                      double min_distance,
+                                      double max_distance) {
   const Eigen::Vector2d own = track.end - track.start, its = other.end - other.start;
   const double sine = std::abs(own.x() * its.y() - own.y() * its.x()) / (own.norm() * its.norm());
   if (sine > std::sin(kParallelRad)) return std::nullopt;
   const Beside beside = BesideOf(track, other);
   const double distance = std::abs(beside.across);
-  if (distance < options.min_working_width_m || distance > options.max_working_width_m) {
-    return std::nullopt;
-  }
+  if (distance < min_distance || distance > max_distance) return std::nullopt;
   const double overlap = std::min(beside.last, own.norm()) - std::max(beside.first, 0.0);
   if (overlap < kMinOverlapRatio * std::min(own.norm(), its.norm())) return std::nullopt;
   return beside;
@@ -235,12 +236,46 @@ Neighbours NearestOnEitherSide(const WheelTrack& track,
                                const HazardOptions& options) {
   Neighbours nearest;
   for (size_t i = 0; i < tracks.size(); ++i) {
-    const std::optional<Beside> beside = NeighbourOf(track, tracks[i], options);
+    const std::optional<Beside> beside =
+        NeighbourWithin(track, tracks[i], options.min_working_width_m, options.max_working_width_m);
     if (!beside) continue;
     std::optional<Neighbour>& side = nearest[beside->across > 0.0 ? 1 : 0];
     if (!side || std::abs(beside->across) < std::abs(side->beside.across)) side = {i, *beside};
   }
   return nearest;
+}
+
+// Whether it has another one close by: to the right and to the left.
+std::array<bool, 2> HasCloseOnes(const WheelTrack& track,
+                                 const std::vector<WheelTrack>& tracks,
+                                 const HazardOptions& options) {
+  std::array<bool, 2> has_close{};
+  for (const WheelTrack& other : tracks) {
+    const auto beside = NeighbourWithin(track, other, kSameTrackM, options.min_working_width_m);
+    if (beside && std::abs(beside->across) < options.min_working_width_m) {
+      has_close[beside->across > 0.0 ? 1 : 0] = true;
+    }
+  }
+  return has_close;
+}
+
+// Mowers and tedders go to and fro: their tracks lie close on both sides, and so do those of the
+// outermost ones' neighbours. Of a sprayer's only the round and the last pass may lie close.
+std::vector<WheelTrack> WithoutMowing(const std::vector<WheelTrack>& tracks,
+                                      const HazardOptions& options) {
+  std::vector<WheelTrack> between;
+  for (const WheelTrack& track : tracks) {
+    const std::array<bool, 2> has_close = HasCloseOnes(track, tracks, options);
+    if (has_close[0] && has_close[1]) between.push_back(track);
+  }
+  std::vector<WheelTrack> kept;
+  for (const WheelTrack& track : tracks) {
+    const std::array<bool, 2> all = HasCloseOnes(track, tracks, options);
+    const std::array<bool, 2> mown = HasCloseOnes(track, between, options);
+    const bool is_mowing = (all[0] && all[1]) || mown[0] || mown[1];
+    if (!is_mowing) kept.push_back(track);
+  }
+  return kept;
 }
 
 // The last pass may lie nearer to the round about the field than a working width; the widest gap
@@ -290,9 +325,10 @@ std::vector<WheelTrack> FindWheelTracks(const Orthophoto& photo, const HazardOpt
   return tracks;
 }
 
-cv::Mat1b SprayedGround(const std::vector<WheelTrack>& tracks,
+cv::Mat1b SprayedGround(const std::vector<WheelTrack>& all_tracks,
                         const Grid& grid,
                         const HazardOptions& options) {
+  const std::vector<WheelTrack> tracks = WithoutMowing(all_tracks, options);
   std::vector<Neighbours> neighbours;
   for (const WheelTrack& track : tracks) {
     neighbours.push_back(NearestOnEitherSide(track, tracks, options));
