@@ -244,6 +244,9 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("min_working_width_m", o.min_working_width_m, "between neighbouring tracks of a sprayer");
   visit("max_working_width_m", o.max_working_width_m, "between neighbouring tracks of a sprayer");
   visit("sprayed_margin_m", o.sprayed_margin_m, "of a crop beyond half a working width");
+  visit("max_telling_sampling_m",
+        o.max_telling_sampling_m,
+        "ground of a pixel beyond which crops cannot be told: an evaluation warns");
   visit("min_row_strength", o.min_row_strength, "of crops in rows; 0: not looked for");
   visit("min_row_spacing_m", o.min_row_spacing_m, "of crops in rows");
   visit("max_row_spacing_m", o.max_row_spacing_m, "of crops in rows");

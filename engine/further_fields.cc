@@ -10,6 +10,9 @@
 namespace freelsd {
 namespace {
 
+// Pieces that are planned for each one that may be kept.
+constexpr int kTriesPerField = 4;
+
 using Piece = std::vector<cv::Point>;  // cells: x = column, y = row
 
 // Cells of the region on which the touchdown disc fits: 255, else 0.
@@ -69,6 +72,14 @@ Region Around(const Piece& piece,
   return field;
 }
 
+bool IsNearAnother(const Site& site, const std::vector<Site>& others, double distance) {
+  return std::any_of(others.begin(), others.end(), [&](const Site& other) {
+    return other.plan.verdict != Verdict::kRejected &&
+           (other.plan.touchdown_in_world - site.plan.touchdown_in_world).head<2>().norm() <
+               distance;
+  });
+}
+
 }  // namespace
 
 std::vector<Region> FurtherFields(const Region& region,
@@ -84,6 +95,30 @@ std::vector<Region> FurtherFields(const Region& region,
     fields.push_back(Around(piece, region, evaluation, required_hazard_distance));
   }
   return fields;
+}
+
+void AddFurtherSites(Evaluation& evaluation,
+                     const Aircraft& aircraft,
+                     const PipelineOptions& options,
+                     const std::function<Site(const Region& field)>& plan) {
+  const int max_num_fields = options.backend.max_num_further_fields;
+  if (max_num_fields == 0) return;
+  const double required = RequiredHazardDistance(evaluation.map, aircraft, options.approach);
+  const double extent = options.backend.further_field_extent_m;
+  const std::vector<Site> own_sites = evaluation.sites;
+  for (const Site& own : own_sites) {
+    if (own.plan.verdict == Verdict::kRejected) continue;
+    int number = 1, num_tried = 0;
+    for (const Region& field : FurtherFields(own.region, evaluation, required, extent)) {
+      if (field.area_m2 < aircraft.min_area_m2) continue;
+      if (number > max_num_fields || ++num_tried > kTriesPerField * max_num_fields) break;
+      Site further = plan(field);
+      if (further.plan.verdict == Verdict::kRejected) continue;
+      if (IsNearAnother(further, evaluation.sites, 0.5 * extent)) continue;
+      further.field_number = ++number;
+      evaluation.sites.push_back(std::move(further));
+    }
+  }
 }
 
 }  // namespace freelsd

@@ -2,6 +2,7 @@
 // pipeline.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "engine/pipeline.h"
@@ -15,5 +16,12 @@ std::vector<Region> FurtherFields(const Region& region,
                                   const Evaluation& evaluation,
                                   double required_hazard_distance,
                                   double max_extent_m);
+
+// Adds to the sites, one per region, those further fields of accepted ones on which one can land,
+// planned by `plan`; none near a site that is already there, be it of another region.
+void AddFurtherSites(Evaluation& evaluation,
+                     const Aircraft& aircraft,
+                     const PipelineOptions& options,
+                     const std::function<Site(const Region& field)>& plan);
 
 }  // namespace freelsd

@@ -183,72 +183,24 @@ Site PlanSite(const Snapshot& snapshot,
   return {.region = region, .wind = wind, .plan = std::move(plan)};
 }
 
-// Fields already found are not found again, be it by another region.
-bool IsNearAnother(const Site& site, const std::vector<Site>& others, double distance) {
-  return std::any_of(others.begin(), others.end(), [&](const Site& other) {
-    return other.plan.verdict != Verdict::kRejected &&
-           (other.plan.touchdown_in_world - site.plan.touchdown_in_world).head<2>().norm() <
-               distance;
-  });
-}
-
-// The other fields within the rectangle of a site's region, as far as one can land there.
-void AddFurtherFields(const Snapshot& snapshot,
-                      const Site& site,
-                      Evaluation& evaluation,
-                      const Aircraft& aircraft,
-                      const PipelineOptions& options) {
-  const double required = RequiredHazardDistance(evaluation.map, aircraft, options.approach);
-  const double extent = options.backend.further_field_extent_m;
-  int number = 1;
-  for (const Region& field : FurtherFields(site.region, evaluation, required, extent)) {
-    if (number > options.backend.max_num_further_fields) break;
-    if (field.area_m2 < aircraft.min_area_m2) continue;
-    Site further = PlanSite(snapshot, field, evaluation, aircraft, options);
-    if (further.plan.verdict == Verdict::kRejected) continue;
-    if (IsNearAnother(further, evaluation.sites, 0.5 * extent)) continue;
-    further.field_number = ++number;
-    evaluation.sites.push_back(std::move(further));
+// What decides a crop is 0.3 to 0.75 m wide: from farther up it cannot be seen, and nothing said
+// so.
+void WarnOfCoarseImages(Evaluation& evaluation, const PipelineOptions& options) {
+  std::vector<double> samplings_m;
+  for (const AdjustedView& view : evaluation.block.views) {
+    if (!view.is_connected) continue;
+    samplings_m.push_back(view.height_above_ground / evaluation.block.camera.MeanFocalPx());
   }
+  if (samplings_m.empty()) return;
+  const auto middle = samplings_m.begin() + static_cast<std::ptrdiff_t>(samplings_m.size() / 2);
+  std::nth_element(samplings_m.begin(), middle, samplings_m.end());
+  if (*middle <= options.hazard.max_telling_sampling_m) return;
+  evaluation.warnings.push_back(
+      "a pixel shows " + std::to_string(std::lround(100.0 * *middle)) +
+      " cm of ground: too much to tell green crops and water with algae from grass");
 }
 
 }  // namespace
-
-void BackendOptions::Check() const {
-  const auto require = [](bool holds, const std::string& message) {
-    if (!holds) throw std::invalid_argument("backend." + message);
-  };
-  require(backend_period_frames >= 1,
-          "backend_period_frames = " + std::to_string(backend_period_frames) + ": must be >= 1");
-  require(num_backend_candidates >= 1,
-          "num_backend_candidates = " + std::to_string(num_backend_candidates) + ": must be >= 1");
-  require(max_surroundings_m >= 0.0 && max_surroundings_m <= 2000.0,
-          "max_surroundings_m = " + std::to_string(max_surroundings_m) + ": must be in [0, 2000]");
-  require(max_group_extent_m >= 0.0 && max_group_extent_m <= 3000.0,
-          "max_group_extent_m = " + std::to_string(max_group_extent_m) + ": must be in [0, 3000]");
-  require(max_num_further_fields >= 0 && max_num_further_fields <= 1000,
-          "max_num_further_fields = " + std::to_string(max_num_further_fields) +
-              ": must be in [0, 1000]");
-  require(further_field_extent_m >= 10.0 && further_field_extent_m <= 10000.0,
-          "further_field_extent_m = " + std::to_string(further_field_extent_m) +
-              ": must be in [10, 10000]");
-  require(max_num_views >= 2,
-          "max_num_views = " + std::to_string(max_num_views) + ": must be >= 2");
-}
-
-void PipelineOptions::Check() const {
-  tracks.Check();
-  segmentation.Check();
-  classification.Check();
-  regions.Check();
-  wind.Check();
-  adjustment.Check();
-  stereo.Check();
-  terrain.Check();
-  hazard.Check();
-  approach.Check();
-  backend.Check();
-}
 
 Frontend::Frontend(const Rig& rig, const PipelineOptions& options, Classifier classifier)
     : options_(options),
@@ -388,6 +340,7 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
     evaluation.map = ReconstructMap(
         evaluation.block, area, images, options, cancellable, evaluation.reports);  // III-F, G
     cancellable.Tell(kStereoDone, "hazards");
+    WarnOfCoarseImages(evaluation, options);
     const Orthophoto photo = Timed(evaluation.reports, "orthophoto", [&] {
       return MakeOrthophoto(evaluation.map, evaluation.block, images, options.terrain);
     });
@@ -404,11 +357,9 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
     evaluation.sites.push_back(
         PlanSite(snapshot, region, evaluation, aircraft, options));  // Sec. III-H
   }
-  const std::vector<Site> own = evaluation.sites;
-  for (const Site& site : own) {
-    if (site.plan.verdict == Verdict::kRejected) continue;
-    AddFurtherFields(snapshot, site, evaluation, aircraft, options);
-  }
+  AddFurtherSites(evaluation, aircraft, options, [&](const Region& field) {
+    return PlanSite(snapshot, field, evaluation, aircraft, options);
+  });
   return evaluation;
 }
 

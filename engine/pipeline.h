@@ -38,8 +38,8 @@ struct BackendOptions {
   // has one, but grass hangs together through gaps in hedges, and the rectangle around it all holds
   // many fields. 0 is the paper's.
   int max_num_further_fields = 8;
-  // What hangs together is looked at in pieces of this extent; touchdowns of one region lie at least
-  // half of it apart.
+  // What hangs together is looked at in pieces of this extent; touchdowns of one region lie at
+  // least half of it apart.
   double further_field_extent_m = 80.0;
 
   void Check() const;
@@ -126,7 +126,8 @@ struct Site {
 };
 
 struct Evaluation {
-  // One per region that was asked for, same order; then further fields of these, accepted ones only.
+  // One per region that was asked for, same order; then further fields of these, accepted ones
+  // only.
   std::vector<Site> sites;
   // Shared by all sites; empty grids when nothing could be reconstructed.
   ElevationMap map;

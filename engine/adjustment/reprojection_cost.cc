@@ -111,9 +111,9 @@ Eigen::Matrix<double, 2, kNumLensParameters> StillLensSlope(const Camera& camera
   slope.col(kRadial2) = focal.cwiseProduct(p) * (r2 * r2);
   slope.col(kTangential1) = focal.cwiseProduct(Eigen::Vector2d(xy, r2 + 2.0 * p.y() * p.y()));
   slope.col(kTangential2) = focal.cwiseProduct(Eigen::Vector2d(r2 + 2.0 * p.x() * p.x(), xy));
-  // Both are in units of the focal length across.
+  // Each in units of the focal length along its own axis.
   slope.col(kPrincipalX) << camera.fx_px, 0.0;
-  slope.col(kPrincipalY) << 0.0, camera.fx_px;
+  slope.col(kPrincipalY) << 0.0, camera.fy_px;
   return slope;
 }
 
@@ -137,7 +137,7 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
   const Eigen::Map<const Eigen::Vector3d> position(parameters[kPose] + 4);
   const Eigen::Map<const Eigen::Vector3d> landmark(parameters[kLandmark]);
   const Eigen::Map<const Eigen::Vector3d> turn(parameters[kTurn]);
-  const double cy = camera.cy_px + camera.fx_px * lens[kPrincipalY];
+  const double cy = camera.cy_px + camera.fy_px * lens[kPrincipalY];
   const double share = (residual_.point_in_image.y() - cy) / camera.height_px;
   const Eigen::Vector3d in_world = landmark - position;
   const Eigen::Vector3d still = world_from_camera.conjugate() * in_world;
@@ -161,7 +161,7 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
   Eigen::Matrix<double, 2, kNumLensParameters> by_lens =
       StillLensSlope(camera, lens, p, distorted.point);
   // The middle row moves, and with it how far the camera had turned.
-  by_lens.col(kPrincipalY) += by_x * turn.cross(still) * (camera.fx_px / camera.height_px);
+  by_lens.col(kPrincipalY) += by_x * turn.cross(still) * (camera.fy_px / camera.height_px);
   Write<kNumLensParameters>(by_lens, jacobians[kLens]);
   return true;
 }

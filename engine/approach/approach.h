@@ -156,7 +156,7 @@ struct PlanRequest {
 };
 
 // Touchdown candidates are tried best first (distance to hazard) and the first landable one wins;
-// else the first unverified one. The search looks at a limited number of places, so it may miss a
+// else the first unverified one of the few, then of the reserve. The search looks at a limited number of places, so it may miss a
 // good place, but never accepts a bad one. Throws std::invalid_argument when map and hazards are
 // not of one grid.
 Plan PlanApproach(const ElevationMap& map,

@@ -52,6 +52,9 @@ struct HazardOptions {
   // Distance of neighbouring tracks: the width of sprayers. Narrower ones are of mowers.
   double min_working_width_m = 6.0;
   double max_working_width_m = 42.0;
+  // Where a pixel shows more ground than this, neither ruts nor rows can be seen: an evaluation
+  // warns.
+  double max_telling_sampling_m = 0.35;
   // What is sprayed reaches half a working width from a track, and this far beyond.
   double sprayed_margin_m = 2.0;
   // Crops in rows: how far the strongest direction stands out of the spectrum, in medians, for rows

@@ -25,9 +25,11 @@ constexpr double kMaxWaveM = 0.75;
 // One place in every square would be two for each metre.
 constexpr double kMinPlacesPerM = 1.4;
 constexpr int kNumFits = 3;
-// Straight ones that are looked for in what hangs together.
-constexpr int kMaxNumTracks = 40;
+// Straight ones are looked for so often in what hangs together.
+constexpr int kMaxNumTries = 400;
 constexpr double kParallelRad = 0.17;
+// A mower's track has another one close by along this share of it.
+constexpr double kMinMowingRatio = 0.5;
 // What lies closer is the same track, found twice.
 constexpr double kSameTrackM = 2.5;
 // Neighbours lie beside each other for at least this share of the shorter one.
@@ -182,12 +184,18 @@ std::vector<WheelTrack> TracksThrough(std::vector<TrackPlace> chain,
                                       const HazardOptions& options) {
   const double min_num_places = kMinPlacesPerM * options.min_track_length_m;
   std::vector<WheelTrack> tracks;
-  for (int i = 0; i < kMaxNumTracks && static_cast<double>(chain.size()) >= min_num_places; ++i) {
+  for (int i = 0; i < kMaxNumTries && static_cast<double>(chain.size()) >= min_num_places; ++i) {
     const StraightTrack found = ClearestTrack(chain, grid.cell_size_m);
     if (const auto track = TrackOf(found.places, grid, options)) tracks.push_back(*track);
     const size_t num_used = std::erase_if(
         chain, [&](const TrackPlace& place) { return IsOn(found.line, place, grid.cell_size_m); });
-    if (num_used == 0) break;
+    if (num_used > 0) continue;
+    // Two chance places side by side turned the line away from all others: not they alone decide.
+    const auto clearest =
+        std::max_element(chain.begin(), chain.end(), [](const auto& a, const auto& b) {
+          return a.contrast < b.contrast;
+        });
+    chain.erase(clearest);
   }
   return tracks;
 }
@@ -252,7 +260,11 @@ std::array<bool, 2> HasCloseOnes(const WheelTrack& track,
   std::array<bool, 2> has_close{};
   for (const WheelTrack& other : tracks) {
     const auto beside = NeighbourWithin(track, other, kSameTrackM, options.min_working_width_m);
-    if (beside && std::abs(beside->across) < options.min_working_width_m) {
+    if (!beside || std::abs(beside->across) >= options.min_working_width_m) continue;
+    // Along most of it: a fragment of chance must not make a sprayer's track a mower's.
+    const double length = (track.end - track.start).norm();
+    const double overlap = std::min(beside->last, length) - std::max(beside->first, 0.0);
+    if (overlap >= kMinMowingRatio * length) {
       has_close[beside->across > 0.0 ? 1 : 0] = true;
     }
   }
@@ -341,15 +353,21 @@ cv::Mat1b SprayedGround(const std::vector<WheelTrack>& all_tracks,
       if (!side) continue;
       working_width = std::max(
           {working_width, std::abs(side->beside.across), WidestGap(neighbours[side->index])});
+    }
+    if (working_width == 0.0) continue;
+    // Up to all of them, for the nearest may be a fragment of chance.
+    for (const WheelTrack& other : tracks) {
+      const auto beside = NeighbourWithin(
+          tracks[i], other, options.min_working_width_m, options.max_working_width_m);
+      if (!beside) continue;
       Fill(tracks[i],
-           {.first = std::max(0.0, side->beside.first),
-            .last = std::min(length, side->beside.last),
-            .right = std::min(0.0, side->beside.across),
-            .left = std::max(0.0, side->beside.across)},
+           {.first = std::max(0.0, beside->first),
+            .last = std::min(length, beside->last),
+            .right = std::min(0.0, beside->across),
+            .left = std::max(0.0, beside->across)},
            grid,
            mask);
     }
-    if (working_width == 0.0) continue;
     const double reach = 0.5 * working_width + options.sprayed_margin_m;
     Fill(tracks[i], {-reach, length + reach, -reach, reach}, grid, mask);
   }

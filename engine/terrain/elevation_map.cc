@@ -96,7 +96,7 @@ void TerrainOptions::Check() const {
   RequireInside("upper_percentile", upper_percentile, 50.0, 100.0);
   RequireInside("max_relief_m", max_relief_m, 1.0, 10000.0);
   RequireInside("max_num_cells", max_num_cells, 1, 25000000);
-  RequireInside("orthophoto_cell_size_m", orthophoto_cell_size_m, 0.05, 10.0);
+  RequireInside("orthophoto_cell_size_m", orthophoto_cell_size_m, 0.1, 0.4);
 }
 
 bool ElevationMap::IsSeen(int row, int col) const { return std::isfinite(elevation(row, col)); }

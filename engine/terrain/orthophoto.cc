@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -50,7 +51,12 @@ cv::Mat1i SteepestViews(const ElevationMap& map, const AdjustedBlock& block) {
         const auto distance = static_cast<float>(offset.squaredNorm());
         if (distance >= least(row, col)) continue;
         const float height = map.elevation(row, col);
-        if (!ImageOfCorner(map, camera, camera_from_world, row + 0.5, col + 0.5, height)) continue;
+        const auto is_shown = [&](int corner) {
+          return ImageOfCorner(
+                     map, camera, camera_from_world, row + corner / 2, col + corner % 2, height)
+              .has_value();
+        };
+        if (!is_shown(0) || !is_shown(1) || !is_shown(2) || !is_shown(3)) continue;
         least(row, col) = distance;
         steepest(row, col) = static_cast<int>(v);
       }
@@ -77,13 +83,14 @@ ScaledImage ScaleTo(const cv::Mat& image, double ground_sampling_m, double cell_
 
 // Between the four pixels around it; the border repeats.
 cv::Vec3b Sample(const cv::Mat& image, const Eigen::Vector2d& pixel) {
-  const double x = std::clamp(pixel.x(), 0.0, image.cols - 1.001);
-  const double y = std::clamp(pixel.y(), 0.0, image.rows - 1.001);
+  const double x = std::clamp(pixel.x(), 0.0, std::max(0.0, image.cols - 1.001));
+  const double y = std::clamp(pixel.y(), 0.0, std::max(0.0, image.rows - 1.001));
   const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const int right = std::min(left + 1, image.cols - 1), bottom = std::min(top + 1, image.rows - 1);
   const double u = x - left, v = y - top;
   const auto weigh = [&](auto at) {
-    const double upper = (1.0 - u) * at(top, left) + u * at(top, left + 1);
-    const double lower = (1.0 - u) * at(top + 1, left) + u * at(top + 1, left + 1);
+    const double upper = (1.0 - u) * at(top, left) + u * at(top, right);
+    const double lower = (1.0 - u) * at(bottom, left) + u * at(bottom, right);
     return static_cast<uint8_t>(std::lround((1.0 - v) * upper + v * lower));
   };
   if (image.channels() == 1) {

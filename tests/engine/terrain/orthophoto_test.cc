@@ -214,7 +214,7 @@ TEST_CASE("orthophoto: cells of no size are refused") {
   TerrainOptions options;
   options.orthophoto_cell_size_m = 0.0;
   CHECK_THROWS_WITH_AS(options.Check(),
-                       "terrain.orthophoto_cell_size_m = 0: must be in [0.05, 10]",
+                       "terrain.orthophoto_cell_size_m = 0: must be in [0.1, 0.4]",
                        std::invalid_argument);
   options.orthophoto_cell_size_m = std::nan("");
   CHECK_THROWS_AS(options.Check(), std::invalid_argument);
