@@ -156,9 +156,9 @@ struct PlanRequest {
 };
 
 // Touchdown candidates are tried best first (distance to hazard) and the first landable one wins;
-// else the first unverified one of the few, then of the reserve. The search looks at a limited number of places, so it may miss a
-// good place, but never accepts a bad one. Throws std::invalid_argument when map and hazards are
-// not of one grid.
+// else the first unverified one of the few, then of the reserve. The search looks at a limited
+// number of places, so it may miss a good place, but never accepts a bad one. Throws
+// std::invalid_argument when map and hazards are not of one grid.
 Plan PlanApproach(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,
