@@ -27,9 +27,9 @@ struct RegionsOptions {
   // corners alone; rectangles around winding woods and roads then swallow the fields between them.
   // 0 is the paper's.
   double min_overlap_of_unlike_ratio = 0.3;
-  // A view of all of a region fixes its corners only where it covers this share of what was known of
-  // it. Differs: the paper takes any segment that is fully visible, and so a patch of 400 m2 between
-  // two shadows makes an end of the field around it. 0 is the paper's.
+  // A view of all of a region fixes its corners only where it covers this share of what was known
+  // of it. Differs: the paper takes any segment that is fully visible, and so a patch of 400 m2
+  // between two shadows makes an end of the field around it. 0 is the paper's.
   double min_fixing_overlap_ratio = 0.5;
   // Regions kept. Paper: "20 best", Sec. III-E3.
   int max_num_regions = 20;

@@ -9,7 +9,8 @@ namespace {
 Region RegionAt(int id, double east, double north) {
   Region region;
   region.id = id;
-  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(-20, -20), {20, -20}, {20, 20}, {-20, 20}}) {
+  for (const Eigen::Vector2d& corner :
+       {Eigen::Vector2d(-20, -20), {20, -20}, {20, 20}, {-20, 20}}) {
     region.corners_in_world.emplace_back(east + corner.x(), north + corner.y(), 0.0);
   }
   return region;
