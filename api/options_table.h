@@ -277,6 +277,9 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("max_num_reserve_candidates",
         o.max_num_reserve_candidates,
         "more of them, where none of those is good");
+  visit("start_height_ratios",
+        o.start_height_ratios,
+        "heights of the start tried where circles are blocked, in approach heights");
   visit("candidate_spacing_m", o.candidate_spacing_m, "between touchdown candidates");
   visit("heading_step_deg",
         o.heading_step_deg,

@@ -150,7 +150,8 @@ async function answerPlace(latlng) {
 async function openRegion({ properties }) {
   map.drawAnswer(null);
   showView('region');
-  const site = state.sites.features.find((f) => f.properties.region_id === properties.id)?.properties;
+  // Its own, not one in another field of its rectangle.
+  const site = state.sites.features.find((f) => f.properties.id.endsWith(`-r${properties.id}`))?.properties;
   try {
     await drawHistory(state.flight, properties, site, openSite);
   } catch (error) {

@@ -73,18 +73,15 @@ Plan WithAttempt(Plan plan, const Attempt& attempt, const AttemptContext& contex
   return Refused(std::move(plan), {rejection.reason, rejection.detail});
 }
 
-}  // namespace
-
-Plan PlanApproach(const ElevationMap& map,
-                  const HazardLayers& hazards,
-                  const PlanRequest& request,
-                  const Aircraft& profile,
-                  const ApproachOptions& options) {
-  RequireOneGrid(map, hazards);
-  const Aircraft aircraft = WithPositionMargin(profile, map, options);
+// Of an aircraft that has its margins already.
+Plan PlanFromHeight(const ElevationMap& map,
+                    const HazardLayers& hazards,
+                    const FootprintContent& content,
+                    const PlanRequest& request,
+                    const Aircraft& aircraft,
+                    const ApproachOptions& options) {
   const WindCase wind = MakeWindCase(request.wind_in_world, aircraft, options);
   const double required = RequiredHazardDistance(map, aircraft, options);
-  const FootprintContent content = ReadFootprint(map, hazards, request.footprint, options);
   std::optional<Refusal> refusal = RefuseGround(request, content, required, aircraft);
   if (!refusal) refusal = RefuseWind(wind);
   std::optional<Touchdown> touchdown;
@@ -109,6 +106,42 @@ Plan PlanApproach(const ElevationMap& map,
   plan.score_terms = ScoreTerms(ScoreInputOf(plan, best, required), request, aircraft, options);
   plan.score = Score(plan.score_terms, plan.verdict);
   return plan;
+}
+
+// Says why it is flown from higher up: the circle that the lower start would need.
+Plan AfterLowerStart(Plan plan, const Plan& lower, const ApproachOptions& options) {
+  const auto limit = static_cast<size_t>(options.max_num_rejections);
+  if (limit == 0) return plan;
+  plan.rejections.insert(
+      plan.rejections.begin(),
+      {lower.touchdown_in_world, *lower.reject_reason, lower.reject_detail, std::nullopt});
+  if (plan.rejections.size() > limit) plan.rejections.resize(limit);
+  return plan;
+}
+
+}  // namespace
+
+Plan PlanApproach(const ElevationMap& map,
+                  const HazardLayers& hazards,
+                  const PlanRequest& request,
+                  const Aircraft& profile,
+                  const ApproachOptions& options) {
+  RequireOneGrid(map, hazards);
+  const Aircraft aircraft = WithPositionMargin(profile, map, options);
+  const FootprintContent content = ReadFootprint(map, hazards, request.footprint, options);
+  std::optional<Plan> lowest;
+  for (const double ratio : options.start_height_ratios) {
+    const Aircraft higher = WithStartHeight(aircraft, ratio);
+    Plan plan = PlanFromHeight(map, hazards, content, request, higher, options);
+    if (!lowest) {
+      lowest = std::move(plan);
+    } else if (plan.verdict != Verdict::kRejected) {
+      return AfterLowerStart(std::move(plan), *lowest, options);
+    }
+    // What blocks a final blocks each longer one; what blocks a circle may lie below a higher one.
+    if (lowest->reject_reason != RejectReason::kLoiterBlocked) break;
+  }
+  return *std::move(lowest);
 }
 
 }  // namespace freelsd

@@ -39,6 +39,9 @@ struct ApproachOptions {
   // final has no place for two candidates beside each other.
   int max_num_reserve_candidates = 500;
   double candidate_spacing_m = 4.0;
+  // Where every circle at the aircraft's approach height is blocked, higher starts are tried: their
+  // heights in units of it, ascending. The final grows in proportion. Paper: 1 alone.
+  std::vector<double> start_height_ratios{1.0, 1.5, 2.0, 3.0};
   // Headings tried where the wind is unknown or calm.
   double heading_step_deg = 10.0;
   // Below this the heading is free.
@@ -157,7 +160,8 @@ struct PlanRequest {
 
 // Touchdown candidates are tried best first (distance to hazard) and the first landable one wins;
 // else the first unverified one of the few, then of the reserve. The search looks at a limited
-// number of places, so it may miss a good place, but never accepts a bad one. Throws
+// number of places, so it may miss a good place, but never accepts a bad one. A final that is clear
+// below circles that are not is flown from higher up where that is clear. Throws
 // std::invalid_argument when map and hazards are not of one grid.
 Plan PlanApproach(const ElevationMap& map,
                   const HazardLayers& hazards,
@@ -185,6 +189,8 @@ struct WindRoseEntry {
   // Direction of travel on final, radians clockwise from north.
   double heading = 0.0;
   LoiterDirection loiter_direction = LoiterDirection::kLeft;
+  // Of the start over touchdown; 0 where no path was tried.
+  double approach_height = 0.0;
   double hazard_distance = 0.0;
   // Least over final and seen part of the circle, in metres and in units of the one wanted, below 1
   // where something stands in the way; NaN where nothing was seen or no path was tried.
@@ -215,7 +221,7 @@ WindRose PlanWindRose(const ElevationMap& map,
                       const WindRoseOptions& rose_options);
 
 // Between the table's winds the least safe of its neighbours, up to four, with the least of all
-// their numbers; neighbours that touch down elsewhere do not vouch for each other, so the verdict
+// their numbers; neighbours with other paths do not vouch for each other, so the verdict
 // is at most unverified then. Below calm_wind the heading is free: the best of the first row, if
 // that is a calm. Nothing for a wind that is not finite or beyond the table: plan anew.
 std::optional<WindRoseEntry> LookUp(const WindRose& rose, const Eigen::Vector2d& wind_in_world);

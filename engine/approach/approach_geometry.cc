@@ -49,6 +49,11 @@ double LoiterRadius(const Aircraft& aircraft, double wind_speed) {
   return speed * speed / (kGravity * std::tan(RadFromDeg(aircraft.max_bank_deg)));
 }
 
+Aircraft WithStartHeight(Aircraft aircraft, double ratio) {
+  aircraft.approach_height_m *= ratio;
+  return aircraft;
+}
+
 WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,
                       const ApproachOptions& options) {

@@ -23,6 +23,9 @@ struct WindCase {
   double wind_speed = 0.0;
 };
 
+// The same aircraft, but coming in from higher up.
+Aircraft WithStartHeight(Aircraft aircraft, double ratio);
+
 // Known: into the wind. Calm: all headings. Unknown: all headings, for calm and from behind.
 WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,

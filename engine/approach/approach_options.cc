@@ -11,6 +11,8 @@ namespace {
 
 // Distance to hazard, clearance, area, slope, roughness, evidence.
 constexpr size_t kNumScoreTerms = 6;
+constexpr double kMinStartHeightRatio = 0.1;
+constexpr double kMaxStartHeightRatio = 20.0;
 
 struct Bound {
   const char* field;
@@ -38,6 +40,17 @@ void CheckWeights(const std::vector<double>& weights) {
   }
 }
 
+void CheckStartHeights(const std::vector<double>& ratios) {
+  if (ratios.empty()) {
+    throw std::invalid_argument("approach.start_height_ratios = no numbers: must be 1 or more");
+  }
+  double least = kMinStartHeightRatio;
+  for (const double ratio : ratios) {
+    RequireInside({"start_height_ratios", ratio, least, kMaxStartHeightRatio});
+    least = ratio;
+  }
+}
+
 }  // namespace
 
 void ApproachOptions::Check() const {
@@ -58,6 +71,7 @@ void ApproachOptions::Check() const {
       {"max_num_rejections", static_cast<double>(max_num_rejections), 0.0, 1e6},
   };
   for (const Bound& bound : bounds) RequireInside(bound);
+  CheckStartHeights(start_height_ratios);
   CheckWeights(score_weights);
 }
 

@@ -89,6 +89,11 @@ std::vector<Touchdown> SafestOfBlocks(const std::vector<Touchdown>& wide,
   }
 }
 
+// In this order an unknown deviation stays one, and makes distances that nothing keeps.
+double PositionDeviation(const ElevationMap& map, const ApproachOptions& options) {
+  return std::max(map.position_sd_m, options.min_map_position_sd_m);
+}
+
 }  // namespace
 
 void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards) {
@@ -106,16 +111,14 @@ void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards) {
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options) {
-  return aircraft.touchdown_uncertainty_m +
-         // In this order an unknown deviation makes an unknown distance, which nothing keeps.
-         std::max(map.position_sd_m, options.min_map_position_sd_m) +
+  return aircraft.touchdown_uncertainty_m + PositionDeviation(map, options) +
          map.grid.cell_size_m * std::sqrt(0.5);
 }
 
 Aircraft WithPositionMargin(Aircraft aircraft,
                             const ElevationMap& map,
                             const ApproachOptions& options) {
-  const double margin = options.path_margin_sigma * map.position_sd_m;
+  const double margin = options.path_margin_sigma * PositionDeviation(map, options);
   aircraft.path_half_width_m += margin;
   // Without a roll the paper's rule holds: the disc alone.
   if (aircraft.ground_roll_m > 0.0) aircraft.ground_roll_m += margin;

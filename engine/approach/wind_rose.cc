@@ -22,12 +22,13 @@ void Require(bool holds, const std::string& message) {
   if (!holds) throw std::invalid_argument("wind_rose." + message);
 }
 
-// What all winds share.
+// What all winds share, and for each height of the start, in order, what its paths can reach.
 struct Ground {
   FootprintContent content;
   TouchdownCandidates candidates;
   std::optional<Refusal> refusal;
-  ClearanceSurface surface;
+  std::vector<Aircraft> aircraft;
+  std::vector<ClearanceSurface> surfaces;
 };
 
 Ground PrepareGround(const ElevationMap& map,
@@ -43,12 +44,16 @@ Ground PrepareGround(const ElevationMap& map,
   if (ground.refusal) return ground;
   ground.candidates =
       SelectCandidates(ground.content.touchdowns, required, map.grid.cell_size_m, options);
-  std::vector<WindScenario> scenarios;
-  for (const double speed : speeds) {
-    scenarios.push_back({ApproachDistance(aircraft, speed), LoiterRadius(aircraft, speed)});
+  for (const double ratio : options.start_height_ratios) {
+    const Aircraft higher = WithStartHeight(aircraft, ratio);
+    std::vector<WindScenario> scenarios;
+    for (const double speed : speeds) {
+      scenarios.push_back({ApproachDistance(higher, speed), LoiterRadius(higher, speed)});
+    }
+    ground.surfaces.push_back(
+        MakeClearanceSurface(map, hazards, request.footprint, scenarios, higher, options));
+    ground.aircraft.push_back(higher);
   }
-  ground.surface =
-      MakeClearanceSurface(map, hazards, request.footprint, scenarios, aircraft, options);
   return ground;
 }
 
@@ -71,8 +76,9 @@ WindRoseEntry RefusedEntry(const Ground& ground,
 
 double FiniteOrNaN(double value) { return std::isfinite(value) ? value : kNaN; }
 
-WindRoseEntry EntryOf(const Attempt& attempt) {
+WindRoseEntry EntryOf(const Attempt& attempt, const Aircraft& aircraft) {
   WindRoseEntry entry;
+  entry.approach_height = aircraft.approach_height_m;
   entry.verdict = attempt.verdict;
   entry.reject_reason = attempt.reason;
   entry.touchdown_in_world = attempt.touchdown.place_in_world;
@@ -88,17 +94,30 @@ WindRoseEntry EntryOf(const Attempt& attempt) {
 }
 
 WindRoseEntry PlanWind(const Ground& ground,
-                       const WindCase& wind,
+                       const Eigen::Vector2d& towards,
+                       double speed,
                        const PlanRequest& request,
                        const Aircraft& aircraft,
                        const ApproachOptions& options) {
+  const WindCase lowest_wind = AgainstWind(towards, speed, aircraft);
   std::optional<Refusal> refusal = ground.refusal;
-  if (!refusal) refusal = RefuseWind(wind);
-  if (refusal) return RefusedEntry(ground, request, refusal->reason, wind.headings.front());
-  const auto cells = MakeHeadingCells(wind, ground.surface, aircraft, options);
-  const AttemptContext context{ground.surface, wind, aircraft, options, cells};
-  const Touchdown touchdown = SearchTouchdown(ground.candidates, context).best.touchdown;
-  return EntryOf(Try(touchdown, 0, context, Depth::kEverything));
+  if (!refusal) refusal = RefuseWind(lowest_wind);
+  if (refusal) {
+    return RefusedEntry(ground, request, refusal->reason, lowest_wind.headings.front());
+  }
+  std::optional<WindRoseEntry> lowest;
+  for (size_t i = 0; i < ground.surfaces.size(); ++i) {
+    const WindCase wind = AgainstWind(towards, speed, ground.aircraft[i]);
+    const auto cells = MakeHeadingCells(wind, ground.surfaces[i], ground.aircraft[i], options);
+    const AttemptContext context{ground.surfaces[i], wind, ground.aircraft[i], options, cells};
+    const Touchdown touchdown = SearchTouchdown(ground.candidates, context).best.touchdown;
+    const WindRoseEntry entry =
+        EntryOf(Try(touchdown, 0, context, Depth::kEverything), ground.aircraft[i]);
+    if (entry.verdict != Verdict::kRejected) return entry;
+    if (!lowest) lowest = entry;
+    if (lowest->reject_reason != RejectReason::kLoiterBlocked) break;
+  }
+  return *lowest;
 }
 
 // Places in a row of the table that enclose a value, and how far between them it lies.
@@ -134,8 +153,9 @@ bool IsSafer(const WindRoseEntry& a, const WindRoseEntry& b) {
 
 WindRoseEntry LessSafe(const WindRoseEntry& a, const WindRoseEntry& b) {
   WindRoseEntry entry = IsSafer(a, b) ? b : a;
-  const bool is_one_place = a.touchdown_in_world == b.touchdown_in_world;
-  if (!is_one_place) entry.verdict = std::max(entry.verdict, Verdict::kUnverified);
+  const bool is_one_path = a.touchdown_in_world == b.touchdown_in_world &&
+                           a.approach_height == b.approach_height;
+  if (!is_one_path) entry.verdict = std::max(entry.verdict, Verdict::kUnverified);
   entry.hazard_distance = std::min(a.hazard_distance, b.hazard_distance);
   entry.min_clearance = Least(a.min_clearance, b.min_clearance);
   entry.clearance_ratio = Least(a.clearance_ratio, b.clearance_ratio);
@@ -179,8 +199,7 @@ WindRose PlanWindRose(const ElevationMap& map,
   for (const double speed : rose.speeds) {
     for (int i = 0; i < rose.num_directions; ++i) {
       const Eigen::Vector2d towards = DirectionOf(2.0 * kPi * i / rose.num_directions);
-      const WindCase wind = AgainstWind(towards, speed, aircraft);
-      rose.entries.push_back(PlanWind(ground, wind, request, aircraft, options));
+      rose.entries.push_back(PlanWind(ground, towards, speed, request, aircraft, options));
     }
   }
   return rose;

@@ -195,8 +195,9 @@ void RegionTracker::Assign(const ViewStamp& stamp, const std::vector<Detection>&
       added.push_back(NewRegion(next_id_++, stamp, detection));
     }
   }
-  for (size_t i = 0; i < detections_of.size(); ++i)
+  for (size_t i = 0; i < detections_of.size(); ++i) {
     UpdateCorners(tracked_[i], detections_of[i], options_);
+  }
   for (TrackedRegion& tracked : added) tracked_.push_back(std::move(tracked));
 }
 

@@ -129,6 +129,50 @@ TEST_CASE("further fields: an evaluation without a map, and an unknown distance,
   CHECK(FurtherFields(WholeRegion(), MeadowWithHedges({-20.0}), unknown, kUncutM).empty());
 }
 
+// A site of the region that touches down here, or one that is refused.
+Site SiteAt(const Region& region, const Eigen::Vector2d& place, Verdict verdict) {
+  Site site;
+  site.region = region;
+  site.plan.verdict = verdict;
+  site.plan.touchdown_in_world << place, kGroundM;
+  return site;
+}
+
+// Sites of a meadow with two hedges, whose own one lies in the middle: its pieces are planned as
+// given, and always touch down in their centre.
+std::vector<Site> SitesWith(Verdict own, Verdict others, const PipelineOptions& options) {
+  Evaluation evaluation = MeadowWithHedges({-35.0, 35.0});
+  evaluation.sites = {SiteAt(WholeRegion(), {0.0, 0.0}, own)};
+  AddFurtherSites(evaluation, Aircraft{}, options, [&](const Region& field) {
+    return SiteAt(field, field.Center().head<2>(), others);
+  });
+  return evaluation.sites;
+}
+
+TEST_CASE("further fields: each that one can land on gets a site, numbered, none beside another") {
+  PipelineOptions options;
+  const double half_m = 0.5 * options.backend.further_field_extent_m;
+  const std::vector<Site> sites = SitesWith(Verdict::kLandable, Verdict::kUnverified, options);
+  REQUIRE(sites.size() > 2);
+  for (size_t i = 0; i < sites.size(); ++i) {
+    CHECK(sites[i].field_number == static_cast<int>(i) + 1);
+    CHECK(sites[i].region.id == 4);
+    for (size_t j = 0; j < i; ++j) {
+      CHECK((sites[i].plan.touchdown_in_world - sites[j].plan.touchdown_in_world).norm() >= half_m);
+    }
+  }
+  options.backend.max_num_further_fields = 1;
+  CHECK(SitesWith(Verdict::kLandable, Verdict::kUnverified, options).size() == 2);
+  options.backend.max_num_further_fields = 0;
+  CHECK(SitesWith(Verdict::kLandable, Verdict::kUnverified, options).size() == 1);
+}
+
+TEST_CASE("further fields: refused ones get none, nor do those of a region whose own is refused") {
+  const PipelineOptions options;
+  CHECK(SitesWith(Verdict::kLandable, Verdict::kRejected, options).size() == 1);
+  CHECK(SitesWith(Verdict::kRejected, Verdict::kLandable, options).size() == 1);
+}
+
 TEST_CASE("further fields: their number and extent are checked") {
   BackendOptions options;
   options.max_num_further_fields = 0;

@@ -58,8 +58,7 @@ TEST_CASE(
   CHECK(client.Get("/readyz")->status == 503);
   CHECK(GetJson(client, "/v1/flights")["flights"].size() == 2);
   CHECK(client.Get("/v1/sites")->status == 200);
-  // Images leave the database room enough to make room.
-  // Small ones neither, that would have found a place.
+  // Small images do not find a place that large ones left.
   int num_small = 0;
   for (; num_small < kMaxNumUploads; ++num_small) {
     const std::string small = NoiseImage(1000 + num_small);
@@ -69,6 +68,7 @@ TEST_CASE(
   }
   CheckProblem(result, 507, "StorageFull");
   const auto space = std::filesystem::space(folder.path() / "data");
+  // Images leave the database room enough to make room.
   CHECK(space.available > space.capacity / 32);
   CHECK(client.Delete("/v1/flights/" + unwanted)->status == 204);
   // More room on the same disk; the server is not started again.

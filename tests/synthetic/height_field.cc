@@ -85,6 +85,17 @@ float DescentPerCell(float slide) {
 
 }  // namespace
 
+Descent DescentThrough(const HeightRange& layer,
+                       const Eigen::Vector3d& origin,
+                       const Eigen::Vector2d& slide) {
+  Descent ray;
+  ray.top = layer.top;
+  ray.limit = layer.top - layer.bottom;
+  ray.entry = (origin.head<2>() + (origin.z() - layer.top) * slide).cast<float>();
+  ray.slide = slide.cast<float>();
+  return ray;
+}
+
 HeightField::HeightField(const cv::Mat1f& surface)
     : surface_(surface), block_top_(BlockTops(surface)) {
   Level level{1, surface, surface};

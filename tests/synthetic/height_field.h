@@ -26,6 +26,12 @@ struct Descent {
   Eigen::Vector2f CellAt(float depth) const { return entry + depth * slide; }
 };
 
+// Through the layer of heights that rays from `origin` (cells, metres) can meet; `slide` in cells
+// per metre of descent.
+Descent DescentThrough(const HeightRange& layer,
+                       const Eigen::Vector3d& origin,
+                       const Eigen::Vector2d& slide);
+
 class HeightField {
  public:
   // Keeps the grid, which must not change.

@@ -17,17 +17,6 @@ World SmallFarmland() {
   return MakeFarmland(options);
 }
 
-Descent DescentFrom(const Eigen::Vector3d& origin,
-                    const Eigen::Vector2d& slide,
-                    const HeightRange& layer) {
-  Descent ray;
-  ray.top = layer.top;
-  ray.limit = layer.top - layer.bottom;
-  ray.entry = (origin.head<2>() + (origin.z() - layer.top) * slide).cast<float>();
-  ray.slide = slide.cast<float>();
-  return ray;
-}
-
 TEST_CASE("height field: many rays started together meet what each of them meets in small steps") {
   constexpr double kStepM = 0.02;
   constexpr double kMaxErrorM = 0.06;
@@ -48,7 +37,7 @@ TEST_CASE("height field: many rays started together meet what each of them meets
         while (z > surface_under()) z -= kStepM;
         CHECK(z < layer.top + kMaxErrorM);
         CHECK(z > layer.bottom - kMaxErrorM);
-        const float depth = field.HitDepth(DescentFrom(origin, slide, layer));
+        const float depth = field.HitDepth(DescentThrough(layer, origin, slide));
         num_apart += std::abs(layer.top - depth - z) > kMaxErrorM;
         ++num_rays;
       }
@@ -66,7 +55,7 @@ TEST_CASE("height field: level ground is one height, and rays beyond the edge me
   const HeightRange layer = field.LayerMetBy(origin, slides);
   CHECK(layer.top == 3.0f);
   CHECK(layer.bottom == 3.0f);
-  CHECK(field.HitDepth(DescentFrom(origin, slides.min(), layer)) == 0.0f);
+  CHECK(field.HitDepth(DescentThrough(layer, origin, slides.min())) == 0.0f);
 }
 
 TEST_CASE("renderer: the number of threads changes no byte") {

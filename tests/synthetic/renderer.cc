@@ -95,17 +95,6 @@ class Rays {
   bool is_straight_;
 };
 
-Descent DescentOf(const Eigen::Vector3d& origin,
-                  const Eigen::Vector2d& slide,
-                  const HeightRange& layer) {
-  Descent ray;
-  ray.top = layer.top;
-  ray.limit = layer.top - layer.bottom;
-  ray.entry = (origin.head<2>() + (origin.z() - layer.top) * slide).cast<float>();
-  ray.slide = slide.cast<float>();
-  return ray;
-}
-
 // Follows the rays of one photograph, a square of pixels at a time.
 class Tracer {
  public:
@@ -153,7 +142,7 @@ class Tracer {
   }
 
   Eigen::Vector3f LightAlong(const Eigen::Vector2d& slide, const HeightRange& layer) const {
-    const Descent ray = DescentOf(origin_, slide, layer);
+    const Descent ray = DescentThrough(layer, origin_, slide);
     const float depth = field_.HitDepth(ray);
     const Eigen::Vector2f cell = ray.CellAt(depth);
     return leaves_.Gain(cell, layer.top - depth) * RadianceAt(world_.radiance, cell);
@@ -182,7 +171,7 @@ std::optional<Eigen::Vector3d> Renderer::FirstHit(const Eigen::Vector3d& origin_
   const Eigen::Vector2d slide = slide_m / world_.cell_size_m;
   const Eigen::Vector3d origin = CellsFrom(origin_in_world);
   const HeightRange layer = field_.LayerMetBy(origin, Eigen::AlignedBox2d(slide));
-  const double depth = field_.HitDepth(DescentOf(origin, slide, layer));
+  const double depth = field_.HitDepth(DescentThrough(layer, origin, slide));
   const double z = layer.top - depth;
   const Eigen::Vector2d hit_m = origin_in_world.head<2>() + (origin_in_world.z() - z) * slide_m;
   return Eigen::Vector3d(hit_m.x(), hit_m.y(), z);

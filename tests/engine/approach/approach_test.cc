@@ -214,6 +214,47 @@ TEST_CASE("approach: circles partly off the map leave it unverified, blocked one
   CHECK(blocked.reject_detail.find("both loiter circles") == 0);
 }
 
+// Woods on both sides of the final, with room for it between them; circles lie over them.
+Scene BetweenWoods(double wood_height) {
+  Scene meadow = FlatMeadow(400, 240);
+  AddBlock(meadow, {-115, -195}, {-14, -10}, wood_height);
+  AddBlock(meadow, {14, -195}, {115, -10}, wood_height);
+  return meadow;
+}
+
+TEST_CASE("approach: above blocked circles a higher start of the same final is found") {
+  const PlanRequest request = Request(Box({-10, 0}, {10, 20}), Eigen::Vector2d(0.0, -4.0));
+  const Scene meadow = BetweenWoods(15.0);
+  const Plan plan = PlanOn(meadow, request);
+  REQUIRE(plan.verdict == Verdict::kLandable);
+  const Approach& approach = *plan.approach;
+  CHECK(approach.approach_height == doctest::Approx(2.0 * Nimble().approach_height_m));
+  CHECK(approach.approach_distance == doctest::Approx(2.0 * ApproachDistance(Nimble(), 4.0)));
+  CHECK(approach.approach_start_in_world.z() == doctest::Approx(approach.approach_height));
+  CHECK(approach.min_clearance <= approach.approach_height - 15.0);
+  REQUIRE_FALSE(plan.rejections.empty());
+  CHECK(plan.rejections.front().reason == RejectReason::kLoiterBlocked);
+  // Nothing higher than needed, and nothing where all are blocked.
+  CHECK(PlanOn(BetweenWoods(5.0), request).approach->approach_height ==
+        doctest::Approx(Nimble().approach_height_m));
+  CHECK(PlanOn(BetweenWoods(29.0), request).reject_reason == RejectReason::kLoiterBlocked);
+  ApproachOptions lowest_alone;
+  lowest_alone.start_height_ratios = {1.0};
+  CHECK(PlanOn(meadow, request, Nimble(), lowest_alone).reject_reason ==
+        RejectReason::kLoiterBlocked);
+}
+
+TEST_CASE("approach: a longer final must be seen and clear to its start") {
+  const PlanRequest request = Request(Box({-10, 0}, {10, 20}), Eigen::Vector2d(0.0, -4.0));
+  Scene walled = BetweenWoods(15.0);
+  // Below the higher start only.
+  AddBlock(walled, {-14, -70}, {14, -60}, 19.0);
+  CHECK(PlanOn(walled, request).reject_reason == RejectReason::kLoiterBlocked);
+  Scene unseen = BetweenWoods(15.0);
+  AddUnseen(unseen, {-14, -70}, {14, -60});
+  CHECK(PlanOn(unseen, request).reject_reason == RejectReason::kLoiterBlocked);
+}
+
 TEST_CASE("approach: what lies behind touchdown must be free for the ground roll") {
   Scene meadow = FlatMeadow(240, 240);
   AddBlock(meadow, {-120, 18}, {120, 20}, 0.0);  // a ditch north of the field

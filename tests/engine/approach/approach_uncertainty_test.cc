@@ -44,13 +44,15 @@ TEST_CASE("uncertainty: the circle clears the lean of its own distance from touc
   AddBlock(meadow, {-60, start_y - 30}, {60, start_y - 12}, 6.0);
   CHECK(PlanOn(meadow).verdict == Verdict::kLandable);
   meadow.map.tilt_sd_deg = 1.5;  // 3.4 m at 65 m
-  const Plan plan = PlanOn(meadow);
+  ApproachOptions lowest_alone;
+  lowest_alone.start_height_ratios = {1.0};
+  const Plan plan = PlanOn(meadow, lowest_alone);
   CHECK(plan.verdict == Verdict::kRejected);
   CHECK(plan.reject_reason == RejectReason::kLoiterBlocked);
 }
 
 // Just outside the corridor, the strip's side and its end; in metres from touchdown, flying north.
-constexpr double kBesideM = 2.5;
+constexpr double kBesideM = 4.0;
 
 TEST_CASE(
     "uncertainty: what stands beside the path may stand in it, where the map may be shifted") {

@@ -18,7 +18,7 @@ using scene::Scene;
 // a little more.
 Plan PlanThroughGap(double gap_east, const ApproachOptions& options) {
   Scene meadow = FlatMeadow(240, 320);
-  const double half_width = Nimble().path_half_width_m + 3.0;
+  const double half_width = Nimble().path_half_width_m + 5.0;
   scene::ForCells(meadow, {-160, -21}, {160, -19}, [&](int row, int col) {
     const double east = meadow.CellCenter(row, col).x();
     if (std::abs(east - gap_east) > half_width) meadow.map.upper(row, col) += 7.0f;

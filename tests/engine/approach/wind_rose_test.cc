@@ -65,6 +65,7 @@ TEST_CASE("wind rose: each of its entries is what a plan for that wind answers")
       if (!plan.approach) continue;
       CHECK(entry.min_clearance == doctest::Approx(plan.approach->min_clearance));
       CHECK(entry.unseen_ratio == plan.approach->unseen_ratio);
+      CHECK(entry.approach_height == plan.approach->approach_height);
       CHECK(std::abs(WrapAngle(entry.heading - plan.approach->heading)) < kSameM);
       CHECK(entry.loiter_direction == plan.approach->loiter_direction);
     }

@@ -8,8 +8,12 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/engine/hazard/photo.h"
+
 namespace freelsd {
 namespace {
+
+using photo::NadirView;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr uint8_t kSurelyGrass = 255;
@@ -41,20 +45,6 @@ ElevationMap Tilted(int num_cells, double slope_deg, double aspect_deg) {
 }
 
 ElevationMap FlatMap(int num_cells) { return Tilted(num_cells, 0.0, 0.0); }
-
-// Looks straight down from 100 m over the origin, image top north; the mask covers 100 x 100 m with
-// one pixel per metre.
-GrassView NadirView(uint8_t value) {
-  GrassView view;
-  view.world_from_camera.rotation = Eigen::Quaterniond(0, 1, 0, 0);
-  view.world_from_camera.translation = {0.0, 0.0, 200.0};
-  view.camera.width_px = view.camera.height_px = 400;
-  view.camera.fx_px = view.camera.fy_px = 400.0;
-  view.camera.cx_px = view.camera.cy_px = 199.5;
-  view.mask = cv::Mat1b(100, 100, value);
-  view.image_px_per_mask_px = 4.0;
-  return view;
-}
 
 void MakeUnseen(ElevationMap& map, int row, int col) {
   map.elevation(row, col) = map.upper(row, col) = kNaN;

@@ -15,6 +15,7 @@ using photo::Paint;
 using photo::Painted;
 
 constexpr double kSideM = 120.0;
+constexpr uint8_t kSurelyGrass = 255;
 constexpr double kFieldHalfM = 30.0;
 // Waves of an even water surface, grey levels.
 constexpr double kWaterNoise = 0.8;
@@ -188,23 +189,11 @@ ElevationMap FlatMapOn(const Grid& grid) {
   return map;
 }
 
-GrassView AllGrass() {
-  GrassView view;
-  view.world_from_camera.rotation = Eigen::Quaterniond(0, 1, 0, 0);
-  view.world_from_camera.translation = {0.0, 0.0, 200.0};
-  view.camera.width_px = view.camera.height_px = 400;
-  view.camera.fx_px = view.camera.fy_px = 400.0;
-  view.camera.cx_px = view.camera.cy_px = 199.5;
-  view.mask = cv::Mat1b(100, 100, uint8_t{255});
-  view.image_px_per_mask_px = 4.0;
-  return view;
-}
-
 TEST_CASE("look-alikes: with a photograph such cells are hazard and no grass, under any limits") {
   const Orthophoto photo = Countryside();
   const ElevationMap map = FlatMapOn(MapGridOf(photo));
-  const HazardLayers without = AssessHazards(map, {AllGrass()}, {}, {});
-  const HazardLayers with = AssessHazards(map, {AllGrass()}, {}, {}, photo);
+  const HazardLayers without = AssessHazards(map, {photo::NadirView(kSurelyGrass)}, {}, {});
+  const HazardLayers with = AssessHazards(map, {photo::NadirView(kSurelyGrass)}, {}, {}, photo);
   const HazardLayers renewed = WithLimits(map, with, {.max_slope_deg = 20.0}, {});
   for (const Eigen::Vector2d& place : {kInRows, kInPond, kInTracks}) {
     const cv::Point cell = *map.grid.CellAt(place);
@@ -222,8 +211,8 @@ TEST_CASE("look-alikes: with a photograph such cells are hazard and no grass, un
 TEST_CASE("look-alikes: a picture in which all is as it should be changes nothing") {
   const Orthophoto photo = Painted(kSideM, Meadow());
   const ElevationMap map = FlatMapOn(MapGridOf(photo));
-  const HazardLayers without = AssessHazards(map, {AllGrass()}, {}, {});
-  const HazardLayers with = AssessHazards(map, {AllGrass()}, {}, {}, photo);
+  const HazardLayers without = AssessHazards(map, {photo::NadirView(kSurelyGrass)}, {}, {});
+  const HazardLayers with = AssessHazards(map, {photo::NadirView(kSurelyGrass)}, {}, {}, photo);
   CHECK(cv::countNonZero(with.hazard != without.hazard) == 0);
   CHECK(cv::countNonZero(without.hazard == kFree) > 0);
 }
