@@ -251,6 +251,11 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("min_row_spacing_m", o.min_row_spacing_m, "of crops in rows");
   visit("max_row_spacing_m", o.max_row_spacing_m, "of crops in rows");
   visit("min_detail_ratio", o.min_detail_ratio, "less is water; 0: not looked for");
+  visit("min_object_deviations",
+        o.min_object_deviations,
+        "of its surroundings, by which a thing stands out of a meadow; 0: not looked for");
+  visit("object_surroundings_m", o.object_surroundings_m, "side of the square of surroundings");
+  visit("min_object_area_m2", o.min_object_area_m2, "smaller ones are no things");
 }
 
 template <class Visitor>

@@ -153,8 +153,8 @@ bool IsSafer(const WindRoseEntry& a, const WindRoseEntry& b) {
 
 WindRoseEntry LessSafe(const WindRoseEntry& a, const WindRoseEntry& b) {
   WindRoseEntry entry = IsSafer(a, b) ? b : a;
-  const bool is_one_path = a.touchdown_in_world == b.touchdown_in_world &&
-                           a.approach_height == b.approach_height;
+  const bool is_one_path =
+      a.touchdown_in_world == b.touchdown_in_world && a.approach_height == b.approach_height;
   if (!is_one_path) entry.verdict = std::max(entry.verdict, Verdict::kUnverified);
   entry.hazard_distance = std::min(a.hazard_distance, b.hazard_distance);
   entry.min_clearance = Least(a.min_clearance, b.min_clearance);

@@ -88,6 +88,9 @@ void HazardOptions::Check() const {
       {"max_row_spacing_m", max_row_spacing_m, 0.1, 10.0},
       {"min_row_spacing_m", min_row_spacing_m, 0.1, max_row_spacing_m},
       {"min_detail_ratio", min_detail_ratio, 0.0, 1.0},
+      {"min_object_deviations", min_object_deviations, 0.0, 1000.0},
+      {"object_surroundings_m", object_surroundings_m, 1.0, 40.0},
+      {"min_object_area_m2", min_object_area_m2, 0.0, 1000.0},
   };
   for (const Bound& bound : bounds) RequireInside(bound);
 }

@@ -45,7 +45,7 @@ struct HazardOptions {
   double max_standard_deviation_m = 1.0;
   // --- What looks like grass from above, and is not ---
   // How much less green a rut is than the plants beside it, as a share of the brightness, over the
-  // length of the filter. 0: crops are not looked for, as in the paper.
+  // length of the filter. 0: tracks are not looked for, as in the paper.
   double min_rut_contrast = 0.03;
   double rut_filter_length_m = 8.0;
   double min_track_length_m = 15.0;
@@ -65,6 +65,11 @@ struct HazardOptions {
   // Water with algae has less fine detail than this, as a share of the brightness. 0: not looked
   // for.
   double min_detail_ratio = 0.015;
+  // Boulders, animals, cars: what stands out of its surroundings in colour or brightness by so many
+  // of their deviations, over at least that area. 0: not looked for.
+  double min_object_deviations = 7.0;
+  double object_surroundings_m = 10.0;
+  double min_object_area_m2 = 0.4;
 
   void Check() const;
 };
@@ -105,8 +110,8 @@ struct HazardLayers {
   cv::Mat1f distance;
 };
 
-// Where the photograph shows a green crop there is no grass, whatever the views say; without one
-// (an empty picture) crops are not looked for.
+// Where the photograph shows a green crop, water or a thing that stands in the meadow, there is no
+// grass, whatever the views say; without one (an empty picture) they are not looked for.
 HazardLayers AssessHazards(const ElevationMap& map,
                            const std::vector<GrassView>& grass_views,
                            const HazardLimits& limits,

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/hazard/photo_bands.h"
+#include "engine/hazard/small_objects.h"
 #include "engine/hazard/wheel_tracks.h"
 
 namespace freelsd {
@@ -248,6 +249,7 @@ cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const Hazard
     cv::Mat1b in_band = cv::Mat1b::zeros(band.photo.image.size());
     if (options.min_row_strength > 0.0) in_band |= RowCrops(band.photo, options);
     if (options.min_detail_ratio > 0.0) in_band |= StillWater(band.photo, options);
+    if (options.min_object_deviations > 0.0) in_band |= SmallObjects(band.photo, options);
     const cv::Range own(band.first_row, band.end_row);
     in_band.rowRange(own - band.photo_first_row).copyTo(fine.rowRange(own));
   }

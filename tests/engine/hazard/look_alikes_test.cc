@@ -230,7 +230,8 @@ TEST_CASE("look-alikes: options out of bounds are refused by name") {
   };
   using O = HazardOptions;
   CHECK(message_of([](O& o) {
-          o.min_rut_contrast = o.min_row_strength = o.min_detail_ratio = 0;
+          o.min_rut_contrast = o.min_row_strength = o.min_detail_ratio = o.min_object_deviations =
+              0;
         }).empty());
   CHECK(message_of([](O& o) { o.min_rut_contrast = 1.5; }) ==
         "hazard.min_rut_contrast = 1.5: must be in [0, 1]");
@@ -243,6 +244,8 @@ TEST_CASE("look-alikes: options out of bounds are refused by name") {
   CHECK_FALSE(message_of([](O& o) { o.min_row_spacing_m = 0.0; }).empty());
   CHECK_FALSE(message_of([](O& o) { o.max_row_spacing_m = 11.0; }).empty());
   CHECK_FALSE(message_of([](O& o) { o.min_detail_ratio = -0.1; }).empty());
+  CHECK_FALSE(message_of([](O& o) { o.min_object_deviations = -1.0; }).empty());
+  CHECK_FALSE(message_of([](O& o) { o.object_surroundings_m = 0.0; }).empty());
 }
 
 TEST_CASE("look-alikes: a range that holds nothing is refused: it would switch a rule off") {
