@@ -269,6 +269,10 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("min_clear_class_posterior",
         o.min_clear_class_posterior,
         "of grass, below which a cell under the path is unclear");
+  visit("bare_ground_radius_m",
+        o.bare_ground_radius_m,
+        "within which all is seen and even where unclear ground is bare");
+  visit("max_bare_roughness_m", o.max_bare_roughness_m, "of such ground");
   visit(
       "max_height_sd_m", o.max_height_sd_m, "cells above it are as good as unseen under the path");
   visit("tilt_sigma", o.tilt_sigma, "deviations of the map's tilt that a path clears too");
@@ -286,6 +290,9 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
         o.start_height_ratios,
         "heights of the start tried where circles are blocked, in approach heights");
   visit("candidate_spacing_m", o.candidate_spacing_m, "between touchdown candidates");
+  visit("max_crosswind_ratio",
+        o.max_crosswind_ratio,
+        "of the landing airspeed, where no final into the wind is good");
   visit("heading_step_deg",
         o.heading_step_deg,
         "of headings tried where the wind is calm or unknown");

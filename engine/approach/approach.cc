@@ -73,17 +73,17 @@ Plan WithAttempt(Plan plan, const Attempt& attempt, const AttemptContext& contex
   return Refused(std::move(plan), {rejection.reason, rejection.detail});
 }
 
-// Of an aircraft that has its margins already.
-Plan PlanFromHeight(const ElevationMap& map,
-                    const HazardLayers& hazards,
-                    const FootprintContent& content,
-                    const PlanRequest& request,
-                    const Aircraft& aircraft,
-                    const ApproachOptions& options) {
-  const WindCase wind = MakeWindCase(request.wind_in_world, aircraft, options);
+// Without a path where ground or wind speak against all of them.
+Plan PlanWay(const ElevationMap& map,
+             const HazardLayers& hazards,
+             const FootprintContent& content,
+             const PlanRequest& request,
+             const Way& way,
+             const ApproachOptions& options) {
+  const Aircraft& aircraft = way.aircraft;
   const double required = RequiredHazardDistance(map, aircraft, options);
   std::optional<Refusal> refusal = RefuseGround(request, content, required, aircraft);
-  if (!refusal) refusal = RefuseWind(wind);
+  if (!refusal) refusal = RefuseWind(way.wind);
   std::optional<Touchdown> touchdown;
   if (!content.touchdowns.empty()) touchdown = content.touchdowns.front();
   if (refusal) {
@@ -94,9 +94,9 @@ Plan PlanFromHeight(const ElevationMap& map,
     return plan;
   }
   const ClearanceSurface surface =
-      MakeClearanceSurface(map, hazards, request.footprint, wind.scenarios, aircraft, options);
-  const std::vector<HeadingCells> cells = MakeHeadingCells(wind, surface, aircraft, options);
-  const AttemptContext context{surface, wind, aircraft, options, cells};
+      MakeClearanceSurface(map, hazards, request.footprint, way.Scenarios(), aircraft, options);
+  const std::vector<HeadingCells> cells = MakeHeadingCells(way.wind, surface, aircraft, options);
+  const AttemptContext context{surface, way.wind, aircraft, options, cells};
   const SearchResult found = SearchTouchdown(
       SelectCandidates(content.touchdowns, required, map.grid.cell_size_m, options), context);
   const Attempt best =
@@ -108,13 +108,12 @@ Plan PlanFromHeight(const ElevationMap& map,
   return plan;
 }
 
-// Says why it is flown from higher up: the circle that the lower start would need.
-Plan AfterLowerStart(Plan plan, const Plan& lower, const ApproachOptions& options) {
+// Says why the way that comes first was not taken.
+Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_rejections);
-  if (limit == 0) return plan;
   plan.rejections.insert(
       plan.rejections.begin(),
-      {lower.touchdown_in_world, *lower.reject_reason, lower.reject_detail, std::nullopt});
+      {first.touchdown_in_world, *first.reject_reason, first.reject_detail, std::nullopt});
   if (plan.rejections.size() > limit) plan.rejections.resize(limit);
   return plan;
 }
@@ -129,19 +128,19 @@ Plan PlanApproach(const ElevationMap& map,
   RequireOneGrid(map, hazards);
   const Aircraft aircraft = WithPositionMargin(profile, map, options);
   const FootprintContent content = ReadFootprint(map, hazards, request.footprint, options);
-  std::optional<Plan> lowest;
-  for (const double ratio : options.start_height_ratios) {
-    const Aircraft higher = WithStartHeight(aircraft, ratio);
-    Plan plan = PlanFromHeight(map, hazards, content, request, higher, options);
-    if (!lowest) {
-      lowest = std::move(plan);
-    } else if (plan.verdict != Verdict::kRejected) {
-      return AfterLowerStart(std::move(plan), *lowest, options);
+  std::optional<Plan> first;
+  bool is_loiter_blocked = false;
+  for (const Way& way : WaysDown(request.wind_in_world, aircraft, options)) {
+    if (way.start_height > 0 && !is_loiter_blocked) break;
+    Plan plan = PlanWay(map, hazards, content, request, way, options);
+    if (plan.verdict != Verdict::kRejected) {
+      return first ? InsteadOf(*first, std::move(plan), options) : plan;
     }
-    // What blocks a final blocks each longer one; what blocks a circle may lie below a higher one.
-    if (lowest->reject_reason != RejectReason::kLoiterBlocked) break;
+    is_loiter_blocked |= plan.reject_reason == RejectReason::kLoiterBlocked;
+    if (!first) first = std::move(plan);
+    if (!first->approach) break;
   }
-  return *std::move(lowest);
+  return *std::move(first);
 }
 
 }  // namespace freelsd

@@ -31,6 +31,10 @@ struct ApproachOptions {
   // Where no wind is known, the final must also be clear with this wind from behind. Paper: 5.5 m/s
   // in the last experiment.
   double unknown_wind_mps = 5.5;
+  // Ground is bare, and gets no such height, where all cells within that distance are seen and no
+  // rougher than this: below a tree's branches they are not.
+  double bare_ground_radius_m = 2.0;
+  double max_bare_roughness_m = 0.5;
   // --- Search ---
   // Touchdown candidates tried per region, best first, at least this far apart; farther where that
   // many would not reach over all of the region's free ground.
@@ -42,7 +46,10 @@ struct ApproachOptions {
   // Where every circle at the aircraft's approach height is blocked, higher starts are tried: their
   // heights in units of it, ascending. The final grows in proportion. Paper: 1 alone.
   std::vector<double> start_height_ratios{1.0, 1.5, 2.0, 3.0};
-  // Headings tried where the wind is unknown or calm.
+  // Where no final into the wind is good, others are tried with no more wind from the side than
+  // this share of the landing airspeed. Paper: 0, into the wind alone.
+  double max_crosswind_ratio = 0.15;
+  // Headings tried where the wind is unknown or calm, or partly from the side.
   double heading_step_deg = 10.0;
   // Below this the heading is free.
   double calm_wind_mps = 0.5;
@@ -160,8 +167,8 @@ struct PlanRequest {
 
 // Touchdown candidates are tried best first (distance to hazard) and the first landable one wins;
 // else the first unverified one of the few, then of the reserve. The search looks at a limited
-// number of places, so it may miss a good place, but never accepts a bad one. A final that is clear
-// below circles that are not is flown from higher up where that is clear. Throws
+// number of places, so it may miss a good place, but never accepts a bad one. Ways down in order: a
+// final into the wind, one across it, and where circles are blocked both from higher up. Throws
 // std::invalid_argument when map and hazards are not of one grid.
 Plan PlanApproach(const ElevationMap& map,
                   const HazardLayers& hazards,

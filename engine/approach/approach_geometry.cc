@@ -19,10 +19,64 @@ double SinkRate(const Aircraft& aircraft) {
   return aircraft.landing_airspeed_mps * std::sin(RadFromDeg(aircraft.flight_path_angle_deg));
 }
 
-std::vector<double> AllHeadings(double step_deg) {
-  std::vector<double> headings;
-  for (int i = 0; i * step_deg < 360.0; ++i) headings.push_back(RadFromDeg(i * step_deg));
+std::vector<HeadingCase> AllHeadings(double step_deg, const std::vector<WindScenario>& scenarios) {
+  std::vector<HeadingCase> headings;
+  for (int i = 0; i * step_deg < 360.0; ++i) {
+    headings.push_back({RadFromDeg(i * step_deg), scenarios});
+  }
   return headings;
+}
+
+// Eq. 1, with the wind that far off the heading.
+double FinalLength(const Aircraft& aircraft, double wind_speed, double off_deg) {
+  const double headwind =
+      wind_speed * std::cos(RadFromDeg(aircraft.crosswind_uncertainty_deg + off_deg));
+  return (GroundSpeed(aircraft) - headwind) / SinkRate(aircraft) * aircraft.approach_height_m;
+}
+
+// Off the wind, as far as the aircraft may have it from the side; none where it blows too little to
+// matter, or so much that it makes no way.
+WindCase AcrossWind(const Eigen::Vector2d& towards,
+                    double wind_speed,
+                    const Aircraft& aircraft,
+                    const ApproachOptions& options) {
+  constexpr double kAbeamDeg = 90.0;
+  WindCase wind = AgainstWind(towards, wind_speed, aircraft);
+  const double into_wind = wind.headings.front().heading;
+  wind.headings.clear();
+  if (wind_speed < options.calm_wind_mps || wind.is_too_strong) return wind;
+  const double most = options.max_crosswind_ratio * aircraft.landing_airspeed_mps;
+  for (int i = 1; i * options.heading_step_deg < kAbeamDeg; ++i) {
+    const double off_deg = i * options.heading_step_deg;
+    if (wind_speed * std::sin(RadFromDeg(off_deg)) > most) break;
+    const WindScenario scenario{FinalLength(aircraft, wind_speed, off_deg),
+                                LoiterRadius(aircraft, wind_speed)};
+    for (const double side : {-1.0, 1.0}) {
+      wind.headings.push_back({into_wind + side * RadFromDeg(off_deg), {scenario}});
+    }
+  }
+  return wind;
+}
+
+Aircraft WithStartHeight(Aircraft aircraft, double ratio) {
+  aircraft.approach_height_m *= ratio;
+  return aircraft;
+}
+
+// For each height of the start what `cases` gives, in its order; without those that have no
+// heading.
+template <class Cases>
+std::vector<Way> FromEachHeight(const Aircraft& aircraft,
+                                const ApproachOptions& options,
+                                const Cases& cases) {
+  std::vector<Way> ways;
+  for (size_t i = 0; i < options.start_height_ratios.size(); ++i) {
+    const Aircraft higher = WithStartHeight(aircraft, options.start_height_ratios[i]);
+    for (WindCase& wind : cases(higher)) {
+      if (!wind.headings.empty()) ways.push_back({i, higher, std::move(wind)});
+    }
+  }
+  return ways;
 }
 
 // From the aircraft to the circle's centre, a quarter turn off the heading.
@@ -35,9 +89,7 @@ Eigen::Vector2d TowardsCenter(double heading, LoiterDirection direction) {
 }  // namespace
 
 double ApproachDistance(const Aircraft& aircraft, double wind_speed) {
-  const double headwind =
-      wind_speed * std::cos(RadFromDeg(aircraft.crosswind_uncertainty_deg));  // Eq. 1
-  return (GroundSpeed(aircraft) - headwind) / SinkRate(aircraft) * aircraft.approach_height_m;
+  return FinalLength(aircraft, wind_speed, 0.0);
 }
 
 double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed) {
@@ -49,11 +101,6 @@ double LoiterRadius(const Aircraft& aircraft, double wind_speed) {
   return speed * speed / (kGravity * std::tan(RadFromDeg(aircraft.max_bank_deg)));
 }
 
-Aircraft WithStartHeight(Aircraft aircraft, double ratio) {
-  aircraft.approach_height_m *= ratio;
-  return aircraft;
-}
-
 WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,
                       const ApproachOptions& options) {
@@ -61,9 +108,9 @@ WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
   const WindScenario calm{ApproachDistance(aircraft, 0.0), LoiterRadius(aircraft, 0.0)};
   if (!wind_in_world) {
     const double worst = options.unknown_wind_mps;
-    wind.headings = AllHeadings(options.heading_step_deg);
-    wind.scenarios = {calm,
-                      {DownwindApproachDistance(aircraft, worst), LoiterRadius(aircraft, worst)}};
+    wind.headings = AllHeadings(
+        options.heading_step_deg,
+        {calm, {DownwindApproachDistance(aircraft, worst), LoiterRadius(aircraft, worst)}});
     return wind;
   }
   if (!wind_in_world->allFinite()) {
@@ -73,8 +120,8 @@ WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
   if (speed >= options.calm_wind_mps) return AgainstWind(*wind_in_world, speed, aircraft);
   wind.is_known = true;
   wind.wind_speed = speed;
-  wind.headings = AllHeadings(options.heading_step_deg);
-  wind.scenarios = {{calm.approach_distance, LoiterRadius(aircraft, speed)}};
+  wind.headings = AllHeadings(options.heading_step_deg,
+                              {{calm.approach_distance, LoiterRadius(aircraft, speed)}});
   return wind;
 }
 
@@ -82,10 +129,41 @@ WindCase AgainstWind(const Eigen::Vector2d& towards, double wind_speed, const Ai
   WindCase wind;
   wind.is_known = true;
   wind.wind_speed = wind_speed;
-  wind.headings = {HeadingOf(-towards)};  // downwind start, into the wind
-  wind.scenarios = {{ApproachDistance(aircraft, wind_speed), LoiterRadius(aircraft, wind_speed)}};
-  wind.is_too_strong = wind.scenarios.front().approach_distance <= 0.0;
+  const WindScenario scenario{ApproachDistance(aircraft, wind_speed),
+                              LoiterRadius(aircraft, wind_speed)};
+  wind.headings = {{HeadingOf(-towards), {scenario}}};  // downwind start, into the wind
+  wind.is_too_strong = scenario.approach_distance <= 0.0;
   return wind;
+}
+
+std::vector<WindScenario> Way::Scenarios() const {
+  std::vector<WindScenario> scenarios;
+  for (const HeadingCase& heading : wind.headings) {
+    scenarios.insert(scenarios.end(), heading.scenarios.begin(), heading.scenarios.end());
+  }
+  return scenarios;
+}
+
+std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
+                          const Aircraft& aircraft,
+                          const ApproachOptions& options) {
+  return FromEachHeight(aircraft, options, [&](const Aircraft& higher) {
+    std::vector<WindCase> cases{MakeWindCase(wind_in_world, higher, options)};
+    if (wind_in_world) {
+      cases.push_back(AcrossWind(*wind_in_world, wind_in_world->norm(), higher, options));
+    }
+    return cases;
+  });
+}
+
+std::vector<Way> WaysAgainst(const Eigen::Vector2d& towards,
+                             double wind_speed,
+                             const Aircraft& aircraft,
+                             const ApproachOptions& options) {
+  return FromEachHeight(aircraft, options, [&](const Aircraft& higher) {
+    return std::vector<WindCase>{AgainstWind(towards, wind_speed, higher),
+                                 AcrossWind(towards, wind_speed, higher, options)};
+  });
 }
 
 Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,

@@ -35,6 +35,11 @@ Approach ApproachOf(const Attempt& attempt,
                       context.aircraft.approach_height_m);
 }
 
+const std::vector<WindScenario>& ScenariosOf(const Attempt& attempt,
+                                             const AttemptContext& context) {
+  return context.wind.headings[attempt.heading_index].scenarios;
+}
+
 CellsBelow Below(const Touchdown& touchdown, const AttemptContext& context) {
   const ClearanceSurface& surface = context.surface;
   return {surface,
@@ -57,13 +62,13 @@ PathCheck FinalOf(const Attempt& attempt,
     const auto glance = Below(attempt.touchdown, context).GlanceAlongFinal(cells);
     if (glance) return *glance;
   }
-  const Approach approach = ApproachOf(attempt, context, context.wind.scenarios[scenario]);
+  const Approach approach = ApproachOf(attempt, context, ScenariosOf(attempt, context)[scenario]);
   return CheckFinal(approach, context.surface, context.aircraft, context.options, depth);
 }
 
 PathCheck FinalOf(const Attempt& attempt, const AttemptContext& context, Depth depth) {
   PathCheck check;
-  for (size_t scenario = 0; scenario < context.wind.scenarios.size(); ++scenario) {
+  for (size_t scenario = 0; scenario < ScenariosOf(attempt, context).size(); ++scenario) {
     check = Worse(check, FinalOf(attempt, scenario, context, depth));
     if (depth == Depth::kUntilFailure && check.clear_ratio < 1.0) break;
   }
@@ -79,13 +84,13 @@ PathCheck CircleOf(const Attempt& attempt,
     return Below(attempt.touchdown, context)
         .CheckCircle(cells, attempt.direction, context.aircraft.approach_height_m);
   }
-  const Approach approach = ApproachOf(attempt, context, context.wind.scenarios[scenario]);
+  const Approach approach = ApproachOf(attempt, context, ScenariosOf(attempt, context)[scenario]);
   return CheckCircle(approach, context.surface, context.aircraft);
 }
 
 PathCheck CircleOf(const Attempt& attempt, const AttemptContext& context, Depth depth) {
   PathCheck check;
-  for (size_t scenario = 0; scenario < context.wind.scenarios.size(); ++scenario) {
+  for (size_t scenario = 0; scenario < ScenariosOf(attempt, context).size(); ++scenario) {
     check = Worse(check, CircleOf(attempt, scenario, context, depth));
     if (depth == Depth::kUntilFailure && check.obstacle) break;
   }
@@ -156,7 +161,7 @@ Attempt Try(const Touchdown& touchdown,
   Attempt attempt;
   attempt.touchdown = touchdown;
   attempt.heading_index = heading_index;
-  attempt.heading = context.wind.headings[heading_index];
+  attempt.heading = context.wind.headings[heading_index].heading;
   if (is_thorough || !IsRollFreeAtAGlance(attempt, context)) {
     attempt.roll_hazard = CheckGroundRoll(
         touchdown.place_in_world, attempt.heading, context.surface, context.aircraft);
@@ -218,7 +223,7 @@ Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
 }
 
 Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context) {
-  Approach approach = ApproachOf(attempt, context, context.wind.scenarios.front());
+  Approach approach = ApproachOf(attempt, context, ScenariosOf(attempt, context).front());
   const double clearance = std::min(attempt.final_path.min_clearance, attempt.circle.min_clearance);
   approach.min_clearance =
       std::isfinite(clearance) ? clearance : std::numeric_limits<double>::quiet_NaN();

@@ -52,16 +52,45 @@ struct CellHeight {
   bool is_unseen = true;
 };
 
+// Cells of `cells` about which all within the radius are seen and even: 1. Under branches they are
+// not, be they of a tree without leaves.
+cv::Mat1b BareGround(const ElevationMap& map,
+                     const HazardLayers& hazards,
+                     const ApproachOptions& options,
+                     const cv::Rect& cells) {
+  const int half = static_cast<int>(std::ceil(options.bare_ground_radius_m / map.grid.cell_size_m));
+  cv::Mat1b is_even(cells.size());
+  for (int row = 0; row < cells.height; ++row) {
+    for (int col = 0; col < cells.width; ++col) {
+      const cv::Point cell = cv::Point(col, row) + cells.tl();
+      // What is no number is not even.
+      is_even(row, col) = hazards.roughness(cell) <= options.max_bare_roughness_m &&
+                          map.upper(cell) - map.elevation(cell) <= options.max_bare_roughness_m &&
+                          map.standard_deviation(cell) <= options.max_height_sd_m;
+    }
+  }
+  cv::Mat1b is_bare;
+  cv::erode(is_even,
+            is_bare,
+            cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * half + 1, 2 * half + 1}),
+            cv::Point(-1, -1),
+            1,
+            cv::BORDER_CONSTANT,
+            cv::Scalar::all(0.0));
+  return is_bare;
+}
+
 CellHeight HeightOf(const ElevationMap& map,
                     const HazardLayers& hazards,
                     const ApproachOptions& options,
-                    const cv::Point& cell) {
+                    const cv::Point& cell,
+                    bool is_bare) {
   const float elevation = map.elevation(cell), upper = map.upper(cell);
   const float top = std::isnan(upper) ? elevation : upper;
   const float sd = map.standard_deviation(cell);
   const bool is_certain = sd <= options.max_height_sd_m;  // an unknown deviation is not
   if (std::isnan(top)) return {};
-  const bool is_clear_class = hazards.grass(cell) >= options.min_clear_class_posterior;
+  const bool is_clear_class = hazards.grass(cell) >= options.min_clear_class_posterior || is_bare;
   const double allowance = is_clear_class ? 0.0 : options.unclear_height_allowance_m;
   return {.height = top + static_cast<float>(allowance),
           .is_unseen = std::isnan(elevation) || std::isnan(upper) || !is_certain};
@@ -117,10 +146,12 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
   surface.is_unseen = cv::Mat1b(cells.size(), uchar{1});
   if (cells.empty()) return surface;
   surface.hazard = hazards.hazard(cells).clone();
+  const cv::Mat1b is_bare = BareGround(map, hazards, options, cells);
   for (int row = 0; row < cells.height; ++row) {
     for (int col = 0; col < cells.width; ++col) {
       const cv::Point cell(col, row);
-      const CellHeight known = HeightOf(map, hazards, options, cell + cells.tl());
+      const CellHeight known =
+          HeightOf(map, hazards, options, cell + cells.tl(), is_bare(cell) != 0);
       surface.height(cell) = known.height;
       surface.is_unseen(cell) = known.is_unseen;
     }

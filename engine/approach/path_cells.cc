@@ -94,10 +94,10 @@ std::vector<HeadingCells> MakeHeadingCells(const WindCase& wind,
                                            const Aircraft& aircraft,
                                            const ApproachOptions& options) {
   std::vector<HeadingCells> headings;
-  for (const double heading : wind.headings) {
-    HeadingCells cells{RollCells(heading, surface, aircraft), {}};
-    for (const WindScenario& scenario : wind.scenarios) {
-      cells.scenarios.push_back(CellsOf(heading, scenario, surface, aircraft, options));
+  for (const HeadingCase& flown : wind.headings) {
+    HeadingCells cells{RollCells(flown.heading, surface, aircraft), {}};
+    for (const WindScenario& scenario : flown.scenarios) {
+      cells.scenarios.push_back(CellsOf(flown.heading, scenario, surface, aircraft, options));
     }
     headings.push_back(std::move(cells));
   }

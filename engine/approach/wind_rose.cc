@@ -22,14 +22,16 @@ void Require(bool holds, const std::string& message) {
   if (!holds) throw std::invalid_argument("wind_rose." + message);
 }
 
-// What all winds share, and for each height of the start, in order, what its paths can reach.
+// What all winds share.
 struct Ground {
   FootprintContent content;
   TouchdownCandidates candidates;
   std::optional<Refusal> refusal;
-  std::vector<Aircraft> aircraft;
+  // What paths from each height of the start can reach.
   std::vector<ClearanceSurface> surfaces;
 };
+
+const Eigen::Vector2d kAnyDirection(0.0, 1.0);
 
 Ground PrepareGround(const ElevationMap& map,
                      const HazardLayers& hazards,
@@ -44,15 +46,19 @@ Ground PrepareGround(const ElevationMap& map,
   if (ground.refusal) return ground;
   ground.candidates =
       SelectCandidates(ground.content.touchdowns, required, map.grid.cell_size_m, options);
-  for (const double ratio : options.start_height_ratios) {
-    const Aircraft higher = WithStartHeight(aircraft, ratio);
-    std::vector<WindScenario> scenarios;
-    for (const double speed : speeds) {
-      scenarios.push_back({ApproachDistance(higher, speed), LoiterRadius(higher, speed)});
+  std::vector<std::vector<WindScenario>> scenarios(options.start_height_ratios.size());
+  std::vector<Aircraft> from_height(scenarios.size());
+  for (const double speed : speeds) {
+    for (const Way& way : WaysAgainst(kAnyDirection, speed, aircraft, options)) {
+      const std::vector<WindScenario> more = way.Scenarios();
+      scenarios[way.start_height].insert(
+          scenarios[way.start_height].end(), more.begin(), more.end());
+      from_height[way.start_height] = way.aircraft;
     }
-    ground.surfaces.push_back(
-        MakeClearanceSurface(map, hazards, request.footprint, scenarios, higher, options));
-    ground.aircraft.push_back(higher);
+  }
+  for (size_t i = 0; i < scenarios.size(); ++i) {
+    ground.surfaces.push_back(MakeClearanceSurface(
+        map, hazards, request.footprint, scenarios[i], from_height[i], options));
   }
   return ground;
 }
@@ -99,25 +105,26 @@ WindRoseEntry PlanWind(const Ground& ground,
                        const PlanRequest& request,
                        const Aircraft& aircraft,
                        const ApproachOptions& options) {
-  const WindCase lowest_wind = AgainstWind(towards, speed, aircraft);
-  std::optional<Refusal> refusal = ground.refusal;
-  if (!refusal) refusal = RefuseWind(lowest_wind);
-  if (refusal) {
-    return RefusedEntry(ground, request, refusal->reason, lowest_wind.headings.front());
-  }
-  std::optional<WindRoseEntry> lowest;
-  for (size_t i = 0; i < ground.surfaces.size(); ++i) {
-    const WindCase wind = AgainstWind(towards, speed, ground.aircraft[i]);
-    const auto cells = MakeHeadingCells(wind, ground.surfaces[i], ground.aircraft[i], options);
-    const AttemptContext context{ground.surfaces[i], wind, ground.aircraft[i], options, cells};
-    const Touchdown touchdown = SearchTouchdown(ground.candidates, context).best.touchdown;
+  std::optional<WindRoseEntry> first;
+  bool is_loiter_blocked = false;
+  for (const Way& way : WaysAgainst(towards, speed, aircraft, options)) {
+    if (way.start_height > 0 && !is_loiter_blocked) break;
+    std::optional<Refusal> refusal = ground.refusal;
+    if (!refusal) refusal = RefuseWind(way.wind);
+    if (refusal) {
+      return RefusedEntry(ground, request, refusal->reason, way.wind.headings.front().heading);
+    }
+    const ClearanceSurface& surface = ground.surfaces[way.start_height];
+    const auto cells = MakeHeadingCells(way.wind, surface, way.aircraft, options);
+    const AttemptContext context{surface, way.wind, way.aircraft, options, cells};
+    const Attempt best = SearchTouchdown(ground.candidates, context).best;
     const WindRoseEntry entry =
-        EntryOf(Try(touchdown, 0, context, Depth::kEverything), ground.aircraft[i]);
+        EntryOf(Try(best.touchdown, best.heading_index, context, Depth::kEverything), way.aircraft);
     if (entry.verdict != Verdict::kRejected) return entry;
-    if (!lowest) lowest = entry;
-    if (lowest->reject_reason != RejectReason::kLoiterBlocked) break;
+    is_loiter_blocked |= entry.reject_reason == RejectReason::kLoiterBlocked;
+    if (!first) first = entry;
   }
-  return *lowest;
+  return *first;
 }
 
 // Places in a row of the table that enclose a value, and how far between them it lies.
@@ -151,10 +158,12 @@ bool IsSafer(const WindRoseEntry& a, const WindRoseEntry& b) {
   return key(a) < key(b);
 }
 
-WindRoseEntry LessSafe(const WindRoseEntry& a, const WindRoseEntry& b) {
+// Of one path, turned by no more than `max_turn`.
+WindRoseEntry LessSafe(const WindRoseEntry& a, const WindRoseEntry& b, double max_turn) {
   WindRoseEntry entry = IsSafer(a, b) ? b : a;
-  const bool is_one_path =
-      a.touchdown_in_world == b.touchdown_in_world && a.approach_height == b.approach_height;
+  const bool is_one_path = a.touchdown_in_world == b.touchdown_in_world &&
+                           a.approach_height == b.approach_height &&
+                           std::abs(WrapAngle(a.heading - b.heading)) <= max_turn + kSameWind;
   if (!is_one_path) entry.verdict = std::max(entry.verdict, Verdict::kUnverified);
   entry.hazard_distance = std::min(a.hazard_distance, b.hazard_distance);
   entry.min_clearance = Least(a.min_clearance, b.min_clearance);
@@ -219,7 +228,8 @@ std::optional<WindRoseEntry> LookUp(const WindRose& rose, const Eigen::Vector2d&
   for (const size_t row : EnclosingSpeeds(rose.speeds, speed)) {
     for (const size_t direction : Enclosing(turn * rose.num_directions, num_directions)) {
       const WindRoseEntry& entry = rose.At(row, direction);
-      least_safe = least_safe ? LessSafe(*least_safe, entry) : entry;
+      least_safe =
+          least_safe ? LessSafe(*least_safe, entry, 2.0 * kPi / rose.num_directions) : entry;
     }
   }
   return least_safe;

@@ -20,6 +20,7 @@
 #include "tests/evaluation/pictures.h"
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/stopwatch.h"
+#include "tests/evaluation/truth_run.h"
 #include "tests/evaluation/world_record.h"
 
 namespace freelsd {
@@ -60,18 +61,20 @@ class ProgressBar {
 // What a report is about; reports of other settings cannot be continued.
 Json SettingsOf(const CampaignOptions& options) {
   const ScenarioOptions& scenario = options.scenario;
-  return {{"over_http", !options.url.empty()},
-          {"world_size_m", scenario.world_size_m},
-          {"cell_size_m", scenario.cell_size_m},
-          {"num_frames", scenario.num_frames},
-          {"height_m", scenario.height_m},
-          {"frame_spacing_m", scenario.frame_spacing_m},
-          {"leg_spacing_m", scenario.leg_spacing_m},
-          {"noise_scale", scenario.noise_scale},
-          {"damaged_ratio", scenario.damaged_ratio},
-          {"aircraft", scenario.aircraft},
-          {"image_size", "752x480"},
-          {"threads", scenario.num_threads}};
+  Json settings{{"over_http", !options.url.empty()},
+                {"world_size_m", scenario.world_size_m},
+                {"cell_size_m", scenario.cell_size_m},
+                {"num_frames", scenario.num_frames},
+                {"height_m", scenario.height_m},
+                {"frame_spacing_m", scenario.frame_spacing_m},
+                {"leg_spacing_m", scenario.leg_spacing_m},
+                {"noise_scale", scenario.noise_scale},
+                {"damaged_ratio", scenario.damaged_ratio},
+                {"aircraft", scenario.aircraft},
+                {"image_size", "752x480"},
+                {"threads", scenario.num_threads}};
+  if (!scenario.takes_photographs) settings["on_truth"] = true;
+  return settings;
 }
 
 PipelineOptions OptionsFor(const Aircraft& aircraft, int num_threads) {
@@ -79,6 +82,19 @@ PipelineOptions OptionsFor(const Aircraft& aircraft, int num_threads) {
   options.regions.min_area_m2 = aircraft.min_area_m2;
   options.adjustment.num_threads = num_threads;
   return options;
+}
+
+EngineRun RunOf(const CampaignOptions& campaign,
+                const Classifier& classifier,
+                const Scenario& scenario,
+                const Progress& progress) {
+  if (!campaign.url.empty()) return RunOverHttp(campaign.url, scenario, progress);
+  return RunEngine(scenario.rig,
+                   scenario.frames,
+                   scenario.aircraft,
+                   OptionsFor(scenario.aircraft, campaign.scenario.num_threads),
+                   classifier,
+                   progress);
 }
 
 Json EvaluateWorld(const CampaignOptions& campaign,
@@ -91,22 +107,19 @@ Json EvaluateWorld(const CampaignOptions& campaign,
     stopwatch.Lap(done == 0.0 ? "world" : "photographs");
     progress(0.5 * done, "rendering");
   });
-  stopwatch.Lap("truth");
-  const Progress tell = [&](double done, const std::string& stage) {
-    stopwatch.Lap(stage == "frontend" ? stage : "backend");
-    return progress(0.5 + 0.5 * done, stage);
-  };
-  const EngineRun run = campaign.url.empty() ? RunEngine(scenario.rig,
-                                                         scenario.frames,
-                                                         scenario.aircraft,
-                                                         OptionsFor(scenario.aircraft, num_threads),
-                                                         classifier,
-                                                         tell)
-                                             : RunOverHttp(campaign.url, scenario, tell);
-  stopwatch.Lap("backend");
   const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
   const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
   stopwatch.Lap("truth");
+  const EngineRun run = campaign.scenario.takes_photographs
+                            ? RunOf(campaign,
+                                    classifier,
+                                    scenario,
+                                    [&](double done, const std::string& stage) {
+                                      stopwatch.Lap(stage == "frontend" ? stage : "backend");
+                                      return progress(0.5 + 0.5 * done, stage);
+                                    })
+                            : RunOnTruth(scenario, truth, fields, PipelineOptions{}.approach);
+  stopwatch.Lap("backend");
   Json record = WorldRecord(seed, scenario, run, truth, fields);
   stopwatch.Lap("scores");
   if (!campaign.pictures.empty()) {

@@ -84,6 +84,9 @@ void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
       ->check(CLI::Range(0.0, 10.0));
   app.add_option("--damage", scenario.damaged_ratio, "share of photographs damaged")
       ->check(CLI::Range(0.0, 1.0));
+  app.add_flag("--on-truth{false}",
+               scenario.takes_photographs,
+               "plan on maps without error instead: what the rules allow");
   app.add_option("--frames", scenario.num_frames, "photographs per world")
       ->check(CLI::Range(3, 300));
   app.add_option("--size", scenario.world_size_m, "side of a world in metres")

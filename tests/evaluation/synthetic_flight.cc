@@ -152,7 +152,9 @@ Scenario MakeScenario(uint64_t seed,
   scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
   scenario.rig.camera = PaperCamera(752, 480);
   scenario.exposures = PlanFlight(FlightFor(seed, options), scenario.world.wind_in_world);
+  scenario.seen = SeenGround(scenario);
   progress(0.0);
+  if (!options.takes_photographs) return scenario;
   const Renderer renderer(scenario.world);
   RenderOptions render_options;
   render_options.seed = seed;
@@ -165,7 +167,6 @@ Scenario MakeScenario(uint64_t seed,
     scenario.frames.push_back(MakeFrame(scenario.exposures[i], Compressed(image)));
     progress(static_cast<double>(i + 1) / static_cast<double>(scenario.exposures.size()));
   }
-  scenario.seen = SeenGround(scenario);
   return scenario;
 }
 

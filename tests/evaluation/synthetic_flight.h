@@ -24,6 +24,8 @@ struct ScenarioOptions {
   double noise_scale = 1.0;
   // Share of the photographs that are damaged: half black, burnt out, smeared, or another's.
   double damaged_ratio = 0.0;
+  // Without, the flight is planned and nothing is photographed.
+  bool takes_photographs = true;
   // "techpod", "small"; "both" takes one after the other from seed to seed.
   std::string aircraft = "both";
   int num_threads = 1;
@@ -37,7 +39,7 @@ struct Scenario {
   Aircraft aircraft;
   Rig rig;
   std::vector<SyntheticExposure> exposures;
-  // Same order as exposures; ids are the image names.
+  // Same order as exposures; ids are the image names. Empty without photographs.
   std::vector<Frame> frames;
   // Cells of 1 m, row 0 south, that at least three photographs see, 255 or 0.
   cv::Mat1b seen;

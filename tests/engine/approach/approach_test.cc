@@ -208,7 +208,7 @@ TEST_CASE("approach: circles partly off the map leave it unverified, blocked one
   AddBlock(strip, {-24, start_y - 30}, {-14, start_y + 30}, 30.0);
   CHECK(PlanOn(strip, request).verdict == Verdict::kUnverified);
   AddBlock(strip, {14, start_y - 30}, {24, start_y + 30}, 30.0);
-  const Plan blocked = PlanOn(strip, request);
+  const Plan blocked = PlanOn(strip, request, Nimble(), scene::OneWay());
   CHECK(blocked.verdict == Verdict::kRejected);
   CHECK(blocked.reject_reason == RejectReason::kLoiterBlocked);
   CHECK(blocked.reject_detail.find("both loiter circles") == 0);
@@ -238,10 +238,60 @@ TEST_CASE("approach: above blocked circles a higher start of the same final is f
   CHECK(PlanOn(BetweenWoods(5.0), request).approach->approach_height ==
         doctest::Approx(Nimble().approach_height_m));
   CHECK(PlanOn(BetweenWoods(29.0), request).reject_reason == RejectReason::kLoiterBlocked);
-  ApproachOptions lowest_alone;
-  lowest_alone.start_height_ratios = {1.0};
-  CHECK(PlanOn(meadow, request, Nimble(), lowest_alone).reject_reason ==
+  CHECK(PlanOn(meadow, request, Nimble(), scene::OneWay()).reject_reason ==
         RejectReason::kLoiterBlocked);
+}
+
+TEST_CASE(
+    "approach: where the final into the wind is blocked, one with some wind across is found") {
+  Scene meadow = FlatMeadow(240, 240);
+  AddBlock(meadow, {-3, -40}, {3, -34}, 12.0);
+  const PlanRequest request = Request(Box({-0.9, -0.9}, {0.9, 0.9}), Eigen::Vector2d(0.0, -4.0));
+  CHECK(PlanOn(meadow, request, Nimble(), scene::OneWay()).reject_reason ==
+        RejectReason::kApproachBlocked);
+  const Plan plan = PlanOn(meadow, request);
+  REQUIRE(plan.verdict == Verdict::kLandable);
+  const Aircraft aircraft = Nimble();
+  const double off_deg = std::abs(DegFromRad(WrapAngle(plan.approach->heading)));
+  CHECK(off_deg > 5.0);
+  CHECK(4.0 * std::sin(RadFromDeg(off_deg)) <= 0.15 * aircraft.landing_airspeed_mps);
+  // Eq. 1 with less of the wind from ahead: longer than into the wind, shorter than in a calm.
+  CHECK(plan.approach->approach_distance > ApproachDistance(aircraft, 4.0) + 1.0);
+  CHECK(plan.approach->approach_distance < ApproachDistance(aircraft, 0.0));
+  REQUIRE_FALSE(plan.rejections.empty());
+  CHECK(plan.rejections.front().reason == RejectReason::kApproachBlocked);
+  // Too broad to be passed on that side.
+  AddBlock(meadow, {-40, -40}, {40, -34}, 12.0);
+  CHECK(PlanOn(meadow, request).reject_reason == RejectReason::kApproachBlocked);
+}
+
+TEST_CASE("approach: even ground of no grass is bare, what is uneven or has holes may be a tree") {
+  // The path is 6.5 m high there, 2 m of clearance are wanted, and 2 m are added to what may grow.
+  Scene meadow = FlatMeadow(240, 240);
+  const auto soil_at = [&](double height, double roughness) {
+    Scene soil = FlatMeadow(240, 240);
+    scene::ForCells(soil, {-60, -40}, {60, -20}, [&](int row, int col) {
+      soil.map.elevation(row, col) = soil.map.upper(row, col) = static_cast<float>(height);
+      soil.hazards.grass(row, col) = 0.1f;
+      soil.hazards.roughness(row, col) = static_cast<float>(roughness);
+    });
+    return soil;
+  };
+  const PlanRequest request = Request(Box({-0.9, -0.9}, {0.9, 0.9}), Eigen::Vector2d(0.0, -4.0));
+  const auto reason_on = [&](const Scene& scene) {
+    return PlanOn(scene, request, Nimble(), scene::OneWay()).reject_reason;
+  };
+  CHECK_FALSE(reason_on(soil_at(1.0, 0.2)));
+  CHECK(reason_on(soil_at(1.0, 0.7)) == RejectReason::kApproachBlocked);
+  Scene upper = soil_at(1.0, 0.2);
+  scene::ForCells(upper, {-60, -40}, {60, -20}, [&](int row, int col) {
+    if ((row + col) % 4 == 0) upper.map.upper(row, col) += 0.7f;
+  });
+  CHECK(reason_on(upper) == RejectReason::kApproachBlocked);
+  // Beside the corridor, but within the radius of what is below it.
+  Scene holes = soil_at(1.0, 0.2);
+  AddUnseen(holes, {6, -30}, {8, -20});
+  CHECK(reason_on(holes) == RejectReason::kApproachBlocked);
 }
 
 TEST_CASE("approach: a longer final must be seen and clear to its start") {
@@ -404,9 +454,7 @@ TEST_CASE("approach: a pole of one cell in the corridor is never stepped over") 
                            static_cast<int>(std::floor(75.0 - pole.y())));
       meadow.map.upper(cell) = 9.0f;
       request.wind_in_world = -4.0 * forward;
-      ApproachOptions options;
-      options.candidate_spacing_m = 4.0;
-      const Plan plan = PlanOn(meadow, request, Nimble(), options);
+      const Plan plan = PlanOn(meadow, request, Nimble(), scene::OneWay());
       // Touchdown is within a cell of the origin, so poles at the edge may be just outside.
       if (std::abs(lateral) < 4.0) CHECK(plan.reject_reason == RejectReason::kApproachBlocked);
     }

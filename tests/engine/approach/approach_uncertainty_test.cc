@@ -44,9 +44,7 @@ TEST_CASE("uncertainty: the circle clears the lean of its own distance from touc
   AddBlock(meadow, {-60, start_y - 30}, {60, start_y - 12}, 6.0);
   CHECK(PlanOn(meadow).verdict == Verdict::kLandable);
   meadow.map.tilt_sd_deg = 1.5;  // 3.4 m at 65 m
-  ApproachOptions lowest_alone;
-  lowest_alone.start_height_ratios = {1.0};
-  const Plan plan = PlanOn(meadow, lowest_alone);
+  const Plan plan = PlanOn(meadow, scene::OneWay());
   CHECK(plan.verdict == Verdict::kRejected);
   CHECK(plan.reject_reason == RejectReason::kLoiterBlocked);
 }
@@ -73,10 +71,13 @@ TEST_CASE(
     const auto plan_with = [&](const ApproachOptions& options) {
       return PlanApproach(meadow.map, meadow.hazards, request, aircraft, options);
     };
-    CHECK(plan_with({}).verdict == Verdict::kLandable);
+    const ApproachOptions with_margin = scene::OneWay();
+    ApproachOptions no_margin = with_margin;
+    no_margin.path_margin_sigma = 0.0;
+    CHECK(plan_with(with_margin).verdict == Verdict::kLandable);
     meadow.map.position_sd_m = 2.0;
-    CHECK(plan_with({.path_margin_sigma = 0.0}).verdict == Verdict::kLandable);
-    const Plan plan = plan_with({});
+    CHECK(plan_with(no_margin).verdict == Verdict::kLandable);
+    const Plan plan = plan_with(with_margin);
     CHECK(plan.verdict == Verdict::kRejected);
     const bool is_below_final = place.y() < 0.0;
     CHECK((plan.reject_reason == RejectReason::kApproachBlocked) == is_below_final);
@@ -85,8 +86,8 @@ TEST_CASE(
       return PlanWindRose(meadow.map, meadow.hazards, request, aircraft, options, winds);
     };
     // Towards the south.
-    CHECK(rose_with({.path_margin_sigma = 0.0}).At(0, 1).verdict == Verdict::kLandable);
-    CHECK(rose_with({}).At(0, 1).verdict == Verdict::kRejected);
+    CHECK(rose_with(no_margin).At(0, 1).verdict == Verdict::kLandable);
+    CHECK(rose_with(with_margin).At(0, 1).verdict == Verdict::kRejected);
   }
 }
 

@@ -127,4 +127,12 @@ inline Aircraft Nimble() {
   return aircraft;
 }
 
+// One way down: into the wind, from the aircraft's own approach height. The paper's rule.
+inline ApproachOptions OneWay() {
+  ApproachOptions options;
+  options.start_height_ratios = {1.0};
+  options.max_crosswind_ratio = 0.0;
+  return options;
+}
+
 }  // namespace freelsd::scene

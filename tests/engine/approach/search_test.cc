@@ -28,12 +28,12 @@ Plan PlanThroughGap(double gap_east, const ApproachOptions& options) {
 }
 
 TEST_CASE("approach: a field with room for a single final is found by the reserve alone") {
-  ApproachOptions no_reserve;
+  ApproachOptions no_reserve = scene::OneWay();
   no_reserve.max_num_reserve_candidates = 0;
   int num_missed = 0;
   for (const double gap_east : {-61.3, -36.1, -17.4, 11.2, 33.7, 58.9}) {
     CAPTURE(gap_east);
-    const Plan plan = PlanThroughGap(gap_east, {});
+    const Plan plan = PlanThroughGap(gap_east, scene::OneWay());
     CHECK(plan.verdict == Verdict::kLandable);
     CHECK(std::abs(plan.touchdown_in_world.x() - gap_east) < 3.0);
     CHECK_FALSE(plan.rejections.empty());
@@ -43,12 +43,12 @@ TEST_CASE("approach: a field with room for a single final is found by the reserv
 }
 
 TEST_CASE("approach: a reserve makes no good place of a bad one") {
-  ApproachOptions many;
+  ApproachOptions many = scene::OneWay();
   many.max_num_reserve_candidates = 20000;
   const Plan plan = PlanThroughGap(500.0, many);
   CHECK(plan.verdict == Verdict::kRejected);
   CHECK(plan.reject_reason == RejectReason::kApproachBlocked);
-  ApproachOptions no_reserve;
+  ApproachOptions no_reserve = scene::OneWay();
   no_reserve.max_num_reserve_candidates = 0;
   CHECK(PlanThroughGap(500.0, no_reserve).verdict == Verdict::kRejected);
 }
