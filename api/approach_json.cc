@@ -69,6 +69,7 @@ nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& lo
   return {{"heading_deg", Rounded(heading < 0.0 ? heading + 360.0 : heading)},
           {"distance_m", Rounded(approach.approach_distance)},
           {"height_m", Rounded(approach.approach_height)},
+          {"crosswind_mps", Rounded(approach.crosswind)},
           {"loiter_radius_m", Rounded(approach.loiter_radius)},
           {"loiter_direction", DirectionName(approach.loiter_direction)},
           {"min_clearance_m", Rounded(approach.min_clearance)}};

@@ -56,7 +56,12 @@ std::string ApproachSentencePart(const Approach& approach, const LocalFrame& loc
   std::ostringstream text;
   text << "final of " << std::lround(approach.approach_distance) << " m on heading "
        << std::lround(ApproachProperties(approach, local_frame)["heading_deg"].get<double>()) % 360
-       << " deg after a " << DirectionName(approach.loiter_direction) << " turn of "
+       << " deg from " << std::lround(approach.approach_height) << " m up";
+  if (approach.crosswind > 0.0) {
+    text << " with " << std::round(approach.crosswind * 10.0) / 10.0
+         << " m/s of wind from the side";
+  }
+  text << " after a " << DirectionName(approach.loiter_direction) << " turn of "
        << std::lround(approach.loiter_radius) << " m radius";
   if (std::isfinite(approach.min_clearance)) {
     text << ", least clearance " << std::round(approach.min_clearance * 10.0) / 10.0 << " m";

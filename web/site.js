@@ -16,10 +16,11 @@ function tiles(p) {
       tile('Slope', fixed(p.slope_deg, 1, '°')), tile('Wind', windText(p.wind))];
   }
   return [
-    tile('Land on', heading(approach.heading_deg), `final ${distance(approach.distance_m)}`),
+    tile('Land on', heading(approach.heading_deg), `final ${distance(approach.distance_m)}` +
+      (approach.crosswind_mps > 0 ? `, ${fixed(approach.crosswind_mps, 1, 'm/s')} of wind across` : '')),
     tile('Least clearance', fixed(approach.min_clearance_m, 1, 'm'), 'final and circle'),
     tile('To next hazard', distance(p.hazard_distance_m), `slope ${fixed(p.slope_deg, 1, '°')}`),
-    tile('Circle', `${approach.loiter_direction} ${distance(approach.loiter_radius_m)}`,
+    tile('Circle', `${approach.loiter_direction} ${distance(approach.loiter_radius_m)}, ${distance(approach.height_m)} up`,
       p.unseen_ratio > 0 ? `${fixed(100 * p.unseen_ratio, 0, '%')} never seen` :
         isKnown(p.unseen_ratio) ? 'wholly seen' : 'seen part unknown'),
   ];

@@ -1,5 +1,6 @@
 // SeeYou CUP: landables for gliding computers. Its minutes have three decimals (older readers take
 // no others), so a place is right within 1.4 m; the description has it in full.
+#include <cctype>
 #include <cmath>
 
 #include "api/export/site_export.h"
@@ -54,14 +55,25 @@ std::string Description(const SitePlaces& site) {
   return text + ".";
 }
 
+// Short, and another for each site of a flight: R7, or R7F2 for a further field of that region.
+std::string Code(const std::string& site_id) {
+  const size_t start = site_id.rfind("-r");
+  std::string code;
+  for (size_t i = start == std::string::npos ? 0 : start + 1; i < site_id.size(); ++i) {
+    if (site_id[i] != '-')
+      code += static_cast<char>(std::toupper(static_cast<unsigned char>(site_id[i])));
+  }
+  return code;
+}
+
 // Elevation is above mean sea level in this format; left empty, readers take their terrain's.
 std::string Row(const SitePlaces& site) {
   const std::string elevation =
       site.altitude_datum == "amsl" ? FixedText(site.touchdown.altitude_m, 1) + "m" : "";
   const std::string direction = site.final_places ? Direction(site.final_places->heading_deg) : "";
-  const std::string code = "R" + std::to_string(site.properties.value("region_id", int64_t{0}));
-  return Quoted(site.Name()) + "," + code + ",," + Angle(site.touchdown.latitude_deg, 2, "NS") +
-         "," + Angle(site.touchdown.longitude_deg, 3, "EW") + "," + elevation + "," +
+  return Quoted(site.Name()) + "," + Code(site.properties.value("id", "")) + ",," +
+         Angle(site.touchdown.latitude_deg, 2, "NS") + "," +
+         Angle(site.touchdown.longitude_deg, 3, "EW") + "," + elevation + "," +
          std::to_string(kOutlanding) + "," + direction + ",,," + Quoted(Description(site)) + "\r\n";
 }
 

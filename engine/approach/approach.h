@@ -108,6 +108,8 @@ struct Approach {
   double heading = 0.0;
   double approach_distance = 0.0;
   double approach_height = 0.0;
+  // Of the wind planned for, from the side of the final; 0 where no wind is known.
+  double crosswind = 0.0;
   double loiter_radius = 0.0;
   Eigen::Vector3d loiter_center_in_world = Eigen::Vector3d::Zero();
   LoiterDirection loiter_direction = LoiterDirection::kLeft;

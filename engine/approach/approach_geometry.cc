@@ -48,9 +48,10 @@ WindCase AcrossWind(const Eigen::Vector2d& towards,
   const double most = options.max_crosswind_ratio * aircraft.landing_airspeed_mps;
   for (int i = 1; i * options.heading_step_deg < kAbeamDeg; ++i) {
     const double off_deg = i * options.heading_step_deg;
-    if (wind_speed * std::sin(RadFromDeg(off_deg)) > most) break;
     const WindScenario scenario{FinalLength(aircraft, wind_speed, off_deg),
-                                LoiterRadius(aircraft, wind_speed)};
+                                LoiterRadius(aircraft, wind_speed),
+                                wind_speed * std::sin(RadFromDeg(off_deg))};
+    if (scenario.crosswind > most) break;
     for (const double side : {-1.0, 1.0}) {
       wind.headings.push_back({into_wind + side * RadFromDeg(off_deg), {scenario}});
     }
@@ -177,6 +178,7 @@ Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,
   approach.approach_distance = scenario.approach_distance;
   approach.approach_height = approach_height;
   approach.loiter_radius = scenario.loiter_radius;
+  approach.crosswind = scenario.crosswind;
   approach.loiter_direction = direction;
   const Eigen::Vector2d start =
       touchdown_in_world.head<2>() - scenario.approach_distance * DirectionOf(heading);

@@ -11,6 +11,7 @@ namespace freelsd {
 struct WindScenario {
   double approach_distance = 0.0;
   double loiter_radius = 0.0;
+  double crosswind = 0.0;
 };
 
 struct HeadingCase {

@@ -100,6 +100,18 @@ TEST_CASE("site: every property of the contract is there") {
   CHECK(feature["geometry"]["coordinates"][1] == doctest::Approx(47.0).epsilon(1e-12));
 }
 
+TEST_CASE("site: wind from the side is told, and none where there is none") {
+  Site site = LandableSite();
+  CHECK(FeatureOf(site)["properties"]["approach"]["crosswind_mps"] == 0.0);
+  CHECK(FeatureOf(site)["properties"]["summary"].get<std::string>().find("side") ==
+        std::string::npos);
+  site.plan.approach->crosswind = 1.26;
+  const nlohmann::json properties = FeatureOf(site)["properties"];
+  CHECK(properties["approach"]["crosswind_mps"] == 1.26);
+  CHECK(properties["summary"].get<std::string>().find(
+            "12 m up with 1.3 m/s of wind from the side") != std::string::npos);
+}
+
 TEST_CASE("site: what is unknown is null, never a number") {
   Site site = LandableSite();
   site.wind.reset();

@@ -22,6 +22,7 @@
 #include "tests/evaluation/stopwatch.h"
 #include "tests/evaluation/truth_run.h"
 #include "tests/evaluation/world_record.h"
+#include "tests/synthetic/flight_files.h"
 
 namespace freelsd {
 namespace {
@@ -61,19 +62,23 @@ class ProgressBar {
 // What a report is about; reports of other settings cannot be continued.
 Json SettingsOf(const CampaignOptions& options) {
   const ScenarioOptions& scenario = options.scenario;
-  Json settings{{"over_http", !options.url.empty()},
-                {"world_size_m", scenario.world_size_m},
-                {"cell_size_m", scenario.cell_size_m},
-                {"num_frames", scenario.num_frames},
-                {"height_m", scenario.height_m},
-                {"frame_spacing_m", scenario.frame_spacing_m},
-                {"leg_spacing_m", scenario.leg_spacing_m},
-                {"noise_scale", scenario.noise_scale},
-                {"damaged_ratio", scenario.damaged_ratio},
-                {"aircraft", scenario.aircraft},
-                {"image_size", "752x480"},
-                {"threads", scenario.num_threads}};
+  const Camera camera = SyntheticRig(scenario.camera).camera;
+  Json settings{
+      {"over_http", !options.url.empty()},
+      {"world_size_m", scenario.world_size_m},
+      {"cell_size_m", scenario.cell_size_m},
+      {"num_frames", scenario.num_frames},
+      {"height_m", scenario.height_m},
+      {"frame_spacing_m", scenario.frame_spacing_m},
+      {"leg_spacing_m", scenario.leg_spacing_m},
+      {"noise_scale", scenario.noise_scale},
+      {"damaged_ratio", scenario.damaged_ratio},
+      {"aircraft", scenario.aircraft},
+      {"image_size", std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px)},
+      {"threads", scenario.num_threads}};
   if (!scenario.takes_photographs) settings["on_truth"] = true;
+  if (scenario.camera != "paper") settings["camera"] = scenario.camera;
+  if (scenario.pattern == FlightPattern::kCircle) settings["pattern"] = "circle";
   return settings;
 }
 

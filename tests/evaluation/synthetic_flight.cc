@@ -105,6 +105,7 @@ cv::Mat1b SeenGround(const Scenario& scenario) {
 FlightOptions FlightFor(uint64_t seed, const ScenarioOptions& options) {
   FlightOptions flight;
   flight.seed = seed;
+  flight.pattern = options.pattern;
   flight.num_frames = options.num_frames;
   flight.height_above_origin_m = options.height_m;
   flight.leg_spacing_m = options.leg_spacing_m;
@@ -150,7 +151,7 @@ Scenario MakeScenario(uint64_t seed,
   Scenario scenario;
   scenario.world = MakeCountryside(world_options);
   scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
-  scenario.rig.camera = PaperCamera(752, 480);
+  scenario.rig = SyntheticRig(options.camera);
   scenario.exposures = PlanFlight(FlightFor(seed, options), scenario.world.wind_in_world);
   scenario.seen = SeenGround(scenario);
   progress(0.0);

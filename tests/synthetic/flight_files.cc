@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// 72 and 85 degrees across.
+constexpr double kObliqueFocalPx = 1100.0;
+constexpr double kWideFocalPx = 2200.0;
+constexpr double kObliqueTiltDeg = 30.0;
 constexpr double kPaperFocalPx = 465.0;
 constexpr double kPaperWidthPx = 752.0;
 
@@ -71,6 +76,27 @@ Camera PaperCamera(int width_px, int height_px) {
   camera.cx_px = 0.5 * (width_px - 1);
   camera.cy_px = 0.5 * (height_px - 1);
   return camera;
+}
+
+Rig SyntheticRig(const std::string& name) {
+  Rig rig;
+  if (name == "paper") {
+    rig.camera = PaperCamera(752, 480);
+  } else if (name == "oblique") {
+    rig.camera = PaperCamera(1600, 1200);
+    rig.camera.fx_px = rig.camera.fy_px = kObliqueFocalPx;
+    rig.body_from_camera.rotation =
+        Eigen::AngleAxisd(RadFromDeg(kObliqueTiltDeg), Eigen::Vector3d::UnitY()) *
+        rig.body_from_camera.rotation;
+  } else if (name == "wide") {
+    rig.camera = PaperCamera(4000, 3000);
+    rig.camera.fx_px = rig.camera.fy_px = kWideFocalPx;
+    rig.camera.distortion = DistortionModel::kRadTan;
+    rig.camera.coefficients = {-0.12, 0.03, 0.0, 0.0};
+  } else {
+    throw std::invalid_argument("camera = " + name + ": must be paper, oblique or wide");
+  }
+  return rig;
 }
 
 std::string PosesCsv(const World& world, const std::vector<SyntheticExposure>& exposures) {

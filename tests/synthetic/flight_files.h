@@ -15,6 +15,11 @@ namespace freelsd {
 // The paper's down-looking camera for an image of that size: 465 px focal length at 752 px width.
 Camera PaperCamera(int width_px, int height_px);
 
+// "paper": the same, 752 x 480, straight down. "oblique": 1600 x 1200, tilted towards the nose.
+// "wide": 12 megapixels behind a wide lens that distorts, straight down. Throws
+// std::invalid_argument on other names.
+Rig SyntheticRig(const std::string& name);
+
 // `poses` of a batch: what the autopilot said.
 std::string PosesCsv(const World& world, const std::vector<SyntheticExposure>& exposures);
 

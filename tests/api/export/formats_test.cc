@@ -181,6 +181,15 @@ TEST_CASE("cup: a landable within its thousandths of minutes, with direction and
   }
 }
 
+TEST_CASE("cup: each site of a region has a code of its own") {
+  KnownSite site = MakeSite({.region_id = 7});
+  CHECK(SplitRows(Export("cup", site), ',')[1][1] == "R7");
+  nlohmann::json feature = nlohmann::json::parse(site.stored.feature_json);
+  feature["properties"]["id"] = "f1-r7-f2";
+  site.stored.feature_json = feature.dump();
+  CHECK(SplitRows(Export("cup", site), ',')[1][1] == "R7F2");
+}
+
 TEST_CASE("cup: minutes never reach 60") {
   KnownSiteOptions options;
   options.origin = {46.9999999, 7.9999999, 450.0};

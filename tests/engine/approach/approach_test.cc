@@ -254,7 +254,8 @@ TEST_CASE(
   const Aircraft aircraft = Nimble();
   const double off_deg = std::abs(DegFromRad(WrapAngle(plan.approach->heading)));
   CHECK(off_deg > 5.0);
-  CHECK(4.0 * std::sin(RadFromDeg(off_deg)) <= 0.15 * aircraft.landing_airspeed_mps);
+  CHECK(plan.approach->crosswind == doctest::Approx(4.0 * std::sin(RadFromDeg(off_deg))));
+  CHECK(plan.approach->crosswind <= 0.15 * aircraft.landing_airspeed_mps);
   // Eq. 1 with less of the wind from ahead: longer than into the wind, shorter than in a calm.
   CHECK(plan.approach->approach_distance > ApproachDistance(aircraft, 4.0) + 1.0);
   CHECK(plan.approach->approach_distance < ApproachDistance(aircraft, 0.0));
