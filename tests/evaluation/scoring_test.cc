@@ -6,6 +6,7 @@
 #include "tests/evaluation/report.h"
 #include "tests/evaluation/site_score.h"
 #include "tests/evaluation/statistics.h"
+#include "tests/evaluation/truth_run.h"
 #include "tests/evaluation/world_record.h"
 
 namespace freelsd {
@@ -198,6 +199,31 @@ TEST_CASE("report: what got better and worse is said of every number that differ
   CHECK(text.find("worse   safety.num_false_safe") != std::string::npos);
   CHECK(text.find("worse   safety.num_fields_found") != std::string::npos);
   CHECK(Comparison(older, older) == "no number differs\n");
+}
+
+TEST_CASE("evaluation: on maps without error fields are found, and no answer is false safe") {
+  ScenarioOptions options;
+  options.takes_photographs = false;
+  int num_accepted = 0;
+  for (const uint64_t seed : {1030, 1034}) {
+    const Scenario scenario = MakeScenario(seed, options, [](double) {});
+    CHECK(scenario.frames.empty());
+    const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
+    const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
+    const EngineRun run = RunOnTruth(scenario, truth, fields, ApproachOptions{});
+    REQUIRE(run.evaluation.sites.size() == fields.fields.size());
+    for (const Site& site : run.evaluation.sites) {
+      if (site.plan.verdict == Verdict::kRejected) continue;
+      ++num_accepted;
+      const auto score =
+          ScorePlan(scenario.world, truth, scenario.aircraft, site.plan, Eigen::Vector2d::Zero());
+      REQUIRE(score);
+      CHECK_FALSE(score->IsFalseSafe(site.plan.verdict));
+      const cv::Point cell = truth.CellAt(site.plan.touchdown_in_world.head<2>());
+      CHECK(fields.label(cell) == site.region.id);
+    }
+  }
+  CHECK(num_accepted >= 5);
 }
 
 }  // namespace
