@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/hazard/crop_fields.h"
 #include "engine/hazard/photo_bands.h"
 #include "engine/hazard/small_objects.h"
 #include "engine/hazard/wheel_tracks.h"
@@ -242,7 +243,8 @@ cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const Hazard
   if (photo.image.empty()) return {};
   cv::Mat1b found = cv::Mat1b::zeros(grid.num_rows, grid.num_cols);
   if (options.min_rut_contrast > 0.0) {
-    found |= SprayedGround(FindWheelTracks(photo, options), grid, options);
+    const cv::Mat1b sprayed = SprayedGround(FindWheelTracks(photo, options), grid, options);
+    found |= WithRestOfField(sprayed, photo, grid, options);
   }
   cv::Mat1b fine = cv::Mat1b::zeros(photo.image.size());
   for (const PhotoBand& band : BandsOf(photo, kHaloM)) {

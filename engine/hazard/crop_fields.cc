@@ -1,0 +1,155 @@
+#include "engine/hazard/crop_fields.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+namespace freelsd {
+namespace {
+
+// Colours are those of this much ground.
+constexpr double kBlurM = 1.0;
+// Of its own colour is what is nearer to a field's median than this, in deviations of the field.
+constexpr float kSameColorDeviations = 2.0f;
+// No field is more even: two shares of colour, logarithm of brightness.
+constexpr float kLeastDeviation[] = {0.006f, 0.006f, 0.02f};
+// Less has no colour of its own.
+constexpr int kMinNumCells = 100;
+constexpr float kMinSeenShare = 0.5f;
+
+using Planes = std::array<cv::Mat1f, 3>;
+
+// Of the seen ground about each cell of the map: how green, how red against blue, how bright.
+Planes ColorsOf(const Orthophoto& photo, const cv::Mat1f& share, const cv::Size& size) {
+  cv::Mat seen_image, cells;
+  photo.image.copyTo(seen_image, photo.seen);
+  cv::resize(seen_image, cells, size, 0.0, 0.0, cv::INTER_AREA);
+  Planes colors;
+  for (cv::Mat1f& plane : colors) plane = cv::Mat1f::zeros(size);
+  for (int row = 0; row < size.height; ++row) {
+    for (int col = 0; col < size.width; ++col) {
+      if (share(row, col) <= 0.0f) continue;
+      const cv::Vec3f color = cv::Vec3f(cells.at<cv::Vec3b>(row, col)) / share(row, col);
+      const float sum = color[0] + color[1] + color[2] + 3.0f;
+      colors[0](row, col) = share(row, col) * (2.0f * color[1] - color[0] - color[2]) / sum;
+      colors[1](row, col) = share(row, col) * (color[2] - color[0]) / sum;
+      colors[2](row, col) = share(row, col) * std::log(sum);
+    }
+  }
+  return colors;
+}
+
+Planes Blurred(Planes colors, const cv::Mat1f& share, double blur_cells) {
+  cv::Mat1f weight;
+  cv::GaussianBlur(share, weight, {}, blur_cells);
+  for (cv::Mat1f& plane : colors) {
+    cv::GaussianBlur(plane, plane, {}, blur_cells);
+    plane = plane / (weight + 1e-6);
+  }
+  return colors;
+}
+
+struct FieldColor {
+  std::array<float, 3> median{};
+  std::array<float, 3> deviation{};
+};
+
+// Without its border, which has the neighbour's colour too.
+std::optional<FieldColor> ColorOfField(const cv::Mat1b& field,
+                                       const Planes& colors,
+                                       const cv::Mat1b& is_seen) {
+  cv::Mat1b inner;
+  cv::erode(field, inner, cv::Mat1b::ones(5, 5));
+  inner &= is_seen;
+  FieldColor color;
+  for (size_t i = 0; i < 3; ++i) {
+    std::vector<float> values;
+    for (int row = 0; row < inner.rows; ++row) {
+      for (int col = 0; col < inner.cols; ++col) {
+        if (inner(row, col)) values.push_back(colors[i](row, col));
+      }
+    }
+    if (values.size() < kMinNumCells) return std::nullopt;
+    std::sort(values.begin(), values.end());
+    const size_t n = values.size();
+    color.median[i] = values[n / 2];
+    color.deviation[i] =
+        std::max(0.5f * (values[n * 84 / 100] - values[n * 16 / 100]), kLeastDeviation[i]);
+  }
+  return color;
+}
+
+cv::Mat1b OfColor(const FieldColor& color, const Planes& colors, const cv::Mat1b& is_seen) {
+  cv::Mat1b same(is_seen.size(), uint8_t{0});
+  for (int row = 0; row < same.rows; ++row) {
+    for (int col = 0; col < same.cols; ++col) {
+      if (!is_seen(row, col)) continue;
+      float squares = 0.0f;
+      for (size_t i = 0; i < 3; ++i) {
+        const float off = (colors[i](row, col) - color.median[i]) / color.deviation[i];
+        squares += off * off;
+      }
+      if (squares < kSameColorDeviations * kSameColorDeviations) same(row, col) = 255;
+    }
+  }
+  cv::morphologyEx(same, same, cv::MORPH_CLOSE, cv::Mat1b::ones(3, 3));
+  // A gap in a hedge does not join two fields.
+  cv::morphologyEx(
+      same, same, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
+  return same;
+}
+
+// Pieces of `cells` that touch the field.
+cv::Mat1b HangingTogether(const cv::Mat1b& cells, const cv::Mat1b& field) {
+  cv::Mat1i labels;
+  const int num_labels = cv::connectedComponents(cells, labels, 4, CV_32S);
+  std::vector<uint8_t> touches(static_cast<size_t>(num_labels), 0);
+  for (int row = 0; row < cells.rows; ++row) {
+    for (int col = 0; col < cells.cols; ++col) {
+      if (field(row, col)) touches[static_cast<size_t>(labels(row, col))] = 255;
+    }
+  }
+  touches[0] = 0;
+  cv::Mat1b pieces(cells.size());
+  std::transform(labels.begin(), labels.end(), pieces.begin(), [&](int label) {
+    return touches[static_cast<size_t>(label)];
+  });
+  return pieces;
+}
+
+}  // namespace
+
+cv::Mat1b WithRestOfField(const cv::Mat1b& sprayed,
+                          const Orthophoto& photo,
+                          const Grid& grid,
+                          const HazardOptions& options) {
+  cv::Mat1b whole = sprayed.clone();
+  if (cv::countNonZero(sprayed) < kMinNumCells) return whole;
+  cv::Mat1f seen, share;
+  photo.seen.convertTo(seen, CV_32F, 1.0 / 255.0);
+  cv::resize(seen, share, sprayed.size(), 0.0, 0.0, cv::INTER_AREA);
+  const cv::Mat1b is_seen = share > kMinSeenShare;
+  const Planes colors =
+      Blurred(ColorsOf(photo, share, sprayed.size()), share, kBlurM / grid.cell_size_m);
+  const double reach_cells = 0.5 * options.max_working_width_m / grid.cell_size_m;
+  cv::Mat1i labels;
+  const int num_labels = cv::connectedComponents(sprayed, labels, 8, CV_32S);
+  for (int label = 1; label < num_labels; ++label) {
+    const cv::Mat1b field = labels == label;
+    const std::optional<FieldColor> color = ColorOfField(field, colors, is_seen);
+    if (!color) continue;
+    cv::Mat1f distance;
+    cv::distanceTransform(field == 0, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
+    const cv::Mat1b cells = (OfColor(*color, colors, is_seen) & (distance <= reach_cells)) | field;
+    whole |= HangingTogether(cells, field);
+  }
+  // The blur leaves a border of mixed colour.
+  cv::dilate(whole, whole, cv::Mat1b::ones(3, 3));
+  return whole;
+}
+
+}  // namespace freelsd
