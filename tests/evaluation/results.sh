@@ -24,15 +24,20 @@ mkdir -p $reports
 
 verbatim() { printf '```\n'; "$@"; printf '```\n'; }
 heading() {
-  printf '\n## %s\n\n`%s`, of revision %s on %s cores.\n\n' \
-    "$1" "$2" "$(git rev-parse --short HEAD)" "$(nproc)"
+  local revision="${3:-$(git rev-parse --short HEAD)}"
+  printf '\n## %s\n\n`%s`, of revision %s on %s cores.\n\n' "$1" "$2" "$revision" "$(nproc)"
 }
+# The newest when a report was last written, which is what flew its last worlds.
+revision_of() { git log -1 --format=%h --until="@$(stat -c %Y "$1")"; }
 # Name of the report, what it is about, and how the worlds are flown.
 worlds() {
   local name="$1" title="$2"
   shift 2
-  heading "$title" "freelsd-eval --seed 9000 $*"
-  verbatim $programs/freelsd-eval --seed 9000 "$@" --jobs "$(nproc)" --json "$reports/$name.json" --resume
+  local table
+  table="$(verbatim $programs/freelsd-eval --seed 9000 "$@" --jobs "$(nproc)" \
+    --json "$reports/$name.json" --resume)"
+  heading "$title" "freelsd-eval --seed 9000 $*" "$(revision_of "$reports/$name.json")"
+  echo "$table"
 }
 make() {
   case "$1" in
