@@ -151,7 +151,7 @@ async function openRegion({ properties }) {
   map.drawAnswer(null);
   showView('region');
   // Its own, not one in another field of its rectangle.
-  const site = state.sites.features.find((f) => f.properties.id.endsWith(`-r${properties.id}`))?.properties;
+  const site = state.sites.features.find((f) => f.properties.id === `${state.flight}-r${properties.id}`)?.properties;
   try {
     await drawHistory(state.flight, properties, site, openSite);
   } catch (error) {

@@ -77,6 +77,7 @@ Plan WithAttempt(Plan plan, const Attempt& attempt, const AttemptContext& contex
 Plan PlanWay(const ElevationMap& map,
              const HazardLayers& hazards,
              const FootprintContent& content,
+             const TouchdownCandidates& candidates,
              const PlanRequest& request,
              const Way& way,
              const ApproachOptions& options) {
@@ -97,8 +98,7 @@ Plan PlanWay(const ElevationMap& map,
       MakeClearanceSurface(map, hazards, request.footprint, way.Scenarios(), aircraft, options);
   const std::vector<HeadingCells> cells = MakeHeadingCells(way.wind, surface, aircraft, options);
   const AttemptContext context{surface, way.wind, aircraft, options, cells};
-  const SearchResult found = SearchTouchdown(
-      SelectCandidates(content.touchdowns, required, map.grid.cell_size_m, options), context);
+  const SearchResult found = SearchTouchdown(candidates, context);
   const Attempt best =
       Try(found.best.touchdown, found.best.heading_index, context, Depth::kEverything);
   Plan plan = WithAttempt(PlanAt(best.touchdown, hazards, request, aircraft), best, context);
@@ -128,11 +128,16 @@ Plan PlanApproach(const ElevationMap& map,
   RequireOneGrid(map, hazards);
   const Aircraft aircraft = WithPositionMargin(profile, map, options);
   const FootprintContent content = ReadFootprint(map, hazards, request.footprint, options);
+  const TouchdownCandidates candidates =
+      SelectCandidates(content.touchdowns,
+                       RequiredHazardDistance(map, aircraft, options),
+                       map.grid.cell_size_m,
+                       options);
   std::optional<Plan> first;
   bool is_loiter_blocked = false;
   for (const Way& way : WaysDown(request.wind_in_world, aircraft, options)) {
     if (way.start_height > 0 && !is_loiter_blocked) break;
-    Plan plan = PlanWay(map, hazards, content, request, way, options);
+    Plan plan = PlanWay(map, hazards, content, candidates, request, way, options);
     if (plan.verdict != Verdict::kRejected) {
       return first ? InsteadOf(*first, std::move(plan), options) : plan;
     }

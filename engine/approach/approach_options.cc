@@ -11,6 +11,8 @@ namespace {
 
 // Distance to hazard, clearance, area, slope, roughness, evidence.
 constexpr size_t kNumScoreTerms = 6;
+// Each is a search of its own.
+constexpr size_t kMaxNumStartHeights = 10;
 constexpr double kMinStartHeightRatio = 0.1;
 constexpr double kMaxStartHeightRatio = 20.0;
 
@@ -41,8 +43,9 @@ void CheckWeights(const std::vector<double>& weights) {
 }
 
 void CheckStartHeights(const std::vector<double>& ratios) {
-  if (ratios.empty()) {
-    throw std::invalid_argument("approach.start_height_ratios = no numbers: must be 1 or more");
+  if (ratios.empty() || ratios.size() > kMaxNumStartHeights) {
+    throw std::invalid_argument("approach.start_height_ratios = " + std::to_string(ratios.size()) +
+                                " numbers: must be 1 to " + std::to_string(kMaxNumStartHeights));
   }
   double least = kMinStartHeightRatio;
   for (const double ratio : ratios) {

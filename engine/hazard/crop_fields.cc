@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
+
+#include "engine/hazard/photo_features.h"
 
 namespace freelsd {
 namespace {
@@ -21,38 +22,6 @@ constexpr float kLeastDeviation[] = {0.006f, 0.006f, 0.02f};
 constexpr int kMinNumCells = 100;
 constexpr float kMinSeenShare = 0.5f;
 
-using Planes = std::array<cv::Mat1f, 3>;
-
-// Of the seen ground about each cell of the map: how green, how red against blue, how bright.
-Planes ColorsOf(const Orthophoto& photo, const cv::Mat1f& share, const cv::Size& size) {
-  cv::Mat seen_image, cells;
-  photo.image.copyTo(seen_image, photo.seen);
-  cv::resize(seen_image, cells, size, 0.0, 0.0, cv::INTER_AREA);
-  Planes colors;
-  for (cv::Mat1f& plane : colors) plane = cv::Mat1f::zeros(size);
-  for (int row = 0; row < size.height; ++row) {
-    for (int col = 0; col < size.width; ++col) {
-      if (share(row, col) <= 0.0f) continue;
-      const cv::Vec3f color = cv::Vec3f(cells.at<cv::Vec3b>(row, col)) / share(row, col);
-      const float sum = color[0] + color[1] + color[2] + 3.0f;
-      colors[0](row, col) = share(row, col) * (2.0f * color[1] - color[0] - color[2]) / sum;
-      colors[1](row, col) = share(row, col) * (color[2] - color[0]) / sum;
-      colors[2](row, col) = share(row, col) * std::log(sum);
-    }
-  }
-  return colors;
-}
-
-Planes Blurred(Planes colors, const cv::Mat1f& share, double blur_cells) {
-  cv::Mat1f weight;
-  cv::GaussianBlur(share, weight, {}, blur_cells);
-  for (cv::Mat1f& plane : colors) {
-    cv::GaussianBlur(plane, plane, {}, blur_cells);
-    plane = plane / (weight + 1e-6);
-  }
-  return colors;
-}
-
 struct FieldColor {
   std::array<float, 3> median{};
   std::array<float, 3> deviation{};
@@ -60,7 +29,7 @@ struct FieldColor {
 
 // Without its border, which has the neighbour's colour too.
 std::optional<FieldColor> ColorOfField(const cv::Mat1b& field,
-                                       const Planes& colors,
+                                       const ColorPlanes& colors,
                                        const cv::Mat1b& is_seen) {
   cv::Mat1b inner;
   cv::erode(field, inner, cv::Mat1b::ones(5, 5));
@@ -83,7 +52,7 @@ std::optional<FieldColor> ColorOfField(const cv::Mat1b& field,
   return color;
 }
 
-cv::Mat1b OfColor(const FieldColor& color, const Planes& colors, const cv::Mat1b& is_seen) {
+cv::Mat1b OfColor(const FieldColor& color, const ColorPlanes& colors, const cv::Mat1b& is_seen) {
   cv::Mat1b same(is_seen.size(), uint8_t{0});
   for (int row = 0; row < same.rows; ++row) {
     for (int col = 0; col < same.cols; ++col) {
@@ -133,8 +102,10 @@ cv::Mat1b WithRestOfField(const cv::Mat1b& sprayed,
   photo.seen.convertTo(seen, CV_32F, 1.0 / 255.0);
   cv::resize(seen, share, sprayed.size(), 0.0, 0.0, cv::INTER_AREA);
   const cv::Mat1b is_seen = share > kMinSeenShare;
-  const Planes colors =
-      Blurred(ColorsOf(photo, share, sprayed.size()), share, kBlurM / grid.cell_size_m);
+  cv::Mat seen_image, cells;
+  photo.image.copyTo(seen_image, photo.seen);
+  cv::resize(seen_image, cells, sprayed.size(), 0.0, 0.0, cv::INTER_AREA);
+  const ColorPlanes colors = BlurredColors(cells, share, kBlurM / grid.cell_size_m);
   const double reach_cells = 0.5 * options.max_working_width_m / grid.cell_size_m;
   cv::Mat1i labels;
   const int num_labels = cv::connectedComponents(sprayed, labels, 8, CV_32S);
@@ -144,8 +115,8 @@ cv::Mat1b WithRestOfField(const cv::Mat1b& sprayed,
     if (!color) continue;
     cv::Mat1f distance;
     cv::distanceTransform(field == 0, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    const cv::Mat1b cells = (OfColor(*color, colors, is_seen) & (distance <= reach_cells)) | field;
-    whole |= HangingTogether(cells, field);
+    const cv::Mat1b rest = (OfColor(*color, colors, is_seen) & (distance <= reach_cells)) | field;
+    whole |= HangingTogether(rest, field);
   }
   // The blur leaves a border of mixed colour.
   cv::dilate(whole, whole, cv::Mat1b::ones(3, 3));

@@ -8,6 +8,7 @@
 
 #include "engine/hazard/crop_fields.h"
 #include "engine/hazard/photo_bands.h"
+#include "engine/hazard/photo_features.h"
 #include "engine/hazard/small_objects.h"
 #include "engine/hazard/wheel_tracks.h"
 
@@ -154,17 +155,6 @@ cv::Mat1f MeanAround(const std::vector<cv::Mat1f>& powers,
   return sum;
 }
 
-// Without pieces of fewer squares than a field has.
-cv::Mat1b WithoutSpecks(const cv::Mat1b& squares) {
-  cv::Mat labels, stats, centers;
-  const int num_labels = cv::connectedComponentsWithStats(squares, labels, stats, centers);
-  cv::Mat1b kept = cv::Mat1b::zeros(squares.size());
-  for (int label = 1; label < num_labels; ++label) {
-    if (stats.at<int>(label, cv::CC_STAT_AREA) >= kMinNumSquares) kept.setTo(255, labels == label);
-  }
-  return kept;
-}
-
 // With the gaps within a field, and up to its border, where a square holds half of what lies
 // beyond.
 cv::Mat1b WholeFields(const cv::Mat1b& squares) {
@@ -201,7 +191,7 @@ cv::Mat1b RowCrops(const Orthophoto& photo, const HazardOptions& options) {
       if (RowStrength(power, rings) >= options.min_row_strength) has_rows(row, col) = 255;
     }
   }
-  has_rows = WholeFields(WithoutSpecks(has_rows));
+  has_rows = WholeFields(WithoutSpecks(has_rows, kMinNumSquares));
   for (int row = 0; row < squares.num_rows; ++row) {
     for (int col = 0; col < squares.num_cols; ++col) {
       if (has_rows(row, col)) mask(squares.Core(row, col)).setTo(255);

@@ -1,11 +1,10 @@
 #include "engine/hazard/small_objects.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <vector>
 
 #include <opencv2/imgproc.hpp>
+
+#include "engine/hazard/photo_features.h"
 
 namespace freelsd {
 namespace {
@@ -17,44 +16,18 @@ constexpr double kTrimDeviations = 3.5;
 constexpr int kNumPasses = 3;
 // No surroundings are more even than this: two shares of colour, logarithm of brightness.
 const Eigen::Vector3f kLeastVariance(1e-4f, 1e-4f, 4e-4f);
-// Where nothing is seen the mean is 0, not one of nothing.
+// Where nothing counts the mean is 0, not one of nothing.
 constexpr double kNoWeight = 1e-6;
-
-// How green, how red against blue, how bright.
-using Planes = std::array<cv::Mat1f, 3>;
-
-Planes ColorsOf(const Orthophoto& photo, const cv::Mat1f& seen) {
-  Planes colors;
-  for (cv::Mat1f& plane : colors) plane.create(photo.image.size());
-  for (int row = 0; row < photo.image.rows; ++row) {
-    const cv::Vec3b* pixels = photo.image[row];
-    for (int col = 0; col < photo.image.cols; ++col) {
-      const float blue = pixels[col][0], green = pixels[col][1], red = pixels[col][2];
-      const float sum = blue + green + red + 3.0f;
-      colors[0](row, col) = seen(row, col) * (2.0f * green - blue - red) / sum;
-      colors[1](row, col) = seen(row, col) * (red - blue) / sum;
-      colors[2](row, col) = seen(row, col) * std::log(sum);
-    }
-  }
-  const double blur_px = kBlurM / photo.grid.cell_size_m;
-  cv::Mat1f weight;
-  cv::GaussianBlur(seen, weight, {}, blur_px);
-  for (cv::Mat1f& plane : colors) {
-    cv::GaussianBlur(plane, plane, {}, blur_px);
-    plane = (plane / (weight + kNoWeight)).mul(seen);
-  }
-  return colors;
-}
 
 // Moments of the colours over squares about every cell, as far as they count.
 struct Surroundings {
   cv::Mat1f weight;
-  Planes mean;
+  ColorPlanes mean;
   // 00, 01, 02, 11, 12, 22.
   std::array<cv::Mat1f, 6> moments;
 };
 
-Surroundings SurroundingsOf(const Planes& colors, const cv::Mat1f& counts, int side) {
+Surroundings SurroundingsOf(const ColorPlanes& colors, const cv::Mat1f& counts, int side) {
   const auto mean_of = [&](const cv::Mat1f& values) {
     cv::Mat1f mean;
     cv::boxFilter(values, mean, CV_32F, {side, side}, cv::Point(-1, -1), true, cv::BORDER_CONSTANT);
@@ -72,7 +45,7 @@ Surroundings SurroundingsOf(const Planes& colors, const cv::Mat1f& counts, int s
 }
 
 // Squared deviations (Mahalanobis) of each cell's colour from its surroundings.
-cv::Mat1f SquaredDeviations(const Planes& colors, const Surroundings& around) {
+cv::Mat1f SquaredDeviations(const ColorPlanes& colors, const Surroundings& around) {
   cv::Mat1f squares(around.weight.size());
   for (int row = 0; row < squares.rows; ++row) {
     for (int col = 0; col < squares.cols; ++col) {
@@ -98,32 +71,13 @@ cv::Mat1f SquaredDeviations(const Planes& colors, const Surroundings& around) {
   return squares;
 }
 
-// Without patches smaller than an object.
-cv::Mat1b WithoutSpecks(const cv::Mat1b& mask, double min_area_cells) {
-  cv::Mat labels, stats, centers;
-  const int num_labels = cv::connectedComponentsWithStats(mask, labels, stats, centers);
-  std::vector<uint8_t> kept(static_cast<size_t>(num_labels), 0);
-  for (int label = 1; label < num_labels; ++label) {
-    if (stats.at<int>(label, cv::CC_STAT_AREA) >= min_area_cells) {
-      kept[static_cast<size_t>(label)] = 255;
-    }
-  }
-  cv::Mat1b result(mask.size());
-  for (int row = 0; row < mask.rows; ++row) {
-    for (int col = 0; col < mask.cols; ++col) {
-      result(row, col) = kept[static_cast<size_t>(labels.at<int>(row, col))];
-    }
-  }
-  return result;
-}
-
 }  // namespace
 
 cv::Mat1b SmallObjects(const Orthophoto& photo, const HazardOptions& options) {
   const double cell = photo.grid.cell_size_m;
   cv::Mat1f seen;
   photo.seen.convertTo(seen, CV_32F, 1.0 / 255.0);
-  const Planes colors = ColorsOf(photo, seen);
+  const ColorPlanes colors = BlurredColors(photo.image, seen, kBlurM / cell);
   const int side = 2 * static_cast<int>(0.5 * options.object_surroundings_m / cell) + 1;
   const cv::Mat neighbours = cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3});
   cv::Mat1f counts = seen.clone();
