@@ -165,6 +165,9 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
         "how fast the image may slide while a rolling shutter reads it");
   visit("exif_readout_s", o.exif_readout_s, "time of readout of an EXIF camera");
   visit("max_num_iterations", o.max_num_iterations, "of the solver");
+  visit("num_refinement_tracks",
+        o.num_refinement_tracks,
+        "per view where the newest are adjusted in flight; 0: all");
   visit("estimated_tilt_sd_deg", o.estimated_tilt_sd_deg, "of an attitude that matches gave");
   visit("estimated_yaw_sd_deg", o.estimated_yaw_sd_deg, "of an attitude that matches gave");
   visit("min_num_shared_landmarks", o.min_num_shared_landmarks, "that make two views neighbours");
@@ -214,6 +217,16 @@ void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
   visit("max_relief_m", o.max_relief_m, "points farther from the landmarks' heights are wild");
   visit("max_num_cells", o.max_num_cells, "of the largest map that is built");
   visit("orthophoto_cell_size_m", o.orthophoto_cell_size_m, "of the picture from straight above");
+  visit("min_crossing_ratio",
+        o.min_crossing_ratio,
+        "of the height, between cameras whose photographs are compared");
+  visit("max_photo_disagreement",
+        o.max_photo_disagreement,
+        "of two photographs of a place whose height is known; 0: not compared");
+  visit("min_open_cover_radius_m",
+        o.min_open_cover_radius_m,
+        "of a disc that fits into what they disagree about");
+  visit("open_cover_margin_m", o.open_cover_margin_m, "around it");
 }
 
 template <class Visitor>

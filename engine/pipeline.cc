@@ -281,8 +281,11 @@ void Frontend::RefinePoses() {
   // before; what is built on is judged again by the backend.
   AdjustmentOptions any_tilt = options_.adjustment;
   any_tilt.max_tilt_sd_deg = 90.0;
-  const AdjustedBlock block = Timed(
-      reports_, "pose_refinement", [&] { return AdjustPoses(window, rig_.camera, any_tilt); });
+  const AdjustedBlock block = Timed(reports_, "pose_refinement", [&] {
+    return AdjustPoses(WithLongestTracks(window, rig_.camera, any_tilt.num_refinement_tracks),
+                       rig_.camera,
+                       any_tilt);
+  });
   if (!block.is_usable) return;
   for (size_t i = 0; i < window.size(); ++i) {
     if (block.views[i].is_connected) {
@@ -350,6 +353,17 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                            {aircraft.max_slope_deg, aircraft.max_roughness_m},
                            options.hazard,
                            photo);
+    });
+    Timed(evaluation.reports, "open_cover", [&] {
+      MarkOpenCover(photo,
+                    evaluation.hazards.grass >= options.approach.min_clear_class_posterior,
+                    options.terrain,
+                    evaluation.map);
+      evaluation.hazards = WithLimits(evaluation.map,
+                                      evaluation.hazards,
+                                      {aircraft.max_slope_deg, aircraft.max_roughness_m},
+                                      options.hazard);
+      return 0;
     });
   }
   cancellable.Tell(kLayersDone, "approach");

@@ -37,10 +37,10 @@ struct BackendOptions {
   // Further fields within the rectangle of one region that get a site. Differs: the paper's region
   // has one, but grass hangs together through gaps in hedges, and the rectangle around it all holds
   // many fields. 0 is the paper's.
-  int max_num_further_fields = 8;
+  int max_num_further_fields = 12;
   // What hangs together is looked at in pieces of this extent; touchdowns of one region lie at
   // least half of it apart.
-  double further_field_extent_m = 80.0;
+  double further_field_extent_m = 60.0;
 
   void Check() const;
 };

@@ -19,6 +19,8 @@ static_assert(std::endian::native == std::endian::little, "stored maps are littl
 
 constexpr char kMagic[4] = {'F', 'L', 'S', 'M'};
 constexpr uint32_t kVersion = 1;
+// The same of a map whose photographs were compared.
+constexpr uint32_t kComparedVersion = 2;
 // Fast: noisy floats gain little from searching longer.
 constexpr int kDeflateLevel = 3;
 // As many cells as the engine builds at most by default.
@@ -142,7 +144,7 @@ Header ReadHeader(const std::string& bytes) {
   if (bytes.size() < sizeof(Header)) Refuse("shorter than its header");
   std::memcpy(&header, bytes.data(), sizeof(Header));
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) Refuse("is none");
-  if (header.version != kVersion) {
+  if (header.version != kVersion && header.version != kComparedVersion) {
     throw std::runtime_error("stored site map: version " + std::to_string(header.version));
   }
   const uint64_t num_deflated = bytes.size() - sizeof(Header);
@@ -197,7 +199,8 @@ std::string SerializeSiteMap(const SiteMap& site_map) {
     writer.AppendPlanes(raster);
   }
   writer.AppendBytes(layers.hazard);
-  Header header{{}, kVersion, writer.bytes().size(), Checksum(writer.bytes()), 0};
+  const uint32_t version = map.is_compared ? kComparedVersion : kVersion;
+  Header header{{}, version, writer.bytes().size(), Checksum(writer.bytes()), 0};
   std::memcpy(header.magic, kMagic, sizeof(kMagic));
   return std::string(reinterpret_cast<const char*>(&header), sizeof(Header)) +
          Deflate(writer.bytes());
@@ -214,6 +217,7 @@ SiteMap DeserializeSiteMap(const std::string& bytes) {
   map.grid = layers.grid = ReadGrid(reader, header.content_size);
   map.position_sd_m = reader.Take<double>();
   map.tilt_sd_deg = reader.Take<double>();
+  map.is_compared = header.version == kComparedVersion;
   if (!(map.position_sd_m >= 0.0 && map.tilt_sd_deg >= 0.0)) Refuse("a deviation below 0");
   for (cv::Mat1f* raster : {&map.elevation,
                             &map.upper,

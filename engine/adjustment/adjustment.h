@@ -65,6 +65,9 @@ struct AdjustmentOptions {
   double max_tilt_sd_deg = 4.0;
 
   // --- Cost ---
+  // In flight, the newest views are adjusted with about this many tracks per view, the longest of
+  // each part of the image: poses to place regions with need no more. 0: all.
+  int num_refinement_tracks = 200;
   // Does not change the result. The solver itself keeps to one thread: more would sum in another
   // order on each run.
   int num_threads = 1;
@@ -125,6 +128,10 @@ struct AdjustedBlock {
   // Views of the group with the most, ascending: what is one block.
   std::vector<size_t> LargestGroup() const;
 };
+
+// The views with the longest tracks alone, about `num_tracks` of each view, evenly over the image. A
+// track that one view keeps stays whole.
+std::vector<View> WithLongestTracks(std::vector<View> views, const Camera& camera, int num_tracks);
 
 // Metric and georeferenced: the gauge comes from the priors. Throws std::invalid_argument on empty
 // input only; a solver that diverges gives is_usable = false.

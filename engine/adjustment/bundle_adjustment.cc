@@ -230,6 +230,10 @@ void AdjustmentOptions::Check() const {
           "max_num_iterations",
           max_num_iterations,
           "must be in [1, 1000]");
+  Require(num_refinement_tracks >= 0 && num_refinement_tracks <= 100000,
+          "num_refinement_tracks",
+          num_refinement_tracks,
+          "must be in [0, 100000]");
   Require(estimated_tilt_sd_deg > 0.0 && estimated_tilt_sd_deg <= 90.0,
           "estimated_tilt_sd_deg",
           estimated_tilt_sd_deg,

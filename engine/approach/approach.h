@@ -17,9 +17,11 @@ struct ApproachOptions {
   double min_map_position_sd_m = 1.0;
   // Ground roll and corridor of the paths are wider on either side, and the roll longer, by this
   // many standard deviations of the map's position: what stands beside them may stand in them.
-  double path_margin_sigma = 2.0;
+  double path_margin_sigma = 3.0;
   // Cells of a tree or of no clear class under the path get this height on top: leafless trees are
   // seen through. Such a cell's posterior of grass is unknown or below min_clear_class_posterior.
+  // Only where no photographs were compared: those tell what is seen through, and its height is
+  // unknown then.
   double unclear_height_allowance_m = 2.0;
   double min_clear_class_posterior = 0.5;
   // A cell whose height is less certain than this counts as unseen under the path too; what stands

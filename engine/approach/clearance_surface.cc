@@ -90,7 +90,9 @@ CellHeight HeightOf(const ElevationMap& map,
   const float sd = map.standard_deviation(cell);
   const bool is_certain = sd <= options.max_height_sd_m;  // an unknown deviation is not
   if (std::isnan(top)) return {};
-  const bool is_clear_class = hazards.grass(cell) >= options.min_clear_class_posterior || is_bare;
+  // Photographs that agree show what is highest.
+  const bool is_clear_class =
+      map.is_compared || is_bare || hazards.grass(cell) >= options.min_clear_class_posterior;
   const double allowance = is_clear_class ? 0.0 : options.unclear_height_allowance_m;
   return {.height = top + static_cast<float>(allowance),
           .is_unseen = std::isnan(elevation) || std::isnan(upper) || !is_certain};

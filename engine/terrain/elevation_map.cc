@@ -97,6 +97,10 @@ void TerrainOptions::Check() const {
   RequireInside("max_relief_m", max_relief_m, 1.0, 10000.0);
   RequireInside("max_num_cells", max_num_cells, 1, 25000000);
   RequireInside("orthophoto_cell_size_m", orthophoto_cell_size_m, 0.1, 0.4);
+  RequireInside("min_crossing_ratio", min_crossing_ratio, 0.01, 2.0);
+  RequireInside("max_photo_disagreement", max_photo_disagreement, 0.0, 10.0);
+  RequireInside("min_open_cover_radius_m", min_open_cover_radius_m, 0.0, 20.0);
+  RequireInside("open_cover_margin_m", open_cover_margin_m, 0.0, 20.0);
 }
 
 bool ElevationMap::IsSeen(int row, int col) const { return std::isfinite(elevation(row, col)); }

@@ -34,8 +34,20 @@ std::optional<Eigen::Vector2d> ImageOfCorner(const ElevationMap& map,
   return pixel;
 }
 
+bool IsElsewhere(const AdjustedBlock& block, size_t view, int first, double min_crossing_ratio) {
+  if (first < 0) return false;
+  const AdjustedView& other = block.views[static_cast<size_t>(first)];
+  const Eigen::Vector3d baseline =
+      block.views[view].world_from_camera.translation - other.world_from_camera.translation;
+  return baseline.head<2>().norm() >= min_crossing_ratio * other.height_above_ground;
+}
+
 // For every seen cell the connected view that looks down on it most steeply; -1 where none sees it.
-cv::Mat1i SteepestViews(const ElevationMap& map, const AdjustedBlock& block) {
+// With `first` given: of those whose cameras are far enough from that view's.
+cv::Mat1i SteepestViews(const ElevationMap& map,
+                        const AdjustedBlock& block,
+                        const cv::Mat1i& first = {},
+                        double min_crossing_ratio = 0.0) {
   cv::Mat1i steepest(map.elevation.size(), -1);
   cv::Mat1f least(map.elevation.size(), std::numeric_limits<float>::infinity());
   for (size_t v = 0; v < block.views.size(); ++v) {
@@ -50,6 +62,7 @@ cv::Mat1i SteepestViews(const ElevationMap& map, const AdjustedBlock& block) {
             map.grid.CellCenter(row, col) - world_from_camera.translation.head<2>();
         const auto distance = static_cast<float>(offset.squaredNorm());
         if (distance >= least(row, col)) continue;
+        if (!first.empty() && !IsElsewhere(block, v, first(row, col), min_crossing_ratio)) continue;
         const float height = map.elevation(row, col);
         const auto is_shown = [&](int corner) {
           return ImageOfCorner(
@@ -117,7 +130,7 @@ class CellPainter {
         scaled_(scaled) {}
 
   // Between the images of the cell's corners.
-  void Paint(int row, int col, int num_parts, Orthophoto& photo) const {
+  void Paint(int row, int col, int num_parts, cv::Mat3b& image, cv::Mat1b& seen) const {
     Eigen::Vector2d corners[4];
     for (int i = 0; i < 4; ++i) {
       const auto corner = ImageOfCorner(
@@ -131,8 +144,8 @@ class CellPainter {
                                     v * ((1.0 - u) * corners[2] + u * corners[3]);
       const Eigen::Vector2d in_scaled = (pixel.array() + 0.5) * scaled_.pixels_per_pixel - 0.5;
       const cv::Point cell(col * num_parts + i % num_parts, row * num_parts + i / num_parts);
-      photo.image(cell) = Sample(scaled_.image, in_scaled);
-      photo.seen(cell) = 255;
+      image(cell) = Sample(scaled_.image, in_scaled);
+      seen(cell) = 255;
     }
   }
 
@@ -156,12 +169,19 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
   photo.grid.cell_size_m /= num_parts;
   photo.grid.num_rows *= num_parts;
   photo.grid.num_cols *= num_parts;
-  photo.image = cv::Mat3b::zeros(photo.grid.num_rows, photo.grid.num_cols);
-  photo.seen = cv::Mat1b::zeros(photo.grid.num_rows, photo.grid.num_cols);
+  const cv::Size size(photo.grid.num_cols, photo.grid.num_rows);
+  photo.image = cv::Mat3b::zeros(size);
+  photo.seen = cv::Mat1b::zeros(size);
   const cv::Mat1i views = SteepestViews(map, block);
+  cv::Mat1i second_views(views.size(), -1);
+  if (options.max_photo_disagreement > 0.0) {
+    photo.second_image = cv::Mat3b::zeros(size);
+    photo.second_seen = cv::Mat1b::zeros(size);
+    second_views = SteepestViews(map, block, views, options.min_crossing_ratio);
+  }
   for (size_t v = 0; v < block.views.size(); ++v) {
-    const cv::Mat1b is_mine = views == static_cast<int>(v);
-    if (cv::countNonZero(is_mine) == 0) continue;
+    const int number = static_cast<int>(v);
+    if (cv::countNonZero((views == number) | (second_views == number)) == 0) continue;
     const cv::Mat image = images(block.views[v].frame_id);
     if (image.empty()) continue;
     const double ground_sampling_m =
@@ -170,7 +190,11 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
     const CellPainter painter(map, block, v, scaled);
     for (int row = 0; row < views.rows; ++row) {
       for (int col = 0; col < views.cols; ++col) {
-        if (is_mine(row, col)) painter.Paint(row, col, num_parts, photo);
+        if (views(row, col) == number) {
+          painter.Paint(row, col, num_parts, photo.image, photo.seen);
+        } else if (second_views(row, col) == number) {
+          painter.Paint(row, col, num_parts, photo.second_image, photo.second_seen);
+        }
       }
     }
   }

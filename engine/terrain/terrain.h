@@ -59,6 +59,15 @@ struct TerrainOptions {
   int max_num_cells = 25000000;
   // Cells of the picture from straight above: a wheel's track is two of them wide.
   double orthophoto_cell_size_m = 0.25;
+  // Two photographs of a place from cameras at least this share of the height apart, brought to the
+  // map, must show the same, but for this much (deviation of the logarithm of brightness): or the
+  // place is not at the height of the map. 0: photographs are not compared.
+  double min_crossing_ratio = 0.2;
+  double max_photo_disagreement = 0.06;
+  // What they disagree about counts where a disc of this radius fits into it, and so much around
+  // it: crowns, not the edges of a hedge.
+  double min_open_cover_radius_m = 2.0;
+  double open_cover_margin_m = 1.0;
 
   void Check() const;
 };
@@ -79,6 +88,8 @@ struct ElevationMap {
   // horizontal position, along one axis, and of its tilt.
   double position_sd_m = 0.0;
   double tilt_sd_deg = 0.0;
+  // Whether photographs were compared at these heights (MarkOpenCover).
+  bool is_compared = false;
 
   bool IsSeen(int row, int col) const;
 };
@@ -112,6 +123,9 @@ struct Orthophoto {
   Grid grid;
   cv::Mat3b image;  // BGR, as photographed; black where unseen
   cv::Mat1b seen;   // 255 or 0
+  // The same by the steepest view from elsewhere (min_crossing_ratio); empty if not compared.
+  cv::Mat3b second_image;
+  cv::Mat1b second_seen;
 };
 
 // Only ground that the map sees and a connected view shows. `images` gives full-size images; empty
@@ -120,5 +134,14 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
                           const AdjustedBlock& block,
                           const ImageSource& images,
                           const TerrainOptions& options);
+
+// Twigs of a leafless crown move against the ground below from view to view, and the map has the
+// ground's height. Where both photographs do not show the same, or only one shows anything, the
+// map's standard deviation becomes unknown: NaN. What they show differently of cells of a clear
+// class (255, else 0) is left: grass is no tree. Does nothing with a picture of one view.
+void MarkOpenCover(const Orthophoto& photo,
+                   const cv::Mat1b& is_clear_class,
+                   const TerrainOptions& options,
+                   ElevationMap& map);
 
 }  // namespace freelsd

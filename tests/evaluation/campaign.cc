@@ -15,6 +15,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "api/flight_parts.h"
 #include "tests/evaluation/curves.h"
 #include "tests/evaluation/http_run.h"
 #include "tests/evaluation/pictures.h"
@@ -77,15 +78,16 @@ Json SettingsOf(const CampaignOptions& options) {
       {"image_size", std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px)},
       {"threads", scenario.num_threads}};
   if (!scenario.takes_photographs) settings["on_truth"] = true;
+  if (!options.engine_options.empty()) settings["options"] = options.engine_options;
   if (scenario.camera != "paper") settings["camera"] = scenario.camera;
   if (scenario.pattern == FlightPattern::kCircle) settings["pattern"] = "circle";
   return settings;
 }
 
-PipelineOptions OptionsFor(const Aircraft& aircraft, int num_threads) {
-  PipelineOptions options;
+PipelineOptions OptionsFor(const CampaignOptions& campaign, const Aircraft& aircraft) {
+  PipelineOptions options = ParseOptions(campaign.engine_options, "");
   options.regions.min_area_m2 = aircraft.min_area_m2;
-  options.adjustment.num_threads = num_threads;
+  options.adjustment.num_threads = campaign.scenario.num_threads;
   return options;
 }
 
@@ -97,7 +99,7 @@ EngineRun RunOf(const CampaignOptions& campaign,
   return RunEngine(scenario.rig,
                    scenario.frames,
                    scenario.aircraft,
-                   OptionsFor(scenario.aircraft, campaign.scenario.num_threads),
+                   OptionsFor(campaign, scenario.aircraft),
                    classifier,
                    progress);
 }
@@ -115,15 +117,16 @@ Json EvaluateWorld(const CampaignOptions& campaign,
   const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
   const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
   stopwatch.Lap("truth");
-  const EngineRun run = campaign.scenario.takes_photographs
-                            ? RunOf(campaign,
-                                    classifier,
-                                    scenario,
-                                    [&](double done, const std::string& stage) {
-                                      stopwatch.Lap(stage == "frontend" ? stage : "backend");
-                                      return progress(0.5 + 0.5 * done, stage);
-                                    })
-                            : RunOnTruth(scenario, truth, fields, PipelineOptions{}.approach);
+  const EngineRun run =
+      campaign.scenario.takes_photographs
+          ? RunOf(campaign,
+                  classifier,
+                  scenario,
+                  [&](double done, const std::string& stage) {
+                    stopwatch.Lap(stage == "frontend" ? stage : "backend");
+                    return progress(0.5 + 0.5 * done, stage);
+                  })
+          : RunOnTruth(scenario, truth, fields, OptionsFor(campaign, scenario.aircraft).approach);
   stopwatch.Lap("backend");
   Json record = WorldRecord(seed, scenario, run, truth, fields);
   stopwatch.Lap("scores");
@@ -236,6 +239,9 @@ class Campaign {
 
 void CampaignOptions::Check() const {
   scenario.Check();
+  if (!url.empty() && !engine_options.empty()) {
+    throw std::invalid_argument("--options and --url: a service has its own options");
+  }
   if (resumes && json.empty()) throw std::invalid_argument("--resume needs --json");
   if (num_jobs > 1 && scenario.num_threads > 1) {
     throw std::invalid_argument("--jobs and --threads: only one of them can be more than 1");

@@ -18,6 +18,8 @@ struct CampaignOptions {
   // Worlds at once. Each needs the memory of a world, and its engine has one thread.
   int num_jobs = 1;
   ScenarioOptions scenario;
+  // Options of the engine by stage, as a flight's `options` has them; the others are the defaults.
+  nlohmann::json engine_options = nlohmann::json::object();
   // Report to write after every world; "" for none.
   std::string json;
   // Go on from that report: its seeds are not flown again.

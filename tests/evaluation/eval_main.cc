@@ -118,6 +118,12 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("--compare", arguments.compare, "older report: says what got better and worse");
   app.add_option("--plots,--pictures", campaign.pictures, "folder for pictures of worlds and maps");
   app.add_option("--url", campaign.url, "service to ask instead of the engine in this process");
+  app.add_option_function<std::string>(
+      "--options",
+      [&campaign](const std::string& path) {
+        campaign.engine_options = Json::parse(ReadTextFile(path));
+      },
+      "JSON file with options of the engine, as a flight's `options` has them");
   app.add_option("--model", arguments.model, "grass classifier");
   app.add_option("--max-false-safe", arguments.max_false_safe, "limit of the exit status");
   app.add_option("--min-found-ratio", arguments.min_found_ratio, "limit of the exit status");

@@ -156,11 +156,13 @@ Scenario MakeScenario(uint64_t seed,
   scenario.seen = SeenGround(scenario);
   progress(0.0);
   if (!options.takes_photographs) return scenario;
-  const Renderer renderer(scenario.world);
   RenderOptions render_options;
   render_options.seed = seed;
   for (size_t i = 0; i < scenario.exposures.size(); ++i) {
-    cv::Mat image = renderer.Render(
+    const int64_t since_start_us =
+        scenario.exposures[i].timestamp_us - scenario.exposures.front().timestamp_us;
+    const World moment = scenario.world.At(1e-6 * static_cast<double>(since_start_us));
+    cv::Mat image = Renderer(moment).Render(
         scenario.rig.camera, scenario.TrueWorldFromCamera(i), render_options, static_cast<int>(i));
     if (i > 0 && IsDamaged(seed, i, options.damaged_ratio)) {
       image = Damaged(image, scenario.frames.back().image, i);

@@ -26,6 +26,7 @@ ElevationMap TrueElevation(const Scenario& scenario, const TruthMap& truth) {
   const Eigen::Vector2d half_cell(0.5 * truth.cell_size_m, -0.5 * truth.cell_size_m);
   map.grid.north_west_in_world = truth.CellCenter(n - 1, 0) - half_cell;
   map.position_sd_m = kPositionDeviationM;
+  map.is_compared = true;
   map.elevation = cv::Mat1f(n, n, kUnknown);
   map.upper = map.elevation.clone();
   map.standard_deviation = map.elevation.clone();
@@ -35,10 +36,12 @@ ElevationMap TrueElevation(const Scenario& scenario, const TruthMap& truth) {
       const cv::Point cell = CellOfTruth(truth, row, col);
       if (!scenario.seen(cell)) continue;
       const Eigen::Vector2d place = map.grid.CellCenter(row, col);
-      map.elevation(row, col) =
-          static_cast<float>(scenario.world.GroundHeight(place.x(), place.y()));
-      map.upper(row, col) = std::max(map.elevation(row, col), truth.top(cell));
-      map.standard_deviation(row, col) = kHeightDeviationM;
+      const float ground = static_cast<float>(scenario.world.GroundHeight(place.x(), place.y()));
+      map.upper(row, col) = std::max(ground, truth.top(cell));
+      // What is closed above has its top for elevation.
+      const bool is_open = truth.cover(cell) == static_cast<uint8_t>(Cover::kBareTree);
+      map.elevation(row, col) = is_open ? ground : map.upper(row, col);
+      map.standard_deviation(row, col) = is_open ? kUnknown : kHeightDeviationM;
       map.num_points(row, col) = kNumPoints;
     }
   }

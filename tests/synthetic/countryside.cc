@@ -13,7 +13,7 @@ namespace freelsd {
 namespace {
 
 // Purposes of randomness.
-enum Purpose : uint64_t { kLayout = 601, kRagged = 609 };
+enum Purpose : uint64_t { kLayout = 601, kRagged = 609, kMovers = 610 };
 
 constexpr double kMinSideM = 34.0;
 constexpr double kMaxSideM = 150.0;  // less is split no more, with a probability
@@ -38,6 +38,7 @@ class Countryside {
     for (const Split& split : splits_) PlantBorder(world, split);
     PlantSingleTrees(world);
     if (Uniform(0, 1) < 0.35) BuildPowerLine(world);
+    AddMovers(world);
     return world;
   }
 
@@ -344,6 +345,36 @@ class Countryside {
       const Tree tree = RandomTree(place, Uniform(0, 1) < 0.2);
       if (cover == Cover::kWater || ToLane(place) < kLaneHalfWidthM + 5.0) continue;
       world.Plant(tree);
+    }
+  }
+
+  // From numbers of their own: what stands does not depend on what moves.
+  void AddMovers(World& world) {
+    random_.seed(MixSeed(options_.seed, kMovers));
+    for (const Split& split : splits_) {
+      if (split.is_lane) DriveAlong(world, split);
+    }
+    for (const Lot& lot : lots_) {
+      if (lot.cover != Cover::kMeadow || Uniform(0, 1) > 0.3) continue;
+      Scatter(lot, 1 + static_cast<int>(Uniform(0, 3)), [&](const Eigen::Vector2d& place) {
+        const uint8_t kind = static_cast<uint8_t>(Uniform(0, 2.99));
+        const Block animal{place, Uniform(0, 2.0 * kPi), 2.1, 0.8, 1.4, Cover::kAnimal, kind};
+        world.movers.push_back({animal, Uniform(0.3, 1.2), Uniform(3.0, 15.0)});
+      });
+    }
+  }
+
+  // Two cars, one on each side of the lane.
+  void DriveAlong(World& world, const Split& split) {
+    const Eigen::Vector2d span = WorldFromLayout(split.end - split.start);
+    const Eigen::Vector2d forward = span.normalized();
+    const Eigen::Vector2d aside = 1.2 * Eigen::Vector2d(forward.y(), -forward.x());
+    for (const double side : {1.0, -1.0}) {
+      Block car;
+      car.center = WorldFromLayout(side > 0.0 ? split.start : split.end) + side * aside;
+      car.heading = HeadingOf(side * forward);
+      car.variant = static_cast<uint8_t>(Uniform(0, 3.99));
+      world.movers.push_back({car, Uniform(6.0, 16.0), span.norm()});
     }
   }
 

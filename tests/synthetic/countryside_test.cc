@@ -60,6 +60,28 @@ TEST_CASE("things: most of a leafless crown is seen through, and its top is stil
   CHECK(highest > 10.0);
 }
 
+TEST_CASE("movers: to and fro along their heading, seen in the moment and not in the world") {
+  World world = MakeMeadowPlane(Plane());
+  world.Paint();
+  world.Light();
+  Mover mover;
+  mover.block.heading = 0.5 * kPi;  // east
+  mover.speed_mps = 5.0;
+  mover.way_m = 20.0;
+  CHECK(mover.PlaceAt(2.0).x() == doctest::Approx(10.0));
+  CHECK(mover.PlaceAt(6.0).x() == doctest::Approx(10.0));  // on its way back
+  CHECK(mover.PlaceAt(8.0).norm() == doctest::Approx(0.0));
+  world.movers.push_back(mover);
+  const World moment = world.At(2.0);
+  CHECK(moment.CoverAt(10.0, 0.0) == Cover::kVehicle);
+  CHECK(moment.SurfaceHeight(10.0, 0.0) > 1.0);
+  CHECK(moment.CoverAt(0.0, 0.0) == Cover::kMeadow);
+  CHECK(world.CoverAt(10.0, 0.0) == Cover::kMeadow);
+  CHECK(world.SurfaceHeight(10.0, 0.0) < 1.0);
+  const int row = world.CellIndex(0.0), col = world.CellIndex(10.0);
+  CHECK(moment.radiance(row, col) != world.radiance(row, col));
+}
+
 TEST_CASE("countryside: same seed, same world, it holds good fields and traps") {
   WorldOptions options;
   options.size_m = 400.0;

@@ -184,6 +184,36 @@ class Painter {
 
 }  // namespace
 
+Eigen::Vector2d Mover::PlaceAt(double seconds) const {
+  const double gone = std::fmod(speed_mps * seconds, 2.0 * way_m);
+  return block.center + std::min(gone, 2.0 * way_m - gone) * DirectionOf(block.heading);
+}
+
+World World::At(double seconds) const {
+  World now = *this;
+  if (movers.empty()) return now;
+  for (cv::Mat1b* grid : {&now.cover, &now.variant}) *grid = grid->clone();
+  now.surface = surface.clone();
+  now.radiance = radiance.clone();
+  const Painter painter(seed);
+  for (const Mover& mover : movers) {
+    Block block = mover.block;
+    block.center = mover.PlaceAt(seconds);
+    now.Put(block);
+    const double reach = 0.5 * std::hypot(block.length_m, block.width_m);
+    const cv::Range rows = CellsAround(block.center.y(), reach);
+    const cv::Range cols = CellsAround(block.center.x(), reach);
+    for (int row = rows.start; row < rows.end; ++row) {
+      for (int col = cols.start; col < cols.end; ++col) {
+        if (now.surface(row, col) == surface(row, col)) continue;
+        now.radiance(row, col) =
+            painter.ColorAt(block.cover, block.variant, CellCenter(col), CellCenter(row));
+      }
+    }
+  }
+  return now;
+}
+
 void World::Paint() {
   const Painter painter(seed);
   albedo.create(num_cells(), num_cells());

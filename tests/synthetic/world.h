@@ -127,6 +127,17 @@ struct PowerLine {
   double spacing_m = 40.0;
 };
 
+// Something that is elsewhere at every exposure: a car on a lane, an animal that walks. To and fro
+// along the block's heading from where it stands first. The truth knows nothing of it: it is gone
+// when somebody lands.
+struct Mover {
+  Block block;
+  double speed_mps = 1.0;
+  double way_m = 20.0;
+
+  Eigen::Vector2d PlaceAt(double seconds) const;
+};
+
 // Grids are row-major, one value per cell; row 0 is the southern edge, column 0 the western one.
 // Outside the grid the edge repeats.
 struct World {
@@ -138,6 +149,7 @@ struct World {
   // Unit vector towards the sun.
   Eigen::Vector3d sun_in_world = Eigen::Vector3d::UnitZ();
   std::vector<Parcel> parcels;
+  std::vector<Mover> movers;
 
   cv::Mat1f ground;   // bare ground, world z
   cv::Mat1f surface;  // highest thing, world z: tufts, crowns, roofs
@@ -180,6 +192,9 @@ struct World {
   // To be called after the last thing was built.
   void Paint();
   void Light();
+
+  // Painted and lit, as it looks at a time, movers and all. They cast no shadow.
+  World At(double seconds) const;
 };
 
 // Bilinear between cell centres; outside the grid the edge repeats.

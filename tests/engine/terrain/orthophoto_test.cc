@@ -220,5 +220,95 @@ TEST_CASE("orthophoto: cells of no size are refused") {
   CHECK_THROWS_AS(options.Check(), std::invalid_argument);
 }
 
+// Views over a mottled meadow, with twigs `height` above a disc of 4 m about the origin: dark and
+// pale squares of 0.7 m of which every second one is open.
+ImageSource MeadowWithTwigs(const AdjustedBlock& block, double height) {
+  return [&block, height](const std::string& frame_id) -> cv::Mat {
+    const Rigid3d& world_from_camera = block.views[std::stoul(frame_id)].world_from_camera;
+    cv::Mat3b image(block.camera.height_px, block.camera.width_px);
+    for (int v = 0; v < image.rows; ++v) {
+      for (int u = 0; u < image.cols; ++u) {
+        const Eigen::Vector3d ray =
+            world_from_camera.rotation * block.camera.RayFromImage({double(u), double(v)});
+        const Eigen::Vector3d& eye = world_from_camera.translation;
+        const auto at = [&](double z) -> Eigen::Vector2d {
+          return (eye - ray * ((eye.z() - z) / ray.z())).head<2>();
+        };
+        const Eigen::Vector2d ground = at(0.0), twig = at(height);
+        const double mottle = std::sin(2.0 * ground.x()) * std::sin(1.7 * ground.y());
+        const auto green = uchar(std::lround(120.0 + 12.0 * mottle));
+        image(v, u) = {uchar(green / 2), green, uchar(green / 2)};
+        const auto cell = [](double x) { return static_cast<int>(std::floor(x / 0.7)); };
+        const bool is_twig = (cell(twig.x()) + cell(twig.y())) % 2 == 0;
+        if (twig.norm() < 4.0 && is_twig) image(v, u) = {50, 60, 70};
+      }
+    }
+    return image;
+  };
+}
+
+// How many cells of the map within a distance of the origin have an unknown deviation.
+int NumUnknown(const ElevationMap& map, double radius_m) {
+  int num_unknown = 0;
+  for (int row = 0; row < map.grid.num_rows; ++row) {
+    for (int col = 0; col < map.grid.num_cols; ++col) {
+      const bool is_near = map.grid.CellCenter(row, col).norm() < radius_m;
+      num_unknown += is_near && std::isnan(map.standard_deviation(row, col));
+    }
+  }
+  return num_unknown;
+}
+
+TEST_CASE(
+    "open cover: where twigs move against the ground its height is unknown, meadow keeps it") {
+  const AdjustedBlock block = BlockOf(TwoNadirViews());
+  ElevationMap map = LevelMap(36);
+  const Orthophoto photo = MakeOrthophoto(map, block, MeadowWithTwigs(block, 6.0), {});
+  REQUIRE(photo.second_image.size() == photo.image.size());
+  ElevationMap grass = map;
+  grass.standard_deviation = map.standard_deviation.clone();
+  MarkOpenCover(photo, NoClass(map), {}, map);
+  CHECK(map.is_compared);
+  CHECK(NumUnknown(map, 3.0) == 32);  // all of them
+  CHECK(NumUnknown(map, 12.0) == NumUnknown(map, 9.0));
+  MarkOpenCover(photo, NoClass(map) + 255, {}, grass);
+  CHECK(NumUnknown(grass, 17.0) == 0);
+}
+
+TEST_CASE("open cover: what lies at the map's height is the same in both, be it as coloured") {
+  const AdjustedBlock block = BlockOf(TwoNadirViews());
+  ElevationMap map = LevelMap(36);
+  MarkOpenCover(MakeOrthophoto(map, block, MeadowWithTwigs(block, 0.0), {}), NoClass(map), {}, map);
+  CHECK(NumUnknown(map, 17.0) == 0);
+}
+
+TEST_CASE("open cover: one darker photograph is no disagreement") {
+  const AdjustedBlock block = BlockOf(TwoNadirViews());
+  const ImageSource even = MeadowWithTwigs(block, 0.0);
+  const ImageSource one_darker = [&](const std::string& id) -> cv::Mat {
+    return id == "1" ? cv::Mat(0.8 * even(id)) : even(id);
+  };
+  ElevationMap map = LevelMap(36);
+  MarkOpenCover(MakeOrthophoto(map, block, one_darker, {}), NoClass(map), {}, map);
+  CHECK(NumUnknown(map, 10.0) == 0);
+}
+
+TEST_CASE("open cover: ground that one place alone shows is unknown; nothing is compared with 0") {
+  const AdjustedBlock near =
+      BlockOf({SceneView({0.0, 0.0, kHeightM}, 0.3), SceneView({3.0, 0.0, kHeightM}, 0.3)});
+  ElevationMap map = LevelMap(20);
+  MarkOpenCover(MakeOrthophoto(map, near, MeadowWithTwigs(near, 0.0), {}), NoClass(map), {}, map);
+  CHECK(map.is_compared);
+  CHECK(NumUnknown(map, 20.0) == 400);
+  TerrainOptions off;
+  off.max_photo_disagreement = 0.0;
+  ElevationMap same = LevelMap(20);
+  const Orthophoto photo = MakeOrthophoto(same, near, MeadowWithTwigs(near, 6.0), off);
+  CHECK(photo.second_image.empty());
+  MarkOpenCover(photo, NoClass(same), off, same);
+  CHECK_FALSE(same.is_compared);
+  CHECK(NumUnknown(same, 20.0) == 0);
+}
+
 }  // namespace
 }  // namespace freelsd
