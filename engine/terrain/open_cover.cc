@@ -1,5 +1,9 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -48,16 +52,61 @@ class WindowMean {
   cv::Mat1f weight_;
 };
 
-// Deviation of the logarithm of the brightnesses' ratio, by cell of the picture.
-cv::Mat1f Disagreement(const Orthophoto& photo, const cv::Mat1f& counts) {
+// What one pair of views shows: their cells of the map, and the rectangle around those.
+struct PairCells {
+  std::vector<cv::Point> cells;
+  cv::Rect around;
+};
+
+std::map<std::pair<int, int>, PairCells> CellsOfPairs(const Orthophoto& photo) {
+  std::map<std::pair<int, int>, PairCells> pairs;
+  for (int row = 0; row < photo.view.rows; ++row) {
+    for (int col = 0; col < photo.view.cols; ++col) {
+      const int first = photo.view(row, col), second = photo.second_view(row, col);
+      if (first < 0 || second < 0) continue;
+      PairCells& pair = pairs[{first, second}];
+      pair.cells.emplace_back(col, row);
+      const cv::Rect cell(col, row, 1, 1);
+      pair.around = pair.around.empty() ? cell : pair.around | cell;
+    }
+  }
+  return pairs;
+}
+
+// Deviation of the logarithm of the brightnesses' ratio, by cell of the map; NaN where not both
+// show the cell. Views are exposed each in its own way, so pairs are compared one by one.
+cv::Mat1f Disagreement(const Orthophoto& photo, double map_cell_size_m) {
+  cv::Mat1f by_cell(photo.view.size(), std::numeric_limits<float>::quiet_NaN());
   const double cell = photo.grid.cell_size_m;
+  const int parts = static_cast<int>(std::lround(map_cell_size_m / cell));
   const cv::Mat1f ratio =
       LogBrightness(photo.image, kBlurM / cell) - LogBrightness(photo.second_image, kBlurM / cell);
-  const cv::Mat1f exposure = WindowMean(counts, kExposureM / cell).Of(ratio.mul(counts));
-  const cv::Mat1f rest = (ratio - exposure).mul(counts);
-  cv::Mat1f deviation;
-  cv::sqrt(WindowMean(counts, kWindowM / cell).Of(rest.mul(rest)), deviation);
-  return deviation;
+  for (const auto& [views, pair] : CellsOfPairs(photo)) {
+    const cv::Rect box(parts * pair.around.tl(),
+                       cv::Size(parts * pair.around.width, parts * pair.around.height));
+    cv::Mat1b is_shown = cv::Mat1b::zeros(box.size());
+    for (const cv::Point& place : pair.cells) {
+      is_shown(cv::Rect(parts * (place - pair.around.tl()), cv::Size(parts, parts))) = 255;
+    }
+    is_shown &= photo.seen(box) & photo.second_seen(box);
+    cv::Mat1f shown, counts;
+    is_shown.convertTo(shown, CV_32F, 1.0 / 255.0);
+    // The blur mixes what other pairs show into a border of one cell.
+    cv::Mat1b inner;
+    cv::erode(is_shown, inner, {}, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar::all(0.0));
+    inner.convertTo(counts, CV_32F, 1.0 / 255.0);
+    const cv::Mat1f exposure = WindowMean(counts, kExposureM / cell).Of(ratio(box).mul(counts));
+    const cv::Mat1f rest = (ratio(box) - exposure).mul(counts);
+    cv::Mat1f deviation, shares;
+    cv::sqrt(WindowMean(counts, kWindowM / cell).Of(rest.mul(rest)), deviation);
+    cv::resize(shown, shares, pair.around.size(), 0.0, 0.0, cv::INTER_AREA);
+    cv::resize(deviation, deviation, pair.around.size(), 0.0, 0.0, cv::INTER_AREA);
+    for (const cv::Point& place : pair.cells) {
+      const cv::Point in_box = place - pair.around.tl();
+      if (shares(in_box) >= kMinShownShare) by_cell(place) = deviation(in_box);
+    }
+  }
+  return by_cell;
 }
 
 cv::Mat DiscOf(double radius_m, double cell_size_m) {
@@ -72,18 +121,14 @@ void MarkOpenCover(const Orthophoto& photo,
                    const TerrainOptions& options,
                    ElevationMap& map) {
   if (photo.second_image.empty() || map.elevation.empty()) return;
-  cv::Mat1f counts, shown, disagreement;
-  cv::Mat(photo.seen & photo.second_seen).convertTo(counts, CV_32F, 1.0 / 255.0);
-  cv::resize(counts, shown, map.elevation.size(), 0.0, 0.0, cv::INTER_AREA);
-  cv::resize(
-      Disagreement(photo, counts), disagreement, map.elevation.size(), 0.0, 0.0, cv::INTER_AREA);
-  cv::Mat1b is_open = (disagreement > options.max_photo_disagreement) & (shown >= kMinShownShare);
+  const cv::Mat1f disagreement = Disagreement(photo, map.grid.cell_size_m);
+  cv::Mat1b is_open = disagreement > options.max_photo_disagreement;
+  const cv::Mat1b is_unshown = disagreement != disagreement;  // NaN
   is_open.setTo(uint8_t{0}, is_clear_class);
   const double cell = map.grid.cell_size_m;
   cv::morphologyEx(is_open, is_open, cv::MORPH_OPEN, DiscOf(options.min_open_cover_radius_m, cell));
   cv::dilate(is_open, is_open, DiscOf(options.open_cover_margin_m, cell));
-  const cv::Mat1b is_unknown = is_open | (shown < kMinShownShare);
-  map.standard_deviation.setTo(std::numeric_limits<float>::quiet_NaN(), is_unknown);
+  map.standard_deviation.setTo(std::numeric_limits<float>::quiet_NaN(), is_open | is_unshown);
   map.is_compared = true;
 }
 

@@ -172,27 +172,27 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
   const cv::Size size(photo.grid.num_cols, photo.grid.num_rows);
   photo.image = cv::Mat3b::zeros(size);
   photo.seen = cv::Mat1b::zeros(size);
-  const cv::Mat1i views = SteepestViews(map, block);
-  cv::Mat1i second_views(views.size(), -1);
+  photo.view = SteepestViews(map, block);
+  photo.second_view = cv::Mat1i(photo.view.size(), -1);
   if (options.max_photo_disagreement > 0.0) {
     photo.second_image = cv::Mat3b::zeros(size);
     photo.second_seen = cv::Mat1b::zeros(size);
-    second_views = SteepestViews(map, block, views, options.min_crossing_ratio);
+    photo.second_view = SteepestViews(map, block, photo.view, options.min_crossing_ratio);
   }
   for (size_t v = 0; v < block.views.size(); ++v) {
     const int number = static_cast<int>(v);
-    if (cv::countNonZero((views == number) | (second_views == number)) == 0) continue;
+    if (cv::countNonZero((photo.view == number) | (photo.second_view == number)) == 0) continue;
     const cv::Mat image = images(block.views[v].frame_id);
     if (image.empty()) continue;
     const double ground_sampling_m =
         block.views[v].height_above_ground / block.camera.MeanFocalPx();
     const ScaledImage scaled = ScaleTo(image, ground_sampling_m, photo.grid.cell_size_m);
     const CellPainter painter(map, block, v, scaled);
-    for (int row = 0; row < views.rows; ++row) {
-      for (int col = 0; col < views.cols; ++col) {
-        if (views(row, col) == number) {
+    for (int row = 0; row < photo.view.rows; ++row) {
+      for (int col = 0; col < photo.view.cols; ++col) {
+        if (photo.view(row, col) == number) {
           painter.Paint(row, col, num_parts, photo.image, photo.seen);
-        } else if (second_views(row, col) == number) {
+        } else if (photo.second_view(row, col) == number) {
           painter.Paint(row, col, num_parts, photo.second_image, photo.second_seen);
         }
       }

@@ -126,6 +126,8 @@ struct Orthophoto {
   // The same by the steepest view from elsewhere (min_crossing_ratio); empty if not compared.
   cv::Mat3b second_image;
   cv::Mat1b second_seen;
+  // The views of both, index into the block's; below zero where there is none. By the map's cells.
+  cv::Mat1i view, second_view;
 };
 
 // Only ground that the map sees and a connected view shows. `images` gives full-size images; empty

@@ -259,6 +259,9 @@ int NumUnknown(const ElevationMap& map, double radius_m) {
   return num_unknown;
 }
 
+// Nothing is known to be grass.
+cv::Mat1b NoClass(const ElevationMap& map) { return cv::Mat1b::zeros(map.elevation.size()); }
+
 TEST_CASE(
     "open cover: where twigs move against the ground its height is unknown, meadow keeps it") {
   const AdjustedBlock block = BlockOf(TwoNadirViews());
