@@ -123,7 +123,8 @@ void MarkOpenCover(const Orthophoto& photo,
   if (photo.second_image.empty() || map.elevation.empty()) return;
   const cv::Mat1f disagreement = Disagreement(photo, map.grid.cell_size_m);
   cv::Mat1b is_open = disagreement > options.max_photo_disagreement;
-  const cv::Mat1b is_unshown = disagreement != disagreement;  // NaN
+  // What is no number is not equal to itself; OpenCV's != does not know that of all of them.
+  const cv::Mat1b is_unshown = ~cv::Mat1b(disagreement == disagreement);
   is_open.setTo(uint8_t{0}, is_clear_class);
   const double cell = map.grid.cell_size_m;
   cv::morphologyEx(is_open, is_open, cv::MORPH_OPEN, DiscOf(options.min_open_cover_radius_m, cell));
