@@ -126,8 +126,12 @@ void MarkOpenCover(const Orthophoto& photo,
   // What is no number is not equal to itself; OpenCV's != does not know that of all of them.
   const cv::Mat1b is_unshown = ~cv::Mat1b(disagreement == disagreement);
   is_open.setTo(uint8_t{0}, is_clear_class);
+  // A rim of crowns before a wood that no pair could measure is as much of a body as the wood.
   const double cell = map.grid.cell_size_m;
-  cv::morphologyEx(is_open, is_open, cv::MORPH_OPEN, DiscOf(options.min_open_cover_radius_m, cell));
+  cv::Mat1b bodies;
+  cv::morphologyEx(
+      is_open | is_unshown, bodies, cv::MORPH_OPEN, DiscOf(options.min_open_cover_radius_m, cell));
+  is_open &= bodies;
   cv::dilate(is_open, is_open, DiscOf(options.open_cover_margin_m, cell));
   map.standard_deviation.setTo(std::numeric_limits<float>::quiet_NaN(), is_open | is_unshown);
   map.is_compared = true;

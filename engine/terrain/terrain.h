@@ -64,8 +64,8 @@ struct TerrainOptions {
   // place is not at the height of the map. 0: photographs are not compared.
   double min_crossing_ratio = 0.2;
   double max_photo_disagreement = 0.06;
-  // What they disagree about counts where a disc of this radius fits into it, and so much around
-  // it: crowns, not the edges of a hedge.
+  // What they disagree about counts where a disc of this radius fits into it, or into it and ground
+  // that was not seen, and so much around it: crowns, not the edges of a hedge.
   double min_open_cover_radius_m = 2.0;
   double open_cover_margin_m = 1.0;
 

@@ -314,5 +314,32 @@ TEST_CASE("open cover: ground that one place alone shows is unknown; nothing is 
   CHECK(NumUnknown(same, 20.0) == 0);
 }
 
+TEST_CASE("open cover: the rim of a crown whose rest was not seen counts, alone it would not") {
+  const AdjustedBlock block = BlockOf(TwoNadirViews());
+  // Of the crown only its easternmost two metres are on the map; its other side is away.
+  ElevationMap map = LevelMap(36);
+  for (int row = 0; row < 36; ++row) {
+    for (int col = 0; col < 36; ++col) {
+      const Eigen::Vector2d place = map.grid.CellCenter(row, col);
+      if (place.x() > 2.0) continue;
+      for (cv::Mat1f* raster : {&map.elevation, &map.upper, &map.standard_deviation}) {
+        (*raster)(row, col) = std::numeric_limits<float>::quiet_NaN();
+      }
+    }
+  }
+  const auto num_unknown_of_seen = [&](const ElevationMap& marked) {
+    int num_unknown = 0;
+    for (int row = 14; row < 22; ++row) {
+      num_unknown += std::isnan(marked.standard_deviation(row, 20));  // 2 to 3 m east
+    }
+    return num_unknown;
+  };
+  const ImageSource images = MeadowWithTwigs(block, 6.0);
+  ElevationMap rim = map;
+  rim.standard_deviation = map.standard_deviation.clone();
+  MarkOpenCover(MakeOrthophoto(rim, block, images, {}), NoClass(rim), {}, rim);
+  CHECK(num_unknown_of_seen(rim) >= 4);
+}
+
 }  // namespace
 }  // namespace freelsd
