@@ -41,7 +41,7 @@ TEST_CASE("longest tracks: of each part of an image the longest stay, in all of 
   CHECK(kept[2].observations.size() == 2);
 }
 
-TEST_CASE("longest tracks: what one view alone sees ties nothing; 0 keeps all") {
+TEST_CASE("longest tracks: what one view alone sees ties nothing, 0 keeps all") {
   std::vector<View> views(2);
   views[0].observations = {{1, {10.0, 10.0}}, {2, {400.0, 200.0}}};
   views[1].observations = {{1, {20.0, 10.0}}};

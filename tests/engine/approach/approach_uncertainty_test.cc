@@ -71,7 +71,8 @@ TEST_CASE(
     const auto plan_with = [&](const ApproachOptions& options) {
       return PlanApproach(meadow.map, meadow.hazards, request, aircraft, options);
     };
-    const ApproachOptions with_margin = scene::OneWay();
+    ApproachOptions with_margin = scene::OneWay();
+    with_margin.path_margin_sigma = 2.0;
     ApproachOptions no_margin = with_margin;
     no_margin.path_margin_sigma = 0.0;
     CHECK(plan_with(with_margin).verdict == Verdict::kLandable);

@@ -274,16 +274,16 @@ TEST_CASE(
   MarkOpenCover(photo, NoClass(map), {}, map);
   CHECK(map.is_compared);
   CHECK(NumUnknown(map, 3.0) == 32);  // all of them
-  CHECK(NumUnknown(map, 12.0) == NumUnknown(map, 9.0));
+  CHECK(NumUnknown(map, 11.0) == NumUnknown(map, 9.0));
   MarkOpenCover(photo, NoClass(map) + 255, {}, grass);
-  CHECK(NumUnknown(grass, 12.0) == 0);
+  CHECK(NumUnknown(grass, 11.0) == 0);
 }
 
 TEST_CASE("open cover: what lies at the map's height is the same in both, however mottled") {
   const AdjustedBlock block = BlockOf(TwoNadirViews());
   ElevationMap map = LevelMap(36);
   MarkOpenCover(MakeOrthophoto(map, block, MeadowWithTwigs(block, 0.0), {}), NoClass(map), {}, map);
-  CHECK(NumUnknown(map, 12.0) == 0);
+  CHECK(NumUnknown(map, 11.0) == 0);
 }
 
 TEST_CASE("open cover: one darker photograph is no disagreement") {
@@ -297,7 +297,7 @@ TEST_CASE("open cover: one darker photograph is no disagreement") {
   CHECK(NumUnknown(map, 10.0) == 0);
 }
 
-TEST_CASE("open cover: ground that one place alone shows is unknown; nothing is compared with 0") {
+TEST_CASE("open cover: ground that one place alone shows is unknown, nothing is compared with 0") {
   const AdjustedBlock near =
       BlockOf({SceneView({0.0, 0.0, kHeightM}, 0.3), SceneView({3.0, 0.0, kHeightM}, 0.3)});
   ElevationMap map = LevelMap(20);
