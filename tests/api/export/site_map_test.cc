@@ -35,6 +35,14 @@ TEST_CASE("site map: what was stored comes back to the bit, unseen cells too") {
   CHECK(SerializeSiteMap(DeserializeSiteMap(bytes)) == bytes);
 }
 
+TEST_CASE("site map: whether photographs were compared is kept") {
+  for (const bool is_compared : {false, true}) {
+    SiteMap site_map;
+    site_map.map.is_compared = is_compared;
+    CHECK(DeserializeSiteMap(SerializeSiteMap(site_map)).map.is_compared == is_compared);
+  }
+}
+
 TEST_CASE("site map: an empty map survives, too") {
   const SiteMap back = DeserializeSiteMap(SerializeSiteMap(SiteMap{}));
   CHECK(back.map.elevation.empty());
