@@ -129,8 +129,8 @@ struct AdjustedBlock {
   std::vector<size_t> LargestGroup() const;
 };
 
-// The views with the longest tracks alone, about `num_tracks` of each view, evenly over the image. A
-// track that one view keeps stays whole.
+// The views with the longest tracks alone, about `num_tracks` of each view, evenly over the image.
+// A track that one view keeps stays whole.
 std::vector<View> WithLongestTracks(std::vector<View> views, const Camera& camera, int num_tracks);
 
 // Metric and georeferenced: the gauge comes from the priors. Throws std::invalid_argument on empty
