@@ -5,16 +5,6 @@
 namespace freelsd {
 namespace {
 
-Camera SmallCamera() {
-  Camera camera;
-  camera.width_px = 500;
-  camera.height_px = 250;
-  camera.fx_px = camera.fy_px = 400.0;
-  camera.cx_px = 250.0;
-  camera.cy_px = 125.0;
-  return camera;
-}
-
 size_t NumObservations(const std::vector<View>& views) {
   size_t sum = 0;
   for (const View& view : views) sum += view.observations.size();
@@ -29,9 +19,9 @@ TEST_CASE("longest tracks: of each part of an image the longest stay, in all of 
       views[view].observations.push_back({id, {10.0 + static_cast<double>(id), 10.0}});
     }
   }
-  views[0].observations.push_back({20, {490.0, 240.0}});
-  views[1].observations.push_back({20, {480.0, 240.0}});
-  const std::vector<View> kept = WithLongestTracks(views, SmallCamera(), 50);  // 2 for each of 25
+  views[0].observations.push_back({20, {990.0, 740.0}});
+  views[1].observations.push_back({20, {980.0, 740.0}});
+  const std::vector<View> kept = WithLongestTracks(views, SurveyCamera(), 50);  // 2 for each of 25
   REQUIRE(kept.size() == 3);
   REQUIRE(kept[0].observations.size() == 3);
   CHECK(kept[0].observations[0].track_id == 7);
@@ -45,9 +35,9 @@ TEST_CASE("longest tracks: what one view alone sees ties nothing, 0 keeps all") 
   std::vector<View> views(2);
   views[0].observations = {{1, {10.0, 10.0}}, {2, {400.0, 200.0}}};
   views[1].observations = {{1, {20.0, 10.0}}};
-  CHECK(NumObservations(WithLongestTracks(views, SmallCamera(), 100)) == 2);
-  CHECK(NumObservations(WithLongestTracks(views, SmallCamera(), 0)) == 3);
-  CHECK(WithLongestTracks({}, SmallCamera(), 100).empty());
+  CHECK(NumObservations(WithLongestTracks(views, SurveyCamera(), 100)) == 2);
+  CHECK(NumObservations(WithLongestTracks(views, SurveyCamera(), 0)) == 3);
+  CHECK(WithLongestTracks({}, SurveyCamera(), 100).empty());
 }
 
 }  // namespace

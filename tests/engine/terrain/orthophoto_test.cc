@@ -38,21 +38,33 @@ AdjustedBlock BlockOf(const std::vector<Rigid3d>& world_from_camera) {
   return block;
 }
 
-// What each view of the block shows of the paint.
-ImageSource ImagesOf(const AdjustedBlock& block, const Paint& paint) {
+// Colour of what a ray from the eye meets.
+using RayPaint = std::function<cv::Vec3b(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray)>;
+
+Eigen::Vector2d AtHeight(const Eigen::Vector3d& eye, const Eigen::Vector3d& ray, double height) {
+  return (eye - ray * ((eye.z() - height) / ray.z())).head<2>();
+}
+
+// What each view of the block shows.
+ImageSource ImagesOfRays(const AdjustedBlock& block, const RayPaint& paint) {
   return [&block, paint](const std::string& frame_id) -> cv::Mat {
     const Rigid3d& world_from_camera = block.views[std::stoul(frame_id)].world_from_camera;
     cv::Mat3b image(block.camera.height_px, block.camera.width_px);
     for (int v = 0; v < image.rows; ++v) {
       for (int u = 0; u < image.cols; ++u) {
-        const Eigen::Vector3d ray =
-            world_from_camera.rotation * block.camera.RayFromImage({double(u), double(v)});
-        const Eigen::Vector3d& eye = world_from_camera.translation;
-        image(v, u) = paint((eye - ray * (eye.z() / ray.z())).head<2>());
+        image(v, u) =
+            paint(world_from_camera.translation,
+                  world_from_camera.rotation * block.camera.RayFromImage({double(u), double(v)}));
       }
     }
     return image;
   };
+}
+
+ImageSource ImagesOf(const AdjustedBlock& block, const Paint& paint) {
+  return ImagesOfRays(block, [paint](const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) {
+    return paint(AtHeight(eye, ray, 0.0));
+  });
 }
 
 // Every view of one colour: its number in blue.
@@ -223,29 +235,17 @@ TEST_CASE("orthophoto: cells of no size are refused") {
 // Views over a mottled meadow; with twigs `height` above a disc of 4 m about the origin, if that is
 // more than 0: dark squares of 0.7 m in no order, the others open.
 ImageSource MeadowWithTwigs(const AdjustedBlock& block, double height) {
-  return [&block, height](const std::string& frame_id) -> cv::Mat {
-    const Rigid3d& world_from_camera = block.views[std::stoul(frame_id)].world_from_camera;
-    cv::Mat3b image(block.camera.height_px, block.camera.width_px);
-    for (int v = 0; v < image.rows; ++v) {
-      for (int u = 0; u < image.cols; ++u) {
-        const Eigen::Vector3d ray =
-            world_from_camera.rotation * block.camera.RayFromImage({double(u), double(v)});
-        const Eigen::Vector3d& eye = world_from_camera.translation;
-        const auto at = [&](double z) -> Eigen::Vector2d {
-          return (eye - ray * ((eye.z() - z) / ray.z())).head<2>();
-        };
-        const Eigen::Vector2d ground = at(0.0), twig = at(height);
-        const double mottle = std::sin(2.0 * ground.x()) * std::sin(1.7 * ground.y());
-        const auto green = uchar(std::lround(120.0 + 30.0 * mottle));
-        image(v, u) = {uchar(green / 2), green, uchar(green / 2)};
+  return ImagesOfRays(
+      block, [height](const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) -> cv::Vec3b {
+        const Eigen::Vector2d ground = AtHeight(eye, ray, 0.0), twig = AtHeight(eye, ray, height);
         const auto cell = [](double x) { return static_cast<int>(std::floor(x / 0.7)); };
         const int east = cell(twig.x()), north = cell(twig.y());
         const bool is_twig = (5 * east * east + 3 * north + east * north) % 3 == 0;
-        if (height > 0.0 && twig.norm() < 4.0 && is_twig) image(v, u) = {25, 35, 40};
-      }
-    }
-    return image;
-  };
+        if (height > 0.0 && twig.norm() < 4.0 && is_twig) return {25, 35, 40};
+        const double mottle = std::sin(2.0 * ground.x()) * std::sin(1.7 * ground.y());
+        const auto green = uchar(std::lround(120.0 + 30.0 * mottle));
+        return {uchar(green / 2), green, uchar(green / 2)};
+      });
 }
 
 // How many cells of the map within a distance of the origin have an unknown deviation.
