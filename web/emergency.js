@@ -39,8 +39,8 @@ function card(site, index, onShow) {
 }
 
 // Where the server has no reach computation: the nearest stored sites, said to be no more than that.
-async function nearestSites(from) {
-  const { features } = await api.getAllSites();
+async function nearestSites(from, signal) {
+  const { features } = await api.getAllSites(signal);
   const order = { landable: 0, unverified: 1 };
   return features.filter(({ properties: p, geometry }) => p.verdict in order && geometry)
     .map(({ properties: p, geometry }) => {
@@ -92,6 +92,21 @@ export function createEmergency(on) {
     }
   }
 
+  // A newer question aborts this one, whatever it waits for: its answer must not be drawn over the newer one.
+  async function answer(values, from, signal) {
+    if (values.altitude_m === null) {
+      draw({ sites: await nearestSites(from, signal) }, from, false);
+      say('Fill in your altitude to know what is in reach. Until then: the nearest known sites.', 'bad');
+      return;
+    }
+    try {
+      draw(await api.getEmergency(values, signal), from, true);
+    } catch (error) {
+      if (error.status !== 404) throw error;
+      draw({ sites: await nearestSites(from, signal) }, from, false);
+    }
+  }
+
   async function ask() {
     clearTimeout(timer);
     running.abort();
@@ -103,16 +118,10 @@ export function createEmergency(on) {
     if (missing.length > 0) return say('Where are you? Fill in the position.', 'bad');
     localStorage.setItem(kept, JSON.stringify(Object.fromEntries(fields.map((name) => [name, input(name).value]))));
     try {
-      if (values.altitude_m === null) {
-        draw({ sites: await nearestSites(from) }, from, false);
-        say('Fill in your altitude to know what is in reach. Until then: the nearest known sites.', 'bad');
-      } else {
-        draw(await api.getEmergency(values, signal), from, true);
-      }
+      await answer(values, from, signal);
     } catch (error) {
-      if (error.name === 'AbortError') return undefined;
-      if (error.status === 404) await nearestSites(from).then((sites) => draw({ sites }, from, false)).catch(fail);
-      else fail(error);
+      if (signal.aborted) return undefined;
+      fail(error);
     }
     if (dialog.open && !signal.aborted) timer = setTimeout(ask, kRefresh_ms);
     return undefined;

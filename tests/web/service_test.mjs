@@ -136,6 +136,19 @@ test('emergency: three sites, big, with bearing, distance, heading and age', asy
   await page.locator('#view-site:not([hidden]) #profile canvas').waitFor(kWait);
 });
 
+test('emergency: an older answer that comes late is not drawn over the newer one', async (t) => {
+  const late_ms = 700;
+  const server = await startStandIn(t, url, {
+    emergency: { sites: [inReach(1, 'landable', 840, 34)], warnings: [] }, sitesAfter_ms: late_ms });
+  const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
+  await page.locator('.bar [data-emergency]').click();
+  await page.locator('#em-altitude_m').fill('700');
+  await page.locator('#em-message', { hasText: 'In reach' }).waitFor(kWait);
+  await page.waitForTimeout(2 * late_ms);
+  assert.match(await page.locator('#em-message').textContent(), /In reach/);
+  assert.match(await page.locator('.em-card').first().textContent(), /840 m/);
+});
+
 test('emergency: nothing in reach is said, with the nearest miss', async (t) => {
   const server = await startStandIn(t, url, { emergency: {
     sites: [], nearest_miss: { ...inReach(1, 'landable', 5000, -42), reachable: false }, warnings: [] } });

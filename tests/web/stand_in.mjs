@@ -3,7 +3,7 @@
 import http from 'node:http';
 
 // Closed when the test t is over.
-export async function startStandIn(t, target, { token = null, hasEvents = false, emergency = null } = {}) {
+export async function startStandIn(t, target, { token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0 } = {}) {
   const state = { streams: new Set(), asked: [] };
   const to = new URL(target);
 
@@ -36,9 +36,10 @@ export async function startStandIn(t, target, { token = null, hasEvents = false,
     return false;
   }
 
-  const server = http.createServer((request, response) => {
+  const server = http.createServer(async (request, response) => {
     state.asked.push(request.url);
     if (play(request, response)) return;
+    if (request.url === '/v1/sites') await new Promise((resolve) => { setTimeout(resolve, sitesAfter_ms); });
     const headers = { ...request.headers, host: to.host };
     delete headers.origin;
     delete headers.authorization;
