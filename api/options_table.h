@@ -227,6 +227,10 @@ void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
         o.min_open_cover_radius_m,
         "of a disc that fits into what they disagree about");
   visit("open_cover_margin_m", o.open_cover_margin_m, "around it");
+  visit("min_narrow_cover_m", o.min_narrow_cover_m, "narrower cover is chance");
+  visit("narrow_cover_allowance_m",
+        o.narrow_cover_allowance_m,
+        "height on top where photographs disagree over less than such cover");
 }
 
 template <class Visitor>
@@ -257,6 +261,9 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("min_working_width_m", o.min_working_width_m, "between neighbouring tracks of a sprayer");
   visit("max_working_width_m", o.max_working_width_m, "between neighbouring tracks of a sprayer");
   visit("sprayed_margin_m", o.sprayed_margin_m, "of a crop beyond half a working width");
+  visit("max_field_color_deviations",
+        o.max_field_color_deviations,
+        "of the field, within which ground beside what is sprayed has its colour");
   visit("max_telling_sampling_m",
         o.max_telling_sampling_m,
         "ground of a pixel beyond which crops cannot be told: an evaluation warns");
@@ -264,11 +271,21 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("min_row_spacing_m", o.min_row_spacing_m, "of crops in rows");
   visit("max_row_spacing_m", o.max_row_spacing_m, "of crops in rows");
   visit("min_detail_ratio", o.min_detail_ratio, "less is water; 0: not looked for");
+  visit("min_raised_step_m",
+        o.min_raised_step_m,
+        "how much a closed crop stands above what lies around; 0: not looked for");
+  visit("min_raised_border_m", o.min_raised_border_m, "of its border, over which it does");
+  visit("min_raised_border_ratio",
+        o.min_raised_border_ratio,
+        "of its border where both sides are even");
   visit("min_object_deviations",
         o.min_object_deviations,
         "of its surroundings, by which a thing stands out of a meadow; 0: not looked for");
   visit("object_surroundings_m", o.object_surroundings_m, "side of the square of surroundings");
   visit("min_object_area_m2", o.min_object_area_m2, "smaller ones are no things");
+  visit("max_surroundings_deviations",
+        o.max_surroundings_deviations,
+        "what is farther from the surroundings is none of them");
 }
 
 template <class Visitor>
@@ -292,6 +309,9 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("unknown_wind_mps",
         o.unknown_wind_mps,
         "from behind, with which the final must be clear too where no wind is known");
+  visit("disc_margin_sigma",
+        o.disc_margin_sigma,
+        "deviations of the map's position that a touchdown keeps away from hazard");
   visit("path_margin_sigma",
         o.path_margin_sigma,
         "deviations of the map's position by which roll and corridor are wider");

@@ -12,9 +12,11 @@ namespace freelsd {
 
 struct ApproachOptions {
   // --- What counts as safe ---
-  // A touchdown keeps the standard deviation of the map's position away from hazard too, and never
-  // less than this.
+  // The map's position is never taken to be better known than this (a standard deviation), and a
+  // touchdown keeps that many deviations of it away from hazard too. Differs: spec has one; the map
+  // lies farther aside in one flight of six.
   double min_map_position_sd_m = 1.0;
+  double disc_margin_sigma = 2.0;
   // Ground roll and corridor of the paths are wider on either side, and the roll longer, by this
   // many standard deviations of the map's position: what stands beside them may stand in them.
   double path_margin_sigma = 3.0;

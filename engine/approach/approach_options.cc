@@ -67,6 +67,7 @@ void ApproachOptions::Check() const {
       {"max_bare_roughness_m", max_bare_roughness_m, 0.0, 10.0},
       {"max_crosswind_ratio", max_crosswind_ratio, 0.0, 1.0},
       {"unknown_wind_mps", unknown_wind_mps, 0.0, 100.0},
+      {"disc_margin_sigma", disc_margin_sigma, 1.0, 10.0},
       {"path_margin_sigma", path_margin_sigma, 0.0, 10.0},
       {"max_num_candidates", static_cast<double>(max_num_candidates), 1.0, 1e6},
       {"max_num_reserve_candidates", static_cast<double>(max_num_reserve_candidates), 0.0, 1e6},

@@ -111,7 +111,8 @@ void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards) {
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options) {
-  return aircraft.touchdown_uncertainty_m + PositionDeviation(map, options) +
+  return aircraft.touchdown_uncertainty_m +
+         options.disc_margin_sigma * PositionDeviation(map, options) +
          map.grid.cell_size_m * std::sqrt(0.5);
 }
 

@@ -14,8 +14,6 @@ namespace {
 
 // Colours are those of this much ground.
 constexpr double kBlurM = 1.0;
-// Of its own colour is what is nearer to a field's median than this, in deviations of the field.
-constexpr float kSameColorDeviations = 2.0f;
 // No field is more even: two shares of colour, logarithm of brightness.
 constexpr float kLeastDeviation[] = {0.006f, 0.006f, 0.02f};
 // Less has no colour of its own.
@@ -52,7 +50,11 @@ std::optional<FieldColor> ColorOfField(const cv::Mat1b& field,
   return color;
 }
 
-cv::Mat1b OfColor(const FieldColor& color, const ColorPlanes& colors, const cv::Mat1b& is_seen) {
+// What is nearer to the field's median than `reach`, in its deviations.
+cv::Mat1b OfColor(const FieldColor& color,
+                  const ColorPlanes& colors,
+                  const cv::Mat1b& is_seen,
+                  double reach) {
   cv::Mat1b same(is_seen.size(), uint8_t{0});
   for (int row = 0; row < same.rows; ++row) {
     for (int col = 0; col < same.cols; ++col) {
@@ -62,7 +64,7 @@ cv::Mat1b OfColor(const FieldColor& color, const ColorPlanes& colors, const cv::
         const float off = (colors[i](row, col) - color.median[i]) / color.deviation[i];
         squares += off * off;
       }
-      if (squares < kSameColorDeviations * kSameColorDeviations) same(row, col) = 255;
+      if (squares < reach * reach) same(row, col) = 255;
     }
   }
   cv::morphologyEx(same, same, cv::MORPH_CLOSE, cv::Mat1b::ones(3, 3));
@@ -115,7 +117,9 @@ cv::Mat1b WithRestOfField(const cv::Mat1b& sprayed,
     if (!color) continue;
     cv::Mat1f distance;
     cv::distanceTransform(field == 0, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    const cv::Mat1b rest = (OfColor(*color, colors, is_seen) & (distance <= reach_cells)) | field;
+    const cv::Mat1b rest = (OfColor(*color, colors, is_seen, options.max_field_color_deviations) &
+                            (distance <= reach_cells)) |
+                           field;
     whole |= HangingTogether(rest, field);
   }
   // The blur leaves a border of mixed colour.

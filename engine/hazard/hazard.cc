@@ -7,6 +7,7 @@
 #include "engine/hazard/distance_transform.h"
 #include "engine/hazard/grass.h"
 #include "engine/hazard/look_alikes.h"
+#include "engine/hazard/raised_fields.h"
 #include "engine/hazard/surface.h"
 
 namespace freelsd {
@@ -83,14 +84,19 @@ void HazardOptions::Check() const {
       {"max_working_width_m", max_working_width_m, 3.0, 100.0},
       {"min_working_width_m", min_working_width_m, 3.0, max_working_width_m},
       {"sprayed_margin_m", sprayed_margin_m, 0.0, 100.0},
+      {"max_field_color_deviations", max_field_color_deviations, 0.0, 100.0},
       {"max_telling_sampling_m", max_telling_sampling_m, 0.01, 10.0},
       {"min_row_strength", min_row_strength, 0.0, 1e6},
       {"max_row_spacing_m", max_row_spacing_m, 0.1, 10.0},
       {"min_row_spacing_m", min_row_spacing_m, 0.1, max_row_spacing_m},
       {"min_detail_ratio", min_detail_ratio, 0.0, 1.0},
+      {"min_raised_step_m", min_raised_step_m, 0.0, 100.0},
+      {"min_raised_border_m", min_raised_border_m, 0.0, 1e4},
+      {"min_raised_border_ratio", min_raised_border_ratio, 0.0, 1.0},
       {"min_object_deviations", min_object_deviations, 0.0, 1000.0},
       {"object_surroundings_m", object_surroundings_m, 1.0, 40.0},
       {"min_object_area_m2", min_object_area_m2, 0.0, 1000.0},
+      {"max_surroundings_deviations", max_surroundings_deviations, 0.5, 1000.0},
   };
   for (const Bound& bound : bounds) RequireInside(bound);
 }
@@ -117,6 +123,11 @@ HazardLayers AssessHazards(const ElevationMap& map,
     layers.grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
   }
   Classify(map, limits, options, layers);
+  if (options.min_raised_step_m > 0.0 && !layers.hazard.empty()) {
+    const cv::Mat1b is_free = layers.hazard == kFree;
+    layers.grass.setTo(0.0f, RaisedFields(is_free, elevation, cell_size_m, options));
+    Classify(map, limits, options, layers);
+  }
   return layers;
 }
 

@@ -57,6 +57,8 @@ struct HazardOptions {
   double max_telling_sampling_m = 0.35;
   // What is sprayed reaches half a working width from a track, and this far beyond.
   double sprayed_margin_m = 2.0;
+  // The rest of a field has the colour of what is sprayed, within so many of its deviations.
+  double max_field_color_deviations = 2.0;
   // Crops in rows: how far the strongest direction stands out of the spectrum, in medians, for rows
   // of that distance. 0: not looked for.
   double min_row_strength = 10.0;
@@ -65,11 +67,19 @@ struct HazardOptions {
   // Water with algae has less fine detail than this, as a share of the brightness. 0: not looked
   // for.
   double min_detail_ratio = 0.015;
+  // A crop whose leaves have met is as even as a meadow, but stands above what lies around: by at
+  // least this much, over that much of its border and that share of what is known of it. 0: not
+  // looked for.
+  double min_raised_step_m = 0.6;
+  double min_raised_border_m = 30.0;
+  double min_raised_border_ratio = 0.3;
   // Boulders, animals, cars: what stands out of its surroundings in colour or brightness by so many
   // of their deviations, over at least that area. 0: not looked for.
   double min_object_deviations = 7.0;
   double object_surroundings_m = 10.0;
   double min_object_area_m2 = 0.4;
+  // What is farther from them than this does not count as surroundings when they are taken anew.
+  double max_surroundings_deviations = 3.5;
 
   void Check() const;
 };

@@ -11,8 +11,7 @@ namespace {
 
 // Colours are compared as seen through a blur of this deviation: blades of grass are no objects.
 constexpr double kBlurM = 0.3;
-// Surroundings are taken anew without what stands out of them by so much, so often.
-constexpr double kTrimDeviations = 3.5;
+// Surroundings are taken anew without what stands out of them, so often.
 constexpr int kNumPasses = 3;
 // No surroundings are more even than this: two shares of colour, logarithm of brightness.
 const Eigen::Vector3f kLeastVariance(1e-4f, 1e-4f, 4e-4f);
@@ -80,12 +79,13 @@ cv::Mat1b SmallObjects(const Orthophoto& photo, const HazardOptions& options) {
   const ColorPlanes colors = BlurredColors(photo.image, seen, kBlurM / cell);
   const int side = 2 * static_cast<int>(0.5 * options.object_surroundings_m / cell) + 1;
   const cv::Mat neighbours = cv::getStructuringElement(cv::MORPH_ELLIPSE, {3, 3});
+  const double trim = options.max_surroundings_deviations;
   cv::Mat1f counts = seen.clone();
   cv::Mat1f squares;
   for (int pass = 0; pass < kNumPasses; ++pass) {
     squares = SquaredDeviations(colors, SurroundingsOf(colors, counts, side));
     cv::Mat1b is_other;
-    cv::dilate(squares > kTrimDeviations * kTrimDeviations, is_other, neighbours);
+    cv::dilate(squares > trim * trim, is_other, neighbours);
     counts = seen.clone();
     counts.setTo(0.0f, is_other);
   }

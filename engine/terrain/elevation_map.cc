@@ -101,6 +101,8 @@ void TerrainOptions::Check() const {
   RequireInside("max_photo_disagreement", max_photo_disagreement, 0.0, 10.0);
   RequireInside("min_open_cover_radius_m", min_open_cover_radius_m, 0.0, 20.0);
   RequireInside("open_cover_margin_m", open_cover_margin_m, 0.0, 20.0);
+  RequireInside("min_narrow_cover_m", min_narrow_cover_m, 0.0, 20.0);
+  RequireInside("narrow_cover_allowance_m", narrow_cover_allowance_m, 0.0, 100.0);
 }
 
 bool ElevationMap::IsSeen(int row, int col) const { return std::isfinite(elevation(row, col)); }

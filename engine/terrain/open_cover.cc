@@ -131,8 +131,15 @@ void MarkOpenCover(const Orthophoto& photo,
   cv::Mat1b bodies;
   cv::morphologyEx(
       is_open | is_unshown, bodies, cv::MORPH_OPEN, DiscOf(options.min_open_cover_radius_m, cell));
+  const cv::Mat margin = DiscOf(options.open_cover_margin_m, cell);
+  cv::Mat1b is_narrow = is_open & ~bodies;
+  const int narrowest =
+      std::max(1, static_cast<int>(std::lround(options.min_narrow_cover_m / cell)));
+  cv::morphologyEx(is_narrow, is_narrow, cv::MORPH_OPEN, cv::Mat1b::ones(narrowest, narrowest));
+  cv::dilate(is_narrow, is_narrow, margin);
+  cv::add(map.upper, cv::Scalar::all(options.narrow_cover_allowance_m), map.upper, is_narrow);
   is_open &= bodies;
-  cv::dilate(is_open, is_open, DiscOf(options.open_cover_margin_m, cell));
+  cv::dilate(is_open, is_open, margin);
   map.standard_deviation.setTo(std::numeric_limits<float>::quiet_NaN(), is_open | is_unshown);
   map.is_compared = true;
 }

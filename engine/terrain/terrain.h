@@ -68,6 +68,11 @@ struct TerrainOptions {
   // that was not seen, and so much around it: crowns, not the edges of a hedge.
   double min_open_cover_radius_m = 2.0;
   double open_cover_margin_m = 1.0;
+  // Smaller crowns, of young trees and bushes, cannot be told from other edges: where what they
+  // disagree about holds no such disc but a square of this side, the upper height gets so much on
+  // top. Spec 3.6 gives as much to all that has no clear class.
+  double min_narrow_cover_m = 2.0;
+  double narrow_cover_allowance_m = 2.0;
 
   void Check() const;
 };
@@ -139,8 +144,9 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
 
 // Twigs of a leafless crown move against the ground below from view to view, and the map has the
 // ground's height. Where both photographs do not show the same, or only one shows anything, the
-// map's standard deviation becomes unknown: NaN. What they show differently of cells of a clear
-// class (255, else 0) is left: grass is no tree. Does nothing with a picture of one view.
+// map's standard deviation becomes unknown: NaN. Over narrow cover the upper height grows instead.
+// What they show differently of cells of a clear class (255, else 0) is left: grass is no tree.
+// Does nothing with a picture of one view.
 void MarkOpenCover(const Orthophoto& photo,
                    const cv::Mat1b& is_clear_class,
                    const TerrainOptions& options,

@@ -2,7 +2,6 @@
 // cover, borders and whatever people and weather have left on it.
 #include <algorithm>
 #include <cmath>
-#include <random>
 
 #include "tests/synthetic/countryside_lots.h"
 #include "tests/synthetic/countryside_relief.h"
@@ -13,10 +12,8 @@ namespace freelsd {
 namespace {
 
 // Purposes of randomness.
-enum Purpose : uint64_t { kLayout = 601, kRagged = 609, kMovers = 610 };
+enum Purpose : uint64_t { kLayout = 601, kRagged = 609, kMovers = 610, kYoungTrees = 611 };
 
-constexpr double kMinSideM = 34.0;
-constexpr double kMaxSideM = 150.0;  // less is split no more, with a probability
 constexpr double kLaneHalfWidthM = 2.6;
 constexpr double kVergeM = 1.5;
 constexpr double kRaggedM = 0.35;
@@ -29,23 +26,22 @@ class Countryside {
   World Make() {
     World world = Empty();
     const double reach = 0.75 * options_.size_m;  // the layout is turned
-    root_ = Divide({-reach, -reach}, {reach, reach}, 0);
+    layout_ = LotLayout({-reach, -reach}, {reach, reach}, random_);
     const double east = Uniform(-0.4, 0.4), north = Uniform(-0.4, 0.4);
     relief_.PlaceHill(options_.size_m * Eigen::Vector2d(east, north));
     LayGround(world);
     NameParcels(world);
-    for (const Lot& lot : lots_) Furnish(world, lot);
-    for (const Split& split : splits_) PlantBorder(world, split);
+    for (const Lot& lot : layout_.lots()) Furnish(world, lot);
+    for (const Split& split : layout_.splits()) PlantBorder(world, split);
     PlantSingleTrees(world);
+    PlantYoungTrees(world);
     if (Uniform(0, 1) < 0.35) BuildPowerLine(world);
     AddMovers(world);
     return world;
   }
 
  private:
-  double Uniform(double low, double high) {
-    return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1.0p-53;
-  }
+  double Uniform(double low, double high) { return random_.Uniform(low, high); }
 
   Eigen::Vector2d WorldFromLayout(const Eigen::Vector2d& p) const {
     return p.x() * forward_ + p.y() * Eigen::Vector2d(-forward_.y(), forward_.x());
@@ -71,82 +67,6 @@ class Countryside {
     return world;
   }
 
-  // Node of the tree of splits over a rectangle: an index, or ~index of a lot.
-  int Divide(const Eigen::Vector2d& min, const Eigen::Vector2d& max, int depth) {
-    const Eigen::Vector2d size = max - min;
-    const int axis = size.x() >= size.y() ? 0 : 1;
-    const bool may_stay = size.maxCoeff() < kMaxSideM && Uniform(0, 1) < 0.55;
-    if (size[axis] < 2.0 * kMinSideM || may_stay) return ~AddLot(min, max);
-    const size_t index = splits_.size();
-    splits_.emplace_back();
-    Split split;
-    split.axis = axis;
-    split.at = min[axis] + size[axis] * Uniform(0.35, 0.65);
-    split.is_lane = depth == 1 && Uniform(0, 1) < 0.7;
-    split.start = min;
-    split.end = max;
-    split.start[axis] = split.end[axis] = split.at;
-    Eigen::Vector2d middle_max = max, middle_min = min;
-    middle_max[axis] = middle_min[axis] = split.at;
-    split.lower = Divide(min, middle_max, depth + 1);
-    split.upper = Divide(middle_min, max, depth + 1);
-    splits_[index] = split;
-    return static_cast<int>(index);
-  }
-
-  int AddLot(const Eigen::Vector2d& min, const Eigen::Vector2d& max) {
-    Lot lot{min, max};
-    struct Share {
-      Cover cover;
-      double share;
-    };
-    constexpr Share kShares[] = {{Cover::kMeadow, 0.42},
-                                 {Cover::kCrop, 0.12},
-                                 {Cover::kStubble, 0.12},
-                                 {Cover::kSoil, 0.08},
-                                 {Cover::kScrub, 0.08},
-                                 {Cover::kWater, 0.04},
-                                 {Cover::kGravel, 0.04}};
-    lot.cover = Cover::kTree;  // the rest
-    double dice = Uniform(0, 1);
-    for (const Share& share : kShares) {
-      if (dice >= 0.0 && dice < share.share) lot.cover = share.cover;
-      dice -= share.share;
-    }
-    constexpr Feature kTraps[] = {Feature::kTussocks,
-                                  Feature::kBoulders,
-                                  Feature::kAnimals,
-                                  Feature::kDitch,
-                                  Feature::kBales,
-                                  Feature::kParkedCars};
-    const double trap = Uniform(0, 1);
-    if (trap < 0.42) lot.feature = kTraps[static_cast<int>(trap / 0.07)];
-    lot.variant = static_cast<uint8_t>(Uniform(0.0, 255.9));
-    lots_.push_back(lot);
-    return static_cast<int>(lots_.size()) - 1;
-  }
-
-  const Lot& LotAt(const Eigen::Vector2d& place) const {
-    int node = root_;
-    while (node >= 0) {
-      const Split& split = splits_[static_cast<size_t>(node)];
-      node = place[split.axis] < split.at ? split.lower : split.upper;
-    }
-    return lots_[static_cast<size_t>(~node)];
-  }
-
-  // Distance to the middle of the nearest lane.
-  double ToLane(const Eigen::Vector2d& place) const {
-    double nearest = 1e9;
-    for (const Split& split : splits_) {
-      if (!split.is_lane) continue;
-      const int other = 1 - split.axis;
-      if (place[other] < split.start[other] || place[other] > split.end[other]) continue;
-      nearest = std::min(nearest, std::abs(place[split.axis] - split.at));
-    }
-    return nearest;
-  }
-
   double GrowthAt(const Lot& lot, Cover cover, double x, double y) const {
     if (cover == Cover::kMeadow && lot.feature == Feature::kTussocks) {
       return relief_.TussocksAt(x, y);
@@ -164,8 +84,8 @@ class Countryside {
     // Borders were ploughed by people, not drawn with a ruler.
     const Eigen::Vector2d ragged =
         place + kRaggedM * Eigen::Vector2d(ragged_.At(x, y), ragged_.At(x + 500.0, y));
-    const Lot& lot = LotAt(ragged);
-    const double to_lane = ToLane(place);
+    const Lot& lot = layout_.LotAt(ragged);
+    const double to_lane = layout_.ToLane(place);
     Cover cover = lot.cover == Cover::kTree ? Cover::kScrub : lot.cover;
     if (to_lane < kLaneHalfWidthM + kVergeM) cover = Cover::kMeadow;
     if (to_lane < kLaneHalfWidthM) cover = Cover::kRoad;
@@ -186,7 +106,7 @@ class Countryside {
   }
 
   void NameParcels(World& world) const {
-    for (const Lot& lot : lots_) {
+    for (const Lot& lot : layout_.lots()) {
       Parcel parcel;
       parcel.cover = lot.cover;
       parcel.name = std::string(CoverName(lot.cover)) + " " + std::to_string(world.parcels.size());
@@ -270,7 +190,7 @@ class Countryside {
     for (double y = lot.min.y() + 4.0; y < lot.max.y() - 4.0; y += kSpacingM) {
       for (double x = lot.min.x() + 4.0; x < lot.max.x() - 4.0; x += kSpacingM) {
         const Eigen::Vector2d place(x + Uniform(-2.2, 2.2), y + Uniform(-2.2, 2.2));
-        if (ToLane(place) < kLaneHalfWidthM + 4.0 || Uniform(0, 1) < 0.06) continue;
+        if (layout_.ToLane(place) < kLaneHalfWidthM + 4.0 || Uniform(0, 1) < 0.06) continue;
         world.Plant(RandomTree(place, is_leafless));
       }
     }
@@ -341,20 +261,43 @@ class Countryside {
     const double half = 0.5 * options_.size_m;
     for (int i = 0; i < kNumTrees; ++i) {
       const Eigen::Vector2d place = LayoutFromWorld({Uniform(-half, half), Uniform(-half, half)});
-      const Cover cover = LotAt(place).cover;
+      const Cover cover = layout_.LotAt(place).cover;
       const Tree tree = RandomTree(place, Uniform(0, 1) < 0.2);
-      if (cover == Cover::kWater || ToLane(place) < kLaneHalfWidthM + 5.0) continue;
+      if (cover == Cover::kWater || layout_.ToLane(place) < kLaneHalfWidthM + 5.0) continue;
       world.Plant(tree);
+    }
+  }
+
+  // Young trees and tall bushes, many without leaves, along borders and in the open. From numbers
+  // of their own: what else stands does not depend on them.
+  void PlantYoungTrees(World& world) {
+    constexpr double kPerSquareM = 1.0 / 4000.0;
+    constexpr double kAlongBorder = 0.6;  // share
+    Random random(MixSeed(options_.seed, kYoungTrees));
+    const double half = 0.5 * options_.size_m;
+    const int num_trees = static_cast<int>(kPerSquareM * options_.size_m * options_.size_m);
+    for (int i = 0; i < num_trees; ++i) {
+      const double east = random.Uniform(-half, half), north = random.Uniform(-half, half);
+      Eigen::Vector2d place = LayoutFromWorld({east, north});
+      if (random.Uniform(0, 1) < kAlongBorder) place = layout_.LotAt(place).NearestOnBorder(place);
+      Tree tree;
+      tree.center = WorldFromLayout(place);
+      tree.height_m = random.Uniform(1.8, 5.0);
+      tree.radius_m = random.Uniform(0.8, 2.0);
+      tree.variant = static_cast<uint8_t>(random.Uniform(0.0, 255.9));
+      tree.is_leafless = random.Uniform(0, 1) < 0.5;
+      const bool is_on_water = layout_.LotAt(place).cover == Cover::kWater;
+      if (!is_on_water && layout_.ToLane(place) > kLaneHalfWidthM + 2.5) world.Plant(tree);
     }
   }
 
   // From numbers of their own: what stands does not depend on what moves.
   void AddMovers(World& world) {
-    random_.seed(MixSeed(options_.seed, kMovers));
-    for (const Split& split : splits_) {
+    random_ = Random(MixSeed(options_.seed, kMovers));
+    for (const Split& split : layout_.splits()) {
       if (split.is_lane) DriveAlong(world, split);
     }
-    for (const Lot& lot : lots_) {
+    for (const Lot& lot : layout_.lots()) {
       if (lot.cover != Cover::kMeadow || Uniform(0, 1) > 0.3) continue;
       Scatter(lot, 1 + static_cast<int>(Uniform(0, 3)), [&](const Eigen::Vector2d& place) {
         const uint8_t kind = static_cast<uint8_t>(Uniform(0, 2.99));
@@ -388,13 +331,11 @@ class Countryside {
   }
 
   WorldOptions options_;
-  std::mt19937_64 random_;
+  Random random_;
   CountrysideRelief relief_{options_};
   Noise ragged_{MixSeed(options_.seed, kRagged), 4.0};
   Eigen::Vector2d forward_ = Eigen::Vector2d::UnitX();
-  std::vector<Lot> lots_;
-  std::vector<Split> splits_;
-  int root_ = 0;
+  LotLayout layout_;
 };
 
 }  // namespace

@@ -232,16 +232,16 @@ TEST_CASE("orthophoto: cells of no size are refused") {
   CHECK_THROWS_AS(options.Check(), std::invalid_argument);
 }
 
-// Views over a mottled meadow; with twigs `height` above a disc of 4 m about the origin, if that is
-// more than 0: dark squares of 0.7 m in no order, the others open.
-ImageSource MeadowWithTwigs(const AdjustedBlock& block, double height) {
+// Views over a mottled meadow; with twigs `height` above a disc about the origin, if that is more
+// than 0: dark squares of 0.7 m in no order, the others open.
+ImageSource MeadowWithTwigs(const AdjustedBlock& block, double height, double radius_m = 4.0) {
   return ImagesOfRays(
-      block, [height](const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) -> cv::Vec3b {
+      block, [=](const Eigen::Vector3d& eye, const Eigen::Vector3d& ray) -> cv::Vec3b {
         const Eigen::Vector2d ground = AtHeight(eye, ray, 0.0), twig = AtHeight(eye, ray, height);
         const auto cell = [](double x) { return static_cast<int>(std::floor(x / 0.7)); };
         const int east = cell(twig.x()), north = cell(twig.y());
         const bool is_twig = (5 * east * east + 3 * north + east * north) % 3 == 0;
-        if (height > 0.0 && twig.norm() < 4.0 && is_twig) return {25, 35, 40};
+        if (height > 0.0 && twig.norm() < radius_m && is_twig) return {25, 35, 40};
         const double mottle = std::sin(2.0 * ground.x()) * std::sin(1.7 * ground.y());
         const auto green = uchar(std::lround(120.0 + 30.0 * mottle));
         return {uchar(green / 2), green, uchar(green / 2)};
@@ -277,6 +277,23 @@ TEST_CASE(
   CHECK(NumUnknown(map, 11.0) == NumUnknown(map, 9.0));
   MarkOpenCover(photo, NoClass(map) + 255, {}, grass);
   CHECK(NumUnknown(grass, 11.0) == 0);
+}
+
+TEST_CASE("open cover: over a crown too small to be told from an edge the upper height grows") {
+  const AdjustedBlock block = BlockOf(TwoNadirViews());
+  ElevationMap map = LevelMap(36);
+  const cv::Mat1f before = map.upper.clone();
+  MarkOpenCover(
+      MakeOrthophoto(map, block, MeadowWithTwigs(block, 3.0, 1.2), {}), NoClass(map), {}, map);
+  CHECK(NumUnknown(map, 10.0) == 0);
+  for (int row = 0; row < 36; ++row) {
+    for (int col = 0; col < 36; ++col) {
+      const double distance = map.grid.CellCenter(row, col).norm();
+      const float grown = map.upper(row, col) - before(row, col);
+      if (distance < 1.0) CHECK(grown == doctest::Approx(2.0));
+      if (distance > 5.0) CHECK(grown == 0.0f);
+    }
+  }
 }
 
 TEST_CASE("open cover: what lies at the map's height is the same in both, however mottled") {

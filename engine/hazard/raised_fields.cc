@@ -1,0 +1,164 @@
+#include "engine/hazard/raised_fields.h"
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "engine/geometry/geometry.h"
+
+namespace freelsd {
+namespace {
+
+// A gap in a hedge does not join two fields: what is narrower than this is cut.
+constexpr double kNeckM = 5.0;
+// A border's direction is that of the field's outline through a blur of this deviation.
+constexpr double kOutlineM = 2.0;
+// Heights across a border are looked at this far in; and outside from the end of the step, of which
+// stereo makes a ramp, to this far out.
+constexpr double kInnerEndM = 7.0;
+constexpr double kOuterStartM = 3.0;
+constexpr double kOuterEndM = 9.0;
+constexpr int kMinNumHeights = 4;
+// Beyond this they are no two pieces of even ground: a tree, a bank, a ditch.
+constexpr double kMaxResidualM = 0.25;
+
+struct Border {
+  double raised_m = 0.0;
+  double known_m = 0.0;
+};
+
+// Heights along a line across a border, by the distance outwards.
+struct CrossSection {
+  std::vector<double> distance, height;
+  int num_outside = 0;
+
+  void Add(double d, float h) {
+    if (std::isnan(h)) return;
+    distance.push_back(d);
+    height.push_back(h);
+    num_outside += d > 0.0;
+  }
+  bool IsEnough() const {
+    const int num_inside = static_cast<int>(distance.size()) - num_outside;
+    return num_inside >= kMinNumHeights && num_outside >= kMinNumHeights;
+  }
+};
+
+// How much higher the inside is, both sides taken as planes of one slope; nothing where they are
+// not even.
+std::optional<double> StepOf(const CrossSection& section) {
+  const auto n = static_cast<Eigen::Index>(section.distance.size());
+  Eigen::MatrixX3d design(n, 3);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double d = section.distance[static_cast<size_t>(i)];
+    design.row(i) << 1.0, d, d < 0.0 ? 1.0 : 0.0;
+  }
+  const Eigen::Map<const Eigen::VectorXd> height(section.height.data(), n);
+  const Eigen::Vector3d fit = design.colPivHouseholderQr().solve(height);
+  const double residual = std::sqrt((design * fit - height).squaredNorm() / static_cast<double>(n));
+  if (residual > kMaxResidualM) return std::nullopt;
+  return fit[2];
+}
+
+// A pond within a meadow lies lower, and does not raise it.
+cv::Mat1b WithoutHoles(const cv::Mat1b& cells) {
+  std::vector<std::vector<cv::Point>> outlines;
+  cv::findContours(cells, outlines, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
+  cv::Mat1b filled = cv::Mat1b::zeros(cells.size());
+  cv::drawContours(filled, outlines, -1, cv::Scalar::all(255.0), cv::FILLED);
+  return filled;
+}
+
+class Field {
+ public:
+  Field(const cv::Mat1b& cells, const cv::Mat1f& elevation, double cell_size_m)
+      : cells_(cells), elevation_(elevation), cell_(cell_size_m) {
+    cv::Mat1f outline;
+    cells.convertTo(outline, CV_32F, 1.0 / 255.0);
+    cv::GaussianBlur(outline, outline, {}, kOutlineM / cell_size_m, 0.0, cv::BORDER_CONSTANT);
+    cv::Sobel(outline, east_, CV_32F, 1, 0);
+    cv::Sobel(outline, south_, CV_32F, 0, 1);
+  }
+
+  Border Measure(double min_step_m) const {
+    Border border;
+    for (int row = 0; row < cells_.rows; ++row) {
+      for (int col = 0; col < cells_.cols; ++col) {
+        if (!IsBorder(row, col)) continue;
+        const CrossSection section = Across(row, col);
+        if (!section.IsEnough()) continue;
+        const std::optional<double> step = StepOf(section);
+        if (!step) continue;
+        border.known_m += cell_;
+        if (*step >= min_step_m) border.raised_m += cell_;
+      }
+    }
+    return border;
+  }
+
+ private:
+  bool IsInside(int row, int col) const {
+    return row >= 0 && row < cells_.rows && col >= 0 && col < cells_.cols && cells_(row, col) != 0;
+  }
+  bool IsBorder(int row, int col) const {
+    return IsInside(row, col) && !(IsInside(row - 1, col) && IsInside(row + 1, col) &&
+                                   IsInside(row, col - 1) && IsInside(row, col + 1));
+  }
+
+  CrossSection Across(int row, int col) const {
+    CrossSection section;
+    const Eigen::Vector2d inwards(east_(row, col), south_(row, col));
+    if (!(inwards.norm() > 0.0)) return section;
+    const Eigen::Vector2d outwards = -inwards.normalized();
+    for (double d = -kInnerEndM; d <= kOuterEndM; d += cell_) {
+      if (d > 0.0 && d < kOuterStartM) continue;
+      const int r = row + static_cast<int>(std::lround(d * outwards.y() / cell_));
+      const int c = col + static_cast<int>(std::lround(d * outwards.x() / cell_));
+      if (r < 0 || r >= cells_.rows || c < 0 || c >= cells_.cols) continue;
+      if (IsInside(r, c) == (d <= 0.0)) section.Add(d <= 0.0 ? d - 1e-3 : d, elevation_(r, c));
+    }
+    return section;
+  }
+
+  cv::Mat1b cells_;
+  cv::Mat1f elevation_;
+  double cell_;
+  cv::Mat1f east_, south_;
+};
+
+}  // namespace
+
+cv::Mat1b RaisedFields(const cv::Mat1b& is_even,
+                       const cv::Mat1f& elevation,
+                       double cell_size_m,
+                       const HazardOptions& options) {
+  const int neck = 2 * static_cast<int>(0.5 * kNeckM / cell_size_m) + 1;
+  cv::Mat1b wide, raised = cv::Mat1b::zeros(is_even.size());
+  cv::morphologyEx(is_even != 0,
+                   wide,
+                   cv::MORPH_OPEN,
+                   cv::getStructuringElement(cv::MORPH_ELLIPSE, {neck, neck}));
+  cv::Mat1i labels, boxes;
+  cv::Mat1d middles;
+  const int num_labels = cv::connectedComponentsWithStats(wide, labels, boxes, middles, 4, CV_32S);
+  const int halo = static_cast<int>(std::ceil(kOuterEndM / cell_size_m)) + 1;
+  for (int label = 1; label < num_labels; ++label) {
+    cv::Rect box(boxes(label, cv::CC_STAT_LEFT) - halo,
+                 boxes(label, cv::CC_STAT_TOP) - halo,
+                 boxes(label, cv::CC_STAT_WIDTH) + 2 * halo,
+                 boxes(label, cv::CC_STAT_HEIGHT) + 2 * halo);
+    box &= cv::Rect({}, is_even.size());
+    const cv::Mat1b cells = labels(box) == label;
+    const Border border =
+        Field(WithoutHoles(cells), elevation(box), cell_size_m).Measure(options.min_raised_step_m);
+    if (border.raised_m >= options.min_raised_border_m &&
+        border.raised_m >= options.min_raised_border_ratio * border.known_m) {
+      raised(box).setTo(255, cells);
+    }
+  }
+  return raised;
+}
+
+}  // namespace freelsd
