@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <stdexcept>
 
 #include <opencv2/imgcodecs.hpp>
@@ -10,6 +9,7 @@
 
 #include "tests/synthetic/flight_files.h"
 #include "tests/synthetic/noise.h"
+#include "tests/synthetic/real_ground.h"
 #include "tests/synthetic/renderer.h"
 
 namespace freelsd {
@@ -22,11 +22,6 @@ constexpr int kJpegQuality = 92;
 constexpr int kMinNumViews = 3;
 constexpr double kMaxWindMps = 6.0;
 constexpr double kMinWindMps = 1.0;
-
-double Uniform(uint64_t seed, uint64_t purpose, double low, double high) {
-  std::mt19937_64 random(MixSeed(seed, purpose));
-  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
-}
 
 // As a camera stores it: compressed.
 cv::Mat Compressed(const cv::Mat& image) {
@@ -114,6 +109,16 @@ FlightOptions FlightFor(uint64_t seed, const ScenarioOptions& options) {
   return flight;
 }
 
+World MakeWorld(uint64_t seed, const ScenarioOptions& options) {
+  WorldOptions world_options;
+  world_options.seed = seed;
+  world_options.size_m = options.world_size_m;
+  world_options.cell_size_m = options.cell_size_m;
+  world_options.wind_speed_mps = Uniform(seed, kWindPurpose, kMinWindMps, kMaxWindMps);
+  if (options.ground.empty()) return MakeCountryside(world_options);
+  return MakeWorldAround(ReadRealGround(options.ground), PlacementFor(seed), world_options);
+}
+
 std::string ProfileFor(uint64_t seed, const ScenarioOptions& options) {
   if (options.aircraft != "both") return options.aircraft;
   return seed % 2 == 0 ? "small" : "techpod";
@@ -143,13 +148,8 @@ Scenario MakeScenario(uint64_t seed,
                       const ScenarioOptions& options,
                       const std::function<void(double)>& progress) {
   options.Check();
-  WorldOptions world_options;
-  world_options.seed = seed;
-  world_options.size_m = options.world_size_m;
-  world_options.cell_size_m = options.cell_size_m;
-  world_options.wind_speed_mps = Uniform(seed, kWindPurpose, kMinWindMps, kMaxWindMps);
   Scenario scenario;
-  scenario.world = MakeCountryside(world_options);
+  scenario.world = MakeWorld(seed, options);
   scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
   scenario.rig = SyntheticRig(options.camera);
   scenario.exposures = PlanFlight(FlightFor(seed, options), scenario.world.wind_in_world);

@@ -16,6 +16,8 @@ struct ScenarioOptions {
   // Larger than what the flight sees: beyond the world there is no truth.
   double world_size_m = 500.0;
   double cell_size_m = 0.2;
+  // Pack of real ground that lies in the world; "" for painted countryside alone.
+  std::string ground;
   int num_frames = 50;
   double height_m = 100.0;
   // 0.71 of overlap along the track and 0.63 beside it, for the paper's down-looking camera.

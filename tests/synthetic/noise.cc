@@ -21,6 +21,11 @@ uint64_t MixSeed(uint64_t seed, uint64_t purpose) {
   return z ^ (z >> 31);
 }
 
+double Uniform(uint64_t seed, uint64_t purpose, double low, double high) {
+  std::mt19937_64 random(MixSeed(seed, purpose));
+  return low + (high - low) * UnitInterval(random());
+}
+
 Noise::Noise(uint64_t seed, double wavelength_m) : lattice_(SharedLattice()) {
   const double angle = kTwoPi * UnitInterval(MixSeed(seed, 1));
   cos_per_wavelength_ = std::cos(angle) / wavelength_m;

@@ -46,5 +46,7 @@ class Noise {
 
 // A different seed for every purpose, from one seed: SplitMix64.
 uint64_t MixSeed(uint64_t seed, uint64_t purpose);
+// One number for every seed and purpose.
+double Uniform(uint64_t seed, uint64_t purpose, double low, double high);
 
 }  // namespace freelsd

@@ -48,6 +48,7 @@ class Leaves {
     const int last = world_.num_cells() - 1;
     const int col = std::clamp(static_cast<int>(cell.x() + 0.5f), 0, last);
     const int row = std::clamp(static_cast<int>(cell.y() + 0.5f), 0, last);
+    if (!world_.photographed.empty() && world_.photographed(row, col) != 0) return 1.0f;
     const Cover cover = static_cast<Cover>(world_.cover(row, col));
     if (cover != Cover::kTree && cover != Cover::kHedge) return 1.0f;
     const double origin = 0.5 * (world_.cell_size_m - world_.size_m);

@@ -160,6 +160,8 @@ struct World {
   cv::Mat1b variant;   // tells one field, tree or roof from the next of its kind
   cv::Mat3b albedo;    // BGR as a camera would see it flat in the sun
   cv::Mat3b radiance;  // BGR with sun, shade and sky
+  // 255 where radiance is of a photograph, which shows its own leaves; empty where none is.
+  cv::Mat1b photographed;
 
   int num_cells() const { return surface.rows; }
   double CellCenter(int index) const { return (index + 0.5) * cell_size_m - 0.5 * size_m; }
