@@ -79,6 +79,7 @@ Json SettingsOf(const CampaignOptions& options) {
       {"threads", scenario.num_threads}};
   if (!scenario.takes_photographs) settings["on_truth"] = true;
   if (!options.engine_options.empty()) settings["options"] = options.engine_options;
+  if (!scenario.ground.empty()) settings["ground"] = scenario.ground;
   if (scenario.camera != "paper") settings["camera"] = scenario.camera;
   if (scenario.pattern == FlightPattern::kCircle) settings["pattern"] = "circle";
   return settings;

@@ -5,14 +5,14 @@
 #   FREELSD_DATA=FOLDER tests/evaluation/results.sh [NUM_WORLDS [NUM_WORLDS_IN_NOISE [PART...]]] \
 #     > tests/evaluation/RESULTS.md
 #
-# Parts: worlds noise2 damage frames rules flights survey bench; without any, all of them. Each is
-# kept in build/reports with the revision that made it, and what is there of the others is printed
-# too. The worlds' reports lie there as well: an interrupted run goes on from them, and parts of it
-# that were flown elsewhere (other seeds, --merge) can be put there.
+# Parts: worlds noise2 damage frames rules ground flights survey bench; without any, all of them.
+# Each is kept in build/reports with the revision that made it, and what is there of the others is
+# printed too. The worlds' reports lie there as well: an interrupted run goes on from them, and
+# parts of it that were flown elsewhere (other seeds, --merge) can be put there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 programs=build/release/tests
-all_parts=(worlds noise2 damage frames rules flights survey bench)
+all_parts=(worlds noise2 damage frames rules ground flights survey bench)
 num_worlds="${1:-200}"
 num_in_noise="${2:-50}"
 parts=("${@:3}")
@@ -53,6 +53,11 @@ make() {
     rules)
       worlds rules "Seeded worlds, planned on maps without error: what the rules allow" \
         --worlds "$num_worlds" --on-truth
+      ;;
+    ground)
+      for pack in brighton_beach honduras_pool; do
+        worlds "ground_$pack" "Worlds of real ground: $pack" --worlds 4 --ground "$pack"
+      done
       ;;
     flights)
       heading "Recorded flights" "tests/evaluation/flights.sh"
