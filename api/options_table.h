@@ -271,6 +271,15 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("min_row_spacing_m", o.min_row_spacing_m, "of crops in rows");
   visit("max_row_spacing_m", o.max_row_spacing_m, "of crops in rows");
   visit("min_detail_ratio", o.min_detail_ratio, "less is water; 0: not looked for");
+  visit(
+      "max_even_slope_deg", o.max_even_slope_deg, "of a piece of grass that may be a closed crop");
+  visit("max_even_roughness_m", o.max_even_roughness_m, "the same");
+  visit("border_ramp_m",
+        o.border_ramp_m,
+        "of a crop's border, left out: stereo makes a ramp of a step");
+  visit("max_border_residual_m",
+        o.max_border_residual_m,
+        "of two planes beside a border, beyond which it tells nothing");
   visit("min_raised_step_m",
         o.min_raised_step_m,
         "how much a closed crop stands above what lies around; 0: not looked for");

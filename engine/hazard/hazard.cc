@@ -51,16 +51,24 @@ Hazard ClassOf(const ElevationMap& map,
   return is_free ? kFree : kHazard;
 }
 
+cv::Mat1b ClassesOf(const ElevationMap& map,
+                    const HazardLayers& layers,
+                    const HazardLimits& limits,
+                    const HazardOptions& options) {
+  cv::Mat1b classes(map.elevation.size(), kUnseen);
+  for (int row = 0; row < classes.rows; ++row) {
+    for (int col = 0; col < classes.cols; ++col) {
+      classes(row, col) = ClassOf(map, layers, {col, row}, limits, options);
+    }
+  }
+  return classes;
+}
+
 void Classify(const ElevationMap& map,
               const HazardLimits& limits,
               const HazardOptions& options,
               HazardLayers& layers) {
-  layers.hazard = cv::Mat1b(map.elevation.size(), kUnseen);
-  for (int row = 0; row < layers.hazard.rows; ++row) {
-    for (int col = 0; col < layers.hazard.cols; ++col) {
-      layers.hazard(row, col) = ClassOf(map, layers, {col, row}, limits, options);
-    }
-  }
+  layers.hazard = ClassesOf(map, layers, limits, options);
   layers.distance = DistanceToHazard(layers.hazard, map.grid.cell_size_m);
 }
 
@@ -90,6 +98,10 @@ void HazardOptions::Check() const {
       {"max_row_spacing_m", max_row_spacing_m, 0.1, 10.0},
       {"min_row_spacing_m", min_row_spacing_m, 0.1, max_row_spacing_m},
       {"min_detail_ratio", min_detail_ratio, 0.0, 1.0},
+      {"max_even_slope_deg", max_even_slope_deg, 0.0, 90.0},
+      {"max_even_roughness_m", max_even_roughness_m, 0.0, 1000.0},
+      {"max_border_residual_m", max_border_residual_m, 0.0, 100.0},
+      {"border_ramp_m", border_ramp_m, 0.0, 8.0},
       {"min_raised_step_m", min_raised_step_m, 0.0, 100.0},
       {"min_raised_border_m", min_raised_border_m, 0.0, 1e4},
       {"min_raised_border_ratio", min_raised_border_ratio, 0.0, 1.0},
@@ -122,12 +134,13 @@ HazardLayers AssessHazards(const ElevationMap& map,
   if (!photo.image.empty()) {
     layers.grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
   }
-  Classify(map, limits, options, layers);
-  if (options.min_raised_step_m > 0.0 && !layers.hazard.empty()) {
-    const cv::Mat1b is_free = layers.hazard == kFree;
-    layers.grass.setTo(0.0f, RaisedFields(is_free, elevation, cell_size_m, options));
-    Classify(map, limits, options, layers);
+  if (options.min_raised_step_m > 0.0 && !elevation.empty()) {
+    // By limits of its own: WithLimits looks for no crops.
+    const HazardLimits even{options.max_even_slope_deg, options.max_even_roughness_m};
+    const cv::Mat1b is_even = ClassesOf(map, layers, even, options) == kFree;
+    layers.grass.setTo(0.0f, RaisedFields(is_even, elevation, cell_size_m, options));
   }
+  Classify(map, limits, options, layers);
   return layers;
 }
 

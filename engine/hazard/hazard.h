@@ -73,6 +73,13 @@ struct HazardOptions {
   double min_raised_step_m = 0.6;
   double min_raised_border_m = 30.0;
   double min_raised_border_ratio = 0.3;
+  // A border is known where both of its sides are planes of one slope but for so much; stereo makes
+  // a ramp of the step, which is left out. It is one of pieces of grass no steeper and no rougher
+  // than this, whatever aircraft asks.
+  double max_border_residual_m = 0.25;
+  double border_ramp_m = 3.0;
+  double max_even_slope_deg = 10.0;
+  double max_even_roughness_m = 0.5;
   // Boulders, animals, cars: what stands out of its surroundings in colour or brightness by so many
   // of their deviations, over at least that area. 0: not looked for.
   double min_object_deviations = 7.0;

@@ -1,5 +1,6 @@
 #include "engine/hazard/raised_fields.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -15,50 +16,44 @@ namespace {
 constexpr double kNeckM = 5.0;
 // A border's direction is that of the field's outline through a blur of this deviation.
 constexpr double kOutlineM = 2.0;
-// Heights across a border are looked at this far in; and outside from the end of the step, of which
-// stereo makes a ramp, to this far out.
+// Heights across a border are looked at this far in, and out.
 constexpr double kInnerEndM = 7.0;
-constexpr double kOuterStartM = 3.0;
 constexpr double kOuterEndM = 9.0;
 constexpr int kMinNumHeights = 4;
-// Beyond this they are no two pieces of even ground: a tree, a bank, a ditch.
-constexpr double kMaxResidualM = 0.25;
 
 struct Border {
   double raised_m = 0.0;
   double known_m = 0.0;
 };
 
-// Heights along a line across a border, by the distance outwards.
-struct CrossSection {
-  std::vector<double> distance, height;
-  int num_outside = 0;
-
-  void Add(double d, float h) {
-    if (std::isnan(h)) return;
-    distance.push_back(d);
-    height.push_back(h);
-    num_outside += d > 0.0;
-  }
-  bool IsEnough() const {
-    const int num_inside = static_cast<int>(distance.size()) - num_outside;
-    return num_inside >= kMinNumHeights && num_outside >= kMinNumHeights;
-  }
+// A height beside a border, by the distance outwards.
+struct HeightBeside {
+  double distance = 0.0;
+  double height = 0.0;
+  bool is_inside = false;
 };
+using CrossSection = std::vector<HeightBeside>;
+
+bool IsEnough(const CrossSection& section) {
+  const auto num_inside = std::count_if(
+      section.begin(), section.end(), [](const auto& each) { return each.is_inside; });
+  return num_inside >= kMinNumHeights && std::ssize(section) - num_inside >= kMinNumHeights;
+}
 
 // How much higher the inside is, both sides taken as planes of one slope; nothing where they are
 // not even.
-std::optional<double> StepOf(const CrossSection& section) {
-  const auto n = static_cast<Eigen::Index>(section.distance.size());
+std::optional<double> StepOf(const CrossSection& section, double max_residual_m) {
+  const Eigen::Index n = std::ssize(section);
   Eigen::MatrixX3d design(n, 3);
+  Eigen::VectorXd height(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double d = section.distance[static_cast<size_t>(i)];
-    design.row(i) << 1.0, d, d < 0.0 ? 1.0 : 0.0;
+    const HeightBeside& each = section[static_cast<size_t>(i)];
+    design.row(i) << 1.0, each.distance, each.is_inside ? 1.0 : 0.0;
+    height[i] = each.height;
   }
-  const Eigen::Map<const Eigen::VectorXd> height(section.height.data(), n);
   const Eigen::Vector3d fit = design.colPivHouseholderQr().solve(height);
   const double residual = std::sqrt((design * fit - height).squaredNorm() / static_cast<double>(n));
-  if (residual > kMaxResidualM) return std::nullopt;
+  if (residual > max_residual_m) return std::nullopt;
   return fit[2];
 }
 
@@ -82,17 +77,17 @@ class Field {
     cv::Sobel(outline, south_, CV_32F, 0, 1);
   }
 
-  Border Measure(double min_step_m) const {
+  Border Measure(const HazardOptions& options) const {
     Border border;
     for (int row = 0; row < cells_.rows; ++row) {
       for (int col = 0; col < cells_.cols; ++col) {
         if (!IsBorder(row, col)) continue;
-        const CrossSection section = Across(row, col);
-        if (!section.IsEnough()) continue;
-        const std::optional<double> step = StepOf(section);
+        const CrossSection section = Across(row, col, options.border_ramp_m);
+        if (!IsEnough(section)) continue;
+        const std::optional<double> step = StepOf(section, options.max_border_residual_m);
         if (!step) continue;
         border.known_m += cell_;
-        if (*step >= min_step_m) border.raised_m += cell_;
+        if (*step >= options.min_raised_step_m) border.raised_m += cell_;
       }
     }
     return border;
@@ -107,17 +102,19 @@ class Field {
                                    IsInside(row, col - 1) && IsInside(row, col + 1));
   }
 
-  CrossSection Across(int row, int col) const {
+  CrossSection Across(int row, int col, double ramp_m) const {
     CrossSection section;
     const Eigen::Vector2d inwards(east_(row, col), south_(row, col));
     if (!(inwards.norm() > 0.0)) return section;
     const Eigen::Vector2d outwards = -inwards.normalized();
     for (double d = -kInnerEndM; d <= kOuterEndM; d += cell_) {
-      if (d > 0.0 && d < kOuterStartM) continue;
+      if (d > 0.0 && d < ramp_m) continue;
       const int r = row + static_cast<int>(std::lround(d * outwards.y() / cell_));
       const int c = col + static_cast<int>(std::lround(d * outwards.x() / cell_));
       if (r < 0 || r >= cells_.rows || c < 0 || c >= cells_.cols) continue;
-      if (IsInside(r, c) == (d <= 0.0)) section.Add(d <= 0.0 ? d - 1e-3 : d, elevation_(r, c));
+      const bool is_inside = d <= 0.0;
+      if (IsInside(r, c) != is_inside || std::isnan(elevation_(r, c))) continue;
+      section.push_back({d, elevation_(r, c), is_inside});
     }
     return section;
   }
@@ -151,8 +148,7 @@ cv::Mat1b RaisedFields(const cv::Mat1b& is_even,
                  boxes(label, cv::CC_STAT_HEIGHT) + 2 * halo);
     box &= cv::Rect({}, is_even.size());
     const cv::Mat1b cells = labels(box) == label;
-    const Border border =
-        Field(WithoutHoles(cells), elevation(box), cell_size_m).Measure(options.min_raised_step_m);
+    const Border border = Field(WithoutHoles(cells), elevation(box), cell_size_m).Measure(options);
     if (border.raised_m >= options.min_raised_border_m &&
         border.raised_m >= options.min_raised_border_ratio * border.known_m) {
       raised(box).setTo(255, cells);

@@ -135,7 +135,10 @@ void MarkOpenCover(const Orthophoto& photo,
   cv::Mat1b is_narrow = is_open & ~bodies;
   const int narrowest =
       std::max(1, static_cast<int>(std::lround(options.min_narrow_cover_m / cell)));
-  cv::morphologyEx(is_narrow, is_narrow, cv::MORPH_OPEN, cv::Mat1b::ones(narrowest, narrowest));
+  // OpenCV's opening shifts what an even square leaves; the second anchor takes that back.
+  const cv::Mat square = cv::Mat1b::ones(narrowest, narrowest);
+  cv::erode(is_narrow, is_narrow, square, {0, 0});
+  cv::dilate(is_narrow, is_narrow, square, {narrowest - 1, narrowest - 1});
   cv::dilate(is_narrow, is_narrow, margin);
   cv::add(map.upper, cv::Scalar::all(options.narrow_cover_allowance_m), map.upper, is_narrow);
   is_open &= bodies;

@@ -159,7 +159,7 @@ void Sort(Json& records) {
   });
 }
 
-// The records of an earlier run with the same settings.
+// The records of an earlier run with the same settings, of the seeds that are asked for.
 Json ReadRecords(const CampaignOptions& options) {
   if (!options.resumes || !std::filesystem::exists(options.json)) return Json::array();
   const Json report = Json::parse(ReadTextFile(options.json));
@@ -167,7 +167,14 @@ Json ReadRecords(const CampaignOptions& options) {
     throw std::runtime_error(options.json +
                              " was made with other settings: " + report.at("settings").dump());
   }
-  return report.at("worlds");
+  Json records = Json::array();
+  for (const Json& record : report.at("worlds")) {
+    const auto seed = record.at("seed").get<uint64_t>();
+    if (seed >= options.seed && seed - options.seed < static_cast<uint64_t>(options.num_worlds)) {
+      records.push_back(record);
+    }
+  }
+  return records;
 }
 
 // Gives out seeds and takes records, to and from several threads.

@@ -52,7 +52,7 @@ std::map<std::string, std::array<int64_t, 3>> AddUpTriples(const Json& records,
 
 // Sites by verdict and what was wrong with them.
 struct SiteCounts {
-  Counts verdicts, reasons, false_safe_causes;
+  Counts verdicts, reasons, false_safe_causes, thin_causes;
   // By what the ground at the touchdown truly is: accepted, rejected.
   std::map<std::string, std::array<int64_t, 2>> grounds;
   int64_t num_false_safe = 0, num_false_safe_without_shift = 0, num_only_thin = 0;
@@ -76,6 +76,7 @@ SiteCounts CountSites(const Json& records) {
       ++counts.verdicts[site.at("verdict").get<std::string>()];
       if (site.at("verdict") == "rejected") ++counts.reasons[site.at("reason").get<std::string>()];
       ++counts.grounds[site.at("ground").get<std::string>()][site.at("verdict") == "rejected"];
+      if (site.at("is_only_thin").get<bool>()) ++counts.thin_causes[CauseOf(site)];
       counts.num_only_thin += site.at("is_only_thin").get<bool>();
       counts.num_false_safe_without_shift += site.at("is_false_safe_without_shift").get<bool>();
       if (!site.at("is_false_safe").get<bool>()) continue;
@@ -89,10 +90,20 @@ SiteCounts CountSites(const Json& records) {
 // Fields that the flight could have found, and those that only look like it.
 struct FieldCounts {
   int64_t num_true = 0, num_true_seen = 0, num_found = 0, num_blocked = 0, num_blocked_accepted = 0;
+  // By a site with nothing wrong, not even what is too thin to be seen.
+  int64_t num_found_safely = 0;
   // Of the seen ones: a loiter circle is clear too.
   int64_t num_with_loiter = 0, num_with_loiter_found = 0;
   Counts fates, blocked_fates;
 };
+
+bool IsFoundSafely(const Json& record, const Json& field) {
+  const Json& sites = record.at("sites");
+  return std::any_of(sites.begin(), sites.end(), [&](const Json& site) {
+    return site.at("field") == field.at("id") && site.at("verdict") != "rejected" &&
+           !site.at("is_false_safe").get<bool>() && !site.at("is_only_thin").get<bool>();
+  });
+}
 
 FieldCounts CountFields(const Json& records) {
   FieldCounts counts;
@@ -110,6 +121,7 @@ FieldCounts CountFields(const Json& records) {
       ++counts.num_true_seen;
       ++counts.fates[fate];
       counts.num_found += field.at("is_found").get<bool>();
+      counts.num_found_safely += IsFoundSafely(record, field);
       if (!field.at("has_loiter").get<bool>()) continue;
       ++counts.num_with_loiter;
       counts.num_with_loiter_found += field.at("is_found").get<bool>();
@@ -141,9 +153,11 @@ Json SafetyTotals(const Json& records) {
           {"num_false_safe_without_shift", sites.num_false_safe_without_shift},
           {"num_false_safe_thin", sites.num_only_thin},
           {"false_safe_causes", sites.false_safe_causes},
+          {"thin_causes", sites.thin_causes},
           {"num_fields_in_world", fields.num_true},
           {"num_fields", fields.num_true_seen},
           {"num_fields_found", fields.num_found},
+          {"num_fields_found_safely", fields.num_found_safely},
           {"fields_found_ratio", Share(fields.num_found, fields.num_true_seen)},
           {"num_fields_with_loiter", fields.num_with_loiter},
           {"num_fields_with_loiter_found", fields.num_with_loiter_found},

@@ -34,9 +34,9 @@ worlds() {
   local name="$1" title="$2"
   shift 2
   local table
-  table="$(verbatim $programs/freelsd-eval --seed 11000 "$@" --jobs "$(nproc)" \
+  table="$(verbatim $programs/freelsd-eval --seed 12000 "$@" --jobs "$(nproc)" \
     --json "$reports/$name.json" --resume)"
-  heading "$title" "freelsd-eval --seed 11000 $*" "$(revision_of "$reports/$name.json")"
+  heading "$title" "freelsd-eval --seed 12000 $*" "$(revision_of "$reports/$name.json")"
   echo "$table"
 }
 make() {

@@ -124,17 +124,81 @@ TEST_CASE("scoring: a circle through a tree is false safe for a landable site on
 
 TEST_CASE("scoring: an answer on a shifted map is false safe, and the shift is told as the cause") {
   const World world = MeadowWithHouseAndTree();
-  // In the engine's map the house stands 30 m farther north than it does.
+  // The engine's map lies 60 m farther north than the world does.
   const Eigen::Vector2d shift(0.0, 60.0);
   const Plan plan = PlanTo(kGoodPlace + Eigen::Vector2d(0.0, 70.0), Verdict::kLandable);
   CHECK(ScoreOf(world, plan).IsFalseSafe(plan.verdict));
   CHECK_FALSE(ScoreOf(world, plan, shift).IsFalseSafe(plan.verdict));
 }
 
-TEST_CASE("scoring: a pole in the touchdown disc counts, however thin") {
+TEST_CASE("scoring: a young tree in the touchdown disc counts, however thin") {
   World world = MeadowWithHouseAndTree();
   world.Plant(Tree{.center = kGoodPlace + Eigen::Vector2d(0.0, 7.0), .radius_m = 0.6});
   CHECK(ScoreOf(world, PlanTo(kGoodPlace, Verdict::kLandable)).ground_fault == "tree");
+}
+
+TEST_CASE("scoring: fence, pole and wire have a row of their own, and hide nothing") {
+  const Eigen::Vector2d side(0.0, 7.0), half(3.0, 0.0);
+  const auto safety_of = [](const World& world) {
+    return SafetyOf(world, PlanTo(kGoodPlace, Verdict::kUnverified));
+  };
+  const Fence fence{.start = kGoodPlace + side - half, .end = kGoodPlace + side + half};
+  World fenced = MeadowWithHouseAndTree();
+  fenced.Build(fence);
+  CHECK(safety_of(fenced).at("num_false_safe") == 0);
+  CHECK(safety_of(fenced).at("num_false_safe_thin") == 1);
+  CHECK(safety_of(fenced).at("thin_causes").at("ground: fence") == 1);
+  CHECK(safety_of(fenced).at("num_fields_found") == 1);
+  CHECK(safety_of(fenced).at("num_fields_found_safely") == 0);
+  World ditch_too = MeadowWithHouseAndTree();
+  ditch_too.Dig(Ditch{.start = kGoodPlace - side - half, .end = kGoodPlace - side + half});
+  ditch_too.Build(fence);
+  CHECK(safety_of(ditch_too).at("num_false_safe") == 1);
+  CHECK(safety_of(ditch_too).at("num_false_safe_thin") == 0);
+  CHECK(safety_of(ditch_too).at("false_safe_causes").at("ground: ditch") == 1);
+  // Over the final, its poles far from it.
+  const PowerLine line{.start = kGoodPlace + Eigen::Vector2d(30.0, -60.0),
+                       .end = kGoodPlace + Eigen::Vector2d(30.0, 60.0),
+                       .height_m = 6.0,
+                       .spacing_m = 40.0};
+  World wired = MeadowWithHouseAndTree();
+  wired.Build(line);
+  CHECK(safety_of(wired).at("num_false_safe") == 0);
+  CHECK(safety_of(wired).at("thin_causes").at("final: wire") == 1);
+  World tree_too = MeadowWithHouseAndTree();
+  tree_too.Plant(Tree{.center = kGoodPlace + Eigen::Vector2d(20.0, 0.0), .height_m = 6.0});
+  tree_too.Build(line);
+  CHECK(safety_of(tree_too).at("false_safe_causes").at("final: tree") == 1);
+  CHECK(safety_of(tree_too).at("num_false_safe_thin") == 0);
+}
+
+TEST_CASE("scoring: a pole makes what lies around it rough, and is still all that is wrong") {
+  World world = MeadowWithHouseAndTree();
+  world.Build(PowerLine{.start = kGoodPlace + Eigen::Vector2d(-6.0, -100.0),
+                        .end = kGoodPlace + Eigen::Vector2d(-6.0, 100.0),
+                        .height_m = 8.0,
+                        .spacing_m = 100.0});
+  const SafetyScore score = ScoreOf(world, PlanTo(kGoodPlace, Verdict::kUnverified));
+  CHECK(score.ground_fault == "pole");
+  CHECK(score.IsOnlyThin(Verdict::kUnverified));
+}
+
+TEST_CASE("scoring: at the edge of the world nothing is known to be free") {
+  const World world = MeadowWithHouseAndTree();
+  const Plan plan = PlanTo({0.0, 146.0}, Verdict::kUnverified);
+  CHECK(ScoreOf(world, plan).ground_fault == "outside");
+  CHECK(SafetyOf(world, plan).at("num_false_safe") == 1);
+}
+
+TEST_CASE(
+    "scoring: an accepted site without an approach cannot be judged, and is not passed over") {
+  const World world = MeadowWithHouseAndTree();
+  Plan plan = PlanTo(kGoodPlace, Verdict::kUnverified);
+  plan.approach.reset();
+  CHECK_THROWS_AS(SafetyOf(world, plan), std::invalid_argument);
+  plan.verdict = Verdict::kRejected;
+  plan.reject_reason = RejectReason::kNotGrass;
+  CHECK_NOTHROW(SafetyOf(world, plan));
 }
 
 TEST_CASE("fields: a row of trees makes two of one, and a piece without room is none") {

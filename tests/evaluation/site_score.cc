@@ -3,27 +3,43 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
+#include <stdexcept>
 
 namespace freelsd {
 namespace {
 
-constexpr double kStepM = 0.25;
+// Too thin for 0.2 m of ground sampling: in a row of their own.
+const std::set<std::string> kThinThings{"fence", "pole", "wire"};
+
+// No cell of the world is stepped over.
+double StepOf(const World& world) { return 0.5 * world.cell_size_m; }
 
 struct PathTruth {
   double clearance = std::numeric_limits<double>::infinity();
   Eigen::Vector2d worst_place = Eigen::Vector2d::Zero();
 };
 
+// Highest thing of the cell, with or without what is too thin to be seen.
+double TopOf(const World& world, const Eigen::Vector2d& place, bool with_thin) {
+  if (with_thin) return world.TopHeight(place.x(), place.y());
+  const int row = world.CellIndex(place.y()), col = world.CellIndex(place.x());
+  const auto cover = static_cast<Cover>(world.cover(row, col));
+  const bool is_thin = cover == Cover::kFence || cover == Cover::kPole;
+  return is_thin ? world.ground(row, col) : world.surface(row, col);
+}
+
 // The highest thing across a corridor, by the finest grid there is.
 PathTruth LookAcross(const World& world,
+                     bool with_thin,
                      const Eigen::Vector2d& place,
                      const Eigen::Vector2d& across,
                      double half_width,
                      double path_height) {
   PathTruth path;
-  for (double t = -half_width; t <= half_width + 1e-9; t += kStepM) {
+  for (double t = -half_width; t <= half_width + 1e-9; t += StepOf(world)) {
     const Eigen::Vector2d point = place + t * across;
-    const double clearance = path_height - world.TopHeight(point.x(), point.y());
+    const double clearance = path_height - TopOf(world, point, with_thin);
     if (clearance >= path.clearance) continue;
     path.clearance = clearance;
     path.worst_place = point;
@@ -36,6 +52,7 @@ PathTruth Lower(const PathTruth& a, const PathTruth& b) {
 }
 
 PathTruth AlongFinal(const World& world,
+                     bool with_thin,
                      const Aircraft& aircraft,
                      const Eigen::Vector2d& touchdown,
                      const Eigen::Vector2d& start,
@@ -45,9 +62,10 @@ PathTruth AlongFinal(const World& world,
   const Eigen::Vector2d across(-outward.y(), outward.x());
   const double floor = world.GroundHeight(touchdown.x(), touchdown.y());
   PathTruth path;
-  for (double s = aircraft.touchdown_uncertainty_m; s <= length; s += kStepM) {
+  for (double s = aircraft.touchdown_uncertainty_m; s <= length; s += StepOf(world)) {
     path = Lower(path,
                  LookAcross(world,
+                            with_thin,
                             touchdown + s * outward,
                             across,
                             aircraft.path_half_width_m,
@@ -57,15 +75,17 @@ PathTruth AlongFinal(const World& world,
 }
 
 PathTruth AlongCircle(const World& world,
+                      bool with_thin,
                       const Aircraft& aircraft,
                       const Eigen::Vector2d& center,
                       double radius,
                       double height_in_world) {
   PathTruth path;
-  for (double angle = 0.0; angle < 2.0 * kPi; angle += kStepM / radius) {
+  for (double angle = 0.0; angle < 2.0 * kPi; angle += StepOf(world) / radius) {
     const Eigen::Vector2d outward(std::cos(angle), std::sin(angle));
     path = Lower(path,
                  LookAcross(world,
+                            with_thin,
                             center + radius * outward,
                             outward,
                             aircraft.path_half_width_m,
@@ -74,9 +94,9 @@ PathTruth AlongCircle(const World& world,
   return path;
 }
 
-std::string NameOfObstacle(const World& world, const PathTruth& path) {
+std::string NameOfObstacle(const World& world, const PathTruth& path, bool with_thin) {
   if (path.clearance >= 0.0) return "";
-  if (world.IsWireAt(path.worst_place.x(), path.worst_place.y())) return "wire";
+  if (with_thin && world.IsWireAt(path.worst_place.x(), path.worst_place.y())) return "wire";
   const Cover cover = world.CoverAt(path.worst_place.x(), path.worst_place.y());
   return cover == Cover::kMeadow ? "ground" : CoverName(cover);
 }
@@ -97,12 +117,36 @@ std::string NameOfFault(const TruthMap& truth, const cv::Point& cell) {
   return "";
 }
 
-// The worst cell is named: things that stand before covers, covers before steepness.
-std::string Worse(const std::string& a, const std::string& b, double top_a, double top_b) {
-  if (a.empty()) return b;
-  if (b.empty()) return a;
-  return top_b > top_a ? b : a;
+// A post makes the cells around it rough: they are its own.
+bool IsThin(const TruthMap& truth, const cv::Point& cell) {
+  const auto is_thin_cover = [&](const cv::Point& place) {
+    return static_cast<GroundFault>(truth.fault(place)) == GroundFault::kCover &&
+           kThinThings.contains(CoverName(static_cast<Cover>(truth.cover(place))));
+  };
+  if (static_cast<GroundFault>(truth.fault(cell)) != GroundFault::kRough) {
+    return is_thin_cover(cell);
+  }
+  for (int row = std::max(0, cell.y - 1); row <= std::min(truth.fault.rows - 1, cell.y + 1);
+       ++row) {
+    for (int col = std::max(0, cell.x - 1); col <= std::min(truth.fault.cols - 1, cell.x + 1);
+         ++col) {
+      if (is_thin_cover({col, row})) return true;
+    }
+  }
+  return false;
 }
+
+// The highest is named.
+struct WorstFault {
+  std::string name;
+  double top = -std::numeric_limits<double>::infinity();
+
+  void Add(const std::string& other, double other_top) {
+    if (!name.empty() && other_top <= top) return;
+    name = other;
+    top = other_top;
+  }
+};
 
 // Cells whose centre lies in the touchdown disc or on the strip.
 std::string GroundFaultOf(const World& world,
@@ -116,8 +160,8 @@ std::string GroundFaultOf(const World& world,
   const cv::Point low = truth.CellAt(touchdown - Eigen::Vector2d::Constant(reach));
   const cv::Point high = truth.CellAt(touchdown + Eigen::Vector2d::Constant(reach));
   const double half = 0.5 * world.size_m;
-  std::string worst = touchdown.cwiseAbs().maxCoeff() > half - reach ? "outside" : "";
-  double worst_top = -std::numeric_limits<double>::infinity();
+  if (touchdown.cwiseAbs().maxCoeff() > half - reach) return "outside";
+  WorstFault solid, thin;
   for (int row = low.y; row <= high.y; ++row) {
     for (int col = low.x; col <= high.x; ++col) {
       const Eigen::Vector2d place = truth.CellCenter(row, col);
@@ -129,11 +173,10 @@ std::string GroundFaultOf(const World& world,
       const std::string fault = NameOfFault(truth, {col, row});
       if (fault.empty()) continue;
       const double top = truth.top(row, col) - world.GroundHeight(place.x(), place.y());
-      worst = Worse(worst, fault, worst_top, top);
-      worst_top = std::max(worst_top, top);
+      (IsThin(truth, {col, row}) ? thin : solid).Add(fault, top);
     }
   }
-  return worst;
+  return solid.name.empty() ? thin.name : solid.name;
 }
 
 }  // namespace
@@ -144,11 +187,22 @@ bool SafetyScore::IsFalseSafe(Verdict verdict) const {
   return verdict == Verdict::kLandable && !loiter_fault.empty();
 }
 
+bool SafetyScore::IsOnlyThin(Verdict verdict) const {
+  const auto is_harmless = [](const std::string& fault) {
+    return fault.empty() || kThinThings.contains(fault);
+  };
+  return IsFalseSafe(verdict) && is_harmless(ground_fault) && is_harmless(final_fault) &&
+         (verdict != Verdict::kLandable || is_harmless(loiter_fault));
+}
+
 std::optional<SafetyScore> ScorePlan(const World& world,
                                      const TruthMap& truth,
                                      const Aircraft& aircraft,
                                      const Plan& plan,
                                      const Eigen::Vector2d& shift) {
+  if (!plan.approach && plan.verdict != Verdict::kRejected) {
+    throw std::invalid_argument("an accepted site without an approach");
+  }
   if (!plan.approach) return std::nullopt;
   const Approach& approach = *plan.approach;
   const Eigen::Vector2d touchdown = approach.touchdown_in_world.head<2>() - shift;
@@ -159,16 +213,29 @@ std::optional<SafetyScore> ScorePlan(const World& world,
   const Eigen::Vector2d forward = (touchdown - start).normalized();
   score.ground_fault = GroundFaultOf(world, truth, aircraft, touchdown, forward);
   score.free_distance = truth.free_distance(truth.CellAt(touchdown));
-  const PathTruth final_path = AlongFinal(world, aircraft, touchdown, start, height);
-  score.final_clearance = final_path.clearance;
-  score.final_fault = NameOfObstacle(world, final_path);
-  const PathTruth circle = AlongCircle(world,
-                                       aircraft,
-                                       approach.loiter_center_in_world.head<2>() - shift,
-                                       approach.loiter_radius,
-                                       world.GroundHeight(touchdown.x(), touchdown.y()) + height);
-  score.loiter_clearance = circle.clearance;
-  score.loiter_fault = NameOfObstacle(world, circle);
+  const auto judge = [&](const auto& look, double& clearance, std::string& fault) {
+    const PathTruth all = look(true), solid = look(false);
+    clearance = all.clearance;
+    const bool is_thin = solid.clearance >= 0.0;
+    fault = NameOfObstacle(world, is_thin ? all : solid, is_thin);
+  };
+  judge(
+      [&](bool with_thin) {
+        return AlongFinal(world, with_thin, aircraft, touchdown, start, height);
+      },
+      score.final_clearance,
+      score.final_fault);
+  judge(
+      [&](bool with_thin) {
+        return AlongCircle(world,
+                           with_thin,
+                           aircraft,
+                           approach.loiter_center_in_world.head<2>() - shift,
+                           approach.loiter_radius,
+                           world.GroundHeight(touchdown.x(), touchdown.y()) + height);
+      },
+      score.loiter_clearance,
+      score.loiter_fault);
   return score;
 }
 

@@ -22,9 +22,9 @@ namespace freelsd {
 
 struct SafetyScore {
   // What is wrong at the touchdown disc or on the strip: "" or a cover, "steep", "rough",
-  // "outside".
+  // "outside". What is too thin to be seen is named only where nothing else is wrong.
   std::string ground_fault;
-  // What the final, or the loiter, hits: "" or a cover or "ground".
+  // What the final, or the loiter, hits: "" or a cover or "ground"; the same holds.
   std::string final_fault;
   std::string loiter_fault;
   // Metres from the touchdown to the nearest ground that is not landable.
@@ -35,10 +35,13 @@ struct SafetyScore {
 
   // Of an answer with that verdict; the loiter counts for kLandable only.
   bool IsFalseSafe(Verdict verdict) const;
+  // It is, and would not be without fences, poles and wires.
+  bool IsOnlyThin(Verdict verdict) const;
 };
 
 // `shift`: horizontal error of the block that is taken off first (estimate less truth); zero for
-// the strict score. Nothing for a plan without an approach.
+// the strict score. Nothing for a refused plan without an approach; throws std::invalid_argument
+// for an accepted one: it could not be judged.
 std::optional<SafetyScore> ScorePlan(const World& world,
                                      const TruthMap& truth,
                                      const Aircraft& aircraft,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "tests/evaluation/site_score.h"
 #include "tests/evaluation/stage_scores.h"
@@ -15,8 +14,6 @@ using Json = nlohmann::json;
 
 // A region has to do with a field when it holds this share of its ground.
 constexpr double kMinShareOfField = 0.2;
-// Too thin for 0.2 m of ground sampling: in a row of their own.
-const std::set<std::string> kThinThings{"", "pole", "wire", "fence"};
 
 double Rounded(double value) { return std::round(value * 100.0) / 100.0; }
 Json Place(const Eigen::Vector2d& place) { return {Rounded(place.x()), Rounded(place.y())}; }
@@ -60,13 +57,8 @@ void AddSafety(Json& json, const std::optional<SafetyScore>& score, const Plan& 
   json["free_distance_m"] = Rounded(score->free_distance);
   json["final_clearance_m"] = Rounded(score->final_clearance);
   json["loiter_clearance_m"] = Rounded(score->loiter_clearance);
-  const bool is_false_safe = score->IsFalseSafe(plan.verdict);
-  const bool counts_loiter = plan.verdict == Verdict::kLandable;
-  const bool is_only_thin = is_false_safe && kThinThings.contains(score->ground_fault) &&
-                            kThinThings.contains(score->final_fault) &&
-                            (!counts_loiter || kThinThings.contains(score->loiter_fault));
-  json["is_false_safe"] = is_false_safe && !is_only_thin;
-  json["is_only_thin"] = is_only_thin;
+  json["is_only_thin"] = score->IsOnlyThin(plan.verdict);
+  json["is_false_safe"] = score->IsFalseSafe(plan.verdict) && !score->IsOnlyThin(plan.verdict);
 }
 
 Json SiteJson(const Site& site,
@@ -87,7 +79,8 @@ Json SiteJson(const Site& site,
   const World& world = scenario.world;
   AddSafety(json, ScorePlan(world, truth, scenario.aircraft, plan, Eigen::Vector2d::Zero()), plan);
   const auto unshifted = ScorePlan(world, truth, scenario.aircraft, plan, shift);
-  json["is_false_safe_without_shift"] = unshifted && unshifted->IsFalseSafe(plan.verdict);
+  json["is_false_safe_without_shift"] =
+      unshifted && unshifted->IsFalseSafe(plan.verdict) && !unshifted->IsOnlyThin(plan.verdict);
   if (plan.approach) {
     json["unseen_ratio"] = Rounded(plan.approach->unseen_ratio);
     json["heading_deg"] = Rounded(DegFromRad(plan.approach->heading));
