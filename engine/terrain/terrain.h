@@ -146,7 +146,7 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
 // ground's height. Where both photographs do not show the same, or only one shows anything, the
 // map's standard deviation becomes unknown: NaN. Over narrow cover the upper height grows instead.
 // What they show differently of cells of a clear class (255, else 0) is left: grass is no tree.
-// Does nothing with a picture of one view.
+// Does nothing with a picture of one view. Once for each map: the upper height grows every time.
 void MarkOpenCover(const Orthophoto& photo,
                    const cv::Mat1b& is_clear_class,
                    const TerrainOptions& options,

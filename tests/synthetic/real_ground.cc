@@ -11,8 +11,8 @@
 namespace freelsd {
 namespace {
 
-// Purposes of randomness; 601 to 610 are the countryside's.
-enum Purpose : uint64_t { kEast = 611, kNorth, kHeading };
+// Purposes of randomness; 601 to 620 are the countryside's.
+enum Purpose : uint64_t { kEast = 621, kNorth, kHeading };
 
 constexpr double kMaxShiftM = 40.0;
 // Nothing stands this close around the place, nor in its gaps.
