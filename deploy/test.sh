@@ -165,6 +165,11 @@ start_step "faults, short form"
 tests/faults/run.sh --short
 passed
 
+start_step "freelsdctl"
+tests/deploy/freelsdctl.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  "$work/demo/sample-flight-1-72"
+passed
+
 start_step "nginx in front"
 if command -v nginx >/dev/null; then
   tests/deploy/nginx.sh build/release/server/freelsd-server engine/classification/grass_model.yml
@@ -179,6 +184,17 @@ if docker info >/dev/null 2>&1; then
   passed
 else
   skipped "no container daemon at hand"
+fi
+
+start_step "man pages"
+if command -v groff >/dev/null; then
+  for page in deploy/*.[18]; do
+    groff -man -Tutf8 -ww "$page" 2>&1 >/dev/null | tee -a "$work/groff.log"
+  done
+  if [ -s "$work/groff.log" ]; then fail "groff warns of the man pages"; fi
+  passed
+else
+  skipped "no groff at hand"
 fi
 
 start_step "service unit"

@@ -1,0 +1,286 @@
+#!/usr/bin/env bash
+# deploy/freelsdctl against a real server: every command, what it says, and how it ends.
+#
+#   tests/deploy/freelsdctl.sh FREELSD_SERVER GRASS_MODEL FLIGHT_FOLDER
+#
+# FLIGHT_FOLDER is what freelsd-render wrote; the first photographs of it are sent. Needs curl and jq.
+set -Eeuo pipefail
+root="$(cd "$(dirname "$0")/../.." && pwd)"
+server="$(realpath "$1")"
+model="$(realpath "$2")"
+rendered="$(realpath "$3")"
+num_photographs=40
+work="$(mktemp -d)"
+photos="$work/my first field"
+pids=()
+
+end() {
+  local pid
+  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
+  wait
+  rm -rf "$work"
+}
+trap end EXIT
+trap 'echo "freelsdctl.sh: stopped in line $LINENO" >&2' ERR
+
+fail() {
+  echo "freelsdctl.sh: $1" >&2
+  if [ -f "$work/out" ]; then tail -n 20 "$work/out" "$work/err" >&2; fi
+  exit 1
+}
+
+# start_server NAME ARGUMENTS...: sets url.
+start_server() {
+  local log="$work/$1.log" _
+  shift
+  "$server" --data "${log%.log}" --listen 127.0.0.1:0 --model "$model" "$@" >"$log" 2>&1 &
+  pids+=($!)
+  for _ in $(seq 200); do
+    url="$(sed -n 's|.*listens on \(http://127.0.0.1:[0-9]*\)/.*|\1|p' "$log")"
+    if [ -n "$url" ]; then return; fi
+    sleep 0.05
+  done
+  fail "the server did not start: $(cat "$log")"
+}
+
+# A curl that writes down its arguments, and fails at the batch that is told.
+watch_curl() {
+  mkdir -p "$work/bin"
+  cat >"$work/bin/curl" <<END
+#!/usr/bin/env bash
+printf '%s\n' "\$@" >>"$work/arguments"
+case "\$*" in */batch*)
+  echo batch >>"$work/batches"
+  [ "\$(wc -l <"$work/batches")" != "\${FAIL_AT_BATCH:-}" ] || { echo 'curl: (56) cut' >&2; exit 56; } ;;
+esac
+exec "$(command -v curl)" "\$@"
+END
+  chmod +x "$work/bin/curl"
+  PATH="$work/bin:$PATH"
+}
+
+# run STATUS ARGUMENTS...: freelsdctl must end with that status; its words are in $work/out and $work/err.
+run() {
+  local wanted="$1" got=0
+  shift
+  "$root/deploy/freelsdctl" "$@" >"$work/out" 2>"$work/err" || got=$?
+  [ "$got" = "$wanted" ] || fail "freelsdctl $*: status $got instead of $wanted"
+  if grep -Eq 'stopped in line|jq: error|unbound variable' "$work/err"; then fail "freelsdctl $*: is broken"; fi
+}
+said() { grep -Eq -- "$2" "$work/$1" || fail "no line \"$2\" in what was said to $1"; }
+equal() { [ "$1" = "$2" ] || fail "$3: \"$1\" instead of \"$2\""; }
+get() { curl -fsS "$url$1"; }
+num_flights() { get /v1/flights | jq '.flights | length'; }
+
+test_usage() {
+  run 0 --help
+  said out 'comes FROM'
+  run 0 --version
+  equal "$(cut -d ' ' -f 2 "$work/out")" \
+    "$(sed -n 's/^project(freelsd VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")" "the version"
+  run 2 land
+  run 2 sites --wind-from 3
+  run 2 emergency 47 8
+  run 2 emergency 47 east 500
+  run 2 emergency 47 8 500 --wind-from 270
+  said err 'go together'
+  run 2 sites ../../etc
+  run 2 export f-1 --format dwg
+  run 2 submit "$photos" --aircraft
+  run 3 flights --url http://127.0.0.1:1
+  said err 'no server can be reached at http://127.0.0.1:1'
+  run 1 sites
+  said err 'no flight yet'
+  run 1 sites f-none
+  said err 'there is no such flight'
+  run 1 submit "$work"
+  said err 'no photographs'
+  echo "usage, no server, no flight: as they should be"
+}
+
+test_submit() {
+  local number
+  mkdir "$photos"
+  for number in $(seq -f %04g "$num_photographs"); do
+    cp "$rendered/frame_$number.jpg" "$photos/frame \"${number#00}\".jpg"
+  done
+  cp "$rendered/flight.json" "$photos"
+  # With rows of photographs that are not here.
+  sed 's/^frame_00\([0-9]*\)\.jpg/"frame ""\1"".jpg"/' "$rendered/poses.csv" >"$photos/poses.csv"
+  run 0 submit "$photos" --dry-run
+  said out "All $num_photographs photographs would be taken"
+  equal "$(num_flights)" 0 "flights after a dry run"
+
+  # The connection breaks at the third batch; the same again sends what is missing.
+  rm -f "$work/batches"
+  FAIL_AT_BATCH=3 run 3 submit "$photos"
+  : >"$work/arguments"
+  run 0 submit "$photos"
+  said err "lacks $((num_photographs - 16)) of $num_photographs"
+  equal "$(grep -c '^images=' "$work/arguments")" $((num_photographs - 16)) "photographs sent the second time"
+  equal "$(num_flights)" 1 "flights"
+  flight="$(get /v1/flights | jq -r '.flights[0].id')"
+  equal "$(get "/v1/flights/$flight" | jq .frames.received)" "$num_photographs" "frames"
+  equal "$(get "/v1/flights/$flight" | jq -r .aircraft.profile)" small "the aircraft"
+  said err '100 %  sending'
+  said out '^rank +verdict +score +latitude'
+  site="$(get "/v1/flights/$flight/sites" | jq -r '.features[0].id')"
+  said out "^ +1 +(landable|unverified) .* $site\$"
+  : >"$work/arguments"
+  run 0 submit "$photos"
+  equal "$(grep -c '^images=' "$work/arguments" || true)" 0 "photographs sent the third time"
+  echo "submit: dry, broken off, gone on with, asked again"
+}
+
+test_refusals() {
+  local bad="$work/bad"
+  mkdir "$bad"
+  cp "$rendered"/frame_000[1-3].jpg "$bad"
+  run 1 submit "$bad" --dry-run
+  said err 'frame_0001.jpg: neither meta, poses'
+  printf 'image,lat,lon,alt\n\nframe_0003.jpg,north,8.4,500\n' >"$bad/poses.csv"
+  run 1 submit "$bad"
+  said err 'poses/3/lat'
+  run 1 submit "$bad" --aircraft zeppelin
+  said err 'aircraft/profile'
+  printf 'image,lat,lon,alt,wind_speed\nframe_0003.jpg,47,8.4,500,2\n' >"$bad/poses.csv"
+  run 1 submit "$bad" --wind-from 270 --wind-speed 5
+  said err 'tells the wind'
+  printf 'image,lat,lon,alt\nframe_0003.jpg,47,8.4,500\n' >"$bad/poses.csv"
+  run 0 submit "$bad" --wind-from 270 --wind-speed 5 --no-wait --name "A \"name\""
+  said err '2 of 3|1 of 3 photographs have a pose'
+  said err 'refused: frame_0001.jpg'
+  local other
+  other="$(cat "$work/out")"
+  run 0 watch "$other"
+  run 0 flights
+  said out "^$other +idle +1 .*A \"name\"\$"
+  curl -fsS -X DELETE "$url/v1/flights/$other?forget_sites=true"
+  echo "refusals: named"
+}
+
+test_sites() {
+  run 0 sites "$flight" --json
+  equal "$(jq -S . "$work/out" | sha256sum)" "$(get "/v1/flights/$flight/sites" | jq -S . | sha256sum)" "sites --json"
+  local num_shown num_all
+  run 0 sites "$flight"
+  num_shown="$(grep -Ec '^ +[0-9]+ +(landable|unverified) ' "$work/out")"
+  equal "$num_shown" "$(get "/v1/flights/$flight/sites" |
+    jq '[.features[] | select(.properties.verdict != "rejected")] | length')" "sites shown"
+  run 0 sites "$flight" --all
+  num_all="$(grep -Ec '^ +[0-9]+ +(landable|unverified|rejected) ' "$work/out")"
+  equal "$num_all" "$(get "/v1/flights/$flight/sites" | jq '.features | length')" "sites shown with --all"
+  said out 'why not$'
+  run 0 watch "$flight"
+  said out "$site"
+  echo "sites: $num_shown of $num_all"
+}
+
+test_emergency() {
+  local latitude longitude altitude place
+  read -r latitude longitude altitude < <(get "/v1/sites/$site" |
+    jq -r '[.geometry.coordinates[1], .geometry.coordinates[0], .properties.elevation_m + 200] | @tsv')
+  run 0 emergency "$latitude" "$longitude" "$altitude" --datum amsl --heading 45 --wind-from 270 --wind-speed 5 --json
+  # From the west is towards the east.
+  place="latitude_deg=$latitude&longitude_deg=$longitude&altitude_m=$altitude&altitude_datum=amsl&heading_deg=45"
+  equal "$(jq -c '[.sites[] | .site_id, .approach.heading_deg]' "$work/out")" \
+    "$(get "/v1/emergency?$place&wind_east_mps=5&wind_north_mps=0" |
+      jq -c '[.sites[] | .site_id, .approach.heading_deg]')" "emergency, wind from the west"
+  local heading
+  heading="$(printf %03.0f "$(jq '.sites[0].approach.heading_deg' "$work/out")")"
+  run 0 emergency "$latitude" "$longitude" "$altitude" --datum amsl --heading 45 --wind-from 270 --wind-speed 5
+  said out '^IN REACH'
+  said out "LAND ON $heading"
+  said out 'ARRIVE [0-9]+ m above'
+  run 4 emergency "$latitude" "$longitude" "$altitude" --glide 2 --wind-from 270 --wind-speed 60
+  said out '^NOTHING IN REACH'
+  run 4 emergency -33.9 -70.5 900
+  said out 'NOTHING IN REACH'
+  run 1 emergency 91 8 500
+  said err 'latitude_deg'
+  echo "emergency: in reach and not"
+}
+
+test_exports() {
+  local format id marks=(
+    [0]='geojson "FeatureCollection"|"Feature"' [1]='plan "fileType": *"Plan"' [2]='waypoints ^QGC WPL 110'
+    [3]='rally ^RALLY' [4]='kml <kml' [5]='cup ^name,code' [6]='csv latitude_deg')
+  for mark in "${marks[@]}"; do
+    format="${mark%% *}"
+    for id in "$flight" "$site"; do
+      run 0 export "$id" --format "$format" --home-altitude 400
+      said out "${mark#* }"
+    done
+    equal "$(sha256sum <"$work/out")" "$(get "/v1/sites/$site?f=$format&home_altitude_m=400" | sha256sum)" "$format"
+  done
+  run 0 export "$site" --format report -o "$work/a report.html"
+  grep -qi '<html' "$work/a report.html" || fail "the report is no page"
+  run 1 export "$flight" --format report
+  said err 'about one site'
+  run 1 export "$site" --format rally -o "$work/none.rally"
+  said err 'home_altitude_m'
+  if [ -e "$work/none.rally" ]; then fail "a refused export left a file"; fi
+  run 1 export f-none-r1 --format kml
+  said err 'no such site'
+  mkdir "$work/folder"
+  run 0 export "$site" --format cup -o "$work/folder"
+  compgen -G "$work/folder/$site*.cup" >/dev/null || fail "the file in the folder has another name"
+  echo "export: every format"
+}
+
+# completions WORD...: what follows the words, on one line.
+completions() {
+  COMP_WORDS=("$root/deploy/freelsdctl" "$@")
+  COMP_CWORD=$#
+  COMP_LINE="${COMP_WORDS[*]}"
+  COMPREPLY=()
+  _freelsdctl
+  echo "${COMPREPLY[*]}"
+}
+
+test_completion() {
+  # shellcheck disable=SC1091
+  source "$root/deploy/freelsdctl.bash-completion"
+  equal "$(completions e)" "emergency export" "commands"
+  equal "$(completions export "$flight" --format k)" kml "formats"
+  equal "$(completions sites f-)" "$flight" "flights"
+  equal "$(completions sites --a)" --all "options"
+  equal "$(completions submit "$photos" --url "$url" --aircraft s)" small "aircraft"
+  local started=$SECONDS
+  equal "$(FREELSD_URL=http://10.255.255.1 completions sites f-)" "" "flights of a server that is not there"
+  if [ $((SECONDS - started)) -gt 3 ]; then fail "completion waits for a server that is not there"; fi
+  echo "completion: commands, options, formats, flights"
+}
+
+test_tokens() {
+  local hash
+  hash="$(printf s3cret | sha256sum | cut -d ' ' -f 1)"
+  (umask 077 && echo "[{\"sha256\":\"$hash\",\"scopes\":[\"read\",\"ingest\"]}]" >"$work/tokens.json")
+  start_server guarded --token-file "$work/tokens.json"
+  export FREELSD_URL="$url"
+  : >"$work/arguments"
+  run 1 flights
+  said err 'token is needed'
+  echo s3cret >"$work/my token"
+  run 0 flights --token "$work/my token"
+  FREELSD_TOKEN=s3cret run 0 flights
+  FREELSD_TOKEN=wrong run 1 flights
+  FREELSD_TOKEN=s3cret run 1 submit "$work/bad" --dry-run
+  said err 'scopes do not allow'
+  if grep -q s3cret "$work/arguments"; then fail "the token stands in the arguments of curl"; fi
+  run 1 flights --token "$work/no such file"
+  echo "tokens: asked for, and not shown"
+}
+
+watch_curl
+start_server open
+export FREELSD_URL="$url" XDG_STATE_HOME="$work/state"
+test_usage
+test_submit
+test_sites
+test_emergency
+test_exports
+test_completion
+test_refusals
+test_tokens
+echo "freelsdctl.sh: everything has passed"
