@@ -1,4 +1,5 @@
-# cmake --install: the server with what it looks for beside itself, ../share/freelsd, and the client.
+# cmake --install: the server with what it looks for beside itself, ../share/freelsd, and freelsdctl.
+# Not freelsd-train: it works on the labelled photographs of the sources.
 include(GNUInstallDirs)
 install(TARGETS freelsd-server RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/freelsdctl DESTINATION ${CMAKE_INSTALL_BINDIR})

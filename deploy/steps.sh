@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154
-# What demo.sh and test.sh share. To be sourced by a bash script that runs with `set -Eeuo pipefail`
+# What demo.sh, test.sh and package.sh share. To be sourced by a bash script that runs with `set -Eeuo pipefail`
 # in the repository's root; `program` is its name.
 
 step="starting"
