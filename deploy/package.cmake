@@ -1,6 +1,6 @@
 # The Debian package: deploy/package.sh, or cpack -G DEB in build/release. What only a package has
 # (configuration, unit, changelogs, compression) is laid out by debian/stage.cmake.
-set(FREELSD_MAINTAINER "the freelsd authors <freelsd@users.noreply.github.com>"
+set(FREELSD_MAINTAINER "the freelsd authors <freelsd@freelsd.invalid>"
     CACHE STRING "Maintainer field of the Debian package")
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME freelsd)

@@ -5,7 +5,7 @@
 #   tests/deploy/package.sh PACKAGE [--clean-root] [--mirror URL]
 #
 # The clean Debian is made by debootstrap in a temporary folder, which needs root and a mirror, and
-# takes a minute of one core. What cannot be done here is said as "skipped: why".
+# takes a minute of one core and some hundred MB from the mirror. What cannot be done here is said as "skipped: why".
 set -Eeuo pipefail
 package="$(realpath "${1:?the package is missing}")"
 shift
@@ -42,7 +42,7 @@ check_with_lintian() {
 # Says why there can be no clean root; nothing where there can.
 hindrance() {
   if [ "$clean_root" = no ]; then
-    echo "--clean-root was not given"
+    echo "not asked for by --clean-root"
   elif ! command -v debootstrap >/dev/null; then
     echo "debootstrap is not installed"
   elif [ "$(id -u)" -ne 0 ]; then
