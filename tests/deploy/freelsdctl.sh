@@ -142,13 +142,16 @@ test_refusals() {
   run 1 submit "$bad"
   said err 'poses/3/lat'
   run 1 submit "$bad" --aircraft zeppelin
-  said err 'aircraft/profile'
+  said err 'profile: must be one of'
   printf 'image,lat,lon,alt,wind_speed\nframe_0003.jpg,47,8.4,500,2\n' >"$bad/poses.csv"
   run 1 submit "$bad" --wind-from 270 --wind-speed 5
   said err 'tells the wind'
   printf 'image,lat,lon,alt\nframe_0003.jpg,47,8.4,500\n' >"$bad/poses.csv"
+  run 1 submit "$bad"
+  said err 'no photograph was taken'
+  cp "$rendered/flight.json" "$bad"
   run 0 submit "$bad" --wind-from 270 --wind-speed 5 --no-wait --name "A \"name\""
-  said err '2 of 3|1 of 3 photographs have a pose'
+  said err '1 of 3 photographs have a pose'
   said err 'refused: frame_0001.jpg'
   local other
   other="$(cat "$work/out")"
@@ -177,21 +180,18 @@ test_sites() {
 }
 
 test_emergency() {
-  local latitude longitude altitude place
+  local latitude longitude altitude
   read -r latitude longitude altitude < <(get "/v1/sites/$site" |
     jq -r '[.geometry.coordinates[1], .geometry.coordinates[0], .properties.elevation_m + 200] | @tsv')
-  run 0 emergency "$latitude" "$longitude" "$altitude" --datum amsl --heading 45 --wind-from 270 --wind-speed 5 --json
-  # From the west is towards the east.
-  place="latitude_deg=$latitude&longitude_deg=$longitude&altitude_m=$altitude&altitude_datum=amsl&heading_deg=45"
-  equal "$(jq -c '[.sites[] | .site_id, .approach.heading_deg]' "$work/out")" \
-    "$(get "/v1/emergency?$place&wind_east_mps=5&wind_north_mps=0" |
-      jq -c '[.sites[] | .site_id, .approach.heading_deg]')" "emergency, wind from the west"
-  local heading
-  heading="$(printf %03.0f "$(jq '.sites[0].approach.heading_deg' "$work/out")")"
+  : >"$work/arguments"
   run 0 emergency "$latitude" "$longitude" "$altitude" --datum amsl --heading 45 --wind-from 270 --wind-speed 5
+  # From the west is towards the east, and landed against: within what the wind may turn.
+  grep -qx 'wind_east_mps=5.000' "$work/arguments" || fail "the wind is told another way round"
   said out '^IN REACH'
-  said out "LAND ON $heading"
+  said out 'LAND ON (2[4-9][0-9]|300)'
   said out 'ARRIVE [0-9]+ m above'
+  run 0 emergency "$latitude" "$longitude" "$altitude" --limit 1 --json
+  equal "$(jq '.sites | length' "$work/out")" 1 "sites with --limit 1"
   run 4 emergency "$latitude" "$longitude" "$altitude" --glide 2 --wind-from 270 --wind-speed 60
   said out '^NOTHING IN REACH'
   run 4 emergency -33.9 -70.5 900
@@ -230,6 +230,7 @@ test_exports() {
 
 # completions WORD...: what follows the words, on one line.
 completions() {
+  set +eE +o pipefail
   COMP_WORDS=("$root/deploy/freelsdctl" "$@")
   COMP_CWORD=$#
   COMP_LINE="${COMP_WORDS[*]}"
@@ -243,12 +244,14 @@ test_completion() {
   source "$root/deploy/freelsdctl.bash-completion"
   equal "$(completions e)" "emergency export" "commands"
   equal "$(completions export "$flight" --format k)" kml "formats"
-  equal "$(completions sites f-)" "$flight" "flights"
+  # A second may be short on a busy machine.
+  # shellcheck disable=SC2317
+  equal "$(timeout() { command timeout 60 "${@:2}"; }; completions sites f-)" "$flight" "flights"
   equal "$(completions sites --a)" --all "options"
   equal "$(completions submit "$photos" --url "$url" --aircraft s)" small "aircraft"
   local started=$SECONDS
   equal "$(FREELSD_URL=http://10.255.255.1 completions sites f-)" "" "flights of a server that is not there"
-  if [ $((SECONDS - started)) -gt 3 ]; then fail "completion waits for a server that is not there"; fi
+  if [ $((SECONDS - started)) -gt 4 ]; then fail "completion waits for a server that is not there"; fi
   echo "completion: commands, options, formats, flights"
 }
 
