@@ -33,8 +33,6 @@ check_with_lintian() {
   fi
   local arguments=(--fail-on "error,warning" --tag-display-limit 0)
   if [ "$(id -u)" -eq 0 ]; then arguments+=(--allow-root); fi
-  # Until the manual pages are written.
-  if [ ! -f deploy/freelsd-server.8 ]; then arguments+=(--suppress-tags no-manual-page); fi
   lintian "${arguments[@]}" "$package" || fail "lintian is not content"
   echo "lintian: no errors, no warnings"
 }
