@@ -81,6 +81,18 @@ build() {
   cmake --build --preset "$preset" -j "$(num_build_jobs)" "${targets[@]}"
 }
 
+# free_port FIRST: of this machine, from there on.
+free_port() {
+  local port
+  for port in $(seq "$1" $(($1 + 100))); do
+    if ! (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; then
+      echo "$port"
+      return
+    fi
+  done
+  fail "no free port between $1 and $(($1 + 100))"
+}
+
 # await_server URL PID LOG: until it answers, or ended with a sentence.
 await_server() {
   local _

@@ -53,17 +53,6 @@ refuse_warnings() {
   echo "no compiler warnings"
 }
 
-free_port() {
-  local port
-  for port in $(seq 18080 18180); do
-    if ! (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; then
-      echo "$port"
-      return
-    fi
-  done
-  fail "no free port between 18080 and 18180"
-}
-
 run_unit_tests() {
   local arguments=(--preset release -j "$(nproc)" --no-tests=error)
   ctest "${arguments[@]}" 2>&1 | tee "$work/ctest.log" |
@@ -147,7 +136,7 @@ start_step "parsers on changed seeds"
 build/release/tests/freelsd-fuzz tests/fuzz/seeds --seconds 2
 passed
 
-port="$(free_port)"
+port="$(free_port 18080)"
 start_step "the demo, end to end"
 deploy/demo.sh --once --port "$port" --data "$work/demo"
 passed

@@ -13,8 +13,8 @@ namespace freelsd {
 struct ApproachOptions {
   // --- What counts as safe ---
   // The map's position is never taken to be better known than this (a standard deviation), and a
-  // touchdown keeps that many deviations of it away from hazard too. Differs: spec has one; the map
-  // lies farther aside in one flight of six.
+  // touchdown keeps disc_margin_sigma deviations of it away from hazard too. Differs: spec has one,
+  // and a rough spot lay in such a disc on a map that was 2.4 m aside.
   double min_map_position_sd_m = 1.0;
   double disc_margin_sigma = 2.0;
   // Ground roll and corridor of the paths are wider on either side, and the roll longer, by this

@@ -72,17 +72,6 @@ apt() {
   }
 }
 
-free_port() {
-  local port
-  for port in $(seq 18280 18380); do
-    if ! (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; then
-      echo "$port"
-      return
-    fi
-  done
-  fail "no free port between 18280 and 18380"
-}
-
 # As the unit starts it, but for systemd: with the installed configuration, and not as root.
 start_server() {
   chroot --userspec=nobody:nogroup "$root" freelsd-server --config /etc/freelsd/config.json \
@@ -172,7 +161,7 @@ check_in_clean_root() {
   root="$work/root"
   server_pid=""
   trap 'if [ -n "$server_pid" ]; then stop_server "$server_pid" || true; fi' EXIT
-  port="$(free_port)"
+  port="$(free_port 18280)"
   url="http://127.0.0.1:$port"
   mkdir "$root"
   local started=$SECONDS
