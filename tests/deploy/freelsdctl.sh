@@ -10,6 +10,7 @@ server="$(realpath "$1")"
 model="$(realpath "$2")"
 rendered="$(realpath "$3")"
 num_photographs=40
+export FREELSD_CHUNK_FILES=8  # so that there are several requests
 work="$(mktemp -d)"
 photos="$work/my first field"
 pids=()
