@@ -63,7 +63,9 @@ bool Worker::StepBackend() {
   for (const JobRow& job : service_.storage.ListUnfinishedJobs()) {
     if (job.kind != "finish") continue;
     const SessionPointer session = FindSession(job.flight_id);
-    if (!session || session->flushed_through() < LastSequenceOf(job, service_.storage)) continue;
+    const int64_t last_sequence = LastSequenceOf(job, service_.storage);
+    if (!session || session->flushed_through() < last_sequence) continue;
+    if (session->HasSettledBefore(last_sequence)) continue;
     RunFinish(job, *session);
     return true;
   }

@@ -35,6 +35,7 @@ std::vector<FrameResult> FlightSession::Flush(int64_t through_sequence) {
   std::vector<FrameResult> results = frontend_.Flush();
   AddReports(frontend_.TakeReports());
   std::erase_if(flush_points_, [&](int64_t sequence) { return sequence <= through_sequence; });
+  if (!results.empty()) first_settled_at_ = std::min(first_settled_at_.load(), through_sequence);
   flushed_through_ = through_sequence;
   return results;
 }

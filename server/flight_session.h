@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -40,6 +41,9 @@ class FlightSession {
   // Sequence number of the last frame given, and up to which no frame waits in the engine any more.
   int64_t cursor() const { return cursor_; }
   int64_t flushed_through() const { return flushed_through_; }
+  // Whether a flush before this one decided on frames that waited for their neighbours: with those
+  // that came since, they could be decided better.
+  bool HasSettledBefore(int64_t sequence) const { return first_settled_at_ < sequence; }
   Snapshot TakeSnapshot();
   void AddReports(const std::vector<StageReport>& reports);
   // Brings regions, stages, warnings and the ground's height of the flight up to date in storage.
@@ -64,6 +68,7 @@ class FlightSession {
   LocalFrame local_frame_;
   std::atomic<int64_t> cursor_{0};
   std::atomic<int64_t> flushed_through_{0};
+  std::atomic<int64_t> first_settled_at_{std::numeric_limits<int64_t>::max()};
   std::set<int64_t> flush_points_;
 
   std::mutex frontend_mutex_;

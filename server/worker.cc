@@ -133,9 +133,6 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
     return false;
   }
   const SessionPointer session = OpenSession(*flight);
-  for (const JobRow& job : jobs) {
-    if (job.flight_id == flight_id) session->AddFlushPoint(LastSequence(job));
-  }
   std::optional<FrameRow> frame = service_.storage.NextFrame(flight_id, session->cursor());
   const std::optional<int64_t> flush_point = session->NextFlushPoint();
   if (flush_point && (!frame || frame->sequence > *flush_point)) {
@@ -213,9 +210,9 @@ void Worker::ApplyResults(const std::string& flight_id,
   session.AddNotes(results);
   for (const FrameResult& result : results) {
     const auto frame = service_.storage.FindFrame(flight_id, result.frame_id);
-    // In a replay the frame has its state already.
-    if (!frame || frame->state != FrameState::kQueued) continue;
     const FrameState state = result.is_processed ? FrameState::kProcessed : FrameState::kRejected;
+    // In a replay the frame has its state already; with more neighbours it may be another.
+    if (!frame || frame->state == state) continue;
     service_.storage.SetFrameState(flight_id, result.frame_id, state, result.note);
     FrameRow told = *frame;
     told.state = state;
@@ -269,12 +266,22 @@ void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<Job
   }
 }
 
+// A flush lets frames be decided that wait for their neighbours. A finish wants all frames before
+// it decided together, however they were cut into batches: no flush comes before the last finish,
+// and a session that had one is built anew. The flushes of a replay are those of the first time.
 Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
-  if (SessionPointer session = FindSession(flight.id)) return session;
-  const auto session = std::make_shared<FlightSession>(flight, classifier_);
-  // The same flushes as the first time, so that a replay gives the same result.
+  std::vector<int64_t> flush_points;
+  int64_t last_finish = 0;
   for (const JobRow& job : service_.storage.ListJobsOf(flight.id)) {
-    session->AddFlushPoint(LastSequence(job));
+    flush_points.push_back(LastSequence(job));
+    if (job.kind == "finish") last_finish = std::max(last_finish, flush_points.back());
+  }
+  SessionPointer session = FindSession(flight.id);
+  if (!session || session->HasSettledBefore(last_finish)) {
+    session = std::make_shared<FlightSession>(flight, classifier_);
+  }
+  for (const int64_t point : flush_points) {
+    if (point >= last_finish) session->AddFlushPoint(point);
   }
   const std::lock_guard lock(mutex_);
   sessions_[flight.id] = session;

@@ -1,4 +1,4 @@
-// Jobs that are cancelled.
+// Jobs that are cancelled, and what a finish takes together.
 #include <doctest/doctest.h>
 
 #include "tests/server/sample_flight.h"
@@ -45,6 +45,40 @@ TEST_CASE("jobs: an evaluation that runs is cancelled, and the next finish does 
   CHECK(AwaitJob(fresh.client, again)["state"] == "done");
   CHECK(GetJson(fresh.client, "/v1/jobs/" + job)["state"] == "cancelled");
   CHECK_FALSE(SiteIds(fresh.client, flight).empty());
+}
+
+void AwaitBatches(httplib::Client& client) {
+  const nlohmann::json list = GetJson(client, "/v1/jobs");
+  for (const auto& job : list["jobs"]) AwaitJob(client, job["id"]);
+}
+
+// Where the flight's sites are, and how good.
+nlohmann::json Findings(httplib::Client& client, const std::string& flight) {
+  nlohmann::json findings = nlohmann::json::array();
+  const nlohmann::json sites = GetJson(client, "/v1/flights/" + flight + "/sites");
+  for (const auto& site : sites["features"]) {
+    const auto& properties = site["properties"];
+    findings.push_back({site["geometry"], properties["verdict"], properties["score"]});
+  }
+  return findings;
+}
+
+TEST_CASE("jobs: a finish decides frames that lacked neighbours anew, as if all came together") {
+  FreshServer fresh([](Config& config) { config.model = RealModel(); });
+  const std::string whole = PostSampleFlight(fresh.client, 0, kNumSampleFrames);
+  REQUIRE(AwaitJob(fresh.client, Finish(fresh.client, whole))["state"] == "done");
+  REQUIRE_FALSE(Findings(fresh.client, whole).empty());
+
+  // Alone, the first has no neighbour that tells its height above ground.
+  const std::string cut = PostSampleFlight(fresh.client, 0, 1);
+  AwaitBatches(fresh.client);
+  CHECK(FrameList(fresh.client, cut)[0]["state"] == "rejected");
+  PostSampleFrames(fresh.client, cut, 1, kNumSampleFrames);
+  REQUIRE(AwaitJob(fresh.client, Finish(fresh.client, cut))["state"] == "done");
+  const nlohmann::json frames = GetJson(fresh.client, "/v1/flights/" + cut)["frames"];
+  CHECK(frames["processed"] == kNumSampleFrames);
+  CHECK(frames["rejected"] == 0);
+  CHECK(Findings(fresh.client, cut) == Findings(fresh.client, whole));
 }
 
 }  // namespace
