@@ -54,19 +54,21 @@ std::optional<Eigen::Vector2d> WindOf(const Call& call, const PlanRequest& reque
   return Eigen::Vector2d(*east_mps, *north_mps);
 }
 
-nlohmann::json PlanAnew(const SiteRow& site, const std::string& map_blob, const Call& call) {
-  Replan replan = ParseReplan(site.replan_json);
-  replan.flight.aircraft = AircraftOf(call, replan.flight.aircraft);
-  replan.request.wind_in_world = WindOf(call, replan.request);
-  const Plan plan = PlanOnStoredMap(replan, DeserializeSiteMap(map_blob));
+nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call& call) {
+  const auto kept = service.maps.Get(service.storage, site.id, site.updated_at_us);
+  if (!kept) throw ApiError("NoApproach", "the site has no map to plan on");
+  const Replan& replan = kept->replan;
+  const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
+  const auto kept_plan = service.maps.PlanFor(kept, aircraft, WindOf(call, replan.request));
+  const Plan& plan = *kept_plan;
   const FlightContext context{
       site.flight_id, replan.flight.altitude_datum, LocalFrame(replan.origin)};
   if (!plan.approach)
     throw ApiError("NoApproach", "no approach for this wind: " + plan.reject_detail);
   nlohmann::json answer = ApproachJson(plan, context);
   answer["plan"] = PlanProperties(plan, context);
-  answer["plan"]["aircraft"] = AircraftJson(replan.flight.aircraft);
-  answer["plan"]["warnings"] = LimitsWarnings(replan.flight.aircraft);
+  answer["plan"]["aircraft"] = AircraftJson(aircraft);
+  answer["plan"]["warnings"] = LimitsWarnings(aircraft);
   return answer;
 }
 
@@ -79,9 +81,7 @@ void GetApproach(Service& service, const Call& call, httplib::Response& response
     response.set_content(site.approach_json, kGeoJson);
     return;
   }
-  const std::optional<std::string> map_blob = service.storage.ReadSiteMap(site.id);
-  if (!map_blob) throw ApiError("NoApproach", "the site has no map to plan on");
-  response.set_content(PlanAnew(site, *map_blob, call).dump(), kGeoJson);
+  response.set_content(PlanAnew(service, site, call).dump(), kGeoJson);
 }
 
 }  // namespace freelsd

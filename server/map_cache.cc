@@ -9,8 +9,9 @@
 namespace freelsd {
 namespace {
 
-// Eight layers of float and one of bytes.
-constexpr size_t kBytesPerCell = 33;
+// Eight layers of float and one of bytes; of each aircraft one more of both.
+constexpr size_t kMaxNumPlannersKept = 2;
+constexpr size_t kBytesPerCell = 33 + 5 * kMaxNumPlannersKept;
 constexpr size_t kMaxNumPlansKept = 8;
 
 std::string KeyOf(const std::string& site_id, int64_t updated_at_us) {
@@ -18,10 +19,9 @@ std::string KeyOf(const std::string& site_id, int64_t updated_at_us) {
 }
 
 // Exact: another wind is another plan.
-std::string PlanKey(const Aircraft& aircraft, const std::optional<Eigen::Vector2d>& wind) {
-  std::string key = AircraftJson(aircraft).dump();
-  if (wind) key.append(reinterpret_cast<const char*>(wind->data()), 2 * sizeof(double));
-  return key;
+std::string WindKey(const std::optional<Eigen::Vector2d>& wind) {
+  if (!wind) return {};
+  return {reinterpret_cast<const char*>(wind->data()), 2 * sizeof(double)};
 }
 
 // Nothing where it cannot be used: one damaged site must not keep the others from an emergency.
@@ -65,6 +65,18 @@ MapCache::Entry* MapCache::Find(const std::string& key) {
   return &entries_.front();
 }
 
+MapCache::Planner* MapCache::FindPlanner(const std::string& key, const std::string& aircraft_key) {
+  Entry* const entry = Find(key);
+  if (entry == nullptr) return nullptr;
+  std::list<Planner>& planners = entry->planners;
+  const auto found = std::find_if(planners.begin(), planners.end(), [&](const Planner& each) {
+    return each.aircraft_key == aircraft_key;
+  });
+  if (found == planners.end()) return nullptr;
+  planners.splice(planners.begin(), planners, found);
+  return &planners.front();
+}
+
 void MapCache::Keep(Entry entry) {
   const std::lock_guard lock(mutex_);
   if (Find(entry.key) != nullptr) return;
@@ -96,25 +108,33 @@ std::shared_ptr<const Plan> MapCache::PlanFor(const std::shared_ptr<const KeptSi
                                               const Aircraft& aircraft,
                                               const std::optional<Eigen::Vector2d>& wind_in_world) {
   const std::string key = KeyOf(site->row.id, site->row.updated_at_us);
-  const std::string plan_key = PlanKey(aircraft, wind_in_world);
+  const std::string aircraft_key = AircraftJson(aircraft).dump();
+  const std::string wind_key = WindKey(wind_in_world);
+  std::shared_ptr<const StoredMapPlanner> on_map;
   {
     const std::lock_guard lock(mutex_);
-    const Entry* const entry = Find(key);
-    if (entry != nullptr) {
-      for (const auto& [kept_key, plan] : entry->plans) {
-        if (kept_key == plan_key) return plan;
+    if (const Planner* const planner = FindPlanner(key, aircraft_key)) {
+      for (const auto& [kept_key, plan] : planner->plans) {
+        if (kept_key == wind_key) return plan;
       }
+      on_map = planner->on_map;
     }
   }
-  Replan replan = site->replan;
-  replan.flight.aircraft = aircraft;
-  replan.request.wind_in_world = wind_in_world;
-  const auto plan = std::make_shared<const Plan>(PlanOnStoredMap(replan, site->site_map));
-  const std::lock_guard lock(mutex_);
-  if (Entry* const entry = Find(key)) {
-    entry->plans.emplace_front(plan_key, plan);
-    if (entry->plans.size() > kMaxNumPlansKept) entry->plans.pop_back();
+  if (!on_map) {
+    on_map = std::make_shared<const StoredMapPlanner>(site->replan, aircraft, site->site_map);
   }
+  const auto plan = std::make_shared<const Plan>(on_map->planner.PlanFor(wind_in_world));
+  const std::lock_guard lock(mutex_);
+  Entry* const entry = Find(key);
+  // Another thread may have read the site anew since: what is kept refers to the map beside it.
+  if (entry == nullptr || entry->site != site) return plan;
+  if (FindPlanner(key, aircraft_key) == nullptr) {
+    entry->planners.push_front({aircraft_key, on_map, {}});
+    if (entry->planners.size() > kMaxNumPlannersKept) entry->planners.pop_back();
+  }
+  auto& plans = entry->planners.front().plans;
+  plans.emplace_front(wind_key, plan);
+  if (plans.size() > kMaxNumPlansKept) plans.pop_back();
   return plan;
 }
 

@@ -29,22 +29,30 @@ class MapCache {
   std::shared_ptr<const KeptSite> Get(const Storage& storage,
                                       const std::string& site_id,
                                       int64_t updated_at_us);
-  // The plan on its map for this aircraft and wind; made once while both stay the same.
+  // The plan on its map for this aircraft and wind; made once while both stay the same, and what
+  // does not hang on the wind while the aircraft stays the same.
   std::shared_ptr<const Plan> PlanFor(const std::shared_ptr<const KeptSite>& site,
                                       const Aircraft& aircraft,
                                       const std::optional<Eigen::Vector2d>& wind_in_world);
 
  private:
+  struct Planner {
+    std::string aircraft_key;
+    std::shared_ptr<const StoredMapPlanner> on_map;
+    // Latest first, by wind.
+    std::list<std::pair<std::string, std::shared_ptr<const Plan>>> plans;
+  };
   struct Entry {
     std::string key;
     size_t num_bytes = 0;
     std::shared_ptr<const KeptSite> site;
-    // Latest first, by aircraft and wind.
-    std::list<std::pair<std::string, std::shared_ptr<const Plan>>> plans;
+    // Latest first.
+    std::list<Planner> planners;
   };
   using Entries = std::list<Entry>;
-  // With the lock held; moves it to the front.
+  // With the lock held; what is found moves to the front.
   Entry* Find(const std::string& key);
+  Planner* FindPlanner(const std::string& key, const std::string& aircraft_key);
   void Keep(Entry entry);
 
   size_t max_bytes_;

@@ -4,15 +4,14 @@
 
 namespace freelsd {
 
-Plan PlanOnStoredMap(const Replan& replan, const SiteMap& site_map) {
-  const Aircraft& aircraft = replan.flight.aircraft;
-  const PipelineOptions& options = replan.flight.options;
-  const HazardLayers layers = WithLimits(site_map.map,
-                                         site_map.layers,
-                                         {aircraft.max_slope_deg, aircraft.max_roughness_m},
-                                         options.hazard);
-  return PlanApproach(site_map.map, layers, replan.request, aircraft, options.approach);
-}
+StoredMapPlanner::StoredMapPlanner(const Replan& replan,
+                                   const Aircraft& aircraft,
+                                   const SiteMap& site_map)
+    : layers(WithLimits(site_map.map,
+                        site_map.layers,
+                        {aircraft.max_slope_deg, aircraft.max_roughness_m},
+                        replan.flight.options.hazard)),
+      planner(site_map.map, layers, replan.request, aircraft, replan.flight.options.approach) {}
 
 std::string ReplanJson(const Replan& replan) {
   nlohmann::json footprint = nlohmann::json::array();

@@ -14,8 +14,17 @@ struct Replan {
   GeoPoint origin;
   PlanRequest request;
 };
-// The plan for this request and the flight's aircraft, on a map stored before.
-Plan PlanOnStoredMap(const Replan& replan, const SiteMap& site_map);
+// Plans for this region and an aircraft on a map stored before, which must live as long. Stays
+// where it is: the planner refers to the layers.
+struct StoredMapPlanner {
+  StoredMapPlanner(const Replan& replan, const Aircraft& aircraft, const SiteMap& site_map);
+  StoredMapPlanner(const StoredMapPlanner&) = delete;
+  StoredMapPlanner& operator=(const StoredMapPlanner&) = delete;
+
+  // For that aircraft.
+  const HazardLayers layers;
+  const ApproachPlanner planner;
+};
 std::string ReplanJson(const Replan& replan);
 Replan ParseReplan(const std::string& text);
 

@@ -73,41 +73,6 @@ Plan WithAttempt(Plan plan, const Attempt& attempt, const AttemptContext& contex
   return Refused(std::move(plan), {rejection.reason, rejection.detail});
 }
 
-// Without a path where ground or wind speak against all of them.
-Plan PlanWay(const ElevationMap& map,
-             const HazardLayers& hazards,
-             const FootprintContent& content,
-             const TouchdownCandidates& candidates,
-             const PlanRequest& request,
-             const Way& way,
-             const ApproachOptions& options) {
-  const Aircraft& aircraft = way.aircraft;
-  const double required = RequiredHazardDistance(map, aircraft, options);
-  std::optional<Refusal> refusal = RefuseGround(request, content, required, aircraft);
-  if (!refusal) refusal = RefuseWind(way.wind);
-  std::optional<Touchdown> touchdown;
-  if (!content.touchdowns.empty()) touchdown = content.touchdowns.front();
-  if (refusal) {
-    Plan plan = Refused(PlanAt(touchdown, hazards, request, aircraft), *refusal);
-    plan.score_terms =
-        ScoreTerms(ScoreInputOf(plan, std::nullopt, required), request, aircraft, options);
-    plan.score = Score(plan.score_terms, plan.verdict);
-    return plan;
-  }
-  const ClearanceSurface surface =
-      MakeClearanceSurface(map, hazards, request.footprint, way.Scenarios(), aircraft, options);
-  const std::vector<HeadingCells> cells = MakeHeadingCells(way.wind, surface, aircraft, options);
-  const AttemptContext context{surface, way.wind, aircraft, options, cells};
-  const SearchResult found = SearchTouchdown(candidates, context);
-  const Attempt best =
-      Try(found.best.touchdown, found.best.heading_index, context, Depth::kEverything);
-  Plan plan = WithAttempt(PlanAt(best.touchdown, hazards, request, aircraft), best, context);
-  plan.rejections = Rejections(found.passed_over, context);
-  plan.score_terms = ScoreTerms(ScoreInputOf(plan, best, required), request, aircraft, options);
-  plan.score = Score(plan.score_terms, plan.verdict);
-  return plan;
-}
-
 // Says why the way that comes first was not taken.
 Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_rejections);
@@ -120,24 +85,84 @@ Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
 
 }  // namespace
 
-Plan PlanApproach(const ElevationMap& map,
-                  const HazardLayers& hazards,
-                  const PlanRequest& request,
-                  const Aircraft& profile,
-                  const ApproachOptions& options) {
+// What does not hang on the wind.
+struct ApproachGround {
+  const ElevationMap& map;
+  const HazardLayers& hazards;
+  PlanRequest request;
+  Aircraft aircraft;
+  ApproachOptions options;
+  double required_hazard_distance = 0.0;
+  // The place farthest from hazard.
+  std::optional<Touchdown> safest;
+  std::optional<Refusal> refusal;
+  TouchdownCandidates candidates;
+  // Of all of the map, where several winds are planned for.
+  std::optional<ClearanceSurface> surface;
+
+  ApproachGround(const ElevationMap& the_map,
+                 const HazardLayers& the_hazards,
+                 const PlanRequest& the_request,
+                 const Aircraft& profile,
+                 const ApproachOptions& the_options);
+  Plan PlanWay(const Way& way) const;
+  Plan PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world) const;
+};
+
+// Without a path where ground or wind speak against all of them.
+Plan ApproachGround::PlanWay(const Way& way) const {
+  std::optional<Refusal> why_not = refusal;
+  if (!why_not) why_not = RefuseWind(way.wind);
+  if (why_not) {
+    Plan plan = Refused(PlanAt(safest, hazards, request, way.aircraft), *why_not);
+    plan.score_terms = ScoreTerms(
+        ScoreInputOf(plan, std::nullopt, required_hazard_distance), request, way.aircraft, options);
+    plan.score = Score(plan.score_terms, plan.verdict);
+    return plan;
+  }
+  const std::vector<WindScenario> scenarios = way.Scenarios();
+  std::optional<ClearanceSurface> about_here;
+  if (!surface || surface->circle_step != CircleStep(scenarios, options)) {
+    about_here =
+        MakeClearanceSurface(map, hazards, request.footprint, scenarios, way.aircraft, options);
+  }
+  const ClearanceSurface& to_clear = about_here ? *about_here : *surface;
+  const std::vector<HeadingCells> cells =
+      MakeHeadingCells(way.wind, to_clear, way.aircraft, options);
+  const AttemptContext context{to_clear, way.wind, way.aircraft, options, cells};
+  const SearchResult found = SearchTouchdown(candidates, context);
+  const Attempt best =
+      Try(found.best.touchdown, found.best.heading_index, context, Depth::kEverything);
+  Plan plan = WithAttempt(PlanAt(best.touchdown, hazards, request, way.aircraft), best, context);
+  plan.rejections = Rejections(found.passed_over, context);
+  plan.score_terms = ScoreTerms(
+      ScoreInputOf(plan, best, required_hazard_distance), request, way.aircraft, options);
+  plan.score = Score(plan.score_terms, plan.verdict);
+  return plan;
+}
+
+ApproachGround::ApproachGround(const ElevationMap& the_map,
+                               const HazardLayers& the_hazards,
+                               const PlanRequest& the_request,
+                               const Aircraft& profile,
+                               const ApproachOptions& the_options)
+    : map(the_map), hazards(the_hazards), request(the_request), options(the_options) {
   RequireOneGrid(map, hazards);
-  const Aircraft aircraft = WithPositionMargin(profile, map, options);
+  aircraft = WithPositionMargin(profile, map, options);
+  required_hazard_distance = RequiredHazardDistance(map, aircraft, options);
   const FootprintContent content = ReadFootprint(map, hazards, request.footprint, options);
-  const TouchdownCandidates candidates =
-      SelectCandidates(content.touchdowns,
-                       RequiredHazardDistance(map, aircraft, options),
-                       map.grid.cell_size_m,
-                       options);
+  if (!content.touchdowns.empty()) safest = content.touchdowns.front();
+  refusal = RefuseGround(request, content, required_hazard_distance, aircraft);
+  candidates =
+      SelectCandidates(content.touchdowns, required_hazard_distance, map.grid.cell_size_m, options);
+}
+
+Plan ApproachGround::PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world) const {
   std::optional<Plan> first;
   bool is_loiter_blocked = false;
-  for (const Way& way : WaysDown(request.wind_in_world, aircraft, options)) {
+  for (const Way& way : WaysDown(wind_in_world, aircraft, options)) {
     if (way.start_height > 0 && !is_loiter_blocked) break;
-    Plan plan = PlanWay(map, hazards, content, candidates, request, way, options);
+    Plan plan = PlanWay(way);
     if (plan.verdict != Verdict::kRejected) {
       return first ? InsteadOf(*first, std::move(plan), options) : plan;
     }
@@ -146,6 +171,34 @@ Plan PlanApproach(const ElevationMap& map,
     if (!first->approach) break;
   }
   return *std::move(first);
+}
+
+ApproachPlanner::ApproachPlanner(const ElevationMap& map,
+                                 const HazardLayers& hazards,
+                                 const PlanRequest& request,
+                                 const Aircraft& aircraft,
+                                 const ApproachOptions& options) {
+  auto ground = std::make_unique<ApproachGround>(map, hazards, request, aircraft, options);
+  if (!ground->refusal) {
+    ground->surface = MakeClearanceSurfaceOfMap(map, hazards, ground->aircraft, options);
+  }
+  ground_ = std::move(ground);
+}
+
+ApproachPlanner::~ApproachPlanner() = default;
+ApproachPlanner::ApproachPlanner(ApproachPlanner&&) noexcept = default;
+ApproachPlanner& ApproachPlanner::operator=(ApproachPlanner&&) noexcept = default;
+
+Plan ApproachPlanner::PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world) const {
+  return ground_->PlanWind(wind_in_world);
+}
+
+Plan PlanApproach(const ElevationMap& map,
+                  const HazardLayers& hazards,
+                  const PlanRequest& request,
+                  const Aircraft& aircraft,
+                  const ApproachOptions& options) {
+  return ApproachGround(map, hazards, request, aircraft, options).PlanWind(request.wind_in_world);
 }
 
 }  // namespace freelsd

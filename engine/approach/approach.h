@@ -2,6 +2,7 @@
 // verdict. Paper: Sec. III-H, Eq. 1.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -181,6 +182,26 @@ Plan PlanApproach(const ElevationMap& map,
                   const PlanRequest& request,
                   const Aircraft& aircraft,
                   const ApproachOptions& options);
+
+// The same for one wind after another: what does not hang on the wind is done once. Map and hazards
+// must live as long. May be asked by several threads at a time.
+class ApproachPlanner {
+ public:
+  // The request's own wind has no meaning here. Throws as PlanApproach does.
+  ApproachPlanner(const ElevationMap& map,
+                  const HazardLayers& hazards,
+                  const PlanRequest& request,
+                  const Aircraft& aircraft,
+                  const ApproachOptions& options);
+  ~ApproachPlanner();
+  ApproachPlanner(ApproachPlanner&&) noexcept;
+  ApproachPlanner& operator=(ApproachPlanner&&) noexcept;
+
+  Plan PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world) const;
+
+ private:
+  std::unique_ptr<const struct ApproachGround> ground_;
+};
 
 // All winds at once, so that a change of wind is a look-up.
 struct WindRoseOptions {

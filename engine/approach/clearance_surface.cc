@@ -1,6 +1,7 @@
 #include "engine/approach/clearance_surface.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -121,29 +122,30 @@ cv::Mat MaxOverDisc(const cv::Mat& raster, double radius_cells, double outside) 
   return widened;
 }
 
-}  // namespace
-
-ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
-                                      const HazardLayers& hazards,
-                                      const Polygon& footprint,
-                                      const std::vector<WindScenario>& scenarios,
-                                      const Aircraft& aircraft,
-                                      const ApproachOptions& options) {
-  const Grid& grid = map.grid;
+ClearanceSurface WithStep(double circle_step,
+                          const ElevationMap& map,
+                          const Aircraft& aircraft,
+                          const ApproachOptions& options) {
   ClearanceSurface surface;
-  surface.cell_size = grid.cell_size_m;
-  surface.circle_step =
-      std::max(options.path_step_m, 2.0 * kPi * LargestRadius(scenarios) / kMaxNumCircleSteps);
+  surface.cell_size = map.grid.cell_size_m;
+  surface.circle_step = circle_step;
   // Up to three half diagonals: from the cell's centre to the place in it, from the corridor's edge
   // to the farthest place looked at beyond it, and from there to that cell's centre.
   surface.corridor_radius =
       aircraft.path_half_width_m + 3.0 * surface.HalfDiagonal() + 0.5 * surface.circle_step;
   surface.lean = std::tan(RadFromDeg(std::min(options.tilt_sigma * map.tilt_sd_deg, kMaxLeanDeg)));
-  const cv::Rect cells = CellsAround(grid, footprint, Reach(scenarios) + surface.corridor_radius);
+  return surface;
+}
+
+ClearanceSurface Filled(ClearanceSurface surface,
+                        const ElevationMap& map,
+                        const HazardLayers& hazards,
+                        const cv::Rect& cells,
+                        const ApproachOptions& options) {
   surface.first_row = cells.y;
   surface.first_col = cells.x;
   surface.north_west_in_world =
-      grid.north_west_in_world + grid.cell_size_m * Eigen::Vector2d(cells.x, -cells.y);
+      map.grid.north_west_in_world + map.grid.cell_size_m * Eigen::Vector2d(cells.x, -cells.y);
   surface.height = cv::Mat1f(cells.size(), kNoHeight);
   surface.is_unseen = cv::Mat1b(cells.size(), uchar{1});
   if (cells.empty()) return surface;
@@ -162,6 +164,35 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
   surface.corridor_height = MaxOverDisc(surface.height, radius_cells, kNoHeight);
   surface.corridor_is_unseen = MaxOverDisc(surface.is_unseen, radius_cells, 1.0);
   return surface;
+}
+
+}  // namespace
+
+double CircleStep(const std::vector<WindScenario>& scenarios, const ApproachOptions& options) {
+  return std::max(options.path_step_m, 2.0 * kPi * LargestRadius(scenarios) / kMaxNumCircleSteps);
+}
+
+ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
+                                      const HazardLayers& hazards,
+                                      const Polygon& footprint,
+                                      const std::vector<WindScenario>& scenarios,
+                                      const Aircraft& aircraft,
+                                      const ApproachOptions& options) {
+  ClearanceSurface surface = WithStep(CircleStep(scenarios, options), map, aircraft, options);
+  const cv::Rect cells =
+      CellsAround(map.grid, footprint, Reach(scenarios) + surface.corridor_radius);
+  return Filled(std::move(surface), map, hazards, cells, options);
+}
+
+ClearanceSurface MakeClearanceSurfaceOfMap(const ElevationMap& map,
+                                           const HazardLayers& hazards,
+                                           const Aircraft& aircraft,
+                                           const ApproachOptions& options) {
+  return Filled(WithStep(options.path_step_m, map, aircraft, options),
+                map,
+                hazards,
+                {0, 0, map.grid.num_cols, map.grid.num_rows},
+                options);
 }
 
 }  // namespace freelsd

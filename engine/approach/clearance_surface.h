@@ -62,4 +62,12 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
                                       const Aircraft& aircraft,
                                       const ApproachOptions& options);
 
+// The same of all of the map, for every wind and height whose circles have the usual step.
+ClearanceSurface MakeClearanceSurfaceOfMap(const ElevationMap& map,
+                                           const HazardLayers& hazards,
+                                           const Aircraft& aircraft,
+                                           const ApproachOptions& options);
+// path_step_m, or more on the largest circles.
+double CircleStep(const std::vector<WindScenario>& scenarios, const ApproachOptions& options);
+
 }  // namespace freelsd

@@ -326,11 +326,13 @@ TEST_CASE("emergency: an area's sites are exported to preload an aircraft, none 
       [](Storage& storage) {
         SiteRow site = MeadowSite("amsl");
         const Replan replan = ParseReplan(site.replan_json);
-        const Plan plan = PlanOnStoredMap(replan, Meadow());
+        const SiteMap map = Meadow();
+        const StoredMapPlanner on_map(replan, replan.flight.aircraft, map);
+        const Plan plan = on_map.planner.PlanFor(replan.request.wind_in_world);
         REQUIRE(plan.approach);
         const FlightContext context{"f", "amsl", LocalFrame(replan.origin)};
         site.approach_json = ApproachJson(plan, context).dump();
-        storage.PutSite(site, SerializeSiteMap(Meadow()));
+        storage.PutSite(site, SerializeSiteMap(map));
       },
       [](Config& config) {
         config.emergency = Address{"127.0.0.1", 0};

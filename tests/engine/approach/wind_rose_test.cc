@@ -42,6 +42,37 @@ WindRose RoseOn(const Scene& on, const WindRoseOptions& rose_options) {
                       rose_options);
 }
 
+TEST_CASE("approach planner: one wind after another as each by itself") {
+  const Scene meadow = Obstructed();
+  const PlanRequest request = Request(Box({-40, -40}, {40, 40}), std::nullopt);
+  const ApproachPlanner planner(meadow.map, meadow.hazards, request, Nimble(), ApproachOptions{});
+  int num_by_verdict[3] = {};
+  const auto check = [&](const std::optional<Eigen::Vector2d>& wind) {
+    PlanRequest in_wind = request;
+    in_wind.wind_in_world = wind;
+    const Plan alone =
+        PlanApproach(meadow.map, meadow.hazards, in_wind, Nimble(), ApproachOptions{});
+    const Plan plan = planner.PlanFor(wind);
+    ++num_by_verdict[static_cast<int>(plan.verdict)];
+    CHECK(plan.verdict == alone.verdict);
+    CHECK(plan.reject_detail == alone.reject_detail);
+    CHECK(plan.touchdown_in_world == alone.touchdown_in_world);
+    CHECK(plan.score == alone.score);
+    CHECK(plan.rejections.size() == alone.rejections.size());
+    REQUIRE(plan.approach.has_value() == alone.approach.has_value());
+    if (!plan.approach) return;
+    CHECK(plan.approach->min_clearance == alone.approach->min_clearance);
+    CHECK(plan.approach->unseen_ratio == alone.approach->unseen_ratio);
+    CHECK(plan.approach->heading == alone.approach->heading);
+  };
+  check(std::nullopt);
+  for (const double speed : {0.5, 3.0, 6.5, 40.0}) {
+    for (int i = 0; i < 12; ++i) check(speed * DirectionOf(2.0 * kPi * i / 12));
+  }
+  CHECK(num_by_verdict[static_cast<int>(Verdict::kRejected)] > 0);
+  CHECK(num_by_verdict[static_cast<int>(Verdict::kRejected)] < 49);
+}
+
 TEST_CASE("wind rose: each of its entries is what a plan for that wind answers") {
   const Scene meadow = Obstructed();
   const WindRose rose = RoseOn(meadow, {.num_directions = 24, .speeds_mps = {1.0, 3.0, 6.5, 40.0}});
