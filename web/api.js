@@ -53,6 +53,7 @@ export function query(values) {
   return known.length ? `?${known.map(([k, v]) => `${k}=${part(v)}`).join('&')}` : '';
 }
 export const paths = {
+  jobs: '/v1/jobs',
   flight: (flight) => `/v1/flights/${part(flight)}`,
   regions: (flight) => `/v1/flights/${part(flight)}/regions`,
   history: (flight, region) => `/v1/flights/${part(flight)}/regions/${part(region)}/history`,
@@ -75,7 +76,7 @@ export const paths = {
 
 export const getInfo = () => getJson('/v1/info');
 export const listFlights = async () => (await getJson('/v1/flights')).flights;
-export const listJobs = async () => (await getJson('/v1/jobs')).jobs;
+export const listJobs = async () => (await getJson(paths.jobs)).jobs;
 export const getFlight = (flight) => getJson(paths.flight(flight));
 export const getRegions = (flight) => getJson(paths.regions(flight));
 export const getSites = (flight) => getJson(paths.flightSites(flight));

@@ -27,7 +27,7 @@ const state = {
 const map = createMap(byId('map'), { site: (id) => openSite(id), place: answerPlace });
 const layers = createLayers(map);
 const whyNot = createWhy();
-const wind = createWind(replan);
+const wind = createWind(replan, map.drawWind);
 const live = createLive(refresh, (transport) => {
   byId('transport').textContent = transport === 'events' ? 'live' : 'updated every 2 s';
 });
@@ -171,6 +171,7 @@ function chooseFlight(id) {
     flightJson: null, sites: { features: [] }, regions: { features: [] } });
   byId('flight').value = id ?? '';
   map.drawApproach(null);
+  map.drawWind(null, false);
   map.drawMarks([]);
   map.drawAnswer(null);
   layers.show(null, []);

@@ -74,6 +74,8 @@ export function drawFlight(flight, jobs, onChange) {
   drawStatus(flight, jobs);
   byId('flight-title').textContent = flight.name || flight.id;
   byId('flight-curl').replaceChildren(curlButton('this flight', () => curlOf(paths.flight(flight.id))));
+  byId('jobs-curl').replaceChildren(curlButton('the jobs', () => curlOf(paths.jobs)));
+  byId('stages-curl').replaceChildren(curlButton('the stages', () => `${curlOf(paths.flight(flight.id))} | jq .stages`));
   byId('flight-counts').replaceChildren(counts(flight));
   byId('flight-warnings').hidden = (flight.warnings ?? []).length === 0;
   byId('warnings').replaceChildren(...(flight.warnings ?? []).map((w) =>

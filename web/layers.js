@@ -2,6 +2,7 @@
 
 import * as api from './api.js';
 import { gradeColor, safetyColor } from './colors.js';
+import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
 import { words } from './units.js';
 
@@ -52,6 +53,8 @@ export function createLayers(map) {
     byId('layer-box').hidden = layers.length === 0;
     byId('layer-name').textContent = select.selectedOptions[0]?.text ?? '';
     drawLegend(layer);
+    byId('layer-curl').replaceChildren(...(layer ? [curlButton(`the layer ${layer.name}`,
+      () => curlOf(api.paths.layerPicture(site, layer.name), `-o ${layer.name}.png`))] : []));
     // A picture never stands beside the name or the legend of another layer.
     if (drawnName !== layer?.name) map.drawLayer(null);
     drawnName = layer?.name;

@@ -36,6 +36,9 @@ export function createMap(element, on) {
   map.setView([0, 0], 2);
   L.control.zoom({ position: 'topright' }).addTo(map);
   L.control.scale({ imperial: false, position: 'bottomright', maxWidth: 140 }).addTo(map);
+  const barb = L.control({ position: 'topleft' });
+  barb.onAdd = () => L.DomUtil.create('div', 'map-barb');
+  barb.addTo(map);
   map.createPane('layers').style.zIndex = 250;
   new Graticule().addTo(map);
   const regions = L.layerGroup().addTo(map);
@@ -134,6 +137,13 @@ export function createMap(element, on) {
         discMarker([place.latitude_deg, place.longitude_deg], className, sign, { title, alt: title })
           .addTo(marks);
       }
+    },
+
+    // A wind barb over the map, null where no wind is known; isTried: another than the stored one.
+    drawWind(node, isTried) {
+      const box = barb.getContainer();
+      box.replaceChildren(...(node ? [node] : []));
+      box.classList.toggle('tried', isTried);
     },
 
     panTo: ({ latitude_deg, longitude_deg }) => map.panTo([latitude_deg, longitude_deg]),

@@ -74,6 +74,8 @@ function rejectionItem(rejection, index, onPlace) {
       el('strong', {}, `✕ ${words(rejection.reason)}`), el('small', {}, rejection.detail))));
 }
 
+const curlOfPart = (p, name) => `${curlOf(paths.site(p.id))} | jq .properties.${name}`;
+
 function section(title, body, { what, command, isOpen = true, id }) {
   return el('details', { class: 'card', open: isOpen, id },
     el('summary', {}, el('h3', {}, title)),
@@ -88,7 +90,7 @@ function whyNotSection(p, onPlace) {
   const title = p.verdict === 'rejected' ? 'Why not' : 'Better touchdowns that were refused';
   const list = el('ul', { class: 'rejections' }, rejections.map((r, i) => rejectionItem(r, i, onPlace)));
   return section(title, [...own, rejections.length ? list : null],
-    { isOpen: p.verdict === 'rejected', id: 'why-not' });
+    { isOpen: p.verdict === 'rejected', id: 'why-not', what: 'what was refused', command: () => curlOfPart(p, 'rejections') });
 }
 
 export function drawSiteHead(p) {
@@ -110,10 +112,13 @@ export function drawSite(feature, on) {
   byId('site-more').replaceChildren(...[
     whyNotSection(p, on.place),
     section('Score, term by term', [el('p', {}, p.why ?? ''), scoreTable(p)],
-      { what: 'the score', command: () => `${curlOf(paths.site(p.id))} | jq .properties.score_terms` }),
-    warnings.length ? section('Keep in mind', el('ul', { class: 'plain' }, warnings.map((w) => el('li', {}, w))), {}) : null,
+      { what: 'the score', command: () => curlOfPart(p, 'score_terms') }),
+    warnings.length ? section('Keep in mind', el('ul', { class: 'plain' }, warnings.map((w) => el('li', {}, w))),
+      { what: 'what to keep in mind', command: () => curlOfPart(p, 'warnings') }) : null,
     section('Take it with you', drawDownloads(paths.site(p.id), 'site', p), { id: 'site-downloads' }),
-    section('All numbers', numbersTable(p, geometry.coordinates), { isOpen: false }),
-    section('Aircraft it was planned for', aircraftTable(p.aircraft), { isOpen: false }),
+    section('All numbers', numbersTable(p, geometry.coordinates),
+      { isOpen: false, what: 'all numbers', command: () => `${curlOf(paths.site(p.id))} | jq .` }),
+    section('Aircraft it was planned for', aircraftTable(p.aircraft),
+      { isOpen: false, what: 'the aircraft', command: () => curlOfPart(p, 'aircraft') }),
   ].filter(Boolean));
 }

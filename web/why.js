@@ -2,6 +2,7 @@
 // It never says yes: final, circle and ground roll from here are not planned by it.
 
 import * as api from './api.js';
+import { curlButton, curlOf } from './curl.js';
 import { el } from './dom.js';
 import { readGeoTiff } from './geotiff.js';
 import { fixed, isKnown } from './units.js';
@@ -121,6 +122,9 @@ export function createWhy() {
       const { row, col } = cellAt(layer, latlng);
       values[layer.name] = (await rasterOf(site, layer.name)).at(row, col);
     }));
-    return answerNode(judge(values, site.properties.aircraft), values);
+    const answer = answerNode(judge(values, site.properties.aircraft), values);
+    answer.append(el('div', { class: 'card-foot' }, curlButton('the layers that were asked', () =>
+      known.map(({ name }) => curlOf(api.paths.layerTiff(site.properties.id, name), `-o ${name}.tif`)).join('\n'))));
+    return answer;
   };
 }

@@ -27,8 +27,9 @@ export function windBarb(speed_mps, from_deg, size = 56) {
   return root;
 }
 
-// replan(wind, signal) is called with the wind wanted, or null for the stored one.
-export function createWind(replan) {
+// replan(wind, signal) is called with the wind wanted, or null for the stored one; show(barb, isTried) puts the barb on
+// the map, null where no wind is known.
+export function createWind(replan, show) {
   const speed = byId('wind-speed');
   const from = byId('wind-from');
   let stored = null;
@@ -38,6 +39,7 @@ export function createWind(replan) {
   function drawBarb(isStored) {
     const [speed_mps, from_deg] = [Number(speed.value), Number(from.value)];
     byId('wind-barb').replaceChildren(windBarb(speed_mps, from_deg));
+    show(isStored && !stored ? null : windBarb(speed_mps, from_deg, 48), !isStored);
     byId('wind-speed-value').textContent = fixed(speed_mps, 1, 'm/s');
     byId('wind-from-value').textContent = heading(from_deg);
     byId('wind-source').textContent = !isStored ? 'Tried wind; what is stored does not change'
