@@ -127,7 +127,7 @@ test('page: a click answers why not here, off the map with never seen', async (t
   assert.equal(await page.locator('.answer .rules li').count(), 5);
   await shoot(page, 'why-not-here');
   assert.deepEqual(await accessibilityFaults(page), []);
-  const history = page.locator('.answer button');
+  const history = page.locator('.answer button.wide');
   if (await history.count()) {
     await history.click();
     await page.locator('#region-plots canvas').first().waitFor(kWait);
@@ -150,6 +150,53 @@ test('page: a site comes in the formats of other programs, a refusal is told', a
   await page.locator('#site-downloads [data-format="rally"]').click();
   await page.locator('#site-downloads .bad:not([hidden])').waitFor(kWait);
   assert.match(await page.locator('#site-downloads .bad').textContent(), /home_altitude_m|altitude/i);
+});
+
+test('page: a panel gives the command of what it shows', async (t) => {
+  const { page } = await openSite(t);
+  await page.evaluate(() => { navigator.clipboard.writeText = async (text) => { globalThis.copied = text; }; });
+  const panels = {
+    '#site-curl': '/sites/', '#approach-curl': '/approach', '#layer-curl': '/layers/hazard.png', '#sites-curl': '/sites',
+    '#flight-curl': '/v1/flights/', '#jobs-curl': '/v1/jobs', '#stages-curl': 'jq .stages', '#site-downloads': 'f=plan',
+  };
+  for (const [panel, part] of Object.entries(panels)) {
+    // Some are in a view that is not shown.
+    await page.locator(`${panel} .curl`).evaluate((button) => button.click());
+    const copied = await page.waitForFunction(() => globalThis.copied);
+    assert.ok((await copied.jsonValue()).includes(part), `${panel}: ${await copied.jsonValue()}`);
+    await page.evaluate(() => { globalThis.copied = null; });
+  }
+  const bare = await page.locator('#site-more > details:not(:has(.curl)) h3').allTextContents();
+  assert.deepEqual(bare, [], 'every panel of a site has a command');
+});
+
+test('page: the wind of the site stands on the map, a tried one is marked', async (t) => {
+  const { page } = await openSite(t);
+  assert.equal(await page.locator('.map-barb .barb').count(), 1);
+  assert.equal(await page.locator('.map-barb.tried').count(), 0);
+  await page.locator('#wind-from').press('ArrowRight');
+  await page.locator('.map-barb.tried .barb').waitFor(kWait);
+});
+
+test('page: the interface is told from the server alone, call by call', async (t) => {
+  const { page, seen } = await openPage(t, browser, { address: `${url}/docs.html`, width: 360, height: 740 });
+  await page.locator('.call').first().waitFor(kWait);
+  const { paths, components } = await (await fetch(`${url}/openapi.json`)).json();
+  const numCalls = Object.values(paths).flatMap(Object.keys).filter((key) => key !== 'parameters').length;
+  assert.equal(await page.locator('.call').count(), numCalls);
+  assert.equal(await page.locator('#schemas details').count(), Object.keys(components.schemas).length);
+  await page.fill('#find', '/v1/emergency');
+  const post = page.locator('.call:visible', { has: page.getByText('POST', { exact: true }) });
+  assert.equal(await post.count(), 1);
+  await post.locator('summary').click();
+  await post.getByRole('link', { name: 'EmergencyRequest' }).first().waitFor(kWait);
+  assert.equal(await page.locator('.call:visible', { hasText: '/v1/jobs' }).count(), 0);
+  const overflow = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  assert.ok(overflow <= 0, `${overflow} px too wide`);
+  assert.deepEqual(await accessibilityFaults(page), []);
+  assert.deepEqual(await smallTargets(page), []);
+  assert.deepEqual(outside(seen, url), [], 'no request left the machine');
+  assert.deepEqual(seen.errors, []);
 });
 
 test('page: a rejected site says why not, and shows what stands in the way', async (t) => {
