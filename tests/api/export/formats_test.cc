@@ -253,17 +253,19 @@ TEST_CASE("csv and geojson: GDAL reads the same touchdown and heading") {
   }
 }
 
-TEST_CASE("kml and report are well-formed for xmllint, whatever the sentences hold") {
+TEST_CASE("kml keeps to its schema, the report is well-formed, whatever the sentences hold") {
   if (!IsInstalled("xmllint")) {
     MESSAGE("skipped: xmllint (libxml2-utils) is not installed");
     return;
   }
+  const std::string by_schema =
+      "xmllint --noout --schema " FREELSD_TEST_SOURCE_DIR "/tests/api/export/kml22_of_ours.xsd ";
   for (const Verdict verdict : {Verdict::kLandable, Verdict::kUnverified, Verdict::kRejected}) {
     KnownSiteOptions options;
     options.verdict = verdict;
     const KnownSite site = MakeSite(options);
     const TemporaryFile kml("site.kml", Export("kml", site));
-    CHECK(OutputOf("xmllint --noout " + kml.path()).has_value());
+    CHECK(OutputOf(by_schema + kml.path()).has_value());
     const TemporaryFile report("site.html",
                                SiteReport(site.stored, SiteMap(), LocalFrame(options.origin)));
     CHECK(OutputOf("xmllint --noout " + report.path()).has_value());
