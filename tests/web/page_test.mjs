@@ -225,11 +225,12 @@ test('page: a rejected site says why not, and shows what stands in the way', asy
   assert.deepEqual(seen.errors, []);
 });
 
-for (const colorScheme of ['light', 'dark']) {
-  test(`page: a phone 360 px wide, ${colorScheme}: no sideways scrolling, nothing too small to touch`, async (t) => {
-    const { page, seen } = await openSite(t, { width: 360, height: 740, colorScheme });
+const kSizes = [['phone', 360, 740, 'light'], ['phone', 360, 740, 'dark'], ['tablet', 820, 1180, 'light']];
+for (const [device, width, height, colorScheme] of kSizes) {
+  test(`page: a ${device} ${width} px wide, ${colorScheme}: no sideways scrolling, nothing too small to touch`, async (t) => {
+    const { page, seen } = await openSite(t, { width, height, colorScheme });
     await page.locator('#site-tiles .tile').first().waitFor(kWait);
-    await shoot(page, `phone-${colorScheme}`);
+    await shoot(page, `${device}-${colorScheme}`);
     for (const tab of ['site', 'flight', 'upload', 'sites']) {
       if (tab !== 'site') await page.locator(`[data-tab="${tab}"]`).click();
       const overflow = await page.evaluate(() => Math.max(
