@@ -3,6 +3,8 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
+import { Validator } from '@seriousme/openapi-schema-validator';
+
 import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
 import { startStandIn } from './stand_in.mjs';
 
@@ -37,6 +39,13 @@ function settings(photographs) {
     { name: 'flight.json', mimeType: 'application/json', buffer: Buffer.from(JSON.stringify({ name: 'x', camera })) },
   ];
 }
+
+test('contract: what the server serves is OpenAPI 3.1 by its own schema', async () => {
+  const contract = await getJson('/openapi.json');
+  assert.match(contract.openapi, /^3\.1\./);
+  const { valid, errors } = await new Validator().validate(contract);
+  assert.ok(valid, JSON.stringify(errors));
+});
 
 test('upload: survives a broken connection, shows each file, and sends nothing twice', async (t) => {
   const { page } = await openPage(t, browser);
