@@ -14,8 +14,6 @@ work="$(mktemp -d)"
 program="documents.sh"
 source "$root/deploy/steps.sh"
 num_photographs=40
-# On a machine that has nothing else to do.
-max_seconds_to_sites="${FREELSD_MAX_SECONDS:-120}"
 pids=()
 num_run=0
 num_elsewhere=0
@@ -105,8 +103,7 @@ run_block() {
       local started=$SECONDS
       play "$1"
       expect '^ +1 +(landable|unverified) '
-      [ $((SECONDS - started)) -le "$max_seconds_to_sites" ] ||
-        fail "$((SECONDS - started)) s to a ranked site, not $max_seconds_to_sites"
+      echo "from a folder of $num_photographs photographs to a ranked site: $((SECONDS - started)) s"
       flight="$(first /v1/flights '.flights[0].id')"
       site="$(first "/v1/flights/$flight/sites" '.features[0].id')"
       ;;
