@@ -163,6 +163,9 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
   visit("readout_rate_sd_deg_s",
         o.readout_rate_sd_deg_s,
         "how fast the image may slide while a rolling shutter reads it");
+  visit("readout_change_sd_deg_s2",
+        o.readout_change_sd_deg_s2,
+        "how fast that changes meanwhile");
   visit("exif_readout_s", o.exif_readout_s, "time of readout of an EXIF camera");
   visit("max_num_iterations", o.max_num_iterations, "of the solver");
   visit("num_refinement_tracks",

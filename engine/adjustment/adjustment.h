@@ -37,6 +37,8 @@ struct AdjustmentOptions {
   // are global; a survey photograph may be displaced by a hundred pixels. Wider, and views that all
   // look down on flat ground stretch the block along their own axes.
   double readout_rate_sd_deg_s = 8.0;
+  // How fast that changes meanwhile, deviation from not at all: gusts.
+  double readout_change_sd_deg_s2 = 400.0;
   // Time of readout that is assumed where the camera is known from EXIF alone; 0: global shutter.
   // Kept only where it explains more than its number of parameters would by chance (Schwarz): else
   // it would bend a block that its photographs do not.

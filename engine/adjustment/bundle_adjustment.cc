@@ -8,6 +8,7 @@
 
 #include "engine/adjustment/adjustment.h"
 #include "engine/adjustment/landmarks.h"
+#include "engine/adjustment/residuals.h"
 #include "engine/adjustment/solver.h"
 #include "engine/adjustment/verdict.h"
 
@@ -56,7 +57,7 @@ std::optional<SolvedBlock> WithReadoutsIfShown(const std::vector<View>& views,
       SolveBlock(views, camera, start, options, settings, tracks_without);
   if (!without) return with;
   const double num_residuals = with.num_residuals;
-  const double num_parameters = 3.0 * static_cast<double>(views.size());
+  const double num_parameters = kNumReadoutParameters * static_cast<double>(views.size());
   if (num_residuals * std::log(without->cost / with.cost) >
       num_parameters * std::log(num_residuals)) {
     return with;
@@ -222,6 +223,10 @@ void AdjustmentOptions::Check() const {
           "readout_rate_sd_deg_s",
           readout_rate_sd_deg_s,
           "must be in (0, 360]");
+  Require(readout_change_sd_deg_s2 > 0.0 && readout_change_sd_deg_s2 <= 10000.0,
+          "readout_change_sd_deg_s2",
+          readout_change_sd_deg_s2,
+          "must be in (0, 10000]");
   Require(exif_readout_s >= 0.0 && exif_readout_s <= 1.0,
           "exif_readout_s",
           exif_readout_s,

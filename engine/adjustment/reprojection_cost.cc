@@ -5,7 +5,7 @@
 namespace freelsd {
 namespace {
 
-enum Block { kPose, kLandmark, kLens, kTurn };
+enum Block { kPose, kLandmark, kLens, kReadout };
 
 // CrossWith(a) * b = a x b.
 Eigen::Matrix3d CrossWith(const Eigen::Vector3d& a) {
@@ -125,7 +125,7 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
   if (!residual_(parameters[kPose],
                  parameters[kLandmark],
                  parameters[kLens],
-                 parameters[kTurn],
+                 parameters[kReadout],
                  residuals)) {
     return false;
   }
@@ -136,12 +136,14 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
       Eigen::Map<const Eigen::Quaterniond>(parameters[kPose]);
   const Eigen::Map<const Eigen::Vector3d> position(parameters[kPose] + 4);
   const Eigen::Map<const Eigen::Vector3d> landmark(parameters[kLandmark]);
-  const Eigen::Map<const Eigen::Vector3d> turn(parameters[kTurn]);
+  const Eigen::Map<const Eigen::Vector3d> turn(parameters[kReadout]);
+  const Eigen::Map<const Eigen::Vector3d> bend(parameters[kReadout] + 3);
   const double cy = camera.cy_px + camera.fy_px * lens[kPrincipalY];
   const double share = (residual_.point_in_image.y() - cy) / camera.height_px;
   const Eigen::Vector3d in_world = landmark - position;
   const Eigen::Vector3d still = world_from_camera.conjugate() * in_world;
-  const Eigen::Vector3d x = still - share * turn.cross(still);
+  const Eigen::Vector3d turned = share * (turn + share * bend);
+  const Eigen::Vector3d x = still - turned.cross(still);
   const Eigen::Vector2d p = x.head<2>() / x.z();
   const Distortion distorted = Distorted(camera, p, lens);
   const Eigen::Vector2d focal(camera.fx_px * lens[kFocalFactor], camera.fy_px * lens[kFocalFactor]);
@@ -149,19 +151,23 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
   by_x << 1.0 / x.z(), 0.0, -p.x() / x.z(), 0.0, 1.0 / x.z(), -p.y() / x.z();
   by_x = (focal.asDiagonal() * distorted.slope * by_x).eval();
   const Eigen::Matrix<double, 2, 3> by_still =
-      by_x * (Eigen::Matrix3d::Identity() - share * CrossWith(turn));
+      by_x * (Eigen::Matrix3d::Identity() - CrossWith(turned));
   const Eigen::Matrix<double, 2, 3> by_world =
       by_still * world_from_camera.conjugate().toRotationMatrix();
   Eigen::Matrix<double, 2, kNumPoseParameters> by_pose;
   by_pose << by_still * TurnedBackSlope(world_from_camera, in_world), -by_world;
   Write<kNumPoseParameters>(by_pose, jacobians[kPose]);
   Write<3>(by_world, jacobians[kLandmark]);
-  Write<3>(by_x * (share * CrossWith(still)), jacobians[kTurn]);
+  Eigen::Matrix<double, 2, kNumReadoutParameters> by_readout;
+  by_readout.leftCols<3>() = by_x * (share * CrossWith(still));
+  by_readout.rightCols<3>() = share * by_readout.leftCols<3>();
+  Write<kNumReadoutParameters>(by_readout, jacobians[kReadout]);
   if (jacobians[kLens] == nullptr) return true;
   Eigen::Matrix<double, 2, kNumLensParameters> by_lens =
       StillLensSlope(camera, lens, p, distorted.point);
   // The middle row moves, and with it how far the camera had turned.
-  by_lens.col(kPrincipalY) += by_x * turn.cross(still) * (camera.fy_px / camera.height_px);
+  const Eigen::Vector3d rate = turn + 2.0 * share * bend;
+  by_lens.col(kPrincipalY) += by_x * rate.cross(still) * (camera.fy_px / camera.height_px);
   Write<kNumLensParameters>(by_lens, jacobians[kLens]);
   return true;
 }

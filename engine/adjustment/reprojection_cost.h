@@ -10,7 +10,8 @@ namespace freelsd {
 
 // Parameter blocks as in residuals.h.
 class ReprojectionCost final
-    : public ceres::SizedCostFunction<2, kNumPoseParameters, 3, kNumLensParameters, 3> {
+    : public ceres::
+          SizedCostFunction<2, kNumPoseParameters, 3, kNumLensParameters, kNumReadoutParameters> {
  public:
   // The camera must outlive this.
   ReprojectionCost(const Camera* calibrated_camera, const Eigen::Vector2d& sighting)

@@ -2,7 +2,7 @@
 //
 // Parameter blocks: pose (rotation world_from_camera in Eigen's order x, y, z, w, then the position
 // of the camera in world; one block, for the solver's cost grows with the square of their number),
-// landmark in world (3), lens (7, see LensParameter), turn of the view during its readout (3).
+// landmark in world (3), lens (7, see LensParameter), readout of the view (6: turn, then bend).
 #pragma once
 
 #include <array>
@@ -29,6 +29,7 @@ enum LensParameter {
 };
 
 constexpr int kNumPoseParameters = 7;
+constexpr int kNumReadoutParameters = 6;
 
 struct ReprojectionResidual {
   ReprojectionResidual(const Camera* calibrated_camera, const Eigen::Vector2d& sighting)
@@ -39,7 +40,7 @@ struct ReprojectionResidual {
   bool operator()(const T* const pose,
                   const T* const landmark,
                   const T* const lens,
-                  const T* const turn,
+                  const T* const readout,
                   T* residual) const {
     const Eigen::Map<const Eigen::Quaternion<T>> world_from_camera(pose);
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(pose + 4), point(landmark);
@@ -48,9 +49,10 @@ struct ReprojectionResidual {
     // The sighting's own row tells how far the camera had turned, by angles that are their own
     // sine.
     const T share = (T(point_in_image.y()) - cy) / T(camera->height_px);
-    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> turn_in_camera(turn);
+    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> turn(readout), bend(readout + 3);
+    const Eigen::Matrix<T, 3, 1> turned = share * (turn + share * bend);
     Eigen::Matrix<T, 3, 1> x = world_from_camera.conjugate() * (point - camera_in_world);
-    x -= share * turn_in_camera.cross(x);
+    x -= turned.cross(x);
     // A point that slips behind the camera during a step gives no finite projection.
     if (x.z() < T(1e-3)) return false;
     Eigen::Matrix<T, 2, 1> p(x.x() / x.z(), x.y() / x.z());
@@ -140,12 +142,14 @@ struct AttitudePrior {
 // The camera stood still while its rows were read, give or take.
 struct ReadoutPrior {
   template <typename T>
-  bool operator()(const T* const turn, T* residual) const {
-    for (int i = 0; i < 3; ++i) residual[i] = turn[i] / T(turn_sd);
+  bool operator()(const T* const readout, T* residual) const {
+    for (int i = 0; i < 3; ++i) residual[i] = readout[i] / T(turn_sd);
+    for (int i = 3; i < kNumReadoutParameters; ++i) residual[i] = readout[i] / T(bend_sd);
     return true;
   }
 
   double turn_sd;
+  double bend_sd;
 };
 
 // The lens stays near what is known of it.

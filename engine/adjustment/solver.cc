@@ -55,17 +55,18 @@ class Parameters {
     }
     for (const Readout& readout : start.readouts) {
       values_.insert(values_.end(), readout.turn.data(), readout.turn.data() + 3);
+      values_.insert(values_.end(), readout.bend.data(), readout.bend.data() + 3);
     }
   }
 
   size_t num_views() const {
-    return (values_.size() - kNumLensParameters) / (kNumPoseParameters + 3);
+    return (values_.size() - kNumLensParameters) / (kNumPoseParameters + kNumReadoutParameters);
   }
   double* Lens() { return values_.data(); }
   double* Pose(size_t view) {
     return values_.data() + kNumLensParameters + kNumPoseParameters * view;
   }
-  double* ReadoutOf(size_t view) { return Pose(num_views()) + 3 * view; }
+  double* ReadoutOf(size_t view) { return Pose(num_views()) + kNumReadoutParameters * view; }
   const std::vector<double>& values() const { return values_; }
 
  private:
@@ -142,14 +143,17 @@ void AddReadouts(double readout_s,
                  Parameters& parameters,
                  ceres::Problem& problem) {
   const double turn_sd = readout_s * RadFromDeg(options.readout_rate_sd_deg_s);
+  // A rate that changes by a in a second turns by a / 2 more in the square of it.
+  const double bend_sd = 0.5 * readout_s * readout_s * RadFromDeg(options.readout_change_sd_deg_s2);
   for (size_t i = 0; i < parameters.num_views(); ++i) {
-    problem.AddParameterBlock(parameters.ReadoutOf(i), 3);
+    problem.AddParameterBlock(parameters.ReadoutOf(i), kNumReadoutParameters);
     if (turn_sd == 0.0) {
       problem.SetParameterBlockConstant(parameters.ReadoutOf(i));
       continue;
     }
     problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<ReadoutPrior, 3, 3>(new ReadoutPrior{turn_sd}),
+        new ceres::AutoDiffCostFunction<ReadoutPrior, kNumReadoutParameters, kNumReadoutParameters>(
+            new ReadoutPrior{turn_sd, bend_sd}),
         nullptr,
         parameters.ReadoutOf(i));
   }
@@ -266,7 +270,9 @@ std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
     solved.state.world_from_camera.push_back(
         {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(parameters.Pose(i))).normalized(),
          Eigen::Map<const Eigen::Vector3d>(parameters.Pose(i) + 4)});
-    solved.state.readouts.push_back({Eigen::Map<const Eigen::Vector3d>(parameters.ReadoutOf(i))});
+    const double* const readout = parameters.ReadoutOf(i);
+    solved.state.readouts.push_back({Eigen::Map<const Eigen::Vector3d>(readout),
+                                     Eigen::Map<const Eigen::Vector3d>(readout + 3)});
   }
   return solved;
 }

@@ -110,9 +110,8 @@ bool IsBeyondFold(const Camera& camera, const Eigen::Vector2d& p) {
 
 // From the camera as it was when a row was read to the camera of the image's middle.
 Eigen::Quaterniond MiddleFromRow(const Camera& camera, double row) {
-  const double share = (row - camera.cy_px) / camera.height_px;
-  const double angle = share * camera.readout.turn.norm();
-  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, camera.readout.turn.normalized()));
+  const Eigen::Vector3d turn = camera.readout.TurnAt((row - camera.cy_px) / camera.height_px);
+  return Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
 }
 
 // Pixel of a point when all rows are exposed at once.

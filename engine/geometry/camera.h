@@ -19,12 +19,16 @@ enum class CameraSource { kCalibrated, kExif };
 
 // How the camera moved while the rows of one image were read one after the other (rolling shutter).
 struct Readout {
-  // Rotation vector from the first row's reading to the last one's, camera frame, radians: at a row
-  // the camera has turned by (row - cy) / height of it. Flight past the ground looks nearly the
-  // same and is counted as turn.
+  // Rotation vectors, camera frame, radians: `turn` from the first row's reading to the last one's
+  // where it is even; `bend` how much more at the first and last row than even, times four, for a
+  // gust turns a light plane unevenly while a slow shutter reads. Flight past the ground looks
+  // nearly the same and is counted as turn.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  Eigen::Vector3d bend = Eigen::Vector3d::Zero();
 
-  bool IsGlobal() const { return turn.isZero(0.0); }
+  bool IsGlobal() const { return turn.isZero(0.0) && bend.isZero(0.0); }
+  // Since the middle row was read, at the row (row - cy) / height.
+  Eigen::Vector3d TurnAt(double share) const { return share * (turn + share * bend); }
 };
 
 struct Camera {

@@ -318,6 +318,22 @@ TEST_CASE(
         0.5 * CompareWithTruth(survey, taken_for_global).max_attitude_deg);
 }
 
+TEST_CASE("adjustment: an uneven turn while the rows are read is found too") {
+  SurveyOptions options;
+  options.gps_sd_m = 0.5;
+  options.outlier_ratio = 0.0;
+  options.readout_turn = 0.02;
+  options.readout_bend = 0.06;
+  Survey survey = MakeSurvey(options);
+  survey.camera.readout_s = 0.2;
+  AdjustmentOptions even;
+  even.readout_change_sd_deg_s2 = 0.01;
+  CHECK(AdjustPoses(survey.views, survey.camera, even).rms_after_px > 1.5 * kMaxRmsPx);
+  const AdjustedBlock block = AdjustPoses(survey.views, survey.camera, {});
+  REQUIRE(block.is_usable);
+  CHECK(block.rms_after_px < kMaxRmsPx);
+}
+
 TEST_CASE("adjustment: a readout that nobody stated is kept where images show it, and only there") {
   SurveyOptions options;
   options.gps_sd_m = 0.5;

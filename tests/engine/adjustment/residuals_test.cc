@@ -17,7 +17,7 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
   Camera camera = SurveyCamera();
   const Rigid3d world_from_camera{NadirCamera(0.7), {3.0, -4.0, 90.0}};
   const Eigen::Vector3d point(31.0, 12.0, 2.0);
-  camera.readout.turn = {1e-4, -2e-4, 5e-5};
+  camera.readout = {{1e-4, -2e-4, 5e-5}, {-3e-4, 2e-4, 4e-5}};
   for (const auto& [model, coefficients] :
        {std::pair{DistortionModel::kNone, std::vector<double>{}},
         std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
@@ -31,11 +31,11 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
     const Eigen::Vector2d sighting = *pixel - Eigen::Vector2d(3.0, 0.0);
     const ReprojectionResidual residual(&camera, sighting);
     const double lens[kNumLensParameters] = {1.0};
-    const double turn[3] = {1e-4, -2e-4, 5e-5};
+    const double readout[kNumReadoutParameters] = {1e-4, -2e-4, 5e-5, -3e-4, 2e-4, 4e-5};
     double error[2];
     Eigen::Matrix<double, kNumPoseParameters, 1> pose;
     pose << world_from_camera.rotation.coeffs(), world_from_camera.translation;
-    REQUIRE(residual(pose.data(), point.data(), lens, turn, error));
+    REQUIRE(residual(pose.data(), point.data(), lens, readout, error));
     CHECK(error[0] == doctest::Approx(3.0).epsilon(1e-4));
     CHECK(std::abs(error[1]) < 1e-4);
   }
@@ -69,7 +69,7 @@ TEST_CASE("adjustment: derivatives by hand are those found automatically, for ev
   const std::vector<std::vector<double>> blocks = {{q[0], q[1], q[2], q[3], 3.0, -4.0, 90.0},
                                                    {31.0, 12.0, 2.0},
                                                    {1.02, 0.03, -0.01, 2e-3, -1e-3, 0.01, -0.02},
-                                                   {0.01, -0.02, 0.005}};
+                                                   {0.01, -0.02, 0.005, -0.03, 0.015, 0.02}};
   for (const auto& [model, coefficients] :
        {std::pair{DistortionModel::kNone, std::vector<double>{}},
         std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
@@ -78,8 +78,12 @@ TEST_CASE("adjustment: derivatives by hand are those found automatically, for ev
     camera.distortion = model;
     camera.coefficients = coefficients;
     const Eigen::Vector2d sighting(140.0, 60.0);
-    using Automatic = ceres::
-        AutoDiffCostFunction<ReprojectionResidual, 2, kNumPoseParameters, 3, kNumLensParameters, 3>;
+    using Automatic = ceres::AutoDiffCostFunction<ReprojectionResidual,
+                                                  2,
+                                                  kNumPoseParameters,
+                                                  3,
+                                                  kNumLensParameters,
+                                                  kNumReadoutParameters>;
     const std::vector<double> expected =
         Derivatives(Automatic(new ReprojectionResidual(&camera, sighting)), blocks);
     const std::vector<double> by_hand = Derivatives(ReprojectionCost(&camera, sighting), blocks);
@@ -113,6 +117,7 @@ TEST_CASE("adjustment: Check names field, value and constraint") {
   refuses(&AdjustmentOptions::principal_point_sd_ratio, 0.6);
   refuses(&AdjustmentOptions::min_num_lens_views, 0);
   refuses(&AdjustmentOptions::max_num_iterations, 0);
+  refuses(&AdjustmentOptions::readout_change_sd_deg_s2, 0.0);
   refuses(&AdjustmentOptions::estimated_tilt_sd_deg, 0.0);
   refuses(&AdjustmentOptions::estimated_yaw_sd_deg, 181.0);
   refuses(&AdjustmentOptions::min_num_shared_landmarks, 0);

@@ -26,6 +26,8 @@ struct SurveyOptions {
   double height_factor = 1.0;
   // The camera turns by up to this about each axis while an image is read, radians.
   double readout_turn = 0.0;
+  // And by up to this unevenly, see Readout::bend.
+  double readout_bend = 0.0;
   AttitudeSource attitude_source = AttitudeSource::kGiven;
   unsigned seed = 7;
 };
@@ -84,7 +86,8 @@ class SurveyMaker {
     for (size_t view = 0; view < survey.views.size(); ++view) {
       const double bound = options_.readout_turn;
       const Eigen::Vector3d turn(Uniform(bound), Uniform(bound), Uniform(bound));
-      const Camera camera = bound > 0.0 ? base.With({turn}) : base;
+      const Eigen::Vector3d bend = options_.readout_bend * turn / std::max(bound, 1e-9);
+      const Camera camera = bound > 0.0 ? base.With({turn, bend}) : base;
       for (size_t id = 0; id < survey.points_in_world.size(); ++id) {
         auto pixel = camera.ImageFromCamera(Inverse(survey.world_from_camera[view]) *
                                             survey.points_in_world[id]);

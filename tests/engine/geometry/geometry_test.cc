@@ -58,6 +58,11 @@ TEST_CASE(
     }
   }
   CHECK(largest_px > 3.0 * kMaxFlightErrorPx);
+  // At the last row, half an image below the middle: half of the even turn and a quarter of the
+  // rest.
+  const Readout uneven{{0.02, 0.0, 0.0}, {0.04, 0.0, 0.0}};
+  CHECK(uneven.TurnAt(0.5).x() == doctest::Approx(0.02));
+  CHECK(uneven.TurnAt(-0.5).x() == doctest::Approx(0.0));
 }
 
 TEST_CASE(
