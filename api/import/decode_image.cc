@@ -1,4 +1,5 @@
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <opencv2/imgcodecs.hpp>
@@ -47,15 +48,22 @@ cv::Mat DecodeJpeg(std::string_view bytes, const ImageHeader& header) {
 // unpack to anything.
 std::string PixelChunks(std::string_view bytes) {
   constexpr size_t kSignatureBytes = 8;
-  const std::vector<PngChunk> chunks = PngChunks(bytes);
-  if (chunks.empty() || chunks.back().type != "IEND") throw Damaged("PNG: the end is missing");
   std::string kept(bytes.substr(0, kSignatureBytes));
-  for (const PngChunk& chunk : chunks) {
-    if (!chunk.has_valid_crc) throw Damaged("PNG: a chunk does not match its checksum");
-    const bool is_needed = (chunk.type[0] & 0x20) == 0 || chunk.type == "tRNS";
+  kept.reserve(bytes.size());
+  PngChunks chunks(bytes);
+  std::string_view last_type;
+  bool has_transparency = false;
+  while (const std::optional<PngChunk> chunk = chunks.Next()) {
+    if (!HasValidCrc(*chunk)) throw Damaged("PNG: a chunk does not match its checksum");
+    last_type = chunk->type;
+    // libpng writes a line for each that it does not expect: a second one is left out.
+    const bool is_transparency = last_type == "tRNS" && !has_transparency;
+    has_transparency |= is_transparency;
+    const bool is_needed = (last_type[0] & 0x20) == 0 || is_transparency;
     // Length before, checksum behind: views of the same bytes.
-    if (is_needed) kept.append(chunk.type.data() - 4, chunk.payload.size() + 12);
+    if (is_needed) kept.append(last_type.data() - 4, chunk->payload.size() + 12);
   }
+  if (last_type != "IEND") throw Damaged("PNG: the end is missing");
   return kept;
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include "api/import/image_segments.h"
@@ -38,18 +39,18 @@ ImageHeader ReadJpegHeader(std::string_view bytes) {
 
 ImageHeader ReadPngHeader(std::string_view bytes) {
   constexpr uint32_t kMaxPngSide = 0x7FFFFFFF;
-  const std::vector<PngChunk> chunks = PngChunks(bytes.substr(0, kPngHeaderEnd));
-  if (chunks.empty() || chunks[0].type != "IHDR" || chunks[0].payload.size() != 13 ||
-      !chunks[0].has_valid_crc || BigEndian32(chunks[0].payload, 0) > kMaxPngSide ||
-      BigEndian32(chunks[0].payload, 4) > kMaxPngSide) {
+  const std::optional<PngChunk> first = PngChunks(bytes.substr(0, kPngHeaderEnd)).Next();
+  if (!first || first->type != "IHDR" || first->payload.size() != 13 || !HasValidCrc(*first) ||
+      BigEndian32(first->payload, 0) > kMaxPngSide ||
+      BigEndian32(first->payload, 4) > kMaxPngSide) {
     throw ApiError("DamagedImage", "the PNG has no valid header");
   }
-  if (chunks[0].payload[8] == 16) {
+  if (first->payload[8] == 16) {
     throw ApiError("UnsupportedPixels", "only PNG with up to 8 bits per channel is understood");
   }
   ImageHeader header;
-  header.width_px = static_cast<int>(BigEndian32(chunks[0].payload, 0));
-  header.height_px = static_cast<int>(BigEndian32(chunks[0].payload, 4));
+  header.width_px = static_cast<int>(BigEndian32(first->payload, 0));
+  header.height_px = static_cast<int>(BigEndian32(first->payload, 4));
   return header;
 }
 

@@ -38,11 +38,12 @@ MetadataBlocks FindInJpeg(std::string_view bytes) {
 
 MetadataBlocks FindInPng(std::string_view bytes) {
   MetadataBlocks blocks;
-  for (const PngChunk& chunk : PngChunks(bytes)) {
-    const std::string_view payload = chunk.payload;
-    if (chunk.type == "eXIf") {
+  PngChunks chunks(bytes);
+  while (const std::optional<PngChunk> chunk = chunks.Next()) {
+    const std::string_view payload = chunk->payload;
+    if (chunk->type == "eXIf") {
       blocks.exif = payload;
-    } else if (chunk.type == "iTXt" && payload.substr(0, kPngXmpHeader.size()) == kPngXmpHeader) {
+    } else if (chunk->type == "iTXt" && payload.substr(0, kPngXmpHeader.size()) == kPngXmpHeader) {
       blocks.xmp = payload.substr(kPngXmpHeader.size());
     }
   }
@@ -89,21 +90,23 @@ std::vector<JpegSegment> JpegSegments(std::string_view bytes) {
   return segments;
 }
 
-std::vector<PngChunk> PngChunks(std::string_view bytes) {
-  std::vector<PngChunk> chunks;
-  size_t at = kPngSignature.size();
-  while (at + kPngChunkOverhead <= bytes.size()) {
-    const size_t length = BigEndian32(bytes, at);
-    if (length > bytes.size() - at - kPngChunkOverhead) break;
-    PngChunk chunk{bytes.substr(at + 4, 4), bytes.substr(at + 8, length), false};
-    const auto* const checked = reinterpret_cast<const Bytef*>(chunk.type.data());
-    const uLong crc = crc32(0, checked, static_cast<uInt>(length + 4));
-    chunk.has_valid_crc = crc == BigEndian32(bytes, at + 8 + length);
-    chunks.push_back(chunk);
-    if (chunk.type == "IEND") break;
-    at += kPngChunkOverhead + length;
-  }
-  return chunks;
+bool HasValidCrc(const PngChunk& chunk) {
+  const auto* const checked = reinterpret_cast<const Bytef*>(chunk.type.data());
+  const size_t num_checked = chunk.type.size() + chunk.payload.size();
+  const uLong crc = crc32(0, checked, static_cast<uInt>(num_checked));
+  // The checksum stands behind: views of the same bytes.
+  return crc == BigEndian32({chunk.type.data(), num_checked + 4}, num_checked);
+}
+
+PngChunks::PngChunks(std::string_view bytes) : bytes_(bytes), at_(kPngSignature.size()) {}
+
+std::optional<PngChunk> PngChunks::Next() {
+  if (at_ + kPngChunkOverhead > bytes_.size()) return std::nullopt;
+  const size_t length = BigEndian32(bytes_, at_);
+  if (length > bytes_.size() - at_ - kPngChunkOverhead) return std::nullopt;
+  const PngChunk chunk{bytes_.substr(at_ + 4, 4), bytes_.substr(at_ + 8, length)};
+  at_ = chunk.type == "IEND" ? bytes_.size() : at_ + kPngChunkOverhead + length;
+  return chunk;
 }
 
 MetadataBlocks FindMetadata(std::string_view bytes) {

@@ -25,10 +25,21 @@ bool IsStartOfFrame(uint8_t marker);
 struct PngChunk {
   std::string_view type;  // four letters
   std::string_view payload;
-  bool has_valid_crc = false;
 };
-// Chunks up to IEND or to where the bytes end within one.
-std::vector<PngChunk> PngChunks(std::string_view bytes);
+// Whether the checksum behind it is that of its bytes.
+bool HasValidCrc(const PngChunk& chunk);
+// Chunk by chunk: a file of nothing but empty ones would make a list many times its size.
+class PngChunks {
+ public:
+  // The bytes of a PNG, signature included.
+  explicit PngChunks(std::string_view bytes);
+  // Nothing behind IEND, and where the bytes end within a chunk.
+  std::optional<PngChunk> Next();
+
+ private:
+  std::string_view bytes_;
+  size_t at_;
+};
 
 // EXIF (starting with the TIFF header) and XMP (XML text) of a JPEG or PNG; empty where absent.
 struct MetadataBlocks {
