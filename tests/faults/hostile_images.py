@@ -132,6 +132,8 @@ def image_bombs(jpeg):
     yield "PNG iTXt of 200 MiB", png(564, 360, chunks=[(b"iTXt", b"XML:com.adobe.xmp\0\1\0\0\0" + text)])
     yield "PNG iCCP of 200 MiB", png(564, 360, chunks=[(b"iCCP", b"a\0\0" + text)])
     yield "PNG, 40 000 texts", png(564, 360, chunks=[(b"tEXt", b"a\0b")] * 40000)
+    yield "PNG, 200 000 empty texts", png(564, 360, chunks=[(b"tEXt", b"")] * 200000)
+    yield "PNG, 100 000 transparencies", png(564, 360, chunks=[(b"tRNS", bytes(6))] * 100000)
     yield "PNG, text of 2 MiB", png(564, 360, chunks=[(b"tEXt", b"a\0" + b"b" * (2 << 20))])
     yield "XMP, entities", with_segment(jpeg, 0xE1, xmp_segment(
         b"<?xml version='1.0'?><!DOCTYPE a [<!ENTITY l0 'ha'>" + laughs + b"]><a>&l11;</a>"))
