@@ -11,8 +11,7 @@ namespace freelsd {
 namespace {
 
 constexpr char kMarkName[] = "damaged";
-// More versions of the schema than there will ever be.
-constexpr int64_t kMaxVersionsAhead = 1000;
+constexpr char kCopyMarkName[] = "damaged-copy";
 constexpr const char* kSuffixes[] = {"", "-wal", "-shm"};
 
 // Nothing where the file is not there.
@@ -46,16 +45,33 @@ std::optional<std::string> WhyDamaged(const std::filesystem::path& folder) {
     if (error.fault != StorageFault::kDamaged) throw;
     return error.what();
   }
-  // The copy is brought up last: where it is ahead, the file is not what it was. A newer one is
-  // another program's, and refused, unless no program will ever write that number.
-  const int64_t number = version.value_or(0);
-  const bool can_be_newer = number >= kSchemaVersion && number < kSchemaVersion + kMaxVersionsAhead;
-  if (VersionOfCopy(folder) != kSchemaVersion || can_be_newer) return std::nullopt;
+  // The copy is brought up last: where it is of this version and the file of another, the file is
+  // not what it was. A newer program would have left a newer copy too.
+  if (version == kSchemaVersion || VersionOfCopy(folder) != kSchemaVersion) return std::nullopt;
   return version ? "its version is not that of its copy" : "its file is gone";
 }
 
 void Move(const std::filesystem::path& from, const std::filesystem::path& to) {
   if (std::filesystem::exists(from)) std::filesystem::rename(from, to);
+}
+
+// The name of a new folder.
+std::string NewPlace(const std::filesystem::path& folder) {
+  std::string name = "damaged-1";
+  for (int i = 2; std::filesystem::exists(folder / name); ++i) {
+    name = "damaged-" + std::to_string(i);
+  }
+  std::filesystem::create_directory(folder / name);
+  return name;
+}
+
+void MoveDatabase(const std::filesystem::path& folder,
+                  const std::string& database,
+                  const std::string& place) {
+  for (const char* suffix : kSuffixes) {
+    const std::string file = database + suffix;
+    Move(folder / file, folder / place / file);
+  }
 }
 
 }  // namespace
@@ -65,22 +81,26 @@ void MarkForSettingAside(const std::filesystem::path& folder, const std::string&
   std::ofstream(folder / kMarkName) << why;
 }
 
+void MarkCopy(const std::filesystem::path& folder) { std::ofstream(folder / kCopyMarkName) << ""; }
+
+bool TakeMarkOfCopy(const std::filesystem::path& folder) {
+  std::error_code error;
+  return std::filesystem::remove(folder / kCopyMarkName, error);
+}
+
 std::vector<std::string> SetAsideWhenDamaged(const std::filesystem::path& folder) {
   const std::optional<std::string> why = WhyDamaged(folder);
   if (!why) return {};
-  std::string name = "damaged-1";
-  for (int i = 2; std::filesystem::exists(folder / name); ++i) {
-    name = "damaged-" + std::to_string(i);
-  }
-  std::filesystem::create_directory(folder / name);
-  for (const char* suffix : kSuffixes) {
-    const std::string file = std::string(kDatabaseName) + suffix;
-    Move(folder / file, folder / name / file);
-  }
+  const std::string name = NewPlace(folder);
+  MoveDatabase(folder, kDatabaseName, name);
   Move(folder / "images", folder / name / "images");
   std::filesystem::remove(folder / kMarkName);
   return {"the database was damaged (" + *why + "); it and the images lie in " + name +
           " now, and the sites come from their second copy"};
+}
+
+void SetCopyAside(const std::filesystem::path& folder) {
+  MoveDatabase(folder, kCopyName, NewPlace(folder));
 }
 
 void RemoveDatabase(const std::filesystem::path& file) {

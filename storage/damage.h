@@ -14,8 +14,15 @@ inline constexpr char kCopyName[] = "recall.db";
 // The next start sets the database aside.
 void MarkForSettingAside(const std::filesystem::path& folder, const std::string& why);
 
-// Moves a database that is marked, cannot be read, or is older than its copy, into a folder of its
-// own, with the images; what was done, in sentences. To be called before anything is opened.
+// The next start makes the copy anew from the database. Whether it was marked; it is not
+// afterwards.
+void MarkCopy(const std::filesystem::path& folder);
+bool TakeMarkOfCopy(const std::filesystem::path& folder);
+// Moves the copy into a folder of its own.
+void SetCopyAside(const std::filesystem::path& folder);
+
+// Moves a database that is marked, cannot be read, or is not of its copy's version, into a folder
+// of its own, with the images; what was done, in sentences. To be called before anything is opened.
 std::vector<std::string> SetAsideWhenDamaged(const std::filesystem::path& folder);
 
 // As SQLite moves them about: the file, its log and its index.

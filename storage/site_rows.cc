@@ -1,8 +1,5 @@
 #include "storage/site_rows.h"
 
-#include <map>
-#include <tuple>
-
 #include "storage/checksum.h"
 
 namespace freelsd {
@@ -159,7 +156,10 @@ void PutRecall(const Connection& writer, const SiteRow& site) {
 
 // The whole of a site, for its copy.
 SiteRow WholeSite(const Connection& connection, const std::string& site_id) {
-  SiteRow site = FindSiteRow(connection, site_id).value();
+  std::optional<SiteRow> found = FindSiteRow(connection, site_id);
+  // Its table has it, the index by which it is found does not.
+  if (!found) throw StorageError("read a site", "it is not found", StorageFault::kDamaged);
+  SiteRow site = std::move(*found);
   Statement recall = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
@@ -170,18 +170,6 @@ SiteRow WholeSite(const Connection& connection, const std::string& site_id) {
   if (recall.Int(12) != 0) site.recall = RecallRowOf(recall).data;
   site.map_box = BoundingBox{recall.Real(13), recall.Real(14), recall.Real(15), recall.Real(16)};
   return site;
-}
-
-using Stamp = std::tuple<int64_t, std::string>;
-
-// By id: when it was written and what superseded it.
-std::map<std::string, Stamp> StampsOf(const Connection& connection) {
-  std::map<std::string, Stamp> stamps;
-  Statement statement = connection.Prepare("SELECT id, updated_at_us, superseded_by FROM sites");
-  while (statement.Step()) {
-    stamps[statement.Text(0)] = {statement.Int(1), statement.Text(2)};
-  }
-  return stamps;
 }
 
 }  // namespace
@@ -294,9 +282,36 @@ void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id) {
   }
 }
 
+void CheckSiteRows(const Connection& connection) {
+  Statement sites = connection.Prepare(
+      "SELECT id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
+      "replan_json, updated_at_us, checksum, superseded_by, seen_at_us, is_evidence FROM sites");
+  while (sites.Step()) RowOf(sites);
+  Statement recall = connection.Prepare(
+      "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
+      "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
+      "site_boxes.number FROM sites LEFT JOIN site_numbers ON site_id = sites.id "
+      "LEFT JOIN site_boxes USING (number)");
+  while (recall.Step()) {
+    if (!recall.OptionalInt(12)) {
+      throw StorageError("read a site", "it has no place", StorageFault::kDamaged);
+    }
+    RecallRowOf(recall);
+  }
+}
+
+SiteStamps StampsOf(const Connection& connection) {
+  SiteStamps stamps;
+  Statement statement = connection.Prepare("SELECT id, updated_at_us, superseded_by FROM sites");
+  while (statement.Step()) {
+    stamps[statement.Text(0)] = {statement.Int(1), statement.Text(2)};
+  }
+  return stamps;
+}
+
 void CopySites(const Connection& from, const Connection& to) {
-  const std::map<std::string, Stamp> wanted = StampsOf(from);
-  const std::map<std::string, Stamp> present = StampsOf(to);
+  const SiteStamps wanted = StampsOf(from);
+  const SiteStamps present = StampsOf(to);
   if (wanted == present) return;
   Transaction transaction(to);
   for (const auto& [id, stamp] : present) {

@@ -1,8 +1,10 @@
 // Rows of sites, on one connection: the database's, or that of their second copy.
 #pragma once
 
+#include <map>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "storage/box_cache.h"
@@ -34,6 +36,12 @@ BoxCache<Storage::MapRow>::Rows ListMapRows(const Connection& connection, const 
 bool DeleteSiteRows(const Connection& writer, const std::string& site_id);
 void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id);
 
+// All rows once; throws StorageError kDamaged where one is not what was written or lacks its place.
+void CheckSiteRows(const Connection& connection);
+
+// By id: when it was written and what superseded it.
+using SiteStamps = std::map<std::string, std::tuple<int64_t, std::string>>;
+SiteStamps StampsOf(const Connection& connection);
 // Changes `to` so that it has the sites that `from` has.
 void CopySites(const Connection& from, const Connection& to);
 

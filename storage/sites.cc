@@ -52,7 +52,7 @@ void Storage::PutSite(const SiteRow& site,
 }
 
 std::optional<SiteRow> Storage::FindSite(const std::string& site_id) const {
-  return state_->ReadSites(
+  return state_->FindOfSite(
       [&](const Connection& connection) { return FindSiteRow(connection, site_id); });
 }
 
@@ -63,7 +63,7 @@ std::vector<SiteRow> Storage::ListSites(const std::optional<std::string>& flight
 }
 
 std::optional<std::string> Storage::ReadSiteMap(const std::string& site_id) const {
-  return state_->ReadSites(
+  return state_->FindOfSite(
       [&](const Connection& connection) { return ReadMapBlob(connection, site_id); });
 }
 
@@ -73,7 +73,7 @@ RecallBounds Storage::BoundsOfRecallable() const {
     const std::lock_guard lock(state_->bounds_mutex);
     if (state_->bounds_version == version) return state_->bounds;
   }
-  RecallBounds bounds = state_->ReadSites([](const Connection& connection) {
+  RecallBounds bounds = state_->ReadForRecall([](const Connection& connection) {
     RecallBounds read;
     Statement lowest = connection.Prepare(
         "SELECT coalesce(min(altitude_m), 0) FROM site_numbers WHERE is_recallable = 1");
@@ -94,7 +94,7 @@ std::vector<RecallRow> Storage::ListRecallable(const BoundingBox& box) const {
 }
 
 int64_t Storage::CountRecallable() const {
-  return state_->ReadSites([](const Connection& connection) {
+  return state_->ReadForRecall([](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT count(*) FROM site_numbers JOIN sites ON sites.id = site_id "
         "WHERE is_recallable = 1 AND superseded_by IS NULL");
@@ -104,7 +104,7 @@ int64_t Storage::CountRecallable() const {
 }
 
 int64_t Storage::CountOverruled(const BoundingBox& box) const {
-  return state_->ReadSites([&](const Connection& connection) {
+  return state_->ReadForRecall([&](const Connection& connection) {
     int64_t count = 0;
     for (const BoundingBox& part : PlainBoxes(box)) {
       Statement statement = connection.Prepare(

@@ -12,10 +12,13 @@ constexpr int kBusyTimeoutMs = 2000;
 StorageFault FaultOf(sqlite3* database, int code) {
   if (code == SQLITE_FULL) return StorageFault::kFull;
   if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) return StorageFault::kDamaged;
-  // A head that no SQLite writes has no code of its own.
-  if (code == SQLITE_ERROR && database != nullptr &&
-      std::string_view(sqlite3_errmsg(database)) == "unsupported file format") {
-    return StorageFault::kDamaged;
+  // What has no code of its own: a head that no SQLite writes, and a schema whose text is another,
+  // for statements name nothing that the schema does not have.
+  if (code == SQLITE_ERROR && database != nullptr) {
+    const std::string_view message = sqlite3_errmsg(database);
+    if (message == "unsupported file format" || message.starts_with("no such ")) {
+      return StorageFault::kDamaged;
+    }
   }
   if (database == nullptr || code != SQLITE_IOERR) return StorageFault::kOther;
   const int error = sqlite3_system_errno(database);

@@ -45,7 +45,9 @@ bool OpenSchema(const Connection& writer) {
 }
 
 // A copy that cannot be read, or is of another version, is made anew.
-std::filesystem::path UsableCopy(const std::filesystem::path& file) {
+std::filesystem::path UsableCopy(const std::filesystem::path& folder, bool is_database_whole) {
+  const std::filesystem::path file = folder / kCopyName;
+  if (TakeMarkOfCopy(folder) && is_database_whole) RemoveDatabase(file);
   try {
     const Connection copy(file, Access::kWrite);
     Statement version = copy.Prepare("PRAGMA user_version");
@@ -64,6 +66,28 @@ std::filesystem::path UsableCopy(const std::filesystem::path& file) {
   return file;
 }
 
+// Throws StorageError kDamaged unless `sql` gives "ok".
+void ExpectOk(const Connection& connection, const char* sql) {
+  Statement check = connection.Prepare(sql);
+  if (!check.Step() || check.Text(0) == "ok") return;
+  throw StorageError("check the database", check.Text(0), StorageFault::kDamaged);
+}
+
+// Whether sites are what was written, but for their maps: these are many times larger, and each has
+// a checksum that is compared in use.
+void CheckSites(const Connection& connection) {
+  for (const char* table : {"sites", "site_numbers"}) {
+    ExpectOk(connection, (std::string("PRAGMA integrity_check(") + table + ")").c_str());
+  }
+  ExpectOk(connection, "SELECT rtreecheck('site_boxes')");
+  CheckSiteRows(connection);
+}
+
+void CheckWhole(const Connection& connection) {
+  ExpectOk(connection, "PRAGMA quick_check(1)");
+  CheckSites(connection);
+}
+
 std::set<std::string> ImagesInUse(const Connection& writer) {
   std::set<std::string> images;
   Statement statement = writer.Prepare("SELECT DISTINCT sha256 FROM frames");
@@ -80,26 +104,22 @@ Storage::State::State(const std::filesystem::path& data_folder)
       images(folder / "images"),
       writer(folder / kDatabaseName, Access::kWrite),
       readers(folder / kDatabaseName),
-      copy_writer(UsableCopy(folder / kCopyName), Access::kWrite),
+      copy_writer(UsableCopy(folder, notices.empty()), Access::kWrite),
       copy_readers(folder / kCopyName),
-      check_connection_(folder / kDatabaseName, Access::kRead) {
-  const bool is_new = OpenSchema(writer);
-  OpenSchema(copy_writer);
-  if (is_new) {
-    CopySites(copy_writer, writer);
-  } else {
-    CopySites(writer, copy_writer);
-  }
+      check_connection_(folder / kDatabaseName, Access::kRead),
+      copy_check_connection_(folder / kCopyName, Access::kRead) {
+  BringTogether();
   SyncFolder(folder);
   const std::set<std::string> in_use = ImagesInUse(writer);
   images.RemoveUnless([&in_use](const std::string& sha256) { return in_use.contains(sha256); });
-  check_thread_ = std::thread([this] { CheckWholeFile(); });
+  check_thread_ = std::thread([this] { CheckWholeFiles(); });
 }
 
 Storage::State::~State() {
   // An interrupt that comes before the statement begins does nothing.
   while (!is_check_over_) {
     check_connection_.Interrupt();
+    copy_check_connection_.Interrupt();
     std::this_thread::sleep_for(kInterruptPeriod);
   }
   check_thread_.join();
@@ -120,39 +140,85 @@ void Storage::State::MarkDamaged(const std::string& why) {
                     "start sets it aside");
 }
 
+void Storage::State::MarkCopyDamaged(const std::string& why) {
+  if (!is_copy_whole.exchange(false)) return;
+  // Where this cannot be written, the next start finds the damage itself.
+  MarkCopy(folder);
+  const std::lock_guard notices_lock(notices_mutex);
+  notices.push_back("the second copy of the sites is damaged (" + why +
+                    "): sites are read from the database, and the next start makes it anew");
+}
+
 void Storage::State::WriteCopy(const std::function<void(const Connection&)>& write) {
   try {
     Transaction transaction(copy_writer);
     write(copy_writer);
     transaction.Commit();
+    ++sites_version;
   } catch (const StorageError& error) {
-    if (error.fault != StorageFault::kDamaged) throw;
-    // The database itself is whole; the next start makes the copy anew.
-    const std::lock_guard notices_lock(notices_mutex);
-    const std::string notice = "the second copy of the sites is damaged";
-    if (notices.empty() || notices.back() != notice) notices.push_back(notice);
+    const bool is_damage = error.fault == StorageFault::kDamaged;
+    if (is_damage) MarkCopyDamaged(error.what());
+    // The database has more now.
+    is_copy_whole = false;
+    ++sites_version;
+    if (!is_damage) throw;
   }
 }
 
-void Storage::State::CheckWholeFile() {
+void Storage::State::BringTogether() {
+  const bool is_new = OpenSchema(writer);
+  const auto on_copy = [](const auto& act) {
+    try {
+      return act();
+    } catch (const StorageError& error) {
+      if (error.fault != StorageFault::kDamaged) throw;
+      throw CopyDamaged(error.what());
+    }
+  };
+  on_copy([&] { OpenSchema(copy_writer); });
+  if (is_new) return on_copy([&] { CopySites(copy_writer, writer); });
+  // What the database reads as is not believed where it would take sites from the copy: they
+  // differ after a kill between two commits, and where pages were lost.
+  const SiteStamps stamps = StampsOf(writer);
+  if (on_copy([&] { return StampsOf(copy_writer); }) == stamps) return;
+  CheckSites(writer);
+  on_copy([&] { CopySites(writer, copy_writer); });
+}
+
+void Storage::State::CheckWholeFiles() {
+  // Anything but damage is an interrupt, or shows where it matters.
   try {
-    Statement check = check_connection_.Prepare("PRAGMA quick_check(1)");
-    if (check.Step() && check.Text(0) != "ok") MarkDamaged(check.Text(0));
+    CheckWhole(copy_check_connection_);
   } catch (const StorageError& error) {
-    // Anything else is an interrupt, or shows where it matters.
+    if (error.fault == StorageFault::kDamaged) MarkCopyDamaged(error.what());
+  }
+  try {
+    CheckWhole(check_connection_);
+  } catch (const StorageError& error) {
     if (error.fault == StorageFault::kDamaged) MarkDamaged(error.what());
   }
   is_check_over_ = true;
 }
 
 std::unique_ptr<Storage::State> Storage::Opened(const std::filesystem::path& folder) {
-  try {
-    return std::make_unique<State>(folder);
-  } catch (const StorageError& error) {
-    if (error.fault != StorageFault::kDamaged) throw;
-    MarkForSettingAside(folder, error.what());
+  // Each try finds one of two files damaged; the next sets it aside.
+  constexpr int kNumFiles = 2;
+  std::vector<std::string> notices;
+  for (int i = 0; i < kNumFiles; ++i) {
+    try {
+      auto state = std::make_unique<State>(folder);
+      const std::lock_guard notices_lock(state->notices_mutex);
+      state->notices.insert(state->notices.begin(), notices.begin(), notices.end());
+      return state;
+    } catch (const StorageError& error) {
+      if (error.fault != StorageFault::kDamaged) throw;
+      MarkForSettingAside(folder, error.what());
+    } catch (const CopyDamaged& error) {
+      SetCopyAside(folder);
+      notices.push_back(std::string("the second copy of the sites was damaged (") + error.what() +
+                        ") and is made anew from the database");
+    }
   }
-  // The first try found it damaged; the second sets it aside.
   return std::make_unique<State>(folder);
 }
 

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <memory>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -59,6 +60,11 @@ class Reader {
   std::unique_ptr<Connection> connection_;
 };
 
+// The sites' second copy is not what was written.
+struct CopyDamaged : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 struct Storage::State {
   // Opens or creates both databases and brings them to one state.
   explicit State(const std::filesystem::path& data_folder);
@@ -92,11 +98,32 @@ struct Storage::State {
     std::vector<Row> rows;
     for (const BoundingBox& part : PlainBoxes(box)) {
       std::vector<Row> some = cache.Within(part, version, [&](const BoundingBox& wide) {
-        return ReadSites([&](const Connection& connection) { return list(connection, wide); });
+        return ReadForRecall([&](const Connection& connection) { return list(connection, wide); });
       });
       std::move(some.begin(), some.end(), std::back_inserter(rows));
     }
     return rows;
+  }
+  // What recall looks through. From the copy, which nobody else reads and whose damage does not
+  // come with the database's: a row that is lost there without a trace would be lost to recall.
+  template <typename Read>
+  auto ReadForRecall(Read read) {
+    if (is_copy_whole) {
+      try {
+        const Reader reader(copy_readers);
+        return read(*reader);
+      } catch (const StorageError& error) {
+        if (error.fault != StorageFault::kDamaged) throw;
+        MarkCopyDamaged(error.what());
+      }
+    }
+    return ReadSites(read);
+  }
+  // Of one site: what the database lost without a trace, the copy still has.
+  template <typename Find>
+  auto FindOfSite(Find find) {
+    auto found = ReadSites(find);
+    return found ? found : ReadForRecall(find);
   }
   // The same change of sites in both, each in a transaction.
   template <typename Write>
@@ -106,7 +133,6 @@ struct Storage::State {
       write(writer);
       transaction.Commit();
     }
-    ++sites_version;
     WriteCopy(write);
   }
 
@@ -122,6 +148,8 @@ struct Storage::State {
   Connection copy_writer;
   ReaderPool copy_readers;
   std::atomic<bool> is_damaged{false};
+  // And has every site that the database has.
+  std::atomic<bool> is_copy_whole{true};
   // Changes when any site does.
   std::atomic<uint64_t> sites_version{1};
   BoxCache<RecallRow> recall_rows;
@@ -132,10 +160,14 @@ struct Storage::State {
 
  private:
   void WriteCopy(const std::function<void(const Connection&)>& write);
-  void CheckWholeFile();
+  void MarkCopyDamaged(const std::string& why);
+  // Throws StorageError kDamaged where the database is, CopyDamaged where the copy is.
+  void BringTogether();
+  void CheckWholeFiles();
 
-  // Reads the whole database once, beside everything else: at start it would take too long.
+  // Read both whole once, beside everything else: at start it would take too long.
   Connection check_connection_;
+  Connection copy_check_connection_;
   std::atomic<bool> is_check_over_{false};
   std::thread check_thread_;
 };

@@ -1,43 +1,14 @@
 // What recall needs of storage: sites that survive damage, and what else tells of them.
 #include <filesystem>
-#include <fstream>
 #include <string>
 
 #include <doctest/doctest.h>
 
+#include "tests/storage/damage.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
 namespace {
-
-// Overwrites a part of the file with bytes that are not SQLite's.
-void Spoil(const std::filesystem::path& file, uint64_t begin, uint64_t size) {
-  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
-  stream.seekp(static_cast<std::streamoff>(begin));
-  stream << std::string(size, '\xa5');
-}
-
-// Two sites, the first with a map, and a flight.
-void StoreTwoSites(const std::filesystem::path& folder) {
-  Storage storage(folder);
-  storage.InsertFlight(SomeFlight("f"));
-  SiteRow site = SomeSite("f-r1", 50.0, 8.0);
-  site.recall = RecallData{true, 300.0, "amsl", 0.7, "{}"};
-  storage.PutSite(site, "map");
-  storage.PutSite(SomeSite("f-r2", 50.1, 8.0), "");
-}
-
-void WriteAt(const std::filesystem::path& file, std::streamoff place, const std::string& bytes) {
-  std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
-  stream.seekp(place);
-  stream << bytes;
-}
-
-bool HasBoth(const Storage& storage) {
-  return storage.ListSites(std::nullopt, std::nullopt).size() == 2 &&
-         storage.ReadSiteMap("f-r1") == "map" &&
-         storage.ListRecallable({7.0, 49.0, 9.0, 51.0}).size() == 1;
-}
 
 TEST_CASE("storage: a database that is damaged, cut or gone is set aside, and sites stay") {
   for (const std::string kind : {"spoilt", "cut", "gone", "format", "version"}) {
@@ -98,7 +69,7 @@ TEST_CASE("storage: a row that is not what was written is taken from the second 
   const auto rows = storage.ListRecallable({7.0, 49.0, 9.0, 51.0});
   REQUIRE(rows.size() == 1);
   CHECK(rows[0].data.altitude_m == 300.0);
-  CHECK(storage.Notices().size() == 1);
+  CHECK(AwaitNotices(storage).size() == 1);
 }
 
 TEST_CASE("storage: a copy that is damaged or gone is made anew") {

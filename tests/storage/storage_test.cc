@@ -49,8 +49,9 @@ TEST_CASE("storage: a second process is refused while the folder is in use") {
 TEST_CASE("storage: a newer schema is refused and named") {
   const TemporaryFolder folder;
   { const Storage storage(folder.path()); }
-  Execute(folder.path() / "freelsd.db", "PRAGMA user_version = 999");
-  CHECK_THROWS_WITH_AS(Storage(folder.path()), doctest::Contains("999"), StorageError);
+  Execute(folder.path() / "freelsd.db", "PRAGMA user_version = 4");
+  Execute(folder.path() / "recall.db", "PRAGMA user_version = 4");
+  CHECK_THROWS_WITH_AS(Storage(folder.path()), doctest::Contains("version 4"), StorageError);
 }
 
 // What version 1 had of sites, with one of each verdict.
