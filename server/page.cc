@@ -32,6 +32,8 @@ Page ReadPage(const std::filesystem::path& folder) {
   }
   const auto index = page.find("/index.html");
   if (index != page.end()) page["/"] = index->second;
+  const auto docs = page.find("/docs.html");
+  if (docs != page.end()) page["/docs"] = docs->second;
   return page;
 }
 

@@ -13,7 +13,7 @@ struct PageFile {
   std::string content;
 };
 
-// By URL path ("/", "/app.js", "/vendor/leaflet.js"). Empty when the folder is not there.
+// By URL path ("/", "/docs", "/app.js", "/vendor/leaflet.js"). Empty when the folder is not there.
 using Page = std::map<std::string, PageFile>;
 Page ReadPage(const std::filesystem::path& folder);
 

@@ -209,9 +209,15 @@ TEST_CASE("http: the page is served from memory and nothing beside it") {
   std::filesystem::create_directories(folder.path() / "page/vendor");
   std::ofstream(folder.path() / "page/index.html") << "<html>the page</html>";
   std::ofstream(folder.path() / "page/vendor/map.js") << "export {};";
+  std::ofstream(folder.path() / "page/docs.html") << "<html>the interface</html>";
   std::ofstream(folder.path() / "secret.txt") << "secret";
   FreshServer fresh([&folder](Config& config) { config.page = folder.path() / "page"; });
   CHECK(fresh.client.Get("/")->body == "<html>the page</html>");
+  for (const char* path : {"/docs", "/docs.html"}) {
+    const auto docs = fresh.client.Get(path);
+    CHECK(docs->body == "<html>the interface</html>");
+    CHECK(docs->get_header_value("Content-Type") == "text/html; charset=utf-8");
+  }
   CHECK(fresh.client.Get("/vendor/map.js")->get_header_value("Content-Type") ==
         "text/javascript; charset=utf-8");
   for (const char* path : {"/../secret.txt", "/%2e%2e/secret.txt", "/vendor/..%2f../secret.txt"}) {

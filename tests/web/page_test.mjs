@@ -184,7 +184,7 @@ test('page: the wind of the site stands on the map, a tried one is marked', asyn
 });
 
 test('page: the interface is told from the server alone, call by call', async (t) => {
-  const { page, seen } = await openPage(t, browser, { address: `${url}/docs.html`, width: 360, height: 740 });
+  const { page, seen } = await openPage(t, browser, { address: `${url}/docs`, width: 360, height: 740 });
   await page.locator('.call').first().waitFor(kWait);
   const { paths, components } = await (await fetch(`${url}/openapi.json`)).json();
   const numCalls = Object.values(paths).flatMap(Object.keys).filter((key) => key !== 'parameters').length;
