@@ -13,6 +13,9 @@ void GetFlights(Service& service, const Call& call, httplib::Response& response)
 void GetFlight(Service& service, const Call& call, httplib::Response& response);
 void DeleteFlight(Service& service, const Call& call, httplib::Response& response);
 
+// track_handler.cc
+void GetTrack(Service& service, const Call& call, httplib::Response& response);
+
 // frame_handlers.cc
 void PutFrame(Service& service, const Call& call, httplib::Response& response);
 void PostFrame(Service& service, const Call& call, httplib::Response& response);

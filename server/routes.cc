@@ -56,6 +56,7 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/flights", GetFlights},
     {"GET", "/v1/flights/{flight}", GetFlight},
     {"DELETE", "/v1/flights/{flight}", DeleteFlight, "forget_sites"},
+    {"GET", "/v1/flights/{flight}/track", GetTrack},
     {"PUT", "/v1/flights/{flight}/frames/{frame}", PutFrame},
     {"POST", "/v1/flights/{flight}/frames", PostFrame},
     {"GET", "/v1/flights/{flight}/frames", GetFrames},

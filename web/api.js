@@ -55,6 +55,7 @@ export function query(values) {
 export const paths = {
   jobs: '/v1/jobs',
   flight: (flight) => `/v1/flights/${part(flight)}`,
+  track: (flight) => `/v1/flights/${part(flight)}/track`,
   regions: (flight) => `/v1/flights/${part(flight)}/regions`,
   history: (flight, region) => `/v1/flights/${part(flight)}/regions/${part(region)}/history`,
   frames: (flight) => `/v1/flights/${part(flight)}/frames`,
@@ -78,6 +79,7 @@ export const getInfo = () => getJson('/v1/info');
 export const listFlights = async () => (await getJson('/v1/flights')).flights;
 export const listJobs = async () => (await getJson(paths.jobs)).jobs;
 export const getFlight = (flight) => getJson(paths.flight(flight));
+export const getTrack = (flight) => getJson(paths.track(flight));
 export const getRegions = (flight) => getJson(paths.regions(flight));
 export const getSites = (flight) => getJson(paths.flightSites(flight));
 export const getAllSites = (signal) => getJson('/v1/sites', { signal });

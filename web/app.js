@@ -21,7 +21,7 @@ import { findRegion } from './places.js';
 const state = {
   flight: null, flightJson: null, flights: [], sites: { features: [] }, regions: { features: [] },
   siteId: null, site: null, approach: null, triedWind: null, drawnProfile: null,
-  drawn: '', drawnSite: '',
+  drawn: '', drawnSite: '', numTracked: null,
 };
 
 const map = createMap(byId('map'), { site: (id) => openSite(id), place: answerPlace });
@@ -168,8 +168,9 @@ function drawLists() {
 
 function chooseFlight(id) {
   Object.assign(state, { flight: id, siteId: null, site: null, approach: null, drawn: '', drawnSite: '',
-    flightJson: null, sites: { features: [] }, regions: { features: [] } });
+    numTracked: null, flightJson: null, sites: { features: [] }, regions: { features: [] } });
   byId('flight').value = id ?? '';
+  map.drawTrack(null);
   map.drawApproach(null);
   map.drawWind(null, false);
   map.drawMarks([]);
@@ -203,12 +204,24 @@ async function drawFirst() {
   return map.fit();
 }
 
+// Asked anew only when more photographs are through; until there is a site the map goes along.
+async function refreshTrack(flight, numProcessed) {
+  if (numProcessed === state.numTracked) return;
+  const track = await api.getTrack(flight);
+  if (state.flight !== flight) return;
+  state.numTracked = numProcessed;
+  map.drawTrack(track);
+  if (!state.siteId) map.fitUnlessMoved();
+}
+
 async function refreshFlight(flight) {
   const [flightJson, regions, sites, jobs] = await Promise.all([
     api.getFlight(flight), api.getRegions(flight), api.getSites(flight), api.listJobs()]);
   if (state.flight !== flight) return;
   state.flightJson = flightJson;
   drawFlight(flightJson, jobs.filter((job) => !job.flight_id || job.flight_id === flight), live.now);
+  await refreshTrack(flight, flightJson.frames.processed);
+  if (state.flight !== flight) return;
   const drawn = JSON.stringify([regions, sites, flightJson.state]);
   if (drawn === state.drawn) return;
   const isFirst = state.drawn === '';

@@ -34,7 +34,7 @@ export function createLayers(map) {
     if (layer) legend.append(el('span', { class: 'swatch' }, el('i', { class: 'hatch' }), note));
     legend.append(el('span', { class: 'swatch', title: 'Outlines of regions; dashed while they still grow' },
       el('i', { class: 'ramp', style: { background: `linear-gradient(90deg, ${[0, 0.25, 0.5, 0.75, 1].map(gradeColor)})` } }),
-      'region, grade 0 to 1'));
+      'region, grade 0 to 1'), el('span', { class: 'swatch' }, el('i', { class: 'track-line' }), 'flown'));
   }
 
   // The scale is the server's own picture, so that it cannot differ from the layer.

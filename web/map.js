@@ -1,8 +1,9 @@
-// The map: regions by grade, sites by rank, the chosen site's layer, approach and circle.
+// The map: the flight's track, regions by grade, sites by rank, the chosen site's layer, approach and circle.
 /* global L */
 
 import { gradeColor } from './colors.js';
 import { Graticule } from './graticule.js';
+import { createTrack } from './track.js';
 import { verdictSign } from './units.js';
 
 const kMarker = 44;  // px, for gloves; the disc drawn in it is smaller
@@ -41,6 +42,7 @@ export function createMap(element, on) {
   barb.addTo(map);
   map.createPane('layers').style.zIndex = 250;
   new Graticule().addTo(map);
+  const track = createTrack(map);
   const regions = L.layerGroup().addTo(map);
   const path = L.layerGroup().addTo(map);
   const sites = L.layerGroup().addTo(map);
@@ -48,7 +50,12 @@ export function createMap(element, on) {
   const asked = L.layerGroup().addTo(map);
   let overlay = null;
   let bearings = [];
+  // By a person: from then on the map stays where it is.
+  let isMoved = false;
 
+  for (const type of ['pointerdown', 'wheel', 'keydown']) {
+    element.addEventListener(type, () => { isMoved = true; }, { passive: true });
+  }
   map.on('click', (event) => on.place(event.latlng));
   new ResizeObserver(() => map.invalidateSize({ animate: false })).observe(element);
 
@@ -60,6 +67,11 @@ export function createMap(element, on) {
   };
 
   return {
+    drawTrack(collection) {
+      track.draw(collection);
+      if (!collection) isMoved = false;
+    },
+
     drawRegions(collection) {
       regions.clearLayers();
       L.geoJSON(collection, { style: { className: 'region-casing' }, interactive: false }).addTo(regions);
@@ -90,8 +102,10 @@ export function createMap(element, on) {
 
     fit() {
       const group = L.featureGroup([...regions.getLayers(), ...sites.getLayers()]);
-      fitTo(group.getBounds());
+      fitTo(group.getBounds().extend(track.bounds()));
     },
+
+    fitUnlessMoved() { if (!isMoved) this.fit(); },
 
     // url: of a picture that is already here; null takes the layer away.
     drawLayer(url, layer, opacity) {

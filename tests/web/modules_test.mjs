@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import { findRegion } from '../../web/places.js';
+import { lastCourse } from '../../web/track.js';
 import { age, area, courseTo, heading, windFrom, windTo } from '../../web/units.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
 import { cellAt, judge } from '../../web/why.js';
@@ -33,6 +34,15 @@ test('course: a tenth of a degree of latitude north is 11.12 km on 000°', () =>
   const course = courseTo({ latitude_deg: 47, longitude_deg: 8 }, { latitude_deg: 47.1, longitude_deg: 8 });
   assert.ok(Math.abs(course.distance_m - 11119.5) < 1);
   assert.ok(Math.abs(course.bearing_deg) < 1e-9);
+});
+
+test('track: the last direction is that of the way, not of the receiver', () => {
+  const east = [[8, 47, 500], [8.001, 47, 500]];
+  assert.ok(Math.abs(lastCourse(east) - 90) < 0.01);
+  const nearby = [...east, [8.001 + 1e-6, 47 + 5e-6, 501]];
+  assert.ok(Math.abs(lastCourse(nearby) - 90) < 1, 'half a metre to the north turns nothing');
+  assert.ok(Math.abs(lastCourse([...east, [8.001, 46.999, 500]]) - 180) < 0.01);
+  assert.equal(lastCourse([[8, 47, 500], [8, 47, 510]]), null);
 });
 
 test('why not here: the first rule that fails is named with how much is missing', () => {

@@ -5,7 +5,9 @@ import assert from 'node:assert/strict';
 import { mkdir } from 'node:fs/promises';
 import { after, before, test } from 'node:test';
 
-import { accessibilityFaults, flownSite, launch, openPage, outside, smallTargets, url } from './browser.mjs';
+import { lastCourse } from '../../web/track.js';
+import { heading } from '../../web/units.js';
+import { accessibilityFaults, flownSite, getJson, launch, openPage, outside, smallTargets, url } from './browser.mjs';
 
 const kWait = { timeout: 15000 };
 const folder = process.env.FREELSD_SCREENSHOTS;
@@ -87,6 +89,38 @@ test('page: a chosen site shows layers, approach, circle, profile and every term
   assert.deepEqual(await accessibilityFaults(page), []);
   assert.deepEqual(seen.errors, []);
 });
+
+for (const colorScheme of ['light', 'dark']) {
+  test(`page: the track lies under regions and sites, with the aircraft at its end, ${colorScheme}`, async (t) => {
+    const { page, seen } = await openPage(t, browser, { colorScheme, address: address() });
+    await pictureIsDrawn(page, 'hazard');
+    const { features: [track] } = await getJson(`/v1/flights/${site.flight}/track`);
+    const positions = track.geometry.coordinates;
+    assert.ok(positions.length > 1 && positions.length === track.properties.num_positions);
+    await page.locator('path.track').waitFor({ state: 'attached', ...kWait });
+    const course = `Last photograph, flying ${heading(lastCourse(positions))}`;
+    assert.equal(await page.locator('.aircraft svg').getAttribute('aria-label'), course);
+    const drawn = await page.evaluate(() => {
+      const level = (node) => Number(getComputedStyle(node.closest('.leaflet-pane[class*="-pane"]')).zIndex);
+      const box = document.querySelector('path.track').getBoundingClientRect();
+      const mark = document.querySelector('.aircraft').getBoundingClientRect();
+      return {
+        levels: ['path.track', 'path.region', '.disc-marker'].map((name) => level(document.querySelector(name))),
+        isMarkAtLine: mark.right > box.left && mark.left < box.right && mark.bottom > box.top && mark.top < box.bottom,
+        stroke: getComputedStyle(document.querySelector('path.track')).stroke,
+        casing: getComputedStyle(document.querySelector('path.track-casing')).stroke,
+        isBelowDiscs: [...document.querySelectorAll('.disc-marker')].every((disc) =>
+          Number(disc.style.zIndex) > Number(document.querySelector('.aircraft').style.zIndex)),
+      };
+    });
+    assert.deepEqual(drawn.levels, drawn.levels.toSorted((a, b) => a - b));
+    assert.ok(drawn.isMarkAtLine && drawn.isBelowDiscs);
+    // Black and white: nothing that eyes may confuse.
+    assert.deepEqual([drawn.stroke, drawn.casing],
+      colorScheme === 'light' ? ['rgb(11, 22, 32)', 'rgb(255, 255, 255)'] : ['rgb(242, 246, 250)', 'rgb(13, 20, 27)']);
+    assert.deepEqual(seen.errors, []);
+  });
+}
 
 test('page: the legend has the colours of the picture', async (t) => {
   const { page } = await openSite(t);

@@ -111,6 +111,30 @@ test('events: a change is seen at once where the server tells, and by asking whe
   assert.deepEqual(poor.seen.errors, []);
 });
 
+test('track: asked for once, and again only when more photographs are through', async (t) => {
+  const server = await startStandIn(t, url);
+  const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
+  await page.locator('path.track').waitFor({ state: 'attached', ...kWait });
+  let numMore = 0;
+  await page.route(`**/v1/flights/${site.flight}`, async (route) => {
+    const response = await route.fetch();
+    const json = await response.json();
+    json.frames.processed += numMore;
+    await route.fulfill({ response, json });
+  });
+  const numAsked = (end) => server.asked.filter((path) => typeof path === 'string' && path.endsWith(end)).length;
+  const looks = async (count) => {
+    const wanted = numAsked('/v1/jobs') + count;
+    while (numAsked('/v1/jobs') < wanted) await page.waitForTimeout(100);
+  };
+  await looks(2);
+  assert.equal(numAsked('/track'), 1, 'nothing came, nothing is asked');
+  numMore = 1;
+  await looks(2);
+  assert.equal(numAsked('/track'), 2);
+  await page.unrouteAll({ behavior: 'ignoreErrors' });
+});
+
 const inReach = (rank, verdict, distance_m, arrival_margin_m) => ({
   site_id: site.properties.id, flight_id: site.flight, rank, reachable: true, verdict, unseen_ratio: verdict === 'landable' ? 0 : 0.4,
   distance_m, bearing_deg: 41 * rank, arrival_margin_m, time_s: 65 * rank, score: 0.8, age_s: 86400 * rank,

@@ -1,0 +1,99 @@
+#include <algorithm>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/flight_lookup.h"
+#include "server/handlers.h"
+
+namespace freelsd {
+namespace {
+
+// A line on a map needs no more.
+constexpr int64_t kMaxNumPositions = 2000;
+
+// Of all frames whose position is known, by time; as they came where one has none.
+std::vector<GeoPoint> FramePositions(const Storage& storage, const std::string& flight_id) {
+  std::vector<FrameMeta> metas;
+  for (const FrameRow& frame : storage.ListFrames(flight_id)) {
+    if (frame.resolved_json.empty()) continue;
+    FrameMeta meta = ParseStoredFrameMeta(frame.resolved_json);
+    if (meta.position) metas.push_back(std::move(meta));
+  }
+  if (std::all_of(metas.begin(), metas.end(), [](const auto& meta) { return meta.timestamp_us; })) {
+    std::stable_sort(metas.begin(), metas.end(), [](const FrameMeta& a, const FrameMeta& b) {
+      return *a.timestamp_us < *b.timestamp_us;
+    });
+  }
+  std::vector<GeoPoint> positions;
+  for (const FrameMeta& meta : metas) positions.push_back(*meta.position);
+  return positions;
+}
+
+// The first, the last, and evenly between them.
+std::vector<GeoPoint> Thinned(const std::vector<GeoPoint>& positions) {
+  if (static_cast<int64_t>(positions.size()) <= kMaxNumPositions) return positions;
+  std::vector<GeoPoint> thinned;
+  for (int64_t i = 0; i < kMaxNumPositions; ++i) {
+    const int64_t place = i * (static_cast<int64_t>(positions.size()) - 1) / (kMaxNumPositions - 1);
+    thinned.push_back(positions[static_cast<size_t>(place)]);
+  }
+  return thinned;
+}
+
+// One sample in each of as many equal times, from the first to the last.
+std::vector<GeoPoint> TelemetryPositions(const Storage& storage, const std::string& flight_id) {
+  const auto around = [&](int64_t timestamp_us) {
+    return storage.TelemetryAround(flight_id, TelemetryKind::kPosition, timestamp_us);
+  };
+  const auto place = [](const TelemetryRow& row) {
+    return GeoPoint{row.values[0], row.values[1], row.values[2]};
+  };
+  const std::optional<TelemetryRow> last = around(std::numeric_limits<int64_t>::max()).before;
+  std::optional<TelemetryRow> next = around(std::numeric_limits<int64_t>::min()).after;
+  std::vector<GeoPoint> positions;
+  if (!last || !next) return positions;
+  // Unsigned: the difference of two times may be any.
+  const uint64_t duration_us =
+      static_cast<uint64_t>(last->timestamp_us) - static_cast<uint64_t>(next->timestamp_us);
+  const uint64_t step_us = duration_us / (kMaxNumPositions - 1) + 1;
+  while (next && next->timestamp_us < last->timestamp_us) {
+    positions.push_back(place(*next));
+    const uint64_t left_us =
+        static_cast<uint64_t>(last->timestamp_us) - static_cast<uint64_t>(next->timestamp_us);
+    if (left_us <= step_us) break;
+    next = around(next->timestamp_us + static_cast<int64_t>(step_us)).after;
+  }
+  positions.push_back(place(*last));
+  return positions;
+}
+
+nlohmann::json FeatureOf(const std::vector<GeoPoint>& positions, const FlightRow& flight) {
+  nlohmann::json coordinates = nlohmann::json::array();
+  for (const GeoPoint& position : positions) {
+    coordinates.push_back({position.longitude_deg, position.latitude_deg, position.altitude_m});
+  }
+  return {{"type", "Feature"},
+          {"geometry", {{"type", "LineString"}, {"coordinates", std::move(coordinates)}}},
+          {"properties",
+           {{"flight_id", flight.id},
+            {"num_positions", positions.size()},
+            {"altitude_datum", ParseFlightRequest(flight.request_json).altitude_datum}}}};
+}
+
+}  // namespace
+
+void GetTrack(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRow flight = ExistingFlight(service, call);
+  std::vector<GeoPoint> positions = Thinned(FramePositions(service.storage, flight.id));
+  if (positions.empty()) positions = TelemetryPositions(service.storage, flight.id);
+  nlohmann::json features = nlohmann::json::array();
+  // One position is no line.
+  if (positions.size() > 1) features.push_back(FeatureOf(positions, flight));
+  response.set_content(
+      nlohmann::json{{"type", "FeatureCollection"}, {"features", std::move(features)}}.dump(),
+      "application/geo+json");
+}
+
+}  // namespace freelsd

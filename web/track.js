@@ -1,0 +1,54 @@
+// The flight's track: where photographs were taken, and the aircraft at its end.
+/* global L */
+
+import { svg } from './dom.js';
+import { courseTo, heading } from './units.js';
+
+// Nearer than this a position tells more of the receiver than of the way.
+const kLeastStep_m = 3;
+const kMark = 30;  // px
+
+const placeOf = ([longitude_deg, latitude_deg]) => ({ latitude_deg, longitude_deg });
+
+// Direction of travel at the end of [[lon, lat, altitude], …]; null where it never moved.
+export function lastCourse(positions) {
+  const end = placeOf(positions.at(-1));
+  for (let i = positions.length - 2; i >= 0; --i) {
+    const { distance_m, bearing_deg } = courseTo(placeOf(positions[i]), end);
+    if (distance_m >= kLeastStep_m) return bearing_deg;
+  }
+  return null;
+}
+
+function mark(course_deg) {
+  const shape = course_deg === null ? svg('circle', { r: 6 })
+    : svg('path', {
+      d: 'M0-13L2-5L13 2V5L2 2L1.5 8L5 11V13L0 11.5L-5 13V11L-1.5 8L-2 2L-13 5V2L-2-5Z',
+      transform: `rotate(${course_deg.toFixed(1)})`,
+    });
+  const text = course_deg === null ? 'Last photograph' : `Last photograph, flying ${heading(course_deg)}`;
+  return svg('svg', { viewBox: '-15 -15 30 30', role: 'img', 'aria-label': text }, shape);
+}
+
+// Draws below regions and sites, and takes no clicks from them.
+export function createTrack(map) {
+  map.createPane('track').style.zIndex = 300;
+  const group = L.featureGroup().addTo(map);
+  return {
+    // collection: as the server has it; null takes the track away.
+    draw(collection) {
+      group.clearLayers();
+      const positions = collection?.features[0]?.geometry.coordinates;
+      if (!positions) return;
+      const places = positions.map(([lon, lat]) => [lat, lon]);
+      for (const className of ['track-casing', 'track']) {
+        group.addLayer(L.polyline(places, { pane: 'track', interactive: false, className }));
+      }
+      group.addLayer(L.marker(places.at(-1), {
+        interactive: false, keyboard: false, zIndexOffset: -10000,
+        icon: L.divIcon({ className: 'aircraft', html: mark(lastCourse(positions)), iconSize: [kMark, kMark] }),
+      }));
+    },
+    bounds: () => group.getBounds(),
+  };
+}
