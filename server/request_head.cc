@@ -134,7 +134,7 @@ void ParseBodyFields(const Fields& fields, RequestHead& head) {
     if (!is_number) Refuse("Content-Length is not a length");
     head.content_length = std::stoull(digits);
   }
-  if (!ValuesOf(fields, "content-encoding").empty()) {
+  if (head.HasBody() && !ValuesOf(fields, "content-encoding").empty()) {
     throw ApiError("UnsupportedMediaType", "a body with Content-Encoding is not understood");
   }
   const std::vector<std::string> expectations = ValuesOf(fields, "expect");

@@ -75,9 +75,11 @@ function callNode(path, method, item) {
       row(`${p.name} (${p.in})`, typeOf(p.schema), [p.required ? 'needed.' : '', p.description ?? ''].join(' ').trim())))] : null,
     body ? [el('h4', {}, body.required ? 'Body' : 'Body, may be absent'), ...contentNodes(body.content)] : null,
     el('h4', {}, 'Answers'),
+    el('p', {}, 'Refusals are ', el('code', {}, 'application/problem+json'), ': ', link('Problem')),
     table(Object.entries(operation.responses).map(([status, response]) => {
       const { description, content } = resolved(response);
-      return row(status === 'default' ? 'otherwise' : status, contentNodes(content), description);
+      // Those that calls share are refusals.
+      return row(status, response.$ref ? [] : contentNodes(content), description);
     })),
     el('pre', {}, command()), curlButton(`${method} ${path}`, command));
   node.dataset.text = `${path} ${JSON.stringify(operation)}`.toLowerCase();

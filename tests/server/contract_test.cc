@@ -4,6 +4,7 @@
 
 #include <doctest/doctest.h>
 
+#include "api/api.h"
 #include "tests/server/openapi_check.h"
 #include "tests/server/test_server.h"
 
@@ -32,6 +33,40 @@ TEST_CASE("contract: the check itself sees types, ranges, missing and unknown ke
   CHECK_FALSE(is_valid(R"({"a": 1, "c": 1})"));
   CHECK_FALSE(is_valid(R"({"a": 1, "b": {"east_mps": "1"}})"));
   CHECK_FALSE(is_valid(R"([])"));
+}
+
+TEST_CASE("contract: each operation names the statuses of its refusals, none says \"default\"") {
+  FreshServer fresh;
+  const nlohmann::json contract = GetJson(fresh.client, "/openapi.json");
+  for (const auto& [path, item] : contract["paths"].items()) {
+    for (const char* const method : {"get", "put", "post", "delete"}) {
+      if (!item.contains(method)) continue;
+      INFO(method << " " << path);
+      const nlohmann::json& responses = item[method]["responses"];
+      CHECK_FALSE(responses.contains("default"));
+      // Of every request: a query that is not known, another host, a head that is too large.
+      for (const char* const status : {"400", "403", "414", "431", "500"}) {
+        CHECK(responses.contains(status));
+      }
+      CHECK(responses.contains("401") == (path != "/healthz"));
+      const bool is_of_something = path.find('{') != std::string::npos;
+      CHECK((responses.contains("404") || !is_of_something));
+    }
+  }
+}
+
+TEST_CASE("contract: an answer whose status it does not name for the operation is a fault") {
+  httplib::Request request;
+  request.method = "GET";
+  request.path = "/v1/flights";
+  httplib::Response response;
+  response.status = 409;
+  response.set_header("Content-Type", "application/problem+json");
+  response.body = ProblemJson(ApiError("Conflict", "for a test"));
+  REQUIRE(UndocumentedIn(request, response).size() == 1);
+  CHECK(UndocumentedIn(request, response)[0] == "the status 409 is not in the contract");
+  request.path = "/v1/sites/x/approach";
+  CHECK(UndocumentedIn(request, response).empty());
 }
 
 TEST_CASE("contract: every path in it is served, with the methods that it names") {

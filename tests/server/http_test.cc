@@ -181,6 +181,8 @@ TEST_CASE("http: malformed requests are problems too, and end the connection") {
       {"GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n", "403"},
       {HeadOf("GET", "/v1/flights", "Origin: http://evil.example\r\n"), "403"},
       {HeadOf("GET", "/v1/flights", "Content-Length: 5\r\n") + "hello", "400"},
+      {HeadOf("POST", "/v1/flights", "Content-Length: 2\r\nContent-Encoding: gzip\r\n") + "{}",
+       "415"},
   };
   for (const auto& [request, status] : cases) {
     INFO(request.substr(0, 80));

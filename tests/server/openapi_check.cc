@@ -190,6 +190,19 @@ std::vector<std::string> BodyErrors(const nlohmann::json& documented,
   return SchemaErrors(body, content[type]["schema"]);
 }
 
+// A refusal of no operation: made for a path or a method that the contract does not name, or by the
+// listener of emergencies, which has few of the paths.
+bool IsOfNoOperation(const httplib::Response& response) {
+  const nlohmann::json body = nlohmann::json::parse(response.body, nullptr, false);
+  return body.is_object() && body.value("code", "") == "NotFound";
+}
+
+std::vector<std::string> ProblemErrors(const httplib::Response& response) {
+  const char* const kType = "application/problem+json";
+  return BodyErrors(
+      {{"content", {{kType, {{"schema", {{"$ref", "#/components/schemas/Problem"}}}}}}}}, response);
+}
+
 }  // namespace
 
 void HoldAgainstContract(httplib::Client& client) {
@@ -213,20 +226,17 @@ std::vector<std::string> UndocumentedIn(const httplib::Request& request,
   for (char& c : method) c = static_cast<char>(std::tolower(c));
   const bool is_head = method == "head";
   if (is_head) method = "get";
-  const nlohmann::json problem = Contract()["components"]["responses"]["Problem"];
-  // Made before routing: of no path.
   const bool is_routed = pattern && Contract()["paths"][*pattern].contains(method);
   if (is_head && response.status < 500) return {};
-  if (!is_routed && response.status >= 400) return BodyErrors(problem, response);
+  const bool is_refused = response.status >= 400;
+  if (is_refused && (!is_routed || IsOfNoOperation(response))) return ProblemErrors(response);
   if (!is_routed && IsPage(request.path)) return {};
   if (!is_routed) return {request.method + " is not in the contract"};
   const nlohmann::json& responses = Contract()["paths"][*pattern][method]["responses"];
   const std::string status = std::to_string(response.status);
-  if (responses.contains(status)) return BodyErrors(Resolved(responses[status]), response);
-  if (response.status >= 400 && responses.contains("default")) {
-    return BodyErrors(Resolved(responses["default"]), response);
-  }
-  return {"the status " + status + " is not in the contract"};
+  if (response.status == 500) return {"the server failed: " + response.body};
+  if (!responses.contains(status)) return {"the status " + status + " is not in the contract"};
+  return BodyErrors(Resolved(responses[status]), response);
 }
 
 }  // namespace freelsd
