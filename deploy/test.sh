@@ -140,7 +140,7 @@ restart_on_demo_data
 passed
 
 start_step "page test in a browser"
-tests/web/run.sh "http://127.0.0.1:$port" build/screenshots
+tests/web/run.sh "http://127.0.0.1:$port" build/screenshots "$work/demo/sample-flight-1-72"
 passed
 stop_server "$server_pid"
 server_pid=""

@@ -50,6 +50,14 @@ function keepInAddress() {
   history.replaceState(null, '', `#${parts}`);
 }
 
+// To the row that one came from.
+function backToSites() {
+  showView('sites');
+  keepInAddress();
+  const row = state.siteId && byId('sites').querySelector(`[data-site="${CSS.escape(state.siteId)}"]`);
+  row?.focus();
+}
+
 // --- A site ---
 
 const rankOf = (id) => state.sites.features.find((f) => f.properties.id === id)?.properties.rank;
@@ -252,9 +260,13 @@ async function refresh() {
 for (const tab of document.querySelectorAll('[data-tab]')) {
   tab.addEventListener('click', () => { showView(tab.dataset.tab); keepInAddress(); });
 }
-for (const back of document.querySelectorAll('[data-back]')) {
-  back.addEventListener('click', () => { showView('sites'); keepInAddress(); });
-}
+for (const back of document.querySelectorAll('[data-back]')) back.addEventListener('click', backToSites);
+// A dialog closes itself.
+addEventListener('keydown', (event) => {
+  if (event.key !== 'Escape' || document.querySelector('dialog[open]')) return;
+  if (map.closeAnswer()) return;
+  if (document.querySelector('[data-view="site"]:not([hidden]), [data-view="region"]:not([hidden])')) backToSites();
+});
 byId('flight').addEventListener('change', (event) => {
   chooseFlight(event.target.value);
   showView('sites');

@@ -121,11 +121,11 @@ export function createMap(element, on) {
 
     setOpacity(opacity) { overlay?.setOpacity(opacity); },
 
-    // A path for another wind (isReplanned) looks other than the stored one.
+    // A path for another wind (isReplanned) looks other than the stored one; a rejected one is dotted.
     drawApproach(collection, { touchdownRadius_m, isReplanned } = {}) {
       path.clearLayers();
       if (!collection) return;
-      const suffix = isReplanned ? ' replanned' : '';
+      const suffix = (isReplanned ? ' replanned' : '') + (collection.verdict === 'rejected' ? ' refused-path' : '');
       for (const { properties, geometry } of collection.features) {
         if (properties.kind === 'touchdown') {
           const [lon, lat] = geometry.coordinates;
@@ -176,6 +176,13 @@ export function createMap(element, on) {
         autoPanPaddingTopLeft: [16, 16], autoPanPaddingBottomRight: [kMarker + 28, 16],
       })
         .setLatLng(latlng).setContent(content).addTo(asked);
+    },
+
+    // Whether there was one.
+    closeAnswer() {
+      const isOpen = asked.getLayers().some((popup) => popup.isOpen());
+      asked.clearLayers();
+      return isOpen;
     },
 
     // Lines from here to the sites in reach, for emergencies.

@@ -122,6 +122,53 @@ for (const colorScheme of ['light', 'dark']) {
   });
 }
 
+test('page: the opacity of a layer is set with the slider, and kept for the next layer', async (t) => {
+  const { page } = await openSite(t);
+  const opacity = () => page.evaluate(() => Number(getComputedStyle(document.querySelector('img.site-layer')).opacity));
+  assert.equal(await opacity(), 1);
+  await page.locator('#opacity').fill('0.4');
+  assert.equal(await opacity(), 0.4);
+  await page.locator('#opacity').press('ArrowLeft');
+  assert.ok(Math.abs(await opacity() - 0.35) < 1e-6);
+  await page.selectOption('#layer', 'slope');
+  await pictureIsDrawn(page, 'slope');
+  assert.ok(Math.abs(await opacity() - 0.35) < 1e-6);
+});
+
+test('page: by keyboard to a site, into it, back to its row; Escape closes what is open', async (t) => {
+  const { page, seen } = await openPage(t, browser, { address: address() });
+  await page.locator('#sites button').first().waitFor(kWait);
+  const focused = () => page.evaluate(() => document.activeElement.dataset?.site ?? (document.activeElement.id || document.activeElement.className));
+  await page.keyboard.press('Tab');
+  assert.equal(await focused(), 'skip', 'the first stop skips the map');
+  await page.keyboard.press('Enter');
+  const rows = await page.locator('#sites button').evaluateAll((all) => all.map((button) => button.dataset.site));
+  for (let i = 0; i < 5 && !rows.includes(await focused()); ++i) await page.keyboard.press('Tab');
+  assert.equal(await focused(), rows[0], 'the first site is near');
+  await page.keyboard.press('Enter');
+  await page.locator('#view-site').waitFor(kWait);
+  await page.locator('#site-title:focus').waitFor(kWait);
+  await page.keyboard.press('Escape');
+  await page.locator('#view-site').waitFor({ state: 'hidden', ...kWait });
+  assert.equal(await focused(), rows[0], 'back where one was');
+  // A mark on the map does the same.
+  await page.locator('.disc-marker.chosen').focus();
+  await page.keyboard.press('Enter');
+  await page.locator('#site-title:focus').waitFor(kWait);
+  await page.locator('.bar [data-emergency]').focus();
+  await page.keyboard.press('Enter');
+  await page.locator('#emergency').waitFor(kWait);
+  await page.keyboard.press('Escape');
+  await page.locator('#emergency').waitFor({ state: 'hidden', ...kWait });
+  assert.ok(await page.locator('#view-site').isVisible(), 'only the dialog closed');
+  await clickPlace(page, site.place, [40, 0]);
+  await page.locator('.answer').waitFor(kWait);
+  await page.keyboard.press('Escape');
+  await page.locator('.answer').waitFor({ state: 'detached', ...kWait });
+  assert.ok(await page.locator('#view-site').isVisible(), 'only the answer closed');
+  assert.deepEqual(seen.errors, []);
+});
+
 test('page: the legend has the colours of the picture', async (t) => {
   const { page } = await openSite(t);
   const missing = await page.evaluate(async () => {

@@ -5,6 +5,7 @@ import { after, before, test } from 'node:test';
 
 import { Validator } from '@seriousme/openapi-schema-validator';
 
+import { distance, heading } from '../../web/units.js';
 import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
 import { startStandIn } from './stand_in.mjs';
 
@@ -135,6 +136,45 @@ test('track: asked for once, and again only when more photographs are through', 
   await page.unrouteAll({ behavior: 'ignoreErrors' });
 });
 
+// What the page asked the server for, and the server's own answer to the same.
+async function emergencyAnswer(page, ask) {
+  const [request] = await Promise.all([
+    page.waitForRequest((r) => r.url().includes('/v1/emergency?') && r.url().includes('altitude_m='), kWait), ask()]);
+  return getJson(request.url().slice(url.length));
+}
+
+test('emergency: what the server itself says is in reach is what the page shows', async (t) => {
+  const { page, seen } = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
+  await page.locator('#sites button').first().waitFor(kWait);
+  await page.locator('.bar [data-emergency]').click();
+  const [lon, lat] = site.place;
+  const { elevation_m, altitude_datum } = site.properties;
+  await page.locator('#em-latitude_deg').fill(String(lat));
+  await page.locator('#em-longitude_deg').fill(String(lon));
+  await page.selectOption('#em-altitude_datum', altitude_datum);
+  const high = await emergencyAnswer(page, () => page.locator('#em-altitude_m').fill((elevation_m + 250).toFixed(0)));
+  assert.ok(high.sites.length > 0, 'over the site, high enough, something is in reach');
+  await page.locator('#em-message', { hasText: /^In reach/ }).waitFor(kWait);
+  const cards = await page.locator('.em-card').allTextContents();
+  assert.equal(cards.length, Math.min(3, high.sites.length));
+  high.sites.slice(0, 3).forEach((reached, i) => {
+    for (const part of [reached.verdict, heading(reached.bearing_deg), distance(reached.distance_m),
+      heading(reached.approach.heading_deg), `+${reached.arrival_margin_m.toFixed(0)} m`]) {
+      assert.ok(cards[i].includes(part), `${part} in ${cards[i]}`);
+    }
+  });
+  assert.deepEqual(await page.locator('#em-warnings li').allTextContents(), high.warnings);
+  // On the ground already: no glide reaches the height of any final.
+  const low = await emergencyAnswer(page, () => page.locator('#em-altitude_m').fill((elevation_m - 20).toFixed(0)));
+  assert.deepEqual(low.sites, []);
+  await page.getByText('Nothing in reach').waitFor(kWait);
+  if (low.nearest_miss) {
+    const missing = `−${Math.abs(low.nearest_miss.arrival_margin_m).toFixed(0)} m`;
+    assert.ok((await page.locator('.em-card').textContent()).includes(missing), missing);
+  }
+  assert.deepEqual(seen.errors, []);
+});
+
 const inReach = (rank, verdict, distance_m, arrival_margin_m) => ({
   site_id: site.properties.id, flight_id: site.flight, rank, reachable: true, verdict, unseen_ratio: verdict === 'landable' ? 0 : 0.4,
   distance_m, bearing_deg: 41 * rank, arrival_margin_m, time_s: 65 * rank, score: 0.8, age_s: 86400 * rank,
@@ -151,7 +191,7 @@ test('emergency: three sites, big, with bearing, distance, heading and age', asy
   await page.locator('#sites button').first().waitFor(kWait);
   await page.locator('.bar [data-emergency]').click();
   await page.locator('#em-altitude_m').fill('700');
-  await page.locator('#em-message', { hasText: 'In reach' }).waitFor(kWait);
+  await page.locator('#em-message', { hasText: /^In reach/ }).waitFor(kWait);
   assert.equal(await page.locator('.em-card').count(), 3);
   const first = await page.locator('.em-card').first().textContent();
   for (const part of ['041°', '840 m', '+34 m', '1:05', '1 d ago']) assert.ok(first.includes(part), `${part} in ${first}`);
@@ -176,7 +216,7 @@ test('emergency: an older answer that comes late is not drawn over the newer one
   const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
   await page.locator('.bar [data-emergency]').click();
   await page.locator('#em-altitude_m').fill('700');
-  await page.locator('#em-message', { hasText: 'In reach' }).waitFor(kWait);
+  await page.locator('#em-message', { hasText: /^In reach/ }).waitFor(kWait);
   await page.waitForTimeout(2 * late_ms);
   assert.match(await page.locator('#em-message').textContent(), /In reach/);
   assert.match(await page.locator('.em-card').first().textContent(), /840 m/);
