@@ -1,0 +1,176 @@
+#include "api/import/pose_line.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "api/import/date_time.h"
+#include "api/import/gimbal.h"
+#include "api/import/tag_source.h"
+
+namespace freelsd {
+namespace {
+
+// Where only the heading is known: a small plane without gimbal flies level within this.
+constexpr double kUnknownTiltSdDeg = 8.0;
+constexpr double kMaxAngleDeg = 1e6;
+
+std::optional<int64_t> TimeOf(const PoseLine& line) {
+  const std::optional<std::string> text = line.Text(PoseField::kDateTime);
+  if (!text) return std::nullopt;
+  const size_t first = text->find_first_not_of(' ');
+  const std::optional<int64_t> time =
+      TimestampFromText(text->substr(first, text->find_last_not_of(" \r") - first + 1));
+  if (!time) {
+    throw InvalidPose(line.Pointer(PoseField::kDateTime), "must be YYYY:MM:DD HH:MM:SS[.f]");
+  }
+  return time;
+}
+
+// Wind told by where it comes from: the air moves the other way.
+std::optional<nlohmann::json> WindOf(const PoseLine& line) {
+  const std::optional<double> from = line.AngleRad(PoseField::kWindFrom);
+  const std::optional<double> speed_mps = line.Number(PoseField::kWindSpeed);
+  if (from.has_value() != speed_mps.has_value()) {
+    throw InvalidPose(line.Pointer(from ? PoseField::kWindSpeed : PoseField::kWindFrom),
+                      "wind needs both where it comes from and its speed");
+  }
+  if (!from) return std::nullopt;
+  if (*speed_mps < 0.0) throw InvalidPose(line.Pointer(PoseField::kWindSpeed), "is negative");
+  const Eigen::Vector2d towards = -*speed_mps * DirectionOf(*from);
+  return nlohmann::json{{"east_mps", towards.x()}, {"north_mps", towards.y()}};
+}
+
+// The same meta as a client would send, so that one place knows the ranges.
+nlohmann::json MetaOf(const PoseLine& line) {
+  nlohmann::json meta = nlohmann::json::object();
+  for (const auto& [field, column] : line.header().columns) {
+    const std::string pointer(MetaPointerOf(field));
+    const std::optional<double> number = pointer.empty() ? std::nullopt : line.Number(field);
+    if (number) meta[nlohmann::json::json_pointer(pointer)] = *number;
+  }
+  if (const std::optional<int64_t> time = TimeOf(line); time && !meta.contains("timestamp_us")) {
+    meta["timestamp_us"] = *time;
+  }
+  if (const auto wind = WindOf(line); wind && !meta.contains("wind")) meta["wind"] = *wind;
+  return meta;
+}
+
+// Camera attitude from gimbal angles, or from the heading of the image's top; that heading wins
+// over the gimbal's yaw, since photographs may have been turned after exposure.
+std::optional<Eigen::Quaterniond> CameraAttitude(const PoseLine& line) {
+  const std::optional<double> heading = line.AngleRad(PoseField::kImageUpHeading);
+  const std::optional<double> yaw = line.AngleRad(PoseField::kGimbalYaw);
+  const std::optional<double> pitch = line.AngleRad(PoseField::kGimbalPitch);
+  const double roll = line.AngleRad(PoseField::kGimbalRoll).value_or(0.0);
+  if (yaw && pitch) {
+    const Eigen::Quaterniond ned_from_camera = NedFromGimbalCamera({roll, *pitch, *yaw});
+    // Turns the picture about the optical axis (camera z), which stays where the gimbal put it.
+    const double turned = heading ? WrapAngle(*heading - *yaw) : 0.0;
+    return ned_from_camera * Eigen::AngleAxisd(turned, Eigen::Vector3d::UnitZ());
+  }
+  if (!heading) return std::nullopt;
+  if (pitch) return NedFromGimbalCamera({roll, *pitch, *heading});
+  return NedFromDownCamera({line.AngleRad(PoseField::kRoll).value_or(0.0),
+                            line.AngleRad(PoseField::kPitch).value_or(0.0),
+                            *heading});
+}
+
+bool HasTilt(const PoseLine& line) {
+  return line.Text(PoseField::kGimbalPitch) ||
+         (line.Text(PoseField::kRoll) && line.Text(PoseField::kPitch));
+}
+
+// A required cell that is empty, before meta says less clearly that a key is missing.
+void CheckNeeded(const PoseLine& line) {
+  for (const PoseField field :
+       {PoseField::kImage, PoseField::kLatitude, PoseField::kLongitude, PoseField::kAltitude}) {
+    if (!line.Text(field)) throw InvalidPose(line.Pointer(field), "is needed and empty");
+  }
+  if (line.Text(PoseField::kWindEast).has_value() != line.Text(PoseField::kWindNorth).has_value()) {
+    throw InvalidPose(line.Pointer(PoseField::kWindEast), "wind needs both components");
+  }
+}
+
+// ParseFrameMeta's pointers are keys; the client knows columns.
+FrameMeta ParseMetaOfLine(const nlohmann::json& meta, const PoseLine& line) {
+  try {
+    return ParseFrameMeta(meta.dump());
+  } catch (const ApiError& error) {
+    std::string pointer = LinePointer(line.number());
+    for (const auto& [field, column] : line.header().columns) {
+      const bool is_it = !error.errors().empty() && !MetaPointerOf(field).empty() &&
+                         error.errors()[0].pointer == MetaPointerOf(field);
+      if (is_it) pointer = line.Pointer(field);
+    }
+    throw InvalidPose(pointer, error.what());
+  }
+}
+
+}  // namespace
+
+ApiError InvalidPose(const std::string& pointer, const std::string& detail) {
+  return ApiError("InvalidPoses", detail, {{pointer, detail}});
+}
+
+std::string LinePointer(int line) { return "/poses/" + std::to_string(line); }
+
+std::string PoseLine::Pointer(PoseField field) const {
+  const auto column = header_.columns.find(field);
+  const bool is_given = column != header_.columns.end();
+  return LinePointer(line_.number) + "/" +
+         (is_given ? column->second.name : std::string(NameOf(field)));
+}
+
+std::optional<std::string> PoseLine::Text(PoseField field) const {
+  const auto column = header_.columns.find(field);
+  if (column == header_.columns.end() || column->second.index >= line_.cells.size()) {
+    return std::nullopt;
+  }
+  const std::string& cell = line_.cells[column->second.index];
+  if (cell.find_first_not_of(" \t\r") == std::string::npos) return std::nullopt;
+  return cell;
+}
+
+std::optional<double> PoseLine::Number(PoseField field) const {
+  const std::optional<std::string> text = Text(field);
+  if (!text) return std::nullopt;
+  const std::optional<double> number = NumberFromText(*text);
+  if (!number) throw InvalidPose(Pointer(field), "must be a finite number");
+  return number;
+}
+
+std::optional<double> PoseLine::AngleRad(PoseField field) const {
+  const std::optional<double> angle_deg = Number(field);
+  if (!angle_deg) return std::nullopt;
+  if (std::abs(*angle_deg) > kMaxAngleDeg) throw InvalidPose(Pointer(field), "is no angle");
+  return WrapAngle(RadFromDeg(*angle_deg));
+}
+
+FrameMeta ReadPoseLine(const PoseLine& line) {
+  CheckNeeded(line);
+  nlohmann::json meta_json = MetaOf(line);
+  const bool has_yaw = line.Text(PoseField::kYaw).has_value();
+  const std::optional<Eigen::Quaterniond> ned_from_camera = CameraAttitude(line);
+  const bool is_tilt_assumed = (has_yaw || ned_from_camera) && !HasTilt(line);
+  if (!has_yaw) {
+    meta_json.erase("attitude");  // roll and pitch alone are no attitude
+  } else {
+    for (const char* const key : {"roll_deg", "pitch_deg"}) {
+      if (!meta_json["attitude"].contains(key)) meta_json["attitude"][key] = 0.0;
+    }
+  }
+  FrameMeta meta = ParseMetaOfLine(meta_json, line);
+  if (ned_from_camera) {
+    meta.ned_from_camera = ned_from_camera->normalized();
+    meta.ned_from_body.reset();
+  }
+  if (is_tilt_assumed && !meta.attitude_sd_deg) meta.attitude_sd_deg = kUnknownTiltSdDeg;
+  if (!meta.height_above_ground_m) {
+    const std::optional<double> height = line.Number(PoseField::kHeightAboveTakeOff);
+    if (height && *height > 0.0) meta.height_above_ground_m = height;
+  }
+  return meta;
+}
+
+}  // namespace freelsd
