@@ -90,6 +90,7 @@ const std::vector<FieldNames>& AllFieldNames() {
       {F::kWindFrom,
        "",
        {"wind_from_deg", "wind_direction_from_deg", "wind_direction_deg", "wind_dir_deg"}},
+      {F::kWindTo, "", {"wind_to_deg", "wind_direction_to_deg", "wind_towards_deg"}},
       {F::kWindSpeed, "", {"wind_speed_mps", "wind_speed"}},
       {F::kHeightAboveGround,
        "/height_above_ground_m",

@@ -26,6 +26,7 @@ enum class PoseField {
   kWindEast,
   kWindNorth,
   kWindFrom,
+  kWindTo,
   kWindSpeed,
   kHeightAboveGround,
   kHeightAboveTakeOff,

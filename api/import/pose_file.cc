@@ -32,6 +32,10 @@ std::vector<std::string> AssumptionsOf(const PoseColumns& header) {
   if (wind != header.columns.end() && wind->second.name.find("from") == std::string::npos) {
     warnings.push_back("column \"" + wind->second.name + "\" is taken as where wind comes from");
   }
+  if (has(PoseField::kWindFrom) && has(PoseField::kWindTo)) {
+    warnings.emplace_back(
+        "where wind comes from is taken, where it blows to only if that is empty");
+  }
   const auto time = header.columns.find(PoseField::kDateTime);
   if (time != header.columns.end() && time->second.name.find("utc") == std::string::npos) {
     warnings.emplace_back("times of column \"" + time->second.name + "\" are taken as UTC");

@@ -27,17 +27,32 @@ std::optional<int64_t> TimeOf(const PoseLine& line) {
   return time;
 }
 
-// Wind told by where it comes from: the air moves the other way.
+// Of two fields that need each other, where one is not given: the empty cell of its column, else
+// the cell that is there.
+std::string PointerToPair(const PoseLine& line, PoseField given, PoseField missing) {
+  return line.Pointer(line.header().columns.contains(missing) ? missing : given);
+}
+
+// Wind told by where it comes from or by where it blows to.
 std::optional<nlohmann::json> WindOf(const PoseLine& line) {
-  const std::optional<double> from = line.AngleRad(PoseField::kWindFrom);
+  const bool is_from = line.Text(PoseField::kWindFrom).has_value();
+  const PoseField direction = is_from || !line.header().columns.contains(PoseField::kWindTo)
+                                  ? PoseField::kWindFrom
+                                  : PoseField::kWindTo;
+  const std::optional<double> angle = line.AngleRad(direction);
   const std::optional<double> speed_mps = line.Number(PoseField::kWindSpeed);
-  if (from.has_value() != speed_mps.has_value()) {
-    throw InvalidPose(line.Pointer(from ? PoseField::kWindSpeed : PoseField::kWindFrom),
-                      "wind needs both where it comes from and its speed");
+  if (!angle && !speed_mps) return std::nullopt;
+  if (!angle) {
+    throw InvalidPose(PointerToPair(line, PoseField::kWindSpeed, direction),
+                      "wind needs both its direction and its speed");
   }
-  if (!from) return std::nullopt;
+  if (!speed_mps) {
+    throw InvalidPose(PointerToPair(line, direction, PoseField::kWindSpeed),
+                      "wind needs both its direction and its speed");
+  }
   if (*speed_mps < 0.0) throw InvalidPose(line.Pointer(PoseField::kWindSpeed), "is negative");
-  const Eigen::Vector2d towards = -*speed_mps * DirectionOf(*from);
+  const double towards_mps = direction == PoseField::kWindFrom ? -*speed_mps : *speed_mps;
+  const Eigen::Vector2d towards = towards_mps * DirectionOf(*angle);
   return nlohmann::json{{"east_mps", towards.x()}, {"north_mps", towards.y()}};
 }
 
@@ -87,8 +102,11 @@ void CheckNeeded(const PoseLine& line) {
        {PoseField::kImage, PoseField::kLatitude, PoseField::kLongitude, PoseField::kAltitude}) {
     if (!line.Text(field)) throw InvalidPose(line.Pointer(field), "is needed and empty");
   }
-  if (line.Text(PoseField::kWindEast).has_value() != line.Text(PoseField::kWindNorth).has_value()) {
-    throw InvalidPose(line.Pointer(PoseField::kWindEast), "wind needs both components");
+  const bool has_east = line.Text(PoseField::kWindEast).has_value();
+  if (has_east != line.Text(PoseField::kWindNorth).has_value()) {
+    throw InvalidPose(has_east ? PointerToPair(line, PoseField::kWindEast, PoseField::kWindNorth)
+                               : PointerToPair(line, PoseField::kWindNorth, PoseField::kWindEast),
+                      "wind needs both components");
   }
 }
 

@@ -13,6 +13,7 @@ namespace freelsd {
 namespace {
 
 constexpr double kMaxRotationErrorRad = 1e-9;
+constexpr double kMaxWindErrorMps = 1e-9;
 constexpr const char* kHeader = "image,latitude_deg,longitude_deg,altitude_m\n";
 
 std::string ErrorOfPoses(const std::string& text) {
@@ -100,6 +101,43 @@ TEST_CASE("poses: what is wrong is refused at its line and column") {
         "422 InvalidPoses /poses/2/wind_east_mps");
   CHECK(ErrorOfPoses("image,lat,lon,alt,height_above_ground_m\na,1,2,3,-4\n") ==
         "422 InvalidPoses /poses/2/height_above_ground_m");
+}
+
+TEST_CASE("poses: wind told by where it blows to") {
+  const PoseFile file = ParsePoses(
+      "image,lat,lon,alt,wind_to_deg,wind_speed_mps\n"
+      "a,47,8,500,90,5\nb,47,8,500,180,3\nc,47,8,500,30,4\nd,47,8,500,,\n");
+  CHECK(file.warnings.empty());
+  const auto wind = [&file](size_t i) { return file.poses.at(i).second.wind_in_world; };
+  // East, then north: 4 sin 30 = 2, 4 cos 30 = 3.4641.
+  CHECK((*wind(0) - Eigen::Vector2d(5, 0)).norm() < kMaxWindErrorMps);
+  CHECK((*wind(1) - Eigen::Vector2d(0, -3)).norm() < kMaxWindErrorMps);
+  CHECK((*wind(2) - Eigen::Vector2d(2, 3.4641016151)).norm() < kMaxWindErrorMps);
+  CHECK_FALSE(wind(3));
+  const PoseFile both = ParsePoses(
+      "image,lat,lon,alt,wind_from_deg,wind_to_deg,wind_speed_mps\n"
+      "a,47,8,500,270,,5\nb,47,8,500,,90,5\n");
+  CHECK(HasWarning(both, "comes from is taken"));
+  for (const auto& [id, meta] : both.poses) {
+    CHECK((*meta.wind_in_world - Eigen::Vector2d(5, 0)).norm() < kMaxWindErrorMps);
+  }
+}
+
+TEST_CASE("poses: half a wind is refused at a column that is there") {
+  const std::string h = "image,lat,lon,alt,";
+  CHECK(ErrorOfPoses(h + "wind_to_deg\na,1,2,3,4\n") == "422 InvalidPoses /poses/2/wind_to_deg");
+  CHECK(ErrorOfPoses(h + "wind_from_deg\na,1,2,3,4\n") ==
+        "422 InvalidPoses /poses/2/wind_from_deg");
+  CHECK(ErrorOfPoses(h + "wind_speed\na,1,2,3,4\n") == "422 InvalidPoses /poses/2/wind_speed");
+  CHECK(ErrorOfPoses(h + "wind_north_mps\na,1,2,3,4\n") ==
+        "422 InvalidPoses /poses/2/wind_north_mps");
+  // The empty cell, where it has a column.
+  CHECK(ErrorOfPoses(h + "wind_to_deg,wind_speed\na,1,2,3,4,\n") ==
+        "422 InvalidPoses /poses/2/wind_speed");
+  CHECK(ErrorOfPoses(h + "wind_to_deg,wind_speed\na,1,2,3,,4\n") ==
+        "422 InvalidPoses /poses/2/wind_to_deg");
+  CHECK(ErrorOfPoses(h + "wind_east_mps,wind_north_mps\na,1,2,3,4,\n") ==
+        "422 InvalidPoses /poses/2/wind_north_mps");
 }
 
 TEST_CASE("poses: lines of JSON, with the image beside the meta") {
