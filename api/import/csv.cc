@@ -17,7 +17,8 @@ char SeparatorOf(std::string_view text) {
 // Reads one character after the other.
 class CsvReader {
  public:
-  explicit CsvReader(char separator) : separator_(separator) {}
+  CsvReader(char separator, int first_line_number)
+      : separator_(separator), num_newlines_(first_line_number - 1), line_{first_line_number, {}} {}
 
   void Take(char c, char next) {
     if (c == '\n') ++num_newlines_;
@@ -67,16 +68,16 @@ class CsvReader {
   char separator_;
   bool is_quoted_ = false;
   bool is_second_quote_ = false;
-  int num_newlines_ = 0;
+  int num_newlines_;
   std::string cell_;
-  CsvLine line_{1, {}};
+  CsvLine line_;
   std::vector<CsvLine> lines_;
 };
 
 }  // namespace
 
-std::vector<CsvLine> ParseCsv(std::string_view text) {
-  CsvReader reader(SeparatorOf(text));
+std::vector<CsvLine> ParseCsv(std::string_view text, int first_line_number) {
+  CsvReader reader(SeparatorOf(text), first_line_number);
   for (size_t i = 0; i < text.size(); ++i) {
     reader.Take(text[i], i + 1 < text.size() ? text[i + 1] : '\0');
   }

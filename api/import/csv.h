@@ -15,7 +15,7 @@ struct CsvLine {
 
 // Quotes, doubled quotes, CRLF; blank lines are passed over. The separator is the first of comma,
 // semicolon and tab that the first line has. Throws std::invalid_argument on a quote that never
-// closes.
-std::vector<CsvLine> ParseCsv(std::string_view text);
+// closes. `first_line_number`: of the text in its file.
+std::vector<CsvLine> ParseCsv(std::string_view text, int first_line_number = 1);
 
 }  // namespace freelsd

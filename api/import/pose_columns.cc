@@ -10,6 +10,7 @@ namespace {
 
 constexpr size_t kMaxShownNameBytes = 60;
 constexpr size_t kMaxColumns = 256;
+constexpr size_t kMaxHeaderBytes = 1 << 16;
 
 struct FieldNames {
   PoseField field;
@@ -122,8 +123,9 @@ std::string Harmless(const std::string& name) {
   return plain.substr(0, kMaxShownNameBytes);
 }
 
-ApiError Invalid(const std::string& name, const std::string& detail) {
-  return ApiError("InvalidPoses", detail, {{"/poses/1/" + name, detail}});
+ApiError Invalid(int line, const std::string& name, const std::string& detail) {
+  return ApiError(
+      "InvalidPoses", detail, {{"/poses/" + std::to_string(line) + "/" + name, detail}});
 }
 
 std::string IgnoredWarning(const std::string& name) {
@@ -139,13 +141,38 @@ std::string_view NameOf(PoseField field) { return NamesOf(field).names.front(); 
 
 std::string_view MetaPointerOf(PoseField field) { return NamesOf(field).meta_pointer; }
 
-PoseColumns ReadHeader(const std::vector<std::string>& cells) {
-  if (cells.size() > kMaxColumns) throw Invalid("", "the pose file has too many columns");
+size_t NumKnownColumns(const std::vector<std::string>& cells) {
+  std::set<std::string> names;
+  for (const std::string& cell : cells) names.insert(Harmless(cell));
+  size_t num_known = 0;
+  for (const FieldNames& field : AllFieldNames()) {
+    for (const std::string_view known : field.names) num_known += names.count(std::string(known));
+  }
+  return num_known;
+}
+
+size_t NumKnownColumns(std::string_view line) {
+  std::vector<std::string> cells(1);
+  for (const char c : line.substr(0, kMaxHeaderBytes)) {
+    if (c == ',' || c == ';' || c == '\t') {
+      cells.emplace_back();
+    } else if (c != '"') {
+      cells.back() += c;
+    }
+  }
+  return NumKnownColumns(cells);
+}
+
+PoseColumns ReadHeader(const CsvLine& line) {
+  const std::vector<std::string>& cells = line.cells;
+  if (cells.size() > kMaxColumns) {
+    throw Invalid(line.number, "", "the pose file has too many columns");
+  }
   std::map<std::string, size_t> unclaimed;
   for (size_t i = 0; i < cells.size(); ++i) {
     const std::string name = Harmless(cells[i]);
     if (!unclaimed.emplace(name, i).second) {
-      throw Invalid(name, "the column \"" + name + "\" comes twice");
+      throw Invalid(line.number, name, "the column \"" + name + "\" comes twice");
     }
   }
   PoseColumns header;
@@ -160,7 +187,9 @@ PoseColumns ReadHeader(const std::vector<std::string>& cells) {
   for (const PoseField needed :
        {PoseField::kImage, PoseField::kLatitude, PoseField::kLongitude, PoseField::kAltitude}) {
     const std::string name(NameOf(needed));
-    if (header.columns.count(needed) == 0) throw Invalid(name, "the column " + name + " is needed");
+    if (header.columns.count(needed) == 0) {
+      throw Invalid(line.number, name, "the column " + name + " is needed");
+    }
   }
   for (const auto& [name, index] : unclaimed) header.warnings.push_back(IgnoredWarning(name));
   return header;

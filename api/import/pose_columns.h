@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "api/import/csv.h"
+
 namespace freelsd {
 
 enum class PoseField {
@@ -47,9 +49,13 @@ struct PoseColumns {
   std::map<PoseField, Column> columns;
   std::vector<std::string> warnings;
 };
+// How many of the cells name a field.
+size_t NumKnownColumns(const std::vector<std::string>& cells);
+// The same of a line that may be no header, split at every comma, semicolon and tab.
+size_t NumKnownColumns(std::string_view line);
 // Names in any order and case. What is not understood is a warning; a field given twice under other
 // names is taken from the better known one. Throws ApiError InvalidPoses when the same name comes
 // twice or one of the first four fields is missing.
-PoseColumns ReadHeader(const std::vector<std::string>& cells);
+PoseColumns ReadHeader(const CsvLine& line);
 
 }  // namespace freelsd

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <set>
 #include <stdexcept>
 
@@ -15,6 +16,8 @@ constexpr size_t kMaxPoseFileBytes = 64u << 20;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 // Lines told of at once.
 constexpr size_t kMaxNumListedErrors = 20;
+// A line in the middle with as many known names is the header of another table.
+constexpr size_t kMinHeaderColumns = 2;
 
 std::vector<std::string> AssumptionsOf(const PoseColumns& header) {
   std::vector<std::string> warnings;
@@ -43,29 +46,74 @@ std::vector<std::string> AssumptionsOf(const PoseColumns& header) {
   return warnings;
 }
 
-PoseFile ParseCsvPoses(std::string_view text) {
-  std::vector<CsvLine> lines;
+bool IsRemark(std::string_view line) {
+  const size_t first = line.find_first_not_of(" \t");
+  return first != std::string_view::npos && line[first] == '#';
+}
+
+// Agisoft writes remarks before the header ("# Cameras (54)"), and # before the header itself.
+std::vector<CsvLine> LinesFromHeader(std::string_view text) {
+  int line_number = 1;
+  std::string_view rest = text;
+  while (IsRemark(rest.substr(0, rest.find('\n'))) &&
+         NumKnownColumns(rest.substr(0, rest.find('\n'))) == 0) {
+    rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
+    ++line_number;
+  }
   try {
-    lines = ParseCsv(text);
+    return ParseCsv(rest, line_number);
   } catch (const std::invalid_argument& error) {
     throw InvalidPose("/poses", error.what());
   }
+}
+
+// The lines of poses: without remarks, and without the table of something else (Agisoft's markers)
+// that begins with another header.
+std::vector<CsvLine> LinesOfPoses(const std::vector<CsvLine>& lines, PoseFile& file) {
+  std::vector<CsvLine> poses;
+  size_t num_remarks = 0;
+  for (size_t i = 1; i < lines.size(); ++i) {
+    if (!IsRemark(lines[i].cells[0])) {
+      poses.push_back(lines[i]);
+    } else if (NumKnownColumns(lines[i].cells) >= kMinHeaderColumns) {
+      file.warnings.push_back("a second table begins at line " + std::to_string(lines[i].number) +
+                              ": it is not read");
+      break;
+    } else {
+      ++num_remarks;
+    }
+  }
+  if (num_remarks > 0) {
+    file.warnings.push_back(std::to_string(num_remarks) +
+                            " lines that begin with # are taken for remarks");
+  }
+  return poses;
+}
+
+std::pair<std::string, FrameMeta> ReadCsvPose(const PoseColumns& header,
+                                              const CsvLine& cells,
+                                              size_t num_columns) {
+  if (cells.cells.size() > num_columns) {
+    throw InvalidPose(LinePointer(cells.number), "more cells than the header has columns");
+  }
+  const PoseLine line(header, cells);
+  FrameMeta meta = ReadPoseLine(line);
+  return {IdFromFileName(line.Text(PoseField::kImage).value()), std::move(meta)};
+}
+
+PoseFile ParseCsvPoses(std::string_view text) {
+  const std::vector<CsvLine> lines = LinesFromHeader(text);
   if (lines.empty()) throw InvalidPose("/poses", "the pose file is empty");
-  const PoseColumns header = ReadHeader(lines[0].cells);
+  const PoseColumns header = ReadHeader(lines[0]);
   PoseFile file;
   file.warnings = header.warnings;
   for (const std::string& warning : AssumptionsOf(header)) file.warnings.push_back(warning);
   std::optional<ApiError> first_error;
   std::vector<FieldError> errors;
-  for (size_t i = 1; i < lines.size() && errors.size() < kMaxNumListedErrors; ++i) {
+  for (const CsvLine& line : LinesOfPoses(lines, file)) {
+    if (errors.size() >= kMaxNumListedErrors) break;
     try {
-      if (lines[i].cells.size() > lines[0].cells.size()) {
-        throw InvalidPose(LinePointer(lines[i].number), "more cells than the header has columns");
-      }
-      const PoseLine line(header, lines[i]);
-      FrameMeta meta = ReadPoseLine(line);
-      file.poses.emplace_back(IdFromFileName(line.Text(PoseField::kImage).value()),
-                              std::move(meta));
+      file.poses.push_back(ReadCsvPose(header, line, lines[0].cells.size()));
     } catch (const ApiError& error) {
       if (!first_error) first_error = error;
       errors.insert(errors.end(), error.errors().begin(), error.errors().end());

@@ -140,6 +140,40 @@ TEST_CASE("poses: half a wind is refused at a column that is there") {
         "422 InvalidPoses /poses/2/wind_north_mps");
 }
 
+TEST_CASE("poses: Agisoft's reference, with remarks before its header and markers behind") {
+  const PoseFile file = ParsePoses(
+      "# Cameras (2)\r\n"
+      "# CoordinateSystem: GEOGCS[\"WGS 84\",DATUM[\"World Geodetic System 1984\"]]\r\n"
+      "#Label,X/Longitude,Y/Latitude,Z/Altitude,Yaw,Pitch,Roll\r\n"
+      "a.jpg,8.5,47.25,500.5,90,0,0\r\n"
+      "b.jpg,8.5,47.25,500.5,,,\r\n"
+      "# Total Error,,,,,,\r\n"
+      "# Markers (1)\r\n"
+      "#Label,X/Longitude,Y/Latitude,Z/Altitude\r\n"
+      "point 1,8.5,47.25,400\r\n");
+  REQUIRE(file.poses.size() == 2);
+  const FrameMeta& meta = file.poses[0].second;
+  CHECK(file.poses[0].first == "a.jpg");
+  CHECK(meta.position->latitude_deg == 47.25);
+  CHECK(meta.position->longitude_deg == 8.5);
+  CHECK(meta.position->altitude_m == 500.5);
+  // The nose, forward, points east.
+  CHECK((*meta.ned_from_body * Eigen::Vector3d::UnitX() - Eigen::Vector3d::UnitY()).norm() <
+        kMaxRotationErrorRad);
+  CHECK_FALSE(file.poses[1].second.ned_from_body);
+  CHECK(HasWarning(file, "second table begins at line 8"));
+  CHECK(HasWarning(file, "2 lines that begin with #"));
+}
+
+TEST_CASE("poses: lines are counted with the remarks, and separators told by the header") {
+  const std::string h = "# taken in spring, windy\n#image;lat;lon;alt\n";
+  CHECK(ParsePoses(h + "a;47;8;500\n").poses.size() == 1);
+  CHECK(ErrorOfPoses(h + "a;47;8;500\nb;47;x;500\n") == "422 InvalidPoses /poses/4/lon");
+  CHECK(ErrorOfPoses("# x\nimage,lat,lon\n") == "422 InvalidPoses /poses/2/altitude_m");
+  CHECK(ErrorOfPoses("# x\n#Label,X/Longitude\na,1\n") == "422 InvalidPoses /poses/2/latitude_deg");
+  CHECK(ErrorOfPoses("# x\n# y") == "422 InvalidPoses /poses");
+}
+
 TEST_CASE("poses: lines of JSON, with the image beside the meta") {
   const std::string good =
       R"({"image": "a.jpg", "position": {"latitude_deg": 47, "longitude_deg": 8, "altitude_m": 5}})";
