@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "api/import/import.h"
 
@@ -82,6 +83,10 @@ const std::vector<FieldNames>& AllFieldNames() {
       {F::kYaw,
        "/attitude/yaw_deg",
        {"yaw_deg", "body_yaw_deg", "heading_deg", "body_heading_deg", "yaw"}},
+      {F::kQuaternionW, "", {"qw", "q_w", "quat_w", "quaternion_w"}},
+      {F::kQuaternionX, "", {"qx", "q_x", "quat_x", "quaternion_x"}},
+      {F::kQuaternionY, "", {"qy", "q_y", "quat_y", "quaternion_y"}},
+      {F::kQuaternionZ, "", {"qz", "q_z", "quat_z", "quaternion_z"}},
       {F::kGimbalRoll, "", {"gimbal_roll_deg", "camera_roll_deg"}},
       {F::kGimbalPitch, "", {"gimbal_pitch_deg", "camera_pitch_deg"}},
       {F::kGimbalYaw, "", {"gimbal_yaw_deg", "camera_yaw_deg"}},
@@ -133,6 +138,24 @@ std::string IgnoredWarning(const std::string& name) {
     return "column \"" + name + "\" is the track over ground, not the heading: ignored";
   }
   return "column \"" + name + "\" is not understood: ignored";
+}
+
+// Without the quaternion where a part of it is missing, or roll, pitch and yaw say it all.
+PoseColumns WithOneAttitude(PoseColumns header) {
+  const auto has = [&header](PoseField field) { return header.columns.contains(field); };
+  if (std::none_of(kQuaternionFields.begin(), kQuaternionFields.end(), has)) return header;
+  if (!std::all_of(kQuaternionFields.begin(), kQuaternionFields.end(), has)) {
+    header.warnings.emplace_back("a quaternion needs qw, qx, qy and qz: ignored");
+  } else if (has(PoseField::kRoll) && has(PoseField::kPitch) && has(PoseField::kYaw)) {
+    header.warnings.emplace_back("roll, pitch and yaw are taken, the quaternion is ignored");
+  } else {
+    header.warnings.emplace_back(
+        "qw, qx, qy, qz are taken as the turn from the body (forward, right, down) to north, east, "
+        "down");
+    return header;
+  }
+  for (const PoseField field : kQuaternionFields) header.columns.erase(field);
+  return header;
 }
 
 }  // namespace
@@ -192,7 +215,7 @@ PoseColumns ReadHeader(const CsvLine& line) {
     }
   }
   for (const auto& [name, index] : unclaimed) header.warnings.push_back(IgnoredWarning(name));
-  return header;
+  return WithOneAttitude(std::move(header));
 }
 
 }  // namespace freelsd

@@ -1,6 +1,7 @@
 // Which column of a pose file means what.
 #pragma once
 
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
@@ -21,6 +22,10 @@ enum class PoseField {
   kRoll,
   kPitch,
   kYaw,
+  kQuaternionW,
+  kQuaternionX,
+  kQuaternionY,
+  kQuaternionZ,
   kGimbalRoll,
   kGimbalPitch,
   kGimbalYaw,
@@ -35,6 +40,12 @@ enum class PoseField {
   kPositionSd,
   kAttitudeSd,
 };
+
+// Hamilton, w first, ned_from_body: one attitude in four columns.
+constexpr std::array<PoseField, 4> kQuaternionFields{PoseField::kQuaternionW,
+                                                     PoseField::kQuaternionX,
+                                                     PoseField::kQuaternionY,
+                                                     PoseField::kQuaternionZ};
 
 // The contract's name of a field.
 std::string_view NameOf(PoseField field);

@@ -26,8 +26,8 @@ std::vector<std::string> AssumptionsOf(const PoseColumns& header) {
     warnings.emplace_back("height above take-off is taken as height above ground");
   }
   const bool has_heading = has(PoseField::kYaw) || has(PoseField::kImageUpHeading);
-  const bool has_tilt =
-      has(PoseField::kGimbalPitch) || (has(PoseField::kRoll) && has(PoseField::kPitch));
+  const bool has_tilt = has(PoseField::kGimbalPitch) || has(PoseField::kQuaternionW) ||
+                        (has(PoseField::kRoll) && has(PoseField::kPitch));
   if (has_heading && !has_tilt) {
     warnings.emplace_back("only headings are given: roll and pitch are taken as level");
   }

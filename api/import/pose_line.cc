@@ -91,6 +91,21 @@ std::optional<Eigen::Quaterniond> CameraAttitude(const PoseLine& line) {
                             *heading});
 }
 
+std::optional<nlohmann::json> QuaternionOf(const PoseLine& line) {
+  nlohmann::json wxyz = nlohmann::json::array();
+  std::optional<PoseField> empty;
+  for (const PoseField field : kQuaternionFields) {
+    if (const std::optional<double> number = line.Number(field)) {
+      wxyz.push_back(*number);
+    } else {
+      empty = field;
+    }
+  }
+  if (wxyz.empty()) return std::nullopt;
+  if (empty) throw InvalidPose(line.Pointer(*empty), "a quaternion needs all four numbers");
+  return nlohmann::json{{"quaternion_wxyz", wxyz}};
+}
+
 bool HasTilt(const PoseLine& line) {
   return line.Text(PoseField::kGimbalPitch) ||
          (line.Text(PoseField::kRoll) && line.Text(PoseField::kPitch));
@@ -115,11 +130,13 @@ FrameMeta ParseMetaOfLine(const nlohmann::json& meta, const PoseLine& line) {
   try {
     return ParseFrameMeta(meta.dump());
   } catch (const ApiError& error) {
+    const std::string at = error.errors().empty() ? "" : error.errors()[0].pointer;
     std::string pointer = LinePointer(line.number());
+    if (at.rfind("/attitude/quaternion_wxyz", 0) == 0) {
+      pointer = line.Pointer(PoseField::kQuaternionW);
+    }
     for (const auto& [field, column] : line.header().columns) {
-      const bool is_it = !error.errors().empty() && !MetaPointerOf(field).empty() &&
-                         error.errors()[0].pointer == MetaPointerOf(field);
-      if (is_it) pointer = line.Pointer(field);
+      if (!at.empty() && MetaPointerOf(field) == at) pointer = line.Pointer(field);
     }
     throw InvalidPose(pointer, error.what());
   }
@@ -170,8 +187,11 @@ FrameMeta ReadPoseLine(const PoseLine& line) {
   nlohmann::json meta_json = MetaOf(line);
   const bool has_yaw = line.Text(PoseField::kYaw).has_value();
   const std::optional<Eigen::Quaterniond> ned_from_camera = CameraAttitude(line);
-  const bool is_tilt_assumed = (has_yaw || ned_from_camera) && !HasTilt(line);
-  if (!has_yaw) {
+  const std::optional<nlohmann::json> quaternion = QuaternionOf(line);
+  const bool is_tilt_assumed = (ned_from_camera || (has_yaw && !quaternion)) && !HasTilt(line);
+  if (quaternion) {
+    meta_json["attitude"] = *quaternion;
+  } else if (!has_yaw) {
     meta_json.erase("attitude");  // roll and pitch alone are no attitude
   } else {
     for (const char* const key : {"roll_deg", "pitch_deg"}) {

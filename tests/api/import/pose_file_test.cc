@@ -174,6 +174,50 @@ TEST_CASE("poses: lines are counted with the remarks, and separators told by the
   CHECK(ErrorOfPoses("# x\n# y") == "422 InvalidPoses /poses");
 }
 
+TEST_CASE("poses: quaternions in four columns, by their names") {
+  // b: yaw 60, cos 30 and sin 30. c: yaw 90 and then roll 10, cos 45 cos 5 = 0.70441603.
+  const PoseFile file = ParsePoses(
+      "image,lat,lon,alt,qx,qy,qz,qw\n"
+      "a,47,8,500,0,0,0,1\n"
+      "b,47,8,500,0,0,0.5,0.8660254038\n"
+      "c,47,8,500,0.0616284167,0.0616284167,0.7044160264,0.7044160264\n"
+      "d,47,8,500,,,,\n");
+  REQUIRE(file.poses.size() == 4);
+  CHECK(file.warnings.size() == 1);
+  CHECK(HasWarning(file, "north, east, down"));
+  const auto attitude = [&file](size_t i) { return file.poses.at(i).second.ned_from_body; };
+  CHECK(EulerFromNedFromBody(attitude(0).value()).yaw == doctest::Approx(0.0));
+  CHECK(DegFromRad(EulerFromNedFromBody(attitude(1).value()).yaw) == doctest::Approx(60.0));
+  CHECK((*attitude(1) * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0.5, 0.8660254038, 0)).norm() <
+        kMaxRotationErrorRad);
+  // Flying east, the right wing points south and ten degrees down.
+  CHECK((*attitude(2) * Eigen::Vector3d::UnitY() - Eigen::Vector3d(-0.9848077530, 0, 0.1736481777))
+            .norm() < kMaxRotationErrorRad);
+  CHECK_FALSE(attitude(3));
+  CHECK_FALSE(file.poses[1].second.attitude_sd_deg);
+  CHECK(ParsePoses("image,lat,lon,alt,Q_W,q_x,q_y,q_z\na,47,8,5,1,0,0,0\n")
+            .poses[0]
+            .second.ned_from_body);
+}
+
+TEST_CASE("poses: quaternions that are not whole, and beside angles") {
+  const std::string h = "image,lat,lon,alt,qw,qx,qy,qz\n";
+  CHECK(ErrorOfPoses(h + "a,47,8,5,1,0,,0\n") == "422 InvalidPoses /poses/2/qy");
+  CHECK(ErrorOfPoses(h + "a,47,8,5,0,0,0,0\n") == "422 InvalidPoses /poses/2/qw");
+  const PoseFile part = ParsePoses("image,lat,lon,alt,qw,qx\na,47,8,5,1,0\n");
+  CHECK_FALSE(part.poses[0].second.ned_from_body);
+  CHECK(HasWarning(part, "needs qw, qx, qy and qz"));
+  const PoseFile both =
+      ParsePoses("image,lat,lon,alt,roll,pitch,yaw,qw,qx,qy,qz\na,47,8,5,0,0,90,1,0,0,0\n");
+  CHECK(HasWarning(both, "quaternion is ignored"));
+  CHECK(DegFromRad(EulerFromNedFromBody(*both.poses[0].second.ned_from_body).yaw) ==
+        doctest::Approx(90.0));
+  // A heading alone says less.
+  const PoseFile heading = ParsePoses("image,lat,lon,alt,yaw,qw,qx,qy,qz\na,47,8,5,90,1,0,0,0\n");
+  CHECK(EulerFromNedFromBody(*heading.poses[0].second.ned_from_body).yaw == doctest::Approx(0.0));
+  CHECK_FALSE(heading.poses[0].second.attitude_sd_deg);
+}
+
 TEST_CASE("poses: lines of JSON, with the image beside the meta") {
   const std::string good =
       R"({"image": "a.jpg", "position": {"latitude_deg": 47, "longitude_deg": 8, "altitude_m": 5}})";
