@@ -1,10 +1,12 @@
 #include "server/batch.h"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
 
 #include "api/api.h"
+#include "api/import/file_kind.h"
 #include "server/multipart.h"
 #include "server/stamps.h"
 
@@ -14,6 +16,8 @@ namespace {
 constexpr size_t kMaxPosesBytes = 16 << 20;
 constexpr size_t kMaxNumSideFiles = 64;
 constexpr size_t kMaxNumImages = 20000;
+constexpr size_t kMaxNumOthersTold = 20;
+constexpr char kOtherFile[] = "neither JPEG nor PNG nor a file that is read";
 
 // A file in the spool, removed at the end.
 class SpoolFile {
@@ -68,7 +72,10 @@ void BatchUpload::Read(const Call& call) {
     ReadArchive(call);
   }
   if (images_.empty() && side_files_.empty()) {
-    throw ApiError("MissingPart", "the batch has no images", {{"/images", "is missing"}});
+    const std::string detail =
+        others_.empty() ? "the batch has no images"
+                        : "the batch has no images: " + ShownPath(others_[0]) + " is " + kOtherFile;
+    throw ApiError("MissingPart", detail, {{"/images", "is missing"}});
   }
 }
 
@@ -95,12 +102,19 @@ void BatchUpload::ReadArchive(const Call& call) {
     throw ApiError("UnsupportedMediaType", "a batch is multipart/form-data or a zip archive");
   }
   ReadZip(file.path(), ZipLimits{}, [this](const std::string& path, std::string&& bytes) {
-    if (IsSideFile(path)) {
-      AddSideFile(path, std::move(bytes));
-    } else {
-      AddImage(path, std::move(bytes));
-    }
+    AddEntry(path, std::move(bytes));
   });
+}
+
+void BatchUpload::AddEntry(const std::string& path, std::string&& bytes) {
+  const FileKind kind = KindByName(path);
+  if (kind == FileKind::kImage || (kind == FileKind::kUnknown && BeginsAsImage(bytes))) {
+    AddImage(path, std::move(bytes));
+  } else if (IsSideFile(path) && !IsAnyText({path, bytes})) {
+    AddSideFile(path, std::move(bytes));
+  } else {
+    others_.push_back(path);
+  }
 }
 
 void BatchUpload::AddImage(const std::string& file_name, const std::optional<std::string>& bytes) {
@@ -142,6 +156,20 @@ void BatchUpload::ParsePoses(const std::optional<GeoPoint>& origin) {
     if (entry.image) context.image_tags.emplace_back(entry.id, entry.image->tags.meta);
   }
   poses_ = PosesFromFiles(side_files_, context);
+  TellOfOthers();
+}
+
+void BatchUpload::TellOfOthers() {
+  const size_t num_told = std::min(others_.size(), kMaxNumOthersTold);
+  for (size_t i = 0; i < num_told; ++i) {
+    const std::string path = ShownPath(others_[i]);
+    poses_.formats.push_back({"unknown", path, kOtherFile});
+    poses_.warnings.push_back(path + ": " + kOtherFile + ", ignored");
+  }
+  if (others_.size() > num_told) {
+    poses_.warnings.push_back(std::to_string(others_.size() - num_told) +
+                              " more files of the archive are ignored");
+  }
 }
 
 }  // namespace freelsd

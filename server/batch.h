@@ -39,14 +39,18 @@ class BatchUpload {
  private:
   void ReadParts(const Call& call, const std::string& boundary);
   void ReadArchive(const Call& call);
+  void AddEntry(const std::string& path, std::string&& bytes);
   void AddImage(const std::string& file_name, const std::optional<std::string>& bytes);
   void AddSideFile(const std::string& path, const std::optional<std::string>& text);
+  void TellOfOthers();
 
   Service& service_;
   std::vector<BatchImage> images_;
   std::optional<Camera> camera_;
   std::set<std::string> ids_;
   std::vector<SideFile> side_files_;
+  // Of an archive: neither images nor files that anything here reads.
+  std::vector<std::string> others_;
   PoseFile poses_;
   std::set<std::string> written_;
 };

@@ -82,9 +82,9 @@ struct SideContext {
 PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& context);
 
 // Entries of a zip, in order, by callback (path in the archive, bytes). Names, kinds and count are
-// checked before the first call: two of one frame id are refused, except side files. Refuses with
-// ApiError ZipRefused (422), over a limit ZipTooLarge (413). Folders and what file managers leave
-// behind (__MACOSX, .DS_Store, Thumbs.db) are passed over. Reads from a file.
+// checked before the first call: two images of one frame id are refused. ApiError ZipRefused (422),
+// over a limit ZipTooLarge (413). Folders and what file managers leave behind (__MACOSX, .DS_Store)
+// are passed over; FileKind::kUnread comes without its bytes. Reads from a file.
 struct ZipLimits {
   int max_entries = 20000;
   double max_ratio = 200.0;

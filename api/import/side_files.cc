@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "api/import/pose_columns.h"
 #include "api/import/tag_source.h"
 
 namespace freelsd {
@@ -15,6 +16,8 @@ constexpr size_t kMaxShownBytes = 80;
 // Of the file that formats are told by.
 constexpr size_t kHeadBytes = 4096;
 constexpr double kMaxNormError = 0.01;
+// Of a ground control point, before the image's name.
+constexpr size_t kNumGcpNumbers = 5;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string Lower(std::string_view text) {
@@ -23,9 +26,8 @@ std::string Lower(std::string_view text) {
   return lower;
 }
 
-std::string ExtensionOf(std::string_view path) {
-  const size_t dot = path.rfind('.');
-  return dot == std::string_view::npos ? "" : Lower(path.substr(dot + 1));
+std::string_view WithoutMark(std::string_view text) {
+  return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
 }
 
 // The beginning of a file, and its name, in lower case.
@@ -33,12 +35,14 @@ struct Head {
   std::string text;
   std::string first_line;
   std::string name;
-  std::string extension;
+  bool is_yaml = false;
+  bool is_json = false;
 
   explicit Head(const SideFile& file)
-      : text(Lower(std::string_view(file.text).substr(0, kHeadBytes))),
+      : text(Lower(WithoutMark(file.text).substr(0, kHeadBytes))),
         name(Lower(NameWithoutFolders(file.path))),
-        extension(ExtensionOf(file.path)) {
+        is_yaml(name.ends_with(".yaml") || name.ends_with(".yml")),
+        is_json(name.ends_with(".json")) {
     const size_t start = text.find_first_not_of(" \t\r\n");
     if (start != std::string::npos) text.erase(0, start);
     first_line = text.substr(0, text.find('\n'));
@@ -65,8 +69,32 @@ void Ignore(const SideFile& file, SideData& data) {
   data.file.warnings.push_back(ShownPath(file.path) + ": nothing in it is needed, ignored");
 }
 
+void IgnoreGcps(const SideFile& file, SideData& data) {
+  data.file.warnings.push_back(ShownPath(file.path) + ": ground control points are not used");
+}
+
+bool HasCoordinateSystem(const Head& head) {
+  return head.Begins("epsg:") || head.Begins("+proj=") || head.Begins("wgs84 utm");
+}
+
+bool IsNumber(const std::string& word) { return NumberFromText(word).has_value(); }
+
+// x y z px py image; a line of geo.txt begins with the image.
+bool IsGcpLine(const std::string& line) {
+  const std::vector<std::string> words = WordsOf(line);
+  return words.size() > kNumGcpNumbers &&
+         std::all_of(words.begin(), words.begin() + kNumGcpNumbers, IsNumber) &&
+         !IsNumber(words[kNumGcpNumbers]);
+}
+
+bool IsOdmGcp(const Head& head) {
+  if (head.name == "gcp_list.txt") return true;
+  const std::vector<TextLine> lines = LinesOf(head.text);
+  return HasCoordinateSystem(head) && lines.size() > 1 && IsGcpLine(lines[1].text);
+}
+
 // The first that fits is it.
-constexpr std::array<SideFormat, 16> kFormats{{
+constexpr std::array<SideFormat, 17> kFormats{{
     {"colmap-cameras",
      "named cameras.txt, or begins with \"# Camera list\"",
      [](const Head& head) { return head.name == "cameras.txt" || head.Begins("# camera list"); },
@@ -92,7 +120,7 @@ constexpr std::array<SideFormat, 16> kFormats{{
      ReadReferenceLla},
     {"unknown-json",
      "nothing in it is known",
-     [](const Head& head) { return head.extension == "json" && !head.Has("\"image\""); },
+     [](const Head& head) { return head.is_json && !head.Has("\"image\""); },
      Ignore},
     {"ndjson", "begins with {", [](const Head& head) { return head.Begins("{"); }, ReadPoseLines},
     {"euroc-ground-truth",
@@ -110,9 +138,8 @@ constexpr std::array<SideFormat, 16> kFormats{{
     {"euroc-other",
      "of another sensor",
      [](const Head& head) {
-       const bool is_yaml = head.extension == "yaml" || head.extension == "yml";
        return head.Begins("#timestamp") ||
-              (is_yaml && head.Has("sensor_type") && !head.Has("sensor_type: camera"));
+              (head.is_yaml && head.Has("sensor_type") && !head.Has("sensor_type: camera"));
      },
      Ignore},
     {"euroc-sensor",
@@ -127,15 +154,14 @@ constexpr std::array<SideFormat, 16> kFormats{{
      "has camera_matrix and image_width",
      [](const Head& head) { return head.Has("camera_matrix:") && head.Has("image_width:"); },
      ReadCameraInfo},
-    {"odm-geo",
-     "its first line is a coordinate system",
-     [](const Head& head) {
-       return head.Begins("epsg:") || head.Begins("+proj=") || head.Begins("wgs84 utm");
-     },
-     ReadOdmGeo},
+    {"odm-gcp",
+     "named gcp_list.txt, or rows x y z px py image below a coordinate system",
+     IsOdmGcp,
+     IgnoreGcps},
+    {"odm-geo", "its first line is a coordinate system", HasCoordinateSystem, ReadOdmGeo},
     {"unknown-yaml",
      "nothing in it is known",
-     [](const Head& head) { return head.extension == "yaml" || head.extension == "yml"; },
+     [](const Head& head) { return head.is_yaml; },
      Ignore},
     {"csv", "has a header with known columns", [](const Head&) { return true; }, ReadPoseLines},
 }};
@@ -148,17 +174,22 @@ void CheckSize(const SideFile& file) {
   throw error;
 }
 
+// The last takes whatever is left.
+const SideFormat& FormatOf(const SideFile& file) {
+  const Head head(file);
+  return *std::find_if(
+      kFormats.begin(), kFormats.end(), [&head](const auto& format) { return format.is_it(head); });
+}
+
+bool IsBlank(const SideFile& file) {
+  return file.text.find_first_not_of(" \t\r\n") == std::string::npos;
+}
+
+// Of a file without byte order mark.
 void ReadOne(const SideFile& file, SideData& data) {
   CheckSize(file);
-  if (file.text.find_first_not_of(" \t\r\n") == std::string::npos) {
-    throw InvalidSideFile(file, 0, "the file is empty");
-  }
-  const Head head(file);
-  for (const SideFormat& format : kFormats) {
-    if (!format.is_it(head)) continue;
-    data.file.formats.push_back({format.name, ShownPath(file.path), format.why});
-    return format.read(file, data);
-  }
+  if (IsBlank(file)) throw InvalidSideFile(file, 0, "the file is empty");
+  FormatOf(file).read(file, data);
 }
 
 void RefuseDuplicates(const PoseFile& file) {
@@ -262,19 +293,33 @@ void SetCamera(const Camera& camera, const SideFile& file, SideData& data) {
   data.file.camera = camera;
 }
 
-bool IsSideFile(std::string_view path) {
-  const std::string extension = ExtensionOf(path);
-  for (const char* const known : {"csv", "txt", "json", "jsonl", "ndjson", "yaml", "yml"}) {
-    if (extension == known) return true;
+std::vector<PoseFile::Format> FormatsOf(const std::vector<SideFile>& files) {
+  std::vector<PoseFile::Format> formats;
+  for (const SideFile& file : files) {
+    if (IsBlank(file)) continue;
+    const SideFormat& format = FormatOf(file);
+    formats.push_back({format.name, ShownPath(file.path), format.why});
   }
-  return false;
+  return formats;
+}
+
+bool IsAnyText(const SideFile& file) {
+  const Head head(file);
+  if (!head.name.ends_with(".txt") || &FormatOf(file) != &kFormats.back()) return false;
+  for (const TextLine& line : LinesOf(head.text, BlankLines::kKeep)) {
+    if (NumKnownColumns(line.text) > 0) return false;
+    // The first that is no remark would be the header.
+    if (!line.text.empty() && line.text[0] != '#') return true;
+  }
+  return true;
 }
 
 PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& context) {
   SideData data;
+  data.file.formats = FormatsOf(files);
   for (const SideFile& file : files) {
-    if (file.text.rfind(kByteOrderMark, 0) == 0) {
-      ReadOne({file.path, file.text.substr(kByteOrderMark.size())}, data);
+    if (file.text.starts_with(kByteOrderMark)) {
+      ReadOne({file.path, std::string(WithoutMark(file.text))}, data);
     } else {
       ReadOne(file, data);
     }

@@ -9,6 +9,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/import/file_kind.h"
 #include "api/import/import.h"
 
 namespace freelsd {
@@ -49,8 +50,6 @@ struct SideData {
 
 // ApiError InvalidPoses at "/poses/<file>/<line>"; line 0: of the whole file.
 ApiError InvalidSideFile(const SideFile& file, int line, const std::string& detail);
-// Harmless to print.
-std::string ShownPath(const std::string& path);
 std::string NameWithoutFolders(const std::string& path);
 
 struct TextLine {

@@ -8,6 +8,7 @@
 #include <archive_entry.h>
 #include <sys/stat.h>
 
+#include "api/import/file_kind.h"
 #include "api/import/import.h"
 
 namespace freelsd {
@@ -157,10 +158,13 @@ void CheckDirectory(const std::string& path, const ZipLimits& limits) {
     RefuseTooMany(++num_entries, limits);
     const std::optional<std::string> path_in_zip = PathOf(entry);
     if (!path_in_zip) continue;
+    const FileKind kind = KindByName(*path_in_zip);
+    if (kind == FileKind::kUnread) continue;
     // An honest bomb says what it is.
     const auto told = static_cast<size_t>(std::max<int64_t>(0, archive_entry_size(entry)));
     allowance.Take(told, told);
-    const std::string id = IsSideFile(*path_in_zip) ? *path_in_zip : IdFromFileName(*path_in_zip);
+    const bool is_image = kind == FileKind::kImage;
+    const std::string id = is_image ? IdFromFileName(*path_in_zip) : *path_in_zip;
     if (!ids.insert(id).second) {
       throw Refused("two entries of the zip archive have the id \"" + IdFromFileName(id) + "\"");
     }
@@ -194,7 +198,9 @@ void ReadZip(const std::string& path,
   const Archive opened = Open(path);
   while (archive_entry* const next = NextEntry(opened)) {
     const std::optional<std::string> path_in_zip = PathOf(next);
-    if (path_in_zip) entry(*path_in_zip, ReadEntry(opened, next, allowance));
+    if (!path_in_zip) continue;
+    const bool is_read = KindByName(*path_in_zip) != FileKind::kUnread;
+    entry(*path_in_zip, is_read ? ReadEntry(opened, next, allowance) : "");
   }
 }
 

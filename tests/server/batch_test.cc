@@ -1,5 +1,7 @@
 // Many images at once.
+#include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include <archive.h>
 #include <archive_entry.h>
@@ -79,6 +81,61 @@ TEST_CASE("batch: a zip archive of images and poses is taken as a multipart body
   REQUIRE(frames.size() == 2);
   CHECK(frames[0]["id"] == "a.jpg");
   CHECK(std::filesystem::is_empty(fresh.folder.path() / "data/spool"));
+}
+
+bool Tells(const nlohmann::json& warnings, const std::string& sentence) {
+  return std::find(warnings.begin(), warnings.end(), sentence) != warnings.end();
+}
+
+TEST_CASE("batch: what is no image in a project's zip is left aside and told of") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const std::string zip =
+      Zip({{"README.md", "# A flight"},
+           {"code/README.md", "# How"},
+           {"LICENSE", "as you like"},
+           {"odm_orthophoto/odm_orthophoto.tif", "II*"},
+           {"task_output.txt", "[INFO] running, all is well\n"},
+           {"images/a.jpg", NoiseImage(1)},
+           {"images/without_extension", NoiseImage(2)},
+           {"gcp_list.txt", "EPSG:4326\n8 47 400 10 20 a.jpg gcp1\n"},
+           {"geo.txt", "EPSG:4326\na.jpg 8 47 500\nwithout_extension 8 47 500\n"}});
+  const std::string path = "/v1/flights/" + flight + "/batch";
+  const auto result = fresh.client.Post(path, zip, "application/zip");
+  REQUIRE(result);
+  INFO(result->body);
+  REQUIRE(result->status == 202);
+  const nlohmann::json detail = nlohmann::json::parse(result->body)["detail"];
+  CHECK(detail["num_accepted"] == 2);
+  CHECK(detail["num_rejected"] == 0);
+  const nlohmann::json& warnings = detail["warnings"];
+  const std::string other = ": neither JPEG nor PNG nor a file that is read, ignored";
+  for (const char* const name : {"README.md",
+                                 "code/README.md",
+                                 "LICENSE",
+                                 "odm_orthophoto/odm_orthophoto.tif",
+                                 "task_output.txt"}) {
+    CHECK(Tells(warnings, name + other));
+  }
+  CHECK(Tells(warnings, "gcp_list.txt: ground control points are not used"));
+  std::map<std::string, std::string> formats;
+  for (const auto& format : detail["formats"]) formats[format["file"]] = format["format"];
+  CHECK(formats["gcp_list.txt"] == "odm-gcp");
+  CHECK(formats["geo.txt"] == "odm-geo");
+  CHECK(formats["LICENSE"] == "unknown");
+  CheckProblem(
+      fresh.client.Post(path, Zip({{"a.tif", "II*"}}), "application/zip"), 422, "MissingPart");
+}
+
+TEST_CASE("batch: what is sent as an image and is none is refused as one") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const auto result =
+      PostBatch(fresh.client, flight, {Image("a.tif", "II*"), Image("b.jpg", NoiseImage(1))});
+  REQUIRE(result->status == 202);
+  const nlohmann::json job = nlohmann::json::parse(result->body);
+  CHECK(VerdictOf(job, "a.tif")["code"] == "UnsupportedImage");
+  CHECK(job["detail"]["num_rejected"] == 2);  // b.jpg has no pose
 }
 
 TEST_CASE("batch: a zip that is cut or names a place outside is refused and stores nothing") {

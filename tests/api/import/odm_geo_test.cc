@@ -1,3 +1,4 @@
+#include "api/import/file_kind.h"
 #include "tests/api/side_files.h"
 
 namespace freelsd {
@@ -52,6 +53,35 @@ TEST_CASE("geo.txt: angles of zero are none, omega phi kappa are not taken for y
   const PoseFile file = ReadGeo("EPSG:4326\na.jpg 8 47 500 1 2 -120\nb.jpg 8 47 500 1 0 10\n");
   CHECK_FALSE(MetaOf(file, "b.jpg").ned_from_camera);
   CHECK(Warns(file, "CameraAnglesIgnored"));
+}
+
+TEST_CASE("gcp_list.txt: ground control points are no poses, and are told of by name") {
+  const SideFile geo{"geo.txt", "EPSG:4326\na.jpg 8 47 500\n"};
+  const std::string utm = "WGS84 UTM 32N\n500000 4982950.4 100.5 1044.5 517.25 a.jpg gcp1\n";
+  const std::string degrees =
+      "\xEF\xBB\xBF"
+      "EPSG:4326\n8 47 400 10 20 a.jpg\n";
+  for (const std::string& text : {utm, degrees}) {
+    for (const char* const name : {"flight/gcp_list.txt", "points.txt"}) {
+      const PoseFile file = PosesFromFiles({{name, text}, geo}, {});
+      CHECK(file.poses.size() == 1);
+      CHECK(file.formats[0].name == "odm-gcp");
+      CHECK(file.formats[1].name == "odm-geo");
+      CHECK(Warns(file, std::string(name) + ": ground control points are not used"));
+    }
+  }
+  // Of an image whose name is a number.
+  CHECK(ReadGeo("EPSG:4326\n0017 8 47 500 90 0 0\n").poses.size() == 1);
+}
+
+TEST_CASE("side files: a text that is nothing known is told from one that may be poses") {
+  CHECK(IsAnyText({"notes.txt", "# A flight\n\nwindy, cold\n"}));
+  CHECK(IsAnyText({"README.TXT", ""}));
+  CHECK_FALSE(IsAnyText({"poses.txt", "# x\nimage,lat\n"}));
+  CHECK_FALSE(IsAnyText({"poses.csv", "windy, cold\n"}));
+  CHECK_FALSE(IsAnyText({"geo.txt", "EPSG:4326\n"}));
+  CHECK_FALSE(IsAnyText({"cameras.txt", "# Camera list\n"}));
+  CHECK(ErrorOfFiles({{"notes.txt", "windy, cold\n"}}) == "422 InvalidPoses /poses/1/image");
 }
 
 TEST_CASE("geo.txt: what cannot be used is refused at its line") {

@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include "api/import/file_kind.h"
 #include "api/import/import.h"
 #include "tests/api/errors.h"
 #include "tests/api/flights.h"
@@ -115,6 +116,28 @@ TEST_CASE("zip: over a limit it is 413") {
   CHECK(ErrorOfZip({{"a", "1"}, {"b", "2"}}, ZipLimits{1, 1e9, 1 << 30, 1 << 30}) ==
         "413 ZipTooLarge");
   CHECK(ErrorOfZip({{"a", zeros}}, ZipLimits{10, 1e9, 1 << 30, 1 << 30}) == "nothing");
+}
+
+TEST_CASE("zip: orthophotos, films and point clouds are named and not unpacked") {
+  const std::string zeros(1000000, '\0');
+  const ZipLimits small{10, 200.0, 1000, 1000};
+  const ZipFile zip({{"a/map.TIF", zeros}, {"b/map.tif", zeros}, {"a.jpg", "image"}});
+  const auto entries = Read(zip, ZipLimits{10, 1e9, 1000, 1000});
+  REQUIRE(entries.size() == 3);
+  CHECK(entries[0].name == "a/map.TIF");
+  CHECK(entries[0].bytes.empty());
+  CHECK(entries[2].bytes == "image");
+  CHECK(ErrorOfZip({{"a.jpg", zeros}}, small) == "413 ZipTooLarge");
+}
+
+TEST_CASE("zip: only images are known by their name without folders") {
+  CHECK(ErrorOfZip({{"README.md", "x"}, {"code/README.md", "y"}}) == "nothing");
+  CHECK(ErrorOfZip({{"a/1.JPEG", "x"}, {"b/1.JPEG", "y"}}) == "422 ZipRefused");
+  CHECK(KindByName("a.b/c.PNG") == FileKind::kImage);
+  CHECK(KindByName("geo.txt") == FileKind::kSideFile);
+  CHECK(KindByName("LICENSE") == FileKind::kUnknown);
+  CHECK(BeginsAsImage("\xFF\xD8\xFF\xE0"));
+  CHECK_FALSE(BeginsAsImage("II*"));
 }
 
 TEST_CASE("zip: encrypted, cut, damaged and no zip at all are refused") {
