@@ -155,8 +155,13 @@ void BatchUpload::ParsePoses(const std::optional<GeoPoint>& origin) {
   for (const BatchImage& entry : images_) {
     if (entry.image) context.image_tags.emplace_back(entry.id, entry.image->tags.meta);
   }
-  poses_ = PosesFromFiles(side_files_, context);
+  poses_ = {};
+  poses_.formats = FormatsOf(side_files_);
   TellOfOthers();
+  PoseFile read = PosesFromFiles(side_files_, context);
+  poses_.poses = std::move(read.poses);
+  poses_.camera = read.camera;
+  poses_.warnings.insert(poses_.warnings.end(), read.warnings.begin(), read.warnings.end());
 }
 
 void BatchUpload::TellOfOthers() {

@@ -30,7 +30,8 @@ class BatchUpload {
   // Multipart of `images` and `poses` (files beside the images), or a zip of the same. Throws
   // ApiError for a fault of structure.
   void Read(const Call& call);
-  // After Read: what the files beside the images say. Throws ApiError.
+  // After Read: what the files beside the images say. Throws ApiError; what each of them was taken
+  // for is known all the same.
   void ParsePoses(const std::optional<GeoPoint>& origin);
 
   const std::vector<BatchImage>& images() const { return images_; }

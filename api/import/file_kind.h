@@ -20,7 +20,7 @@ FileKind KindByName(std::string_view path);
 // JPEG or PNG.
 bool BeginsAsImage(std::string_view bytes);
 
-// What PosesFromFiles takes each file for.
+// What PosesFromFiles takes each file for, also where it throws.
 std::vector<PoseFile::Format> FormatsOf(const std::vector<SideFile>& files);
 // Of a .txt: no format is told by its content, and no column of it is known. A README, a log.
 bool IsAnyText(const SideFile& file);

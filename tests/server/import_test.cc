@@ -105,6 +105,22 @@ TEST_CASE("import: a dry run of what is right says so, and the same goes in afte
   CHECK(Post(fresh.client, flight, items)->status == 202);
 }
 
+TEST_CASE("import: a dry run names the formats also of files that cannot be used") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  auto items = Images();
+  items.push_back(Beside("cameras.txt", kCameras));
+  items.push_back(Beside("geo.txt", "EPSG:4326\n0.jpg 8 47\n"));
+  const auto result = Post(fresh.client, flight, items, "?dry_run=true");
+  REQUIRE(result->status == 200);
+  const nlohmann::json answer = nlohmann::json::parse(result->body);
+  CHECK(answer["problems"][0]["code"] == "InvalidPoses");
+  REQUIRE(answer["formats"].size() == 2);
+  CHECK(answer["formats"][0]["format"] == "colmap-cameras");
+  CHECK(answer["formats"][1]["format"] == "odm-geo");
+  CHECK(answer["formats"][1]["file"] == "geo.txt");
+}
+
 TEST_CASE("import: a file that cannot be read is told of with its line") {
   FreshServer fresh;
   const std::string flight = NewFlight(fresh.client);
