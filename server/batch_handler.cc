@@ -176,6 +176,18 @@ void AppendProblem(const ApiError& error, nlohmann::json& problems) {
   problems.push_back(problem);
 }
 
+// The camera that the images would be taken with; null where nothing says.
+nlohmann::json CameraToBeTaken(const FlightRow& flight,
+                               const Admission& admission,
+                               const PoseFile& poses) {
+  if (!admission.rig_json.empty()) {
+    return CameraJson(ParseStoredFlightRig(admission.rig_json).rig.camera);
+  }
+  const std::optional<Camera> given = ParseFlightRequest(flight.request_json).camera;
+  if (given) return CameraJson(*given);
+  return poses.camera ? CameraJson(*poses.camera) : nlohmann::json();
+}
+
 // What the same request without dry_run would meet, all of it at once. Stores nothing.
 nlohmann::json DryRun(const Service& service, const FlightRow& flight, BatchUpload& upload) {
   nlohmann::json problems = nlohmann::json::array();
@@ -201,8 +213,7 @@ nlohmann::json DryRun(const Service& service, const FlightRow& flight, BatchUplo
   answer["images_without_pose"] = unposed;
   answer["num_poses"] = upload.poses().poses.size();
   answer["altitude_datum"] = ParseFlightRequest(flight.request_json).altitude_datum;
-  answer["camera"] = nullptr;
-  if (upload.poses().camera) answer["camera"] = CameraJson(*upload.poses().camera);
+  answer["camera"] = CameraToBeTaken(flight, admission, upload.poses());
   return answer;
 }
 

@@ -121,6 +121,38 @@ TEST_CASE("import: a dry run names the formats also of files that cannot be used
   CHECK(answer["formats"][1]["file"] == "geo.txt");
 }
 
+// A JPEG whose EXIF says nothing but a focal length of 27 mm on film of 36 mm.
+std::string With27Mm(const std::string& jpeg) {
+  const std::string exif(
+      "Exif\0\0II*\0\x08\0\0\0"
+      "\x01\0\x69\x87\x04\0\x01\0\0\0\x1A\0\0\0\0\0\0\0"
+      "\x01\0\x05\xA4\x03\0\x01\0\0\0\x1B\0\0\0\0\0\0\0",
+      50);
+  const std::string segment = std::string("\xFF\xE1\0\x34", 4) + exif;
+  return jpeg.substr(0, 2) + segment + jpeg.substr(2);
+}
+
+TEST_CASE("import: a dry run tells the camera that would be taken, of the images' tags too") {
+  FreshServer fresh;
+  const std::string flight = FlightWithoutCamera(fresh.client);
+  auto items = Images();
+  for (auto& item : items) item.content = With27Mm(item.content);
+  items.push_back(Beside("geo.txt", Geo(kNumImages)));
+  const auto camera_of = [&fresh, &items](const std::string& id) {
+    const auto result = Post(fresh.client, id, items, "?dry_run=true");
+    REQUIRE(result->status == 200);
+    return nlohmann::json::parse(result->body)["camera"];
+  };
+  // 27 mm of 36 mm over 320 pixels.
+  CHECK(camera_of(flight)["fx_px"] == 240.0);
+  CHECK(camera_of(flight)["width_px"] == 320);
+  items.push_back(Beside("cameras.txt", kCameras));
+  CHECK(camera_of(flight)["fx_px"] == 300.0);
+  CHECK(camera_of(flight)["cx_px"] == 159.5);
+  // The flight's own wins over both.
+  CHECK(camera_of(NewFlight(fresh.client))["cx_px"] == 160.0);
+}
+
 TEST_CASE("import: a file that cannot be read is told of with its line") {
   FreshServer fresh;
   const std::string flight = NewFlight(fresh.client);
