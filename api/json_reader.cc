@@ -20,6 +20,8 @@ constexpr double kUnitNormTolerance = 1e-12;
 constexpr double kLargestNumber = 1e12;
 // Below the Dead Sea to above any small plane.
 constexpr NumberRange kAltitudeRange{-1000.0, 20000.0};
+constexpr NumberRange kLatitudeRange{-90.0, 90.0};
+constexpr NumberRange kLongitudeRange{-180.0, 180.0};
 
 // Refuses what the parser takes: deep nesting (its destructor and dump() recurse) and keys given
 // twice (the last one would win silently).
@@ -60,6 +62,23 @@ std::string Escaped(const std::string& key) {
 
 std::string LastToken(const std::string& pointer) {
   return pointer.substr(pointer.find_last_of('/') + 1);
+}
+
+double ReadLatitude(ObjectReader& reader, const std::string& pointer) {
+  try {
+    return reader.RequiredNumber("latitude_deg", kLatitudeRange);
+  } catch (const ApiError& error) {
+    const auto is_within = [&reader](const char* key, double limit) {
+      const nlohmann::json* const value = reader.Find(key);
+      return value != nullptr && value->is_number() && std::abs(value->get<double>()) <= limit;
+    };
+    // A longitude, beside what may be a latitude.
+    const bool can_be_swapped = is_within("latitude_deg", kLongitudeRange.max) &&
+                                is_within("longitude_deg", kLatitudeRange.max);
+    if (!can_be_swapped) throw;
+    throw InvalidValue(pointer + "/latitude_deg",
+                       std::string(error.what()) + ": latitude and longitude may be swapped");
+  }
 }
 
 }  // namespace
@@ -170,8 +189,8 @@ Eigen::Quaterniond ReadQuaternion(const nlohmann::json& value, const std::string
 GeoPoint ReadGeoPoint(const nlohmann::json& value, const std::string& pointer) {
   ObjectReader reader(value, pointer);
   GeoPoint point;
-  point.latitude_deg = reader.RequiredNumber("latitude_deg", {-90.0, 90.0});
-  point.longitude_deg = reader.RequiredNumber("longitude_deg", {-180.0, 180.0});
+  point.latitude_deg = ReadLatitude(reader, pointer);
+  point.longitude_deg = reader.RequiredNumber("longitude_deg", kLongitudeRange);
   point.altitude_m = reader.RequiredNumber("altitude_m", kAltitudeRange);
   reader.RefuseUnknownKeys();
   return point;

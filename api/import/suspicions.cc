@@ -26,6 +26,12 @@ constexpr double kNearerRatio = 0.1;
 constexpr double kShiftGain = 0.5;
 constexpr double kMinShiftM = 3.0;
 constexpr double kMinShiftS = 0.05;
+// A plane's nose is this near to where it goes, in wind and in turns, and so for most of its steps;
+// over shorter ones a receiver's noise says where it went.
+constexpr double kMaxCrabDeg = 45.0;
+constexpr double kMinAlongRatio = 0.75;
+constexpr double kMaxAstrayRatio = 0.35;
+constexpr double kMinStepM = 5.0;
 
 double MetresBetween(const GeoPoint& a, const GeoPoint& b) {
   double distance_m;
@@ -72,18 +78,79 @@ std::optional<GeoPoint> ReferenceFor(const std::string& image_id,
   return context.origin;
 }
 
+GeoPoint Swapped(const GeoPoint& place) {
+  return {place.longitude_deg, place.latitude_deg, place.altitude_m};
+}
+
+bool HasReference(const PoseFile& file, const Tags& tags, const SideContext& context) {
+  return std::any_of(file.poses.begin(), file.poses.end(), [&](const auto& pose) {
+    return ReferenceFor(pose.first, tags, context).has_value();
+  });
+}
+
 bool AreSwapped(const PoseFile& file, const Tags& tags, const SideContext& context) {
   size_t num_swapped = 0;
   for (const auto& [image_id, meta] : file.poses) {
     const std::optional<GeoPoint> reference = ReferenceFor(image_id, tags, context);
     if (!meta.position || !reference || std::abs(meta.position->longitude_deg) > 90.0) continue;
-    const GeoPoint swapped{meta.position->longitude_deg, meta.position->latitude_deg, 0.0};
     const double distance_m = MetresBetween(*meta.position, *reference);
-    if (distance_m > kFarM && MetresBetween(swapped, *reference) < kNearerRatio * distance_m) {
+    const double swapped_m = MetresBetween(Swapped(*meta.position), *reference);
+    if (distance_m > kFarM && swapped_m < kNearerRatio * distance_m) {
       ++num_swapped;
     }
   }
   return num_swapped * 2 > file.poses.size();
+}
+
+// Of the poses that have position and the body's attitude, by time where all have one.
+std::vector<FrameMeta> InOrderOfFlight(const PoseFile& file) {
+  std::vector<FrameMeta> flown;
+  for (const auto& [image_id, meta] : file.poses) {
+    const bool can_swap = meta.position && std::abs(meta.position->longitude_deg) <= 90.0;
+    if (can_swap && meta.ned_from_body) flown.push_back(meta);
+  }
+  const bool have_times = std::all_of(
+      flown.begin(), flown.end(), [](const auto& meta) { return meta.timestamp_us.has_value(); });
+  if (have_times) {
+    std::stable_sort(flown.begin(), flown.end(), [](const FrameMeta& a, const FrameMeta& b) {
+      return *a.timestamp_us < *b.timestamp_us;
+    });
+  }
+  return flown;
+}
+
+// Of the steps from a frame to the next, how many go where the nose points; nothing where too few
+// are long enough.
+std::optional<double> AlongRatio(const std::vector<FrameMeta>& flown,
+                                 const std::function<GeoPoint(const GeoPoint&)>& read) {
+  size_t num_steps = 0, num_along = 0;
+  for (size_t i = 1; i < flown.size(); ++i) {
+    const GeoPoint from = read(*flown[i - 1].position), to = read(*flown[i].position);
+    double distance_m, track_deg, arrival_deg;
+    GeographicLib::Geodesic::WGS84().Inverse(from.latitude_deg,
+                                             from.longitude_deg,
+                                             to.latitude_deg,
+                                             to.longitude_deg,
+                                             distance_m,
+                                             track_deg,
+                                             arrival_deg);
+    if (distance_m < kMinStepM) continue;
+    const double yaw = EulerFromNedFromBody(*flown[i].ned_from_body).yaw;
+    ++num_steps;
+    num_along += std::abs(WrapAngle(RadFromDeg(track_deg) - yaw)) < RadFromDeg(kMaxCrabDeg);
+  }
+  if (num_steps < kMinNumPoses) return std::nullopt;
+  return static_cast<double>(num_along) / static_cast<double>(num_steps);
+}
+
+// Where nothing else says where the flight was: planes fly where their nose points. Swapped, north
+// is taken for east and the other way.
+bool FliesSwapped(const PoseFile& file) {
+  const std::vector<FrameMeta> flown = InOrderOfFlight(file);
+  const std::optional<double> as_given =
+      AlongRatio(flown, [](const GeoPoint& place) { return place; });
+  const std::optional<double> swapped = AlongRatio(flown, Swapped);
+  return as_given && swapped && *as_given <= kMaxAstrayRatio && *swapped >= kMinAlongRatio;
 }
 
 // Of most poses that have one, the image's own geotag is far away.
@@ -166,6 +233,10 @@ std::vector<std::string> SuspicionsOf(const PoseFile& file, const SideContext& c
     warnings.emplace_back(
         "SwappedLatitudeLongitude: with latitude and longitude swapped the poses are where the "
         "images' geotags or the flight's origin are");
+  } else if (!HasReference(file, tags, context) && FliesSwapped(file)) {
+    warnings.emplace_back(
+        "SwappedLatitudeLongitude: the craft flies where its yaw points only if latitude and "
+        "longitude are swapped; they are used as given");
   }
   if (DisagreesWithGeotags(file, tags)) {
     warnings.emplace_back(

@@ -54,6 +54,56 @@ TEST_CASE("suspicions: latitude for longitude, by geotags or by the flight's ori
   }
 }
 
+// Two lines north and two back south, 100 m aside, in steps of 33 m and more than the wind's 20 deg
+// of crab; "latitude, longitude" where they are not swapped.
+std::string Lines(bool is_swapped, double turned_deg, bool is_backwards = false) {
+  std::string text = "image,lat,lon,alt,yaw_deg,pitch_deg,roll_deg\n";
+  for (int i = 0; i < 4 * kNumImages; ++i) {
+    const int line = i / kNumImages, step = i % kNumImages;
+    const bool is_north = line % 2 == 0;
+    const double latitude_deg = 47.0 + kStepDeg * (is_north ? step : kNumImages - 1 - step);
+    const double longitude_deg = 8.0 + 0.0013 * line;
+    const double yaw_deg = (is_north != is_backwards ? 0.0 : 180.0) + 20.0 + turned_deg;
+    const std::string latitude = std::to_string(latitude_deg);
+    const std::string longitude = std::to_string(longitude_deg);
+    text += IdOf(i) + "," + (is_swapped ? longitude + "," + latitude : latitude + "," + longitude) +
+            ",500," + std::to_string(yaw_deg) + ",0,0\n";
+  }
+  return text;
+}
+
+TEST_CASE("suspicions: latitude for longitude, by where a plane's nose points") {
+  const std::string name = "SwappedLatitudeLongitude";
+  CHECK(IsWarned(Lines(true, 0.0), {}, name));
+  CHECK_FALSE(IsWarned(Lines(false, 0.0), {}, name));
+  // Backwards it fits neither way, nor does a craft that looks aside at random.
+  CHECK_FALSE(IsWarned(Lines(false, 0.0, true), {}, name));
+  CHECK_FALSE(IsWarned(Lines(true, 180.0), {}, name));
+  CHECK_FALSE(IsWarned(Poses(0, true), {}, name));
+  // Where an origin agrees with the places, they are not doubted.
+  SideContext origin;
+  origin.origin = GeoPoint{8.0, 47.0, 400.0};
+  CHECK_FALSE(IsWarned(Lines(true, 0.0), origin, name));
+}
+
+TEST_CASE("suspicions: a latitude that can only be a longitude is told as such") {
+  const auto detail = [](const std::string& line) {
+    try {
+      ParsePoses("image,lat,lon,alt\n" + line + "\n");
+    } catch (const ApiError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string hint = "may be swapped";
+  CHECK(detail("a,151.2,-33.9,5").find(hint) != std::string::npos);
+  CHECK(detail("a,-120,45,5").find("latitude_deg") != std::string::npos);
+  CHECK(detail("a,-33.9,151.2,5").empty());
+  CHECK(detail("a,151.2,120,5").find(hint) == std::string::npos);
+  CHECK(detail("a,500,45,5").find(hint) == std::string::npos);
+  CHECK_FALSE(detail("a,500,45,5").empty());
+}
+
 TEST_CASE("suspicions: poses that are far from where the photographs say") {
   SideContext elsewhere = Tagged(Tag::kPlace);
   for (auto& [id, meta] : elsewhere.image_tags) meta.position->longitude_deg += 0.1;
