@@ -85,15 +85,24 @@ EulerAngles Radians(double roll_deg, double pitch_deg, double yaw_deg) {
   return {RadFromDeg(roll_deg), RadFromDeg(pitch_deg), WrapAngle(RadFromDeg(yaw_deg))};
 }
 
-// DJI: the camera's own attitude. Sequoia, MicaSense, eMotion (Camera.Yaw ...): the aircraft's with
-// the camera looking down, so that level flight is 0, 0 and the image's top is the nose. The XMP of
-// older senseFly aircraft has a "Heading" that is the track over ground: not used.
+// drone-dji:GimbalYawDegree and its like, drone-parrot:CameraYawDegree.
+std::optional<EulerAngles> GimbalAngles(const TagSource& tags) {
+  for (const std::string part : {"Gimbal", "Camera"}) {
+    const std::optional<double> yaw = tags.XmpNumber("drone", part + "YawDegree");
+    const std::optional<double> pitch = tags.XmpNumber("drone", part + "PitchDegree");
+    if (!yaw || !pitch) continue;
+    return Radians(tags.XmpNumber("drone", part + "RollDegree").value_or(0.0), *pitch, *yaw);
+  }
+  return std::nullopt;
+}
+
+// DJI and Parrot: the camera's own attitude, pitch 0 level and -90 straight down. Sequoia,
+// MicaSense, eMotion (Camera.Yaw ...): the aircraft's with the camera looking down, so that level
+// flight is 0, 0 and the image's top is the nose. The XMP of older senseFly aircraft has a
+// "Heading" that is the track over ground: not used.
 ImageTags WithAttitude(ImageTags read, const TagSource& tags) {
-  const std::optional<double> gimbal_yaw = tags.XmpNumber("drone", "GimbalYawDegree");
-  const std::optional<double> gimbal_pitch = tags.XmpNumber("drone", "GimbalPitchDegree");
-  if (gimbal_yaw && gimbal_pitch) {
-    const double roll = tags.XmpNumber("drone", "GimbalRollDegree").value_or(0.0);
-    read.meta.ned_from_camera = NedFromGimbalCamera(Radians(roll, *gimbal_pitch, *gimbal_yaw));
+  if (const std::optional<EulerAngles> gimbal = GimbalAngles(tags)) {
+    read.meta.ned_from_camera = NedFromGimbalCamera(*gimbal);
     return read;
   }
   const std::optional<double> yaw = tags.XmpNumber("Camera", "Yaw");

@@ -41,6 +41,7 @@ std::string WithXmp(const std::string& attributes) {
                          "xmlns:rdf='http://www.w3.org/1999/02/22-rdf-syntax-ns#'>"
                          "<rdf:Description rdf:about='' "
                          "xmlns:drone-dji='http://www.dji.com/drone-dji/1.0/' "
+                         "xmlns:drone-parrot='http://www.parrot.com/drone-parrot/1.0/' "
                          "xmlns:Camera='http://pix4d.com/camera/1.0/' " +
                          attributes + "/></rdf:RDF></x:xmpmeta>");
 }
@@ -126,6 +127,55 @@ TEST_CASE("tags: DJI with a t too many, signs in text") {
   REQUIRE(tags.meta.ned_from_camera);
   CHECK(AngleBetween(*tags.meta.ned_from_camera, NedFromGimbalCamera(Radians(0, -90, 90))) <
         kMaxRotationErrorRad);
+}
+
+TEST_CASE("tags: Parrot, the camera's angles are those of a gimbal") {
+  const auto attitude = [](const std::string& pitch, const std::string& yaw) {
+    const ImageTags tags =
+        Read(WithXmp("drone-parrot:CameraRollDegree='+0.00' "
+                     "drone-parrot:CameraPitchDegree='" +
+                     pitch + "' drone-parrot:CameraYawDegree='" + yaw + "'"));
+    CHECK_FALSE(tags.meta.ned_from_body);
+    REQUIRE(tags.meta.ned_from_camera);
+    return *tags.meta.ned_from_camera;
+  };
+  const Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d top = -Eigen::Vector3d::UnitY();
+  // Straight down, the image's top east.
+  const Eigen::Quaterniond down = attitude("-90.00", "+90.00");
+  CHECK((down * axis - Eigen::Vector3d(0, 0, 1)).norm() < kMaxRotationErrorRad);
+  CHECK((down * top - Eigen::Vector3d(0, 1, 0)).norm() < kMaxRotationErrorRad);
+  // Level to the west, the image's top up.
+  const Eigen::Quaterniond level = attitude("+0.00", "-90.00");
+  CHECK((level * axis - Eigen::Vector3d(0, -1, 0)).norm() < kMaxRotationErrorRad);
+  CHECK((level * top - Eigen::Vector3d(0, 0, -1)).norm() < kMaxRotationErrorRad);
+  // 60 deg down and north: cos 60 and sin 60.
+  CHECK((attitude("-60", "0") * axis - Eigen::Vector3d(0.5, 0, 0.8660254038)).norm() <
+        kMaxRotationErrorRad);
+}
+
+TEST_CASE("tags: senseFly and its like, the aircraft's angles, level is 0, 0") {
+  const ImageTags tags = Read(WithXmp("Camera:Yaw='90' Camera:Pitch='10' Camera:Roll='0'"));
+  CHECK_FALSE(tags.meta.ned_from_camera);
+  CHECK(tags.meta.attitude_sd_deg == 5.0);
+  REQUIRE(tags.meta.ned_from_body);
+  // East, the nose 10 deg up, the right wing south.
+  const Eigen::Quaterniond& climbing = *tags.meta.ned_from_body;
+  CHECK((climbing * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0, 0.9848077530, -0.1736481777))
+            .norm() < kMaxRotationErrorRad);
+  CHECK((climbing * Eigen::Vector3d::UnitY() - Eigen::Vector3d(-1, 0, 0)).norm() <
+        kMaxRotationErrorRad);
+  // North, the right wing 30 deg down.
+  const Eigen::Quaterniond banked =
+      *Read(WithXmp("Camera:Yaw='0' Camera:Pitch='0' Camera:Roll='30'")).meta.ned_from_body;
+  CHECK((banked * Eigen::Vector3d::UnitY() - Eigen::Vector3d(0, 0.8660254038, 0.5)).norm() <
+        kMaxRotationErrorRad);
+  // The heading alone: level, and not known well.
+  const ImageTags heading = Read(WithXmp("Camera:Yaw='-90'"));
+  CHECK(heading.meta.attitude_sd_deg == 8.0);
+  CHECK(
+      (*heading.meta.ned_from_body * Eigen::Vector3d::UnitX() - Eigen::Vector3d(0, -1, 0)).norm() <
+      kMaxRotationErrorRad);
 }
 
 TEST_CASE("tags: zeros, nonsense and out of range are no position") {
