@@ -35,6 +35,13 @@ std::vector<std::string> AssumptionsOf(const PoseColumns& header) {
   if (wind != header.columns.end() && wind->second.name.find("from") == std::string::npos) {
     warnings.push_back("column \"" + wind->second.name + "\" is taken as where wind comes from");
   }
+  if (has(PoseField::kAltitude)) {
+    const std::string& name = header.columns.at(PoseField::kAltitude).name;
+    // Nothing is converted: a flight has one datum, and says which.
+    const std::string sentence = "column \"" + name + "\" is of the datum ";
+    if (name.find("amsl") != std::string::npos) warnings.push_back(sentence + "amsl");
+    if (name.find("hae") != std::string::npos) warnings.push_back(sentence + "ellipsoid");
+  }
   if (has(PoseField::kWindFrom) && has(PoseField::kWindTo)) {
     warnings.emplace_back(
         "where wind comes from is taken, where it blows to only if that is empty");

@@ -178,6 +178,44 @@ TEST_CASE("tags: senseFly and its like, the aircraft's angles, level is 0, 0") {
       kMaxRotationErrorRad);
 }
 
+std::string LittleEndian(uint32_t number, size_t num_bytes) {
+  std::string bytes;
+  for (size_t i = 0; i < num_bytes; ++i) bytes += static_cast<char>(number >> (8 * i) & 0xFF);
+  return bytes;
+}
+
+std::string TiffEntry(uint32_t tag, uint32_t type, uint32_t count, uint32_t value) {
+  return LittleEndian(tag, 2) + LittleEndian(type, 2) + LittleEndian(count, 4) +
+         LittleEndian(value, 4);
+}
+
+// 47 deg 30' 36" N, 8 deg 15' 0" W, 1234/10 m; `below` as GPSAltitudeRef.
+std::string WithGeotag(uint32_t below) {
+  constexpr uint32_t kByte = 1, kAscii = 2, kLong = 4, kRational = 5;
+  constexpr uint32_t kGpsAt = 26, kLatitudeAt = 104, kLongitudeAt = 128, kAltitudeAt = 152;
+  std::string tiff = "II*" + std::string(1, '\0') + LittleEndian(8, 4);
+  tiff += LittleEndian(1, 2) + TiffEntry(0x8825, kLong, 1, kGpsAt) + LittleEndian(0, 4);
+  tiff += LittleEndian(6, 2) + TiffEntry(1, kAscii, 2, 'N') +
+          TiffEntry(2, kRational, 3, kLatitudeAt) + TiffEntry(3, kAscii, 2, 'W') +
+          TiffEntry(4, kRational, 3, kLongitudeAt) + TiffEntry(5, kByte, 1, below) +
+          TiffEntry(6, kRational, 1, kAltitudeAt) + LittleEndian(0, 4);
+  for (const uint32_t number : {47, 1, 30, 1, 36, 1, 8, 1, 15, 1, 0, 1, 1234, 10}) {
+    tiff += LittleEndian(number, 4);
+  }
+  return WithSegment(PlainJpeg(64, 48), "Exif" + std::string(2, '\0') + tiff);
+}
+
+TEST_CASE("tags: altitudes of EXIF are taken as they stand, below the datum with their sign") {
+  const ImageTags above = Read(WithGeotag(0)), below = Read(WithGeotag(1));
+  REQUIRE(above.meta.position);
+  REQUIRE(below.meta.position);
+  // 47 + 30/60 + 36/3600.
+  CHECK(std::abs(above.meta.position->latitude_deg - 47.51) < kMaxPositionErrorDeg);
+  CHECK(std::abs(above.meta.position->longitude_deg + 8.25) < kMaxPositionErrorDeg);
+  CHECK(above.meta.position->altitude_m == 123.4);
+  CHECK(below.meta.position->altitude_m == -123.4);
+}
+
 TEST_CASE("tags: zeros, nonsense and out of range are no position") {
   for (const char* const place : {"drone-dji:GpsLatitude='0' drone-dji:GpsLongitude='0' ",
                                   "drone-dji:GpsLatitude='95' drone-dji:GpsLongitude='8' ",

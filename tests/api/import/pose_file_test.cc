@@ -218,6 +218,20 @@ TEST_CASE("poses: quaternions that are not whole, and beside angles") {
   CHECK_FALSE(heading.poses[0].second.attitude_sd_deg);
 }
 
+TEST_CASE("poses: altitudes stay in the datum of the column, which is told") {
+  const std::string line = "\na,47,8,547.25,500.5\n";
+  const PoseFile amsl = ParsePoses("image,lat,lon,alt_hae_m,alt_amsl_m" + line);
+  CHECK(amsl.poses[0].second.position->altitude_m == 500.5);
+  CHECK(HasWarning(amsl, "\"alt_amsl_m\" is of the datum amsl"));
+  CHECK(HasWarning(amsl, "\"alt_hae_m\" is not understood"));
+  const PoseFile ellipsoid = ParsePoses("image,lat,lon,alt_hae_m,yaw_deg" + line);
+  CHECK(ellipsoid.poses[0].second.position->altitude_m == 547.25);
+  CHECK(HasWarning(ellipsoid, "\"alt_hae_m\" is of the datum ellipsoid"));
+  CHECK(ParsePoses("image,lat,lon,alt\na,47,8,-12.5\n").poses[0].second.position->altitude_m ==
+        -12.5);
+  CHECK_FALSE(HasWarning(ParsePoses("image,lat,lon,alt\na,47,8,5\n"), "datum"));
+}
+
 TEST_CASE("poses: lines of JSON, with the image beside the meta") {
   const std::string good =
       R"({"image": "a.jpg", "position": {"latitude_deg": 47, "longitude_deg": 8, "altitude_m": 5}})";
