@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "api/api.h"
-#include "api/import/file_kind.h"
+#include "api/import/import.h"
 #include "server/multipart.h"
 #include "server/stamps.h"
 

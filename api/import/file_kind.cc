@@ -1,8 +1,7 @@
-#include "api/import/file_kind.h"
-
 #include <array>
 
 #include "api/import/image_segments.h"
+#include "api/import/import.h"
 
 namespace freelsd {
 namespace {

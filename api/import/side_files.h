@@ -9,7 +9,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "api/import/file_kind.h"
 #include "api/import/import.h"
 
 namespace freelsd {

@@ -8,7 +8,6 @@
 #include <archive_entry.h>
 #include <sys/stat.h>
 
-#include "api/import/file_kind.h"
 #include "api/import/import.h"
 
 namespace freelsd {

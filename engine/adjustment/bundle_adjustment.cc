@@ -8,7 +8,6 @@
 
 #include "engine/adjustment/adjustment.h"
 #include "engine/adjustment/landmarks.h"
-#include "engine/adjustment/residuals.h"
 #include "engine/adjustment/solver.h"
 #include "engine/adjustment/verdict.h"
 
@@ -57,7 +56,7 @@ std::optional<SolvedBlock> WithReadoutsIfShown(const std::vector<View>& views,
       SolveBlock(views, camera, start, options, settings, tracks_without);
   if (!without) return with;
   const double num_residuals = with.num_residuals;
-  const double num_parameters = kNumReadoutParameters * static_cast<double>(views.size());
+  const double num_parameters = 3.0 * static_cast<double>(views.size());
   if (num_residuals * std::log(without->cost / with.cost) >
       num_parameters * std::log(num_residuals)) {
     return with;

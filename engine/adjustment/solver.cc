@@ -138,7 +138,9 @@ double ReadoutSeconds(const Camera& camera, const AdjustmentOptions& options) {
   return IsReadoutUnknown(camera) ? options.exif_readout_s : camera.readout_s;
 }
 
+// Of a time that nobody stated, only an even turn is asked for.
 void AddReadouts(double readout_s,
+                 bool is_stated,
                  const AdjustmentOptions& options,
                  Parameters& parameters,
                  ceres::Problem& problem) {
@@ -156,6 +158,9 @@ void AddReadouts(double readout_s,
             new ReadoutPrior{turn_sd, bend_sd}),
         nullptr,
         parameters.ReadoutOf(i));
+    if (is_stated) continue;
+    problem.SetManifold(parameters.ReadoutOf(i),
+                        new ceres::SubsetManifold(kNumReadoutParameters, {3, 4, 5}));
   }
 }
 
@@ -257,8 +262,11 @@ std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
   ceres::Problem problem;
   AddPriors(views, options, parameters, problem);
   AddLens(camera, options, parameters, problem);
-  AddReadouts(
-      settings.has_readouts ? ReadoutSeconds(camera, options) : 0.0, options, parameters, problem);
+  AddReadouts(settings.has_readouts ? ReadoutSeconds(camera, options) : 0.0,
+              !IsReadoutUnknown(camera),
+              options,
+              parameters,
+              problem);
   const int num_residuals = AddObservations(camera, settings.loss_px, tracks, parameters, problem);
   ceres::Solver::Summary summary;
   ceres::Solve(SolverOptions(options, settings, tracks, parameters), &problem, &summary);

@@ -1,4 +1,4 @@
-#include "api/import/file_kind.h"
+#include "api/import/import.h"
 #include "tests/api/side_files.h"
 
 namespace freelsd {

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 #include <unistd.h>
 
-#include "api/import/file_kind.h"
 #include "api/import/import.h"
 #include "tests/api/errors.h"
 #include "tests/api/flights.h"
