@@ -100,8 +100,8 @@ struct AdjustedView {
   // priors say of each. Below zero where the view is not connected.
   int group = -1;
   // Of the absolute position, along one axis; an approximation. What the priors have in common
-  // (GPS drifts, so they count as four independent fixes at most; off by as much as the solved
-  // block shows, if that is more than they claim) and what the view's own sightings leave open with
+  // (GPS drifts, so they count as four independent fixes at most; as two if off by what the solved
+  // block shows of them, where that says more) and what the view's own sightings leave open with
   // the landmarks held fixed. Bending of the block is not in it.
   double position_sd_m = 0.0;
   // Landmarks it sees: index into AdjustedBlock::landmarks.

@@ -17,6 +17,9 @@ namespace {
 constexpr double kMinPixelSd = 0.7;
 // GPS errors drift over minutes: however many views, they are no more independent fixes than this.
 constexpr double kNumIndependentFixes = 4.0;
+// What all fixes have in common moves the block with them and does not show. An error that drifts
+// over 30 s leaves, in flights of two minutes, half as much variance in the mean as about it.
+constexpr double kNumIndependentShown = 2.0;
 
 using Group = std::vector<size_t>;  // views, ascending
 // Per view the tracks it sees well, ascending.
@@ -90,20 +93,35 @@ Group WithoutLooseViews(Group group, const TracksOfViews& seen, int min_num_obse
   }
 }
 
-// Per axis: what the priors say of themselves, or what the solved block shows of them if that is
-// more. A geotag that lags the shutter by a second is 13 m off, whatever its GPS claims.
-double MeanPositionVariance(const std::vector<View>& views,
-                            const BlockState& state,
-                            const Group& group) {
-  double claimed = 0.0;
-  double shown = 0.0;
-  for (const size_t view : group) {
-    claimed += std::pow(views[view].position_sd_m, 2);
-    shown += (state.world_from_camera[view].translation - views[view].prior_position_in_world)
-                 .squaredNorm() /
-             3.0;
+// Per axis, means over the views.
+struct PositionVariance {
+  double claimed = 0.0;  // by the priors themselves
+  double shown = 0.0;    // by the solved block, about what they have in common
+
+  // Of one view's position against the others'. A geotag that lags the shutter by a second is 13 m
+  // off, whatever its GPS claims.
+  double OfOne() const { return std::max(claimed, shown); }
+  // Of the position of them all.
+  double OfMean(size_t num_views) const {
+    const auto num = static_cast<double>(num_views);
+    return std::max(claimed / std::min(kNumIndependentFixes, num),
+                    shown / std::min(kNumIndependentShown, num));
   }
-  return std::max(claimed, shown) / static_cast<double>(group.size());
+};
+
+PositionVariance VarianceOfPositions(const std::vector<View>& views,
+                                     const BlockState& state,
+                                     const Group& group) {
+  PositionVariance variance;
+  for (const size_t view : group) {
+    const Eigen::Vector3d residual =
+        state.world_from_camera[view].translation - views[view].prior_position_in_world;
+    variance.claimed += std::pow(views[view].position_sd_m, 2);
+    variance.shown += residual.squaredNorm() / 3.0;
+  }
+  variance.claimed /= static_cast<double>(group.size());
+  variance.shown /= static_cast<double>(group.size());
+  return variance;
 }
 
 Eigen::Vector3d MeanPosition(const BlockState& state, const Group& group) {
@@ -120,7 +138,7 @@ double PositionSpread(const std::vector<View>& views, const BlockState& state, c
     sum += (state.world_from_camera[view].translation - mean).squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(group.size()) /
-                   MeanPositionVariance(views, state, group));
+                   VarianceOfPositions(views, state, group).OfOne());
 }
 
 // Of the group turned as a whole about its worse horizontal axis. Positions resist by their lever
@@ -130,7 +148,7 @@ double TiltDeviation(const std::vector<View>& views,
                      const Group& group,
                      const AdjustmentOptions& options) {
   const Eigen::Vector3d mean = MeanPosition(state, group);
-  const double variance = MeanPositionVariance(views, state, group);
+  const double variance = VarianceOfPositions(views, state, group).OfOne();
   Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
   double attitude_information = 0.0;
   for (const size_t view : group) {
@@ -219,9 +237,7 @@ BlockVerdict JudgeBlock(const std::vector<View>& views,
       continue;
     }
     verdict.tilt_sd_deg = std::max(verdict.tilt_sd_deg, tilt_sd_deg);
-    const double common_variance =
-        MeanPositionVariance(views, state, group) /
-        std::min(kNumIndependentFixes, static_cast<double>(group.size()));
+    const double common_variance = VarianceOfPositions(views, state, group).OfMean(group.size());
     for (const size_t view : group) {
       verdict.is_connected[view] = true;
       verdict.group[view] = num_groups;
