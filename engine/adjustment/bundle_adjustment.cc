@@ -10,6 +10,7 @@
 #include "engine/adjustment/landmarks.h"
 #include "engine/adjustment/solver.h"
 #include "engine/adjustment/verdict.h"
+#include "engine/check/check.h"
 
 namespace freelsd {
 namespace {
@@ -184,89 +185,75 @@ void FillResult(const BlockState& state,
   }
 }
 
-void Require(bool holds, const char* field, double value, const char* constraint) {
-  if (holds) return;
-  throw std::invalid_argument(std::string("adjustment.") + field + " = " + std::to_string(value) +
-                              ": " + constraint);
-}
-
 }  // namespace
 
 void AdjustmentOptions::Check() const {
-  Require(min_num_track_connections >= 1,
-          "min_num_track_connections",
-          min_num_track_connections,
-          "must be >= 1");
-  Require(min_baseline_m > 0.0, "min_baseline_m", min_baseline_m, "must be positive");
-  Require(max_baseline_ratio > 0.0 && max_baseline_ratio <= 2.0,
-          "max_baseline_ratio",
-          max_baseline_ratio,
-          "must be in (0, 2]");
-  Require(robust_loss_px > 0.0, "robust_loss_px", robust_loss_px, "must be positive");
-  Require(max_reprojection_error_px > 0.0,
-          "max_reprojection_error_px",
-          max_reprojection_error_px,
-          "must be positive");
-  Require(focal_sd_ratio > 0.0 && focal_sd_ratio <= 0.5,
-          "focal_sd_ratio",
-          focal_sd_ratio,
-          "must be in (0, 0.5]");
-  Require(radial_sd > 0.0, "radial_sd", radial_sd, "must be positive");
-  Require(tangential_sd > 0.0, "tangential_sd", tangential_sd, "must be positive");
-  Require(principal_point_sd_ratio > 0.0 && principal_point_sd_ratio <= 0.5,
-          "principal_point_sd_ratio",
-          principal_point_sd_ratio,
-          "must be in (0, 0.5]");
-  Require(min_num_lens_views >= 1, "min_num_lens_views", min_num_lens_views, "must be >= 1");
-  Require(readout_rate_sd_deg_s > 0.0 && readout_rate_sd_deg_s <= 360.0,
-          "readout_rate_sd_deg_s",
-          readout_rate_sd_deg_s,
-          "must be in (0, 360]");
-  Require(readout_change_sd_deg_s2 > 0.0 && readout_change_sd_deg_s2 <= 10000.0,
-          "readout_change_sd_deg_s2",
-          readout_change_sd_deg_s2,
-          "must be in (0, 10000]");
-  Require(exif_readout_s >= 0.0 && exif_readout_s <= 1.0,
-          "exif_readout_s",
-          exif_readout_s,
-          "must be in [0, 1]");
-  Require(max_num_iterations >= 1 && max_num_iterations <= 1000,
-          "max_num_iterations",
-          max_num_iterations,
-          "must be in [1, 1000]");
-  Require(num_refinement_tracks >= 0 && num_refinement_tracks <= 100000,
-          "num_refinement_tracks",
-          num_refinement_tracks,
-          "must be in [0, 100000]");
-  Require(estimated_tilt_sd_deg > 0.0 && estimated_tilt_sd_deg <= 90.0,
-          "estimated_tilt_sd_deg",
-          estimated_tilt_sd_deg,
-          "must be in (0, 90]");
-  Require(estimated_yaw_sd_deg > 0.0 && estimated_yaw_sd_deg <= 180.0,
-          "estimated_yaw_sd_deg",
-          estimated_yaw_sd_deg,
-          "must be in (0, 180]");
-  Require(min_num_view_observations >= 3,
-          "min_num_view_observations",
-          min_num_view_observations,
-          "must be >= 3");
-  Require(min_num_shared_landmarks >= 1,
-          "min_num_shared_landmarks",
-          min_num_shared_landmarks,
-          "must be >= 1");
-  Require(min_num_connected_views >= 2,
-          "min_num_connected_views",
-          min_num_connected_views,
-          "must be >= 2");
-  Require(min_position_spread_sigma >= 0.0,
-          "min_position_spread_sigma",
-          min_position_spread_sigma,
-          "must be >= 0");
-  Require(max_tilt_sd_deg > 0.0 && max_tilt_sd_deg <= 90.0,
-          "max_tilt_sd_deg",
-          max_tilt_sd_deg,
-          "must be in (0, 90]");
-  Require(num_threads >= 1 && num_threads <= 64, "num_threads", num_threads, "must be in [1, 64]");
+  const FieldCheck check("adjustment");
+  check.Require(min_num_track_connections >= 1,
+                "min_num_track_connections",
+                min_num_track_connections,
+                "must be >= 1");
+  check.Require(min_baseline_m > 0.0, "min_baseline_m", min_baseline_m, "must be positive");
+  check.Require(max_baseline_ratio > 0.0 && max_baseline_ratio <= 2.0,
+                "max_baseline_ratio",
+                max_baseline_ratio,
+                "must be in (0, 2]");
+  check.Require(robust_loss_px > 0.0, "robust_loss_px", robust_loss_px, "must be positive");
+  check.Require(max_reprojection_error_px > 0.0,
+                "max_reprojection_error_px",
+                max_reprojection_error_px,
+                "must be positive");
+  check.Require(focal_sd_ratio > 0.0 && focal_sd_ratio <= 0.5,
+                "focal_sd_ratio",
+                focal_sd_ratio,
+                "must be in (0, 0.5]");
+  check.Require(radial_sd > 0.0, "radial_sd", radial_sd, "must be positive");
+  check.Require(tangential_sd > 0.0, "tangential_sd", tangential_sd, "must be positive");
+  check.Require(principal_point_sd_ratio > 0.0 && principal_point_sd_ratio <= 0.5,
+                "principal_point_sd_ratio",
+                principal_point_sd_ratio,
+                "must be in (0, 0.5]");
+  check.Require(min_num_lens_views >= 1, "min_num_lens_views", min_num_lens_views, "must be >= 1");
+  check.Require(readout_rate_sd_deg_s > 0.0 && readout_rate_sd_deg_s <= 360.0,
+                "readout_rate_sd_deg_s",
+                readout_rate_sd_deg_s,
+                "must be in (0, 360]");
+  check.Require(readout_change_sd_deg_s2 > 0.0 && readout_change_sd_deg_s2 <= 10000.0,
+                "readout_change_sd_deg_s2",
+                readout_change_sd_deg_s2,
+                "must be in (0, 10000]");
+  check.Inside("exif_readout_s", exif_readout_s, 0.0, 1.0);
+  check.Inside("max_num_iterations", max_num_iterations, 1, 1000);
+  check.Inside("num_refinement_tracks", num_refinement_tracks, 0, 100000);
+  check.Require(estimated_tilt_sd_deg > 0.0 && estimated_tilt_sd_deg <= 90.0,
+                "estimated_tilt_sd_deg",
+                estimated_tilt_sd_deg,
+                "must be in (0, 90]");
+  check.Require(estimated_yaw_sd_deg > 0.0 && estimated_yaw_sd_deg <= 180.0,
+                "estimated_yaw_sd_deg",
+                estimated_yaw_sd_deg,
+                "must be in (0, 180]");
+  check.Require(min_num_view_observations >= 3,
+                "min_num_view_observations",
+                min_num_view_observations,
+                "must be >= 3");
+  check.Require(min_num_shared_landmarks >= 1,
+                "min_num_shared_landmarks",
+                min_num_shared_landmarks,
+                "must be >= 1");
+  check.Require(min_num_connected_views >= 2,
+                "min_num_connected_views",
+                min_num_connected_views,
+                "must be >= 2");
+  check.Require(min_position_spread_sigma >= 0.0,
+                "min_position_spread_sigma",
+                min_position_spread_sigma,
+                "must be >= 0");
+  check.Require(max_tilt_sd_deg > 0.0 && max_tilt_sd_deg <= 90.0,
+                "max_tilt_sd_deg",
+                max_tilt_sd_deg,
+                "must be in (0, 90]");
+  check.Inside("num_threads", num_threads, 1, 64);
 }
 
 std::vector<size_t> AdjustedBlock::LargestGroup() const {

@@ -6,6 +6,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/check/check.h"
 #include "engine/classification/classification.h"
 #include "engine/classification/features.h"
 #include "engine/classification/model.h"
@@ -132,24 +133,18 @@ std::vector<cv::Rect> BoxesOf(const cv::Mat1i& labels, size_t num_labels) {
 }  // namespace
 
 void ClassificationOptions::Check() const {
-  const auto require = [](bool holds, const char* field, double value, const char* constraint) {
-    if (holds) return;
-    throw std::invalid_argument(std::string("classification.") + field + " = " +
-                                std::to_string(value) + ": " + constraint);
-  };
-  require(min_grass_probability >= 0.5 && min_grass_probability <= 1.0,
-          "min_grass_probability",
-          min_grass_probability,
-          "must be in [0.5, 1]");
-  require(max_not_grass_probability >= 0.0 && max_not_grass_probability < min_grass_probability,
-          "max_not_grass_probability",
-          max_not_grass_probability,
-          "must be >= 0 and below min_grass_probability");
-  require(min_mean_grey >= 0.0 && min_mean_grey < max_mean_grey,
-          "min_mean_grey",
-          min_mean_grey,
-          "must be >= 0 and below max_mean_grey");
-  require(max_mean_grey <= 255.0, "max_mean_grey", max_mean_grey, "must be <= 255");
+  const FieldCheck check("classification");
+  check.Inside("min_grass_probability", min_grass_probability, 0.5, 1.0);
+  check.Require(
+      max_not_grass_probability >= 0.0 && max_not_grass_probability < min_grass_probability,
+      "max_not_grass_probability",
+      max_not_grass_probability,
+      "must be >= 0 and below min_grass_probability");
+  check.Require(min_mean_grey >= 0.0 && min_mean_grey < max_mean_grey,
+                "min_mean_grey",
+                min_mean_grey,
+                "must be >= 0 and below max_mean_grey");
+  check.Require(max_mean_grey <= 255.0, "max_mean_grey", max_mean_grey, "must be <= 255");
 }
 
 Classifier::Classifier(std::shared_ptr<const Model> model) : model_(std::move(model)) {}

@@ -3,25 +3,11 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "engine/check/check.h"
 #include "engine/flight/flight.h"
 
 namespace freelsd {
 namespace {
-
-struct Bound {
-  const char* field;
-  double value;
-  double min;
-  double max;
-};
-
-void RequireInside(const Bound& bound) {
-  if (std::isfinite(bound.value) && bound.value >= bound.min && bound.value <= bound.max) return;
-  std::ostringstream message;
-  message << "aircraft." << bound.field << " = " << bound.value << ": must be in [" << bound.min
-          << ", " << bound.max << "]";
-  throw std::invalid_argument(message.str());
-}
 
 // A final or a circle of many kilometres is a unit's error, and no map holds it.
 void RequirePath(const Aircraft& aircraft) {
@@ -49,23 +35,21 @@ void RequirePath(const Aircraft& aircraft) {
 }  // namespace
 
 void Aircraft::Check() const {
-  const Bound bounds[] = {
-      {"landing_airspeed_mps", landing_airspeed_mps, 1.0, 100.0},
-      {"flight_path_angle_deg", flight_path_angle_deg, 0.5, 45.0},
-      {"max_bank_deg", max_bank_deg, 1.0, 80.0},
-      {"approach_height_m", approach_height_m, 1.0, 500.0},
-      {"crosswind_uncertainty_deg", crosswind_uncertainty_deg, 0.0, 89.0},
-      {"touchdown_uncertainty_m", touchdown_uncertainty_m, 0.0, 500.0},
-      {"glide_ratio", glide_ratio, 1.0, 100.0},
-      {"glide_airspeed_mps", glide_airspeed_mps.value_or(landing_airspeed_mps), 1.0, 100.0},
-      {"max_slope_deg", max_slope_deg, 0.1, 60.0},
-      {"max_roughness_m", max_roughness_m, 0.01, 20.0},
-      {"safety_margin_m", safety_margin_m, 0.0, 100.0},
-      {"path_half_width_m", path_half_width_m, 0.0, 100.0},
-      {"ground_roll_m", ground_roll_m, 0.0, 2000.0},
-      {"min_area_m2", min_area_m2, 1.0, 1e7},
-  };
-  for (const Bound& bound : bounds) RequireInside(bound);
+  const FieldCheck check("aircraft");
+  check.Inside("landing_airspeed_mps", landing_airspeed_mps, 1.0, 100.0);
+  check.Inside("flight_path_angle_deg", flight_path_angle_deg, 0.5, 45.0);
+  check.Inside("max_bank_deg", max_bank_deg, 1.0, 80.0);
+  check.Inside("approach_height_m", approach_height_m, 1.0, 500.0);
+  check.Inside("crosswind_uncertainty_deg", crosswind_uncertainty_deg, 0.0, 89.0);
+  check.Inside("touchdown_uncertainty_m", touchdown_uncertainty_m, 0.0, 500.0);
+  check.Inside("glide_ratio", glide_ratio, 1.0, 100.0);
+  check.Inside("glide_airspeed_mps", glide_airspeed_mps.value_or(landing_airspeed_mps), 1.0, 100.0);
+  check.Inside("max_slope_deg", max_slope_deg, 0.1, 60.0);
+  check.Inside("max_roughness_m", max_roughness_m, 0.01, 20.0);
+  check.Inside("safety_margin_m", safety_margin_m, 0.0, 100.0);
+  check.Inside("path_half_width_m", path_half_width_m, 0.0, 100.0);
+  check.Inside("ground_roll_m", ground_roll_m, 0.0, 2000.0);
+  check.Inside("min_area_m2", min_area_m2, 1.0, 1e7);
   RequirePath(*this);
 }
 

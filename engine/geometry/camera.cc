@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+
+#include "engine/check/check.h"
 
 namespace freelsd {
 namespace {
@@ -124,16 +124,9 @@ std::optional<Eigen::Vector2d> ProjectAtOnce(const Camera& camera, const Eigen::
                          camera.fy_px * distorted.y() + camera.cy_px);
 }
 
-void Require(bool holds, const char* field, double value, const char* constraint) {
-  if (holds) return;
-  std::ostringstream message;
-  message << "camera." << field << " = " << value << ": " << constraint;
-  throw std::invalid_argument(message.str());
-}
-
 // The lens must be known out to the middles of the borders: a ray from beyond the fold would be
 // anywhere. Some calibrations fold within the corners; nothing is ever projected there.
-void CheckBorder(const Camera& camera) {
+void CheckBorder(const Camera& camera, const FieldCheck& check) {
   if (camera.distortion == DistortionModel::kNone) return;
   const double right = camera.width_px - 1, bottom = camera.height_px - 1;
   const Eigen::Vector2d middle(0.5 * right, 0.5 * bottom);
@@ -144,10 +137,10 @@ void CheckBorder(const Camera& camera) {
     const Eigen::Vector2d ray = camera.NormalizedFromImage(pixel);
     const std::optional<Eigen::Vector2d> back =
         ray.allFinite() ? ProjectAtOnce(camera, ray.homogeneous()) : std::nullopt;
-    Require(back && (*back - pixel).norm() < kBorderTolerancePx,
-            "distortion.coefficients",
-            CoefficientAt(camera, 0),
-            "the lens polynomial folds back, or sees nothing, within the image");
+    check.Require(back && (*back - pixel).norm() < kBorderTolerancePx,
+                  "distortion.coefficients",
+                  CoefficientAt(camera, 0),
+                  "the lens polynomial folds back, or sees nothing, within the image");
   }
 }
 
@@ -210,39 +203,44 @@ Camera Camera::With(const Readout& readout_of_image) const {
 }
 
 void Camera::Check() const {
-  Require(width_px > 0, "width_px", width_px, "must be positive");
-  Require(height_px > 0, "height_px", height_px, "must be positive");
-  Require(std::isfinite(fx_px) && fx_px > 0.0, "fx_px", fx_px, "must be positive");
-  Require(std::isfinite(fy_px) && fy_px > 0.0, "fy_px", fy_px, "must be positive");
+  const FieldCheck check("camera");
+  check.Require(width_px > 0, "width_px", width_px, "must be positive");
+  check.Require(height_px > 0, "height_px", height_px, "must be positive");
+  check.Require(std::isfinite(fx_px) && fx_px > 0.0, "fx_px", fx_px, "must be positive");
+  check.Require(std::isfinite(fy_px) && fy_px > 0.0, "fy_px", fy_px, "must be positive");
   // From wider than any lens to narrower than a telescope, with pixels that are nearly square.
   const double size_px = std::max(width_px, height_px);
-  Require(fx_px >= kMinFocalRatio * size_px && fx_px <= kMaxFocalRatio * size_px,
-          "fx_px",
-          fx_px,
-          "must be between 0.05 and 100 times the larger side of the image");
-  Require(fy_px >= 0.5 * fx_px && fy_px <= 2.0 * fx_px,
-          "fy_px",
-          fy_px,
-          "must be between half and twice fx_px");
-  Require(cx_px >= 0.0 && cx_px <= width_px - 1.0, "cx_px", cx_px, "must be within the image");
-  Require(cy_px >= 0.0 && cy_px <= height_px - 1.0, "cy_px", cy_px, "must be within the image");
+  check.Require(fx_px >= kMinFocalRatio * size_px && fx_px <= kMaxFocalRatio * size_px,
+                "fx_px",
+                fx_px,
+                "must be between 0.05 and 100 times the larger side of the image");
+  check.Require(fy_px >= 0.5 * fx_px && fy_px <= 2.0 * fx_px,
+                "fy_px",
+                fy_px,
+                "must be between half and twice fx_px");
+  check.Require(
+      cx_px >= 0.0 && cx_px <= width_px - 1.0, "cx_px", cx_px, "must be within the image");
+  check.Require(
+      cy_px >= 0.0 && cy_px <= height_px - 1.0, "cy_px", cy_px, "must be within the image");
   // Slower than any sensor: a unit is wrong.
   constexpr double kMaxReadoutS = 1.0;
-  Require(
+  check.Require(
       readout_s >= 0.0 && readout_s <= kMaxReadoutS, "readout_s", readout_s, "must be in [0, 1]");
   const size_t count = coefficients.size();
   const double shown = static_cast<double>(count);
   if (distortion == DistortionModel::kNone) {
-    Require(count == 0, "distortion.coefficients", shown, "model none takes no coefficients");
+    check.Require(count == 0, "distortion.coefficients", shown, "model none takes no coefficients");
   } else if (distortion == DistortionModel::kRadTan) {
-    Require(count == 4 || count == 5, "distortion.coefficients", shown, "radtan takes 4 or 5");
+    check.Require(
+        count == 4 || count == 5, "distortion.coefficients", shown, "radtan takes 4 or 5");
   } else {
-    Require(count == 4, "distortion.coefficients", shown, "equidistant takes 4");
+    check.Require(count == 4, "distortion.coefficients", shown, "equidistant takes 4");
   }
   for (const double coefficient : coefficients) {
-    Require(std::isfinite(coefficient), "distortion.coefficients", coefficient, "must be finite");
+    check.Require(
+        std::isfinite(coefficient), "distortion.coefficients", coefficient, "must be finite");
   }
-  CheckBorder(*this);
+  CheckBorder(*this, check);
 }
 
 }  // namespace freelsd

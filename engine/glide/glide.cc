@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 #include <vector>
 
+#include "engine/check/check.h"
 #include "engine/glide/shortest_turns.h"
 
 namespace freelsd {
@@ -133,13 +132,6 @@ double TurnBetweenHeadings(const GlideStart& start, const GlideOptions& options)
   return start.heading ? 0.0 : 2.0 * kPi / options.num_unknown_headings;
 }
 
-void RequireInside(const char* field, double value, double min, double max) {
-  if (std::isfinite(value) && value >= min && value <= max) return;
-  std::ostringstream message;
-  message << "glide." << field << " = " << value << ": must be in [" << min << ", " << max << "]";
-  throw std::invalid_argument(message.str());
-}
-
 // Least of line minus upper surface within the grid, sampled at half cells.
 std::optional<double> LeastAt(const ElevationMap& map,
                               const Eigen::Vector3d& begin,
@@ -161,11 +153,12 @@ std::optional<double> LeastAt(const ElevationMap& map,
 }  // namespace
 
 void GlideOptions::Check() const {
-  RequireInside("unknown_wind_mps", unknown_wind_mps, 0.0, 50.0);
-  RequireInside("num_unknown_winds", num_unknown_winds, 4, 360);
-  RequireInside("num_unknown_headings", num_unknown_headings, 8, 360);
-  RequireInside("terrain_clearance_m", terrain_clearance_m, 0.0, 1000.0);
-  RequireInside("datum_penalty_m", datum_penalty_m, 0.0, 1000.0);
+  const FieldCheck check("glide");
+  check.Inside("unknown_wind_mps", unknown_wind_mps, 0.0, 50.0);
+  check.Inside("num_unknown_winds", num_unknown_winds, 4, 360);
+  check.Inside("num_unknown_headings", num_unknown_headings, 8, 360);
+  check.Inside("terrain_clearance_m", terrain_clearance_m, 0.0, 1000.0);
+  check.Inside("datum_penalty_m", datum_penalty_m, 0.0, 1000.0);
 }
 
 Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio) {

@@ -1,9 +1,9 @@
 #include "engine/hazard/hazard.h"
 
 #include <cmath>
-#include <sstream>
 #include <stdexcept>
 
+#include "engine/check/check.h"
 #include "engine/hazard/distance_transform.h"
 #include "engine/hazard/grass.h"
 #include "engine/hazard/look_alikes.h"
@@ -13,24 +13,10 @@
 namespace freelsd {
 namespace {
 
-struct Bound {
-  const char* field;
-  double value;
-  double min;
-  double max;
-};
-
-void RequireInside(const Bound& bound) {
-  if (bound.value >= bound.min && bound.value <= bound.max) return;
-  std::ostringstream message;
-  message << "hazard." << bound.field << " = " << bound.value << ": must be in [" << bound.min
-          << ", " << bound.max << "]";
-  throw std::invalid_argument(message.str());
-}
-
 void CheckLimits(const HazardLimits& limits) {
-  RequireInside({"max_slope_deg", limits.max_slope_deg, 0.0, 90.0});
-  RequireInside({"max_roughness_m", limits.max_roughness_m, 0.0, 1000.0});
+  const FieldCheck check("hazard");
+  check.Inside("max_slope_deg", limits.max_slope_deg, 0.0, 90.0);
+  check.Inside("max_roughness_m", limits.max_roughness_m, 0.0, 1000.0);
 }
 
 // Every comparison is written so that NaN fails it.
@@ -75,42 +61,40 @@ void Classify(const ElevationMap& map,
 }  // namespace
 
 void HazardOptions::Check() const {
-  const Bound bounds[] = {
-      {"min_grass_posterior", min_grass_posterior, 0.5, 1.0},
-      {"min_observation_probability", min_observation_probability, 0.001, 0.499},
-      {"max_observation_probability", max_observation_probability, 0.501, 0.999},
-      {"max_num_independent_views", max_num_independent_views, 1.0, 1000.0},
-      {"min_vote_ratio", min_vote_ratio, 0.0, 1.0},
-      {"plane_support_m", plane_support_m, 0.1, 100.0},
-      {"min_support_ratio", min_support_ratio, 0.4, 1.0},
-      {"roughness_spacing_m", roughness_spacing_m, 0.05, 100.0},
-      {"upper_margin_m", upper_margin_m, 0.0, 10.0},
-      {"max_standard_deviation_m", max_standard_deviation_m, 0.01, 100.0},
-      {"min_rut_contrast", min_rut_contrast, 0.0, 1.0},
-      {"rut_filter_length_m", rut_filter_length_m, 3.0, 20.0},
-      {"min_track_length_m", min_track_length_m, 1.0, 1000.0},
-      {"max_working_width_m", max_working_width_m, 3.0, 100.0},
-      {"min_working_width_m", min_working_width_m, 3.0, max_working_width_m},
-      {"sprayed_margin_m", sprayed_margin_m, 0.0, 100.0},
-      {"max_field_color_deviations", max_field_color_deviations, 0.0, 100.0},
-      {"max_telling_sampling_m", max_telling_sampling_m, 0.01, 10.0},
-      {"min_row_strength", min_row_strength, 0.0, 1e6},
-      {"max_row_spacing_m", max_row_spacing_m, 0.1, 10.0},
-      {"min_row_spacing_m", min_row_spacing_m, 0.1, max_row_spacing_m},
-      {"min_detail_ratio", min_detail_ratio, 0.0, 1.0},
-      {"max_even_slope_deg", max_even_slope_deg, 0.0, 90.0},
-      {"max_even_roughness_m", max_even_roughness_m, 0.0, 1000.0},
-      {"max_border_residual_m", max_border_residual_m, 0.0, 100.0},
-      {"border_ramp_m", border_ramp_m, 0.0, 8.0},
-      {"min_raised_step_m", min_raised_step_m, 0.0, 100.0},
-      {"min_raised_border_m", min_raised_border_m, 0.0, 1e4},
-      {"min_raised_border_ratio", min_raised_border_ratio, 0.0, 1.0},
-      {"min_object_deviations", min_object_deviations, 0.0, 1000.0},
-      {"object_surroundings_m", object_surroundings_m, 1.0, 40.0},
-      {"min_object_area_m2", min_object_area_m2, 0.0, 1000.0},
-      {"max_surroundings_deviations", max_surroundings_deviations, 0.5, 1000.0},
-  };
-  for (const Bound& bound : bounds) RequireInside(bound);
+  const FieldCheck check("hazard");
+  check.Inside("min_grass_posterior", min_grass_posterior, 0.5, 1.0);
+  check.Inside("min_observation_probability", min_observation_probability, 0.001, 0.499);
+  check.Inside("max_observation_probability", max_observation_probability, 0.501, 0.999);
+  check.Inside("max_num_independent_views", max_num_independent_views, 1.0, 1000.0);
+  check.Inside("min_vote_ratio", min_vote_ratio, 0.0, 1.0);
+  check.Inside("plane_support_m", plane_support_m, 0.1, 100.0);
+  check.Inside("min_support_ratio", min_support_ratio, 0.4, 1.0);
+  check.Inside("roughness_spacing_m", roughness_spacing_m, 0.05, 100.0);
+  check.Inside("upper_margin_m", upper_margin_m, 0.0, 10.0);
+  check.Inside("max_standard_deviation_m", max_standard_deviation_m, 0.01, 100.0);
+  check.Inside("min_rut_contrast", min_rut_contrast, 0.0, 1.0);
+  check.Inside("rut_filter_length_m", rut_filter_length_m, 3.0, 20.0);
+  check.Inside("min_track_length_m", min_track_length_m, 1.0, 1000.0);
+  check.Inside("max_working_width_m", max_working_width_m, 3.0, 100.0);
+  check.Inside("min_working_width_m", min_working_width_m, 3.0, max_working_width_m);
+  check.Inside("sprayed_margin_m", sprayed_margin_m, 0.0, 100.0);
+  check.Inside("max_field_color_deviations", max_field_color_deviations, 0.0, 100.0);
+  check.Inside("max_telling_sampling_m", max_telling_sampling_m, 0.01, 10.0);
+  check.Inside("min_row_strength", min_row_strength, 0.0, 1e6);
+  check.Inside("max_row_spacing_m", max_row_spacing_m, 0.1, 10.0);
+  check.Inside("min_row_spacing_m", min_row_spacing_m, 0.1, max_row_spacing_m);
+  check.Inside("min_detail_ratio", min_detail_ratio, 0.0, 1.0);
+  check.Inside("max_even_slope_deg", max_even_slope_deg, 0.0, 90.0);
+  check.Inside("max_even_roughness_m", max_even_roughness_m, 0.0, 1000.0);
+  check.Inside("max_border_residual_m", max_border_residual_m, 0.0, 100.0);
+  check.Inside("border_ramp_m", border_ramp_m, 0.0, 8.0);
+  check.Inside("min_raised_step_m", min_raised_step_m, 0.0, 100.0);
+  check.Inside("min_raised_border_m", min_raised_border_m, 0.0, 1e4);
+  check.Inside("min_raised_border_ratio", min_raised_border_ratio, 0.0, 1.0);
+  check.Inside("min_object_deviations", min_object_deviations, 0.0, 1000.0);
+  check.Inside("object_surroundings_m", object_surroundings_m, 1.0, 40.0);
+  check.Inside("min_object_area_m2", min_object_area_m2, 0.0, 1000.0);
+  check.Inside("max_surroundings_deviations", max_surroundings_deviations, 0.5, 1000.0);
 }
 
 HazardLayers AssessHazards(const ElevationMap& map,

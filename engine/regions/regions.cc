@@ -1,54 +1,39 @@
 #include "engine/regions/regions.h"
 
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 
+#include "engine/check/check.h"
 #include "engine/regions/region_update.h"
 
 namespace freelsd {
-namespace {
-
-template <typename Value>
-void Require(bool is_met, const char* field, Value value, const std::string& constraint) {
-  if (is_met) return;
-  std::ostringstream message;
-  message << "regions." << field << " = " << value << ": must be " << constraint;
-  throw std::invalid_argument(message.str());
-}
-
-}  // namespace
+namespace {}  // namespace
 
 void RegionsOptions::Check() const {
-  Require(std::isfinite(min_area_m2) && min_area_m2 > 0.0,
-          "min_area_m2",
-          min_area_m2,
-          "positive and finite");
-  Require(min_num_observations_floor >= 2,
-          "min_num_observations_floor",
-          min_num_observations_floor,
-          "at least 2");
-  Require(min_num_observations >= min_num_observations_floor,
-          "min_num_observations",
-          min_num_observations,
-          "at least min_num_observations_floor = " + std::to_string(min_num_observations_floor));
-  Require(min_overlap_of_unlike_ratio >= 0.0 && min_overlap_of_unlike_ratio <= 1.0,
-          "min_overlap_of_unlike_ratio",
-          min_overlap_of_unlike_ratio,
-          "in [0, 1]");
-  Require(min_fixing_overlap_ratio >= 0.0 && min_fixing_overlap_ratio <= 1.0,
-          "min_fixing_overlap_ratio",
-          min_fixing_overlap_ratio,
-          "in [0, 1]");
-  Require(max_num_regions >= 1, "max_num_regions", max_num_regions, "at least 1");
-  Require(std::isfinite(border_margin_px) && border_margin_px >= 0.0,
-          "border_margin_px",
-          border_margin_px,
-          "at least 0 and finite");
-  Require(std::isfinite(max_viewing_distance_ratio) && max_viewing_distance_ratio > 1.0,
-          "max_viewing_distance_ratio",
-          max_viewing_distance_ratio,
-          "greater than 1 and finite");
+  const FieldCheck check("regions");
+  check.Require(std::isfinite(min_area_m2) && min_area_m2 > 0.0,
+                "min_area_m2",
+                min_area_m2,
+                "must be positive and finite");
+  check.Require(min_num_observations_floor >= 2,
+                "min_num_observations_floor",
+                min_num_observations_floor,
+                "must be at least 2");
+  check.Require(min_num_observations >= min_num_observations_floor,
+                "min_num_observations",
+                min_num_observations,
+                "must be at least min_num_observations_floor = " +
+                    std::to_string(min_num_observations_floor));
+  check.Inside("min_overlap_of_unlike_ratio", min_overlap_of_unlike_ratio, 0.0, 1.0);
+  check.Inside("min_fixing_overlap_ratio", min_fixing_overlap_ratio, 0.0, 1.0);
+  check.Require(max_num_regions >= 1, "max_num_regions", max_num_regions, "must be at least 1");
+  check.Require(std::isfinite(border_margin_px) && border_margin_px >= 0.0,
+                "border_margin_px",
+                border_margin_px,
+                "must be at least 0 and finite");
+  check.Require(std::isfinite(max_viewing_distance_ratio) && max_viewing_distance_ratio > 1.0,
+                "max_viewing_distance_ratio",
+                max_viewing_distance_ratio,
+                "must be greater than 1 and finite");
 }
 
 Polygon GroundPolygon(const std::vector<Eigen::Vector3d>& corners_in_world) {

@@ -7,6 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/check/check.h"
 #include "engine/segmentation/area_resize.h"
 
 namespace freelsd {
@@ -19,21 +20,6 @@ constexpr double kMinLocalMeanGrey = 4.0;
 constexpr int kConnectivity = 4;
 // Keeps a wrong height from asking for an image of no pixels.
 constexpr int kMinWorkingSidePx = 8;
-
-struct Bound {
-  const char* field;
-  double value;
-  double min;
-  double max;
-};
-
-void RequireInside(const Bound& bound) {
-  if (std::isfinite(bound.value) && bound.value >= bound.min && bound.value <= bound.max) return;
-  std::ostringstream message;
-  message << "segmentation." << bound.field << " = " << bound.value << ": must be in [" << bound.min
-          << ", " << bound.max << "]";
-  throw std::invalid_argument(message.str());
-}
 
 double Polynomial(const std::array<double, 4>& coefficients, double x) {
   double value = 0.0;
@@ -269,26 +255,24 @@ void CheckInput(const cv::Mat& image, const Camera& camera, double height_above_
 }  // namespace
 
 void SegmentationOptions::Check() const {
-  const Bound bounds[] = {
-      {"ground_sampling_distance_m", ground_sampling_distance_m, 0.02, 5.0},
-      {"detail_sampling_distance_m", detail_sampling_distance_m, 0.02, 5.0},
-      {"blur_sigma_px", blur_sigma_px, 0.0, 20.0},
-      {"canny_high", canny_high, 1.0, 2000.0},
-      {"chroma_gain", chroma_gain, 0.0, 20.0},
-      {"split_level_ratio", split_level_ratio, -2.0, 2.0},
-      {"split_sigma_m", split_sigma_m, 0.0, 100.0},
-      {"min_edge_distance_m", min_edge_distance_m, 0.0, 50.0},
-      {"contrast_window_m", contrast_window_m, 0.0, 1000.0},
-      {"reference_grey", reference_grey, 1.0, 255.0},
-      {"min_grey", min_grey, 0.0, 255.0},
-      {"max_grey", max_grey, min_grey, 255.0},
-      {"min_region_area_m2", min_region_area_m2, 1.0, 1e6},
-      {"paper_min_height_m", paper_min_height_m, 1.0, 1000.0},
-      {"paper_max_height_m", paper_max_height_m, paper_min_height_m, 1000.0},
-      {"paper_focal_px", paper_focal_px, 10.0, 10000.0},
-      {"paper_min_edge_distance_px", paper_min_edge_distance_px, 0.0, 100.0},
-  };
-  for (const Bound& bound : bounds) RequireInside(bound);
+  const FieldCheck check("segmentation");
+  check.Inside("ground_sampling_distance_m", ground_sampling_distance_m, 0.02, 5.0);
+  check.Inside("detail_sampling_distance_m", detail_sampling_distance_m, 0.02, 5.0);
+  check.Inside("blur_sigma_px", blur_sigma_px, 0.0, 20.0);
+  check.Inside("canny_high", canny_high, 1.0, 2000.0);
+  check.Inside("chroma_gain", chroma_gain, 0.0, 20.0);
+  check.Inside("split_level_ratio", split_level_ratio, -2.0, 2.0);
+  check.Inside("split_sigma_m", split_sigma_m, 0.0, 100.0);
+  check.Inside("min_edge_distance_m", min_edge_distance_m, 0.0, 50.0);
+  check.Inside("contrast_window_m", contrast_window_m, 0.0, 1000.0);
+  check.Inside("reference_grey", reference_grey, 1.0, 255.0);
+  check.Inside("min_grey", min_grey, 0.0, 255.0);
+  check.Inside("max_grey", max_grey, min_grey, 255.0);
+  check.Inside("min_region_area_m2", min_region_area_m2, 1.0, 1e6);
+  check.Inside("paper_min_height_m", paper_min_height_m, 1.0, 1000.0);
+  check.Inside("paper_max_height_m", paper_max_height_m, paper_min_height_m, 1000.0);
+  check.Inside("paper_focal_px", paper_focal_px, 10.0, 10000.0);
+  check.Inside("paper_min_edge_distance_px", paper_min_edge_distance_px, 0.0, 100.0);
 }
 
 double CannyThreshold(double height_above_ground, const SegmentationOptions& options) {

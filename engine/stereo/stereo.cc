@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
+#include "engine/check/check.h"
 #include "engine/stereo/matching.h"
 
 namespace freelsd {
@@ -37,67 +37,56 @@ Points PointsFrom(const RectifiedPair& pair,
   return points;
 }
 
-void Require(bool holds, const char* field, double value, const char* constraint) {
-  if (holds) return;
-  throw std::invalid_argument(std::string("stereo.") + field + " = " + std::to_string(value) +
-                              ": " + constraint);
-}
-
 }  // namespace
 
 void StereoOptions::Check() const {
-  Require(ground_sampling_distance_m >= 0.01 && ground_sampling_distance_m <= 2.0,
-          "ground_sampling_distance_m",
-          ground_sampling_distance_m,
-          "must be in [0.01, 2]");
-  Require(min_baseline_ratio > 0.0, "min_baseline_ratio", min_baseline_ratio, "must be positive");
-  Require(ideal_baseline_ratio >= min_baseline_ratio && ideal_baseline_ratio <= max_baseline_ratio,
-          "ideal_baseline_ratio",
-          ideal_baseline_ratio,
-          "must lie between min_baseline_ratio and max_baseline_ratio");
-  Require(max_baseline_ratio <= 5.0, "max_baseline_ratio", max_baseline_ratio, "must be <= 5");
-  Require(max_axis_angle_deg > 0.0 && max_axis_angle_deg <= 90.0,
-          "max_axis_angle_deg",
-          max_axis_angle_deg,
-          "must be in (0, 90]");
-  Require(
-      num_partners >= 1 && num_partners <= 20, "num_partners", num_partners, "must be in [1, 20]");
-  Require(min_num_shared_landmarks >= 1,
-          "min_num_shared_landmarks",
-          min_num_shared_landmarks,
-          "must be >= 1");
-  Require(relief_margin_m >= 0.0, "relief_margin_m", relief_margin_m, "must be >= 0");
-  Require(block_size_px >= 1 && block_size_px <= 21 && block_size_px % 2 == 1,
-          "block_size_px",
-          block_size_px,
-          "must be odd, in [1, 21]");
-  Require(p1_factor >= 1, "p1_factor", p1_factor, "must be >= 1");
-  Require(p2_factor > p1_factor, "p2_factor", p2_factor, "must be > p1_factor");
-  Require(uniqueness_ratio_percent >= 0 && uniqueness_ratio_percent <= 100,
-          "uniqueness_ratio_percent",
-          uniqueness_ratio_percent,
-          "must be in [0, 100]");
-  Require(speckle_size_px >= 0, "speckle_size_px", speckle_size_px, "must be >= 0");
-  Require(max_left_right_difference_px >= 0,
-          "max_left_right_difference_px",
-          max_left_right_difference_px,
-          "must be >= 0");
-  Require(min_texture_grey >= 0.0, "min_texture_grey", min_texture_grey, "must be >= 0");
-  Require(
+  const FieldCheck check("stereo");
+  check.Inside("ground_sampling_distance_m", ground_sampling_distance_m, 0.01, 2.0);
+  check.Require(
+      min_baseline_ratio > 0.0, "min_baseline_ratio", min_baseline_ratio, "must be positive");
+  check.Require(
+      ideal_baseline_ratio >= min_baseline_ratio && ideal_baseline_ratio <= max_baseline_ratio,
+      "ideal_baseline_ratio",
+      ideal_baseline_ratio,
+      "must lie between min_baseline_ratio and max_baseline_ratio");
+  check.Require(
+      max_baseline_ratio <= 5.0, "max_baseline_ratio", max_baseline_ratio, "must be <= 5");
+  check.Require(max_axis_angle_deg > 0.0 && max_axis_angle_deg <= 90.0,
+                "max_axis_angle_deg",
+                max_axis_angle_deg,
+                "must be in (0, 90]");
+  check.Inside("num_partners", num_partners, 1, 20);
+  check.Require(min_num_shared_landmarks >= 1,
+                "min_num_shared_landmarks",
+                min_num_shared_landmarks,
+                "must be >= 1");
+  check.Require(relief_margin_m >= 0.0, "relief_margin_m", relief_margin_m, "must be >= 0");
+  check.Require(block_size_px >= 1 && block_size_px <= 21 && block_size_px % 2 == 1,
+                "block_size_px",
+                block_size_px,
+                "must be odd, in [1, 21]");
+  check.Require(p1_factor >= 1, "p1_factor", p1_factor, "must be >= 1");
+  check.Require(p2_factor > p1_factor, "p2_factor", p2_factor, "must be > p1_factor");
+  check.Inside("uniqueness_ratio_percent", uniqueness_ratio_percent, 0, 100);
+  check.Require(speckle_size_px >= 0, "speckle_size_px", speckle_size_px, "must be >= 0");
+  check.Require(max_left_right_difference_px >= 0,
+                "max_left_right_difference_px",
+                max_left_right_difference_px,
+                "must be >= 0");
+  check.Require(min_texture_grey >= 0.0, "min_texture_grey", min_texture_grey, "must be >= 0");
+  check.Require(
       correlation_window_px >= 3 && correlation_window_px <= 63 && correlation_window_px % 2 == 1,
       "correlation_window_px",
       correlation_window_px,
       "must be odd, in [3, 63]");
-  Require(min_correlation >= 0.0 && min_correlation < 1.0,
-          "min_correlation",
-          min_correlation,
-          "must be in [0, 1)");
-  Require(max_num_disparities >= 16 && max_num_disparities <= 1024,
-          "max_num_disparities",
-          max_num_disparities,
-          "must be in [16, 1024]");
-  Require(max_points_per_m2 > 0.0, "max_points_per_m2", max_points_per_m2, "must be positive");
-  Require(disparity_sd_px > 0.0, "disparity_sd_px", disparity_sd_px, "must be positive");
+  check.Require(min_correlation >= 0.0 && min_correlation < 1.0,
+                "min_correlation",
+                min_correlation,
+                "must be in [0, 1)");
+  check.Inside("max_num_disparities", max_num_disparities, 16, 1024);
+  check.Require(
+      max_points_per_m2 > 0.0, "max_points_per_m2", max_points_per_m2, "must be positive");
+  check.Require(disparity_sd_px > 0.0, "disparity_sd_px", disparity_sd_px, "must be positive");
 }
 
 Points ReconstructPoints(const AdjustedBlock& block,

@@ -1,8 +1,7 @@
 #include <cmath>
 #include <limits>
-#include <sstream>
-#include <stdexcept>
 
+#include "engine/check/check.h"
 #include "engine/terrain/cell_fusion.h"
 #include "engine/terrain/pair_summary.h"
 #include "engine/terrain/terrain.h"
@@ -14,34 +13,22 @@ namespace {
 // Cells that one point may reach to each side: more is blur, and costs with the square.
 constexpr double kMaxReachCells = 20.0;
 
-void Require(bool holds, const char* field, double value, const char* constraint) {
-  if (holds) return;
-  std::ostringstream message;
-  message << "terrain." << field << " = " << value << ": " << constraint;
-  throw std::invalid_argument(message.str());
-}
-
-void RequireInside(const char* field, double value, double min, double max) {
-  std::ostringstream constraint;
-  constraint << "must be in [" << min << ", " << max << "]";
-  Require(value >= min && value <= max, field, value, constraint.str().c_str());
-}
-
 void CheckGrid(const Grid& grid, const TerrainOptions& options) {
-  Require(std::isfinite(grid.cell_size_m) && grid.cell_size_m > 0.0,
-          "grid.cell_size_m",
-          grid.cell_size_m,
-          "must be positive");
-  Require(grid.num_rows >= 0, "grid.num_rows", grid.num_rows, "must not be negative");
-  Require(grid.num_cols >= 0, "grid.num_cols", grid.num_cols, "must not be negative");
+  const FieldCheck check("terrain");
+  check.Require(std::isfinite(grid.cell_size_m) && grid.cell_size_m > 0.0,
+                "grid.cell_size_m",
+                grid.cell_size_m,
+                "must be positive");
+  check.Require(grid.num_rows >= 0, "grid.num_rows", grid.num_rows, "must not be negative");
+  check.Require(grid.num_cols >= 0, "grid.num_cols", grid.num_cols, "must not be negative");
   const double num_cells = static_cast<double>(grid.num_rows) * grid.num_cols;
   const std::string limit =
       "must not exceed max_num_cells = " + std::to_string(options.max_num_cells);
-  Require(num_cells <= options.max_num_cells, "grid.num_cells", num_cells, limit.c_str());
-  Require(options.interpolation_radius_m <= kMaxReachCells * grid.cell_size_m,
-          "interpolation_radius_m",
-          options.interpolation_radius_m,
-          "must not exceed 20 cells");
+  check.Require(num_cells <= options.max_num_cells, "grid.num_cells", num_cells, limit);
+  check.Require(options.interpolation_radius_m <= kMaxReachCells * grid.cell_size_m,
+                "interpolation_radius_m",
+                options.interpolation_radius_m,
+                "must not exceed 20 cells");
 }
 
 cv::Mat1f Unknown(const Grid& grid) {
@@ -89,20 +76,21 @@ ElevationMap MapOfMeans(const WeightedSums& sums, const Grid& grid) {
 }  // namespace
 
 void TerrainOptions::Check() const {
-  RequireInside("cell_size_m", cell_size_m, 0.05, 100.0);
-  RequireInside("interpolation_radius_m", interpolation_radius_m, 0.01, 1000.0);
-  RequireInside("min_num_points", min_num_points, 1, 1000000);
-  RequireInside("outlier_sigma", outlier_sigma, 1.0, 1e6);
-  RequireInside("upper_percentile", upper_percentile, 50.0, 100.0);
-  RequireInside("max_relief_m", max_relief_m, 1.0, 10000.0);
-  RequireInside("max_num_cells", max_num_cells, 1, 25000000);
-  RequireInside("orthophoto_cell_size_m", orthophoto_cell_size_m, 0.1, 0.4);
-  RequireInside("min_crossing_ratio", min_crossing_ratio, 0.01, 2.0);
-  RequireInside("max_photo_disagreement", max_photo_disagreement, 0.0, 10.0);
-  RequireInside("min_open_cover_radius_m", min_open_cover_radius_m, 0.0, 20.0);
-  RequireInside("open_cover_margin_m", open_cover_margin_m, 0.0, 20.0);
-  RequireInside("min_narrow_cover_m", min_narrow_cover_m, 0.0, 20.0);
-  RequireInside("narrow_cover_allowance_m", narrow_cover_allowance_m, 0.0, 100.0);
+  const FieldCheck check("terrain");
+  check.Inside("cell_size_m", cell_size_m, 0.05, 100.0);
+  check.Inside("interpolation_radius_m", interpolation_radius_m, 0.01, 1000.0);
+  check.Inside("min_num_points", min_num_points, 1, 1000000);
+  check.Inside("outlier_sigma", outlier_sigma, 1.0, 1e6);
+  check.Inside("upper_percentile", upper_percentile, 50.0, 100.0);
+  check.Inside("max_relief_m", max_relief_m, 1.0, 10000.0);
+  check.Inside("max_num_cells", max_num_cells, 1, 25000000);
+  check.Inside("orthophoto_cell_size_m", orthophoto_cell_size_m, 0.1, 0.4);
+  check.Inside("min_crossing_ratio", min_crossing_ratio, 0.01, 2.0);
+  check.Inside("max_photo_disagreement", max_photo_disagreement, 0.0, 10.0);
+  check.Inside("min_open_cover_radius_m", min_open_cover_radius_m, 0.0, 20.0);
+  check.Inside("open_cover_margin_m", open_cover_margin_m, 0.0, 20.0);
+  check.Inside("min_narrow_cover_m", min_narrow_cover_m, 0.0, 20.0);
+  check.Inside("narrow_cover_allowance_m", narrow_cover_allowance_m, 0.0, 100.0);
 }
 
 bool ElevationMap::IsSeen(int row, int col) const { return std::isfinite(elevation(row, col)); }

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <sstream>
-#include <stdexcept>
 #include <tuple>
+
+#include "engine/check/check.h"
 
 namespace freelsd {
 namespace {
@@ -32,20 +32,19 @@ std::vector<WindSample> SamplesNear(const Eigen::Vector2d& place_in_world,
   return near;
 }
 
-void Require(bool is_met, const char* field, double value, const char* constraint) {
-  if (is_met) return;
-  std::ostringstream message;
-  message << "wind." << field << " = " << value << ": must be " << constraint;
-  throw std::invalid_argument(message.str());
-}
-
 }  // namespace
 
 void WindOptions::Check() const {
-  Require(std::isfinite(radius_m) && radius_m > 0.0, "radius_m", radius_m, "positive and finite");
-  Require(
-      std::isfinite(max_age_s) && max_age_s > 0.0, "max_age_s", max_age_s, "positive and finite");
-  Require(smoothing > 0.0 && smoothing <= 1.0, "smoothing", smoothing, "in (0, 1]");
+  const FieldCheck check("wind");
+  check.Require(std::isfinite(radius_m) && radius_m > 0.0,
+                "radius_m",
+                radius_m,
+                "must be positive and finite");
+  check.Require(std::isfinite(max_age_s) && max_age_s > 0.0,
+                "max_age_s",
+                max_age_s,
+                "must be positive and finite");
+  check.Require(smoothing > 0.0 && smoothing <= 1.0, "smoothing", smoothing, "must be in (0, 1]");
 }
 
 std::vector<WindSample> RecentSamples(const std::vector<WindSample>& samples,

@@ -9,8 +9,8 @@ set(api_may_include api engine)
 set(server_may_include server api engine storage)
 
 # Pipeline order: a stage may include only the public headers of stages listed before it.
-set(stages geometry flight tracks segmentation classification regions wind adjustment stereo
-           terrain hazard approach glide)
+set(stages check geometry flight tracks segmentation classification regions wind adjustment
+           stereo terrain hazard approach glide)
 
 set(num_includes 0)
 foreach(folder engine storage api server)

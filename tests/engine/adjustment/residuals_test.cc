@@ -98,9 +98,8 @@ TEST_CASE("adjustment: Check names field, value and constraint") {
   AdjustmentOptions options;
   CHECK_NOTHROW(options.Check());
   options.max_tilt_sd_deg = 0.0;
-  CHECK_THROWS_WITH_AS(options.Check(),
-                       "adjustment.max_tilt_sd_deg = 0.000000: must be in (0, 90]",
-                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      options.Check(), "adjustment.max_tilt_sd_deg = 0: must be in (0, 90]", std::invalid_argument);
   const auto refuses = [](auto field, auto value) {
     AdjustmentOptions wrong;
     wrong.*field = value;

@@ -254,9 +254,8 @@ TEST_CASE("stereo: Check names field, value and constraint") {
   StereoOptions options;
   CHECK_NOTHROW(options.Check());
   options.block_size_px = 8;
-  CHECK_THROWS_WITH_AS(options.Check(),
-                       "stereo.block_size_px = 8.000000: must be odd, in [1, 21]",
-                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      options.Check(), "stereo.block_size_px = 8: must be odd, in [1, 21]", std::invalid_argument);
   const auto refuses = [](auto field, auto value) {
     StereoOptions wrong;
     wrong.*field = value;
