@@ -1,7 +1,7 @@
 #include "engine/grass_masks.h"
 
+#include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace freelsd {
 
@@ -23,16 +23,39 @@ cv::Mat1b GrassMask(const Segments& segments, const Labels& labels) {
   return mask;
 }
 
+PackedMask Packed(const cv::Mat1b& mask, double image_px_per_mask_px) {
+  PackedMask packed{mask.size(), {}, image_px_per_mask_px};
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int col = 0; col < mask.cols; ++col) {
+      const uint8_t value = mask(row, col);
+      if (packed.runs.empty() || packed.runs.back().value != value) {
+        packed.runs.push_back({value, 0});
+      }
+      ++packed.runs.back().length;
+    }
+  }
+  packed.runs.shrink_to_fit();
+  return packed;
+}
+
+cv::Mat1b PackedMask::Unpack() const {
+  cv::Mat1b mask(size);
+  uint8_t* pixel = mask.data;
+  for (const Run& run : runs) pixel = std::fill_n(pixel, run.length, run.value);
+  return mask;
+}
+
 std::vector<GrassView> AdjustedGrassViews(const Snapshot& snapshot,
                                           const std::vector<size_t>& indices,
                                           const AdjustedBlock& block) {
   std::vector<GrassView> views;
   for (size_t i = 0; i < indices.size(); ++i) {
     if (!block.views[i].is_connected) continue;
-    GrassView view = snapshot.grass_views[indices[i]];
-    view.world_from_camera = block.views[i].world_from_camera;
-    view.camera = block.CameraOf(i);
-    views.push_back(std::move(view));
+    const PackedMask& packed = snapshot.grass_masks[indices[i]];
+    views.push_back({block.views[i].world_from_camera,
+                     block.CameraOf(i),
+                     packed.Unpack(),
+                     packed.image_px_per_mask_px});
   }
   return views;
 }

@@ -218,11 +218,8 @@ void Frontend::ProcessView(const ReadyFrame& ready) {
     regions_.Update(*ready.view, segments, labels, tracks_);
     return 0;
   });
-  grass_views_.resize(std::max(grass_views_.size(), *ready.view + 1));
-  grass_views_[*ready.view] = {view.world_from_camera,
-                               rig_.camera.With(view.readout),
-                               GrassMask(segments, labels),
-                               segments.image_px_per_working_px};
+  grass_masks_.resize(std::max(grass_masks_.size(), *ready.view + 1));
+  grass_masks_[*ready.view] = Packed(GrassMask(segments, labels), segments.image_px_per_working_px);
 }
 
 // Attitudes found from matches, and those that survey photographs carry, are good to several
@@ -272,7 +269,7 @@ std::vector<WindSample> Frontend::RecentWind() const {
 Snapshot Frontend::TakeSnapshot() const {
   return {rig_,
           tracks_.views(),
-          grass_views_,
+          grass_masks_,
           regions_.Ranked(),
           regions_.MinNumObservations(),
           RecentWind()};

@@ -69,12 +69,27 @@ struct FrameResult {
   std::string note;
 };
 
+// A view's grass mask in little memory: a flight has one for each of its frames.
+struct PackedMask {
+  // Pixels in a row that have one value, row after row.
+  struct Run {
+    uint8_t value = 0;
+    uint32_t length = 0;
+  };
+  cv::Size size;
+  std::vector<Run> runs;
+  // As GrassView.
+  double image_px_per_mask_px = 1.0;
+
+  cv::Mat1b Unpack() const;
+};
+
 // Everything the backend needs of the frontend, copied, so that both run at once.
 struct Snapshot {
   Rig rig;
   std::vector<View> views;
-  // Same order as views; camera and pose are the views' own until an adjustment replaces them.
-  std::vector<GrassView> grass_views;
+  // Same order as views.
+  std::vector<PackedMask> grass_masks;
   std::vector<Region> regions;
   int min_num_observations = 2;
   std::vector<WindSample> wind_samples;
@@ -109,7 +124,7 @@ class Frontend {
   Rig rig_;
   Tracks tracks_;
   Regions regions_;
-  std::vector<GrassView> grass_views_;
+  std::vector<PackedMask> grass_masks_;
   std::vector<WindSample> wind_samples_;
   std::vector<StageReport> reports_;
 };

@@ -60,6 +60,7 @@ void FailJob(Service& service, JobRow job, const std::string& why) {
 
 // The oldest finish whose frames are all through the frontend, else a flight that is due.
 bool Worker::StepBackend() {
+  RetireImages();
   for (const JobRow& job : service_.storage.ListUnfinishedJobs()) {
     if (job.kind != "finish") continue;
     const SessionPointer session = FindSession(job.flight_id);
@@ -71,12 +72,8 @@ bool Worker::StepBackend() {
   }
   std::string flight_id;
   {
-    std::unique_lock lock(mutex_);
-    if (due_.empty()) {
-      lock.unlock();
-      RetireImages();
-      return false;
-    }
+    const std::lock_guard lock(mutex_);
+    if (due_.empty()) return false;
     flight_id = *due_.begin();
     due_.erase(due_.begin());
   }

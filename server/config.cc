@@ -80,6 +80,7 @@ void ReadConfigFile(const std::string& path, Config& config) {
   Take(object, "allowed_hosts", config.allowed_hosts);
   Take(object, "num_http_threads", config.num_http_threads);
   Take(object, "max_num_queued_frames", config.max_num_queued_frames);
+  Take(object, "max_num_open_flights", config.max_num_open_flights);
   Take(object, "max_batch_bytes", config.max_batch_bytes);
   Take(object, "max_image_age_days", config.max_image_age_days);
   Take(object, "max_stored_image_bytes", config.max_stored_image_bytes);
@@ -112,6 +113,7 @@ void Check(const Config& config) {
   }
   if (!(config.max_image_age_days >= 0.0)) throw ConfigError("max_image_age_days: must be >= 0");
   if (config.max_num_queued_frames < 1) throw ConfigError("max_num_queued_frames: must be >= 1");
+  if (config.max_num_open_flights < 1) throw ConfigError("max_num_open_flights: must be >= 1");
 }
 
 }  // namespace

@@ -33,6 +33,8 @@ struct Config {
   int num_http_threads = 32;
   // Frames that may wait for the frontend; batches are outside this limit.
   int64_t max_num_queued_frames = 256;
+  // Flights that the engine holds in memory at a time; frames of others wait.
+  int max_num_open_flights = 16;
   uint64_t max_batch_bytes = uint64_t{2} << 30;
   // Images of idle flights are removed, oldest first, beyond these; 0: never. Sites stay.
   double max_image_age_days = 0.0;

@@ -80,6 +80,7 @@ nlohmann::json LimitsJson(const Service& service) {
           {"max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s},
           {"telemetry_wait_s", config.telemetry_wait_s},
           {"max_num_queued_frames", config.max_num_queued_frames},
+          {"max_num_open_flights", config.max_num_open_flights},
           {"max_num_uploads", kMaxNumUploads},
           {"max_num_streams", kMaxNumStreams},
           {"max_num_event_clients", kMaxNumEventClients},

@@ -20,8 +20,12 @@ namespace {
 constexpr std::chrono::seconds kIdlePeriod{2};
 // Regions and progress are written at most this often while frames flow.
 constexpr std::chrono::milliseconds kStorePeriod{500};
-// Flights kept in memory without work; others are built again when needed.
+// Flights kept in memory without work, and how long others are: a flight that streams slowly is
+// idle between its frames, and building it again costs as much as all frames before.
 constexpr size_t kMaxNumIdleSessions = 4;
+constexpr std::chrono::seconds kMinIdleTime{120};
+// Jobs whose last frames are remembered.
+constexpr size_t kMaxNumKnownJobs = 1000;
 
 bool IsUnresolved(const FrameRow& frame) {
   return frame.resolved_json.empty() && frame.state == FrameState::kQueued;
@@ -94,21 +98,30 @@ void Worker::RunBackend() { Repeat(&Worker::StepBackend); }
 Worker::SessionPointer Worker::FindSession(const std::string& flight_id) const {
   const std::lock_guard lock(mutex_);
   const auto found = sessions_.find(flight_id);
-  return found == sessions_.end() ? nullptr : found->second;
+  return found == sessions_.end() ? nullptr : found->second.session;
 }
 
 // One frame of one flight; flights take turns.
 bool Worker::StepFrontend() {
   const std::vector<JobRow> jobs = service_.storage.ListUnfinishedJobs();
-  std::set<std::string> busy_flights;
-  for (const std::string& id : service_.storage.FlightsWithQueuedFrames()) busy_flights.insert(id);
-  for (const JobRow& job : jobs) busy_flights.insert(job.flight_id);
+  std::set<std::string> busy_flights, flights_with_jobs;
+  for (const JobRow& job : jobs) flights_with_jobs.insert(job.flight_id);
+  busy_flights = flights_with_jobs;
+  for (const std::string& id : service_.storage.FlightsWithQueuedFrames()) {
+    if (flights_with_jobs.contains(id) || !IsParked(id)) busy_flights.insert(id);
+  }
+  CloseIdleSessions(busy_flights, flights_with_jobs);
   std::vector<std::string> turns(busy_flights.upper_bound(last_flight_id_), busy_flights.end());
   turns.insert(turns.end(), busy_flights.begin(), busy_flights.upper_bound(last_flight_id_));
   for (const std::string& flight_id : turns) {
     last_flight_id_ = flight_id;
     try {
-      if (StepFlight(flight_id, jobs)) return true;
+      if (StepFlight(flight_id, jobs)) {
+        const std::lock_guard lock(mutex_);
+        const auto open = sessions_.find(flight_id);
+        if (open != sessions_.end()) open->second.used_at = std::chrono::steady_clock::now();
+        return true;
+      }
     } catch (const StorageError&) {
       throw;
     } catch (const std::exception& error) {
@@ -116,7 +129,6 @@ bool Worker::StepFrontend() {
       return true;
     }
   }
-  CloseIdleSessions(busy_flights);
   return false;
 }
 
@@ -133,6 +145,7 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
     return false;
   }
   const SessionPointer session = OpenSession(*flight);
+  if (!session) return false;
   std::optional<FrameRow> frame = service_.storage.NextFrame(flight_id, session->cursor());
   const std::optional<int64_t> flush_point = session->NextFlushPoint();
   if (flush_point && (!frame || frame->sequence > *flush_point)) {
@@ -247,6 +260,7 @@ void Worker::StoreProgress(const std::string& flight_id,
 int64_t Worker::LastSequence(const JobRow& job) {
   const auto known = last_sequences_.find(job.id);
   if (known != last_sequences_.end()) return known->second;
+  if (last_sequences_.size() >= kMaxNumKnownJobs) last_sequences_.clear();
   return last_sequences_[job.id] = LastSequenceOf(job, service_.storage);
 }
 
@@ -269,14 +283,19 @@ void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<Job
 // A flush lets frames be decided that wait for their neighbours. A finish wants all frames before
 // it decided together, however they were cut into batches: no flush comes before the last finish,
 // and a session that had one is built anew. The flushes of a replay are those of the first time.
+// Nothing while as many other flights are in memory as may be.
 Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
+  SessionPointer session = FindSession(flight.id);
+  if (!session) {
+    const std::lock_guard lock(mutex_);
+    if (IsFull()) return nullptr;
+  }
   std::vector<int64_t> flush_points;
   int64_t last_finish = 0;
   for (const JobRow& job : service_.storage.ListJobsOf(flight.id)) {
     flush_points.push_back(LastSequence(job));
     if (job.kind == "finish") last_finish = std::max(last_finish, flush_points.back());
   }
-  SessionPointer session = FindSession(flight.id);
   if (!session || session->HasSettledBefore(last_finish)) {
     session = std::make_shared<FlightSession>(flight, classifier_);
   }
@@ -284,19 +303,56 @@ Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
     if (point >= last_finish) session->AddFlushPoint(point);
   }
   const std::lock_guard lock(mutex_);
-  sessions_[flight.id] = session;
+  sessions_[flight.id].session = session;
   return session;
 }
 
-void Worker::CloseIdleSessions(const std::set<std::string>& busy_flights) {
+// Of flights without a job that have nothing to do, or whose frames have long waited for others.
+// Those that were used last stay longest.
+void Worker::CloseIdleSessions(const std::set<std::string>& busy_flights,
+                               const std::set<std::string>& flights_with_jobs) {
+  const auto now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
-  size_t num_idle = 0;
-  for (auto session = sessions_.begin(); session != sessions_.end();) {
-    const bool is_idle = !busy_flights.contains(session->first);
-    const bool is_surplus = is_idle && ++num_idle > kMaxNumIdleSessions;
-    const bool is_gone = is_idle && !service_.storage.FindFlight(session->first);
-    session = is_surplus || is_gone ? sessions_.erase(session) : std::next(session);
+  std::vector<std::pair<std::chrono::steady_clock::time_point, std::string>> idle;
+  for (const auto& [flight_id, open] : sessions_) {
+    const bool is_stalled = now - open.used_at > kMinIdleTime;
+    const bool is_idle = is_stalled || !busy_flights.contains(flight_id);
+    if (is_idle && !flights_with_jobs.contains(flight_id))
+      idle.emplace_back(open.used_at, flight_id);
   }
+  std::sort(idle.begin(), idle.end());
+  const bool is_any_waiting =
+      std::any_of(busy_flights.begin(), busy_flights.end(), [this](const std::string& flight_id) {
+        return !sessions_.contains(flight_id);
+      });
+  for (size_t i = 0; i < idle.size(); ++i) {
+    const auto& [used_at, flight_id] = idle[i];
+    const bool is_surplus = idle.size() - i > kMaxNumIdleSessions && now - used_at > kMinIdleTime;
+    const bool is_in_the_way = is_any_waiting && IsFull();
+    if (is_surplus || is_in_the_way || !service_.storage.FindFlight(flight_id)) Close(flight_id);
+  }
+}
+
+// Its frames were all given, and some wait in vain: nothing to do before there are more.
+bool Worker::IsParked(const std::string& flight_id) {
+  const auto parked = parked_at_.find(flight_id);
+  if (parked == parked_at_.end()) return false;
+  if (!service_.storage.NextFrame(flight_id, parked->second)) return true;
+  parked_at_.erase(parked);
+  return false;
+}
+
+bool Worker::IsFull() const {
+  return sessions_.size() >= static_cast<size_t>(service_.config.max_num_open_flights);
+}
+
+void Worker::Close(const std::string& flight_id) {
+  const auto open = sessions_.find(flight_id);
+  if (open == sessions_.end()) return;
+  parked_at_[flight_id] = open->second.session->cursor();
+  sessions_.erase(open);
+  waiting_.erase(flight_id);
+  stored_at_.erase(flight_id);
 }
 
 // The flight's frames and jobs end here; others go on.
@@ -316,7 +372,7 @@ void Worker::FailFlight(const std::string& flight_id, const std::string& why) {
     if (job.flight_id == flight_id) FailJob(service_, job, why);
   }
   const std::lock_guard lock(mutex_);
-  sessions_.erase(flight_id);
+  Close(flight_id);
 }
 
 }  // namespace freelsd

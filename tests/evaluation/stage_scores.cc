@@ -213,9 +213,13 @@ FrontendScore ScoreFrontend(const EngineRun& run, const Scenario& scenario) {
   for (size_t i = 0; i < run.snapshot.views.size(); ++i) {
     const View& view = run.snapshot.views[i];
     for (const Observation& observation : view.observations) ++views_of_track[observation.track_id];
-    if (i >= run.snapshot.grass_views.size() || run.snapshot.grass_views[i].mask.empty()) continue;
+    if (i >= run.snapshot.grass_masks.size() || run.snapshot.grass_masks[i].size.empty()) continue;
+    const PackedMask& packed = run.snapshot.grass_masks[i];
     ScoreMask(score,
-              run.snapshot.grass_views[i],
+              {view.world_from_camera,
+               run.snapshot.rig.camera.With(view.readout),
+               packed.Unpack(),
+               packed.image_px_per_mask_px},
               scenario.TrueWorldFromCamera(exposure_of_id.at(view.frame_id)),
               renderer,
               scenario.world);

@@ -31,6 +31,22 @@ TEST_CASE("jobs: a queued job is cancelled, then forgotten, and its frames stay"
   CheckProblem(fresh.client.Get("/v1/jobs/" + job), 404, "NoSuchJob");
 }
 
+TEST_CASE("jobs: more flights than may be in memory are all finished") {
+  constexpr int kNumFlights = 3;
+  FreshServer fresh([](Config& config) { config.max_num_open_flights = 1; });
+  std::vector<std::string> jobs;
+  for (int flight_number = 0; flight_number < kNumFlights; ++flight_number) {
+    const std::string flight = NewFlight(fresh.client);
+    for (int i = 0; i < 3; ++i) {
+      const auto sent =
+          PutFrame(fresh.client, flight, std::to_string(i), NoiseImage(i), SomeMeta(i));
+      CHECK(sent->status == 201);
+    }
+    jobs.push_back(Finish(fresh.client, flight));
+  }
+  for (const std::string& job : jobs) CHECK(AwaitJob(fresh.client, job)["state"] == "done");
+}
+
 TEST_CASE("jobs: an evaluation that runs is cancelled, and the next finish does it whole") {
   FreshServer fresh([](Config& config) { config.model = RealModel(); });
   const std::string flight = PostSampleFlight(fresh.client, 0, kNumSampleFrames);
