@@ -34,6 +34,13 @@ struct Admission {
   int64_t num_rejected = 0;
 };
 
+// What the query says.
+struct BatchOptions {
+  bool is_dry_run = false;
+  // Poses may be of images that come in another request, or never.
+  bool may_have_extra_poses = false;
+};
+
 // Poses that no image is there for, the first of them.
 std::vector<FieldError> UnknownImages(const Service& service,
                                       const std::string& flight_id,
@@ -144,25 +151,38 @@ nlohmann::json FormatsJson(const PoseFile& poses) {
   return formats;
 }
 
-nlohmann::json DetailJson(const Admission& admission, const PoseFile& poses) {
+// Those that no pose names, in their order.
+std::vector<std::string> ImagesWithoutPose(const BatchUpload& upload) {
+  std::set<std::string> posed;
+  for (const auto& [id, meta] : upload.poses().poses) posed.insert(id);
+  std::vector<std::string> unposed;
+  for (const BatchImage& entry : upload.images()) {
+    if (!posed.contains(entry.id)) unposed.push_back(entry.id);
+  }
+  return unposed;
+}
+
+nlohmann::json DetailJson(const Admission& admission, const BatchUpload& upload) {
   const int64_t num_images = static_cast<int64_t>(admission.verdicts.size());
   return {{"images", admission.verdicts},
           {"num_accepted", num_images - admission.num_rejected},
           {"num_rejected", admission.num_rejected},
-          {"formats", FormatsJson(poses)},
+          {"num_poses", upload.poses().poses.size()},
+          {"num_images_without_pose", ImagesWithoutPose(upload).size()},
+          {"formats", FormatsJson(upload.poses())},
           {"warnings", admission.warnings}};
 }
 
 JobRow NewBatchJob(const std::string& flight_id,
                    const Admission& admission,
-                   const PoseFile& poses) {
+                   const BatchUpload& upload) {
   JobRow job;
   job.id = NewId("j");
   job.kind = "batch";
   job.flight_id = flight_id;
   job.stage = "frontend";
   job.created_at_us = NowUs();
-  const nlohmann::json detail = DetailJson(admission, poses);
+  const nlohmann::json detail = DetailJson(admission, upload);
   job.detail_json = detail.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   return job;
 }
@@ -189,29 +209,25 @@ nlohmann::json CameraToBeTaken(const FlightRow& flight,
 }
 
 // What the same request without dry_run would meet, all of it at once. Stores nothing.
-nlohmann::json DryRun(const Service& service, const FlightRow& flight, BatchUpload& upload) {
+nlohmann::json DryRun(const Service& service,
+                      const FlightRow& flight,
+                      BatchUpload& upload,
+                      const BatchOptions& options) {
   nlohmann::json problems = nlohmann::json::array();
   try {
     upload.ParsePoses(ParseFlightRequest(flight.request_json).origin);
-    RefuseUnknownImages(service, flight.id, upload);
+    if (!options.may_have_extra_poses) RefuseUnknownImages(service, flight.id, upload);
   } catch (const ApiError& error) {
     AppendProblem(error, problems);
   }
   const Admission admission = Admit(service, flight, upload);
-  nlohmann::json answer = DetailJson(admission, upload.poses());
-  std::set<std::string> posed;
-  for (const auto& [id, meta] : upload.poses().poses) posed.insert(id);
-  nlohmann::json unposed = nlohmann::json::array();
-  for (const BatchImage& entry : upload.images()) {
-    if (!posed.contains(entry.id) && unposed.size() < kMaxNumListedErrors) {
-      unposed.push_back(entry.id);
-    }
-  }
+  nlohmann::json answer = DetailJson(admission, upload);
+  std::vector<std::string> unposed = ImagesWithoutPose(upload);
+  unposed.resize(std::min(unposed.size(), kMaxNumListedErrors));
   answer["dry_run"] = true;
   answer["would_be_refused"] = !problems.empty();
   answer["problems"] = problems;
   answer["images_without_pose"] = unposed;
-  answer["num_poses"] = upload.poses().poses.size();
   answer["altitude_datum"] = ParseFlightRequest(flight.request_json).altitude_datum;
   answer["camera"] = CameraToBeTaken(flight, admission, upload.poses());
   return answer;
@@ -224,20 +240,20 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
   RefuseWhenRetired(flight_row);
   const std::string flight_id = flight_row.id;
   const Receiving receiving(service, flight_id);
-  const bool is_dry_run = call.QueryFlag("dry_run");
+  const BatchOptions options{call.QueryFlag("dry_run"), call.QueryFlag("extra_poses")};
   BatchUpload upload(service);
   upload.Read(call);
-  if (is_dry_run) {
-    const nlohmann::json answer = DryRun(service, ExistingFlight(service, call), upload);
+  if (options.is_dry_run) {
+    const nlohmann::json answer = DryRun(service, ExistingFlight(service, call), upload, options);
     response.set_content(answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
                          "application/json");
     return;
   }
   upload.ParsePoses(ParseFlightRequest(ExistingFlight(service, call).request_json).origin);
-  RefuseUnknownImages(service, flight_id, upload);
+  if (!options.may_have_extra_poses) RefuseUnknownImages(service, flight_id, upload);
   const std::lock_guard lock(service.intake_mutex);
   const Admission admission = Admit(service, ExistingFlight(service, call), upload);
-  const JobRow job = NewBatchJob(flight_id, admission, upload.poses());
+  const JobRow job = NewBatchJob(flight_id, admission, upload);
   service.storage.InsertFrames(flight_id, admission.frames, job, [&](FlightRow& flight) {
     flight.rig_json = admission.rig_json;
     flight.num_rejected_frames += admission.num_rejected;

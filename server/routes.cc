@@ -60,7 +60,7 @@ constexpr Route kRoutes[] = {
     {"PUT", "/v1/flights/{flight}/frames/{frame}", PutFrame},
     {"POST", "/v1/flights/{flight}/frames", PostFrame},
     {"GET", "/v1/flights/{flight}/frames", GetFrames},
-    {"POST", "/v1/flights/{flight}/batch", PostBatch, "dry_run"},
+    {"POST", "/v1/flights/{flight}/batch", PostBatch, "dry_run extra_poses"},
     {"POST", "/v1/flights/{flight}/finish", PostFinish},
     {"POST", "/v1/flights/{flight}/telemetry", PostTelemetry},
     {"POST", "/v1/flights/{flight}/stream", PostStream},

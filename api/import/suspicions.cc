@@ -89,17 +89,20 @@ bool HasReference(const PoseFile& file, const Tags& tags, const SideContext& con
 }
 
 bool AreSwapped(const PoseFile& file, const Tags& tags, const SideContext& context) {
-  size_t num_swapped = 0;
+  // Poses may be of images that are not here.
+  size_t num_compared = 0, num_swapped = 0;
   for (const auto& [image_id, meta] : file.poses) {
     const std::optional<GeoPoint> reference = ReferenceFor(image_id, tags, context);
-    if (!meta.position || !reference || std::abs(meta.position->longitude_deg) > 90.0) continue;
+    if (!meta.position || !reference) continue;
+    ++num_compared;
+    if (std::abs(meta.position->longitude_deg) > 90.0) continue;
     const double distance_m = MetresBetween(*meta.position, *reference);
     const double swapped_m = MetresBetween(Swapped(*meta.position), *reference);
     if (distance_m > kFarM && swapped_m < kNearerRatio * distance_m) {
       ++num_swapped;
     }
   }
-  return num_swapped * 2 > file.poses.size();
+  return num_swapped * 2 > num_compared;
 }
 
 // Of the poses that have position and the body's attitude, by time where all have one.

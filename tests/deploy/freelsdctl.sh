@@ -147,12 +147,15 @@ test_refusals() {
   printf 'image,lat,lon,alt,wind_speed\nframe_0003.jpg,47,8.4,500,2\n' >"$bad/poses.csv"
   run 1 submit "$bad" --wind-from 270 --wind-speed 5
   said err 'tells the wind'
+  printf 'image,lat,lon,alt\nother.jpg,47,8.4,500\n' >"$bad/poses.csv"
+  run 1 submit "$bad"
+  said err 'no photograph of .* is named in .*poses.csv'
   printf 'image,lat,lon,alt\nframe_0003.jpg,47,8.4,500\n' >"$bad/poses.csv"
   run 1 submit "$bad"
   said err 'no photograph was taken'
   cp "$rendered/flight.json" "$bad"
   run 0 submit "$bad" --wind-from 270 --wind-speed 5 --no-wait --name "A \"name\""
-  said err '1 of 3 photographs have a pose'
+  said err '2 of 3 photographs have no pose'
   said err 'refused: frame_0001.jpg'
   local other
   other="$(cat "$work/out")"

@@ -105,6 +105,36 @@ TEST_CASE("import: a dry run of what is right says so, and the same goes in afte
   CHECK(Post(fresh.client, flight, items)->status == 202);
 }
 
+TEST_CASE("import: a flight goes in several batches with the same poses, where that is asked for") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const auto batch = [](const std::vector<int>& images, int num_poses) {
+    httplib::MultipartFormDataItems items{Beside("geo.txt", Geo(num_poses))};
+    for (const int i : images) items.push_back(Images()[i]);
+    return items;
+  };
+  CheckProblem(Post(fresh.client, flight, batch({0, 1}, kNumImages)), 422, "UnknownImages");
+  const auto first = Post(fresh.client, flight, batch({0, 1}, kNumImages - 1), "?extra_poses=true");
+  INFO(first->body);
+  REQUIRE(first->status == 202);
+  const nlohmann::json detail = nlohmann::json::parse(first->body)["detail"];
+  CHECK(detail["num_poses"] == kNumImages - 1);
+  CHECK(detail["num_images_without_pose"] == 0);
+  const nlohmann::json before = FrameList(fresh.client, flight);
+
+  // Of images that are there already, poses change nothing; the last image has none.
+  const auto rest = Post(fresh.client, flight, batch({2, 3}, kNumImages - 1), "?extra_poses=true");
+  REQUIRE(rest->status == 202);
+  const nlohmann::json job =
+      AwaitJob(fresh.client, nlohmann::json::parse(rest->body)["id"])["detail"];
+  CHECK(job["num_accepted"] == 1);
+  CHECK(job["num_images_without_pose"] == 1);
+  CHECK(job["images"][1]["code"] == "NoPosition");
+  const nlohmann::json after = FrameList(fresh.client, flight);
+  CHECK(after.size() == kNumImages - 1);
+  for (size_t i = 0; i < before.size(); ++i) CHECK(after[i]["sha256"] == before[i]["sha256"]);
+}
+
 TEST_CASE("import: a dry run names the formats also of files that cannot be used") {
   FreshServer fresh;
   const std::string flight = NewFlight(fresh.client);

@@ -52,6 +52,11 @@ TEST_CASE("suspicions: latitude for longitude, by geotags or by the flight's ori
     CHECK(IsWarned(Poses(0, true), context, "SwappedLatitudeLongitude"));
     CHECK_FALSE(IsWarned(Poses(0), context, "SwappedLatitudeLongitude"));
   }
+  // Most of the poses are of images that are not here.
+  SideContext some = Tagged(Tag::kPlace);
+  some.image_tags.resize(kNumImages / 4);
+  CHECK(IsWarned(Poses(0, true), some, "SwappedLatitudeLongitude"));
+  CHECK_FALSE(IsWarned(Poses(0), some, "SwappedLatitudeLongitude"));
 }
 
 // Two lines north and two back south, 100 m aside, in steps of 33 m and more than the wind's 20 deg
