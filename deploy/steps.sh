@@ -1,6 +1,6 @@
 # shellcheck shell=bash disable=SC2154
-# What demo.sh, test.sh and package.sh share. To be sourced by a bash script that runs with `set -Eeuo pipefail`
-# in the repository's root; `program` is its name.
+# What demo.sh, test.sh, package.sh and the tests of tests/deploy/ share. To be sourced by a bash script that runs
+# with `set -Eeuo pipefail` in the repository's root; `program` is its name.
 
 step="starting"
 trap 'echo "$program: stopped while $step (line $LINENO): the lines above say why" >&2' ERR
@@ -105,6 +105,15 @@ await_server() {
     sleep 0.2
   done
   fail "the server did not answer at $1/healthz within 30 s; see $3"
+}
+
+# What a test leaves behind: the processes `pids` and the folder `work`.
+pids=()
+clear_away() {
+  local pid
+  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
+  wait
+  rm -rf "$work"
 }
 
 # stop_server PID: asks it to stop and waits.

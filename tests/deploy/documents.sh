@@ -14,17 +14,9 @@ work="$(mktemp -d)"
 program="documents.sh"
 source "$root/deploy/steps.sh"
 num_photographs=40
-pids=()
 num_run=0
 num_elsewhere=0
-
-end() {
-  local pid
-  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
-  wait
-  rm -rf "$work"
-}
-trap end EXIT
+trap clear_away EXIT
 
 # serve URL ARGUMENTS...: a server at that address.
 serve() {

@@ -13,19 +13,12 @@ num_photographs=40
 export FREELSD_CHUNK_FILES=8  # so that there are several requests
 work="$(mktemp -d)"
 photos="$work/my first field"
-pids=()
-
-end() {
-  local pid
-  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
-  wait
-  rm -rf "$work"
-}
-trap end EXIT
-trap 'echo "freelsdctl.sh: stopped in line $LINENO" >&2' ERR
+program="freelsdctl.sh"
+source "$root/deploy/steps.sh"
+trap clear_away EXIT
 
 fail() {
-  echo "freelsdctl.sh: $1" >&2
+  echo "$program: $1" >&2
   if [ -f "$work/out" ]; then tail -n 20 "$work/out" "$work/err" >&2; fi
   exit 1
 }

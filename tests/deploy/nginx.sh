@@ -8,23 +8,11 @@ set -Eeuo pipefail
 server="$(realpath "$1")"
 model="$(realpath "$2")"
 nginx="${3:-nginx}"
-conf="$(dirname "$0")/../../deploy/nginx.conf"
+root="$(cd "$(dirname "$0")/../.." && pwd)"
 work="$(mktemp -d)"
-pids=()
-
-end() {
-  local pid
-  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
-  wait
-  rm -rf "$work"
-}
-trap end EXIT
-trap 'echo "nginx.sh: stopped in line $LINENO" >&2' ERR
-
-fail() {
-  echo "nginx.sh: $1" >&2
-  exit 1
-}
+program="nginx.sh"
+source "$root/deploy/steps.sh"
+trap clear_away EXIT
 
 # Waits until a file has a line that matches.
 await_line() {
@@ -48,24 +36,13 @@ start_server() {
   emergency_port="$(sed -n 's|.*emergency recall on http://127.0.0.1:\([0-9]*\)/.*|\1|p' "$work/server.log")"
 }
 
-free_port() {
-  local port
-  for port in $(seq 18443 18543); do
-    if ! (exec 3<>"/dev/tcp/127.0.0.1/$port") 2>/dev/null; then
-      echo "$port"
-      return
-    fi
-  done
-  fail "no free port between 18443 and 18543"
-}
-
 start_nginx() {
   openssl req -x509 -newkey rsa:2048 -nodes -keyout "$work/key.pem" -out "$work/certificate.pem" \
     -days 2 -subj /CN=localhost 2>/dev/null
-  https_port="$(free_port)"
+  https_port="$(free_port 18443)"
   sed -e "s|/etc/freelsd/tls|$work|; s|listen 443 ssl|listen 127.0.0.1:$https_port ssl|" \
     -e "/listen \[::\]/d; s|127.0.0.1:8080|127.0.0.1:$main_port|; s|127.0.0.1:8081|127.0.0.1:$emergency_port|" \
-    "$conf" >"$work/freelsd.conf"
+    "$root/deploy/nginx.conf" >"$work/freelsd.conf"
   cat >"$work/nginx.conf" <<END
 daemon off; pid $work/pid; error_log $work/error.log;
 events { worker_connections 2048; }
