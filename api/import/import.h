@@ -78,7 +78,7 @@ struct SideContext {
 };
 // The one door for what comes beside images. Each file's format is found by its content: CSV,
 // NDJSON, ODM geo.txt, EuRoC/ASL, Kalibr camchain, ROS camera_info, COLMAP text, OpenSfM. Throws
-// ApiError InvalidPoses where a file cannot be used.
+// ApiError InvalidPoses where a file cannot be used; an empty one is warned of, unless it is all.
 PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& context);
 
 // Entries of a zip, in order, by callback (path in the archive, bytes). Names, kinds and count are

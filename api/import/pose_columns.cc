@@ -191,14 +191,16 @@ PoseColumns ReadHeader(const CsvLine& line) {
   if (cells.size() > kMaxColumns) {
     throw Invalid(line.number, "", "the pose file has too many columns");
   }
+  PoseColumns header;
   std::map<std::string, size_t> unclaimed;
   for (size_t i = 0; i < cells.size(); ++i) {
     const std::string name = Harmless(cells[i]);
-    if (!unclaimed.emplace(name, i).second) {
+    if (name.empty()) {
+      header.unnamed.push_back(i);
+    } else if (!unclaimed.emplace(name, i).second) {
       throw Invalid(line.number, name, "the column \"" + name + "\" comes twice");
     }
   }
-  PoseColumns header;
   for (const FieldNames& field : AllFieldNames()) {
     for (const std::string_view known : field.names) {
       const auto found = unclaimed.find(std::string(known));

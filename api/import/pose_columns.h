@@ -58,6 +58,8 @@ struct PoseColumns {
     std::string name;  // as in the file, harmless to print
   };
   std::map<PoseField, Column> columns;
+  // Spreadsheets leave such behind; any number of them.
+  std::vector<size_t> unnamed;
   std::vector<std::string> warnings;
 };
 // How many of the cells name a field.

@@ -74,15 +74,21 @@ std::vector<CsvLine> LinesFromHeader(std::string_view text) {
   }
 }
 
-// The lines of poses: without remarks, and without the table of something else (Agisoft's markers)
-// that begins with another header.
+bool HoldsValue(const std::string& cell) {
+  return cell.find_first_not_of(" \t\r") != std::string::npos;
+}
+
+// The lines of poses: without remarks, without lines of empty cells, and without the table of
+// something else (Agisoft's markers) that begins with another header.
 std::vector<CsvLine> LinesOfPoses(const std::vector<CsvLine>& lines, PoseFile& file) {
   std::vector<CsvLine> poses;
   size_t num_remarks = 0;
   for (size_t i = 1; i < lines.size(); ++i) {
-    if (!IsRemark(lines[i].cells[0])) {
+    const std::vector<std::string>& cells = lines[i].cells;
+    if (std::none_of(cells.begin(), cells.end(), HoldsValue)) continue;
+    if (!IsRemark(cells[0])) {
       poses.push_back(lines[i]);
-    } else if (NumKnownColumns(lines[i].cells) >= kMinHeaderColumns) {
+    } else if (NumKnownColumns(cells) >= kMinHeaderColumns) {
       file.warnings.push_back("a second table begins at line " + std::to_string(lines[i].number) +
                               ": it is not read");
       break;
@@ -108,6 +114,12 @@ std::pair<std::string, FrameMeta> ReadCsvPose(const PoseColumns& header,
   return {IdFromFileName(line.Text(PoseField::kImage).value()), std::move(meta)};
 }
 
+bool HoldsValues(const CsvLine& line, const std::vector<size_t>& columns) {
+  return std::any_of(columns.begin(), columns.end(), [&line](size_t column) {
+    return column < line.cells.size() && HoldsValue(line.cells[column]);
+  });
+}
+
 PoseFile ParseCsvPoses(std::string_view text) {
   const std::vector<CsvLine> lines = LinesFromHeader(text);
   if (lines.empty()) throw InvalidPose("/poses", "the pose file is empty");
@@ -117,7 +129,13 @@ PoseFile ParseCsvPoses(std::string_view text) {
   for (const std::string& warning : AssumptionsOf(header)) file.warnings.push_back(warning);
   std::optional<ApiError> first_error;
   std::vector<FieldError> errors;
-  for (const CsvLine& line : LinesOfPoses(lines, file)) {
+  const std::vector<CsvLine> poses = LinesOfPoses(lines, file);
+  if (std::any_of(poses.begin(), poses.end(), [&header](const CsvLine& line) {
+        return HoldsValues(line, header.unnamed);
+      })) {
+    file.warnings.emplace_back("columns without a name hold values: ignored");
+  }
+  for (const CsvLine& line : poses) {
     if (errors.size() >= kMaxNumListedErrors) break;
     try {
       file.poses.push_back(ReadCsvPose(header, line, lines[0].cells.size()));

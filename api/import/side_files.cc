@@ -182,14 +182,24 @@ const SideFormat& FormatOf(const SideFile& file) {
 }
 
 bool IsBlank(const SideFile& file) {
-  return file.text.find_first_not_of(" \t\r\n") == std::string::npos;
+  return WithoutMark(file.text).find_first_not_of(" \t\r\n") == std::string_view::npos;
 }
 
 // Of a file without byte order mark.
 void ReadOne(const SideFile& file, SideData& data) {
   CheckSize(file);
-  if (IsBlank(file)) throw InvalidSideFile(file, 0, "the file is empty");
-  FormatOf(file).read(file, data);
+  if (IsBlank(file)) {
+    data.file.warnings.push_back(ShownPath(file.path) + ": the file is empty, ignored");
+  } else {
+    FormatOf(file).read(file, data);
+  }
+}
+
+// An empty file is no harm where there is anything else.
+void RefuseNothing(const std::vector<SideFile>& files, const SideContext& context) {
+  if (files.empty() || !context.image_tags.empty()) return;
+  if (!std::all_of(files.begin(), files.end(), IsBlank)) return;
+  throw InvalidSideFile(files[0], 0, "the file is empty");
 }
 
 void RefuseDuplicates(const PoseFile& file) {
@@ -315,6 +325,7 @@ bool IsAnyText(const SideFile& file) {
 }
 
 PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& context) {
+  RefuseNothing(files, context);
   SideData data;
   data.file.formats = FormatsOf(files);
   for (const SideFile& file : files) {

@@ -127,6 +127,27 @@ TEST_CASE("batch: what is no image in a project's zip is left aside and told of"
       fresh.client.Post(path, Zip({{"a.tif", "II*"}}), "application/zip"), 422, "MissingPart");
 }
 
+TEST_CASE(
+    "batch: an empty file beside the images is told of, and refused where there is nothing else") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const std::string path = "/v1/flights/" + flight + "/batch";
+  const auto alone = fresh.client.Post(path, Zip({{"poses.csv", ""}}), "application/zip");
+  CheckProblem(alone, 422, "InvalidPoses");
+  CHECK(nlohmann::json::parse(alone->body)["errors"][0]["pointer"] == "/poses/poses.csv");
+  const auto result = fresh.client.Post(path,
+                                        Zip({{"a.jpg", NoiseImage(1)},
+                                             {"markers.csv", ""},
+                                             {"project.json", ""},
+                                             {"geo.txt", "EPSG:4326\na.jpg 8 47 500\n"}}),
+                                        "application/zip");
+  REQUIRE(result->status == 202);
+  const nlohmann::json detail = nlohmann::json::parse(result->body)["detail"];
+  CHECK(detail["num_accepted"] == 1);
+  CHECK(Tells(detail["warnings"], "markers.csv: the file is empty, ignored"));
+  CHECK(Tells(detail["warnings"], "project.json: the file is empty, ignored"));
+}
+
 TEST_CASE("batch: what is sent as an image and is none is refused as one") {
   FreshServer fresh;
   const std::string flight = NewFlight(fresh.client);

@@ -103,6 +103,21 @@ TEST_CASE("poses: what is wrong is refused at its line and column") {
         "422 InvalidPoses /poses/2/height_above_ground_m");
 }
 
+TEST_CASE("poses: columns without a name are passed over, and told of where they hold values") {
+  const std::string header = "image,lat,,lon,alt,, \n";
+  const PoseFile empty = ParsePoses(header + "a.jpg,47,,8,500,,\nb.jpg,47,, 8,500\n");
+  REQUIRE(empty.poses.size() == 2);
+  CHECK(empty.poses[0].second.position->longitude_deg == 8.0);
+  CHECK(empty.warnings.empty());
+  const PoseFile noted = ParsePoses(header + "a.jpg,47,,8,500,,\nb.jpg,47,,8,500,,blurred\n");
+  CHECK(noted.poses.size() == 2);
+  CHECK(noted.warnings == std::vector<std::string>{"columns without a name hold values: ignored"});
+  CHECK(ParsePoses(header + "a.jpg,47,,8,500,,\n,,,,,,\n , ,\n").poses.size() == 1);
+  // More cells than columns stay a fault, and so does a name that comes twice.
+  CHECK(ErrorOfPoses(header + "a.jpg,47,,8,500,,,\n") != "");
+  CHECK(ErrorOfPoses("image,lat,lon,alt,note,note\na.jpg,47,8,500,,\n") != "");
+}
+
 TEST_CASE("poses: wind told by where it blows to") {
   const PoseFile file = ParsePoses(
       "image,lat,lon,alt,wind_to_deg,wind_speed_mps\n"
