@@ -9,5 +9,5 @@ install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.1 DESTINATION ${CMAKE_INST
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsd-server.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
 install(FILES ${PROJECT_SOURCE_DIR}/engine/classification/grass_model.yml
         DESTINATION ${CMAKE_INSTALL_DATADIR}/freelsd)
-install(DIRECTORY ${PROJECT_BINARY_DIR}/web/static/
+install(DIRECTORY ${PROJECT_BINARY_DIR}/share/freelsd/web/
         DESTINATION ${CMAKE_INSTALL_DATADIR}/freelsd/web)

@@ -10,19 +10,13 @@
 namespace freelsd {
 namespace {
 
-// Seen from the program: as built, as installed, then where the sources were.
-const std::vector<std::filesystem::path> kModelPlaces{"../share/freelsd/grass_model.yml",
-                                                      FREELSD_SOURCE_DIR
-                                                      "/engine/classification/grass_model.yml"};
-const std::vector<std::filesystem::path> kPagePlaces{
-    "../web/static", "../share/freelsd/web", FREELSD_PAGE_DIR};
-
 Classifier ReadModel(const Config& config) {
   const std::filesystem::path path =
-      config.model.empty() ? FirstExisting(kModelPlaces) : config.model;
+      config.model.empty() ? BesideProgram("grass_model.yml") : config.model;
   std::ifstream file(path, std::ios::binary);
-  if (path.empty() || !file) {
-    throw ConfigError("the grass model cannot be read; name its file with --model");
+  if (!file) {
+    throw ConfigError("the grass model " + path.string() +
+                      " cannot be read; name its file with --model");
   }
   try {
     return Classifier::Parse(std::string(std::istreambuf_iterator<char>(file), {}));
@@ -32,7 +26,7 @@ Classifier ReadModel(const Config& config) {
 }
 
 Page ReadPageFiles(const Config& config) {
-  Page page = ReadPage(config.page.empty() ? FirstExisting(kPagePlaces) : config.page);
+  Page page = ReadPage(config.page.empty() ? BesideProgram("web") : config.page);
   if (!page.contains("/")) spdlog::warn("the page is not there; the service runs without it");
   return page;
 }

@@ -37,14 +37,10 @@ Page ReadPage(const std::filesystem::path& folder) {
   return page;
 }
 
-std::filesystem::path FirstExisting(const std::vector<std::filesystem::path>& places) {
+std::filesystem::path BesideProgram(const std::string& name) {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  for (const std::filesystem::path& place : places) {
-    const std::filesystem::path path = program.parent_path() / place;
-    if (std::filesystem::exists(path, error)) return path.lexically_normal();
-  }
-  return {};
+  return (program.parent_path() / "../share/freelsd" / name).lexically_normal();
 }
 
 }  // namespace freelsd

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <map>
 #include <string>
-#include <vector>
 
 namespace freelsd {
 
@@ -17,8 +16,7 @@ struct PageFile {
 using Page = std::map<std::string, PageFile>;
 Page ReadPage(const std::filesystem::path& folder);
 
-// The first of the places that exists, else an empty path. Relative places are seen from the
-// running program's folder.
-std::filesystem::path FirstExisting(const std::vector<std::filesystem::path>& places);
+// What is built and installed with the program: in ../share/freelsd, seen from its folder.
+std::filesystem::path BesideProgram(const std::string& name);
 
 }  // namespace freelsd

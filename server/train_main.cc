@@ -31,14 +31,15 @@ using Json = nlohmann::ordered_json;
 constexpr int kNumCopies = 3;
 constexpr int kSheetWidthPx = 1000;
 
+// Paths of the sources are seen from the repository's root.
 struct Arguments {
   std::string data;
   std::string flights;
   std::string flight;
-  std::string labels = FREELSD_SOURCE_DIR "/tests/evaluation/labels";
+  std::string labels = "tests/evaluation/labels";
   std::string out = "grass_model.yml";
-  std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
-  std::string cameras = FREELSD_SOURCE_DIR "/tests/evaluation/grass_cameras.csv";
+  std::string model = "engine/classification/grass_model.yml";
+  std::string cameras = "tests/evaluation/grass_cameras.csv";
   std::string features = "robust";
   std::string plots;
   double min_area_m2 = 30.0;

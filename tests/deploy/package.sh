@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The Debian package: lintian finds no error and no warning; in a clean Debian it is installed, serves,
-# is upgraded over an edited configuration, removed and purged, and nothing is left.
+# The Debian package: lintian finds no error and no warning, no file holds a path of the build; in a clean Debian it is
+# installed, serves, is upgraded over an edited configuration, removed and purged, and nothing is left.
 #
 #   tests/deploy/package.sh PACKAGE [--clean-root] [--mirror URL]
 #
@@ -35,6 +35,15 @@ check_with_lintian() {
   if [ "$(id -u)" -eq 0 ]; then arguments+=(--allow-root); fi
   lintian "${arguments[@]}" "$package" || fail "lintian is not content"
   echo "lintian: no errors, no warnings"
+}
+
+# A path of whoever built it would be looked into where it is installed.
+check_paths() {
+  step="looking for paths of the build"
+  dpkg-deb -x "$package" "$work/unpacked"
+  if grep -rFl "$PWD" "$work/unpacked"; then fail "these files hold the path $PWD"; fi
+  rm -r "$work/unpacked"
+  echo "paths: none of the build's"
 }
 
 # Says why there can be no clean root; nothing where there can.
@@ -187,6 +196,7 @@ fi
 work="$(mktemp -d)"
 trap 'rm -rf --one-file-system "$work"' EXIT
 check_with_lintian
+check_paths
 why="$(hindrance)"
 if [ -n "$why" ]; then
   skip "the clean root: $why"
