@@ -13,21 +13,25 @@ namespace {
 // A line on a map needs no more.
 constexpr int64_t kMaxNumPositions = 2000;
 
+struct PassedPosition {
+  std::optional<int64_t> timestamp_us;
+  GeoPoint position;
+};
+
 // Of all frames whose position is known, by time; as they came where one has none.
 std::vector<GeoPoint> FramePositions(const Storage& storage, const std::string& flight_id) {
-  std::vector<FrameMeta> metas;
-  for (const FrameRow& frame : storage.ListFrames(flight_id)) {
-    if (frame.resolved_json.empty()) continue;
-    FrameMeta meta = ParseStoredFrameMeta(frame.resolved_json);
-    if (meta.position) metas.push_back(std::move(meta));
-  }
-  if (std::all_of(metas.begin(), metas.end(), [](const auto& meta) { return meta.timestamp_us; })) {
-    std::stable_sort(metas.begin(), metas.end(), [](const FrameMeta& a, const FrameMeta& b) {
+  std::vector<PassedPosition> passed;
+  storage.ForEachResolved(flight_id, [&passed](const std::string& resolved_json) {
+    const FrameMeta meta = ParseStoredFrameMeta(resolved_json);
+    if (meta.position) passed.push_back({meta.timestamp_us, *meta.position});
+  });
+  if (std::all_of(passed.begin(), passed.end(), [](const auto& one) { return one.timestamp_us; })) {
+    std::stable_sort(passed.begin(), passed.end(), [](const auto& a, const auto& b) {
       return *a.timestamp_us < *b.timestamp_us;
     });
   }
   std::vector<GeoPoint> positions;
-  for (const FrameMeta& meta : metas) positions.push_back(*meta.position);
+  for (const PassedPosition& one : passed) positions.push_back(one.position);
   return positions;
 }
 

@@ -92,6 +92,17 @@ std::vector<FrameRow> Storage::ListFrames(const std::string& flight_id) const {
   return frames;
 }
 
+void Storage::ForEachResolved(
+    const std::string& flight_id,
+    const std::function<void(const std::string& resolved_json)>& take) const {
+  const Reader reader(state_->readers);
+  Statement statement = reader->Prepare(
+      "SELECT resolved_json FROM frames WHERE flight_id = ?1 AND resolved_json <> '' "
+      "ORDER BY sequence");
+  statement.Bind(flight_id);
+  while (statement.Step()) take(statement.Text(0));
+}
+
 Storage::FrameCounts Storage::CountFrames(const std::string& flight_id) const {
   const Reader reader(state_->readers);
   Statement statement = reader->Prepare(

@@ -183,6 +183,9 @@ class Storage {
   std::optional<FrameRow> FindFrame(const std::string& flight_id,
                                     const std::string& frame_id) const;
   std::vector<FrameRow> ListFrames(const std::string& flight_id) const;  // by sequence
+  // The same, nothing but what the engine took of each frame that it took already.
+  void ForEachResolved(const std::string& flight_id,
+                       const std::function<void(const std::string& resolved_json)>& take) const;
   struct FrameCounts {
     int64_t received = 0, processed = 0, rejected = 0;
   };

@@ -39,6 +39,19 @@ TEST_CASE("storage: what was stored is there after opening the folder again") {
   CHECK(storage.ReadSiteMap("f-r3") == std::string("map\0blob", 8));
 }
 
+TEST_CASE("storage: what the engine took of frames comes in their order, of those it took") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.InsertFlight(SomeFlight("f"));
+  storage.WriteImage(kImage, "pixels");
+  storage.InsertFrames("f", {SomeFrame("f", "z"), SomeFrame("f", "m"), SomeFrame("f", "a")});
+  storage.ResolveFrame("f", "a", "{\"n\":3}");
+  storage.ResolveFrame("f", "z", "{\"n\":1}");
+  std::vector<std::string> taken;
+  storage.ForEachResolved("f", [&taken](const std::string& json) { taken.push_back(json); });
+  CHECK(taken == std::vector<std::string>{"{\"n\":1}", "{\"n\":3}"});
+}
+
 TEST_CASE("storage: a second process is refused while the folder is in use") {
   const TemporaryFolder folder;
   const Storage storage(folder.path());
