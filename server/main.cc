@@ -14,7 +14,8 @@
 namespace freelsd {
 namespace {
 
-// sysexits.h: wrong settings, and what may work later (port or folder in use).
+// sysexits.h: wrong settings or a newer program's data, and what may work later (port or folder in
+// use).
 constexpr int kExitConfig = 78;
 constexpr int kExitTemporary = 75;
 // Engine and requests must end within 10 s together.
@@ -71,6 +72,9 @@ int main(int argc, char** argv) {
     return freelsd::Run(argc, argv);
   } catch (const freelsd::ConfigError& error) {
     return freelsd::Fail(error, freelsd::kExitConfig);
+  } catch (const freelsd::StorageError& error) {
+    const bool is_newer = error.fault == freelsd::StorageFault::kNewer;
+    return freelsd::Fail(error, is_newer ? freelsd::kExitConfig : freelsd::kExitTemporary);
   } catch (const std::exception& error) {
     return freelsd::Fail(error, freelsd::kExitTemporary);
   }

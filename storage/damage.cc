@@ -14,15 +14,29 @@ constexpr char kMarkName[] = "damaged";
 constexpr char kCopyMarkName[] = "damaged-copy";
 constexpr const char* kSuffixes[] = {"", "-wal", "-shm"};
 
+struct Stamp {
+  int64_t version = 0;
+  int64_t application_id = 0;
+};
+
+int64_t NumberOf(const Connection& connection, const char* sql) {
+  Statement statement = connection.Prepare(sql);
+  statement.Step();
+  return statement.Int(0);
+}
+
 // Nothing where the file is not there.
-std::optional<int64_t> VersionOf(const std::filesystem::path& file) {
+std::optional<Stamp> StampOf(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return std::nullopt;
   const Connection connection(file, Access::kWrite);
-  Statement tables = connection.Prepare("SELECT count(*) FROM sqlite_schema");
-  tables.Step();
-  Statement version = connection.Prepare("PRAGMA user_version");
-  version.Step();
-  return version.Int(0);
+  NumberOf(connection, "SELECT count(*) FROM sqlite_schema");
+  return Stamp{NumberOf(connection, "PRAGMA user_version"),
+               NumberOf(connection, "PRAGMA application_id")};
+}
+
+std::optional<int64_t> VersionOf(const std::filesystem::path& file) {
+  const std::optional<Stamp> stamp = StampOf(file);
+  return stamp ? std::optional(stamp->version) : std::nullopt;
 }
 
 // Nothing also where it cannot be read: then it is of no help.
@@ -31,6 +45,25 @@ std::optional<int64_t> VersionOfCopy(const std::filesystem::path& folder) {
     return VersionOf(folder / kCopyName);
   } catch (const StorageError&) {
     return std::nullopt;
+  }
+}
+
+// Either file may be the only one that a newer program came to.
+void RefuseNewer(const std::filesystem::path& folder) {
+  for (const char* name : {kDatabaseName, kCopyName}) {
+    std::optional<Stamp> stamp;
+    try {
+      stamp = StampOf(folder / name);
+    } catch (const StorageError& error) {
+      if (error.fault != StorageFault::kDamaged) throw;
+    }
+    if (!stamp || stamp->version <= kSchemaVersion) continue;
+    if (stamp->application_id != ApplicationId(stamp->version)) continue;
+    throw StorageError("open " + (folder / name).string(),
+                       "a newer freelsd wrote it: its schema has version " +
+                           std::to_string(stamp->version) + ", this program understands up to " +
+                           std::to_string(kSchemaVersion) + "; everything is left as it is",
+                       StorageFault::kNewer);
   }
 }
 
@@ -46,7 +79,7 @@ std::optional<std::string> WhyDamaged(const std::filesystem::path& folder) {
     return error.what();
   }
   // The copy is brought up last: where it is of this version and the file of another, the file is
-  // not what it was. A newer program would have left a newer copy too.
+  // not what it was. A newer program's would have been refused.
   if (version == kSchemaVersion || VersionOfCopy(folder) != kSchemaVersion) return std::nullopt;
   return version ? "its version is not that of its copy" : "its file is gone";
 }
@@ -89,6 +122,7 @@ bool TakeMarkOfCopy(const std::filesystem::path& folder) {
 }
 
 std::vector<std::string> SetAsideWhenDamaged(const std::filesystem::path& folder) {
+  RefuseNewer(folder);
   const std::optional<std::string> why = WhyDamaged(folder);
   if (!why) return {};
   const std::string name = NewPlace(folder);

@@ -23,6 +23,7 @@ void SetCopyAside(const std::filesystem::path& folder);
 
 // Moves a database that is marked, cannot be read, or is not of its copy's version, into a folder
 // of its own, with the images; what was done, in sentences. To be called before anything is opened.
+// Throws StorageError, and moves nothing, where a newer program wrote a file.
 std::vector<std::string> SetAsideWhenDamaged(const std::filesystem::path& folder);
 
 // As SQLite moves them about: the file, its log and its index.

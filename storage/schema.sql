@@ -1,4 +1,5 @@
--- Everything that survives, beside the image files. user_version 3; the tables of sites are there a
+-- Everything that survives, beside the image files. user_version 3, and the same in application_id
+-- (migrations.h); the tables of sites are there a
 -- second time in a file of their own, recall.db, which is read where this one is damaged;
 -- migrations.cc brings older ones up.
 -- Times are microseconds since 1970 (UTC). JSON columns hold text that this folder does not read.

@@ -31,7 +31,8 @@ bool OpenSchema(const Connection& writer) {
   if (version < 0 || version > kSchemaVersion) {
     throw StorageError("open the database",
                        "its schema has version " + std::to_string(version) +
-                           ", this program understands up to " + std::to_string(kSchemaVersion));
+                           ", this program understands up to " + std::to_string(kSchemaVersion),
+                       StorageFault::kNewer);
   }
   Transaction transaction(writer);
   if (version == 0) {
@@ -39,7 +40,9 @@ bool OpenSchema(const Connection& writer) {
   } else {
     Migrate(writer, version);
   }
-  writer.Execute(("PRAGMA user_version = " + std::to_string(kSchemaVersion)).c_str());
+  writer.Execute(("PRAGMA application_id = " + std::to_string(ApplicationId(kSchemaVersion)) +
+                  "; PRAGMA user_version = " + std::to_string(kSchemaVersion))
+                     .c_str());
   transaction.Commit();
   return version == 0;
 }

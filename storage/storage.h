@@ -19,7 +19,7 @@
 
 namespace freelsd {
 
-enum class StorageFault { kOther, kFull, kDamaged };
+enum class StorageFault { kOther, kFull, kDamaged, kNewer };
 
 // What SQL step or file operation failed, and why.
 class StorageError : public std::runtime_error {
@@ -27,7 +27,8 @@ class StorageError : public std::runtime_error {
   StorageError(const std::string& step,
                const std::string& reason,
                StorageFault fault = StorageFault::kOther);
-  // kFull: no space left. kDamaged: the database's file is not what was written.
+  // kFull: no space left. kDamaged: the database's file is not what was written. kNewer: a newer
+  // program wrote it.
   StorageFault fault;
 };
 
@@ -150,8 +151,8 @@ class Storage {
  public:
   // Creates the folder and schema, or opens them; image files that no frame names are removed. A
   // damaged database is set aside, with its images, and a new one begun with the sites of their
-  // second copy. Throws StorageError when another process has the folder, or a newer version wrote
-  // it.
+  // second copy. Throws StorageError when another process has the folder, or a newer program wrote
+  // it; everything in it stays as it is then.
   explicit Storage(const std::filesystem::path& folder);
   ~Storage();
   // For uploads that are not acknowledged yet; emptied at start.

@@ -1,12 +1,16 @@
 #include "storage/storage.h"
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include "storage/migrations.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
@@ -59,7 +63,65 @@ TEST_CASE("storage: a second process is refused while the folder is in use") {
       Storage(folder.path()), doctest::Contains("another freelsd-server"), StorageError);
 }
 
-TEST_CASE("storage: a newer schema is refused and named") {
+// Of every file below the folder.
+std::map<std::string, std::string> BytesOf(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> bytes;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    bytes[entry.path()] = std::string(std::istreambuf_iterator<char>(file), {});
+  }
+  return bytes;
+}
+
+void MakeNewer(const std::filesystem::path& file) {
+  const std::string sql =
+      "PRAGMA user_version = " + std::to_string(kSchemaVersion + 1) +
+      "; PRAGMA application_id = " + std::to_string(ApplicationId(kSchemaVersion + 1));
+  Execute(file, sql.c_str());
+}
+
+TEST_CASE("storage: a newer program's folder is refused with a sentence, and left as it is") {
+  // Of both files, or of the one that it came to before it was killed.
+  const std::vector<std::vector<std::string>> cases{
+      {"freelsd.db", "recall.db"}, {"freelsd.db"}, {"recall.db"}};
+  for (const std::vector<std::string>& newer : cases) {
+    CAPTURE(newer.size());
+    CAPTURE(newer[0]);
+    const TemporaryFolder folder;
+    {
+      Storage storage(folder.path());
+      storage.InsertFlight(SomeFlight("f"));
+      storage.PutSite(SomeSite("f-r3", 50.0, 8.0), "map");
+    }
+    std::ofstream(folder.path() / "damaged") << "so a newer program said";
+    for (const std::string& name : newer) MakeNewer(folder.path() / name);
+    const std::map<std::string, std::string> before = BytesOf(folder.path());
+    try {
+      const Storage storage(folder.path());
+      FAIL("it was opened");
+    } catch (const StorageError& error) {
+      CHECK(error.fault == StorageFault::kNewer);
+      CHECK(std::string(error.what()).find("a newer freelsd wrote it") != std::string::npos);
+    }
+    CHECK((BytesOf(folder.path()) == before));
+  }
+}
+
+TEST_CASE("storage: of a newer program's database that is spoilt or gone, its copy is left") {
+  for (const bool is_gone : {false, true}) {
+    const TemporaryFolder folder;
+    { Storage(folder.path()).PutSite(SomeSite("f-r3", 50.0, 8.0), "map"); }
+    MakeNewer(folder.path() / "recall.db");
+    std::filesystem::resize_file(folder.path() / "freelsd.db", 50);
+    if (is_gone) std::filesystem::remove(folder.path() / "freelsd.db");
+    const std::map<std::string, std::string> before = BytesOf(folder.path());
+    CHECK_THROWS_AS(Storage(folder.path()), StorageError);
+    CHECK((BytesOf(folder.path()) == before));
+  }
+}
+
+TEST_CASE("storage: two files of a higher version are refused, whatever they say besides") {
   const TemporaryFolder folder;
   { const Storage storage(folder.path()); }
   Execute(folder.path() / "freelsd.db", "PRAGMA user_version = 4");
