@@ -53,6 +53,7 @@ check_image() {
   if docker exec "$container" touch /usr/local/here 2>/dev/null; then fail "its root can be written"; fi
   ask http://127.0.0.1:8080/ | grep -q '<title>' || fail "there is no page"
   ask -d '{"name": "kept"}' http://127.0.0.1:8080/v1/flights >/dev/null
+  docker exec "$container" freelsdctl flights | grep -q ' kept$' || fail "freelsdctl does not work in it"
   docker stop -t 15 "$container" >/dev/null
   [ "$(docker inspect -f '{{.State.ExitCode}}' "$container")" = 0 ] || fail "it did not stop cleanly"
   docker rm "$container" >/dev/null
