@@ -105,12 +105,12 @@ struct ApproachGround {
                  const PlanRequest& the_request,
                  const Aircraft& profile,
                  const ApproachOptions& the_options);
-  Plan PlanWay(const Way& way) const;
-  Plan PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world) const;
+  Plan PlanWay(const Way& way, Explanation explanation) const;
+  Plan PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world, Explanation explanation) const;
 };
 
 // Without a path where ground or wind speak against all of them.
-Plan ApproachGround::PlanWay(const Way& way) const {
+Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
   std::optional<Refusal> why_not = refusal;
   if (!why_not) why_not = RefuseWind(way.wind);
   if (why_not) {
@@ -134,7 +134,10 @@ Plan ApproachGround::PlanWay(const Way& way) const {
   const Attempt best =
       Try(found.best.touchdown, found.best.heading_index, context, Depth::kEverything);
   Plan plan = WithAttempt(PlanAt(best.touchdown, hazards, request, way.aircraft), best, context);
-  plan.rejections = Rejections(found.passed_over, context);
+  if (explanation == Explanation::kFull) {
+    plan.rejections = Rejections(found.passed_over, context);
+    plan.approach->profile = MakeProfile(*plan.approach, to_clear, way.aircraft, options);
+  }
   plan.score_terms = ScoreTerms(
       ScoreInputOf(plan, best, required_hazard_distance), request, way.aircraft, options);
   plan.score = Score(plan.score_terms, plan.verdict);
@@ -157,14 +160,16 @@ ApproachGround::ApproachGround(const ElevationMap& the_map,
       SelectCandidates(content.touchdowns, required_hazard_distance, map.grid.cell_size_m, options);
 }
 
-Plan ApproachGround::PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world) const {
+Plan ApproachGround::PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world,
+                              Explanation explanation) const {
   std::optional<Plan> first;
   bool is_loiter_blocked = false;
   for (const Way& way : WaysDown(wind_in_world, aircraft, options)) {
     if (way.start_height > 0 && !is_loiter_blocked) break;
-    Plan plan = PlanWay(way);
+    Plan plan = PlanWay(way, explanation);
     if (plan.verdict != Verdict::kRejected) {
-      return first ? InsteadOf(*first, std::move(plan), options) : plan;
+      const bool is_told = first && explanation == Explanation::kFull;
+      return is_told ? InsteadOf(*first, std::move(plan), options) : plan;
     }
     is_loiter_blocked |= plan.reject_reason == RejectReason::kLoiterBlocked;
     if (!first) first = std::move(plan);
@@ -189,8 +194,9 @@ ApproachPlanner::~ApproachPlanner() = default;
 ApproachPlanner::ApproachPlanner(ApproachPlanner&&) noexcept = default;
 ApproachPlanner& ApproachPlanner::operator=(ApproachPlanner&&) noexcept = default;
 
-Plan ApproachPlanner::PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world) const {
-  return ground_->PlanWind(wind_in_world);
+Plan ApproachPlanner::PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world,
+                              Explanation explanation) const {
+  return ground_->PlanWind(wind_in_world, explanation);
 }
 
 Plan PlanApproach(const ElevationMap& map,
@@ -198,7 +204,8 @@ Plan PlanApproach(const ElevationMap& map,
                   const PlanRequest& request,
                   const Aircraft& aircraft,
                   const ApproachOptions& options) {
-  return ApproachGround(map, hazards, request, aircraft, options).PlanWind(request.wind_in_world);
+  return ApproachGround(map, hazards, request, aircraft, options)
+      .PlanWind(request.wind_in_world, Explanation::kFull);
 }
 
 }  // namespace freelsd

@@ -183,6 +183,9 @@ Plan PlanApproach(const ElevationMap& map,
                   const Aircraft& aircraft,
                   const ApproachOptions& options);
 
+// Whether a plan tells what was refused, and what lies below its final.
+enum class Explanation { kFull, kNone };
+
 // The same for one wind after another: what does not hang on the wind is done once. Map and hazards
 // must live as long. May be asked by several threads at a time.
 class ApproachPlanner {
@@ -197,67 +200,40 @@ class ApproachPlanner {
   ApproachPlanner(ApproachPlanner&&) noexcept;
   ApproachPlanner& operator=(ApproachPlanner&&) noexcept;
 
-  Plan PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world) const;
+  // Without explanation rejections and profile are empty; nothing else is another, and it takes
+  // little more than half the time.
+  Plan PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world,
+               Explanation explanation = Explanation::kFull) const;
 
  private:
   std::unique_ptr<const struct ApproachGround> ground_;
 };
 
-// All winds at once, so that a change of wind is a look-up.
+// Which winds a rose is made of.
 struct WindRoseOptions {
-  // Evenly spaced from north: 72 are 5 degrees apart.
-  int num_directions = 72;
+  // Evenly spaced from north: 36 are 10 degrees apart.
+  int num_directions = 36;
   // Ascending.
-  std::vector<double> speeds_mps{0.0, 2.5, 5.0, 7.5, 10.0};
+  std::vector<double> speeds_mps{2.5, 5.0, 7.5, 10.0};
 
   void Check() const;
 };
 
-// What PlanApproach answers for one wind, without the sentences. The final is flown against the
-// wind also in a calm, where PlanApproach takes the best of all headings.
-struct WindRoseEntry {
-  Verdict verdict = Verdict::kRejected;
-  std::optional<RejectReason> reject_reason;
-  // World; for a rejected one the least bad place.
-  Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
-  // Direction of travel on final, radians clockwise from north.
-  double heading = 0.0;
-  LoiterDirection loiter_direction = LoiterDirection::kLeft;
-  // Of the start over touchdown; 0 where no path was tried.
-  double approach_height = 0.0;
-  double hazard_distance = 0.0;
-  // Least over final and seen part of the circle, in metres and in units of the one wanted, below 1
-  // where something stands in the way; NaN where nothing was seen or no path was tried.
-  double min_clearance = 0.0;
-  double clearance_ratio = 0.0;
-  // Of the chosen circle.
-  double unseen_ratio = 0.0;
-};
-
+// What a place is good for in each of many winds.
 struct WindRose {
-  // The air moves towards 360 deg * i / num_directions, clockwise from north.
+  // The wind comes from 360 deg * i / num_directions, clockwise from north.
   int num_directions = 0;
   std::vector<double> speeds;
-  double calm_wind = 0.0;
   // Speed by speed, in it direction by direction.
-  std::vector<WindRoseEntry> entries;
+  std::vector<Plan> plans;
 
-  const WindRoseEntry& At(size_t speed, size_t direction) const;
+  // Where that air moves to.
+  Eigen::Vector2d WindInWorld(size_t speed, size_t direction) const;
+  const Plan& At(size_t speed, size_t direction) const;
 };
 
-// The request's own wind has no meaning here. Throws std::invalid_argument on bad options and when
-// map and hazards are not of one grid.
-WindRose PlanWindRose(const ElevationMap& map,
-                      const HazardLayers& hazards,
-                      const PlanRequest& request,
-                      const Aircraft& aircraft,
-                      const ApproachOptions& options,
-                      const WindRoseOptions& rose_options);
-
-// Between the table's winds the least safe of its neighbours, up to four, with the least of all
-// their numbers; neighbours with other paths do not vouch for each other, so the verdict
-// is at most unverified then. Below calm_wind the heading is free: the best of the first row, if
-// that is a calm. Nothing for a wind that is not finite or beyond the table: plan anew.
-std::optional<WindRoseEntry> LookUp(const WindRose& rose, const Eigen::Vector2d& wind_in_world);
+// Each plan is the planner's for that wind, without explanation. Throws std::invalid_argument on
+// bad options.
+WindRose PlanWindRose(const ApproachPlanner& planner, const WindRoseOptions& options);
 
 }  // namespace freelsd

@@ -34,14 +34,27 @@ double FinalLength(const Aircraft& aircraft, double wind_speed, double off_deg) 
   return (GroundSpeed(aircraft) - headwind) / SinkRate(aircraft) * aircraft.approach_height_m;
 }
 
+// Flown against, whatever its speed.
+WindCase AgainstWind(const Eigen::Vector2d& wind_in_world, const Aircraft& aircraft) {
+  const double wind_speed = wind_in_world.norm();
+  WindCase wind;
+  wind.is_known = true;
+  wind.wind_speed = wind_speed;
+  const WindScenario scenario{ApproachDistance(aircraft, wind_speed),
+                              LoiterRadius(aircraft, wind_speed)};
+  wind.headings = {{HeadingOf(-wind_in_world), {scenario}}};  // downwind start, into the wind
+  wind.is_too_strong = scenario.approach_distance <= 0.0;
+  return wind;
+}
+
 // Off the wind, as far as the aircraft may have it from the side; none where it blows too little to
 // matter, or so much that it makes no way.
-WindCase AcrossWind(const Eigen::Vector2d& towards,
-                    double wind_speed,
+WindCase AcrossWind(const Eigen::Vector2d& wind_in_world,
                     const Aircraft& aircraft,
                     const ApproachOptions& options) {
   constexpr double kAbeamDeg = 90.0;
-  WindCase wind = AgainstWind(towards, wind_speed, aircraft);
+  const double wind_speed = wind_in_world.norm();
+  WindCase wind = AgainstWind(wind_in_world, aircraft);
   const double into_wind = wind.headings.front().heading;
   wind.headings.clear();
   if (wind_speed < options.calm_wind_mps || wind.is_too_strong) return wind;
@@ -118,22 +131,11 @@ WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
     throw std::invalid_argument("approach.wind_in_world: must be finite");
   }
   const double speed = wind_in_world->norm();
-  if (speed >= options.calm_wind_mps) return AgainstWind(*wind_in_world, speed, aircraft);
+  if (speed >= options.calm_wind_mps) return AgainstWind(*wind_in_world, aircraft);
   wind.is_known = true;
   wind.wind_speed = speed;
   wind.headings = AllHeadings(options.heading_step_deg,
                               {{calm.approach_distance, LoiterRadius(aircraft, speed)}});
-  return wind;
-}
-
-WindCase AgainstWind(const Eigen::Vector2d& towards, double wind_speed, const Aircraft& aircraft) {
-  WindCase wind;
-  wind.is_known = true;
-  wind.wind_speed = wind_speed;
-  const WindScenario scenario{ApproachDistance(aircraft, wind_speed),
-                              LoiterRadius(aircraft, wind_speed)};
-  wind.headings = {{HeadingOf(-towards), {scenario}}};  // downwind start, into the wind
-  wind.is_too_strong = scenario.approach_distance <= 0.0;
   return wind;
 }
 
@@ -151,19 +153,9 @@ std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
   return FromEachHeight(aircraft, options, [&](const Aircraft& higher) {
     std::vector<WindCase> cases{MakeWindCase(wind_in_world, higher, options)};
     if (wind_in_world) {
-      cases.push_back(AcrossWind(*wind_in_world, wind_in_world->norm(), higher, options));
+      cases.push_back(AcrossWind(*wind_in_world, higher, options));
     }
     return cases;
-  });
-}
-
-std::vector<Way> WaysAgainst(const Eigen::Vector2d& towards,
-                             double wind_speed,
-                             const Aircraft& aircraft,
-                             const ApproachOptions& options) {
-  return FromEachHeight(aircraft, options, [&](const Aircraft& higher) {
-    return std::vector<WindCase>{AgainstWind(towards, wind_speed, higher),
-                                 AcrossWind(towards, wind_speed, higher, options)};
   });
 }
 

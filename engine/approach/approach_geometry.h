@@ -34,9 +34,6 @@ WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,
                       const ApproachOptions& options);
 
-// One that blows towards a direction, flown against whatever its speed.
-WindCase AgainstWind(const Eigen::Vector2d& towards, double wind_speed, const Aircraft& aircraft);
-
 // One way to come down; the ground it needs is that of all its headings.
 struct Way {
   // Place in options.start_height_ratios.
@@ -53,11 +50,6 @@ struct Way {
 std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
                           const Aircraft& aircraft,
                           const ApproachOptions& options);
-// Of one that blows towards a direction, as AgainstWind.
-std::vector<Way> WaysAgainst(const Eigen::Vector2d& towards,
-                             double wind_speed,
-                             const Aircraft& aircraft,
-                             const ApproachOptions& options);
 
 // Start of the final, circle's centre and sizes; what needs a map is left empty.
 Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,

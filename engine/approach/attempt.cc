@@ -228,7 +228,6 @@ Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context)
   approach.min_clearance =
       std::isfinite(clearance) ? clearance : std::numeric_limits<double>::quiet_NaN();
   approach.unseen_ratio = attempt.circle.UnseenRatio();
-  approach.profile = MakeProfile(approach, context.surface, context.aircraft, context.options);
   return approach;
 }
 

@@ -47,7 +47,7 @@ bool IsBetter(const Attempt& a, const Attempt& b);
 // Why it was not taken, in a sentence with numbers.
 Rejection Explain(const Attempt& attempt, const AttemptContext& context);
 
-// With profile and clearances.
+// With clearances, without profile.
 Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context);
 
 }  // namespace freelsd

@@ -239,24 +239,22 @@ Contest OneWind() {
 
 Contest AllWinds() {
   const WindRoseOptions winds{.num_directions = 72, .speeds_mps = {1.0, 2.5, 4.0, 5.5, 7.0}};
-  return {
-      "wind_rose",
-      "300x300 cells, 360 winds",
-      [site = PaperSite(), winds] {
-        const PlanRequest request = WholeMap({0.0, 0.0});
-        Consume(PlanWindRose(site->map, site->layers, request, Aircraft{}, ApproachOptions{}, winds)
-                    .entries.front()
-                    .hazard_distance);
-      },
-      kPlainPath,
-      [site = PaperSite(), winds] {
-        for (const double speed : winds.speeds_mps) {
-          for (int i = 0; i < winds.num_directions; ++i) {
-            const Eigen::Vector2d towards = DirectionOf(2.0 * kPi * i / winds.num_directions);
-            Consume(PlainPathCheck(site->map.upper, {}, speed * towards));
-          }
-        }
-      }};
+  return {"wind_rose",
+          "300x300 cells, 360 winds",
+          [site = PaperSite(), winds] {
+            const ApproachPlanner planner(
+                site->map, site->layers, WholeMap({0.0, 0.0}), Aircraft{}, ApproachOptions{});
+            Consume(PlanWindRose(planner, winds).plans.front().hazard_distance);
+          },
+          kPlainPath,
+          [site = PaperSite(), winds] {
+            for (const double speed : winds.speeds_mps) {
+              for (int i = 0; i < winds.num_directions; ++i) {
+                const Eigen::Vector2d towards = DirectionOf(2.0 * kPi * i / winds.num_directions);
+                Consume(PlainPathCheck(site->map.upper, {}, speed * towards));
+              }
+            }
+          }};
 }
 
 }  // namespace

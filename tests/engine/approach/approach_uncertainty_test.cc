@@ -82,13 +82,6 @@ TEST_CASE(
     CHECK(plan.verdict == Verdict::kRejected);
     const bool is_below_final = place.y() < 0.0;
     CHECK((plan.reject_reason == RejectReason::kApproachBlocked) == is_below_final);
-    const WindRoseOptions winds{.num_directions = 2, .speeds_mps = {4.0}};
-    const auto rose_with = [&](const ApproachOptions& options) {
-      return PlanWindRose(meadow.map, meadow.hazards, request, aircraft, options, winds);
-    };
-    // Towards the south.
-    CHECK(rose_with(no_margin).At(0, 1).verdict == Verdict::kLandable);
-    CHECK(rose_with(with_margin).At(0, 1).verdict == Verdict::kRejected);
   }
 }
 
