@@ -65,6 +65,7 @@ export const paths = {
   site: (site) => `/v1/sites/${part(site)}`,
   approach: (site, wind) => `/v1/sites/${part(site)}/approach${wind ? query({
     wind_east_mps: wind.east_mps.toFixed(3), wind_north_mps: wind.north_mps.toFixed(3) }) : ''}`,
+  windRose: (site, speeds_mps) => `/v1/sites/${part(site)}/wind-rose?speeds_mps=${speeds_mps.join(',')}`,
   layers: (site) => `/v1/sites/${part(site)}/layers`,
   layerPicture: (site, layer) => `/v1/sites/${part(site)}/layers/${part(layer)}.png`,
   layerTiff: (site, layer) => `/v1/sites/${part(site)}/layers/${part(layer)}.tif`,
@@ -88,6 +89,8 @@ export const getHistory = async (flight, region) => (await getJson(paths.history
 export const getFrames = async (flight) => (await getJson(paths.frames(flight))).frames;
 export const getLayers = async (site) => (await getJson(paths.layers(site))).layers;
 export const getEmergency = (request, signal) => getJson(paths.emergency(request), { signal });
+
+export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });
 
 // {collection}, or {refusal} where the site has no approach, for this wind or at all (409).
 export async function getApproach(site, wind, signal) {

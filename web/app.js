@@ -16,6 +16,7 @@ import { askToken } from './token.js';
 import { createUpload } from './upload.js';
 import { answerNodeOf, createWhy } from './why.js';
 import { createWind, replanNode } from './wind.js';
+import { createWindRose } from './wind_rose.js';
 import { findRegion } from './places.js';
 
 const state = {
@@ -27,7 +28,11 @@ const state = {
 const map = createMap(byId('map'), { site: (id) => openSite(id), place: answerPlace });
 const layers = createLayers(map);
 const whyNot = createWhy();
-const wind = createWind(replan, map.drawWind);
+const rose = createWindRose((speed_mps, from_deg) => wind.take(speed_mps, from_deg));
+const wind = createWind(replan, (barb, isTried, now) => {
+  map.drawWind(barb, isTried);
+  rose.mark(now);
+});
 const live = createLive(refresh, (transport) => {
   byId('transport').textContent = transport === 'events' ? 'live' : 'updated every 2 s';
 });
@@ -75,6 +80,8 @@ async function loadSite(siteId) {
   wind.show(feature.properties.wind);
   byId('replan').replaceChildren();
   drawApproach(approach, false);
+  // Its winds are planned for where someone looks.
+  rose.show(byId('view-site').hidden ? null : siteId);
   return true;
 }
 
@@ -184,6 +191,7 @@ function chooseFlight(id) {
   map.drawMarks([]);
   map.drawAnswer(null);
   layers.show(null, []);
+  rose.show(null);
   live.follow(id);
 }
 

@@ -27,8 +27,8 @@ export function windBarb(speed_mps, from_deg, size = 56) {
   return root;
 }
 
-// replan(wind, signal) is called with the wind wanted, or null for the stored one; show(barb, isTried) puts the barb on
-// the map, null where no wind is known.
+// replan(wind, signal) is called with the wind wanted, or null for the stored one; show(barb, isTried, {speed_mps, from_deg})
+// puts the barb on the map; nulls where no wind is known.
 export function createWind(replan, show) {
   const speed = byId('wind-speed');
   const from = byId('wind-from');
@@ -39,7 +39,8 @@ export function createWind(replan, show) {
   function drawBarb(isStored) {
     const [speed_mps, from_deg] = [Number(speed.value), Number(from.value)];
     byId('wind-barb').replaceChildren(windBarb(speed_mps, from_deg));
-    show(isStored && !stored ? null : windBarb(speed_mps, from_deg, 48), !isStored);
+    if (isStored && !stored) show(null, false, null);
+    else show(windBarb(speed_mps, from_deg, 48), !isStored, { speed_mps, from_deg });
     byId('wind-speed-value').textContent = fixed(speed_mps, 1, 'm/s');
     byId('wind-from-value').textContent = heading(from_deg);
     byId('wind-source').textContent = !isStored ? 'Tried wind; what is stored does not change'
@@ -83,6 +84,12 @@ export function createWind(replan, show) {
     show(wind) {
       stored = wind;
       reset();
+    },
+    // Another one to try.
+    take(speed_mps, from_deg) {
+      speed.value = speed_mps;
+      from.value = Math.round(from_deg) % 360;
+      changed();
     },
   };
 }

@@ -8,6 +8,7 @@ import { lastCourse } from '../../web/track.js';
 import { age, area, courseTo, heading, windFrom, windTo } from '../../web/units.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
 import { cellAt, judge } from '../../web/why.js';
+import { bestDirections, radiusOf, roseText } from '../../web/wind_rose.js';
 
 const aircraft = { max_slope_deg: 8, max_roughness_m: 0.5, touchdown_uncertainty_m: 10 };
 const good = { hazard: 0, grass: 1, slope: 3, roughness: 0.2, distance: 25 };
@@ -20,6 +21,34 @@ test('wind: the wire says where it blows to, the page where it comes from', () =
   const to = windTo(5, 270);
   assert.ok(Math.abs(to.east_mps - 5) < 1e-9 && Math.abs(to.north_mps) < 1e-9);
   assert.equal(windFrom(null), null);
+});
+
+// Letters by speed, in them by direction: l(andable), u(nverified), r(ejected).
+function roseOf(speeds_mps, letters) {
+  const verdict = { l: 'landable', u: 'unverified', r: 'rejected' };
+  const directions_deg = [...letters[0]].map((_, i) => 360 * i / letters[0].length);
+  const entries = speeds_mps.flatMap((wind_speed_mps, k) => directions_deg.map((wind_from_deg, i) =>
+    ({ wind_from_deg, wind_speed_mps, verdict: verdict[letters[k][i]] })));
+  return { directions_deg, speeds_mps, entries };
+}
+
+test('wind rose: told in words, across north too; a calm counts once', () => {
+  const rose = roseOf([0, 5, 10], ['llllllll', 'llurrrll', 'lrurrrrl']);
+  assert.deepEqual(bestDirections(rose), { from_deg: 315, to_deg: 0 });
+  assert.equal(roseText(rose), 'Landable in 7 of 17 winds, unverified in 2; best from 315° to 000°.');
+  assert.equal(roseText(roseOf([5], ['rlrr'])), 'Landable in 1 of 4 winds; best from 090°.');
+});
+
+test('wind rose: without a landable wind none is called so; all alike is said', () => {
+  assert.equal(roseText(roseOf([5], ['rruu'])), 'Landable in none of 4 winds, unverified in 2; best from 180° to 270°.');
+  assert.equal(roseText(roseOf([5], ['rrrr'])), 'Landable in none of 4 winds.');
+  assert.equal(roseText(roseOf([0, 5], ['rrrr', 'llll'])), 'Landable in 4 of 5 winds; alike from every direction.');
+});
+
+test('wind rose: a wind stands in its ring, a stronger one than any on the rim', () => {
+  assert.equal(radiusOf(0), 0);
+  assert.ok(radiusOf(2.5) < radiusOf(3) && radiusOf(3) < radiusOf(5));
+  assert.equal(radiusOf(10.5), radiusOf(40));
 });
 
 test('units: what is unknown is said, and headings have three digits', () => {

@@ -201,6 +201,53 @@ test('page: another wind plans anew; where there is no approach none is left on 
   assert.deepEqual(seen.errors, []);
 });
 
+test('page: the wind rose shows what the server says of each wind, and a cell plans for its own', async (t) => {
+  const { page, seen } = await openSite(t);
+  const cells = page.locator('#wind-rose .rose-cell');
+  await cells.first().waitFor(kWait);
+  const { entries } = await getJson(`/v1/sites/${encodeURIComponent(site.properties.id)}/wind-rose?speeds_mps=0,2.5,5,7.5,10`);
+  const winds = entries.filter((e) => e.wind_speed_mps > 0 || e.wind_from_deg === 0);
+  const shown = await cells.evaluateAll((all) => all.map((cell) => cell.classList[1]));
+  assert.deepEqual(shown, winds.map((e) => e.verdict));
+  const numLandable = winds.filter((e) => e.verdict === 'landable').length;
+  assert.match(await page.locator('#wind-rose-text').textContent(), new RegExp(`^Landable in ${numLandable || 'none'} of 145 winds`));
+  assert.equal(await page.locator('#wind-rose [tabindex="0"]').count(), 1, 'one stop for the Tab key');
+  // By pointer: 5 m/s from 230 degrees, so the air moves to the north-east.
+  const answer = () => page.waitForResponse((r) => r.url().includes('/approach?wind_east_mps='), kWait);
+  const [clicked] = await Promise.all([answer(), page.locator('[aria-label^="5.0 m/s from 230°"]').click()]);
+  const asked = new URL(clicked.url()).searchParams;
+  assert.deepEqual([asked.get('wind_east_mps'), asked.get('wind_north_mps')], ['3.830', '3.214']);
+  assert.deepEqual([await page.locator('#wind-from').inputValue(), await page.locator('#wind-speed').inputValue()], ['230', '5']);
+  const planned = winds.find((e) => e.wind_speed_mps === 5 && e.wind_from_deg === 230);
+  const outcome = page.locator('#replan .outcome');
+  await outcome.waitFor(kWait);
+  assert.ok((await outcome.getAttribute('class')).includes(planned.verdict), 'both say the same');
+  assert.match(await page.locator('#wind-rose [aria-current]').getAttribute('aria-label'), /^5\.0 m\/s from 230°/);
+  await page.locator('.rose-now').first().waitFor();
+  // By keyboard: one ring out, one direction clockwise.
+  await page.locator('[aria-label^="5.0 m/s from 230°"]').focus();
+  await page.keyboard.press('ArrowUp');
+  await page.keyboard.press('ArrowRight');
+  const [chosen] = await Promise.all([answer(), page.keyboard.press('Enter')]);
+  assert.equal(chosen.ok() || chosen.status() === 409, true);
+  assert.deepEqual([await page.locator('#wind-from').inputValue(), await page.locator('#wind-speed').inputValue()], ['240', '7.5']);
+  await page.locator('#wind-reset').click();
+  assert.deepEqual(await accessibilityFaults(page), []);
+  await page.locator('#wind-rose').scrollIntoViewIfNeeded();
+  await shoot(page, 'wind-rose');
+  assert.deepEqual(seen.errors, []);
+});
+
+test('page: the wind rose of a site without a map says so and draws none', async (t) => {
+  const { page } = await openPage(t, browser, { address: 'about:blank' });
+  await page.route('**/wind-rose?**', (route) => route.fulfill({ status: 409,
+    contentType: 'application/problem+json', body: '{"detail":"the site has no map to plan on"}' }));
+  await page.goto(siteAddress());
+  await page.getByText('No wind rose: the site has no map to plan on').waitFor(kWait);
+  assert.equal(await page.locator('#wind-rose .rose-cell').count(), 0);
+  assert.ok(await page.locator('#wind-rose-legend').isHidden());
+});
+
 test('page: a click answers why not here, off the map with never seen', async (t) => {
   const { page, seen } = await openSite(t);
   // Around the touchdown, until something is in the way: that is what the answer is for.
@@ -242,7 +289,7 @@ test('page: a panel gives the command of what it shows', async (t) => {
   const { page } = await openSite(t);
   await page.evaluate(() => { navigator.clipboard.writeText = async (text) => { globalThis.copied = text; }; });
   const panels = {
-    '#site-curl': '/sites/', '#approach-curl': '/approach', '#layer-curl': '/layers/hazard.png', '#sites-curl': '/sites',
+    '#site-curl': '/sites/', '#approach-curl': '/approach', '#wind-rose-curl': '/wind-rose', '#layer-curl': '/layers/hazard.png', '#sites-curl': '/sites',
     '#flight-curl': '/v1/flights/', '#jobs-curl': '/v1/jobs', '#stages-curl': 'jq .stages', '#site-downloads': 'f=plan',
   };
   for (const [panel, part] of Object.entries(panels)) {
