@@ -129,6 +129,9 @@ nlohmann::json SiteFeature(const std::string& site_id,
 // FeatureCollection with kind = approach, loiter, touchdown, and `profile`. Throws ApiError
 // NoApproach (409) where the plan has none.
 nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context);
+// {directions_deg, speeds_mps, altitude_datum, entries}: speed by speed, in it direction by
+// direction; directions are where the wind comes from.
+nlohmann::json WindRoseJson(const WindRose& rose, const FlightContext& context);
 // What a person who takes a site by these limits has to be told; nothing for a known profile's.
 std::vector<std::string> LimitsWarnings(const Aircraft& aircraft);
 // The part of a site's properties that a plan decides (verdict, score, approach, rejections, ...).

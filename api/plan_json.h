@@ -9,6 +9,9 @@
 
 namespace freelsd {
 
+// As in the contract: "landable", "approach_blocked".
+std::string NameOf(Verdict verdict);
+std::string NameOf(RejectReason reason);
 // "left" or "right".
 std::string DirectionName(LoiterDirection direction);
 // heading, distance, height, loiter radius and direction, least clearance. The heading is from true

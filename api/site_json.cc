@@ -12,42 +12,6 @@ namespace {
 constexpr const char* kWhatIsNotSeen =
     "wires, thin poles, animals, vehicles that moved and ground under trees are not seen";
 
-std::string NameOf(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kLandable:
-      return "landable";
-    case Verdict::kUnverified:
-      return "unverified";
-    case Verdict::kRejected:
-      break;
-  }
-  return "rejected";
-}
-
-std::string NameOf(RejectReason reason) {
-  switch (reason) {
-    case RejectReason::kNoSafeTouchdown:
-      return "no_safe_touchdown";
-    case RejectReason::kApproachBlocked:
-      return "approach_blocked";
-    case RejectReason::kApproachUnseen:
-      return "approach_unseen";
-    case RejectReason::kLoiterBlocked:
-      return "loiter_blocked";
-    case RejectReason::kWindTooStrong:
-      return "wind_too_strong";
-    case RejectReason::kTooSmall:
-      return "too_small";
-    case RejectReason::kTooFewObservations:
-      return "too_few_observations";
-    case RejectReason::kNotGrass:
-      return "not_grass";
-    case RejectReason::kNoTerrain:
-      break;
-  }
-  return "no_terrain";
-}
-
 std::string ReasonOf(const Plan& plan) {
   return plan.reject_reason ? NameOf(*plan.reject_reason) : "no_safe_touchdown";
 }
@@ -164,6 +128,42 @@ bool RanksBefore(const nlohmann::json& a, const nlohmann::json& b) {
 }
 
 }  // namespace
+
+std::string NameOf(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kLandable:
+      return "landable";
+    case Verdict::kUnverified:
+      return "unverified";
+    case Verdict::kRejected:
+      break;
+  }
+  return "rejected";
+}
+
+std::string NameOf(RejectReason reason) {
+  switch (reason) {
+    case RejectReason::kNoSafeTouchdown:
+      return "no_safe_touchdown";
+    case RejectReason::kApproachBlocked:
+      return "approach_blocked";
+    case RejectReason::kApproachUnseen:
+      return "approach_unseen";
+    case RejectReason::kLoiterBlocked:
+      return "loiter_blocked";
+    case RejectReason::kWindTooStrong:
+      return "wind_too_strong";
+    case RejectReason::kTooSmall:
+      return "too_small";
+    case RejectReason::kTooFewObservations:
+      return "too_few_observations";
+    case RejectReason::kNotGrass:
+      return "not_grass";
+    case RejectReason::kNoTerrain:
+      break;
+  }
+  return "no_terrain";
+}
 
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
   nlohmann::json properties = SurfaceProperties(plan, context.local_frame);

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -12,6 +13,11 @@ namespace {
 
 constexpr char kGeoJson[] = "application/geo+json";
 
+// Of the calls here; all others are an aircraft's.
+bool IsOfWind(const std::string& parameter) {
+  return parameter.starts_with("wind_") || parameter == "directions" || parameter == "speeds_mps";
+}
+
 // The site's aircraft with the query's fields in place of its own, or of the named profile's.
 Aircraft AircraftOf(const Call& call, const Aircraft& site_aircraft) {
   nlohmann::json object = AircraftJson(site_aircraft);
@@ -19,7 +25,7 @@ Aircraft AircraftOf(const Call& call, const Aircraft& site_aircraft) {
     if (const auto profile = call.Query(name)) object = {{"profile", *profile}};
   }
   for (const auto& [name, value] : call.request.params) {
-    if (name == "aircraft" || name == "profile" || name.starts_with("wind_")) continue;
+    if (name == "aircraft" || name == "profile" || IsOfWind(name)) continue;
     object[name] = *call.QueryNumber(name);
   }
   try {
@@ -54,15 +60,24 @@ std::optional<Eigen::Vector2d> WindOf(const Call& call, const PlanRequest& reque
   return Eigen::Vector2d(*east_mps, *north_mps);
 }
 
-nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call& call) {
+std::shared_ptr<const KeptSite> SiteWithMap(const Service& service, const SiteRow& site) {
   const auto kept = service.maps.Get(service.storage, site.id, site.updated_at_us);
   if (!kept) throw ApiError("NoApproach", "the site has no map to plan on");
+  return kept;
+}
+
+FlightContext ContextOf(const KeptSite& kept) {
+  const Replan& replan = kept.replan;
+  return {kept.row.flight_id, replan.flight.altitude_datum, LocalFrame(replan.origin)};
+}
+
+nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call& call) {
+  const auto kept = SiteWithMap(service, site);
   const Replan& replan = kept->replan;
   const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
   const auto kept_plan = service.maps.PlanFor(kept, aircraft, WindOf(call, replan.request));
   const Plan& plan = *kept_plan;
-  const FlightContext context{
-      site.flight_id, replan.flight.altitude_datum, LocalFrame(replan.origin)};
+  const FlightContext context = ContextOf(*kept);
   if (!plan.approach)
     throw ApiError("NoApproach", "no approach for this wind: " + plan.reject_detail);
   nlohmann::json answer = ApproachJson(plan, context);
@@ -70,6 +85,44 @@ nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call&
   answer["plan"]["aircraft"] = AircraftJson(aircraft);
   answer["plan"]["warnings"] = LimitsWarnings(aircraft);
   return answer;
+}
+
+[[noreturn]] void Refuse(const std::string& parameter, const std::string& detail) {
+  throw ApiError("InvalidValue", parameter + ": " + detail, {{parameter, detail}});
+}
+
+std::vector<double> SpeedsOf(const std::string& text) {
+  std::vector<double> speeds_mps;
+  std::istringstream list(text + ",");
+  for (std::string word; std::getline(list, word, ',');) {
+    const double speed_mps = ParseQueryNumber(word, "speeds_mps");
+    if (speed_mps < 0.0 || speed_mps > kMaxWindMps) Refuse("speeds_mps", "must be in [0, 100]");
+    if (!speeds_mps.empty() && speed_mps <= speeds_mps.back()) {
+      Refuse("speeds_mps", "must be ascending");
+    }
+    speeds_mps.push_back(speed_mps);
+  }
+  return speeds_mps;
+}
+
+WindRoseOptions RoseOf(const Call& call) {
+  WindRoseOptions rose;
+  const double num_directions = call.QueryNumber("directions").value_or(rose.num_directions);
+  if (num_directions < 1 || num_directions > kMaxNumRoseWinds ||
+      num_directions != std::floor(num_directions)) {
+    Refuse("directions", "must be a whole number, 1 to " + std::to_string(kMaxNumRoseWinds));
+  }
+  rose.num_directions = static_cast<int>(num_directions);
+  if (const auto speeds_mps = call.Query("speeds_mps")) rose.speeds_mps = SpeedsOf(*speeds_mps);
+  const size_t num_winds = static_cast<size_t>(rose.num_directions) * rose.speeds_mps.size();
+  if (num_winds <= kMaxNumRoseWinds) return rose;
+  ApiError error("InvalidValue",
+                 "directions times speeds_mps: at most " + std::to_string(kMaxNumRoseWinds) +
+                     " winds are planned for",
+                 {{"directions", "too many winds"}, {"speeds_mps", "too many winds"}});
+  error.limit = kMaxNumRoseWinds;
+  error.observed = static_cast<double>(num_winds);
+  throw error;
 }
 
 }  // namespace
@@ -82,6 +135,18 @@ void GetApproach(Service& service, const Call& call, httplib::Response& response
     return;
   }
   response.set_content(PlanAnew(service, site, call).dump(), kGeoJson);
+}
+
+void GetWindRose(Service& service, const Call& call, httplib::Response& response) {
+  const SiteRow site = ExistingSite(service, call);
+  const WindRoseOptions options = RoseOf(call);
+  const auto kept = SiteWithMap(service, site);
+  const Aircraft aircraft = AircraftOf(call, kept->replan.flight.aircraft);
+  const auto on_map = service.maps.PlannerFor(kept, aircraft);
+  nlohmann::json answer = WindRoseJson(PlanWindRose(on_map->planner, options), ContextOf(*kept));
+  answer["aircraft"] = AircraftJson(aircraft);
+  answer["warnings"] = LimitsWarnings(aircraft);
+  response.set_content(answer.dump(), "application/json");
 }
 
 }  // namespace freelsd

@@ -104,37 +104,51 @@ std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
   return site;
 }
 
+std::shared_ptr<const StoredMapPlanner> MapCache::PlannerFor(
+    const std::shared_ptr<const KeptSite>& site, const Aircraft& aircraft) {
+  const std::string key = KeyOf(site->row.id, site->row.updated_at_us);
+  const std::string aircraft_key = AircraftJson(aircraft).dump();
+  // Another thread may have read the site anew since: what is kept refers to the map beside it.
+  const auto kept = [&]() -> Entry* {
+    Entry* const entry = Find(key);
+    return entry != nullptr && entry->site == site ? entry : nullptr;
+  };
+  {
+    const std::lock_guard lock(mutex_);
+    if (kept() != nullptr) {
+      if (const Planner* const planner = FindPlanner(key, aircraft_key)) return planner->on_map;
+    }
+  }
+  auto on_map = std::make_shared<const StoredMapPlanner>(site->replan, aircraft, site->site_map);
+  const std::lock_guard lock(mutex_);
+  Entry* const entry = kept();
+  if (entry == nullptr || FindPlanner(key, aircraft_key) != nullptr) return on_map;
+  entry->planners.push_front({aircraft_key, on_map, {}});
+  if (entry->planners.size() > kMaxNumPlannersKept) entry->planners.pop_back();
+  return on_map;
+}
+
 std::shared_ptr<const Plan> MapCache::PlanFor(const std::shared_ptr<const KeptSite>& site,
                                               const Aircraft& aircraft,
                                               const std::optional<Eigen::Vector2d>& wind_in_world) {
   const std::string key = KeyOf(site->row.id, site->row.updated_at_us);
   const std::string aircraft_key = AircraftJson(aircraft).dump();
   const std::string wind_key = WindKey(wind_in_world);
-  std::shared_ptr<const StoredMapPlanner> on_map;
   {
     const std::lock_guard lock(mutex_);
     if (const Planner* const planner = FindPlanner(key, aircraft_key)) {
       for (const auto& [kept_key, plan] : planner->plans) {
         if (kept_key == wind_key) return plan;
       }
-      on_map = planner->on_map;
     }
   }
-  if (!on_map) {
-    on_map = std::make_shared<const StoredMapPlanner>(site->replan, aircraft, site->site_map);
-  }
+  const auto on_map = PlannerFor(site, aircraft);
   const auto plan = std::make_shared<const Plan>(on_map->planner.PlanFor(wind_in_world));
   const std::lock_guard lock(mutex_);
-  Entry* const entry = Find(key);
-  // Another thread may have read the site anew since: what is kept refers to the map beside it.
-  if (entry == nullptr || entry->site != site) return plan;
-  if (FindPlanner(key, aircraft_key) == nullptr) {
-    entry->planners.push_front({aircraft_key, on_map, {}});
-    if (entry->planners.size() > kMaxNumPlannersKept) entry->planners.pop_back();
-  }
-  auto& plans = entry->planners.front().plans;
-  plans.emplace_front(wind_key, plan);
-  if (plans.size() > kMaxNumPlansKept) plans.pop_back();
+  Planner* const planner = FindPlanner(key, aircraft_key);
+  if (planner == nullptr) return plan;
+  planner->plans.emplace_front(wind_key, plan);
+  if (planner->plans.size() > kMaxNumPlansKept) planner->plans.pop_back();
   return plan;
 }
 

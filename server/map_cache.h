@@ -29,8 +29,10 @@ class MapCache {
   std::shared_ptr<const KeptSite> Get(const Storage& storage,
                                       const std::string& site_id,
                                       int64_t updated_at_us);
-  // The plan on its map for this aircraft and wind; made once while both stay the same, and what
-  // does not hang on the wind while the aircraft stays the same.
+  // For this aircraft on the site's map, which must live as long; made once while both stay.
+  std::shared_ptr<const StoredMapPlanner> PlannerFor(const std::shared_ptr<const KeptSite>& site,
+                                                     const Aircraft& aircraft);
+  // The plan on its map for this aircraft and wind; made once while both stay the same.
   std::shared_ptr<const Plan> PlanFor(const std::shared_ptr<const KeptSite>& site,
                                       const Aircraft& aircraft,
                                       const std::optional<Eigen::Vector2d>& wind_in_world);

@@ -28,6 +28,7 @@ struct Route {
   // Query parameters that are understood, separated by spaces.
   const char* parameters = "";
   Listeners listeners = Listeners::kMain;
+  const char* more_parameters = "";
 };
 
 // What a token must allow: reading, taking in, or deleting. Asking what can be reached changes
@@ -40,8 +41,8 @@ Scope ScopeOf(const Route& route) {
   return method == "DELETE" ? Scope::kAdmin : Scope::kIngest;
 }
 
-constexpr char kReplanning[] =
-    "wind_east_mps wind_north_mps aircraft profile landing_airspeed_mps flight_path_angle_deg "
+constexpr char kAircraft[] =
+    "aircraft profile landing_airspeed_mps flight_path_angle_deg "
     "max_bank_deg "
     "approach_height_m crosswind_uncertainty_deg touchdown_uncertainty_m glide_ratio "
     "glide_airspeed_mps max_slope_deg max_roughness_m safety_margin_m path_half_width_m "
@@ -75,7 +76,18 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/sites", GetSites, "bbox limit"},
     {"GET", "/v1/sites/{site}", GetSiteAs, "f home_altitude_m"},
     {"DELETE", "/v1/sites/{site}", DeleteSite},
-    {"GET", "/v1/sites/{site}/approach", GetApproach, kReplanning},
+    {"GET",
+     "/v1/sites/{site}/approach",
+     GetApproach,
+     "wind_east_mps wind_north_mps",
+     Listeners::kMain,
+     kAircraft},
+    {"GET",
+     "/v1/sites/{site}/wind-rose",
+     GetWindRose,
+     "directions speeds_mps",
+     Listeners::kMain,
+     kAircraft},
     {"GET", "/v1/sites/{site}/layers", GetLayers},
     {"GET", "/v1/sites/{site}/layers/{layer}.png", GetLayerPicture},
     {"GET", "/v1/sites/{site}/layers/{layer}.pgw", GetLayerWorldFile},
@@ -136,7 +148,7 @@ bool IsMethod(const Route& route, const std::string& method) {
 }
 
 void RefuseUnknownParameters(const Route& route, const httplib::Request& request) {
-  std::istringstream words(route.parameters);
+  std::istringstream words(route.parameters + std::string(" ") + route.more_parameters);
   const std::vector<std::string> known{std::istream_iterator<std::string>(words), {}};
   for (const auto& [name, value] : request.params) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;

@@ -23,6 +23,8 @@ namespace freelsd {
 inline constexpr int kMaxNumUploads = 8;
 inline constexpr int kMaxNumStreams = 8;
 inline constexpr int kMaxNumEventClients = 8;
+// Of one wind rose: 0.2 ms each over an open field, 20 ms where most of it is obstructed.
+inline constexpr size_t kMaxNumRoseWinds = 180;
 
 struct Service {
   Service(const Config& settings, Storage& store) : config(settings), storage(store) {}

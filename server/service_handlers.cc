@@ -86,6 +86,7 @@ nlohmann::json LimitsJson(const Service& service) {
           {"max_num_event_clients", kMaxNumEventClients},
           {"num_http_threads", config.num_http_threads},
           {"max_num_emergency_sites", kMaxNumEmergencySites},
+          {"max_num_rose_winds", kMaxNumRoseWinds},
           {"max_image_age_days", config.max_image_age_days},
           {"max_stored_image_bytes", config.max_stored_image_bytes}};
 }

@@ -87,6 +87,7 @@ TEST_CASE("openapi: the contract is JSON and knows the main routes") {
                                  "/v1/flights/{flight}/batch",
                                  "/v1/flights/{flight}/finish",
                                  "/v1/sites/{site}/approach",
+                                 "/v1/sites/{site}/wind-rose",
                                  "/v1/emergency"}) {
     CAPTURE(std::string(path));
     CHECK(contract["paths"].contains(path));
