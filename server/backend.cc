@@ -4,6 +4,7 @@
 
 #include "server/evaluation.h"
 #include "server/failure.h"
+#include "server/heap.h"
 #include "server/job_json.h"
 #include "server/retention.h"
 #include "server/warnings.h"
@@ -68,6 +69,7 @@ bool Worker::StepBackend() {
     if (!session || session->flushed_through() < last_sequence) continue;
     if (session->HasSettledBefore(last_sequence)) continue;
     RunFinish(job, *session);
+    ReturnFreedMemory();
     return true;
   }
   std::string flight_id;

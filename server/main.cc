@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "server/app.h"
+#include "server/heap.h"
 #include "server/supervisor.h"
 
 namespace freelsd {
@@ -68,6 +69,7 @@ int Fail(const std::exception& error, int exit_code) {
 }  // namespace freelsd
 
 int main(int argc, char** argv) {
+  freelsd::LimitHeapPools();
   try {
     return freelsd::Run(argc, argv);
   } catch (const freelsd::ConfigError& error) {
