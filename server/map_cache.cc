@@ -9,9 +9,10 @@
 namespace freelsd {
 namespace {
 
-// Eight layers of float and one of bytes; of each aircraft one more of both.
+// Eight layers of float and one of bytes. Of each aircraft one more of both, and the surface that
+// its planner clears: two of float and three of bytes.
 constexpr size_t kMaxNumPlannersKept = 2;
-constexpr size_t kBytesPerCell = 33 + 5 * kMaxNumPlannersKept;
+constexpr size_t kBytesPerCell = 33 + (5 + 11) * kMaxNumPlannersKept;
 constexpr size_t kMaxNumPlansKept = 8;
 
 std::string KeyOf(const std::string& site_id, int64_t updated_at_us) {
