@@ -1,5 +1,5 @@
-// How the C library deals with freed memory. It keeps it for later, in pools of threads: flights
-// come and go, and within half an hour twice as much is kept as is in use.
+// How the C library deals with freed memory. It keeps it for later, in pools of threads: where
+// flights come and go, far more is kept in the end than is in use.
 #pragma once
 
 namespace freelsd {
