@@ -157,6 +157,7 @@ void StoreSites(Service& service,
     const Standing standing = StandingOf(service.storage, site.row);
     site.row.superseded_by = standing.superseded_by;
     service.storage.PutSite(site.row, site.map_blob, standing.supersedes);
+    for (const std::string& superseded : standing.supersedes) service.maps.DropPlans(superseded);
     ids.insert(site.row.id);
     region_ids.insert(site.row.region_id);
     service.events.Publish(

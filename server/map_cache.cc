@@ -15,8 +15,8 @@ constexpr size_t kMaxNumPlannersKept = 2;
 constexpr size_t kBytesPerCell = 33 + (5 + 11) * kMaxNumPlannersKept;
 constexpr size_t kMaxNumPlansKept = 8;
 
-std::string KeyOf(const std::string& site_id, int64_t updated_at_us) {
-  return site_id + "@" + std::to_string(updated_at_us);
+size_t NumCells(const Grid& grid) {
+  return static_cast<size_t>(grid.num_rows) * static_cast<size_t>(grid.num_cols);
 }
 
 // Exact: another wind is another plan.
@@ -58,18 +58,16 @@ std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage, const std
 
 }  // namespace
 
-MapCache::Entry* MapCache::Find(const std::string& key) {
-  const auto found = std::find_if(
-      entries_.begin(), entries_.end(), [&key](const Entry& each) { return each.key == key; });
-  if (found == entries_.end()) return nullptr;
-  entries_.splice(entries_.begin(), entries_, found);
-  return &entries_.front();
+MapCache::Planned* MapCache::FindSame(const std::shared_ptr<const KeptSite>& site) {
+  Planned* const planned = sites_.Find(site->row.id);
+  return planned != nullptr && planned->site == site ? planned : nullptr;
 }
 
-MapCache::Planner* MapCache::FindPlanner(const std::string& key, const std::string& aircraft_key) {
-  Entry* const entry = Find(key);
-  if (entry == nullptr) return nullptr;
-  std::list<Planner>& planners = entry->planners;
+MapCache::Planner* MapCache::FindPlanner(const std::shared_ptr<const KeptSite>& site,
+                                         const std::string& aircraft_key) {
+  Planned* const planned = FindSame(site);
+  if (planned == nullptr) return nullptr;
+  std::list<Planner>& planners = planned->planners;
   const auto found = std::find_if(planners.begin(), planners.end(), [&](const Planner& each) {
     return each.aircraft_key == aircraft_key;
   });
@@ -78,66 +76,78 @@ MapCache::Planner* MapCache::FindPlanner(const std::string& key, const std::stri
   return &planners.front();
 }
 
-void MapCache::Keep(Entry entry) {
-  const std::lock_guard lock(mutex_);
-  if (Find(entry.key) != nullptr) return;
-  num_bytes_ += entry.num_bytes;
-  entries_.push_front(std::move(entry));
-  while (num_bytes_ > max_bytes_ && entries_.size() > 1) {
-    num_bytes_ -= entries_.back().num_bytes;
-    entries_.pop_back();
-  }
-}
-
+// The second copy of a damaged database may be older than what was asked for; there is no other, so
+// it is kept as if it were not.
 std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
                                               const std::string& site_id,
                                               int64_t updated_at_us) {
-  const std::string key = KeyOf(site_id, updated_at_us);
   {
     const std::lock_guard lock(mutex_);
-    if (const Entry* entry = Find(key)) return entry->site;
+    if (const Planned* planned = sites_.Find(site_id, updated_at_us)) return planned->site;
   }
   const std::shared_ptr<const KeptSite> site = ReadSiteSafely(storage, site_id);
   if (!site) return nullptr;
-  const Grid& grid = site->site_map.map.grid;
-  const size_t num_cells = static_cast<size_t>(grid.num_rows) * static_cast<size_t>(grid.num_cols);
-  Keep({key, num_cells * kBytesPerCell, site, {}});
+  const int64_t known_at_us = std::max(updated_at_us, site->row.updated_at_us);
+  const std::lock_guard lock(mutex_);
+  // Another thread may have read it meanwhile, and planned on it.
+  if (const Planned* planned = sites_.Find(site_id, known_at_us)) return planned->site;
+  const size_t num_bytes = kBytesPerCell * NumCells(site->site_map.map.grid);
+  sites_.Keep(site_id, known_at_us, num_bytes, {site, {}});
   return site;
+}
+
+std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
+                                                       const std::string& site_id,
+                                                       int64_t updated_at_us) {
+  std::shared_ptr<const KeptSite> site;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto* terrain = terrains_.Find(site_id, updated_at_us)) return *terrain;
+    if (const Planned* planned = sites_.Find(site_id, updated_at_us)) site = planned->site;
+  }
+  if (!site) site = ReadSiteSafely(storage, site_id);
+  if (!site) return nullptr;
+  const auto terrain = std::make_shared<KeptTerrain>();
+  terrain->origin = site->replan.origin;
+  terrain->grid = site->site_map.map.grid;
+  terrain->upper = site->site_map.map.upper.clone();
+  const std::lock_guard lock(mutex_);
+  terrains_.Keep(site_id,
+                 std::max(updated_at_us, site->row.updated_at_us),
+                 sizeof(float) * NumCells(terrain->grid),
+                 terrain);
+  return terrain;
+}
+
+void MapCache::DropPlans(const std::string& site_id) {
+  const std::lock_guard lock(mutex_);
+  sites_.Erase(site_id);
 }
 
 std::shared_ptr<const StoredMapPlanner> MapCache::PlannerFor(
     const std::shared_ptr<const KeptSite>& site, const Aircraft& aircraft) {
-  const std::string key = KeyOf(site->row.id, site->row.updated_at_us);
   const std::string aircraft_key = AircraftJson(aircraft).dump();
-  // Another thread may have read the site anew since: what is kept refers to the map beside it.
-  const auto kept = [&]() -> Entry* {
-    Entry* const entry = Find(key);
-    return entry != nullptr && entry->site == site ? entry : nullptr;
-  };
   {
     const std::lock_guard lock(mutex_);
-    if (kept() != nullptr) {
-      if (const Planner* const planner = FindPlanner(key, aircraft_key)) return planner->on_map;
-    }
+    if (const Planner* const planner = FindPlanner(site, aircraft_key)) return planner->on_map;
   }
   auto on_map = std::make_shared<const StoredMapPlanner>(site->replan, aircraft, site->site_map);
   const std::lock_guard lock(mutex_);
-  Entry* const entry = kept();
-  if (entry == nullptr || FindPlanner(key, aircraft_key) != nullptr) return on_map;
-  entry->planners.push_front({aircraft_key, on_map, {}});
-  if (entry->planners.size() > kMaxNumPlannersKept) entry->planners.pop_back();
+  Planned* const planned = FindSame(site);
+  if (planned == nullptr || FindPlanner(site, aircraft_key) != nullptr) return on_map;
+  planned->planners.push_front({aircraft_key, on_map, {}});
+  if (planned->planners.size() > kMaxNumPlannersKept) planned->planners.pop_back();
   return on_map;
 }
 
 std::shared_ptr<const Plan> MapCache::PlanFor(const std::shared_ptr<const KeptSite>& site,
                                               const Aircraft& aircraft,
                                               const std::optional<Eigen::Vector2d>& wind_in_world) {
-  const std::string key = KeyOf(site->row.id, site->row.updated_at_us);
   const std::string aircraft_key = AircraftJson(aircraft).dump();
   const std::string wind_key = WindKey(wind_in_world);
   {
     const std::lock_guard lock(mutex_);
-    if (const Planner* const planner = FindPlanner(key, aircraft_key)) {
+    if (const Planner* const planner = FindPlanner(site, aircraft_key)) {
       for (const auto& [kept_key, plan] : planner->plans) {
         if (kept_key == wind_key) return plan;
       }
@@ -146,7 +156,7 @@ std::shared_ptr<const Plan> MapCache::PlanFor(const std::shared_ptr<const KeptSi
   const auto on_map = PlannerFor(site, aircraft);
   const auto plan = std::make_shared<const Plan>(on_map->planner.PlanFor(wind_in_world));
   const std::lock_guard lock(mutex_);
-  Planner* const planner = FindPlanner(key, aircraft_key);
+  Planner* const planner = FindPlanner(site, aircraft_key);
   if (planner == nullptr) return plan;
   planner->plans.emplace_front(wind_key, plan);
   if (planner->plans.size() > kMaxNumPlansKept) planner->plans.pop_back();

@@ -10,6 +10,7 @@
 
 #include "api/export/export.h"
 #include "server/replan.h"
+#include "server/site_lru.h"
 #include "storage/storage.h"
 
 namespace freelsd {
@@ -20,15 +21,27 @@ struct KeptSite {
   SiteMap site_map;
 };
 
+// What flying over a site's map needs: what stands highest in each cell.
+struct KeptTerrain {
+  GeoPoint origin;
+  Grid grid;
+  cv::Mat1f upper;
+};
+
 // Thread-safe; what is given out stays whole.
 class MapCache {
  public:
-  explicit MapCache(size_t max_bytes) : max_bytes_(max_bytes) {}
+  MapCache(size_t max_bytes_of_sites, size_t max_bytes_of_terrain)
+      : sites_(max_bytes_of_sites), terrains_(max_bytes_of_terrain) {}
 
-  // Nothing where the site has no map, or one that cannot be read.
+  // Of this time or later. Nothing where the site has no map, or one that cannot be read.
   std::shared_ptr<const KeptSite> Get(const Storage& storage,
                                       const std::string& site_id,
                                       int64_t updated_at_us);
+  // Of many maps over the same ground: takes a fraction of the memory of Get.
+  std::shared_ptr<const KeptTerrain> TerrainOf(const Storage& storage,
+                                               const std::string& site_id,
+                                               int64_t updated_at_us);
   // For this aircraft on the site's map, which must live as long; made once while both stay.
   std::shared_ptr<const StoredMapPlanner> PlannerFor(const std::shared_ptr<const KeptSite>& site,
                                                      const Aircraft& aircraft);
@@ -36,6 +49,8 @@ class MapCache {
   std::shared_ptr<const Plan> PlanFor(const std::shared_ptr<const KeptSite>& site,
                                       const Aircraft& aircraft,
                                       const std::optional<Eigen::Vector2d>& wind_in_world);
+  // Of a site that nobody will land on: its map. Its terrain still counts.
+  void DropPlans(const std::string& site_id);
 
  private:
   struct Planner {
@@ -44,24 +59,19 @@ class MapCache {
     // Latest first, by wind.
     std::list<std::pair<std::string, std::shared_ptr<const Plan>>> plans;
   };
-  struct Entry {
-    std::string key;
-    size_t num_bytes = 0;
+  struct Planned {
     std::shared_ptr<const KeptSite> site;
     // Latest first.
     std::list<Planner> planners;
   };
-  using Entries = std::list<Entry>;
-  // With the lock held; what is found moves to the front.
-  Entry* Find(const std::string& key);
-  Planner* FindPlanner(const std::string& key, const std::string& aircraft_key);
-  void Keep(Entry entry);
+  // Both with the lock held. Only where this very map is kept: what is planned on it refers to it.
+  Planned* FindSame(const std::shared_ptr<const KeptSite>& site);
+  Planner* FindPlanner(const std::shared_ptr<const KeptSite>& site,
+                       const std::string& aircraft_key);
 
-  size_t max_bytes_;
   std::mutex mutex_;
-  // Most recently used first.
-  Entries entries_;
-  size_t num_bytes_ = 0;
+  SiteLru<Planned> sites_;
+  SiteLru<std::shared_ptr<const KeptTerrain>> terrains_;
 };
 
 }  // namespace freelsd

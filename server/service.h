@@ -36,7 +36,7 @@ struct Service {
   Metrics metrics;
   ImageLimits image_limits;
   // Of recall: its own, so that nothing else pushes maps out.
-  mutable MapCache maps{size_t{256} << 20};
+  mutable MapCache maps{size_t{192} << 20, size_t{64} << 20};
   EventLog events;
   Alternates alternates{*this};
   // Tells the worker that there is something new in storage.

@@ -51,11 +51,13 @@ std::optional<double> TerrainMargin(const Service& service,
                                     const GeoPoint& end) {
   std::optional<double> least;
   for (const Storage::MapRow& row : MapsOnTheWay(service, request.place, end)) {
-    const auto site = service.maps.Get(service.storage, row.site_id, row.updated_at_us);
-    if (!site) continue;
-    const LocalFrame local_frame(site->replan.origin);
-    const auto height = LeastHeightOver(
-        site->site_map.map, local_frame.WorldFromGeo(request.place), local_frame.WorldFromGeo(end));
+    const auto terrain = service.maps.TerrainOf(service.storage, row.site_id, row.updated_at_us);
+    if (!terrain) continue;
+    const LocalFrame local_frame(terrain->origin);
+    const auto height = LeastHeightOver(terrain->grid,
+                                        terrain->upper,
+                                        local_frame.WorldFromGeo(request.place),
+                                        local_frame.WorldFromGeo(end));
     if (!height) continue;
     const double margin = *height - GlideOptions{}.terrain_clearance_m -
                           DatumPenalty(request.altitude_datum, row.altitude_datum);

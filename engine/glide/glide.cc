@@ -133,16 +133,17 @@ double TurnBetweenHeadings(const GlideStart& start, const GlideOptions& options)
 }
 
 // Least of line minus upper surface within the grid, sampled at half cells.
-std::optional<double> LeastAt(const ElevationMap& map,
+std::optional<double> LeastAt(const Grid& grid,
+                              const cv::Mat1f& upper,
                               const Eigen::Vector3d& begin,
                               const Eigen::Vector3d& end,
                               int num_steps) {
   std::optional<double> least;
   for (int i = 0; i <= num_steps; ++i) {
     const Eigen::Vector3d point = begin + (end - begin) * (static_cast<double>(i) / num_steps);
-    const std::optional<cv::Point> cell = map.grid.CellAt(point.head<2>());
+    const std::optional<cv::Point> cell = grid.CellAt(point.head<2>());
     if (!cell) continue;
-    const double top = static_cast<double>(map.upper(*cell));
+    const double top = static_cast<double>(upper(*cell));
     if (!std::isfinite(top)) continue;
     const double height = point.z() - top;
     if (!least || height < *least) least = height;
@@ -210,25 +211,26 @@ std::optional<double> LeastHeightLost(const GlideStart& start,
   return distance / speed * performance.sink_rate;
 }
 
-std::optional<double> LeastHeightOver(const ElevationMap& map,
+std::optional<double> LeastHeightOver(const Grid& grid,
+                                      const cv::Mat1f& upper,
                                       const Eigen::Vector3d& begin_in_world,
                                       const Eigen::Vector3d& end_in_world) {
-  if (map.grid.num_rows == 0 || map.grid.num_cols == 0) return std::nullopt;
+  if (grid.num_rows == 0 || grid.num_cols == 0) return std::nullopt;
   const Eigen::Vector2d way = (end_in_world - begin_in_world).head<2>();
   // Only the part of the line about the grid is walked.
-  const Eigen::Vector2d size(map.grid.num_cols * map.grid.cell_size_m,
-                             map.grid.num_rows * map.grid.cell_size_m);
+  const Eigen::Vector2d size(grid.num_cols * grid.cell_size_m, grid.num_rows * grid.cell_size_m);
   const Eigen::Vector2d center =
-      map.grid.north_west_in_world + 0.5 * Eigen::Vector2d(size.x(), -size.y());
+      grid.north_west_in_world + 0.5 * Eigen::Vector2d(size.x(), -size.y());
   const double length = way.norm();
   const double reach = 0.5 * size.norm();
   const double middle = length > 0.0 ? (center - begin_in_world.head<2>()).dot(way) / length : 0.0;
   const double first = length > 0.0 ? std::clamp((middle - reach) / length, 0.0, 1.0) : 0.0;
   const double last = length > 0.0 ? std::clamp((middle + reach) / length, 0.0, 1.0) : 1.0;
   const Eigen::Vector3d line = end_in_world - begin_in_world;
-  const int num_steps = std::max(
-      1, static_cast<int>(std::ceil((last - first) * length / (0.5 * map.grid.cell_size_m))));
-  return LeastAt(map, begin_in_world + first * line, begin_in_world + last * line, num_steps);
+  const int num_steps =
+      std::max(1, static_cast<int>(std::ceil((last - first) * length / (0.5 * grid.cell_size_m))));
+  return LeastAt(
+      grid, upper, begin_in_world + first * line, begin_in_world + last * line, num_steps);
 }
 
 }  // namespace freelsd

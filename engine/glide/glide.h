@@ -64,9 +64,10 @@ std::optional<double> LeastHeightLost(const GlideStart& start,
                                       double within_m,
                                       const Aircraft& aircraft);
 
-// Least height of the straight line over the map's upper surface, metres; nothing where the line
-// meets no seen cell. Both ends in the map's world.
-std::optional<double> LeastHeightOver(const ElevationMap& map,
+// Least height of the straight line over a map's upper surface (ElevationMap::upper), metres;
+// nothing where the line meets no seen cell. Both ends in the map's world.
+std::optional<double> LeastHeightOver(const Grid& grid,
+                                      const cv::Mat1f& upper,
                                       const Eigen::Vector3d& begin_in_world,
                                       const Eigen::Vector3d& end_in_world);
 

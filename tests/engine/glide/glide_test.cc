@@ -154,7 +154,9 @@ TEST_CASE("glide: terrain of a map counts where the line crosses it, unseen cell
   map.elevation = cv::Mat1f(100, 100, 20.0f);
   map.upper = map.elevation.clone();
   map.upper(50, 50) = 70.0f;  // a tree on the line, at (0.5, 499.5)
-  const auto over = [&map](double x) { return LeastHeightOver(map, {x, 0, 100}, {x, 1000, 50}); };
+  const auto over = [&map](double x) {
+    return LeastHeightOver(map.grid, map.upper, {x, 0, 100}, {x, 1000, 50});
+  };
   REQUIRE(over(0.5));
   CHECK(*over(0.5) == doctest::Approx(5.0).epsilon(0.02));
   CHECK(*over(-20.0) == doctest::Approx(52.5).epsilon(0.01));

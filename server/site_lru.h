@@ -1,0 +1,62 @@
+// What is kept of stored sites while it is used, up to a number of bytes.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <list>
+#include <string>
+#include <utility>
+
+namespace freelsd {
+
+// One value of each site, the latest. Not thread-safe.
+template <typename Value>
+class SiteLru {
+ public:
+  explicit SiteLru(size_t max_bytes) : max_bytes_(max_bytes) {}
+
+  // Of this time or later; nullptr where there is none. Valid until the next change.
+  Value* Find(const std::string& site_id, int64_t updated_at_us = 0) {
+    const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) {
+      return each.site_id == site_id;
+    });
+    if (found == entries_.end() || found->updated_at_us < updated_at_us) return nullptr;
+    entries_.splice(entries_.begin(), entries_, found);
+    return &found->value;
+  }
+
+  // Instead of an earlier one; what was used longest ago goes when there is no room.
+  void Keep(const std::string& site_id, int64_t updated_at_us, size_t num_bytes, Value value) {
+    Erase(site_id);
+    num_bytes_ += num_bytes;
+    entries_.push_front({site_id, updated_at_us, num_bytes, std::move(value)});
+    while (num_bytes_ > max_bytes_ && entries_.size() > 1) {
+      num_bytes_ -= entries_.back().num_bytes;
+      entries_.pop_back();
+    }
+  }
+
+  void Erase(const std::string& site_id) {
+    std::erase_if(entries_, [&](const Entry& each) {
+      if (each.site_id != site_id) return false;
+      num_bytes_ -= each.num_bytes;
+      return true;
+    });
+  }
+
+ private:
+  struct Entry {
+    std::string site_id;
+    int64_t updated_at_us = 0;
+    size_t num_bytes = 0;
+    Value value;
+  };
+
+  size_t max_bytes_;
+  size_t num_bytes_ = 0;
+  // Used last first.
+  std::list<Entry> entries_;
+};
+
+}  // namespace freelsd
