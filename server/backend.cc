@@ -64,7 +64,7 @@ bool Worker::StepBackend() {
   RetireImages();
   for (const JobRow& job : service_.storage.ListUnfinishedJobs()) {
     if (job.kind != "finish") continue;
-    const SessionPointer session = FindSession(job.flight_id);
+    const SessionPointer session = open_flights_.Find(job.flight_id);
     const int64_t last_sequence = LastSequenceOf(job, service_.storage);
     if (!session || session->flushed_through() < last_sequence) continue;
     if (session->HasSettledBefore(last_sequence)) continue;
@@ -79,7 +79,8 @@ bool Worker::StepBackend() {
     flight_id = *due_.begin();
     due_.erase(due_.begin());
   }
-  if (const SessionPointer session = FindSession(flight_id)) RunPeriodic(flight_id, *session);
+  if (const SessionPointer session = open_flights_.Find(flight_id))
+    RunPeriodic(flight_id, *session);
   return true;
 }
 
@@ -136,10 +137,7 @@ void Worker::RetireImages() {
   }
   retired_at_ = now;
   for (const std::string& id : FlightsToRetire(service_)) {
-    {
-      const std::lock_guard lock(mutex_);
-      sessions_.erase(id);
-    }
+    open_flights_.Close(id);
     spdlog::info("images of flight {} are removed to make room", id);
     service_.storage.RetireImages(id);
   }

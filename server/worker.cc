@@ -20,10 +20,6 @@ namespace {
 constexpr std::chrono::seconds kIdlePeriod{2};
 // Regions and progress are written at most this often while frames flow.
 constexpr std::chrono::milliseconds kStorePeriod{500};
-// Flights kept in memory without work, and how long others are: a flight that streams slowly is
-// idle between its frames, and building it again costs as much as all frames before.
-constexpr size_t kMaxNumIdleSessions = 4;
-constexpr std::chrono::seconds kMinIdleTime{120};
 // Jobs whose last frames are remembered.
 constexpr size_t kMaxNumKnownJobs = 1000;
 
@@ -40,6 +36,7 @@ void TellOfFrame(Service& service, const FrameRow& frame) {
 Worker::Worker(Service& service, Classifier classifier)
     : service_(service),
       classifier_(std::move(classifier)),
+      open_flights_(service.storage, service.config.max_num_open_flights),
       frontend_thread_([this] { RunFrontend(); }),
       backend_thread_([this] { RunBackend(); }) {}
 
@@ -95,12 +92,6 @@ void Worker::RunFrontend() { Repeat(&Worker::StepFrontend); }
 
 void Worker::RunBackend() { Repeat(&Worker::StepBackend); }
 
-Worker::SessionPointer Worker::FindSession(const std::string& flight_id) const {
-  const std::lock_guard lock(mutex_);
-  const auto found = sessions_.find(flight_id);
-  return found == sessions_.end() ? nullptr : found->second.session;
-}
-
 // One frame of one flight; flights take turns.
 bool Worker::StepFrontend() {
   const std::vector<JobRow> jobs = service_.storage.ListUnfinishedJobs();
@@ -108,18 +99,16 @@ bool Worker::StepFrontend() {
   for (const JobRow& job : jobs) flights_with_jobs.insert(job.flight_id);
   busy_flights = flights_with_jobs;
   for (const std::string& id : service_.storage.FlightsWithQueuedFrames()) {
-    if (flights_with_jobs.contains(id) || !IsParked(id)) busy_flights.insert(id);
+    if (flights_with_jobs.contains(id) || !open_flights_.IsParked(id)) busy_flights.insert(id);
   }
-  CloseIdleSessions(busy_flights, flights_with_jobs);
+  for (const std::string& id : open_flights_.CloseIdle(busy_flights, flights_with_jobs)) Forget(id);
   std::vector<std::string> turns(busy_flights.upper_bound(last_flight_id_), busy_flights.end());
   turns.insert(turns.end(), busy_flights.begin(), busy_flights.upper_bound(last_flight_id_));
   for (const std::string& flight_id : turns) {
     last_flight_id_ = flight_id;
     try {
       if (StepFlight(flight_id, jobs)) {
-        const std::lock_guard lock(mutex_);
-        const auto open = sessions_.find(flight_id);
-        if (open != sessions_.end()) open->second.used_at = std::chrono::steady_clock::now();
+        open_flights_.Touch(flight_id);
         return true;
       }
     } catch (const StorageError&) {
@@ -285,11 +274,8 @@ void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<Job
 // and a session that had one is built anew. The flushes of a replay are those of the first time.
 // Nothing while as many other flights are in memory as may be.
 Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
-  SessionPointer session = FindSession(flight.id);
-  if (!session) {
-    const std::lock_guard lock(mutex_);
-    if (IsFull()) return nullptr;
-  }
+  if (!open_flights_.HasRoomFor(flight.id)) return nullptr;
+  SessionPointer session = open_flights_.Find(flight.id);
   std::vector<int64_t> flush_points;
   int64_t last_finish = 0;
   for (const JobRow& job : service_.storage.ListJobsOf(flight.id)) {
@@ -302,55 +288,11 @@ Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
   for (const int64_t point : flush_points) {
     if (point >= last_finish) session->AddFlushPoint(point);
   }
-  const std::lock_guard lock(mutex_);
-  sessions_[flight.id].session = session;
+  open_flights_.Open(flight.id, session);
   return session;
 }
 
-// Of flights without a job that have nothing to do, or whose frames have long waited for others.
-// Those that were used last stay longest.
-void Worker::CloseIdleSessions(const std::set<std::string>& busy_flights,
-                               const std::set<std::string>& flights_with_jobs) {
-  const auto now = std::chrono::steady_clock::now();
-  const std::lock_guard lock(mutex_);
-  std::vector<std::pair<std::chrono::steady_clock::time_point, std::string>> idle;
-  for (const auto& [flight_id, open] : sessions_) {
-    const bool is_stalled = now - open.used_at > kMinIdleTime;
-    const bool is_idle = is_stalled || !busy_flights.contains(flight_id);
-    if (is_idle && !flights_with_jobs.contains(flight_id))
-      idle.emplace_back(open.used_at, flight_id);
-  }
-  std::sort(idle.begin(), idle.end());
-  const bool is_any_waiting =
-      std::any_of(busy_flights.begin(), busy_flights.end(), [this](const std::string& flight_id) {
-        return !sessions_.contains(flight_id);
-      });
-  for (size_t i = 0; i < idle.size(); ++i) {
-    const auto& [used_at, flight_id] = idle[i];
-    const bool is_surplus = idle.size() - i > kMaxNumIdleSessions && now - used_at > kMinIdleTime;
-    const bool is_in_the_way = is_any_waiting && IsFull();
-    if (is_surplus || is_in_the_way || !service_.storage.FindFlight(flight_id)) Close(flight_id);
-  }
-}
-
-// Its frames were all given, and some wait in vain: nothing to do before there are more.
-bool Worker::IsParked(const std::string& flight_id) {
-  const auto parked = parked_at_.find(flight_id);
-  if (parked == parked_at_.end()) return false;
-  if (!service_.storage.NextFrame(flight_id, parked->second)) return true;
-  parked_at_.erase(parked);
-  return false;
-}
-
-bool Worker::IsFull() const {
-  return sessions_.size() >= static_cast<size_t>(service_.config.max_num_open_flights);
-}
-
-void Worker::Close(const std::string& flight_id) {
-  const auto open = sessions_.find(flight_id);
-  if (open == sessions_.end()) return;
-  parked_at_[flight_id] = open->second.session->cursor();
-  sessions_.erase(open);
+void Worker::Forget(const std::string& flight_id) {
   waiting_.erase(flight_id);
   stored_at_.erase(flight_id);
 }
@@ -371,8 +313,8 @@ void Worker::FailFlight(const std::string& flight_id, const std::string& why) {
   for (JobRow job : service_.storage.ListUnfinishedJobs()) {
     if (job.flight_id == flight_id) FailJob(service_, job, why);
   }
-  const std::lock_guard lock(mutex_);
-  Close(flight_id);
+  open_flights_.Close(flight_id);
+  Forget(flight_id);
 }
 
 }  // namespace freelsd

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <map>
-#include <memory>
 #include <mutex>
 #include <set>
 #include <string>
@@ -15,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/flight_session.h"
+#include "server/open_flights.h"
 #include "server/service.h"
 
 namespace freelsd {
@@ -34,12 +33,7 @@ class Worker {
   bool Stop(std::chrono::milliseconds patience);
 
  private:
-  using SessionPointer = std::shared_ptr<FlightSession>;
-  struct OpenFlight {
-    SessionPointer session;
-    // When the frontend last had something to do for it.
-    std::chrono::steady_clock::time_point used_at = std::chrono::steady_clock::now();
-  };
+  using SessionPointer = OpenFlights::SessionPointer;
 
   // --- Frontend thread ---
   void RunFrontend();
@@ -57,12 +51,8 @@ class Worker {
                      const std::vector<JobRow>& jobs);
   void UpdateBatchJobs(const std::string& flight_id, const std::vector<JobRow>& jobs);
   SessionPointer OpenSession(const FlightRow& flight);
-  void CloseIdleSessions(const std::set<std::string>& busy_flights,
-                         const std::set<std::string>& flights_with_jobs);
-  bool IsParked(const std::string& flight_id);
-  // Both with the lock held.
-  bool IsFull() const;
-  void Close(const std::string& flight_id);
+  // What is only remembered of open flights.
+  void Forget(const std::string& flight_id);
   void FailFlight(const std::string& flight_id, const std::string& why);
   int64_t LastSequence(const JobRow& job);
 
@@ -74,19 +64,18 @@ class Worker {
   // Removes images of flights that are over, as far as the settings ask for it.
   void RetireImages();
 
-  SessionPointer FindSession(const std::string& flight_id) const;
   // Repeats a step while it has something to do; waits otherwise.
   void Repeat(bool (Worker::*step)());
 
   Service& service_;
   Classifier classifier_;
+  OpenFlights open_flights_;
   std::atomic<bool> is_stopping_{false};
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   uint64_t num_wakes_ = 0;
   int num_running_threads_ = 2;
-  std::map<std::string, OpenFlight> sessions_;
   // Flights whose best regions are due for an evaluation.
   std::set<std::string> due_;
 
@@ -94,8 +83,6 @@ class Worker {
   std::string last_flight_id_;
   std::map<std::string, int64_t> last_sequences_;
   std::map<std::string, int> num_since_evaluation_;
-  // By flight that was closed: the last frame it was given.
-  std::map<std::string, int64_t> parked_at_;
   // By flight: the frame that waits for telemetry, and since when.
   std::map<std::string, std::pair<int64_t, std::chrono::steady_clock::time_point>> waiting_;
   std::map<std::string, std::chrono::steady_clock::time_point> stored_at_;
