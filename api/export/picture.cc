@@ -2,11 +2,11 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "api/export/color_ramp.h"
 #include "api/export/layer_values.h"
+#include "api/export/png.h"
 
 namespace freelsd {
 namespace {
@@ -15,12 +15,6 @@ constexpr uint8_t kOpaque = 255;
 
 // OpenCV's order of channels.
 cv::Vec4b Bgra(const Color& color) { return {color[2], color[1], color[0], kOpaque}; }
-
-std::string EncodePng(const cv::Mat& image) {
-  std::vector<uint8_t> bytes;
-  if (!cv::imencode(".png", image, bytes)) throw std::runtime_error("PNG: cannot be encoded");
-  return {bytes.begin(), bytes.end()};
-}
 
 // A picture has at least one pixel; of an empty map it is transparent.
 cv::Mat4b Canvas(const SiteMap& site_map) {

@@ -2,8 +2,8 @@
 #include <optional>
 #include <string>
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <png.h>
 #include <turbojpeg.h>
 
 #include "api/import/image_segments.h"
@@ -67,27 +67,37 @@ std::string PixelChunks(std::string_view bytes) {
   return kept;
 }
 
+struct FreeImage {
+  png_image image{};
+  FreeImage() { image.version = PNG_IMAGE_VERSION; }
+  ~FreeImage() { png_image_free(&image); }
+  FreeImage(const FreeImage&) = delete;
+  FreeImage& operator=(const FreeImage&) = delete;
+};
+
 cv::Mat DecodePng(std::string_view bytes, const ImageHeader& header) {
-  std::string pixels = PixelChunks(bytes);
-  const cv::Mat encoded(1, static_cast<int>(pixels.size()), CV_8UC1, pixels.data());
-  cv::Mat image;
-  try {
-    // As it is stored, EXIF orientation not applied; alpha comes as a fourth channel.
-    image = cv::imdecode(encoded, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception& error) {
-    throw Damaged("PNG: " + error.err);
+  const std::string pixels = PixelChunks(bytes);
+  FreeImage reader;
+  png_image& png = reader.image;
+  if (png_image_begin_read_from_memory(&png, pixels.data(), pixels.size()) == 0) {
+    throw Damaged(std::string("PNG: ") + png.message);
   }
-  if (image.cols != header.width_px || image.rows != header.height_px) {
-    throw Damaged("PNG: the pixels cannot be decoded");
+  if (static_cast<int>(png.width) != header.width_px ||
+      static_cast<int>(png.height) != header.height_px) {
+    throw Damaged("PNG: two headers disagree");
   }
-  if (image.depth() != CV_8U) {
+  if ((png.format & PNG_FORMAT_FLAG_LINEAR) != 0) {
     throw ApiError("UnsupportedPixels", "only PNG with up to 8 bits per channel is understood");
   }
-  if (image.channels() == 3) return image;
-  const int conversion = image.channels() == 4 ? cv::COLOR_BGRA2BGR : cv::COLOR_GRAY2BGR;
-  cv::Mat converted;
-  cv::cvtColor(image, converted, conversion);
-  return converted;
+  // With alpha as it is stored: libpng would lay it on a background otherwise.
+  const bool has_alpha = (png.format & PNG_FORMAT_FLAG_ALPHA) != 0;
+  png.format = has_alpha ? PNG_FORMAT_BGRA : PNG_FORMAT_BGR;
+  cv::Mat image(header.height_px, header.width_px, has_alpha ? CV_8UC4 : CV_8UC3);
+  const bool is_read = png_image_finish_read(&png, nullptr, image.data, 0, nullptr) != 0;
+  // Warnings are damage, as of a JPEG.
+  if (!is_read || png.warning_or_error != 0) throw Damaged(std::string("PNG: ") + png.message);
+  if (has_alpha) cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
+  return image;
 }
 
 }  // namespace

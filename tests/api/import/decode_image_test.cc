@@ -79,6 +79,14 @@ TEST_CASE("decode: grey, alpha and progressive images come as BGR too") {
   CHECK(DecodeImage(progressive, {}).cols == 80);
 }
 
+TEST_CASE("decode: a PNG of one bit is black and white") {
+  cv::Mat1b halves(20, 30, uint8_t{0});
+  halves.colRange(15, 30).setTo(255);
+  const cv::Mat image = DecodeImage(Encoded(".png", halves, {cv::IMWRITE_PNG_BILEVEL, 1}), {});
+  CHECK(image.at<cv::Vec3b>(5, 14) == cv::Vec3b(0, 0, 0));
+  CHECK(image.at<cv::Vec3b>(5, 15) == cv::Vec3b(255, 255, 255));
+}
+
 TEST_CASE("decode: EXIF orientation is ignored, intrinsics belong to the sensor") {
   const std::string jpeg = Encoded(".jpg", Picture(60, 80));
   // Orientation 6 (turn by 90 deg) in a minimal little-endian TIFF block.
