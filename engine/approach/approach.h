@@ -201,7 +201,7 @@ class ApproachPlanner {
   ApproachPlanner& operator=(ApproachPlanner&&) noexcept;
 
   // Without explanation rejections and profile are empty; nothing else is another, and it takes
-  // little more than half the time.
+  // less time.
   Plan PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world,
                Explanation explanation = Explanation::kFull) const;
 
