@@ -10,84 +10,148 @@ namespace {
 
 constexpr int kRing = 1;
 // Slots of a cell: weight and height, or these with squared height, number of points, variance.
+// Distances and weights are in cells until they are asked for.
 constexpr int kNumMeanSlots = 2;
 constexpr int kNumSlots = 6;
 // Points whose weights are found at a time; they stay in the first cache.
 constexpr size_t kBatch = 256;
 
 typedef double Two __attribute__((vector_size(2 * sizeof(double))));
+double Squared(double value) { return value * value; }
+
+// Registers of points that are weighed at once, one in each lane.
+template <size_t num_lanes>
+struct Register {
+  typedef double Doubles __attribute__((vector_size(num_lanes * sizeof(double))));
+  typedef float Floats __attribute__((vector_size(num_lanes * sizeof(float))));
+  typedef int Ints __attribute__((vector_size(num_lanes * sizeof(int))));
+};
+constexpr size_t kMaxLanes = 4;
 
 // Where the points lie among the cells, in units of cells from the ring's corner.
 struct Layout {
   double west, north, per_cell, base_height;
   double num_cols, num_rows;
-  double cell_area, squared_radius;
+  // In cells.
+  double least_squared, squared_radius;
   int stride;
 };
 
 // The cell whose centre is next to the north-west, and the weights for it and its neighbours to the
 // east, south and south-east.
 struct Batch {
-  std::array<int, kBatch> slot;
-  std::array<std::array<double, kBatch>, 4> weights;
-  std::array<double, kBatch> height;
-  std::array<double, kBatch> variance;
+  alignas(kMaxLanes * sizeof(double)) std::array<std::array<double, kBatch>, 4> weights;
+  alignas(kMaxLanes * sizeof(double)) std::array<double, kBatch> height;
+  alignas(kMaxLanes * sizeof(double)) std::array<double, kBatch> variance;
+  alignas(kMaxLanes * sizeof(double)) std::array<int, kBatch> slot;
   // Not weighed: on a line of centres a point may be a whole radius from the centres on both sides.
-  std::array<int, kBatch> is_on_line;
+  alignas(kMaxLanes * sizeof(double)) std::array<int64_t, kBatch> is_on_line;
 };
 
-// Four reciprocals for one division: 1 / a = (b c d) / (a b c d). A processor divides slowly.
+// Lane by lane, which compilers see through better than through one conversion of the register.
+template <typename To, typename From>
+[[gnu::always_inline]] inline void Convert(const From& from, To& to) {
+  for (size_t lane = 0; lane < sizeof(To) / sizeof(to[0]); ++lane) to[lane] = from[lane];
+}
+
+template <typename Lanes, typename Value>
+[[gnu::always_inline]] inline void Store(const Lanes& lanes, Value* values) {
+  __builtin_memcpy(values, &lanes, sizeof(lanes));
+}
+
+template <size_t num_lanes, SumKind kind>
+[[gnu::always_inline]] inline void WeighLanes(const DensePoint* points,
+                                              const Layout& layout,
+                                              size_t i,
+                                              Batch& batch) {
+  using Doubles = typename Register<num_lanes>::Doubles;
+  using Ints = typename Register<num_lanes>::Ints;
+  Doubles x, y, z;
+  for (size_t lane = 0; lane < num_lanes; ++lane) {
+    x[lane] = points[lane].point_in_world[0];
+    y[lane] = points[lane].point_in_world[1];
+    z[lane] = points[lane].point_in_world[2];
+  }
+  const Doubles zero{}, least = zero + layout.least_squared;
+  const Doubles u = (x - layout.west) * layout.per_cell;
+  const Doubles v = (layout.north - y) * layout.per_cell;
+  const Doubles height = z - layout.base_height;
+  const auto is_inside = (u >= 0.0) & (v >= 0.0) & (u < layout.num_cols) & (v < layout.num_rows) &
+                         (height - height == 0.0);  // neither infinite nor NaN
+  const Doubles u_in = is_inside ? u : zero, v_in = is_inside ? v : zero;
+  Ints col, row;
+  Convert(u_in, col);
+  Convert(v_in, row);
+  Doubles col_center, row_center;
+  Convert(col, col_center);
+  Convert(row, row_center);
+  const Doubles west = u_in - col_center, east = west - 1.0;
+  const Doubles north = v_in - row_center, south = north - 1.0;
+  const Doubles ww = west * west, ee = east * east, nn = north * north, ss = south * south;
+  Doubles a = ww + nn, b = ee + nn, c = ww + ss, d = ee + ss;
+  a = least > a ? least : a;
+  b = least > b ? least : b;
+  c = least > c ? least : c;
+  d = least > d ? least : d;
+  // Four reciprocals for one division: 1 / a = (b c d) / (a b c d). A processor divides slowly.
+  const Doubles ab = a * b, cd = c * d, quotient = 1.0 / (ab * cd);
+  const auto is_on_line = is_inside & ((west == 0.0) | (north == 0.0));
+  const Doubles reciprocal = is_inside & ~is_on_line ? quotient : zero;
+  Store(a <= layout.squared_radius ? reciprocal * (b * cd) : zero, &batch.weights[0][i]);
+  Store(b <= layout.squared_radius ? reciprocal * (a * cd) : zero, &batch.weights[1][i]);
+  Store(c <= layout.squared_radius ? reciprocal * (ab * d) : zero, &batch.weights[2][i]);
+  Store(d <= layout.squared_radius ? reciprocal * (ab * c) : zero, &batch.weights[3][i]);
+  Store(is_inside ? height : zero, &batch.height[i]);
+  Store(row * layout.stride + col, &batch.slot[i]);
+  Store(is_on_line, &batch.is_on_line[i]);
+  if constexpr (kind == SumKind::kAll) {
+    Doubles deviation;
+    for (size_t lane = 0; lane < num_lanes; ++lane) deviation[lane] = points[lane].height_sd_m;
+    Store(deviation * deviation, &batch.variance[i]);
+  }
+}
+
+template <size_t num_lanes, SumKind kind>
 [[gnu::always_inline]] inline void Weigh(const DensePoint* points,
                                          size_t num_points,
                                          const Layout& layout,
                                          Batch& batch) {
-  constexpr double kLeast = kExactHitM * kExactHitM;
-  for (size_t i = 0; i < num_points; ++i) {
-    const DensePoint& point = points[i];
-    const double u = (point.point_in_world[0] - layout.west) * layout.per_cell;
-    const double v = (layout.north - point.point_in_world[1]) * layout.per_cell;
-    const double height = point.point_in_world[2] - layout.base_height;
-    const bool is_inside = (u >= 0.0) & (v >= 0.0) & (u < layout.num_cols) & (v < layout.num_rows) &
-                           (std::abs(height) <= std::numeric_limits<double>::max());
-    const double u_in = is_inside ? u : 0.0, v_in = is_inside ? v : 0.0;
-    const int col = static_cast<int>(u_in), row = static_cast<int>(v_in);
-    const double west = u_in - col, east = west - 1.0, north = v_in - row, south = north - 1.0;
-    const double a = std::max((west * west + north * north) * layout.cell_area, kLeast);
-    const double b = std::max((east * east + north * north) * layout.cell_area, kLeast);
-    const double c = std::max((west * west + south * south) * layout.cell_area, kLeast);
-    const double d = std::max((east * east + south * south) * layout.cell_area, kLeast);
-    const double ab = a * b, cd = c * d;
-    const bool is_on_line = is_inside & ((west == 0.0) | (north == 0.0));
-    const double reciprocal = is_inside & !is_on_line ? 1.0 / (ab * cd) : 0.0;
-    batch.is_on_line[i] = is_on_line ? 1 : 0;
-    batch.slot[i] = row * layout.stride + col;
-    batch.weights[0][i] = a <= layout.squared_radius ? reciprocal * (b * cd) : 0.0;
-    batch.weights[1][i] = b <= layout.squared_radius ? reciprocal * (a * cd) : 0.0;
-    batch.weights[2][i] = c <= layout.squared_radius ? reciprocal * (ab * d) : 0.0;
-    batch.weights[3][i] = d <= layout.squared_radius ? reciprocal * (ab * c) : 0.0;
-    batch.height[i] = is_inside ? height : 0.0;
-    batch.variance[i] =
-        static_cast<double>(point.height_sd_m) * static_cast<double>(point.height_sd_m);
+  const size_t num_whole = num_points / num_lanes * num_lanes;
+  for (size_t i = 0; i < num_whole; i += num_lanes) {
+    WeighLanes<num_lanes, kind>(points + i, layout, i, batch);
   }
+  if (num_whole == num_points) return;
+  // Nobody reads the lanes behind the last point.
+  std::array<DensePoint, num_lanes> rest;
+  std::copy(points + num_whole, points + num_points, rest.begin());
+  WeighLanes<num_lanes, kind>(rest.data(), layout, num_whole, batch);
 }
 
+template <SumKind kind>
 void WeighPlain(const DensePoint* points, size_t num_points, const Layout& layout, Batch& batch) {
-  Weigh(points, num_points, layout, batch);
+  Weigh<2, kind>(points, num_points, layout, batch);
 }
 using Weigher = void (*)(const DensePoint*, size_t, const Layout&, Batch&);
 
 #if defined(__x86_64__)
 // Without fused multiplications: every processor has the same rounding.
+template <SumKind kind>
 [[gnu::target("avx2")]] void WeighAvx2(const DensePoint* points,
                                        size_t num_points,
                                        const Layout& layout,
                                        Batch& batch) {
-  Weigh(points, num_points, layout, batch);
+  Weigh<4, kind>(points, num_points, layout, batch);
 }
 
-Weigher FastestWeigher() { return __builtin_cpu_supports("avx2") != 0 ? WeighAvx2 : WeighPlain; }
+template <SumKind kind>
+Weigher FastestWeigher() {
+  return __builtin_cpu_supports("avx2") != 0 ? WeighAvx2<kind> : WeighPlain<kind>;
+}
 #else
-Weigher FastestWeigher() { return WeighPlain; }
+template <SumKind kind>
+Weigher FastestWeigher() {
+  return WeighPlain<kind>;
+}
 #endif
 
 [[gnu::always_inline]] inline void AddTwo(double* slot, Two value) {
@@ -146,13 +210,19 @@ double* WeightedSums::Slot(int row, int col) {
 CellSums WeightedSums::At(int row, int col) const {
   const double* slots =
       sums_.data() + (static_cast<ptrdiff_t>(row + kRing) * stride_ + col + kRing) * num_slots_;
-  if (kind_ == SumKind::kMeanOnly) return {.weight = slots[0], .height = slots[1]};
-  return {slots[0], slots[1], slots[2], slots[3], slots[4]};
+  const double per_area = 1.0 / Squared(cell_size_);
+  CellSums sums{.weight = slots[0] * per_area, .height = slots[1] * per_area};
+  if (kind_ == SumKind::kMeanOnly) return sums;
+  sums.squared_height = slots[2] * per_area;
+  sums.num_points = slots[3];
+  sums.variance = slots[4];
+  return sums;
 }
 
 // A radius of at most one cell reaches four centres.
 void WeightedSums::AddNear(const DensePoint* points, size_t num_points) {
-  static const Weigher kWeigh = FastestWeigher();
+  const Weigher weigh = kind_ == SumKind::kMeanOnly ? FastestWeigher<SumKind::kMeanOnly>()
+                                                    : FastestWeigher<SumKind::kAll>();
   const double to_centres = (0.5 - kRing) * cell_size_;
   const Layout layout{.west = west_ + to_centres,
                       .north = north_ - to_centres,
@@ -160,13 +230,13 @@ void WeightedSums::AddNear(const DensePoint* points, size_t num_points) {
                       .base_height = base_height_,
                       .num_cols = static_cast<double>(cells_.width + kRing),
                       .num_rows = static_cast<double>(cells_.height + kRing),
-                      .cell_area = cell_size_ * cell_size_,
-                      .squared_radius = radius_ * radius_,
+                      .least_squared = Squared(kExactHitM / cell_size_),
+                      .squared_radius = Squared(radius_ / cell_size_),
                       .stride = stride_};
   Batch batch;
   for (size_t first = 0; first < num_points; first += kBatch) {
     const size_t count = std::min(kBatch, num_points - first);
-    kWeigh(points + first, count, layout, batch);
+    weigh(points + first, count, layout, batch);
     if (kind_ == SumKind::kMeanOnly) {
       ScatterMean(batch, count, stride_, sums_.data());
     } else {
@@ -192,10 +262,9 @@ void WeightedSums::AddWide(const DensePoint& point) {
   const double height = point.point_in_world.z() - base_height_;
   for (int row = north; row <= south; ++row) {
     for (int col = west; col <= east; ++col) {
-      const double squared =
-          ((u - col) * (u - col) + (v - row) * (v - row)) * cell_size_ * cell_size_;
-      if (squared > radius_ * radius_) continue;
-      const double weight = 1.0 / std::max(squared, kExactHitM * kExactHitM);
+      const double squared = Squared(u - col) + Squared(v - row);
+      if (squared > Squared(reach)) continue;
+      const double weight = 1.0 / std::max(squared, Squared(kExactHitM / cell_size_));
       double* slots = Slot(row, col);
       slots[0] += weight;
       slots[1] += weight * height;
