@@ -98,6 +98,7 @@ bool ElevationMap::IsSeen(int row, int col) const { return std::isfinite(elevati
 struct ElevationMapBuilder::State {
   Grid grid;
   TerrainOptions options;
+  PairSummarizer summarizer;
   // One per pair, each in row-major order.
   std::vector<std::vector<CellSummary>> pairs;
   // Of all points so far, for the paper's mean only.
@@ -107,7 +108,7 @@ struct ElevationMapBuilder::State {
 ElevationMapBuilder::ElevationMapBuilder(const Grid& grid, const TerrainOptions& options) {
   options.Check();
   CheckGrid(grid, options);
-  state_ = std::make_unique<State>(State{grid, options, {}, {}});
+  state_ = std::make_unique<State>(State{grid, options, {grid, options}, {}, {}});
 }
 
 ElevationMapBuilder::~ElevationMapBuilder() = default;
@@ -117,7 +118,7 @@ void ElevationMapBuilder::Add(const Points& points) {
     state_->sums = WithPoints(std::move(state_->sums), points, state_->grid, state_->options);
     return;
   }
-  std::vector<CellSummary> summaries = SummarizePair(points, state_->grid, state_->options);
+  std::vector<CellSummary> summaries = state_->summarizer.Summarize(points);
   summaries.shrink_to_fit();
   if (!summaries.empty()) state_->pairs.push_back(std::move(summaries));
 }

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "engine/terrain/cell_points.h"
 #include "engine/terrain/terrain.h"
+#include "engine/terrain/weighted_sums.h"
 
 namespace freelsd {
 
@@ -23,10 +25,28 @@ struct CellSummary {
   float firm_upper = 0.0f;
 };
 
-// Cells in row-major order, only those with at least one point. Points outside the grid and wild
-// ones are dropped.
-std::vector<CellSummary> SummarizePair(const Points& points,
-                                       const Grid& grid,
-                                       const TerrainOptions& options);
+// Keeps its working memory from pair to pair.
+class PairSummarizer {
+ public:
+  PairSummarizer(const Grid& grid, const TerrainOptions& options);
+  // Cells in row-major order, only those with at least one point. Points outside the grid and wild
+  // ones are dropped.
+  std::vector<CellSummary> Summarize(const Points& points);
+
+ private:
+  // Upper percentiles of a cell's own points; NaN where there are too few.
+  struct Uppers {
+    float upper;
+    float firm_upper;
+  };
+  Uppers JudgeCell(int row, int col);
+  std::vector<CellSummary> SummariesOf(const WeightedSums& sums) const;
+
+  Grid grid_;
+  TerrainOptions options_;
+  CellSorter sorter_;
+  std::vector<Uppers> uppers_;
+  std::vector<float> heights_;
+};
 
 }  // namespace freelsd

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
+
+#include "engine/terrain/registers.h"
 
 namespace freelsd {
 namespace {
@@ -19,13 +20,6 @@ constexpr size_t kBatch = 256;
 typedef double Two __attribute__((vector_size(2 * sizeof(double))));
 double Squared(double value) { return value * value; }
 
-// Registers of points that are weighed at once, one in each lane.
-template <size_t num_lanes>
-struct Register {
-  typedef double Doubles __attribute__((vector_size(num_lanes * sizeof(double))));
-  typedef float Floats __attribute__((vector_size(num_lanes * sizeof(float))));
-  typedef int Ints __attribute__((vector_size(num_lanes * sizeof(int))));
-};
 constexpr size_t kMaxLanes = 4;
 
 // Where the points lie among the cells, in units of cells from the ring's corner.
@@ -47,17 +41,6 @@ struct Batch {
   // Not weighed: on a line of centres a point may be a whole radius from the centres on both sides.
   alignas(kMaxLanes * sizeof(double)) std::array<int64_t, kBatch> is_on_line;
 };
-
-// Lane by lane, which compilers see through better than through one conversion of the register.
-template <typename To, typename From>
-[[gnu::always_inline]] inline void Convert(const From& from, To& to) {
-  for (size_t lane = 0; lane < sizeof(To) / sizeof(to[0]); ++lane) to[lane] = from[lane];
-}
-
-template <typename Lanes, typename Value>
-[[gnu::always_inline]] inline void Store(const Lanes& lanes, Value* values) {
-  __builtin_memcpy(values, &lanes, sizeof(lanes));
-}
 
 template <size_t num_lanes, SumKind kind>
 [[gnu::always_inline]] inline void WeighLanes(const DensePoint* points,

@@ -108,7 +108,7 @@ TEST_CASE("weighted sums: what a pair says of a cell is its inliers' mean, to 1e
   const Grid grid = GridAround({-8.0, -7.0}, {8.0, 7.0}, 1.0);
   TerrainOptions options;
   options.outlier_sigma = 1e5;
-  for (const CellSummary& summary : SummarizePair(points, grid, options)) {
+  for (const CellSummary& summary : PairSummarizer(grid, options).Summarize(points)) {
     const auto cell = static_cast<int>(summary.cell);
     // Points outside the grid take no part.
     Points inside;

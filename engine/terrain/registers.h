@@ -1,0 +1,32 @@
+// Private to terrain/. Registers that hold several numbers, one in each lane: what is done with
+// them is done to all at once, with the same rounding on every processor.
+#pragma once
+
+#include <cstddef>
+
+namespace freelsd {
+
+template <size_t num_lanes>
+struct Register {
+  typedef double Doubles __attribute__((vector_size(num_lanes * sizeof(double))));
+  typedef float Floats __attribute__((vector_size(num_lanes * sizeof(float))));
+  typedef int Ints __attribute__((vector_size(num_lanes * sizeof(int))));
+};
+
+// Lane by lane, which compilers see through better than through one conversion of the register.
+template <typename To, typename From>
+[[gnu::always_inline]] inline void Convert(const From& from, To& to) {
+  for (size_t lane = 0; lane < sizeof(To) / sizeof(to[0]); ++lane) to[lane] = from[lane];
+}
+
+template <typename Lanes, typename Value>
+[[gnu::always_inline]] inline void Load(const Value* values, Lanes& lanes) {
+  __builtin_memcpy(&lanes, values, sizeof(lanes));
+}
+
+template <typename Lanes, typename Value>
+[[gnu::always_inline]] inline void Store(const Lanes& lanes, Value* values) {
+  __builtin_memcpy(values, &lanes, sizeof(lanes));
+}
+
+}  // namespace freelsd
