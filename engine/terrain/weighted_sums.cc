@@ -10,17 +10,16 @@ namespace freelsd {
 namespace {
 
 constexpr int kRing = 1;
-// Slots of a cell: weight and height, or these with squared height, number of points, variance.
-// Distances and weights are in cells until they are asked for.
+// Slots of a cell: weight and height, or these with squared height; the last is not used. Distances
+// and weights are in cells until they are asked for.
 constexpr int kNumMeanSlots = 2;
-constexpr int kNumSlots = 6;
+constexpr int kNumSlots = 4;
 // Points whose weights are found at a time; they stay in the first cache.
 constexpr size_t kBatch = 256;
 
-typedef double Two __attribute__((vector_size(2 * sizeof(double))));
-double Squared(double value) { return value * value; }
-
 constexpr size_t kMaxLanes = 4;
+
+double Squared(double value) { return value * value; }
 
 // Where the points lie among the cells, in units of cells from the ring's corner.
 struct Layout {
@@ -35,6 +34,8 @@ struct Layout {
 // east, south and south-east.
 struct Batch {
   alignas(kMaxLanes * sizeof(double)) std::array<std::array<double, kBatch>, 4> weights;
+  // 1 where the weight is above 0.
+  alignas(kMaxLanes * sizeof(double)) std::array<std::array<double, kBatch>, 4> counts;
   alignas(kMaxLanes * sizeof(double)) std::array<double, kBatch> height;
   alignas(kMaxLanes * sizeof(double)) std::array<double, kBatch> variance;
   alignas(kMaxLanes * sizeof(double)) std::array<int, kBatch> slot;
@@ -80,10 +81,11 @@ template <size_t num_lanes, SumKind kind>
   const Doubles ab = a * b, cd = c * d, quotient = 1.0 / (ab * cd);
   const auto is_on_line = is_inside & ((west == 0.0) | (north == 0.0));
   const Doubles reciprocal = is_inside & ~is_on_line ? quotient : zero;
-  Store(a <= layout.squared_radius ? reciprocal * (b * cd) : zero, &batch.weights[0][i]);
-  Store(b <= layout.squared_radius ? reciprocal * (a * cd) : zero, &batch.weights[1][i]);
-  Store(c <= layout.squared_radius ? reciprocal * (ab * d) : zero, &batch.weights[2][i]);
-  Store(d <= layout.squared_radius ? reciprocal * (ab * c) : zero, &batch.weights[3][i]);
+  const Doubles weights[] = {a <= layout.squared_radius ? reciprocal * (b * cd) : zero,
+                             b <= layout.squared_radius ? reciprocal * (a * cd) : zero,
+                             c <= layout.squared_radius ? reciprocal * (ab * d) : zero,
+                             d <= layout.squared_radius ? reciprocal * (ab * c) : zero};
+  for (size_t k = 0; k < 4; ++k) Store(weights[k], &batch.weights[k][i]);
   Store(is_inside ? height : zero, &batch.height[i]);
   Store(row * layout.stride + col, &batch.slot[i]);
   Store(is_on_line, &batch.is_on_line[i]);
@@ -91,6 +93,8 @@ template <size_t num_lanes, SumKind kind>
     Doubles deviation;
     for (size_t lane = 0; lane < num_lanes; ++lane) deviation[lane] = points[lane].height_sd_m;
     Store(deviation * deviation, &batch.variance[i]);
+    const Doubles one = zero + 1.0;
+    for (size_t k = 0; k < 4; ++k) Store(weights[k] > 0.0 ? one : zero, &batch.counts[k][i]);
   }
 }
 
@@ -110,66 +114,110 @@ template <size_t num_lanes, SumKind kind>
   WeighLanes<num_lanes, kind>(rest.data(), layout, num_whole, batch);
 }
 
-template <SumKind kind>
-void WeighPlain(const DensePoint* points, size_t num_points, const Layout& layout, Batch& batch) {
-  Weigh<2, kind>(points, num_points, layout, batch);
+template <typename Lanes>
+[[gnu::always_inline]] inline void AddTo(double* slots, const Lanes& terms) {
+  Lanes sums;
+  Load(slots, sums);
+  sums += terms;
+  Store(sums, slots);
 }
-using Weigher = void (*)(const DensePoint*, size_t, const Layout&, Batch&);
+
+// All sums of the cells, from the ring's corner.
+struct Sums {
+  double* slots;
+  // Number of points and their variance.
+  double* tallies;
+};
+
+using Two = Register<2>::Doubles;
+
+[[gnu::always_inline]] inline void ScatterMean(const Batch& batch,
+                                               size_t num_points,
+                                               const ptrdiff_t corners[4],
+                                               const Sums& sums) {
+  for (size_t i = 0; i < num_points; ++i) {
+    const Two term{1.0, batch.height[i]};
+    double* slots = sums.slots + kNumMeanSlots * static_cast<ptrdiff_t>(batch.slot[i]);
+    for (size_t k = 0; k < 4; ++k) {
+      const double weight = batch.weights[k][i];
+      AddTo(slots + kNumMeanSlots * corners[k], Two{weight, weight} * term);
+    }
+  }
+}
+
+template <size_t num_lanes>
+[[gnu::always_inline]] inline void ScatterAll(const Batch& batch,
+                                              size_t num_points,
+                                              const ptrdiff_t corners[4],
+                                              const Sums& sums) {
+  using Four = Register<4>::Doubles;
+  for (size_t i = 0; i < num_points; ++i) {
+    const double height = batch.height[i], squared = height * height;
+    const Two tally{1.0, batch.variance[i]};
+    double* slots = sums.slots + kNumSlots * static_cast<ptrdiff_t>(batch.slot[i]);
+    double* tallies = sums.tallies + 2 * static_cast<ptrdiff_t>(batch.slot[i]);
+    for (size_t k = 0; k < 4; ++k) {
+      const double weight = batch.weights[k][i], count = batch.counts[k][i];
+      if constexpr (num_lanes == kNumSlots) {
+        const Four weights{weight, weight, weight, weight}, term{1.0, height, squared, 0.0};
+        AddTo(slots + kNumSlots * corners[k], weights * term);
+      } else {
+        const Two weights{weight, weight};
+        AddTo(slots + kNumSlots * corners[k], weights * Two{1.0, height});
+        AddTo(slots + kNumSlots * corners[k] + 2, weights * Two{squared, 0.0});
+      }
+      AddTo(tallies + 2 * corners[k], Two{count, count} * tally);
+    }
+  }
+}
+
+template <size_t num_lanes, SumKind kind>
+[[gnu::always_inline]] inline void WeighAndScatter(const DensePoint* points,
+                                                   size_t num_points,
+                                                   const Layout& layout,
+                                                   Batch& batch,
+                                                   const Sums& sums) {
+  Weigh<num_lanes, kind>(points, num_points, layout, batch);
+  const ptrdiff_t corners[4] = {0, 1, layout.stride, layout.stride + 1};
+  if constexpr (kind == SumKind::kMeanOnly) {
+    ScatterMean(batch, num_points, corners, sums);
+  } else {
+    ScatterAll<num_lanes>(batch, num_points, corners, sums);
+  }
+}
+
+using Adder = void (*)(const DensePoint*, size_t, const Layout&, Batch&, const Sums&);
+
+template <SumKind kind>
+void AddPlain(const DensePoint* points,
+              size_t num_points,
+              const Layout& layout,
+              Batch& batch,
+              const Sums& sums) {
+  WeighAndScatter<2, kind>(points, num_points, layout, batch, sums);
+}
 
 #if defined(__x86_64__)
 // Without fused multiplications: every processor has the same rounding.
 template <SumKind kind>
-[[gnu::target("avx2")]] void WeighAvx2(const DensePoint* points,
-                                       size_t num_points,
-                                       const Layout& layout,
-                                       Batch& batch) {
-  Weigh<4, kind>(points, num_points, layout, batch);
+[[gnu::target("avx2")]] void AddAvx2(const DensePoint* points,
+                                     size_t num_points,
+                                     const Layout& layout,
+                                     Batch& batch,
+                                     const Sums& sums) {
+  WeighAndScatter<4, kind>(points, num_points, layout, batch, sums);
 }
 
 template <SumKind kind>
-Weigher FastestWeigher() {
-  return __builtin_cpu_supports("avx2") != 0 ? WeighAvx2<kind> : WeighPlain<kind>;
+Adder FastestAdder() {
+  return __builtin_cpu_supports("avx2") != 0 ? AddAvx2<kind> : AddPlain<kind>;
 }
 #else
 template <SumKind kind>
-Weigher FastestWeigher() {
-  return WeighPlain<kind>;
+Adder FastestAdder() {
+  return AddPlain<kind>;
 }
 #endif
-
-[[gnu::always_inline]] inline void AddTwo(double* slot, Two value) {
-  Two sum;
-  __builtin_memcpy(&sum, slot, sizeof(Two));
-  sum += value;
-  __builtin_memcpy(slot, &sum, sizeof(Two));
-}
-
-void ScatterMean(const Batch& batch, size_t num_points, int stride, double* sums) {
-  const int corners[4] = {0, 1, stride, stride + 1};
-  for (size_t i = 0; i < num_points; ++i) {
-    const Two term = {1.0, batch.height[i]};
-    for (size_t k = 0; k < 4; ++k) {
-      const double weight = batch.weights[k][i];
-      AddTwo(sums + static_cast<ptrdiff_t>(batch.slot[i] + corners[k]) * kNumMeanSlots,
-             Two{weight, weight} * term);
-    }
-  }
-}
-
-void ScatterAll(const Batch& batch, size_t num_points, int stride, double* sums) {
-  const int corners[4] = {0, 1, stride, stride + 1};
-  for (size_t i = 0; i < num_points; ++i) {
-    const double height = batch.height[i], squared = height * height;
-    for (size_t k = 0; k < 4; ++k) {
-      const double weight = batch.weights[k][i];
-      const double counts = weight > 0.0 ? 1.0 : 0.0;
-      double* slots = sums + static_cast<ptrdiff_t>(batch.slot[i] + corners[k]) * kNumSlots;
-      AddTwo(slots, Two{weight, weight * height});
-      AddTwo(slots + 2, Two{weight * squared, counts});
-      slots[4] += counts * batch.variance[i];
-    }
-  }
-}
 
 }  // namespace
 
@@ -184,28 +232,29 @@ WeightedSums::WeightedSums(
       kind_(kind),
       num_slots_(kind == SumKind::kMeanOnly ? kNumMeanSlots : kNumSlots),
       stride_(cells.width + 2 * kRing),
-      sums_(static_cast<size_t>(stride_) * (cells.height + 2 * kRing) * num_slots_, 0.0) {}
+      sums_((static_cast<size_t>(stride_) * (cells.height + 2 * kRing) * num_slots_ + 3) / 4) {
+  if (kind == SumKind::kAll) tallies_.assign(2 * sums_.size(), 0.0);
+}
 
-double* WeightedSums::Slot(int row, int col) {
-  return sums_.data() + (static_cast<ptrdiff_t>(row + kRing) * stride_ + col + kRing) * num_slots_;
+size_t WeightedSums::IndexOf(int row, int col) const {
+  return static_cast<size_t>(row + kRing) * stride_ + col + kRing;
 }
 
 CellSums WeightedSums::At(int row, int col) const {
-  const double* slots =
-      sums_.data() + (static_cast<ptrdiff_t>(row + kRing) * stride_ + col + kRing) * num_slots_;
+  const double* slots = sums_.front().slots + num_slots_ * (IndexOf(row, col));
   const double per_area = 1.0 / Squared(cell_size_);
   CellSums sums{.weight = slots[0] * per_area, .height = slots[1] * per_area};
   if (kind_ == SumKind::kMeanOnly) return sums;
   sums.squared_height = slots[2] * per_area;
-  sums.num_points = slots[3];
-  sums.variance = slots[4];
+  sums.num_points = tallies_[2 * IndexOf(row, col)];
+  sums.variance = tallies_[2 * IndexOf(row, col) + 1];
   return sums;
 }
 
 // A radius of at most one cell reaches four centres.
 void WeightedSums::AddNear(const DensePoint* points, size_t num_points) {
-  const Weigher weigh = kind_ == SumKind::kMeanOnly ? FastestWeigher<SumKind::kMeanOnly>()
-                                                    : FastestWeigher<SumKind::kAll>();
+  const Adder add = kind_ == SumKind::kMeanOnly ? FastestAdder<SumKind::kMeanOnly>()
+                                                : FastestAdder<SumKind::kAll>();
   const double to_centres = (0.5 - kRing) * cell_size_;
   const Layout layout{.west = west_ + to_centres,
                       .north = north_ - to_centres,
@@ -219,12 +268,7 @@ void WeightedSums::AddNear(const DensePoint* points, size_t num_points) {
   Batch batch;
   for (size_t first = 0; first < num_points; first += kBatch) {
     const size_t count = std::min(kBatch, num_points - first);
-    weigh(points + first, count, layout, batch);
-    if (kind_ == SumKind::kMeanOnly) {
-      ScatterMean(batch, count, stride_, sums_.data());
-    } else {
-      ScatterAll(batch, count, stride_, sums_.data());
-    }
+    add(points + first, count, layout, batch, {Slots(0), tallies_.data()});
     for (size_t i = 0; i < count; ++i) {
       if (batch.is_on_line[i] != 0) AddWide(points[first + i]);
     }
@@ -248,13 +292,13 @@ void WeightedSums::AddWide(const DensePoint& point) {
       const double squared = Squared(u - col) + Squared(v - row);
       if (squared > Squared(reach)) continue;
       const double weight = 1.0 / std::max(squared, Squared(kExactHitM / cell_size_));
-      double* slots = Slot(row, col);
+      double* slots = Slots(IndexOf(row, col));
       slots[0] += weight;
       slots[1] += weight * height;
       if (kind_ == SumKind::kMeanOnly) continue;
       slots[2] += weight * height * height;
-      slots[3] += 1.0;
-      slots[4] += static_cast<double>(point.height_sd_m) * static_cast<double>(point.height_sd_m);
+      tallies_[2 * IndexOf(row, col)] += 1.0;
+      tallies_[2 * IndexOf(row, col) + 1] += Squared(point.height_sd_m);
     }
   }
 }

@@ -43,15 +43,22 @@ class WeightedSums {
  private:
   void AddNear(const DensePoint* points, size_t num_points);
   void AddWide(const DensePoint& point);
-  double* Slot(int row, int col);
+  size_t IndexOf(int row, int col) const;
+  double* Slots(size_t cell) { return sums_.front().slots + cell * num_slots_; }
 
   cv::Rect cells_;
   double west_, north_, cell_size_, radius_, base_height_;
   SumKind kind_;
-  int num_slots_;
+  size_t num_slots_;
   // Around the cells lies a ring that nobody asks for, so that no point needs a test of the border.
   int stride_;
-  std::vector<double> sums_;
+  // Slots of a cell lie in one line of the cache.
+  struct alignas(4 * sizeof(double)) FourSlots {
+    double slots[4] = {};
+  };
+  std::vector<FourSlots> sums_;
+  // Number of points and variance of each cell.
+  std::vector<double> tallies_;
 };
 
 }  // namespace freelsd
