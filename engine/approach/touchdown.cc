@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -52,6 +51,49 @@ std::vector<Touchdown> SafestFirst(const std::vector<Touchdown>& touchdowns,
   return sorted;
 }
 
+// The cells of the map up to the last one with a touchdown.
+cv::Size CellsAround(const std::vector<Touchdown>& touchdowns) {
+  cv::Size size;
+  for (const Touchdown& touchdown : touchdowns) {
+    size = {std::max(size.width, touchdown.col + 1), std::max(size.height, touchdown.row + 1)};
+  }
+  return size;
+}
+
+// Touchdowns by their cells.
+class TouchdownsByCell {
+ public:
+  explicit TouchdownsByCell(const std::vector<Touchdown>& touchdowns)
+      : touchdowns_(touchdowns), index_(CellsAround(touchdowns), kNone) {
+    for (size_t i = 0; i < touchdowns.size(); ++i) {
+      index_(touchdowns[i].row, touchdowns[i].col) = static_cast<int>(i);
+    }
+  }
+  bool IsNearAnother(const Touchdown& touchdown) const {
+    return index_(touchdown.row, touchdown.col) == kNone;
+  }
+  // From now on those nearer than the spacing are near another.
+  void TakeNear(const Touchdown& taken, double spacing, double cell_size) {
+    const auto reach = static_cast<int>(std::min(spacing / cell_size, 1e6)) + 1;
+    const cv::Rect around(taken.col - reach, taken.row - reach, 2 * reach + 1, 2 * reach + 1);
+    const cv::Rect cells = around & cv::Rect({0, 0}, index_.size());
+    for (int row = cells.y; row < cells.y + cells.height; ++row) {
+      for (int col = cells.x; col < cells.x + cells.width; ++col) {
+        int& index = index_(row, col);
+        if (index == kNone) continue;
+        const Eigen::Vector3d& place = touchdowns_[static_cast<size_t>(index)].place_in_world;
+        const double squared = (taken.place_in_world - place).head<2>().squaredNorm();
+        if (squared < spacing * spacing) index = kNone;
+      }
+    }
+  }
+
+ private:
+  static constexpr int kNone = -1;
+  const std::vector<Touchdown>& touchdowns_;
+  cv::Mat1i index_;
+};
+
 // Safest first, none nearer to another than what spreads them over all.
 std::vector<Touchdown> SpreadOut(const std::vector<Touchdown>& wide,
                                  double cell_size,
@@ -59,15 +101,13 @@ std::vector<Touchdown> SpreadOut(const std::vector<Touchdown>& wide,
   const double area_of_each =
       static_cast<double>(wide.size()) * cell_size * cell_size / options.max_num_candidates;
   const double spacing = std::max(options.candidate_spacing_m, std::sqrt(area_of_each));
+  TouchdownsByCell by_cell(wide);
   std::vector<Touchdown> candidates;
   for (const Touchdown& touchdown : wide) {
     if (candidates.size() >= static_cast<size_t>(options.max_num_candidates)) break;
-    const bool is_near_another =
-        std::any_of(candidates.begin(), candidates.end(), [&](const Touchdown& other) {
-          return (other.place_in_world - touchdown.place_in_world).head<2>().squaredNorm() <
-                 spacing * spacing;
-        });
-    if (!is_near_another) candidates.push_back(touchdown);
+    if (by_cell.IsNearAnother(touchdown)) continue;
+    candidates.push_back(touchdown);
+    by_cell.TakeNear(touchdown, spacing, cell_size);
   }
   return candidates;
 }
@@ -77,12 +117,14 @@ std::vector<Touchdown> SafestOfBlocks(const std::vector<Touchdown>& wide,
                                       const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_reserve_candidates);
   if (limit == 0) return {};
+  const cv::Size cells = CellsAround(wide);
   for (int side = 1;; ++side) {
-    std::set<std::pair<int, int>> blocks;
+    cv::Mat1b has_one(cells.height / side + 1, cells.width / side + 1, uchar{0});
     std::vector<Touchdown> safest;
     for (const Touchdown& touchdown : wide) {
-      const bool is_first = blocks.emplace(touchdown.row / side, touchdown.col / side).second;
-      if (is_first) safest.push_back(touchdown);
+      uchar& is_taken = has_one(touchdown.row / side, touchdown.col / side);
+      if (is_taken == 0) safest.push_back(touchdown);
+      is_taken = 1;
       if (safest.size() > limit) break;
     }
     if (safest.size() <= limit) return safest;

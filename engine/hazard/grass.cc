@@ -22,26 +22,50 @@ struct Votes {
   bool has_grass = false;
 };
 
+// Half is rounded away from zero, as std::lround does, which no compiler puts in line.
+int Rounded(double value) {
+  const int whole = static_cast<int>(value);
+  const double rest = value - whole;
+  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+}
+
 struct Sphere {
   Eigen::Vector3d center;
   double radius;
 };
 
-// Around the seen cells of a block; nothing if there are none.
-std::optional<Sphere> SphereAround(const ElevationMap& map, const cv::Rect& block) {
-  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+// What the map sees of a block.
+struct SeenCell {
+  int row;
+  int col;
+  Eigen::Vector3d place_in_world;
+};
+
+std::vector<SeenCell> SeenCells(const ElevationMap& map, const cv::Rect& block) {
+  std::vector<SeenCell> cells;
+  cells.reserve(static_cast<size_t>(block.area()));
   for (int row = block.y; row < block.y + block.height; ++row) {
     for (int col = block.x; col < block.x + block.width; ++col) {
       if (!map.IsSeen(row, col)) continue;
-      lowest = std::min<double>(lowest, map.elevation(row, col));
-      highest = std::max<double>(highest, map.elevation(row, col));
+      const Eigen::Vector2d center = map.grid.CellCenter(row, col);
+      cells.push_back({row, col, {center.x(), center.y(), map.elevation(row, col)}});
     }
   }
-  if (lowest > highest) return std::nullopt;
+  return cells;
+}
+
+Sphere SphereAround(const ElevationMap& map,
+                    const cv::Rect& block,
+                    const std::vector<SeenCell>& cells) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const SeenCell& cell : cells) {
+    lowest = std::min(lowest, cell.place_in_world.z());
+    highest = std::max(highest, cell.place_in_world.z());
+  }
   Eigen::Vector3d near, far;
   near << map.grid.CellCenter(block.y, block.x), lowest;
   far << map.grid.CellCenter(block.y + block.height - 1, block.x + block.width - 1), highest;
-  return Sphere{0.5 * (near + far), 0.5 * (far - near).norm()};
+  return {0.5 * (near + far), 0.5 * (far - near).norm()};
 }
 
 // Largest angle between the optical axis and a ray through the border of the image.
@@ -93,8 +117,7 @@ class Voter {
         view_.camera.ImageFromCamera(rotation_ * place_in_world + camera_from_world_.translation);
     if (!pixel || !view_.camera.IsInside(*pixel)) return;
     const Eigen::Vector2d in_mask = (pixel->array() + 0.5) / view_.image_px_per_mask_px - 0.5;
-    const int x = static_cast<int>(std::lround(in_mask.x()));
-    const int y = static_cast<int>(std::lround(in_mask.y()));
+    const int x = Rounded(in_mask.x()), y = Rounded(in_mask.y());
     if (x < 0 || y < 0 || x >= view_.mask.cols || y >= view_.mask.rows) return;
     ++votes.num_looks;
     const uint8_t value = view_.mask(y, x);
@@ -130,21 +153,16 @@ void FuseBlock(const ElevationMap& map,
                const std::vector<Voter>& voters,
                const HazardOptions& options,
                cv::Mat1f& grass) {
-  const std::optional<Sphere> sphere = SphereAround(map, block);
-  if (!sphere) return;
-  std::vector<Votes> votes(block.area());
+  const std::vector<SeenCell> cells = SeenCells(map, block);
+  if (cells.empty()) return;
+  const Sphere sphere = SphereAround(map, block, cells);
+  std::vector<Votes> votes(cells.size());
   for (const Voter& voter : voters) {
-    if (!voter.MaySee(*sphere)) continue;
-    for (int i = 0; i < block.area(); ++i) {
-      const int row = block.y + i / block.width, col = block.x + i % block.width;
-      if (!map.IsSeen(row, col)) continue;
-      Eigen::Vector3d place_in_world;
-      place_in_world << map.grid.CellCenter(row, col), map.elevation(row, col);
-      voter.Vote(place_in_world, votes[i]);
-    }
+    if (!voter.MaySee(sphere)) continue;
+    for (size_t i = 0; i < cells.size(); ++i) voter.Vote(cells[i].place_in_world, votes[i]);
   }
-  for (int i = 0; i < block.area(); ++i) {
-    grass(block.y + i / block.width, block.x + i % block.width) = Fuse(votes[i], options);
+  for (size_t i = 0; i < cells.size(); ++i) {
+    grass(cells[i].row, cells[i].col) = Fuse(votes[i], options);
   }
 }
 
