@@ -5,8 +5,6 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
-#include <tuple>
-#include <utility>
 
 namespace freelsd {
 namespace {
@@ -33,23 +31,22 @@ cv::Rect BoundingCells(const Grid& grid, const Polygon& footprint) {
                     clamp(corner.y() - low.y() + cell, grid.num_rows))};
 }
 
-// Equal ones nearer to the middle first, then in the order of the map.
-std::vector<Touchdown> SafestFirst(const std::vector<Touchdown>& touchdowns,
-                                   const Eigen::Vector2d& middle) {
-  // Negative distance to hazard, squared distance to the middle, index.
-  std::vector<std::tuple<double, double, size_t>> keys;
-  keys.reserve(touchdowns.size());
-  for (size_t i = 0; i < touchdowns.size(); ++i) {
-    keys.emplace_back(-touchdowns[i].hazard_distance,
-                      (touchdowns[i].place_in_world.head<2>() - middle).squaredNorm(),
-                      i);
+// What the order of touchdowns hangs on.
+struct Place {
+  double hazard_distance;
+  double squared_to_middle;
+  int row;
+  int col;
+
+  // Equal ones nearer to the middle first, then in the order of the map.
+  bool operator<(const Place& other) const {
+    if (hazard_distance != other.hazard_distance) return hazard_distance > other.hazard_distance;
+    if (squared_to_middle != other.squared_to_middle) {
+      return squared_to_middle < other.squared_to_middle;
+    }
+    return row != other.row ? row < other.row : col < other.col;
   }
-  std::sort(keys.begin(), keys.end());
-  std::vector<Touchdown> sorted;
-  sorted.reserve(touchdowns.size());
-  for (const auto& key : keys) sorted.push_back(touchdowns[std::get<2>(key)]);
-  return sorted;
-}
+};
 
 // The cells of the map up to the last one with a touchdown.
 cv::Size CellsAround(const std::vector<Touchdown>& touchdowns) {
@@ -175,20 +172,29 @@ FootprintContent ReadFootprint(const ElevationMap& map,
   FootprintContent content;
   if (footprint.size() < 3) return content;
   const cv::Rect cells = BoundingCells(map.grid, footprint);
+  const Eigen::Vector2d middle = Centroid(footprint);
+  std::vector<Place> places;
   for (int row = cells.y; row < cells.y + cells.height; ++row) {
     for (int col = cells.x; col < cells.x + cells.width; ++col) {
-      const Eigen::Vector2d place = CenterOf(map.grid, row, col);
-      if (!Contains(footprint, place)) continue;
+      const Eigen::Vector2d center = CenterOf(map.grid, row, col);
+      if (!Contains(footprint, center)) continue;
       if (hazards.grass(row, col) >= options.min_clear_class_posterior) content.has_grass = true;
-      const float elevation = map.elevation(row, col), distance = hazards.distance(row, col);
-      if (std::isnan(elevation)) continue;
-      content.touchdowns.push_back({.row = row,
-                                    .col = col,
-                                    .place_in_world = {place.x(), place.y(), elevation},
-                                    .hazard_distance = std::isnan(distance) ? 0.0 : distance});
+      if (std::isnan(map.elevation(row, col))) continue;
+      const float distance = hazards.distance(row, col);
+      places.push_back(
+          {std::isnan(distance) ? 0.0 : distance, (center - middle).squaredNorm(), row, col});
     }
   }
-  content.touchdowns = SafestFirst(content.touchdowns, Centroid(footprint));
+  std::sort(places.begin(), places.end());
+  content.touchdowns.reserve(places.size());
+  for (const Place& place : places) {
+    const Eigen::Vector2d center = CenterOf(map.grid, place.row, place.col);
+    const float elevation = map.elevation(place.row, place.col);
+    content.touchdowns.push_back({.row = place.row,
+                                  .col = place.col,
+                                  .place_in_world = {center.x(), center.y(), elevation},
+                                  .hazard_distance = place.hazard_distance});
+  }
   return content;
 }
 
