@@ -106,7 +106,8 @@ Grid GridAround(const Eigen::Vector2d& min_in_world,
                 double cell_size_m);
 
 // Gathers points pair by pair, so that no cloud is ever held: memory is 32 bytes per pair and cell
-// it covers. The result does not depend on the order of the pairs, to the bit. Not thread-safe.
+// it covers, and working memory for the points of one pair. The result does not depend on the order
+// of the pairs, to the bit. Not thread-safe.
 class ElevationMapBuilder {
  public:
   // Throws std::invalid_argument on bad options and on a grid of more than max_num_cells. The cell

@@ -241,7 +241,7 @@ size_t WeightedSums::IndexOf(int row, int col) const {
 }
 
 CellSums WeightedSums::At(int row, int col) const {
-  const double* slots = sums_.front().slots + num_slots_ * (IndexOf(row, col));
+  const double* slots = Slots(IndexOf(row, col));
   const double per_area = 1.0 / Squared(cell_size_);
   CellSums sums{.weight = slots[0] * per_area, .height = slots[1] * per_area};
   if (kind_ == SumKind::kMeanOnly) return sums;

@@ -44,7 +44,10 @@ class WeightedSums {
   void AddNear(const DensePoint* points, size_t num_points);
   void AddWide(const DensePoint& point);
   size_t IndexOf(int row, int col) const;
-  double* Slots(size_t cell) { return sums_.front().slots + cell * num_slots_; }
+  const double* Slots(size_t cell) const {
+    return reinterpret_cast<const double*>(sums_.data()) + cell * num_slots_;
+  }
+  double* Slots(size_t cell) { return reinterpret_cast<double*>(sums_.data()) + cell * num_slots_; }
 
   cv::Rect cells_;
   double west_, north_, cell_size_, radius_, base_height_;
