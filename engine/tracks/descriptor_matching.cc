@@ -8,14 +8,7 @@
 #include <map>
 #include <utility>
 
-// Compiled for several instruction sets, chosen when the program starts. All count in integers, so
-// the answer is the same on each. Sanitizers instrument the choice itself, before they are ready.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FREELSD_SEVERAL_TARGETS __attribute__((target_clones("avx2", "default")))
-#else
-#define FREELSD_SEVERAL_TARGETS
-#endif
+#include "engine/tracks/processor_targets.h"
 
 namespace freelsd {
 namespace {
