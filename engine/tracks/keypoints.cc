@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "engine/tracks/corners.h"
 #include "engine/tracks/sift.h"
 
 namespace freelsd {
@@ -145,10 +146,11 @@ std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
   for (const Eigen::Vector2d& point : existing) {
     cv::circle(mask, image.ReducedFromFull(point), static_cast<int>(spacing), 0, cv::FILLED);
   }
-  std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(image.grey, corners, missing, kCornerQuality, spacing, mask);
   std::vector<Eigen::Vector2d> points;
-  for (const cv::Point2f& corner : corners) points.push_back(image.FullFromReduced(corner));
+  for (const cv::Point& corner :
+       StrongestCorners(image.grey, {mask, missing, kCornerQuality, spacing})) {
+    points.push_back(image.FullFromReduced(corner));
+  }
   return points;
 }
 
