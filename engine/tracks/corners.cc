@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <tuple>
 
 #include <opencv2/imgproc.hpp>
@@ -59,9 +60,11 @@ FREELSD_SEVERAL_TARGETS void SmallerEigenvalues(const int32_t* __restrict__ xx,
   }
 }
 
-// 255 where a strength is positive and none of the eight around it is larger. Nothing is written
-// for the first and the last column.
+// 1 where the mask is not 0, and a strength is above the threshold and none of the eight around it
+// is larger. Nothing is written for the first and the last column.
 FREELSD_SEVERAL_TARGETS void MarkPeaks(const std::array<const float*, 3>& rows,
+                                       const uint8_t* __restrict__ mask,
+                                       float threshold,
                                        int num_cols,
                                        uint8_t* __restrict__ marks) {
   const auto [above, row, below] = rows;
@@ -77,7 +80,8 @@ FREELSD_SEVERAL_TARGETS void MarkPeaks(const std::array<const float*, 3>& rows,
                               below[x + 1]}) {
       largest = largest < value ? value : largest;
     }
-    marks[x] = (row[x] >= largest) & (row[x] > 0.0F) ? 255 : 0;
+    const int is_peak = static_cast<int>(row[x] >= largest) & static_cast<int>(row[x] > threshold);
+    marks[x] = static_cast<uint8_t>(is_peak & static_cast<int>(mask[x] != 0));
   }
 }
 
@@ -123,7 +127,12 @@ struct Corner {
   cv::Point place;
 };
 
-// The strongest first; of equal ones the last.
+// The strongest is the greatest; of equal ones the last.
+bool operator<(const Corner& a, const Corner& b) {
+  return std::tuple(a.strength, a.place.y, a.place.x) <
+         std::tuple(b.strength, b.place.y, b.place.x);
+}
+
 std::vector<Corner> Peaks(const cv::Mat1f& strengths, const cv::Mat1b& mask, double min_quality) {
   double strongest = 0.0;
   cv::minMaxLoc(strengths, nullptr, &strongest, nullptr, nullptr, mask);
@@ -131,16 +140,17 @@ std::vector<Corner> Peaks(const cv::Mat1f& strengths, const cv::Mat1b& mask, dou
   std::vector<Corner> corners;
   std::vector<uint8_t> marks(static_cast<size_t>(strengths.cols), 0);
   for (int y = 1; y + 1 < strengths.rows; ++y) {
-    MarkPeaks({strengths[y - 1], strengths[y], strengths[y + 1]}, strengths.cols, marks.data());
-    for (int x = 1; x + 1 < strengths.cols; ++x) {
-      if ((marks[static_cast<size_t>(x)] & mask(y, x)) == 0) continue;
-      if (strengths(y, x) > threshold) corners.push_back({strengths(y, x), {x, y}});
+    MarkPeaks({strengths[y - 1], strengths[y], strengths[y + 1]},
+              mask[y],
+              threshold,
+              strengths.cols,
+              marks.data());
+    const uint8_t *first = marks.data(), *end = first + marks.size(), *mark = first;
+    while ((mark = static_cast<const uint8_t*>(std::memchr(mark, 1, end - mark))) != nullptr) {
+      const auto x = static_cast<int>(mark++ - first);
+      corners.push_back({strengths(y, x), {x, y}});
     }
   }
-  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
-    return std::tuple(a.strength, a.place.y, a.place.x) >
-           std::tuple(b.strength, b.place.y, b.place.x);
-  });
   return corners;
 }
 
@@ -183,9 +193,13 @@ class Neighbourhood {
 std::vector<cv::Point> StrongestCorners(const cv::Mat1b& grey, const CornerWish& wish) {
   std::vector<cv::Point> chosen;
   Neighbourhood taken(grey.size(), wish.min_distance_px);
-  for (const Corner& corner : Peaks(Strengths(grey), wish.mask, wish.min_quality)) {
-    if (static_cast<int>(chosen.size()) >= wish.max_count) break;
-    if (taken.Take(corner.place)) chosen.push_back(corner.place);
+  // Of many peaks few are taken, so that not all are put in order.
+  std::vector<Corner> peaks = Peaks(Strengths(grey), wish.mask, wish.min_quality);
+  std::make_heap(peaks.begin(), peaks.end());
+  while (!peaks.empty() && static_cast<int>(chosen.size()) < wish.max_count) {
+    std::pop_heap(peaks.begin(), peaks.end());
+    if (taken.Take(peaks.back().place)) chosen.push_back(peaks.back().place);
+    peaks.pop_back();
   }
   return chosen;
 }
