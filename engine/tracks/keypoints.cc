@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <tuple>
 #include <utility>
 
+#include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
 #include "engine/tracks/corners.h"
-#include "engine/tracks/sift.h"
 
 namespace freelsd {
 namespace {
@@ -23,8 +21,11 @@ constexpr int kMaxNumIterations = 10;
 constexpr double kIterationTolerancePx = 0.03;
 // Corner quality relative to the best of the image; low, because grass beside a roof still counts.
 constexpr double kCornerQuality = 0.002;
-// Grass and dark frames have little contrast; Lowe asks for 0.03.
-constexpr float kMinContrast = 0.005F;
+// Grass and dark frames have little contrast; OpenCV's default is 0.04.
+constexpr double kSiftContrast = 0.015;
+constexpr double kSiftEdgeRatio = 10.0;
+constexpr double kSiftSigma = 1.6;
+constexpr int kSiftLayersPerOctave = 3;
 // Cells over which keypoints are spread, per axis.
 constexpr int kNumGridCells = 8;
 // Root-SIFT entries are in [0, 1] and rarely above one half: stored as bytes.
@@ -37,75 +38,44 @@ cv::Mat GreyOf(const cv::Mat& image) {
   return grey;
 }
 
-int CellOf(const cv::Point2f& place, cv::Size size) {
-  const auto index = [](float at, int length) {
-    return std::clamp(static_cast<int>(at * kNumGridCells) / length, 0, kNumGridCells - 1);
-  };
-  return index(place.y, size.height) * kNumGridCells + index(place.x, size.width);
-}
-
-// A blob as it is described: turned to one of its directions.
-struct Keypoint {
-  const Blob* blob = nullptr;
-  float direction_deg = 0.0F;
-};
-
-std::vector<Keypoint> KeypointsOf(const Blob& blob, const std::vector<Octave>& octaves) {
-  std::vector<Keypoint> keypoints;
-  for (const float direction_deg : DirectionsOf(blob, octaves)) {
-    keypoints.push_back({&blob, direction_deg});
-  }
-  return keypoints;
-}
-
-// Best keypoints of every cell of a grid, so that one bush does not take them all; the best others
-// where cells have too few. Directions of a blob are sought only when its turn comes: most are
-// never needed. All there are, if they are not too many, are in order of place.
-std::vector<Keypoint> Spread(const std::vector<Blob>& blobs,
-                             const std::vector<Octave>& octaves,
-                             cv::Size size,
-                             size_t max_count) {
-  std::vector<size_t> filled(kNumGridCells * kNumGridCells, 0);
-  const size_t share = max_count / filled.size() + 1;
-  std::vector<Keypoint> chosen;
-  // A blob, and how many of its directions are chosen already.
-  std::vector<std::pair<const Blob*, size_t>> spare;
-  for (const Blob& blob : blobs) {
-    if (chosen.size() > max_count) break;
-    size_t& num_here = filled[static_cast<size_t>(CellOf(blob.PlaceInImage(), size))];
-    const size_t room = share - num_here;
-    if (room == 0) {
-      spare.emplace_back(&blob, 0);
-      continue;
-    }
-    const std::vector<Keypoint> keypoints = KeypointsOf(blob, octaves);
-    const size_t num_chosen = std::min(room, keypoints.size());
-    chosen.insert(chosen.end(), keypoints.begin(), keypoints.begin() + num_chosen);
-    num_here += num_chosen;
-    if (num_chosen < keypoints.size()) spare.emplace_back(&blob, num_chosen);
-  }
-  for (const auto& [blob, num_chosen] : spare) {
-    if (chosen.size() > max_count) break;
-    const std::vector<Keypoint> keypoints = KeypointsOf(*blob, octaves);
-    chosen.insert(chosen.end(), keypoints.begin() + num_chosen, keypoints.end());
-  }
-  if (chosen.size() > max_count) {
-    chosen.resize(max_count);
-    return chosen;
-  }
-  std::stable_sort(chosen.begin(), chosen.end(), [](const Keypoint& a, const Keypoint& b) {
-    const cv::Point2f place_a = a.blob->PlaceInImage(), place_b = b.blob->PlaceInImage();
-    return std::tuple(place_a.x, place_a.y) < std::tuple(place_b.x, place_b.y);
+// Best keypoints of every cell of a grid, so that one bush does not take them all.
+std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keypoints,
+                                 cv::Size size,
+                                 int max_count) {
+  if (static_cast<int>(keypoints.size()) <= max_count) return keypoints;
+  std::stable_sort(keypoints.begin(), keypoints.end(), [](const auto& a, const auto& b) {
+    return a.response > b.response;
   });
+  std::vector<int> filled(kNumGridCells * kNumGridCells, 0);
+  const int share = max_count / (kNumGridCells * kNumGridCells) + 1;
+  std::vector<cv::KeyPoint> chosen, spare;
+  for (const cv::KeyPoint& keypoint : keypoints) {
+    const int col = std::clamp(
+        static_cast<int>(keypoint.pt.x * kNumGridCells) / size.width, 0, kNumGridCells - 1);
+    const int row = std::clamp(
+        static_cast<int>(keypoint.pt.y * kNumGridCells) / size.height, 0, kNumGridCells - 1);
+    const bool has_room = filled[row * kNumGridCells + col]++ < share;
+    (has_room ? chosen : spare).push_back(keypoint);
+  }
+  for (const cv::KeyPoint& keypoint : spare) {
+    if (static_cast<int>(chosen.size()) >= max_count) break;
+    chosen.push_back(keypoint);
+  }
+  if (static_cast<int>(chosen.size()) > max_count) chosen.resize(max_count);
   return chosen;
 }
 
 // Hellinger kernel: square root of the L1-normalised descriptor.
-void TakeRoots(const Descriptor& descriptor, uchar* root) {
-  const double sum = std::max(std::accumulate(descriptor.begin(), descriptor.end(), 0.0), 1e-6);
-  for (size_t i = 0; i < descriptor.size(); ++i) {
-    root[i] = cv::saturate_cast<uchar>(std::sqrt(descriptor[i] / sum) * kDescriptorScale);
+cv::Mat RootDescriptors(const cv::Mat& descriptors) {
+  cv::Mat root(descriptors.rows, descriptors.cols, CV_8U);
+  for (int row = 0; row < descriptors.rows; ++row) {
+    const double sum = std::max(cv::norm(descriptors.row(row), cv::NORM_L1), 1e-6);
+    for (int col = 0; col < descriptors.cols; ++col) {
+      const double entry = std::sqrt(descriptors.at<float>(row, col) / sum);
+      root.at<uchar>(row, col) = cv::saturate_cast<uchar>(entry * kDescriptorScale);
+    }
   }
+  return root;
 }
 
 }  // namespace
@@ -208,18 +178,18 @@ std::vector<std::optional<Eigen::Vector2d>> FollowCorners(
 }
 
 DescribedPoints DescribeKeypoints(const TrackingImage& image, const TracksOptions& options) {
-  const std::vector<Octave> octaves = ScaleSpaceOf(image.grey, kMinOctaveSidePx);
-  const std::vector<Blob> blobs = FindBlobs(octaves, kMinContrast);
-  const std::vector<Keypoint> keypoints =
-      Spread(blobs, octaves, image.grey.size(), static_cast<size_t>(options.max_num_keypoints));
+  const cv::Ptr<cv::SIFT> sift =
+      cv::SIFT::create(0, kSiftLayersPerOctave, kSiftContrast, kSiftEdgeRatio, kSiftSigma);
+  std::vector<cv::KeyPoint> keypoints;
+  sift->detect(image.grey, keypoints);
+  keypoints = Spread(std::move(keypoints), image.grey.size(), options.max_num_keypoints);
   DescribedPoints described;
   if (keypoints.empty()) return described;
-  described.descriptors.create(static_cast<int>(keypoints.size()), kNumDescriptorEntries, CV_8U);
-  for (const Keypoint& keypoint : keypoints) {
-    const auto row = static_cast<int>(described.points.size());
-    TakeRoots(Describe(*keypoint.blob, keypoint.direction_deg, octaves),
-              described.descriptors.ptr<uchar>(row));
-    described.points.push_back(image.FullFromReduced(keypoint.blob->PlaceInImage()));
+  cv::Mat descriptors;
+  sift->compute(image.grey, keypoints, descriptors);
+  described.descriptors = RootDescriptors(descriptors);
+  for (const cv::KeyPoint& keypoint : keypoints) {
+    described.points.push_back(image.FullFromReduced(keypoint.pt));
   }
   return described;
 }
