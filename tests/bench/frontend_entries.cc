@@ -122,15 +122,23 @@ std::vector<Frame> FramesInFlight(const BenchScene& scene) {
   return frames;
 }
 
+// The leap to the next leg is matched by descriptors, which have a row of their own.
+std::vector<Frame> FramesOfLeg(const BenchScene& scene) {
+  std::vector<Frame> leg = FramesInFlight(scene);
+  leg.resize(kNumFramesOfLeg);
+  return leg;
+}
+
 Contest FollowTracks(const BenchScene& scene) {
+  const std::vector<Frame> leg = FramesOfLeg(scene);
   std::vector<cv::Mat1b> grey;
-  for (const Frame& frame : scene.frames) grey.push_back(Grey(frame.image));
+  for (const Frame& frame : leg) grey.push_back(Grey(frame.image));
   const int num_corners = scene.options.tracks.max_num_corners;
   return {"tracks",
           SizeOf(scene.frames.front().image),
-          [&scene, frames = FramesInFlight(scene)] {
+          [&scene, leg] {
             Tracks tracks(scene.rig, scene.options.tracks);
-            for (const Frame& frame : frames) tracks.Add(frame);
+            for (const Frame& frame : leg) tracks.Add(frame);
             Consume(static_cast<double>(tracks.views().size()));
           },
           "goodFeaturesToTrack, calcOpticalFlowPyrLK there and back",
@@ -139,7 +147,7 @@ Contest FollowTracks(const BenchScene& scene) {
               Consume(PlainTracks(grey[i - 1], grey[i], num_corners));
             }
           },
-          static_cast<double>(scene.frames.size())};
+          kNumFramesOfLeg - 1.0};
 }
 
 // SIFT on every image, and its nearest neighbours among the image before by brute force.
@@ -207,24 +215,25 @@ Contest ManageRegions(const BenchScene& scene, const std::string& model_text) {
 
 Contest WholeFrontend(const BenchScene& scene, const std::string& model_text) {
   const Classifier classifier = Classifier::Parse(model_text);
+  const std::vector<Frame> leg = FramesOfLeg(scene);
   const int num_corners = scene.options.tracks.max_num_corners;
   return {"frontend",
           SizeOf(scene.frames.front().image),
-          [=, &scene, frames = FramesInFlight(scene)] {
+          [=, &scene] {
             Frontend frontend(scene.rig, scene.options, classifier);
-            for (const Frame& frame : frames) frontend.Process(frame);
+            for (const Frame& frame : leg) frontend.Process(frame);
             Consume(static_cast<double>(frontend.RankedRegions().size()));
           },
           "the plain ways of segmentation, classification and tracks together",
-          [=, &scene] {
-            for (size_t i = 0; i < scene.frames.size(); ++i) {
-              const cv::Mat& image = scene.frames[i].image;
+          [=] {
+            for (size_t i = 0; i < leg.size(); ++i) {
+              const cv::Mat& image = leg[i].image;
               Consume(PlainSegments(image)(0, 0) + PlainFeatures(image));
               if (i == 0) continue;
-              Consume(PlainTracks(Grey(scene.frames[i - 1].image), Grey(image), num_corners));
+              Consume(PlainTracks(Grey(leg[i - 1].image), Grey(image), num_corners));
             }
           },
-          static_cast<double>(scene.frames.size())};
+          kNumFramesOfLeg};
 }
 
 // A photograph of 12 megapixels from its JPEG to labelled regions; joining it with others is the
