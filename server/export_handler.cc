@@ -152,8 +152,10 @@ void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& res
     return GetFlightSites(service, call, response);
   }
   const std::vector<StoredSite> sites = RankedSitesOf(service, flight.id);
-  // Of sites side by side the file says each one's verdict, but of one that comes first its name.
-  const bool is_unverified = !sites.empty() && IsUnverified(sites.front());
+  // Other formats say each one's verdict, so that their name tells of the first; waypoints do not.
+  const bool tells_verdicts = std::string_view(format.name) != "waypoints";
+  const auto end = tells_verdicts && !sites.empty() ? sites.begin() + 1 : sites.end();
+  const bool is_unverified = std::any_of(sites.begin(), end, IsUnverified);
   const std::string body = ExportSites(format.name, sites, options);
   Answer(body, format, FileName(flight.id, format, is_unverified), response);
 }

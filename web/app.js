@@ -204,7 +204,7 @@ function drawFlightChoice() {
   }
   if (!state.flights.some((f) => f.id === state.flight)) {
     const wanted = new URLSearchParams(location.hash.slice(1)).get('flight');
-    chooseFlight(state.flights.find((f) => f.id === wanted)?.id ?? state.flights.at(-1)?.id ?? null);
+    chooseFlight(state.flights.find((f) => f.id === wanted)?.id ?? state.flights[0]?.id ?? null);
   }
   select.value = state.flight ?? '';
   for (const node of document.querySelectorAll('[data-needs-flight]')) node.hidden = !state.flight;

@@ -118,6 +118,16 @@ TEST_CASE("export: a rejected site is refused where something would fly to it") 
             .find("f1-r2-UNVERIFIED.plan") != std::string::npos);
 }
 
+TEST_CASE("export: waypoints tell no verdict, so that one unverified site names the file") {
+  const SitesServer sites;
+  const auto name_of = [&](const std::string& format) {
+    const std::string path = "/v1/flights/f1/sites?home_altitude_m=400&f=" + format;
+    return sites.client->Get(path)->get_header_value("Content-Disposition");
+  };
+  CHECK(name_of("waypoints").find("f1-UNVERIFIED.waypoints") != std::string::npos);
+  CHECK(name_of("kml").find("UNVERIFIED") == std::string::npos);
+}
+
 TEST_CASE("export: without a datum an autopilot's file is refused until home is given") {
   const SitesServer sites("unknown");
   CheckProblem(sites.client->Get("/v1/sites/f1-r1?f=plan"), 409, "AltitudeUnknown");
