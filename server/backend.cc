@@ -79,8 +79,8 @@ bool Worker::StepBackend() {
     flight_id = *due_.begin();
     due_.erase(due_.begin());
   }
-  if (const SessionPointer session = open_flights_.Find(flight_id))
-    RunPeriodic(flight_id, *session);
+  const SessionPointer session = open_flights_.Find(flight_id);
+  if (session) RunPeriodic(flight_id, *session);
   return true;
 }
 

@@ -152,9 +152,8 @@ void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& res
     return GetFlightSites(service, call, response);
   }
   const std::vector<StoredSite> sites = RankedSitesOf(service, flight.id);
-  // Other formats say each one's verdict, so that their name tells of the first; waypoints do not.
-  const bool tells_verdicts = std::string_view(format.name) != "waypoints";
-  const auto end = tells_verdicts && !sites.empty() ? sites.begin() + 1 : sites.end();
+  // The name tells of the site that comes first; of all where the file does not.
+  const auto end = format.tells_verdicts && !sites.empty() ? sites.begin() + 1 : sites.end();
   const bool is_unverified = std::any_of(sites.begin(), end, IsUnverified);
   const std::string body = ExportSites(format.name, sites, options);
   Answer(body, format, FileName(flight.id, format, is_unverified), response);

@@ -76,8 +76,9 @@ MapCache::Planner* MapCache::FindPlanner(const std::shared_ptr<const KeptSite>& 
   return &planners.front();
 }
 
-// The second copy of a damaged database may be older than what was asked for; there is no other, so
-// it is kept as if it were not.
+// What is read may be of another update than what was asked for: newer when it was just stored,
+// older from the second copy of a damaged database. It is all there is, and kept as what was asked
+// for.
 std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
                                               const std::string& site_id,
                                               int64_t updated_at_us) {
@@ -87,12 +88,11 @@ std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
   }
   const std::shared_ptr<const KeptSite> site = ReadSiteSafely(storage, site_id);
   if (!site) return nullptr;
-  const int64_t known_at_us = std::max(updated_at_us, site->row.updated_at_us);
   const std::lock_guard lock(mutex_);
   // Another thread may have read it meanwhile, and planned on it.
-  if (const Planned* planned = sites_.Find(site_id, known_at_us)) return planned->site;
+  if (const Planned* planned = sites_.Find(site_id, updated_at_us)) return planned->site;
   const size_t num_bytes = kBytesPerCell * NumCells(site->site_map.map.grid);
-  sites_.Keep(site_id, known_at_us, num_bytes, {site, {}});
+  sites_.Keep(site_id, updated_at_us, num_bytes, {site, {}});
   return site;
 }
 
@@ -112,10 +112,7 @@ std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
   terrain->grid = site->site_map.map.grid;
   terrain->upper = site->site_map.map.upper.clone();
   const std::lock_guard lock(mutex_);
-  terrains_.Keep(site_id,
-                 std::max(updated_at_us, site->row.updated_at_us),
-                 sizeof(float) * NumCells(terrain->grid),
-                 terrain);
+  terrains_.Keep(site_id, updated_at_us, sizeof(float) * NumCells(terrain->grid), terrain);
   return terrain;
 }
 

@@ -34,7 +34,7 @@ class MapCache {
   MapCache(size_t max_bytes_of_sites, size_t max_bytes_of_terrain)
       : sites_(max_bytes_of_sites), terrains_(max_bytes_of_terrain) {}
 
-  // Of this time or later. Nothing where the site has no map, or one that cannot be read.
+  // As of this update. Nothing where the site has no map, or one that cannot be read.
   std::shared_ptr<const KeptSite> Get(const Storage& storage,
                                       const std::string& site_id,
                                       int64_t updated_at_us);

@@ -5,28 +5,30 @@
 #include <cstddef>
 #include <cstdint>
 #include <list>
+#include <optional>
 #include <string>
 #include <utility>
 
 namespace freelsd {
 
-// One value of each site, the latest. Not thread-safe.
+// One value of each site, that of its last update. Not thread-safe.
 template <typename Value>
 class SiteLru {
  public:
   explicit SiteLru(size_t max_bytes) : max_bytes_(max_bytes) {}
 
-  // Of this time or later; nullptr where there is none. Valid until the next change.
-  Value* Find(const std::string& site_id, int64_t updated_at_us = 0) {
+  // Of this very update, or of any; nullptr where there is none. Valid until the next change. No
+  // update is taken for newer than another: clocks are set back.
+  Value* Find(const std::string& site_id, std::optional<int64_t> updated_at_us = std::nullopt) {
     const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) {
-      return each.site_id == site_id;
+      return each.site_id == site_id && (!updated_at_us || each.updated_at_us == *updated_at_us);
     });
-    if (found == entries_.end() || found->updated_at_us < updated_at_us) return nullptr;
+    if (found == entries_.end()) return nullptr;
     entries_.splice(entries_.begin(), entries_, found);
     return &found->value;
   }
 
-  // Instead of an earlier one; what was used longest ago goes when there is no room.
+  // Instead of another update; what was used longest ago goes when there is no room.
   void Keep(const std::string& site_id, int64_t updated_at_us, size_t num_bytes, Value value) {
     Erase(site_id);
     num_bytes_ += num_bytes;

@@ -85,6 +85,8 @@ struct SiteFormat {
   const char* name;
   const char* media_type;
   const char* extension;
+  // Whether the file itself says of each site that it is unverified; else its name has to.
+  bool tells_verdicts = true;
 };
 // plan, waypoints, rally, kml, cup, csv.
 std::vector<SiteFormat> SiteFormats();

@@ -12,7 +12,7 @@ struct Writer {
 
 constexpr Writer kWriters[] = {
     {{"plan", "application/vnd.qgroundcontrol.plan+json", "plan"}, PlanFile},
-    {{"waypoints", "text/vnd.qgroundcontrol.waypoints", "waypoints"}, WaypointFile},
+    {{"waypoints", "text/vnd.qgroundcontrol.waypoints", "waypoints", false}, WaypointFile},
     {{"rally", "text/vnd.ardupilot.rally", "rally"}, RallyFile},
     {{"kml", "application/vnd.google-earth.kml+xml", "kml"}, KmlFile},
     {{"cup", "application/vnd.seeyou.cup", "cup"}, CupFile},

@@ -5,18 +5,28 @@
 namespace freelsd {
 namespace {
 
-TEST_CASE("site lru: the latest of each site") {
+TEST_CASE("site lru: one update of each site") {
   SiteLru<int> kept(100);
   kept.Keep("a", 5, 10, 1);
   REQUIRE(kept.Find("a", 5) != nullptr);
   CHECK(*kept.Find("a", 5) == 1);
-  CHECK(*kept.Find("a", 4) == 1);
+  CHECK(*kept.Find("a") == 1);
   CHECK(kept.Find("a", 6) == nullptr);
   CHECK(kept.Find("b") == nullptr);
   kept.Keep("a", 6, 10, 2);
-  CHECK(*kept.Find("a", 5) == 2);
+  CHECK(*kept.Find("a", 6) == 2);
+  CHECK(kept.Find("a", 5) == nullptr);
   kept.Erase("a");
   CHECK(kept.Find("a") == nullptr);
+}
+
+TEST_CASE("site lru: an update after the clock was set back is another one") {
+  SiteLru<int> kept(100);
+  kept.Keep("a", 500, 10, 1);
+  CHECK(kept.Find("a", 100) == nullptr);
+  kept.Keep("a", 100, 10, 2);
+  CHECK(*kept.Find("a", 100) == 2);
+  CHECK(kept.Find("a", 500) == nullptr);
 }
 
 TEST_CASE("site lru: an earlier value of a site leaves its room") {
