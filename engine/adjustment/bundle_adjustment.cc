@@ -66,8 +66,9 @@ std::optional<SolvedBlock> WithReadoutsIfShown(const std::vector<View>& views,
   return without;
 }
 
-// Rounds of solving with ever tighter gates; rounds wider than the start needs are left out. Empty
-// when the block does not hold together.
+// Rounds of solving with ever tighter gates, from tracks that are triangulated within the first
+// one's; rounds wider than the start needs are left out. Empty when the block does not hold
+// together.
 std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
                                         const BlockState& start,
                                         const AdjustmentOptions& options,
@@ -77,7 +78,7 @@ std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
     const double gate_px = round.gate_factor * options.max_reprojection_error_px;
     const bool is_first = &round == &kRounds.front();
     const bool is_last = &round == &kRounds.back();
-    TriangulateTracks(state, kMinParallaxDeg, gate_px, tracks);
+    if (!is_first) TriangulateTracks(state, kMinParallaxDeg, gate_px, tracks);
     const double median_px = WorstMedianError(state, tracks);
     if (is_first) {
       if (median_px <= kPoorStartPx) continue;

@@ -158,10 +158,12 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
   by_pose << by_still * TurnedBackSlope(world_from_camera, in_world), -by_world;
   Write<kNumPoseParameters>(by_pose, jacobians[kPose]);
   Write<3>(by_world, jacobians[kLandmark]);
-  Eigen::Matrix<double, 2, kNumReadoutParameters> by_readout;
-  by_readout.leftCols<3>() = by_x * (share * CrossWith(still));
-  by_readout.rightCols<3>() = share * by_readout.leftCols<3>();
-  Write<kNumReadoutParameters>(by_readout, jacobians[kReadout]);
+  if (jacobians[kReadout] != nullptr) {
+    Eigen::Matrix<double, 2, kNumReadoutParameters> by_readout;
+    by_readout.leftCols<3>() = by_x * (share * CrossWith(still));
+    by_readout.rightCols<3>() = share * by_readout.leftCols<3>();
+    Write<kNumReadoutParameters>(by_readout, jacobians[kReadout]);
+  }
   if (jacobians[kLens] == nullptr) return true;
   Eigen::Matrix<double, 2, kNumLensParameters> by_lens =
       StillLensSlope(camera, lens, p, distorted.point);

@@ -13,6 +13,16 @@ constexpr int kNumRefinements = 3;
 constexpr double kMinConditioning = 1e-9;
 constexpr double kMinDepth = 1e-6;
 
+// Of the normal matrix of rays: a sum of matrices with the eigenvalues 0, 1 and 1.
+bool IsSingular(const Eigen::Matrix3d& normal_matrix, size_t num_rays) {
+  // No eigenvalue is above the number of rays n: the smallest is at least determinant / n^2. That
+  // spares most tracks the decomposition; the factor is for rounding.
+  const double n = static_cast<double>(num_rays);
+  if (normal_matrix.determinant() > 100.0 * kMinConditioning * n * n * n) return false;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal_matrix);
+  return eigen.eigenvalues()[0] < kMinConditioning * eigen.eigenvalues()[2];
+}
+
 std::optional<Eigen::Vector3d> ClosestPoint(const std::vector<PosedRay>& rays) {
   Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
@@ -23,8 +33,7 @@ std::optional<Eigen::Vector3d> ClosestPoint(const std::vector<PosedRay>& rays) {
     normal_matrix += across;
     right_side += across * ray.world_from_camera.translation;
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal_matrix);
-  if (eigen.eigenvalues()[0] < kMinConditioning * eigen.eigenvalues()[2]) return std::nullopt;
+  if (IsSingular(normal_matrix, rays.size())) return std::nullopt;
   return normal_matrix.ldlt().solve(right_side);
 }
 
@@ -54,14 +63,16 @@ bool Refine(const std::vector<PosedRay>& rays, TriangulatedPoint& point) {
 }
 
 double LargestParallax(const std::vector<PosedRay>& rays, const Eigen::Vector3d& point_in_world) {
+  std::vector<Eigen::Vector3d> directions;
+  directions.reserve(rays.size());
   double smallest_cosine = 1.0;
-  for (size_t i = 0; i < rays.size(); ++i) {
-    const Eigen::Vector3d a = (point_in_world - rays[i].world_from_camera.translation).normalized();
-    for (size_t j = i + 1; j < rays.size(); ++j) {
-      const Eigen::Vector3d b =
-          (point_in_world - rays[j].world_from_camera.translation).normalized();
-      smallest_cosine = std::min(smallest_cosine, a.dot(b));
+  for (const PosedRay& ray : rays) {
+    const Eigen::Vector3d direction =
+        (point_in_world - ray.world_from_camera.translation).normalized();
+    for (const Eigen::Vector3d& other : directions) {
+      smallest_cosine = std::min(smallest_cosine, other.dot(direction));
     }
+    directions.push_back(direction);
   }
   return std::acos(std::clamp(smallest_cosine, -1.0, 1.0));
 }

@@ -52,8 +52,8 @@ template <size_t num_lanes>
     Convert(is_inside ? u : nowhere, col);
     Store(row, rows + first);
     Store(col, cols + first);
-    lows = is_inside & (z < lows) ? z : lows;
-    highs = is_inside & (z > highs) ? z : highs;
+    lows = (is_inside & (z < lows)) ? z : lows;
+    highs = (is_inside & (z > highs)) ? z : highs;
   }
   Range range;
   for (size_t lane = 0; lane < num_lanes; ++lane) {
