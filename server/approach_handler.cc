@@ -130,7 +130,11 @@ WindRoseOptions RoseOf(const Call& call) {
 void GetApproach(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow site = ExistingSite(service, call);
   if (call.request.params.empty()) {
-    if (site.approach_json.empty()) throw ApiError("NoApproach", "the site has no approach");
+    if (site.approach_json.empty()) {
+      const nlohmann::json feature = nlohmann::json::parse(site.feature_json);
+      const std::string summary = feature.at("properties").value("summary", "none was found");
+      throw ApiError("NoApproach", "the site has no approach: " + summary);
+    }
     response.set_content(site.approach_json, kGeoJson);
     return;
   }

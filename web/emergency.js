@@ -85,7 +85,7 @@ export function createEmergency(on) {
     if (!isReachKnown) {
       say(`This server does not compute reach. Nearest known sites at ${time}: whether you can glide there is not known.`, 'bad');
     } else if (shown.length === 0) {
-      say(`Nothing in reach (${time}).${miss ? ' The nearest miss:' : ' No site is stored nearby.'}`, 'bad');
+      say(`Nothing in reach (${time}).${miss ? ' The nearest miss:' : ' No site that one could land on is stored nearby.'}`, 'bad');
       if (miss) byId('em-cards').append(card(miss, 0, show));
     } else {
       say(`In reach, best first (${time})`);

@@ -85,7 +85,12 @@ std::vector<SitePlaces> SafeSites(const std::vector<StoredSite>& sites, bool nee
     safe.push_back(std::move(places));
   }
   if (safe.empty()) {
-    throw ApiError("SiteRejected", "only a site that is not rejected is written into such a file");
+    std::string detail = "only a site that is not rejected is written into such a file";
+    if (sites.size() == 1) {
+      const std::string summary = ReadSite(sites.front()).properties.value("summary", "rejected");
+      detail = "not written into such a file: " + summary;
+    }
+    throw ApiError("SiteRejected", detail);
   }
   return safe;
 }

@@ -108,7 +108,9 @@ TEST_CASE("export: a rejected site is refused where something would fly to it") 
   const SitesServer sites;
   for (const char* const format : {"plan", "waypoints", "rally", "cup"}) {
     const std::string query = "?home_altitude_m=400&f=" + std::string(format);
-    CheckProblem(sites.client->Get("/v1/sites/f1-r3" + query), 409, "SiteRejected");
+    const auto refused = sites.client->Get("/v1/sites/f1-r3" + query);
+    CheckProblem(refused, 409, "SiteRejected");
+    CHECK(refused->body.find("Rejected (") != std::string::npos);
     const auto flight = sites.client->Get("/v1/flights/f1/sites" + query);
     CHECK(flight->status == 200);
     CHECK(flight->body.find("f1-r3") == std::string::npos);
