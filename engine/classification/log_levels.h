@@ -6,6 +6,7 @@
 namespace freelsd {
 
 // By level; levels are raised a little first, so that noise in shadows is not taken for texture.
+// All lie between 1 and 8: they are multiples of 2^-23.
 using LogLevels = std::array<float, 256>;
 const LogLevels& LogOfLevel();
 
