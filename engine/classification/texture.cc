@@ -7,7 +7,7 @@
 
 #include "engine/classification/log_levels.h"
 #include "engine/classification/order_statistics.h"
-#include "engine/geometry/processor_targets.h"
+#include "engine/geometry/geometry.h"
 
 namespace freelsd {
 namespace {

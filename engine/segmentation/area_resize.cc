@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "engine/geometry/processor_targets.h"
+#include "engine/geometry/geometry.h"
 
 namespace freelsd {
 namespace {
