@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/classification/gabor.h"
+#include "engine/classification/log_levels.h"
 #include "engine/classification/texture.h"
 #include "engine/geometry/geometry.h"
 
@@ -15,10 +16,6 @@ namespace {
 
 // Avoids divisions by zero in black pixels.
 constexpr float kTinyGrey = 1.0f;
-// Added to grey levels before the logarithm, so that noise in shadows is not taken for texture.
-constexpr float kLogOffset = 4.0f;
-
-using LogTable = std::array<float, 256>;
 
 void AppendMeanAndDeviation(const cv::Mat& channel,
                             const cv::Mat1b& mask,
@@ -77,25 +74,6 @@ void AppendGabor(const cv::Mat1f& grey, const cv::Mat1b& mask, std::vector<float
   }
 }
 
-LogTable MakeLogTable() {
-  LogTable table;
-  for (size_t level = 0; level < table.size(); ++level) {
-    table[level] = std::log(static_cast<float>(level) + kLogOffset);
-  }
-  return table;
-}
-
-const LogTable& LogOfLevel() {
-  static const LogTable table = MakeLogTable();
-  return table;
-}
-
-cv::Mat1f LogGrey(const cv::Mat1b& grey) {
-  cv::Mat1f result;
-  cv::LUT(grey, cv::Mat1f(1, 256, const_cast<float*>(LogOfLevel().data())), result);
-  return result;
-}
-
 // Mean logarithms of blue, green and red.
 std::array<double, 3> MeanLogs(const cv::Mat3b& image, const cv::Mat1b& mask) {
   std::array<std::array<int, 256>, 3> histograms{};
@@ -125,9 +103,11 @@ double MeanExcessGreen(const cv::Mat3b& image, const cv::Mat1b& mask) {
   double sum = 0.0;
   int count = 0;
   for (int y = 0; y < image.rows; ++y) {
+    const cv::Vec3b* pixels = image[y];
+    const uint8_t* inside = mask[y];
     for (int x = 0; x < image.cols; ++x) {
-      if (mask(y, x) == 0) continue;
-      const cv::Vec3b& bgr = image(y, x);
+      if (inside[x] == 0) continue;
+      const cv::Vec3b& bgr = pixels[x];
       const float brightness = static_cast<float>(bgr[0] + bgr[1] + bgr[2]) + kTinyGrey;
       sum += static_cast<float>(2 * bgr[1] - bgr[2] - bgr[0]) / brightness;
       ++count;
@@ -142,7 +122,7 @@ void AppendRobust(const cv::Mat3b& image,
                   const cv::Mat1b& mask,
                   double ground_sampling_distance_m,
                   std::vector<float>& row) {
-  const Texture texture = TextureOf(LogGrey(grey), mask, ground_sampling_distance_m);
+  const Texture texture = TextureOf(grey, mask, ground_sampling_distance_m);
   const std::array<double, 3> logs = MeanLogs(image, mask);
   row.push_back(static_cast<float>(MeanExcessGreen(image, mask)));
   row.push_back(texture.leaf_log_deviation);
@@ -152,13 +132,13 @@ void AppendRobust(const cv::Mat3b& image,
   row.push_back(static_cast<float>(logs[0] - logs[1]));
 }
 
-// The region and its surroundings as far as the filters reach.
-cv::Rect BoxOf(const cv::Mat1b& mask) {
+// The region and its surroundings as far as filters reach.
+cv::Rect BoxOf(const cv::Mat1b& mask, int radius_px) {
   cv::Rect box = cv::boundingRect(mask);
-  box.x -= kGaborRadiusPx;
-  box.y -= kGaborRadiusPx;
-  box.width += 2 * kGaborRadiusPx;
-  box.height += 2 * kGaborRadiusPx;
+  box.x -= radius_px;
+  box.y -= radius_px;
+  box.width += 2 * radius_px;
+  box.height += 2 * radius_px;
   return box & cv::Rect({0, 0}, mask.size());
 }
 
@@ -225,7 +205,8 @@ std::vector<float> RegionFeatures(const cv::Mat3b& image,
                                   const cv::Mat1b& mask,
                                   double ground_sampling_distance_m,
                                   FeatureSet feature_set) {
-  const cv::Rect box = BoxOf(mask);
+  // The robust features look at nothing outside; a box of no pixels would be no image.
+  const cv::Rect box = BoxOf(mask, feature_set == FeatureSet::kRobust ? 1 : kGaborRadiusPx);
   const cv::Mat3b patch = image(box);
   const cv::Mat1b inside = mask(box);
   cv::Mat1b grey;

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include <opencv2/imgproc.hpp>
+#include "engine/classification/log_levels.h"
+#include "engine/classification/order_statistics.h"
+#include "engine/geometry/geometry.h"
 
 namespace freelsd {
 namespace {
@@ -39,40 +42,37 @@ class Spread {
 // Deviations as small as the rounding of grey levels have none.
 float TailSkewness(std::vector<float> values) {
   if (values.empty()) return 0.0f;
-  auto first = values.begin();
-  // Ascending shares: what was put to the left stays there.
-  const auto quantile = [&](double share) {
-    const auto at = values.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(first, at, values.end());
-    first = at;
-    return *at;
-  };
-  const float lower = quantile(kTailRatio), median = quantile(0.5);
-  const float upper = quantile(1.0 - kTailRatio);
+  const auto last = static_cast<double>(values.size() - 1);
+  const auto [lower, median, upper] = OfRanks(std::move(values),
+                                              {static_cast<size_t>(kTailRatio * last),
+                                               static_cast<size_t>(0.5 * last),
+                                               static_cast<size_t>((1.0 - kTailRatio) * last)});
   return (upper + lower - 2.0f * median) /
          (upper - lower + 2.0f * static_cast<float>(kTinyDeviation));
 }
 
-}  // namespace
-
-WindowSums::WindowSums(const cv::Mat1f& values, const cv::Mat1b& mask, int max_side_px)
-    : margin_px_(max_side_px / 2 + 1), num_cols_(values.cols) {
-  const cv::Size size(values.cols + 2 * margin_px_, values.rows + 2 * margin_px_);
-  const cv::Rect inner({margin_px_, margin_px_}, values.size());
-  cv::Mat1f in_region(size, 0.0f);
-  cv::Mat1b is_in_region(size, uint8_t{0});
-  values.copyTo(in_region(inner), mask);
-  is_in_region(inner).setTo(1, mask);
-  cv::integral(in_region, sums_, CV_64F);
-  cv::integral(is_in_region, counts_, CV_32S);
+// From the first to the last pixel of a row that is in the region.
+cv::Range ColsOf(const uint8_t* mask, int num_cols) {
+  int start = 0, end = num_cols;
+  while (start < end && mask[start] == 0) ++start;
+  while (start < end && mask[end - 1] == 0) --end;
+  return {start, end};
 }
 
-void WindowSums::MeansOfRow(int row, int side_px, float* means) const {
-  const int top = row + margin_px_ - side_px / 2, left = margin_px_ - side_px / 2;
-  const double *above = sums_[top] + left, *below = sums_[top + side_px] + left;
-  const int *count_above = counts_[top] + left, *count_below = counts_[top + side_px] + left;
-  for (int col = 0; col < num_cols_; ++col) {
+// Four corners of a window: those of the row above it, and of its last row.
+template <typename Number>
+struct Corners {
+  const Number *above, *below;
+};
+
+FREELSD_SEVERAL_TARGETS void Means(const Corners<double>& sums,
+                                   const Corners<int>& counts,
+                                   int side_px,
+                                   int num_cols,
+                                   float* __restrict__ means) {
+  const double *above = sums.above, *below = sums.below;
+  const int *count_above = counts.above, *count_below = counts.below;
+  for (int col = 0; col < num_cols; ++col) {
     const double sum = below[col + side_px] - below[col] - above[col + side_px] + above[col];
     const int count = count_below[col + side_px] - count_below[col] - count_above[col + side_px] +
                       count_above[col];
@@ -80,23 +80,66 @@ void WindowSums::MeansOfRow(int row, int side_px, float* means) const {
   }
 }
 
-Texture TextureOf(const cv::Mat1f& log_grey,
-                  const cv::Mat1b& mask,
-                  double ground_sampling_distance_m) {
+}  // namespace
+
+WindowSums::WindowSums(const cv::Mat1b& grey, const cv::Mat1b& mask, int max_side_px)
+    : grey_(grey),
+      mask_(mask),
+      max_side_px_(max_side_px),
+      margin_px_(max_side_px / 2 + 1),
+      sums_(max_side_px + 1, grey.cols + 2 * margin_px_, 0.0),
+      counts_(sums_.size(), 0) {}
+
+void WindowSums::AddRow() {
+  const LogLevels& logs = LogOfLevel();
+  const uint8_t *levels = grey_[num_rows_], *inside = mask_[num_rows_];
+  const int num_cols = grey_.cols;
+  const double* sums_above = sums_[Place(num_rows_)] + margin_px_;
+  const int* counts_above = counts_[Place(num_rows_)] + margin_px_;
+  ++num_rows_;
+  double* sums = sums_[Place(num_rows_)] + margin_px_;
+  int* counts = counts_[Place(num_rows_)] + margin_px_;
+  double sum = 0.0;
+  int count = 0;
+  for (int col = 0; col < num_cols; ++col) {
+    const bool is_inside = inside[col] != 0;
+    sum += is_inside ? static_cast<double>(logs[levels[col]]) : 0.0;
+    count += is_inside ? 1 : 0;
+    sums[col + 1] = sums_above[col + 1] + sum;
+    counts[col + 1] = counts_above[col + 1] + count;
+  }
+  std::fill_n(sums + num_cols + 1, margin_px_ - 1, sums[num_cols]);
+  std::fill_n(counts + num_cols + 1, margin_px_ - 1, counts[num_cols]);
+}
+
+void WindowSums::MeansOfRow(int row, const cv::Range& cols, int side_px, float* means) {
+  const auto within = [this](int y) { return std::clamp(y, 0, grey_.rows); };
+  const int top = row - side_px / 2, left = margin_px_ + cols.start - side_px / 2;
+  while (num_rows_ < within(row - max_side_px_ / 2 + max_side_px_)) AddRow();
+  const int above = Place(within(top)), below = Place(within(top + side_px));
+  Means({sums_[above] + left, sums_[below] + left},
+        {counts_[above] + left, counts_[below] + left},
+        side_px,
+        cols.size(),
+        means + cols.start);
+}
+
+Texture TextureOf(const cv::Mat1b& grey, const cv::Mat1b& mask, double ground_sampling_distance_m) {
   std::array<int, kNumWindows> sides{};
   std::transform(kWindowsM.begin(), kWindowsM.end(), sides.begin(), [&](double side_m) {
     return std::max(1, cvRound(side_m / ground_sampling_distance_m));
   });
-  const WindowSums sums(log_grey, mask, *std::max_element(sides.begin(), sides.end()));
+  WindowSums sums(grey, mask, *std::max_element(sides.begin(), sides.end()));
   std::array<std::vector<float>, kNumWindows> means;
-  for (std::vector<float>& row : means) row.resize(static_cast<size_t>(log_grey.cols));
+  for (std::vector<float>& row : means) row.resize(static_cast<size_t>(grey.cols));
   Spread leaf_spread, tuft_spread;
   std::vector<float> gaps;
+  gaps.reserve(static_cast<size_t>(cv::countNonZero(mask)));
   for (int y = 0; y < mask.rows; ++y) {
     const uint8_t* inside = mask[y];
-    if (std::all_of(inside, inside + mask.cols, [](uint8_t value) { return value == 0; })) continue;
-    for (size_t i = 0; i < kNumWindows; ++i) sums.MeansOfRow(y, sides[i], means[i].data());
-    for (size_t x = 0; x < static_cast<size_t>(mask.cols); ++x) {
+    const cv::Range cols = ColsOf(inside, mask.cols);
+    for (size_t i = 0; i < kNumWindows; ++i) sums.MeansOfRow(y, cols, sides[i], means[i].data());
+    for (auto x = static_cast<size_t>(cols.start); x < static_cast<size_t>(cols.end); ++x) {
       if (inside[x] == 0) continue;
       leaf_spread.Add(means[kLeaf][x] - means[kTuft][x]);
       tuft_spread.Add(means[kTuft][x] - means[kBush][x]);

@@ -7,19 +7,29 @@
 
 namespace freelsd {
 
-// Sums over the pixels of a region within square windows, for any side at the cost of one.
+// Mean log brightness over square windows of a region, for any side at the cost of one. Goes down
+// the rows and keeps those that a window reaches. Sums of logarithms are exact: each is a multiple
+// of 2^-23 (see log_levels.h), so that it does not matter in which order they are added up.
 class WindowSums {
  public:
   // Windows are at most max_side_px wide.
-  WindowSums(const cv::Mat1f& values, const cv::Mat1b& mask, int max_side_px);
+  WindowSums(const cv::Mat1b& grey, const cv::Mat1b& mask, int max_side_px);
 
-  // Mean over the part of the window about each pixel of a row that is in the region; 0 where no
-  // part is. The pixel lies right of and below the middle of a window of even side.
-  void MeansOfRow(int row, int side_px, float* means) const;
+  // Means over the part of the window about each pixel of a row that is in the region, of the given
+  // columns; 0 where no part is. Rows are not asked for after later ones. The pixel lies right of
+  // and below the middle of a window of even side.
+  void MeansOfRow(int row, const cv::Range& cols, int side_px, float* means);
 
  private:
+  void AddRow();
+  int Place(int row) const { return row % sums_.rows; }
+
+  cv::Mat1b grey_;
+  cv::Mat1b mask_;
+  int max_side_px_;
   int margin_px_;
-  int num_cols_;
+  int num_rows_ = 0;
+  // Row y, at Place(y), holds sums over the rows above y and the columns left of each.
   cv::Mat1d sums_;
   cv::Mat1i counts_;
 };
@@ -35,8 +45,6 @@ struct Texture {
   float gap_skewness = 0.0f;
 };
 
-Texture TextureOf(const cv::Mat1f& log_grey,
-                  const cv::Mat1b& mask,
-                  double ground_sampling_distance_m);
+Texture TextureOf(const cv::Mat1b& grey, const cv::Mat1b& mask, double ground_sampling_distance_m);
 
 }  // namespace freelsd

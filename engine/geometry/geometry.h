@@ -11,6 +11,7 @@
 #include "engine/geometry/camera.h"
 #include "engine/geometry/local_frame.h"
 #include "engine/geometry/polygon.h"
+#include "engine/geometry/processor_targets.h"
 #include "engine/geometry/remap_table.h"
 #include "engine/geometry/rigid3.h"
 #include "engine/geometry/triangulation.h"

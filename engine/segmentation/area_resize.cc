@@ -1,11 +1,13 @@
 #include "engine/segmentation/area_resize.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <vector>
 
-#include <opencv2/imgproc.hpp>
+#include "engine/geometry/geometry.h"
 
 namespace freelsd {
 namespace {
@@ -43,75 +45,120 @@ Cover CoverOf(int index, double scale, int source_length) {
   return cover;
 }
 
-std::vector<Cover> CoversOf(int length, int source_length) {
+// Those of all pixels along an axis, with equally many weights: where there are fewer, zeros
+// follow, which change no sum.
+struct Covers {
+  size_t num_weights = 0;
+  std::vector<int> first;
+  std::vector<float> weights;
+};
+
+Covers CoversOf(int length, int source_length) {
   const double scale = static_cast<double>(source_length) / length;
   std::vector<Cover> covers;
-  for (int i = 0; i < length; ++i) covers.push_back(CoverOf(i, scale, source_length));
-  return covers;
+  size_t num_weights = 0;
+  for (int i = 0; i < length; ++i) {
+    covers.push_back(CoverOf(i, scale, source_length));
+    num_weights = std::max(num_weights, covers.back().weights.size());
+  }
+  Covers result{num_weights, {}, {}};
+  for (Cover& cover : covers) {
+    cover.weights.resize(num_weights);
+    result.first.push_back(cover.first);
+    result.weights.insert(result.weights.end(), cover.weights.begin(), cover.weights.end());
+  }
+  return result;
 }
 
-[[gnu::always_inline]] inline void AddRow(const uint8_t* row,
-                                          float weight,
-                                          int length,
-                                          float* sums) {
-  for (int i = 0; i < length; ++i) sums[i] += weight * static_cast<float>(row[i]);
+// Rows of the source that are added up in one pass.
+constexpr size_t kMaxRowsTogether = 4;
+using Rows = std::array<const uint8_t*, kMaxRowsTogether>;
+
+template <size_t num_rows>
+[[gnu::always_inline]] inline void AddSoMany(const Rows& rows,
+                                             const float* weights,
+                                             int length,
+                                             float* __restrict__ sums) {
+  for (int i = 0; i < length; ++i) {
+    float sum = sums[i];
+    for (size_t k = 0; k < num_rows; ++k) sum += weights[k] * static_cast<float>(rows[k][i]);
+    sums[i] = sum;
+  }
 }
 
-using RowAdder = void (*)(const uint8_t*, float, int, float*);
-
-void AddRowPlain(const uint8_t* row, float weight, int length, float* sums) {
-  AddRow(row, weight, length, sums);
+FREELSD_SEVERAL_TARGETS void AddRows(
+    const Rows& rows, const float* weights, size_t num_rows, int length, float* sums) {
+  if (num_rows == 1) AddSoMany<1>(rows, weights, length, sums);
+  if (num_rows == 2) AddSoMany<2>(rows, weights, length, sums);
+  if (num_rows == 3) AddSoMany<3>(rows, weights, length, sums);
+  if (num_rows == 4) AddSoMany<4>(rows, weights, length, sums);
 }
 
-#if defined(__x86_64__)
-// Without fused multiplications: every processor has the same rounding.
-[[gnu::target("avx2")]] void AddRowAvx2(const uint8_t* row, float weight, int length, float* sums) {
-  AddRow(row, weight, length, sums);
+// Weighted sums down the columns. `sums` is longer than the rows.
+void SumRows(const cv::Mat& image,
+             int first,
+             const float* weights,
+             size_t num_weights,
+             std::vector<float>& sums) {
+  const int length = image.cols * image.channels();
+  std::fill(sums.begin(), sums.end(), 0.0f);
+  for (size_t at = 0; at < num_weights; at += kMaxRowsTogether) {
+    const size_t num_rows = std::min(kMaxRowsTogether, num_weights - at);
+    Rows rows{};
+    for (size_t k = 0; k < num_rows; ++k) {
+      // A weight of 0 may stand for a row below the last.
+      rows[k] = image.ptr<uint8_t>(std::min(first + static_cast<int>(at + k), image.rows - 1));
+    }
+    AddRows(rows, weights + at, num_rows, length, sums.data());
+  }
 }
 
-RowAdder FastestRowAdder() {
-  return __builtin_cpu_supports("avx2") != 0 ? AddRowAvx2 : AddRowPlain;
-}
-#else
-RowAdder FastestRowAdder() { return AddRowPlain; }
-#endif
-
-// Weighted sums along a row; `sums` has kRegisterFloats more than it needs.
-void ReduceRow(const std::vector<float>& sums,
-               const std::vector<Cover>& covers,
-               int num_channels,
-               uint8_t* result) {
-  for (const Cover& cover : covers) {
-    const float* pixel = sums.data() + static_cast<ptrdiff_t>(cover.first) * num_channels;
+// Weighted sums along a row. Both rows have kRegisterFloats more than they need.
+FREELSD_SEVERAL_TARGETS void ReduceRow(const float* __restrict__ sums,
+                                       const Covers& covers,
+                                       int num_channels,
+                                       float* __restrict__ reduced) {
+  const float* weight = covers.weights.data();
+  for (const int first : covers.first) {
+    const float* pixel = sums + static_cast<ptrdiff_t>(first) * num_channels;
     Register sum = {};
-    for (const float weight : cover.weights) {
+    for (size_t i = 0; i < covers.num_weights; ++i, ++weight, pixel += num_channels) {
       Register value;
       std::memcpy(&value, pixel, sizeof(Register));
-      sum += weight * value;
-      pixel += num_channels;
+      sum += *weight * value;
     }
-    for (int channel = 0; channel < num_channels; ++channel) {
-      *result++ = cv::saturate_cast<uint8_t>(sum[channel]);
-    }
+    std::memcpy(reduced, &sum, sizeof(Register));
+    reduced += num_channels;
+  }
+}
+
+// To the nearest, halves to the even one. Values in 0..255.
+FREELSD_SEVERAL_TARGETS void RoundRow(const float* __restrict__ values,
+                                      int length,
+                                      uint8_t* __restrict__ rounded) {
+  // Between it and twice it floats are the whole numbers.
+  constexpr float kWhole = 8388608.0f;
+  for (int i = 0; i < length; ++i) {
+    rounded[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(values[i] + kWhole));
   }
 }
 
 }  // namespace
 
 cv::Mat ReduceByArea(const cv::Mat& image, cv::Size size) {
-  static const RowAdder kAddRow = FastestRowAdder();
-  const int num_channels = image.channels(), length = image.cols * num_channels;
+  const int num_channels = image.channels();
   cv::Mat reduced(size, image.type());
-  const std::vector<Cover> rows = CoversOf(size.height, image.rows);
-  const std::vector<Cover> cols = CoversOf(size.width, image.cols);
-  std::vector<float> sums(static_cast<size_t>(length) + kRegisterFloats);
+  const Covers rows = CoversOf(size.height, image.rows);
+  const Covers cols = CoversOf(size.width, image.cols);
+  // The last pixels are read and written as if others followed.
+  const size_t spare = cols.num_weights * static_cast<size_t>(num_channels) + kRegisterFloats;
+  std::vector<float> sums(static_cast<size_t>(image.cols * num_channels) + spare);
+  std::vector<float> means(static_cast<size_t>(size.width * num_channels) + kRegisterFloats);
   for (int y = 0; y < size.height; ++y) {
-    std::fill(sums.begin(), sums.end(), 0.0f);
-    int source = rows[static_cast<size_t>(y)].first;
-    for (const float weight : rows[static_cast<size_t>(y)].weights) {
-      kAddRow(image.ptr<uint8_t>(source++), weight, length, sums.data());
-    }
-    ReduceRow(sums, cols, num_channels, reduced.ptr<uint8_t>(y));
+    const float* weights = rows.weights.data() + static_cast<size_t>(y) * rows.num_weights;
+    SumRows(image, rows.first[static_cast<size_t>(y)], weights, rows.num_weights, sums);
+    ReduceRow(sums.data(), cols, num_channels, means.data());
+    RoundRow(means.data(), size.width * num_channels, reduced.ptr<uint8_t>(y));
   }
   return reduced;
 }

@@ -9,6 +9,7 @@
 
 #include "engine/check/check.h"
 #include "engine/segmentation/area_resize.h"
+#include "engine/segmentation/edge_distance.h"
 
 namespace freelsd {
 namespace {
@@ -132,10 +133,13 @@ cv::Mat1b ChromaEdges(const cv::Mat3b& image,
 cv::Mat1f GreenOverLevel(const cv::Mat3b& image, double level_ratio) {
   const auto green = static_cast<float>(2.0 - level_ratio);
   const auto others = static_cast<float>(1.0 + level_ratio);
-  cv::Mat1f over(image.size());
-  std::transform(image.begin(), image.end(), over.begin(), [=](const cv::Vec3b& bgr) {
+  const auto over_level = [=](const cv::Vec3b& bgr) {
     return green * static_cast<float>(bgr[1]) - others * static_cast<float>(bgr[0] + bgr[2]);
-  });
+  };
+  cv::Mat1f over(image.size());
+  for (int y = 0; y < image.rows; ++y) {
+    std::transform(image[y], image[y] + image.cols, over[y], over_level);
+  }
   return over;
 }
 
@@ -170,12 +174,9 @@ cv::Mat1b HomogeneousPixels(const cv::Mat1b& grey,
                             const cv::Mat1b& edges,
                             const Thresholds& thresholds,
                             const SegmentationOptions& options) {
-  cv::Mat1f edge_distance_px;
-  cv::distanceTransform(~edges, edge_distance_px, cv::DIST_L2, cv::DIST_MASK_5);
   cv::Mat1b recorded;
   cv::inRange(grey, options.min_grey, options.max_grey, recorded);
-  const cv::Mat1b far_from_edges = edge_distance_px > thresholds.min_edge_distance_px;
-  return far_from_edges & recorded;
+  return FarFromEdges(edges, thresholds.min_edge_distance_px) & recorded;
 }
 
 std::vector<Eigen::Vector2d> OuterContour(const cv::Mat1b& mask,
@@ -216,10 +217,12 @@ Components WithoutSmall(const Components& components, double min_num_pixels) {
     kept.statistics.push_back(components.statistics.row(label));
   }
   kept.labels.create(components.labels.size());
-  std::transform(
-      components.labels.begin(), components.labels.end(), kept.labels.begin(), [&](int label) {
-        return new_label[static_cast<size_t>(label)];
-      });
+  for (int y = 0; y < kept.labels.rows; ++y) {
+    const int* row = components.labels[y];
+    std::transform(row, row + kept.labels.cols, kept.labels[y], [&](int label) {
+      return new_label[static_cast<size_t>(label)];
+    });
+  }
   return kept;
 }
 

@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "engine/tracks/processor_targets.h"
+#include "engine/geometry/geometry.h"
 
 namespace freelsd {
 namespace {
