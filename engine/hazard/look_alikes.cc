@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -30,6 +32,8 @@ constexpr float kMinPeakToLine = 1.0f;
 // A field is at least that many squares; a single one is chance.
 constexpr int kMinNumSquares = 4;
 constexpr int kMaxGapSquares = 2;
+// Directions of one field's rows differ by no more.
+constexpr double kMaxRowTurnRad = RadFromDeg(10.0);
 // Squares of a band's edge know less; a field of rows is found from this far beyond it.
 constexpr double kHaloM = 48.0;
 // What is finer than this is detail, and its strength is taken over squares of that side.
@@ -117,11 +121,18 @@ std::vector<Ring> RingsOf(int side, double cell_size_m, const HazardOptions& opt
   return rings;
 }
 
-// How far the strongest direction stands out of its ring, in the ring's medians; the most of all
-// rings.
-double RowStrength(const cv::Mat1f& power, const std::vector<Ring>& rings) {
-  const int side = power.rows;
+// The strongest direction of a square, if there is one.
+struct Rows {
+  // How far it stands out of its ring, in the ring's medians; the most of all rings.
   double strength = 0.0;
+  // The same, of those that have less nearer to the middle of the spectrum: what only rows do.
+  double sure_strength = 0.0;
+  double direction_rad = 0.0;
+};
+
+Rows FindRows(const cv::Mat1f& power, const std::vector<Ring>& rings) {
+  const int side = power.rows;
+  Rows rows;
   std::vector<float> values;
   for (const Ring& ring : rings) {
     values.clear();
@@ -129,12 +140,19 @@ double RowStrength(const cv::Mat1f& power, const std::vector<Ring>& rings) {
     const auto largest = std::max_element(values.begin(), values.end());
     const cv::Point peak = ring[static_cast<size_t>(largest - values.begin())];
     const float height = *largest;
-    if (height <= kMinPeakToLine * PowerInside(power, peak)) continue;
     const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), half, values.end());
-    if (*half > 0.0f) strength = std::max<double>(strength, height / *half);
+    if (!(*half > 0.0f)) continue;
+    const double strength = height / *half;
+    const bool is_sure = height > kMinPeakToLine * PowerInside(power, peak);
+    if (is_sure ? strength > rows.sure_strength
+                : rows.sure_strength == 0.0 && strength > rows.strength) {
+      rows.direction_rad = std::atan2(peak.y, peak.x);
+    }
+    rows.strength = std::max(rows.strength, strength);
+    if (is_sure) rows.sure_strength = std::max(rows.sure_strength, strength);
   }
-  return strength;
+  return rows;
 }
 
 // The mean of a square's spectrum and its neighbours'; empty where the square has none.
@@ -153,6 +171,46 @@ cv::Mat1f MeanAround(const std::vector<cv::Mat1f>& powers,
     }
   }
   return sum;
+}
+
+// Of lines, which have no ends.
+double AngleBetween(double a_rad, double b_rad) {
+  return std::abs(std::remainder(a_rad - b_rad, kPi));
+}
+
+// Rows that have met are seen as one direction without a distance of its own, as a wall is. Beside
+// sure rows of that direction they are of the same field.
+cv::Mat1b WithSameRows(const cv::Mat1b& sure,
+                       const std::vector<Rows>& found,
+                       const HazardOptions& options) {
+  cv::Mat1b whole = sure.clone();
+  const auto rows_at = [&](const cv::Point& square) -> const Rows& {
+    return found[static_cast<size_t>(square.y * sure.cols + square.x)];
+  };
+  // A square and the direction of the sure ones that it hangs together with.
+  std::vector<std::pair<cv::Point, double>> open;
+  for (int row = 0; row < sure.rows; ++row) {
+    for (int col = 0; col < sure.cols; ++col) {
+      const cv::Point square(col, row);
+      if (sure(square)) open.emplace_back(square, rows_at(square).direction_rad);
+    }
+  }
+  const cv::Rect all({}, sure.size());
+  for (size_t i = 0; i < open.size(); ++i) {
+    const auto [at, direction_rad] = open[i];
+    for (int down = -1; down <= 1; ++down) {
+      for (int right = -1; right <= 1; ++right) {
+        const cv::Point next = at + cv::Point(right, down);
+        if (!all.contains(next) || whole(next)) continue;
+        const Rows& rows = rows_at(next);
+        if (rows.strength < options.min_row_strength) continue;
+        if (AngleBetween(rows.direction_rad, direction_rad) > kMaxRowTurnRad) continue;
+        whole(next) = 255;
+        open.emplace_back(next, direction_rad);
+      }
+    }
+  }
+  return whole;
 }
 
 // With the gaps within a field, and up to its border, where a square holds half of what lies
@@ -184,14 +242,16 @@ cv::Mat1b RowCrops(const Orthophoto& photo, const HazardOptions& options) {
   }
   const std::vector<Ring> rings = RingsOf(squares.side, cell, options);
   cv::Mat1b has_rows = cv::Mat1b::zeros(squares.num_rows, squares.num_cols);
+  std::vector<Rows> found;
   for (int row = 0; row < squares.num_rows; ++row) {
     for (int col = 0; col < squares.num_cols; ++col) {
       const cv::Mat1f power = MeanAround(powers, squares, row, col);
-      if (power.empty()) continue;
-      if (RowStrength(power, rings) >= options.min_row_strength) has_rows(row, col) = 255;
+      found.push_back(power.empty() ? Rows{} : FindRows(power, rings));
+      if (found.back().sure_strength >= options.min_row_strength) has_rows(row, col) = 255;
     }
   }
-  has_rows = WholeFields(WithoutSpecks(has_rows, kMinNumSquares));
+  has_rows = WithoutSpecks(has_rows, kMinNumSquares);
+  has_rows = WholeFields(WithSameRows(has_rows, found, options));
   for (int row = 0; row < squares.num_rows; ++row) {
     for (int col = 0; col < squares.num_cols; ++col) {
       if (has_rows(row, col)) mask(squares.Core(row, col)).setTo(255);

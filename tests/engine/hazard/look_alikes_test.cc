@@ -88,6 +88,47 @@ TEST_CASE(
   CHECK(NumWithRows(Rows(23.0, 3.0, 12.0)) == 0);
 }
 
+// Streaks of every distance, the wider the stronger: what is seen of rows whose leaves have met.
+double Streaks(double across_m) {
+  double grey = 0.0;
+  for (const double spacing_m : {0.6, 0.75, 0.9, 1.1, 1.3, 1.6, 2.0, 2.6, 3.5}) {
+    grey += 12.0 * spacing_m * std::sin(2.0 * kPi * across_m / spacing_m + 5.0 * spacing_m);
+  }
+  return grey;
+}
+
+// Streaks, and rows in the western half where there are some.
+Paint Streaked(double streaks_deg, double rows_deg, bool has_rows) {
+  return [=](const Eigen::Vector2d& place) {
+    if (AlongAndAcross(place, 0.0).cwiseAbs().maxCoeff() > kFieldHalfM) return photo::kGreen;
+    if (place.x() >= 0.0) return Brighter(Streaks(AlongAndAcross(place, streaks_deg).y()));
+    const double across = AlongAndAcross(place, rows_deg).y();
+    return Brighter(has_rows ? 20.0 * std::sin(2.0 * kPi * across / 0.75) : 0.0);
+  };
+}
+
+// Of the eastern half, without what a square of the other half reaches.
+double FoundInEast(const Paint& paint) {
+  const Orthophoto photo = Painted(kSideM, paint);
+  const cv::Mat1b mask = RowCrops(photo, {});
+  int num_cells = 0, num_found = 0;
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int col = 0; col < mask.cols; ++col) {
+      const Eigen::Vector2d at = photo.grid.CellCenter(row, col);
+      if (at.x() < 15.0 || at.x() > kFieldHalfM || std::abs(at.y()) > kFieldHalfM) continue;
+      ++num_cells;
+      num_found += mask(row, col) != 0;
+    }
+  }
+  return double(num_found) / num_cells;
+}
+
+TEST_CASE("look-alikes: streaks beside rows of their direction are of the same field") {
+  CHECK(FoundInEast(Streaked(23.0, 23.0, true)) > 0.95);
+  CHECK(FoundInEast(Streaked(23.0, 23.0, false)) == 0.0);
+  CHECK(FoundInEast(Streaked(23.0, 63.0, true)) < 0.3);
+}
+
 TEST_CASE("look-alikes: roads, walls, borders and noise have no rows") {
   const double turns_deg[] = {0.0, 31.0, 90.0};
   for (const double turn_deg : turns_deg) {
