@@ -4,14 +4,13 @@
 #include <cmath>
 #include <limits>
 
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "engine/stereo/semi_global_matching.h"
 
 namespace freelsd {
 namespace {
 
-// OpenCV's matcher gives disparities in sixteenths of a pixel.
-constexpr float kDisparityUnit = 16.0f;
 constexpr int kDisparityStep = 16;
 constexpr int kSpeckleRangePx = 2;
 // Contrast is not stretched more than this: noise would become texture.
@@ -49,21 +48,17 @@ cv::Mat1s Match(const RectifiedPair& pair,
                 const DisparityRange& range,
                 const StereoOptions& options) {
   const int area = options.block_size_px * options.block_size_px;
-  const cv::Ptr<cv::StereoSGBM> matcher =
-      cv::StereoSGBM::create(range.min_px,
-                             range.count,
-                             options.block_size_px,
-                             options.p1_factor * area,
-                             options.p2_factor * area,
-                             options.max_left_right_difference_px,
-                             0,
-                             options.uniqueness_ratio_percent,
-                             options.speckle_size_px,
-                             kSpeckleRangePx,
-                             cv::StereoSGBM::MODE_SGBM_3WAY);
-  cv::Mat1s disparity;
-  matcher->compute(pair.left, right, disparity);
-  return disparity;
+  return MatchSemiGlobally(pair.left,
+                           right,
+                           {range.min_px,
+                            range.count,
+                            options.block_size_px,
+                            options.p1_factor * area,
+                            options.p2_factor * area,
+                            options.max_left_right_difference_px,
+                            options.uniqueness_ratio_percent,
+                            options.speckle_size_px,
+                            kSpeckleRangePx});
 }
 
 // Windows that lie wholly inside the image.
@@ -80,7 +75,7 @@ cv::Mat2f RightFromLeft(const cv::Mat1s& disparity, int min_px) {
   cv::Mat2f table(disparity.size());
   for (int v = 0; v < table.rows; ++v) {
     for (int u = 0; u < table.cols; ++u) {
-      const bool is_matched = disparity(v, u) >= min_px * static_cast<int>(kDisparityUnit);
+      const bool is_matched = disparity(v, u) >= min_px * kDisparityUnit;
       const float column =
           static_cast<float>(u) - static_cast<float>(disparity(v, u)) / kDisparityUnit;
       table(v, u) = cv::Vec2f(is_matched ? column : -1e4f, static_cast<float>(v));

@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "engine/tracks/processor_targets.h"
+#include "engine/geometry/processor_targets.h"
 
 namespace freelsd {
 namespace {

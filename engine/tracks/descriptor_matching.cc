@@ -8,7 +8,7 @@
 #include <map>
 #include <utility>
 
-#include "engine/tracks/processor_targets.h"
+#include "engine/geometry/processor_targets.h"
 
 namespace freelsd {
 namespace {
