@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/stereo/semi_global_matching.h"
+#include "engine/stereo/window_correlation.h"
 
 namespace freelsd {
 namespace {
@@ -84,30 +85,6 @@ cv::Mat2f RightFromLeft(const cv::Mat1s& disparity, int min_px) {
   return table;
 }
 
-cv::Mat1f Blurred(const cv::Mat1f& image, int window_px) {
-  cv::Mat1f mean;
-  cv::blur(image, mean, cv::Size(window_px, window_px));
-  return mean;
-}
-
-// Windows of both images that have contrast and look alike (normalised cross-correlation). Water,
-// noise and burnt-out ground do not, whatever the matcher made of them.
-cv::Mat1b AlikeWindows(const cv::Mat1b& left_image,
-                       const cv::Mat1b& right_at_left,
-                       const StereoOptions& options) {
-  const int window = options.correlation_window_px;
-  const cv::Mat1f left(left_image), right(right_at_left);
-  const cv::Mat1f left_mean = Blurred(left, window), right_mean = Blurred(right, window);
-  const cv::Mat1f left_variance = Blurred(left.mul(left), window) - left_mean.mul(left_mean);
-  const cv::Mat1f right_variance = Blurred(right.mul(right), window) - right_mean.mul(right_mean);
-  const cv::Mat1f covariance = Blurred(left.mul(right), window) - left_mean.mul(right_mean);
-  const double min_variance = options.min_texture_grey * options.min_texture_grey;
-  cv::Mat1f deviations;
-  cv::sqrt(cv::max(left_variance.mul(right_variance), 0.0), deviations);
-  return (left_variance > min_variance) & (right_variance > min_variance) &
-         (covariance > options.min_correlation * deviations);
-}
-
 }  // namespace
 
 cv::Mat1f MatchRectified(const RectifiedPair& pair,
@@ -129,8 +106,15 @@ cv::Mat1f MatchRectified(const RectifiedPair& pair,
             right_from_left,
             {},
             cv::INTER_NEAREST);
-  const cv::Mat1b is_sure = AlikeWindows(pair.left, right_at_left, options) & is_right_whole &
-                            WholeWindows(pair.is_left_inside, window_px);
+  // Windows of both images that have contrast and look alike. Water, noise and burnt-out ground do
+  // not, whatever the matcher made of them.
+  const cv::Mat1b are_alike = AlikeWindows(pair.left,
+                                           right_at_left,
+                                           {options.correlation_window_px,
+                                            options.min_texture_grey * options.min_texture_grey,
+                                            options.min_correlation});
+  const cv::Mat1b is_sure =
+      are_alike & is_right_whole & WholeWindows(pair.is_left_inside, window_px);
   cv::Mat1f matched;
   disparity.convertTo(matched, CV_32F, 1.0 / kDisparityUnit);
   matched.copyTo(disparity_px, is_sure);
