@@ -2,11 +2,29 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace freelsd {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+// How far a pixel lies from the node before it to the next one.
+float Share(int at_px, int node_spacing_px) {
+  return static_cast<float>(at_px % node_spacing_px) / static_cast<float>(node_spacing_px);
+}
+
+// One row of nodes, for every pixel.
+std::vector<cv::Vec2f> AlongRow(const cv::Vec2f* nodes, int num_pixels, int node_spacing_px) {
+  std::vector<cv::Vec2f> sources(static_cast<size_t>(num_pixels));
+  for (int u = 0; u < num_pixels; ++u) {
+    const int col = u / node_spacing_px;
+    const float along = Share(u, node_spacing_px);
+    sources[static_cast<size_t>(u)] = nodes[col] * (1 - along) + nodes[col + 1] * along;
+  }
+  return sources;
+}
 
 }  // namespace
 
@@ -24,17 +42,17 @@ cv::Mat2f RemapTable(
                  : cv::Vec2f(kNaN, kNaN);
     }
   }
-  const float spacing = static_cast<float>(node_spacing_px);
   cv::Mat2f table(size);
+  std::vector<cv::Vec2f> upper, lower = AlongRow(nodes[0], size.width, node_spacing_px);
   for (int v = 0; v < table.rows; ++v) {
-    const int row = v / node_spacing_px;
-    const float down = static_cast<float>(v % node_spacing_px) / spacing;
+    if (v % node_spacing_px == 0) {
+      upper = std::move(lower);
+      lower = AlongRow(nodes[v / node_spacing_px + 1], size.width, node_spacing_px);
+    }
+    const float down = Share(v, node_spacing_px);
     for (int u = 0; u < table.cols; ++u) {
-      const int col = u / node_spacing_px;
-      const float along = static_cast<float>(u % node_spacing_px) / spacing;
-      const cv::Vec2f upper = nodes(row, col) * (1 - along) + nodes(row, col + 1) * along;
-      const cv::Vec2f lower = nodes(row + 1, col) * (1 - along) + nodes(row + 1, col + 1) * along;
-      const cv::Vec2f at = upper * (1 - down) + lower * down;
+      const auto i = static_cast<size_t>(u);
+      const cv::Vec2f at = upper[i] * (1 - down) + lower[i] * down;
       table(v, u) = std::isfinite(at[0] + at[1]) ? at : cv::Vec2f(kNoPixel, kNoPixel);
     }
   }

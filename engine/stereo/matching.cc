@@ -4,14 +4,14 @@
 #include <cmath>
 #include <limits>
 
-#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "engine/stereo/semi_global_matching.h"
+#include "engine/stereo/window_correlation.h"
 
 namespace freelsd {
 namespace {
 
-// OpenCV's matcher gives disparities in sixteenths of a pixel.
-constexpr float kDisparityUnit = 16.0f;
 constexpr int kDisparityStep = 16;
 constexpr int kSpeckleRangePx = 2;
 // Contrast is not stretched more than this: noise would become texture.
@@ -49,21 +49,17 @@ cv::Mat1s Match(const RectifiedPair& pair,
                 const DisparityRange& range,
                 const StereoOptions& options) {
   const int area = options.block_size_px * options.block_size_px;
-  const cv::Ptr<cv::StereoSGBM> matcher =
-      cv::StereoSGBM::create(range.min_px,
-                             range.count,
-                             options.block_size_px,
-                             options.p1_factor * area,
-                             options.p2_factor * area,
-                             options.max_left_right_difference_px,
-                             0,
-                             options.uniqueness_ratio_percent,
-                             options.speckle_size_px,
-                             kSpeckleRangePx,
-                             cv::StereoSGBM::MODE_SGBM_3WAY);
-  cv::Mat1s disparity;
-  matcher->compute(pair.left, right, disparity);
-  return disparity;
+  return MatchSemiGlobally(pair.left,
+                           right,
+                           {range.min_px,
+                            range.count,
+                            options.block_size_px,
+                            options.p1_factor * area,
+                            options.p2_factor * area,
+                            options.max_left_right_difference_px,
+                            options.uniqueness_ratio_percent,
+                            options.speckle_size_px,
+                            kSpeckleRangePx});
 }
 
 // Windows that lie wholly inside the image.
@@ -80,37 +76,13 @@ cv::Mat2f RightFromLeft(const cv::Mat1s& disparity, int min_px) {
   cv::Mat2f table(disparity.size());
   for (int v = 0; v < table.rows; ++v) {
     for (int u = 0; u < table.cols; ++u) {
-      const bool is_matched = disparity(v, u) >= min_px * static_cast<int>(kDisparityUnit);
+      const bool is_matched = disparity(v, u) >= min_px * kDisparityUnit;
       const float column =
           static_cast<float>(u) - static_cast<float>(disparity(v, u)) / kDisparityUnit;
       table(v, u) = cv::Vec2f(is_matched ? column : -1e4f, static_cast<float>(v));
     }
   }
   return table;
-}
-
-cv::Mat1f Blurred(const cv::Mat1f& image, int window_px) {
-  cv::Mat1f mean;
-  cv::blur(image, mean, cv::Size(window_px, window_px));
-  return mean;
-}
-
-// Windows of both images that have contrast and look alike (normalised cross-correlation). Water,
-// noise and burnt-out ground do not, whatever the matcher made of them.
-cv::Mat1b AlikeWindows(const cv::Mat1b& left_image,
-                       const cv::Mat1b& right_at_left,
-                       const StereoOptions& options) {
-  const int window = options.correlation_window_px;
-  const cv::Mat1f left(left_image), right(right_at_left);
-  const cv::Mat1f left_mean = Blurred(left, window), right_mean = Blurred(right, window);
-  const cv::Mat1f left_variance = Blurred(left.mul(left), window) - left_mean.mul(left_mean);
-  const cv::Mat1f right_variance = Blurred(right.mul(right), window) - right_mean.mul(right_mean);
-  const cv::Mat1f covariance = Blurred(left.mul(right), window) - left_mean.mul(right_mean);
-  const double min_variance = options.min_texture_grey * options.min_texture_grey;
-  cv::Mat1f deviations;
-  cv::sqrt(cv::max(left_variance.mul(right_variance), 0.0), deviations);
-  return (left_variance > min_variance) & (right_variance > min_variance) &
-         (covariance > options.min_correlation * deviations);
 }
 
 }  // namespace
@@ -134,8 +106,15 @@ cv::Mat1f MatchRectified(const RectifiedPair& pair,
             right_from_left,
             {},
             cv::INTER_NEAREST);
-  const cv::Mat1b is_sure = AlikeWindows(pair.left, right_at_left, options) & is_right_whole &
-                            WholeWindows(pair.is_left_inside, window_px);
+  // Windows of both images that have contrast and look alike. Water, noise and burnt-out ground do
+  // not, whatever the matcher made of them.
+  const cv::Mat1b are_alike = AlikeWindows(pair.left,
+                                           right_at_left,
+                                           {options.correlation_window_px,
+                                            options.min_texture_grey * options.min_texture_grey,
+                                            options.min_correlation});
+  const cv::Mat1b is_sure =
+      are_alike & is_right_whole & WholeWindows(pair.is_left_inside, window_px);
   cv::Mat1f matched;
   disparity.convertTo(matched, CV_32F, 1.0 / kDisparityUnit);
   matched.copyTo(disparity_px, is_sure);
