@@ -131,7 +131,7 @@ BlockCosts::BlockCosts(const cv::Mat1b& left,
       first_row_(first_row),
       row_(first_row),
       costs_(2 * radius_px_ + 2, columns.count * columns.NumSums()),
-      sums_(1, columns.count * columns.NumSums(), int16_t{0}),
+      sums_(cv::Mat1s::zeros(1, columns.count * columns.NumSums())),
       num_rows_known_(first_row) {}
 
 const uint8_t* BlockCosts::CostsOf(int row) {
