@@ -199,11 +199,12 @@ FREELSD_SEVERAL_TARGETS void SumBackward(const MatchedColumns columns,
     const auto end_cost =
         static_cast<int16_t>(100 * winner.cost / (100 - options.uniqueness_ratio_percent) + 1);
     const Shorts end = zero + end_cost;
-    Shorts near_bits = zero, bit = one;
+    Shorts near_bits = zero;
+    UnsignedShorts bit = reinterpret_cast<UnsignedShorts>(one);
     for (int d = 0; d < num_disparities; d += kNumLanes) {
       Shorts sum;
       Load(sums.costs.data() + d, sum);
-      near_bits |= (sum < end) & bit;
+      near_bits |= (sum < end) & reinterpret_cast<Shorts>(bit);
       bit += bit;
     }
     Shorts neighbours;
