@@ -94,7 +94,6 @@ FREELSD_SEVERAL_TARGETS void PixelCosts(const RowSignals& left,
                                         int mirror_col,
                                         const MatchedColumns& columns,
                                         uint8_t* __restrict__ costs) {
-  typedef uint16_t Halves __attribute__((vector_size(32)));
   const int num_sums = columns.NumSums();
   for (int i = 0; i < columns.count; ++i) {
     const auto left_at = static_cast<size_t>(columns.first + i);
@@ -103,7 +102,8 @@ FREELSD_SEVERAL_TARGETS void PixelCosts(const RowSignals& left,
       Bytes derivative, grey;
       Distances(left.derivative, left_at, right_mirrored.derivative, right_at, derivative);
       Distances(left.grey, left_at, right_mirrored.grey, right_at, grey);
-      const auto quarter = reinterpret_cast<Bytes>(reinterpret_cast<Halves>(grey) >> 2) & 0x3F;
+      const auto quarter =
+          reinterpret_cast<Bytes>(reinterpret_cast<UnsignedShorts>(grey) >> 2) & 0x3F;
       Store(derivative + quarter, costs + i * num_sums + d);
     }
   }
@@ -131,7 +131,7 @@ BlockCosts::BlockCosts(const cv::Mat1b& left,
       first_row_(first_row),
       row_(first_row),
       costs_(2 * radius_px_ + 2, columns.count * columns.NumSums()),
-      sums_(1, columns.count * columns.NumSums(), int16_t{0}),
+      sums_(cv::Mat1s::zeros(1, columns.count * columns.NumSums())),
       num_rows_known_(first_row) {}
 
 const uint8_t* BlockCosts::CostsOf(int row) {

@@ -8,6 +8,7 @@ namespace freelsd {
 constexpr int kNumLanes = 16;
 
 typedef int16_t Shorts __attribute__((vector_size(32)));
+typedef uint16_t UnsignedShorts __attribute__((vector_size(32)));
 typedef uint8_t Bytes __attribute__((vector_size(32)));
 
 template <typename Lanes, typename Value>

@@ -196,13 +196,15 @@ FREELSD_SEVERAL_TARGETS void SumBackward(const MatchedColumns columns,
     winner.is_unique = true;
     if (options.uniqueness_ratio_percent == 0) continue;
     // In sixteen bits, as OpenCV has it.
-    const Shorts end = zero + static_cast<int16_t>(
-                                  100 * winner.cost / (100 - options.uniqueness_ratio_percent) + 1);
-    Shorts near_bits = zero, bit = one;
+    const auto end_cost =
+        static_cast<int16_t>(100 * winner.cost / (100 - options.uniqueness_ratio_percent) + 1);
+    const Shorts end = zero + end_cost;
+    Shorts near_bits = zero;
+    UnsignedShorts bit = reinterpret_cast<UnsignedShorts>(one);
     for (int d = 0; d < num_disparities; d += kNumLanes) {
       Shorts sum;
       Load(sums.costs.data() + d, sum);
-      near_bits |= (sum < end) & bit;
+      near_bits |= (sum < end) & reinterpret_cast<Shorts>(bit);
       bit += bit;
     }
     Shorts neighbours;
@@ -224,10 +226,11 @@ PathCosts::PathCosts(const MatchedColumns& columns, const PathOptions& options)
     : columns_(columns),
       options_(options),
       block_costs_(1, (columns.count + 1) * columns.num_disparities),
-      from_above_(2, columns.count * AboveStride(columns) + kNumLanes, None(options)),
+      from_above_(2, columns.count * AboveStride(columns) + kNumLanes),
       least_from_above_(1, columns.count, int16_t{0}),
       neighbours_(columns.num_disparities, kNumLanes, int16_t{0}) {
   const int num_disparities = columns.num_disparities;
+  std::fill_n(from_above_[0], from_above_.total(), None(options));
   for (int x = 0; x < columns.count; ++x)
     std::fill_n(FromAbove(0) + x * AboveStride(columns), num_disparities, int16_t{0});
   for (int index = 0; index < num_disparities; ++index) {

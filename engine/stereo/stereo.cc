@@ -67,7 +67,7 @@ void StereoOptions::Check() const {
                 "must be odd, in [1, 21]");
   check.Require(p1_factor >= 1, "p1_factor", p1_factor, "must be >= 1");
   check.Require(p2_factor > p1_factor, "p2_factor", p2_factor, "must be > p1_factor");
-  check.Inside("uniqueness_ratio_percent", uniqueness_ratio_percent, 0, 100);
+  check.Inside("uniqueness_ratio_percent", uniqueness_ratio_percent, 0, 99);
   check.Require(speckle_size_px >= 0, "speckle_size_px", speckle_size_px, "must be >= 0");
   check.Require(max_left_right_difference_px >= 0,
                 "max_left_right_difference_px",

@@ -1,10 +1,11 @@
 #include "engine/stereo/window_correlation.h"
 
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
+#include <opencv2/core/hal/hal.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "engine/geometry/geometry.h"
@@ -20,67 +21,95 @@ struct Sums {
   explicit Sums(int num_cols) : a(static_cast<size_t>(num_cols), 0), b(a), aa(a), bb(a), ab(a) {}
 };
 
-struct GreyRows {
+// Two rows of factors.
+struct Factors {
   const uint8_t* a;
   const uint8_t* b;
 };
 
-FREELSD_SEVERAL_TARGETS void Add(GreyRows rows, int num_cols, int sign, Sums& sums) {
-  const uint8_t* __restrict__ a = rows.a;
-  const uint8_t* __restrict__ b = rows.b;
-  int32_t* __restrict__ sum_a = sums.a.data();
-  int32_t* __restrict__ sum_b = sums.b.data();
-  int32_t* __restrict__ sum_aa = sums.aa.data();
-  int32_t* __restrict__ sum_bb = sums.bb.data();
-  int32_t* __restrict__ sum_ab = sums.ab.data();
-  for (int i = 0; i < num_cols; ++i) {
-    const int of_a = sign * a[i], of_b = sign * b[i];
-    sum_a[i] += of_a;
-    sum_b[i] += of_b;
-    sum_aa[i] += of_a * a[i];
-    sum_bb[i] += of_b * b[i];
-    sum_ab[i] += of_a * b[i];
-  }
+FREELSD_SEVERAL_TARGETS void Move(Factors entering,
+                                  Factors leaving,
+                                  int num_cols,
+                                  int32_t* __restrict__ sums) {
+  for (int i = 0; i < num_cols; ++i)
+    sums[i] += entering.a[i] * entering.b[i] - leaving.a[i] * leaving.b[i];
 }
 
-// From sums over columns to sums over windows.
+// From sums over columns to sums over windows; behind the columns stands one more entry.
 void SumAlong(const Sums& columns, int window_px, int num_cols, Sums& windows) {
   for (const auto sums : {&Sums::a, &Sums::b, &Sums::aa, &Sums::bb, &Sums::ab}) {
-    const std::vector<int32_t>& from = columns.*sums;
-    std::vector<int32_t>& to = windows.*sums;
-    int32_t sum = 0;
-    for (int i = 0; i < window_px - 1; ++i) sum += from[static_cast<size_t>(i)];
+    const int32_t* __restrict__ from = (columns.*sums).data();
+    int32_t* __restrict__ to = (windows.*sums).data();
+    int32_t sum = std::accumulate(from, from + window_px, 0);
     for (int i = 0; i < num_cols; ++i) {
-      sum += from[static_cast<size_t>(i + window_px - 1)];
-      to[static_cast<size_t>(i)] = sum;
-      sum -= from[static_cast<size_t>(i)];
+      to[i] = sum;
+      sum += from[i + window_px] - from[i];
     }
   }
 }
 
-FREELSD_SEVERAL_TARGETS void Compare(const Sums& windows,
+FREELSD_SEVERAL_TARGETS void Scale(const int32_t* __restrict__ sums,
+                                   int count,
+                                   double scale,
+                                   float* __restrict__ means) {
+  for (int i = 0; i < count; ++i) means[i] = static_cast<float>(sums[i] * scale);
+}
+
+// Means of products, less the product of the means.
+FREELSD_SEVERAL_TARGETS void Center(const float* __restrict__ means_a,
+                                    const float* __restrict__ means_b,
+                                    int count,
+                                    float* __restrict__ products) {
+  for (int i = 0; i < count; ++i) products[i] -= means_a[i] * means_b[i];
+}
+
+FREELSD_SEVERAL_TARGETS void Multiply(const float* __restrict__ a,
+                                      const float* __restrict__ b,
+                                      int count,
+                                      float* __restrict__ products) {
+  // Less than 0 only if one of them is, which is then too little anyway.
+  for (int i = 0; i < count; ++i) products[i] = std::abs(a[i] * b[i]);
+}
+
+struct Statistics {
+  std::vector<float> mean_a, mean_b, variance_a, variance_b, covariance, deviations;
+
+  explicit Statistics(int num_cols)
+      : mean_a(static_cast<size_t>(num_cols)),
+        mean_b(mean_a),
+        variance_a(mean_a),
+        variance_b(mean_a),
+        covariance(mean_a),
+        deviations(mean_a) {}
+};
+
+void Describe(const Sums& windows, int window_px, Statistics& of) {
+  const auto num_cols = static_cast<int>(windows.a.size());
+  const double scale = 1.0 / (window_px * window_px);
+  Scale(windows.a.data(), num_cols, scale, of.mean_a.data());
+  Scale(windows.b.data(), num_cols, scale, of.mean_b.data());
+  Scale(windows.aa.data(), num_cols, scale, of.variance_a.data());
+  Scale(windows.bb.data(), num_cols, scale, of.variance_b.data());
+  Scale(windows.ab.data(), num_cols, scale, of.covariance.data());
+  Center(of.mean_a.data(), of.mean_a.data(), num_cols, of.variance_a.data());
+  Center(of.mean_b.data(), of.mean_b.data(), num_cols, of.variance_b.data());
+  Center(of.mean_a.data(), of.mean_b.data(), num_cols, of.covariance.data());
+  Multiply(of.variance_a.data(), of.variance_b.data(), num_cols, of.deviations.data());
+  cv::hal::sqrt32f(of.deviations.data(), of.deviations.data(), num_cols);
+}
+
+FREELSD_SEVERAL_TARGETS void Compare(const Statistics& of,
                                      int num_cols,
                                      const CorrelationOptions& options,
                                      uint8_t* __restrict__ are_alike) {
-  const double scale = 1.0 / (options.window_px * options.window_px);
   const auto min_variance = static_cast<float>(options.min_variance);
   const auto min_correlation = static_cast<float>(options.min_correlation);
-  const int32_t* __restrict__ sum_a = windows.a.data();
-  const int32_t* __restrict__ sum_b = windows.b.data();
-  const int32_t* __restrict__ sum_aa = windows.aa.data();
-  const int32_t* __restrict__ sum_bb = windows.bb.data();
-  const int32_t* __restrict__ sum_ab = windows.ab.data();
+  const float *variance_a = of.variance_a.data(), *variance_b = of.variance_b.data();
+  const float *covariance = of.covariance.data(), *deviations = of.deviations.data();
   for (int i = 0; i < num_cols; ++i) {
-    const auto mean_a = static_cast<float>(sum_a[i] * scale);
-    const auto mean_b = static_cast<float>(sum_b[i] * scale);
-    const float variance_a = static_cast<float>(sum_aa[i] * scale) - mean_a * mean_a;
-    const float variance_b = static_cast<float>(sum_bb[i] * scale) - mean_b * mean_b;
-    const float covariance = static_cast<float>(sum_ab[i] * scale) - mean_a * mean_b;
-    const float product = variance_a * variance_b;
-    const float deviations = std::sqrt(product > 0.0F ? product : 0.0F);
-    const int are = static_cast<int>(variance_a > min_variance) &
-                    static_cast<int>(variance_b > min_variance) &
-                    static_cast<int>(covariance > min_correlation * deviations);
+    const int are = static_cast<int>(variance_a[i] > min_variance) &
+                    static_cast<int>(variance_b[i] > min_variance) &
+                    static_cast<int>(covariance[i] > min_correlation * deviations[i]);
     are_alike[i] = static_cast<uint8_t>(-are);
   }
 }
@@ -103,15 +132,26 @@ cv::Mat1b Framed(const cv::Mat1b& image, int width_px) {
 cv::Mat1b AlikeWindows(const cv::Mat1b& a, const cv::Mat1b& b, const CorrelationOptions& options) {
   const int window_px = options.window_px;
   const cv::Mat1b framed_a = Framed(a, window_px / 2), framed_b = Framed(b, window_px / 2);
-  const auto rows = [&](int y) { return GreyRows{framed_a[y], framed_b[y]}; };
-  Sums columns(framed_a.cols), windows(a.cols);
+  const auto num_cols = static_cast<size_t>(framed_a.cols);
+  const std::vector<uint8_t> black(num_cols, 0), ones(num_cols, 1);
+  Sums columns(framed_a.cols + 1), windows(a.cols);
+  Statistics statistics(a.cols);
+  const auto move = [&](const Factors& entering, const Factors& leaving) {
+    const uint8_t* one = ones.data();
+    Move({entering.a, one}, {leaving.a, one}, framed_a.cols, columns.a.data());
+    Move({entering.b, one}, {leaving.b, one}, framed_a.cols, columns.b.data());
+    Move({entering.a, entering.a}, {leaving.a, leaving.a}, framed_a.cols, columns.aa.data());
+    Move({entering.b, entering.b}, {leaving.b, leaving.b}, framed_a.cols, columns.bb.data());
+    Move(entering, leaving, framed_a.cols, columns.ab.data());
+  };
+  const auto rows = [&](int y) { return Factors{framed_a[y], framed_b[y]}; };
   cv::Mat1b are_alike(a.size());
-  for (int y = 0; y < window_px - 1; ++y) Add(rows(y), framed_a.cols, 1, columns);
+  for (int y = 0; y < window_px; ++y) move(rows(y), {black.data(), black.data()});
   for (int y = 0; y < a.rows; ++y) {
-    Add(rows(y + window_px - 1), framed_a.cols, 1, columns);
+    if (y > 0) move(rows(y + window_px - 1), rows(y - 1));
     SumAlong(columns, window_px, a.cols, windows);
-    Compare(windows, a.cols, options, are_alike[y]);
-    Add(rows(y), framed_a.cols, -1, columns);
+    Describe(windows, window_px, statistics);
+    Compare(statistics, a.cols, options, are_alike[y]);
   }
   return are_alike;
 }

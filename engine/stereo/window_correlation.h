@@ -8,7 +8,7 @@ namespace freelsd {
 struct CorrelationOptions {
   // Odd.
   int window_px = 15;
-  // Of the grey levels of each window.
+  // Of the grey levels of each window; not negative.
   double min_variance = 0.0;
   // Normalised cross-correlation.
   double min_correlation = 0.0;

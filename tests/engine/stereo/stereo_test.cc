@@ -271,7 +271,7 @@ TEST_CASE("stereo: Check names field, value and constraint") {
   refuses(&StereoOptions::relief_margin_m, -1.0);
   refuses(&StereoOptions::p1_factor, 0);
   refuses(&StereoOptions::p2_factor, 8);
-  refuses(&StereoOptions::uniqueness_ratio_percent, 101);
+  refuses(&StereoOptions::uniqueness_ratio_percent, 100);
   refuses(&StereoOptions::speckle_size_px, -1);
   refuses(&StereoOptions::max_left_right_difference_px, -1);
   refuses(&StereoOptions::min_texture_grey, -0.1);
