@@ -41,7 +41,8 @@ int64_t ChecksumOf(const RecallRow& row) {
 // Rows of versions without a checksum are taken as they are.
 template <typename Row>
 Row Checked(const Row& row, const Statement& statement, int column) {
-  if (statement.OptionalInt(column).value_or(ChecksumOf(row)) != ChecksumOf(row)) {
+  const std::optional<int64_t> stored = statement.OptionalInt(column);
+  if (stored && *stored != ChecksumOf(row)) {
     throw StorageError("read a site", "its checksum is wrong", StorageFault::kDamaged);
   }
   return row;
