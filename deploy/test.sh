@@ -118,7 +118,7 @@ passed
 
 sanitized=(engine storage api)
 start_step "building (sanitizers)"
-build asan "${sanitized[@]/%/_tests}" 2>&1 | tee "$work/build.log"
+build asan freelsd-libfuzzer "${sanitized[@]/%/_tests}" 2>&1 | tee "$work/build.log"
 refuse_warnings "$work/build.log"
 passed
 
@@ -128,6 +128,11 @@ passed
 
 start_step "parsers on changed seeds"
 build/release/tests/freelsd-fuzz tests/fuzz/seeds --seconds 2
+passed
+
+# Four of the targets, others every hour: all of them have had their minute after four runs.
+start_step "parsers below libFuzzer"
+tests/fuzz/run.sh --rotate 4 60
 passed
 
 port="$(free_port 18080)"

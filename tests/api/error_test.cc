@@ -32,7 +32,7 @@ TEST_CASE("error: what can be tried again says when") {
 
 TEST_CASE("error: an unknown code is the server's fault, and bytes that are no text do no harm") {
   CHECK(ApiError("Whatever", "").http_status() == 500);
-  CHECK_NOTHROW(nlohmann::json::parse(ProblemJson(ApiError("InvalidJson", "\xff\xfe"))));
+  CHECK(nlohmann::json::parse(ProblemJson(ApiError("InvalidJson", "\xff\xfe"))).is_object());
 }
 
 TEST_CASE("json: strict") {

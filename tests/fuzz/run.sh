@@ -1,24 +1,44 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets with clang below libFuzzer, and runs them.
+# Runs the fuzz targets below libFuzzer with both sanitizers, one on each core.
 #
-#   tests/fuzz/run.sh [SECONDS [TARGET...]]
+#   tests/fuzz/run.sh [--rotate NUM] [SECONDS [TARGET...]]
 #
-# 60 seconds each by default, all of tests/fuzz/seeds. New inputs are kept in build/fuzz/corpus.
+# 60 seconds each by default, all of tests/fuzz/seeds; with --rotate NUM of them, other ones every
+# hour. New inputs and what each run said are kept in build/asan/fuzz.
 set -Eeuo pipefail
 cd "$(dirname "$0")/../.."
-command -v clang++ >/dev/null || { echo "run.sh: SKIPPED: clang++ is not installed" >&2; exit 0; }
+num_rotated=0
+if [ "${1:-}" = --rotate ]; then
+  num_rotated="${2:?--rotate needs a number}"
+  shift 2
+fi
 seconds="${1:-60}"
 shift || true
 targets=("$@")
-if [ ${#targets[@]} -eq 0 ]; then targets=($(ls tests/fuzz/seeds)); fi
-flags="-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined"
-cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DFREELSD_FUZZ=ON \
-  -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_FLAGS="$flags" -DCMAKE_CXX_FLAGS_RELWITHDEBINFO="-O1 -g1"
-cmake --build build/fuzz --target freelsd-libfuzzer -j "${JOBS:-$(nproc)}"
-for target in "${targets[@]}"; do
-  echo "-- $target"
-  mkdir -p "build/fuzz/corpus/$target"
-  FREELSD_FUZZ_TARGET="$target" build/fuzz/tests/freelsd-libfuzzer -max_total_time="$seconds" \
-    -timeout=5 -rss_limit_mb=1024 -max_len=200000 -print_final_stats=0 -verbosity=0 \
-    "build/fuzz/corpus/$target" "tests/fuzz/seeds/$target"
-done
+if [ ${#targets[@]} -eq 0 ]; then mapfile -t targets < <(ls tests/fuzz/seeds); fi
+if [ "$num_rotated" -gt 0 ]; then
+  first=$(($(date +%s) / 3600 * num_rotated % ${#targets[@]}))
+  targets=("${targets[@]:first}" "${targets[@]:0:first}")
+  targets=("${targets[@]:0:num_rotated}")
+fi
+
+cmake --preset asan >/dev/null
+cmake --build --preset asan --target freelsd-libfuzzer -j "${JOBS:-$(nproc)}"
+
+fuzz() {
+  local target="$1" kept="build/asan/fuzz"
+  mkdir -p "$kept/$target"
+  if FREELSD_FUZZ_TARGET="$target" build/asan/tests/freelsd-libfuzzer -max_total_time="$seconds" \
+    -timeout=5 -rss_limit_mb=1024 -max_len=200000 -verbosity=0 -print_final_stats=1 \
+    -artifact_prefix="$kept/$target-" "$kept/$target" "tests/fuzz/seeds/$target" \
+    >"$kept/$target.log" 2>&1; then
+    echo "$target: $(sed -n 's/^stat::number_of_executed_units: *//p' "$kept/$target.log") inputs, 0 findings"
+  else
+    tail -n 60 "$kept/$target.log"
+    echo "$target: FOUND, see $kept/$target-*"
+    return 1
+  fi
+}
+export -f fuzz
+export seconds
+printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I{} bash -c 'fuzz {}'

@@ -70,10 +70,11 @@ TEST_CASE("adjustment: derivatives by hand are those found automatically, for ev
                                                    {31.0, 12.0, 2.0},
                                                    {1.02, 0.03, -0.01, 2e-3, -1e-3, 0.01, -0.02},
                                                    {0.01, -0.02, 0.005, -0.03, 0.015, 0.02}};
-  for (const auto& [model, coefficients] :
+  for (const auto& [each, coefficients] :
        {std::pair{DistortionModel::kNone, std::vector<double>{}},
         std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
         std::pair{DistortionModel::kEquidistant, std::vector<double>{0.02, -0.01, 3e-3, 1e-3}}}) {
+    const DistortionModel model = each;
     CAPTURE(static_cast<int>(model));
     camera.distortion = model;
     camera.coefficients = coefficients;

@@ -25,8 +25,10 @@ Eigen::Vector2d Seen(const Rigid3d& world_from_camera, const Eigen::Vector3d& po
   return (Inverse(world_from_camera) * point).hnormalized();
 }
 
-Row FlyRow(int count, double spacing_m, double gps_sd_m, double tilt_sd_deg = 6.0) {
-  std::mt19937 generator(7);
+// Compilers differ in the order in which arguments are made: each draw stands alone.
+Row FlyRow(
+    int count, double spacing_m, double gps_sd_m, double tilt_sd_deg = 6.0, unsigned seed = 7) {
+  std::mt19937 generator(seed);
   std::normal_distribution<double> normal;
   const Rigid3d mount = Rig{}.body_from_camera;
   Row row;
@@ -34,13 +36,15 @@ Row FlyRow(int count, double spacing_m, double gps_sd_m, double tilt_sd_deg = 6.
     const EulerAngles attitude{RadFromDeg(tilt_sd_deg * normal(generator)),
                                RadFromDeg(tilt_sd_deg * normal(generator)),
                                RadFromDeg(50.0)};
-    const Eigen::Vector3d position(
-        spacing_m * i, 3.0 * normal(generator), kHeightM + 2.0 * normal(generator));
+    const double up_m = kHeightM + 2.0 * normal(generator);
+    const double aside_m = 3.0 * normal(generator);
+    const Eigen::Vector3d position(spacing_m * i, aside_m, up_m);
     row.world_from_camera.push_back(Rigid3d{WorldFromNed() * NedFromBody(attitude), position} *
                                     mount);
     AlignmentFrame frame;
-    frame.position_in_world =
-        position + gps_sd_m * Eigen::Vector3d(normal(generator), normal(generator), 0.0);
+    const double north = normal(generator);
+    const double east = normal(generator);
+    frame.position_in_world = position + gps_sd_m * Eigen::Vector3d(east, north, 0.0);
     frame.position_sd_m = std::max(gps_sd_m, 0.5);
     row.frames.push_back(frame);
   }
@@ -50,8 +54,10 @@ Row FlyRow(int count, double spacing_m, double gps_sd_m, double tilt_sd_deg = 6.
     pair.a = static_cast<size_t>(i - 1);
     pair.b = static_cast<size_t>(i);
     for (int k = 0; k < 60; ++k) {
-      const Eigen::Vector3d point(
-          spacing_m * (i - 0.5) + spread(generator), spread(generator), normal(generator));
+      const double up_m = normal(generator);
+      const double north_m = spread(generator);
+      const double east_m = spacing_m * (i - 0.5) + spread(generator);
+      const Eigen::Vector3d point(east_m, north_m, up_m);
       pair.points_a.push_back(Seen(row.world_from_camera[i - 1], point));
       pair.points_b.push_back(Seen(row.world_from_camera[i], point));
     }
@@ -62,23 +68,33 @@ Row FlyRow(int count, double spacing_m, double gps_sd_m, double tilt_sd_deg = 6.
 
 const AlignmentOptions kOptions{.nadir_sd = RadFromDeg(8.0), .max_heading_sd = RadFromDeg(15.0)};
 
-double MedianErrorDeg(const Row& row, const std::vector<AlignmentFrame>& solved) {
+std::vector<double> ErrorsDeg(const Row& row, const std::vector<AlignmentFrame>& solved) {
   std::vector<double> errors;
   for (size_t i = 0; i < solved.size(); ++i) {
     errors.push_back(
         DegFromRad(AngleBetween(solved[i].world_from_camera, row.world_from_camera[i].rotation)));
   }
-  std::nth_element(
-      errors.begin(), errors.begin() + static_cast<long>(errors.size() / 2), errors.end());
-  return errors[errors.size() / 2];
+  return errors;
+}
+
+double Median(std::vector<double> errors) {
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  return *middle;
 }
 
 TEST_CASE("planar alignment: tilted, crabbing photographs get their attitude within 3 degrees") {
   constexpr double kMaxErrorDeg = 3.0;
   constexpr double kMaxHeightErrorM = 6.0;
+  std::vector<double> errors_deg;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Row row = FlyRow(8, 35.0, 1.5, 6.0, seed);
+    const auto of_row = ErrorsDeg(row, AlignToGround(row.frames, row.pairs, kOptions));
+    errors_deg.insert(errors_deg.end(), of_row.begin(), of_row.end());
+  }
+  CHECK(Median(errors_deg) < kMaxErrorDeg);
   const Row row = FlyRow(8, 35.0, 1.5);
   const std::vector<AlignmentFrame> solved = AlignToGround(row.frames, row.pairs, kOptions);
-  CHECK(MedianErrorDeg(row, solved) < kMaxErrorDeg);
   for (size_t i = 0; i < solved.size(); ++i) {
     CHECK(solved[i].is_solved);
     CHECK(std::abs(solved[i].height_above_ground - row.world_from_camera[i].translation.z()) <
@@ -94,7 +110,7 @@ TEST_CASE("planar alignment: a third of wrong matches does not matter much") {
       std::swap(pair.points_a[k], pair.points_a[k + 1]);
     }
   }
-  CHECK(MedianErrorDeg(row, AlignToGround(row.frames, row.pairs, kOptions)) < kMaxErrorDeg);
+  CHECK(Median(ErrorsDeg(row, AlignToGround(row.frames, row.pairs, kOptions))) < kMaxErrorDeg);
 }
 
 TEST_CASE("planar alignment: a frame beside a held one takes over its truth") {
