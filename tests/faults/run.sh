@@ -5,7 +5,7 @@
 #                       [--build DIR] [--out FILE]
 #
 #   --short    less than a minute, the default
-#   --long     the sizes of RESULTS.md: an hour; writes tests/faults/RESULTS.md unless --out says else
+#   --long     the sizes of RESULTS.md: an hour; all rows go to tests/faults/RESULTS.md unless --out says else
 #   --rows     only these rows of faults.py, by name
 #   --sizes    how often, instead of the form's number: kill=50
 #   --minutes  of the soak
@@ -20,18 +20,20 @@ build="$root/build/release"
 arguments=()
 out=""
 is_long=no
+has_all_rows=yes
 while [ $# -gt 0 ]; do
   case "$1" in
     --short) shift ;;
     --long) is_long=yes; arguments+=(--long); shift ;;
     --build) build="$(realpath "${2:?--build needs a folder}")"; shift 2 ;;
     --out) out="${2:?--out needs a file}"; shift 2 ;;
-    --rows | --sizes | --minutes) arguments+=("$1" "${2:?$1 needs a value}"); shift 2 ;;
+    --rows) has_all_rows=no; arguments+=("$1" "${2:?$1 needs a value}"); shift 2 ;;
+    --sizes | --minutes) arguments+=("$1" "${2:?$1 needs a value}"); shift 2 ;;
     -h | --help) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"; exit 0 ;;
     *) echo "run.sh: unknown argument $1" >&2; exit 1 ;;
   esac
 done
-if [ "$is_long" = yes ] && [ -z "$out" ]; then out="$here/RESULTS.md"; fi
+if [ "$is_long" = yes ] && [ "$has_all_rows" = yes ] && [ -z "$out" ]; then out="$here/RESULTS.md"; fi
 if [ -n "$out" ]; then arguments+=(--out "$out"); fi
 
 work="$(mktemp -d)"
