@@ -163,9 +163,7 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
   visit("readout_rate_sd_deg_s",
         o.readout_rate_sd_deg_s,
         "how fast the image may slide while a rolling shutter reads it");
-  visit("readout_change_sd_deg_s2",
-        o.readout_change_sd_deg_s2,
-        "how fast that changes meanwhile");
+  visit("readout_change_sd_deg_s2", o.readout_change_sd_deg_s2, "how fast that changes meanwhile");
   visit("exif_readout_s", o.exif_readout_s, "time of readout of an EXIF camera");
   visit("max_num_iterations", o.max_num_iterations, "of the solver");
   visit("num_refinement_tracks",
@@ -298,6 +296,12 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("max_surroundings_deviations",
         o.max_surroundings_deviations,
         "what is farther from the surroundings is none of them");
+  visit("min_fence_deviations",
+        o.min_fence_deviations,
+        "a thin dark line in a meadow, against what is beside it; 0: not looked for");
+  visit("fence_filter_length_m", o.fence_filter_length_m, "its length");
+  visit("min_post_deviations", o.min_post_deviations, "how dark a post is in it");
+  visit("min_num_posts", o.min_num_posts, "posts that stand apart on it, at least");
 }
 
 template <class Visitor>

@@ -164,7 +164,7 @@ void WarnOfCoarseImages(Evaluation& evaluation, const PipelineOptions& options) 
   if (*middle <= options.hazard.max_telling_sampling_m) return;
   evaluation.warnings.push_back(
       "a pixel shows " + std::to_string(std::lround(100.0 * *middle)) +
-      " cm of ground: too much to tell green crops and water with algae from grass");
+      " cm of ground: too much to tell green crops, water with algae and fences from grass");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "engine/check/check.h"
 #include "engine/hazard/distance_transform.h"
+#include "engine/hazard/fences.h"
 #include "engine/hazard/grass.h"
 #include "engine/hazard/look_alikes.h"
 #include "engine/hazard/raised_fields.h"
@@ -95,6 +96,10 @@ void HazardOptions::Check() const {
   check.Inside("object_surroundings_m", object_surroundings_m, 1.0, 40.0);
   check.Inside("min_object_area_m2", min_object_area_m2, 0.0, 1000.0);
   check.Inside("max_surroundings_deviations", max_surroundings_deviations, 0.5, 1000.0);
+  check.Inside("min_fence_deviations", min_fence_deviations, 0.0, 1000.0);
+  check.Inside("fence_filter_length_m", fence_filter_length_m, 4.0, 100.0);
+  check.Inside("min_post_deviations", min_post_deviations, 0.0, 1000.0);
+  check.Inside("min_num_posts", min_num_posts, 0, 100);
 }
 
 HazardLayers AssessHazards(const ElevationMap& map,
@@ -118,11 +123,16 @@ HazardLayers AssessHazards(const ElevationMap& map,
   if (!photo.image.empty()) {
     layers.grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
   }
-  if (options.min_raised_step_m > 0.0 && !elevation.empty()) {
-    // By limits of its own: WithLimits looks for no crops.
+  if (!elevation.empty()) {
+    // By limits of its own: WithLimits looks for neither crops nor fences.
     const HazardLimits even{options.max_even_slope_deg, options.max_even_roughness_m};
     const cv::Mat1b is_even = ClassesOf(map, layers, even, options) == kFree;
-    layers.grass.setTo(0.0f, RaisedFields(is_even, elevation, cell_size_m, options));
+    if (options.min_raised_step_m > 0.0) {
+      layers.grass.setTo(0.0f, RaisedFields(is_even, elevation, cell_size_m, options));
+    }
+    if (options.min_fence_deviations > 0.0 && !photo.image.empty()) {
+      layers.grass.setTo(0.0f, FindFences(photo, is_even, map.grid, options));
+    }
   }
   Classify(map, limits, options, layers);
   return layers;

@@ -15,7 +15,8 @@ struct HazardOptions {
   // --- Behaviour ---
   // Posterior over the observations of a cell, or the paper's OR of all fine masks.
   GrassFusion grass_fusion = GrassFusion::kPosterior;
-  double min_grass_posterior = 0.8;
+  // More than one view alone can give: a second one must agree.
+  double min_grass_posterior = 0.95;
   // Limits of one observation's probability: no single view is ever certain.
   double min_observation_probability = 0.1;
   double max_observation_probability = 0.9;
@@ -52,8 +53,8 @@ struct HazardOptions {
   // Distance of neighbouring tracks: the width of sprayers. Narrower ones are of mowers.
   double min_working_width_m = 6.0;
   double max_working_width_m = 42.0;
-  // Where a pixel shows more ground than this, neither ruts nor rows can be seen: an evaluation
-  // warns.
+  // Where a pixel shows more ground than this, neither ruts nor rows nor fences can be seen: an
+  // evaluation warns.
   double max_telling_sampling_m = 0.35;
   // What is sprayed reaches half a working width from a track, and this far beyond.
   double sprayed_margin_m = 2.0;
@@ -87,6 +88,13 @@ struct HazardOptions {
   double min_object_area_m2 = 0.4;
   // What is farther from them than this does not count as surroundings when they are taken anew.
   double max_surroundings_deviations = 3.5;
+  // Fences: how dark a line of that length is against what is beside it, in deviations of lines
+  // anywhere, and how many posts stand apart on it, each as many deviations of cells darker than
+  // what surrounds it. 0: not looked for.
+  double min_fence_deviations = 3.0;
+  double fence_filter_length_m = 16.0;
+  double min_post_deviations = 4.0;
+  int min_num_posts = 4;
 
   void Check() const;
 };

@@ -142,7 +142,8 @@ PlanRequest WholeMap(const Eigen::Vector2d& wind) {
 // Everything from points to a touchdown with its approach.
 Contest DecisionLayers(const std::string& name, HeightFusion fusion) {
   const auto pairs = std::make_shared<std::vector<Points>>(PaperPoints());
-  const auto views = std::make_shared<std::vector<GrassView>>(GrassFromAbove(1));
+  // Two: one view alone is not enough for grass.
+  const auto views = std::make_shared<std::vector<GrassView>>(GrassFromAbove(2));
   return {name,
           "4.2e6 points, 300x300 cells",
           [=] {

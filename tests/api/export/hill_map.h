@@ -39,7 +39,7 @@ inline SiteMap HillMap() {
   view.camera.cx_px = view.camera.cy_px = 99.5;
   view.mask = cv::Mat1b(200, 200, 255);
   view.mask.colRange(140, 200).setTo(1);
-  layers = AssessHazards(map, {view}, {}, {});
+  layers = AssessHazards(map, {view, view}, {}, {});
   return site_map;
 }
 

@@ -14,6 +14,7 @@ namespace freelsd {
 namespace {
 
 using photo::NadirView;
+using photo::TwoNadirViews;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr uint8_t kSurelyGrass = 255;
@@ -52,7 +53,7 @@ void MakeUnseen(ElevationMap& map, int row, int col) {
 }
 
 HazardLayers Assess(const ElevationMap& map, const HazardOptions& options = {}) {
-  return AssessHazards(map, {NadirView(kSurelyGrass)}, {}, options);
+  return AssessHazards(map, TwoNadirViews(kSurelyGrass), {}, options);
 }
 
 TEST_CASE("hazard: an even plane keeps its slope within 0.1 degrees at eight aspects") {
@@ -167,7 +168,7 @@ TEST_CASE("hazard: unknown is never safe: holes shrink the distance to hazard or
 }
 
 TEST_CASE("hazard: an empty or wholly unseen map has no free cell") {
-  const HazardLayers none = AssessHazards(ElevationMap{}, {NadirView(kSurelyGrass)}, {}, {});
+  const HazardLayers none = AssessHazards(ElevationMap{}, TwoNadirViews(kSurelyGrass), {}, {});
   CHECK(none.hazard.empty());
   ElevationMap unseen = FlatMap(9);
   for (int i = 0; i < 81; ++i) MakeUnseen(unseen, i / 9, i % 9);
@@ -255,6 +256,13 @@ TEST_CASE(
   CHECK(grass_share(on_grass, {}) > 0.999);
 }
 
+TEST_CASE("hazard: one view alone is never enough for grass, two that agree are") {
+  const ElevationMap map = FlatMap(20);
+  const std::vector<GrassView> one{NadirView(kSurelyGrass)};
+  CHECK(AssessHazards(map, one, {}, {}).hazard(10, 10) == kHazard);
+  CHECK(AssessHazards(map, TwoNadirViews(kSurelyGrass), {}, {}).hazard(10, 10) == kFree);
+}
+
 TEST_CASE("hazard: many agreeing views never make certainty, and a tie is not grass") {
   const ElevationMap map = FlatMap(20);
   const std::vector<GrassView> many(50, NadirView(kSurelyGrass));
@@ -278,7 +286,7 @@ TEST_CASE("hazard: other limits on stored layers give what a new assessment give
   const ElevationMap map = MapOf(60, [](double east, double north) {
     return 3.0 * std::sin(east / 8.0) + 2.0 * std::cos(north / 5.0);
   });
-  const std::vector<GrassView> views{NadirView(kSurelyGrass)};
+  const std::vector<GrassView> views = TwoNadirViews(kSurelyGrass);
   const HazardLimits steep{.max_slope_deg = 15.0, .max_roughness_m = 0.9};
   const HazardLayers anew = AssessHazards(map, views, steep, {});
   const HazardLayers renewed = WithLimits(map, AssessHazards(map, views, {}, {}), steep, {});
@@ -293,7 +301,7 @@ TEST_CASE("hazard: a closed crop that one aircraft's limits refuse is no meadow 
     const bool is_crop = std::max(std::abs(east), std::abs(north)) < 20.0;
     return 100.0 + (is_crop ? 1.2 : 0.0) + 0.03 * std::sin(3.0 * east) * std::sin(2.0 * north);
   });
-  const std::vector<GrassView> views{NadirView(kSurelyGrass)};
+  const std::vector<GrassView> views = TwoNadirViews(kSurelyGrass);
   const HazardLimits strict{.max_slope_deg = 8.0, .max_roughness_m = 0.0};
   const HazardLayers refused = AssessHazards(map, views, strict, {});
   REQUIRE(cv::countNonZero(refused.hazard == kFree) == 0);
@@ -325,6 +333,8 @@ TEST_CASE("hazard: Check names field, value and constraint") {
   CHECK(is_refused([](HazardOptions& o) { o.roughness_spacing_m = 0.0; }));
   CHECK(is_refused([](HazardOptions& o) { o.upper_margin_m = -1.0; }));
   CHECK(is_refused([](HazardOptions& o) { o.max_standard_deviation_m = 0.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.fence_filter_length_m = 1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.min_num_posts = -1; }));
   HazardOptions options;
   options.plane_support_m = 0.0;
   CHECK_THROWS_WITH_AS(

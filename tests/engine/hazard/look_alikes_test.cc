@@ -233,8 +233,8 @@ ElevationMap FlatMapOn(const Grid& grid) {
 TEST_CASE("look-alikes: with a photograph such cells are hazard and no grass, under any limits") {
   const Orthophoto photo = Countryside();
   const ElevationMap map = FlatMapOn(MapGridOf(photo));
-  const HazardLayers without = AssessHazards(map, {photo::NadirView(kSurelyGrass)}, {}, {});
-  const HazardLayers with = AssessHazards(map, {photo::NadirView(kSurelyGrass)}, {}, {}, photo);
+  const HazardLayers without = AssessHazards(map, photo::TwoNadirViews(kSurelyGrass), {}, {});
+  const HazardLayers with = AssessHazards(map, photo::TwoNadirViews(kSurelyGrass), {}, {}, photo);
   const HazardLayers renewed = WithLimits(map, with, {.max_slope_deg = 20.0}, {});
   for (const Eigen::Vector2d& place : {kInRows, kInPond, kInTracks}) {
     const cv::Point cell = *map.grid.CellAt(place);
@@ -252,8 +252,8 @@ TEST_CASE("look-alikes: with a photograph such cells are hazard and no grass, un
 TEST_CASE("look-alikes: a picture in which all is as it should be changes nothing") {
   const Orthophoto photo = Painted(kSideM, Meadow());
   const ElevationMap map = FlatMapOn(MapGridOf(photo));
-  const HazardLayers without = AssessHazards(map, {photo::NadirView(kSurelyGrass)}, {}, {});
-  const HazardLayers with = AssessHazards(map, {photo::NadirView(kSurelyGrass)}, {}, {}, photo);
+  const HazardLayers without = AssessHazards(map, photo::TwoNadirViews(kSurelyGrass), {}, {});
+  const HazardLayers with = AssessHazards(map, photo::TwoNadirViews(kSurelyGrass), {}, {}, photo);
   CHECK(cv::countNonZero(with.hazard != without.hazard) == 0);
   CHECK(cv::countNonZero(without.hazard == kFree) > 0);
 }

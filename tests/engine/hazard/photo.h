@@ -88,4 +88,7 @@ inline GrassView NadirView(uint8_t value) {
   return view;
 }
 
+// As many as it takes to call a cell grass.
+inline std::vector<GrassView> TwoNadirViews(uint8_t value) { return {2, NadirView(value)}; }
+
 }  // namespace freelsd::photo
