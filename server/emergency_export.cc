@@ -17,8 +17,8 @@ constexpr size_t kMaxNumExported = 1000;
 std::vector<StoredSite> SitesIn(const Service& service, const BoundingBox& box) {
   std::vector<nlohmann::json> features;
   std::map<std::string, SiteRow> rows;
-  for (const RecallRow& recall : service.storage.ListRecallable(box)) {
-    std::optional<SiteRow> row = service.storage.FindSite(recall.site_id);
+  for (const auto& recall : service.storage.ListRecallable(box)) {
+    std::optional<SiteRow> row = service.storage.FindSite(recall->site_id);
     if (!row || !rows.emplace(row->id, *row).second) continue;
     features.push_back(nlohmann::json::parse(row->feature_json));
   }

@@ -27,14 +27,14 @@ struct Reached {
 };
 
 // Each once: a box that crosses the antimeridian is looked at in two parts.
-std::vector<RecallRow> RowsWithin(const Service& service,
-                                  const EmergencyRequest& request,
-                                  double reach_m) {
+SharedRows<RecallRow> RowsWithin(const Service& service,
+                                 const EmergencyRequest& request,
+                                 double reach_m) {
   const BoundingBox box = BoxAround(request.place, reach_m);
-  std::vector<RecallRow> rows = service.storage.ListRecallable(box);
+  SharedRows<RecallRow> rows = service.storage.ListRecallable(box);
   if (box.west_deg > box.east_deg) {
     std::set<std::string> ids;
-    std::erase_if(rows, [&ids](const RecallRow& row) { return !ids.insert(row.site_id).second; });
+    std::erase_if(rows, [&ids](const auto& row) { return !ids.insert(row->site_id).second; });
   }
   return rows;
 }
@@ -65,7 +65,7 @@ nlohmann::json AnswerOf(const RecallCandidate& candidate,
           {"verdict", plan.verdict == Verdict::kLandable ? "landable" : "unverified"},
           {"unseen_ratio", plan.approach->unseen_ratio},
           {"distance_m", candidate.distance_m},
-          {"bearing_deg", candidate.bearing_deg},
+          {"bearing_deg", DegFromRad(HeadingOf(candidate.way_m))},
           {"datum_penalty_m", candidate.datum_penalty_m},
           {"time_s", glide.time_s},
           {"score", candidate.score},
@@ -182,7 +182,7 @@ Search SearchAmong(const Service& service,
 
 nlohmann::json RecallSites(const Service& service, const EmergencyRequest& request) {
   double reach_m = GreatestReach(request, service.storage.BoundsOfRecallable());
-  std::vector<RecallRow> rows = RowsWithin(service, request, reach_m);
+  SharedRows<RecallRow> rows = RowsWithin(service, request, reach_m);
   std::vector<RecallCandidate> candidates = Candidates(request, rows, kNumRanked);
   Search search = SearchAmong(service, request, candidates);
   // Nothing can be reached: how near the nearest miss is, is looked for ever farther out.

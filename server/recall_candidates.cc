@@ -49,32 +49,42 @@ std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
   }
 }
 
+// What is the same for all sites of one aircraft.
+struct Glider {
+  StraightGlide glide;
+  double approach_height_m = 0.0;
+};
+
 double StraightMargin(const EmergencyRequest& request,
                       const RecallCandidate& candidate,
                       double within_m,
-                      const Aircraft& aircraft) {
+                      const Glider& glider) {
   const GlideStart start = StartOf(request, {0.0, 0.0, request.place.altitude_m});
-  const auto lost =
-      LeastHeightLost(start, WayTo(*candidate.row, request.place), within_m, aircraft);
+  const auto lost = LeastHeightLost(start, candidate.way_m, within_m, glider.glide);
   if (!lost) return -std::numeric_limits<double>::infinity();
   return request.place.altitude_m - candidate.datum_penalty_m - *lost -
-         candidate.row->data.altitude_m - aircraft.approach_height_m;
+         candidate.row->data.altitude_m - glider.approach_height_m;
+}
+
+std::optional<Glider> GliderOf(const EmergencyRequest& request, const std::string& aircraft_json) {
+  const std::optional<Aircraft> aircraft = AircraftOf(request, aircraft_json);
+  if (!aircraft) return std::nullopt;
+  return Glider{StraightGlideOf(*aircraft), aircraft->approach_height_m};
 }
 
 RecallCandidate CandidateOf(const EmergencyRequest& request,
                             const RecallRow& row,
-                            const Aircraft& aircraft,
+                            const Glider& glider,
                             int64_t now_us) {
   RecallCandidate candidate;
   candidate.row = &row;
-  const Eigen::Vector2d way = WayTo(row, request.place);
-  candidate.distance_m = way.norm();
-  candidate.bearing_deg = DegFromRad(HeadingOf(way));
+  candidate.way_m = WayTo(row, request.place);
+  candidate.distance_m = candidate.way_m.norm();
   candidate.datum_penalty_m = DatumPenalty(request.altitude_datum, row.data.altitude_datum);
   candidate.age_s = std::max(0.0, static_cast<double>(now_us - row.seen_at_us) * 1e-6);
-  candidate.score = row.data.score * std::pow(0.5, candidate.age_s / kScoreHalfLifeS);
-  candidate.best_margin_m = StraightMargin(request, candidate, kPlanShiftM, aircraft);
-  candidate.expected_margin_m = StraightMargin(request, candidate, 0.0, aircraft);
+  candidate.score = row.data.score * std::exp2(-candidate.age_s / kScoreHalfLifeS);
+  candidate.best_margin_m = StraightMargin(request, candidate, kPlanShiftM, glider);
+  candidate.expected_margin_m = StraightMargin(request, candidate, 0.0, glider);
   return candidate;
 }
 
@@ -159,21 +169,20 @@ bool IsBetter(double margin_a,
 }
 
 std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
-                                        const std::vector<RecallRow>& rows,
+                                        const SharedRows<RecallRow>& rows,
                                         size_t num_first) {
   std::vector<RecallCandidate> candidates;
   candidates.reserve(rows.size());
-  std::map<std::string_view, std::optional<Aircraft>> aircraft_by_json;
+  std::map<std::string_view, std::optional<Glider>> glider_by_json;
   const int64_t now_us = NowUs();
-  for (const RecallRow& row : rows) {
-    auto aircraft = aircraft_by_json.find(row.data.aircraft_json);
-    if (aircraft == aircraft_by_json.end()) {
-      aircraft = aircraft_by_json
-                     .emplace(row.data.aircraft_json, AircraftOf(request, row.data.aircraft_json))
-                     .first;
+  for (const auto& row : rows) {
+    const std::string& aircraft_json = row->data.aircraft_json;
+    auto glider = glider_by_json.find(aircraft_json);
+    if (glider == glider_by_json.end()) {
+      glider = glider_by_json.emplace(aircraft_json, GliderOf(request, aircraft_json)).first;
     }
-    if (!aircraft->second) continue;
-    candidates.push_back(CandidateOf(request, row, *aircraft->second, now_us));
+    if (!glider->second) continue;
+    candidates.push_back(CandidateOf(request, *row, *glider->second, now_us));
   }
   num_first = std::min(candidates.size(), num_first);
   std::partial_sort(candidates.begin(),

@@ -13,8 +13,9 @@ constexpr double kMaxReachM = 100000.0;
 
 struct RecallCandidate {
   const RecallRow* row = nullptr;
+  // East and north.
+  Eigen::Vector2d way_m = Eigen::Vector2d::Zero();
   double distance_m = 0.0;
-  double bearing_deg = 0.0;
   double datum_penalty_m = 0.0;
   double score = 0.0;
   double age_s = 0.0;
@@ -34,7 +35,7 @@ double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds
 // The `num_first` most promising ones first, best first; the rest in no order. They refer to the
 // rows. Those whose aircraft cannot be used are left out.
 std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
-                                        const std::vector<RecallRow>& rows,
+                                        const SharedRows<RecallRow>& rows,
                                         size_t num_first);
 
 // Arrival margin, then verdict and score (which has aged), then age.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string_view>
 #include <vector>
 
 namespace freelsd {
@@ -13,16 +14,16 @@ constexpr double kMinPieceDeg = 0.004;
 constexpr int kMaxNumPieces = 16;
 
 // Stored maps that the straight way may cross, each once.
-std::vector<Storage::MapRow> MapsOnTheWay(const Service& service,
-                                          const GeoPoint& begin,
-                                          const GeoPoint& end) {
+SharedRows<Storage::MapRow> MapsOnTheWay(const Service& service,
+                                         const GeoPoint& begin,
+                                         const GeoPoint& end) {
   const double dlat_deg = end.latitude_deg - begin.latitude_deg;
   const double dlon_deg = std::remainder(end.longitude_deg - begin.longitude_deg, 360.0);
   const double length_deg = std::max(std::abs(dlat_deg), std::abs(dlon_deg));
   const int num_pieces =
       std::clamp(static_cast<int>(std::ceil(length_deg / kMinPieceDeg)), 1, kMaxNumPieces);
-  std::vector<Storage::MapRow> rows;
-  std::set<std::string> ids;
+  SharedRows<Storage::MapRow> rows;
+  std::set<std::string_view> ids;
   for (int i = 0; i < num_pieces; ++i) {
     const double from = static_cast<double>(i) / num_pieces;
     const double to = static_cast<double>(i + 1) / num_pieces;
@@ -32,8 +33,8 @@ std::vector<Storage::MapRow> MapsOnTheWay(const Service& service,
         std::minmax({begin.longitude_deg + from * dlon_deg, begin.longitude_deg + to * dlon_deg});
     const BoundingBox box{
         std::remainder(west_deg, 360.0), south_deg, std::remainder(east_deg, 360.0), north_deg};
-    for (Storage::MapRow& row : service.storage.ListMaps(box)) {
-      if (ids.insert(row.site_id).second) rows.push_back(std::move(row));
+    for (auto& row : service.storage.ListMaps(box)) {
+      if (ids.insert(row->site_id).second) rows.push_back(std::move(row));
     }
   }
   return rows;
@@ -50,8 +51,8 @@ std::optional<double> TerrainMargin(const Service& service,
                                     const EmergencyRequest& request,
                                     const GeoPoint& end) {
   std::optional<double> least;
-  for (const Storage::MapRow& row : MapsOnTheWay(service, request.place, end)) {
-    const auto terrain = service.maps.TerrainOf(service.storage, row.site_id, row.updated_at_us);
+  for (const auto& row : MapsOnTheWay(service, request.place, end)) {
+    const auto terrain = service.maps.TerrainOf(service.storage, row->site_id, row->updated_at_us);
     if (!terrain) continue;
     const LocalFrame local_frame(terrain->origin);
     const auto height = LeastHeightOver(terrain->grid,
@@ -60,7 +61,7 @@ std::optional<double> TerrainMargin(const Service& service,
                                         local_frame.WorldFromGeo(end));
     if (!height) continue;
     const double margin = *height - GlideOptions{}.terrain_clearance_m -
-                          DatumPenalty(request.altitude_datum, row.altitude_datum);
+                          DatumPenalty(request.altitude_datum, row->altitude_datum);
     if (!least || margin < *least) least = margin;
   }
   return least;

@@ -1,11 +1,13 @@
 // Rows with a box each, kept while no site changes and what is asked for lies within what was read:
-// an aircraft that asks for its surroundings moves little between two requests. Thread-safe.
+// an aircraft that asks for its surroundings moves little between two requests. Rows are shared,
+// not copied. Thread-safe.
 #pragma once
 
 #include <algorithm>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "storage/storage.h"
@@ -15,7 +17,7 @@ namespace freelsd {
 template <typename Row>
 struct Boxed {
   BoundingBox box{};
-  Row row;
+  std::shared_ptr<const Row> row;
 };
 
 inline bool Meets(const BoundingBox& a, const BoundingBox& b) {
@@ -31,25 +33,48 @@ class BoxCache {
 
   // Rows whose boxes meet this one, which does not cross the antimeridian. `version`: read before
   // any row is, so that rows that are newer are at worst read twice.
-  std::vector<Row> Within(const BoundingBox& box, uint64_t version, const Read& read) {
-    std::shared_ptr<const Rows> rows = Kept(box, version);
-    if (!rows) {
+  SharedRows<Row> Within(const BoundingBox& box, uint64_t version, const Read& read) {
+    std::shared_ptr<const FromSouth> kept = Kept(box, version);
+    if (!kept) {
       const BoundingBox wide = Grown(box);
-      rows = std::make_shared<const Rows>(read(wide));
+      kept = std::make_shared<const FromSouth>(read(wide));
       const std::lock_guard lock(mutex_);
       box_ = wide;
       version_ = version;
-      kept_ = rows;
+      kept_ = kept;
     }
-    std::vector<Row> met;
-    for (const Boxed<Row>& each : *rows) {
-      if (Meets(each.box, box)) met.push_back(each.row);
+    SharedRows<Row> met;
+    for (auto each = kept->First(box.south_deg);
+         each != kept->rows.end() && each->box.south_deg <= box.north_deg;
+         ++each) {
+      if (Meets(each->box, box)) met.push_back(each->row);
     }
     return met;
   }
 
  private:
-  std::shared_ptr<const Rows> Kept(const BoundingBox& box, uint64_t version) {
+  // By their southern edge: of a small box only a strip is looked through.
+  struct FromSouth {
+    explicit FromSouth(Rows read) : rows(std::move(read)) {
+      std::stable_sort(rows.begin(), rows.end(), [](const Boxed<Row>& a, const Boxed<Row>& b) {
+        return a.box.south_deg < b.box.south_deg;
+      });
+      for (const Boxed<Row>& each : rows) {
+        tallest_deg = std::max(tallest_deg, each.box.north_deg - each.box.south_deg);
+      }
+    }
+    // No row before it reaches that far north.
+    typename Rows::const_iterator First(double south_deg) const {
+      return std::partition_point(rows.begin(), rows.end(), [&](const Boxed<Row>& each) {
+        return each.box.south_deg + tallest_deg < south_deg;
+      });
+    }
+
+    Rows rows;
+    double tallest_deg = 0.0;
+  };
+
+  std::shared_ptr<const FromSouth> Kept(const BoundingBox& box, uint64_t version) {
     const std::lock_guard lock(mutex_);
     const bool holds = kept_ && version_ == version && box.west_deg >= box_.west_deg &&
                        box.east_deg <= box_.east_deg && box.south_deg >= box_.south_deg &&
@@ -71,7 +96,7 @@ class BoxCache {
   std::mutex mutex_;
   uint64_t version_ = 0;
   BoundingBox box_{};
-  std::shared_ptr<const Rows> kept_;
+  std::shared_ptr<const FromSouth> kept_;
 };
 
 }  // namespace freelsd

@@ -248,7 +248,10 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
       "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1 AND "
       "superseded_by IS NULL");
   statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
-  while (statement.Step()) rows.push_back({BoxOf(statement, 12), RecallRowOf(statement)});
+  while (statement.Step()) {
+    rows.push_back(
+        {BoxOf(statement, 12), std::make_shared<const RecallRow>(RecallRowOf(statement))});
+  }
   return rows;
 }
 
@@ -261,7 +264,9 @@ BoxCache<Storage::MapRow>::Rows ListMapRows(const Connection& connection, const 
       "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2");
   statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
   while (statement.Step()) {
-    rows.push_back({BoxOf(statement, 3), {statement.Text(0), statement.Int(1), statement.Text(2)}});
+    rows.push_back({BoxOf(statement, 3),
+                    std::make_shared<const Storage::MapRow>(
+                        Storage::MapRow{statement.Text(0), statement.Int(1), statement.Text(2)})});
   }
   return rows;
 }

@@ -89,7 +89,7 @@ RecallBounds Storage::BoundsOfRecallable() const {
   return state_->bounds = std::move(bounds);
 }
 
-std::vector<RecallRow> Storage::ListRecallable(const BoundingBox& box) const {
+SharedRows<RecallRow> Storage::ListRecallable(const BoundingBox& box) const {
   return state_->RowsWithin(state_->recall_rows, box, ListRecallRows);
 }
 
@@ -133,7 +133,7 @@ void Storage::SetSupersededBy(const std::string& site_id,
   });
 }
 
-std::vector<Storage::MapRow> Storage::ListMaps(const BoundingBox& box) const {
+SharedRows<Storage::MapRow> Storage::ListMaps(const BoundingBox& box) const {
   return state_->RowsWithin(state_->map_rows, box, ListMapRows);
 }
 

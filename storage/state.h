@@ -90,14 +90,14 @@ struct Storage::State {
   }
   // Through the cache; both halves of a box that crosses the antimeridian.
   template <typename Row>
-  std::vector<Row> RowsWithin(BoxCache<Row>& cache,
-                              const BoundingBox& box,
-                              typename BoxCache<Row>::Rows (*list)(const Connection&,
-                                                                   const BoundingBox&)) {
+  SharedRows<Row> RowsWithin(BoxCache<Row>& cache,
+                             const BoundingBox& box,
+                             typename BoxCache<Row>::Rows (*list)(const Connection&,
+                                                                  const BoundingBox&)) {
     const uint64_t version = sites_version;
-    std::vector<Row> rows;
+    SharedRows<Row> rows;
     for (const BoundingBox& part : PlainBoxes(box)) {
-      std::vector<Row> some = cache.Within(part, version, [&](const BoundingBox& wide) {
+      SharedRows<Row> some = cache.Within(part, version, [&](const BoundingBox& wide) {
         return ReadForRecall([&](const Connection& connection) { return list(connection, wide); });
       });
       std::move(some.begin(), some.end(), std::back_inserter(rows));

@@ -115,6 +115,10 @@ struct RecallRow {
   RecallData data;
 };
 
+// What recall goes through, thousands at a time.
+template <typename Row>
+using SharedRows = std::vector<std::shared_ptr<const Row>>;
+
 struct SiteRow {
   std::string id;
   std::string flight_id;
@@ -258,7 +262,7 @@ class Storage {
   std::optional<std::string> ReadSiteMap(const std::string& site_id) const;
   RecallBounds BoundsOfRecallable() const;
   // Sites that can be recalled, their map or touchdown in the box.
-  std::vector<RecallRow> ListRecallable(const BoundingBox& box) const;
+  SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const;
   int64_t CountRecallable() const;
   // Sites that could be recalled, had not a later one rejected their ground.
   int64_t CountOverruled(const BoundingBox& box) const;
@@ -270,7 +274,7 @@ class Storage {
     int64_t updated_at_us = 0;
     std::string altitude_datum;
   };
-  std::vector<MapRow> ListMaps(const BoundingBox& box) const;
+  SharedRows<MapRow> ListMaps(const BoundingBox& box) const;
   bool DeleteSite(const std::string& site_id);
 
   // Whether a write would work now: nothing, or why not.

@@ -20,23 +20,25 @@ constexpr double kTimeStep = 1.0;
 
 // What the aircraft does in the air's own frame.
 struct Performance {
-  double airspeed = 0.0;  // horizontal
-  double sink_rate = 0.0;
+  StraightGlide straight;
   double turn_radius = 0.0;
   // The part of the drag that lift induces grows with the square of the load factor; all of it is
   // taken as such a part, which is the most that a turn can cost.
   double turning_sink_rate = 0.0;
 };
 
+double GlideSpeed(const Aircraft& aircraft) {
+  return aircraft.glide_airspeed_mps.value_or(aircraft.landing_airspeed_mps);
+}
+
 Performance PerformanceOf(const Aircraft& aircraft) {
-  const double speed = aircraft.glide_airspeed_mps.value_or(aircraft.landing_airspeed_mps);
-  const double angle = std::atan(1.0 / aircraft.glide_ratio);
+  const double speed = GlideSpeed(aircraft);
   const double bank = RadFromDeg(aircraft.max_bank_deg);
   Performance performance;
-  performance.airspeed = speed * std::cos(angle);
-  performance.sink_rate = speed * std::sin(angle);
+  performance.straight = StraightGlideOf(aircraft);
   performance.turn_radius = speed * speed / (kGravity * std::tan(bank));
-  performance.turning_sink_rate = performance.sink_rate / std::pow(std::cos(bank), 2.0);
+  performance.turning_sink_rate =
+      performance.straight.sink_rate_mps / std::pow(std::cos(bank), 2.0);
   return performance;
 }
 
@@ -67,7 +69,8 @@ struct Flown {
 };
 
 double TimeOf(const TurnPath& path, const Performance& performance) {
-  return (path.turned * performance.turn_radius + path.straight_m) / performance.airspeed;
+  return (path.turned * performance.turn_radius + path.straight_m) /
+         performance.straight.airspeed_mps;
 }
 
 // The place drifts against the wind in the air's frame: the time of flight decides where it is met.
@@ -83,9 +86,11 @@ std::optional<Flown> Fly(const Stance& from,
     const TurnPath path = path_for(time);
     const double next = TimeOf(path, performance);
     if (std::abs(next - time) < kTimeTolerance) {
-      const double turning = path.turned * performance.turn_radius / performance.airspeed;
-      return Flown{
-          next, turning * performance.turning_sink_rate + (next - turning) * performance.sink_rate};
+      const double turning =
+          path.turned * performance.turn_radius / performance.straight.airspeed_mps;
+      return Flown{next,
+                   turning * performance.turning_sink_rate +
+                       (next - turning) * performance.straight.sink_rate_mps};
     }
     time = next;
   }
@@ -138,12 +143,22 @@ std::optional<double> LeastAt(const Grid& grid,
                               const Eigen::Vector3d& begin,
                               const Eigen::Vector3d& end,
                               int num_steps) {
+  // Column, row and height.
+  const auto in_cells = [&grid](const Eigen::Vector3d& point) {
+    return Eigen::Vector3d((point.x() - grid.north_west_in_world.x()) / grid.cell_size_m,
+                           (grid.north_west_in_world.y() - point.y()) / grid.cell_size_m,
+                           point.z());
+  };
+  const Eigen::Vector3d first = in_cells(begin);
+  const Eigen::Vector3d line = in_cells(end) - first;
   std::optional<double> least;
   for (int i = 0; i <= num_steps; ++i) {
-    const Eigen::Vector3d point = begin + (end - begin) * (static_cast<double>(i) / num_steps);
-    const std::optional<cv::Point> cell = grid.CellAt(point.head<2>());
-    if (!cell) continue;
-    const double top = static_cast<double>(upper(*cell));
+    const Eigen::Vector3d point = first + line * (static_cast<double>(i) / num_steps);
+    const bool is_inside = point.x() >= 0.0 && point.y() >= 0.0 && point.x() < grid.num_cols &&
+                           point.y() < grid.num_rows;
+    if (!is_inside) continue;
+    const double top =
+        static_cast<double>(upper(static_cast<int>(point.y()), static_cast<int>(point.x())));
     if (!std::isfinite(top)) continue;
     const double height = point.z() - top;
     if (!least || height < *least) least = height;
@@ -177,13 +192,14 @@ std::optional<Glide> GlideTo(const GlideStart& start,
                              const GlideOptions& options) {
   const Performance performance = PerformanceOf(aircraft);
   const Stance to{approach_start_in_world.head<2>(), final_heading};
-  const double extra_time =
-      TurnBetweenHeadings(start, options) * performance.turn_radius / performance.airspeed;
+  const double extra_time = TurnBetweenHeadings(start, options) * performance.turn_radius /
+                            performance.straight.airspeed_mps;
   Flown worst;
   for (const Eigen::Vector2d& wind : WindsToReckonWith(start, aircraft, options)) {
     for (const double heading : HeadingsToReckonWith(start, options)) {
-      const Stance from{start.position_in_world.head<2>(),
-                        start.heading ? AirHeading(heading, wind, performance.airspeed) : heading};
+      const Stance from{
+          start.position_in_world.head<2>(),
+          start.heading ? AirHeading(heading, wind, performance.straight.airspeed_mps) : heading};
       const std::optional<Flown> flown = Fly(from, to, wind, performance);
       if (!flown) return std::nullopt;
       worst.time = std::max(worst.time, flown->time + extra_time);
@@ -194,21 +210,27 @@ std::optional<Glide> GlideTo(const GlideStart& start,
   return Glide{worst.time, worst.height_lost, start.position_in_world.z() - worst.height_lost};
 }
 
+StraightGlide StraightGlideOf(const Aircraft& aircraft) {
+  const double speed = GlideSpeed(aircraft);
+  const double angle = std::atan(1.0 / aircraft.glide_ratio);
+  return {speed * std::cos(angle), speed * std::sin(angle)};
+}
+
 std::optional<double> LeastHeightLost(const GlideStart& start,
                                       const Eigen::Vector2d& place_in_world,
                                       double within_m,
-                                      const Aircraft& aircraft) {
-  const Performance performance = PerformanceOf(aircraft);
+                                      const StraightGlide& glide) {
   const Eigen::Vector2d way = place_in_world - start.position_in_world.head<2>();
-  const double distance = way.norm() - within_m;
+  const double length = way.norm();
+  const double distance = length - within_m;
   if (distance <= 0.0) return 0.0;
   // The nearest point of a disc need not be the quickest in wind: the wind helps at most by itself.
   const double wind_speed = start.wind_in_world ? start.wind_in_world->norm() : 0.0;
-  const double along = start.wind_in_world ? start.wind_in_world->dot(way.normalized()) : 0.0;
-  const double turned_aside = std::min(1.0, within_m / way.norm());
-  const double speed = performance.airspeed + along + wind_speed * turned_aside;
+  const double along = start.wind_in_world ? start.wind_in_world->dot(way) / length : 0.0;
+  const double turned_aside = std::min(1.0, within_m / length);
+  const double speed = glide.airspeed_mps + along + wind_speed * turned_aside;
   if (speed <= 0.0) return std::nullopt;
-  return distance / speed * performance.sink_rate;
+  return distance / speed * glide.sink_rate_mps;
 }
 
 std::optional<double> LeastHeightOver(const Grid& grid,

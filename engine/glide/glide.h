@@ -56,13 +56,21 @@ std::optional<Glide> GlideTo(const GlideStart& start,
                              const Aircraft& aircraft,
                              const GlideOptions& options);
 
+// Speeds of an aircraft without power in still air, flying straight.
+struct StraightGlide {
+  double airspeed_mps = 0.0;  // horizontal
+  double sink_rate_mps = 0.0;
+};
+
+StraightGlide StraightGlideOf(const Aircraft& aircraft);
+
 // Least height that any way to within `within_m` of a place costs: straight, no turn, the known
 // wind as it is, an unknown one calm. Never more than GlideTo says. Nothing where the wind is too
-// strong.
+// strong. `glide` is that of the aircraft, which has many places to choose from.
 std::optional<double> LeastHeightLost(const GlideStart& start,
                                       const Eigen::Vector2d& place_in_world,
                                       double within_m,
-                                      const Aircraft& aircraft);
+                                      const StraightGlide& glide);
 
 // Least height of the straight line over a map's upper surface (ElevationMap::upper), metres;
 // nothing where the line meets no seen cell. Both ends in the map's world.

@@ -29,7 +29,7 @@ void Store(Storage& storage, SiteRow site) {
 
 std::string RecalledIds(const Storage& storage) {
   std::string ids;
-  for (const RecallRow& row : storage.ListRecallable(kEverywhere)) ids += row.site_id + " ";
+  for (const auto& row : storage.ListRecallable(kEverywhere)) ids += row->site_id + " ";
   return ids;
 }
 

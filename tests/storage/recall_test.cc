@@ -68,7 +68,7 @@ TEST_CASE("storage: a row that is not what was written is taken from the second 
   const Storage storage(folder.path());
   const auto rows = storage.ListRecallable({7.0, 49.0, 9.0, 51.0});
   REQUIRE(rows.size() == 1);
-  CHECK(rows[0].data.altitude_m == 300.0);
+  CHECK(rows[0]->data.altitude_m == 300.0);
   CHECK(AwaitNotices(storage).size() == 1);
 }
 
@@ -99,13 +99,13 @@ TEST_CASE("storage: a superseded site is not recalled, until what superseded it 
   storage.PutSite(new_site, "map", {"f-r1"});
   const BoundingBox box{7.0, 49.0, 9.0, 51.0};
   REQUIRE(storage.ListRecallable(box).size() == 1);
-  CHECK(storage.ListRecallable(box)[0].site_id == "g-r1");
+  CHECK(storage.ListRecallable(box)[0]->site_id == "g-r1");
   CHECK(storage.FindSite("f-r1")->superseded_by == "g-r1");
   // Its map still tells of terrain.
   CHECK(storage.ListMaps(box).size() == 2);
   CHECK(storage.DeleteSite("g-r1"));
   REQUIRE(storage.ListRecallable(box).size() == 1);
-  CHECK(storage.ListRecallable(box)[0].site_id == "f-r1");
+  CHECK(storage.ListRecallable(box)[0]->site_id == "f-r1");
 }
 
 TEST_CASE("storage: what bounds the reach of sites follows them") {

@@ -160,13 +160,13 @@ TEST_CASE("storage: version 1 is brought up, and only what is known to be good i
   Execute(folder.path() / "freelsd.db", kVersion1);
   for (int i = 0; i < 2; ++i) {
     const Storage storage(folder.path());
-    const std::vector<RecallRow> rows = storage.ListRecallable({7.0, 49.0, 9.0, 51.0});
+    const SharedRows<RecallRow> rows = storage.ListRecallable({7.0, 49.0, 9.0, 51.0});
     REQUIRE(rows.size() == 1);
-    CHECK(rows[0].site_id == "good");
-    CHECK(rows[0].data.is_landable);
-    CHECK(rows[0].data.altitude_m == 312.5);
-    CHECK(rows[0].data.altitude_datum == "amsl");
-    CHECK(rows[0].data.aircraft_json.find("small") != std::string::npos);
+    CHECK(rows[0]->site_id == "good");
+    CHECK(rows[0]->data.is_landable);
+    CHECK(rows[0]->data.altitude_m == 312.5);
+    CHECK(rows[0]->data.altitude_datum == "amsl");
+    CHECK(rows[0]->data.aircraft_json.find("small") != std::string::npos);
     CHECK(storage.ListMaps({7.0, 49.0, 9.0, 51.0}).size() == 3);
   }
 }

@@ -115,7 +115,8 @@ TEST_CASE("glide: what is unknown costs height, never gives any") {
     const double known = Lost(StartAt(0, heading, calm), target, final_heading);
     CHECK(Lost(StartAt(0, std::nullopt, calm), target, final_heading) >= known);
     CHECK(Lost(StartAt(0, heading, std::nullopt), target, final_heading) >= known);
-    const auto least = LeastHeightLost(StartAt(0, heading, calm), target.head<2>(), 0, Glider());
+    const auto least =
+        LeastHeightLost(StartAt(0, heading, calm), target.head<2>(), 0, StraightGlideOf(Glider()));
     REQUIRE(least);
     CHECK(*least <= known + 1e-9);
   }
@@ -130,7 +131,7 @@ TEST_CASE("glide: the least height is never more than the glide's, in any wind")
     const GlideStart start = StartAt(0, angle(random), wind);
     const auto glide = GlideTo(start, target, angle(random), Glider(), {});
     const Eigen::Vector2d touchdown = target.head<2>() + 150.0 * DirectionOf(angle(random));
-    const auto least = LeastHeightLost(start, touchdown, 151.0, Glider());
+    const auto least = LeastHeightLost(start, touchdown, 151.0, StraightGlideOf(Glider()));
     if (!glide) continue;
     REQUIRE(least);
     CHECK(*least <= glide->height_lost_m + 1e-9);
