@@ -232,6 +232,12 @@ void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
   visit("narrow_cover_allowance_m",
         o.narrow_cover_allowance_m,
         "height on top where photographs disagree over less than such cover");
+  visit("lone_allowance_m",
+        o.lone_allowance_m,
+        "height on top of what stands alone in a meadow: it may be a sapling without leaves");
+  visit("max_lone_size_m", o.max_lone_size_m, "wider things do not stand alone");
+  visit("lone_surroundings_m", o.lone_surroundings_m, "how far around it must be meadow");
+  visit("min_lone_meadow_ratio", o.min_lone_meadow_ratio, "share of the surroundings that must");
 }
 
 template <class Visitor>

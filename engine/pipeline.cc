@@ -321,6 +321,7 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
     Timed(evaluation.reports, "open_cover", [&] {
       MarkOpenCover(photo,
                     evaluation.hazards.grass >= options.approach.min_clear_class_posterior,
+                    evaluation.hazards.objects,
                     options.terrain,
                     evaluation.map);
       evaluation.hazards = WithLimits(evaluation.map,

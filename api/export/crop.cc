@@ -79,12 +79,13 @@ SiteMap CropAround(const ElevationMap& map,
            map.position_sd_m,
            map.tilt_sd_deg,
            map.is_compared},
-          {grid,
-           layers.slope(box).clone(),
-           layers.roughness(box).clone(),
-           layers.grass(box).clone(),
-           layers.hazard(box).clone(),
-           layers.distance(box).clone()}};
+          {.grid = grid,
+           .slope = layers.slope(box).clone(),
+           .roughness = layers.roughness(box).clone(),
+           .grass = layers.grass(box).clone(),
+           .objects = {},
+           .hazard = layers.hazard(box).clone(),
+           .distance = layers.distance(box).clone()}};
 }
 
 }  // namespace freelsd

@@ -264,18 +264,13 @@ cv::Mat1b FindFences(const Orthophoto& photo,
                    cv::MORPH_CLOSE,
                    cv::getStructuringElement(cv::MORPH_RECT, cv::Size(gap, gap)));
   cv::resize(whole, meadow, photo.image.size(), 0.0, 0.0, cv::INTER_NEAREST);
-  cv::Mat1b lines = cv::Mat1b::zeros(photo.image.size());
-  for (const PhotoBand& band : BandsOf(photo, 1.5 * options.fence_filter_length_m)) {
+  const auto find = [&](const PhotoBand& band) {
     const cv::Range rows(band.photo_first_row, band.photo_first_row + band.photo.image.rows);
     const Darkness darkness = DarknessOf(band.photo, meadow.rowRange(rows));
     const FenceFilter filter(darkness, photo.grid.cell_size_m, options);
-    const cv::Mat1b in_band = filter.Lines(band.photo.image.size());
-    const cv::Range own(band.first_row, band.end_row);
-    in_band.rowRange(own - band.photo_first_row).copyTo(lines.rowRange(own));
-  }
-  cv::Mat1b share;
-  cv::resize(lines, share, is_meadow.size(), 0.0, 0.0, cv::INTER_AREA);
-  return share > 0;
+    return filter.Lines(band.photo.image.size());
+  };
+  return OnMap(FindInBands(photo, 1.5 * options.fence_filter_length_m, find), grid);
 }
 
 }  // namespace freelsd

@@ -9,6 +9,7 @@
 #include "engine/hazard/grass.h"
 #include "engine/hazard/look_alikes.h"
 #include "engine/hazard/raised_fields.h"
+#include "engine/hazard/small_objects.h"
 #include "engine/hazard/surface.h"
 
 namespace freelsd {
@@ -122,6 +123,8 @@ HazardLayers AssessHazards(const ElevationMap& map,
   layers.grass = FuseGrass(map, grass_views, options);
   if (!photo.image.empty()) {
     layers.grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
+    layers.objects = FindSmallObjects(photo, map.grid, options);
+    if (!layers.objects.empty()) layers.grass.setTo(0.0f, layers.objects);
   }
   if (!elevation.empty()) {
     // By limits of its own: WithLimits looks for neither crops nor fences.

@@ -128,6 +128,9 @@ struct HazardLayers {
   cv::Mat1f roughness;
   // Posterior probability of grass; NaN where no view, or too small a share, classified the cell.
   cv::Mat1f grass;
+  // Cells in which the photograph shows a thing that stands out of the ground around it: 255, else
+  // 0. Empty where none was looked for. Not kept with a site.
+  cv::Mat1b objects;
   // Hazard values.
   cv::Mat1b hazard;
   // Metres from the cell's centre to the nearest centre of a cell that is not kFree, exact; the

@@ -11,7 +11,6 @@
 #include "engine/hazard/crop_fields.h"
 #include "engine/hazard/photo_bands.h"
 #include "engine/hazard/photo_features.h"
-#include "engine/hazard/small_objects.h"
 #include "engine/hazard/wheel_tracks.h"
 
 namespace freelsd {
@@ -296,19 +295,13 @@ cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const Hazard
     const cv::Mat1b sprayed = SprayedGround(FindWheelTracks(photo, options), grid, options);
     found |= WithRestOfField(sprayed, photo, grid, options);
   }
-  cv::Mat1b fine = cv::Mat1b::zeros(photo.image.size());
-  for (const PhotoBand& band : BandsOf(photo, kHaloM)) {
+  const auto find = [&](const PhotoBand& band) {
     cv::Mat1b in_band = cv::Mat1b::zeros(band.photo.image.size());
     if (options.min_row_strength > 0.0) in_band |= RowCrops(band.photo, options);
     if (options.min_detail_ratio > 0.0) in_band |= StillWater(band.photo, options);
-    if (options.min_object_deviations > 0.0) in_band |= SmallObjects(band.photo, options);
-    const cv::Range own(band.first_row, band.end_row);
-    in_band.rowRange(own - band.photo_first_row).copyTo(fine.rowRange(own));
-  }
-  cv::Mat1b share;
-  cv::resize(fine, share, found.size(), 0.0, 0.0, cv::INTER_AREA);
-  found.setTo(255, share);
-  return found;
+    return in_band;
+  };
+  return found | OnMap(FindInBands(photo, kHaloM, find), grid);
 }
 
 }  // namespace freelsd

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <opencv2/imgproc.hpp>
+
 namespace freelsd {
 namespace {
 
@@ -31,6 +33,23 @@ std::vector<PhotoBand> BandsOf(const Orthophoto& photo, double halo_m) {
     bands.push_back(std::move(band));
   }
   return bands;
+}
+
+cv::Mat1b FindInBands(const Orthophoto& photo,
+                      double halo_m,
+                      const std::function<cv::Mat1b(const PhotoBand&)>& find) {
+  cv::Mat1b found = cv::Mat1b::zeros(photo.image.size());
+  for (const PhotoBand& band : BandsOf(photo, halo_m)) {
+    const cv::Range own(band.first_row, band.end_row);
+    find(band).rowRange(own - band.photo_first_row).copyTo(found.rowRange(own));
+  }
+  return found;
+}
+
+cv::Mat1b OnMap(const cv::Mat1b& found, const Grid& grid) {
+  cv::Mat1b share;
+  cv::resize(found, share, {grid.num_cols, grid.num_rows}, 0.0, 0.0, cv::INTER_AREA);
+  return share > 0;
 }
 
 }  // namespace freelsd

@@ -2,6 +2,7 @@
 // memory than a small one.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "engine/hazard/hazard.h"
@@ -20,5 +21,13 @@ struct PhotoBand {
 
 // From north to south; a picture of ordinary size is one band.
 std::vector<PhotoBand> BandsOf(const Orthophoto& photo, double halo_m);
+
+// What `find` finds in each band, its halo included, put together: cells of the picture, 255 or 0.
+cv::Mat1b FindInBands(const Orthophoto& photo,
+                      double halo_m,
+                      const std::function<cv::Mat1b(const PhotoBand&)>& find);
+
+// Cells of the map on which any cell of the picture is found: 255, else 0.
+cv::Mat1b OnMap(const cv::Mat1b& found, const Grid& grid);
 
 }  // namespace freelsd

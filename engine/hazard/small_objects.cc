@@ -4,6 +4,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/hazard/photo_bands.h"
 #include "engine/hazard/photo_features.h"
 
 namespace freelsd {
@@ -92,6 +93,16 @@ cv::Mat1b SmallObjects(const Orthophoto& photo, const HazardOptions& options) {
   const double least = options.min_object_deviations * options.min_object_deviations;
   const cv::Mat1b stands_out = (squares > least) & photo.seen;
   return WithoutSpecks(stands_out, options.min_object_area_m2 / (cell * cell));
+}
+
+cv::Mat1b FindSmallObjects(const Orthophoto& photo,
+                           const Grid& grid,
+                           const HazardOptions& options) {
+  if (photo.image.empty() || options.min_object_deviations <= 0.0) return {};
+  // Surroundings that were taken anew lean on what lies farther out.
+  const double halo_m = kNumPasses * options.object_surroundings_m;
+  const auto find = [&](const PhotoBand& band) { return SmallObjects(band.photo, options); };
+  return OnMap(FindInBands(photo, halo_m, find), grid);
 }
 
 }  // namespace freelsd

@@ -10,4 +10,7 @@ namespace freelsd {
 // else 0.
 cv::Mat1b SmallObjects(const Orthophoto& photo, const HazardOptions& options);
 
+// Cells of `grid` with such a patch: 255, else 0. Empty without a picture.
+cv::Mat1b FindSmallObjects(const Orthophoto& photo, const Grid& grid, const HazardOptions& options);
+
 }  // namespace freelsd

@@ -91,6 +91,10 @@ void TerrainOptions::Check() const {
   check.Inside("open_cover_margin_m", open_cover_margin_m, 0.0, 20.0);
   check.Inside("min_narrow_cover_m", min_narrow_cover_m, 0.0, 20.0);
   check.Inside("narrow_cover_allowance_m", narrow_cover_allowance_m, 0.0, 100.0);
+  check.Inside("lone_allowance_m", lone_allowance_m, 0.0, 100.0);
+  check.Inside("max_lone_size_m", max_lone_size_m, 0.0, 50.0);
+  check.Inside("lone_surroundings_m", lone_surroundings_m, open_cover_margin_m, 50.0);
+  check.Inside("min_lone_meadow_ratio", min_lone_meadow_ratio, 0.0, 1.0);
 }
 
 bool ElevationMap::IsSeen(int row, int col) const { return std::isfinite(elevation(row, col)); }

@@ -114,10 +114,43 @@ cv::Mat DiscOf(double radius_m, double cell_size_m) {
   return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * half + 1, 2 * half + 1});
 }
 
+// Connected things that are small, with meadow around them.
+cv::Mat1b LoneThings(const cv::Mat1b& things,
+                     const cv::Mat1b& is_meadow,
+                     const TerrainOptions& options,
+                     double cell_size_m) {
+  cv::Mat1b lone = cv::Mat1b::zeros(things.size());
+  cv::Mat1i labels, stats;
+  cv::Mat centroids;
+  const int num_labels = cv::connectedComponentsWithStats(things, labels, stats, centroids);
+  const int halo = static_cast<int>(std::ceil(options.lone_surroundings_m / cell_size_m)) + 1;
+  const cv::Mat edge = DiscOf(options.open_cover_margin_m, cell_size_m);
+  const cv::Mat surroundings = DiscOf(options.lone_surroundings_m, cell_size_m);
+  for (int label = 1; label < num_labels; ++label) {
+    const cv::Size size(stats(label, cv::CC_STAT_WIDTH), stats(label, cv::CC_STAT_HEIGHT));
+    if (std::max(size.width, size.height) * cell_size_m > options.max_lone_size_m) continue;
+    const cv::Rect around = cv::Rect(stats(label, cv::CC_STAT_LEFT) - halo,
+                                     stats(label, cv::CC_STAT_TOP) - halo,
+                                     size.width + 2 * halo,
+                                     size.height + 2 * halo) &
+                            cv::Rect(cv::Point(), things.size());
+    const cv::Mat1b thing = labels(around) == label;
+    cv::Mat1b with_edge, with_surroundings;
+    cv::dilate(thing, with_edge, edge);
+    cv::dilate(thing, with_surroundings, surroundings);
+    const cv::Mat1b ring = with_surroundings & ~with_edge;
+    const int num_meadow = cv::countNonZero(ring & is_meadow(around));
+    if (num_meadow < options.min_lone_meadow_ratio * cv::countNonZero(ring)) continue;
+    lone(around).setTo(uint8_t{255}, with_edge);
+  }
+  return lone;
+}
+
 }  // namespace
 
 void MarkOpenCover(const Orthophoto& photo,
                    const cv::Mat1b& is_clear_class,
+                   const cv::Mat1b& objects,
                    const TerrainOptions& options,
                    ElevationMap& map) {
   if (photo.second_image.empty() || map.elevation.empty()) return;
@@ -139,8 +172,12 @@ void MarkOpenCover(const Orthophoto& photo,
   const cv::Mat square = cv::Mat1b::ones(narrowest, narrowest);
   cv::erode(is_narrow, is_narrow, square, {0, 0});
   cv::dilate(is_narrow, is_narrow, square, {narrowest - 1, narrowest - 1});
+  const cv::Mat1b things = objects.empty() ? is_narrow : cv::Mat1b(is_narrow | objects);
+  const cv::Mat1b is_lone = LoneThings(things, is_clear_class, options, cell);
   cv::dilate(is_narrow, is_narrow, margin);
+  is_narrow &= ~is_lone;
   cv::add(map.upper, cv::Scalar::all(options.narrow_cover_allowance_m), map.upper, is_narrow);
+  cv::add(map.upper, cv::Scalar::all(options.lone_allowance_m), map.upper, is_lone);
   is_open &= bodies;
   cv::dilate(is_open, is_open, margin);
   map.standard_deviation.setTo(std::numeric_limits<float>::quiet_NaN(), is_open | is_unshown);

@@ -73,6 +73,13 @@ struct TerrainOptions {
   // top. Spec 3.6 gives as much to all that has no clear class.
   double min_narrow_cover_m = 2.0;
   double narrow_cover_allowance_m = 2.0;
+  // What stands alone in a meadow, narrow cover or an object of the picture, may be a sapling
+  // without leaves, of which the map has next to nothing: so much on top instead. Alone: no wider
+  // than this, and of what surrounds it so far that share is of a clear class.
+  double lone_allowance_m = 4.0;
+  double max_lone_size_m = 8.0;
+  double lone_surroundings_m = 3.0;
+  double min_lone_meadow_ratio = 0.8;
 
   void Check() const;
 };
@@ -145,11 +152,13 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
 
 // Twigs of a leafless crown move against the ground below from view to view, and the map has the
 // ground's height. Where both photographs do not show the same, or only one shows anything, the
-// map's standard deviation becomes unknown: NaN. Over narrow cover the upper height grows instead.
-// What they show differently of cells of a clear class (255, else 0) is left: grass is no tree.
-// Does nothing with a picture of one view. Once for each map: the upper height grows every time.
+// map's standard deviation becomes unknown: NaN. Over narrow cover, and over objects of the picture
+// (255, else 0; may be empty) that stand alone in a meadow, the upper height grows instead. What
+// they show differently of cells of a clear class (255, else 0) is left: grass is no tree. Does
+// nothing with a picture of one view. Once for each map: the upper height grows every time.
 void MarkOpenCover(const Orthophoto& photo,
                    const cv::Mat1b& is_clear_class,
+                   const cv::Mat1b& objects,
                    const TerrainOptions& options,
                    ElevationMap& map);
 

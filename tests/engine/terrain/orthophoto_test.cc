@@ -271,11 +271,11 @@ TEST_CASE(
   REQUIRE(photo.second_image.size() == photo.image.size());
   ElevationMap grass = map;
   grass.standard_deviation = map.standard_deviation.clone();
-  MarkOpenCover(photo, NoClass(map), {}, map);
+  MarkOpenCover(photo, NoClass(map), {}, {}, map);
   CHECK(map.is_compared);
   CHECK(NumUnknown(map, 3.0) == 32);  // all of them
   CHECK(NumUnknown(map, 11.0) == NumUnknown(map, 9.0));
-  MarkOpenCover(photo, NoClass(map) + 255, {}, grass);
+  MarkOpenCover(photo, NoClass(map) + 255, {}, {}, grass);
   CHECK(NumUnknown(grass, 11.0) == 0);
 }
 
@@ -284,7 +284,7 @@ TEST_CASE("open cover: over a crown too small to be told from an edge the upper 
   ElevationMap map = LevelMap(36);
   const cv::Mat1f before = map.upper.clone();
   MarkOpenCover(
-      MakeOrthophoto(map, block, MeadowWithTwigs(block, 3.0, 1.2), {}), NoClass(map), {}, map);
+      MakeOrthophoto(map, block, MeadowWithTwigs(block, 3.0, 1.2), {}), NoClass(map), {}, {}, map);
   CHECK(NumUnknown(map, 10.0) == 0);
   for (int row = 0; row < 36; ++row) {
     for (int col = 0; col < 36; ++col) {
@@ -296,10 +296,52 @@ TEST_CASE("open cover: over a crown too small to be told from an edge the upper 
   }
 }
 
+// Meadow but for a disc about the middle, of which nothing is known.
+cv::Mat1b MeadowAround(const ElevationMap& map, double radius_m) {
+  cv::Mat1b is_meadow = NoClass(map) + 255;
+  for (int row = 0; row < is_meadow.rows; ++row) {
+    for (int col = 0; col < is_meadow.cols; ++col) {
+      if (map.grid.CellCenter(row, col).norm() < radius_m) is_meadow(row, col) = 0;
+    }
+  }
+  return is_meadow;
+}
+
+// By how much the upper height of the middle grows over crown and objects, and that of what is far.
+struct Growth {
+  float middle = 0.0f;
+  float far = 0.0f;
+};
+Growth GrowthBy(double crown_m, const cv::Mat1b& is_meadow, const cv::Rect& object) {
+  const AdjustedBlock block = BlockOf(TwoNadirViews());
+  ElevationMap map = LevelMap(36);
+  const cv::Mat1f before = map.upper.clone();
+  cv::Mat1b objects = NoClass(map);
+  objects(object).setTo(uint8_t{255});
+  const ImageSource images = MeadowWithTwigs(block, crown_m, 1.2);
+  MarkOpenCover(MakeOrthophoto(map, block, images, {}), is_meadow, objects, {}, map);
+  return {map.upper(18, 18) - before(18, 18), map.upper(18, 30) - before(18, 30)};
+}
+
+TEST_CASE("open cover: what stands alone in a meadow may be a sapling that cannot be measured") {
+  const ElevationMap map = LevelMap(36);
+  const cv::Mat1b meadow = MeadowAround(map, 3.5);
+  const cv::Rect nothing, sapling(18, 18, 2, 1);
+  // A crown of twigs; a thing of which the picture tells no more than that it is there.
+  CHECK(GrowthBy(3.0, meadow, nothing).middle == doctest::Approx(4.0));
+  CHECK(GrowthBy(0.0, MeadowAround(map, 1.5), sapling).middle == doctest::Approx(4.0));
+  CHECK(GrowthBy(0.0, MeadowAround(map, 1.5), sapling).far == 0.0f);
+  // With something else than meadow around it, and if it is part of something wide.
+  CHECK(GrowthBy(0.0, MeadowAround(map, 6.0), sapling).middle == 0.0f);
+  CHECK(GrowthBy(0.0, MeadowAround(map, 1.5), {12, 18, 12, 1}).middle == 0.0f);
+  CHECK(GrowthBy(0.0, meadow, nothing).middle == 0.0f);
+}
+
 TEST_CASE("open cover: what lies at the map's height is the same in both, however mottled") {
   const AdjustedBlock block = BlockOf(TwoNadirViews());
   ElevationMap map = LevelMap(36);
-  MarkOpenCover(MakeOrthophoto(map, block, MeadowWithTwigs(block, 0.0), {}), NoClass(map), {}, map);
+  MarkOpenCover(
+      MakeOrthophoto(map, block, MeadowWithTwigs(block, 0.0), {}), NoClass(map), {}, {}, map);
   CHECK(NumUnknown(map, 11.0) == 0);
 }
 
@@ -310,7 +352,7 @@ TEST_CASE("open cover: one darker photograph is no disagreement") {
     return id == "1" ? cv::Mat(0.8 * even(id)) : even(id);
   };
   ElevationMap map = LevelMap(36);
-  MarkOpenCover(MakeOrthophoto(map, block, one_darker, {}), NoClass(map), {}, map);
+  MarkOpenCover(MakeOrthophoto(map, block, one_darker, {}), NoClass(map), {}, {}, map);
   CHECK(NumUnknown(map, 10.0) == 0);
 }
 
@@ -318,7 +360,8 @@ TEST_CASE("open cover: ground that one place alone shows is unknown, nothing is 
   const AdjustedBlock near =
       BlockOf({SceneView({0.0, 0.0, kHeightM}, 0.3), SceneView({3.0, 0.0, kHeightM}, 0.3)});
   ElevationMap map = LevelMap(20);
-  MarkOpenCover(MakeOrthophoto(map, near, MeadowWithTwigs(near, 0.0), {}), NoClass(map), {}, map);
+  MarkOpenCover(
+      MakeOrthophoto(map, near, MeadowWithTwigs(near, 0.0), {}), NoClass(map), {}, {}, map);
   CHECK(map.is_compared);
   CHECK(NumUnknown(map, 20.0) == 400);
   TerrainOptions off;
@@ -326,7 +369,7 @@ TEST_CASE("open cover: ground that one place alone shows is unknown, nothing is 
   ElevationMap same = LevelMap(20);
   const Orthophoto photo = MakeOrthophoto(same, near, MeadowWithTwigs(near, 6.0), off);
   CHECK(photo.second_image.empty());
-  MarkOpenCover(photo, NoClass(same), off, same);
+  MarkOpenCover(photo, NoClass(same), {}, off, same);
   CHECK_FALSE(same.is_compared);
   CHECK(NumUnknown(same, 20.0) == 0);
 }
@@ -354,7 +397,7 @@ TEST_CASE("open cover: the rim of a crown whose rest was not seen counts, alone 
   const ImageSource images = MeadowWithTwigs(block, 6.0);
   ElevationMap rim = map;
   rim.standard_deviation = map.standard_deviation.clone();
-  MarkOpenCover(MakeOrthophoto(rim, block, images, {}), NoClass(rim), {}, rim);
+  MarkOpenCover(MakeOrthophoto(rim, block, images, {}), NoClass(rim), {}, {}, rim);
   CHECK(num_unknown_of_seen(rim) >= 4);
 }
 
