@@ -294,6 +294,13 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("min_raised_border_ratio",
         o.min_raised_border_ratio,
         "of its border where both sides are even");
+  visit("min_overreach_separation",
+        o.min_overreach_separation,
+        "deviations between grass and the other ground beside it, above which colour decides; "
+        "0: not looked for");
+  visit("overreach_surroundings_m",
+        o.overreach_surroundings_m,
+        "how far around a cell either ground's colour is taken");
   visit("min_object_deviations",
         o.min_object_deviations,
         "of its surroundings, by which a thing stands out of a meadow; 0: not looked for");

@@ -12,13 +12,10 @@
 namespace freelsd {
 namespace {
 
-// Colours are those of this much ground.
-constexpr double kBlurM = 1.0;
 // No field is more even: two shares of colour, logarithm of brightness.
 constexpr float kLeastDeviation[] = {0.006f, 0.006f, 0.02f};
 // Less has no colour of its own.
 constexpr int kMinNumCells = 100;
-constexpr float kMinSeenShare = 0.5f;
 
 struct FieldColor {
   std::array<float, 3> median{};
@@ -100,26 +97,20 @@ cv::Mat1b WithRestOfField(const cv::Mat1b& sprayed,
                           const HazardOptions& options) {
   cv::Mat1b whole = sprayed.clone();
   if (cv::countNonZero(sprayed) < kMinNumCells) return whole;
-  cv::Mat1f seen, share;
-  photo.seen.convertTo(seen, CV_32F, 1.0 / 255.0);
-  cv::resize(seen, share, sprayed.size(), 0.0, 0.0, cv::INTER_AREA);
-  const cv::Mat1b is_seen = share > kMinSeenShare;
-  cv::Mat seen_image, cells;
-  photo.image.copyTo(seen_image, photo.seen);
-  cv::resize(seen_image, cells, sprayed.size(), 0.0, 0.0, cv::INTER_AREA);
-  const ColorPlanes colors = BlurredColors(cells, share, kBlurM / grid.cell_size_m);
+  const ColorsOnMap on_map = ColorsOfMap(photo, grid);
   const double reach_cells = 0.5 * options.max_working_width_m / grid.cell_size_m;
   cv::Mat1i labels;
   const int num_labels = cv::connectedComponents(sprayed, labels, 8, CV_32S);
   for (int label = 1; label < num_labels; ++label) {
     const cv::Mat1b field = labels == label;
-    const std::optional<FieldColor> color = ColorOfField(field, colors, is_seen);
+    const std::optional<FieldColor> color = ColorOfField(field, on_map.colors, on_map.is_seen);
     if (!color) continue;
     cv::Mat1f distance;
     cv::distanceTransform(field == 0, distance, cv::DIST_L2, cv::DIST_MASK_PRECISE);
-    const cv::Mat1b rest = (OfColor(*color, colors, is_seen, options.max_field_color_deviations) &
-                            (distance <= reach_cells)) |
-                           field;
+    const cv::Mat1b rest =
+        (OfColor(*color, on_map.colors, on_map.is_seen, options.max_field_color_deviations) &
+         (distance <= reach_cells)) |
+        field;
     whole |= HangingTogether(rest, field);
   }
   // The blur leaves a border of mixed colour.

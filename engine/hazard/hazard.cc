@@ -8,6 +8,7 @@
 #include "engine/hazard/fences.h"
 #include "engine/hazard/grass.h"
 #include "engine/hazard/look_alikes.h"
+#include "engine/hazard/overreach.h"
 #include "engine/hazard/raised_fields.h"
 #include "engine/hazard/small_objects.h"
 #include "engine/hazard/surface.h"
@@ -93,6 +94,8 @@ void HazardOptions::Check() const {
   check.Inside("min_raised_step_m", min_raised_step_m, 0.0, 100.0);
   check.Inside("min_raised_border_m", min_raised_border_m, 0.0, 1e4);
   check.Inside("min_raised_border_ratio", min_raised_border_ratio, 0.0, 1.0);
+  check.Inside("min_overreach_separation", min_overreach_separation, 0.0, 1000.0);
+  check.Inside("overreach_surroundings_m", overreach_surroundings_m, 1.0, 200.0);
   check.Inside("min_object_deviations", min_object_deviations, 0.0, 1000.0);
   check.Inside("object_surroundings_m", object_surroundings_m, 1.0, 40.0);
   check.Inside("min_object_area_m2", min_object_area_m2, 0.0, 1000.0);
@@ -132,6 +135,9 @@ HazardLayers AssessHazards(const ElevationMap& map,
     const cv::Mat1b is_even = ClassesOf(map, layers, even, options) == kFree;
     if (options.min_raised_step_m > 0.0) {
       layers.grass.setTo(0.0f, RaisedFields(is_even, elevation, cell_size_m, options));
+    }
+    if (options.min_overreach_separation > 0.0 && !photo.image.empty()) {
+      layers.grass.setTo(0.0f, OverreachingGrass(layers.grass, photo, map.grid, options));
     }
     if (options.min_fence_deviations > 0.0 && !photo.image.empty()) {
       layers.grass.setTo(0.0f, FindFences(photo, is_even, map.grid, options));

@@ -81,6 +81,11 @@ struct HazardOptions {
   double border_ramp_m = 3.0;
   double max_even_slope_deg = 10.0;
   double max_even_roughness_m = 0.5;
+  // Segments reach over soft borders: what is called grass has the colour of the other ground
+  // within that distance of it rather than that of the grass, where the two are so many deviations
+  // apart. 0: not looked for.
+  double min_overreach_separation = 2.0;
+  double overreach_surroundings_m = 30.0;
   // Boulders, animals, cars: what stands out of its surroundings in colour or brightness by so many
   // of their deviations, over at least that area. 0: not looked for.
   double min_object_deviations = 7.0;

@@ -11,6 +11,9 @@ namespace {
 
 // Where nothing is seen the mean is 0, not one of nothing.
 constexpr double kNoWeight = 1e-6;
+// The map's colours are those of this much ground.
+constexpr double kBlurM = 1.0;
+constexpr float kMinSeenShare = 0.5f;
 
 }  // namespace
 
@@ -35,6 +38,17 @@ ColorPlanes BlurredColors(const cv::Mat3b& image, const cv::Mat1f& share, double
     plane = plane / (weight + kNoWeight);
   }
   return colors;
+}
+
+ColorsOnMap ColorsOfMap(const Orthophoto& photo, const Grid& grid) {
+  const cv::Size size(grid.num_cols, grid.num_rows);
+  cv::Mat1f seen, share;
+  photo.seen.convertTo(seen, CV_32F, 1.0 / 255.0);
+  cv::resize(seen, share, size, 0.0, 0.0, cv::INTER_AREA);
+  cv::Mat seen_image, cells;
+  photo.image.copyTo(seen_image, photo.seen);
+  cv::resize(seen_image, cells, size, 0.0, 0.0, cv::INTER_AREA);
+  return {BlurredColors(cells, share, kBlurM / grid.cell_size_m), share > kMinSeenShare};
 }
 
 cv::Mat1b WithoutSpecks(const cv::Mat1b& mask, double min_num_cells) {

@@ -41,26 +41,26 @@ worlds() {
 }
 make() {
   case "$1" in
-    worlds) worlds worlds "Seeded worlds: the safety table" --seed 16000 --worlds "$num_worlds" ;;
+    worlds) worlds worlds "Seeded worlds: the safety table" --seed 17000 --worlds "$num_worlds" ;;
     noise2)
       worlds noise2 "Seeded worlds, noise doubled" --seed 15000 --worlds "$num_in_noise" --noise 2
       ;;
     damage)
       worlds damage "Seeded worlds, a fifth of the photographs damaged" \
-        --seed 16000 --worlds "$num_in_noise" --damage 0.2
+        --seed 17000 --worlds "$num_in_noise" --damage 0.2
       ;;
     frames)
       worlds frames "Seeded worlds, half as many photographs" \
-        --seed 16000 --worlds "$num_in_noise" --frames 25
+        --seed 17000 --worlds "$num_in_noise" --frames 25
       ;;
     rules)
       worlds rules "Seeded worlds, planned on maps without error: what the rules allow" \
-        --seed 16000 --worlds "$num_worlds" --on-truth
+        --seed 17000 --worlds "$num_worlds" --on-truth
       ;;
     ground)
       for pack in brighton_beach honduras_pool; do
         worlds "ground_$pack" "Worlds of real ground: $pack" \
-          --seed 16000 --worlds 4 --ground "$pack"
+          --seed 17000 --worlds 4 --ground "$pack"
       done
       ;;
     flights)

@@ -15,6 +15,8 @@ namespace {
 constexpr double kFinalM = 60.0;
 constexpr double kCircleM = 40.0;
 
+const Eigen::Vector2d kTree(40.0, 0.0);
+
 // A meadow with a house 40 m north and a tree 40 m east of the middle; wind blows east.
 World MeadowWithHouseAndTree() {
   WorldOptions options;
@@ -22,7 +24,7 @@ World MeadowWithHouseAndTree() {
   options.cell_size_m = 0.5;
   World world = MakeMeadowPlane(options);
   world.Build({.center = {0.0, 40.0}});
-  world.Plant(Tree{.center = {40.0, 0.0}});
+  world.Plant(Tree{.center = kTree});
   return world;
 }
 
@@ -105,6 +107,7 @@ TEST_CASE("scoring: a final through a tree is reported as false safe") {
   CHECK(score.ground_fault == "");
   CHECK(score.final_fault == "tree");
   CHECK(score.final_clearance < -2.0);
+  CHECK((score.final_worst_place - kTree).norm() < Tree().radius_m);
   CHECK(score.IsFalseSafe(plan.verdict));
   const nlohmann::json safety = SafetyOf(world, plan);
   CHECK(safety.at("num_false_safe") == 1);

@@ -217,9 +217,11 @@ std::optional<SafetyScore> ScorePlan(const World& world,
     const PathTruth all = look(true), solid = look(false);
     clearance = all.clearance;
     const bool is_thin = solid.clearance >= 0.0;
-    fault = NameOfObstacle(world, is_thin ? all : solid, is_thin);
+    const PathTruth& named = is_thin ? all : solid;
+    fault = NameOfObstacle(world, named, is_thin);
+    return named.worst_place;
   };
-  judge(
+  score.final_worst_place = judge(
       [&](bool with_thin) {
         return AlongFinal(world, with_thin, aircraft, touchdown, start, height);
       },

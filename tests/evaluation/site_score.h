@@ -32,6 +32,8 @@ struct SafetyScore {
   // Least height of final and loiter over what stands in their corridor; negative is a collision.
   double final_clearance = 0.0;
   double loiter_clearance = 0.0;
+  // Where the final hits what `final_fault` names, or where it is lowest.
+  Eigen::Vector2d final_worst_place = Eigen::Vector2d::Zero();
 
   // Of an answer with that verdict; the loiter counts for kLandable only.
   bool IsFalseSafe(Verdict verdict) const;

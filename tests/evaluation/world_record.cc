@@ -56,6 +56,7 @@ void AddSafety(Json& json, const std::optional<SafetyScore>& score, const Plan& 
   json["loiter_fault"] = score->loiter_fault;
   json["free_distance_m"] = Rounded(score->free_distance);
   json["final_clearance_m"] = Rounded(score->final_clearance);
+  json["final_worst_m"] = Place(score->final_worst_place);
   json["loiter_clearance_m"] = Rounded(score->loiter_clearance);
   json["is_only_thin"] = score->IsOnlyThin(plan.verdict);
   json["is_false_safe"] = score->IsFalseSafe(plan.verdict) && !score->IsOnlyThin(plan.verdict);

@@ -290,7 +290,7 @@ TEST_CASE("open cover: over a crown too small to be told from an edge the upper 
     for (int col = 0; col < 36; ++col) {
       const double distance = map.grid.CellCenter(row, col).norm();
       const float grown = map.upper(row, col) - before(row, col);
-      if (distance < 2.0) CHECK(grown == doctest::Approx(2.0));
+      if (distance < 2.0) CHECK(grown == doctest::Approx(TerrainOptions().narrow_cover_allowance_m));
       if (distance > 5.0) CHECK(grown == 0.0f);
     }
   }
