@@ -237,7 +237,9 @@ void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
         "height on top of what stands alone in a meadow: it may be a sapling without leaves");
   visit("max_lone_size_m", o.max_lone_size_m, "wider things do not stand alone");
   visit("lone_surroundings_m", o.lone_surroundings_m, "how far around it must be meadow");
-  visit("min_lone_meadow_ratio", o.min_lone_meadow_ratio, "share of the surroundings that must");
+  visit("min_lone_meadow_ratio",
+        o.min_lone_meadow_ratio,
+        "share of those surroundings that must be meadow");
 }
 
 template <class Visitor>
@@ -294,8 +296,8 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("min_raised_border_ratio",
         o.min_raised_border_ratio,
         "of its border where both sides are even");
-  visit("min_overreach_separation",
-        o.min_overreach_separation,
+  visit("min_overreach_deviations",
+        o.min_overreach_deviations,
         "deviations between grass and the other ground beside it, above which colour decides; "
         "0: not looked for");
   visit("overreach_surroundings_m",
@@ -312,7 +314,7 @@ void VisitFields(Of<HazardOptions> auto& o, Visitor&& visit) {
   visit("min_fence_deviations",
         o.min_fence_deviations,
         "a thin dark line in a meadow, against what is beside it; 0: not looked for");
-  visit("fence_filter_length_m", o.fence_filter_length_m, "its length");
+  visit("fence_filter_length_m", o.fence_filter_length_m, "length of a fence's line");
   visit("min_post_deviations", o.min_post_deviations, "how dark a post is in it");
   visit("min_num_posts", o.min_num_posts, "posts that stand apart on it, at least");
 }

@@ -319,8 +319,11 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                            photo);
     });
     Timed(evaluation.reports, "open_cover", [&] {
+      const cv::Mat1b is_clear_class =
+          evaluation.hazards.grass >= options.approach.min_clear_class_posterior;
       MarkOpenCover(photo,
-                    evaluation.hazards.grass >= options.approach.min_clear_class_posterior,
+                    is_clear_class,
+                    is_clear_class | evaluation.hazards.meadow,
                     evaluation.hazards.objects,
                     options.terrain,
                     evaluation.map);

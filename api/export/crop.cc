@@ -83,6 +83,7 @@ SiteMap CropAround(const ElevationMap& map,
            .slope = layers.slope(box).clone(),
            .roughness = layers.roughness(box).clone(),
            .grass = layers.grass(box).clone(),
+           .meadow = {},
            .objects = {},
            .hazard = layers.hazard(box).clone(),
            .distance = layers.distance(box).clone()}};

@@ -12,8 +12,6 @@
 namespace freelsd {
 namespace {
 
-// No field is more even: two shares of colour, logarithm of brightness.
-constexpr float kLeastDeviation[] = {0.006f, 0.006f, 0.02f};
 // Less has no colour of its own.
 constexpr int kMinNumCells = 100;
 
@@ -42,7 +40,7 @@ std::optional<FieldColor> ColorOfField(const cv::Mat1b& field,
     const size_t n = values.size();
     color.median[i] = values[n / 2];
     color.deviation[i] =
-        std::max(0.5f * (values[n * 84 / 100] - values[n * 16 / 100]), kLeastDeviation[i]);
+        std::max(0.5f * (values[n * 84 / 100] - values[n * 16 / 100]), kLeastColorDeviation[i]);
   }
   return color;
 }

@@ -94,7 +94,7 @@ void HazardOptions::Check() const {
   check.Inside("min_raised_step_m", min_raised_step_m, 0.0, 100.0);
   check.Inside("min_raised_border_m", min_raised_border_m, 0.0, 1e4);
   check.Inside("min_raised_border_ratio", min_raised_border_ratio, 0.0, 1.0);
-  check.Inside("min_overreach_separation", min_overreach_separation, 0.0, 1000.0);
+  check.Inside("min_overreach_deviations", min_overreach_deviations, 0.0, 1000.0);
   check.Inside("overreach_surroundings_m", overreach_surroundings_m, 1.0, 200.0);
   check.Inside("min_object_deviations", min_object_deviations, 0.0, 1000.0);
   check.Inside("object_surroundings_m", object_surroundings_m, 1.0, 40.0);
@@ -126,6 +126,9 @@ HazardLayers AssessHazards(const ElevationMap& map,
   layers.grass = FuseGrass(map, grass_views, options);
   if (!photo.image.empty()) {
     layers.grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
+  }
+  if (!layers.grass.empty()) layers.meadow = layers.grass >= options.min_grass_posterior;
+  if (!photo.image.empty()) {
     layers.objects = FindSmallObjects(photo, map.grid, options);
     if (!layers.objects.empty()) layers.grass.setTo(0.0f, layers.objects);
   }
@@ -136,7 +139,7 @@ HazardLayers AssessHazards(const ElevationMap& map,
     if (options.min_raised_step_m > 0.0) {
       layers.grass.setTo(0.0f, RaisedFields(is_even, elevation, cell_size_m, options));
     }
-    if (options.min_overreach_separation > 0.0 && !photo.image.empty()) {
+    if (options.min_overreach_deviations > 0.0 && !photo.image.empty()) {
       layers.grass.setTo(0.0f, OverreachingGrass(layers.grass, photo, map.grid, options));
     }
     if (options.min_fence_deviations > 0.0 && !photo.image.empty()) {

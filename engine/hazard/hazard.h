@@ -15,7 +15,7 @@ struct HazardOptions {
   // --- Behaviour ---
   // Posterior over the observations of a cell, or the paper's OR of all fine masks.
   GrassFusion grass_fusion = GrassFusion::kPosterior;
-  // More than one view alone can give: a second one must agree.
+  // More than one view alone can give (max_observation_probability): a second one must agree.
   double min_grass_posterior = 0.95;
   // Limits of one observation's probability: no single view is ever certain.
   double min_observation_probability = 0.1;
@@ -84,7 +84,7 @@ struct HazardOptions {
   // Segments reach over soft borders: what is called grass has the colour of the other ground
   // within that distance of it rather than that of the grass, where the two are so many deviations
   // apart. 0: not looked for.
-  double min_overreach_separation = 2.0;
+  double min_overreach_deviations = 2.0;
   double overreach_surroundings_m = 30.0;
   // Boulders, animals, cars: what stands out of its surroundings in colour or brightness by so many
   // of their deviations, over at least that area. 0: not looked for.
@@ -133,6 +133,9 @@ struct HazardLayers {
   cv::Mat1f roughness;
   // Posterior probability of grass; NaN where no view, or too small a share, classified the cell.
   cv::Mat1f grass;
+  // Cells that the views call grass and no rule calls a crop or water: 255, else 0. Fences and
+  // things are of the meadow they stand in. Not kept with a site.
+  cv::Mat1b meadow;
   // Cells in which the photograph shows a thing that stands out of the ground around it: 255, else
   // 0. Empty where none was looked for. Not kept with a site.
   cv::Mat1b objects;
@@ -143,8 +146,9 @@ struct HazardLayers {
   cv::Mat1f distance;
 };
 
-// Where the photograph shows a green crop, water or a thing that stands in the meadow, there is no
-// grass, whatever the views say; without one (an empty picture) they are not looked for.
+// Where the photograph shows a green crop, water, a fence, a thing that stands in the meadow or the
+// colour of other ground beside it, there is no grass, whatever the views say; without one (an
+// empty picture) they are not looked for.
 HazardLayers AssessHazards(const ElevationMap& map,
                            const std::vector<GrassView>& grass_views,
                            const HazardLimits& limits,

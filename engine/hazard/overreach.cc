@@ -13,14 +13,14 @@ namespace {
 
 // Below, a cell is told to be no grass.
 constexpr float kMaxOtherPosterior = 0.5f;
-// No ground is more even: two shares of colour, logarithm of brightness.
-constexpr std::array<double, 3> kLeastDeviation{0.006, 0.006, 0.02};
 // Less around a cell has no colour of its own.
 constexpr double kMinAreaM2 = 100.0;
 // What one round moves has no part in the grass's colour of the next.
 constexpr int kNumRounds = 4;
 // Narrower is a blur of two colours, not ground.
 constexpr double kMinWidthM = 5.0;
+// Rows worked on at once: of a large map only as much memory is needed as of a small one.
+constexpr int kNumBandRows = 128;
 
 // Of a mask's cells within a square around each cell.
 struct LocalColor {
@@ -60,8 +60,9 @@ bool IsOther(const LocalColor& grass,
   if (std::min(grass.num_cells(cell), other.num_cells(cell)) < min_num_cells) return false;
   double separation = 0.0, position = 0.0;
   for (size_t i = 0; i < 3; ++i) {
-    const double variance = std::max(0.5 * (grass.variance[i](cell) + other.variance[i](cell)),
-                                     kLeastDeviation[i] * kLeastDeviation[i]);
+    const double least = kLeastColorDeviation[i];
+    const double variance =
+        std::max(0.5 * (grass.variance[i](cell) + other.variance[i](cell)), least * least);
     const double apart = other.mean[i](cell) - grass.mean[i](cell);
     separation += apart * apart / variance;
     position += apart * (colors[i](cell) - grass.mean[i](cell)) / variance;
@@ -69,11 +70,45 @@ bool IsOther(const LocalColor& grass,
   return separation > min_separation * min_separation && position > 0.5 * separation;
 }
 
-cv::Mat1b Opened(const cv::Mat1b& cells, int side) {
+// By an odd ellipse: OpenCV's opening shifts what an even one leaves.
+cv::Mat1b Opened(const cv::Mat1b& cells, double width_m, double cell_size_m) {
+  const int half = static_cast<int>(std::lround(0.5 * (width_m / cell_size_m - 1.0)));
+  const int side = 2 * std::max(0, half) + 1;
   cv::Mat1b opened;
   cv::morphologyEx(
       cells, opened, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side}));
   return opened;
+}
+
+// What of these rows of `is_grass`, less what has `moved` already, has the colour of the other
+// ground. Rows of cells around them are looked at, no more.
+cv::Mat1b MovedIn(const cv::Range& rows,
+                  const cv::Mat1b& is_grass,
+                  const cv::Mat1b& moved,
+                  const cv::Mat1b& told,
+                  const ColorPlanes& colors,
+                  int side,
+                  double min_num_cells,
+                  double min_separation) {
+  const cv::Range around(std::max(0, rows.start - side / 2),
+                         std::min(told.rows, rows.end + side / 2));
+  cv::Mat1b found(rows.size(), told.cols, uint8_t{0});
+  const cv::Mat1b other = told.rowRange(around);
+  const cv::Mat1b grass = is_grass.rowRange(around) & ~moved.rowRange(around);
+  if (cv::countNonZero(other) == 0 || cv::countNonZero(grass) == 0) return found;
+  ColorPlanes planes;
+  for (size_t i = 0; i < planes.size(); ++i) planes[i] = colors[i].rowRange(around);
+  const LocalColor of_grass = ColorsAround(grass, planes, side);
+  const LocalColor of_other = ColorsAround(other, planes, side);
+  for (int row = 0; row < found.rows; ++row) {
+    for (int col = 0; col < found.cols; ++col) {
+      const cv::Point cell(col, row + rows.start - around.start);
+      if (grass(cell) && IsOther(of_grass, of_other, planes, cell, min_num_cells, min_separation)) {
+        found(row, col) = 255;
+      }
+    }
+  }
+  return found;
 }
 
 }  // namespace
@@ -83,32 +118,31 @@ cv::Mat1b OverreachingGrass(const cv::Mat1f& grass,
                             const Grid& grid,
                             const HazardOptions& options) {
   const ColorsOnMap on_map = ColorsOfMap(photo, grid);
-  const int width = std::max(1, static_cast<int>(std::lround(kMinWidthM / grid.cell_size_m)));
-  const int side = 2 * static_cast<int>(options.overreach_surroundings_m / grid.cell_size_m) + 1;
-  const double min_num_cells = kMinAreaM2 / (grid.cell_size_m * grid.cell_size_m);
+  const double cell_m = grid.cell_size_m;
+  const int side = 2 * static_cast<int>(options.overreach_surroundings_m / cell_m) + 1;
+  const double min_num_cells = kMinAreaM2 / (cell_m * cell_m);
   const cv::Mat1b is_grass = (grass >= options.min_grass_posterior) & on_map.is_seen;
   // Things that stand in a meadow are not what lies beside it.
-  const cv::Mat1b told = Opened((grass < kMaxOtherPosterior) & on_map.is_seen, width);
+  const cv::Mat1b told = Opened((grass < kMaxOtherPosterior) & on_map.is_seen, kMinWidthM, cell_m);
   cv::Mat1b moved = cv::Mat1b::zeros(grass.size());
-  const LocalColor of_other = ColorsAround(told, on_map.colors, side);
   for (int round = 0; round < kNumRounds; ++round) {
-    const LocalColor of_grass = ColorsAround(is_grass & ~moved, on_map.colors, side);
-    for (int row = 0; row < moved.rows; ++row) {
-      for (int col = 0; col < moved.cols; ++col) {
-        const cv::Point cell(col, row);
-        if (!is_grass(cell) || moved(cell)) continue;
-        if (IsOther(of_grass,
-                    of_other,
-                    on_map.colors,
-                    cell,
-                    min_num_cells,
-                    options.min_overreach_separation)) {
-          moved(cell) = 255;
-        }
-      }
+    cv::Mat1b found(grass.size());
+    for (int first = 0; first < grass.rows; first += kNumBandRows) {
+      const cv::Range rows(first, std::min(grass.rows, first + kNumBandRows));
+      MovedIn(rows,
+              is_grass,
+              moved,
+              told,
+              on_map.colors,
+              side,
+              min_num_cells,
+              options.min_overreach_deviations)
+          .copyTo(found.rowRange(rows));
     }
+    if (cv::countNonZero(found) == 0) break;
+    moved |= found;
   }
-  return Opened(moved | told, width) & is_grass;
+  return Opened(moved | told, kMinWidthM, cell_m) & is_grass;
 }
 
 }  // namespace freelsd

@@ -12,6 +12,9 @@ namespace freelsd {
 // How green, how red against blue, how bright (logarithm).
 using ColorPlanes = std::array<cv::Mat1f, 3>;
 
+// No ground is more even than that, plane by plane.
+inline constexpr std::array<float, 3> kLeastColorDeviation{0.006f, 0.006f, 0.02f};
+
 // Of the seen ground alone, through a blur. `share` of each pixel that was seen, 0..1; what was not
 // is black in the image.
 ColorPlanes BlurredColors(const cv::Mat3b& image, const cv::Mat1f& share, double blur_px);

@@ -93,7 +93,7 @@ void TerrainOptions::Check() const {
   check.Inside("narrow_cover_allowance_m", narrow_cover_allowance_m, 0.0, 100.0);
   check.Inside("lone_allowance_m", lone_allowance_m, 0.0, 100.0);
   check.Inside("max_lone_size_m", max_lone_size_m, 0.0, 50.0);
-  check.Inside("lone_surroundings_m", lone_surroundings_m, open_cover_margin_m, 50.0);
+  check.Inside("lone_surroundings_m", lone_surroundings_m, 0.0, 50.0);
   check.Inside("min_lone_meadow_ratio", min_lone_meadow_ratio, 0.0, 1.0);
 }
 

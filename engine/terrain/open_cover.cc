@@ -150,6 +150,7 @@ cv::Mat1b LoneThings(const cv::Mat1b& things,
 
 void MarkOpenCover(const Orthophoto& photo,
                    const cv::Mat1b& is_clear_class,
+                   const cv::Mat1b& is_meadow,
                    const cv::Mat1b& objects,
                    const TerrainOptions& options,
                    ElevationMap& map) {
@@ -173,9 +174,13 @@ void MarkOpenCover(const Orthophoto& photo,
   cv::erode(is_narrow, is_narrow, square, {0, 0});
   cv::dilate(is_narrow, is_narrow, square, {narrowest - 1, narrowest - 1});
   const cv::Mat1b things = objects.empty() ? is_narrow : cv::Mat1b(is_narrow | objects);
-  const cv::Mat1b is_lone = LoneThings(things, is_clear_class, options, cell);
+  cv::Mat1b is_lone = LoneThings(things, is_meadow, options, cell);
   cv::dilate(is_narrow, is_narrow, margin);
-  is_narrow &= ~is_lone;
+  if (options.lone_allowance_m > options.narrow_cover_allowance_m) {
+    is_narrow &= ~is_lone;
+  } else {
+    is_lone &= ~is_narrow;
+  }
   cv::add(map.upper, cv::Scalar::all(options.narrow_cover_allowance_m), map.upper, is_narrow);
   cv::add(map.upper, cv::Scalar::all(options.lone_allowance_m), map.upper, is_lone);
   is_open &= bodies;

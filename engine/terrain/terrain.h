@@ -154,10 +154,12 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
 // ground's height. Where both photographs do not show the same, or only one shows anything, the
 // map's standard deviation becomes unknown: NaN. Over narrow cover, and over objects of the picture
 // (255, else 0; may be empty) that stand alone in a meadow, the upper height grows instead. What
-// they show differently of cells of a clear class (255, else 0) is left: grass is no tree. Does
-// nothing with a picture of one view. Once for each map: the upper height grows every time.
+// they show differently of cells of a clear class (255, else 0) is left: grass is no tree.
+// `is_meadow`: what is around a lone thing, whatever else was found there. Does nothing with a
+// picture of one view. Once for each map: the upper height grows every time.
 void MarkOpenCover(const Orthophoto& photo,
                    const cv::Mat1b& is_clear_class,
+                   const cv::Mat1b& is_meadow,
                    const cv::Mat1b& objects,
                    const TerrainOptions& options,
                    ElevationMap& map);

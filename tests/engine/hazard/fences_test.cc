@@ -119,5 +119,37 @@ TEST_CASE("fences: unseen ground is no line") {
   CHECK(cv::countNonZero(FencesOn(picture)) == 0);
 }
 
+TEST_CASE(
+    "fences: the hazard layers leave them out, with what stands out of the meadow, 0 looks for "
+    "none") {
+  const auto fence_and_stone = [](const Eigen::Vector2d& place) -> Color {
+    if ((place - Eigen::Vector2d(20.0, 20.0)).norm() < 0.8) return {190.0, 192.0, 194.0};
+    return IsPost(place, 0.0) ? kPost : photo::kGreen;
+  };
+  const Orthophoto picture = Painted(kSideM, fence_and_stone);
+  ElevationMap map;
+  map.grid = MapGridOf(picture);
+  map.elevation = cv::Mat1f(map.grid.num_rows, map.grid.num_cols, 100.0f);
+  map.upper = map.elevation.clone();
+  map.standard_deviation = cv::Mat1f(map.elevation.size(), 0.1f);
+  const std::vector<GrassView> views = photo::TwoNadirViews(255);
+  const auto at = [&](double east, double north) {
+    return *map.grid.CellAt(Eigen::Vector2d(east, north));
+  };
+  const HazardLayers layers = AssessHazards(map, views, {}, {}, picture);
+  const cv::Point stone = at(20.0, 20.0), beside = at(0.5, 10.5);
+  CHECK(layers.hazard(stone) == kHazard);
+  CHECK(layers.objects(stone) == 255);
+  CHECK(layers.hazard(beside) == kFree);
+  CHECK(layers.objects(beside) == 0);
+  // Between two posts, which may be things of their own.
+  const cv::Point between = at(1.5, 0.0);
+  CHECK(layers.hazard(between) == kHazard);
+  CHECK(layers.meadow(between) == 255);
+  HazardOptions without;
+  without.min_fence_deviations = 0.0;
+  CHECK(AssessHazards(map, views, {}, without, picture).hazard(between) == kFree);
+}
+
 }  // namespace
 }  // namespace freelsd

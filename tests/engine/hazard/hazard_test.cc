@@ -335,6 +335,10 @@ TEST_CASE("hazard: Check names field, value and constraint") {
   CHECK(is_refused([](HazardOptions& o) { o.max_standard_deviation_m = 0.0; }));
   CHECK(is_refused([](HazardOptions& o) { o.fence_filter_length_m = 1.0; }));
   CHECK(is_refused([](HazardOptions& o) { o.min_num_posts = -1; }));
+  CHECK(is_refused([](HazardOptions& o) { o.min_fence_deviations = -1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.min_post_deviations = -1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.min_overreach_deviations = -1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.overreach_surroundings_m = 0.0; }));
   HazardOptions options;
   options.plane_support_m = 0.0;
   CHECK_THROWS_WITH_AS(

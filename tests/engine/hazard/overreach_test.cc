@@ -57,6 +57,20 @@ TEST_CASE("overreach: a bulge behind a rim that nobody could class is found as w
   CHECK(cv::countNonZero(found(kBulge)) == kBulge.area());
 }
 
+TEST_CASE("overreach: finer cells move nothing aside") {
+  const Orthophoto photo = TwoGrounds(kStubble);
+  Grid grid = photo::MapGridOf(photo);
+  cv::Mat1f grass;
+  cv::resize(ToldButForABulge(grid), grass, {}, 2.0, 2.0, cv::INTER_NEAREST);
+  grid.cell_size_m *= 0.5;
+  grid.num_rows *= 2;
+  grid.num_cols *= 2;
+  const cv::Mat1b found = OverreachingGrass(grass, photo, grid, {});
+  const cv::Rect bulge(2 * kBulge.x, 2 * kBulge.y, 2 * kBulge.width, 2 * kBulge.height);
+  CHECK(cv::countNonZero(found(bulge)) == bulge.area());
+  CHECK(cv::countNonZero(found.rowRange(0, 116)) == 0);
+}
+
 TEST_CASE("overreach: grounds of one colour are left as the views have them") {
   const Orthophoto photo = TwoGrounds(kSameGreen);
   const Grid grid = photo::MapGridOf(photo);
@@ -100,7 +114,7 @@ TEST_CASE("overreach: the hazard layers leave it out, and 0 leaves the rule out"
   CHECK(layers.hazard(bulge) == kHazard);
   CHECK(layers.hazard(meadow) == kFree);
   HazardOptions without;
-  without.min_overreach_separation = 0.0;
+  without.min_overreach_deviations = 0.0;
   CHECK(AssessHazards(map, views, {}, without, photo).hazard(bulge) == kFree);
 }
 

@@ -271,11 +271,11 @@ TEST_CASE(
   REQUIRE(photo.second_image.size() == photo.image.size());
   ElevationMap grass = map;
   grass.standard_deviation = map.standard_deviation.clone();
-  MarkOpenCover(photo, NoClass(map), {}, {}, map);
+  MarkOpenCover(photo, NoClass(map), NoClass(map), {}, {}, map);
   CHECK(map.is_compared);
   CHECK(NumUnknown(map, 3.0) == 32);  // all of them
   CHECK(NumUnknown(map, 11.0) == NumUnknown(map, 9.0));
-  MarkOpenCover(photo, NoClass(map) + 255, {}, {}, grass);
+  MarkOpenCover(photo, NoClass(map) + 255, NoClass(map) + 255, {}, {}, grass);
   CHECK(NumUnknown(grass, 11.0) == 0);
 }
 
@@ -283,14 +283,19 @@ TEST_CASE("open cover: over a crown too small to be told from an edge the upper 
   const AdjustedBlock block = BlockOf(TwoNadirViews());
   ElevationMap map = LevelMap(36);
   const cv::Mat1f before = map.upper.clone();
-  MarkOpenCover(
-      MakeOrthophoto(map, block, MeadowWithTwigs(block, 3.0, 1.2), {}), NoClass(map), {}, {}, map);
+  MarkOpenCover(MakeOrthophoto(map, block, MeadowWithTwigs(block, 3.0, 1.2), {}),
+                NoClass(map),
+                NoClass(map),
+                {},
+                {},
+                map);
   CHECK(NumUnknown(map, 10.0) == 0);
   for (int row = 0; row < 36; ++row) {
     for (int col = 0; col < 36; ++col) {
       const double distance = map.grid.CellCenter(row, col).norm();
       const float grown = map.upper(row, col) - before(row, col);
-      if (distance < 2.0) CHECK(grown == doctest::Approx(TerrainOptions().narrow_cover_allowance_m));
+      if (distance < 2.0)
+        CHECK(grown == doctest::Approx(TerrainOptions().narrow_cover_allowance_m));
       if (distance > 5.0) CHECK(grown == 0.0f);
     }
   }
@@ -312,15 +317,24 @@ struct Growth {
   float middle = 0.0f;
   float far = 0.0f;
 };
-Growth GrowthBy(double crown_m, const cv::Mat1b& is_meadow, const cv::Rect& object) {
+Growth GrowthBy(double crown_m,
+                const cv::Mat1b& is_meadow,
+                const cv::Rect& object,
+                const cv::Mat1b& is_clear_class,
+                const TerrainOptions& options = {}) {
   const AdjustedBlock block = BlockOf(TwoNadirViews());
   ElevationMap map = LevelMap(36);
   const cv::Mat1f before = map.upper.clone();
   cv::Mat1b objects = NoClass(map);
   objects(object).setTo(uint8_t{255});
   const ImageSource images = MeadowWithTwigs(block, crown_m, 1.2);
-  MarkOpenCover(MakeOrthophoto(map, block, images, {}), is_meadow, objects, {}, map);
+  const Orthophoto photo = MakeOrthophoto(map, block, images, {});
+  MarkOpenCover(photo, is_clear_class, is_meadow, objects, options, map);
   return {map.upper(18, 18) - before(18, 18), map.upper(18, 30) - before(18, 30)};
+}
+
+Growth GrowthBy(double crown_m, const cv::Mat1b& is_meadow, const cv::Rect& object) {
+  return GrowthBy(crown_m, is_meadow, object, is_meadow);
 }
 
 TEST_CASE("open cover: what stands alone in a meadow may be a sapling that cannot be measured") {
@@ -337,11 +351,35 @@ TEST_CASE("open cover: what stands alone in a meadow may be a sapling that canno
   CHECK(GrowthBy(0.0, meadow, nothing).middle == 0.0f);
 }
 
+TEST_CASE("open cover: a fence beside a sapling leaves it alone in its meadow") {
+  const ElevationMap map = LevelMap(36);
+  const cv::Mat1b meadow = MeadowAround(map, 1.5);
+  cv::Mat1b but_for_fence = meadow.clone();
+  but_for_fence.row(16).setTo(uint8_t{0});
+  but_for_fence.row(20).setTo(uint8_t{0});
+  const cv::Rect sapling(18, 18, 1, 1);
+  CHECK(GrowthBy(0.0, meadow, sapling, but_for_fence).middle == doctest::Approx(4.0));
+  CHECK(GrowthBy(0.0, but_for_fence, sapling, but_for_fence).middle == 0.0f);
+}
+
+TEST_CASE("open cover: what stands alone never gets less than other narrow cover") {
+  const ElevationMap map = LevelMap(36);
+  const cv::Mat1b meadow = MeadowAround(map, 3.5);
+  TerrainOptions options;
+  options.lone_allowance_m = 0.0;
+  CHECK(GrowthBy(3.0, meadow, {}, meadow, options).middle ==
+        doctest::Approx(options.narrow_cover_allowance_m));
+}
+
 TEST_CASE("open cover: what lies at the map's height is the same in both, however mottled") {
   const AdjustedBlock block = BlockOf(TwoNadirViews());
   ElevationMap map = LevelMap(36);
-  MarkOpenCover(
-      MakeOrthophoto(map, block, MeadowWithTwigs(block, 0.0), {}), NoClass(map), {}, {}, map);
+  MarkOpenCover(MakeOrthophoto(map, block, MeadowWithTwigs(block, 0.0), {}),
+                NoClass(map),
+                NoClass(map),
+                {},
+                {},
+                map);
   CHECK(NumUnknown(map, 11.0) == 0);
 }
 
@@ -352,7 +390,8 @@ TEST_CASE("open cover: one darker photograph is no disagreement") {
     return id == "1" ? cv::Mat(0.8 * even(id)) : even(id);
   };
   ElevationMap map = LevelMap(36);
-  MarkOpenCover(MakeOrthophoto(map, block, one_darker, {}), NoClass(map), {}, {}, map);
+  MarkOpenCover(
+      MakeOrthophoto(map, block, one_darker, {}), NoClass(map), NoClass(map), {}, {}, map);
   CHECK(NumUnknown(map, 10.0) == 0);
 }
 
@@ -360,8 +399,12 @@ TEST_CASE("open cover: ground that one place alone shows is unknown, nothing is 
   const AdjustedBlock near =
       BlockOf({SceneView({0.0, 0.0, kHeightM}, 0.3), SceneView({3.0, 0.0, kHeightM}, 0.3)});
   ElevationMap map = LevelMap(20);
-  MarkOpenCover(
-      MakeOrthophoto(map, near, MeadowWithTwigs(near, 0.0), {}), NoClass(map), {}, {}, map);
+  MarkOpenCover(MakeOrthophoto(map, near, MeadowWithTwigs(near, 0.0), {}),
+                NoClass(map),
+                NoClass(map),
+                {},
+                {},
+                map);
   CHECK(map.is_compared);
   CHECK(NumUnknown(map, 20.0) == 400);
   TerrainOptions off;
@@ -369,7 +412,7 @@ TEST_CASE("open cover: ground that one place alone shows is unknown, nothing is 
   ElevationMap same = LevelMap(20);
   const Orthophoto photo = MakeOrthophoto(same, near, MeadowWithTwigs(near, 6.0), off);
   CHECK(photo.second_image.empty());
-  MarkOpenCover(photo, NoClass(same), {}, off, same);
+  MarkOpenCover(photo, NoClass(same), NoClass(same), {}, off, same);
   CHECK_FALSE(same.is_compared);
   CHECK(NumUnknown(same, 20.0) == 0);
 }
@@ -397,7 +440,7 @@ TEST_CASE("open cover: the rim of a crown whose rest was not seen counts, alone 
   const ImageSource images = MeadowWithTwigs(block, 6.0);
   ElevationMap rim = map;
   rim.standard_deviation = map.standard_deviation.clone();
-  MarkOpenCover(MakeOrthophoto(rim, block, images, {}), NoClass(rim), {}, {}, rim);
+  MarkOpenCover(MakeOrthophoto(rim, block, images, {}), NoClass(rim), NoClass(rim), {}, {}, rim);
   CHECK(num_unknown_of_seen(rim) >= 4);
 }
 
