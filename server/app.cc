@@ -5,6 +5,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/priority.h"
 #include "server/routes.h"
 
 namespace freelsd {
@@ -77,7 +78,10 @@ App::App(const Config& config)
 
 void App::Run() {
   std::thread emergency;
-  if (emergency_http_) emergency = std::thread([this] { emergency_http_->Run(); });
+  if (emergency_http_) {
+    emergency = std::thread([this] { emergency_http_->Run(); });
+    GiveWay();
+  }
   http_.Run();
   if (emergency.joinable()) emergency.join();
 }

@@ -48,6 +48,8 @@ struct Service {
   std::mutex sites_mutex;
   // Decoded images held at once by requests: 64 megapixels are 192 MiB each.
   std::counting_semaphore<2> decoders{2};
+  // Wind roses planned at once, each for seconds where much is obstructed: others wait their turn.
+  std::counting_semaphore<2> rose_planners{2};
   // Uploads read at once: each holds an encoded image in memory, and a thread.
   std::counting_semaphore<kMaxNumUploads> uploads{kMaxNumUploads};
   // Requests that last as long as a flight does: each holds a thread.

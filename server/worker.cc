@@ -11,6 +11,7 @@
 #include "server/frame_intake.h"
 #include "server/frame_resolution.h"
 #include "server/job_json.h"
+#include "server/priority.h"
 #include "server/warnings.h"
 
 namespace freelsd {
@@ -63,6 +64,7 @@ bool Worker::Stop(std::chrono::milliseconds patience) {
 }
 
 void Worker::Repeat(bool (Worker::*step)()) {
+  GiveWay();
   while (!is_stopping_) {
     uint64_t seen = 0;
     {

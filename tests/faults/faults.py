@@ -59,6 +59,8 @@ ROWS = [
      aborts.run_aborts),
     ("latency", "emergency answers from many sites while a batch of 12 MP images is processed",
      "p50 <= 2 ms, p99 <= 20 ms", 0, 10000, recalls.run_latency),
+    ("roses", "30 clients that ask for wind roses without end (seconds)", "emergency p50 <= 2 ms, "
+     "p99 <= 20 ms", 2, 30, recalls.run_roses),
     ("slow", "slow clients in front of nginx", "emergency p99 <= 50 ms, memory flat", 0, 60,
      slow_clients.run),
     ("soak", "a camera of 5 frames a second (minutes)", "memory and descriptors flat", 0, 30,

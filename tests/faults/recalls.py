@@ -1,9 +1,10 @@
-"""Emergency recall: from damaged databases, after kills, and beside slow clients."""
+"""Emergency recall: from damaged databases, after kills, beside slow clients and greedy ones."""
 
 import json
 import random
 import shutil
 import subprocess
+import threading
 import time
 
 import harness
@@ -211,3 +212,40 @@ def latencies_ms(server, seconds, path=RECALL):
         check(status == 200, f"recall: {status} {body[:200]!r}")
     connection.close()
     return times_ms
+
+
+def ask_for_roses(server, path, is_over, statuses):
+    """180 winds of each answer are planned, seconds of work over an obstructed field."""
+    connection = server.connect(timeout_s=120)
+    while not is_over.is_set():
+        status, _ = server.get(path, connection=connection)
+        statuses.append(status)
+    connection.close()
+
+
+def run_roses(tools, folder, flight_files, seconds):
+    """Readers who keep every thread of the main listener planning."""
+    server = Server(tools, folder / "data")
+    store_sites(server, folder)
+    is_over, statuses = threading.Event(), []
+    with server:
+        sites = [site["id"] for site in server.get_json("/v1/sites")["features"]]
+        readers = [threading.Thread(target=ask_for_roses, args=(
+            server, f"/v1/sites/{sites[number % len(sites)]}/wind-rose?directions=36"
+            "&speeds_mps=1,2,3,4,5", is_over, statuses)) for number in range(30)]
+        for reader in readers:
+            reader.start()
+        try:
+            # Until all of them wait for an answer.
+            time.sleep(0.5)
+            pace = slowdown()
+            times_ms = latencies_ms(server, seconds)
+        finally:
+            is_over.set()
+            for reader in readers:
+                reader.join()
+    check(set(statuses) == {200}, f"wind roses answered {set(statuses)}")
+    p50, p99 = percentile(times_ms, 0.5), percentile(times_ms, 0.99)
+    seen = (f"{len(statuses)} roses of 180 winds answered meanwhile; recall p50 {p50:.1f} ms, p99 "
+            f"{p99:.1f} ms (the machine took {pace:.1f} times as long)")
+    return seen, p50 <= 2 * harness.patience and p99 <= 20 * harness.patience
