@@ -1,11 +1,10 @@
 // Which threads leave the processor to an emergency's answer.
-#include <sys/resource.h>
+#include "server/priority.h"
 
 #include <thread>
 
 #include <doctest/doctest.h>
-
-#include "server/priority.h"
+#include <sys/resource.h>
 
 namespace freelsd {
 namespace {
