@@ -1,4 +1,4 @@
-// The wire: JSON <-> engine types, and the errors of the HTTP contract. Knows no sockets, no SQL.
+// JSON <-> engine types, and the errors of the HTTP contract. Independent of sockets and SQL.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "api/limits.h"
 #include "engine/pipeline.h"
 
 namespace freelsd {
@@ -21,16 +22,16 @@ struct FieldError {
   std::string detail;
 };
 
-// Thrown for anything a client did wrong, or that the server cannot do now; server/ turns it into
-// problem+json. `code` is stable CamelCase; one table (error.cc) gives its HTTP status and title; a
-// code that is not in it is 500.
+// Thrown if a client made an error or if the server cannot serve a request now. server/ turns it
+// into problem+json. `code` is a stable CamelCase name. A table in error.cc maps it to its HTTP
+// status and title; a code outside the table has status 500.
 class ApiError : public std::runtime_error {
  public:
   ApiError(std::string code, const std::string& detail, std::vector<FieldError> errors = {});
   const std::string& code() const { return code_; }
   int http_status() const;
   const std::vector<FieldError>& errors() const { return errors_; }
-  // Where a limit was passed.
+  // Set if a limit is exceeded.
   std::optional<double> limit;
   std::optional<double> observed;
 
@@ -39,18 +40,18 @@ class ApiError : public std::runtime_error {
   std::vector<FieldError> errors_;
 };
 
-// Body of application/problem+json for an error, or for a bare status made before routing.
+// Body of application/problem+json for an error, or for a status that is set before routing.
 std::string ProblemJson(const ApiError& error);
 std::string ProblemJson(int http_status, const std::string& code, const std::string& detail);
-// Seconds after which a retry makes sense (429, 503), else nothing.
+// Seconds after which a retry may succeed; nothing if a retry cannot succeed.
 std::optional<int> RetryAfterSeconds(const std::string& code);
 
 // --- Requests ------------------------------------------------------------------------------------
 
-// Strict JSON: depth at most 32, no duplicate keys, no NaN, no 1e999. Throws ApiError 400/413.
-nlohmann::json ParseJson(const std::string& text, size_t max_bytes = 1 << 20);
+// Strict JSON: limited depth, no duplicate keys, no NaN, no 1e999. Throws ApiError 400 or 413.
+nlohmann::json ParseJson(const std::string& text, size_t max_bytes = kLimits.json.max_bytes);
 
-// POST /v1/flights, also as stored: `canonical_json` parses to the same request again.
+// Body of POST /v1/flights. It is stored as `canonical_json`, which parses to the same request.
 struct FlightRequest {
   std::string name;
   std::optional<Camera> camera;
@@ -62,29 +63,22 @@ struct FlightRequest {
   std::string canonical_json;
 };
 FlightRequest ParseFlightRequest(const std::string& body);
-// PipelineOptions::Check, with its sentence turned into an ApiError at /options/<stage>/<field>.
+// Calls PipelineOptions::Check; its message becomes an ApiError at /options/<stage>/<field>.
 void CheckOptions(const PipelineOptions& options);
-// Object of aircraft fields over a profile; pointers in errors start with `pointer`.
+// An object of aircraft fields over a profile. Pointers in errors start with `pointer`.
 Aircraft ParseAircraft(const nlohmann::json& object, const std::string& pointer);
 
-// {width_px, …} as in the contract, and "source": "exif" where it is not calibrated.
+// {width_px, …} as in the contract, with "source": "exif" if the camera is not calibrated.
 nlohmann::json CameraJson(const Camera& camera);
 nlohmann::json GeoPointJson(const GeoPoint& point);
-// What a flight's frames are placed with once it is resolved, as stored; exact both ways.
-struct FlightRig {
-  Rig rig;
-  GeoPoint origin;
-};
-std::string FlightRigJson(const FlightRig& flight_rig);
-FlightRig ParseStoredFlightRig(const std::string& text);
 
-// What is known of a frame besides its image: from meta, CSV, NDJSON, or the image's tags.
+// Pose, time and wind of a frame. Sources: meta, pose file, telemetry, or the image's tags.
 struct FrameMeta {
   std::optional<int64_t> timestamp_us;
   std::optional<GeoPoint> position;
-  // ned_from_body.
+  // NED is north-east-down; the body is forward-right-down.
   std::optional<Eigen::Quaterniond> ned_from_body;
-  // Of the camera itself, where a gimbal says it; wins over ned_from_body.
+  // Attitude of the camera itself, from a gimbal. Overrides ned_from_body.
   std::optional<Eigen::Quaterniond> ned_from_camera;
   std::optional<Eigen::Vector2d> wind_in_world;
   std::optional<double> height_above_ground_m;
@@ -92,14 +86,11 @@ struct FrameMeta {
   std::optional<double> attitude_sd_deg;
 };
 FrameMeta ParseFrameMeta(const std::string& json_text);
-// As stored: equal metas give equal bytes, and ParseStoredFrameMeta reads them back exactly.
-std::string FrameMetaJson(const FrameMeta& meta);
-FrameMeta ParseStoredFrameMeta(const std::string& text);
-// Fields of `first` where set, else of `second` (meta over CSV over telemetry over geotags). A
-// deviation belongs to its position or attitude: the one of `second` never describes `first`'s.
+// Each field is taken from `first` if set there, else from `second`. A standard deviation is taken
+// from the source of its position or attitude, never from the other one.
 FrameMeta Merged(const FrameMeta& first, const FrameMeta& second);
-// Engine frame from an image and what is known of it. Throws ApiError NoPosition without position,
-// ImageSizeMismatch when the image is not of the camera's size.
+// Engine frame from an image and its meta. Throws ApiError NoPosition if `meta` has no position,
+// ImageSizeMismatch if the image and the camera differ in size.
 Frame MakeFrame(const std::string& frame_id,
                 const cv::Mat& image,
                 const FrameMeta& meta,
@@ -108,9 +99,9 @@ Frame MakeFrame(const std::string& frame_id,
                 int64_t fallback_timestamp_us);
 
 // --- Responses -----------------------------------------------------------------------------------
-// Regions and sites are stored as JSON text of their GeoJSON feature; rank is set when answering.
+// Regions and sites are stored as GeoJSON features. The rank is not stored: each answer sets it.
 
-// What of a flight the engine types do not carry.
+// Properties of a flight that the engine's types do not have.
 struct FlightContext {
   std::string flight_id;
   std::string altitude_datum;
@@ -120,28 +111,30 @@ nlohmann::json RegionFeature(const Region& region,
                              const std::optional<WindEstimate>& wind,
                              const FlightContext& context);
 nlohmann::json RegionHistoryJson(const Region& region);
-// site_id: stable, e.g. "<flight>-<region>". map_position_sd etc. as in the contract.
+// `site_id` is stable, for example "<flight>-<region>". `updated_at` is ISO 8601 in UTC.
 nlohmann::json SiteFeature(const std::string& site_id,
                            const Site& site,
                            const Aircraft& aircraft,
                            const std::string& updated_at,
                            const FlightContext& context);
-// FeatureCollection with kind = approach, loiter, touchdown, and `profile`. Throws ApiError
-// NoApproach (409) where the plan has none.
+// FeatureCollection of kinds approach, loiter and touchdown, with `profile`. Throws ApiError
+// NoApproach (409) if the plan has no approach.
 nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context);
-// {directions_deg, speeds_mps, altitude_datum, entries}: speed by speed, in it direction by
-// direction; directions are where the wind comes from.
+// {directions_deg, speeds_mps, altitude_datum, entries}. Entries are ordered by speed, then by
+// direction. A direction is where the wind comes from.
 nlohmann::json WindRoseJson(const WindRose& rose, const FlightContext& context);
-// What a person who takes a site by these limits has to be told; nothing for a known profile's.
+// Warnings for pilots if the aircraft's limits are looser than those of every known profile.
 std::vector<std::string> LimitsWarnings(const Aircraft& aircraft);
-// The part of a site's properties that a plan decides (verdict, score, approach, rejections, ...).
+// The site properties that depend on the plan (verdict, score, approach, rejections, ...).
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context);
-// FeatureCollection in ranking order (landable, unverified, rejected; then score), rank from 1.
+// FeatureCollection ordered by verdict (landable, unverified, rejected), then score; rank from 1.
 nlohmann::json RankedSites(std::vector<nlohmann::json> features);
 nlohmann::json AircraftJson(const Aircraft& aircraft);
 // {options: {stage: {field: {default, unit, help}}}, aircraft_profiles: {name: {…}}}.
 nlohmann::json OptionsJson();
-// The contract: api/openapi.yaml, which is JSON (valid JSON is valid YAML).
+// `limits` of GET /v1/info, one number each. The server adds its own limits.
+nlohmann::json LimitsJson(const Limits& limits);
+// Text of api/openapi.yaml, which is written as JSON (valid JSON is valid YAML).
 std::string_view OpenApiJson();
 
 }  // namespace freelsd

@@ -6,7 +6,7 @@
 namespace freelsd {
 namespace {
 
-// Legs of the drawn loiter circle: 5 degrees each, 0.2 m off the arc for a radius of 180 m.
+// Legs of the drawn loiter circle: 5 degrees each; for a radius of 180 m they miss it by 0.2 m.
 constexpr int kNumLoiterLegs = 72;
 
 nlohmann::json ProfileJson(const Approach& approach, const LocalFrame& local_frame) {
@@ -23,7 +23,7 @@ nlohmann::json ProfileJson(const Approach& approach, const LocalFrame& local_fra
     const double ground = profile.terrain_height[i];
     distance.push_back(Rounded(profile.distance[i]));
     path.push_back(Rounded(altitude(profile.path_height[i])));
-    // GeographicLib does not promise to pass NaN through: unseen ground never reaches it.
+    // GeographicLib does not promise to return NaN for NaN, so unseen ground is handled here.
     terrain.push_back(std::isfinite(ground) ? Rounded(altitude(ground)) : nlohmann::json(nullptr));
     clearance.push_back(Rounded(profile.path_height[i] - ground));
   }
@@ -81,7 +81,7 @@ nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context) {
       FeatureCollection(ApproachFeatures(*plan.approach, context.local_frame));
   collection["profile"] = ProfileJson(*plan.approach, context.local_frame);
   collection["altitude_datum"] = context.altitude_datum;
-  // Nobody who holds this file alone may take the path of a rejected site for a good one.
+  // The path alone must show that its site is rejected.
   const nlohmann::json properties = PlanProperties(plan, context);
   for (const char* const name : {"verdict", "reject_reason", "reject_detail"}) {
     if (!properties.contains(name)) continue;

@@ -17,7 +17,7 @@ struct ErrorKind {
   int retry_after_s;
 };
 
-// Every code of the contract; part of the interface, never renamed.
+// Every code of the contract. Clients depend on the codes, so none is ever renamed.
 constexpr ErrorKind kErrorKinds[] = {
     {"InvalidJson", 400, "The JSON cannot be parsed", 0},
     {"InvalidQuery", 400, "A query parameter cannot be parsed", 0},
@@ -27,8 +27,8 @@ constexpr ErrorKind kErrorKinds[] = {
     {"Unauthorized", 401, "A valid token is needed", 0},
     {"Forbidden", 403, "The token's scope does not allow this", 0},
     {"ForbiddenOrigin", 403, "Requests from this origin are not accepted", 0},
-    {"ForbiddenHost", 403, "The Host header is not listed", 0},
-    {"NotFound", 404, "There is nothing here", 0},
+    {"ForbiddenHost", 403, "The Host header is not allowed", 0},
+    {"NotFound", 404, "The path does not exist", 0},
     {"NoSuchFlight", 404, "There is no such flight", 0},
     {"NoSuchFrame", 404, "There is no such frame", 0},
     {"NoSuchJob", 404, "There is no such job", 0},
@@ -36,39 +36,39 @@ constexpr ErrorKind kErrorKinds[] = {
     {"NoSuchSite", 404, "There is no such site", 0},
     {"NoSuchLayer", 404, "There is no such layer", 0},
     {"NoMap", 404, "The site has no map", 0},
-    {"MethodNotAllowed", 405, "The path does not take this method", 0},
+    {"MethodNotAllowed", 405, "The path does not support this method", 0},
     {"RequestTimeout", 408, "The request did not arrive in time", 1},
     {"Conflict", 409, "The request conflicts with what is stored", 0},
     {"FrameConflict", 409, "The frame is stored with another image or meta", 0},
     {"NoApproach", 409, "The site has no approach", 0},
     {"SiteRejected", 409, "The site is rejected", 0},
-    {"AltitudeUnknown", 409, "What altitudes are above is not known", 0},
+    {"AltitudeUnknown", 409, "The reference of the altitudes is unknown", 0},
     {"LengthRequired", 411, "The body's length is needed", 0},
-    {"TooLarge", 413, "A limit was passed", 0},
+    {"TooLarge", 413, "A limit is exceeded", 0},
     {"BodyTooLarge", 413, "The body is too large", 0},
     {"ImageTooLarge", 413, "The image is too large", 0},
     {"JsonTooLarge", 413, "The JSON is too large", 0},
     {"PosesTooLarge", 413, "The pose file is too large", 0},
-    {"ZipTooLarge", 413, "The zip archive passes a limit", 0},
+    {"ZipTooLarge", 413, "The zip archive exceeds a limit", 0},
     {"TooManyParts", 413, "There are too many parts", 0},
     {"UriTooLong", 414, "The URL is too long", 0},
     {"UnsupportedImage", 415, "The image is neither JPEG nor PNG", 0},
-    {"UnsupportedMediaType", 415, "The body's type is not understood", 0},
+    {"UnsupportedMediaType", 415, "The body's type is not supported", 0},
     {"RangeNotSatisfiable", 416, "The range cannot be served", 0},
     {"InvalidValue", 422, "A value is not valid", 0},
     {"UnknownKey", 422, "A key is unknown", 0},
     {"InvalidId", 422, "The id is not valid", 0},
     {"InvalidPoses", 422, "The pose file cannot be used", 0},
     {"UnknownImages", 422, "Poses name images that do not exist", 0},
-    {"DuplicateId", 422, "Two files have one id", 0},
+    {"DuplicateId", 422, "Two files have the same id", 0},
     {"MissingPart", 422, "A part is missing", 0},
     {"UnknownPart", 422, "A part is unknown", 0},
     {"DamagedImage", 422, "The image is damaged", 0},
-    {"UnsupportedPixels", 422, "The image's pixels are of a kind that is not supported", 0},
-    {"ImageSizeMismatch", 422, "The image is not of the camera's size", 0},
+    {"UnsupportedPixels", 422, "The image's pixel format is not supported", 0},
+    {"ImageSizeMismatch", 422, "The image and the camera differ in size", 0},
     {"DigestMismatch", 422, "The body does not match its digest", 0},
     {"NoPosition", 422, "The frame has no position", 0},
-    {"NoCamera", 422, "The camera is not known", 0},
+    {"NoCamera", 422, "The camera is unknown", 0},
     {"ZipRefused", 422, "The zip archive is refused", 0},
     {"TooManyRequests", 429, "Too many requests", 1},
     {"QueueFull", 429, "The frame queue is full", 1},
@@ -106,7 +106,7 @@ nlohmann::json Problem(int http_status, const std::string& code, const std::stri
           {"retryable", RetryAfterSeconds(code).has_value()}};
 }
 
-// Details may quote a client's bytes: what is not UTF-8 must not make the answer fail.
+// A detail may quote bytes from a client. Bytes that are not UTF-8 must not break the answer.
 std::string Dump(const nlohmann::json& problem) {
   return problem.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

@@ -7,8 +7,7 @@
 namespace freelsd {
 namespace {
 
-constexpr size_t kMaxNameBytes = 256;
-// A camera sits in the aircraft: farther from the body's origin is a mistake in units.
+// A camera is inside the aircraft. A larger distance from the body's origin means wrong units.
 constexpr double kMaxLeverArm = 100.0;
 constexpr NumberRange kImageSideRange{1, 65535};
 constexpr std::pair<DistortionModel, const char*> kDistortionNames[] = {
@@ -46,12 +45,12 @@ Camera WithDistortion(Camera camera, ObjectReader& reader) {
 }
 
 std::string ReadName(ObjectReader& reader) {
-  const std::string name = ReadString(reader.Required("name"), "/name");
+  std::string name = ReadString(reader.Required("name"), "/name");
   const bool has_control = std::any_of(
       name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
-  if (name.empty() || name.size() > kMaxNameBytes || has_control) {
+  if (name.empty() || name.size() > kLimits.max_name_bytes || has_control) {
     throw InvalidValue("/name",
-                       "name: must have 1 to " + std::to_string(kMaxNameBytes) +
+                       "name: must have 1 to " + std::to_string(kLimits.max_name_bytes) +
                            " bytes and no control characters");
   }
   return name;
@@ -68,7 +67,7 @@ std::string ReadDatum(ObjectReader& reader) {
   return datum;
 }
 
-// The least area of a region is the aircraft's unless the request says otherwise.
+// The aircraft gives the least area of a region unless the request sets it.
 PipelineOptions ReadOptions(const nlohmann::json* value, const Aircraft& aircraft) {
   PipelineOptions options;
   if (value != nullptr) options = ParseOptions(*value, "/options");
@@ -178,24 +177,6 @@ FlightRequest ParseFlightRequest(const std::string& body) {
   request.options = ReadOptions(options, request.aircraft);
   request.canonical_json = CanonicalJson(request);
   return request;
-}
-
-std::string FlightRigJson(const FlightRig& flight_rig) {
-  const nlohmann::json object{{"camera", CameraJson(flight_rig.rig.camera)},
-                              {"body_from_camera", Rigid3Json(flight_rig.rig.body_from_camera)},
-                              {"origin", GeoPointJson(flight_rig.origin)}};
-  return object.dump();
-}
-
-FlightRig ParseStoredFlightRig(const std::string& text) {
-  const nlohmann::json object = ParseJson(text);
-  ObjectReader reader(object, "");
-  FlightRig flight_rig;
-  flight_rig.rig.camera = ParseCamera(reader.Required("camera"), "/camera", CameraOrigin::kStored);
-  flight_rig.rig.body_from_camera =
-      ParseRigid3(reader.Required("body_from_camera"), "/body_from_camera");
-  flight_rig.origin = ReadGeoPoint(reader.Required("origin"), "/origin");
-  return flight_rig;
 }
 
 }  // namespace freelsd

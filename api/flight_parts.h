@@ -1,4 +1,4 @@
-// The parts of a flight request that have a form of their own.
+// Parts of a flight request that have their own JSON form.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,12 +7,12 @@
 
 namespace freelsd {
 
-// {stage: {field: value}} over defaults; unknown stages and fields are refused. Not yet checked.
+// Reads {stage: {field: value}} over the defaults and refuses unknown names. No Check() is called.
 PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& pointer);
-// The same form, every field written.
+// Writes the same form with every field.
 nlohmann::json OptionsValuesJson(const PipelineOptions& options);
 
-// `source` ("exif") is only understood in what we stored ourselves.
+// The key `source` ("exif") is accepted in stored JSON only, not from clients.
 enum class CameraOrigin { kClient, kStored };
 Camera ParseCamera(const nlohmann::json& object, const std::string& pointer, CameraOrigin origin);
 

@@ -1,22 +1,16 @@
 #include <sstream>
 
-#include "api/json_reader.h"
+#include "api/frame_parts.h"
 
 namespace freelsd {
 namespace {
 
 constexpr NumberRange kWindRange{-100.0, 100.0};
-// Positive: the smallest value that makes sense stands for "more than zero".
+// Least positive value that makes sense; it implements "more than zero".
 constexpr NumberRange kHeightRange{1e-3, 20000.0};
 constexpr NumberRange kPositionSdRange{1e-3, 10000.0};
 constexpr NumberRange kAttitudeSdRange{1e-3, 180.0};
 constexpr NumberRange kPitchRange{-90.0, 90.0};
-
-// Both signs are the same rotation; stored metas are compared as text.
-Eigen::Quaterniond WithPositiveW(const Eigen::Quaterniond& q) {
-  const double leading = q.w() != 0.0 ? q.w() : q.x() != 0.0 ? q.x() : q.y() != 0.0 ? q.y() : q.z();
-  return leading < 0.0 ? Eigen::Quaterniond(-q.w(), -q.x(), -q.y(), -q.z()) : q;
-}
 
 // {roll_deg, pitch_deg, yaw_deg} or {quaternion_wxyz}; ned_from_body.
 Eigen::Quaterniond ReadAttitude(const nlohmann::json& value) {
@@ -35,28 +29,10 @@ Eigen::Quaterniond ReadAttitude(const nlohmann::json& value) {
 
 Eigen::Vector2d ReadWind(const nlohmann::json& value) {
   ObjectReader reader(value, "/wind");
-  const Eigen::Vector2d wind(reader.RequiredNumber("east_mps", kWindRange),
-                             reader.RequiredNumber("north_mps", kWindRange));
+  Eigen::Vector2d wind(reader.RequiredNumber("east_mps", kWindRange),
+                       reader.RequiredNumber("north_mps", kWindRange));
   reader.RefuseUnknownKeys();
   return wind;
-}
-
-// What the contract's form and the stored form have in common: all but the attitude.
-FrameMeta ReadCommonFields(ObjectReader& reader) {
-  FrameMeta meta;
-  if (const nlohmann::json* const time = reader.Find("timestamp_us")) {
-    meta.timestamp_us = ReadInteger(*time, "/timestamp_us");
-  }
-  if (const nlohmann::json* const position = reader.Find("position")) {
-    meta.position = ReadGeoPoint(*position, "/position");
-  }
-  if (const nlohmann::json* const wind = reader.Find("wind")) {
-    meta.wind_in_world = ReadWind(*wind);
-  }
-  meta.height_above_ground_m = reader.Number("height_above_ground_m", kHeightRange);
-  meta.position_sd_m = reader.Number("position_sd_m", kPositionSdRange);
-  meta.attitude_sd_deg = reader.Number("attitude_sd_deg", kAttitudeSdRange);
-  return meta;
 }
 
 std::optional<Eigen::Quaterniond> WorldFromBody(const FrameMeta& meta,
@@ -79,46 +55,34 @@ void CheckImageSize(const std::string& frame_id, const cv::Mat& image, const Cam
 
 }  // namespace
 
-FrameMeta ParseFrameMeta(const std::string& json_text) {
-  const nlohmann::json object = ParseJson(json_text);
-  ObjectReader reader(object, "");
-  FrameMeta meta = ReadCommonFields(reader);
-  if (const nlohmann::json* const attitude = reader.Find("attitude")) {
-    meta.ned_from_body = ReadAttitude(*attitude);
+Eigen::Quaterniond WithPositiveW(const Eigen::Quaterniond& q) {
+  const double leading = q.w() != 0.0 ? q.w() : q.x() != 0.0 ? q.x() : q.y() != 0.0 ? q.y() : q.z();
+  return leading < 0.0 ? Eigen::Quaterniond(-q.w(), -q.x(), -q.y(), -q.z()) : q;
+}
+
+FrameMeta ReadCommonFrameFields(ObjectReader& reader) {
+  FrameMeta meta;
+  if (const nlohmann::json* const time = reader.Find("timestamp_us")) {
+    meta.timestamp_us = ReadInteger(*time, "/timestamp_us");
   }
-  reader.RefuseUnknownKeys();
+  if (const nlohmann::json* const position = reader.Find("position")) {
+    meta.position = ReadGeoPoint(*position, "/position");
+  }
+  if (const nlohmann::json* const wind = reader.Find("wind")) {
+    meta.wind_in_world = ReadWind(*wind);
+  }
+  meta.height_above_ground_m = reader.Number("height_above_ground_m", kHeightRange);
+  meta.position_sd_m = reader.Number("position_sd_m", kPositionSdRange);
+  meta.attitude_sd_deg = reader.Number("attitude_sd_deg", kAttitudeSdRange);
   return meta;
 }
 
-std::string FrameMetaJson(const FrameMeta& meta) {
-  nlohmann::json object = nlohmann::json::object();
-  if (meta.timestamp_us) object["timestamp_us"] = *meta.timestamp_us;
-  if (meta.position) object["position"] = GeoPointJson(*meta.position);
-  if (meta.ned_from_body) {
-    object["ned_from_body_wxyz"] = QuaternionJson(WithPositiveW(*meta.ned_from_body));
-  }
-  if (meta.ned_from_camera) {
-    object["ned_from_camera_wxyz"] = QuaternionJson(WithPositiveW(*meta.ned_from_camera));
-  }
-  if (meta.wind_in_world) {
-    object["wind"] = {{"east_mps", meta.wind_in_world->x()},
-                      {"north_mps", meta.wind_in_world->y()}};
-  }
-  if (meta.height_above_ground_m) object["height_above_ground_m"] = *meta.height_above_ground_m;
-  if (meta.position_sd_m) object["position_sd_m"] = *meta.position_sd_m;
-  if (meta.attitude_sd_deg) object["attitude_sd_deg"] = *meta.attitude_sd_deg;
-  return object.dump();
-}
-
-FrameMeta ParseStoredFrameMeta(const std::string& text) {
-  const nlohmann::json object = ParseJson(text);
+FrameMeta ParseFrameMeta(const std::string& json_text) {
+  const nlohmann::json object = ParseJson(json_text);
   ObjectReader reader(object, "");
-  FrameMeta meta = ReadCommonFields(reader);
-  if (const nlohmann::json* const body = reader.Find("ned_from_body_wxyz")) {
-    meta.ned_from_body = ReadQuaternion(*body, "/ned_from_body_wxyz");
-  }
-  if (const nlohmann::json* const camera = reader.Find("ned_from_camera_wxyz")) {
-    meta.ned_from_camera = ReadQuaternion(*camera, "/ned_from_camera_wxyz");
+  FrameMeta meta = ReadCommonFrameFields(reader);
+  if (const nlohmann::json* const attitude = reader.Find("attitude")) {
+    meta.ned_from_body = ReadAttitude(*attitude);
   }
   reader.RefuseUnknownKeys();
   return meta;
@@ -131,7 +95,7 @@ FrameMeta Merged(const FrameMeta& first, const FrameMeta& second) {
     merged.position = second.position;
     if (!first.position_sd_m) merged.position_sd_m = second.position_sd_m;
   }
-  // Both forms of attitude are one thing: a gimbal's of `second` must not win over `first`'s.
+  // An attitude of `first`, in either form, overrides both forms of `second`.
   if (!first.ned_from_body && !first.ned_from_camera) {
     merged.ned_from_body = second.ned_from_body;
     merged.ned_from_camera = second.ned_from_camera;
@@ -149,7 +113,7 @@ Frame MakeFrame(const std::string& frame_id,
                 const LocalFrame& local_frame,
                 int64_t fallback_timestamp_us) {
   if (!meta.position) {
-    throw ApiError("NoPosition", "frame " + frame_id + ": no position from anywhere");
+    throw ApiError("NoPosition", "frame " + frame_id + ": no source gives a position");
   }
   CheckImageSize(frame_id, image, rig.camera);
   Frame frame;

@@ -6,7 +6,7 @@
 namespace freelsd {
 namespace {
 
-// A tenth of a millimetre.
+// Steps per degree; one step is a tenth of a millimetre.
 constexpr double kDegreeSteps = 1e9;
 constexpr double kThousandth = 1e3;
 

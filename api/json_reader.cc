@@ -8,30 +8,30 @@
 namespace freelsd {
 namespace {
 
-constexpr int kMaxJsonDepth = 32;
-// Integers beyond this are not exact in a double, nor in a browser.
+// Larger integers are not exact in a double, and JavaScript has only doubles.
 constexpr double kMaxExactInteger = 9007199254740992.0;
 constexpr double kMinQuaternionNorm = 0.99;
 constexpr double kMaxQuaternionNorm = 1.01;
 constexpr size_t kMaxShownKeyBytes = 100;
 constexpr double kUnitNormTolerance = 1e-12;
-// No quantity here is larger, and its square is still finite: the bound of fields without their
-// own.
+// Bound of fields without their own range. No quantity of the contract is larger, and its square
+// is still finite.
 constexpr double kLargestNumber = 1e12;
-// Below the Dead Sea to above any small plane.
+// From below the Dead Sea to above the ceiling of small planes.
 constexpr NumberRange kAltitudeRange{-1000.0, 20000.0};
 constexpr NumberRange kLatitudeRange{-90.0, 90.0};
 constexpr NumberRange kLongitudeRange{-180.0, 180.0};
 
-// Refuses what the parser takes: deep nesting (its destructor and dump() recurse) and keys given
-// twice (the last one would win silently).
+// Refuses what the parser accepts: deep nesting (destructor and dump() recurse) and duplicate keys
+// (the parser would silently keep the last value).
 class StrictCallback {
  public:
   bool operator()(int depth, nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
     using Event = nlohmann::json::parse_event_t;
     if (event == Event::object_start || event == Event::array_start) {
-      if (depth >= kMaxJsonDepth) {
-        throw ApiError("InvalidJson", "nested deeper than " + std::to_string(kMaxJsonDepth));
+      if (depth >= kLimits.json.max_depth) {
+        throw ApiError("InvalidJson",
+                       "nested deeper than " + std::to_string(kLimits.json.max_depth));
       }
       if (event == Event::object_start) keys_.emplace_back();
     } else if (event == Event::object_end) {
@@ -72,7 +72,7 @@ double ReadLatitude(ObjectReader& reader, const std::string& pointer) {
       const nlohmann::json* const value = reader.Find(key);
       return value != nullptr && value->is_number() && std::abs(value->get<double>()) <= limit;
     };
-    // A longitude, beside what may be a latitude.
+    // Each number must lie in the range of the other one.
     const bool can_be_swapped = is_within("latitude_deg", kLongitudeRange.max) &&
                                 is_within("longitude_deg", kLatitudeRange.max);
     if (!can_be_swapped) throw;
@@ -101,7 +101,7 @@ nlohmann::json ParseJson(const std::string& text, size_t max_bytes) {
   } catch (const nlohmann::json::parse_error& error) {
     throw ApiError("InvalidJson", "not JSON at byte " + std::to_string(error.byte));
   } catch (const nlohmann::json::exception&) {
-    // The parser's only other failure: a number that no double can hold.
+    // The parser fails otherwise only for a number that no double can hold.
     throw ApiError("InvalidJson", "a number is out of range");
   }
 }
@@ -175,9 +175,9 @@ std::vector<double> ReadNumbers(const nlohmann::json& value,
 
 Eigen::Quaterniond ReadQuaternion(const nlohmann::json& value, const std::string& pointer) {
   const std::vector<double> wxyz = ReadNumbers(value, pointer, 4);
-  const Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+  Eigen::Quaterniond quaternion(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
   const double norm = quaternion.norm();
-  // What is normalised already stays as it is, to the bit: stored poses are read again.
+  // A normalised quaternion keeps its bits: stored poses must not change when they are read again.
   if (std::abs(norm - 1.0) < kUnitNormTolerance) return quaternion;
   if (norm >= kMinQuaternionNorm && norm <= kMaxQuaternionNorm) return quaternion.normalized();
   std::ostringstream detail;
@@ -203,7 +203,7 @@ nlohmann::json GeoPointJson(const GeoPoint& point) {
 }
 
 nlohmann::json QuaternionJson(const Eigen::Quaterniond& quaternion) {
-  // Adding zero makes 0 of -0: equal attitudes are equal text.
+  // Adding zero turns -0 into 0, so that equal attitudes give equal text.
   return {quaternion.w() + 0.0, quaternion.x() + 0.0, quaternion.y() + 0.0, quaternion.z() + 0.0};
 }
 

@@ -1,5 +1,5 @@
-// Strict reading of JSON: every value is asked for by key, type and range; what is not asked for is
-// refused. All errors are ApiError with a pointer.
+// Strict reading of JSON. The caller reads every value by key, type and range; keys that it does
+// not read are refused. All errors are ApiError with a pointer.
 #pragma once
 
 #include <cstdint>
@@ -20,10 +20,10 @@ struct NumberRange {
   double max = std::numeric_limits<double>::max();
 };
 
-// ApiError InvalidValue (422) at one place.
+// ApiError InvalidValue (422) with one pointer.
 ApiError InvalidValue(const std::string& pointer, const std::string& detail);
-// What a Check() of the engine says, "owner.field = value: constraint", as ApiError at
-// <pointer>/field; `owner` ("camera.") is cut off, empty keeps all.
+// The message of an engine's Check(), "owner.field = value: constraint", as ApiError at
+// <pointer>/field. The prefix `owner` ("camera.") is removed; an empty one removes nothing.
 ApiError FromCheck(const std::invalid_argument& error,
                    const std::string& pointer,
                    const std::string& owner);
@@ -38,14 +38,14 @@ bool ReadBoolean(const nlohmann::json& value, const std::string& pointer);
 std::vector<double> ReadNumbers(const nlohmann::json& value,
                                 const std::string& pointer,
                                 std::optional<size_t> size);
-// [w, x, y, z] with a norm of 0.99 to 1.01; normalised.
+// Reads [w, x, y, z] with a norm of 0.99 to 1.01 and normalises it.
 Eigen::Quaterniond ReadQuaternion(const nlohmann::json& value, const std::string& pointer);
 GeoPoint ReadGeoPoint(const nlohmann::json& value, const std::string& pointer);
 nlohmann::json QuaternionJson(const Eigen::Quaterniond& quaternion);
 
 class ObjectReader {
  public:
-  // ApiError unless `value` is an object. Keeps a reference to it.
+  // Throws ApiError unless `value` is an object. Keeps a reference to `value`.
   ObjectReader(const nlohmann::json& value, std::string pointer);
 
   // Null counts as absent.
@@ -54,7 +54,7 @@ class ObjectReader {
   std::optional<double> Number(const std::string& key, const NumberRange& range = {});
   double RequiredNumber(const std::string& key, const NumberRange& range = {});
   std::string PointerTo(const std::string& key) const;
-  // To be called last: ApiError UnknownKey for a key that was never asked for.
+  // Call last. Throws ApiError UnknownKey if the object has a key that was never read.
   void RefuseUnknownKeys() const;
 
  private:

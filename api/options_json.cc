@@ -27,7 +27,7 @@ Enum ReadEnum(const nlohmann::json& value, const std::string& pointer) {
   throw InvalidValue(pointer, "must be one of " + known);
 }
 
-// One field from JSON.
+// Reads one field from JSON.
 template <class T>
 T Read(const nlohmann::json& value, const std::string& pointer) {
   if constexpr (std::is_enum_v<T>) {
@@ -50,7 +50,7 @@ T Read(const nlohmann::json& value, const std::string& pointer) {
   }
 }
 
-// One field to JSON.
+// Writes one field to JSON.
 template <class T>
 nlohmann::json Written(const T& field) {
   if constexpr (std::is_enum_v<T>) {

@@ -1,7 +1,8 @@
-// Pieces of a plan's JSON that sites and approaches share.
+// Parts of a plan's JSON that sites and approaches share.
 #pragma once
 
 #include <string>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -9,13 +10,17 @@
 
 namespace freelsd {
 
-// As in the contract: "landable", "approach_blocked".
+// Names as in the contract, for example "landable" and "approach_blocked".
 std::string NameOf(Verdict verdict);
 std::string NameOf(RejectReason reason);
 // "left" or "right".
 std::string DirectionName(LoiterDirection direction);
-// heading, distance, height, loiter radius and direction, least clearance. The heading is from true
-// north at the touchdown; the world's, of the origin, is 0.05 degrees off a kilometre east at 80 N.
+// Heading, distance, height, loiter radius and direction, least clearance. The heading counts from
+// true north at the touchdown: a kilometre east of the origin at 80 N, north differs by 0.05 deg.
 nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& local_frame);
+// The smaller key ranks first. Verdicts are ordered landable, unverified, any other; equal verdicts
+// are ordered by descending score, then by id.
+using RankKey = std::tuple<int, double, std::string>;
+RankKey RankKeyOf(const std::string& verdict, double score, const std::string& id);
 
 }  // namespace freelsd

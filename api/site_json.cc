@@ -8,7 +8,7 @@
 namespace freelsd {
 namespace {
 
-// Said with every site: no map from photographs shows these.
+// Warning for every site, because no map from photographs shows these.
 constexpr const char* kWhatIsNotSeen =
     "wires, thin poles, animals, vehicles that moved and ground under trees are not seen";
 
@@ -23,7 +23,7 @@ std::string ApproachSentencePart(const Approach& approach, const LocalFrame& loc
        << " deg from " << std::lround(approach.approach_height) << " m up";
   if (approach.crosswind > 0.0) {
     text << " with " << std::round(approach.crosswind * 10.0) / 10.0
-         << " m/s of wind from the side";
+         << " m/s of crosswind on the final";
   }
   text << " after a " << DirectionName(approach.loiter_direction) << " turn of "
        << std::lround(approach.loiter_radius) << " m radius";
@@ -63,7 +63,7 @@ nlohmann::json ScoreTermsJson(const Plan& plan) {
   return terms;
 }
 
-// Why it ranks where it does.
+// Reason for the site's rank, in one English sentence.
 std::string WhyOf(const Plan& plan) {
   std::ostringstream text;
   text << "Ranked among the " << NameOf(plan.verdict) << " sites by a score of "
@@ -94,7 +94,7 @@ nlohmann::json RejectionsJson(const Plan& plan, const LocalFrame& local_frame) {
   return rejections;
 }
 
-// Where no terrain was seen the plan's numbers mean nothing.
+// The plan's numbers are meaningless if no terrain was seen.
 nlohmann::json SurfaceProperties(const Plan& plan, const LocalFrame& local_frame) {
   if (plan.reject_reason == RejectReason::kNoTerrain || !plan.touchdown_in_world.allFinite()) {
     return {{"hazard_distance_m", nullptr},
@@ -108,23 +108,13 @@ nlohmann::json SurfaceProperties(const Plan& plan, const LocalFrame& local_frame
           {"elevation_m", Rounded(AltitudeOf(plan.touchdown_in_world, local_frame))}};
 }
 
-int OrderOfVerdict(const nlohmann::json& properties) {
-  const std::string verdict = properties.value("verdict", "rejected");
-  return verdict == "landable" ? 0 : verdict == "unverified" ? 1 : 2;
-}
-
-double ScoreOf(const nlohmann::json& properties) {
+RankKey KeyOf(const nlohmann::json& feature) {
+  const nlohmann::json& properties = feature.at("properties");
   const auto score = properties.find("score");
-  return score != properties.end() && score->is_number() ? score->get<double>() : 0.0;
-}
-
-bool RanksBefore(const nlohmann::json& a, const nlohmann::json& b) {
-  const nlohmann::json& left = a.at("properties");
-  const nlohmann::json& right = b.at("properties");
-  const int left_order = OrderOfVerdict(left), right_order = OrderOfVerdict(right);
-  if (left_order != right_order) return left_order < right_order;
-  if (ScoreOf(left) != ScoreOf(right)) return ScoreOf(left) > ScoreOf(right);
-  return left.value("id", "") < right.value("id", "");
+  const bool has_score = score != properties.end() && score->is_number();
+  return RankKeyOf(properties.value("verdict", "rejected"),
+                   has_score ? score->get<double>() : 0.0,
+                   properties.value("id", ""));
 }
 
 }  // namespace
@@ -187,7 +177,7 @@ nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
 std::vector<std::string> LimitsWarnings(const Aircraft& aircraft) {
   const std::vector<std::string> looser = LimitsLooserThanProfiles(aircraft);
   if (looser.empty()) return {};
-  std::string text = "safe only by limits that are looser than any known profile's: ";
+  std::string text = "the aircraft's limits are looser than every known profile's: ";
   for (const std::string& each : looser) text += (&each == &looser.front() ? "" : ", ") + each;
   return {text};
 }
@@ -211,7 +201,7 @@ nlohmann::json SiteFeature(const std::string& site_id,
   properties["aircraft"] = AircraftJson(aircraft);
   properties["footprint"] = PolygonGeometry(region.corners_in_world, context.local_frame);
   properties["warnings"] = nlohmann::json::array({kWhatIsNotSeen});
-  if (!site.wind) properties["warnings"].push_back("no wind is known: all headings were tried");
+  if (!site.wind) properties["warnings"].push_back("the wind is unknown: all headings were tried");
   for (const std::string& warning : LimitsWarnings(aircraft)) {
     properties["warnings"].push_back(warning);
   }
@@ -222,8 +212,14 @@ nlohmann::json SiteFeature(const std::string& site_id,
   return feature;
 }
 
+RankKey RankKeyOf(const std::string& verdict, double score, const std::string& id) {
+  return {verdict == "landable" ? 0 : verdict == "unverified" ? 1 : 2, -score, id};
+}
+
 nlohmann::json RankedSites(std::vector<nlohmann::json> features) {
-  std::stable_sort(features.begin(), features.end(), RanksBefore);
+  std::stable_sort(features.begin(), features.end(), [](const auto& a, const auto& b) {
+    return KeyOf(a) < KeyOf(b);
+  });
   int rank = 0;
   for (nlohmann::json& feature : features) feature["properties"]["rank"] = ++rank;
   return FeatureCollection(features);

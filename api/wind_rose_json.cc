@@ -4,7 +4,7 @@
 namespace freelsd {
 namespace {
 
-// Places and numbers of a path that was tried; null where ground or wind speak against all.
+// Points and numbers of a planned path; null if no path was planned because of ground or wind.
 nlohmann::json PathJson(const Plan& plan, const LocalFrame& local_frame) {
   nlohmann::json path{{"touchdown", nullptr}, {"unseen_ratio", nullptr}};
   if (plan.approach) {

@@ -100,6 +100,14 @@ start_step "installing packages"
 install_packages test package
 passed
 
+start_step "lint"
+if git rev-parse --verify --quiet HEAD >/dev/null; then
+  deploy/lint.sh 2>&1 | tee "$work/lint.log"
+  passed_but "$work/lint.log"
+else
+  skipped "no history of git at hand, so what changed is unknown"
+fi
+
 start_step "building (release)"
 build release 2>&1 | tee "$work/build.log"
 refuse_warnings "$work/build.log"

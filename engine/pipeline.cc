@@ -9,16 +9,11 @@
 #include <string>
 #include <utility>
 
-#include "engine/area_of_interest.h"
-#include "engine/further_fields.h"
-#include "engine/grass_masks.h"
-#include "engine/tied_adjustment.h"
-
 namespace freelsd {
 namespace {
 
-// Adds what a step cost to the reports; what it answers is passed on. Time is only reported, it
-// never decides anything.
+// Adds the duration of a step to the reports and returns the step's result. Time is only reported:
+// no result depends on it.
 template <typename Step>
 auto Timed(std::vector<StageReport>& reports, const char* stage, Step step) {
   const auto start = std::chrono::steady_clock::now();
@@ -28,7 +23,7 @@ auto Timed(std::vector<StageReport>& reports, const char* stage, Step step) {
   return answer;
 }
 
-// Full-size images, the last few kept: consecutive pairs share theirs.
+// Caches the last few full-size images, because consecutive pairs share them.
 class ImageCache {
  public:
   explicit ImageCache(const ImageSource& source) : source_(source) {}
@@ -68,7 +63,7 @@ class Cancellable {
   const Progress& progress_;
 };
 
-// Shares of the whole that the stages of an evaluation take, for the progress bar.
+// Progress (share of the whole) after each stage of an evaluation.
 constexpr double kAdjustmentDone = 0.2;
 constexpr double kStereoDone = 0.85;
 constexpr double kLayersDone = 0.9;
@@ -120,38 +115,44 @@ Plan NoTerrain(const Region& region, const std::string& why) {
   Plan plan;
   plan.verdict = Verdict::kRejected;
   plan.reject_reason = RejectReason::kNoTerrain;
-  plan.reject_detail = "no pair of views gave a height here" + (why.empty() ? "" : ": " + why);
+  plan.reject_detail = "no pair of views measured a height here" + (why.empty() ? "" : ": " + why);
   plan.touchdown_in_world = region.Center();
   plan.slope = plan.roughness = std::numeric_limits<double>::quiet_NaN();
   return plan;
 }
 
-Site PlanSite(const Snapshot& snapshot,
-              const Region& region,
-              Evaluation& evaluation,
-              const Aircraft& aircraft,
-              const PipelineOptions& options) {
-  const std::optional<WindEstimate> wind =
-      WindAt(region.Center().head<2>(), snapshot.wind_samples, options.wind);
-  if (evaluation.map.grid.num_rows == 0) {
-    return {.region = region, .wind = wind, .plan = NoTerrain(region, evaluation.block.note)};
-  }
+PlanRequest RequestOf(const Candidate& candidate, int min_num_observations) {
+  const Region& region = candidate.region;
   PlanRequest request;
   request.footprint = region.Footprint();
   request.area_m2 = region.area_m2;
   request.ground_height = region.Center().z();
   request.grade = region.grade;
   request.num_observations = region.num_observations;
-  request.min_num_observations = snapshot.min_num_observations;
-  if (wind) request.wind_in_world = wind->wind_in_world;
-  Plan plan = Timed(evaluation.reports, "approach", [&] {
-    return PlanApproach(evaluation.map, evaluation.hazards, request, aircraft, options.approach);
-  });
-  return {.region = region, .wind = wind, .plan = std::move(plan)};
+  request.min_num_observations = min_num_observations;
+  if (candidate.wind) request.wind_in_world = candidate.wind->wind_in_world;
+  return request;
 }
 
-// What decides a crop is 0.3 to 0.75 m wide: from farther up it cannot be seen, and nothing said
-// so.
+Site PlanSite(const Candidate& candidate,
+              int min_num_observations,
+              Evaluation& evaluation,
+              const Aircraft& aircraft,
+              const ApproachOptions& options) {
+  Site site{.region = candidate.region, .wind = candidate.wind, .plan = {}};
+  if (evaluation.map.grid.num_rows == 0) {
+    site.plan = NoTerrain(candidate.region, evaluation.block.note);
+    return site;
+  }
+  const PlanRequest request = RequestOf(candidate, min_num_observations);
+  site.plan = Timed(evaluation.reports, "approach", [&] {
+    return PlanApproach(evaluation.map, evaluation.hazards, request, aircraft, options);
+  });
+  return site;
+}
+
+// Features that identify a crop are 0.3 to 0.75 m wide. Coarser images do not show them, so the
+// client needs a warning.
 void WarnOfCoarseImages(Evaluation& evaluation, const PipelineOptions& options) {
   std::vector<double> samplings_m;
   for (const AdjustedView& view : evaluation.block.views) {
@@ -161,10 +162,42 @@ void WarnOfCoarseImages(Evaluation& evaluation, const PipelineOptions& options) 
   if (samplings_m.empty()) return;
   const auto middle = samplings_m.begin() + static_cast<std::ptrdiff_t>(samplings_m.size() / 2);
   std::nth_element(samplings_m.begin(), middle, samplings_m.end());
-  if (*middle <= options.hazard.max_telling_sampling_m) return;
+  if (*middle <= options.hazard.cover.max_telling_sampling_m) return;
   evaluation.warnings.push_back(
       "a pixel shows " + std::to_string(std::lround(100.0 * *middle)) +
-      " cm of ground: too much to tell green crops, water with algae and fences from grass");
+      " cm of ground: too coarse to detect green crops, water with algae and fences");
+}
+
+void WarnOfViews(const Selection& selection, Evaluation& evaluation) {
+  if (!evaluation.block.note.empty()) evaluation.warnings.push_back(evaluation.block.note);
+  if (selection.num_seeing <= selection.views.size()) return;
+  evaluation.warnings.push_back("of " + std::to_string(selection.num_seeing) +
+                                " key-frames that see the regions, " +
+                                std::to_string(selection.views.size()) + " were used");
+}
+
+// Completes the map and computes its layers: shape of the ground, cover and
+// hazard.
+void AssessGround(const ElevationMap& map,
+                  const std::vector<GrassView>& grass_views,
+                  const ImageSource& images,
+                  const Aircraft& aircraft,
+                  const HazardOptions& options,
+                  Evaluation& evaluation) {
+  std::vector<StageReport>& reports = evaluation.reports;
+  const Orthophoto photo = Timed(reports, "orthophoto", [&] {
+    return MakeOrthophoto(map, evaluation.block, images, options.cover.photo);
+  });
+  const GroundSurface surface =
+      Timed(reports, "surface", [&] { return MeasureSurface(map, options.surface); });
+  const GroundCover cover = Timed(reports, "cover", [&] {
+    return AssessCover(map, surface, grass_views, options.cover, photo);
+  });
+  evaluation.map = WithCover(map, cover.open);
+  evaluation.hazards = Timed(reports, "hazard_layers", [&] {
+    return AssessHazards(
+        map, surface, cover, {aircraft.max_slope_deg, aircraft.max_roughness_m}, options);
+  });
 }
 
 }  // namespace
@@ -204,7 +237,7 @@ std::vector<FrameResult> Frontend::ProcessReady(std::vector<ReadyFrame> ready) {
   return results;
 }
 
-// One view, its pose known: what is homogeneous, what of it is grass, and where that is.
+// One view with known pose: finds its homogeneous segments, their class and their place.
 void Frontend::ProcessView(const ReadyFrame& ready) {
   const View& view = tracks_.views()[*ready.view];
   const Segments segments = Timed(reports_, "segmentation", [&] {  // Sec. III-C
@@ -222,19 +255,19 @@ void Frontend::ProcessView(const ReadyFrame& ready) {
   grass_masks_[*ready.view] = Packed(GrassMask(segments, labels), segments.image_px_per_working_px);
 }
 
-// Attitudes found from matches, and those that survey photographs carry, are good to several
+// Attitudes from matches and attitudes in survey photographs are wrong by up to several
 // degrees.
 bool Frontend::NeedsRefinement(size_t view) const {
   const std::vector<View>& views = tracks_.views();
   if (views[view].attitude_source != AttitudeSource::kGiven) return true;
-  // Photographs farther apart than this share of the height are a survey, not a video.
+  // Photographs with a longer baseline, as a share of the height, are a survey, not a video.
   constexpr double kSurveyBaselineRatio = 0.2;
   return view > 0 &&
          (views[view].world_from_camera.translation - views[view - 1].world_from_camera.translation)
                  .norm() > kSurveyBaselineRatio * views[view].height_above_ground;
 }
 
-// The newest views are adjusted together before anything is placed on the ground with them.
+// Adjusts the newest views together before they place anything on the ground.
 void Frontend::RefinePoses() {
   constexpr size_t kNumNewest = 12;
   const std::vector<View>& views = tracks_.views();
@@ -242,7 +275,7 @@ void Frontend::RefinePoses() {
   const std::vector<View> window(views.begin() + static_cast<std::ptrdiff_t>(first), views.end());
   if (window.size() < 3) return;
   // The newest views often lie in one line. Their tilt is then poorly known, but not worse than
-  // before; what is built on is judged again by the backend.
+  // before. The backend checks the tilt again.
   AdjustmentOptions any_tilt = options_.adjustment;
   any_tilt.max_tilt_sd_deg = 90.0;
   const AdjustedBlock block = Timed(reports_, "pose_refinement", [&] {
@@ -258,7 +291,14 @@ void Frontend::RefinePoses() {
   }
 }
 
-std::vector<Region> Frontend::RankedRegions() const { return regions_.Ranked(); }
+std::vector<Candidate> Frontend::RankedRegions() const {
+  const std::vector<WindSample> samples = RecentWind();
+  std::vector<Candidate> candidates;
+  for (const Region& region : regions_.Ranked()) {
+    candidates.push_back({region, WindAt(region.Center().head<2>(), samples, options_.wind)});
+  }
+  return candidates;
+}
 
 std::vector<WindSample> Frontend::RecentWind() const {
   int64_t now_us = 0;
@@ -270,7 +310,7 @@ Snapshot Frontend::TakeSnapshot() const {
   return {rig_,
           tracks_.views(),
           grass_masks_,
-          regions_.Ranked(),
+          RankedRegions(),
           regions_.MinNumObservations(),
           RecentWind()};
 }
@@ -284,7 +324,7 @@ std::optional<double> Frontend::GroundHeight() const {
 }
 
 Evaluation EvaluateSites(const Snapshot& snapshot,
-                         const std::vector<Region>& regions,
+                         const std::vector<Candidate>& regions,
                          const ImageSource& images,
                          const Aircraft& aircraft,
                          const PipelineOptions& options,
@@ -293,55 +333,42 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
   Evaluation evaluation;
   if (regions.empty()) return evaluation;
   cancellable.Tell(0.0, "adjustment");
-  const Box area = AreaOfInterest(regions, snapshot, aircraft, options);
-  const Selection selection = SelectViews(snapshot, area, options);  // Sec. III-F
+  const Box area = AreaOfInterest(regions, aircraft, options.approach, options.backend);
+  const Selection selection =
+      SelectViews(snapshot, area, options.adjustment, options.backend);  // Sec. III-F
   evaluation.block =
       AdjustSelection(selection, snapshot.rig.camera, images, options, evaluation.reports);
-  if (!evaluation.block.note.empty()) evaluation.warnings.push_back(evaluation.block.note);
-  if (selection.num_seeing > selection.views.size()) {
-    evaluation.warnings.push_back("of " + std::to_string(selection.num_seeing) +
-                                  " key-frames that see the regions, " +
-                                  std::to_string(selection.views.size()) + " were used");
-  }
+  WarnOfViews(selection, evaluation);
   if (evaluation.block.is_usable) {
-    evaluation.map = ReconstructMap(
+    const ElevationMap map = ReconstructMap(
         evaluation.block, area, images, options, cancellable, evaluation.reports);  // III-F, G
     cancellable.Tell(kStereoDone, "hazards");
     WarnOfCoarseImages(evaluation, options);
-    const Orthophoto photo = Timed(evaluation.reports, "orthophoto", [&] {
-      return MakeOrthophoto(evaluation.map, evaluation.block, images, options.terrain);
-    });
-    evaluation.hazards = Timed(evaluation.reports, "hazard_layers", [&] {  // Sec. III-G
-      return AssessHazards(evaluation.map,
-                           AdjustedGrassViews(snapshot, selection.indices, evaluation.block),
-                           {aircraft.max_slope_deg, aircraft.max_roughness_m},
-                           options.hazard,
-                           photo);
-    });
-    Timed(evaluation.reports, "open_cover", [&] {
-      const cv::Mat1b is_clear_class =
-          evaluation.hazards.grass >= options.approach.min_clear_class_posterior;
-      MarkOpenCover(photo,
-                    is_clear_class,
-                    is_clear_class | evaluation.hazards.meadow,
-                    evaluation.hazards.objects,
-                    options.terrain,
-                    evaluation.map);
-      evaluation.hazards = WithLimits(evaluation.map,
-                                      evaluation.hazards,
-                                      {aircraft.max_slope_deg, aircraft.max_roughness_m},
-                                      options.hazard);
-      return 0;
-    });
+    AssessGround(map,
+                 AdjustedGrassViews(snapshot, selection.indices, evaluation.block),
+                 images,
+                 aircraft,
+                 options.hazard,
+                 evaluation);  // Sec. III-G
   }
   cancellable.Tell(kLayersDone, "approach");
-  for (const Region& region : regions) {
-    evaluation.sites.push_back(
-        PlanSite(snapshot, region, evaluation, aircraft, options));  // Sec. III-H
+  const auto plan = [&](const Candidate& candidate) {
+    return PlanSite(
+        candidate, snapshot.min_num_observations, evaluation, aircraft, options.approach);
+  };
+  for (const Candidate& candidate : regions) {
+    evaluation.sites.push_back(plan(candidate));  // Sec. III-H
   }
-  AddFurtherSites(evaluation, aircraft, options, [&](const Region& field) {
-    return PlanSite(snapshot, field, evaluation, aircraft, options);
-  });
+  evaluation.sites =
+      WithFurtherSites(evaluation.sites,
+                       evaluation.map,
+                       evaluation.hazards,
+                       aircraft,
+                       options,
+                       [&](const Region& field) {
+                         const Eigen::Vector2d place = field.Center().head<2>();
+                         return plan({field, WindAt(place, snapshot.wind_samples, options.wind)});
+                       });
   return evaluation;
 }
 
@@ -357,9 +384,9 @@ Evaluation Detect(const Rig& rig,
     frontend.Process(frame);
   }
   frontend.Flush();
-  std::vector<Region> graded;
-  for (const Region& region : frontend.RankedRegions()) {
-    if (region.grade > 0.0) graded.push_back(region);
+  std::vector<Candidate> graded;
+  for (const Candidate& candidate : frontend.RankedRegions()) {
+    if (candidate.region.grade > 0.0) graded.push_back(candidate);
   }
   const ImageSource source = [&images](const std::string& id) { return images.at(id); };
   Evaluation evaluation =

@@ -5,8 +5,8 @@
 
 #include <spdlog/spdlog.h>
 
-#include "server/priority.h"
 #include "server/routes.h"
+#include "server/work/work.h"
 
 namespace freelsd {
 namespace {
@@ -17,7 +17,7 @@ Classifier ReadModel(const Config& config) {
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     throw ConfigError("the grass model " + path.string() +
-                      " cannot be read; name its file with --model");
+                      " cannot be read; give its path with --model");
   }
   try {
     return Classifier::Parse(std::string(std::istreambuf_iterator<char>(file), {}));
@@ -28,12 +28,17 @@ Classifier ReadModel(const Config& config) {
 
 Page ReadPageFiles(const Config& config) {
   Page page = ReadPage(config.page.empty() ? BesideProgram("web") : config.page);
-  if (!page.contains("/")) spdlog::warn("the page is not there; the service runs without it");
+  if (!page.contains("/"))
+    spdlog::warn("the page was not found; the service runs without the page");
   return page;
 }
 
-// Answers take milliseconds, and uploads cannot take these threads; but a connection that waits
-// holds one, so there are many and they do not wait for long.
+// Memory of recall's caches: sites with their maps, and terrain below the way to a site.
+constexpr size_t kMaxBytesOfSites = size_t{192} << 20;
+constexpr size_t kMaxBytesOfTerrain = size_t{64} << 20;
+
+// Emergency answers take milliseconds, and uploads never use these threads. An idle connection
+// holds a thread, so there are many threads and the idle timeout is short.
 constexpr int kNumEmergencyThreads = 32;
 constexpr std::chrono::milliseconds kEmergencyIdleTimeout{200};
 constexpr std::chrono::milliseconds kEmergencyHeadTimeout{1000};
@@ -62,14 +67,18 @@ HttpServer::Handler HandlerFor(Service& service, Listener listener) {
 App::App(const Config& config)
     : config_(config),
       storage_(config_.data),
-      service_(config_, storage_),
+      maps_(kMaxBytesOfSites, kMaxBytesOfTerrain),
+      intake_(config_, storage_, events_),
+      alternates_(storage_, maps_, events_),
+      service_(intake_, maps_, alternates_),
       http_(OptionsOf(config_, Listener::kMain), HandlerFor(service_, Listener::kMain)),
       port_(http_.Bind(config_.host, config_.port)),
       worker_(service_, ReadModel(config_)) {
   service_.page = ReadPageFiles(config_);
   if (!config_.token_file.empty()) service_.tokens = TokenList::Read(config_.token_file);
-  service_.wake_worker = [this] { worker_.Wake(); };
-  service_.alternates.Start();
+  intake_.wake_worker = [this] { worker_.Wake(); };
+  intake_.on_new_pose = [this](const std::string& flight_id) { alternates_.Wake(flight_id); };
+  alternates_.Start();
   if (!config_.emergency) return;
   emergency_http_ = std::make_unique<HttpServer>(OptionsOf(config_, Listener::kEmergency),
                                                  HandlerFor(service_, Listener::kEmergency));
@@ -88,8 +97,8 @@ void App::Run() {
 
 bool App::CanRecall() const {
   try {
-    // From the file, not from what is kept of it.
-    storage_.FindSite("none");
+    // A site that does not exist is never cached, so this reads the database file.
+    storage_.sites.Find("none");
     return true;
   } catch (const std::exception& error) {
     spdlog::error("sites cannot be read: {}", error.what());
@@ -98,9 +107,9 @@ bool App::CanRecall() const {
 }
 
 bool App::Stop(std::chrono::milliseconds patience) {
-  service_.is_stopping = true;
-  service_.events.Stop();
-  service_.alternates.Stop();
+  intake_.is_stopping = true;
+  events_.Stop();
+  alternates_.Stop();
   http_.Stop();
   if (emergency_http_) emergency_http_->Stop();
   return worker_.Stop(patience);

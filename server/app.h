@@ -1,36 +1,39 @@
-// The whole service: storage, worker and HTTP, made and ended in the right order.
+// The whole service: owns storage, worker and HTTP, and starts and stops them in the right order.
 #pragma once
 
 #include <memory>
 #include <optional>
 
 #include "server/config.h"
-#include "server/http_server.h"
-#include "server/service.h"
-#include "server/worker.h"
+#include "server/http/http.h"
+#include "server/work/work.h"
 
 namespace freelsd {
 
 class App {
  public:
-  // Opens the folder, reads model and page, binds the port. Throws ConfigError, StorageError or
-  // std::runtime_error with a sentence for the operator.
+  // Opens the data folder, reads the model and the page, binds the ports. Throws ConfigError,
+  // StorageError or std::runtime_error with a sentence for the operator.
   explicit App(const Config& config);
 
   int port() const { return port_; }
-  // Nothing without an emergency listener.
+  // Nothing if there is no emergency listener.
   std::optional<int> emergency_port() const { return emergency_port_; }
-  // Serves until Stop, from another thread.
+  // Serves until another thread calls Stop.
   void Run();
-  // Requests end, then the worker. False when the engine is still busy after `patience`: what it
-  // was doing is done again at the next start.
+  // Ends the requests, then the worker. False if the engine is still busy after `patience`; the
+  // next start repeats the unfinished work.
   bool Stop(std::chrono::milliseconds patience);
-  // Whether stored sites can be read: what this service must never lose.
+  // True if stored sites can be read from storage.
   bool CanRecall() const;
 
  private:
   Config config_;
   Storage storage_;
+  EventLog events_;
+  MapCache maps_;
+  Intake intake_;
+  Alternates alternates_;
   Service service_;
   HttpServer http_;
   int port_;

@@ -90,17 +90,18 @@ void ReadConfigFile(const std::string& path, Config& config) {
   if (!object.empty()) throw ConfigError("config file: unknown key " + object.begin().key());
 }
 
-// Beyond this machine nobody is let in without a token.
+// A listener that other machines can reach must require tokens.
 void CheckAddress(const std::string& host, const Config& config) {
   if (IsLoopback(host) || !config.token_file.empty()) return;
   throw ConfigError("listen: " + host +
-                    " is not a loopback address, and there is no --token-file to ask tokens from");
+                    " is not a loopback address; other addresses need a --token-file");
 }
 
 void Check(const Config& config) {
   CheckAddress(config.host, config);
   if (config.emergency) CheckAddress(config.emergency->host, config);
-  if (config.data.empty()) throw ConfigError("--data is needed: the folder to keep everything in");
+  if (config.data.empty())
+    throw ConfigError("--data is required: the folder for the database and the images");
   if (config.num_http_threads < 2 || config.num_http_threads > 512) {
     throw ConfigError("num_http_threads: must be in [2, 512]");
   }
@@ -108,7 +109,7 @@ void Check(const Config& config) {
                                config.max_telemetry_gap_s,
                                config.max_telemetry_extrapolation_s}) {
     if (!(seconds >= 0.0 && seconds <= 60.0)) {
-      throw ConfigError("times of telemetry: must be in [0, 60] s");
+      throw ConfigError("telemetry times: must be in [0, 60] s");
     }
   }
   if (!(config.max_image_age_days >= 0.0)) throw ConfigError("max_image_age_days: must be >= 0");
@@ -127,15 +128,15 @@ Address ParseAddress(const std::string& listen) {
 }
 
 std::optional<Config> ReadConfig(int argc, const char* const* argv) {
-  CLI::App app("Finds landing sites for small planes; HTTP/JSON service.", "freelsd-server");
+  CLI::App app("HTTP/JSON service that finds landing sites for small planes.", "freelsd-server");
   std::string data, listen, emergency_listen, config_file, model, page, token_file;
   app.add_option("--data", data, "Folder for the database and the images");
   app.add_option("--listen", listen, "ADDRESS:PORT, default 127.0.0.1:8080");
   app.add_option("--emergency-listen",
                  emergency_listen,
-                 "ADDRESS:PORT of a listener for /v1/emergency with threads of its own");
+                 "ADDRESS:PORT of a second listener, for /v1/emergency, with its own threads");
   app.add_option("--token-file", token_file, "JSON list of token hashes and their scopes");
-  app.add_option("--config", config_file, "JSON file with the same and more settings");
+  app.add_option("--config", config_file, "JSON file with these and further settings");
   app.add_option("--model", model, "Grass classifier, default: beside the program");
   app.add_option("--page", page, "Folder of the page, default: beside the program");
   app.set_version_flag("--version", "freelsd-server " FREELSD_VERSION);

@@ -1,4 +1,5 @@
-// Settings of freelsd-server: command line over configuration file over defaults.
+// Settings of freelsd-server. The command line overrides the configuration file, and the file
+// overrides the defaults.
 #pragma once
 
 #include <cstdint>
@@ -17,46 +18,49 @@ struct Address {
 };
 
 struct Config {
+  // Folder of the database and the images.
   std::filesystem::path data;
   std::string host = "127.0.0.1";
   // 0: any free port.
   int port = 8080;
-  // Listener with threads of its own for /v1/emergency and /healthz; nothing: none.
+  // Second listener, with its own threads, for /v1/emergency and /healthz; empty: no such listener.
   std::optional<Address> emergency;
-  // The grass classifier and the page; found beside the program when empty.
+  // Grass classifier and folder of the page; empty: those installed beside the program.
   std::filesystem::path model;
   std::filesystem::path page;
-  // Hashes of the tokens that are let in; empty: nobody is asked for one.
+  // File with hashes of the accepted tokens; empty: requests need no token.
   std::filesystem::path token_file;
-  // Host names besides the loopback ones that requests may name.
+  // Host names that requests may use besides loopback names.
   std::vector<std::string> allowed_hosts;
   int num_http_threads = 32;
-  // Frames that may wait for the frontend; batches are outside this limit.
+  // Most frames that may wait for the frontend. Frames of batches do not count.
   int64_t max_num_queued_frames = 256;
-  // Flights that the engine holds in memory at a time; frames of others wait.
+  // Most flights that the engine holds in memory. Frames of other flights wait.
   int max_num_open_flights = 16;
   uint64_t max_batch_bytes = uint64_t{2} << 30;
-  // Images of idle flights are removed, oldest first, beyond these; 0: never. Sites stay.
+  // Beyond these limits, images of idle flights are removed, oldest flight first. 0: no limit.
+  // Sites stay.
   double max_image_age_days = 0.0;
   uint64_t max_stored_image_bytes = 0;
-  // How long a frame without position waits for telemetry that covers its time.
+  // How long a frame without a position waits for telemetry that covers its timestamp.
   double telemetry_wait_s = 10.0;
-  // Longest time between two telemetry samples that is bridged, and the longest that a pose is
-  // taken beyond the last one.
+  // Longest time between two telemetry samples across which a pose is interpolated.
   double max_telemetry_gap_s = 2.0;
+  // Longest time between a frame and a single telemetry sample that gives its pose.
   double max_telemetry_extrapolation_s = 0.2;
 };
 
-// What is wrong with the settings, in a sentence.
+// A setting is invalid. The text is a sentence for the operator.
 class ConfigError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Nothing when help or the version was asked for and printed. Throws ConfigError.
+// Reads the settings. Nothing if the command line asked for help or version, which is then printed.
+// Throws ConfigError.
 std::optional<Config> ReadConfig(int argc, const char* const* argv);
 
-// "127.0.0.1:8080", "[::1]:8080". Throws ConfigError.
+// Parses "127.0.0.1:8080" or "[::1]:8080". Throws ConfigError.
 Address ParseAddress(const std::string& listen);
 
 }  // namespace freelsd

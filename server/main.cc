@@ -1,4 +1,4 @@
-// freelsd-server: finds landing sites for small planes; see api/openapi.yaml.
+// freelsd-server: the HTTP service; api/openapi.yaml describes its interface.
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -9,17 +9,17 @@
 #include <spdlog/spdlog.h>
 
 #include "server/app.h"
-#include "server/heap.h"
 #include "server/supervisor.h"
+#include "server/work/work.h"
 
 namespace freelsd {
 namespace {
 
-// sysexits.h: wrong settings or a newer program's data, and what may work later (port or folder in
-// use).
+// Exit codes of sysexits.h. kExitConfig: invalid settings, or data of a newer program.
+// kExitTemporary: port or folder in use, so a later start may work.
 constexpr int kExitConfig = 78;
 constexpr int kExitTemporary = 75;
-// Engine and requests must end within 10 s together.
+// Together less than 10 s, the time that container engines wait before they kill.
 constexpr std::chrono::milliseconds kEnginePatience{6000};
 constexpr std::chrono::milliseconds kRequestPatience{2000};
 
@@ -54,8 +54,8 @@ int Run(int argc, char** argv) {
   spdlog::info("stopping");
   const bool has_stopped =
       app.Stop(kEnginePatience) && http.wait_for(kRequestPatience) == std::future_status::ready;
-  // Neither a stage of the engine nor a slow upload can be interrupted; everything acknowledged is
-  // on disk, and the job goes on at the next start.
+  // Neither a stage of the engine nor a slow upload can be interrupted. Ending here is safe: all
+  // acknowledged data is on disk, and the next start continues the job.
   if (!has_stopped) std::_Exit(EXIT_SUCCESS);
   return EXIT_SUCCESS;
 }

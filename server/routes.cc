@@ -11,8 +11,8 @@
 #include <spdlog/spdlog.h>
 
 #include "api/api.h"
-#include "server/handlers.h"
-#include "server/http_server.h"
+#include "server/handlers/handlers.h"
+#include "server/http/http.h"
 
 namespace freelsd {
 namespace {
@@ -25,14 +25,14 @@ struct Route {
   const char* method;
   const char* path;
   Handler handler;
-  // Query parameters that are understood, separated by spaces.
+  // Supported query parameters, separated by spaces.
   const char* parameters = "";
   Listeners listeners = Listeners::kMain;
   const char* more_parameters = "";
 };
 
-// What a token must allow: reading, taking in, or deleting. Asking what can be reached changes
-// nothing, whatever the method.
+// The scope that a token needs: read, ingest or admin. POST /v1/emergency needs only read, because
+// it changes nothing.
 Scope ScopeOf(const Route& route) {
   const std::string_view path = route.path;
   if (path == "/healthz") return Scope::kNone;
@@ -103,7 +103,7 @@ constexpr Route kRoutes[] = {
     {"GET", "/openapi.json", GetOpenApi},
 };
 
-// Longest client string that is logged.
+// Longer strings from a client are cut in the log.
 constexpr size_t kMaxLoggedBytes = 256;
 
 std::vector<std::string_view> Segments(std::string_view path) {
@@ -117,7 +117,7 @@ std::vector<std::string_view> Segments(std::string_view path) {
   return segments;
 }
 
-// "{layer}.png" takes "slope.png" as layer = slope.
+// The pattern "{layer}.png" matches "slope.png" with layer = slope.
 bool MatchSegment(std::string_view pattern,
                   std::string_view segment,
                   std::map<std::string, std::string>& ids) {
@@ -130,7 +130,7 @@ bool MatchSegment(std::string_view pattern,
   return true;
 }
 
-// The ids in the path; nothing when it is another path.
+// The ids in the path; nothing if the path does not match.
 std::optional<std::map<std::string, std::string>> Match(const char* pattern,
                                                         const std::string& path) {
   const std::vector<std::string_view> wanted = Segments(pattern);
@@ -152,8 +152,7 @@ void RefuseUnknownParameters(const Route& route, const httplib::Request& request
   const std::vector<std::string> known{std::istream_iterator<std::string>(words), {}};
   for (const auto& [name, value] : request.params) {
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    throw ApiError(
-        "UnknownParameter", "the query parameter is not known here", {{name, "is not known here"}});
+    throw ApiError("UnknownParameter", "unknown query parameter", {{name, "is unknown"}});
   }
 }
 
@@ -174,7 +173,7 @@ bool ServePage(const Service& service,
 
 [[noreturn]] void RefuseMethod(const std::string& allow, httplib::Response& response) {
   response.set_header("Allow", allow);
-  throw ApiError("MethodNotAllowed", "this path takes " + allow);
+  throw ApiError("MethodNotAllowed", "this path supports only " + allow);
 }
 
 void Dispatch(Service& service,
@@ -198,14 +197,14 @@ void Dispatch(Service& service,
   }
   if (!allow.empty()) RefuseMethod(allow, response);
   if (listener == Listener::kEmergency) {
-    throw ApiError("NotFound", "this listener has /v1/emergency, its export and /healthz only");
+    throw ApiError("NotFound", "this listener serves only /v1/emergency, its export and /healthz");
   }
   if (ServePage(service, request, response)) return;
   if (service.page.contains(request.path)) RefuseMethod("GET, HEAD", response);
   throw ApiError("NotFound", "there is nothing at this path");
 }
 
-// The one place where failures become answers. What is not meant for a client is only logged.
+// Turns every failure into an answer. Details that are not meant for clients go to the log only.
 void DispatchSafely(Service& service,
                     Listener listener,
                     const httplib::Request& request,
@@ -220,7 +219,7 @@ void DispatchSafely(Service& service,
     if (error.fault == StorageFault::kDamaged) service.storage.MarkDamaged(error.what());
     AnswerProblem(error.fault == StorageFault::kFull
                       ? ApiError("StorageFull", "the disk is full")
-                      : ApiError("Unavailable", "the storage failed; try again"),
+                      : ApiError("Unavailable", "storage failed; try again later"),
                   response);
   } catch (const std::exception& error) {
     spdlog::error("request failed: {}", error.what());
@@ -228,7 +227,8 @@ void DispatchSafely(Service& service,
   }
 }
 
-// The pattern that the request matches: labels of bounded number, whatever clients send.
+// The pattern that the request matches. A metric's label is the pattern, so that clients cannot
+// create labels.
 std::string RouteOf(const Service& service, const httplib::Request& request) {
   for (const Route& route : kRoutes) {
     if (Match(route.path, request.path)) return route.path;

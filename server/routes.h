@@ -1,16 +1,15 @@
-// Every URL of the service, and how a request finds its handler.
+// The table of all URLs, and the dispatch of a request to its handler.
 #pragma once
 
-#include "server/body_reader.h"
-#include "server/http_library.h"
-#include "server/service.h"
+#include "server/http/http.h"
+#include "server/work/work.h"
 
 namespace freelsd {
 
-// The emergency listener serves recall and health only, with threads of its own.
+// The emergency listener serves recall and health only, with its own threads.
 enum class Listener { kMain, kEmergency };
 
-// Answers the request; every failure becomes a problem+json. Does not throw.
+// Answers the request. Every failure becomes a problem+json answer. Does not throw. Thread-safe.
 void Serve(Service& service,
            Listener listener,
            const httplib::Request& request,

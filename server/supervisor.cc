@@ -13,7 +13,7 @@
 namespace freelsd {
 namespace {
 
-// Half of what systemd waits for; zero where it does not watch this process.
+// Half of systemd's watchdog time; zero if systemd does not watch this process.
 std::chrono::microseconds BeatPeriod() {
   const auto number = [](const char* name) {
     const char* const text = std::getenv(name);

@@ -1,5 +1,5 @@
-// Tells systemd how the service does (sd_notify), by a datagram to $NOTIFY_SOCKET; does nothing
-// where there is none.
+// Reports the state of the service to systemd (sd_notify) by datagrams to $NOTIFY_SOCKET. Does
+// nothing if that variable is not set.
 #pragma once
 
 #include <chrono>
@@ -11,11 +11,11 @@
 
 namespace freelsd {
 
-// One message, "READY=1" for instance; whether it was sent.
+// Sends one message, for example "READY=1". True if it was sent.
 bool NotifySupervisor(const std::string& message);
 
-// Says "WATCHDOG=1" twice in each $WATCHDOG_USEC while `is_alive` answers true: where it does not,
-// or hangs, systemd ends the service and starts it anew.
+// Sends "WATCHDOG=1" twice in each $WATCHDOG_USEC while `is_alive` returns true. If `is_alive`
+// returns false or hangs, systemd restarts the service. A thread of its own calls `is_alive`.
 class Heartbeat {
  public:
   explicit Heartbeat(std::function<bool()> is_alive);
@@ -27,6 +27,7 @@ class Heartbeat {
   void Run(std::chrono::microseconds period);
 
   std::function<bool()> is_alive_;
+  // Guards is_ended_.
   std::mutex mutex_;
   std::condition_variable ended_;
   bool is_ended_ = false;

@@ -1,6 +1,6 @@
-// Rows with a box each, kept while no site changes and what is asked for lies within what was read:
-// an aircraft that asks for its surroundings moves little between two requests. Rows are shared,
-// not copied. Thread-safe.
+// A cache of rows that have a bounding box each. It answers from memory while no site changes and
+// the requested box lies within the box that was read: an aircraft that asks for its surroundings
+// moves little between two requests. Rows are shared, not copied.
 #pragma once
 
 #include <algorithm>
@@ -10,10 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include "storage/storage.h"
+#include "storage/site_store.h"
 
 namespace freelsd {
 
+// A row and its bounding box.
 template <typename Row>
 struct Boxed {
   BoundingBox box{};
@@ -25,14 +26,15 @@ inline bool Meets(const BoundingBox& a, const BoundingBox& b) {
          a.north_deg >= b.south_deg;
 }
 
+// Thread-safe.
 template <typename Row>
 class BoxCache {
  public:
   using Rows = std::vector<Boxed<Row>>;
   using Read = std::function<Rows(const BoundingBox& box)>;
 
-  // Rows whose boxes meet this one, which does not cross the antimeridian. `version`: read before
-  // any row is, so that rows that are newer are at worst read twice.
+  // Rows whose boxes meet `box`, which must not cross the antimeridian. The caller reads `version`
+  // before this call: rows that change in between are then read twice at worst.
   SharedRows<Row> Within(const BoundingBox& box, uint64_t version, const Read& read) {
     std::shared_ptr<const FromSouth> kept = Kept(box, version);
     if (!kept) {
@@ -53,7 +55,7 @@ class BoxCache {
   }
 
  private:
-  // By their southern edge: of a small box only a strip is looked through.
+  // Rows sorted by their southern edge, so that a small box needs a search of one strip only.
   struct FromSouth {
     explicit FromSouth(Rows read) : rows(std::move(read)) {
       std::stable_sort(rows.begin(), rows.end(), [](const Boxed<Row>& a, const Boxed<Row>& b) {
@@ -63,7 +65,7 @@ class BoxCache {
         tallest_deg = std::max(tallest_deg, each.box.north_deg - each.box.south_deg);
       }
     }
-    // No row before it reaches that far north.
+    // The first row that may reach as far north as `south_deg`.
     typename Rows::const_iterator First(double south_deg) const {
       return std::partition_point(rows.begin(), rows.end(), [&](const Boxed<Row>& each) {
         return each.box.south_deg + tallest_deg < south_deg;
@@ -82,7 +84,7 @@ class BoxCache {
     return holds ? kept_ : nullptr;
   }
 
-  // By a quarter to each side, and at least by some two kilometres.
+  // The box, larger by a quarter of its size on each side, and by 0.02 degrees at least.
   static BoundingBox Grown(const BoundingBox& box) {
     constexpr double kLeastDeg = 0.02;
     const double dlon_deg = std::max(kLeastDeg, 0.25 * (box.east_deg - box.west_deg));
@@ -93,6 +95,7 @@ class BoxCache {
             std::min(90.0, box.north_deg + dlat_deg)};
   }
 
+  // Guards version_, box_ and kept_.
   std::mutex mutex_;
   uint64_t version_ = 0;
   BoundingBox box_{};

@@ -12,12 +12,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "storage/storage.h"
+#include "storage/storage_error.h"
 
 namespace freelsd {
 namespace {
 
-// By the first byte of the digest.
+// One shelf (folder) for each first byte of the digest.
 constexpr int kNumShelves = 256;
 constexpr char kUnfinishedSuffix[] = "-part";
 
@@ -54,8 +54,8 @@ class File {
   int descriptor_;
 };
 
-// Images leave this much of the disk to the database, or this share of a small disk: without any,
-// not even a flight could be deleted to make room.
+// Images leave this much of the disk to the database, or 1/16 of a small disk: deleting a flight to
+// free space needs some space itself.
 constexpr uintmax_t kReservedBytes = 16 << 20;
 constexpr uintmax_t kReservedShare = 16;
 
@@ -65,7 +65,9 @@ void CheckRoom(const std::filesystem::path& folder, size_t num_bytes) {
   if (error) throw StorageError("write image", error.message());
   const uintmax_t reserved = std::min(kReservedBytes, space.capacity / kReservedShare);
   if (space.available < reserved + num_bytes) {
-    throw StorageError("write image", "no space is left beside the reserve", StorageFault::kFull);
+    throw StorageError("write image",
+                       "the disk is full (a part of it is reserved for the database)",
+                       StorageFault::kFull);
   }
 }
 
@@ -85,7 +87,7 @@ ImageFiles::ImageFiles(const std::filesystem::path& folder) : folder_(folder) {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) throw StorageError("create images folder", error.message());
-  // Shelves are made once, so that no image waits for the name of its shelf to be on disk.
+  // All shelves are made at start, so that writing an image never has to sync a new folder's name.
   for (int shelf = 0; shelf < kNumShelves; ++shelf) {
     char name[3];
     std::snprintf(name, sizeof(name), "%02x", shelf);
@@ -116,7 +118,7 @@ void ImageFiles::Write(const std::string& sha256, std::string_view bytes) const 
       throw;
     }
   }
-  // Also when the file was there: whoever wrote it may not have come to this line yet.
+  // Needed also for an existing file: another thread may have renamed it and not yet synced.
   SyncFolder(path.parent_path());
 }
 

@@ -1,5 +1,5 @@
-// Image files named by SHA-256, two levels deep: images/ab/abcd... A file that has its final name
-// is whole and synced.
+// Image files, named by SHA-256 and sorted into 256 folders: images/ab/abcd... A file that has its
+// final name is complete and synced to disk.
 #pragma once
 
 #include <filesystem>
@@ -12,17 +12,17 @@ namespace freelsd {
 
 class ImageFiles {
  public:
-  // Creates the folder; removes what an interrupted write left.
+  // Creates the folder and its 256 subfolders.
   explicit ImageFiles(const std::filesystem::path& folder);
 
-  // Temporary file, fsync, rename, fsync of the folder. Throws StorageError.
+  // Writes a temporary file, syncs it, renames it and syncs the folder. Throws StorageError.
   void Write(const std::string& sha256, std::string_view bytes) const;
   std::optional<std::string> Read(const std::string& sha256) const;
   bool Has(const std::string& sha256) const;
   void Remove(const std::string& sha256) const;
-  // Of all files.
+  // Total size of all files.
   uint64_t NumBytes() const;
-  // Removes every file that nothing needs.
+  // Removes every file that is not needed, unfinished files among them.
   void RemoveUnless(const std::function<bool(const std::string& sha256)>& is_needed) const;
 
  private:

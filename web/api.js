@@ -1,8 +1,8 @@
-// The only file that talks to the server. Names and units are those of the JSON.
+// The only file that sends requests to the server. Names and units are those of the JSON.
 
 export class Problem extends Error {
   constructor(status, body, retryAfter_s) {
-    super(body.detail ?? body.title ?? `the server answered ${status}`);
+    super(body.detail ?? body.title ?? `the server returned status ${status}`);
     this.status = status;
     this.code = body.code;
     this.errors = body.errors ?? [];
@@ -10,7 +10,7 @@ export class Problem extends Error {
   }
 }
 
-// --- Token: kept for this tab, or on this device where the user says so ---
+// --- Token: in sessionStorage (this tab), or in localStorage (this device) if the user asks for it ---
 
 const tokenKey = 'freelsd.token';
 export const token = () => sessionStorage.getItem(tokenKey) ?? localStorage.getItem(tokenKey);
@@ -21,7 +21,7 @@ export function setToken(value, isKept) {
 }
 const authorization = () => (token() ? { Authorization: `Bearer ${token()}` } : {});
 
-// Told when the server wants a token (401), or a better one (403).
+// The listener runs on every 401 response.
 let onUnauthorized = () => {};
 export function whenUnauthorized(listener) { onUnauthorized = listener; }
 
@@ -45,7 +45,7 @@ export async function call(path, { method = 'GET', headers = {}, body, signal } 
 const getJson = async (path, options) =>
   (await call(path, { ...options, headers: { Accept: 'application/json, application/geo+json' } })).json();
 
-// --- Paths, also shown as curl ---
+// --- Paths, also used by the curl buttons ---
 
 const part = encodeURIComponent;
 export function query(values) {
@@ -92,7 +92,7 @@ export const getEmergency = (request, signal) => getJson(paths.emergency(request
 
 export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });
 
-// {collection}, or {refusal} where the site has no approach, for this wind or at all (409).
+// {collection}, or {refusal} if the site has no approach for this wind (409).
 export async function getApproach(site, wind, signal) {
   try {
     return { collection: await getJson(paths.approach(site, wind), { signal }) };
@@ -105,7 +105,7 @@ export async function getApproach(site, wind, signal) {
 export const getBytes = async (path, signal) => (await call(path, { signal })).arrayBuffer();
 export const getBlob = async (path, signal) => (await call(path, { signal })).blob();
 
-// A file to keep: {blob, name}, named as the server names it.
+// {blob, name}; the name comes from Content-Disposition.
 export async function getFile(path, fallbackName) {
   const response = await call(path);
   const named = /filename="?([^";]+)"?/.exec(response.headers.get('Content-Disposition') ?? '');
@@ -123,7 +123,7 @@ export const createFlight = (request) => postJson('/v1/flights', request);
 export const finishFlight = async (flight) => (await call(paths.finish(flight), { method: 'POST' })).json();
 export const cancelJob = (job) => call(`/v1/jobs/${part(job)}`, { method: 'DELETE' });
 
-// XMLHttpRequest, because fetch does not tell how much has been sent.
+// XMLHttpRequest, because fetch reports no upload progress.
 export function send(path, body, { contentType, onProgress, signal }) {
   return new Promise((resolve, reject) => {
     const request = new XMLHttpRequest();
@@ -137,7 +137,7 @@ export function send(path, body, { contentType, onProgress, signal }) {
         reject(problemOf(request.status, request.responseText, request.getResponseHeader('Retry-After')));
       }
     };
-    request.onerror = () => reject(new TypeError('the connection broke'));
+    request.onerror = () => reject(new TypeError('connection lost'));
     request.onabort = () => reject(new DOMException('stopped', 'AbortError'));
     signal?.addEventListener('abort', () => request.abort());
     request.send(body);

@@ -1,4 +1,4 @@
-// Ties the page together: what is chosen, and what is drawn when something changes.
+// Connects the parts of the page: holds the selection and redraws on changes.
 
 import * as api from './api.js';
 import { curlButton, curlOf } from './curl.js';
@@ -37,7 +37,7 @@ const live = createLive(refresh, (transport) => {
   byId('transport').textContent = transport === 'events' ? 'live' : 'updated every 2 s';
 });
 
-// --- Views of the panel ---
+// --- Panel views ---
 
 function showView(name) {
   for (const view of document.querySelectorAll('[data-view]')) view.hidden = view.dataset.view !== name;
@@ -55,7 +55,7 @@ function keepInAddress() {
   history.replaceState(null, '', `#${parts}`);
 }
 
-// To the row that one came from.
+// Focus returns to the row of the selected site.
 function backToSites() {
   showView('sites');
   keepInAddress();
@@ -67,7 +67,7 @@ function backToSites() {
 
 const rankOf = (id) => state.sites.features.find((f) => f.properties.id === id)?.properties.rank;
 
-// An answer that comes after another choice is dropped.
+// Drops the answer if another site was selected in the meantime. Returns whether it was drawn.
 async function loadSite(siteId) {
   const [feature, list, approach] = await Promise.all(
     [api.getSite(siteId), api.getLayers(siteId), api.getApproach(siteId)]);
@@ -80,7 +80,7 @@ async function loadSite(siteId) {
   wind.show(feature.properties.wind);
   byId('replan').replaceChildren();
   drawApproach(approach, false);
-  // Its winds are planned for where someone looks.
+  // The wind rose is expensive: the server computes it only for a visible site.
   rose.show(byId('view-site').hidden ? null : siteId);
   return true;
 }
@@ -92,7 +92,7 @@ async function chooseSite(siteId) {
   try {
     return await loadSite(siteId);
   } catch (error) {
-    notify(`The site did not come: ${error.message}`);
+    notify(`Site not loaded: ${error.message}`);
     return false;
   }
 }
@@ -114,7 +114,7 @@ function drawApproach({ collection, refusal }, isReplanned) {
   drawProfile(byId('profile'), collection?.profile, aircraft);
 }
 
-// wind: null for what is stored.
+// tried: a wind, or null for the stored approach.
 async function replan(tried, signal) {
   const siteId = state.siteId;
   state.triedWind = tried;
@@ -131,7 +131,7 @@ async function replan(tried, signal) {
     drawApproach(answer, true);
   } catch (error) {
     if (error.name === 'AbortError') return;
-    // A path for another wind must not stay as if it were this one's.
+    // A path planned for a former wind must not stay on the map.
     byId('replan').replaceChildren(replanNode({ refusal: error.message }));
     drawApproach({ refusal: error.message }, true);
   } finally {
@@ -142,15 +142,15 @@ async function replan(tried, signal) {
 function showRejection(index) {
   const rejection = state.site.properties.rejections[index];
   const letter = String.fromCharCode(97 + index % 26);
-  const marks = [{ place: rejection.touchdown, sign: letter, className: 'refused', title: `Refused: ${rejection.detail}` }];
+  const marks = [{ place: rejection.touchdown, sign: letter, className: 'refused', title: `Rejected touchdown: ${rejection.detail}` }];
   if (rejection.obstacle) {
-    marks.push({ place: rejection.obstacle, sign: '!', className: 'obstacle', title: 'What stands in the way' });
+    marks.push({ place: rejection.obstacle, sign: '!', className: 'obstacle', title: 'Obstacle' });
   }
   map.drawMarks(marks);
   map.panTo(rejection.touchdown);
 }
 
-// --- A place on the map ---
+// --- A clicked place ---
 
 async function answerPlace(latlng) {
   const region = findRegion(state.regions, latlng);
@@ -158,23 +158,23 @@ async function answerPlace(latlng) {
   try {
     map.drawAnswer(latlng, answerNodeOf(await whyNot(latlng, state.site, layers.all()), region, openHistory));
   } catch (error) {
-    notify(`No answer for this place: ${error.message}`);
+    notify(`Place not checked: ${error.message}`);
   }
 }
 
 async function openRegion({ properties }) {
   map.drawAnswer(null);
   showView('region');
-  // Its own, not one in another field of its rectangle.
+  // By id: another site may lie in the rectangle of this region.
   const site = state.sites.features.find((f) => f.properties.id === `${state.flight}-r${properties.id}`)?.properties;
   try {
     await drawHistory(state.flight, properties, site, openSite);
   } catch (error) {
-    notify(`The history did not come: ${error.message}`);
+    notify(`History not loaded: ${error.message}`);
   }
 }
 
-// --- What the server has ---
+// --- Server state ---
 
 function drawLists() {
   drawSiteList(state.sites, state.siteId, openSite, state.flightJson);
@@ -211,7 +211,7 @@ function drawFlightChoice() {
   byId('no-flight').hidden = Boolean(state.flight);
 }
 
-// At the first look the best site, or the one in the address, is drawn at once.
+// Opens the site named in the address, else selects the best one.
 async function drawFirst() {
   const wanted = new URLSearchParams(location.hash.slice(1)).get('site');
   const isThere = (id) => state.sites.features.some((f) => f.properties.id === id);
@@ -220,7 +220,7 @@ async function drawFirst() {
   return map.fit();
 }
 
-// Asked anew only when more photographs are through; until there is a site the map goes along.
+// Requests the track only after more photographs were processed. The map follows it until a site exists.
 async function refreshTrack(flight, numProcessed) {
   if (numProcessed === state.numTracked) return;
   const track = await api.getTrack(flight);
@@ -259,17 +259,17 @@ async function refresh() {
   } catch (error) {
     byId('connection').hidden = false;
     byId('connection').textContent = error.status
-      ? `The server refuses: ${error.message}` : 'No connection to the server; what is shown may be old.';
+      ? `The server rejected the request: ${error.message}` : 'No connection to the server. Displayed data may be outdated.';
   }
 }
 
-// --- Beginning ---
+// --- Start ---
 
 for (const tab of document.querySelectorAll('[data-tab]')) {
   tab.addEventListener('click', () => { showView(tab.dataset.tab); keepInAddress(); });
 }
 for (const back of document.querySelectorAll('[data-back]')) back.addEventListener('click', backToSites);
-// A dialog closes itself.
+// The browser closes an open dialog on Escape.
 addEventListener('keydown', (event) => {
   if (event.key !== 'Escape' || document.querySelector('dialog[open]')) return;
   if (map.closeAnswer()) return;

@@ -1,9 +1,9 @@
-// Colours that people with any colour vision can tell apart; sign and text repeat what they say.
+// Colours for any colour vision. Signs and text repeat their meaning.
 
-// As the server paints the layers `hazard` and `distance`.
+// The same values as in the server's pictures of the layers `hazard` and `distance`.
 export const safetyColor = { free: '#7ed396', hazard: '#c84600', unseen: '#1a1a1a' };
 
-// Cividis, dark to bright, for 0..1.
+// Cividis colour map, dark to bright, for 0 to 1.
 const cividis = [
   [0, 34, 78], [59, 73, 108], [112, 113, 115], [165, 156, 116], [225, 204, 85], [254, 232, 56],
 ];

@@ -1,4 +1,4 @@
-// "Copy as curl": every panel shows how to get the same by hand. A token is never copied.
+// "Copy as curl": the request behind a panel as a command. The command never contains the token.
 
 import { token } from './api.js';
 import { byId, el, notify } from './dom.js';
@@ -15,14 +15,14 @@ async function copy(text) {
     await navigator.clipboard.writeText(text);
     notify('Copied');
   } catch {
-    // Without https there is no clipboard: show it, selected.
+    // Browsers offer no clipboard without HTTPS: the dialog shows the command selected.
     byId('copy-text').value = text;
     byId('copy-dialog').showModal();
     byId('copy-text').select();
   }
 }
 
-// what: for the ear, "the list of sites"; command(): the line, made when it is asked for.
+// what: for the accessible name, such as "the list of sites". command(): returns the command at the time of the click.
 export function curlButton(what, command) {
   return el('button', {
     type: 'button',

@@ -1,4 +1,4 @@
-// The HTTP interface, drawn from the server's own /openapi.json: nothing comes from elsewhere.
+// Draws the API reference from the server's /openapi.json.
 
 import { call, query, setToken } from './api.js';
 import { curlButton, curlOf } from './curl.js';
@@ -15,7 +15,7 @@ function link(name) {
   return el('a', { href: `#schema-${name}`, onclick: () => { byId(`schema-${name}`).open = true; } }, name);
 }
 
-// A value's type in a few words, as nodes: "array of Site", "number or null, at least 0".
+// The type as DOM nodes: "array of Site", "number or null, at least 0".
 function typeOf(schema) {
   if (!schema) return ['any'];
   if (schema.$ref) return [link(nameOf(schema))];
@@ -43,13 +43,13 @@ const table = (rows) => el('table', {}, el('tbody', {}, rows));
 function propertyRows(schema) {
   const required = new Set(schema.required ?? []);
   const own = Object.entries(schema.properties ?? {}).map(([name, property]) =>
-    row(name, typeOf(property), [required.has(name) ? 'always there.' : '', property.description ?? ''].join(' ').trim()));
+    row(name, typeOf(property), [required.has(name) ? 'required.' : '', property.description ?? ''].join(' ').trim()));
   const ofParts = [schema.allOf ?? [], schema.type === 'array' ? [schema.items] : []].flat()
     .filter((part) => !part.$ref).flatMap((part) => propertyRows(part));
   return [...own, ...ofParts];
 }
 
-// What a body may be: media types with their schemas, and the fields of those that have no name.
+// Media types with their schemas. Fields are listed for schemas without a name.
 function contentNodes(content) {
   return Object.entries(content ?? {}).flatMap(([type, { schema }]) => {
     const rows = schema && !schema.$ref ? propertyRows(schema) : [];
@@ -72,13 +72,13 @@ function callNode(path, method, item) {
     el('summary', {}, el('span', { class: 'method' }, method.toUpperCase()), el('code', {}, path), el('span', {}, operation.summary ?? '')),
     operation.description ? el('p', {}, operation.description) : null,
     parameters.length ? [el('h4', {}, 'Parameters'), table(parameters.map((p) =>
-      row(`${p.name} (${p.in})`, typeOf(p.schema), [p.required ? 'needed.' : '', p.description ?? ''].join(' ').trim())))] : null,
-    body ? [el('h4', {}, body.required ? 'Body' : 'Body, may be absent'), ...contentNodes(body.content)] : null,
-    el('h4', {}, 'Answers'),
-    el('p', {}, 'Refusals are ', el('code', {}, 'application/problem+json'), ': ', link('Problem')),
+      row(`${p.name} (${p.in})`, typeOf(p.schema), [p.required ? 'required.' : '', p.description ?? ''].join(' ').trim())))] : null,
+    body ? [el('h4', {}, body.required ? 'Body' : 'Body (optional)'), ...contentNodes(body.content)] : null,
+    el('h4', {}, 'Responses'),
+    el('p', {}, 'Errors are ', el('code', {}, 'application/problem+json'), ': ', link('Problem')),
     table(Object.entries(operation.responses).map(([status, response]) => {
       const { description, content } = resolved(response);
-      // Those that calls share are refusals.
+      // Shared responses are errors, all with the schema Problem.
       return row(status, response.$ref ? [] : contentNodes(content), description);
     })),
     el('pre', {}, command()), curlButton(`${method} ${path}`, command));

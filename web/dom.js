@@ -1,4 +1,4 @@
-// Small helpers around the DOM. Text is always set as text, never as HTML.
+// DOM helpers. They set text as text, never as HTML.
 
 export const byId = (id) => document.getElementById(id);
 
@@ -15,7 +15,7 @@ export function el(name, attributes = {}, ...children) {
   return node;
 }
 
-// svg('path', {d: '…'}): the same for drawings.
+// svg('path', {d: '…'}): el for SVG nodes.
 export function svg(name, attributes = {}, ...children) {
   const node = document.createElementNS('http://www.w3.org/2000/svg', name);
   for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, String(value));
@@ -23,7 +23,7 @@ export function svg(name, attributes = {}, ...children) {
   return node;
 }
 
-// A short notice that a screen reader speaks and that goes by itself.
+// Shows a short notice for 4 s. Screen readers announce it.
 let noticeTimer = 0;
 export function notify(text) {
   const notice = byId('notice');
@@ -33,6 +33,6 @@ export function notify(text) {
   noticeTimer = setTimeout(() => { notice.hidden = true; }, 4000);
 }
 
-// The style sheet's colours, for canvases.
+// A colour of the style sheet, for canvases.
 export const cssColor = (name) =>
   getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -1,18 +1,18 @@
-// Buttons that fetch a site or a flight in the formats of other programs.
+// Buttons that export a site or a flight for other programs.
 
 import { getFile, query } from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { el } from './dom.js';
 
 const formats = {
-  html: ['Report', 'one page to print', 'html'],
+  html: ['Report', 'one printable page', 'html'],
   plan: ['QGC plan', 'QGroundControl', 'plan'],
   waypoints: ['Waypoints', 'Mission Planner, MAVProxy', 'waypoints'],
   rally: ['Rally', 'ArduPilot rally points', 'rally'],
   kml: ['KML', 'Google Earth', 'kml'],
   cup: ['CUP', 'XCSoar, SeeYou', 'cup'],
   geojson: ['GeoJSON', 'QGIS, web maps', 'geojson'],
-  csv: ['CSV', 'tables', 'csv'],
+  csv: ['CSV', 'spreadsheets', 'csv'],
 };
 const ofFlight = Object.keys(formats).filter((f) => f !== 'html');
 const needsHome = new Set(['plan', 'waypoints', 'rally']);
@@ -26,7 +26,7 @@ function save({ blob, name }) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-// kind: 'site' or 'flight'; name: what files are called where the server does not say.
+// kind: 'site' or 'flight'.
 export function drawDownloads(path, kind, { id, altitude_datum }) {
   const home = el('input', {
     type: 'number', step: '0.1', inputmode: 'decimal', class: 'short', value: sessionStorage.getItem(keptHome) ?? '',
@@ -57,8 +57,8 @@ export function drawDownloads(path, kind, { id, altitude_datum }) {
   });
   return el('div', { class: 'downloads' },
     el('div', { class: 'download-grid' }, buttons),
-    el('label', { class: 'field' }, `Altitude of the launch place, m (${altitude_datum ?? 'the flight’s datum'})`, home),
-    el('p', { class: 'faint' }, 'Rally points need it; plan and waypoints need it unless altitudes are above mean sea level.'),
+    el('label', { class: 'field' }, `Launch altitude (m, datum ${altitude_datum ?? 'of the flight'})`, home),
+    el('p', { class: 'faint' }, 'Rally points require it. Plan and waypoints require it unless altitudes are above mean sea level.'),
     message,
     el('div', { class: 'card-foot' }, curlButton('a download', () => curlOf(urlOf('plan'), '-OJ'))));
 }

@@ -1,4 +1,4 @@
-// The flight: how far it is, what it warns of, its jobs, its stages.
+// The flight panel: progress, warnings, jobs, stages.
 
 import { cancelJob, finishFlight, paths } from './api.js';
 import { curlButton, curlOf } from './curl.js';
@@ -11,7 +11,7 @@ const stateText = {
 };
 const isOpen = (job) => job.state === 'running' || job.state === 'queued';
 
-// What is being done and how far it is; value null where the server cannot tell.
+// {value: 0 to 1, or null if unknown, text}; null if nothing runs.
 function progressOf(flight, jobs) {
   const running = jobs.find((job) => job.state === 'running');
   const { received, processed } = flight.frames;
@@ -21,7 +21,7 @@ function progressOf(flight, jobs) {
   }
   if (processed < received) return { value: processed / received, text: `Photographs ${processed} of ${received}` };
   if (running) return { value: running.progress, text: words(running.stage || running.kind || 'working') };
-  return jobs.some(isOpen) ? { value: null, text: 'Waiting for its turn' } : null;
+  return jobs.some(isOpen) ? { value: null, text: 'Queued' } : null;
 }
 
 function drawStatus(flight, jobs) {
@@ -38,7 +38,7 @@ function drawStatus(flight, jobs) {
 function counts(flight) {
   const { received, processed, rejected } = flight.frames;
   return el('dl', { class: 'counts' },
-    [['photographs', `${processed}/${received}`], ['refused', rejected], ['regions', flight.num_regions],
+    [['photographs', `${processed}/${received}`], ['rejected', rejected], ['regions', flight.num_regions],
       ['sites', flight.num_sites]].map(([name, value]) => el('div', {}, el('dt', {}, name), el('dd', {}, value))));
 }
 
@@ -60,7 +60,7 @@ function jobRow(job, onChange) {
 
 function stagesTable(stages) {
   const rows = Object.entries(stages ?? {});
-  if (rows.length === 0) return el('p', { class: 'faint' }, 'Nothing has run yet.');
+  if (rows.length === 0) return el('p', { class: 'faint' }, 'No stage has run yet.');
   return el('table', { class: 'numbers' },
     el('thead', {}, el('tr', {}, ['stage', 'runs', 'mean'].map((t) => el('th', { scope: 'col' }, t)))),
     el('tbody', {}, rows.map(([name, { count, mean_ms }]) => el('tr', {}, el('th', { scope: 'row' }, words(name)),
@@ -69,7 +69,7 @@ function stagesTable(stages) {
 
 let drawnDownloads = null;
 
-// onChange() asks for a fresh look.
+// onChange() triggers a refresh.
 export function drawFlight(flight, jobs, onChange) {
   drawStatus(flight, jobs);
   byId('flight-title').textContent = flight.name || flight.id;
@@ -91,7 +91,7 @@ export function drawFlight(flight, jobs, onChange) {
     finish.disabled = true;
     try {
       await finishFlight(flight.id);
-      notify('Every region is being evaluated');
+      notify('Evaluating all regions');
     } catch (error) {
       notify(error.message);
     }

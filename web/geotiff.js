@@ -1,5 +1,5 @@
-// Reads the float32 layers that the server writes: strips, plain or deflated, one band. For one's
-// own files, not a general reader: anything else is refused.
+// Reads the float32 layers of the server: one band, strips, uncompressed or deflated.
+// It rejects every other TIFF.
 
 const tag = {
   width: 256, height: 257, bits: 258, compression: 259, offsets: 273, rowsPerStrip: 278,
@@ -28,7 +28,7 @@ async function inflate(bytes) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-// {width, height, at(row, col)}: NaN where nothing was seen and outside.
+// {width, height, at(row, col)}; at() is NaN where unseen and outside.
 export async function readGeoTiff(buffer) {
   const view = new DataView(buffer);
   const order = view.getUint16(0);

@@ -1,4 +1,4 @@
-// Lines of latitude and longitude at a round spacing: without network there is no other background.
+// Lines of latitude and longitude at a round spacing. They replace map tiles, which need a network.
 /* global L */
 
 const style = { weight: 1, interactive: false, className: 'graticule' };

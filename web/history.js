@@ -1,4 +1,4 @@
-// The history of a region, plotted as in the paper: grass, observations, grade and area by frame.
+// The history of a region, plotted as in the paper: views, grade and area by frame.
 
 import { getHistory, paths } from './api.js';
 import { curlButton, curlOf } from './curl.js';
@@ -32,32 +32,32 @@ function drawPlot(parent, title, x, series, scale) {
 }
 
 function facts(p) {
-  return el('p', {}, `Grade ${p.grade.toFixed(2)}: ${p.num_grass_observations} of ${p.num_observations} views saw grass. ` +
-    `${area(p.area_m2)}, ${p.is_fixed ? 'corners fixed' : 'still growing at its edges'}. Wind ${windText(p.wind)}.`);
+  return el('p', {}, `Grade ${p.grade.toFixed(2)}. Grass in ${p.num_grass_observations} of ${p.num_observations} views. ` +
+    `Area ${area(p.area_m2)}, outline ${p.is_fixed ? 'complete' : 'incomplete'}. Wind ${windText(p.wind)}.`);
 }
 
-// properties: of the region; site: of the same region, where it was looked into.
+// properties: of the region. site: properties of its site, undefined before its evaluation.
 export async function drawHistory(flight, properties, site, onSite) {
   const id = properties.id;
   byId('region-title').textContent = `Region ${id}`;
   byId('region-curl').replaceChildren(curlButton('this history', () => curlOf(paths.history(flight, id))));
   byId('region-facts').replaceChildren(facts(properties), site
     ? el('button', { type: 'button', class: 'wide', onclick: () => onSite(site.id) }, `Site ${site.rank}: ${site.verdict}`)
-    : el('p', { class: 'faint' }, 'No site of this region: it has not been evaluated.'));
+    : el('p', { class: 'faint' }, 'No site: this region is not evaluated yet.'));
   const parent = byId('region-plots');
   const history = await getHistory(flight, id);
   plots.forEach((plot) => plot.destroy());
   plots = [];
   parent.replaceChildren();
   if (history.length === 0) {
-    parent.append(el('p', { class: 'faint' }, 'No history is kept of this region.'));
+    parent.append(el('p', { class: 'faint' }, 'No history stored for this region.'));
     return;
   }
   const x = history.map((_, i) => i + 1);
   const column = (name) => history.map((entry) => entry[name] ?? null);
   drawPlot(parent, 'Views', x, [
-    { name: 'seen', color: '--faint', dash: true, values: column('num_observations') },
-    { name: 'as grass', color: '--accent', values: column('num_grass_observations') }]);
+    { name: 'all', color: '--faint', dash: true, values: column('num_observations') },
+    { name: 'with grass', color: '--accent', values: column('num_grass_observations') }]);
   drawPlot(parent, 'Grade', x, [
     { name: 'grass ratio', color: '--faint', dash: true, values: column('grass_ratio') },
     { name: 'grade', color: '--accent', values: column('grade') }], [0, 1.05]);

@@ -1,4 +1,4 @@
-// The picture of one layer of the chosen site on the map, its legend and its opacity.
+// The layer box: shows one layer of the selected site on the map, with legend and opacity.
 
 import * as api from './api.js';
 import { gradeColor, safetyColor } from './colors.js';
@@ -14,83 +14,100 @@ function swatch(color, text) {
 
 const safetyLegend = (names) => names.map((name) => swatch(safetyColor[name], name));
 
-export function createLayers(map) {
-  const select = byId('layer');
-  const opacity = byId('opacity');
-  const legend = byId('legend');
-  let site = null;
-  let layers = [];
-  let loading = new AbortController();
-  let drawnName;
-  let pictureUrl = null;
-  let legendUrl = null;
-
-  function drawLegend(layer) {
-    URL.revokeObjectURL(legendUrl);
-    legendUrl = null;
-    legend.replaceChildren();
-    if (layer?.name === 'hazard') legend.append(...safetyLegend(['free', 'hazard', 'unseen']));
-    const note = layer && !['hazard', 'distance'].includes(layer.name) ? 'not seen' : 'outside the map';
-    if (layer) legend.append(el('span', { class: 'swatch' }, el('i', { class: 'hatch' }), note));
-    legend.append(el('span', { class: 'swatch', title: 'Outlines of regions; dashed while they still grow' },
+// The parts of the legend that need no request. layer: undefined if none is shown.
+function legendNodes(layer) {
+  const note = layer && !['hazard', 'distance'].includes(layer.name) ? 'unseen' : 'outside map';
+  return [
+    ...(layer?.name === 'hazard' ? safetyLegend(['free', 'hazard', 'unseen']) : []),
+    layer ? el('span', { class: 'swatch' }, el('i', { class: 'hatch' }), note) : null,
+    el('span', { class: 'swatch', title: 'Region outline. Dashed: outline incomplete.' },
       el('i', { class: 'ramp', style: { background: `linear-gradient(90deg, ${[0, 0.25, 0.5, 0.75, 1].map(gradeColor)})` } }),
-      'region, grade 0 to 1'), el('span', { class: 'swatch' }, el('i', { class: 'track-line' }), 'flown'));
+      'region grade, 0 to 1'),
+    el('span', { class: 'swatch' }, el('i', { class: 'track-line' }), 'track'),
+  ].filter(Boolean);
+}
+
+function optionOf({ name, unit }) {
+  const shown = unitText[unit] ?? unit;
+  return new Option(words(name) + (shown ? ` (${shown})` : ''), name);
+}
+
+class Layers {
+  #map;
+  #select = byId('layer');
+  #legend = byId('legend');
+  #site = null;
+  #layers = [];
+  #loading = new AbortController();
+  #drawnName;
+  #pictureUrl = null;
+  #legendUrl = null;
+
+  constructor(map) {
+    this.#map = map;
+    // On a phone the open box would cover the small map.
+    byId('layer-box').open = innerWidth > 760;
+    this.#select.addEventListener('change', () => this.#draw());
+    byId('opacity').addEventListener('input', () => map.setOpacity(Number(byId('opacity').value)));
   }
 
-  // The scale is the server's own picture, so that it cannot differ from the layer.
-  async function drawScale(layer, signal) {
-    if (!layer || layer.name === 'hazard') return;
-    const blob = await api.getBlob(api.paths.legend(site, layer.name), signal);
-    legendUrl = URL.createObjectURL(blob);
-    legend.prepend(el('img', { src: legendUrl, alt: `Scale of ${layer.name} in ${layer.unit}` }));
+  all() { return this.#layers; }
+
+  // Shows the layers of another site. The selected layer stays selected.
+  show(siteId, list) {
+    this.#site = siteId;
+    this.#layers = list;
+    const wanted = this.#select.value || 'hazard';
+    this.#select.replaceChildren(...list.map(optionOf), new Option('none', ''));
+    this.#select.value = list.some((layer) => layer.name === wanted) ? wanted : list[0]?.name ?? '';
+    return this.#draw();
   }
 
-  async function draw() {
-    loading.abort();
-    loading = new AbortController();
-    const { signal } = loading;
-    const layer = layers.find((l) => l.name === select.value);
-    byId('layer-box').hidden = layers.length === 0;
-    byId('layer-name').textContent = select.selectedOptions[0]?.text ?? '';
-    drawLegend(layer);
-    byId('layer-curl').replaceChildren(...(layer ? [curlButton(`the layer ${layer.name}`,
-      () => curlOf(api.paths.layerPicture(site, layer.name), `-o ${layer.name}.png`))] : []));
-    // A picture never stands beside the name or the legend of another layer.
-    if (drawnName !== layer?.name) map.drawLayer(null);
-    drawnName = layer?.name;
+  async #draw() {
+    this.#loading.abort();
+    this.#loading = new AbortController();
+    const { signal } = this.#loading;
+    const layer = this.#layers.find((l) => l.name === this.#select.value);
+    this.#drawBox(layer);
+    // A picture must never stand beside the name or the legend of another layer.
+    if (this.#drawnName !== layer?.name) this.#map.drawLayer(null);
+    this.#drawnName = layer?.name;
     if (!layer) return;
     try {
-      const blob = await api.getBlob(api.paths.layerPicture(site, layer.name), signal);
-      const former = pictureUrl;
-      pictureUrl = URL.createObjectURL(blob);
-      map.drawLayer(pictureUrl, layer, Number(opacity.value));
-      URL.revokeObjectURL(former);
-      await drawScale(layer, signal);
+      await this.#drawPicture(layer, signal);
+      await this.#drawScale(layer, signal);
     } catch (error) {
       if (error.name === 'AbortError') return;
-      map.drawLayer(null);
-      legend.replaceChildren(el('span', { class: 'bad' }, `This layer did not come: ${error.message}`));
+      this.#map.drawLayer(null);
+      this.#legend.replaceChildren(el('span', { class: 'bad' }, `Layer not loaded: ${error.message}`));
     }
   }
 
-  // On a phone the map is small: the legend opens when it is asked for.
-  byId('layer-box').open = innerWidth > 760;
-  select.addEventListener('change', draw);
-  opacity.addEventListener('input', () => map.setOpacity(Number(opacity.value)));
+  #drawBox(layer) {
+    byId('layer-box').hidden = this.#layers.length === 0;
+    byId('layer-name').textContent = this.#select.selectedOptions[0]?.text ?? '';
+    URL.revokeObjectURL(this.#legendUrl);
+    this.#legendUrl = null;
+    this.#legend.replaceChildren(...legendNodes(layer));
+    byId('layer-curl').replaceChildren(...(layer ? [curlButton(`the layer ${layer.name}`,
+      () => curlOf(api.paths.layerPicture(this.#site, layer.name), `-o ${layer.name}.png`))] : []));
+  }
 
-  return {
-    // The layers of another site; what was chosen stays chosen.
-    show(siteId, list) {
-      site = siteId;
-      layers = list;
-      const wanted = select.value || 'hazard';
-      select.replaceChildren(...list.map(({ name, unit }) => {
-        const shown = unitText[unit] ?? unit;
-        return new Option(words(name) + (shown ? ` (${shown})` : ''), name);
-      }), new Option('no layer', ''));
-      select.value = list.some((layer) => layer.name === wanted) ? wanted : list[0]?.name ?? '';
-      return draw();
-    },
-    all: () => layers,
-  };
+  async #drawPicture(layer, signal) {
+    const blob = await api.getBlob(api.paths.layerPicture(this.#site, layer.name), signal);
+    const former = this.#pictureUrl;
+    this.#pictureUrl = URL.createObjectURL(blob);
+    this.#map.drawLayer(this.#pictureUrl, layer, Number(byId('opacity').value));
+    URL.revokeObjectURL(former);
+  }
+
+  // The server draws the scale: it always matches the layer.
+  async #drawScale(layer, signal) {
+    if (layer.name === 'hazard') return;
+    const blob = await api.getBlob(api.paths.legend(this.#site, layer.name), signal);
+    this.#legendUrl = URL.createObjectURL(blob);
+    this.#legend.prepend(el('img', { src: this.#legendUrl, alt: `Scale of ${layer.name} in ${layer.unit}` }));
+  }
 }
+
+export const createLayers = (map) => new Layers(map);

@@ -1,12 +1,12 @@
-// Tells when something changed: by Server-Sent Events where the server has them, else by asking.
+// Detects changes: by Server-Sent Events if the server offers them, else by polling.
 
 import { Problem, call, paths } from './api.js';
 
 const POLL_MS = 2000;
-// With events one looks only now and then, in case one was missed.
+// A missed event must not leave the page outdated.
 const POLL_WITH_EVENTS_MS = 15000;
 const RETRY_MS = 5000;
-// Events come in bursts; one look serves all.
+// Events come in bursts: one refresh serves all of them.
 const GATHER_MS = 250;
 
 const pause = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
@@ -27,7 +27,7 @@ async function readEvents(response, onEvent) {
   }
 }
 
-// refresh() is awaited; it never runs twice at once. follow(flight) changes what events are about.
+// Never runs refresh() twice at once. follow(flight) selects the flight of the events.
 export function createLive(refresh, onTransport) {
   let flight = null;
   let stop = new AbortController();
@@ -53,7 +53,7 @@ export function createLive(refresh, onTransport) {
     wake();
   }
 
-  function tell(has) {
+  function report(has) {
     hasEvents = has;
     onTransport(has ? 'events' : 'polling');
   }
@@ -63,14 +63,14 @@ export function createLive(refresh, onTransport) {
       try {
         const response = await call(paths.events(flight), { signal, headers: { Accept: 'text/event-stream' } });
         if (!response.headers.get('Content-Type')?.startsWith('text/event-stream')) throw new Problem(501, {});
-        tell(true);
+        report(true);
         await readEvents(response, now);
       } catch (error) {
-        // This server has no events: asking goes on as before.
+        // This server has no events: polling continues.
         if ([404, 405, 501].includes(error.status)) canListen = false;
       }
       if (signal.aborted || !canListen) return;
-      tell(false);
+      report(false);
       await pause(RETRY_MS);
     }
   }
@@ -83,7 +83,7 @@ export function createLive(refresh, onTransport) {
       flight = wanted;
       stop.abort();
       stop = new AbortController();
-      tell(false);
+      report(false);
       if (flight && canListen) listen(stop.signal);
     },
   };

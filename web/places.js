@@ -1,4 +1,4 @@
-// Which region lies under a place.
+// Finds the region at a place.
 
 // Even-odd rule on the outer ring.
 function isInside(ring, { lat, lng }) {
@@ -11,7 +11,7 @@ function isInside(ring, { lat, lng }) {
   return inside;
 }
 
-// The smallest region at a place: a small one may lie within a large one.
+// The smallest region at a place: a small region may lie within a large one.
 export function findRegion(collection, latlng) {
   const here = collection.features.filter(({ geometry }) =>
     geometry?.type === 'Polygon' && isInside(geometry.coordinates[0], latlng));

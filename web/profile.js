@@ -1,14 +1,14 @@
-// Clearance along the final: path, highest terrain in the corridor, and what limits it.
+// Plots the final over the highest terrain in its corridor and marks the lowest margin.
 
 import { cssColor, el } from './dom.js';
 import { fixed, isKnown } from './units.js';
 import uPlot from './vendor/uPlot.esm.js';
 
-// The clearance wanted at a point of the final: the margin, but near the ground half the height.
+// Required clearance at a height above touchdown: the safety margin, but at most half the height.
 const wantedAt = (height_m, margin_m) => Math.min(margin_m, height_m / 2);
 
-// {distance_m, clearance_m, terrain_m, isBelowWanted}: the seen point outside the touchdown disc
-// where least is left over what is wanted; nothing where no such point was seen.
+// {distance_m, clearance_m, wanted_m, spare_m, terrain_m} of the lowest margin: the seen point outside the
+// touchdown disc with the least clearance above the required one. null if no such point was seen.
 export function limitOf(profile, aircraft) {
   const touchdown_m = profile.path_m.at(-1);
   let limit = null;
@@ -26,13 +26,13 @@ export function limitOf(profile, aircraft) {
 export function limitText(limit, profile) {
   const numUnseen = profile.terrain_m.filter((terrain) => !isKnown(terrain)).length;
   const unseen = numUnseen === 0 ? '' :
-    ` ${Math.round(100 * numUnseen / profile.terrain_m.length)} % of the final was never seen.`;
-  if (!limit) return `Nothing under the final was seen.${unseen}`;
-  return `Tightest ${fixed(limit.distance_m, 0, 'm')} before touchdown: ` +
-    `${fixed(limit.clearance_m, 1, 'm')} over the ground, ${fixed(limit.wanted_m, 1, 'm')} wanted.${unseen}`;
+    ` ${Math.round(100 * numUnseen / profile.terrain_m.length)} % of the final is unseen.`;
+  if (!limit) return `No ground under the final was seen.${unseen}`;
+  return `Lowest margin ${fixed(limit.distance_m, 0, 'm')} before touchdown: ` +
+    `clearance ${fixed(limit.clearance_m, 1, 'm')}, required ${fixed(limit.wanted_m, 1, 'm')}.${unseen}`;
 }
 
-// Bands where nothing was seen, drawn hatched over the whole height.
+// Bands over the whole height where the ground is unseen.
 function drawUnseen(plot, distance, terrain) {
   const { ctx, bbox } = plot;
   ctx.save();
@@ -89,7 +89,7 @@ export function drawProfile(element, profile, aircraft) {
   const limit = limitOf(profile, aircraft);
   const touchdown_m = profile.path_m.at(-1);
   const margin_m = aircraft?.safety_margin_m ?? 0;
-  // uPlot wants ascending x; the aircraft comes from the left, so the axis runs backwards.
+  // uPlot requires ascending x. The aircraft comes from the left: the axis is reversed.
   const ascending = (values) => [...values].reverse();
   const distance = ascending(profile.distance_m);
   const terrain = ascending(profile.terrain_m);
@@ -102,7 +102,7 @@ export function drawProfile(element, profile, aircraft) {
       legend: { show: false },
       cursor: { y: false, points: { show: false } },
       scales: { x: { time: false, dir: -1 } },
-      axes: [axis('before touchdown (m)', { size: 34 }), axis('altitude (m)', { size: 52 })],
+      axes: [axis('distance to touchdown (m)', { size: 34 }), axis('altitude (m)', { size: 52 })],
       series: [
         {},
         { stroke: cssColor('--path'), width: 3, points: { show: false } },
@@ -118,7 +118,7 @@ export function drawProfile(element, profile, aircraft) {
     element,
   );
   element.append(
-    el('div', { class: 'legend-line' }, legendItem('path', 'path'), legendItem('wanted', 'ground must stay below'),
-      legendItem('terrain', 'highest ground'), legendItem('unseen', 'not seen')),
+    el('div', { class: 'legend-line' }, legendItem('path', 'final'), legendItem('wanted', 'terrain limit'),
+      legendItem('terrain', 'highest terrain'), legendItem('unseen', 'unseen')),
     el('p', { class: 'limit' }, limitText(limit, profile)));
 }

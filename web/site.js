@@ -1,4 +1,4 @@
-// Everything about the chosen site.
+// The panel of the selected site.
 
 import { paths } from './api.js';
 import { curlButton, curlOf } from './curl.js';
@@ -9,26 +9,30 @@ import { age, area, distance, fixed, heading, isKnown, verdictSign, windText, wo
 const tile = (name, value, note) => el('div', { class: 'tile' },
   el('span', {}, name), el('strong', {}, value), note ? el('small', {}, note) : null);
 
+function coverage(unseen_ratio) {
+  if (!isKnown(unseen_ratio)) return 'coverage unknown';
+  return unseen_ratio > 0 ? `${fixed(100 * unseen_ratio, 0, '%')} unseen` : 'fully seen';
+}
+
 function tiles(p) {
   const { approach } = p;
   if (!approach) {
-    return [tile('To next hazard', distance(p.hazard_distance_m)), tile('Area', area(p.area_m2)),
+    return [tile('Nearest hazard', distance(p.hazard_distance_m)), tile('Area', area(p.area_m2)),
       tile('Slope', fixed(p.slope_deg, 1, '°')), tile('Wind', windText(p.wind))];
   }
   return [
-    tile('Land on', heading(approach.heading_deg), `final ${distance(approach.distance_m)}` +
-      (approach.crosswind_mps > 0 ? `, ${fixed(approach.crosswind_mps, 1, 'm/s')} of wind across` : '')),
-    tile('Least clearance', fixed(approach.min_clearance_m, 1, 'm'), 'final and circle'),
-    tile('To next hazard', distance(p.hazard_distance_m), `slope ${fixed(p.slope_deg, 1, '°')}`),
-    tile('Circle', `${approach.loiter_direction} ${distance(approach.loiter_radius_m)}, ${distance(approach.height_m)} up`,
-      p.unseen_ratio > 0 ? `${fixed(100 * p.unseen_ratio, 0, '%')} never seen` :
-        isKnown(p.unseen_ratio) ? 'wholly seen' : 'seen part unknown'),
+    tile('Final heading', heading(approach.heading_deg), `length ${distance(approach.distance_m)}` +
+      (approach.crosswind_mps > 0 ? `, crosswind ${fixed(approach.crosswind_mps, 1, 'm/s')}` : '')),
+    tile('Min clearance', fixed(approach.min_clearance_m, 1, 'm'), 'final and loiter circle'),
+    tile('Nearest hazard', distance(p.hazard_distance_m), `slope ${fixed(p.slope_deg, 1, '°')}`),
+    tile('Loiter circle', approach.loiter_direction, `radius ${distance(approach.loiter_radius_m)}, ` +
+      `${distance(approach.height_m)} above touchdown, ${coverage(p.unseen_ratio)}`),
   ];
 }
 
 function scoreTable(p) {
   const terms = p.score_terms ?? [];
-  if (terms.length === 0) return el('p', { class: 'faint' }, `Score ${p.score.toFixed(2)}; its terms are not stored.`);
+  if (terms.length === 0) return el('p', { class: 'faint' }, `Score ${p.score.toFixed(2)}. Its terms are not stored.`);
   const rows = terms.map(({ name, value, weight }) => el('tr', {},
     el('th', { scope: 'row' }, words(name)),
     el('td', { class: 'share' }, el('i', { style: { width: `${100 * (isKnown(value) ? value : 0)}%` } })),
@@ -36,23 +40,23 @@ function scoreTable(p) {
     el('td', {}, `× ${fixed(weight, 2)}`),
     el('td', {}, isKnown(value) && isKnown(weight) ? (value * weight).toFixed(2) : '–')));
   return el('table', { class: 'numbers score-table' },
-    el('thead', {}, el('tr', {}, ['term', '', 'value', 'weight', 'gain'].map((t) => el('th', { scope: 'col' }, t)))),
+    el('thead', {}, el('tr', {}, ['term', '', 'value', 'weight', 'points'].map((t) => el('th', { scope: 'col' }, t)))),
     el('tbody', {}, rows),
     el('tfoot', {}, el('tr', {}, el('th', { scope: 'row', colspan: 4 }, 'Score'), el('td', {}, p.score.toFixed(2)))));
 }
 
 function numbersTable(p, [lon, lat]) {
-  const evidence = `${p.num_grass_observations} of ${p.num_observations} views saw grass`;
+  const evidence = `grass in ${p.num_grass_observations} of ${p.num_observations} views`;
   const rows = [
-    ['Touchdown', `${lat.toFixed(6)}, ${lon.toFixed(6)}`],
+    ['Touchdown', `${lat.toFixed(6)}°, ${lon.toFixed(6)}°`],
     ['Elevation', `${fixed(p.elevation_m, 1, 'm')} (datum ${p.altitude_datum ?? 'unknown'})`],
     ['Slope', fixed(p.slope_deg, 1, '°')],
     ['Roughness', fixed(p.roughness_m, 2, 'm')],
     ['Area', area(p.area_m2)],
     ['Grade', `${p.grade.toFixed(2)} (${evidence})`],
-    ['Wind in flight', windText(p.wind)],
+    ['Measured wind', windText(p.wind)],
     ['Updated', `${age((Date.now() - Date.parse(p.updated_at)) / 1000)} ago`],
-    ['Id', p.id],
+    ['Site ID', p.id],
   ];
   return el('table', { class: 'numbers' }, el('tbody', {}, rows.map(([name, value]) =>
     el('tr', {}, el('th', { scope: 'row' }, name), el('td', {}, value)))));
@@ -66,7 +70,7 @@ function aircraftTable(aircraft) {
       el('td', {}, `${value} ${unitOf(name)}`)))));
 }
 
-// onPlace(rejection) shows the candidate and its obstacle on the map.
+// onPlace(index) shows the rejected touchdown and its obstacle on the map.
 function rejectionItem(rejection, index, onPlace) {
   return el('li', {}, el('button', { type: 'button', class: 'rejection', onclick: () => onPlace(index) },
     el('span', { class: 'rank', 'aria-hidden': 'true' }, String.fromCharCode(97 + index % 26)),
@@ -87,10 +91,10 @@ function whyNotSection(p, onPlace) {
   const own = p.verdict === 'rejected' ? [el('p', { class: 'outcome rejected' },
     el('strong', {}, `✕ ${words(p.reject_reason ?? 'rejected')}`), el('span', {}, p.reject_detail ?? p.summary))] : [];
   if (rejections.length === 0 && own.length === 0) return null;
-  const title = p.verdict === 'rejected' ? 'Why not' : 'Better touchdowns that were refused';
+  const title = p.verdict === 'rejected' ? 'Why rejected' : 'Rejected better touchdowns';
   const list = el('ul', { class: 'rejections' }, rejections.map((r, i) => rejectionItem(r, i, onPlace)));
   return section(title, [...own, rejections.length ? list : null],
-    { isOpen: p.verdict === 'rejected', id: 'why-not', what: 'what was refused', command: () => curlOfPart(p, 'rejections') });
+    { isOpen: p.verdict === 'rejected', id: 'why-not', what: 'the rejections', command: () => curlOfPart(p, 'rejections') });
 }
 
 export function drawSiteHead(p) {
@@ -102,7 +106,7 @@ export function drawSiteHead(p) {
   byId('site-curl').replaceChildren(curlButton('this site', () => curlOf(paths.site(p.id))));
 }
 
-// on: {place(index) of a rejection, wind(): the wind that is tried, or null}
+// on: {place(index): shows a rejection, wind(): the trial wind or null}
 export function drawSite(feature, on) {
   const { properties: p, geometry } = feature;
   drawSiteHead(p);
@@ -111,14 +115,14 @@ export function drawSite(feature, on) {
   const warnings = p.warnings ?? [];
   byId('site-more').replaceChildren(...[
     whyNotSection(p, on.place),
-    section('Score, term by term', [el('p', {}, p.why ?? ''), scoreTable(p)],
+    section('Score breakdown', [el('p', {}, p.why ?? ''), scoreTable(p)],
       { what: 'the score', command: () => curlOfPart(p, 'score_terms') }),
-    warnings.length ? section('Keep in mind', el('ul', { class: 'plain' }, warnings.map((w) => el('li', {}, w))),
-      { what: 'what to keep in mind', command: () => curlOfPart(p, 'warnings') }) : null,
-    section('Take it with you', drawDownloads(paths.site(p.id), 'site', p), { id: 'site-downloads' }),
-    section('All numbers', numbersTable(p, geometry.coordinates),
-      { isOpen: false, what: 'all numbers', command: () => `${curlOf(paths.site(p.id))} | jq .` }),
-    section('Aircraft it was planned for', aircraftTable(p.aircraft),
+    warnings.length ? section('Warnings', el('ul', { class: 'plain' }, warnings.map((w) => el('li', {}, w))),
+      { what: 'the warnings', command: () => curlOfPart(p, 'warnings') }) : null,
+    section('Export', drawDownloads(paths.site(p.id), 'site', p), { id: 'site-downloads' }),
+    section('All values', numbersTable(p, geometry.coordinates),
+      { isOpen: false, what: 'all values', command: () => `${curlOf(paths.site(p.id))} | jq .` }),
+    section('Aircraft', aircraftTable(p.aircraft),
       { isOpen: false, what: 'the aircraft', command: () => curlOfPart(p, 'aircraft') }),
   ].filter(Boolean));
 }

@@ -6,10 +6,10 @@ import { area, fixed, heading, verdictSign, words } from './units.js';
 const kinds = { landable: 'Landable', unverified: 'Unverified', rejected: 'Rejected' };
 
 function numbersOf(p) {
-  if (p.verdict === 'rejected') return p.reject_reason ? words(p.reject_reason) : 'no reason given';
-  const land = p.approach ? `land ${heading(p.approach.heading_deg)}, ` : '';
-  const unseen = p.verdict === 'unverified' && p.unseen_ratio ? `${Math.round(100 * p.unseen_ratio)} % of circle unseen, ` : '';
-  return `${land}${unseen}${fixed(p.hazard_distance_m, 0, 'm')} to hazard, ${area(p.area_m2)}`;
+  if (p.verdict === 'rejected') return p.reject_reason ? words(p.reject_reason) : 'reason unknown';
+  const land = p.approach ? `final ${heading(p.approach.heading_deg)}, ` : '';
+  const unseen = p.verdict === 'unverified' && p.unseen_ratio ? `circle ${Math.round(100 * p.unseen_ratio)} % unseen, ` : '';
+  return `${land}${unseen}hazard at ${fixed(p.hazard_distance_m, 0, 'm')}, area ${area(p.area_m2)}`;
 }
 
 function row(p, isChosen, onSite) {
@@ -21,10 +21,10 @@ function row(p, isChosen, onSite) {
   el('span', { class: 'site-text' },
     el('strong', {}, el('span', { class: 'sign', 'aria-hidden': 'true' }, verdictSign[p.verdict]), ` ${kinds[p.verdict]}`),
     el('small', {}, numbersOf(p))),
-  el('span', { class: 'score', title: 'Score from 0 to 1' }, p.verdict === 'rejected' ? '–' : p.score.toFixed(2))));
+  el('span', { class: 'score', title: 'Score, 0 to 1' }, p.verdict === 'rejected' ? '–' : p.score.toFixed(2))));
 }
 
-// flight: to say the right thing where there is nothing yet.
+// flight: explains an empty list. null if there is no flight.
 export function drawSiteList(collection, chosenId, onSite, flight) {
   const focused = document.activeElement?.dataset?.site;
   const list = byId('sites');
@@ -35,8 +35,8 @@ export function drawSiteList(collection, chosenId, onSite, flight) {
   const isBusy = flight && flight.state !== 'idle' && flight.state !== 'failed';
   const empty = byId('no-sites');
   empty.hidden = count > 0;
-  empty.textContent = !flight ? 'No flight yet. Send photographs under Upload.'
-    : isBusy ? 'No site yet; the flight is still being worked on.'
-      : flight.frames.received === 0 ? 'This flight has no photographs yet. Send some under Upload.'
-        : 'No site has been evaluated. Under Flight, “Evaluate all regions” looks into every region.';
+  empty.textContent = !flight ? 'No flight yet. Open Upload to send photographs.'
+    : isBusy ? 'No site yet. Processing continues.'
+      : flight.frames.received === 0 ? 'No photographs in this flight. Open Upload to send some.'
+        : 'No site yet. Open Flight and press “Evaluate all regions”.';
 }

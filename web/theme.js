@@ -1,4 +1,4 @@
-// Runs before the first paint: the theme that was chosen, else the system's.
+// Runs before the first paint. Applies the user's theme, else the system's.
 (() => {
   const key = 'freelsd.theme';
   const dark = matchMedia('(prefers-color-scheme: dark)');

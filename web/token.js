@@ -1,11 +1,11 @@
-// Asks for the token of a server that wants one.
+// The dialog that asks the user for an access token.
 
 import { setToken, token } from './api.js';
 import { byId } from './dom.js';
 
 let then = () => {};
 
-// next() is called when there is a token to try.
+// Calls next() after the user has entered a token.
 export function askToken(next) {
   then = next;
   const dialog = byId('token-dialog');

@@ -1,16 +1,16 @@
-// The flight's track: where photographs were taken, and the aircraft at its end.
+// The track of the flight: positions of the photographs, with the aircraft at the end.
 /* global L */
 
 import { svg } from './dom.js';
 import { courseTo, heading } from './units.js';
 
-// Nearer than this a position tells more of the receiver than of the way.
+// Below this distance the error of the receiver outweighs the movement.
 const kLeastStep_m = 3;
 const kMark = 30;  // px
 
 const placeOf = ([longitude_deg, latitude_deg]) => ({ latitude_deg, longitude_deg });
 
-// Direction of travel at the end of [[lon, lat, altitude], …]; null where it never moved.
+// Course at the end of [[lon, lat, altitude], …], in degrees. null if the aircraft never moved.
 export function lastCourse(positions) {
   const end = placeOf(positions.at(-1));
   for (let i = positions.length - 2; i >= 0; --i) {
@@ -26,16 +26,16 @@ function mark(course_deg) {
       d: 'M0-13L2-5L13 2V5L2 2L1.5 8L5 11V13L0 11.5L-5 13V11L-1.5 8L-2 2L-13 5V2L-2-5Z',
       transform: `rotate(${course_deg.toFixed(1)})`,
     });
-  const text = course_deg === null ? 'Last photograph' : `Last photograph, flying ${heading(course_deg)}`;
+  const text = course_deg === null ? 'Last photograph' : `Last photograph, course ${heading(course_deg)}`;
   return svg('svg', { viewBox: '-15 -15 30 30', role: 'img', 'aria-label': text }, shape);
 }
 
-// Draws below regions and sites, and takes no clicks from them.
+// Lies below regions and sites and receives no clicks.
 export function createTrack(map) {
   map.createPane('track').style.zIndex = 300;
   const group = L.featureGroup().addTo(map);
   return {
-    // collection: as the server has it; null takes the track away.
+    // collection: GeoJSON of the server, or null to remove the track.
     draw(collection) {
       group.clearLayers();
       const positions = collection?.features[0]?.geometry.coordinates;

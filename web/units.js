@@ -1,4 +1,4 @@
-// Numbers as people read them. What is unknown is said, never shown as 0.
+// Formats numbers with units. Unknown values read "unknown", never 0.
 
 export const isKnown = (value) => value !== null && value !== undefined && Number.isFinite(value);
 
@@ -17,7 +17,7 @@ export function distance(value_m) {
   return value_m >= 2000 ? `${(value_m / 1000).toFixed(1)} km` : `${Math.round(value_m)} m`;
 }
 
-// 7 -> "007°", as headings are spoken.
+// 7 -> "007°": aviation writes headings with three digits.
 export const heading = (value_deg) =>
   isKnown(value_deg) ? `${String(Math.round(value_deg) % 360).padStart(3, '0')}°` : 'unknown';
 
@@ -36,7 +36,7 @@ export function bytes(count) {
 
 export const verdictSign = { landable: '✓', unverified: '?', rejected: '✕' };
 
-// The wire says where the air moves to; pilots say where it comes from.
+// JSON states where the air moves to. Pilots state where the wind comes from.
 export function windFrom(wind) {
   if (!wind) return null;
   const speed_mps = Math.hypot(wind.east_mps, wind.north_mps);
@@ -59,7 +59,7 @@ export function windText(wind) {
 const earthRadius_m = 6371008.8;
 const rad = (deg) => deg * Math.PI / 180;
 
-// Great circle from a to b ({latitude_deg, longitude_deg}).
+// Great circle from a to b, each {latitude_deg, longitude_deg}.
 export function courseTo(a, b) {
   const [lat1, lat2] = [rad(a.latitude_deg), rad(b.latitude_deg)];
   const dLon = rad(b.longitude_deg - a.longitude_deg);

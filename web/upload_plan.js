@@ -1,4 +1,4 @@
-// Which photographs go into which request. Nothing here touches the page or the server.
+// Distributes photographs to requests. Pure functions: no DOM, no requests.
 
 const kImage = /\.(jpe?g|png)$/i;
 const kPoses = /\.(csv|txt|ndjson|jsonl)$/i;
@@ -7,7 +7,7 @@ const kChunkBytes = 24 << 20;
 
 const byName = new Intl.Collator('en', { numeric: true });
 
-// What was dropped, by what it is. {images, poses, zip, flightJson, ignored}
+// Files by kind: {images, poses, zip, flightJson, ignored}.
 export function sortOut(files) {
   const result = { images: [], poses: null, zip: null, flightJson: null, ignored: [] };
   for (const file of files) {
@@ -21,13 +21,13 @@ export function sortOut(files) {
   return result;
 }
 
-// As the server makes a frame's id of a file's name.
+// Must match how the server derives the frame id from a file name.
 export const frameId = (name) => name.replace(/[^A-Za-z0-9._-]/g, '_');
 
 const unquoted = (cell) => cell.trim().replace(/^"(.*)"$/, '$1');
 
-// The pose file in parts: {linesOf(names)} gives the text that is about these photographs, or null
-// where the file cannot be taken apart and must go in one request with all of them.
+// {linesOf(names)}: the part of a pose file about these photographs. null if the file cannot be split
+// and must go into one request with all photographs.
 export function splitPoses(text, names) {
   const lines = text.split(/\r?\n/).filter((line) => line.trim() !== '');
   const wanted = new Set(names);
@@ -40,7 +40,7 @@ export function splitPoses(text, names) {
   const rows = lines.slice(1).map((line) => line.split(separator).map(unquoted));
   const hits = (column) => rows.filter((row) => wanted.has(row[column])).length;
   const column = (rows[0] ?? []).findIndex((_, c) => hits(c) > 0);
-  // A quoted separator would shift the columns: leave such files to the server as they are.
+  // A quoted separator would shift the columns: only the server parses such files.
   if (column < 0 || /"[^"\n]*[,;\t][^"\n]*"/.test(text)) return null;
   const keyed = new Map(rows.map((row, i) => [row[column], lines[i + 1]]));
   return {
@@ -51,7 +51,7 @@ export function splitPoses(text, names) {
   };
 }
 
-// Groups of {file} that go together: small, so that little is sent twice after a break.
+// Groups of {file} for one request each. Small groups limit what a lost connection repeats.
 export function chunksOf(entries) {
   const chunks = [];
   let size = Infinity;
@@ -66,7 +66,7 @@ export function chunksOf(entries) {
   return chunks;
 }
 
-// How much of each file has gone, from what has gone of the whole.
+// The sent share of each file, 0 to 1. sent: bytes of the whole request.
 export function sharesOf(files, sent) {
   let before = 0;
   return files.map((file) => {
@@ -77,7 +77,7 @@ export function sharesOf(files, sent) {
 }
 
 export async function sha256(file) {
-  // Only where the page came by https or from this machine.
+  // Browsers offer crypto.subtle only over HTTPS and on localhost.
   if (!globalThis.crypto?.subtle) return null;
   const digest = await crypto.subtle.digest('SHA-256', await file.arrayBuffer());
   return [...new Uint8Array(digest)].map((byte) => byte.toString(16).padStart(2, '0')).join('');

@@ -1,5 +1,5 @@
-// "Why not here?": what the stored layers say about one place, rule by rule, for an aircraft.
-// It never says yes: final, circle and ground roll from here are not planned by it.
+// Checks one place against the limits of the aircraft, rule by rule, from the stored layers.
+// A passed check is no verdict: only the server plans final, loiter circle and ground roll.
 
 import * as api from './api.js';
 import { curlButton, curlOf } from './curl.js';
@@ -10,7 +10,7 @@ import { fixed, isKnown } from './units.js';
 const kLayers = ['hazard', 'grass', 'slope', 'roughness', 'distance', 'elevation'];
 const hazardUnseen = 2;
 
-// Row and column of a place in a layer; corners go from the north-west clockwise, as [lon, lat].
+// Row and column of a place in a layer. layer.corners: clockwise from the north-west, [lon, lat].
 export function cellAt(layer, { lat, lng }) {
   const [nw, ne, , sw] = layer.corners;
   const [ax, ay] = [ne[0] - nw[0], ne[1] - nw[1]];
@@ -26,51 +26,54 @@ export function cellAt(layer, { lat, lng }) {
 const isIn = (layer, { row, col }) =>
   row >= 0 && col >= 0 && row < layer.height_px && col < layer.width_px;
 
-// [{name, state: 'pass' | 'fail' | 'unknown', text}] in the order in which they count.
-export function judge(values, aircraft) {
-  const { hazard, grass, slope, roughness, distance } = values;
-  const limited = (name, value, limit, digits, unit) => {
-    if (!isKnown(value)) return { name, state: 'unknown', text: 'not seen' };
-    if (!isKnown(limit)) return { name, state: 'unknown', text: `${fixed(value, digits, unit)}, limit unknown` };
-    const excess = value - limit;
-    return {
-      name,
-      state: excess > 0 ? 'fail' : 'pass',
-      text: `${fixed(value, digits, unit)}, at most ${fixed(limit, digits, unit)}` +
-        (excess > 0 ? `: ${fixed(excess, digits, unit)} too much` : ''),
-    };
-  };
+function ruleOfCoverage(hazard) {
   const isSeen = isKnown(hazard) && hazard !== hazardUnseen;
-  const wanted = aircraft?.touchdown_uncertainty_m;
-  const missing = wanted - distance;
-  const rules = [
-    { name: 'seen', state: isSeen ? 'pass' : 'fail',
-      text: isSeen ? 'in enough photographs' : 'not seen well enough; unknown is never safe' },
-    { name: 'grass', state: !isKnown(grass) ? 'unknown' : grass > 0 ? 'pass' : 'fail',
-      text: !isKnown(grass) ? 'not classified' : grass > 0 ? 'classified as grass' : 'not classified as grass' },
-    limited('slope', slope, aircraft?.max_slope_deg, 1, '°'),
-    limited('roughness', roughness, aircraft?.max_roughness_m, 2, 'm'),
+  return { name: 'coverage', state: isSeen ? 'pass' : 'fail',
+    text: isSeen ? 'sufficient' : 'not sufficient. Unseen ground is never safe.' };
+}
+
+function ruleOfGrass(grass) {
+  if (!isKnown(grass)) return { name: 'grass', state: 'unknown', text: 'not classified' };
+  return grass > 0 ? { name: 'grass', state: 'pass', text: 'classified as grass' }
+    : { name: 'grass', state: 'fail', text: 'not classified as grass' };
+}
+
+function ruleOfMaximum(name, value, limit, digits, unit) {
+  if (!isKnown(value)) return { name, state: 'unknown', text: 'unseen' };
+  if (!isKnown(limit)) return { name, state: 'unknown', text: `${fixed(value, digits, unit)}, limit unknown` };
+  const excess = value - limit;
+  const text = `${fixed(value, digits, unit)}, max ${fixed(limit, digits, unit)}`;
+  return excess > 0 ? { name, state: 'fail', text: `${text}: ${fixed(excess, digits, unit)} over limit` }
+    : { name, state: 'pass', text };
+}
+
+function ruleOfDistance(distance, needed) {
+  const name = 'nearest hazard';
+  if (!isKnown(distance) || !isKnown(needed)) return { name, state: 'unknown', text: 'unknown' };
+  const missing = needed - distance;
+  const text = `or unseen ground at ${fixed(distance, 1, 'm')}, min ${fixed(needed, 0, 'm')}`;
+  return missing > 0 ? { name, state: 'fail', text: `${text}: ${fixed(missing, 1, 'm')} too close` }
+    : { name, state: 'pass', text };
+}
+
+// [{name, state: 'pass' | 'fail' | 'unknown', text}], the decisive rule first.
+export function judge({ hazard, grass, slope, roughness, distance }, aircraft) {
+  return [
+    ruleOfCoverage(hazard),
+    ruleOfGrass(grass),
+    ruleOfMaximum('slope', slope, aircraft?.max_slope_deg, 1, '°'),
+    ruleOfMaximum('roughness', roughness, aircraft?.max_roughness_m, 2, 'm'),
+    ruleOfDistance(distance, aircraft?.touchdown_uncertainty_m),
   ];
-  if (!isKnown(distance) || !isKnown(wanted)) {
-    rules.push({ name: 'free disc', state: 'unknown', text: 'not known' });
-  } else {
-    rules.push({
-      name: 'free disc',
-      state: missing > 0 ? 'fail' : 'pass',
-      text: `next hazard or unseen ground ${fixed(distance, 1, 'm')} away, more than ` +
-        `${fixed(wanted, 0, 'm')} needed` + (missing > 0 ? `: ${fixed(missing, 1, 'm')} too near` : ''),
-    });
-  }
-  return rules;
 }
 
 const sign = { pass: '✓', fail: '✕', unknown: '?' };
 
 function headline(rules, hazard) {
   const first = rules.find((rule) => rule.state !== 'pass');
-  if (first) return first.state === 'fail' ? `Not here: ${first.name}` : `Not here: ${first.name} unknown`;
-  if (hazard !== 0) return 'Not here: marked as hazard';
-  return 'The ground passes; landing here is not checked';
+  if (first) return first.state === 'fail' ? `Not landable: ${first.name}` : `Not landable: ${first.name} unknown`;
+  if (hazard !== 0) return 'Not landable: marked as hazard';
+  return 'Ground passes. Landing is unchecked.';
 }
 
 export function answerNode(rules, values) {
@@ -79,23 +82,23 @@ export function answerNode(rules, values) {
     el('h3', {}, headline(rules, values.hazard)),
     el('ul', { class: 'rules' }, rules.map((rule) => el('li', { class: rule.state },
       el('b', { 'aria-label': rule.state }, sign[rule.state]), el('span', {}, el('strong', {}, rule.name), ` ${rule.text}`)))),
-    isKnown(values.elevation) ? el('p', { class: 'faint' }, `Ground at ${fixed(values.elevation, 1, 'm')}`) : null,
+    isKnown(values.elevation) ? el('p', { class: 'faint' }, `Ground elevation ${fixed(values.elevation, 1, 'm')}`) : null,
     el('p', { class: 'faint' }, isClear
-      ? 'That is no verdict: final, circle, ground roll and the map’s own uncertainty are only checked for the sites.'
-      : 'The first rule that fails is named; below it, what the others say.'));
+      ? 'This is not a verdict. Final, loiter circle, ground roll and map uncertainty are checked for sites only.'
+      : 'The title names the first failed rule.'));
 }
 
-// The answer, with the way to the region that lies here.
+// Adds a button to the region at this place. region: null if none.
 export function answerNodeOf(answer, region, openHistory) {
   if (region) {
     answer.append(el('button', { type: 'button', class: 'wide', onclick: openHistory },
-      `Region ${region.properties.id}, grade ${region.properties.grade.toFixed(2)}: history`));
+      `Region ${region.properties.id}: grade ${region.properties.grade.toFixed(2)}`));
   }
   return answer;
 }
 
-const nothing = () => el('div', { class: 'answer' }, el('h3', {}, 'Not here: never seen'),
-  el('p', {}, 'No map covers this place. Unknown is never safe.'));
+const nothing = () => el('div', { class: 'answer' }, el('h3', {}, 'Not landable: unseen'),
+  el('p', {}, 'No map covers this place. Unseen ground is never safe.'));
 
 export function createWhy() {
   const cache = new Map();
@@ -111,7 +114,7 @@ export function createWhy() {
     return cache.get(key);
   }
 
-  // The node to show for a place; site and layers are those on the map, or null.
+  // Returns the answer as a DOM node. site: the selected site or null; layers: its layers.
   return async function whyNot(latlng, site, layers) {
     const known = layers.filter((layer) => kLayers.includes(layer.name));
     if (!site || known.length === 0 || !known.every((layer) => isIn(layer, cellAt(layer, latlng)))) {
@@ -123,7 +126,7 @@ export function createWhy() {
       values[layer.name] = (await rasterOf(site, layer.name)).at(row, col);
     }));
     const answer = answerNode(judge(values, site.properties.aircraft), values);
-    answer.append(el('div', { class: 'card-foot' }, curlButton('the layers that were asked', () =>
+    answer.append(el('div', { class: 'card-foot' }, curlButton('these layers', () =>
       known.map(({ name }) => curlOf(api.paths.layerTiff(site.properties.id, name), `-o ${name}.tif`)).join('\n'))));
     return answer;
   };

@@ -1,4 +1,4 @@
-// A wind barb, and the control that plans the approach anew for another wind.
+// The wind barb, and the control that replans the approach for a trial wind.
 
 import { svg, byId, el } from './dom.js';
 import { fixed, heading, isKnown, verdictSign, windFrom, windTo } from './units.js';
@@ -6,7 +6,7 @@ import { fixed, heading, isKnown, verdictSign, windFrom, windTo } from './units.
 const knotsPerMps = 1.9438;
 const kReplanDelay_ms = 120;
 
-// Feathers as on weather charts: half 5 kt, full 10 kt, flag 50 kt; the staff points to where the
+// Symbols of weather charts: half feather 5 kt, feather 10 kt, flag 50 kt. The staff points to where the
 // wind comes from.
 export function windBarb(speed_mps, from_deg, size = 56) {
   const root = svg('svg', { viewBox: '-30 -30 60 60', width: size, height: size, class: 'barb', role: 'img',
@@ -27,9 +27,19 @@ export function windBarb(speed_mps, from_deg, size = 56) {
   return root;
 }
 
-// replan(wind, signal) is called with the wind wanted, or null for the stored one; show(barb, isTried, {speed_mps, from_deg})
-// puts the barb on the map; nulls where no wind is known.
-export function createWind(replan, show) {
+function drawValues(speed_mps, from_deg) {
+  byId('wind-speed-value').textContent = fixed(speed_mps, 1, 'm/s');
+  byId('wind-from-value').textContent = heading(from_deg);
+}
+
+function sourceText(isStored, stored) {
+  if (!isStored) return 'Trial wind. Stored plan unchanged.';
+  return stored ? 'Wind measured in flight' : 'Wind unknown. All headings checked.';
+}
+
+// replan(wind, signal): plans for a trial wind; null restores the stored approach.
+// showOnMap(barb, isTried, {speed_mps, from_deg}): puts the barb on the map; nulls if no wind is known.
+export function createWind(replan, showOnMap) {
   const speed = byId('wind-speed');
   const from = byId('wind-from');
   let stored = null;
@@ -39,12 +49,10 @@ export function createWind(replan, show) {
   function drawBarb(isStored) {
     const [speed_mps, from_deg] = [Number(speed.value), Number(from.value)];
     byId('wind-barb').replaceChildren(windBarb(speed_mps, from_deg));
-    if (isStored && !stored) show(null, false, null);
-    else show(windBarb(speed_mps, from_deg, 48), !isStored, { speed_mps, from_deg });
-    byId('wind-speed-value').textContent = fixed(speed_mps, 1, 'm/s');
-    byId('wind-from-value').textContent = heading(from_deg);
-    byId('wind-source').textContent = !isStored ? 'Tried wind; what is stored does not change'
-      : stored ? 'Wind measured in flight' : 'No wind is known: every heading was tried';
+    if (isStored && !stored) showOnMap(null, false, null);
+    else showOnMap(windBarb(speed_mps, from_deg, 48), !isStored, { speed_mps, from_deg });
+    drawValues(speed_mps, from_deg);
+    byId('wind-source').textContent = sourceText(isStored, stored);
     byId('wind-reset').hidden = isStored;
   }
 
@@ -67,35 +75,33 @@ export function createWind(replan, show) {
     drawBarb(true);
   }
 
+  // The stored wind of a site, null if unknown.
+  function show(wind) {
+    stored = wind;
+    reset();
+  }
+
+  // A trial wind.
+  function take(speed_mps, from_deg) {
+    speed.value = speed_mps;
+    from.value = Math.round(from_deg) % 360;
+    changed();
+  }
+
   for (const input of [speed, from]) input.addEventListener('input', changed);
   for (const button of document.querySelectorAll('[data-turn]')) {
-    button.addEventListener('click', () => {
-      from.value = (Number(from.value) + Number(button.dataset.turn) + 360) % 360;
-      changed();
-    });
+    button.addEventListener('click', () =>
+      take(speed.value, Number(from.value) + Number(button.dataset.turn) + 360));
   }
   byId('wind-reset').addEventListener('click', () => {
     reset();
     replan(null, null);
   });
-
-  return {
-    // A site's own wind.
-    show(wind) {
-      stored = wind;
-      reset();
-    },
-    // Another one to try.
-    take(speed_mps, from_deg) {
-      speed.value = speed_mps;
-      from.value = Math.round(from_deg) % 360;
-      changed();
-    },
-  };
+  return { show, take };
 }
 
-// What another wind does to a site: {collection} or {refusal}, against the stored approach. Only a
-// verdict from the server makes it look safe.
+// The outcome of a trial wind. answer: {collection} or {refusal}; stored: the stored approach.
+// Without a verdict of the server the outcome is unverified.
 export function replanNode(answer, stored) {
   if (answer.refusal) {
     return el('div', { class: 'outcome rejected', role: 'status' },
@@ -107,9 +113,8 @@ export function replanNode(answer, stored) {
   const verdict = answer.collection.plan?.verdict ?? 'unverified';
   const turn = stored ? Math.round(((final.heading_deg - stored.heading_deg + 540) % 360) - 180) : 0;
   return el('div', { class: `outcome ${verdict}`, role: 'status' },
-    el('strong', {}, `${verdictSign[verdict]} Land on ${heading(final.heading_deg)}, ${verdict}`),
-    el('span', {}, `Final ${fixed(final.distance_m, 0, 'm')}, least clearance ` +
-      `${fixed(final.min_clearance_m, 1, 'm')}` +
-      (unseen === 0 ? '' : `; ${isKnown(unseen) ? fixed(100 * unseen, 0, '%') : 'part'} of the circle was never seen`) +
-      (turn ? `; ${Math.abs(turn)}° to the ${turn > 0 ? 'right' : 'left'} of the stored approach` : '')));
+    el('strong', {}, `${verdictSign[verdict]} Final ${heading(final.heading_deg)}: ${verdict}`),
+    el('span', {}, `Length ${fixed(final.distance_m, 0, 'm')}, min clearance ${fixed(final.min_clearance_m, 1, 'm')}.` +
+      (unseen === 0 ? '' : ` Circle ${isKnown(unseen) ? fixed(100 * unseen, 0, '%') : 'partly'} unseen.`) +
+      (turn ? ` ${Math.abs(turn)}° ${turn > 0 ? 'right' : 'left'} of the stored final.` : '')));
 }

@@ -58,7 +58,7 @@ std::optional<int64_t> OffsetFromText(std::string_view text) {
   if (text.size() != 6 || (text[0] != '+' && text[0] != '-') || text[3] != ':') return std::nullopt;
   const std::optional<int> hours = Digits(text, 1, 2), minutes = Digits(text, 4, 2);
   if (!hours || !minutes || *hours > 14 || *minutes > 59) return std::nullopt;
-  const int64_t seconds = (*hours * 60 + *minutes) * 60;
+  const int64_t seconds = (*hours * 60 + *minutes) * int64_t{60};
   return (text[0] == '-' ? -seconds : seconds) * kMicrosecondsPerSecond;
 }
 

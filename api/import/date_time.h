@@ -1,4 +1,4 @@
-// Dates as cameras and loggers write them.
+// Parsing of dates that cameras and loggers write.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,12 @@
 
 namespace freelsd {
 
-// "YYYY:MM:DD HH:MM:SS[.f]" (EXIF) or "YYYY-MM-DD[T ]HH:MM:SS[.f][Z|+hh:mm]", microseconds since
-// 1970; without an offset UTC is assumed. Nothing for anything else.
+// Reads "YYYY:MM:DD HH:MM:SS[.f]" (EXIF) or "YYYY-MM-DD[T ]HH:MM:SS[.f][Z|+hh:mm]". Microseconds
+// since 1970; UTC is assumed without an offset. Nothing for any other text.
 std::optional<int64_t> TimestampFromText(std::string_view text);
-// "+hh:mm" or "Z" in microseconds.
+// Reads "+hh:mm" or "Z". Microseconds.
 std::optional<int64_t> OffsetFromText(std::string_view text);
-// Digits after the decimal point, in microseconds: "498032", "5".
+// Microseconds from the digits after the decimal point: "5" is 500000.
 std::optional<int64_t> FractionFromText(std::string_view digits);
 
 }  // namespace freelsd

@@ -5,24 +5,25 @@
 #include <openssl/evp.h>
 
 #include "api/import/import.h"
+#include "api/limits.h"
 
 namespace freelsd {
 namespace {
 
-constexpr size_t kMaxIdBytes = 128;
+constexpr size_t kMaxShownBytes = 80;
 
 bool IsIdCharacter(char c) {
   return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' ||
          c == '_' || c == '-';
 }
 
-// Of a UTF-8 character, all bytes but the first.
+// True for every byte of a UTF-8 character except the first.
 bool IsContinuationByte(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 0x80; }
 
 }  // namespace
 
 bool IsValidId(std::string_view id) {
-  if (id.empty() || id.size() > kMaxIdBytes || id == "." || id == "..") return false;
+  if (id.empty() || id.size() > kLimits.max_id_bytes || id == "." || id == "..") return false;
   for (const char c : id) {
     if (!IsIdCharacter(c)) return false;
   }
@@ -40,9 +41,15 @@ std::string IdFromFileName(std::string_view file_name) {
       id += '_';
     }
   }
-  if (id.size() > kMaxIdBytes) id.resize(kMaxIdBytes);
+  if (id.size() > kLimits.max_id_bytes) id.resize(kLimits.max_id_bytes);
   if (id.empty() || id == ".") return "_";
   return id == ".." ? "__" : id;
+}
+
+std::string ShownPath(const std::string& path) {
+  std::string shown = path.substr(0, kMaxShownBytes);
+  for (char& c : shown) c = c < ' ' || c > '~' ? '_' : c;
+  return shown;
 }
 
 std::string Sha256Hex(std::string_view bytes) {

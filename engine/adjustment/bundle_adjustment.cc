@@ -15,10 +15,10 @@
 namespace freelsd {
 namespace {
 
-// Landmarks with less parallax than this say nothing of height and are left out.
+// Landmarks with less parallax do not determine heights and are left out.
 constexpr double kMinParallaxDeg = 1.0;
-// Poses start up to hundreds of pixels off: the first rounds forgive in multiples of the final
-// outlier gate and of the final width of the loss.
+// Poses may start hundreds of pixels off. The first rounds use multiples of the final outlier gate
+// and of the final loss width.
 struct Round {
   double gate_factor;
   double loss_factor;
@@ -26,13 +26,13 @@ struct Round {
 };
 constexpr std::array<Round, 4> kRounds{
     {{1e3, 30.0, 1e-3}, {10.0, 6.0, 1e-3}, {2.5, 2.0, 1e-4}, {1.0, 1.0, 1e-5}}};
-// A start is poor where half of the sightings of some view are farther off than this: the gate of
-// the second round would leave that view out for good.
+// A start is poor if, in some view, half of the sightings have a larger error: the gate of the
+// second round would drop that view for good.
 constexpr double kPoorStartPx = 40.0;
-// Rounds before the last are left out where half of the sightings of each view are within this many
-// widths of the final loss.
+// Early rounds are skipped if, in every view, half of the sightings are within this many widths of
+// the final loss.
 constexpr double kGoodStartFactor = 1.0;
-// Pixel noise taken for the deviation of landmarks.
+// Assumed pixel noise for the deviation of landmarks.
 constexpr double kPixelSd = 0.7;
 constexpr size_t kMinNumLandmarks = 20;
 
@@ -41,8 +41,8 @@ size_t NumPoints(const std::vector<BlockTrack>& tracks) {
       tracks.begin(), tracks.end(), [](const BlockTrack& track) { return track.has_point; }));
 }
 
-// The readouts are kept where they are worth their parameters (Schwarz's criterion, with the scale
-// of the residuals unknown); otherwise the block as solved without.
+// Keeps the readouts if they justify their parameters (Schwarz's criterion, unknown residual
+// scale); otherwise returns the block solved without them.
 std::optional<SolvedBlock> WithReadoutsIfShown(const std::vector<View>& views,
                                                const Camera& camera,
                                                const SolvedBlock& with,
@@ -66,9 +66,9 @@ std::optional<SolvedBlock> WithReadoutsIfShown(const std::vector<View>& views,
   return without;
 }
 
-// Rounds of solving with ever tighter gates, from tracks that are triangulated within the first
-// one's; rounds wider than the start needs are left out. Empty when the block does not hold
-// together.
+// Solves in rounds with ever tighter gates, from tracks triangulated within the first
+// gate. Skips rounds that are wider than the start needs. Empty if the block falls
+// apart.
 std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
                                         const BlockState& start,
                                         const AdjustmentOptions& options,
@@ -82,7 +82,7 @@ std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
     const double median_px = WorstMedianError(state, tracks);
     if (is_first) {
       if (median_px <= kPoorStartPx) continue;
-      // Poses so poor that rays do not meet: the ground plane's points cannot be behind a camera.
+      // The rays of poor poses do not meet. Points on the ground plane are never behind a camera.
       InitialiseOnGround(views, state, tracks);
       MarkOutliers(state, gate_px, tracks);
     } else if (!is_last && median_px <= kGoodStartFactor * options.robust_loss_px) {
@@ -109,6 +109,7 @@ double MedianDepth(const BlockState& state,
                    const std::vector<size_t>& landmark_indices,
                    const std::vector<Landmark>& landmarks) {
   std::vector<double> heights;
+  heights.reserve(landmark_indices.size());
   for (const size_t index : landmark_indices) {
     heights.push_back(state.world_from_camera[view].translation.z() -
                       landmarks[index].point_in_world.z());
@@ -125,7 +126,7 @@ void FillLandmarks(const BlockState& state,
     const auto is_seen = [&](const Sighting& sighting) {
       return sighting.is_inlier && block.views[sighting.view].is_connected;
     };
-    // A view that does not belong to the block has no say about its landmarks.
+    // Views outside the block do not count for its landmarks.
     const auto num_views = std::count_if(track.sightings.begin(), track.sightings.end(), is_seen);
     if (num_views < 2) continue;
     for (const Sighting& sighting : track.sightings) {
@@ -153,7 +154,7 @@ AdjustedBlock PriorBlock(const std::vector<View>& views, const Camera& camera) {
   return block;
 }
 
-// A map is one for all groups, so it is only as good as the worst of them.
+// All groups share one map, so the worst group limits its accuracy.
 double LargestPositionDeviation(const std::vector<AdjustedView>& views) {
   double largest_m = 0.0;
   for (const AdjustedView& view : views) {
@@ -162,7 +163,7 @@ double LargestPositionDeviation(const std::vector<AdjustedView>& views) {
   return largest_m;
 }
 
-// The block as solved; poses of views that do not belong to it stay the priors.
+// Copies the solved block. Poses of views outside it stay the priors.
 void FillResult(const BlockState& state,
                 const std::vector<BlockTrack>& tracks,
                 const BlockVerdict& verdict,
@@ -186,6 +187,34 @@ void FillResult(const BlockState& state,
   }
 }
 
+void CheckLensAndReadout(const AdjustmentOptions& options, const FieldCheck& check) {
+  check.Require(options.focal_sd_ratio > 0.0 && options.focal_sd_ratio <= 0.5,
+                "focal_sd_ratio",
+                options.focal_sd_ratio,
+                "must be in (0, 0.5]");
+  check.Require(options.radial_sd > 0.0, "radial_sd", options.radial_sd, "must be positive");
+  check.Require(
+      options.tangential_sd > 0.0, "tangential_sd", options.tangential_sd, "must be positive");
+  check.Require(options.principal_point_sd_ratio > 0.0 && options.principal_point_sd_ratio <= 0.5,
+                "principal_point_sd_ratio",
+                options.principal_point_sd_ratio,
+                "must be in (0, 0.5]");
+  check.Require(options.min_num_lens_views >= 1,
+                "min_num_lens_views",
+                options.min_num_lens_views,
+                "must be >= 1");
+  check.Require(options.readout_rate_sd_deg_s > 0.0 && options.readout_rate_sd_deg_s <= 360.0,
+                "readout_rate_sd_deg_s",
+                options.readout_rate_sd_deg_s,
+                "must be in (0, 360]");
+  check.Require(
+      options.readout_change_sd_deg_s2 > 0.0 && options.readout_change_sd_deg_s2 <= 10000.0,
+      "readout_change_sd_deg_s2",
+      options.readout_change_sd_deg_s2,
+      "must be in (0, 10000]");
+  check.Inside("exif_readout_s", options.exif_readout_s, 0.0, 1.0);
+}
+
 }  // namespace
 
 void AdjustmentOptions::Check() const {
@@ -204,26 +233,7 @@ void AdjustmentOptions::Check() const {
                 "max_reprojection_error_px",
                 max_reprojection_error_px,
                 "must be positive");
-  check.Require(focal_sd_ratio > 0.0 && focal_sd_ratio <= 0.5,
-                "focal_sd_ratio",
-                focal_sd_ratio,
-                "must be in (0, 0.5]");
-  check.Require(radial_sd > 0.0, "radial_sd", radial_sd, "must be positive");
-  check.Require(tangential_sd > 0.0, "tangential_sd", tangential_sd, "must be positive");
-  check.Require(principal_point_sd_ratio > 0.0 && principal_point_sd_ratio <= 0.5,
-                "principal_point_sd_ratio",
-                principal_point_sd_ratio,
-                "must be in (0, 0.5]");
-  check.Require(min_num_lens_views >= 1, "min_num_lens_views", min_num_lens_views, "must be >= 1");
-  check.Require(readout_rate_sd_deg_s > 0.0 && readout_rate_sd_deg_s <= 360.0,
-                "readout_rate_sd_deg_s",
-                readout_rate_sd_deg_s,
-                "must be in (0, 360]");
-  check.Require(readout_change_sd_deg_s2 > 0.0 && readout_change_sd_deg_s2 <= 10000.0,
-                "readout_change_sd_deg_s2",
-                readout_change_sd_deg_s2,
-                "must be in (0, 10000]");
-  check.Inside("exif_readout_s", exif_readout_s, 0.0, 1.0);
+  CheckLensAndReadout(*this, check);
   check.Inside("max_num_iterations", max_num_iterations, 1, 1000);
   check.Inside("num_refinement_tracks", num_refinement_tracks, 0, 100000);
   check.Require(estimated_tilt_sd_deg > 0.0 && estimated_tilt_sd_deg <= 90.0,

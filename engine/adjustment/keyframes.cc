@@ -23,7 +23,7 @@ double Baseline(const View& a, const View& b) {
   return (a.world_from_camera.translation - b.world_from_camera.translation).norm();
 }
 
-// Whether the view is too far from the key-frame, in matches or in place, to be passed over.
+// Whether the view is too far from the key-frame, in matches or in place, to be skipped.
 bool IsDue(const View& keyframe,
            const std::set<int64_t>& ids,
            const View& view,
@@ -43,8 +43,8 @@ std::vector<size_t> SelectKeyframes(const std::vector<View>& views,
   for (size_t i = 1; i < views.size(); ++i) {
     const View& keyframe = views[keyframes.back()];
     if (!IsDue(keyframe, ids, views[i], options)) continue;
-    // The predecessor of the first view that is due; survey photographs are due at once, and then
-    // the view itself is next.
+    // The predecessor of the first view that is due. Survey photographs are due at once, so the
+    // view itself follows.
     size_t next = i - 1 > keyframes.back() ? i - 1 : i;
     if (Baseline(keyframe, views[next]) < options.min_baseline_m) next = i;
     if (Baseline(keyframe, views[next]) < options.min_baseline_m) continue;
@@ -52,7 +52,7 @@ std::vector<size_t> SelectKeyframes(const std::vector<View>& views,
     ids = TrackIds(views[next]);
     i = next;
   }
-  // What the last views saw would be lost otherwise.
+  // Otherwise the ground of the last views would be lost.
   const size_t last = views.size() - 1;
   if (Baseline(views[keyframes.back()], views[last]) >= options.min_baseline_m) {
     keyframes.push_back(last);

@@ -17,13 +17,13 @@ double NormalizedError(const PosedRay& ray, const Eigen::Vector3d& point_in_worl
   return (x.hnormalized() - ray.point_normalized).norm();
 }
 
-// Where rays meet, and which of them do.
+// Point where rays meet, and the rays that do.
 struct Meeting {
   TriangulatedPoint point;
   std::vector<size_t> sightings;
 };
 
-// Leaves out the worst ray until the rest agree.
+// Drops the worst ray until the rest agree.
 std::optional<Meeting> Meet(std::vector<PosedRay> rays, double max_error_normalized) {
   std::vector<size_t> sightings(rays.size());
   std::iota(sightings.begin(), sightings.end(), size_t{0});
@@ -46,7 +46,7 @@ std::optional<Meeting> Meet(std::vector<PosedRay> rays, double max_error_normali
   return std::nullopt;
 }
 
-// The cameras of all views with their own readouts: made once, not for every sighting.
+// Cameras of all views with their readouts, made once and not per sighting.
 std::vector<Camera> CamerasOf(const BlockState& state) {
   std::vector<Camera> cameras;
   cameras.reserve(state.readouts.size());
@@ -81,12 +81,12 @@ std::vector<PosedRay> Rays(const BlockState& state,
   return rays;
 }
 
-// Mean over the sightings of where their rays meet the ground below their own view.
+// Mean of the points where the sightings' rays meet the ground below their views.
 std::optional<Eigen::Vector3d> OnGround(const std::vector<View>& views,
                                         const BlockState& state,
                                         const std::vector<Camera>& cameras,
                                         const BlockTrack& track) {
-  // Rays flatter than this hit the plane too far away to be of use.
+  // Flatter rays meet the plane too far away.
   constexpr double kMinDescent = 0.2;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   int count = 0;
@@ -216,7 +216,7 @@ double HeightDeviation(const BlockState& state, const BlockTrack& track, double 
     const double across_sd = pixel_sd * distance / state.camera.MeanFocalPx();
     information += (Eigen::Matrix3d::Identity() - ray * ray.transpose()) / (across_sd * across_sd);
   }
-  // Rays that are all but parallel leave it open, and rounding may give anything.
+  // Near-parallel rays leave the variance undetermined, and rounding may give any value.
   const double variance = information.inverse()(2, 2);
   const bool is_known = std::isfinite(variance) && variance > 0.0;
   return is_known ? std::sqrt(variance) : std::numeric_limits<double>::infinity();

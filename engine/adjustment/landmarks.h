@@ -1,4 +1,4 @@
-// Tracks seen by the views of a block, and the landmarks they make.
+// Tracks of the views of a block, and their landmarks.
 #pragma once
 
 #include <map>
@@ -23,7 +23,7 @@ struct BlockTrack {
   int NumInliers() const;
 };
 
-// Poses and intrinsics while they are being adjusted.
+// Poses and intrinsics during the adjustment.
 struct BlockState {
   Camera camera;
   std::vector<Rigid3d> world_from_camera;
@@ -35,22 +35,22 @@ struct BlockState {
 // Tracks with at least two sightings, in order of track id.
 std::vector<BlockTrack> CollectTracks(const std::vector<View>& views);
 
-// Points from the current poses; a track whose rays do not meet (poor poses) is put on the ground
-// plane below the view that sees it first.
+// Initial points from the current poses. If the rays of a track do not meet (poor poses), its point
+// is on the ground plane below the first view that sees it.
 void InitialiseOnGround(const std::vector<View>& views,
                         const BlockState& state,
                         std::vector<BlockTrack>& tracks);
-// Points from the rays. Of each track the worst sighting is left out, again and again, until all
-// are within max_error_px; a track that is left with one, or with too little parallax, loses its
-// point. Every sighting gets a new chance: what did not fit poor poses may fit better ones.
+// Points from rays. Repeatedly drops a track's worst sighting until all are within max_error_px. A
+// track with one sighting, or too little parallax, loses its point. Sightings dropped earlier are
+// tried again, because poses may have improved.
 void TriangulateTracks(const BlockState& state,
                        double min_parallax_deg,
                        double max_error_px,
                        std::vector<BlockTrack>& tracks);
 
-// Marks sightings beyond max_error_px as outliers (and back), and drops points left with one ray.
+// Marks sightings beyond max_error_px as outliers, others as inliers. Drops points with one ray.
 void MarkOutliers(const BlockState& state, double max_error_px, std::vector<BlockTrack>& tracks);
-// Median error of the sightings of the view that fits worst; infinite where half of them have no
+// Median error of the sightings of the worst view; infinite if half of them have no
 // point.
 double WorstMedianError(const BlockState& state, const std::vector<BlockTrack>& tracks);
 // Root mean square over inliers of tracks with a point; 0 without any.

@@ -9,7 +9,7 @@
 namespace freelsd {
 namespace {
 
-// An image is looked at in this many parts each way, so that what is kept spreads over it.
+// Parts of an image per axis, so that the kept tracks cover it.
 constexpr int kNumParts = 5;
 
 // Number of views by track.
@@ -31,7 +31,7 @@ size_t PartOf(const Eigen::Vector2d& point_in_image, const Camera& camera) {
          part(point_in_image.x(), camera.width_px);
 }
 
-// The longest tracks of each part of the view's image; of equal ones the oldest.
+// The longest tracks in each part of the view's image; the oldest of equal ones.
 void KeepLongest(const View& view,
                  const Camera& camera,
                  const Lengths& lengths,

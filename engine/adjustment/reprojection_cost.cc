@@ -14,7 +14,7 @@ Eigen::Matrix3d CrossWith(const Eigen::Vector3d& a) {
   return matrix;
 }
 
-// As the solver wants it, if it does.
+// Copies the Jacobian if the solver requests it.
 template <int kCols>
 void Write(const Eigen::Matrix<double, 2, kCols>& slope, double* jacobian) {
   if (jacobian == nullptr) return;
@@ -45,7 +45,7 @@ struct Brown {
   }
 };
 
-// A distorted place, and how it follows the ideal one.
+// A distorted point, and its derivative by the ideal point.
 struct Distortion {
   Eigen::Vector2d point;
   Eigen::Matrix2d slope;
@@ -68,7 +68,7 @@ Distortion Equidistant(const Camera& camera, const Eigen::Vector2d& p) {
   return {p * scale, scale * Eigen::Matrix2d::Identity() + (rise / (1.0 + r2) - scale) * outward};
 }
 
-// With the lens as given, and its coefficients changed by what is refined of them.
+// Applies the given lens plus the refined change of its coefficients.
 Distortion Distorted(const Camera& camera, const Eigen::Vector2d& p, const double* lens) {
   Brown brown{lens[kRadial1], lens[kRadial2], 0.0, lens[kTangential1], lens[kTangential2]};
   if (camera.distortion == DistortionModel::kEquidistant) {
@@ -87,7 +87,7 @@ Distortion Distorted(const Camera& camera, const Eigen::Vector2d& p, const doubl
   return {brown.At(p), brown.SlopeAt(p)};
 }
 
-// Of R(q)^T v by the entries x, y, z, w of the quaternion.
+// Derivative of R(q)^T v by the entries x, y, z, w of the quaternion.
 Eigen::Matrix<double, 3, 4> TurnedBackSlope(const Eigen::Quaterniond& q, const Eigen::Vector3d& v) {
   const Eigen::Vector3d u = -q.vec();
   Eigen::Matrix<double, 3, 4> slope;
@@ -97,7 +97,7 @@ Eigen::Matrix<double, 3, 4> TurnedBackSlope(const Eigen::Quaterniond& q, const E
   return slope;
 }
 
-// Of the pixel by the lens, at an ideal place and its distorted one.
+// Derivative of the pixel by the lens, at an ideal point and its distorted point.
 Eigen::Matrix<double, 2, kNumLensParameters> StillLensSlope(const Camera& camera,
                                                             const double* lens,
                                                             const Eigen::Vector2d& p,
@@ -111,7 +111,7 @@ Eigen::Matrix<double, 2, kNumLensParameters> StillLensSlope(const Camera& camera
   slope.col(kRadial2) = focal.cwiseProduct(p) * (r2 * r2);
   slope.col(kTangential1) = focal.cwiseProduct(Eigen::Vector2d(xy, r2 + 2.0 * p.y() * p.y()));
   slope.col(kTangential2) = focal.cwiseProduct(Eigen::Vector2d(r2 + 2.0 * p.x() * p.x(), xy));
-  // Each in units of the focal length along its own axis.
+  // In units of the focal length along each axis.
   slope.col(kPrincipalX) << camera.fx_px, 0.0;
   slope.col(kPrincipalY) << 0.0, camera.fy_px;
   return slope;
@@ -167,7 +167,7 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
   if (jacobians[kLens] == nullptr) return true;
   Eigen::Matrix<double, 2, kNumLensParameters> by_lens =
       StillLensSlope(camera, lens, p, distorted.point);
-  // The middle row moves, and with it how far the camera had turned.
+  // The middle row moves, and with it the turn of the camera.
   const Eigen::Vector3d rate = turn + 2.0 * share * bend;
   by_lens.col(kPrincipalY) += by_x * rate.cross(still) * (camera.fy_px / camera.height_px);
   Write<kNumLensParameters>(by_lens, jacobians[kLens]);

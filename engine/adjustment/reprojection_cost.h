@@ -1,5 +1,5 @@
-// The reprojection residual with derivatives by hand: the same numbers as differentiating it
-// automatically, at a fraction of the cost, and only those that the solver asks for.
+// The reprojection residual with analytic derivatives: same numbers as automatic differentiation,
+// at a fraction of the cost. Computes only the derivatives that the solver requests.
 #pragma once
 
 #include <ceres/sized_cost_function.h>

@@ -15,7 +15,7 @@
 
 namespace freelsd {
 
-// What is refined of the lens: a factor on the focal lengths, changes of the radial and tangential
+// Refined parameters of the lens: a factor on the focal lengths, changes of radial and tangential
 // coefficients, and of the principal point as a share of the focal length.
 enum LensParameter {
   kFocalFactor,
@@ -46,7 +46,7 @@ struct ReprojectionResidual {
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(pose + 4), point(landmark);
     const T cx = T(camera->cx_px) + camera->fx_px * lens[kPrincipalX];
     const T cy = T(camera->cy_px) + camera->fy_px * lens[kPrincipalY];
-    // The sighting's own row tells how far the camera had turned, by angles that are their own
+    // The sighting's own row gives the turn of the camera. Angles are small enough to equal their
     // sine.
     const T share = (T(point_in_image.y()) - cy) / T(camera->height_px);
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> turn(readout), bend(readout + 3);
@@ -66,7 +66,7 @@ struct ReprojectionResidual {
   Eigen::Vector2d point_in_image;
 
  private:
-  // By the change of the coefficients, which enter the model linearly.
+  // Distortion by the change of the coefficients, which are linear in the model.
   template <typename T>
   static Eigen::Matrix<T, 2, 1> Change(const Eigen::Matrix<T, 2, 1>& p, const T* const lens) {
     const T r2 = p.squaredNorm();
@@ -118,8 +118,8 @@ struct PositionPrior {
   double sd_m;
 };
 
-// Rotation vector, in world, from the prior attitude to the adjusted one; about the vertical (yaw)
-// and about horizontal axes (tilt) it has deviations of its own.
+// Rotation vector, in world, from the prior attitude to the adjusted one. Yaw (about the vertical)
+// and tilt (about horizontal axes) have separate deviations.
 struct AttitudePrior {
   template <typename T>
   bool operator()(const T* const pose, T* residual) const {
@@ -127,7 +127,7 @@ struct AttitudePrior {
     Eigen::Quaternion<T> difference =
         world_from_camera * prior_world_from_camera.conjugate().cast<T>();
     if (difference.w() < T(0.0)) difference.coeffs() = -difference.coeffs();
-    // Twice the vector part: the rotation vector for the small angles that a prior is good for.
+    // Twice the vector part: the rotation vector of small angles.
     residual[0] = T(2.0) * difference.x() / T(tilt_sd);
     residual[1] = T(2.0) * difference.y() / T(tilt_sd);
     residual[2] = T(2.0) * difference.z() / T(yaw_sd);
@@ -139,7 +139,7 @@ struct AttitudePrior {
   double yaw_sd;
 };
 
-// The camera stood still while its rows were read, give or take.
+// Prior: the camera did not move during readout.
 struct ReadoutPrior {
   template <typename T>
   bool operator()(const T* const readout, T* residual) const {
@@ -152,7 +152,7 @@ struct ReadoutPrior {
   double bend_sd;
 };
 
-// The lens stays near what is known of it.
+// Prior: the lens stays near its known values.
 struct LensPrior {
   template <typename T>
   bool operator()(const T* const lens, T* residual) const {

@@ -13,16 +13,16 @@
 namespace freelsd {
 namespace {
 
-// GPS and autopilot may be off by more than they say; beyond this many deviations a prior pulls
-// less.
+// GPS and autopilot may be worse than their stated deviation. Beyond this many deviations the pull
+// of a prior weakens.
 constexpr double kPriorLossSd = 2.5;
-// No prior is trusted better than this, whatever its deviation says.
+// Lower bound of the deviation of every prior.
 constexpr double kMinPositionSdM = 0.01;
 constexpr double kMinAttitudeSdDeg = 0.01;
-// Up to here a dense reduced system is solved faster than a sparse one.
+// Up to this number, the dense reduced system is faster than the sparse one.
 constexpr size_t kMaxNumDenseViews = 60;
 
-// Change of the lens that was given to the one that a solution starts from.
+// Change of the lens from the given camera to the start of a solution.
 std::array<double, kNumLensParameters> LensChange(const Camera& given, const Camera& start) {
   const auto change = [&](size_t i) {
     const auto at = [i](const Camera& camera) {
@@ -98,7 +98,7 @@ void AddPriors(const std::vector<View>& views,
   }
 }
 
-// An equidistant lens has no EXIF tag: its intrinsics were measured.
+// Equidistant lenses have no EXIF tag, so their intrinsics were measured.
 bool MayRefine(const Camera& camera, const AdjustmentOptions& options) {
   return options.refine_exif_intrinsics && camera.source == CameraSource::kExif &&
          camera.distortion != DistortionModel::kEquidistant;
@@ -133,19 +133,19 @@ void AddLens(const Camera& camera,
                                 {kRadial2, kTangential1, kTangential2, kPrincipalX, kPrincipalY}));
 }
 
-// How long a rolling shutter may take; 0 when all rows are exposed at once.
+// Readout time of a rolling shutter, seconds; 0 if all rows are exposed at once.
 double ReadoutSeconds(const Camera& camera, const AdjustmentOptions& options) {
   return IsReadoutUnknown(camera) ? options.exif_readout_s : camera.readout_s;
 }
 
-// Of a time that nobody stated, only an even turn is asked for.
+// If nobody stated the readout time, only a uniform turn is estimated.
 void AddReadouts(double readout_s,
                  bool is_stated,
                  const AdjustmentOptions& options,
                  Parameters& parameters,
                  ceres::Problem& problem) {
   const double turn_sd = readout_s * RadFromDeg(options.readout_rate_sd_deg_s);
-  // A rate that changes by a in a second turns by a / 2 more in the square of it.
+  // A rate that changes by a per second adds a turn of a / 2 times the time squared.
   const double bend_sd = 0.5 * readout_s * readout_s * RadFromDeg(options.readout_change_sd_deg_s2);
   for (size_t i = 0; i < parameters.num_views(); ++i) {
     problem.AddParameterBlock(parameters.ReadoutOf(i), kNumReadoutParameters);
@@ -164,7 +164,7 @@ void AddReadouts(double readout_s,
   }
 }
 
-// How many residuals there are.
+// Returns the number of residuals.
 int AddObservations(const Camera& camera,
                     double loss_px,
                     std::vector<BlockTrack>& tracks,
@@ -188,7 +188,7 @@ int AddObservations(const Camera& camera,
   return num_residuals;
 }
 
-// The camera with the change of its lens applied.
+// Applies the change of the lens to the camera.
 Camera Refined(const Camera& camera, const double* lens) {
   Camera refined = camera;
   refined.fx_px *= lens[kFocalFactor];
@@ -224,7 +224,7 @@ ceres::Solver::Options SolverOptions(const AdjustmentOptions& options,
       parameters.num_views() <= kMaxNumDenseViews ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
   solver.max_num_iterations = options.max_num_iterations;
   solver.function_tolerance = settings.function_tolerance;
-  // More threads would sum in another order on each run, and the last digits would differ.
+  // More threads would change the order of sums, and with it the last digits, from run to run.
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
   return solver;

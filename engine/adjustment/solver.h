@@ -12,22 +12,22 @@ struct SolverSettings {
   double loss_px = 1.5;
   // Relative change of the cost at which the solver stops.
   double function_tolerance = 1e-5;
-  // Whether each view may have turned while it was read; otherwise all rows are taken as exposed at
+  // Whether each view may turn during readout. Otherwise all rows are exposed at
   // once.
   bool has_readouts = true;
 };
 
 struct SolvedBlock {
   BlockState state;
-  // Robust, with the priors: half of the sum.
+  // Half of the robust sum, including priors.
   double cost = 0.0;
-  // Of the sightings.
+  // Residuals of sightings only.
   int num_residuals = 0;
 };
 
-// Poses, points and, where allowed, the lens that fit inliers and priors best, starting at `start`
-// and the tracks' points. `camera` is the one that was given: its intrinsics are the prior. Nothing
-// when the solver fails or something is not finite; points are then of no use.
+// Poses, points and, where allowed, the lens that best fit inliers and priors. Starts at `start`
+// and the tracks' points. `camera` holds the given intrinsics, which are the prior. Nothing if the
+// solver fails or a value is not finite; the points are then invalid.
 std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
                                       const Camera& camera,
                                       const BlockState& start,
@@ -35,7 +35,7 @@ std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
                                       const SolverSettings& settings,
                                       std::vector<BlockTrack>& tracks);
 
-// Whether it is not known how the camera reads its images, so that the photographs must tell.
+// Whether the readout time is unknown and must be estimated from the photographs.
 bool IsReadoutUnknown(const Camera& camera);
 
 // Deviations of the attitude prior, radians.

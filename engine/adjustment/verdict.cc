@@ -13,16 +13,16 @@
 namespace freelsd {
 namespace {
 
-// Pixel noise that is assumed even when the residuals look better.
+// Least assumed pixel noise, even if the residuals are smaller.
 constexpr double kMinPixelSd = 0.7;
-// GPS errors drift over minutes: however many views, they are no more independent fixes than this.
+// GPS errors drift over minutes: any number of views has at most this many independent fixes.
 constexpr double kNumIndependentFixes = 4.0;
-// What all fixes have in common moves the block with them and does not show. An error that drifts
-// over 30 s leaves, in flights of two minutes, half as much variance in the mean as about it.
+// An error common to all fixes moves the block and stays invisible. An error that drifts over 30 s
+// leaves, in flights of two minutes, half as much variance in the mean as about it.
 constexpr double kNumIndependentShown = 2.0;
 
 using Group = std::vector<size_t>;  // views, ascending
-// Per view the tracks it sees well, ascending.
+// Tracks that each view sees well, ascending.
 using TracksOfViews = std::vector<std::vector<size_t>>;
 
 TracksOfViews InlierTracks(size_t num_views, const std::vector<BlockTrack>& tracks) {
@@ -47,7 +47,7 @@ int NumShared(const std::vector<size_t>& a, const std::vector<size_t>& b) {
   return num_shared;
 }
 
-// Views reachable from one another over neighbours that share enough landmarks.
+// Views connected through neighbours that share enough landmarks.
 std::vector<Group> Groups(const TracksOfViews& seen, const AdjustmentOptions& options) {
   std::vector<Group> groups;
   std::vector<bool> is_taken(seen.size(), false);
@@ -71,8 +71,8 @@ std::vector<Group> Groups(const TracksOfViews& seen, const AdjustmentOptions& op
   return groups;
 }
 
-// Takes away views with too few sightings of tracks that others of the group see, until all have
-// enough.
+// Repeatedly removes views with too few sightings of tracks that others of the group see, until all
+// have enough.
 Group WithoutLooseViews(Group group, const TracksOfViews& seen, int min_num_observations) {
   while (true) {
     std::vector<int> num_views(0);
@@ -93,15 +93,15 @@ Group WithoutLooseViews(Group group, const TracksOfViews& seen, int min_num_obse
   }
 }
 
-// Per axis, means over the views.
+// Per axis; means over the views.
 struct PositionVariance {
   double claimed = 0.0;  // by the priors themselves
   double shown = 0.0;    // by the solved block, about what they have in common
 
-  // Of one view's position against the others'. A geotag that lags the shutter by a second is 13 m
-  // off, whatever its GPS claims.
+  // Of one view's position relative to the others. A geotag that lags the shutter by a second is 13
+  // m off, whatever deviation its GPS states.
   double OfOne() const { return std::max(claimed, shown); }
-  // Of the position of them all.
+  // Of the mean position of all views.
   double OfMean(size_t num_views) const {
     const auto num = static_cast<double>(num_views);
     return std::max(claimed / std::min(kNumIndependentFixes, num),
@@ -141,8 +141,8 @@ double PositionSpread(const std::vector<View>& views, const BlockState& state, c
                    VarianceOfPositions(views, state, group).OfOne());
 }
 
-// Of the group turned as a whole about its worse horizontal axis. Positions resist by their lever
-// arms; the attitudes share the error of the mount, so all of them count as one.
+// Tilt of the whole group about its worse horizontal axis. Positions constrain it by their lever
+// arms. Attitudes share the error of the mount, so all of them count as one.
 double TiltDeviation(const std::vector<View>& views,
                      const BlockState& state,
                      const Group& group,
@@ -164,7 +164,7 @@ double TiltDeviation(const std::vector<View>& views,
   return 1.0 / std::sqrt(eigen.eigenvalues()[0]);
 }
 
-// Why the group is no ground to build a map on; empty when it is.
+// Why the group cannot carry a map; empty if it can.
 std::string Objection(double spread_sigma, double tilt_sd_deg, const AdjustmentOptions& options) {
   char text[160];
   if (spread_sigma < options.min_position_spread_sigma) {

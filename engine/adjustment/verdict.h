@@ -1,4 +1,4 @@
-// Which views of a solved block can be trusted, and how far.
+// Which views of a solved block are trusted, and how accurate they are.
 #pragma once
 
 #include <string>
@@ -16,11 +16,11 @@ struct BlockVerdict {
   std::vector<double> position_sd_m;
   // As AdjustedBlock::tilt_sd_deg; of the worst group of connected views.
   double tilt_sd_deg = 0.0;
-  // Why groups of views were refused; empty when none was.
+  // Why groups of views were rejected; empty if none was.
   std::string note;
 };
 
-// Views hang together in groups; each group is judged by itself, for its own priors place it.
+// Judges each connected group by itself, because its own priors place it.
 BlockVerdict JudgeBlock(const std::vector<View>& views,
                         const BlockState& state,
                         const std::vector<BlockTrack>& tracks,

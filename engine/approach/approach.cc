@@ -24,7 +24,7 @@ std::vector<Rejection> Rejections(const std::vector<Attempt>& passed_over,
   return rejections;
 }
 
-// Place and its ground; everything that does not depend on the path.
+// The place and its ground: everything that does not depend on the path.
 Plan PlanAt(const std::optional<Touchdown>& touchdown,
             const HazardLayers& hazards,
             const PlanRequest& request,
@@ -64,7 +64,7 @@ Plan Refused(Plan plan, const Refusal& refusal) {
   return plan;
 }
 
-// The attempt's verdict, path and reason; its checks are completed where the search stopped early.
+// Adds the attempt's verdict, path and reason. Completes checks that the search stopped early.
 Plan WithAttempt(Plan plan, const Attempt& attempt, const AttemptContext& context) {
   plan.verdict = attempt.verdict;
   plan.approach = DescribeApproach(attempt, context);
@@ -73,7 +73,7 @@ Plan WithAttempt(Plan plan, const Attempt& attempt, const AttemptContext& contex
   return Refused(std::move(plan), {rejection.reason, rejection.detail});
 }
 
-// Says why the way that comes first was not taken.
+// Adds the reason why the first way was not taken.
 Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_rejections);
   plan.rejections.insert(
@@ -85,7 +85,7 @@ Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
 
 }  // namespace
 
-// What does not hang on the wind.
+// Everything that does not depend on the wind.
 struct ApproachGround {
   const ElevationMap& map;
   const HazardLayers& hazards;
@@ -97,7 +97,7 @@ struct ApproachGround {
   std::optional<Touchdown> safest;
   std::optional<Refusal> refusal;
   TouchdownCandidates candidates;
-  // Of all of the map, where several winds are planned for.
+  // Covers the whole map; used where several winds are planned for.
   std::optional<ClearanceSurface> surface;
 
   ApproachGround(const ElevationMap& the_map,
@@ -109,7 +109,7 @@ struct ApproachGround {
   Plan PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world, Explanation explanation) const;
 };
 
-// Without a path where ground or wind speak against all of them.
+// Without a path if ground or wind exclude every path.
 Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
   std::optional<Refusal> why_not = refusal;
   if (!why_not) why_not = RefuseWind(way.wind);
@@ -153,7 +153,7 @@ ApproachGround::ApproachGround(const ElevationMap& the_map,
   RequireOneGrid(map, hazards);
   aircraft = WithPositionMargin(profile, map, options);
   required_hazard_distance = RequiredHazardDistance(map, aircraft, options);
-  const FootprintContent content = ReadFootprint(map, hazards, request.footprint, options);
+  const FootprintContent content = ReadFootprint(map, hazards, request.footprint);
   if (!content.touchdowns.empty()) safest = content.touchdowns.front();
   refusal = RefuseGround(request, content, required_hazard_distance, aircraft);
   candidates =

@@ -13,54 +13,53 @@ namespace freelsd {
 
 struct ApproachOptions {
   // --- What counts as safe ---
-  // The map's position is never taken to be better known than this (a standard deviation), and a
-  // touchdown keeps disc_margin_sigma deviations of it away from hazard too. Differs: spec has one,
-  // and a rough spot lay in such a disc on a map that was 2.4 m aside.
+  // Least assumed deviation of the map's position. A touchdown disc keeps disc_margin_sigma of
+  // these deviations away from hazard. Paper: the disc alone. Differs: one deviation is too little
+  // (decision 0018).
   double min_map_position_sd_m = 1.0;
   double disc_margin_sigma = 2.0;
-  // Ground roll and corridor of the paths are wider on either side, and the roll longer, by this
-  // many standard deviations of the map's position: what stands beside them may stand in them.
+  // Ground roll and corridors are wider on both sides, and the roll longer, by this many deviations
+  // of the map's position, because the map may be shifted.
   double path_margin_sigma = 3.0;
-  // Cells of a tree or of no clear class under the path get this height on top: leafless trees are
-  // seen through. Such a cell's posterior of grass is unknown or below min_clear_class_posterior.
-  // Only where no photographs were compared: those tell what is seen through, and its height is
-  // unknown then.
+  // Allowance on top of cells under the path without a clear class: their posterior of
+  // grass is unknown or too low. The map misses leafless trees. Applies only if no
+  // photographs were compared: the comparison finds such trees and makes their height
+  // unknown.
   double unclear_height_allowance_m = 2.0;
-  double min_clear_class_posterior = 0.5;
-  // A cell whose height is less certain than this counts as unseen under the path too; what stands
-  // in it still blocks.
+  // A cell with a larger height deviation counts as unseen under the path too. What stands in it
+  // still blocks.
   double max_height_sd_m = 1.0;
-  // The whole map may lean: what lies at a distance from touchdown may stand higher against it by
-  // the distance times this many standard deviations of the map's tilt.
+  // Deviations of the map's tilt to allow for. Things may stand higher relative to touchdown by
+  // their distance times this angle, because the whole map may lean.
   double tilt_sigma = 2.0;
-  // Where no wind is known, the final must also be clear with this wind from behind. Paper: 5.5 m/s
+  // With unknown wind, the final must also be clear with a tail wind of this speed. Paper: 5.5 m/s
   // in the last experiment.
   double unknown_wind_mps = 5.5;
-  // Ground is bare, and gets no such height, where all cells within that distance are seen and no
-  // rougher than this: below a tree's branches they are not.
+  // Bare ground gets no allowance. All cells within this radius must be seen and no rougher than
+  // the limit: below branches they are rougher.
   double bare_ground_radius_m = 2.0;
   double max_bare_roughness_m = 0.5;
   // --- Search ---
-  // Touchdown candidates tried per region, best first, at least this far apart; farther where that
-  // many would not reach over all of the region's free ground.
+  // Touchdown candidates per region, best first, and their least distance from each other. The
+  // distance grows until the candidates cover all free ground of the region.
   int max_num_candidates = 60;
-  // Where none of those is good: this many more, at equal distances. A field with room for a single
-  // final has no place for two candidates beside each other.
+  // Additional evenly spaced candidates, tried if no candidate succeeds: a field may have room for
+  // a single final, which a coarse search misses.
   int max_num_reserve_candidates = 500;
   double candidate_spacing_m = 4.0;
-  // Where every circle at the aircraft's approach height is blocked, higher starts are tried: their
-  // heights in units of it, ascending. The final grows in proportion. Paper: 1 alone.
+  // Heights of the start, in units of the aircraft's approach height, ascending. Higher starts are
+  // tried where every lower circle is blocked. The final grows in proportion. Paper: 1 alone.
   std::vector<double> start_height_ratios{1.0, 1.5, 2.0, 3.0};
-  // Where no final into the wind is good, others are tried with no more wind from the side than
-  // this share of the landing airspeed. Paper: 0, into the wind alone.
+  // Where every final into the wind fails, other headings are tried with at most this crosswind, as
+  // a share of the landing airspeed. Paper: 0, into the wind alone.
   double max_crosswind_ratio = 0.15;
-  // Headings tried where the wind is unknown or calm, or partly from the side.
+  // Step between headings where the wind is unknown, calm or partly from the side.
   double heading_step_deg = 10.0;
-  // Below this the heading is free.
+  // Below this wind speed every heading is tried.
   double calm_wind_mps = 0.5;
   // Step along path and circle; never coarser than half a cell on the final.
   double path_step_m = 0.5;
-  // Rejections kept with the site.
+  // Largest number of rejections stored with the site.
   int max_num_rejections = 20;
   // Final score: weights of distance to hazard, clearance, area, slope, roughness, evidence.
   std::vector<double> score_weights{0.25, 0.2, 0.15, 0.15, 0.1, 0.15};
@@ -70,7 +69,7 @@ struct ApproachOptions {
 
 enum class Verdict { kLandable, kUnverified, kRejected };
 
-// Closed list of the HTTP contract.
+// As in api/openapi.yaml.
 enum class RejectReason {
   kNoSafeTouchdown,
   kApproachBlocked,
@@ -85,15 +84,15 @@ enum class RejectReason {
 
 enum class LoiterDirection { kLeft, kRight };  // as flown
 
-// Eq. 1: length of the final over ground, flown into the wind; zero or negative where the wind is
-// too strong.
+// Eq. 1: length of the final over ground, into the wind. Zero or negative where the wind is too
+// strong.
 double ApproachDistance(const Aircraft& aircraft, double wind_speed);
-// The same with all of the wind from behind, which nobody plans but who does not know it may get.
+// Eq. 1 with a tail wind, for wind that is unknown. No final is planned downwind.
 double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed);
 double LoiterRadius(const Aircraft& aircraft, double wind_speed);
 
-// What a touchdown keeps from hazard: its disc, the map's own deviation and half a cell's diagonal
-// (spec 3.6). NaN where the deviation is unknown: nothing keeps that.
+// Distance that a touchdown needs from hazard: its disc, the map's deviation and half a cell's
+// diagonal (decision 0019). NaN where the deviation is unknown: no distance suffices.
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options);
@@ -113,7 +112,7 @@ struct Approach {
   double heading = 0.0;
   double approach_distance = 0.0;
   double approach_height = 0.0;
-  // Of the wind planned for, from the side of the final; 0 where no wind is known.
+  // Crosswind of the planned wind; 0 where the wind is unknown.
   double crosswind = 0.0;
   double loiter_radius = 0.0;
   Eigen::Vector3d loiter_center_in_world = Eigen::Vector3d::Zero();
@@ -125,7 +124,7 @@ struct Approach {
   ApproachProfile profile;
 };
 
-// The circle as flown from the start of the final, closed: num_points + 1 points, first = last.
+// The circle as flown from the start of the final. Closed: num_points + 1 points, first = last.
 std::vector<Eigen::Vector3d> LoiterPolyline(const Approach& approach, int num_points);
 
 struct Rejection {
@@ -142,13 +141,13 @@ struct ScoreTerm {
   double weight = 0.0;
 };
 
-// What the planner answers for one region: always a place with numbers, even when rejected (the
-// least bad one, and the rule it breaks), unless nothing was seen at all.
+// The plan for one region. Even a rejected region gets a place with numbers: the least bad place
+// and the rule that it breaks. Exception: nothing was seen.
 struct Plan {
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reject_reason;
   std::string reject_detail;
-  // World; for a rejected site the least bad place, or the region's centre at its ground_height.
+  // World. If rejected: the least bad place, or the region's centre at its ground_height.
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   double hazard_distance = 0.0;
   // Largest within the touchdown disc; NaN if unseen. Slope in radians.
@@ -160,7 +159,7 @@ struct Plan {
   std::vector<ScoreTerm> score_terms;
 };
 
-// What of the region enters the plan.
+// The region's data that a plan depends on.
 struct PlanRequest {
   Polygon footprint;  // where the touchdown may lie, world
   double area_m2 = 0.0;
@@ -168,29 +167,29 @@ struct PlanRequest {
   int num_observations = 0;
   int min_num_observations = 2;
   std::optional<Eigen::Vector2d> wind_in_world;
-  // World z of the region by coarse depth: only the answer where the map saw nothing of it.
+  // World z of the region by coarse depth. Reported only if the map has no height there.
   double ground_height = 0.0;
 };
 
-// Touchdown candidates are tried best first (distance to hazard) and the first landable one wins;
-// else the first unverified one of the few, then of the reserve. The search looks at a limited
-// number of places, so it may miss a good place, but never accepts a bad one. Ways down in order: a
-// final into the wind, one across it, and where circles are blocked both from higher up. Throws
-// std::invalid_argument when map and hazards are not of one grid.
+// Tries candidates by distance to hazard, best first. Returns the first landable one, else the
+// first unverified one (of the candidates, then of the reserve). The search is not exhaustive: it
+// may miss a good place but never accepts a bad one. Order of ways: into the wind, with crosswind,
+// then both from higher starts. Throws std::invalid_argument when map and hazards have different
+// grids.
 Plan PlanApproach(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,
                   const Aircraft& aircraft,
                   const ApproachOptions& options);
 
-// Whether a plan tells what was refused, and what lies below its final.
+// Whether a plan includes its rejections and the profile below its final.
 enum class Explanation { kFull, kNone };
 
-// The same for one wind after another: what does not hang on the wind is done once. Map and hazards
-// must live as long. May be asked by several threads at a time.
+// Plans for many winds. Work that does not depend on wind is done once. Map and hazards must
+// outlive the planner. Thread-safe.
 class ApproachPlanner {
  public:
-  // The request's own wind has no meaning here. Throws as PlanApproach does.
+  // Ignores the request's own wind. Throws as PlanApproach does.
   ApproachPlanner(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,
@@ -200,8 +199,8 @@ class ApproachPlanner {
   ApproachPlanner(ApproachPlanner&&) noexcept;
   ApproachPlanner& operator=(ApproachPlanner&&) noexcept;
 
-  // Without explanation rejections and profile are empty; nothing else is another, and it takes
-  // less time.
+  // Without explanation, rejections and profile are empty and planning is faster. Everything else
+  // is identical.
   Plan PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world,
                Explanation explanation = Explanation::kFull) const;
 
@@ -209,7 +208,7 @@ class ApproachPlanner {
   std::unique_ptr<const struct ApproachGround> ground_;
 };
 
-// Which winds a rose is made of.
+// The winds of a rose.
 struct WindRoseOptions {
   // Evenly spaced from north: 36 are 10 degrees apart.
   int num_directions = 36;
@@ -219,21 +218,21 @@ struct WindRoseOptions {
   void Check() const;
 };
 
-// What a place is good for in each of many winds.
+// Plans for one place in many winds.
 struct WindRose {
   // The wind comes from 360 deg * i / num_directions, clockwise from north.
   int num_directions = 0;
   std::vector<double> speeds;
-  // Speed by speed, in it direction by direction.
+  // Ordered by speed, then by direction.
   std::vector<Plan> plans;
 
-  // Where that air moves to.
+  // Direction that the air moves towards.
   Eigen::Vector2d WindInWorld(size_t speed, size_t direction) const;
   const Plan& At(size_t speed, size_t direction) const;
 };
 
-// Each plan is the planner's for that wind, without explanation. Throws std::invalid_argument on
-// bad options.
+// Each plan equals planner.PlanFor(that wind, kNone). Throws std::invalid_argument on bad
+// options.
 WindRose PlanWindRose(const ApproachPlanner& planner, const WindRoseOptions& options);
 
 }  // namespace freelsd

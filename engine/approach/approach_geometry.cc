@@ -10,7 +10,7 @@ namespace {
 constexpr double kGravity = 9.81;  // m/s^2, as in the paper's numbers
 constexpr int kMinPolylinePoints = 4;
 
-// Along the path over ground, in still air.
+// Along the path, in still air.
 double GroundSpeed(const Aircraft& aircraft) {
   return aircraft.landing_airspeed_mps * std::cos(RadFromDeg(aircraft.flight_path_angle_deg));
 }
@@ -27,14 +27,14 @@ std::vector<HeadingCase> AllHeadings(double step_deg, const std::vector<WindScen
   return headings;
 }
 
-// Eq. 1, with the wind that far off the heading.
+// Eq. 1, with the wind at this angle to the heading.
 double FinalLength(const Aircraft& aircraft, double wind_speed, double off_deg) {
   const double headwind =
       wind_speed * std::cos(RadFromDeg(aircraft.crosswind_uncertainty_deg + off_deg));
   return (GroundSpeed(aircraft) - headwind) / SinkRate(aircraft) * aircraft.approach_height_m;
 }
 
-// Flown against, whatever its speed.
+// Heading straight into the wind, at any wind speed.
 WindCase AgainstWind(const Eigen::Vector2d& wind_in_world, const Aircraft& aircraft) {
   const double wind_speed = wind_in_world.norm();
   WindCase wind;
@@ -47,8 +47,8 @@ WindCase AgainstWind(const Eigen::Vector2d& wind_in_world, const Aircraft& aircr
   return wind;
 }
 
-// Off the wind, as far as the aircraft may have it from the side; none where it blows too little to
-// matter, or so much that it makes no way.
+// Headings off the wind, up to the aircraft's crosswind limit. None if the wind is too weak to
+// matter, or too strong to make headway.
 WindCase AcrossWind(const Eigen::Vector2d& wind_in_world,
                     const Aircraft& aircraft,
                     const ApproachOptions& options) {
@@ -77,7 +77,7 @@ Aircraft WithStartHeight(Aircraft aircraft, double ratio) {
   return aircraft;
 }
 
-// For each height of the start what `cases` gives, in its order; without those that have no
+// The result of `cases` for each height of the start, in its order, without cases that have no
 // heading.
 template <class Cases>
 std::vector<Way> FromEachHeight(const Aircraft& aircraft,
@@ -93,7 +93,7 @@ std::vector<Way> FromEachHeight(const Aircraft& aircraft,
   return ways;
 }
 
-// From the aircraft to the circle's centre, a quarter turn off the heading.
+// From the aircraft to the circle's centre, at a right angle to the heading.
 Eigen::Vector2d TowardsCenter(double heading, LoiterDirection direction) {
   const Eigen::Vector2d forward = DirectionOf(heading);
   const Eigen::Vector2d left(-forward.y(), forward.x());

@@ -1,4 +1,4 @@
-// Private to approach/: where final and circle lie.
+// Private to approach/: positions and sizes of final and circle.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace freelsd {
 
-// One wind that has to be reckoned with.
+// One wind that the path must be safe in.
 struct WindScenario {
   double approach_distance = 0.0;
   double loiter_radius = 0.0;
@@ -22,36 +22,36 @@ struct HeadingCase {
 };
 
 struct WindCase {
-  // To try; in none of them is it another wind.
+  // Headings to try, all for the same wind.
   std::vector<HeadingCase> headings;
   bool is_known = false;
   bool is_too_strong = false;
   double wind_speed = 0.0;
 };
 
-// Known: into the wind. Calm: all headings. Unknown: all headings, for calm and from behind.
+// Known: into the wind. Calm: all headings. Unknown: all headings, in calm and with tail wind.
 WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,
                       const ApproachOptions& options);
 
-// One way to come down; the ground it needs is that of all its headings.
+// One way to come down. It needs the ground below all of its headings.
 struct Way {
-  // Place in options.start_height_ratios.
+  // Index in options.start_height_ratios.
   size_t start_height = 0;
-  // Comes in from that height.
+  // With the approach height of this start.
   Aircraft aircraft;
   WindCase wind;
 
   std::vector<WindScenario> Scenarios() const;
 };
 
-// In the order of trying: headings of the wind case, then across the wind, then both from higher
-// up. Those from higher up are for where circles are blocked.
+// In the order of trying: headings of the wind case, crosswind, then both from higher starts, which
+// help where circles are blocked.
 std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
                           const Aircraft& aircraft,
                           const ApproachOptions& options);
 
-// Start of the final, circle's centre and sizes; what needs a map is left empty.
+// Fills the start of the final, the circle's centre and sizes; fields that need a map stay empty.
 Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,
                       double heading,
                       const WindScenario& scenario,

@@ -10,7 +10,7 @@ namespace {
 
 // Distance to hazard, clearance, area, slope, roughness, evidence.
 constexpr size_t kNumScoreTerms = 6;
-// Each is a search of its own.
+// Each start height needs a search of its own.
 constexpr size_t kMaxNumStartHeights = 10;
 constexpr double kMinStartHeightRatio = 0.1;
 constexpr double kMaxStartHeightRatio = 20.0;
@@ -44,7 +44,6 @@ void ApproachOptions::Check() const {
   const FieldCheck check("approach");
   check.Inside("min_map_position_sd_m", min_map_position_sd_m, 0.0, 100.0);
   check.Inside("unclear_height_allowance_m", unclear_height_allowance_m, 0.0, 100.0);
-  check.Inside("min_clear_class_posterior", min_clear_class_posterior, 0.0, 1.0);
   check.Inside("max_height_sd_m", max_height_sd_m, 0.01, 100.0);
   check.Inside("tilt_sigma", tilt_sigma, 0.0, 10.0);
   check.Inside("bare_ground_radius_m", bare_ground_radius_m, 0.0, 20.0);

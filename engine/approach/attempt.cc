@@ -97,7 +97,7 @@ PathCheck CircleOf(const Attempt& attempt, const AttemptContext& context, Depth 
   return check;
 }
 
-// Clear ones first, then less unseen, then more clearance; left where all is equal.
+// Clear circles first, then less unseen, then more clearance; left if all are equal.
 bool IsBetterCircle(const PathCheck& a, const PathCheck& b) {
   const auto key = [](const PathCheck& circle) {
     return std::tuple(circle.obstacle.has_value(), circle.UnseenRatio(), -circle.min_clearance);
@@ -105,7 +105,7 @@ bool IsBetterCircle(const PathCheck& a, const PathCheck& b) {
   return key(a) < key(b);
 }
 
-Attempt WithCircle(Attempt attempt, const AttemptContext& context, Depth depth) {
+Attempt WithCircle(const Attempt& attempt, const AttemptContext& context, Depth depth) {
   Attempt left = attempt, right = attempt;
   left.direction = LoiterDirection::kLeft;
   right.direction = LoiterDirection::kRight;
@@ -128,7 +128,7 @@ Verdict VerdictOf(const Attempt& attempt, const WindCase& wind) {
   return is_wholly_seen && wind.is_known ? Verdict::kLandable : Verdict::kUnverified;
 }
 
-// How far an attempt came: to the ground roll, along the final, to the circle, or all the way.
+// Progress of an attempt: ground roll, part of the final, circle, or everything.
 double Progress(const Attempt& attempt) {
   if (attempt.roll_hazard) return 0.0;
   if (attempt.final_path.obstacle || attempt.final_path.num_unseen_steps > 0) {
@@ -143,7 +143,7 @@ std::string DescribeObstacle(const Attempt& attempt, const Obstacle& obstacle) {
                                     ? Metres(-obstacle.clearance) + " above the path"
                                     : Metres(obstacle.clearance) + " below the path";
   return "by something " + Metres(above_touchdown) + " above the touchdown point, " + clearance +
-         ", where " + Metres(obstacle.wanted) + " of clearance are wanted";
+         ", where " + Metres(obstacle.wanted) + " of clearance are needed";
 }
 
 std::string DescribeRoll(const RollHazard& hazard) {
@@ -167,7 +167,7 @@ Attempt Try(const Touchdown& touchdown,
         touchdown.place_in_world, attempt.heading, context.surface, context.aircraft);
   }
   if (!ReasonOf(attempt) || is_thorough) attempt.final_path = FinalOf(attempt, context, depth);
-  if (!ReasonOf(attempt) || is_thorough) attempt = WithCircle(std::move(attempt), context, depth);
+  if (!ReasonOf(attempt) || is_thorough) attempt = WithCircle(attempt, context, depth);
   attempt.reason = ReasonOf(attempt);
   attempt.verdict = VerdictOf(attempt, context.wind);
   return attempt;
@@ -195,7 +195,7 @@ Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context) {
 Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
   Rejection rejection;
   rejection.touchdown_in_world = attempt.touchdown.place_in_world;
-  // Without a reason it was passed over for one that is wholly seen.
+  // An attempt without a reason lost against one that is fully seen.
   rejection.reason = attempt.reason.value_or(RejectReason::kApproachUnseen);
   if (attempt.roll_hazard) {
     const Eigen::Vector2d& place = attempt.roll_hazard->place_in_world;

@@ -1,4 +1,4 @@
-// Private to approach/: one touchdown point with one heading, tried.
+// Private to approach/: tries one touchdown point with one heading.
 #pragma once
 
 #include <optional>
@@ -9,26 +9,26 @@
 
 namespace freelsd {
 
-// What all attempts of one region share.
+// Shared by all attempts of one region.
 struct AttemptContext {
   const ClearanceSurface& surface;
   const WindCase& wind;
   const Aircraft& aircraft;
   const ApproachOptions& options;
-  // One per heading of the wind.
+  // One per heading in `wind`.
   const std::vector<HeadingCells>& cells;
 };
 
 struct Attempt {
   Touchdown touchdown;
-  // Among the wind's.
+  // Index in the headings of `wind`.
   size_t heading_index = 0;
   double heading = 0.0;
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reason;
   LoiterDirection direction = LoiterDirection::kLeft;
   std::optional<RollHazard> roll_hazard;
-  // Over all scenarios of the wind; the circle is that of the chosen direction.
+  // Worst over all scenarios of the wind; the circle in the chosen direction.
   PathCheck final_path;
   PathCheck circle;
 };
@@ -38,16 +38,16 @@ Attempt Try(const Touchdown& touchdown,
             const AttemptContext& context,
             Depth depth);
 
-// Of all headings the best attempt.
+// The best attempt over all headings.
 Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context);
 
-// By verdict, then by clearance and unseen share; rejected ones by how far they came.
+// By verdict, then clearance and unseen share; rejected attempts by how far they got.
 bool IsBetter(const Attempt& a, const Attempt& b);
 
-// Why it was not taken, in a sentence with numbers.
+// Reason of the rejection, in a sentence with numbers.
 Rejection Explain(const Attempt& attempt, const AttemptContext& context);
 
-// With clearances, without profile.
+// Includes clearances, not the profile.
 Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context);
 
 }  // namespace freelsd

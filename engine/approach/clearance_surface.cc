@@ -8,11 +8,11 @@
 namespace freelsd {
 namespace {
 
-// A circle has at most this many steps: beyond, the steps grow, and the corridor with them.
+// Largest number of steps of a circle. On larger circles the steps, and the corridor, grow.
 constexpr double kMaxNumCircleSteps = 20000.0;
-// A disc is widened in passes of at most this many cells: the cost of one grows with its area.
+// A disc is dilated in passes of at most this radius, because the cost grows with its area.
 constexpr double kMaxPassRadiusCells = 7.0;
-// A map that may lean more than this clears nothing anyway; its tangent stays finite.
+// A map that may lean more clears nothing anyway. Keeps the tangent finite.
 constexpr double kMaxLeanDeg = 80.0;
 
 double LargestRadius(const std::vector<WindScenario>& scenarios) {
@@ -21,7 +21,7 @@ double LargestRadius(const std::vector<WindScenario>& scenarios) {
   return radius;
 }
 
-// From a touchdown to the far side of a circle.
+// Distance from a touchdown to the far side of a circle.
 double Reach(const std::vector<WindScenario>& scenarios) {
   double reach = 0.0;
   for (const WindScenario& scenario : scenarios) {
@@ -30,31 +30,13 @@ double Reach(const std::vector<WindScenario>& scenarios) {
   return reach;
 }
 
-// Cells of the grid in the box about the footprint; compared as doubles, a reach may be huge.
-cv::Rect CellsAround(const Grid& grid, const Polygon& footprint, double reach) {
-  Eigen::Vector2d low = footprint.front(), high = footprint.front();
-  for (const Eigen::Vector2d& vertex : footprint) {
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
-  }
-  const auto clamp = [&](double metres, int end) {
-    return static_cast<int>(std::clamp(std::floor(metres / grid.cell_size_m), 0.0, double(end)));
-  };
-  const double west = low.x() - reach - grid.north_west_in_world.x();
-  const double east = high.x() + reach - grid.north_west_in_world.x() + grid.cell_size_m;
-  const double north = grid.north_west_in_world.y() - high.y() - reach;
-  const double south = grid.north_west_in_world.y() - low.y() + reach + grid.cell_size_m;
-  return {cv::Point(clamp(west, grid.num_cols), clamp(north, grid.num_rows)),
-          cv::Point(clamp(east, grid.num_cols), clamp(south, grid.num_rows))};
-}
-
 struct CellHeight {
   float height = kNoHeight;
   bool is_unseen = true;
 };
 
-// Cells of `cells` about which all within the radius are seen and even: 1. Under branches they are
-// not, be they of a tree without leaves.
+// 1 for cells of `cells` around which all cells within the radius are seen and even, else 0. Under
+// branches, also leafless ones, the ground is not even.
 cv::Mat1b BareGround(const ElevationMap& map,
                      const HazardLayers& hazards,
                      const ApproachOptions& options,
@@ -64,7 +46,7 @@ cv::Mat1b BareGround(const ElevationMap& map,
   for (int row = 0; row < cells.height; ++row) {
     for (int col = 0; col < cells.width; ++col) {
       const cv::Point cell = cv::Point(col, row) + cells.tl();
-      // What is no number is not even.
+      // NaN is not even.
       is_even(row, col) = hazards.roughness(cell) <= options.max_bare_roughness_m &&
                           map.upper(cell) - map.elevation(cell) <= options.max_bare_roughness_m &&
                           map.standard_deviation(cell) <= options.max_height_sd_m;
@@ -91,18 +73,18 @@ CellHeight HeightOf(const ElevationMap& map,
   const float sd = map.standard_deviation(cell);
   const bool is_certain = sd <= options.max_height_sd_m;  // an unknown deviation is not
   if (std::isnan(top)) return {};
-  // Photographs that agree show what is highest.
+  // After a comparison of photographs, every remaining height is reliable.
   const bool is_clear_class =
-      map.is_compared || is_bare || hazards.grass(cell) >= options.min_clear_class_posterior;
+      map.is_compared || is_bare || hazards.grass(cell) >= hazards.min_clear_class_posterior;
   const double allowance = is_clear_class ? 0.0 : options.unclear_height_allowance_m;
   return {.height = top + static_cast<float>(allowance),
           .is_unseen = std::isnan(elevation) || std::isnan(upper) || !is_certain};
 }
 
-// Maximum over the disc about each cell; outside counts as `outside`.
+// Maximum over the disc around each cell; cells outside have the value `outside`.
 cv::Mat MaxOverDisc(const cv::Mat& raster, double radius_cells, double outside) {
   const double num_passes = std::ceil(radius_cells / kMaxPassRadiusCells);
-  // Discs of whole cells are smaller than their radius; from the second pass on that adds up.
+  // Discs of whole cells are smaller than their radius. From the second pass on this adds up.
   const double pass_radius = radius_cells / num_passes + (num_passes > 1.0 ? std::sqrt(0.5) : 0.0);
   const int half = static_cast<int>(std::floor(pass_radius));
   cv::Mat1b disc(2 * half + 1, 2 * half + 1, uchar{0});
@@ -130,7 +112,7 @@ ClearanceSurface WithStep(double circle_step,
   surface.cell_size = map.grid.cell_size_m;
   surface.circle_step = circle_step;
   // Up to three half diagonals: from the cell's centre to the place in it, from the corridor's edge
-  // to the farthest place looked at beyond it, and from there to that cell's centre.
+  // to the farthest sample beyond it, and from there to that cell's centre.
   surface.corridor_radius =
       aircraft.path_half_width_m + 3.0 * surface.HalfDiagonal() + 0.5 * surface.circle_step;
   surface.lean = std::tan(RadFromDeg(std::min(options.tilt_sigma * map.tilt_sd_deg, kMaxLeanDeg)));
@@ -180,7 +162,7 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
                                       const ApproachOptions& options) {
   ClearanceSurface surface = WithStep(CircleStep(scenarios, options), map, aircraft, options);
   const cv::Rect cells =
-      CellsAround(map.grid, footprint, Reach(scenarios) + surface.corridor_radius);
+      map.grid.CellsAround(footprint, Reach(scenarios) + surface.corridor_radius);
   return Filled(std::move(surface), map, hazards, cells, options);
 }
 

@@ -1,4 +1,4 @@
-// Private to approach/: what a path has to clear, cut out of the map around one region.
+// Private to approach/: heights that a path must clear, cut out of the map around one region.
 #pragma once
 
 #include <cmath>
@@ -8,10 +8,10 @@
 
 namespace freelsd {
 
-// What stands for "no height known" in a raster of which maxima are taken.
+// Marks an unknown height in a raster of which maxima are taken.
 constexpr float kNoHeight = -1e30f;
 
-// Without std::floor, which is a call on the plainest x86: cells are looked up by the million.
+// Avoids std::floor, a function call on baseline x86: cells are looked up by the million.
 inline int FloorOf(double value) {
   const int truncated = static_cast<int>(value);
   return truncated - (value < truncated ? 1 : 0);
@@ -23,21 +23,21 @@ struct ClearanceSurface {
   double cell_size = 1.0;
   int first_row = 0;
   int first_col = 0;
-  // Highest thing known in the cell with its allowance, or kNoHeight.
+  // Height of the highest thing in the cell, with its allowance, or kNoHeight.
   cv::Mat1f height;
   // 1 where the height is unknown or too uncertain.
   cv::Mat1b is_unseen;
   // Values of Hazard.
   cv::Mat1b hazard;
-  // The same two over all cells that a corridor through the cell can hold: for the circle, and to
-  // see at a glance that a final is clear.
+  // Maximum of height and is_unseen over all cells that a corridor through the cell can meet: for
+  // circles, and for a quick test of finals.
   cv::Mat1f corridor_height;
   cv::Mat1b corridor_is_unseen;
-  // Of that corridor about a cell's centre.
+  // Radius of that corridor around a cell's centre.
   double corridor_radius = 0.0;
-  // How much higher things may stand for each metre from touchdown, because the map leans.
+  // Extra height per metre from touchdown, because the map may lean.
   double lean = 0.0;
-  // Along the circle.
+  // Step along the circle, metres.
   double circle_step = 0.5;
 
   int num_rows() const { return height.rows; }
@@ -54,7 +54,7 @@ struct ClearanceSurface {
   double HalfDiagonal() const { return cell_size * std::sqrt(0.5); }
 };
 
-// All that a path to a touchdown within the footprint can reach.
+// Covers every path to a touchdown within the footprint.
 ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
                                       const HazardLayers& hazards,
                                       const Polygon& footprint,
@@ -62,7 +62,7 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
                                       const Aircraft& aircraft,
                                       const ApproachOptions& options);
 
-// The same of all of the map, for every wind and height whose circles have the usual step.
+// Covers the whole map, for every wind and height whose circles have the usual step.
 ClearanceSurface MakeClearanceSurfaceOfMap(const ElevationMap& map,
                                            const HazardLayers& hazards,
                                            const Aircraft& aircraft,

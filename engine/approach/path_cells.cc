@@ -9,7 +9,7 @@ namespace {
 
 bool IsSame(const CellOffset& a, const CellOffset& b) { return a.row == b.row && a.col == b.col; }
 
-// Cell of a place given from the centre of the touchdown's cell, world.
+// Cell of a place given relative to the centre of the touchdown's cell, world.
 CellOffset OffsetOf(const Eigen::Vector2d& from_touchdown, double cell_size) {
   return {FloorOf(0.5 - from_touchdown.y() / cell_size),
           FloorOf(0.5 + from_touchdown.x() / cell_size)};

@@ -1,6 +1,6 @@
-// Private to approach/: the cells that the paths of one heading meet, counted from the touchdown's.
-// Touchdowns lie at cell centres, so these are the same for all of them: what one check costs is
-// looking up cells.
+// Private to approach/: the cells that the paths of one heading meet, as offsets from the
+// touchdown's cell. Touchdowns lie at cell centres, so all share these offsets, and a check only
+// looks cells up.
 #pragma once
 
 #include <array>
@@ -18,21 +18,21 @@ struct CellOffset {
 
 struct FinalCell {
   CellOffset offset;
-  // Over touchdown, of the lowest step in the cell.
+  // Height of the lowest step in the cell, above touchdown.
   double path_height = 0.0;
-  // How high something in the cell may stand over touchdown: least of the steps' path height less
-  // the clearance wanted.
+  // Height above touchdown that a thing in the cell may have: least difference between a step's
+  // path height and the clearance it needs.
   double free_height = 0.0;
 };
 
 struct CircleCell {
   CellOffset offset;
   int num_steps = 0;
-  // Most of the steps'.
+  // Largest clearance that a step in the cell needs.
   double wanted = 0.0;
 };
 
-// Of one wind scenario: cells in the order of flight from touchdown, and around both circles.
+// One wind scenario: cells in order from touchdown, and around both circles.
 struct PathCells {
   std::vector<FinalCell> final_path;
   int num_final_steps = 0;
@@ -45,23 +45,23 @@ struct HeadingCells {
   std::vector<PathCells> scenarios;
 };
 
-// One per heading of the wind.
+// One per heading in `wind`.
 std::vector<HeadingCells> MakeHeadingCells(const WindCase& wind,
                                            const ClearanceSurface& surface,
                                            const Aircraft& aircraft,
                                            const ApproachOptions& options);
 
-// Cells of the surface under one touchdown.
+// Cells of the surface around one touchdown.
 class CellsBelow {
  public:
   CellsBelow(const ClearanceSurface& surface, int row, int col, double height)
       : surface_(surface), row_(row), col_(col), height_(height) {}
 
   bool IsRollFree(const std::vector<CellOffset>& ground_roll) const;
-  // As CheckFinal until failure where the widened corridor is clear; nothing where it is not: that
-  // takes a closer look.
+  // As CheckFinal with kUntilFailure, if the widened corridor is clear. Nothing if it is not: then
+  // CheckFinal must decide.
   std::optional<PathCheck> GlanceAlongFinal(const PathCells& cells) const;
-  // As CheckCircle until failure.
+  // As CheckCircle; stops at the first failure.
   PathCheck CheckCircle(const PathCells& cells,
                         LoiterDirection direction,
                         double approach_height) const;

@@ -6,11 +6,11 @@
 namespace freelsd {
 namespace {
 
-// Samples this far apart along and across a corridor (in cells) have one within half a cell of
-// every cell's centre, so no cell of the corridor is missed.
+// Spacing of samples along and across a corridor, in cells. One sample lies within half a cell of
+// every cell's centre, so no cell is missed.
 constexpr double kAlongSpacing = 0.5;
 constexpr double kAcrossSpacing = 0.86;
-// Share of the path's height above touchdown that is enough near it (spec 3.6).
+// Near touchdown this share of the path's height is enough clearance (decision 0019).
 constexpr double kShareOfPathHeight = 0.5;
 
 // One slice across a corridor.
@@ -22,7 +22,7 @@ struct Slice {
   bool is_on_map = false;
 };
 
-// Samples across a corridor: every cell that reaches into it has its centre within the half-width.
+// Samples across a corridor. Cells that reach into it have their centre within the half-width.
 struct Corridor {
   Eigen::Vector2d across = Eigen::Vector2d::Zero();
   double spacing = 0.0;
@@ -61,7 +61,7 @@ Slice SliceAt(const Eigen::Vector2d& place,
   return slice;
 }
 
-// More than a slice: the highest within reach of it. Clear here, the slice is clear too.
+// Upper bound of a slice: the highest cell within reach. If this is clear, the slice is clear.
 Slice GlanceAt(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
   const int row = surface.RowAt(place.y()), col = surface.ColAt(place.x());
   if (!surface.IsInside(row, col)) return {.is_unseen = true};
@@ -87,7 +87,7 @@ double AlongStep(const ClearanceSurface& surface, const ApproachOptions& options
 
 bool HasFailed(const PathCheck& check) { return check.obstacle || check.num_unseen_steps > 0; }
 
-// The highest cell of the corridor about a place.
+// The highest cell of the corridor around a place.
 Eigen::Vector3d HighestAround(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
   const int center_row = surface.RowAt(place.y()), center_col = surface.ColAt(place.x());
   const int half = static_cast<int>(std::ceil(surface.corridor_radius / surface.cell_size));

@@ -1,4 +1,4 @@
-// Private to approach/: one path against the surface.
+// Private to approach/: checks one path against the surface.
 #pragma once
 
 #include <limits>
@@ -8,24 +8,24 @@
 
 namespace freelsd {
 
-// Where a path comes closest to what it has to clear.
+// Place where a path lacks most clearance.
 struct Obstacle {
-  // Top of the thing.
+  // Top of the obstacle.
   Eigen::Vector3d place_in_world = Eigen::Vector3d::Zero();
-  // To touchdown; of the final along it.
+  // Distance to touchdown; on the final, measured along it.
   double distance = 0.0;
   double clearance = 0.0;
   double wanted = 0.0;
   double Deficit() const { return wanted - clearance; }
 };
 
-// kUntilFailure stops where the verdict is known; the report wants kEverything.
+// kUntilFailure stops as soon as the verdict is known; reports need kEverything.
 enum class Depth { kUntilFailure, kEverything };
 
 struct PathCheck {
-  // Infinite where nothing was seen.
+  // Infinity if nothing was seen.
   double min_clearance = std::numeric_limits<double>::infinity();
-  // Least clearance in units of the wanted one.
+  // Least ratio of clearance to the clearance needed.
   double min_clearance_ratio = std::numeric_limits<double>::infinity();
   // The worst one, if the path is blocked.
   std::optional<Obstacle> obstacle;
@@ -46,15 +46,15 @@ std::vector<double> FinalSteps(const ClearanceSurface& surface,
                                const WindScenario& scenario,
                                const Aircraft& aircraft,
                                const ApproachOptions& options);
-// Clearance wanted of the final at a distance to touchdown (spec 3.6), where the path is so high
-// over touchdown.
+// Clearance that the final needs at a distance from touchdown, where the path is path_height above
+// touchdown (decision 0019).
 double WantedClearance(double distance,
                        double path_height,
                        const ClearanceSurface& surface,
                        const Aircraft& aircraft);
-// Steps around a circle: about circle_step long.
+// Number of steps around a circle, each about circle_step long.
 int NumCircleSteps(double radius, const ClearanceSurface& surface);
-// Places that the ground roll is checked at, from touchdown outward.
+// Samples of the ground roll, from touchdown outward.
 struct RollSample {
   Eigen::Vector2d from_touchdown = Eigen::Vector2d::Zero();
   double distance = 0.0;
@@ -63,14 +63,14 @@ std::vector<RollSample> RollSamples(double heading,
                                     const ClearanceSurface& surface,
                                     const Aircraft& aircraft);
 
-// With one more thing below the path.
+// The check with one more obstacle below the path.
 PathCheck WithObstacle(PathCheck check, const Obstacle& nearest);
-// The worse of two: both have to be clear.
+// The worse of two checks: both must be clear.
 PathCheck Worse(const PathCheck& a, const PathCheck& b);
 
-// kUntilFailure gives the same verdict, but only a lower bound of the clearance.
-// Spec 3.6: from the touchdown disc outward, corridor of path_half_width_m; wanted is the lesser of
-// safety margin and half the path's height above touchdown, and what the map may lean up to there.
+// kUntilFailure gives the same verdict, but only a lower bound of the clearance. Starts at the edge
+// of the touchdown disc; corridor of path_half_width_m. The clearance needed is the lesser of
+// safety margin and half the path's height, plus the map's lean (decision 0019).
 PathCheck CheckFinal(const Approach& approach,
                      const ClearanceSurface& surface,
                      const Aircraft& aircraft,

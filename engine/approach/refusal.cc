@@ -60,7 +60,7 @@ std::optional<Refusal> RefuseWind(const WindCase& wind) {
   if (!wind.is_too_strong) return std::nullopt;
   return Refusal{
       RejectReason::kWindTooStrong,
-      "against " + Rounded(wind.wind_speed, 1) + " m/s of wind the aircraft makes no way on final"};
+      "against " + Rounded(wind.wind_speed, 1) + " m/s of wind the aircraft makes no headway"};
 }
 
 }  // namespace freelsd

@@ -1,4 +1,4 @@
-// Private to approach/: why a region is refused before any path is tried.
+// Private to approach/: reasons to refuse a region before any path is tried.
 #pragma once
 
 #include <optional>
@@ -14,8 +14,8 @@ struct Refusal {
   std::string detail;
 };
 
-// What speaks against the region itself or against every place in it, in the order of the paper's
-// stages. `required_distance` to hazard.
+// Reason against the region, or against every place in it, in the order of the paper's stages.
+// `required_distance`: from hazard, metres.
 std::optional<Refusal> RefuseGround(const PlanRequest& request,
                                     const FootprintContent& content,
                                     double required_distance,

@@ -6,7 +6,7 @@
 namespace freelsd {
 namespace {
 
-// Terms are full where more would not make the landing safer.
+// Terms saturate where more would not make the landing safer.
 constexpr double kAmpleHazardDistances = 3.0;  // times the one needed
 constexpr double kAmpleClearances = 2.0;       // times the one wanted: what flat ground gives
 constexpr double kAmpleAreas = 4.0;            // times the least area

@@ -1,4 +1,4 @@
-// Private to approach/: how good a site is, as one number with its terms.
+// Private to approach/: the quality of a site as one number with its terms.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace freelsd {
 struct ScoreInput {
   double hazard_distance = 0.0;
   double required_hazard_distance = 1.0;
-  // Of the path, in units of the clearance wanted; NaN or negative: none.
+  // Least ratio of clearance to the clearance needed; NaN or negative: none.
   double clearance_ratio = 0.0;
   double slope = 0.0;
   double roughness = 0.0;

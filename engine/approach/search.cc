@@ -14,7 +14,7 @@ bool IsSamePlace(const Touchdown& a, const Touchdown& b) {
   return a.row == b.row && a.col == b.col;
 }
 
-// Of very many the first that is good; else the least bad of them and the best so far.
+// The first good touchdown of the reserve; else the least bad one, including the best so far.
 Attempt BestOfReserve(const std::vector<Touchdown>& reserve,
                       Attempt best,
                       const AttemptContext& context) {
@@ -40,7 +40,7 @@ SearchResult SearchTouchdown(const TouchdownCandidates& candidates, const Attemp
   }
   SearchResult result;
   result.best = BestOfReserve(candidates.reserve, *best, context);
-  // What comes after the chosen one is not better; unless none was good.
+  // Attempts after the chosen one are kept only if none was good.
   for (Attempt& attempt : tried) {
     const bool is_chosen = IsSamePlace(attempt.touchdown, result.best.touchdown);
     if (is_chosen && attempt.verdict != Verdict::kRejected) break;

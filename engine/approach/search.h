@@ -9,13 +9,13 @@ namespace freelsd {
 
 struct SearchResult {
   Attempt best;
-  // Tried before it, and not taken; all of them where none was good.
+  // Attempts tried before it and not chosen; all attempts if none was good.
   std::vector<Attempt> passed_over;
 };
 
-// Sec. III-H: from the safest touchdown on, the first free one wins; else the first unverified one;
-// else the least bad one. The reserve is looked at where none of the first ones is good. At least
-// one candidate.
+// Sec. III-H: tries touchdowns from the safest on. Returns the first landable one, else the first
+// unverified one, else the least bad one. Tries the reserve if no first candidate is good. Needs at
+// least one candidate.
 SearchResult SearchTouchdown(const TouchdownCandidates& candidates, const AttemptContext& context);
 
 }  // namespace freelsd

@@ -9,36 +9,14 @@
 namespace freelsd {
 namespace {
 
-Eigen::Vector2d CenterOf(const Grid& grid, int row, int col) {
-  return grid.north_west_in_world + grid.cell_size_m * Eigen::Vector2d(col + 0.5, -(row + 0.5));
-}
-
-// Cells whose centre may lie in the footprint.
-cv::Rect BoundingCells(const Grid& grid, const Polygon& footprint) {
-  Eigen::Vector2d low = footprint.front(), high = footprint.front();
-  for (const Eigen::Vector2d& vertex : footprint) {
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
-  }
-  const auto clamp = [&](double metres, int end) {
-    return static_cast<int>(std::clamp(std::floor(metres / grid.cell_size_m), 0.0, double(end)));
-  };
-  const Eigen::Vector2d& corner = grid.north_west_in_world;
-  const double cell = grid.cell_size_m;
-  return {cv::Point(clamp(low.x() - corner.x(), grid.num_cols),
-                    clamp(corner.y() - high.y(), grid.num_rows)),
-          cv::Point(clamp(high.x() - corner.x() + cell, grid.num_cols),
-                    clamp(corner.y() - low.y() + cell, grid.num_rows))};
-}
-
-// What the order of touchdowns hangs on.
+// Sort key of a touchdown.
 struct Place {
   double hazard_distance;
   double squared_to_middle;
   int row;
   int col;
 
-  // Equal ones nearer to the middle first, then in the order of the map.
+  // Equal distances: nearer to the middle first, then in the order of the map.
   bool operator<(const Place& other) const {
     if (hazard_distance != other.hazard_distance) return hazard_distance > other.hazard_distance;
     if (squared_to_middle != other.squared_to_middle) {
@@ -48,7 +26,7 @@ struct Place {
   }
 };
 
-// The cells of the map up to the last one with a touchdown.
+// Size of the map up to the last cell with a touchdown.
 cv::Size CellsAround(const std::vector<Touchdown>& touchdowns) {
   cv::Size size;
   for (const Touchdown& touchdown : touchdowns) {
@@ -57,7 +35,7 @@ cv::Size CellsAround(const std::vector<Touchdown>& touchdowns) {
   return size;
 }
 
-// Touchdowns by their cells.
+// Looks up touchdowns by cell.
 class TouchdownsByCell {
  public:
   explicit TouchdownsByCell(const std::vector<Touchdown>& touchdowns)
@@ -69,7 +47,7 @@ class TouchdownsByCell {
   bool IsNearAnother(const Touchdown& touchdown) const {
     return index_(touchdown.row, touchdown.col) == kNone;
   }
-  // From now on those nearer than the spacing are near another.
+  // Marks touchdowns nearer to `taken` than the spacing.
   void TakeNear(const Touchdown& taken, double spacing, double cell_size) {
     const auto reach = static_cast<int>(std::min(spacing / cell_size, 1e6)) + 1;
     const cv::Rect around(taken.col - reach, taken.row - reach, 2 * reach + 1, 2 * reach + 1);
@@ -91,7 +69,7 @@ class TouchdownsByCell {
   cv::Mat1i index_;
 };
 
-// Safest first, none nearer to another than what spreads them over all.
+// Safest first, at a spacing that covers all usable ground.
 std::vector<Touchdown> SpreadOut(const std::vector<Touchdown>& wide,
                                  double cell_size,
                                  const ApproachOptions& options) {
@@ -109,7 +87,7 @@ std::vector<Touchdown> SpreadOut(const std::vector<Touchdown>& wide,
   return candidates;
 }
 
-// The safest cell of every square block; all cells, where they are few.
+// The safest cell of every square block, or all cells if there are few.
 std::vector<Touchdown> SafestOfBlocks(const std::vector<Touchdown>& wide,
                                       const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_reserve_candidates);
@@ -128,7 +106,7 @@ std::vector<Touchdown> SafestOfBlocks(const std::vector<Touchdown>& wide,
   }
 }
 
-// In this order an unknown deviation stays one, and makes distances that nothing keeps.
+// The order of arguments keeps NaN: no distance suffices where the deviation is unknown.
 double PositionDeviation(const ElevationMap& map, const ApproachOptions& options) {
   return std::max(map.position_sd_m, options.min_map_position_sd_m);
 }
@@ -160,35 +138,30 @@ Aircraft WithPositionMargin(Aircraft aircraft,
                             const ApproachOptions& options) {
   const double margin = options.path_margin_sigma * PositionDeviation(map, options);
   aircraft.path_half_width_m += margin;
-  // Without a roll the paper's rule holds: the disc alone.
+  // Without a ground roll the paper's rule applies: the disc alone.
   if (aircraft.ground_roll_m > 0.0) aircraft.ground_roll_m += margin;
   return aircraft;
 }
 
 FootprintContent ReadFootprint(const ElevationMap& map,
                                const HazardLayers& hazards,
-                               const Polygon& footprint,
-                               const ApproachOptions& options) {
+                               const Polygon& footprint) {
   FootprintContent content;
   if (footprint.size() < 3) return content;
-  const cv::Rect cells = BoundingCells(map.grid, footprint);
   const Eigen::Vector2d middle = Centroid(footprint);
   std::vector<Place> places;
-  for (int row = cells.y; row < cells.y + cells.height; ++row) {
-    for (int col = cells.x; col < cells.x + cells.width; ++col) {
-      const Eigen::Vector2d center = CenterOf(map.grid, row, col);
-      if (!Contains(footprint, center)) continue;
-      if (hazards.grass(row, col) >= options.min_clear_class_posterior) content.has_grass = true;
-      if (std::isnan(map.elevation(row, col))) continue;
-      const float distance = hazards.distance(row, col);
-      places.push_back(
-          {std::isnan(distance) ? 0.0 : distance, (center - middle).squaredNorm(), row, col});
-    }
+  for (const cv::Point& cell : map.grid.CellsIn(footprint)) {
+    if (hazards.grass(cell) >= hazards.min_clear_class_posterior) content.has_grass = true;
+    if (std::isnan(map.elevation(cell))) continue;
+    const float distance = hazards.distance(cell);
+    const Eigen::Vector2d center = map.grid.CellCenter(cell.y, cell.x);
+    places.push_back(
+        {std::isnan(distance) ? 0.0 : distance, (center - middle).squaredNorm(), cell.y, cell.x});
   }
   std::sort(places.begin(), places.end());
   content.touchdowns.reserve(places.size());
   for (const Place& place : places) {
-    const Eigen::Vector2d center = CenterOf(map.grid, place.row, place.col);
+    const Eigen::Vector2d center = map.grid.CellCenter(place.row, place.col);
     const float elevation = map.elevation(place.row, place.col);
     content.touchdowns.push_back({.row = place.row,
                                   .col = place.col,

@@ -1,4 +1,4 @@
-// Private to approach/: where within the region to touch down.
+// Private to approach/: selects touchdown places within the region.
 #pragma once
 
 #include <optional>
@@ -9,38 +9,37 @@
 namespace freelsd {
 
 struct Touchdown {
-  // Of the map.
+  // Cell of the map.
   int row = 0;
   int col = 0;
   Eigen::Vector3d place_in_world = Eigen::Vector3d::Zero();
   double hazard_distance = 0.0;
 };
 
-// Throws std::invalid_argument when map and hazards are not of one grid.
+// Throws std::invalid_argument when map and hazards have different grids.
 void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards);
 
-// With a ground roll and corridor that hold what may stand there, wherever the map really lies.
+// Widens ground roll and corridor by the uncertainty of the map's position.
 Aircraft WithPositionMargin(Aircraft aircraft,
                             const ElevationMap& map,
                             const ApproachOptions& options);
 
-// What the footprint holds.
+// The cells within the footprint.
 struct FootprintContent {
-  // Seen cells, farthest from hazard first; equal ones nearer to the middle first.
+  // Seen cells, farthest from hazard first. Equal distances: nearer to the middle first.
   std::vector<Touchdown> touchdowns;
   bool has_grass = false;
 };
 FootprintContent ReadFootprint(const ElevationMap& map,
                                const HazardLayers& hazards,
-                               const Polygon& footprint,
-                               const ApproachOptions& options);
+                               const Polygon& footprint);
 
-// Places far enough from hazard, each list safest first and spread over all of the ground where one
-// could touch down: around the safest place alone, one house on its final would refuse the field.
+// Places far enough from hazard, safest first. Each list covers all usable ground: if all
+// candidates lay around the safest place, one house on its final would reject the whole field.
 struct TouchdownCandidates {
   // At most max_num_candidates.
   std::vector<Touchdown> first;
-  // Closer together, at most max_num_reserve_candidates: for fields with room for one final only.
+  // More densely spaced, at most max_num_reserve_candidates: for fields with room for one final.
   std::vector<Touchdown> reserve;
 };
 TouchdownCandidates SelectCandidates(const std::vector<Touchdown>& touchdowns,
@@ -48,7 +47,7 @@ TouchdownCandidates SelectCandidates(const std::vector<Touchdown>& touchdowns,
                                      double cell_size,
                                      const ApproachOptions& options);
 
-// Largest value of a layer within the disc about a touchdown; NaN if all of it is unseen.
+// Largest value of a layer within the disc around a touchdown; NaN if all of it is unseen.
 double LargestInDisc(const cv::Mat1f& layer,
                      const Touchdown& touchdown,
                      double radius,

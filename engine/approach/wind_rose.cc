@@ -46,7 +46,7 @@ WindRose PlanWindRose(const ApproachPlanner& planner, const WindRoseOptions& opt
   const auto num_directions = static_cast<size_t>(options.num_directions);
   for (size_t speed = 0; speed < rose.speeds.size(); ++speed) {
     for (size_t direction = 0; direction < num_directions; ++direction) {
-      // A calm has no direction.
+      // Calm has no direction.
       const bool is_same = direction > 0 && rose.speeds[speed] <= 0.0;
       rose.plans.push_back(
           is_same ? rose.plans.back()

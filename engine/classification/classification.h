@@ -1,4 +1,4 @@
-// Input: homogeneous regions. Output: how probably each is grass. Paper: Sec. III-D.
+// Input: homogeneous regions. Output: the probability of grass of each. Paper: Sec. III-D.
 #pragma once
 
 #include <memory>
@@ -28,11 +28,11 @@ enum class FeatureSet {
 
 struct ClassificationOptions {
   // --- Behaviour ---
-  // Probability from which a region is grass, and below which it is not; between them it is not
-  // sure, which counts as not grass. Differs: the paper takes the majority of trees.
+  // A region is grass from the first probability on, and not grass below the second. Between them
+  // it is unsure, which counts as not grass. Differs: the paper takes the majority of trees.
   double min_grass_probability = 0.7;
   double max_not_grass_probability = 0.4;
-  // Mean grey level outside which a region is too dark or too bright to tell.
+  // Regions with a mean grey level outside this range are unsure.
   double min_mean_grey = 20.0;
   double max_mean_grey = 245.0;
 
@@ -42,7 +42,7 @@ struct ClassificationOptions {
 enum class Surface { kGrass, kNotGrass, kUnsure };
 
 struct Label {
-  // Of grass, 0..1, calibrated.
+  // Probability of grass, 0..1, calibrated.
   double probability = 0.5;
   Surface surface = Surface::kUnsure;
 };
@@ -52,8 +52,8 @@ using Labels = std::vector<Label>;
 // A trained random forest with the feature set it was trained on. Immutable, safe to share.
 class Classifier {
  public:
-  // From the text that Serialize or freelsd-train wrote. Throws std::invalid_argument with the
-  // reason when it is not a model.
+  // Parses the text that Serialize or freelsd-train wrote. Throws std::invalid_argument with the
+  // reason if it is not a model.
   static Classifier Parse(const std::string& model_text);
   std::string Serialize() const;
   FeatureSet feature_set() const;
@@ -73,7 +73,7 @@ class Classifier {
 std::string NameOf(FeatureSet feature_set);
 std::optional<FeatureSet> FeatureSetNamed(const std::string& name);
 
-// Features of one region: pixels where mask != 0 only. image BGR.
+// Features of one region: only pixels where mask != 0. `image` is BGR.
 std::vector<float> RegionFeatures(const cv::Mat3b& image,
                                   const cv::Mat1b& mask,
                                   double ground_sampling_distance_m,
@@ -94,9 +94,9 @@ struct TrainingSample {
 
 struct TrainingOptions {
   FeatureSet feature_set = FeatureSet::kRobust;
-  // Maximal depth and least samples per branch are chosen from these by cross-validation: the pair
-  // that errs least on places left out. Paper: Sec. III-D, 10-fold, values not given. Differs:
-  // random folds share a place between training and validation, which flatters deep trees.
+  // Cross-validation chooses the depth and the least samples per branch with the lowest error on
+  // places left out. Paper: Sec. III-D, 10-fold, values not given. Differs: random folds share
+  // places between training and validation, which favours deep trees.
   std::vector<int> max_depths{4, 6};
   std::vector<int> min_samples_per_branch{20, 60};
   int num_trees = 30;
@@ -110,8 +110,8 @@ struct TrainingReport {
   int max_depth = 0;
   int min_samples_per_branch = 0;
   // Of the chosen pair, without augmented samples: random folds, and each place predicted from the
-  // others (random folds too where there are fewer than three places). The forest's majority alone,
-  // before calibration and the check of the range.
+  // others (random folds if there are fewer than three places). Only the forest's majority, before
+  // calibration and range check.
   double random_fold_error_ratio = 0.0;
   double leave_one_place_out_error_ratio = 0.0;
   double leave_one_place_out_auc = 0.0;

@@ -15,9 +15,9 @@ namespace freelsd {
 namespace {
 
 constexpr int kModelVersion = 1;
-// Soil and leaf litter hardly reach it; vegetation in infrared false colour has 1.4 to 2.
+// Soil and leaf litter rarely reach this; vegetation in infrared false colour has 1.4 to 2.
 constexpr double kMaxRedToGreen = 1.35;
-// What lies outside can at best not be told: half way between grass and not.
+// Upper limit outside the training range: midway between grass and not grass.
 constexpr double kUnsureProbability = 0.5;
 
 bool IsInGrassRange(const Classifier::Model& model, const std::vector<float>& features) {
@@ -32,8 +32,8 @@ bool IsInGrassRange(const Classifier::Model& model, const std::vector<float>& fe
   return true;
 }
 
-// Whether nodes, in preorder, are one whole tree: OpenCV trusts them, and ends the process where a
-// file was cut.
+// Whether nodes, in preorder, form one complete tree. OpenCV does not check them and aborts the
+// process on a truncated file.
 bool IsWholeTree(const cv::FileNode& nodes, int num_variables, int num_classes) {
   const auto is_index = [](int index, int count) { return index >= 0 && index < count; };
   std::vector<int> awaited_depths{0};
@@ -109,14 +109,14 @@ bool CanBeTold(const cv::Scalar& mean_bgr, const ClassificationOptions& options)
          mean_bgr[2] <= kMaxRedToGreen * mean_bgr[1];
 }
 
-// The labels at the size of the detail image.
+// Labels resampled to the size of the detail image.
 cv::Mat1i LabelsInDetail(const Segments& segments) {
   cv::Mat1i labels;
   cv::resize(segments.labels, labels, segments.detail_image.size(), 0.0, 0.0, cv::INTER_NEAREST);
   return labels;
 }
 
-// Box of every label, by label. Rows are looked at run by run.
+// Bounding box of every label, by label. Scans rows run by run.
 std::vector<cv::Rect> BoxesOf(const cv::Mat1i& labels, size_t num_labels) {
   std::vector<cv::Rect> boxes(num_labels + 1);
   for (int y = 0; y < labels.rows; ++y) {
@@ -210,7 +210,7 @@ Labels ClassifySegments(const Segments& segments,
   const cv::Mat1i regions = LabelsInDetail(segments);
   const std::vector<cv::Rect> boxes = BoxesOf(regions, segments.segments.size());
   const cv::Rect frame({0, 0}, regions.size());
-  // Filters look beyond the region: keep some of its surroundings.
+  // Filters need some surroundings of the region.
   constexpr int kSurroundingsPx = 16;
   Labels labels;
   for (const Segment& segment : segments.segments) {

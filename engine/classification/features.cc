@@ -34,7 +34,7 @@ void AppendRgb(const cv::Mat3b& image, const cv::Mat1b& mask, std::vector<float>
   }
 }
 
-// Mean direction and deviation of hue as an angle (degrees): 359 and 1 have the mean 0. The
+// Mean direction and deviation of hue as an angle (degrees): the mean of 359 and 1 is 0. The
 // deviation is sqrt(-2 ln R) of the resultant length R (Mardia).
 void AppendHue(const cv::Mat1f& hue_deg, const cv::Mat1b& mask, std::vector<float>& row) {
   double sum_cos = 0.0, sum_sin = 0.0;
@@ -116,7 +116,7 @@ double MeanExcessGreen(const cv::Mat3b& image, const cv::Mat1b& mask) {
   return count > 0 ? sum / count : 0.0;
 }
 
-// Logarithms make all of it independent of exposure.
+// Logarithms make all features independent of exposure.
 void AppendRobust(const cv::Mat3b& image,
                   const cv::Mat1b& grey,
                   const cv::Mat1b& mask,
@@ -132,7 +132,7 @@ void AppendRobust(const cv::Mat3b& image,
   row.push_back(static_cast<float>(logs[0] - logs[1]));
 }
 
-// The region and its surroundings as far as filters reach.
+// The region and its surroundings within reach of the filters.
 cv::Rect BoxOf(const cv::Mat1b& mask, int radius_px) {
   cv::Rect box = cv::boundingRect(mask);
   box.x -= radius_px;
@@ -205,7 +205,7 @@ std::vector<float> RegionFeatures(const cv::Mat3b& image,
                                   const cv::Mat1b& mask,
                                   double ground_sampling_distance_m,
                                   FeatureSet feature_set) {
-  // The robust features look at nothing outside; a box of no pixels would be no image.
+  // Robust features need no surroundings. The radius of 1 avoids an empty box.
   const cv::Rect box = BoxOf(mask, feature_set == FeatureSet::kRobust ? 1 : kGaborRadiusPx);
   const cv::Mat3b patch = image(box);
   const cv::Mat1b inside = mask(box);

@@ -21,13 +21,13 @@ constexpr int kNumDirections = 4;
 constexpr int kSidePx = 2 * kGaborRadiusPx + 1;
 constexpr size_t kNumOffsets = kGaborRadiusPx + 1;
 
-// Pixels that are filtered at a time: two registers of eight.
+// Pixels per block: two registers of eight.
 constexpr int kBlockPx = 16;
 constexpr int kRegisterPx = 8;
 typedef float Register __attribute__((vector_size(kRegisterPx * sizeof(float))));
 
-// The mean of the four directions does not change when x or y change sign or places. So for each
-// pair i <= j of offsets there is one weight, of the sum of all pixels (+-i, +-j) and (+-j, +-i).
+// The mean of the four directions is symmetric in x, y and their signs. So each pair i <= j of
+// offsets has one weight, for the sum of all pixels (+-i, +-j) and (+-j, +-i).
 struct Weight {
   size_t i = 0;
   size_t j = 0;
@@ -40,7 +40,7 @@ std::vector<Weight> FoldedWeights() {
   for (size_t j = 0; j < kNumOffsets; ++j) {
     for (size_t i = 0; i <= j; ++i) {
       Weight weight{i, j, {}};
-      // A sum counts a pixel on an axis or a diagonal twice.
+      // The sum counts pixels on an axis or a diagonal twice.
       const float times = (i == 0 ? 2.0f : 1.0f) * (j == 0 ? 2.0f : 1.0f) * (i == j ? 2.0f : 1.0f);
       for (size_t k = 0; k < kNumGaborWavelengths; ++k) {
         weight.of_sum[k] =
@@ -66,7 +66,7 @@ void FoldRows(const cv::Mat1f& padded, int y, FoldedRows& folded) {
 
 using ResponseRows = std::array<float*, kNumGaborWavelengths>;
 
-// The responses of kBlockPx pixels from x on, where folded rows hold pixel x at x + kGaborRadiusPx.
+// Responses of kBlockPx pixels from x on. Folded rows hold pixel x at x + kGaborRadiusPx.
 [[gnu::always_inline]] inline void FilterBlock(const FoldedRows& folded,
                                                const std::vector<Weight>& weights,
                                                int x,
@@ -117,7 +117,7 @@ void FilterRow(const FoldedRows& folded,
 }
 
 #if defined(__x86_64__)
-// Without fused multiplications: every processor has the same rounding.
+// No fused multiplications, so that every processor rounds alike.
 [[gnu::target("avx2")]] void FilterRowAvx2(const FoldedRows& folded,
                                            const std::vector<Weight>& weights,
                                            const uint8_t* mask,
@@ -157,7 +157,7 @@ std::array<cv::Mat1f, kNumGaborWavelengths> GaborResponses(const cv::Mat1f& grey
                                                            const cv::Mat1b& mask) {
   static const std::vector<Weight> kWeights = FoldedWeights();
   static const RowFilter kFilterRow = FastestRowFilter();
-  // Blocks may reach beyond the last column.
+  // Blocks may extend beyond the last column.
   const int num_cols = (grey.cols + kBlockPx - 1) / kBlockPx * kBlockPx;
   cv::Mat1f padded;
   cv::copyMakeBorder(grey,

@@ -18,8 +18,8 @@ LogLevels MakeLogLevels() {
 }  // namespace
 
 const LogLevels& LogOfLevel() {
-  static const LogLevels logs = MakeLogLevels();
-  return logs;
+  static const LogLevels kLogs = MakeLogLevels();
+  return kLogs;
 }
 
 }  // namespace freelsd

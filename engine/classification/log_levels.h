@@ -5,8 +5,8 @@
 
 namespace freelsd {
 
-// By level; levels are raised a little first, so that noise in shadows is not taken for texture.
-// All lie between 1 and 8: they are multiples of 2^-23.
+// By grey level. Levels are raised a little first, so that noise in shadows does not count as
+// texture. All lie between 1 and 8, and are multiples of 2^-23.
 using LogLevels = std::array<float, 256>;
 const LogLevels& LogOfLevel();
 

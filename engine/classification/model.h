@@ -1,4 +1,4 @@
-// A trained forest, its calibration and the range of grass it has seen.
+// A trained forest, its calibration and the feature range of its training grass.
 #pragma once
 
 #include <memory>

@@ -9,9 +9,9 @@ namespace {
 constexpr size_t kNumBins = 8192;
 constexpr float kBinsPerUnit = 1024.0f;
 
-// Never smaller for a larger value.
+// Monotonic in the value.
 size_t BinOf(float value) {
-  constexpr float kZeroBin = kNumBins / 2;
+  constexpr float kZeroBin = 0.5f * kNumBins;
   return static_cast<size_t>(
       static_cast<int>(std::clamp(value * kBinsPerUnit + kZeroBin, 0.0f, kNumBins - 1.0f)));
 }
@@ -21,7 +21,7 @@ size_t BinOf(float value) {
 std::array<float, 3> OfRanks(std::vector<float> values, const std::array<size_t, 3>& ranks) {
   std::vector<uint32_t> counts(kNumBins, 0);
   for (const float value : values) ++counts[BinOf(value)];
-  // Values of bins without any of the ranks are left out.
+  // Drops values of bins that hold none of the ranks.
   std::vector<uint8_t> is_kept(kNumBins, 0);
   std::array<size_t, 3> kept_ranks{};
   size_t num_values = 0, num_left_out = 0, next = 0;
@@ -42,7 +42,7 @@ std::array<float, 3> OfRanks(std::vector<float> values, const std::array<size_t,
   std::array<float, 3> result{};
   auto first = values.begin();
   for (size_t i = 0; i < result.size(); ++i) {
-    // What was put to the left stays there.
+    // Values left of an earlier rank stay there.
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(kept_ranks[i]);
     std::nth_element(first, at, values.end());
     first = at;

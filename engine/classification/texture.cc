@@ -15,7 +15,7 @@ namespace {
 // Sides of the averaging windows, metres on the ground.
 enum Window { kGap, kFrond, kLeaf, kTuft, kBush, kNumWindows };
 constexpr std::array<double, kNumWindows> kWindowsM{0.3, 0.9, 0.6, 1.8, 4.2};
-// Share of the pixels at either end of a distribution that its skewness leaves out.
+// Share of the pixels at either end of a distribution that skewness ignores.
 constexpr double kTailRatio = 0.05;
 // Least deviation of log brightness: half a grey level in a hundred.
 constexpr double kTinyDeviation = 0.005;
@@ -39,7 +39,7 @@ class Spread {
   int count_ = 0;
 };
 
-// Deviations as small as the rounding of grey levels have none.
+// 0 if the deviation is as small as the rounding of grey levels.
 float TailSkewness(std::vector<float> values) {
   if (values.empty()) return 0.0f;
   const auto last = static_cast<double>(values.size() - 1);
@@ -51,7 +51,7 @@ float TailSkewness(std::vector<float> values) {
          (upper - lower + 2.0f * static_cast<float>(kTinyDeviation));
 }
 
-// From the first to the last pixel of a row that is in the region.
+// From the first to the last pixel of a row inside the region.
 cv::Range ColsOf(const uint8_t* mask, int num_cols) {
   int start = 0, end = num_cols;
   while (start < end && mask[start] == 0) ++start;
@@ -59,7 +59,7 @@ cv::Range ColsOf(const uint8_t* mask, int num_cols) {
   return {start, end};
 }
 
-// Four corners of a window: those of the row above it, and of its last row.
+// Four corners of a window: from the row above it, and from its last row.
 template <typename Number>
 struct Corners {
   const Number *above, *below;

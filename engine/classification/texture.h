@@ -1,4 +1,4 @@
-// Private to classification/. How evenly bright a region is, at several scales.
+// Private to classification/. Evenness of a region's brightness at several scales.
 #pragma once
 
 #include <array>
@@ -7,17 +7,17 @@
 
 namespace freelsd {
 
-// Mean log brightness over square windows of a region, for any side at the cost of one. Goes down
-// the rows and keeps those that a window reaches. Sums of logarithms are exact: each is a multiple
-// of 2^-23 (see log_levels.h), so that it does not matter in which order they are added up.
+// Mean log brightness over square windows of a region, at a cost independent of their side. Keeps
+// only the rows that a window reaches. Sums are exact in any order, because each logarithm is a
+// multiple of 2^-23 (see log_levels.h).
 class WindowSums {
  public:
   // Windows are at most max_side_px wide.
   WindowSums(const cv::Mat1b& grey, const cv::Mat1b& mask, int max_side_px);
 
-  // Means over the part of the window about each pixel of a row that is in the region, of the given
-  // columns; 0 where no part is. Rows are not asked for after later ones. The pixel lies right of
-  // and below the middle of a window of even side.
+  // Means for the given columns of a row, over the part of each pixel's window that is in the
+  // region; 0 if no part is. Request rows in ascending order. In a window of even side the pixel
+  // lies right of and below the middle.
   void MeansOfRow(int row, const cv::Range& cols, int side_px, float* means);
 
  private:
@@ -29,19 +29,19 @@ class WindowSums {
   int max_side_px_;
   int margin_px_;
   int num_rows_ = 0;
-  // Row y, at Place(y), holds sums over the rows above y and the columns left of each.
+  // Row y, at Place(y), holds for each column the sums over all rows above and columns to the left.
   cv::Mat1d sums_;
   cv::Mat1i counts_;
 };
 
 struct Texture {
-  // Deviations of log brightness between windows of the size of leaves and tufts, and of tufts and
-  // bushes; logarithms of them.
+  // Log of the deviation of log brightness between windows the size of leaves and of tufts, and
+  // between windows the size of tufts and of bushes.
   float leaf_log_deviation = 0.0f;
   float tuft_log_deviation = 0.0f;
-  // (upper + lower - 2 median) / (upper - lower) of the tails of what lies between windows of gaps
-  // and of fronds: below 0 where dark gaps lie between evenly bright leaves; not moved by a few
-  // sheep.
+  // (upper + lower - 2 median) / (upper - lower), with upper and lower tail values of the
+  // difference between windows of gaps and of fronds. Negative where dark gaps lie between evenly
+  // bright leaves. Robust against a few sheep.
   float gap_skewness = 0.0f;
 };
 

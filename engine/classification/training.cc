@@ -20,10 +20,10 @@
 namespace freelsd {
 namespace {
 
-// Samples of fewer places are cut into random folds.
+// Samples of fewer places are split into random folds.
 constexpr int kMinPlacesToLeaveOneOut = 2;
 
-// Share of the training grass at either end of a feature's range that the range leaves out.
+// Share of the training grass that a feature's range ignores at either end.
 constexpr double kRareGrassRatio = 0.002;
 
 using Samples = std::vector<const TrainingSample*>;
@@ -33,7 +33,7 @@ struct ForestSettings {
   int min_samples = 0;
 };
 
-// The forest draws from OpenCV's generator of this thread: seeded here, and left as it was.
+// The forest uses OpenCV's generator of this thread: seeded here and restored afterwards.
 class SeededRng {
  public:
   explicit SeededRng(int seed) : saved_(cv::theRNG()) {
@@ -91,7 +91,7 @@ std::vector<Prediction> CrossValidate(const std::vector<TrainingSample>& samples
     for (size_t i = 0; i < samples.size(); ++i) {
       if (fold_of_sample[i] != fold) training.push_back(&samples[i]);
     }
-    // Nothing is learnt from one kind alone.
+    // Training needs both kinds.
     if (!HasBothKinds(training)) continue;
     const cv::Ptr<cv::ml::RTrees> forest = TrainForest(training, settings, options);
     for (size_t i = 0; i < samples.size(); ++i) {
@@ -139,6 +139,7 @@ std::vector<int> RandomFolds(size_t num_samples, const TrainingOptions& options)
 std::vector<int> FoldsByPlace(const std::vector<TrainingSample>& samples) {
   std::map<std::string, int> fold_of_place;
   std::vector<int> folds;
+  folds.reserve(samples.size());
   for (const TrainingSample& sample : samples) {
     folds.push_back(
         fold_of_place.emplace(sample.place, static_cast<int>(fold_of_place.size())).first->second);
@@ -146,7 +147,7 @@ std::vector<int> FoldsByPlace(const std::vector<TrainingSample>& samples) {
   return folds;
 }
 
-// Logistic curve through the out-of-fold votes (Platt 1999), with his smoothed targets, by Newton.
+// Fits a logistic curve to the out-of-fold votes by Newton, with Platt's smoothed targets (1999).
 std::pair<double, double> FitCalibration(const std::vector<Prediction>& predictions) {
   const double num_grass = static_cast<double>(std::count_if(
       predictions.begin(), predictions.end(), [](const auto& p) { return p.is_grass; }));
@@ -173,8 +174,8 @@ std::pair<double, double> FitCalibration(const std::vector<Prediction>& predicti
   return {parameters[0], parameters[1]};
 }
 
-// Of the grass as it was photographed: varied copies show what no camera would. Its rarest share at
-// either end is left out, since labels have errors.
+// Uses original samples only, because augmented copies show what no camera would. Drops the rarest
+// share at either end, because labels have errors.
 void SetGrassRange(const std::vector<TrainingSample>& originals, Classifier::Model& model) {
   const size_t num_features = NumFeatures(model.feature_set);
   for (size_t i = 0; i < num_features; ++i) {
@@ -262,7 +263,7 @@ std::pair<Classifier, TrainingReport> TrainClassifier(const std::vector<Training
       num_places < kMinPlacesToLeaveOneOut ? RandomFolds(samples.size(), options) : place_folds;
   const ForestSettings settings = BestSettings(samples, folds, options);
   const std::vector<Prediction> by_place = CrossValidate(samples, folds, settings, options);
-  // Without augmented samples: their originals would sit in another fold.
+  // Without augmented samples, whose originals would be in another fold.
   const std::vector<TrainingSample> originals = Originals(samples);
   const std::vector<Prediction> random =
       CrossValidate(originals, RandomFolds(originals.size(), options), settings, options);

@@ -9,7 +9,7 @@
 namespace freelsd {
 namespace {
 
-// A final or a circle of many kilometres is a unit's error, and no map holds it.
+// A final or circle of many kilometres is an error of units, and no map holds it.
 void RequirePath(const Aircraft& aircraft) {
   constexpr double kMaxFinalM = 10000.0;
   constexpr double kMaxRadiusM = 10000.0;

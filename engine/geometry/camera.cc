@@ -17,12 +17,12 @@ constexpr double kNewtonTolerance = 1e-12;
 constexpr int kNumRowSteps = 20;
 constexpr double kRowTolerancePx = 1e-9;
 constexpr double kDerivativeStep = 1e-7;
-// Where along the ray from the optical axis the lens polynomial is asked whether it still rises.
+// Samples along the radius at which the lens polynomial must still rise.
 constexpr int kNumFoldSamples = 16;
 constexpr double kBorderTolerancePx = 0.5;
 constexpr double kMinFocalRatio = 0.05;
 constexpr double kMaxFocalRatio = 100.0;
-// Beyond this angle from the optical axis a perspective camera sees nothing useful (cos 85 deg).
+// Largest angle from the optical axis of a perspective camera (cos 85 deg).
 constexpr double kMinCosOffAxis = 0.087;
 
 double CoefficientAt(const Camera& camera, size_t index) {
@@ -76,8 +76,8 @@ Eigen::Matrix2d DistortionJacobian(const Camera& camera, const Eigen::Vector2d& 
   return jacobian;
 }
 
-// Change of the distorted radius with the undistorted one (of the angle, for kEquidistant), as a
-// polynomial of the radius (angle) squared.
+// Derivative of the distorted radius by the undistorted one (by the angle for kEquidistant), as a
+// polynomial of the squared radius (angle).
 struct RadialSlope {
   double k1, k2, k3, k4;
 
@@ -95,8 +95,8 @@ RadialSlope RadialSlopeOf(const Camera& camera) {
           is_equidistant ? CoefficientAt(camera, 3) : 0.0};
 }
 
-// A lens polynomial may fold back outside its fitted field, and far outside it even mirrors the
-// point through the centre into the image: beyond the first fold nothing is seen.
+// A lens polynomial may fold back outside its fitted field, and further out may even mirror points
+// into the image. Points beyond the first fold are not seen.
 bool IsBeyondFold(const Camera& camera, const Eigen::Vector2d& p) {
   if (camera.distortion == DistortionModel::kNone) return false;
   const bool is_equidistant = camera.distortion == DistortionModel::kEquidistant;
@@ -108,7 +108,7 @@ bool IsBeyondFold(const Camera& camera, const Eigen::Vector2d& p) {
   return DistortionJacobian(camera, p).determinant() <= 0.0;
 }
 
-// From the camera as it was when a row was read to the camera of the image's middle.
+// From the camera at the time of a row to the camera at the image's middle.
 Eigen::Quaterniond MiddleFromRow(const Camera& camera, double row) {
   const Eigen::Vector3d turn = camera.readout.TurnAt((row - camera.cy_px) / camera.height_px);
   return Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
@@ -124,8 +124,8 @@ std::optional<Eigen::Vector2d> ProjectAtOnce(const Camera& camera, const Eigen::
                          camera.fy_px * distorted.y() + camera.cy_px);
 }
 
-// The lens must be known out to the middles of the borders: a ray from beyond the fold would be
-// anywhere. Some calibrations fold within the corners; nothing is ever projected there.
+// The lens must be valid out to the middles of the borders, because rays beyond the fold are
+// undefined. Some calibrations fold within the corners; no point is projected there.
 void CheckBorder(const Camera& camera, const FieldCheck& check) {
   if (camera.distortion == DistortionModel::kNone) return;
   const double right = camera.width_px - 1, bottom = camera.height_px - 1;
@@ -150,8 +150,8 @@ std::optional<Eigen::Vector2d> Camera::ImageFromCamera(
     const Eigen::Vector3d& point_in_camera) const {
   std::optional<Eigen::Vector2d> pixel = ProjectAtOnce(*this, point_in_camera);
   if (readout.IsGlobal()) return pixel;
-  // The row decides how far the camera has turned, and the turn which row: each round is nearer by
-  // the ratio of the turn to the field of view.
+  // The row gives the turn, and the turn changes the row. The error of each round shrinks by the
+  // ratio of the turn to the field of view.
   for (int i = 0; i < kNumRowSteps && pixel; ++i) {
     const double row = pixel->y();
     pixel = ProjectAtOnce(*this, MiddleFromRow(*this, row).conjugate() * point_in_camera);
@@ -208,7 +208,7 @@ void Camera::Check() const {
   check.Require(height_px > 0, "height_px", height_px, "must be positive");
   check.Require(std::isfinite(fx_px) && fx_px > 0.0, "fx_px", fx_px, "must be positive");
   check.Require(std::isfinite(fy_px) && fy_px > 0.0, "fy_px", fy_px, "must be positive");
-  // From wider than any lens to narrower than a telescope, with pixels that are nearly square.
+  // Wider than any lens to narrower than a telescope; pixels are nearly square.
   const double size_px = std::max(width_px, height_px);
   check.Require(fx_px >= kMinFocalRatio * size_px && fx_px <= kMaxFocalRatio * size_px,
                 "fx_px",
@@ -222,7 +222,7 @@ void Camera::Check() const {
       cx_px >= 0.0 && cx_px <= width_px - 1.0, "cx_px", cx_px, "must be within the image");
   check.Require(
       cy_px >= 0.0 && cy_px <= height_px - 1.0, "cy_px", cy_px, "must be within the image");
-  // Slower than any sensor: a unit is wrong.
+  // Slower than any sensor: a larger value has a wrong unit.
   constexpr double kMaxReadoutS = 1.0;
   check.Require(
       readout_s >= 0.0 && readout_s <= kMaxReadoutS, "readout_s", readout_s, "must be in [0, 1]");

@@ -14,20 +14,20 @@ enum class DistortionModel {
   kEquidistant,  // Kannala-Brandt: k1, k2, k3, k4, as OpenCV fisheye
 };
 
-// Where the intrinsics come from; only intrinsics from EXIF may be refined.
+// Source of the intrinsics; only intrinsics from EXIF may be refined.
 enum class CameraSource { kCalibrated, kExif };
 
-// How the camera moved while the rows of one image were read one after the other (rolling shutter).
+// Motion of the camera while the rows of one image are read (rolling shutter).
 struct Readout {
-  // Rotation vectors, camera frame, radians: `turn` from the first row's reading to the last one's
-  // where it is even; `bend` how much more at the first and last row than even, times four, for a
-  // gust turns a light plane unevenly while a slow shutter reads. Flight past the ground looks
-  // nearly the same and is counted as turn.
+  // Rotation vectors, camera frame, radians. `turn`: the uniform part, from the first row to
+  // the last. `bend`: four times the additional turn at the first and last row, because gusts
+  // turn a light plane unevenly. Motion past the ground looks nearly the same and counts as
+  // turn.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
 
   bool IsGlobal() const { return turn.isZero(0.0) && bend.isZero(0.0); }
-  // Since the middle row was read, at the row (row - cy) / height.
+  // Turn since the middle row was read, for the row with share = (row - cy) / height.
   Eigen::Vector3d TurnAt(double share) const { return share * (turn + share * bend); }
 };
 
@@ -42,10 +42,10 @@ struct Camera {
   DistortionModel distortion = DistortionModel::kNone;
   std::vector<double> coefficients;
   CameraSource source = CameraSource::kCalibrated;
-  // From the first row's reading to the last one's, seconds; 0 when all are exposed at once, or
-  // when nothing is known of it.
+  // Time from the first row's reading to the last one's, seconds; 0 if all rows are exposed at
+  // once, or if the time is unknown.
   double readout_s = 0.0;
-  // Of one image: it differs from image to image.
+  // Differs from image to image.
   Readout readout;
 
   // Pixel of a point in the camera frame; nothing for a point behind the camera or so far off-axis
@@ -60,7 +60,7 @@ struct Camera {
   // The camera of the same image resized by `factor` (pixel areas averaged).
   Camera Scaled(double factor) const;
 
-  // The same lens when its image was read like this.
+  // The same lens with the readout of one image.
   Camera With(const Readout& readout_of_image) const;
 
   // Throws std::invalid_argument: "camera.fx_px = 0: must be positive".

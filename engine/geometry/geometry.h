@@ -1,6 +1,6 @@
 // Input: none. Output: the vocabulary of places: transforms, cameras, frames, polygons, rays.
 //
-// Frames (spec section 0):
+// Frames:
 //   world   local east-north-up, metres, tangent at the flight's origin (WGS84)
 //   body    forward-right-down, as autopilots use it
 //   camera  x right, y down, z along the optical axis (OpenCV)
@@ -8,6 +8,7 @@
 // Transforms are named target_from_source: x_in_target = target_from_source * x_in_source.
 #pragma once
 
+#include "engine/geometry/box_mean.h"
 #include "engine/geometry/camera.h"
 #include "engine/geometry/local_frame.h"
 #include "engine/geometry/polygon.h"

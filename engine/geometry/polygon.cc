@@ -34,7 +34,7 @@ Polygon RectangleAlong(const Polygon& points, const Eigen::Vector2d& side) {
 double SignedArea(const Polygon& polygon) {
   double doubled = 0.0;
   for (size_t i = 0; i < polygon.size(); ++i) {
-    // Relative to the first vertex: large coordinates would cancel.
+    // Relative to the first vertex, because large coordinates would cancel.
     const Eigen::Vector2d& next = polygon[(i + 1) % polygon.size()];
     doubled += Cross(polygon[i] - polygon.front(), next - polygon.front());
   }

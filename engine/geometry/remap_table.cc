@@ -10,12 +10,12 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-// How far a pixel lies from the node before it to the next one.
+// Position of a pixel between its two nodes, 0..1.
 float Share(int at_px, int node_spacing_px) {
   return static_cast<float>(at_px % node_spacing_px) / static_cast<float>(node_spacing_px);
 }
 
-// One row of nodes, for every pixel.
+// Interpolates one row of nodes at every pixel.
 std::vector<cv::Vec2f> AlongRow(const cv::Vec2f* nodes, int num_pixels, int node_spacing_px) {
   std::vector<cv::Vec2f> sources(static_cast<size_t>(num_pixels));
   for (int u = 0; u < num_pixels; ++u) {

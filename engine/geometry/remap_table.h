@@ -1,4 +1,4 @@
-// Where each pixel of a resampled image is read.
+// Tables of source pixels for resampling an image.
 #pragma once
 
 #include <functional>
@@ -9,11 +9,11 @@
 
 namespace freelsd {
 
-// What a table says where no pixel is shown: far outside every image.
+// Table entry without a source pixel: far outside every image.
 inline constexpr float kNoPixel = -1e4F;
 
 // Table for cv::remap: source_at(column, row) is exact at every n-th pixel, linear between them.
-// Beside a place that has no source there is none either (kNoPixel).
+// Pixels next to a node without a source have none either (kNoPixel).
 cv::Mat2f RemapTable(
     const cv::Size& size,
     int node_spacing_px,

@@ -9,14 +9,14 @@ namespace freelsd {
 namespace {
 
 constexpr int kNumRefinements = 3;
-// Below this the normal matrix of the rays is singular: they are parallel.
+// Below this the normal matrix of the rays is singular, because they are parallel.
 constexpr double kMinConditioning = 1e-9;
 constexpr double kMinDepth = 1e-6;
 
-// Of the normal matrix of rays: a sum of matrices with the eigenvalues 0, 1 and 1.
+// The normal matrix is a sum of one matrix per ray with the eigenvalues 0, 1 and 1.
 bool IsSingular(const Eigen::Matrix3d& normal_matrix, size_t num_rays) {
-  // No eigenvalue is above the number of rays n: the smallest is at least determinant / n^2. That
-  // spares most tracks the decomposition; the factor is for rounding.
+  // No eigenvalue exceeds the number of rays n, so the smallest is at least determinant / n^2. This
+  // bound saves most tracks the decomposition; the factor covers rounding.
   const double n = static_cast<double>(num_rays);
   if (normal_matrix.determinant() > 100.0 * kMinConditioning * n * n * n) return false;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(normal_matrix);

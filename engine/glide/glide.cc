@@ -11,19 +11,19 @@ namespace freelsd {
 namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2, as in approach/
-// Longer glides are not followed: no small plane has the height.
+// Longest glide in seconds: no small plane has enough height for more.
 constexpr double kMaxGlideTime = 3600.0;
 constexpr int kMaxIterations = 60;
 constexpr double kTimeTolerance = 0.01;
-// Where the iteration finds no time, times are tried in these steps.
+// Step of the search that replaces the iteration where it does not converge.
 constexpr double kTimeStep = 1.0;
 
-// What the aircraft does in the air's own frame.
+// Performance in the frame of the moving air.
 struct Performance {
   StraightGlide straight;
   double turn_radius = 0.0;
-  // The part of the drag that lift induces grows with the square of the load factor; all of it is
-  // taken as such a part, which is the most that a turn can cost.
+  // Induced drag grows with the square of the load factor. All drag counts as induced, which is the
+  // worst case for a turn.
   double turning_sink_rate = 0.0;
 };
 
@@ -42,7 +42,7 @@ Performance PerformanceOf(const Aircraft& aircraft) {
   return performance;
 }
 
-// Speed over ground along a direction; nothing where the wind does not let it be held.
+// Ground speed along a direction; nothing if the wind is too strong to hold it.
 std::optional<double> GroundSpeed(const Eigen::Vector2d& direction,
                                   const Eigen::Vector2d& wind,
                                   double airspeed) {
@@ -55,7 +55,7 @@ std::optional<double> GroundSpeed(const Eigen::Vector2d& direction,
   return speed;
 }
 
-// Where the nose points (as far as the air is concerned) while this is the direction of travel.
+// Heading relative to the air that gives this direction of travel over ground.
 double AirHeading(double travel_heading, const Eigen::Vector2d& wind, double airspeed) {
   const Eigen::Vector2d direction = DirectionOf(travel_heading);
   const std::optional<double> speed = GroundSpeed(direction, wind, airspeed);
@@ -73,7 +73,7 @@ double TimeOf(const TurnPath& path, const Performance& performance) {
          performance.straight.airspeed_mps;
 }
 
-// The place drifts against the wind in the air's frame: the time of flight decides where it is met.
+// In the air's frame the place drifts against the wind: the time of flight decides where it is.
 std::optional<Flown> Fly(const Stance& from,
                          const Stance& to,
                          const Eigen::Vector2d& wind,
@@ -94,8 +94,8 @@ std::optional<Flown> Fly(const Stance& from,
     }
     time = next;
   }
-  // The shortest path jumps from one kind to another: a time that is more than enough is flown off
-  // in turns.
+  // The shortest path changes abruptly between kinds. Any time that is long enough works, because
+  // surplus time is spent in turns.
   for (time = 0.0; time < kMaxGlideTime; time += kTimeStep) {
     if (TimeOf(path_for(time), performance) <= time) {
       return Flown{time, time * performance.turning_sink_rate};
@@ -132,12 +132,12 @@ std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOpt
   return headings;
 }
 
-// Between two of the headings tried: at most this much more has to be turned, there and back.
+// Height margin for headings between the tried ones: at most this turn, there and back.
 double TurnBetweenHeadings(const GlideStart& start, const GlideOptions& options) {
   return start.heading ? 0.0 : 2.0 * kPi / options.num_unknown_headings;
 }
 
-// Least of line minus upper surface within the grid, sampled at half cells.
+// Least difference between line and upper surface within the grid, sampled every half cell.
 std::optional<double> LeastAt(const Grid& grid,
                               const cv::Mat1f& upper,
                               const Eigen::Vector3d& begin,
@@ -224,7 +224,7 @@ std::optional<double> LeastHeightLost(const GlideStart& start,
   const double length = way.norm();
   const double distance = length - within_m;
   if (distance <= 0.0) return 0.0;
-  // The nearest point of a disc need not be the quickest in wind: the wind helps at most by itself.
+  // In wind the nearest point of a disc may not be the quickest. The wind adds at most its speed.
   const double wind_speed = start.wind_in_world ? start.wind_in_world->norm() : 0.0;
   const double along = start.wind_in_world ? start.wind_in_world->dot(way) / length : 0.0;
   const double turned_aside = std::min(1.0, within_m / length);
@@ -239,7 +239,7 @@ std::optional<double> LeastHeightOver(const Grid& grid,
                                       const Eigen::Vector3d& end_in_world) {
   if (grid.num_rows == 0 || grid.num_cols == 0) return std::nullopt;
   const Eigen::Vector2d way = (end_in_world - begin_in_world).head<2>();
-  // Only the part of the line about the grid is walked.
+  // Only the part of the line near the grid is sampled.
   const Eigen::Vector2d size(grid.num_cols * grid.cell_size_m, grid.num_rows * grid.cell_size_m);
   const Eigen::Vector2d center =
       grid.north_west_in_world + 0.5 * Eigen::Vector2d(size.x(), -size.y());

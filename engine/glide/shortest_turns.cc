@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNoStraight = 1e-6;  // radii
 
-// In [0, 2 pi); what is a rounding error below a whole turn is none.
+// In [0, 2 pi). Rounding just below a whole turn becomes 0.
 double Turn(double angle) {
   constexpr double kNoTurn = 1e-6;
   double turn = std::fmod(angle, 2.0 * kPi);
@@ -31,38 +31,38 @@ struct Word {
   double Length() const { return turned + straight; }
 };
 
-// Same sense twice; `sense` 1 for left, -1 for right.
+// Both turns in the same sense: `sense` 1 is left, -1 is right.
 Word SameSense(const Problem& p, double sense) {
   const double x = p.d - sense * (std::sin(p.beta) - std::sin(p.alpha));
   const double y = -sense * (std::cos(p.alpha) - std::cos(p.beta));
   const double straight = std::hypot(x, y);
-  // One circle: a straight piece without length has no direction.
+  // Both turns share one circle: a straight piece of zero length has no direction.
   if (straight < kNoStraight) return {Turn(sense * (p.beta - p.alpha)), straight};
   const double direction = std::atan2(y, x);
   return {Turn(sense * (direction - p.alpha)) + Turn(sense * (p.beta - direction)), straight};
 }
 
-// First this sense, then the other. Nothing where the circles overlap.
+// A turn in this sense, then one in the other. Nothing if the circles overlap.
 std::optional<Word> OtherSense(const Problem& p, double sense) {
   // Centres one radius to the side of each place.
   const double x = p.d + sense * (std::sin(p.beta) + std::sin(p.alpha));
   const double y = -sense * (std::cos(p.beta) + std::cos(p.alpha));
   const double between = std::hypot(x, y);
-  // Circles that touch may seem to overlap by a rounding error.
+  // Circles that touch may overlap by a rounding error.
   if (between < 2.0 - kNoStraight) return std::nullopt;
   const double direction = std::atan2(y, x) + sense * std::asin(std::min(1.0, 2.0 / between));
   return Word{Turn(sense * (direction - p.alpha)) + Turn(sense * (direction - p.beta)),
               std::sqrt(std::max(0.0, between * between - 4.0))};
 }
 
-// Three arcs, the middle one of the other sense and longer than half a turn.
+// Three arcs; the middle one has the opposite sense and is longer than half a turn.
 std::optional<Word> ThreeArcs(const Problem& p, double sense) {
   const double x = p.d - sense * (std::sin(p.beta) - std::sin(p.alpha));
   const double y = -sense * (std::cos(p.alpha) - std::cos(p.beta));
   const double between = std::hypot(x, y);
   if (between > 4.0) return std::nullopt;
   const double middle = 2.0 * kPi - 2.0 * std::asin(between / 4.0);
-  // Outer arcs: what is left of the change of heading.
+  // The outer arcs make up the rest of the change of heading.
   const double first = Turn(sense * (std::atan2(y, x) - p.alpha) + middle / 2.0);
   const double last = Turn(sense * (p.beta - p.alpha) + middle - first);
   return Word{first + middle + last, 0.0};

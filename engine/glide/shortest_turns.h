@@ -12,7 +12,7 @@ struct Stance {
 };
 
 struct TurnPath {
-  // Sum of both or all three arcs, radians, and of the straight piece.
+  // Sum of the two or three arcs, radians, and length of the straight piece.
   double turned = 0.0;
   double straight_m = 0.0;
 };

@@ -8,11 +8,11 @@
 namespace freelsd {
 namespace {
 
-// Where an image corner looks at or above the horizon, a point this share of the way from the image
-// centre stands for it.
+// If an image corner looks at or above the horizon, a point at the first of these shares of the way
+// from the image centre that sees ground replaces it.
 constexpr double kFootprintShares[] = {1.0, 0.75, 0.5, 0.25};
 
-// Ground at a pixel, unless it is too far off to be trusted.
+// Ground at a pixel; nothing if it is too far away to be trusted.
 std::optional<Eigen::Vector3d> TrustedGround(const Tracks& tracks,
                                              size_t view,
                                              const Eigen::Vector2d& point_in_image,
@@ -42,7 +42,7 @@ bool IsFullyVisible(const Segment& segment,
          });
 }
 
-// Nothing when part of the rectangle has no place on the ground, or no area.
+// Nothing if a corner does not hit the ground, or the rectangle has no area.
 std::optional<Detection> ProjectSegment(const Segment& segment,
                                         size_t view,
                                         const Tracks& tracks,

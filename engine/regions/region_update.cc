@@ -14,7 +14,7 @@ bool ContainsPlace(const Region& region, const Eigen::Vector3d& place_in_world) 
   return Contains(region.Footprint(), place_in_world.head<2>());
 }
 
-// An order that only depends on what was seen, so that the order of segments does not matter.
+// Sorts by content, so that the order of segments does not matter.
 void SortByContent(std::vector<Detection>& detections) {
   const auto key = [](const Detection& detection) {
     return std::tuple(-Area(GroundPolygon(detection.corners_in_world)),
@@ -28,7 +28,7 @@ void SortByContent(std::vector<Detection>& detections) {
   });
 }
 
-// Unlike surfaces are one place only where they cover the same ground.
+// Unlike surfaces are one place only if they cover the same ground.
 bool AreCompatible(bool is_a_grass,
                    const Polygon& a,
                    bool is_b_grass,
@@ -37,7 +37,7 @@ bool AreCompatible(bool is_a_grass,
   return is_a_grass == is_b_grass || OverlapRatio(a, b) >= options.min_overlap_of_unlike_ratio;
 }
 
-// Re-detected region: its corners hold the centroid; of several the one centred nearest.
+// The region whose corners contain the centroid; of several, the one with the nearest centre.
 std::optional<size_t> RedetectedRegion(const std::vector<TrackedRegion>& tracked,
                                        const Detection& detection,
                                        const RegionsOptions& options) {
@@ -62,7 +62,7 @@ std::optional<size_t> RedetectedRegion(const std::vector<TrackedRegion>& tracked
   return nearest;
 }
 
-// Rectangle of all corners; each new corner has the height of the old one nearest to it.
+// Rectangle around all corners. Each new corner takes the height of the nearest old corner.
 std::vector<Eigen::Vector3d> RectangleAround(const std::vector<Eigen::Vector3d>& corners) {
   std::vector<Eigen::Vector3d> rectangle;
   for (const Eigen::Vector2d& vertex : MinAreaRectangle(GroundPolygon(corners))) {
@@ -82,7 +82,7 @@ void SetCorners(TrackedRegion& tracked, std::vector<Eigen::Vector3d> corners_in_
   tracked.has_new_corners = true;
 }
 
-// Whether all of it was seen, and not only a patch of it. Rectangles, counter-clockwise.
+// Whether the detection shows the whole region, not a patch. Rectangles, counter-clockwise.
 bool ShowsAllOf(const Region& region, const Detection& detection, double min_share) {
   if (!detection.is_fully_visible) return false;
   const Polygon known = region.Footprint();
@@ -90,14 +90,14 @@ bool ShowsAllOf(const Region& region, const Detection& detection, double min_sha
   return Area(common) >= min_share * Area(known);
 }
 
-// Sec. III-E1: fixed corners stay; the first full view fixes them; till then they grow.
+// Sec. III-E1: fixed corners stay. The first full view fixes them. Until then they grow.
 void UpdateCorners(TrackedRegion& tracked,
                    const std::vector<const Detection*>& detections,
                    const RegionsOptions& options) {
   if (tracked.region.is_fixed || detections.empty()) return;
   std::vector<Eigen::Vector3d> corners = tracked.region.corners_in_world;
   for (const Detection* detection : detections) {
-    // The largest one: they are sorted.
+    // The largest one, because detections are sorted.
     if (ShowsAllOf(tracked.region, *detection, options.min_fixing_overlap_ratio)) {
       tracked.region.is_fixed = true;
       SetCorners(tracked, detection->corners_in_world);
@@ -135,7 +135,7 @@ bool BelongTogether(const TrackedRegion& a, const TrackedRegion& b, const Region
   return ContainsPlace(a.region, b.region.Center()) || ContainsPlace(b.region, a.region.Center());
 }
 
-// Older identity, larger corners, the evidence of both.
+// Keeps the older id, the larger corners and the evidence of both.
 TrackedRegion Merged(const TrackedRegion& older, const TrackedRegion& younger) {
   TrackedRegion merged = older;
   merged.has_new_corners = true;
@@ -183,7 +183,7 @@ void RegionTracker::Update(const ViewStamp& stamp,
   DropWorst(min_num_observations);
 }
 
-// All detections are compared with the regions as they were before this view.
+// Compares all detections with the regions as they were before this view.
 void RegionTracker::Assign(const ViewStamp& stamp, const std::vector<Detection>& detections) {
   std::vector<std::vector<const Detection*>> detections_of(tracked_.size());
   std::vector<TrackedRegion> added;
@@ -201,7 +201,7 @@ void RegionTracker::Assign(const ViewStamp& stamp, const std::vector<Detection>&
   for (TrackedRegion& tracked : added) tracked_.push_back(std::move(tracked));
 }
 
-// Sec. III-E2. Joins all that hang together at once, so that no order is preferred; true if any.
+// Sec. III-E2. Joins each connected set at once, so that order does not matter; true if any.
 bool RegionTracker::MergeOnce() {
   std::vector<size_t> parent(tracked_.size());
   std::iota(parent.begin(), parent.end(), size_t{0});
@@ -251,8 +251,8 @@ void RegionTracker::Grade(const ViewStamp& stamp, int min_num_observations) {
   }
 }
 
-// The best ones, and as many young ones that could not show yet what they are: were they counted
-// together, twenty graded regions would keep out every new one.
+// Keeps the best regions and as many young ones without a grade. Otherwise twenty graded regions
+// would block every new one.
 void RegionTracker::DropWorst(int min_num_observations) {
   const auto limit = static_cast<size_t>(options_.max_num_regions);
   std::vector<TrackedRegion> graded, young;

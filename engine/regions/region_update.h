@@ -1,4 +1,4 @@
-// Private to regions/: the region manager on rectangles that are already in the world.
+// Private to regions/: the region manager, on rectangles in the world frame.
 #pragma once
 
 #include <map>
@@ -10,18 +10,18 @@
 
 namespace freelsd {
 
-// One segment of one view, brought to the ground.
+// One segment of one view, projected onto the ground.
 struct Detection {
   // Four, counter-clockwise.
   std::vector<Eigen::Vector3d> corners_in_world;
   Eigen::Vector3d centroid_in_world = Eigen::Vector3d::Zero();
   bool is_fully_visible = false;
   bool is_grass = false;
-  // Of the segment itself, its weight in the view's vote.
+  // Area of the segment: its weight in the view's vote.
   double area_m2 = 0.0;
 };
 
-// Without the heights.
+// Horizontal part of the corners.
 Polygon GroundPolygon(const std::vector<Eigen::Vector3d>& corners_in_world);
 
 struct ViewStamp {
@@ -30,7 +30,7 @@ struct ViewStamp {
   int64_t timestamp_us = 0;
 };
 
-// What one view showed of a region.
+// Areas that one view showed of a region.
 struct ViewEvidence {
   double grass_area_m2 = 0.0;
   double other_area_m2 = 0.0;
@@ -38,7 +38,7 @@ struct ViewEvidence {
 
 struct TrackedRegion {
   Region region;
-  // By view: a view that saw both of two merged regions counts once.
+  // By view: a view counts once for merged regions, even if it saw both.
   std::map<size_t, ViewEvidence> evidence;
   bool has_new_corners = false;
 
@@ -63,14 +63,14 @@ class RegionTracker {
   int next_id_ = 1;
 };
 
-// How often a place is seen: for n_obs,min.
+// Counts the views that see a place, to derive n_obs,min.
 class ViewOverlap {
  public:
-  // Ground below the image centre, and the ground that the image covers. A view counts once.
+  // Adds the ground below the image centre and the image's footprint. A view counts once.
   void Add(size_t view, const Eigen::Vector2d& center_in_world, const Polygon& footprint);
-  // Median over the views of the number of views that see their centre, themselves included.
+  // Typical number of views of a place: median over the centres of all views.
   double ExpectedNumViews() const;
-  // Paper's number, lowered to half of the views to be expected, never below the floor.
+  // The paper's number, lowered to half of the expected views, at least the floor.
   int MinNumObservations(const RegionsOptions& options) const;
 
  private:

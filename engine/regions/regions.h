@@ -1,5 +1,5 @@
-// Input: labelled regions of one view after the other. Output: tracked regions of interest with
-// their grade. Paper: Sec. III-E.
+// Input: labelled regions of each view in turn. Output: tracked regions of interest with their
+// grade. Paper: Sec. III-E.
 #pragma once
 
 #include <cstdint>
@@ -15,28 +15,28 @@ namespace freelsd {
 
 struct RegionsOptions {
   // --- Behaviour ---
-  // Area from which a region is worth a grade; normally the aircraft's. Paper: A_min.
+  // Least area of a graded region; normally the aircraft's. Paper: A_min.
   double min_area_m2 = 900.0;
-  // Observations from which a region has a grade. Paper: n_obs,min = 10 at 4 Hz.
-  // Differs: survey photographs never show a place ten times, so it is lowered to half the number
-  // of views of a place that the flight lets expect, but never below min_num_observations_floor.
+  // Least observations of a graded region. Paper: n_obs,min = 10 at 4 Hz. Differs: survey
+  // photographs never show a place ten times. The limit falls to half of the expected views of a
+  // place, but not below min_num_observations_floor.
   int min_num_observations = 10;
   int min_num_observations_floor = 2;
-  // A region of grass and one of something else are the same place only if their rectangles overlap
-  // by this share (common over union). Differs: the paper asks for a centre inside the other's
-  // corners alone; rectangles around winding woods and roads then swallow the fields between them.
-  // 0 is the paper's.
+  // Grass and non-grass are merged only if their rectangles overlap by this share
+  // (intersection over union). Differs: the paper requires only a centre inside the other's
+  // corners. Then rectangles around winding woods and roads swallow the fields between them.
+  // Paper: 0.
   double min_overlap_of_unlike_ratio = 0.3;
-  // A view of all of a region fixes its corners only where it covers this share of what was known
-  // of it. Differs: the paper takes any segment that is fully visible, and so a patch of 400 m2
-  // between two shadows makes an end of the field around it. 0 is the paper's.
+  // A fully visible segment fixes a region's corners only if it covers this share of the region.
+  // Differs: the paper accepts any fully visible segment, so a small patch between two shadows can
+  // shrink a field (decision 0005). Paper: 0.
   double min_fixing_overlap_ratio = 0.5;
-  // Regions kept. Paper: "20 best", Sec. III-E3.
+  // Largest number of regions. Paper: "20 best", Sec. III-E3.
   int max_num_regions = 20;
-  // A corner nearer to the border of the image than this counts as not fully visible.
+  // A segment with a corner nearer to the image border than this is not fully visible.
   double border_margin_px = 2.0;
-  // A corner seen from farther than this many heights above ground is too uncertain: the region is
-  // skipped in that view. Differs: the paper's cameras do not look that flat.
+  // Largest distance of a seen corner, in heights above ground. Views with a farther corner skip
+  // the region. Differs: the paper's cameras look down more steeply.
   double max_viewing_distance_ratio = 10.0;
 
   void Check() const;
@@ -53,16 +53,16 @@ struct RegionHistory {
 };
 
 struct Region {
-  // Stable within the flight; of two merged regions the older one's stays.
+  // Stable within the flight. Merged regions keep the older id.
   int id = 0;
-  // Four corners of the rectangle (projected from the image, so not quite one), counter-clockwise,
-  // world, with the ground's height.
+  // Four corners, counter-clockwise, world, with the ground's height. The rectangle is projected
+  // from the image, so its angles are not exactly right.
   std::vector<Eigen::Vector3d> corners_in_world;
   bool is_fixed = false;
   int num_observations = 0;
   int num_grass_observations = 0;
   double area_m2 = 0.0;
-  // 0 if too small or too seldom seen, else num_grass_observations / num_observations.
+  // 0 if too small or seen too seldom, else num_grass_observations / num_observations.
   double grade = 0.0;
   std::string first_seen_frame_id;
   std::string last_seen_frame_id;
@@ -73,19 +73,19 @@ struct Region {
   Eigen::Vector3d Center() const;
 };
 
-// Remembers the regions of one flight. The result does not depend on the order of the segments
-// within a view. A view counts once for a region, however many segments hit it and whatever was
-// merged; it counts as grass when most of the area seen is grass. Not thread-safe.
+// Tracks the regions of one flight. The result does not depend on the order of the segments within
+// a view. A view counts once per region, regardless of segments and merges. It counts as grass when
+// most of the seen area is grass. Not thread-safe.
 class Regions {
  public:
   explicit Regions(const RegionsOptions& options);
   ~Regions();
   Regions(Regions&&) noexcept;
   Regions& operator=(Regions&&) noexcept;
-  // segments and labels belong to tracks.views()[view].
+  // `segments` and `labels` belong to tracks.views()[view].
   void Update(size_t view, const Segments& segments, const Labels& labels, const Tracks& tracks);
-  // Best grade first; equal grades: seen more often, then older id. At most max_num_regions;
-  // regions seen too seldom for a grade come last and do not push out graded ones.
+  // Best grade first; equal grades: more observations, then older id. At most max_num_regions.
+  // Regions with too few observations come last and displace no graded ones.
   std::vector<Region> Ranked() const;
   // n_obs,min as derived from the views so far.
   int MinNumObservations() const;

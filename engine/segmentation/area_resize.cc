@@ -12,13 +12,13 @@
 namespace freelsd {
 namespace {
 
-// Shares of a pixel smaller than this are rounding, as OpenCV takes it.
+// Smaller shares of a pixel count as rounding errors, as in OpenCV.
 constexpr double kLeastShare = 1e-3;
-// A pixel of three channels is worked on in one register of four.
+// A pixel of three channels occupies one register of four.
 constexpr int kRegisterFloats = 4;
 typedef float Register __attribute__((vector_size(kRegisterFloats * sizeof(float))));
 
-// Source pixels that one pixel of the result covers, along one axis: the first and the last may be
+// Source pixels under one pixel of the result, along one axis. The first and the last may be
 // covered in part.
 struct Cover {
   int first = 0;
@@ -45,8 +45,8 @@ Cover CoverOf(int index, double scale, int source_length) {
   return cover;
 }
 
-// Those of all pixels along an axis, with equally many weights: where there are fewer, zeros
-// follow, which change no sum.
+// Covers of all pixels along an axis, each with the same number of weights. Missing weights are 0
+// and change no sum.
 struct Covers {
   size_t num_weights = 0;
   std::vector<int> first;
@@ -70,7 +70,7 @@ Covers CoversOf(int length, int source_length) {
   return result;
 }
 
-// Rows of the source that are added up in one pass.
+// Source rows added per pass.
 constexpr size_t kMaxRowsTogether = 4;
 using Rows = std::array<const uint8_t*, kMaxRowsTogether>;
 
@@ -94,7 +94,7 @@ FREELSD_SEVERAL_TARGETS void AddRows(
   if (num_rows == 4) AddSoMany<4>(rows, weights, length, sums);
 }
 
-// Weighted sums down the columns. `sums` is longer than the rows.
+// Weighted sums down the columns. `sums` must be longer than the rows.
 void SumRows(const cv::Mat& image,
              int first,
              const float* weights,
@@ -106,14 +106,14 @@ void SumRows(const cv::Mat& image,
     const size_t num_rows = std::min(kMaxRowsTogether, num_weights - at);
     Rows rows{};
     for (size_t k = 0; k < num_rows; ++k) {
-      // A weight of 0 may stand for a row below the last.
+      // A weight of 0 may belong to a row below the last.
       rows[k] = image.ptr<uint8_t>(std::min(first + static_cast<int>(at + k), image.rows - 1));
     }
     AddRows(rows, weights + at, num_rows, length, sums.data());
   }
 }
 
-// Weighted sums along a row. Both rows have kRegisterFloats more than they need.
+// Weighted sums along a row. Both rows have kRegisterFloats extra entries.
 FREELSD_SEVERAL_TARGETS void ReduceRow(const float* __restrict__ sums,
                                        const Covers& covers,
                                        int num_channels,
@@ -132,11 +132,11 @@ FREELSD_SEVERAL_TARGETS void ReduceRow(const float* __restrict__ sums,
   }
 }
 
-// To the nearest, halves to the even one. Values in 0..255.
+// Rounds to the nearest integer, halves to even. Values in 0..255.
 FREELSD_SEVERAL_TARGETS void RoundRow(const float* __restrict__ values,
                                       int length,
                                       uint8_t* __restrict__ rounded) {
-  // Between it and twice it floats are the whole numbers.
+  // From this value up to twice this value, floats are exactly the integers.
   constexpr float kWhole = 8388608.0f;
   for (int i = 0; i < length; ++i) {
     rounded[i] = static_cast<uint8_t>(std::bit_cast<uint32_t>(values[i] + kWhole));
@@ -150,7 +150,7 @@ cv::Mat ReduceByArea(const cv::Mat& image, cv::Size size) {
   cv::Mat reduced(size, image.type());
   const Covers rows = CoversOf(size.height, image.rows);
   const Covers cols = CoversOf(size.width, image.cols);
-  // The last pixels are read and written as if others followed.
+  // Padding, because registers read and write past the last pixels.
   const size_t spare = cols.num_weights * static_cast<size_t>(num_channels) + kRegisterFloats;
   std::vector<float> sums(static_cast<size_t>(image.cols * num_channels) + spare);
   std::vector<float> means(static_cast<size_t>(size.width * num_channels) + kRegisterFloats);

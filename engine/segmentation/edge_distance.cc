@@ -11,7 +11,7 @@
 namespace freelsd {
 namespace {
 
-// Rows to an edge are counted up to here, where one is that far or farther.
+// Row distances saturate here.
 constexpr int kManyRows = 255;
 
 cv::Mat1b FarByDistanceTransform(const cv::Mat1b& edges, double distance_px) {
@@ -20,9 +20,9 @@ cv::Mat1b FarByDistanceTransform(const cv::Mat1b& edges, double distance_px) {
   return edge_distance_px > distance_px;
 }
 
-// For each number of columns, from 0: up to how many rows away an edge is near. The distance
-// between two pixels is the same in every image that holds them, so that one around one edge tells
-// all.
+// By number of columns, from 0: largest number of rows at which an edge is still
+// near. The distance depends only on the offset, so one edge gives the whole
+// table.
 std::vector<uint8_t> ReachOf(int radius_px, double distance_px) {
   cv::Mat1b edge(2 * radius_px + 1, 2 * radius_px + 1, uint8_t{0});
   edge(radius_px, radius_px) = 255;
@@ -36,7 +36,7 @@ std::vector<uint8_t> ReachOf(int radius_px, double distance_px) {
   return reach;
 }
 
-// Rows to the nearest edge in the same column, from those of the row before.
+// Rows to the nearest edge in the same column, from the counts of the previous row.
 FREELSD_SEVERAL_TARGETS void CountRows(const uint8_t* __restrict__ edges,
                                        const uint8_t* __restrict__ before,
                                        int num_cols,
@@ -56,7 +56,7 @@ FREELSD_SEVERAL_TARGETS void TakeNearer(const uint8_t* __restrict__ before,
   }
 }
 
-// Columns on either side have no edge.
+// The result has edge-free columns on either side.
 cv::Mat1b RowsToEdge(const cv::Mat1b& edges, int radius_px) {
   cv::Mat1b rows(edges.rows, edges.cols + 2 * radius_px, static_cast<uint8_t>(kManyRows));
   const std::vector<uint8_t> none(static_cast<size_t>(edges.cols), kManyRows);
@@ -84,7 +84,7 @@ FREELSD_SEVERAL_TARGETS void ClearNear(const uint8_t* __restrict__ left,
 }  // namespace
 
 cv::Mat1b FarFromEdges(const cv::Mat1b& edges, double distance_px) {
-  // No step of the distance transform is shorter than a pixel. It is compared as a float.
+  // Every step of the distance transform is at least one pixel. It is compared as a float.
   const float radius_px = std::floor(std::max(static_cast<float>(distance_px), 0.0F));
   if (radius_px >= static_cast<float>(kManyRows)) return FarByDistanceTransform(edges, distance_px);
   const auto radius = static_cast<int>(radius_px);

@@ -5,8 +5,9 @@
 
 namespace freelsd {
 
-// 255 where the distance to the nearest edge (255, elsewhere 0) is larger than distance_px, else 0;
-// as cv::distanceTransform with DIST_L2 and DIST_MASK_5 measures it.
+// 255 where the nearest edge (255, elsewhere 0) is farther than distance_px, else 0. Distances as
+// in cv::distanceTransform with DIST_L2 and DIST_MASK_5, ten times as fast on one core:
+// freelsd-bench --filter kernel_edge_distance.
 cv::Mat1b FarFromEdges(const cv::Mat1b& edges, double distance_px);
 
 }  // namespace freelsd

@@ -14,12 +14,12 @@
 namespace freelsd {
 namespace {
 
-// The paper gives one Canny threshold; a ratio of three to its partner is Canny's own advice.
+// The paper gives one Canny threshold; Canny recommends a ratio of about three.
 constexpr double kCannyRatio = 3.0;
-// Holds a grey pixel's quotient finite where the neighbourhood is black.
+// Limits the quotient where the neighbourhood is black.
 constexpr double kMinLocalMeanGrey = 4.0;
 constexpr int kConnectivity = 4;
-// Keeps a wrong height from asking for an image of no pixels.
+// Prevents an empty image if the height is wrong.
 constexpr int kMinWorkingSidePx = 8;
 
 double Polynomial(const std::array<double, 4>& coefficients, double x) {
@@ -32,19 +32,19 @@ double FittedHeight(double height_above_ground, const SegmentationOptions& optio
   return std::clamp(height_above_ground, options.paper_min_height_m, options.paper_max_height_m);
 }
 
-// What the edge detector needs, in pixels of the working image.
+// Thresholds of the edge detector, in pixels of the working image.
 struct Thresholds {
   double canny_low = 0.0;
   double canny_high = 0.0;
   double min_edge_distance_px = 0.0;
 };
 
-// Factor (at most 1) from the full-size image to one of the given ground sampling distance.
+// Factor (at most 1) from the full-size image to the given ground sampling distance.
 double Scale(const Camera& camera, double height_above_ground, double ground_sampling_distance_m) {
   return std::min(1.0, height_above_ground / camera.MeanFocalPx() / ground_sampling_distance_m);
 }
 
-// The same to the working image.
+// Factor from the full-size image to the working image.
 double WorkingScale(const Camera& camera,
                     double height_above_ground,
                     const SegmentationOptions& options) {
@@ -59,7 +59,7 @@ Thresholds ThresholdsFor(double height_above_ground,
                          const SegmentationOptions& options) {
   if (options.thresholds == SegmentationThresholds::kPaper) {
     const double low = CannyThreshold(height_above_ground, options);
-    // What stays constant is metres on the ground, so pixels go with the focal length.
+    // Distances are constant on the ground, so pixels scale with the focal length.
     const double distance_px =
         MinEdgeDistancePx(height_above_ground, options) * working_focal_px / options.paper_focal_px;
     return {low, kCannyRatio * low, distance_px};
@@ -128,8 +128,8 @@ cv::Mat1b ChromaEdges(const cv::Mat3b& image,
   return edges;
 }
 
-// 2G - R - B - level (R + G + B): positive where excess green is above the level. Linear, so it may
-// be smoothed in place of the three channels.
+// 2G - R - B - level (R + G + B): positive where excess green exceeds the level. It is linear, so
+// smoothing it equals smoothing the three channels.
 cv::Mat1f GreenOverLevel(const cv::Mat3b& image, double level_ratio) {
   const auto green = static_cast<float>(2.0 - level_ratio);
   const auto others = static_cast<float>(1.0 + level_ratio);
@@ -169,7 +169,7 @@ cv::Mat1b Edges(const Segments& frame,
   return edges;
 }
 
-// 255 where the nearest edge is far enough away and the sensor recorded something.
+// 255 where the nearest edge is far enough away and the sensor was neither black nor burnt out.
 cv::Mat1b HomogeneousPixels(const cv::Mat1b& grey,
                             const cv::Mat1b& edges,
                             const Thresholds& thresholds,
@@ -206,7 +206,7 @@ Components ConnectedComponents(const cv::Mat1b& mask) {
   return components;
 }
 
-// The same components, without those of fewer pixels, numbered anew from 1.
+// Drops components of fewer pixels and numbers the rest from 1.
 Components WithoutSmall(const Components& components, double min_num_pixels) {
   std::vector<int> new_label(static_cast<size_t>(components.statistics.rows), 0);
   Components kept;

@@ -9,12 +9,12 @@
 namespace freelsd {
 namespace {
 
-// Derivatives are clipped to this on both sides, and moved up by it.
+// Derivatives are clipped to this on both sides, and shifted by it to be positive.
 constexpr int kMaxDerivative = 15;
-// A register's load may begin at the last column.
+// Padding, because a register may be loaded from the last column on.
 constexpr int kRoomPx = 64;
 
-// What the pixels of a row take, and take at least and at most within half a pixel.
+// Value of each pixel of a row, and its range within half a pixel.
 struct Signal {
   std::vector<uint8_t> values, low, high;
 
@@ -71,7 +71,7 @@ struct RowSignals {
   }
 };
 
-// Distances of one left pixel to right ones.
+// Distances between one left pixel and right pixels.
 [[gnu::always_inline]] inline void Distances(
     const Signal& left, size_t left_at, const Signal& right, size_t right_at, Bytes& distances) {
   Bytes value, low, high;
@@ -81,7 +81,7 @@ struct RowSignals {
   const Bytes zero{};
   const Bytes left_value = zero + left.values[left_at];
   const Bytes left_low = zero + left.low[left_at], left_high = zero + left.high[left_at];
-  // Of an interval that holds the value these are equal.
+  // Zero if the value lies in the interval.
   const Bytes to_right =
       (left_value > low ? left_value : low) - (left_value < high ? left_value : high);
   const Bytes to_left =
@@ -104,9 +104,13 @@ FREELSD_SEVERAL_TARGETS void PixelCosts(const RowSignals& left,
       Distances(left.grey, left_at, right_mirrored.grey, right_at, grey);
       const auto quarter =
           reinterpret_cast<Bytes>(reinterpret_cast<UnsignedShorts>(grey) >> 2) & 0x3F;
-      Store(derivative + quarter, costs + i * num_sums + d);
+      Store(derivative + quarter, costs + std::ptrdiff_t{i} * num_sums + d);
     }
   }
+}
+
+FREELSD_SEVERAL_TARGETS void LoseBits(int num_bits, int count, uint8_t* __restrict__ costs) {
+  for (int i = 0; i < count; ++i) costs[i] = static_cast<uint8_t>(costs[i] >> num_bits);
 }
 
 FREELSD_SEVERAL_TARGETS void MoveSums(const uint8_t* __restrict__ entering,
@@ -122,12 +126,13 @@ FREELSD_SEVERAL_TARGETS void MoveSums(const uint8_t* __restrict__ entering,
 BlockCosts::BlockCosts(const cv::Mat1b& left,
                        const cv::Mat1b& right_mirrored,
                        const MatchedColumns& columns,
-                       int block_size_px,
+                       const BlockOptions& options,
                        int first_row)
     : left_(left),
       right_mirrored_(right_mirrored),
       columns_(columns),
-      radius_px_(block_size_px / 2),
+      options_(options),
+      radius_px_(options.block_size_px / 2),
       first_row_(first_row),
       row_(first_row),
       costs_(2 * radius_px_ + 2, columns.count * columns.NumSums()),
@@ -137,12 +142,14 @@ BlockCosts::BlockCosts(const cv::Mat1b& left,
 const uint8_t* BlockCosts::CostsOf(int row) {
   const int known = std::clamp(row, first_row_, left_.rows - 1);
   for (; num_rows_known_ <= known; ++num_rows_known_) {
-    // The derivative of a mirrored row has the other sign.
+    uint8_t* const costs = costs_[num_rows_known_ % costs_.rows];
+    // Mirroring a row changes the sign of its derivative.
     PixelCosts(RowSignals(left_, num_rows_known_, 1),
                RowSignals(right_mirrored_, num_rows_known_, -1),
                left_.cols - 1 - columns_.first + columns_.min_disparity_px,
                columns_,
-               costs_[num_rows_known_ % costs_.rows]);
+               costs);
+    if (options_.num_lost_bits > 0) LoseBits(options_.num_lost_bits, costs_.cols, costs);
   }
   return costs_[known % costs_.rows];
 }

@@ -1,4 +1,4 @@
-// Private to stereo/. How badly pixels of a rectified pair match, summed up over blocks.
+// Private to stereo/. Matching costs of a rectified pair, summed over blocks.
 #pragma once
 
 #include <array>
@@ -17,27 +17,33 @@ struct MatchedColumns {
   // A multiple of 16.
   int num_disparities = 0;
 
-  // A multiple of 32: for each column there are as many sums, of which the last are not used.
+  // A multiple of 32: the number of sums per column, of which the last may be unused.
   int NumSums() const { return (num_disparities + 31) / 32 * 32; }
 };
 
 // The largest cost of one pixel.
 constexpr int kMaxPixelCost = 93;
 
-// Cost of Birchfield and Tomasi (1998) on the clipped Sobel derivative along the row and, a quarter
-// of it, on the grey: the lesser distance of the one pixel to what the other takes within half a
-// pixel of its column.
+struct BlockOptions {
+  int block_size_px = 7;
+  // Number of low bits dropped from pixel costs, so that sums over a large block fit.
+  int num_lost_bits = 0;
+};
+
+// Cost of Birchfield and Tomasi (1998): distance of a pixel to the interval of the other image's
+// values within half a pixel, the smaller of both directions. Taken on the clipped Sobel derivative
+// along the row; a quarter of the cost on grey is added.
 class BlockCosts {
  public:
-  // The images must outlive this. From `first_row` on, as if that row were the image's border.
+  // The images must outlive this. Treats first_row as the upper border of the image.
   BlockCosts(const cv::Mat1b& left,
              const cv::Mat1b& right_mirrored,
              const MatchedColumns& columns,
-             int block_size_px,
+             const BlockOptions& options,
              int first_row);
 
-  // Goes one row further; the first call gives the first row. For each column the sums over the
-  // block's height, by disparity. Valid until the next call.
+  // Advances one row; the first call gives the first row. Returns the sums over the block's height,
+  // by column and disparity. Valid until the next call.
   const int16_t* NextRow();
 
  private:
@@ -45,8 +51,9 @@ class BlockCosts {
 
   cv::Mat1b left_, right_mirrored_;
   MatchedColumns columns_;
+  BlockOptions options_;
   int radius_px_, first_row_, row_;
-  // Costs of the last rows; row i lies at i modulo their number.
+  // Costs of the last rows; row i is at i modulo their number.
   cv::Mat1b costs_;
   cv::Mat1s sums_;
   int num_rows_known_;

@@ -21,7 +21,7 @@ template <typename Lanes, typename Value>
   __builtin_memcpy(values, &lanes, sizeof(lanes));
 }
 
-// Every lane becomes the least of the sixteen.
+// Sets every lane to the least of the sixteen.
 [[gnu::always_inline]] inline void SpreadLeast(Shorts& lanes) {
   Shorts other =
       __builtin_shufflevector(lanes, lanes, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7);
@@ -37,14 +37,22 @@ template <typename Lanes, typename Value>
   lanes = lanes < other ? lanes : other;
 }
 
-// The sixteen numbers between the middles of two registers.
+// Sum of the lanes. They must not be negative, and the sum must fit into 16 bits.
+[[gnu::always_inline]] inline int SumOf(const Shorts& lanes) {
+  typedef uint64_t Longs __attribute__((vector_size(32)));
+  constexpr uint64_t kEachOfFour = 0x0001000100010001;
+  const auto fours = reinterpret_cast<Longs>(lanes);
+  return static_cast<int>((fours[0] + fours[1] + fours[2] + fours[3]) * kEachOfFour >> 48);
+}
+
+// The upper half of `lanes` and the lower half of `after`.
 [[gnu::always_inline]] inline void Join(const Shorts& lanes, const Shorts& after, Shorts& between) {
   between = __builtin_shufflevector(
       lanes, after, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23);
 }
 
-// The sixteen numbers that begin one before those of `lanes`, and one after; `between` is what
-// Join() gives of the register before and `lanes`, and of `lanes` and the register after.
+// The sixteen numbers that start one before those of `lanes`, or one after. `between` is Join() of
+// the previous register and `lanes`, or of `lanes` and the next register.
 [[gnu::always_inline]] inline void OneBefore(const Shorts& between,
                                              const Shorts& lanes,
                                              Shorts& shifted) {

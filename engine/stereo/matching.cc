@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kDisparityStep = 16;
 constexpr int kSpeckleRangePx = 2;
-// Contrast is not stretched more than this: noise would become texture.
+// Limit of contrast stretching: more would turn noise into texture.
 constexpr double kMaxGain = 4.0;
 
 struct DisparityRange {
@@ -32,7 +32,7 @@ DisparityRange RangeOf(const RectifiedPair& pair,
   return {low, std::max(count, kDisparityStep)};
 }
 
-// The right image with mean and contrast of the left one: exposure varies from frame to frame, and
+// The right image with mean and contrast of the left one. Exposure varies from frame to frame, and
 // the matcher compares grey levels.
 cv::Mat1b WithExposureOfLeft(const RectifiedPair& pair) {
   cv::Scalar left_mean, left_sd, right_mean, right_sd;
@@ -62,7 +62,7 @@ cv::Mat1s Match(const RectifiedPair& pair,
                             kSpeckleRangePx});
 }
 
-// Windows that lie wholly inside the image.
+// Windows that lie completely inside the image.
 cv::Mat1b WholeWindows(const cv::Mat1b& is_inside, int window_px) {
   cv::Mat1b eroded;
   const cv::Mat element =
@@ -71,7 +71,7 @@ cv::Mat1b WholeWindows(const cv::Mat1b& is_inside, int window_px) {
   return eroded;
 }
 
-// Where each left pixel is found in the right image.
+// Position of each left pixel in the right image.
 cv::Mat2f RightFromLeft(const cv::Mat1s& disparity, int min_px) {
   cv::Mat2f table(disparity.size());
   for (int v = 0; v < table.rows; ++v) {

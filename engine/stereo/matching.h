@@ -5,7 +5,7 @@
 
 namespace freelsd {
 
-// Left column minus right column per pixel of the left image; NaN where nothing matches surely.
+// Left column minus right column per pixel of the left image; NaN without a reliable match.
 cv::Mat1f MatchRectified(const RectifiedPair& pair,
                          const DepthRange& depths,
                          const StereoOptions& options);

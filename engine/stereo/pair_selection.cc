@@ -18,7 +18,7 @@ int NumShared(const AdjustedView& a, const AdjustedView& b) {
   return static_cast<int>(shared.size());
 }
 
-// Baseline, epipolar and viewing cost; nothing when the two are no pair.
+// Baseline, epipolar and viewing cost; nothing if the views form no pair.
 std::optional<double> PairCost(const AdjustedView& a,
                                const AdjustedView& b,
                                const StereoOptions& options) {
@@ -68,7 +68,7 @@ std::vector<StereoPair> SelectPairs(const AdjustedBlock& block, const StereoOpti
       if (taken.insert({pair.left, pair.right}).second) pairs.push_back(pair);
     }
   }
-  // Pairs of the same view follow each other, so that its image is read once.
+  // Pairs of one view are consecutive, so that its image is read once.
   std::stable_sort(pairs.begin(), pairs.end(), [](const auto& a, const auto& b) {
     return a.left != b.left ? a.left < b.left : a.right < b.right;
   });

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -13,37 +14,37 @@ namespace freelsd {
 
 struct PathOptions {
   int block_size_px = 7;
-  // For a disparity that differs by one from that of the pixel before, and by more.
+  // Penalty if the disparity differs by one from the previous pixel's, and if by more.
   int p1 = 1;
+  // Larger than p1.
   int p2 = 2;
   // Below 100.
   int uniqueness_ratio_percent = 0;
 };
 
-// The disparity of the least sum, counted from the least disparity, and the sums around it. Of
-// equal sums OpenCV takes of each remainder by 8 the last, and of these the first.
+// The disparity of the least sum, relative to the least disparity, and the sums around it. The
+// first of equal sums wins.
 struct Winner {
   int16_t index = 0;
   int16_t cost = 0;
   int16_t cost_before = 0;
   int16_t cost_after = 0;
-  // No other but its neighbours comes near.
+  // No sum comes near, except its neighbours.
   bool is_unique = false;
 };
 
 class PathCosts {
  public:
-  static constexpr int kMaxNumDisparities = 256;
-
-  // Whether all sums fit into 16 bits; to others this must not be put.
-  static bool CanDo(const MatchedColumns& columns, const PathOptions& options);
+  static constexpr int kMaxNumDisparities = 1024;
+  // Largest cost of a block plus p2. Sums over three paths then fit into 16 bits.
+  static constexpr int kMaxPathCost = std::numeric_limits<int16_t>::max() / 3;
 
   PathCosts(const MatchedColumns& columns, const PathOptions& options);
 
-  // Goes one row further, with its sums over the block's height.
+  // Advances one row, given its sums over the block's height.
   void NextRow(const int16_t* column_sums);
 
-  // Of that row, once; one winner for each column.
+  // Winners of that row, one per column. Call once per row.
   void FindWinners(std::vector<Winner>& winners);
 
  private:
@@ -52,11 +53,9 @@ class PathCosts {
   MatchedColumns columns_;
   PathOptions options_;
   int num_rows_ = 0;
-  // One row of block costs, and two rows of costs from above with room on both sides of each
-  // column's.
+  // One row of block costs, and two rows of costs from above with padding on both sides of each
+  // column.
   cv::Mat1s block_costs_, from_above_, least_from_above_;
-  // For each disparity the bits of itself and its neighbours: one for each register, in its lane.
-  cv::Mat1s neighbours_;
 };
 
 }  // namespace freelsd

@@ -16,9 +16,9 @@
 namespace freelsd {
 namespace {
 
-// Between the nodes of the remap tables the lens distortion is straight to a hundredth pixel.
+// Between nodes of the remap tables, distortion is linear to a hundredth of a pixel.
 constexpr int kNodeSpacingPx = 8;
-// Landmarks beyond these shares are taken for outliers.
+// Landmarks beyond these quantiles count as outliers.
 constexpr double kLowShare = 0.02;
 constexpr double kHighShare = 0.98;
 constexpr size_t kMinNumLandmarks = 5;
@@ -89,7 +89,7 @@ cv::Mat2f SamplingTable(const Sampling& sampling) {
   });
 }
 
-// 8-bit grey at the size of the matching.
+// 8-bit grey at the size used for matching.
 cv::Mat1b GreyAtScale(const cv::Mat& image, const cv::Size& size) {
   cv::Mat grey;
   if (image.channels() == 3) {
@@ -114,7 +114,7 @@ cv::Mat1b InsideMask(const cv::Mat2f& table, const Camera& camera) {
   return mask;
 }
 
-// The rectified image, and where it shows anything.
+// The rectified image, and the mask of its valid pixels.
 std::pair<cv::Mat1b, cv::Mat1b> Sample(const Sampling& sampling, const cv::Mat& image) {
   const cv::Mat2f table = SamplingTable(sampling);
   const cv::Size scaled(sampling.camera.width_px, sampling.camera.height_px);
@@ -123,7 +123,7 @@ std::pair<cv::Mat1b, cv::Mat1b> Sample(const Sampling& sampling, const cv::Mat& 
   return {rectified, InsideMask(table, sampling.camera)};
 }
 
-// Ground that both see, in the left one's coordinates.
+// The area that both see, in the left view's coordinates.
 Window Intersection(const Window& left, const Window& right, double shift) {
   return {std::max(left.min_x, right.min_x + shift),
           std::min(left.max_x, right.max_x + shift),
@@ -210,13 +210,13 @@ std::optional<RectifiedPair> RectifyPair(const AdjustedBlock& block,
   Sampling right{block.CameraOf(pair.right).Scaled(scale),
                  world_from_right.rotation.conjugate() * *axes,
                  rectified.focal_px};
-  // The right image shows a point of typical depth this much further left.
+  // The right image shows a point at typical depth further left by this shift.
   const double shift = rectified.baseline / depths.typical;
   const Window window =
       Intersection(WindowOf(left.camera, left.camera_from_rectified.transpose()),
                    WindowOf(right.camera, right.camera_from_rectified.transpose()),
                    shift);
-  // Room for the disparities on both sides, so that the matcher loses no ground to its margin.
+  // Padding for the disparities on both sides, so that the matcher's margin costs no ground.
   const double pad = rectified.baseline * std::max(1.0 / depths.nearest - 1.0 / depths.typical,
                                                    1.0 / depths.typical - 1.0 / depths.farthest);
   const int width =

@@ -13,7 +13,7 @@
 namespace freelsd {
 namespace {
 
-// The image is matched in so many stripes, each of which begins with rows of the one above.
+// The image is matched in this many stripes. Each begins with rows of the stripe above.
 constexpr int kNumStripes = 4;
 
 struct Stripes {
@@ -31,15 +31,30 @@ MatchedColumns ColumnsOf(const cv::Mat1b& left, const SemiGlobalOptions& options
   return {first, end - first, options.min_disparity_px, options.num_disparities};
 }
 
+// Low bits to drop from all costs, so that sums fit into 16 bits.
+int NumLostBits(const SemiGlobalOptions& options) {
+  const int area = options.block_size_px * options.block_size_px;
+  const int p2 = std::min(options.p2, kMaxPixelCost * area);
+  int num_bits = 0;
+  while (area * (kMaxPixelCost >> num_bits) + (p2 >> num_bits) > PathCosts::kMaxPathCost)
+    ++num_bits;
+  return num_bits;
+}
+
+// Limits both penalties to the largest block cost.
 PathOptions PathOptionsOf(const SemiGlobalOptions& options) {
-  return {options.block_size_px, options.p1, options.p2, options.uniqueness_ratio_percent};
+  const int num_lost_bits = NumLostBits(options);
+  const int max_cost = kMaxPixelCost * options.block_size_px * options.block_size_px;
+  const int p2 = std::max(std::min(options.p2, max_cost) >> num_lost_bits, 2);
+  const int p1 = std::clamp(options.p1 >> num_lost_bits, 1, p2 - 1);
+  return {options.block_size_px, p1, p2, options.uniqueness_ratio_percent};
 }
 
 int16_t Unmatched(const SemiGlobalOptions& options) {
   return static_cast<int16_t>((options.min_disparity_px - 1) * kDisparityUnit);
 }
 
-// To a sixteenth of a pixel: where the parabola through three sums is least.
+// Minimum of the parabola through three sums, in sixteenths of a pixel.
 int Refined(const Winner& winner, int num_disparities) {
   const int index = winner.index;
   if (index == 0 || index == num_disparities - 1) return index * kDisparityUnit;
@@ -48,7 +63,7 @@ int Refined(const Winner& winner, int num_disparities) {
   return index * kDisparityUnit + (slope * kDisparityUnit + curvature) / (curvature * 2);
 }
 
-// One row of the right image: the cheapest that was found for each column.
+// One row of the right image: the cheapest match of each column.
 class RightRow {
  public:
   RightRow(int num_cols, const SemiGlobalOptions& options)
@@ -70,7 +85,7 @@ class RightRow {
     disparity_px_[at] = static_cast<int16_t>(disparity_px);
   }
 
-  // Neither of the two nearest whole disparities is that of the right image.
+  // Neither of the two nearest integer disparities matches that of the right image.
   bool Contradicts(int left_col, int sixteenths) const {
     const int below = sixteenths >> 4, above = (sixteenths + kDisparityUnit - 1) >> 4;
     return Differs(left_col, below) && Differs(left_col, above);
@@ -113,7 +128,8 @@ void MatchStripe(const cv::Mat1b& left,
   const MatchedColumns columns = ColumnsOf(left, options);
   const int start = stripe * stripes.num_rows, end = std::min(start + stripes.num_rows, left.rows);
   const int first_row = std::max(start - stripes.num_overlapping_rows, 0);
-  BlockCosts block_costs(left, right_mirrored, columns, options.block_size_px, first_row);
+  BlockCosts block_costs(
+      left, right_mirrored, columns, {options.block_size_px, NumLostBits(options)}, first_row);
   PathCosts path_costs(columns, PathOptionsOf(options));
   RightRow right_row(left.cols, options);
   std::vector<Winner> winners;
@@ -131,40 +147,13 @@ void MatchStripe(const cv::Mat1b& left,
   }
 }
 
-// Elsewhere OpenCV's sums saturate, or its stripes begin above the image.
-bool IsSameHere(const cv::Mat1b& left, const SemiGlobalOptions& options) {
-  const Stripes stripes(left.rows, options.block_size_px);
-  const MatchedColumns columns = ColumnsOf(left, options);
-  return stripes.num_rows >= stripes.num_overlapping_rows &&
-         columns.count > options.block_size_px && PathCosts::CanDo(columns, PathOptionsOf(options));
-}
-
-cv::Mat1s MatchByOpenCv(const cv::Mat1b& left,
-                        const cv::Mat1b& right,
-                        const SemiGlobalOptions& options) {
-  cv::Mat1s disparity;
-  cv::StereoSGBM::create(options.min_disparity_px,
-                         options.num_disparities,
-                         options.block_size_px,
-                         options.p1,
-                         options.p2,
-                         options.max_left_right_difference_px,
-                         0,
-                         options.uniqueness_ratio_percent,
-                         options.speckle_size_px,
-                         options.speckle_range_px,
-                         cv::StereoSGBM::MODE_SGBM_3WAY)
-      ->compute(left, right, disparity);
-  return disparity;
-}
-
 }  // namespace
 
 cv::Mat1s MatchSemiGlobally(const cv::Mat1b& left,
                             const cv::Mat1b& right,
                             const SemiGlobalOptions& options) {
-  if (!IsSameHere(left, options)) return MatchByOpenCv(left, right, options);
   cv::Mat1s disparity(left.size(), Unmatched(options));
+  if (ColumnsOf(left, options).count <= 0) return disparity;
   cv::Mat1b right_mirrored;
   cv::flip(right, right_mirrored, 1);
   cv::parallel_for_({0, kNumStripes}, [&](const cv::Range& range) {

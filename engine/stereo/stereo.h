@@ -12,17 +12,17 @@ struct StereoOptions {
   // --- Behaviour ---
   // Images are matched at this ground sampling distance or at full size, whichever is coarser.
   double ground_sampling_distance_m = 0.12;
-  // Baseline over height that a pair should have, and the range outside which it is no pair.
+  // Ideal baseline of a pair over its height, and the accepted range.
   double ideal_baseline_ratio = 0.3;
   double min_baseline_ratio = 0.08;
   double max_baseline_ratio = 0.9;
-  // Optical axes may differ by this much.
+  // Largest angle between the optical axes.
   double max_axis_angle_deg = 30.0;
   // Pairs per view. Paper: one. Differs: survey photographs overlap so little that one leaves gaps.
   int num_partners = 2;
-  // Landmarks that two views must share to be a pair.
+  // Least number of landmarks that the views of a pair share.
   int min_num_shared_landmarks = 8;
-  // Relief allowed above and below the sparse landmarks when bounding the disparities.
+  // Relief above and below the sparse landmarks that the disparity range includes.
   double relief_margin_m = 15.0;
   // Semi-global matching: block, penalties (times channels * block^2), left-right check, speckles.
   int block_size_px = 7;
@@ -31,18 +31,18 @@ struct StereoOptions {
   int uniqueness_ratio_percent = 15;
   int speckle_size_px = 100;
   int max_left_right_difference_px = 1;
-  // Windows whose grey levels deviate less than this have nothing to match: water, burnt-out
-  // ground.
+  // Least deviation of grey levels within a window: water and burnt-out ground have no texture to
+  // match.
   double min_texture_grey = 1.5;
-  // Matched windows must look alike: normalised cross-correlation. At these values less
-  // than 0.5 % of the pixels of two unrelated photographs do, and 3 % of the true matches do not.
+  // Least normalised cross-correlation of matched windows. At these values fewer than 0.5 % of the
+  // pixels of two unrelated photographs pass, and 97 % of the true matches do.
   int correlation_window_px = 15;
   double min_correlation = 0.6;
-  // Disparities searched at most, a multiple of 16.
+  // Largest number of disparities searched, a multiple of 16.
   int max_num_disparities = 256;
-  // Points kept per square metre of ground, about: every n-th pixel of every n-th row is.
+  // Points per square metre of ground, approximately: every n-th pixel of every n-th row is kept.
   double max_points_per_m2 = 25.0;
-  // Standard deviation of a disparity, for the height's.
+  // Standard deviation of a disparity, for the deviation of the height.
   double disparity_sd_px = 0.35;
 
   void Check() const;
@@ -55,7 +55,7 @@ struct StereoPair {
   double cost = 0.0;
 };
 
-// For every connected view its best partners by baseline, epipolar and viewing cost; no pair twice.
+// The best partners of every connected view by baseline, epipolar and viewing cost; no pair twice.
 std::vector<StereoPair> SelectPairs(const AdjustedBlock& block, const StereoOptions& options);
 
 struct DensePoint {
@@ -65,7 +65,7 @@ struct DensePoint {
 using Points = std::vector<DensePoint>;
 
 // Planar rectification (Fusiello et al. 2000) and semi-global matching of one pair. Images are
-// full-size, 8-bit BGR or grey; std::invalid_argument for others. Empty where nothing matches
+// full-size, 8-bit BGR or grey; throws std::invalid_argument for others. Empty without matches
 // (water, uniform ground).
 Points ReconstructPoints(const AdjustedBlock& block,
                          const StereoPair& pair,

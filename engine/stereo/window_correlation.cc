@@ -13,8 +13,8 @@
 namespace freelsd {
 namespace {
 
-// Grey levels and their products, summed up over as many rows as a window has or over windows.
-// Whole numbers: they sum up exactly.
+// Grey levels and their products, summed over the rows of a window, or over windows. Integers, so
+// that sums are exact.
 struct Sums {
   std::vector<int32_t> a, b, aa, bb, ab;
 
@@ -35,7 +35,7 @@ FREELSD_SEVERAL_TARGETS void Move(Factors entering,
     sums[i] += entering.a[i] * entering.b[i] - leaving.a[i] * leaving.b[i];
 }
 
-// From sums over columns to sums over windows; behind the columns stands one more entry.
+// Turns sums over columns into sums over windows. `columns` has one more entry at its end.
 void SumAlong(const Sums& columns, int window_px, int num_cols, Sums& windows) {
   for (const auto sums : {&Sums::a, &Sums::b, &Sums::aa, &Sums::bb, &Sums::ab}) {
     const int32_t* __restrict__ from = (columns.*sums).data();
@@ -55,7 +55,7 @@ FREELSD_SEVERAL_TARGETS void Scale(const int32_t* __restrict__ sums,
   for (int i = 0; i < count; ++i) means[i] = static_cast<float>(sums[i] * scale);
 }
 
-// Means of products, less the product of the means.
+// Means of the products, minus the products of the means.
 FREELSD_SEVERAL_TARGETS void Center(const float* __restrict__ means_a,
                                     const float* __restrict__ means_b,
                                     int count,
@@ -67,7 +67,7 @@ FREELSD_SEVERAL_TARGETS void Multiply(const float* __restrict__ a,
                                       const float* __restrict__ b,
                                       int count,
                                       float* __restrict__ products) {
-  // Less than 0 only if one of them is, which is then too little anyway.
+  // Negative only if one variance is negative. Such a window has too little variance in any case.
   for (int i = 0; i < count; ++i) products[i] = std::abs(a[i] * b[i]);
 }
 
@@ -114,7 +114,7 @@ FREELSD_SEVERAL_TARGETS void Compare(const Statistics& of,
   }
 }
 
-// Mirrored at its own borders, even if it is a part of another image.
+// Mirrored at its own borders, even if it is part of a larger image.
 cv::Mat1b Framed(const cv::Mat1b& image, int width_px) {
   cv::Mat1b framed;
   cv::copyMakeBorder(image,

@@ -9,7 +9,7 @@
 namespace freelsd {
 namespace {
 
-// Normal deviation from the median absolute one.
+// Ratio of standard deviation to median absolute deviation, normal distribution.
 constexpr double kSigmaPerMad = 1.4826;
 
 void SortByValue(std::vector<CellSummary>& summaries) {
@@ -19,7 +19,7 @@ void SortByValue(std::vector<CellSummary>& summaries) {
   });
 }
 
-// Pairs with too few points in the cell are heard only where there is no other.
+// Pairs with too few points in the cell count only if no pair has enough.
 void DropWeak(std::vector<CellSummary>& summaries, int min_num_points) {
   const auto is_weak = [min_num_points](const CellSummary& summary) {
     return summary.num_points < static_cast<uint32_t>(min_num_points);
@@ -32,8 +32,8 @@ struct Center {
   double spread = 0.0;
 };
 
-// Between the two middle ones if their number is even, so that two pairs that contradict each other
-// are both far from it and neither is taken for the outlier.
+// An even number of pairs has its centre midway between the two middle ones. Then two contradicting
+// pairs are both far from it, and neither counts as the outlier.
 Center CenterOf(const std::vector<CellSummary>& sorted) {
   const size_t low = (sorted.size() - 1) / 2, high = sorted.size() / 2;
   Center center;
@@ -52,8 +52,8 @@ Center CenterOf(const std::vector<CellSummary>& sorted) {
   return center;
 }
 
-// Highest that one pair saw with enough points, or that two pairs saw: mismatches meet by chance in
-// one cell of one pair, but not at one height in two.
+// Highest value that one pair saw with enough points, or that two pairs saw. Mismatches may
+// coincide in one cell of one pair, but not at one height in two pairs.
 class UpperHeight {
  public:
   void Add(const CellSummary& summary) {

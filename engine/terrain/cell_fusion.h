@@ -1,4 +1,4 @@
-// Private to terrain/. What all pairs together say of one cell.
+// Private to terrain/. Fuses the summaries of all pairs in one cell.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ struct FusedCell {
   double num_points = 0.0;
 };
 
-// Does not depend on the order of the summaries. Nothing where too few points agree.
+// Independent of the order of the summaries. Nothing where too few points agree.
 std::optional<FusedCell> FuseCell(std::vector<CellSummary> summaries,
                                   const TerrainOptions& options);
 

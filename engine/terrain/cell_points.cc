@@ -11,11 +11,11 @@
 namespace freelsd {
 namespace {
 
-// Row of a point that is left out.
+// Row of a dropped point.
 constexpr int kNowhere = -1;
-// Up to this many heights, ranks by comparing all with all are faster than sorting: no branch.
+// Up to this many heights, comparing all with all is faster than sorting, because it has no branch.
 constexpr size_t kMaxNumRanked = 64;
-// Heights that are ranked side by side.
+// Number of heights ranked side by side.
 constexpr size_t kRankBlock = 16;
 constexpr size_t kMaxLanes = 8;
 
@@ -24,7 +24,7 @@ struct Range {
   double high = -low;
 };
 
-// Rows and columns of the points, and the range of heights of those that are somewhere.
+// Rows and columns of the points, and the range of heights of those inside the grid.
 template <size_t num_lanes>
 [[gnu::always_inline]] inline Range LocateAll(
     const DensePoint* points, size_t num_points, const Grid& grid, int* rows, int* cols) {
@@ -35,7 +35,7 @@ template <size_t num_lanes>
   const double num_rows = grid.num_rows, num_cols = grid.num_cols;
   Doubles lows = zero + Range{}.low, highs = zero + Range{}.high;
   for (size_t i = 0; i < num_points; i += num_lanes) {
-    // The last ones again, rather than points that are not there.
+    // Repeats the last points instead of reading past the end.
     const size_t first = std::min(i, num_points - num_lanes);
     Doubles x, y, z, deviation;
     for (size_t lane = 0; lane < num_lanes; ++lane) {
@@ -62,8 +62,8 @@ template <size_t num_lanes>
   return range;
 }
 
-// How many of the heights are less, for each; behind the last one, up to a whole block, lies
-// infinity.
+// For each height, the number of smaller heights. Infinity must follow the last height up to a
+// whole block.
 template <size_t num_lanes>
 [[gnu::always_inline]] inline void RankAll(const float* heights, size_t num_heights, int* ranks) {
   constexpr size_t kNumRegisters = kRankBlock / num_lanes;
@@ -92,7 +92,7 @@ void RankPlain(const float* heights, size_t num_heights, int* ranks) {
 }
 
 #if defined(__x86_64__)
-// Without fused multiplications: every processor has the same rounding.
+// No fused multiplications, so that every processor rounds alike.
 [[gnu::target("avx2")]] Range LocateAvx2(
     const DensePoint* points, size_t count, const Grid& grid, int* rows, int* cols) {
   return LocateAll<4>(points, count, grid, rows, cols);
@@ -109,7 +109,7 @@ Kernels FastestKernels() {
 Kernels FastestKernels() { return {LocatePlain, RankPlain}; }
 #endif
 
-// Ranks by counting the smaller ones; equal heights share the lowest, and fill the gap behind it.
+// Equal heights share the lowest rank and fill the gap behind it.
 void RankHeights(std::vector<float>& heights) {
   static const auto kRank = FastestKernels().rank;
   std::array<float, kMaxNumRanked> padded;
@@ -128,7 +128,7 @@ void RankHeights(std::vector<float>& heights) {
   }
 }
 
-// Rows of points farther than max_relief_m from the median height become nowhere.
+// Sets the row of points farther than max_relief_m from the median height to kNowhere.
 void DropWild(const Points& points, double max_relief_m, std::vector<int>& rows) {
   std::vector<float> heights;
   for (size_t i = 0; i < points.size(); ++i) {
@@ -172,7 +172,7 @@ void CellSorter::Locate(const Points& points, const Grid& grid, double max_relie
   }
   row_.resize(points.size());
   col_.resize(points.size());
-  // Nothing is farther from the median than the range is wide.
+  // If the range is this narrow, no point can be farther from the median.
   if (range.high - range.low > max_relief_m) DropWild(points, max_relief_m, row_);
 }
 

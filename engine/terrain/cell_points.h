@@ -1,4 +1,4 @@
-// Private to terrain/. The points of a pair, cell by cell.
+// Private to terrain/. The points of a pair, sorted by cell.
 #pragma once
 
 #include <cstdint>
@@ -9,35 +9,35 @@
 namespace freelsd {
 
 struct CellPoints {
-  // The part of the grid that has points: x = col, y = row. Empty where there are none.
+  // The part of the grid that holds points: x = col, y = row. Empty if there are no points.
   cv::Rect cells;
-  // Row-major by cell; within a cell in the order they came in.
+  // Row-major by cell. Within a cell, points keep their input order.
   Points points;
-  // World z of each of them.
+  // World z of each point.
   std::vector<float> heights;
-  // points[start[i] .. start[i + 1]) lie in cell i of that part.
+  // points[start[i] .. start[i + 1]) lie in cell i of `cells`.
   std::vector<uint32_t> start;
 
   size_t IndexOf(int row, int col) const { return static_cast<size_t>(row) * cells.width + col; }
 };
 
-// Keeps its memory from pair to pair: asking the system for it anew takes longer than the sorting.
+// Keeps its memory from pair to pair, because allocation takes longer than sorting.
 class CellSorter {
  public:
-  // Points outside the grid, those whose height or deviation is not known, and those farther than
-  // max_relief_m from the median height are left out.
+  // Drops points outside the grid, points without a known height or deviation, and points farther
+  // than max_relief_m from the median height.
   void Sort(const Points& points, const Grid& grid, double max_relief_m);
-  // Of the last call.
+  // Result of the last call.
   const CellPoints& sorted() const { return sorted_; }
-  // A point without height adds nothing to any sum; `heights` still tells it.
+  // Sets the point's height to unknown, so that sums skip it. `heights` keeps the height.
   void ForgetHeight(size_t point);
 
  private:
   void Locate(const Points& points, const Grid& grid, double max_relief_m);
   void CountPerCell();
 
-  // Of each point, in the order they came in: at first its row and column, then its cell in the
-  // part with points and how many came before it there.
+  // For each input point: first its row and column, then its cell in `cells` and the number of
+  // earlier points in that cell.
   std::vector<int> row_, col_;
   CellPoints sorted_;
 };

@@ -10,7 +10,7 @@
 namespace freelsd {
 namespace {
 
-// Cells that one point may reach to each side: more is blur, and costs with the square.
+// Most cells that a point may reach to each side. More only blurs, and the cost is quadratic.
 constexpr double kMaxReachCells = 20.0;
 
 void CheckGrid(const Grid& grid, const TerrainOptions& options) {
@@ -84,17 +84,6 @@ void TerrainOptions::Check() const {
   check.Inside("upper_percentile", upper_percentile, 50.0, 100.0);
   check.Inside("max_relief_m", max_relief_m, 1.0, 10000.0);
   check.Inside("max_num_cells", max_num_cells, 1, 25000000);
-  check.Inside("orthophoto_cell_size_m", orthophoto_cell_size_m, 0.1, 0.4);
-  check.Inside("min_crossing_ratio", min_crossing_ratio, 0.01, 2.0);
-  check.Inside("max_photo_disagreement", max_photo_disagreement, 0.0, 10.0);
-  check.Inside("min_open_cover_radius_m", min_open_cover_radius_m, 0.0, 20.0);
-  check.Inside("open_cover_margin_m", open_cover_margin_m, 0.0, 20.0);
-  check.Inside("min_narrow_cover_m", min_narrow_cover_m, 0.0, 20.0);
-  check.Inside("narrow_cover_allowance_m", narrow_cover_allowance_m, 0.0, 100.0);
-  check.Inside("lone_allowance_m", lone_allowance_m, 0.0, 100.0);
-  check.Inside("max_lone_size_m", max_lone_size_m, 0.0, 50.0);
-  check.Inside("lone_surroundings_m", lone_surroundings_m, 0.0, 50.0);
-  check.Inside("min_lone_meadow_ratio", min_lone_meadow_ratio, 0.0, 1.0);
 }
 
 bool ElevationMap::IsSeen(int row, int col) const { return std::isfinite(elevation(row, col)); }
@@ -103,9 +92,9 @@ struct ElevationMapBuilder::State {
   Grid grid;
   TerrainOptions options;
   PairSummarizer summarizer;
-  // One per pair, each in row-major order.
+  // One list per pair, in row-major order.
   std::vector<std::vector<CellSummary>> pairs;
-  // Of all points so far, for the paper's mean only.
+  // Sums of all points so far, for the paper's mean only.
   std::optional<WeightedSums> sums;
 };
 
@@ -131,7 +120,7 @@ ElevationMap ElevationMapBuilder::Build() const {
   const Grid& grid = state_->grid;
   if (state_->sums) return MapOfMeans(*state_->sums, grid);
   ElevationMap map{grid, Unknown(grid), Unknown(grid), Unknown(grid), Unknown(grid)};
-  // Row by row, so that only one row's summaries are gathered at a time.
+  // Row by row, so that only one row's summaries are in memory.
   std::vector<size_t> next(state_->pairs.size(), 0);
   std::vector<std::vector<CellSummary>> of_col(grid.num_cols);
   for (int row = 0; row < grid.num_rows; ++row) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -7,7 +8,7 @@
 namespace freelsd {
 namespace {
 
-// Corners this near to a multiple of the cell size are on it: 0.3 / 0.1 is not 3 in binary.
+// Tolerance for corners on a multiple of the cell size: 0.3 / 0.1 is not 3 in binary.
 constexpr double kAlignmentTolerance = 1e-9;
 
 int NumCells(double from, double to) {
@@ -30,6 +31,35 @@ std::optional<cv::Point> Grid::CellAt(const Eigen::Vector2d& place_in_world) con
   const bool is_inside = row >= 0.0 && col >= 0.0 && row < num_rows && col < num_cols;
   if (!is_inside) return std::nullopt;
   return cv::Point(static_cast<int>(col), static_cast<int>(row));
+}
+
+cv::Rect Grid::CellsAround(const Polygon& polygon, double reach) const {
+  if (polygon.empty()) return {};
+  Eigen::Vector2d low = polygon.front(), high = polygon.front();
+  for (const Eigen::Vector2d& vertex : polygon) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  const auto clamp = [](double cells, int end) {
+    return static_cast<int>(std::clamp(cells, 0.0, double(end)));
+  };
+  const double west = (low.x() - reach - north_west_in_world.x()) / cell_size_m;
+  const double east = (high.x() + reach - north_west_in_world.x()) / cell_size_m;
+  const double north = (north_west_in_world.y() - high.y() - reach) / cell_size_m;
+  const double south = (north_west_in_world.y() - low.y() + reach) / cell_size_m;
+  return {cv::Point(clamp(std::floor(west), num_cols), clamp(std::floor(north), num_rows)),
+          cv::Point(clamp(std::ceil(east), num_cols), clamp(std::ceil(south), num_rows))};
+}
+
+std::vector<cv::Point> Grid::CellsIn(const Polygon& polygon) const {
+  const cv::Rect around = CellsAround(polygon, 0.0);
+  std::vector<cv::Point> cells;
+  for (int row = around.y; row < around.y + around.height; ++row) {
+    for (int col = around.x; col < around.x + around.width; ++col) {
+      if (Contains(polygon, CellCenter(row, col))) cells.emplace_back(col, row);
+    }
+  }
+  return cells;
 }
 
 Grid GridAround(const Eigen::Vector2d& min_in_world,

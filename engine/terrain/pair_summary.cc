@@ -7,24 +7,24 @@
 namespace freelsd {
 namespace {
 
-// Normal deviation from the median absolute one.
+// Ratio of standard deviation to median absolute deviation, normal distribution.
 constexpr double kSigmaPerMad = 1.4826;
-// Below this many points a cell's own median is no reference: its neighbours' points join in.
+// With fewer points than this, the reference median includes the points of neighbouring cells.
 constexpr size_t kMinReferencePoints = 5;
-// Deviations below this are wishful; also keeps weights finite where a caller knows no deviation.
+// Smaller deviations are unrealistic. Also keeps weights finite where the deviation is unknown.
 constexpr double kMinDeviationM = 0.02;
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-// The upper percentile that at least `num_reaching` points reach; NaN where there are not as many.
+// Upper percentile that at least `num_reaching` points reach; NaN with fewer points.
 float UpperOf(const std::vector<float>& sorted, double percentile, size_t num_reaching) {
   if (sorted.size() < num_reaching) return kUnknown;
   const auto rank = static_cast<size_t>(percentile / 100.0 * (sorted.size() - 1));
   return sorted[std::min(rank, sorted.size() - num_reaching)];
 }
 
-// Median of the distances to the middle one. The nearest half of the others lies with it in one run
-// of the sorted heights: the shortest to both sides of all such runs.
+// Median of the distances to the median. The nearest half of the heights is one run of the sorted
+// heights around the median, so the run with the shortest reach gives the result.
 float MedianDeviation(const std::vector<float>& sorted) {
   const size_t middle = sorted.size() / 2;
   float least = std::numeric_limits<float>::infinity();
@@ -61,7 +61,7 @@ double MeanVariance(const CellPoints& block, size_t cell) {
 CellSummary SummaryOf(const CellSums& sums, double base_height) {
   const double mean = sums.height / sums.weight;
   const double spread = std::max(0.0, sums.squared_height / sums.weight - mean * mean);
-  // The points' own errors are shared within a pair and do not average out; their spread does.
+  // Errors of points are shared within a pair and do not average out; their spread does.
   const double variance = (sums.variance + spread) / sums.num_points;
   CellSummary summary;
   summary.num_points = static_cast<uint32_t>(sums.num_points);
@@ -71,7 +71,7 @@ CellSummary SummaryOf(const CellSums& sums, double base_height) {
   return summary;
 }
 
-// The cells that points of these can reach.
+// The cells that points in `cells` can reach.
 cv::Rect Widened(const cv::Rect& cells, int reach, const Grid& grid) {
   const cv::Rect wide(
       cells.x - reach, cells.y - reach, cells.width + 2 * reach, cells.height + 2 * reach);
@@ -83,7 +83,7 @@ cv::Rect Widened(const cv::Rect& cells, int reach, const Grid& grid) {
 PairSummarizer::PairSummarizer(const Grid& grid, const TerrainOptions& options)
     : grid_(grid), options_(options) {}
 
-// Also forgets the heights of those far from the cell's median.
+// Also forgets heights far from the cell's median.
 PairSummarizer::Uppers PairSummarizer::JudgeCell(int row, int col) {
   const CellPoints& block = sorter_.sorted();
   const size_t cell = block.IndexOf(row, col);

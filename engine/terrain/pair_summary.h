@@ -1,4 +1,4 @@
-// Private to terrain/. What one pair says of each cell that it covers.
+// Private to terrain/. One pair's estimate for each cell that it covers.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ struct CellSummary {
   uint32_t num_points = 0;
   // Inverse-distance weighted mean height, world z.
   double mean = 0.0;
-  // Of the mean.
+  // Standard deviation of the mean.
   float standard_deviation = 0.0f;
-  // Upper percentile of the points in the cell itself, >= mean, which at least two points reach.
+  // Upper percentile of the cell's own points, >= mean, reached by at least two points.
   float upper = 0.0f;
-  // The same, but which at least min_num_points points reach.
+  // The same, reached by at least min_num_points points.
   float firm_upper = 0.0f;
 };
 
@@ -29,8 +29,8 @@ struct CellSummary {
 class PairSummarizer {
  public:
   PairSummarizer(const Grid& grid, const TerrainOptions& options);
-  // Cells in row-major order, only those with at least one point. Points outside the grid and wild
-  // ones are dropped.
+  // Cells in row-major order, only those with at least one point. Drops points outside the grid and
+  // wild points (max_relief_m).
   std::vector<CellSummary> Summarize(const Points& points);
 
  private:

@@ -1,5 +1,5 @@
-// Private to terrain/. Registers that hold several numbers, one in each lane: what is done with
-// them is done to all at once, with the same rounding on every processor.
+// Private to terrain/. Registers of several numbers, one per lane. An operation applies to all
+// lanes at once and rounds alike on every processor.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ struct Register {
   typedef int Ints __attribute__((vector_size(num_lanes * sizeof(int))));
 };
 
-// Lane by lane, which compilers see through better than through one conversion of the register.
+// Lane by lane: compilers optimise this better than one conversion of the whole register.
 template <typename To, typename From>
 [[gnu::always_inline]] inline void Convert(const From& from, To& to) {
   for (size_t lane = 0; lane < sizeof(To) / sizeof(to[0]); ++lane) to[lane] = from[lane];

@@ -10,18 +10,18 @@ namespace freelsd {
 namespace {
 
 constexpr int kRing = 1;
-// Slots of a cell: weight and height, or these with squared height; the last is not used. Distances
-// and weights are in cells until they are asked for.
+// Slots of a cell: weight and height, or weight, height, squared height and an unused one.
+// Distances and weights are in cells until At() returns them.
 constexpr int kNumMeanSlots = 2;
 constexpr int kNumSlots = 4;
-// Points whose weights are found at a time; they stay in the first cache.
+// Points per batch; one batch fits into the first-level cache.
 constexpr size_t kBatch = 256;
 
 constexpr size_t kMaxLanes = 4;
 
 double Squared(double value) { return value * value; }
 
-// Where the points lie among the cells, in units of cells from the ring's corner.
+// Position of points among the cells, in cells from the ring's corner.
 struct Layout {
   double west, north, per_cell, base_height;
   double num_cols, num_rows;
@@ -30,7 +30,7 @@ struct Layout {
   int stride;
 };
 
-// The cell whose centre is next to the north-west, and the weights for it and its neighbours to the
+// The cell centre north-west of the point, and the weights for this cell and its neighbours to the
 // east, south and south-east.
 struct Batch {
   alignas(kMaxLanes * sizeof(double)) std::array<std::array<double, kBatch>, 4> weights;
@@ -39,7 +39,7 @@ struct Batch {
   alignas(kMaxLanes * sizeof(double)) std::array<double, kBatch> height;
   alignas(kMaxLanes * sizeof(double)) std::array<double, kBatch> variance;
   alignas(kMaxLanes * sizeof(double)) std::array<int, kBatch> slot;
-  // Not weighed: on a line of centres a point may be a whole radius from the centres on both sides.
+  // Unweighted: a point on a line of centres may lie a whole radius from centres on both sides.
   alignas(kMaxLanes * sizeof(double)) std::array<int64_t, kBatch> is_on_line;
 };
 
@@ -77,7 +77,7 @@ template <size_t num_lanes, SumKind kind>
   b = least > b ? least : b;
   c = least > c ? least : c;
   d = least > d ? least : d;
-  // Four reciprocals for one division: 1 / a = (b c d) / (a b c d). A processor divides slowly.
+  // Four reciprocals from one division: 1 / a = (b c d) / (a b c d), because division is slow.
   const Doubles ab = a * b, cd = c * d, quotient = 1.0 / (ab * cd);
   const auto is_on_line = is_inside & ((west == 0.0) | (north == 0.0));
   const Doubles reciprocal = is_inside & ~is_on_line ? quotient : zero;
@@ -108,7 +108,7 @@ template <size_t num_lanes, SumKind kind>
     WeighLanes<num_lanes, kind>(points + i, layout, i, batch);
   }
   if (num_whole == num_points) return;
-  // Nobody reads the lanes behind the last point.
+  // Lanes behind the last point are not read.
   std::array<DensePoint, num_lanes> rest;
   std::copy(points + num_whole, points + num_points, rest.begin());
   WeighLanes<num_lanes, kind>(rest.data(), layout, num_whole, batch);
@@ -122,7 +122,7 @@ template <typename Lanes>
   Store(sums, slots);
 }
 
-// All sums of the cells, from the ring's corner.
+// Sums of all cells, from the ring's corner.
 struct Sums {
   double* slots;
   // Number of points and their variance.
@@ -198,7 +198,7 @@ void AddPlain(const DensePoint* points,
 }
 
 #if defined(__x86_64__)
-// Without fused multiplications: every processor has the same rounding.
+// No fused multiplications, so that every processor rounds alike.
 template <SumKind kind>
 [[gnu::target("avx2")]] void AddAvx2(const DensePoint* points,
                                      size_t num_points,
@@ -251,7 +251,7 @@ CellSums WeightedSums::At(int row, int col) const {
   return sums;
 }
 
-// A radius of at most one cell reaches four centres.
+// A radius of at most one cell reaches at most four centres.
 void WeightedSums::AddNear(const DensePoint* points, size_t num_points) {
   const Adder add = kind_ == SumKind::kMeanOnly ? FastestAdder<SumKind::kMeanOnly>()
                                                 : FastestAdder<SumKind::kAll>();

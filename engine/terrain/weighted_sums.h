@@ -8,36 +8,36 @@
 
 namespace freelsd {
 
-// A point this near to a cell's centre decides its height alone; nearer makes no difference.
+// A point this near to a cell's centre decides its height alone.
 constexpr double kExactHitM = 1e-6;
 
 struct CellSums {
-  // Heights are relative to the base.
+  // Heights are relative to base_height.
   double weight = 0.0;
   double height = 0.0;
   double squared_height = 0.0;
   double num_points = 0.0;
-  // Not weighted: of the points' own errors.
+  // Unweighted sum of the points' own variances.
   double variance = 0.0;
 };
 
-// What is summed: the paper's mean needs weight and height alone.
+// The paper's mean needs weight and height only.
 enum class SumKind { kMeanOnly, kAll };
 
-// Sums of a rectangle of the grid's cells. Adding points costs the same to the bit on every
-// processor; sums depend on the order of points as additions do.
+// Sums over the cells of a rectangle. Each processor gives the same result to the bit; the sums
+// depend on the order of the points.
 class WeightedSums {
  public:
   // `cells`: x = col, y = row. Heights are summed relative to base_height.
   WeightedSums(
       const Grid& grid, const cv::Rect& cells, double radius_m, double base_height, SumKind kind);
 
-  // Points that are not finite or reach no cell add nothing.
+  // Skips points that are not finite or reach no cell.
   void Add(const DensePoint* points, size_t num_points);
 
   const cv::Rect& cells() const { return cells_; }
   double base_height() const { return base_height_; }
-  // Of a cell of the rectangle, counted from its corner; only weight and height of kMeanOnly.
+  // Row and column count from the rectangle's corner. kMeanOnly fills only weight and height.
   CellSums At(int row, int col) const;
 
  private:
@@ -53,9 +53,9 @@ class WeightedSums {
   double west_, north_, cell_size_, radius_, base_height_;
   SumKind kind_;
   size_t num_slots_;
-  // Around the cells lies a ring that nobody asks for, so that no point needs a test of the border.
+  // A ring of unused cells surrounds the cells, so that points at the border need no test.
   int stride_;
-  // Slots of a cell lie in one line of the cache.
+  // The slots of a cell share one cache line.
   struct alignas(4 * sizeof(double)) FourSlots {
     double slots[4] = {};
   };

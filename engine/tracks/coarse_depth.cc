@@ -6,19 +6,19 @@
 namespace freelsd {
 namespace {
 
-// Rays of a long track beyond this add cost, not accuracy.
+// More rays of a long track add cost, not accuracy.
 constexpr size_t kMaxRaysPerTrack = 8;
-// Fewer landmarks say nothing of the ground.
+// Fewer landmarks do not determine the ground.
 constexpr size_t kMinLandmarks = 10;
 constexpr size_t kMinLandmarksNearby = 3;
 // Landmarks farther above or below the ground than this share of the height are mismatches.
 constexpr double kMaxReliefRatio = 0.6;
-// Rays less than this below the horizon meet the ground too far off to be useful.
+// Flatter rays meet the ground too far away to be useful.
 constexpr double kMinDepressionDeg = 3.0;
-// A landmark at the very pixel shall not outweigh all others by any factor.
+// Limits the weight of a landmark at the very pixel.
 constexpr double kMinDistancePx = 5.0;
 
-// Members whose frames have a pose; of a long track an even selection that keeps both ends.
+// Members whose frames have a pose; an even selection of a long track, including both ends.
 std::vector<TrackMember> PosedMembers(const FrameMemory& memory, int64_t track_id) {
   std::vector<TrackMember> posed;
   for (const TrackMember& member : memory.table.MembersOf(track_id)) {

@@ -1,4 +1,4 @@
-// Input: frames with poses, joined by tracks. Output: landmarks, and the ground they tell of.
+// Input: frames with poses, joined by tracks. Output: landmarks and the height of the ground.
 // Paper: Sec. III-B.
 #pragma once
 
@@ -9,18 +9,18 @@
 
 namespace freelsd {
 
-// A track seen by a frame, triangulated with the poses of now.
+// A track seen by a frame, triangulated with the current poses.
 struct CoarseLandmark {
   Eigen::Vector2d point_in_image = Eigen::Vector2d::Zero();
   Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
   // Largest angle between its rays, radians.
   double parallax = 0.0;
 };
-// Landmarks with too little parallax, too much reprojection error, or that no camera can have seen
-// are left out.
+// Skips landmarks with too little parallax, too large a reprojection error, or a point that no
+// camera can have seen.
 std::vector<CoarseLandmark> TriangulateLandmarks(const FrameMemory& memory, size_t frame);
 
-// Height of the ground, world z, as one frame's landmarks tell it.
+// Height of the ground from one frame's landmarks, world z.
 struct GroundHeight {
   double z = 0.0;
   double sd_m = 0.0;
@@ -28,7 +28,7 @@ struct GroundHeight {
 std::optional<GroundHeight> GroundFromLandmarks(const std::vector<CoarseLandmark>& landmarks,
                                                 const FrameRecord& record);
 
-// Ray of a pixel to a horizontal plane; nothing at or above the horizon.
+// Intersects a pixel's ray with a horizontal plane; nothing at or above the horizon.
 std::optional<Eigen::Vector3d> IntersectGround(const Camera& camera,
                                                const Rigid3d& world_from_camera,
                                                const Eigen::Vector2d& point_in_image,

@@ -13,8 +13,8 @@
 namespace freelsd {
 namespace {
 
-// Products of the gradients of one row, and one more at either end. Whole numbers: they sum up
-// exactly.
+// Products of the gradients of one row, with one more entry at either end. Integers, so that sums
+// are exact.
 struct ProductRow {
   std::vector<int32_t> xx, xy, yy;
 
@@ -60,8 +60,8 @@ FREELSD_SEVERAL_TARGETS void SmallerEigenvalues(const int32_t* __restrict__ xx,
   }
 }
 
-// 1 where the mask is not 0, and a strength is above the threshold and none of the eight around it
-// is larger. Nothing is written for the first and the last column.
+// 1 where the mask is not 0, the strength exceeds the threshold and no neighbour is stronger. Does
+// not write the first and last column.
 FREELSD_SEVERAL_TARGETS void MarkPeaks(const std::array<const float*, 3>& rows,
                                        const uint8_t* __restrict__ mask,
                                        float threshold,
@@ -127,7 +127,7 @@ struct Corner {
   cv::Point place;
 };
 
-// The strongest is the greatest; of equal ones the last.
+// The strongest is the greatest; among equal ones the last.
 bool operator<(const Corner& a, const Corner& b) {
   return std::tuple(a.strength, a.place.y, a.place.x) <
          std::tuple(b.strength, b.place.y, b.place.x);
@@ -154,7 +154,7 @@ std::vector<Corner> Peaks(const cv::Mat1f& strengths, const cv::Mat1b& mask, dou
   return corners;
 }
 
-// Places that were taken, by square cells of the least distance.
+// Accepted corners, by square cells with the least distance as their side.
 class Neighbourhood {
  public:
   Neighbourhood(cv::Size size, double min_distance_px)
@@ -193,7 +193,7 @@ class Neighbourhood {
 std::vector<cv::Point> StrongestCorners(const cv::Mat1b& grey, const CornerWish& wish) {
   std::vector<cv::Point> chosen;
   Neighbourhood taken(grey.size(), wish.min_distance_px);
-  // Of many peaks few are taken, so that not all are put in order.
+  // Few of many peaks are taken, so a full sort would be wasteful.
   std::vector<Corner> peaks = Peaks(Strengths(grey), wish.mask, wish.min_quality);
   std::make_heap(peaks.begin(), peaks.end());
   while (!peaks.empty() && static_cast<int>(chosen.size()) < wish.max_count) {

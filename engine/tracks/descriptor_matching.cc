@@ -15,17 +15,17 @@ namespace {
 
 // Lowe's ratio of the nearest to the second nearest distance.
 constexpr double kMaxDistanceRatio = 0.85;
-// Of root descriptors of unrelated points, about.
+// Approximate cosine between root descriptors of unrelated points.
 constexpr float kUnrelatedCosine = 0.75F;
 constexpr int kNumEntries = 128;
-// Rows that are compared with one at a time; columns that are searched side by side.
+// Rows compared at once, and columns searched side by side.
 constexpr int kNumRowsTogether = 4;
 constexpr int kNumLanes = 16;
 
 int RoundedUp(int count, int multiple) { return (count + multiple - 1) / multiple * multiple; }
 
-// Descriptors widened to 16 bit, whose products sum up exactly, and what makes cosines of them.
-// Padded with rows of zeros.
+// Descriptors as 16-bit integers, whose products sum exactly, and factors that turn sums into
+// cosines. Padded with rows of zeros.
 struct WideRows {
   int num_rows = 0;
   std::vector<int16_t> entries;
@@ -51,11 +51,11 @@ WideRows WideRowsOf(const cv::Mat& bytes) {
   return wide;
 }
 
-// Cosines are not negative; such floats are ordered as their bits are, and integers have a maximum
-// in every instruction set.
+// Cosines are not negative. Non-negative floats sort like their bits, and every instruction set has
+// a maximum of integers.
 float CosineOf(int32_t bits) { return std::bit_cast<float>(bits); }
 
-// Of one row with all of another set.
+// Cosines of one row with every row of the other set.
 FREELSD_SEVERAL_TARGETS void Cosines(const int16_t* row,
                                      float inverse_norm,
                                      const int16_t* others,
@@ -86,7 +86,7 @@ bool AreClear(float best, float second) {
   return 1.0 - best < kMaxDistanceRatio * kMaxDistanceRatio * (1.0 - second);
 }
 
-// The most similar so far in each of several lanes, and how similar the next is.
+// The highest similarity so far in each lane, and the second highest.
 struct BestLanes {
   std::vector<int32_t> best, second, index;
 
@@ -101,7 +101,7 @@ struct BestLanes {
   }
 };
 
-// Candidate number `candidate` for each lane. Equal ones do not replace an earlier one.
+// Offers candidate number `candidate` to each lane. An equal one does not replace an earlier one.
 FREELSD_SEVERAL_TARGETS void Offer(const int32_t* __restrict__ bits,
                                    int candidate,
                                    int num_lanes,
@@ -157,8 +157,8 @@ cv::Mat UnitRows(const cv::Mat& bytes) {
   return unit;
 }
 
-// The two most similar so far. A second is assumed from the start: nearby there may be none, and
-// points that have nothing to do with one another are this similar.
+// The two highest similarities so far. The second starts at the similarity of unrelated points,
+// because a small neighbourhood may hold no second candidate.
 struct BestTwo {
   int index = -1;
   float best = kUnrelatedCosine;
@@ -175,7 +175,7 @@ struct BestTwo {
   bool IsClear() const { return index >= 0 && AreClear(best, second); }
 };
 
-// Points by square cells as wide as a radius.
+// Points by square cells with the radius as their side.
 using Buckets = std::map<std::pair<int, int>, std::vector<int>>;
 
 std::pair<int, int> CellOf(const Eigen::Vector2d& point, double width) {
@@ -183,7 +183,7 @@ std::pair<int, int> CellOf(const Eigen::Vector2d& point, double width) {
           static_cast<int>(std::floor(point.y() / width))};
 }
 
-// Of the nine cells about a place.
+// Points in the nine cells around a place.
 std::vector<int> Nearby(const Buckets& buckets, const std::pair<int, int>& cell) {
   std::vector<int> nearby;
   for (int x = cell.first - 1; x <= cell.first + 1; ++x) {

@@ -1,4 +1,4 @@
-// Input: descriptors of two images. Output: which points of one are which of the other.
+// Input: descriptors of two images. Output: pairs of points that show the same place.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace freelsd {
 
-// One match: index of a point in either frame.
+// One match: index of a point in each frame.
 struct IndexPair {
   int a = 0;
   int b = 0;
@@ -17,7 +17,7 @@ struct IndexPair {
 
 // Mutual nearest neighbours that are clearly better than the second nearest.
 std::vector<IndexPair> MatchDescriptors(const cv::Mat& a, const cv::Mat& b);
-// The same among points that are within `radius` of one another.
+// The same, among points within `radius` of each other.
 std::vector<IndexPair> MatchDescriptorsNear(const DescribedPoints& a,
                                             const DescribedPoints& b,
                                             double radius);

@@ -9,11 +9,11 @@
 namespace freelsd {
 namespace {
 
-// Descriptors of this many latest frames are kept: a survey of several lines, about 60 MB.
+// Number of latest frames that keep descriptors: a survey of several lines, about 60 MB.
 constexpr size_t kNumDescribedFrames = 300;
-// Frames farther apart than this many image diagonals on the ground share nothing (tilt included).
+// Frames farther apart than this many image diagonals on the ground do not overlap (with tilt).
 constexpr double kMaxReachDiagonals = 0.9;
-// Corners are refilled when fewer than this share of them is left, not for every one that is lost.
+// Corners are refilled when fewer than this share is left, not after every loss.
 constexpr double kRefillRatio = 0.8;
 
 double Median(std::vector<double> values) {
@@ -22,7 +22,7 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// Pixel of the ground point under a pixel of `from`, seen by `to`.
+// Pixel in `to` of the ground point at a pixel of `from`.
 std::optional<Eigen::Vector2d> Transfer(const FrameMemory& memory,
                                         const Eigen::Vector2d& point,
                                         const std::pair<Rigid3d, Rigid3d>& from_to,
@@ -35,7 +35,7 @@ std::optional<Eigen::Vector2d> Transfer(const FrameMemory& memory,
   return memory.rig.camera.ImageFromCamera(Inverse(world_from_second) * ground);
 }
 
-// Where the points of the frame before the newest should be now; empty where poses do not tell.
+// Predicted pixels of the previous frame's points; empty if the poses are unknown.
 std::vector<Eigen::Vector2d> PredictPoints(const FrameMemory& memory,
                                            const std::vector<Eigen::Vector2d>& points,
                                            std::optional<double> ground_height) {
@@ -61,12 +61,12 @@ std::optional<double> PredictedFlowRatio(const FrameMemory& memory,
   return std::nullopt;
 }
 
-// Ideal pixels of the matching image, in which the verification threshold is stated.
+// Ideal pixels at the scale of matching, in which the verification threshold is given.
 Eigen::Vector2d MatchingPixel(const FrameMemory& memory, size_t frame, int point, double scale) {
   return memory.Normalized(frame, point) * (memory.rig.camera.MeanFocalPx() * scale);
 }
 
-// Verified links enter both frames' records and the tracks; false when too few are verified.
+// Adds verified links to both frames and the tracks; false if too few are verified.
 bool AcceptLink(FrameMemory& memory,
                 size_t newest,
                 size_t other,
@@ -104,7 +104,7 @@ void Describe(FrameRecord& record, const TrackingImage& image, const TracksOptio
   record.descriptors = described.descriptors;
 }
 
-// Points to follow: those on tracks first, for long tracks are worth more than new ones.
+// Points to follow: those on tracks first, because long tracks are more valuable.
 std::vector<int> ChooseCorners(const FrameMemory& memory, size_t frame) {
   const int num_points = static_cast<int>(memory.frames[frame].points.size());
   std::vector<int> chosen, spare;
@@ -116,7 +116,7 @@ std::vector<int> ChooseCorners(const FrameMemory& memory, size_t frame) {
   return chosen;
 }
 
-// The predecessor, then the described frames nearest in place.
+// The predecessor, then the nearest described frames.
 std::vector<size_t> MatchPartners(const FrameMemory& memory, std::optional<double> ground_height) {
   const size_t newest = memory.frames.size() - 1;
   const Eigen::Vector3d here = memory.frames[newest].PriorPosition();

@@ -1,5 +1,5 @@
-// Joins a new frame with earlier ones: follows corners where little moved, matches descriptors
-// where much did.
+// Joins a new frame with earlier ones: follows corners after small motion, matches descriptors
+// after large motion.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@ namespace freelsd {
 
 class FrameLinker {
  public:
-  // Finds points and links of the last frame in memory and joins the tracks. `ground_height` is the
-  // world z of the ground, as far as it is known.
+  // Finds points and links of the newest frame and joins the tracks. `ground_height` is the world z
+  // of the ground, if known.
   void LinkNewest(FrameMemory& memory, std::optional<double> ground_height);
 
  private:
@@ -21,7 +21,7 @@ class FrameLinker {
   void LinkByDescriptors(FrameMemory& memory, std::optional<double> ground_height);
   void MatchPair(FrameMemory& memory, size_t newest, size_t other);
 
-  // Of the newest frame, and of the one before it.
+  // Of the newest frame and of its predecessor.
   TrackingImage image_;
   TrackingImage previous_image_;
   // Median displacement between the last two linked frames, share of the image width.

@@ -1,4 +1,4 @@
-// What is remembered of the frames of one flight, and of the tracks that join them.
+// State of the frames of one flight, and of the tracks that join them.
 #pragma once
 
 #include <optional>
@@ -11,27 +11,27 @@
 
 namespace freelsd {
 
-// Verified matches with another frame; a: index of a point here, b: there.
+// Verified matches with another frame; a: index of a point here, b: index there.
 struct Link {
   size_t other = 0;
   std::vector<IndexPair> pairs;
 };
 
 struct FrameRecord {
-  // The image is dropped once the frame is handed out.
+  // The image is dropped once the frame is returned.
   Frame frame;
   // Followed corners, then described keypoints; distorted pixels of the full-size image.
   std::vector<Eigen::Vector2d> points;
-  // Of the points from first_described on; empty where none were computed, or no longer needed.
+  // Descriptors of the points from first_described on; empty if not computed or no longer needed.
   cv::Mat descriptors;
   int first_described = 0;
-  // Best so far; nothing while the attitude is unknown.
+  // Best current pose; nothing while the attitude is unknown.
   std::optional<Rigid3d> world_from_camera;
   Readout readout;
   AttitudeSource attitude_source = AttitudeSource::kGiven;
   double attitude_sd_deg = 2.0;
   std::optional<double> height_above_ground;
-  // Index into the views, once it is one.
+  // Index of the frame's view, once it has one.
   std::optional<size_t> view;
   bool is_waiting = true;
   std::string note;

@@ -13,22 +13,22 @@
 namespace freelsd {
 namespace {
 
-// Lucas-Kanade: the window sees texture of a meadow, the pyramid reaches displacements of about
-// ten windows.
+// Lucas-Kanade: the window covers enough texture of a meadow, and the pyramid allows displacements
+// of about ten windows.
 const cv::Size kWindow(17, 17);
 constexpr int kNumPyramidLevels = 4;
 constexpr int kMaxNumIterations = 10;
 constexpr double kIterationTolerancePx = 0.03;
-// Corner quality relative to the best of the image; low, because grass beside a roof still counts.
+// Corner quality relative to the best in the image. Low, so that grass beside a roof counts.
 constexpr double kCornerQuality = 0.002;
 // Grass and dark frames have little contrast; OpenCV's default is 0.04.
 constexpr double kSiftContrast = 0.015;
 constexpr double kSiftEdgeRatio = 10.0;
 constexpr double kSiftSigma = 1.6;
 constexpr int kSiftLayersPerOctave = 3;
-// Cells over which keypoints are spread, per axis.
+// Cells per axis over which keypoints are spread.
 constexpr int kNumGridCells = 8;
-// Root-SIFT entries are in [0, 1] and rarely above one half: stored as bytes.
+// Root-SIFT entries are in [0, 1] and rarely above one half. Scaled to be stored as bytes.
 constexpr double kDescriptorScale = 400.0;
 
 cv::Mat GreyOf(const cv::Mat& image) {
@@ -38,7 +38,7 @@ cv::Mat GreyOf(const cv::Mat& image) {
   return grey;
 }
 
-// Best keypoints of every cell of a grid, so that one bush does not take them all.
+// Best keypoints of every cell of a grid, so that they cover the image.
 std::vector<cv::KeyPoint> Spread(std::vector<cv::KeyPoint> keypoints,
                                  cv::Size size,
                                  int max_count) {
@@ -109,7 +109,7 @@ std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
                                          const TracksOptions& options) {
   const int missing = options.max_num_corners - static_cast<int>(existing.size());
   if (missing <= 0) return {};
-  // A quarter of the mean spacing keeps corners apart but lets textured patches be used.
+  // A quarter of the mean spacing separates corners and still uses textured patches.
   const double area = static_cast<double>(image.grey.total());
   const double spacing = 0.5 * std::sqrt(area / options.max_num_corners);
   cv::Mat mask(image.grey.size(), CV_8U, cv::Scalar(255));

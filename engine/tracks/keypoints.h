@@ -12,12 +12,12 @@
 
 namespace freelsd {
 
-// The grey image that tracking works on: at most matching_width_px wide.
+// The grey image for tracking: at most matching_width_px wide.
 struct TrackingImage {
   cv::Mat grey;
   // Tracking pixels per full-size pixel; at most 1.
   double scale = 1.0;
-  // For following corners; empty until some are.
+  // For following corners; empty until needed.
   std::vector<cv::Mat> pyramid = {};
 
   Eigen::Vector2d FullFromReduced(const cv::Point2f& point) const;
@@ -25,16 +25,16 @@ struct TrackingImage {
 };
 TrackingImage ReduceForTracking(const cv::Mat& image, const TracksOptions& options);
 
-// New corners, spread evenly, away from those there are already.
+// New corners, evenly spread, away from existing ones.
 std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
                                          const std::vector<Eigen::Vector2d>& existing,
                                          const TracksOptions& options);
 
-// The same image with its pyramid, which serves twice: to its predecessor and to its successor.
+// Adds the pyramid, which is used twice: for the predecessor and for the successor.
 TrackingImage WithPyramid(TrackingImage image);
 
-// Where the points of one frame are in the next, both with their pyramids; nothing for a point that
-// was lost. `guesses` are their predicted places, or empty.
+// Positions in the next frame (both images with pyramids); nothing for a lost point. `guesses` are
+// predicted positions, or empty.
 std::vector<std::optional<Eigen::Vector2d>> FollowCorners(
     const TrackingImage& from,
     const TrackingImage& to,

@@ -67,7 +67,7 @@ void TrackTable::Join(const Place& a, const Place& b) {
 }
 
 std::vector<size_t> TrackTable::TakeChangedFrames() {
-  const std::vector<size_t> changed(changed_.begin(), changed_.end());
+  std::vector<size_t> changed(changed_.begin(), changed_.end());
   changed_.clear();
   return changed;
 }

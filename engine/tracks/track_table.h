@@ -19,9 +19,9 @@ struct TrackMember {
 
 class TrackTable {
  public:
-  // The next frame, without points.
+  // Adds the next frame, without points.
   void AddFrame();
-  // Says that two points of two frames are one place. Refused when that would give a track two
+  // States that two points of two frames show one place. Ignored if a track would then have two
   // observations in one frame.
   struct Place {
     size_t frame = 0;

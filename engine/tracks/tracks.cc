@@ -7,29 +7,29 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "engine/tracks/attitude/attitude.h"
 #include "engine/tracks/coarse_depth.h"
 #include "engine/tracks/frame_linker.h"
 #include "engine/tracks/frame_memory.h"
-#include "engine/tracks/ground_filter.h"
-#include "engine/tracks/orientation.h"
+#include "engine/tracks/ground/ground.h"
 
 namespace freelsd {
 namespace {
 
-// A component of frames without attitude is believed from this size on; when time is up, two do.
+// Least size of a trusted component of frames without attitude; when overdue, two suffice.
 constexpr size_t kMinComponentSize = 3;
 constexpr size_t kMinComponentSizeWhenOverdue = 2;
-// A first height less certain than this (share of the height) waits for more parallax.
+// A first height with a larger deviation (share of the height) waits for more parallax.
 constexpr double kMaxHeightSdRatio = 0.2;
-// When time is up; beyond it the images cannot be told from a hover, and no height is invented.
+// Limit when overdue. Beyond it the motion looks like a hover, and the height stays unknown.
 constexpr double kMaxHeightSdRatioWhenOverdue = 0.5;
-// What planar alignment leaves of a height: relief, tilt, GPS over one baseline.
+// Error of heights from planar alignment: relief, tilt, GPS over one baseline.
 constexpr double kEstimatedHeightSdRatio = 0.1;
-// Uncertainty of the plane that stands in for missing landmarks, share of the height.
+// Deviation of the plane that replaces missing landmarks, as a share of the height.
 constexpr double kPlaneHeightSdRatio = 0.1;
-// Without attitude the camera must look down within this.
+// Largest tilt of the mount for a camera without attitude.
 constexpr double kMaxMountTiltDeg = 25.0;
-// Ground at world z = 0 (take-off) is assumed only by a camera clearly above it.
+// Ground at world z = 0 (take-off) is assumed only if the camera is clearly above it.
 constexpr double kMinHeightOverTakeOffM = 5.0;
 
 enum class Urgency { kPatient, kOverdue };
@@ -59,10 +59,10 @@ struct Tracks::State {
   FrameLinker linker;
   GroundFilter ground;
   std::vector<View> views;
-  // Landmarks per frame with the poses and tracks of now; emptied when either changes.
+  // Landmarks per frame with the current poses and tracks; cleared when either changes.
   mutable std::map<size_t, std::vector<CoarseLandmark>> landmarks;
   std::vector<size_t> frame_of_view;
-  // Views whose poses were replaced since their heights were found.
+  // Views whose poses changed since their heights were computed.
   std::set<size_t> replaced_views;
 
   void Remember(Frame frame);
@@ -113,7 +113,7 @@ void Tracks::State::Remember(Frame frame) {
   landmarks.clear();
 }
 
-// Height of the camera above ground: given, or by landmarks and earlier frames' ground.
+// Height of the camera above ground: given, or from landmarks and earlier ground.
 std::optional<double> Tracks::State::FindHeight(size_t frame, Urgency urgency) {
   const FrameRecord& record = memory.frames[frame];
   const Eigen::Vector3d position = record.world_from_camera->translation;
@@ -149,7 +149,7 @@ void Tracks::State::CorrectAttitude(FrameRecord& record, double turn) {
 
 bool Tracks::State::SettleOriented(size_t frame, Urgency urgency) {
   FrameRecord& record = memory.frames[frame];
-  // The first frame waits for the second, which can tell whether its attitude is right.
+  // The first frame waits for the second, which can confirm its attitude.
   const bool is_alone = memory.frames.size() == 1;
   if (is_alone && urgency == Urgency::kPatient) return false;
   if (record.attitude_source == AttitudeSource::kGiven) {
@@ -228,7 +228,7 @@ std::string Tracks::State::ReasonToGiveUp(const FrameRecord& record) const {
   }
   if (!LooksDown(memory.rig)) return "no attitude given, and the camera does not look down";
   if (!record.links.empty()) {
-    return "no attitude given, and the matches with its neighbours do not settle one";
+    return "no attitude given, and the matches with its neighbours do not determine one";
   }
   return "no attitude given, and fewer than " +
          std::to_string(memory.options.min_num_verified_matches) + " matches with any neighbour";
@@ -244,7 +244,7 @@ ReadyFrame Tracks::State::GiveUp(size_t frame) {
   return HandOut(frame);
 }
 
-// Makes views of all waiting frames that can be, in rounds: a new view can tell of its neighbours.
+// Turns waiting frames into views in rounds, because a new view can help its neighbours.
 std::vector<ReadyFrame> Tracks::State::Settle(Urgency urgency) {
   const std::vector<size_t> waiting = WaitingFrames();
   bool has_progress = true;

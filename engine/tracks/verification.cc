@@ -13,10 +13,10 @@ constexpr int kMinSampleSize = 8;
 constexpr int kRandomState = 20260101;
 constexpr int kMaxNumSamples = 2000;
 constexpr double kConfidence = 0.999;
-// Two views of the same flight differ in scale by less than this.
+// Largest ratio of scales between two views of one flight.
 constexpr double kMaxScale = 3.0;
-// Relief displaces a match from the plane's homography by flow * relief / height; more than this
-// share of the largest displacement is a mismatch along the epipolar line.
+// Relief shifts a match from the plane's homography by flow * relief / height. A larger share of
+// the largest shift is a mismatch along the epipolar line.
 constexpr double kMaxReliefRatio = 0.3;
 
 cv::UsacParams Sampling(double max_error_px) {
@@ -87,7 +87,7 @@ std::vector<int> VerifyMatches(const std::vector<Eigen::Vector2d>& points_a,
       off_plane.push_back(i);
     }
   }
-  // Where the plane explains all that relief could, the epipolar geometry has no say.
+  // If the plane explains everything up to relief, the epipolar geometry is undetermined.
   if (off_plane.empty()) return verified;
   const cv::Mat fundamental = cv::findFundamentalMat(a, b, epipolar_mask, Sampling(max_error_px));
   for (const int i : off_plane) {

@@ -1,4 +1,4 @@
-// Input: matches of two frames. Output: those that two views of the same ground can have.
+// Input: matches of two frames. Output: matches consistent with two views of one ground.
 #pragma once
 
 #include <vector>

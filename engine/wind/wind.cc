@@ -14,7 +14,7 @@ bool IsFinite(const WindSample& sample) {
   return sample.position_in_world.head<2>().allFinite() && sample.wind_in_world.allFinite();
 }
 
-// Oldest first; samples of one moment in an order that does not depend on their arrival.
+// Oldest first. The order of samples with equal times does not depend on their arrival.
 std::vector<WindSample> SamplesNear(const Eigen::Vector2d& place_in_world,
                                     const std::vector<WindSample>& samples,
                                     double radius) {

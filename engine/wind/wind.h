@@ -11,9 +11,9 @@ namespace freelsd {
 
 struct WindOptions {
   // --- Behaviour ---
-  // Measurements farther from the place than this do not belong to it. Paper: "within a radius".
+  // Measurements farther from the place are ignored. Paper: "within a radius".
   double radius_m = 300.0;
-  // Nor those that are older than this when the flight's newest image is taken.
+  // Measurements older than this, relative to the flight's newest image, are ignored.
   double max_age_s = 1800.0;
   // Weight of a new measurement in the moving average, (0, 1]. Paper: EWMA, no number.
   double smoothing = 0.1;
@@ -23,20 +23,20 @@ struct WindOptions {
 
 struct WindSample {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
-  // Where the air moves to, m/s.
+  // Velocity of the air over ground, m/s.
   Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
   int64_t timestamp_us = 0;
 };
 
 struct WindEstimate {
   Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
-  // Deviation of the samples about it, per axis.
+  // Deviation of the samples from the estimate, per axis.
   double spread_mps = 0.0;
   int num_samples = 0;
   int64_t last_sample_us = 0;
 };
 
-// Those that are not too old at `now_us`.
+// Samples that are not too old at `now_us`.
 std::vector<WindSample> RecentSamples(const std::vector<WindSample>& samples,
                                       int64_t now_us,
                                       const WindOptions& options);

@@ -2,6 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
+#include "api/stored/stored.h"
 #include "tests/api/errors.h"
 
 namespace freelsd {
@@ -79,16 +80,6 @@ TEST_CASE("meta: what is wrong is refused where it is") {
         "422 InvalidValue /height_above_ground_m");
   CHECK(ErrorOfMeta(R"({"position_sd_m": -1})") == "422 InvalidValue /position_sd_m");
   CHECK(ErrorOfMeta("[]") == "422 InvalidValue ");
-}
-
-TEST_CASE("meta: the stored form is a fixed point, camera attitude included") {
-  FrameMeta meta = ParseFrameMeta(R"({"timestamp_us": 3, "attitude":
-      {"roll_deg": 12.3, "pitch_deg": -4.56, "yaw_deg": -78.9}, "wind": {"east_mps": 0.1,
-      "north_mps": 0.2}, "position": {"latitude_deg": 1.1, "longitude_deg": 2.2, "altitude_m": 3}})");
-  meta.ned_from_camera = Eigen::Quaterniond(0.1, 0.2, 0.3, 0.4).normalized();
-  const std::string stored = FrameMetaJson(meta);
-  CHECK(FrameMetaJson(ParseStoredFrameMeta(stored)) == stored);
-  CHECK(ParseStoredFrameMeta(stored).ned_from_camera->z() == meta.ned_from_camera->z());
 }
 
 TEST_CASE(

@@ -80,6 +80,7 @@ void Run(const Arguments& arguments) {
   std::vector<Entry> entries = FrontendEntries(model_text);
   for (Entry& entry : ReconstructionEntries(model_text)) entries.push_back(std::move(entry));
   for (Entry& entry : MapEntries()) entries.push_back(std::move(entry));
+  for (Entry& entry : KernelEntries(model_text)) entries.push_back(std::move(entry));
   std::printf("%-18s %-28s %9s %9s %9s %9s  plain / engine, processor time\n",
               "milliseconds",
               "",
@@ -106,15 +107,16 @@ void Run(const Arguments& arguments) {
 }  // namespace freelsd
 
 int main(int argc, char** argv) {
-  freelsd::Arguments arguments;
-  CLI::App app("Measures the engine's stages. Median of the runs, in milliseconds.");
-  app.add_option("--filter", arguments.filter, "stages whose name holds this");
-  app.add_option("--json", arguments.json, "file for the rows");
-  app.add_option("--model", arguments.model, "grass classifier");
-  app.add_option("--runs", arguments.num_runs, "runs of each")->check(CLI::Range(20, 10000));
-  app.add_option("--threads", arguments.num_threads, "threads of OpenCV")->check(CLI::Range(1, 64));
-  CLI11_PARSE(app, argc, argv);
   try {
+    freelsd::Arguments arguments;
+    CLI::App app("Measures the engine's stages. Median of the runs, in milliseconds.");
+    app.add_option("--filter", arguments.filter, "stages whose name holds this");
+    app.add_option("--json", arguments.json, "file for the rows");
+    app.add_option("--model", arguments.model, "grass classifier");
+    app.add_option("--runs", arguments.num_runs, "runs of each")->check(CLI::Range(20, 10000));
+    app.add_option("--threads", arguments.num_threads, "threads of OpenCV")
+        ->check(CLI::Range(1, 64));
+    CLI11_PARSE(app, argc, argv);
     freelsd::Run(arguments);
     return 0;
   } catch (const std::exception& error) {

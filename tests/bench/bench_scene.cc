@@ -55,8 +55,8 @@ BenchScene MakeScene(const std::string& model_text) {
 }  // namespace
 
 const BenchScene& Scene(const std::string& model_text) {
-  static const BenchScene scene = MakeScene(model_text);
-  return scene;
+  static const BenchScene kScene = MakeScene(model_text);
+  return kScene;
 }
 
 std::string SizeOf(const cv::Mat& image) {

@@ -132,6 +132,7 @@ std::vector<Frame> FramesOfLeg(const BenchScene& scene) {
 Contest FollowTracks(const BenchScene& scene) {
   const std::vector<Frame> leg = FramesOfLeg(scene);
   std::vector<cv::Mat1b> grey;
+  grey.reserve(leg.size());
   for (const Frame& frame : leg) grey.push_back(Grey(frame.image));
   const int num_corners = scene.options.tracks.max_num_corners;
   return {"tracks",

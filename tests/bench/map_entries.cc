@@ -8,6 +8,7 @@
 
 #include "engine/pipeline.h"
 #include "tests/bench/contest.h"
+#include "tests/engine/hazard/assess.h"
 
 namespace freelsd {
 namespace {
@@ -29,15 +30,18 @@ Points PointsOfPair(int pair) {
   constexpr int kNumPairsPerRow = 8;
   constexpr double kSpacing = 0.2, kWidth = 65.0;
   const double reach = kNumCells - kWidth;
+  constexpr int kNumRows = kNumPairs / kNumPairsPerRow;
+  const int row = pair / kNumPairsPerRow;
   const double west = reach * (pair % kNumPairsPerRow) / (kNumPairsPerRow - 1.0);
-  const double south = reach * (pair / kNumPairsPerRow) / (kNumPairs / kNumPairsPerRow - 1.0);
+  const double south = reach * row / (kNumRows - 1.0);
   const int num_per_row = static_cast<int>(kWidth / kSpacing);
   std::mt19937 random(static_cast<unsigned>(pair) + 1);
   const auto uniform = [&random] { return static_cast<double>(random()) / 4294967296.0; };
   Points points(kNumPointsOfPair);
   for (int i = 0; i < kNumPointsOfPair; ++i) {
+    const int point_row = i / num_per_row;
     const double x = west - 0.5 * kNumCells + kSpacing * (i % num_per_row + uniform());
-    const double y = south - 0.5 * kNumCells + kSpacing * (i / num_per_row + uniform());
+    const double y = south - 0.5 * kNumCells + kSpacing * (point_row + uniform());
     const double z = Rolling(x, y) + 0.2 * (uniform() + uniform() - 1.0);
     points[static_cast<size_t>(i)] = {Eigen::Vector3d(x, y, z).cast<float>(), 0.2f};
   }
@@ -46,6 +50,7 @@ Points PointsOfPair(int pair) {
 
 std::vector<Points> PaperPoints() {
   std::vector<Points> pairs;
+  pairs.reserve(kNumPairs);
   for (int pair = 0; pair < kNumPairs; ++pair) pairs.push_back(PointsOfPair(pair));
   return pairs;
 }

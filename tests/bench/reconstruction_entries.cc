@@ -62,7 +62,8 @@ Contest Stereo(const BenchScene& scene) {
 cv::Mat1f PlainMatch(const RectifiedPair& pair) {
   // Typical depth has disparity 0.
   constexpr int kNumDisparities = 80, kBlockPx = 9;
-  const auto matcher = cv::StereoSGBM::create(-kNumDisparities / 2,
+  constexpr int kMinDisparity = -kNumDisparities / 2;
+  const auto matcher = cv::StereoSGBM::create(kMinDisparity,
                                               kNumDisparities,
                                               kBlockPx,
                                               8 * kBlockPx * kBlockPx,
@@ -77,8 +78,7 @@ cv::Mat1f PlainMatch(const RectifiedPair& pair) {
   matcher->compute(pair.left, pair.right, sixteenths);
   cv::Mat1f disparity_px(sixteenths);
   disparity_px /= 16.0f;
-  disparity_px.setTo(std::numeric_limits<float>::quiet_NaN(),
-                     sixteenths < -kNumDisparities / 2 * 16);
+  disparity_px.setTo(std::numeric_limits<float>::quiet_NaN(), sixteenths < kMinDisparity * 16);
   return disparity_px;
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The commands that stand in the documents, as they stand there: README.md as a newcomer with a folder of geotagged
+# Runs the commands of the documents unchanged: README.md as a newcomer with a folder of geotagged
 # photographs follows it, api/README.md, deploy/README.md, engine/README.md.
 #
 #   tests/deploy/documents.sh BUILD_FOLDER FLIGHT_FOLDER

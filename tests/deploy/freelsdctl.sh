@@ -102,7 +102,7 @@ test_submit() {
   # With rows of photographs that are not here.
   sed 's/^frame_00\([0-9]*\)\.jpg/"frame ""\1"".jpg"/' "$rendered/poses.csv" >"$photos/poses.csv"
   run 0 submit "$photos" --dry-run
-  said out "All $num_photographs photographs would be taken"
+  said out "All $num_photographs photographs would be accepted"
   equal "$(num_flights)" 0 "flights after a dry run"
 
   # The connection breaks at the third batch; the same again sends what is missing.
@@ -139,13 +139,13 @@ test_refusals() {
   said err 'profile: must be one of'
   printf 'image,lat,lon,alt,wind_speed\nframe_0003.jpg,47,8.4,500,2\n' >"$bad/poses.csv"
   run 1 submit "$bad" --wind-from 270 --wind-speed 5
-  said err 'tells the wind'
+  said err 'has the wind already'
   printf 'image,lat,lon,alt\nother.jpg,47,8.4,500\n' >"$bad/poses.csv"
   run 1 submit "$bad"
   said err 'no photograph of .* is named in .*poses.csv'
   printf 'image,lat,lon,alt\nframe_0003.jpg,47,8.4,500\n' >"$bad/poses.csv"
   run 1 submit "$bad"
-  said err 'no photograph was taken'
+  said err 'no photograph was accepted'
   cp "$rendered/flight.json" "$bad"
   run 0 submit "$bad" --wind-from 270 --wind-speed 5 --no-wait --name "A \"name\""
   said err '2 of 3 photographs have no pose'

@@ -235,6 +235,7 @@ class Campaign {
 
   const CampaignOptions& options_;
   const Classifier& classifier_;
+  // Guards records_, done_, next_ and failure_, which the jobs share, and the file of the records.
   std::mutex mutex_;
   Json records_;
   ProgressBar bar_;

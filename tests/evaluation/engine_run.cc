@@ -14,10 +14,10 @@ double SecondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::vector<Region> Graded(const std::vector<Region>& regions) {
-  std::vector<Region> graded;
-  for (const Region& region : regions) {
-    if (region.grade > 0.0) graded.push_back(region);
+std::vector<Candidate> Graded(const std::vector<Candidate>& regions) {
+  std::vector<Candidate> graded;
+  for (const Candidate& candidate : regions) {
+    if (candidate.region.grade > 0.0) graded.push_back(candidate);
   }
   return graded;
 }
@@ -48,11 +48,11 @@ EngineRun RunEngine(const Rig& rig,
   run.num_processed += CountProcessed(frontend.Flush());
   run.frontend_seconds = SecondsSince(start);
   run.snapshot = frontend.TakeSnapshot();
-  run.regions = frontend.RankedRegions();
+  for (const Candidate& each : run.snapshot.regions) run.regions.push_back(each.region);
   const ImageSource source = [&images](const std::string& id) { return images.at(id); };
   run.evaluation =
       EvaluateSites(run.snapshot,
-                    Graded(run.regions),
+                    Graded(run.snapshot.regions),
                     source,
                     aircraft,
                     options,

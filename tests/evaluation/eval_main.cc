@@ -61,7 +61,7 @@ Json ReportOf(const Arguments& arguments) {
   }
   std::vector<Json> parts;
   for (const std::string& path : arguments.merge) parts.push_back(Json::parse(ReadTextFile(path)));
-  const Json report = MergeReports(parts);
+  Json report = MergeReports(parts);
   if (!arguments.campaign.json.empty()) {
     WriteTextFile(arguments.campaign.json, report.dump(1) + "\n");
   }
@@ -136,13 +136,13 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 }  // namespace freelsd
 
 int main(int argc, char** argv) {
-  freelsd::Arguments arguments;
-  CLI::App app(
-      "Scores the engine over seeded worlds whose truth is known. Status 3: a limit was passed.");
-  freelsd::AddOptions(app, arguments);
-  freelsd::AddScenarioOptions(app, arguments.campaign.scenario);
-  CLI11_PARSE(app, argc, argv);
   try {
+    freelsd::Arguments arguments;
+    CLI::App app(
+        "Scores the engine over seeded worlds whose truth is known. Status 3: a limit was passed.");
+    freelsd::AddOptions(app, arguments);
+    freelsd::AddScenarioOptions(app, arguments.campaign.scenario);
+    CLI11_PARSE(app, argc, argv);
     return freelsd::Run(arguments);
   } catch (const std::exception& error) {
     std::cerr << "freelsd-eval: " << error.what() << "\n";

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "server/http_library.h"
+#include "server/http/http_library.h"
 #include "tests/evaluation/world_record.h"
 #include "tests/synthetic/flight_files.h"
 

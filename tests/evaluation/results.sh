@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# Everything that is measured, as one document. A seeded world takes 40 seconds of one core; the
-# rest takes about three quarters of an hour.
+# Runs all measurements and prints them as one document. A seeded world takes half a minute of one
+# core; the other parts take about 45 minutes together.
 #
 #   FREELSD_DATA=FOLDER tests/evaluation/results.sh [NUM_WORLDS [NUM_WORLDS_IN_NOISE [PART...]]] \
 #     > tests/evaluation/RESULTS.md
 #
-# Parts: worlds noise2 damage frames rules ground flights survey bench; without any, all of them.
-# Each is kept in build/reports with the revision that made it, and what is there of the others is
-# printed too. The worlds' reports lie there as well: an interrupted run goes on from them, and
-# parts of it that were flown elsewhere (other seeds, --merge) can be put there.
+# Parts: worlds noise2 damage frames rules ground flights survey bench. The default is all parts.
+# build/reports keeps each part with the revision that made it. The document contains all kept
+# parts and marks those of an older revision. build/reports also holds the reports of the worlds, so
+# an interrupted run continues. Reports made elsewhere (other seeds, --merge) may be put there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 programs=build/release/tests
@@ -27,9 +27,9 @@ heading() {
   local revision="${3:-$(git rev-parse --short HEAD)}"
   printf '\n## %s\n\n`%s`, of revision %s on %s cores.\n\n' "$1" "$2" "$revision" "$(nproc)"
 }
-# The newest when a report was last written, which is what flew its last worlds.
+# The newest revision at the time of the report's last change: it flew the last worlds.
 revision_of() { git log -1 --format=%h --until="@$(stat -c %Y "$1")"; }
-# Name of the report, what it is about, and how the worlds are flown.
+# worlds NAME TITLE ARGUMENTS...: flies the worlds; NAME is the report's.
 worlds() {
   local name="$1" title="$2"
   shift 2
@@ -79,6 +79,21 @@ make() {
   esac
 }
 
+# Prints a part. A section of an older revision gets a mark below its heading.
+print_part() {
+  local line revision num_commits
+  while IFS= read -r line; do
+    printf '%s\n' "$line"
+    if [[ $line =~ \ of\ revision\ ([0-9a-f]+)\ on ]]; then
+      revision="${BASH_REMATCH[1]}"
+      if [ "$(git rev-parse "$revision")" != "$(git rev-parse HEAD)" ]; then
+        num_commits="$(git rev-list --count "$revision..HEAD" -- engine)"
+        printf '\n**Older revision.** Later commits that change `engine/`: %s.\n' "$num_commits"
+      fi
+    fi
+  done <"$1"
+}
+
 for part in "${parts[@]}"; do
   make "$part" >"$reports/$part.part"
   mv "$reports/$part.part" "$reports/$part.md"
@@ -86,10 +101,12 @@ done
 cat <<TEXT
 # What freelsd achieves
 
-Made by \`tests/evaluation/results.sh\`; not edited by hand. What the figures mean, and what was tried, stands in
-[evaluation.md](evaluation.md); what the classifier scores in
-[grass_model.md](../../engine/classification/grass_model.md).
+\`tests/evaluation/results.sh\` writes this document; do not edit it by hand. It was written at revision
+$(git rev-parse --short HEAD). A section of an older revision is marked; its figures may differ today.
+
+The [protocol](README.md) explains the figures. The [decision records](decisions/README.md) say what was
+tried. [grass_model.md](../../engine/classification/grass_model.md) has the scores of the classifier.
 TEXT
 for part in "${all_parts[@]}"; do
-  if [ -f "$reports/$part.md" ]; then cat "$reports/$part.md"; fi
+  if [ -f "$reports/$part.md" ]; then print_part "$reports/$part.md"; fi
 done

@@ -8,8 +8,8 @@
 #include <opencv2/imgproc.hpp>
 
 #include "tests/synthetic/flight_files.h"
+#include "tests/synthetic/ground/real_ground.h"
 #include "tests/synthetic/noise.h"
-#include "tests/synthetic/real_ground.h"
 #include "tests/synthetic/renderer.h"
 
 namespace freelsd {

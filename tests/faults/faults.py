@@ -107,9 +107,9 @@ def clean(text):
 
 def write_table(file, lines, form):
     machine = f"{os.cpu_count()} cores, load {os.getloadavg()[0]:.1f} at the end"
-    file.write("# Faults\n\nWritten by `tests/faults/run.sh`; what each row does stands in the "
-               f"script of its name.\n{form} form, {datetime.date.today()}, {platform.system()}, "
-               f"{machine}. Times are of a machine that did other work too.\n\n"
+    file.write("# Faults\n\n`tests/faults/run.sh` writes this table. README.md lists the script of each row.\n"
+               f"{form} form, {datetime.date.today()}, {platform.system()}, {machine}. "
+               "The machine did other work at the same time.\n\n"
                "| fault | size | must show | seen | result |\n|---|---|---|---|---|\n")
     for line in lines:
         file.write("| " + " | ".join(clean(str(cell)) for cell in line) + " |\n")

@@ -1,18 +1,18 @@
 #!/usr/bin/env bash
-# Harms a real server and tells what became of it, as a Markdown table.
+# Causes faults in a real server and reports the results as a Markdown table.
 #
 #   tests/faults/run.sh [--short | --long] [--rows NAME,...] [--sizes NAME=N,...] [--minutes N]
 #                       [--build DIR] [--out FILE]
 #
 #   --short    less than a minute, the default
-#   --long     the sizes of RESULTS.md: an hour; all rows go to tests/faults/RESULTS.md unless --out says else
+#   --long     the sizes of RESULTS.md: an hour; all rows go to tests/faults/RESULTS.md without --out
 #   --rows     only these rows of faults.py, by name
-#   --sizes    how often, instead of the form's number: kill=50
-#   --minutes  of the soak
+#   --sizes    number of repetitions, for example kill=50
+#   --minutes  duration of the soak
 #   --build    a build with freelsd-server and freelsd-render, default build/release
 #
-# Needs python3 and g++ (for the clock). What cannot be done here is told as SKIPPED. Status 0 means
-# that no row failed.
+# Needs python3 and g++ (for the clock). A row that cannot run here is SKIPPED. Status 0 means that no
+# row failed.
 set -Eeuo pipefail
 here="$(cd "$(dirname "$0")" && pwd)"
 root="$(cd "$here/../.." && pwd)"

@@ -24,8 +24,8 @@ time_t SecondsOff() {
 
 extern "C" int clock_gettime(clockid_t clock, timespec* now) noexcept {
   using Function = int (*)(clockid_t, timespec*);
-  static const auto real = reinterpret_cast<Function>(dlsym(RTLD_NEXT, "clock_gettime"));
-  const int result = real(clock, now);
+  static const auto kReal = reinterpret_cast<Function>(dlsym(RTLD_NEXT, "clock_gettime"));
+  const int result = kReal(clock, now);
   if (clock == CLOCK_REALTIME && result == 0) now->tv_sec += SecondsOff();
   return result;
 }

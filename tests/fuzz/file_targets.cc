@@ -5,8 +5,8 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "api/export/export.h"
-#include "api/import/import.h"
+#include "api/import/images/images.h"
+#include "api/stored/stored.h"
 #include "tests/fuzz/targets.h"
 
 namespace freelsd {

@@ -124,17 +124,22 @@ void Run(const FuzzTarget& target, const Arguments& arguments) {
 }  // namespace freelsd
 
 int main(int argc, char** argv) {
-  freelsd::Arguments arguments;
-  CLI::App app("Runs every parser on seeds and on changed seeds.");
-  app.add_option("seeds", arguments.seeds, "folder with one folder per target")->required();
-  app.add_option("--seconds", arguments.seconds, "of changed seeds per target");
-  app.add_option("--target", arguments.target, "only this one");
-  app.add_option("--write", arguments.kept_input, "file that always holds the input at hand");
-  CLI11_PARSE(app, argc, argv);
-  for (const freelsd::FuzzTarget& target : freelsd::FuzzTargets()) {
-    if (arguments.target.empty() || arguments.target == target.name) {
-      freelsd::Run(target, arguments);
+  try {
+    freelsd::Arguments arguments;
+    CLI::App app("Runs every parser on seeds and on changed seeds.");
+    app.add_option("seeds", arguments.seeds, "folder with one folder per target")->required();
+    app.add_option("--seconds", arguments.seconds, "of changed seeds per target");
+    app.add_option("--target", arguments.target, "only this one");
+    app.add_option("--write", arguments.kept_input, "file that always holds the input at hand");
+    CLI11_PARSE(app, argc, argv);
+    for (const freelsd::FuzzTarget& target : freelsd::FuzzTargets()) {
+      if (arguments.target.empty() || arguments.target == target.name) {
+        freelsd::Run(target, arguments);
+      }
     }
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "freelsd-fuzz: %s\n", error.what());
+    return 1;
   }
-  return 0;
 }

@@ -18,20 +18,20 @@ bool IsRefusal(const std::exception& error) {
 }  // namespace
 
 const std::vector<FuzzTarget>& FuzzTargets() {
-  static const std::vector<FuzzTarget> targets{{"json", FuzzJsonBodies},
-                                               {"poses", FuzzPoses},
-                                               {"side_files", FuzzSideFiles},
-                                               {"telemetry", FuzzTelemetry},
-                                               {"query", FuzzQuery, 512},
-                                               {"request_head", FuzzRequestHead},
-                                               {"multipart", FuzzMultipart},
-                                               {"image_header", FuzzImageHeader, 20000},
-                                               {"image_tags", FuzzImageTags, 20000},
-                                               {"image_decoding", FuzzImageDecoding, 20000},
-                                               {"zip", FuzzZip, 20000},
-                                               {"model", FuzzModel, 0},
-                                               {"site_map", FuzzSiteMap, 20000}};
-  return targets;
+  static const std::vector<FuzzTarget> kTargets{{"json", FuzzJsonBodies},
+                                                {"poses", FuzzPoses},
+                                                {"side_files", FuzzSideFiles},
+                                                {"telemetry", FuzzTelemetry},
+                                                {"query", FuzzQuery, 512},
+                                                {"request_head", FuzzRequestHead},
+                                                {"multipart", FuzzMultipart},
+                                                {"image_header", FuzzImageHeader, 20000},
+                                                {"image_tags", FuzzImageTags, 20000},
+                                                {"image_decoding", FuzzImageDecoding, 20000},
+                                                {"zip", FuzzZip, 20000},
+                                                {"model", FuzzModel, 0},
+                                                {"site_map", FuzzSiteMap, 20000}};
+  return kTargets;
 }
 
 void RunSafely(const FuzzTarget& target, std::string_view bytes) {

@@ -7,10 +7,12 @@
 
 #include "api/api.h"
 #include "api/import/import.h"
-#include "server/call.h"
-#include "server/multipart.h"
-#include "server/request_head.h"
-#include "server/telemetry.h"
+#include "api/import/poses/poses.h"
+#include "api/stored/stored.h"
+#include "server/http/call.h"
+#include "server/http/multipart.h"
+#include "server/http/request_head.h"
+#include "server/intake/telemetry.h"
 #include "tests/fuzz/targets.h"
 
 namespace freelsd {

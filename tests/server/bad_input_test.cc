@@ -126,7 +126,7 @@ TEST_CASE(
   REQUIRE(AwaitJob(fresh.client, nlohmann::json::parse(finish->body)["id"])["state"] == "done");
   const nlohmann::json far = FrameList(fresh.client, flight)[1];
   CHECK(far["state"] == "rejected");
-  CHECK(far["reason"] == "its position is 111 km from the flight's origin, at most 50 km");
+  CHECK(far["reason"] == "its position is 111 km from the flight's origin; the limit is 50 km");
 }
 
 TEST_CASE("bad input: latitude 95 is 422 with its place") {

@@ -46,6 +46,7 @@ std::vector<std::string> ArgumentsOf(const ChildOptions& options) {
 Child::Child(const ChildOptions& options) : output_(options.folder / "output.txt") {
   std::vector<std::string> arguments = ArgumentsOf(options);
   std::vector<char*> pointers;
+  pointers.reserve(arguments.size() + 1);
   for (std::string& argument : arguments) pointers.push_back(argument.data());
   pointers.push_back(nullptr);
   std::filesystem::remove(output_);

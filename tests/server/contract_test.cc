@@ -38,7 +38,9 @@ TEST_CASE("contract: the check itself sees types, ranges, missing and unknown ke
 TEST_CASE("contract: each operation names the statuses of its refusals, none says \"default\"") {
   FreshServer fresh;
   const nlohmann::json contract = GetJson(fresh.client, "/openapi.json");
-  for (const auto& [path, item] : contract["paths"].items()) {
+  for (const auto& entry : contract["paths"].items()) {
+    const std::string& path = entry.key();
+    const nlohmann::json& item = entry.value();
     for (const char* const method : {"get", "put", "post", "delete"}) {
       if (!item.contains(method)) continue;
       INFO(method << " " << path);
@@ -72,7 +74,9 @@ TEST_CASE("contract: an answer whose status it does not name for the operation i
 TEST_CASE("contract: every path in it is served, with the methods that it names") {
   FreshServer fresh;
   const nlohmann::json contract = GetJson(fresh.client, "/openapi.json");
-  for (const auto& [path, item] : contract["paths"].items()) {
+  for (const auto& entry : contract["paths"].items()) {
+    const std::string& path = entry.key();
+    const nlohmann::json& item = entry.value();
     const auto result = fresh.client.Options(Filled(path));
     INFO(path);
     REQUIRE(result);

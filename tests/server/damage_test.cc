@@ -16,7 +16,7 @@ constexpr char kQuery[] =
 
 void StoreMeadow(const std::filesystem::path& folder) {
   Storage storage(folder);
-  storage.PutSite(MeadowSite("amsl"), SerializeSiteMap(Meadow()));
+  storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Meadow()));
 }
 
 // Bits turned, pages lost, or the end cut off.

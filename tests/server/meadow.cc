@@ -49,7 +49,7 @@ MeadowServer::MeadowServer(const std::function<void(Storage&)>& fill,
                            const std::function<void(Config&)>& change) {
   {
     Storage storage(folder.path() / "data");
-    storage.PutSite(MeadowSite(), SerializeSiteMap(Meadow()));
+    storage.sites.Put(MeadowSite(), SerializeSiteMap(Meadow()));
     SiteRow bare = MeadowSite();
     bare.id = std::string("f-r2");
     bare.longitude_deg = 9.0;
@@ -57,7 +57,7 @@ MeadowServer::MeadowServer(const std::function<void(Storage&)>& fill,
                         R"("properties":{"id":"f-r2","verdict":"rejected","score":0.1}})";
     bare.recall.reset();
     bare.map_box.reset();
-    storage.PutSite(bare, "");
+    storage.sites.Put(bare, "");
     if (fill) fill(storage);
   }
   Config config = TestConfig(folder.path() / "data");

@@ -3,8 +3,9 @@
 
 #include <memory>
 
-#include "api/export/export.h"
-#include "server/site_lookup.h"
+#include "api/export/layers/layers.h"
+#include "api/stored/stored.h"
+#include "server/handlers/lookups.h"
 #include "tests/server/test_server.h"
 
 namespace freelsd {

@@ -13,8 +13,8 @@ namespace freelsd {
 namespace {
 
 const nlohmann::json& Contract() {
-  static const nlohmann::json contract = nlohmann::json::parse(OpenApiJson());
-  return contract;
+  static const nlohmann::json kContract = nlohmann::json::parse(OpenApiJson());
+  return kContract;
 }
 
 const nlohmann::json& Resolved(const nlohmann::json& node) {
@@ -198,7 +198,7 @@ bool IsOfNoOperation(const httplib::Response& response) {
 }
 
 std::vector<std::string> ProblemErrors(const httplib::Response& response) {
-  const char* const kType = "application/problem+json";
+  constexpr const char* kType = "application/problem+json";
   return BodyErrors(
       {{"content", {{kType, {{"schema", {{"$ref", "#/components/schemas/Problem"}}}}}}}}, response);
 }

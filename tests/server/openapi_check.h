@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/http_library.h"
+#include "server/http/http_library.h"
 
 namespace freelsd {
 

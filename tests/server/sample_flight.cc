@@ -45,8 +45,8 @@ SampleFlight Render() {
 }
 
 const SampleFlight& Sample() {
-  static const SampleFlight flight = Render();
-  return flight;
+  static const SampleFlight kFlight = Render();
+  return kFlight;
 }
 
 // The header and the lines of these frames: a batch must not name images that are not there.
@@ -81,7 +81,7 @@ std::string PostSampleFlight(httplib::Client& client, int begin, int end) {
   const auto result = client.Post("/v1/flights", Sample().request, "application/json");
   REQUIRE(result);
   REQUIRE(result->status == 201);
-  const std::string flight = nlohmann::json::parse(result->body).at("id");
+  std::string flight = nlohmann::json::parse(result->body).at("id");
   PostSampleFrames(client, flight, begin, end);
   return flight;
 }

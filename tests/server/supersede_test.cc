@@ -25,7 +25,7 @@ std::set<std::string> RecalledFlights(httplib::Client& client, const std::string
 }
 
 std::string FlyOver(httplib::Client& client) {
-  const std::string flight = PostSampleFlight(client, 0, kNumSampleFrames);
+  std::string flight = PostSampleFlight(client, 0, kNumSampleFrames);
   REQUIRE(AwaitJob(client, Finish(client, flight))["state"] == "done");
   return flight;
 }

@@ -46,13 +46,13 @@ TemporaryFolder::TemporaryFolder() {
 TemporaryFolder::~TemporaryFolder() { std::filesystem::remove_all(path_); }
 
 std::filesystem::path TestModel() {
-  static const TemporaryFolder folder;
-  static const std::filesystem::path path = [] {
-    std::filesystem::path file = folder.path() / "model.yml";
+  static const TemporaryFolder kFolder;
+  static const std::filesystem::path kPath = [] {
+    std::filesystem::path file = kFolder.path() / "model.yml";
     std::ofstream(file) << TrainedModelText();
     return file;
   }();
-  return path;
+  return kPath;
 }
 
 Config TestConfig(const std::filesystem::path& folder) {
@@ -182,7 +182,7 @@ std::string NewFlight(httplib::Client& client, int width_px, int height_px) {
 
 std::string SomeMeta(int number) {
   return nlohmann::json{
-      {"timestamp_us", 1700000000000000 + number * 250000},
+      {"timestamp_us", 1700000000000000 + int64_t{250000} * number},
       {"position",
        {{"latitude_deg", 47.0 + number * 1e-5}, {"longitude_deg", 8.0}, {"altitude_m", 500.0}}},
       {"attitude", {{"roll_deg", 0.0}, {"pitch_deg", 0.0}, {"yaw_deg", 0.0}}},

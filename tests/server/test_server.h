@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/app.h"
-#include "server/http_library.h"
+#include "server/http/http_library.h"
 
 namespace freelsd {
 

@@ -5,9 +5,6 @@
 #include <filesystem>
 #include <string>
 
-#include <doctest/doctest.h>
-#include <sqlite3.h>
-
 #include "storage/storage.h"
 
 namespace freelsd {
@@ -64,14 +61,6 @@ inline SiteRow SomeSite(const std::string& id, double latitude_deg, double longi
   site.longitude_deg = longitude_deg;
   site.feature_json = R"({"type":"Feature"})";
   return site;
-}
-
-// On a closed database, as another program would.
-inline void Execute(const std::filesystem::path& file, const char* sql) {
-  sqlite3* database = nullptr;
-  REQUIRE(sqlite3_open(file.c_str(), &database) == SQLITE_OK);
-  REQUIRE(sqlite3_exec(database, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
-  sqlite3_close(database);
 }
 
 }  // namespace freelsd

@@ -95,7 +95,8 @@ const Lot& LotLayout::LotAt(const Eigen::Vector2d& place) const {
     const Split& split = splits_[static_cast<size_t>(node)];
     node = place[split.axis] < split.at ? split.lower : split.upper;
   }
-  return lots_[static_cast<size_t>(~node)];
+  const int lot = ~node;
+  return lots_[static_cast<size_t>(lot)];
 }
 
 double LotLayout::ToLane(const Eigen::Vector2d& place) const {

@@ -27,7 +27,8 @@ bool IsOnTracks(double from_middle) {
 
 CropStand CropOf(uint8_t variant) {
   const int kind = variant % 4;
-  const double growth = (variant / 4) / 63.0;
+  const int step = variant / 4;
+  const double growth = step / 63.0;
   CropStand crop;
   crop.is_maize = kind == 3;
   crop.height_m = kMinHeightM + growth * ((crop.is_maize ? kMaxMaizeM : kMaxCerealM) - kMinHeightM);

@@ -36,14 +36,14 @@ Noise::Noise(uint64_t seed, double wavelength_m) : lattice_(SharedLattice()) {
 }
 
 const float* Noise::SharedLattice() {
-  static const std::vector<float> lattice = [] {
-    std::vector<float> values(kLatticeSize * kLatticeSize);
+  static const std::vector<float> kLattice = [] {
+    std::vector<float> values(size_t{kLatticeSize} * kLatticeSize);
     std::mt19937_64 random(kLatticeSeed);
     std::normal_distribution<float> normal;
     for (float& value : values) value = normal(random);
     return values;
   }();
-  return lattice.data();
+  return kLattice.data();
 }
 
 }  // namespace freelsd

@@ -1,6 +1,7 @@
 // Input: a seed. Output: smooth random functions of the plane, the same on every run.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 namespace freelsd {
@@ -17,8 +18,8 @@ class Noise {
     const int row = static_cast<int>(v);
     const float tu = Smooth(static_cast<float>(u - col));
     const float tv = Smooth(static_cast<float>(v - row));
-    const float* upper = lattice_ + (row & kLatticeMask) * kLatticeSize;
-    const float* lower = lattice_ + ((row + 1) & kLatticeMask) * kLatticeSize;
+    const float* upper = lattice_ + std::ptrdiff_t{row & kLatticeMask} * kLatticeSize;
+    const float* lower = lattice_ + std::ptrdiff_t{(row + 1) & kLatticeMask} * kLatticeSize;
     const int left = col & kLatticeMask;
     const int right = (col + 1) & kLatticeMask;
     const float top = upper[left] + tu * (upper[right] - upper[left]);

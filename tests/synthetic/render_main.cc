@@ -106,28 +106,28 @@ void Run(const Arguments& arguments) {
 }  // namespace freelsd
 
 int main(int argc, char** argv) {
-  freelsd::Arguments arguments;
-  CLI::App app(
-      "Renders a flight over a synthetic world: photographs, poses.csv, flight.json and "
-      "truth.json.");
-  app.add_option("--out", arguments.folder, "folder to write to")->required();
-  app.add_option("--seed", arguments.seed, "chooses world and flight");
-  app.add_option("--frames", arguments.num_frames, "number of photographs")
-      ->check(CLI::Range(1, 10000));
-  app.add_option("--width", arguments.width_px, "image width in pixels")
-      ->check(CLI::Range(16, 8192));
-  app.add_option("--height", arguments.height_px, "image height in pixels")
-      ->check(CLI::Range(16, 8192));
-  app.add_option("--pattern", arguments.pattern, "how the area is flown")
-      ->check(CLI::IsMember({"lawnmower", "circle", "survey"}));
-  app.add_option("--aircraft", arguments.aircraft, "profile for flight.json and truth.json")
-      ->check(CLI::IsMember({"techpod", "atlantiksolar", "small"}));
-  app.add_option("--noise", arguments.noise_scale, "scale of the autopilot's errors")
-      ->check(CLI::Range(0.0, 2.0));
-  app.add_option("--wind", arguments.wind_speed_mps, "wind speed in m/s")
-      ->check(CLI::Range(0.0, 9.0));
-  CLI11_PARSE(app, argc, argv);
   try {
+    freelsd::Arguments arguments;
+    CLI::App app(
+        "Renders a flight over a synthetic world: photographs, poses.csv, flight.json and "
+        "truth.json.");
+    app.add_option("--out", arguments.folder, "folder to write to")->required();
+    app.add_option("--seed", arguments.seed, "chooses world and flight");
+    app.add_option("--frames", arguments.num_frames, "number of photographs")
+        ->check(CLI::Range(1, 10000));
+    app.add_option("--width", arguments.width_px, "image width in pixels")
+        ->check(CLI::Range(16, 8192));
+    app.add_option("--height", arguments.height_px, "image height in pixels")
+        ->check(CLI::Range(16, 8192));
+    app.add_option("--pattern", arguments.pattern, "how the area is flown")
+        ->check(CLI::IsMember({"lawnmower", "circle", "survey"}));
+    app.add_option("--aircraft", arguments.aircraft, "profile for flight.json and truth.json")
+        ->check(CLI::IsMember({"techpod", "atlantiksolar", "small"}));
+    app.add_option("--noise", arguments.noise_scale, "scale of the autopilot's errors")
+        ->check(CLI::Range(0.0, 2.0));
+    app.add_option("--wind", arguments.wind_speed_mps, "wind speed in m/s")
+        ->check(CLI::Range(0.0, 9.0));
+    CLI11_PARSE(app, argc, argv);
     freelsd::Run(arguments);
   } catch (const std::exception& error) {
     std::cerr << "freelsd-render: " << error.what() << "\n";

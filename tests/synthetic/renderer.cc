@@ -46,8 +46,9 @@ class Leaves {
   // At a place in cells and its height.
   float Gain(const Eigen::Vector2f& cell, float height) const {
     const int last = world_.num_cells() - 1;
-    const int col = std::clamp(static_cast<int>(cell.x() + 0.5f), 0, last);
-    const int row = std::clamp(static_cast<int>(cell.y() + 0.5f), 0, last);
+    const Eigen::Vector2f from_corner = cell + Eigen::Vector2f(0.5f, 0.5f);
+    const int col = std::clamp(static_cast<int>(from_corner.x()), 0, last);
+    const int row = std::clamp(static_cast<int>(from_corner.y()), 0, last);
     if (!world_.photographed.empty() && world_.photographed(row, col) != 0) return 1.0f;
     const Cover cover = static_cast<Cover>(world_.cover(row, col));
     if (cover != Cover::kTree && cover != Cover::kHedge) return 1.0f;
@@ -78,8 +79,9 @@ class Rays {
 
   // In metres per metre; kNever for a ray that does not go down.
   Eigen::Vector2d Slide(int row, int col, int sample) const {
-    const Eigen::Vector2d point_in_image(col - 0.5 + (sample % num_across_ + 0.5) / num_across_,
-                                         row - 0.5 + (sample / num_across_ + 0.5) / num_across_);
+    const int sample_row = sample / num_across_, sample_col = sample % num_across_;
+    const Eigen::Vector2d point_in_image(col - 0.5 + (sample_col + 0.5) / num_across_,
+                                         row - 0.5 + (sample_row + 0.5) / num_across_);
     const Eigen::Vector2d normalized =
         is_straight_ ? Eigen::Vector2d((point_in_image.x() - camera_.cx_px) / camera_.fx_px,
                                        (point_in_image.y() - camera_.cy_px) / camera_.fy_px)
@@ -131,7 +133,7 @@ class Tracer {
   // In cells per metre, sample by sample.
   std::vector<Eigen::Vector2d> SlidesOf(const cv::Rect& tile) const {
     std::vector<Eigen::Vector2d> slides;
-    slides.reserve(static_cast<size_t>(tile.area() * rays_.num_per_pixel()));
+    slides.reserve(static_cast<size_t>(tile.area()) * static_cast<size_t>(rays_.num_per_pixel()));
     for (int row = tile.y; row < tile.br().y; ++row) {
       for (int col = tile.x; col < tile.br().x; ++col) {
         for (int sample = 0; sample < rays_.num_per_pixel(); ++sample) {

@@ -21,14 +21,14 @@ constexpr uint64_t kDrawSeed = 21;
 
 // Normally distributed, mean 0, standard deviation 1.
 const std::vector<float>& Draws() {
-  static const std::vector<float> draws = [] {
+  static const std::vector<float> kDraws = [] {
     std::vector<float> values(kNumDraws);
     std::mt19937_64 random(kDrawSeed);
     std::normal_distribution<float> normal;
     for (float& value : values) value = normal(random);
     return values;
   }();
-  return draws;
+  return kDraws;
 }
 
 double Exposure(const RenderOptions& options, int frame_index) {
@@ -56,7 +56,9 @@ cv::Mat Expose(const cv::Mat3f& light, const RenderOptions& options, int frame_i
     for (int col = 0; col < light.cols; ++col) {
       const double radius = ((col - cx) * (col - cx) + (row - cy) * (row - cy)) / corner;
       const float gain = static_cast<float>(exposure * (1.0 - options.vignetting_ratio * radius));
-      uint64_t bits = MixSeed(stream, static_cast<uint64_t>(row * light.cols + col));
+      uint64_t bits = MixSeed(stream,
+                              static_cast<uint64_t>(row) * static_cast<uint64_t>(light.cols) +
+                                  static_cast<uint64_t>(col));
       const cv::Vec3f& color = blurred(row, col);
       for (int i = 0; i < 3; ++i) {
         const float noise = sensor_noise * draws[bits % kNumDraws];

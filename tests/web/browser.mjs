@@ -1,4 +1,4 @@
-// Debian's Chromium, once for a test file, and what a page did that it should not have done.
+// Starts Debian's Chromium and collects the faults of a page.
 
 import { readFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
@@ -13,11 +13,11 @@ export const launch = () => chromium.launch({
     '--disable-background-networking', '--disable-component-update', '--disable-sync'],
 });
 
-// Answers that are no fault: a site without approach (409), a server without events (404).
+// Expected errors: a site without an approach (409), a server without events (404).
 const isExpected = (response) => response.status() === 409 ||
   (response.status() === 404 && response.url().includes('/v1/events'));
 
-// {page, seen}, closed when the test t is over; seen.errors is empty where nothing went wrong.
+// {page, seen}; the page closes after the test t. seen.errors lists all faults.
 export async function openPage(t, browser, { width = 1280, height = 800, colorScheme = 'light', address = `${url}/` } = {}) {
   const context = await browser.newContext({
     viewport: { width, height }, colorScheme, reducedMotion: 'reduce', acceptDownloads: true,
@@ -30,7 +30,7 @@ export async function openPage(t, browser, { width = 1280, height = 800, colorSc
     if (response.status() >= 400 && !isExpected(response)) seen.errors.push(`${response.status()}: ${response.url()}`);
   });
   page.on('requestfailed', (request) => {
-    // The page gives up a picture or a plan itself when another one is wanted before it has come.
+    // The page itself aborts a request when a newer one replaces it.
     if (request.failure()?.errorText !== 'net::ERR_ABORTED') seen.errors.push(`failed: ${request.url()}`);
   });
   page.on('pageerror', (error) => seen.errors.push(String(error)));
@@ -43,7 +43,7 @@ export const outside = (seen, base) =>
 
 const axeSource = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 
-// Serious and critical findings of axe-core, in words.
+// Serious and critical findings of axe-core as text.
 export async function accessibilityFaults(page) {
   await page.evaluate(axeSource);
   const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ['violations'] }));
@@ -51,7 +51,7 @@ export async function accessibilityFaults(page) {
     .map((v) => `${v.id}: ${v.nodes.map((n) => n.target.join(' ')).slice(0, 4).join(', ')}`);
 }
 
-// Visible controls that are too small for a gloved finger.
+// Visible controls below 44 px.
 export const smallTargets = (page) => page.evaluate(() =>
   [...document.querySelectorAll('button, select, summary, input:not([type=file]), .leaflet-bar a, .disc-marker')]
     .filter((node) => node.checkVisibility())
@@ -66,7 +66,7 @@ export async function getJson(path) {
   return response.json();
 }
 
-// The last flight with a site that has an approach, and that site.
+// The newest flight that has a site with an approach, and that site.
 export async function flownSite() {
   const { flights } = await getJson('/v1/flights');
   for (const flight of flights.reverse()) {

@@ -23,8 +23,8 @@ after(() => browser?.close());
 
 const file = (name, mimeType, text) => ({ name, mimeType, buffer: Buffer.from(text) });
 
-// The sample flight, a degree farther east, where no other flight's sites are; with an aircraft that
-// rolls half a kilometre, for which no field of it is long enough.
+// The sample flight, moved one degree east, away from the sites of other flights. Its aircraft needs a
+// ground roll of 500 m, longer than any of its fields.
 async function rejectedFlight() {
   const rows = (await readFile(`${photographs}/poses.csv`, 'utf8')).trim().split('\n').map((line) => line.split(','));
   const column = rows[0].indexOf('longitude_deg');
@@ -52,7 +52,7 @@ async function send(page) {
   return (await flightIds()).find((id) => !before.includes(id));
 }
 
-// While it comes in: the track grows, with the aircraft at its end, within the map.
+// During the upload the track grows, and the map keeps the aircraft in view.
 async function watchComing(page, flight) {
   await page.locator('[data-tab="flight"]').click();
   const numPlaces = () => page.evaluate(() => {
@@ -60,27 +60,27 @@ async function watchComing(page, flight) {
     return line.split(/[ML]/).length - 1;
   });
   await page.waitForFunction(() => {
-    const told = /Photographs (\d+) of/.exec(document.getElementById('flight-state').textContent);
-    return told && Number(told[1]) >= 4 && document.querySelector('.aircraft');
+    const shown = /Photographs (\d+) of/.exec(document.getElementById('flight-state').textContent);
+    return shown && Number(shown[1]) >= 4 && document.querySelector('.aircraft');
   }, null, { timeout: 2 * kMinute_ms });
   const early = await numPlaces();
   await page.waitForFunction(() => {
-    const told = /Photographs (\d+) of/.exec(document.getElementById('flight-state').textContent);
-    return told && Number(told[1]) >= 48;
+    const shown = /Photographs (\d+) of/.exec(document.getElementById('flight-state').textContent);
+    return shown && Number(shown[1]) >= 48;
   }, null, { timeout: 3 * kMinute_ms });
   const { state } = await getJson(`/v1/flights/${flight}`);
-  assert.notEqual(state, 'idle', 'it is not over');
+  assert.notEqual(state, 'idle', 'the flight is still in progress');
   if (folder) await page.screenshot({ path: `${folder}/live-flight.jpg`, type: 'jpeg', quality: 65 });
   assert.ok(await numPlaces() > early, `${early} places, then ${await numPlaces()}`);
-  // Both in one step of the page: each answer draws the mark anew.
+  // In one evaluation: each refresh replaces the mark.
   const [map, mark] = await page.evaluate(() => ['#map', '.aircraft'].map((selector) =>
     document.querySelector(selector).getBoundingClientRect().toJSON()));
   assert.ok(mark.left > map.left && mark.top > map.top && mark.right < map.right && mark.bottom < map.bottom,
-    'the map goes along');
+    'the map follows the aircraft');
   assert.deepEqual(await accessibilityFaults(page), []);
 }
 
-// The best of what was rejected says why, as the server does.
+// The best rejected site shows the server's reason.
 async function readWhyNot(page, flight) {
   await page.locator('[data-tab="sites"]').click();
   await page.locator('#sites button').first().waitFor({ timeout: 4 * kMinute_ms });
@@ -93,9 +93,9 @@ async function readWhyNot(page, flight) {
   await own.waitFor(kWait);
   assert.equal(await own.textContent(), `✕ ${words(properties.reject_reason)}${properties.reject_detail}`);
   assert.match(await page.locator('#site-title').textContent(), /Rejected/);
-  const told = await page.locator('#why-not .rejection small').allTextContents();
-  assert.deepEqual(told, properties.rejections.map((rejection) => rejection.detail));
-  assert.ok(told.length > 0, 'better places were tried');
+  const details = await page.locator('#why-not .rejection small').allTextContents();
+  assert.deepEqual(details, properties.rejections.map((rejection) => rejection.detail));
+  assert.ok(details.length > 0, 'better touchdowns were tried');
   const { verdict } = properties.approach ? await getJson(`/v1/sites/${properties.id}/approach`) : {};
   assert.equal(await page.locator('path.approach:not(.refused-path)').count(), 0, 'no path that looks like one to fly');
   assert.equal(await page.locator('path.approach.refused-path').count(), verdict === 'rejected' ? 1 : 0);
@@ -108,7 +108,7 @@ async function readWhyNot(page, flight) {
   assert.deepEqual(await accessibilityFaults(page), []);
 }
 
-test('live: a flight is seen coming in; where it is rejected each site says why not', { skip: !photographs }, async (t) => {
+test('live: the page follows a flight; each rejected site states its reason', { skip: !photographs }, async (t) => {
   const { page, seen } = await openPage(t, browser);
   const flight = await send(page);
   try {

@@ -1,4 +1,4 @@
-// What the page computes by itself, without a browser.
+// Modules of the page that need no browser.
 
 import assert from 'node:assert/strict';
 import test from 'node:test';
@@ -8,13 +8,13 @@ import { lastCourse } from '../../web/track.js';
 import { age, area, courseTo, heading, windFrom, windTo } from '../../web/units.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
 import { cellAt, judge } from '../../web/why.js';
-import { bestDirections, radiusOf, roseText } from '../../web/wind_rose.js';
+import { bestDirections, radiusOf, roseText } from '../../web/wind_rose_shape.js';
 
 const aircraft = { max_slope_deg: 8, max_roughness_m: 0.5, touchdown_uncertainty_m: 10 };
 const good = { hazard: 0, grass: 1, slope: 3, roughness: 0.2, distance: 25 };
 const firstFault = (values) => judge({ ...good, ...values }, aircraft).find((rule) => rule.state !== 'pass');
 
-test('wind: the wire says where it blows to, the page where it comes from', () => {
+test('wind: JSON states where the air moves to, the page where it comes from', () => {
   const from = windFrom({ east_mps: 5, north_mps: 0 });
   assert.equal(from.speed_mps, 5);
   assert.equal(from.from_deg, 270);
@@ -32,17 +32,17 @@ function roseOf(speeds_mps, letters) {
   return { directions_deg, speeds_mps, entries };
 }
 
-test('wind rose: told in words, across north too; a calm counts once', () => {
+test('wind rose: the text names the best directions, also across north; a calm counts once', () => {
   const rose = roseOf([0, 5, 10], ['llllllll', 'llurrrll', 'lrurrrrl']);
   assert.deepEqual(bestDirections(rose), { from_deg: 315, to_deg: 0 });
-  assert.equal(roseText(rose), 'Landable in 7 of 17 winds, unverified in 2; best from 315° to 000°.');
-  assert.equal(roseText(roseOf([5], ['rlrr'])), 'Landable in 1 of 4 winds; best from 090°.');
+  assert.equal(roseText(rose), 'Landable in 7 of 17 winds, unverified in 2. Best from 315° to 000°.');
+  assert.equal(roseText(roseOf([5], ['rlrr'])), 'Landable in 1 of 4 winds. Best from 090°.');
 });
 
-test('wind rose: without a landable wind none is called so; all alike is said', () => {
-  assert.equal(roseText(roseOf([5], ['rruu'])), 'Landable in none of 4 winds, unverified in 2; best from 180° to 270°.');
+test('wind rose: the text for no landable wind, and for equal directions', () => {
+  assert.equal(roseText(roseOf([5], ['rruu'])), 'Landable in none of 4 winds, unverified in 2. Best from 180° to 270°.');
   assert.equal(roseText(roseOf([5], ['rrrr'])), 'Landable in none of 4 winds.');
-  assert.equal(roseText(roseOf([0, 5], ['rrrr', 'llll'])), 'Landable in 4 of 5 winds; alike from every direction.');
+  assert.equal(roseText(roseOf([0, 5], ['rrrr', 'llll'])), 'Landable in 4 of 5 winds. All directions are equal.');
 });
 
 test('wind rose: a wind stands in its ring, a stronger one than any on the rim', () => {
@@ -51,7 +51,7 @@ test('wind rose: a wind stands in its ring, a stronger one than any on the rim',
   assert.equal(radiusOf(10.5), radiusOf(40));
 });
 
-test('units: what is unknown is said, and headings have three digits', () => {
+test('units: an unknown value reads unknown, and headings have three digits', () => {
   assert.equal(heading(7.4), '007°');
   assert.equal(heading(359.7), '000°');
   assert.equal(heading(null), 'unknown');
@@ -65,7 +65,7 @@ test('course: a tenth of a degree of latitude north is 11.12 km on 000°', () =>
   assert.ok(Math.abs(course.bearing_deg) < 1e-9);
 });
 
-test('track: the last direction is that of the way, not of the receiver', () => {
+test('track: noise of the receiver does not change the last course', () => {
   const east = [[8, 47, 500], [8.001, 47, 500]];
   assert.ok(Math.abs(lastCourse(east) - 90) < 0.01);
   const nearby = [...east, [8.001 + 1e-6, 47 + 5e-6, 501]];
@@ -74,22 +74,22 @@ test('track: the last direction is that of the way, not of the receiver', () => 
   assert.equal(lastCourse([[8, 47, 500], [8, 47, 510]]), null);
 });
 
-test('why not here: the first rule that fails is named with how much is missing', () => {
+test('why not here: the first failed rule names what is missing', () => {
   assert.equal(firstFault({}), undefined);
-  assert.match(firstFault({ slope: 12.3 }).text, /4\.3° too much/);
-  assert.match(firstFault({ roughness: 0.75 }).text, /0\.25 m too much/);
-  assert.match(firstFault({ distance: 4 }).text, /6\.0 m too near/);
+  assert.match(firstFault({ slope: 12.3 }).text, /4\.3° over limit/);
+  assert.match(firstFault({ roughness: 0.75 }).text, /0\.25 m over limit/);
+  assert.match(firstFault({ distance: 4 }).text, /6\.0 m too close/);
   assert.equal(firstFault({ grass: 0 }).name, 'grass');
 });
 
-test('why not here: what was not seen never passes', () => {
-  assert.equal(firstFault({ hazard: 2 }).name, 'seen');
-  assert.equal(firstFault({ hazard: NaN }).name, 'seen');
+test('why not here: unseen ground never passes', () => {
+  assert.equal(firstFault({ hazard: 2 }).name, 'coverage');
+  assert.equal(firstFault({ hazard: NaN }).name, 'coverage');
   for (const name of ['grass', 'slope', 'roughness', 'distance']) {
     assert.equal(firstFault({ [name]: NaN }).state, 'unknown', name);
   }
   const withoutLimits = judge(good, undefined).filter((rule) => rule.state === 'pass').map((rule) => rule.name);
-  assert.deepEqual(withoutLimits, ['seen', 'grass']);
+  assert.deepEqual(withoutLimits, ['coverage', 'grass']);
 });
 
 test('why not here: a place is found in its cell, in a turned grid too', () => {
@@ -100,7 +100,7 @@ test('why not here: a place is found in its cell, in a turned grid too', () => {
   assert.ok(cellAt(layer, { lat: 47.2, lng: 8.05 }).row < 0);
 });
 
-test('regions: the smallest one at a place is meant', () => {
+test('regions: the smallest region at a place wins', () => {
   const square = (size, area_m2) => ({
     properties: { area_m2 },
     geometry: { type: 'Polygon', coordinates: [[[-size, -size], [size, -size], [size, size], [-size, size], [-size, -size]]] },

@@ -37,7 +37,7 @@ async function openSite(t, options) {
   return opened;
 }
 
-// A place of the map in the window, some pixels off another one.
+// Clicks the map at an offset, in pixels, from the selected site.
 async function clickPlace(page, [lon, lat], [right, down]) {
   const marker = page.locator(`.disc-marker.chosen`);
   const box = await marker.boundingBox();
@@ -98,7 +98,7 @@ for (const colorScheme of ['light', 'dark']) {
     const positions = track.geometry.coordinates;
     assert.ok(positions.length > 1 && positions.length === track.properties.num_positions);
     await page.locator('path.track').waitFor({ state: 'attached', ...kWait });
-    const course = `Last photograph, flying ${heading(lastCourse(positions))}`;
+    const course = `Last photograph, course ${heading(lastCourse(positions))}`;
     assert.equal(await page.locator('.aircraft svg').getAttribute('aria-label'), course);
     const drawn = await page.evaluate(() => {
       const level = (node) => Number(getComputedStyle(node.closest('.leaflet-pane[class*="-pane"]')).zIndex);
@@ -115,7 +115,7 @@ for (const colorScheme of ['light', 'dark']) {
     });
     assert.deepEqual(drawn.levels, drawn.levels.toSorted((a, b) => a - b));
     assert.ok(drawn.isMarkAtLine && drawn.isBelowDiscs);
-    // Black and white: nothing that eyes may confuse.
+    // Black and white: legible with any colour vision.
     assert.deepEqual([drawn.stroke, drawn.casing],
       colorScheme === 'light' ? ['rgb(11, 22, 32)', 'rgb(255, 255, 255)'] : ['rgb(242, 246, 250)', 'rgb(13, 20, 27)']);
     assert.deepEqual(seen.errors, []);
@@ -151,7 +151,7 @@ test('page: by keyboard to a site, into it, back to its row; Escape closes what 
   await page.keyboard.press('Escape');
   await page.locator('#view-site').waitFor({ state: 'hidden', ...kWait });
   assert.equal(await focused(), rows[0], 'back where one was');
-  // A mark on the map does the same.
+  // A marker on the map opens the site too.
   await page.locator('.disc-marker.chosen').focus();
   await page.keyboard.press('Enter');
   await page.locator('#site-title:focus').waitFor(kWait);
@@ -212,7 +212,7 @@ test('page: the wind rose shows what the server says of each wind, and a cell pl
   const numLandable = winds.filter((e) => e.verdict === 'landable').length;
   assert.match(await page.locator('#wind-rose-text').textContent(), new RegExp(`^Landable in ${numLandable || 'none'} of 145 winds`));
   assert.equal(await page.locator('#wind-rose [tabindex="0"]').count(), 1, 'one stop for the Tab key');
-  // By pointer: 5 m/s from 230 degrees, so the air moves to the north-east.
+  // By pointer: wind from 230°, so the air moves to the north-east.
   const answer = () => page.waitForResponse((r) => r.url().includes('/approach?wind_east_mps='), kWait);
   const [clicked] = await Promise.all([answer(), page.locator('[aria-label^="5.0 m/s from 230°"]').click()]);
   const asked = new URL(clicked.url()).searchParams;
@@ -248,16 +248,16 @@ test('page: the wind rose of a site without a map says so and draws none', async
   assert.ok(await page.locator('#wind-rose-legend').isHidden());
 });
 
-test('page: a click answers why not here, off the map with never seen', async (t) => {
+test('page: a click answers why not here; off the map the ground is unseen', async (t) => {
   const { page, seen } = await openSite(t);
-  // Around the touchdown, until something is in the way: that is what the answer is for.
+  // Clicks around the touchdown until a rule fails.
   for (const offset of [[40, 0], [-240, 10], [-160, 60], [-260, -150], [120, 120]]) {
     await clickPlace(page, site.place, offset);
     await page.locator('.answer .rules li').first().waitFor(kWait);
     assert.equal(await page.locator('.answer .rules li').count(), 5);
-    if (/^Not here: (?!.*unknown)/.test(await page.locator('.answer h3').textContent())) break;
+    if (/^Not landable: (?!.*unknown)/.test(await page.locator('.answer h3').textContent())) break;
   }
-  assert.match(await page.locator('.answer .rules .fail').first().textContent(), /too|not/);
+  assert.match(await page.locator('.answer .rules .fail').first().textContent(), /over limit|too close|not/);
   await shoot(page, 'why-not-here');
   assert.deepEqual(await accessibilityFaults(page), []);
   const history = page.locator('.answer button.wide');
@@ -269,11 +269,11 @@ test('page: a click answers why not here, off the map with never seen', async (t
   for (let i = 0; i < 5; ++i) await page.locator('.leaflet-control-zoom-out').click();
   const map = await page.locator('#map').boundingBox();
   await page.mouse.click(map.x + 60, map.y + 60);
-  await page.getByText('Not here: never seen').waitFor(kWait);
+  await page.getByText('Not landable: unseen').waitFor(kWait);
   assert.deepEqual(seen.errors, []);
 });
 
-test('page: a site comes in the formats of other programs, a refusal is told', async (t) => {
+test('page: a site comes in the formats of other programs, a refusal is shown', async (t) => {
   const { page } = await openSite(t);
   for (const format of ['html', 'kml', 'geojson', 'csv']) {
     const [download] = await Promise.all([page.waitForEvent('download', kWait),
@@ -293,7 +293,7 @@ test('page: a panel gives the command of what it shows', async (t) => {
     '#flight-curl': '/v1/flights/', '#jobs-curl': '/v1/jobs', '#stages-curl': 'jq .stages', '#site-downloads': 'f=plan',
   };
   for (const [panel, part] of Object.entries(panels)) {
-    // Some are in a view that is not shown.
+    // Some buttons are in a hidden view.
     await page.locator(`${panel} .curl`).evaluate((button) => button.click());
     const copied = await page.waitForFunction(() => globalThis.copied);
     assert.ok((await copied.jsonValue()).includes(part), `${panel}: ${await copied.jsonValue()}`);
@@ -311,7 +311,7 @@ test('page: the wind of the site stands on the map, a tried one is marked', asyn
   await page.locator('.map-barb.tried .barb').waitFor(kWait);
 });
 
-test('page: the interface is told from the server alone, call by call', async (t) => {
+test('page: the API reference comes from the server alone, call by call', async (t) => {
   const { page, seen } = await openPage(t, browser, { address: `${url}/docs`, width: 360, height: 740 });
   await page.locator('.call').first().waitFor(kWait);
   const { paths, components } = await (await fetch(`${url}/openapi.json`)).json();

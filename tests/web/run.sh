@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tests the page of a running server that holds a finished flight: tests/web/run.sh URL [FOLDER [PHOTOGRAPHS]]
-# FOLDER: where screenshots of the page are put. PHOTOGRAPHS: a sample flight's folder, to see one come in.
+# FOLDER receives screenshots. PHOTOGRAPHS: the folder of a sample flight, for the test of a live flight.
 set -euo pipefail
 usage="usage: tests/web/run.sh URL [FOLDER [PHOTOGRAPHS]]"
 export FREELSD_URL="${1:?$usage}"
@@ -13,5 +13,5 @@ done
 npm ci --ignore-scripts --no-audit --no-fund --loglevel=error
 # A page that hangs must not hang the tests.
 timeout 600 node --test --test-concurrency=2 --test-reporter=spec modules_test.mjs page_test.mjs service_test.mjs
-# By itself: it keeps the engine busy, and its flight is not one for the others.
+# Alone: it loads the engine, and its flight would disturb the other tests.
 timeout 600 node --test --test-reporter=spec live_test.mjs

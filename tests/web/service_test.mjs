@@ -1,4 +1,4 @@
-// The page against what a server may do: break off, want a token, send events, know emergencies.
+// The page against server behaviour: lost connections, tokens, events, emergency answers.
 
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
@@ -17,7 +17,7 @@ let site;
 before(async () => { [browser, site] = await Promise.all([launch(), flownSite()]); });
 after(() => browser?.close());
 
-// Small photographs with something in them, as the browser draws them: [{name, mimeType, buffer}]
+// Small photographs with texture, drawn by the browser: [{name, mimeType, buffer}]
 async function drawPhotographs(page, count) {
   const encoded = await page.evaluate(async (n) => Promise.all(Array.from({ length: n }, async (_, i) => {
     const canvas = new OffscreenCanvas(160, 120);
@@ -59,7 +59,7 @@ test('upload: survives a broken connection, shows each file, and sends nothing t
   await page.fill('#upload-name', name);
   await page.uncheck('#upload-finish');
   await page.click('#upload-start');
-  await page.getByText('10 of 10 photographs are stored').waitFor(kWait);
+  await page.getByText('10 of 10 photographs stored').waitFor(kWait);
   assert.equal(numBatches, 3, 'two requests, one of them twice');
   const flight = (await getJson('/v1/flights')).flights.find((f) => f.name === name);
   try {
@@ -93,7 +93,7 @@ test('token: the page asks for it, keeps it out of curl, and gets pictures with 
   assert.doesNotMatch(await copied.jsonValue(), /secret-7/);
 });
 
-test('events: a change is seen at once where the server tells, and by asking where it does not', async (t) => {
+test('events: the page refreshes on an event, or by polling if the server has no events', async (t) => {
   const server = await startStandIn(t, url, { hasEvents: true });
   const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
   await page.locator('#transport', { hasText: 'live' }).waitFor(kWait);
@@ -136,14 +136,14 @@ test('track: asked for once, and again only when more photographs are through', 
   await page.unrouteAll({ behavior: 'ignoreErrors' });
 });
 
-// What the page asked the server for, and the server's own answer to the same.
+// The server's answer to the request that the page sends after ask().
 async function emergencyAnswer(page, ask) {
   const [request] = await Promise.all([
     page.waitForRequest((r) => r.url().includes('/v1/emergency?') && r.url().includes('altitude_m='), kWait), ask()]);
   return getJson(request.url().slice(url.length));
 }
 
-test('emergency: what the server itself says is in reach is what the page shows', async (t) => {
+test('emergency: the page shows the sites that the server reports in reach', async (t) => {
   const { page, seen } = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
   await page.locator('#sites button').first().waitFor(kWait);
   await page.locator('.bar [data-emergency]').click();
@@ -164,10 +164,10 @@ test('emergency: what the server itself says is in reach is what the page shows'
     }
   });
   assert.deepEqual(await page.locator('#em-warnings li').allTextContents(), high.warnings);
-  // On the ground already: no glide reaches the height of any final.
+  // Below the site: no glide reaches the start of a final.
   const low = await emergencyAnswer(page, () => page.locator('#em-altitude_m').fill((elevation_m - 20).toFixed(0)));
   assert.deepEqual(low.sites, []);
-  await page.getByText('Nothing in reach').waitFor(kWait);
+  await page.getByText('No site in reach').waitFor(kWait);
   if (low.nearest_miss) {
     const missing = `−${Math.abs(low.nearest_miss.arrival_margin_m).toFixed(0)} m`;
     assert.ok((await page.locator('.em-card').textContent()).includes(missing), missing);
@@ -209,7 +209,18 @@ test('emergency: three sites, big, with bearing, distance, heading and age', asy
   await page.locator('#view-site:not([hidden]) #profile canvas').waitFor(kWait);
 });
 
-test('emergency: an older answer that comes late is not drawn over the newer one', async (t) => {
+test('emergency: without an altitude the page shows the nearest sites as unchecked', async (t) => {
+  const { page, seen } = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
+  await page.locator('#sites button').first().waitFor(kWait);
+  await page.locator('.bar [data-emergency]').click();
+  await page.getByText('Enter altitude to check reach. Sites below are unchecked.').waitFor(kWait);
+  assert.equal(await page.locator('.em-card .chip').first().textContent(), 'reach unchecked');
+  await page.locator('#em-latitude_deg').fill('');
+  await page.getByText('Enter your position.').waitFor(kWait);
+  assert.deepEqual(seen.errors, []);
+});
+
+test('emergency: a late answer does not replace a newer one', async (t) => {
   const late_ms = 700;
   const server = await startStandIn(t, url, {
     emergency: { sites: [inReach(1, 'landable', 840, 34)], warnings: [] }, sitesAfter_ms: late_ms });
@@ -222,23 +233,23 @@ test('emergency: an older answer that comes late is not drawn over the newer one
   assert.match(await page.locator('.em-card').first().textContent(), /840 m/);
 });
 
-test('emergency: nothing in reach is said, with the nearest miss', async (t) => {
+test('emergency: without a site in reach the page shows the closest miss', async (t) => {
   const server = await startStandIn(t, url, { emergency: {
     sites: [], nearest_miss: { ...inReach(1, 'landable', 5000, -42), reachable: false }, warnings: [] } });
   const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
   await page.locator('.bar [data-emergency]').click();
   await page.locator('#em-altitude_m').fill('500');
-  await page.getByText('Nothing in reach').waitFor(kWait);
+  await page.getByText('No site in reach').waitFor(kWait);
   assert.match(await page.locator('.em-card').textContent(), /−42 m/);
 });
 
-test('emergency: a server without reach gives the nearest sites, and says that reach is not known', async (t) => {
+test('emergency: without a reach computation the page shows the nearest sites as unchecked', async (t) => {
   const server = await startStandIn(t, url, {});
   const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
   await page.locator('#sites button').first().waitFor(kWait);
   await page.locator('.bar [data-emergency]').click();
   await page.locator('#em-altitude_m').fill('700');
-  await page.getByText('does not compute reach').waitFor(kWait);
+  await page.getByText('cannot check reach').waitFor(kWait);
   assert.ok(await page.locator('.em-card').count() > 0);
-  assert.equal(await page.locator('.em-card .chip').first().textContent(), 'reach not computed');
+  assert.equal(await page.locator('.em-card .chip').first().textContent(), 'reach unchecked');
 });

@@ -1,8 +1,8 @@
-// Stands before a real server and plays what that one may lack: a token, events, emergencies.
+// A proxy in front of a real server. It simulates a token, events and emergency answers.
 
 import http from 'node:http';
 
-// Closed when the test t is over.
+// Closes after the test t. emergency: the answer of /v1/emergency, or null for 404.
 export async function startStandIn(t, target, { token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0 } = {}) {
   const state = { streams: new Set(), asked: [] };
   const to = new URL(target);

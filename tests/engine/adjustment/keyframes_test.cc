@@ -19,7 +19,8 @@ TEST_CASE("key-frames: the predecessor of the first view with fewer than 30 conn
   // 100 tracks per view, 10 lost from one view to the next, 3 m apart: view 8 has 20 left of view
   // 0's, so view 7 is due.
   std::vector<View> views;
-  for (int i = 0; i < 20; ++i) views.push_back(VideoView(3.0 * i, 10 * i, 100));
+  views.reserve(20);
+  for (int i = 0; i < 20; ++i) views.push_back(VideoView(3.0 * i, int64_t{10} * i, 100));
   CHECK(SelectKeyframes(views, {}) == std::vector<size_t>{0, 7, 14, 19});
 }
 
@@ -28,6 +29,7 @@ TEST_CASE("key-frames: a baseline too short for stereo makes none, a long one do
   for (size_t i = 0; i < hover.size(); ++i) hover[i].observations[0].track_id = 100 + i;
   CHECK(SelectKeyframes(hover, {}) == std::vector<size_t>{0});
   std::vector<View> survey;
+  survey.reserve(4);
   for (int i = 0; i < 4; ++i) survey.push_back(VideoView(40.0 * i, 0, 200));
   CHECK(SelectKeyframes(survey, {}) == std::vector<size_t>{0, 1, 2, 3});
   CHECK(SelectKeyframes({}, {}).empty());

@@ -47,6 +47,7 @@ std::vector<double> Derivatives(const ceres::CostFunction& cost,
   std::vector<const double*> parameters;
   std::vector<std::vector<double>> jacobians;
   std::vector<double*> to;
+  to.reserve(blocks.size());
   for (const std::vector<double>& block : blocks) {
     parameters.push_back(block.data());
     jacobians.emplace_back(2 * block.size());

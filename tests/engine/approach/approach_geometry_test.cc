@@ -106,8 +106,6 @@ TEST_CASE("approach: each option out of its bounds is refused by name") {
         std::string::npos);
   CHECK(message_of([](ApproachOptions& o) { o.max_num_rejections = -1; }).find("rejections") !=
         std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.min_clear_class_posterior = 2; }).find("class") !=
-        std::string::npos);
   CHECK(message_of([](ApproachOptions& o) { o.unclear_height_allowance_m = -2; }).find("allow") !=
         std::string::npos);
   CHECK(message_of([](ApproachOptions& o) { o.score_weights = {1.0}; }).find("score_weights") !=

@@ -135,4 +135,11 @@ inline ApproachOptions OneWay() {
   return options;
 }
 
+inline Plan PlanOn(const Scene& on,
+                   const PlanRequest& request,
+                   const Aircraft& aircraft = Nimble(),
+                   const ApproachOptions& options = {}) {
+  return PlanApproach(on.map, on.hazards, request, aircraft, options);
+}
+
 }  // namespace freelsd::scene

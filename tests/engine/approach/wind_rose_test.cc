@@ -145,7 +145,7 @@ TEST_CASE("wind rose: options are checked") {
   CHECK_THROWS_AS(check({.num_directions = 4, .speeds_mps = {}}), std::invalid_argument);
   CHECK_THROWS_AS(check({.num_directions = 4, .speeds_mps = {3.0, 3.0}}), std::invalid_argument);
   CHECK_THROWS_AS(check({.num_directions = 4, .speeds_mps = {-1.0}}), std::invalid_argument);
-  const double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   CHECK_THROWS_AS(check({.num_directions = 4, .speeds_mps = {kInfinity}}), std::invalid_argument);
   CHECK_THROWS_WITH(check({.num_directions = 0}),
                     "wind_rose.num_directions = 0: must be in [1, 3600]");

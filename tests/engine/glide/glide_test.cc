@@ -68,8 +68,10 @@ TEST_CASE("glide: no path of three pieces that gets there is shorter than the sh
 
 Aircraft Glider() { return Unpowered(*AircraftProfile("techpod"), 12.0); }
 
-GlideStart StartAt(double height, std::optional<double> heading, std::optional<Eigen::Vector2d> w) {
-  return {{0, 0, height}, heading, w};
+GlideStart StartAt(double height,
+                   std::optional<double> heading,
+                   const std::optional<Eigen::Vector2d>& wind_in_world) {
+  return {{0, 0, height}, heading, wind_in_world};
 }
 
 double Lost(const GlideStart& start, const Eigen::Vector3d& place, double final_heading) {

@@ -8,7 +8,8 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/engine/hazard/photo.h"
+#include "tests/engine/cover/photo.h"
+#include "tests/engine/hazard/assess.h"
 
 namespace freelsd {
 namespace {
@@ -60,7 +61,7 @@ TEST_CASE("hazard: an even plane keeps its slope within 0.1 degrees at eight asp
   constexpr double kMaxSlopeErrorDeg = 0.1;
   for (const SlopeSupport support : {SlopeSupport::kPlane, SlopeSupport::kPaperPca}) {
     HazardOptions options;
-    options.slope_support = support;
+    options.surface.slope_support = support;
     for (int aspect_deg = 0; aspect_deg < 360; aspect_deg += 45) {
       for (const double slope_deg : {0.0, 3.0, 8.0, 30.0}) {
         const HazardLayers layers = Assess(Tilted(21, slope_deg, aspect_deg), options);
@@ -78,7 +79,7 @@ TEST_CASE("hazard: the plane fit forgives noise that ruins the 3x3 neighbourhood
   ElevationMap map = FlatMap(60);
   for (float& height : map.elevation) height += noise(random);
   HazardOptions paper;
-  paper.slope_support = SlopeSupport::kPaperPca;
+  paper.surface.slope_support = SlopeSupport::kPaperPca;
   const cv::Mat1f plane = Assess(map).slope, pca = Assess(map, paper).slope;
   const cv::Rect inner(5, 5, 50, 50);
   CHECK(DegFromRad(cv::mean(plane(inner))[0]) < 1.0);
@@ -246,7 +247,7 @@ TEST_CASE(
   }
   const ElevationMap map = FlatMap(80);
   HazardOptions paper;
-  paper.grass_fusion = GrassFusion::kPaperOr;
+  paper.cover.grass_fusion = GrassFusion::kPaperOr;
   const double num_cells = 80.0 * 80.0;
   const auto grass_share = [&](const std::vector<GrassView>& views, const HazardOptions& options) {
     return cv::countNonZero(AssessHazards(map, views, {}, options).grass >= 0.8) / num_cells;
@@ -323,24 +324,25 @@ TEST_CASE("hazard: Check names field, value and constraint") {
     return false;
   };
   CHECK_FALSE(is_refused([](HazardOptions&) {}));
-  CHECK(is_refused([](HazardOptions& o) { o.min_grass_posterior = 0.4; }));
-  CHECK(is_refused([](HazardOptions& o) { o.min_observation_probability = 0.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.max_observation_probability = 1.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.max_num_independent_views = 0.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.min_vote_ratio = 1.1; }));
-  CHECK(is_refused([](HazardOptions& o) { o.plane_support_m = std::nan(""); }));
-  CHECK(is_refused([](HazardOptions& o) { o.min_support_ratio = 0.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.roughness_spacing_m = 0.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.upper_margin_m = -1.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.max_standard_deviation_m = 0.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.fence_filter_length_m = 1.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.min_num_posts = -1; }));
-  CHECK(is_refused([](HazardOptions& o) { o.min_fence_deviations = -1.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.min_post_deviations = -1.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.min_overreach_deviations = -1.0; }));
-  CHECK(is_refused([](HazardOptions& o) { o.overreach_surroundings_m = 0.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.min_grass_posterior = 0.4; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.min_observation_probability = 0.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.max_observation_probability = 1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.max_num_independent_views = 0.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.clear_class.min_clear_class_posterior = 2; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.min_vote_ratio = 1.1; }));
+  CHECK(is_refused([](HazardOptions& o) { o.surface.plane_support_m = std::nan(""); }));
+  CHECK(is_refused([](HazardOptions& o) { o.surface.min_support_ratio = 0.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.surface.roughness_spacing_m = 0.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.upper_margin_m = -1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.surface.max_standard_deviation_m = 0.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.fence_filter_length_m = 1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.min_num_posts = -1; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.min_fence_deviations = -1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.min_post_deviations = -1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.min_overreach_deviations = -1.0; }));
+  CHECK(is_refused([](HazardOptions& o) { o.cover.overreach_surroundings_m = 0.0; }));
   HazardOptions options;
-  options.plane_support_m = 0.0;
+  options.surface.plane_support_m = 0.0;
   CHECK_THROWS_WITH_AS(
       options.Check(), "hazard.plane_support_m = 0: must be in [0.1, 100]", std::invalid_argument);
   CHECK_THROWS_AS(AssessHazards(FlatMap(5), {}, {.max_slope_deg = -1.0}, {}),

@@ -215,6 +215,7 @@ TEST_CASE("pairs: each connected view gets the partner nearest to the ideal base
   const Scene scene = SceneOf(Flat);
   // 6 m apart at 80 m: four steps make the ideal ratio of 0.3.
   std::vector<Rigid3d> poses;
+  poses.reserve(9);
   for (int i = 0; i < 9; ++i) poses.push_back(SceneView({6.0 * i - 24.0, 0, 80}, 0));
   AdjustedBlock block = SceneBlock(scene, poses);
   StereoOptions options;

@@ -221,7 +221,8 @@ TEST_CASE(
     Points points;
     for (int i = 0; i < 9; ++i) {
       const double height = i < num_high ? 7.0 + 0.1 * i : 1.0 + 0.01 * i;
-      points.push_back(PointAt(2.15 + 0.3 * (i % 3), 2.15 + 0.3 * (i / 3), height));
+      const int row = i / 3, column = i % 3;
+      points.push_back(PointAt(2.15 + 0.3 * column, 2.15 + 0.3 * row, height));
     }
     return points;
   };
@@ -235,6 +236,7 @@ TEST_CASE(
 TEST_CASE("terrain: a pair that is off is outvoted, but what it saw above counts for clearance") {
   const Grid grid = Square(10);
   std::vector<Points> pairs;
+  pairs.reserve(5);
   for (int i = 0; i < 4; ++i) pairs.push_back(Sample(Flat, grid, 3000, 0.1, 10 + i));
   pairs.push_back(Sample([](double, double) { return 9.0; }, grid, 3000, 0.1, 20));
   const ElevationMap map = BuildMap(grid, pairs);
@@ -265,6 +267,7 @@ TEST_CASE("terrain: one wild landmark does not unsettle dense ground") {
 TEST_CASE("terrain: the order of the pairs changes no bit") {
   const Grid grid = Square(25);
   std::vector<Points> pairs;
+  pairs.reserve(6);
   for (int i = 0; i < 6; ++i) pairs.push_back(Sample(Rolling, grid, 4000 + 500 * i, 0.2, 30 + i));
   const ElevationMap map = BuildMap(grid, pairs);
   std::mt19937 random(1);
@@ -281,6 +284,7 @@ TEST_CASE("terrain: the order of the pairs changes no bit") {
 TEST_CASE("terrain: upper is nowhere below elevation, and more pairs make it more certain") {
   const Grid grid = Square(20);
   std::vector<Points> pairs;
+  pairs.reserve(8);
   for (int i = 0; i < 8; ++i) pairs.push_back(Sample(Rolling, grid, 2000, 0.3, 40 + i));
   const ElevationMap map = BuildMap(grid, pairs);
   const ElevationMap single = BuildMap(grid, {pairs.front()});

@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/engine/tracks/textured_plane.h"
+#include "tests/engine/tracks/synthetic_flight.h"
 
 namespace freelsd {
 namespace {
@@ -50,45 +50,6 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-struct Noise {
-  double position_sd_m = 0.0;
-  double attitude_sd_deg = 0.0;
-};
-
-// Frames over the plane, with the truth beside them.
-class SyntheticFlight {
- public:
-  SyntheticFlight(const Rig& rig, double half_width_m) : rig_(rig), plane_(half_width_m) {}
-
-  Frame Expose(const Eigen::Vector3d& position, const EulerAngles& attitude, const Noise& noise) {
-    const Rigid3d world_from_camera = WorldFromCamera(rig_, position, attitude);
-    Frame frame;
-    frame.id = "frame_" + std::to_string(truth_.size());
-    frame.timestamp_us = static_cast<int64_t>(truth_.size()) * 250000;
-    frame.image = plane_.Photograph(rig_.camera, world_from_camera);
-    frame.prior.position_in_world = position + noise.position_sd_m * Random3();
-    frame.prior.position_sd_m = std::max(noise.position_sd_m, 0.3);
-    const Eigen::Vector3d turn = RadFromDeg(noise.attitude_sd_deg) * Random3();
-    frame.prior.world_from_body =
-        WorldFromNed() *
-        NedFromBody({attitude.roll + turn.x(), attitude.pitch + turn.y(), attitude.yaw + turn.z()});
-    frame.prior.attitude_sd_deg = std::max(noise.attitude_sd_deg, 0.3);
-    truth_[frame.id] = world_from_camera;
-    return frame;
-  }
-  const Rigid3d& TruthOf(const std::string& frame_id) const { return truth_.at(frame_id); }
-  Eigen::Vector3d Random3() {
-    return {normal_(generator_), normal_(generator_), normal_(generator_)};
-  }
-
- private:
-  Rig rig_;
-  TexturedPlane plane_;
-  std::map<std::string, Rigid3d> truth_;
-  std::mt19937 generator_{11};
-  std::normal_distribution<double> normal_;
-};
-
 double HeadingErrorDeg(const Rigid3d& estimated, const Rigid3d& truth) {
   const Eigen::Vector3d up = estimated.rotation * Eigen::Vector3d(0, -1, 0);
   const Eigen::Vector3d true_up = truth.rotation * Eigen::Vector3d(0, -1, 0);
@@ -106,6 +67,7 @@ std::vector<ReadyFrame> AddAll(Tracks& tracks, std::vector<Frame> frames) {
 
 std::vector<Frame> Video(SyntheticFlight& flight, int count, const Noise& noise) {
   std::vector<Frame> frames;
+  frames.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i) {
     frames.push_back(flight.Expose({3.4 * i - 40.0, 0.0, kHeightM},
                                    {.roll = 0.02 * std::sin(i), .pitch = 0.03, .yaw = 1.4},
@@ -301,6 +263,7 @@ TEST_CASE("tracks: a hover tells no height, however long it lasts") {
   SUBCASE("the same place, noisy priors") {
     noise = {.position_sd_m = 1.5, .attitude_sd_deg = 2.0};
   }
+  frames.reserve(16);
   for (int i = 0; i < 16; ++i) {
     frames.push_back(flight.Expose({0.0, 0.0, kHeightM}, {.roll = 0.01}, noise));
   }

@@ -59,6 +59,7 @@ TEST_CASE("wind: noise averages out and its spread per axis is told") {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 0.8);
   std::vector<WindSample> samples;
+  samples.reserve(500);
   for (int i = 0; i < 500; ++i) {
     samples.push_back(Sample(0, 3.0 + noise(random), -4.0 + noise(random), i));
   }

@@ -1,0 +1,80 @@
+#include "api/export/layers/color_ramp.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "api/export/layers/layer_values.h"
+
+namespace freelsd {
+namespace {
+
+// Cividis (Nunez et al. 2018): brightness rises evenly for normal and for colour-blind vision.
+constexpr std::array<std::array<uint8_t, 3>, 10> kCividis{{{0, 34, 78},
+                                                           {18, 53, 112},
+                                                           {59, 73, 108},
+                                                           {87, 93, 109},
+                                                           {112, 113, 115},
+                                                           {138, 134, 120},
+                                                           {165, 156, 116},
+                                                           {195, 179, 105},
+                                                           {225, 204, 85},
+                                                           {254, 232, 56}}};
+// Brown, white, teal (ColorBrewer BrBG).
+constexpr std::array<std::array<uint8_t, 3>, 5> kBrownTeal{
+    {{140, 81, 10}, {216, 179, 101}, {245, 245, 245}, {90, 180, 172}, {1, 102, 94}}};
+// Start of the distance ramp. Free ground beside a hazard must be brighter than unseen ground.
+constexpr double kDistanceRampStart = 0.35;
+// Twice the usual limits, so that the limits are at the middle of the ramp.
+constexpr double kMaxSlopeDeg = 16.0;
+constexpr double kMaxRoughnessM = 1.0;
+// Share of the heights beyond each end of the ramp. Else a few trees would hide the relief.
+constexpr double kTailShare = 0.01;
+
+template <size_t n>
+Color Interpolate(const std::array<std::array<uint8_t, 3>, n>& colors, double share) {
+  const double position = std::clamp(share, 0.0, 1.0) * (n - 1);
+  const size_t index = std::min(n - 2, static_cast<size_t>(position));
+  const double part = position - static_cast<double>(index);
+  Color color;
+  for (int channel = 0; channel < 3; ++channel) {
+    color[channel] = static_cast<uint8_t>(
+        std::lround((1.0 - part) * colors[index][channel] + part * colors[index + 1][channel]));
+  }
+  return color;
+}
+
+Scale ScaleOfHeights(const cv::Mat1f& elevation) {
+  std::vector<float> heights;
+  std::copy_if(elevation.begin(), elevation.end(), std::back_inserter(heights), [](float height) {
+    return std::isfinite(height);
+  });
+  if (heights.empty()) return {};
+  std::sort(heights.begin(), heights.end());
+  const auto tail = static_cast<size_t>(kTailShare * static_cast<double>(heights.size()));
+  const double low = heights[tail], high = heights[heights.size() - 1 - tail];
+  return {low, std::max(high, low + 1.0)};
+}
+
+}  // namespace
+
+Scale ScaleOf(const SiteMap& site_map, const std::string& name) {
+  if (name == "elevation") return ScaleOfHeights(site_map.map.elevation);
+  if (name == "slope") return {0.0, kMaxSlopeDeg};
+  if (name == "roughness") return {0.0, kMaxRoughnessM};
+  if (name == "distance")
+    return {0.0, std::max(1.0, DescribeLayer(site_map, name).max.value_or(1.0))};
+  return {};
+}
+
+Color RampColor(const std::string& name, double share) {
+  if (name == "grass") return Interpolate(kBrownTeal, share);
+  if (name == "distance") {
+    const double clamped = std::clamp(share, 0.0, 1.0);
+    return Interpolate(kCividis, kDistanceRampStart + (1.0 - kDistanceRampStart) * clamped);
+  }
+  return Interpolate(kCividis, share);
+}
+
+}  // namespace freelsd

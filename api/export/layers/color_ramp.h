@@ -1,0 +1,29 @@
+// Private to layers/. Colours of the layers' pictures.
+#pragma once
+
+#include <string>
+
+#include "api/export/layers/layers.h"
+
+namespace freelsd {
+
+// RGB, 0..255.
+using Color = cv::Vec3b;
+
+// Not on any ramp. They differ in brightness, so colour-blind people can distinguish them.
+const Color kFreeColor(126, 211, 150);
+const Color kHazardColor(200, 70, 0);
+const Color kUnseenColor(26, 26, 26);
+
+// Values of a layer at the two ends of its ramp. They are fixed for slope, roughness and grass,
+// whose limits people compare between sites; otherwise they depend on the seen values.
+struct Scale {
+  double min = 0.0;
+  double max = 1.0;
+};
+Scale ScaleOf(const SiteMap& site_map, const std::string& name);
+
+// Colour at a position of the layer's ramp. `share` is 0 to 1; other values are clamped.
+Color RampColor(const std::string& name, double share);
+
+}  // namespace freelsd

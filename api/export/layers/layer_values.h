@@ -1,0 +1,18 @@
+// Private to layers/. The values of a layer as clients see them.
+#pragma once
+
+#include <string>
+
+#include "api/export/layers/layers.h"
+
+namespace freelsd {
+
+// The layer in its unit for people (slope in degrees); unseen cells are NaN. `hazard` has the
+// values of Hazard and no NaN. `grass` is 1 for grass cells, else 0. Elevation is world z.
+// Throws std::invalid_argument if no layer has the name.
+cv::Mat1f LayerValues(const SiteMap& site_map, const std::string& name);
+
+// Altitude of world z = 0 at a place. It varies because the plane is tangent to a curved earth.
+double AltitudeOfPlane(const Eigen::Vector2d& place_in_world, const LocalFrame& local_frame);
+
+}  // namespace freelsd

@@ -1,0 +1,42 @@
+// Private to sites/. Shared by the formats: the sites that a file may contain, and the reference
+// of its altitudes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "api/export/sites/sites.h"
+#include "api/export/text.h"
+
+namespace freelsd {
+
+// Sites for autopilots and gliding computers: all except the rejected ones.
+// Throws ApiError SiteRejected if no site remains, NoApproach if `needs_final` is set and one of
+// the sites has no final.
+std::vector<StoredSite> SafeSites(const std::vector<StoredSite>& sites, bool needs_final);
+
+// Reference of a file's altitudes: mean sea level, or home.
+struct AltitudeFrame {
+  bool is_above_home = false;
+  double zero_m = 0.0;
+  double Of(double altitude_m) const { return altitude_m - zero_m; }
+};
+// Above home if home is given; this needs no datum. Else above mean sea level if that is the sites'
+// datum. Else throws ApiError AltitudeUnknown, because a wrong altitude may cause a crash.
+AltitudeFrame FrameOf(const std::vector<StoredSite>& sites, const ExportOptions& options);
+// Always above home. Throws ApiError AltitudeUnknown if home is not given.
+AltitudeFrame FrameAboveHome(const ExportOptions& options);
+
+// Height of the circle at a rally point above the touchdown. The circle's radius is set in the
+// autopilot, so the map cannot check its clearance. 100 m is also ArduPilot's default for return.
+constexpr double kRallyHeightM = 100.0;
+
+// One function per format. `sites` are sorted best first.
+std::string PlanFile(const std::vector<StoredSite>& sites, const ExportOptions& options);
+std::string WaypointFile(const std::vector<StoredSite>& sites, const ExportOptions& options);
+std::string RallyFile(const std::vector<StoredSite>& sites, const ExportOptions& options);
+std::string KmlFile(const std::vector<StoredSite>& sites, const ExportOptions& options);
+std::string CupFile(const std::vector<StoredSite>& sites, const ExportOptions& options);
+std::string CsvFile(const std::vector<StoredSite>& sites, const ExportOptions& options);
+
+}  // namespace freelsd

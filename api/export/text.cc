@@ -1,0 +1,33 @@
+#include "api/export/text.h"
+
+#include <cstdio>
+
+namespace freelsd {
+
+std::string FixedText(double number, int num_decimals) {
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*f", num_decimals, number);
+  return text;
+}
+
+std::string EscapeXml(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '>') {
+      escaped += "&gt;";
+    } else if (c == '"') {
+      escaped += "&quot;";
+    } else if (c == '\'') {
+      escaped += "&#39;";
+    } else if (static_cast<unsigned char>(c) >= ' ' || c == '\n' || c == '\t') {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,12 @@
+// Private to export/. Numbers and text in the form that exported files need.
+#pragma once
+
+#include <string>
+
+namespace freelsd {
+
+std::string FixedText(double number, int num_decimals);
+// Escapes text for XML and HTML content and attributes.
+std::string EscapeXml(const std::string& text);
+
+}  // namespace freelsd

@@ -1,0 +1,21 @@
+// Comma-separated values as in RFC 4180 and as common programs write them.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace freelsd {
+
+struct CsvLine {
+  // Line of the first character, from 1.
+  int number = 0;
+  std::vector<std::string> cells;
+};
+
+// Reads quotes, doubled quotes and CRLF; skips blank lines. The separator is the first of comma,
+// semicolon and tab that occurs in the first line. Throws std::invalid_argument if a quote never
+// closes. `first_line_number` is the file's line at which the text starts.
+std::vector<CsvLine> ParseCsv(std::string_view text, int first_line_number = 1);
+
+}  // namespace freelsd

@@ -1,0 +1,43 @@
+// Private to import/. Reads one line of a pose file.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "api/import/import.h"
+#include "api/import/poses/csv.h"
+#include "api/import/poses/pose_columns.h"
+#include "api/import/poses/poses.h"
+
+namespace freelsd {
+
+// ApiError InvalidPoses with one error.
+ApiError InvalidPose(const std::string& pointer, const std::string& detail);
+// "/poses/<line>".
+std::string LinePointer(int line);
+
+// Cells of one CSV line by field. The header and the line must outlive this object.
+class PoseLine {
+ public:
+  PoseLine(const PoseColumns& header, const CsvLine& line) : header_(header), line_(line) {}
+
+  // Pointer to the cell, with the file's own name of the column.
+  std::string Pointer(PoseField field) const;
+  // Nothing if the cell is empty.
+  std::optional<std::string> Text(PoseField field) const;
+  // Both functions throw ApiError InvalidPoses with a pointer to the cell.
+  std::optional<double> Number(PoseField field) const;
+  std::optional<double> AngleRad(PoseField field) const;
+
+  int number() const { return line_.number; }
+  const PoseColumns& header() const { return header_; }
+
+ private:
+  const PoseColumns& header_;
+  const CsvLine& line_;
+};
+
+// The frame's meta in the line. Throws ApiError InvalidPoses with a pointer to the invalid cell.
+FrameMeta ReadPoseLine(const PoseLine& line);
+
+}  // namespace freelsd

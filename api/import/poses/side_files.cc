@@ -1,0 +1,340 @@
+#include "api/import/poses/side_files.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include "api/import/number_text.h"
+#include "api/import/poses/pose_columns.h"
+
+namespace freelsd {
+namespace {
+
+// Bytes at the file's start from which the format is detected.
+constexpr size_t kHeadBytes = 4096;
+constexpr double kMaxNormError = 0.01;
+// Numbers of a ground control point before the image's name.
+constexpr size_t kNumGcpNumbers = 5;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+std::string Lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
+std::string_view WithoutMark(std::string_view text) {
+  return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+}
+
+// The beginning of a file, and its name, in lower case.
+struct Head {
+  std::string text;
+  std::string first_line;
+  std::string name;
+  bool is_yaml = false;
+  bool is_json = false;
+
+  explicit Head(const SideFile& file)
+      : text(Lower(WithoutMark(file.text).substr(0, kHeadBytes))),
+        name(Lower(NameWithoutFolders(file.path))),
+        is_yaml(name.ends_with(".yaml") || name.ends_with(".yml")),
+        is_json(name.ends_with(".json")) {
+    const size_t start = text.find_first_not_of(" \t\r\n");
+    if (start != std::string::npos) text.erase(0, start);
+    first_line = text.substr(0, text.find('\n'));
+  }
+  bool Has(std::string_view word) const { return text.find(word) != std::string::npos; }
+  bool Begins(std::string_view word) const { return text.rfind(word, 0) == 0; }
+};
+
+struct SideFormat {
+  const char* name;
+  // Reason for the detection.
+  const char* why;
+  bool (*is_it)(const Head& head);
+  void (*read)(const SideFile& file, SideData& data);
+};
+
+void ReadPoseLines(const SideFile& file, SideData& data) {
+  PoseFile read = ParsePoses(file.text);
+  for (auto& pose : read.poses) data.file.poses.push_back(std::move(pose));
+  for (auto& warning : read.warnings) data.file.warnings.push_back(std::move(warning));
+}
+
+void Ignore(const SideFile& file, SideData& data) {
+  data.file.warnings.push_back(ShownPath(file.path) + ": the file is not needed, ignored");
+}
+
+void IgnoreGcps(const SideFile& file, SideData& data) {
+  data.file.warnings.push_back(ShownPath(file.path) + ": ground control points are not used");
+}
+
+bool HasCoordinateSystem(const Head& head) {
+  return head.Begins("epsg:") || head.Begins("+proj=") || head.Begins("wgs84 utm");
+}
+
+bool IsNumber(const std::string& word) { return NumberFromText(word).has_value(); }
+
+// x y z px py image; a line of geo.txt begins with the image.
+bool IsGcpLine(const std::string& line) {
+  const std::vector<std::string> words = WordsOf(line);
+  return words.size() > kNumGcpNumbers &&
+         std::all_of(words.begin(), words.begin() + kNumGcpNumbers, IsNumber) &&
+         !IsNumber(words[kNumGcpNumbers]);
+}
+
+bool IsOdmGcp(const Head& head) {
+  if (head.name == "gcp_list.txt") return true;
+  const std::vector<TextLine> lines = LinesOf(head.text);
+  return HasCoordinateSystem(head) && lines.size() > 1 && IsGcpLine(lines[1].text);
+}
+
+// The first matching format is used.
+constexpr std::array<SideFormat, 17> kFormats{{
+    {"colmap-cameras",
+     "named cameras.txt, or begins with \"# Camera list\"",
+     [](const Head& head) { return head.name == "cameras.txt" || head.Begins("# camera list"); },
+     ReadColmapCameras},
+    {"colmap-images",
+     "named images.txt, or begins with \"# Image list\"",
+     [](const Head& head) { return head.name == "images.txt" || head.Begins("# image list"); },
+     ReadColmapImages},
+    {"colmap-points",
+     "named points3D.txt, or begins with \"# 3D point list\"",
+     [](const Head& head) { return head.name == "points3d.txt" || head.Begins("# 3d point list"); },
+     Ignore},
+    {"opensfm",
+     "a list in JSON with cameras",
+     [](const Head& head) { return head.Begins("[") && head.Has("\"cameras\""); },
+     ReadOpenSfm},
+    {"opensfm-reference",
+     "an object in JSON with latitude, longitude, altitude",
+     [](const Head& head) {
+       return head.Begins("{") && head.Has("\"latitude\"") && head.Has("\"longitude\"") &&
+              !head.Has("\"image\"");
+     },
+     ReadReferenceLla},
+    {"unknown-json",
+     "its content is unknown",
+     [](const Head& head) { return head.is_json && !head.Has("\"image\""); },
+     Ignore},
+    {"ndjson", "begins with {", [](const Head& head) { return head.Begins("{"); }, ReadPoseLines},
+    {"euroc-ground-truth",
+     "its header has #timestamp and q_RS_w",
+     [](const Head& head) {
+       return head.Begins("#timestamp") && head.first_line.find("q_rs_w") != std::string::npos;
+     },
+     ReadEurocGroundTruth},
+    {"euroc-images",
+     "its header has #timestamp and filename",
+     [](const Head& head) {
+       return head.Begins("#timestamp") && head.first_line.find("filename") != std::string::npos;
+     },
+     ReadEurocImages},
+    {"euroc-other",
+     "data of another sensor",
+     [](const Head& head) {
+       return head.Begins("#timestamp") ||
+              (head.is_yaml && head.Has("sensor_type") && !head.Has("sensor_type: camera"));
+     },
+     Ignore},
+    {"euroc-sensor",
+     "has T_BS and intrinsics",
+     [](const Head& head) { return head.Has("t_bs:") && head.Has("intrinsics:"); },
+     ReadEurocSensor},
+    {"kalibr-camchain",
+     "has cam0 with a camera_model",
+     [](const Head& head) { return head.Has("cam0:") && head.Has("camera_model:"); },
+     ReadKalibr},
+    {"ros-camera-info",
+     "has camera_matrix and image_width",
+     [](const Head& head) { return head.Has("camera_matrix:") && head.Has("image_width:"); },
+     ReadCameraInfo},
+    {"odm-gcp",
+     "named gcp_list.txt, or rows x y z px py image below a coordinate system",
+     IsOdmGcp,
+     IgnoreGcps},
+    {"odm-geo", "its first line is a coordinate system", HasCoordinateSystem, ReadOdmGeo},
+    {"unknown-yaml",
+     "its content is unknown",
+     [](const Head& head) { return head.is_yaml; },
+     Ignore},
+    {"csv", "has a header with known columns", [](const Head&) { return true; }, ReadPoseLines},
+}};
+
+void CheckSize(const SideFile& file) {
+  if (file.text.size() <= kLimits.poses.max_file_bytes) return;
+  ApiError error("PosesTooLarge", "the pose file is too large");
+  error.limit = static_cast<double>(kLimits.poses.max_file_bytes);
+  error.observed = static_cast<double>(file.text.size());
+  throw error;
+}
+
+// The last format accepts every other file.
+const SideFormat& FormatOf(const SideFile& file) {
+  const Head head(file);
+  return *std::find_if(
+      kFormats.begin(), kFormats.end(), [&head](const auto& format) { return format.is_it(head); });
+}
+
+bool IsBlank(const SideFile& file) {
+  return WithoutMark(file.text).find_first_not_of(" \t\r\n") == std::string_view::npos;
+}
+
+// The text without a byte order mark.
+void ReadOne(const SideFile& file, SideData& data) {
+  CheckSize(file);
+  if (IsBlank(file)) {
+    data.file.warnings.push_back(ShownPath(file.path) + ": the file is empty, ignored");
+  } else {
+    FormatOf(file).read(file, data);
+  }
+}
+
+// An empty file is only a warning if another file has content.
+void RefuseNothing(const std::vector<SideFile>& files, const SideContext& context) {
+  if (files.empty() || !context.image_tags.empty()) return;
+  if (!std::all_of(files.begin(), files.end(), IsBlank)) return;
+  throw InvalidSideFile(files[0], 0, "the file is empty");
+}
+
+void RefuseDuplicates(const PoseFile& file) {
+  std::set<std::string> ids;
+  for (const auto& [id, meta] : file.poses) {
+    if (ids.insert(id).second) continue;
+    throw ApiError(
+        "InvalidPoses", "two poses for the image " + id, {{"/poses", "two poses for " + id}});
+  }
+}
+
+bool IsSameCamera(const Camera& a, const Camera& b) {
+  return a.width_px == b.width_px && a.height_px == b.height_px && a.fx_px == b.fx_px &&
+         a.fy_px == b.fy_px && a.cx_px == b.cx_px && a.cy_px == b.cy_px &&
+         a.distortion == b.distortion && a.coefficients == b.coefficients;
+}
+
+}  // namespace
+
+ApiError InvalidSideFile(const SideFile& file, int line, const std::string& detail) {
+  const std::string path = ShownPath(file.path);
+  const std::string at = line > 0 ? " line " + std::to_string(line) : "";
+  std::string pointer = "/poses/" + NameWithoutFolders(path);
+  if (line > 0) pointer += "/" + std::to_string(line);
+  return ApiError("InvalidPoses", path + at + ": " + detail, {{pointer, detail}});
+}
+
+std::string NameWithoutFolders(const std::string& path) {
+  const size_t folder = path.find_last_of("/\\");
+  return folder == std::string::npos ? path : path.substr(folder + 1);
+}
+
+std::vector<TextLine> LinesOf(std::string_view text, BlankLines blanks) {
+  std::vector<TextLine> lines;
+  int number = 0;
+  while (!text.empty()) {
+    ++number;
+    const size_t end = std::min(text.find('\n'), text.size());
+    std::string line(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.ends_with('\r')) line.pop_back();
+    const size_t first = line.find_first_not_of(" \t");
+    const bool is_blank = first == std::string::npos || line[first] == '#';
+    if (is_blank && blanks == BlankLines::kSkip) continue;
+    lines.push_back({number, first == std::string::npos ? "" : line.substr(first)});
+  }
+  return lines;
+}
+
+std::vector<std::string> WordsOf(std::string_view line) {
+  std::vector<std::string> words;
+  while (true) {
+    const size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) return words;
+    const size_t end = std::min(line.find_first_of(" \t\r", first), line.size());
+    words.emplace_back(line.substr(first, end - first));
+    line.remove_prefix(end);
+  }
+}
+
+std::vector<double> NumbersOf(const std::vector<std::string>& words,
+                              size_t first,
+                              size_t last,
+                              const SideFile& file,
+                              int line) {
+  std::vector<double> numbers;
+  for (size_t i = first; i < last; ++i) {
+    const std::optional<double> number = NumberFromText(words.at(i));
+    if (!number) {
+      throw InvalidSideFile(file, line, "\"" + ShownPath(words[i]) + "\" must be a finite number");
+    }
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+Eigen::Quaterniond QuaternionOf(
+    double w, double x, double y, double z, const SideFile& file, int line) {
+  const Eigen::Quaterniond quaternion(w, x, y, z);
+  if (std::abs(quaternion.norm() - 1.0) > kMaxNormError) {
+    throw InvalidSideFile(file, line, "the quaternion's length must be 1");
+  }
+  return quaternion.normalized();
+}
+
+void SetCamera(const Camera& camera, const SideFile& file, SideData& data) {
+  try {
+    camera.Check();
+  } catch (const std::invalid_argument& error) {
+    throw InvalidSideFile(file, 0, error.what());
+  }
+  if (data.file.camera && !IsSameCamera(*data.file.camera, camera)) {
+    throw InvalidSideFile(file, 0, "a second camera: a flight has only one");
+  }
+  data.file.camera = camera;
+}
+
+std::vector<PoseFile::Format> FormatsOf(const std::vector<SideFile>& files) {
+  std::vector<PoseFile::Format> formats;
+  for (const SideFile& file : files) {
+    if (IsBlank(file)) continue;
+    const SideFormat& format = FormatOf(file);
+    formats.push_back({format.name, ShownPath(file.path), format.why});
+  }
+  return formats;
+}
+
+bool IsAnyText(const SideFile& file) {
+  const Head head(file);
+  if (!head.name.ends_with(".txt") || &FormatOf(file) != &kFormats.back()) return false;
+  for (const TextLine& line : LinesOf(head.text, BlankLines::kKeep)) {
+    if (NumKnownColumns(line.text) > 0) return false;
+    // The first line without # would be the header.
+    if (!line.text.empty() && line.text[0] != '#') return true;
+  }
+  return true;
+}
+
+PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& context) {
+  RefuseNothing(files, context);
+  SideData data;
+  data.file.formats = FormatsOf(files);
+  for (const SideFile& file : files) {
+    if (file.text.starts_with(kByteOrderMark)) {
+      ReadOne({file.path, std::string(WithoutMark(file.text))}, data);
+    } else {
+      ReadOne(file, data);
+    }
+  }
+  RefuseDuplicates(data.file);
+  if (!data.body_poses.empty()) JoinBodyPoses(context, data);
+  Georeference(context, data);
+  RefuseDuplicates(data.file);
+  for (const std::string& warning : SuspicionsOf(data.file, context)) {
+    data.file.warnings.push_back(warning);
+  }
+  return std::move(data.file);
+}
+
+}  // namespace freelsd

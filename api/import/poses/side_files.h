@@ -1,0 +1,97 @@
+// Private to poses/. Shared by the readers of files beside the images.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "api/import/import.h"
+#include "api/import/poses/poses.h"
+
+namespace freelsd {
+
+// Pose of a camera in the local frame of a reconstruction or laboratory.
+struct LocalPose {
+  std::string image_id;
+  Rigid3d local_from_camera;
+  std::optional<int64_t> timestamp_us;
+};
+
+// Relation of a local frame to the earth.
+enum class LocalFrameKind {
+  kAnySimilarity,  // scale and attitude are arbitrary: a fit to the geotags gives them
+  kLevelMetric,    // metres, z up; the heading of x is unknown
+  kEastNorthUp,    // about `local_origin`
+};
+
+struct BodyPose {
+  int64_t timestamp_ns = 0;
+  Rigid3d local_from_body;
+};
+
+// Data read so far from all files.
+struct SideData {
+  PoseFile file;
+  std::vector<LocalPose> local_poses;
+  // The same poses if the quaternions are read with w last.
+  std::vector<LocalPose> local_poses_w_last;
+  LocalFrameKind local_kind = LocalFrameKind::kAnySimilarity;
+  std::optional<GeoPoint> local_origin;
+  // EuRoC only: poses of the body, joined with the images after all files are read.
+  std::vector<BodyPose> body_poses;
+  std::vector<BodyPose> body_poses_w_last;
+  std::map<std::string, int64_t> image_times_ns;
+  std::optional<Rigid3d> body_from_camera;
+};
+
+// ApiError InvalidPoses at "/poses/<file>/<line>". Line 0 means the whole file.
+ApiError InvalidSideFile(const SideFile& file, int line, const std::string& detail);
+std::string NameWithoutFolders(const std::string& path);
+
+struct TextLine {
+  int number = 0;
+  std::string text;
+};
+// Lines without line ends. kSkip leaves out blank lines and lines that begin with #.
+enum class BlankLines { kSkip, kKeep };
+std::vector<TextLine> LinesOf(std::string_view text, BlankLines blanks = BlankLines::kSkip);
+std::vector<std::string> WordsOf(std::string_view line);
+// Numbers in words [first, last). Throws InvalidSideFile if one of them is no finite number.
+std::vector<double> NumbersOf(const std::vector<std::string>& words,
+                              size_t first,
+                              size_t last,
+                              const SideFile& file,
+                              int line);
+// Throws InvalidSideFile if the norm is not near 1.
+Eigen::Quaterniond QuaternionOf(
+    double w, double x, double y, double z, const SideFile& file, int line);
+// Throws InvalidSideFile if Camera::Check refuses the camera or `data` has a different camera.
+void SetCamera(const Camera& camera, const SideFile& file, SideData& data);
+
+// One reader per format. Each reader adds to `data`.
+void ReadOdmGeo(const SideFile& file, SideData& data);
+void ReadKalibr(const SideFile& file, SideData& data);
+void ReadCameraInfo(const SideFile& file, SideData& data);
+void ReadEurocSensor(const SideFile& file, SideData& data);
+void ReadEurocImages(const SideFile& file, SideData& data);
+void ReadEurocGroundTruth(const SideFile& file, SideData& data);
+void ReadColmapCameras(const SideFile& file, SideData& data);
+void ReadColmapImages(const SideFile& file, SideData& data);
+void ReadOpenSfm(const SideFile& file, SideData& data);
+void ReadReferenceLla(const SideFile& file, SideData& data);
+
+// EuRoC: interpolates the pose of each image between the body's poses before and after it.
+void JoinBodyPoses(const SideContext& context, SideData& data);
+// Converts local poses to poses on the earth.
+void Georeference(const SideContext& context, SideData& data);
+// Warnings about readable poses that are probably wrong. Each warning starts with its name.
+std::vector<std::string> SuspicionsOf(const PoseFile& file, const SideContext& context);
+// True if the cameras look down only when the quaternions are read with w last.
+bool IsWLastLikely(const std::vector<Eigen::Quaterniond>& ned_from_x,
+                   const std::vector<Eigen::Quaterniond>& ned_from_x_w_last);
+
+}  // namespace freelsd

@@ -1,0 +1,35 @@
+// Names of enum values in the options' JSON, and a concept for both tables of options.
+#pragma once
+
+#include <concepts>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "engine/pipeline.h"
+
+namespace freelsd {
+
+// `Options` or `const Options`.
+template <class T, class Options>
+concept Of = std::same_as<std::remove_const_t<T>, Options>;
+
+// Names of an enum's values in JSON.
+template <class Enum>
+using EnumNames = std::vector<std::pair<Enum, std::string_view>>;
+
+inline EnumNames<SegmentationThresholds> NamesOf(SegmentationThresholds) {
+  return {{SegmentationThresholds::kGroundSampling, "ground_sampling"},
+          {SegmentationThresholds::kPaper, "paper"}};
+}
+
+inline EnumNames<GrassFusion> NamesOf(GrassFusion) {
+  return {{GrassFusion::kPosterior, "posterior"}, {GrassFusion::kPaperOr, "paper"}};
+}
+
+inline EnumNames<SlopeSupport> NamesOf(SlopeSupport) {
+  return {{SlopeSupport::kPlane, "plane"}, {SlopeSupport::kPaperPca, "paper"}};
+}
+
+}  // namespace freelsd

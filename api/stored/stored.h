@@ -1,0 +1,132 @@
+// Text and blobs of database rows <-> structs. Each row is parsed here once; all other code uses
+// the struct.
+#pragma once
+
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "api/api.h"
+
+namespace freelsd {
+
+// --- A flight's rig and a frame's pose ---
+
+// Rig and origin of a resolved flight. JSON keeps every number exactly.
+struct FlightRig {
+  Rig rig;
+  GeoPoint origin;
+};
+std::string FlightRigJson(const FlightRig& flight_rig);
+FlightRig ParseStoredFlightRig(const std::string& text);
+
+// Equal metas give equal bytes. ParseStoredFrameMeta reads exactly the same numbers back.
+std::string FrameMetaJson(const FrameMeta& meta);
+FrameMeta ParseStoredFrameMeta(const std::string& text);
+// The pose of a frame's row. It is `resolved_json` if the engine has used a pose, else the meta
+// sent with the image, completed by the image's own tags.
+FrameMeta ParseStoredPose(const std::string& resolved_json,
+                          const std::string& meta_json,
+                          const std::string& tags_json);
+
+// --- A site ---
+
+// The straight final and the loiter circle before it.
+struct FinalPlaces {
+  GeoPoint start;
+  GeoPoint loiter_center;  // at the altitude of the start
+  double loiter_radius_m = 0.0;
+  bool is_right_turn = false;
+  // Direction of travel at the touchdown, from true north there, 0 to 360.
+  double heading_deg = 0.0;
+  // Horizontal distance at the altitude of flight. It exceeds the distance on the ellipsoid.
+  double distance_m = 0.0;
+  // Height of the start above the touchdown.
+  double height_m = 0.0;
+  // Closed line, as stored.
+  std::vector<GeoPoint> circle;
+};
+
+// Altitudes along the final. `terrain_m` is empty where no image shows the ground.
+struct ProfilePoint {
+  double distance_m = 0.0;  // before the touchdown
+  std::optional<double> path_m;
+  std::optional<double> terrain_m;
+};
+
+// Direction the air moves towards.
+struct StoredWind {
+  std::optional<double> east_mps;
+  std::optional<double> north_mps;
+};
+
+// Clearance of the approach path above ground and trees.
+struct StoredClearance {
+  std::optional<double> min_clearance_m;
+};
+
+struct StoredRejection {
+  std::string reason;
+  std::string detail;
+};
+
+// A site as stored in its row. Absent values are unknown. Names and units are the contract's.
+struct StoredSite {
+  std::string id;
+  // "landable", "unverified" or "rejected". Any other verdict counts as rejected.
+  std::string verdict = "rejected";
+  std::string altitude_datum = "unknown";
+  GeoPoint touchdown;
+  // Rank among the flight's sites, from 1. RankSites sets it.
+  std::optional<int64_t> rank;
+  std::optional<std::string> summary;
+  std::optional<std::string> reject_reason;
+  std::optional<std::string> updated_at;
+  std::optional<double> score;
+  std::optional<double> grade;
+  std::optional<int64_t> num_observations;
+  std::optional<int64_t> num_grass_observations;
+  std::optional<double> area_m2;
+  std::optional<double> hazard_distance_m;
+  std::optional<double> slope_deg;
+  std::optional<double> roughness_m;
+  std::optional<double> unseen_ratio;
+  std::optional<StoredWind> wind;
+  std::optional<StoredClearance> approach;
+  std::vector<StoredRejection> rejections;
+  std::vector<std::string> warnings;
+  std::optional<FinalPlaces> final_places;
+  std::vector<ProfilePoint> profile;
+
+  bool IsRejected() const { return verdict != "landable" && verdict != "unverified"; }
+  // The id, marked if the site is unverified: "f-r1 UNVERIFIED".
+  std::string Name() const;
+};
+// `feature_json` is the site's GeoJSON feature. `approach_json` is the FeatureCollection of the
+// approach; it is empty if the site has no approach. Throws std::exception on text that
+// SiteFeature and ApproachJson did not write.
+StoredSite ReadStoredSite(const std::string& feature_json,
+                          const std::string& approach_json,
+                          const std::string& altitude_datum);
+// Sorts best first, in the order of RankedSites, and sets each rank.
+std::vector<StoredSite> RankSites(std::vector<StoredSite> sites);
+
+// --- The map of a site ---
+
+// The part of an evaluation's map around one site. It is stored, drawn and used for new plans.
+struct SiteMap {
+  ElevationMap map;
+  HazardLayers layers;
+};
+// The stored bytes differ from the written bytes.
+class DamagedMap : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+// Compressed and versioned, with a checksum. DeserializeSiteMap throws DamagedMap on damage and
+// std::runtime_error on another version. It never allocates more than the bytes can contain.
+std::string SerializeSiteMap(const SiteMap& site_map);
+SiteMap DeserializeSiteMap(const std::string& bytes);
+
+}  // namespace freelsd

@@ -1,0 +1,80 @@
+#include "engine/cover/cover.h"
+
+#include "engine/cover/fences.h"
+#include "engine/cover/grass.h"
+#include "engine/cover/look_alikes.h"
+#include "engine/cover/open_cover.h"
+#include "engine/cover/overreach.h"
+#include "engine/cover/raised_fields.h"
+#include "engine/cover/small_objects.h"
+
+namespace freelsd {
+namespace {
+
+// Grass on even ground. The limits are fixed and do not depend on the aircraft. Comparisons are
+// written so that NaN fails them.
+cv::Mat1b EvenGrass(const ElevationMap& map,
+                    const GroundSurface& surface,
+                    const cv::Mat1f& grass,
+                    const CoverOptions& options) {
+  const double max_slope = RadFromDeg(options.max_even_slope_deg - map.tilt_sd_deg);
+  const double max_excess = options.max_even_roughness_m + options.upper_margin_m;
+  cv::Mat1b is_even(grass.size(), uint8_t{0});
+  for (int row = 0; row < is_even.rows; ++row) {
+    for (int col = 0; col < is_even.cols; ++col) {
+      const bool is_free = grass(row, col) >= options.min_grass_posterior &&
+                           surface.slope(row, col) <= max_slope &&
+                           surface.roughness(row, col) <= options.max_even_roughness_m &&
+                           map.upper(row, col) - map.elevation(row, col) <= max_excess;
+      if (is_free) is_even(row, col) = 255;
+    }
+  }
+  return is_even;
+}
+
+// Grass without closed crops, overreach of segments and fences.
+cv::Mat1f WithoutSoftBorders(const ElevationMap& map,
+                             const GroundSurface& surface,
+                             const cv::Mat1f& called_grass,
+                             const CoverOptions& options,
+                             const Orthophoto& photo) {
+  cv::Mat1f grass = called_grass.clone();
+  const cv::Mat1b is_even = EvenGrass(map, surface, grass, options);
+  if (options.min_raised_step_m > 0.0) {
+    grass.setTo(0.0f, RaisedFields(is_even, surface.elevation, map.grid.cell_size_m, options));
+  }
+  if (photo.image.empty()) return grass;
+  if (options.min_overreach_deviations > 0.0) {
+    grass.setTo(0.0f, OverreachingGrass(grass, photo, map.grid, options));
+  }
+  if (options.min_fence_deviations > 0.0) {
+    grass.setTo(0.0f, FindFences(photo, is_even, map.grid, options));
+  }
+  return grass;
+}
+
+}  // namespace
+
+GroundCover AssessCover(const ElevationMap& map,
+                        const GroundSurface& surface,
+                        const std::vector<GrassView>& grass_views,
+                        const CoverOptions& options,
+                        const Orthophoto& photo) {
+  options.Check();
+  GroundCover cover;
+  cover.grass = FuseGrass(map, grass_views, options);
+  if (map.elevation.empty()) return cover;
+  if (!photo.image.empty()) cover.grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
+  // Fences and objects are still part of their meadow here.
+  const cv::Mat1b meadow = cover.grass >= options.min_grass_posterior;
+  MeadowCells cells;
+  cells.objects = FindSmallObjects(photo, map.grid, options);
+  if (!cells.objects.empty()) cover.grass.setTo(0.0f, cells.objects);
+  cover.grass = WithoutSoftBorders(map, surface, cover.grass, options, photo);
+  cells.is_clear_class = cover.grass >= options.clear_class.min_clear_class_posterior;
+  cells.is_meadow = cells.is_clear_class | meadow;
+  cover.open = FindOpenCover(photo, map.grid, cells, options.photo);
+  return cover;
+}
+
+}  // namespace freelsd

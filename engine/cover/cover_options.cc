@@ -1,0 +1,67 @@
+#include "engine/check/check.h"
+#include "engine/cover/cover.h"
+
+namespace freelsd {
+
+void PhotoOptions::Check() const {
+  const FieldCheck check("terrain");
+  check.Inside("orthophoto_cell_size_m", orthophoto_cell_size_m, 0.1, 0.4);
+  check.Inside("min_crossing_ratio", min_crossing_ratio, 0.01, 2.0);
+  check.Inside("max_photo_disagreement", max_photo_disagreement, 0.0, 10.0);
+  check.Inside("min_open_cover_radius_m", min_open_cover_radius_m, 0.0, 20.0);
+  check.Inside("open_cover_margin_m", open_cover_margin_m, 0.0, 20.0);
+  check.Inside("min_narrow_cover_m", min_narrow_cover_m, 0.0, 20.0);
+  check.Inside("narrow_cover_allowance_m", narrow_cover_allowance_m, 0.0, 100.0);
+  check.Inside("lone_allowance_m", lone_allowance_m, 0.0, 100.0);
+  check.Inside("max_lone_size_m", max_lone_size_m, 0.0, 50.0);
+  check.Inside("lone_surroundings_m", lone_surroundings_m, 0.0, 50.0);
+  check.Inside("min_lone_meadow_ratio", min_lone_meadow_ratio, 0.0, 1.0);
+}
+
+void ClearClassOptions::Check() const {
+  const FieldCheck check("approach");
+  check.Inside("min_clear_class_posterior", min_clear_class_posterior, 0.0, 1.0);
+}
+
+void CoverOptions::Check() const {
+  const FieldCheck check("hazard");
+  check.Inside("min_grass_posterior", min_grass_posterior, 0.5, 1.0);
+  check.Inside("min_observation_probability", min_observation_probability, 0.001, 0.499);
+  check.Inside("max_observation_probability", max_observation_probability, 0.501, 0.999);
+  check.Inside("max_num_independent_views", max_num_independent_views, 1.0, 1000.0);
+  check.Inside("min_vote_ratio", min_vote_ratio, 0.0, 1.0);
+  check.Inside("upper_margin_m", upper_margin_m, 0.0, 10.0);
+  check.Inside("min_rut_contrast", min_rut_contrast, 0.0, 1.0);
+  check.Inside("rut_filter_length_m", rut_filter_length_m, 3.0, 20.0);
+  check.Inside("min_track_length_m", min_track_length_m, 1.0, 1000.0);
+  check.Inside("max_working_width_m", max_working_width_m, 3.0, 100.0);
+  check.Inside("min_working_width_m", min_working_width_m, 3.0, max_working_width_m);
+  check.Inside("sprayed_margin_m", sprayed_margin_m, 0.0, 100.0);
+  check.Inside("max_field_color_deviations", max_field_color_deviations, 0.0, 100.0);
+  check.Inside("max_telling_sampling_m", max_telling_sampling_m, 0.01, 10.0);
+  check.Inside("min_row_strength", min_row_strength, 0.0, 1e6);
+  check.Inside("max_row_spacing_m", max_row_spacing_m, 0.1, 10.0);
+  check.Inside("min_row_spacing_m", min_row_spacing_m, 0.1, max_row_spacing_m);
+  check.Inside("min_detail_ratio", min_detail_ratio, 0.0, 1.0);
+  check.Inside("max_even_slope_deg", max_even_slope_deg, 0.0, 90.0);
+  check.Inside("max_even_roughness_m", max_even_roughness_m, 0.0, 1000.0);
+  check.Inside("max_border_residual_m", max_border_residual_m, 0.0, 100.0);
+  check.Inside("border_ramp_m", border_ramp_m, 0.0, 8.0);
+  check.Inside("min_raised_step_m", min_raised_step_m, 0.0, 100.0);
+  check.Inside("min_raised_border_m", min_raised_border_m, 0.0, 1e4);
+  check.Inside("min_raised_border_ratio", min_raised_border_ratio, 0.0, 1.0);
+  check.Inside("min_overreach_deviations", min_overreach_deviations, 0.0, 1000.0);
+  check.Inside("overreach_surroundings_m", overreach_surroundings_m, 1.0, 200.0);
+  check.Inside("min_object_deviations", min_object_deviations, 0.0, 1000.0);
+  check.Inside("object_surroundings_m", object_surroundings_m, 1.0, 40.0);
+  check.Inside("min_object_area_m2", min_object_area_m2, 0.0, 1000.0);
+  check.Inside("max_surroundings_deviations", max_surroundings_deviations, 0.5, 1000.0);
+  check.Inside("min_fence_deviations", min_fence_deviations, 0.0, 1000.0);
+  check.Inside("fence_filter_length_m", fence_filter_length_m, 4.0, 100.0);
+  check.Inside("min_post_deviations", min_post_deviations, 0.0, 1000.0);
+  check.Inside("min_num_posts", min_num_posts, 0, 100);
+  photo.Check();
+  clear_class.Check();
+}
+
+}  // namespace freelsd

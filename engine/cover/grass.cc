@@ -1,0 +1,188 @@
+#include "engine/cover/grass.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace freelsd {
+namespace {
+
+// A block of this side, in cells, is tested against a view at once: most views see little of a map.
+constexpr int kBlockSize = 16;
+// A single view calls a cell grass from this probability on (the paper's binary fine mask).
+constexpr double kBinaryProbability = 0.5;
+// Points per image edge at which the field of view is measured, because distortion bends edges.
+constexpr int kNumEdgeSamples = 8;
+
+struct Votes {
+  float log_odds = 0.0f;
+  uint16_t num_looks = 0;
+  uint16_t num_votes = 0;
+  bool has_grass = false;
+};
+
+// Rounds half away from zero like std::lround, which compilers do not inline.
+int Rounded(double value) {
+  const int whole = static_cast<int>(value);
+  const double rest = value - whole;
+  return whole + (rest >= 0.5 ? 1 : 0) - (rest <= -0.5 ? 1 : 0);
+}
+
+struct Sphere {
+  Eigen::Vector3d center;
+  double radius;
+};
+
+// Cells of a block that the map sees.
+struct SeenCell {
+  int row;
+  int col;
+  Eigen::Vector3d place_in_world;
+};
+
+std::vector<SeenCell> SeenCells(const ElevationMap& map, const cv::Rect& block) {
+  std::vector<SeenCell> cells;
+  cells.reserve(static_cast<size_t>(block.area()));
+  for (int row = block.y; row < block.y + block.height; ++row) {
+    for (int col = block.x; col < block.x + block.width; ++col) {
+      if (!map.IsSeen(row, col)) continue;
+      const Eigen::Vector2d center = map.grid.CellCenter(row, col);
+      cells.push_back({row, col, {center.x(), center.y(), map.elevation(row, col)}});
+    }
+  }
+  return cells;
+}
+
+Sphere SphereAround(const ElevationMap& map,
+                    const cv::Rect& block,
+                    const std::vector<SeenCell>& cells) {
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+  for (const SeenCell& cell : cells) {
+    lowest = std::min(lowest, cell.place_in_world.z());
+    highest = std::max(highest, cell.place_in_world.z());
+  }
+  Eigen::Vector3d near, far;
+  near << map.grid.CellCenter(block.y, block.x), lowest;
+  far << map.grid.CellCenter(block.y + block.height - 1, block.x + block.width - 1), highest;
+  return {0.5 * (near + far), 0.5 * (far - near).norm()};
+}
+
+// Largest angle between the optical axis and a ray through the border of the image.
+double HalfFieldOfView(const Camera& camera) {
+  double half_angle = 0.0;
+  for (int i = 0; i <= kNumEdgeSamples; ++i) {
+    const double x = camera.width_px * i / static_cast<double>(kNumEdgeSamples) - 0.5;
+    const double y = camera.height_px * i / static_cast<double>(kNumEdgeSamples) - 0.5;
+    for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(x, -0.5),
+                                         Eigen::Vector2d(x, camera.height_px - 0.5),
+                                         Eigen::Vector2d(-0.5, y),
+                                         Eigen::Vector2d(camera.width_px - 0.5, y)}) {
+      half_angle = std::max(half_angle, std::acos(camera.RayFromImage(pixel).z()));
+    }
+  }
+  return half_angle;
+}
+
+bool MaySee(const Rigid3d& camera_from_world, double half_angle, const Sphere& sphere) {
+  const Eigen::Vector3d center = camera_from_world * sphere.center;
+  const double distance = center.norm();
+  if (distance <= sphere.radius) return true;
+  const double angle = std::acos(std::clamp(center.z() / distance, -1.0, 1.0));
+  return angle <= half_angle + std::asin(sphere.radius / distance);
+}
+
+class Voter {
+ public:
+  Voter(const GrassView& view, const CoverOptions& options)
+      : view_(view),
+        camera_from_world_(Inverse(view.world_from_camera)),
+        rotation_(camera_from_world_.rotation.toRotationMatrix()),
+        half_angle_(HalfFieldOfView(view.camera)) {
+    for (int value = 0; value < 256; ++value) {
+      const double probability = std::clamp((value - 1) / 254.0,
+                                            options.min_observation_probability,
+                                            options.max_observation_probability);
+      log_odds_[value] = static_cast<float>(std::log(probability / (1.0 - probability)));
+    }
+  }
+
+  bool MaySee(const Sphere& sphere) const {
+    return freelsd::MaySee(camera_from_world_, half_angle_, sphere);
+  }
+
+  // Counts a view of the place, and its vote if the view classified the place.
+  void Vote(const Eigen::Vector3d& place_in_world, Votes& votes) const {
+    const std::optional<Eigen::Vector2d> pixel =
+        view_.camera.ImageFromCamera(rotation_ * place_in_world + camera_from_world_.translation);
+    if (!pixel || !view_.camera.IsInside(*pixel)) return;
+    const Eigen::Vector2d in_mask = (pixel->array() + 0.5) / view_.image_px_per_mask_px - 0.5;
+    const int x = Rounded(in_mask.x()), y = Rounded(in_mask.y());
+    if (x < 0 || y < 0 || x >= view_.mask.cols || y >= view_.mask.rows) return;
+    ++votes.num_looks;
+    const uint8_t value = view_.mask(y, x);
+    if (value == 0) return;
+    ++votes.num_votes;
+    votes.log_odds += log_odds_[value];
+    votes.has_grass = votes.has_grass || (value - 1) / 254.0 >= kBinaryProbability;
+  }
+
+ private:
+  const GrassView& view_;
+  Rigid3d camera_from_world_;
+  Eigen::Matrix3d rotation_;
+  double half_angle_;
+  float log_odds_[256];
+};
+
+float Fuse(const Votes& votes, const CoverOptions& options) {
+  const bool is_classified =
+      votes.num_votes > 0 && votes.num_votes >= options.min_vote_ratio * votes.num_looks;
+  if (options.grass_fusion == GrassFusion::kPaperOr && votes.num_votes > 0) {
+    return votes.has_grass ? 1.0f : 0.0f;
+  }
+  if (!is_classified) return std::numeric_limits<float>::quiet_NaN();
+  const double mean = votes.log_odds / votes.num_votes;
+  const double log_odds =
+      mean * std::min<double>(votes.num_votes, options.max_num_independent_views);
+  return static_cast<float>(1.0 / (1.0 + std::exp(-log_odds)));
+}
+
+void FuseBlock(const ElevationMap& map,
+               const cv::Rect& block,
+               const std::vector<Voter>& voters,
+               const CoverOptions& options,
+               cv::Mat1f& grass) {
+  const std::vector<SeenCell> cells = SeenCells(map, block);
+  if (cells.empty()) return;
+  const Sphere sphere = SphereAround(map, block, cells);
+  std::vector<Votes> votes(cells.size());
+  for (const Voter& voter : voters) {
+    if (!voter.MaySee(sphere)) continue;
+    for (size_t i = 0; i < cells.size(); ++i) voter.Vote(cells[i].place_in_world, votes[i]);
+  }
+  for (size_t i = 0; i < cells.size(); ++i) {
+    grass(cells[i].row, cells[i].col) = Fuse(votes[i], options);
+  }
+}
+
+}  // namespace
+
+cv::Mat1f FuseGrass(const ElevationMap& map,
+                    const std::vector<GrassView>& grass_views,
+                    const CoverOptions& options) {
+  cv::Mat1f grass(map.elevation.size(), std::numeric_limits<float>::quiet_NaN());
+  std::vector<Voter> voters;
+  for (const GrassView& view : grass_views) {
+    if (!view.mask.empty()) voters.emplace_back(view, options);
+  }
+  const cv::Rect whole(0, 0, grass.cols, grass.rows);
+  for (int row = 0; row < grass.rows; row += kBlockSize) {
+    for (int col = 0; col < grass.cols; col += kBlockSize) {
+      FuseBlock(map, cv::Rect(col, row, kBlockSize, kBlockSize) & whole, voters, options, grass);
+    }
+  }
+  return grass;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,14 @@
+// Private to cover/. Fuses the views into one probability of grass per cell.
+#pragma once
+
+#include "engine/cover/cover.h"
+
+namespace freelsd {
+
+// Posterior probability (or the paper's OR as 0 and 1); NaN where the elevation is unknown or too
+// few views classified the cell.
+cv::Mat1f FuseGrass(const ElevationMap& map,
+                    const std::vector<GrassView>& grass_views,
+                    const CoverOptions& options);
+
+}  // namespace freelsd

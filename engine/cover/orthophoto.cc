@@ -1,0 +1,204 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <opencv2/imgproc.hpp>
+
+#include "engine/cover/cover.h"
+
+namespace freelsd {
+namespace {
+
+// A map cell is a whole number of orthophoto cells.
+int CellsPerMapCell(const ElevationMap& map, const PhotoOptions& options) {
+  const double ratio = map.grid.cell_size_m / options.orthophoto_cell_size_m;
+  return std::max(1, static_cast<int>(std::lround(ratio)));
+}
+
+// Image position of the corner (row, col) of the map's cells. Its height is that of the cell
+// south-east of it.
+std::optional<Eigen::Vector2d> ImageOfCorner(const ElevationMap& map,
+                                             const Camera& camera,
+                                             const Rigid3d& camera_from_world,
+                                             double row,
+                                             double col,
+                                             float height) {
+  const double cell = map.grid.cell_size_m;
+  Eigen::Vector3d place_in_world;
+  place_in_world << map.grid.north_west_in_world + cell * Eigen::Vector2d(col, -row), height;
+  const std::optional<Eigen::Vector2d> pixel =
+      camera.ImageFromCamera(camera_from_world * place_in_world);
+  if (!pixel || !camera.IsInside(*pixel)) return std::nullopt;
+  return pixel;
+}
+
+bool IsElsewhere(const AdjustedBlock& block, size_t view, int first, double min_crossing_ratio) {
+  if (first < 0) return false;
+  const AdjustedView& other = block.views[static_cast<size_t>(first)];
+  const Eigen::Vector3d baseline =
+      block.views[view].world_from_camera.translation - other.world_from_camera.translation;
+  return baseline.head<2>().norm() >= min_crossing_ratio * other.height_above_ground;
+}
+
+// The connected view that looks down on each seen cell most steeply; -1 where none sees it. With
+// `first` given, only views whose cameras are far enough from that view's camera compete.
+cv::Mat1i SteepestViews(const ElevationMap& map,
+                        const AdjustedBlock& block,
+                        const cv::Mat1i& first = {},
+                        double min_crossing_ratio = 0.0) {
+  cv::Mat1i steepest(map.elevation.size(), -1);
+  cv::Mat1f least(map.elevation.size(), std::numeric_limits<float>::infinity());
+  for (size_t v = 0; v < block.views.size(); ++v) {
+    if (!block.views[v].is_connected) continue;
+    const Camera camera = block.CameraOf(v);
+    const Rigid3d& world_from_camera = block.views[v].world_from_camera;
+    const Rigid3d camera_from_world = Inverse(world_from_camera);
+    for (int row = 0; row < steepest.rows; ++row) {
+      for (int col = 0; col < steepest.cols; ++col) {
+        if (!map.IsSeen(row, col)) continue;
+        const Eigen::Vector2d offset =
+            map.grid.CellCenter(row, col) - world_from_camera.translation.head<2>();
+        const auto distance = static_cast<float>(offset.squaredNorm());
+        if (distance >= least(row, col)) continue;
+        if (!first.empty() && !IsElsewhere(block, v, first(row, col), min_crossing_ratio)) continue;
+        const float height = map.elevation(row, col);
+        const auto is_shown = [&](int corner) {
+          return ImageOfCorner(
+                     map, camera, camera_from_world, row + corner / 2, col + corner % 2, height)
+              .has_value();
+        };
+        if (!is_shown(0) || !is_shown(1) || !is_shown(2) || !is_shown(3)) continue;
+        least(row, col) = distance;
+        steepest(row, col) = static_cast<int>(v);
+      }
+    }
+  }
+  return steepest;
+}
+
+// An image scaled so that its pixels are about as large on the ground as the orthophoto's cells.
+// Without scaling, a cell would sample one pixel of many.
+struct ScaledImage {
+  cv::Mat image;
+  double pixels_per_pixel = 1.0;
+};
+
+ScaledImage ScaleTo(const cv::Mat& image, double ground_sampling_m, double cell_size_m) {
+  const double factor = std::min(1.0, ground_sampling_m / cell_size_m);
+  if (factor > 0.75) return {image, 1.0};
+  ScaledImage scaled;
+  cv::resize(image, scaled.image, {}, factor, factor, cv::INTER_AREA);
+  scaled.pixels_per_pixel = static_cast<double>(scaled.image.cols) / image.cols;
+  return scaled;
+}
+
+// Bilinear; the border repeats.
+cv::Vec3b Sample(const cv::Mat& image, const Eigen::Vector2d& pixel) {
+  const double x = std::clamp(pixel.x(), 0.0, std::max(0.0, image.cols - 1.001));
+  const double y = std::clamp(pixel.y(), 0.0, std::max(0.0, image.rows - 1.001));
+  const int left = static_cast<int>(x), top = static_cast<int>(y);
+  const int right = std::min(left + 1, image.cols - 1), bottom = std::min(top + 1, image.rows - 1);
+  const double u = x - left, v = y - top;
+  const auto weigh = [&](auto at) {
+    const double upper = (1.0 - u) * at(top, left) + u * at(top, right);
+    const double lower = (1.0 - u) * at(bottom, left) + u * at(bottom, right);
+    return static_cast<uint8_t>(std::lround((1.0 - v) * upper + v * lower));
+  };
+  if (image.channels() == 1) {
+    const uint8_t grey =
+        weigh([&](int row, int col) { return double(image.at<uint8_t>(row, col)); });
+    return {grey, grey, grey};
+  }
+  cv::Vec3b color;
+  for (int c = 0; c < 3; ++c) {
+    color[c] = weigh([&](int row, int col) { return double(image.at<cv::Vec3b>(row, col)[c]); });
+  }
+  return color;
+}
+
+class CellPainter {
+ public:
+  CellPainter(const ElevationMap& map,
+              const AdjustedBlock& block,
+              size_t view,
+              const ScaledImage& scaled)
+      : map_(map),
+        camera_(block.CameraOf(view)),
+        camera_from_world_(Inverse(block.views[view].world_from_camera)),
+        scaled_(scaled) {}
+
+  // Interpolates image positions between the corners of the cell.
+  void Paint(int row, int col, int num_parts, cv::Mat3b& image, cv::Mat1b& seen) const {
+    Eigen::Vector2d corners[4];
+    for (int i = 0; i < 4; ++i) {
+      const auto corner = ImageOfCorner(
+          map_, camera_, camera_from_world_, row + i / 2, col + i % 2, map_.elevation(row, col));
+      if (!corner) return;
+      corners[i] = *corner;
+    }
+    for (int i = 0; i < num_parts * num_parts; ++i) {
+      const double v = (i / num_parts + 0.5) / num_parts, u = (i % num_parts + 0.5) / num_parts;
+      const Eigen::Vector2d pixel = (1.0 - v) * ((1.0 - u) * corners[0] + u * corners[1]) +
+                                    v * ((1.0 - u) * corners[2] + u * corners[3]);
+      const Eigen::Vector2d in_scaled = (pixel.array() + 0.5) * scaled_.pixels_per_pixel - 0.5;
+      const cv::Point cell(col * num_parts + i % num_parts, row * num_parts + i / num_parts);
+      image(cell) = Sample(scaled_.image, in_scaled);
+      seen(cell) = 255;
+    }
+  }
+
+ private:
+  const ElevationMap& map_;
+  const Camera camera_;
+  const Rigid3d camera_from_world_;
+  const ScaledImage& scaled_;
+};
+
+}  // namespace
+
+Orthophoto MakeOrthophoto(const ElevationMap& map,
+                          const AdjustedBlock& block,
+                          const ImageSource& images,
+                          const PhotoOptions& options) {
+  Orthophoto photo;
+  if (map.elevation.empty()) return photo;
+  const int num_parts = CellsPerMapCell(map, options);
+  photo.grid = map.grid;
+  photo.grid.cell_size_m /= num_parts;
+  photo.grid.num_rows *= num_parts;
+  photo.grid.num_cols *= num_parts;
+  const cv::Size size(photo.grid.num_cols, photo.grid.num_rows);
+  photo.image = cv::Mat3b::zeros(size);
+  photo.seen = cv::Mat1b::zeros(size);
+  photo.view = SteepestViews(map, block);
+  photo.second_view = cv::Mat1i(photo.view.size(), -1);
+  if (options.max_photo_disagreement > 0.0) {
+    photo.second_image = cv::Mat3b::zeros(size);
+    photo.second_seen = cv::Mat1b::zeros(size);
+    photo.second_view = SteepestViews(map, block, photo.view, options.min_crossing_ratio);
+  }
+  for (size_t v = 0; v < block.views.size(); ++v) {
+    const int number = static_cast<int>(v);
+    if (cv::countNonZero((photo.view == number) | (photo.second_view == number)) == 0) continue;
+    const cv::Mat image = images(block.views[v].frame_id);
+    if (image.empty()) continue;
+    const double ground_sampling_m =
+        block.views[v].height_above_ground / block.camera.MeanFocalPx();
+    const ScaledImage scaled = ScaleTo(image, ground_sampling_m, photo.grid.cell_size_m);
+    const CellPainter painter(map, block, v, scaled);
+    for (int row = 0; row < photo.view.rows; ++row) {
+      for (int col = 0; col < photo.view.cols; ++col) {
+        if (photo.view(row, col) == number) {
+          painter.Paint(row, col, num_parts, photo.image, photo.seen);
+        } else if (photo.second_view(row, col) == number) {
+          painter.Paint(row, col, num_parts, photo.second_image, photo.second_seen);
+        }
+      }
+    }
+  }
+  return photo;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,16 @@
+// Private to cover/. Objects in a meadow that the heights do not show: boulders, animals, cars,
+// feeders. Anomaly detector of Reed and Yu (1990) on the orthophoto.
+#pragma once
+
+#include "engine/cover/cover.h"
+
+namespace freelsd {
+
+// Patches whose colour or brightness differs from their surroundings. Cells of the orthophoto: 255,
+// else 0.
+cv::Mat1b SmallObjects(const Orthophoto& photo, const CoverOptions& options);
+
+// Cells of `grid` with such a patch: 255, else 0. Empty without an orthophoto.
+cv::Mat1b FindSmallObjects(const Orthophoto& photo, const Grid& grid, const CoverOptions& options);
+
+}  // namespace freelsd

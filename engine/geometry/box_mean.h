@@ -1,0 +1,22 @@
+// Means and sums over squares around every cell of a raster.
+#pragma once
+
+#include <opencv2/core.hpp>
+
+namespace freelsd {
+
+// The odd number of cells nearest to the width, so that a square has a middle cell.
+int BoxSide(double width_cells);
+
+// Values beyond the edge of the raster.
+enum class BoxBorder {
+  kNothing,   // zeros
+  kMirrored,  // the raster again, mirrored at the middle of its last cells
+};
+
+cv::Mat1f BoxMean(const cv::Mat1f& values, int side, BoxBorder border);
+
+// Cells beyond the edge count as 0.
+cv::Mat1d BoxSum(const cv::Mat1d& values, int side);
+
+}  // namespace freelsd

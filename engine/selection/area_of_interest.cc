@@ -1,0 +1,117 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/selection/selection.h"
+
+namespace freelsd {
+namespace {
+
+// Place on the ground in the middle of a view, and the radius that the view sees.
+struct Footprint {
+  Eigen::Vector2d center = Eigen::Vector2d::Zero();
+  double radius = 0.0;
+};
+
+Footprint FootprintOf(const View& view, const Camera& camera) {
+  const Eigen::Vector3d axis = view.world_from_camera.rotation * Eigen::Vector3d::UnitZ();
+  // At most 70 deg off nadir: an axis near the horizon would put the centre anywhere.
+  constexpr double kMinDescent = 0.34;
+  const double along = view.height_above_ground / std::max(-axis.z(), kMinDescent);
+  const double diagonal_px = std::hypot(camera.width_px, camera.height_px);
+  return {(view.world_from_camera.translation + axis * along).head<2>(),
+          0.5 * diagonal_px / camera.MeanFocalPx() * along};
+}
+
+}  // namespace
+
+void Box::Add(const Eigen::Vector2d& point) {
+  min = min.cwiseMin(point);
+  max = max.cwiseMax(point);
+}
+
+void Box::Grow(double margin) {
+  min.array() -= margin;
+  max.array() += margin;
+}
+
+bool Box::IsEmpty() const { return !(min.array() < max.array()).all(); }
+
+double Box::DistanceTo(const Eigen::Vector2d& point) const {
+  return (point - point.cwiseMax(min).cwiseMin(max)).norm();
+}
+
+Box Box::Intersection(const Box& other) const {
+  return {min.cwiseMax(other.min), max.cwiseMin(other.max)};
+}
+
+Box AreaOfInterest(const std::vector<Candidate>& regions,
+                   const Aircraft& aircraft,
+                   const ApproachOptions& approach,
+                   const BackendOptions& options) {
+  Box area;
+  double strongest_wind = 0.0;
+  bool is_wind_known = true;
+  for (const auto& [region, wind] : regions) {
+    for (const Eigen::Vector2d& corner : region.Footprint()) area.Add(corner);
+    if (wind) strongest_wind = std::max(strongest_wind, wind->wind_in_world.norm());
+    is_wind_known = is_wind_known && wind;
+  }
+  double wanted = 0.0;
+  for (const double wind_speed : {0.0, strongest_wind}) {
+    const double final = std::max(0.0, ApproachDistance(aircraft, wind_speed));
+    wanted = std::max(wanted, final + 2.0 * LoiterRadius(aircraft, wind_speed));
+  }
+  if (!is_wind_known) {
+    const double wind_speed = approach.unknown_wind_mps;
+    const double final = DownwindApproachDistance(aircraft, wind_speed);
+    wanted = std::max(wanted, final + 2.0 * LoiterRadius(aircraft, wind_speed));
+  }
+  area.Grow(std::min(wanted, options.max_surroundings_m));
+  return area;
+}
+
+Selection SelectViews(const Snapshot& snapshot,
+                      const Box& area,
+                      const AdjustmentOptions& adjustment,
+                      const BackendOptions& options) {
+  const Camera& camera = snapshot.rig.camera;
+  std::vector<size_t> seeing;
+  std::vector<View> views;
+  for (size_t i = 0; i < snapshot.views.size(); ++i) {
+    const Footprint footprint = FootprintOf(snapshot.views[i], camera);
+    if (area.DistanceTo(footprint.center) > footprint.radius) continue;
+    seeing.push_back(i);
+    views.push_back(snapshot.views[i]);
+  }
+  // Sorted by distance from the middle, so that each view keeps a neighbour.
+  const Eigen::Vector2d middle = 0.5 * (area.min + area.max);
+  std::vector<std::pair<double, size_t>> nearest;
+  for (const size_t keyframe : SelectKeyframes(views, adjustment)) {
+    const Footprint footprint = FootprintOf(views[keyframe], camera);
+    nearest.emplace_back((footprint.center - middle).norm(), keyframe);
+  }
+  Selection selection;
+  selection.num_seeing = nearest.size();
+  std::sort(nearest.begin(), nearest.end());
+  nearest.resize(std::min(nearest.size(), static_cast<size_t>(options.max_num_views)));
+  std::sort(nearest.begin(), nearest.end(), [](const auto& left, const auto& right) {
+    return left.second < right.second;
+  });
+  for (const auto& [distance, keyframe] : nearest) {
+    selection.indices.push_back(seeing[keyframe]);
+    selection.views.push_back(std::move(views[keyframe]));
+  }
+  return selection;
+}
+
+Box SeenArea(const AdjustedBlock& block) {
+  Box seen;
+  for (const Landmark& landmark : block.landmarks) seen.Add(landmark.point_in_world.head<2>());
+  // Dense matching reaches a little beyond the outermost tracked corner.
+  constexpr double kBeyondLandmarks = 25.0;
+  seen.Grow(kBeyondLandmarks);
+  return seen;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,26 @@
+// Private to terrain/. Shape of the ground: slope and roughness of an elevation raster.
+#pragma once
+
+#include <array>
+
+#include "engine/terrain/terrain.h"
+
+namespace freelsd {
+
+// Elevation; NaN where it is unseen or its deviation exceeds the limit.
+cv::Mat1f TrustedElevation(const ElevationMap& map, double max_standard_deviation_m);
+
+// Radians; NaN where the cell or too much of its support is unseen.
+cv::Mat1f PlaneSlope(const cv::Mat1f& elevation, double cell_size_m, const SurfaceOptions& options);
+cv::Mat1f PaperPcaSlope(const cv::Mat1f& elevation,
+                        double cell_size_m,
+                        const SurfaceOptions& options);
+
+// Radians between the vertical and the normal by PCA of nine cells, in closed form. Heights in
+// metres, row by row; only differences between them count.
+double PcaSlopeOf(const std::array<double, 9>& heights, double cell_size_m);
+
+// Riley et al. 1999; neighbours `spacing` cells away; NaN if one of the nine is unseen.
+cv::Mat1f Ruggedness(const cv::Mat1f& elevation, int spacing);
+
+}  // namespace freelsd

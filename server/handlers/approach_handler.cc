@@ -1,0 +1,171 @@
+#include <cmath>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "api/export/layers/layers.h"
+#include "api/stored/stored.h"
+#include "server/handlers/handlers.h"
+#include "server/handlers/lookups.h"
+
+namespace freelsd {
+namespace {
+
+constexpr char kGeoJson[] = "application/geo+json";
+
+// True for parameters of the wind; all other parameters here belong to the aircraft.
+bool IsOfWind(const std::string& parameter) {
+  return parameter.starts_with("wind_") || parameter == "directions" || parameter == "speeds_mps";
+}
+
+// The query's fields override the named profile, or the site's aircraft if no profile is named.
+Aircraft AircraftOf(const Call& call, const Aircraft& site_aircraft) {
+  nlohmann::json object = AircraftJson(site_aircraft);
+  for (const char* const name : {"aircraft", "profile"}) {
+    if (const auto profile = call.Query(name)) object = {{"profile", *profile}};
+  }
+  for (const auto& [name, value] : call.request.params) {
+    if (name == "aircraft" || name == "profile" || IsOfWind(name)) continue;
+    object[name] = *call.QueryNumber(name);
+  }
+  try {
+    return ParseAircraft(object, "");
+  } catch (const ApiError& error) {
+    std::vector<FieldError> errors = error.errors();
+    for (FieldError& each : errors) {
+      if (each.pointer.starts_with("/")) each.pointer.erase(0, 1);
+    }
+    throw ApiError(error.code(), error.what(), errors);
+  }
+}
+
+// Larger than any real wind; the same limit as for a frame's meta.
+constexpr double kMaxWindMps = 100.0;
+
+std::optional<double> WindComponent(const Call& call, const std::string& name) {
+  const std::optional<double> speed_mps = call.QueryNumber(name);
+  if (!speed_mps || std::abs(*speed_mps) <= kMaxWindMps) return speed_mps;
+  throw ApiError("InvalidValue", name + ": must be in [-100, 100]", {{name, "out of range"}});
+}
+
+// The query's wind, else the wind with which the site was planned.
+std::optional<Eigen::Vector2d> WindOf(const Call& call, const PlanRequest& request) {
+  const auto east_mps = WindComponent(call, "wind_east_mps");
+  const auto north_mps = WindComponent(call, "wind_north_mps");
+  if (east_mps.has_value() != north_mps.has_value()) {
+    const std::string missing = east_mps ? "wind_north_mps" : "wind_east_mps";
+    throw ApiError("InvalidQuery", missing + ": is missing", {{missing, "is missing"}});
+  }
+  if (!east_mps) return request.wind_in_world;
+  return Eigen::Vector2d(*east_mps, *north_mps);
+}
+
+std::shared_ptr<const KeptSite> SiteWithMap(const Service& service, const SiteRow& site) {
+  const auto kept = service.maps.Get(service.storage, site.id, site.updated_at_us);
+  if (!kept) throw ApiError("NoApproach", "the site has no map to plan on");
+  return kept;
+}
+
+FlightContext ContextOf(const KeptSite& kept) {
+  const Replan& replan = kept.replan;
+  return {kept.row.flight_id, replan.flight.altitude_datum, LocalFrame(replan.origin)};
+}
+
+nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call& call) {
+  const auto kept = SiteWithMap(service, site);
+  const Replan& replan = kept->replan;
+  const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
+  const auto kept_plan = service.maps.PlanFor(kept, aircraft, WindOf(call, replan.request));
+  const Plan& plan = *kept_plan;
+  const FlightContext context = ContextOf(*kept);
+  if (!plan.approach)
+    throw ApiError("NoApproach", "no approach for this wind: " + plan.reject_detail);
+  nlohmann::json answer = ApproachJson(plan, context);
+  answer["plan"] = PlanProperties(plan, context);
+  answer["plan"]["aircraft"] = AircraftJson(aircraft);
+  answer["plan"]["warnings"] = LimitsWarnings(aircraft);
+  return answer;
+}
+
+[[noreturn]] void Refuse(const std::string& parameter, const std::string& detail) {
+  throw ApiError("InvalidValue", parameter + ": " + detail, {{parameter, detail}});
+}
+
+std::vector<double> SpeedsOf(const std::string& text) {
+  std::vector<double> speeds_mps;
+  std::istringstream list(text + ",");
+  for (std::string word; std::getline(list, word, ',');) {
+    const double speed_mps = ParseQueryNumber(word, "speeds_mps");
+    if (speed_mps < 0.0 || speed_mps > kMaxWindMps) Refuse("speeds_mps", "must be in [0, 100]");
+    if (!speeds_mps.empty() && speed_mps <= speeds_mps.back()) {
+      Refuse("speeds_mps", "must be ascending");
+    }
+    speeds_mps.push_back(speed_mps);
+  }
+  return speeds_mps;
+}
+
+WindRoseOptions RoseOf(const Call& call) {
+  WindRoseOptions rose;
+  const double num_directions = call.QueryNumber("directions").value_or(rose.num_directions);
+  if (num_directions < 1 || num_directions > kMaxNumRoseWinds ||
+      num_directions != std::floor(num_directions)) {
+    Refuse("directions", "must be a whole number, 1 to " + std::to_string(kMaxNumRoseWinds));
+  }
+  rose.num_directions = static_cast<int>(num_directions);
+  if (const auto speeds_mps = call.Query("speeds_mps")) rose.speeds_mps = SpeedsOf(*speeds_mps);
+  const size_t num_winds = static_cast<size_t>(rose.num_directions) * rose.speeds_mps.size();
+  if (num_winds <= kMaxNumRoseWinds) return rose;
+  ApiError error("InvalidValue",
+                 "directions times speeds_mps: at most " + std::to_string(kMaxNumRoseWinds) +
+                     " winds are allowed",
+                 {{"directions", "too many winds"}, {"speeds_mps", "too many winds"}});
+  error.limit = kMaxNumRoseWinds;
+  error.observed = static_cast<double>(num_winds);
+  throw error;
+}
+
+class RosePlannerSlot {
+ public:
+  explicit RosePlannerSlot(Service& service) : service_(service) {
+    service_.rose_planners.acquire();
+  }
+  ~RosePlannerSlot() { service_.rose_planners.release(); }
+  RosePlannerSlot(const RosePlannerSlot&) = delete;
+  RosePlannerSlot& operator=(const RosePlannerSlot&) = delete;
+
+ private:
+  Service& service_;
+};
+
+}  // namespace
+
+void GetApproach(Service& service, const Call& call, httplib::Response& response) {
+  const SiteRow site = ExistingSite(service, call);
+  if (call.request.params.empty()) {
+    if (site.approach_json.empty()) {
+      const nlohmann::json feature = nlohmann::json::parse(site.feature_json);
+      const std::string summary = feature.at("properties").value("summary", "none was found");
+      throw ApiError("NoApproach", "the site has no approach: " + summary);
+    }
+    response.set_content(site.approach_json, kGeoJson);
+    return;
+  }
+  response.set_content(PlanAnew(service, site, call).dump(), kGeoJson);
+}
+
+void GetWindRose(Service& service, const Call& call, httplib::Response& response) {
+  const SiteRow site = ExistingSite(service, call);
+  const WindRoseOptions options = RoseOf(call);
+  const auto kept = SiteWithMap(service, site);
+  const Aircraft aircraft = AircraftOf(call, kept->replan.flight.aircraft);
+  const RosePlannerSlot slot(service);
+  const auto on_map = service.maps.PlannerFor(kept, aircraft);
+  nlohmann::json answer = WindRoseJson(PlanWindRose(on_map->planner, options), ContextOf(*kept));
+  answer["aircraft"] = AircraftJson(aircraft);
+  answer["warnings"] = LimitsWarnings(aircraft);
+  response.set_content(answer.dump(), "application/json");
+}
+
+}  // namespace freelsd

@@ -1,0 +1,264 @@
+#include <algorithm>
+#include <map>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "api/stored/stored.h"
+#include "server/handlers/handlers.h"
+#include "server/handlers/lookups.h"
+#include "server/http/http.h"
+#include "server/intake/intake.h"
+#include "server/work/work.h"
+
+namespace freelsd {
+namespace {
+
+// Most unknown images that one answer lists.
+constexpr size_t kMaxNumListedErrors = 20;
+
+// An image with its metadata from the pose file, and with its merged metadata.
+struct Candidate {
+  const BatchImage* entry = nullptr;
+  FrameMeta given;
+  FrameMeta meta;
+};
+
+// Rows and changes that are committed together.
+struct Admission {
+  std::vector<FrameRow> frames;
+  nlohmann::json verdicts = nlohmann::json::array();
+  std::string rig_json;
+  std::vector<std::string> warnings;
+  int64_t num_rejected = 0;
+};
+
+// Options from the query.
+struct BatchOptions {
+  bool is_dry_run = false;
+  // Poses may name images that arrive in another request, or never.
+  bool may_have_extra_poses = false;
+};
+
+// The first poses whose image is neither in the request nor in the flight.
+std::vector<FieldError> UnknownImages(const Service& service,
+                                      const std::string& flight_id,
+                                      const BatchUpload& upload) {
+  std::set<std::string> known;
+  for (const BatchImage& entry : upload.images()) known.insert(entry.id);
+  std::vector<FieldError> errors;
+  const auto& poses = upload.poses().poses;
+  for (size_t i = 0; i < poses.size() && errors.size() < kMaxNumListedErrors; ++i) {
+    const std::string& id = poses[i].first;
+    if (known.contains(id) || service.storage.frames.Find(flight_id, id)) continue;
+    errors.push_back({"/poses/" + std::to_string(i) + "/image", "there is no image " + id});
+  }
+  return errors;
+}
+
+void RefuseUnknownImages(const Service& service,
+                         const std::string& flight_id,
+                         const BatchUpload& upload) {
+  const std::vector<FieldError> errors = UnknownImages(service, flight_id, upload);
+  if (errors.empty()) return;
+  throw ApiError("UnknownImages",
+                 "poses name images that are neither in this request nor in the flight",
+                 errors);
+}
+
+// Sorted by time if every image that can become a frame has a timestamp, else in the given order.
+std::vector<Candidate> InOrderOfFlight(const Intake& intake,
+                                       const std::string& flight_id,
+                                       const BatchUpload& upload) {
+  std::map<std::string, FrameMeta> poses;
+  for (const auto& [id, meta] : upload.poses().poses) poses[id] = meta;
+  std::vector<Candidate> candidates;
+  bool has_all_times = true;
+  for (const BatchImage& entry : upload.images()) {
+    Candidate candidate{&entry, poses[entry.id], {}};
+    if (entry.image) {
+      candidate.meta = KnownMeta(intake, flight_id, candidate.given, entry.image->tags.meta);
+    }
+    if (candidate.meta.position) has_all_times &= candidate.meta.timestamp_us.has_value();
+    candidates.push_back(std::move(candidate));
+  }
+  if (has_all_times) {
+    std::stable_sort(
+        candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+          return a.meta.timestamp_us.value_or(0) < b.meta.timestamp_us.value_or(0);
+        });
+  }
+  return candidates;
+}
+
+// Throws ApiError if the image cannot become a frame; false if it is already stored as one.
+bool AdmitOne(const Intake& intake,
+              const std::string& flight_id,
+              const Candidate& candidate,
+              RigResolver& resolver,
+              std::vector<FrameRow>& frames) {
+  const BatchImage& entry = *candidate.entry;
+  if (!entry.image) throw ApiError(entry.code, entry.reason);
+  FrameRow frame = NewFrameRow(flight_id, entry.id, *entry.image, candidate.given);
+  frame.is_from_batch = true;
+  if (SameFrame(intake, frame)) return false;
+  resolver.Admit(*entry.image, candidate.meta);
+  frames.push_back(std::move(frame));
+  return true;
+}
+
+Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload& upload) {
+  Admission admission;
+  const PoseFile& poses = upload.poses();
+  RigResolver resolver(flight, poses.camera);
+  admission.warnings = poses.warnings;
+  if (poses.camera && ParseFlightRequest(flight.request_json).camera) {
+    admission.warnings.emplace_back(
+        "the flight has a camera: the camera file beside the images is ignored");
+  }
+  for (const Candidate& candidate : InOrderOfFlight(intake, flight.id, upload)) {
+    nlohmann::json verdict{{"id", candidate.entry->id}, {"verdict", "accepted"}};
+    try {
+      if (!AdmitOne(intake, flight.id, candidate, resolver, admission.frames)) {
+        verdict["detail"] = "already stored";
+      }
+      const std::vector<std::string> warnings = resolver.RelevantWarnings(*candidate.entry->image);
+      admission.warnings.insert(admission.warnings.end(), warnings.begin(), warnings.end());
+    } catch (const ApiError& error) {
+      verdict["verdict"] = "rejected";
+      verdict["code"] = error.code();
+      verdict["detail"] = error.what();
+      ++admission.num_rejected;
+    }
+    admission.verdicts.push_back(std::move(verdict));
+  }
+  admission.rig_json = resolver.RigJson();
+  // Removes duplicates, because many images cause the same warning.
+  std::sort(admission.warnings.begin(), admission.warnings.end());
+  admission.warnings.erase(std::unique(admission.warnings.begin(), admission.warnings.end()),
+                           admission.warnings.end());
+  return admission;
+}
+
+nlohmann::json FormatsJson(const PoseFile& poses) {
+  nlohmann::json formats = nlohmann::json::array();
+  for (const PoseFile::Format& format : poses.formats) {
+    formats.push_back({{"format", format.name}, {"file", format.path}, {"why", format.why}});
+  }
+  return formats;
+}
+
+// Ids of images that no pose names, in the order of the upload.
+std::vector<std::string> ImagesWithoutPose(const BatchUpload& upload) {
+  std::set<std::string> posed;
+  for (const auto& [id, meta] : upload.poses().poses) posed.insert(id);
+  std::vector<std::string> unposed;
+  for (const BatchImage& entry : upload.images()) {
+    if (!posed.contains(entry.id)) unposed.push_back(entry.id);
+  }
+  return unposed;
+}
+
+nlohmann::json DetailJson(const Admission& admission, const BatchUpload& upload) {
+  const int64_t num_images = static_cast<int64_t>(admission.verdicts.size());
+  return {{"images", admission.verdicts},
+          {"num_accepted", num_images - admission.num_rejected},
+          {"num_rejected", admission.num_rejected},
+          {"num_poses", upload.poses().poses.size()},
+          {"num_images_without_pose", ImagesWithoutPose(upload).size()},
+          {"formats", FormatsJson(upload.poses())},
+          {"warnings", admission.warnings}};
+}
+
+JobRow NewBatchJob(const std::string& flight_id,
+                   const Admission& admission,
+                   const BatchUpload& upload) {
+  JobRow job;
+  job.id = NewId("j");
+  job.kind = "batch";
+  job.flight_id = flight_id;
+  job.stage = "frontend";
+  job.created_at_us = NowUs();
+  const nlohmann::json detail = DetailJson(admission, upload);
+  job.detail_json = detail.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return job;
+}
+
+void AppendProblem(const ApiError& error, nlohmann::json& problems) {
+  nlohmann::json problem{{"code", error.code()}, {"detail", error.what()}};
+  problem["errors"] = nlohmann::json::array();
+  for (const FieldError& field : error.errors()) {
+    problem["errors"].push_back({{"pointer", field.pointer}, {"detail", field.detail}});
+  }
+  problems.push_back(problem);
+}
+
+// The camera that a batch without dry_run would use; null if it is unknown.
+nlohmann::json CameraToBeTaken(const FlightRow& flight,
+                               const Admission& admission,
+                               const PoseFile& poses) {
+  if (!admission.rig_json.empty()) {
+    return CameraJson(ParseStoredFlightRig(admission.rig_json).rig.camera);
+  }
+  const std::optional<Camera> given = ParseFlightRequest(flight.request_json).camera;
+  if (given) return CameraJson(*given);
+  return poses.camera ? CameraJson(*poses.camera) : nlohmann::json();
+}
+
+// Reports all findings that the same request without dry_run would have. Stores nothing.
+nlohmann::json DryRun(const Service& service,
+                      const FlightRow& flight,
+                      BatchUpload& upload,
+                      const BatchOptions& options) {
+  nlohmann::json problems = nlohmann::json::array();
+  try {
+    upload.ParsePoses(ParseFlightRequest(flight.request_json).origin);
+    if (!options.may_have_extra_poses) RefuseUnknownImages(service, flight.id, upload);
+  } catch (const ApiError& error) {
+    AppendProblem(error, problems);
+  }
+  const Admission admission = Admit(service.intake, flight, upload);
+  nlohmann::json answer = DetailJson(admission, upload);
+  std::vector<std::string> unposed = ImagesWithoutPose(upload);
+  unposed.resize(std::min(unposed.size(), kMaxNumListedErrors));
+  answer["dry_run"] = true;
+  answer["would_be_refused"] = !problems.empty();
+  answer["problems"] = problems;
+  answer["images_without_pose"] = unposed;
+  answer["altitude_datum"] = ParseFlightRequest(flight.request_json).altitude_datum;
+  answer["camera"] = CameraToBeTaken(flight, admission, upload.poses());
+  return answer;
+}
+
+}  // namespace
+
+void PostBatch(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRow flight_row = ExistingFlight(service, call);
+  RefuseWhenRetired(flight_row);
+  const std::string flight_id = flight_row.id;
+  const Receiving receiving(service.intake, flight_id);
+  const BatchOptions options{call.QueryFlag("dry_run"), call.QueryFlag("extra_poses")};
+  BatchUpload upload(service.intake);
+  upload.Read(call);
+  if (options.is_dry_run) {
+    const nlohmann::json answer = DryRun(service, ExistingFlight(service, call), upload, options);
+    response.set_content(answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                         "application/json");
+    return;
+  }
+  upload.ParsePoses(ParseFlightRequest(ExistingFlight(service, call).request_json).origin);
+  if (!options.may_have_extra_poses) RefuseUnknownImages(service, flight_id, upload);
+  const std::lock_guard lock(service.intake.intake_mutex);
+  const Admission admission = Admit(service.intake, ExistingFlight(service, call), upload);
+  const JobRow job = NewBatchJob(flight_id, admission, upload);
+  service.storage.frames.Insert(flight_id, admission.frames, job, [&](FlightRow& flight) {
+    flight.rig_json = admission.rig_json;
+    flight.num_rejected_frames += admission.num_rejected;
+    flight.warnings_json = AddWarnings(flight.warnings_json, "images", admission.warnings);
+  });
+  service.events.Publish("job", flight_id, JobJson(job).dump());
+  service.intake.wake_worker();
+  AnswerJob(job, response);
+}
+
+}  // namespace freelsd

@@ -1,0 +1,94 @@
+// All stored sites of an area that recall may name, to preload an aircraft.
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "api/export/sites/sites.h"
+#include "api/stored/stored.h"
+#include "server/handlers/bounding_box.h"
+#include "server/handlers/handlers.h"
+#include "server/handlers/lookups.h"
+#include "server/recall/recall.h"
+
+namespace freelsd {
+namespace {
+
+constexpr size_t kMaxNumExported = 1000;
+
+std::vector<SiteRow> RowsIn(const Service& service, const BoundingBox& box) {
+  std::set<std::string> ids;
+  std::vector<SiteRow> rows;
+  for (const auto& recall : service.storage.sites.ListRecallable(box)) {
+    std::optional<SiteRow> row = service.storage.sites.Find(recall->site_id);
+    if (row && ids.insert(row->id).second) rows.push_back(std::move(*row));
+  }
+  return rows;
+}
+
+std::vector<StoredSite> SitesOf(const std::vector<SiteRow>& rows) {
+  std::vector<StoredSite> sites;
+  sites.reserve(rows.size());
+  for (const SiteRow& row : rows) sites.push_back(SiteOf(row));
+  sites = RankSites(std::move(sites));
+  if (sites.size() > kMaxNumExported) sites.resize(kMaxNumExported);
+  return sites;
+}
+
+std::string GeoJsonOf(const std::vector<SiteRow>& rows) {
+  std::vector<nlohmann::json> features;
+  features.reserve(rows.size());
+  for (const SiteRow& row : rows) features.push_back(nlohmann::json::parse(row.feature_json));
+  nlohmann::json collection = RankedSites(std::move(features));
+  auto& ranked = collection["features"].get_ref<nlohmann::json::array_t&>();
+  if (ranked.size() > kMaxNumExported) ranked.resize(kMaxNumExported);
+  return collection.dump();
+}
+
+// An altitude above home needs sites with one common altitude datum.
+double HomeAltitude(const Call& call, const std::vector<StoredSite>& sites) {
+  const std::optional<double> home_altitude_m = call.QueryNumber("home_altitude_m");
+  if (!home_altitude_m) {
+    throw ApiError("AltitudeUnknown",
+                   "this format has altitudes above home: home_altitude_m is needed",
+                   {{"home_altitude_m", "is missing"}});
+  }
+  for (const StoredSite& site : sites) {
+    if (site.altitude_datum == sites.front().altitude_datum) continue;
+    throw ApiError("AltitudeUnknown", "the area's sites have different altitude datums");
+  }
+  return *home_altitude_m;
+}
+
+void AnswerFile(const std::string& text,
+                const char* type,
+                const char* name,
+                httplib::Response& response) {
+  response.set_header("Content-Disposition", std::string("attachment; filename=\"") + name + '"');
+  response.set_content(text, type);
+}
+
+}  // namespace
+
+void GetEmergencyExport(Service& service, const Call& call, httplib::Response& response) {
+  const std::string format = call.Query("f").value_or("geojson");
+  if (format != "geojson" && format != "rally" && format != "plan") {
+    const std::string detail = "f: must be geojson, plan or rally";
+    throw ApiError("InvalidQuery", detail, {{"f", detail}});
+  }
+  const BoundingBox whole_earth{-180.0, -90.0, 180.0, 90.0};
+  const std::vector<SiteRow> rows = RowsIn(service, ParseBoundingBox(call).value_or(whole_earth));
+  if (format == "geojson") {
+    response.set_content(GeoJsonOf(rows), "application/geo+json");
+    return;
+  }
+  std::vector<StoredSite> sites = SitesOf(rows);
+  const double home_altitude_m = HomeAltitude(call, sites);
+  // A file to fly by has only what has a way down.
+  std::erase_if(sites, [](const StoredSite& site) { return !site.final_places; });
+  const std::string text = ExportSites(format, sites, {home_altitude_m});
+  if (format == "plan") return AnswerFile(text, "application/json", "emergency.plan", response);
+  AnswerFile(text, "text/plain", "emergency-rally.txt", response);
+}
+
+}  // namespace freelsd

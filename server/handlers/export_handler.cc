@@ -1,0 +1,163 @@
+// Answers sites in the format that ?f= or the Accept header names; the default is GeoJSON.
+#include <algorithm>
+#include <sstream>
+
+#include "api/api.h"
+#include "api/export/layers/layers.h"
+#include "api/export/report/report.h"
+#include "api/export/sites/sites.h"
+#include "api/stored/stored.h"
+#include "server/handlers/handlers.h"
+#include "server/handlers/lookups.h"
+
+namespace freelsd {
+namespace {
+
+constexpr SiteFormat kGeoJson{"geojson", "application/geo+json", "geojson"};
+constexpr SiteFormat kReport{"html", "text/html", "html"};
+constexpr double kMaxHomeAltitudeM = 10000.0;
+
+struct AcceptedType {
+  std::string media_type;
+  double quality = 1.0;
+};
+
+std::vector<AcceptedType> ParseAccept(const std::string& header) {
+  std::vector<AcceptedType> types;
+  std::istringstream ranges(header);
+  for (std::string range; std::getline(ranges, range, ',');) {
+    std::erase(range, ' ');
+    const size_t end = range.find(';');
+    AcceptedType type{range.substr(0, end)};
+    const size_t quality = range.find(";q=");
+    if (quality != std::string::npos) type.quality = std::atof(range.c_str() + quality + 3);
+    types.push_back(type);
+  }
+  std::stable_sort(types.begin(), types.end(), [](const auto& left, const auto& right) {
+    return left.quality > right.quality;
+  });
+  return types;
+}
+
+SiteFormat NamedFormat(const std::string& name, const std::vector<SiteFormat>& formats) {
+  std::string names;
+  for (const SiteFormat& format : formats) {
+    if (name == format.name) return format;
+    names += (names.empty() ? "" : ", ") + std::string(format.name);
+  }
+  throw ApiError("InvalidQuery", "f: must be one of " + names, {{"f", "must be one of " + names}});
+}
+
+// `formats` begins with GeoJSON, the answer if no format matches.
+SiteFormat FormatOf(const Call& call, const std::vector<SiteFormat>& formats) {
+  if (const auto name = call.Query("f")) return NamedFormat(*name, formats);
+  for (const AcceptedType& accepted : ParseAccept(call.request.get_header_value("Accept"))) {
+    if (accepted.media_type == "*/*" || accepted.media_type == "application/json") break;
+    for (const SiteFormat& format : formats) {
+      if (accepted.quality > 0.0 && accepted.media_type == format.media_type) return format;
+    }
+  }
+  return kGeoJson;
+}
+
+std::vector<SiteFormat> FormatsWith(std::initializer_list<SiteFormat> more) {
+  std::vector<SiteFormat> formats = more;
+  for (const SiteFormat& format : SiteFormats()) formats.push_back(format);
+  return formats;
+}
+
+ExportOptions OptionsOf(const Call& call) {
+  const ExportOptions options{call.QueryNumber("home_altitude_m")};
+  if (std::abs(options.home_altitude_m.value_or(0.0)) > kMaxHomeAltitudeM) {
+    const std::string detail = "home_altitude_m: must be in [-10000, 10000]";
+    throw ApiError("InvalidQuery", detail, {{"home_altitude_m", detail}});
+  }
+  return options;
+}
+
+// The flight's sites, best first, each with its rank.
+std::vector<StoredSite> RankedSitesOf(const Service& service, const std::string& flight_id) {
+  const std::vector<SiteRow> rows = service.storage.sites.List(flight_id, std::nullopt);
+  std::vector<StoredSite> sites;
+  for (const SiteRow& row : rows) sites.push_back(SiteOf(row));
+  return RankSites(std::move(sites));
+}
+
+// The file name marks an unverified site.
+std::string FileName(const std::string& id, const SiteFormat& format, bool is_unverified) {
+  return id + (is_unverified ? "-UNVERIFIED." : ".") + format.extension;
+}
+
+bool IsUnverified(const StoredSite& site) { return site.verdict == "unverified"; }
+
+void Answer(const std::string& body,
+            const SiteFormat& format,
+            const std::string& file_name,
+            httplib::Response& response) {
+  response.set_header("Vary", "Accept");
+  response.set_header("Content-Disposition", "attachment; filename=\"" + file_name + "\"");
+  response.set_content(body, format.media_type);
+}
+
+void AnswerReport(const Service& service,
+                  const SiteRow& row,
+                  const StoredSite& site,
+                  httplib::Response& response) {
+  const std::optional<std::string> blob = service.storage.sites.ReadMap(row.id);
+  const LocalFrame local_frame(ParseReplan(row.replan_json).origin);
+  response.set_header("Vary", "Accept");
+  response.set_header("Content-Security-Policy",
+                      "default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
+                      "frame-ancestors 'none'");
+  response.set_content(SiteReport(site, blob ? DeserializeSiteMap(*blob) : SiteMap(), local_frame),
+                       "text/html; charset=utf-8");
+}
+
+}  // namespace
+
+void GetSiteAs(Service& service, const Call& call, httplib::Response& response) {
+  const SiteRow row = ExistingSite(service, call);
+  const SiteFormat format = FormatOf(call, FormatsWith({kGeoJson, kReport}));
+  const ExportOptions options = OptionsOf(call);
+  if (std::string_view(format.name) == kGeoJson.name) {
+    response.set_header("Vary", "Accept");
+    return GetSite(service, call, response);
+  }
+  for (const StoredSite& site : RankedSitesOf(service, row.flight_id)) {
+    if (site.id != row.id) continue;
+    if (std::string_view(format.name) == kReport.name)
+      return AnswerReport(service, row, site, response);
+    const std::string body = ExportSites(format.name, {site}, options);
+    Answer(body, format, FileName(row.id, format, IsUnverified(site)), response);
+  }
+}
+
+void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRow flight = ExistingFlight(service, call);
+  const SiteFormat format = FormatOf(call, FormatsWith({kGeoJson}));
+  const ExportOptions options = OptionsOf(call);
+  if (std::string_view(format.name) == kGeoJson.name) {
+    response.set_header("Vary", "Accept");
+    return GetFlightSites(service, call, response);
+  }
+  const std::vector<StoredSite> sites = RankedSitesOf(service, flight.id);
+  // A format that shows verdicts is named after its first site; any other after all sites.
+  const auto end = format.tells_verdicts && !sites.empty() ? sites.begin() + 1 : sites.end();
+  const bool is_unverified = std::any_of(sites.begin(), end, IsUnverified);
+  const std::string body = ExportSites(format.name, sites, options);
+  Answer(body, format, FileName(flight.id, format, is_unverified), response);
+}
+
+void GetLayerWorldFile(Service& service, const Call& call, httplib::Response& response) {
+  const SiteRow site = ExistingSite(service, call);
+  const std::vector<std::string> names = LayerNames();
+  if (std::find(names.begin(), names.end(), call.Id("layer")) == names.end()) {
+    throw ApiError("NoSuchLayer", "there is no such layer");
+  }
+  const std::optional<std::string> blob = service.storage.sites.ReadMap(site.id);
+  if (!blob) throw ApiError("NoMap", "the site has no map");
+  const LocalFrame local_frame(ParseReplan(site.replan_json).origin);
+  response.set_content(LayerWorldFile(DeserializeSiteMap(*blob), local_frame), "text/plain");
+}
+
+}  // namespace freelsd

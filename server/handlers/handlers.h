@@ -1,0 +1,80 @@
+// The handlers in the table of routes.cc, by the file that defines them. They throw ApiError and
+// StorageError. Several threads call them at the same time.
+#pragma once
+
+#include "server/http/http.h"
+#include "server/work/work.h"
+
+namespace freelsd {
+
+// flight_handlers.cc
+void PostFlight(Service& service, const Call& call, httplib::Response& response);
+void GetFlights(Service& service, const Call& call, httplib::Response& response);
+void GetFlight(Service& service, const Call& call, httplib::Response& response);
+void DeleteFlight(Service& service, const Call& call, httplib::Response& response);
+
+// track_handler.cc
+void GetTrack(Service& service, const Call& call, httplib::Response& response);
+
+// frame_handlers.cc
+void PutFrame(Service& service, const Call& call, httplib::Response& response);
+void PostFrame(Service& service, const Call& call, httplib::Response& response);
+void GetFrames(Service& service, const Call& call, httplib::Response& response);
+
+// batch_handler.cc
+void PostBatch(Service& service, const Call& call, httplib::Response& response);
+
+// job_handlers.cc
+void PostFinish(Service& service, const Call& call, httplib::Response& response);
+void GetJobs(Service& service, const Call& call, httplib::Response& response);
+void GetJob(Service& service, const Call& call, httplib::Response& response);
+void DeleteJob(Service& service, const Call& call, httplib::Response& response);
+
+// result_handlers.cc
+void GetRegions(Service& service, const Call& call, httplib::Response& response);
+void GetRegionHistory(Service& service, const Call& call, httplib::Response& response);
+void GetFlightSites(Service& service, const Call& call, httplib::Response& response);
+void GetSites(Service& service, const Call& call, httplib::Response& response);
+void GetSite(Service& service, const Call& call, httplib::Response& response);
+void DeleteSite(Service& service, const Call& call, httplib::Response& response);
+
+// approach_handler.cc
+void GetApproach(Service& service, const Call& call, httplib::Response& response);
+void GetWindRose(Service& service, const Call& call, httplib::Response& response);
+
+// export_handler.cc
+void GetSiteAs(Service& service, const Call& call, httplib::Response& response);
+void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& response);
+void GetLayerWorldFile(Service& service, const Call& call, httplib::Response& response);
+
+// layer_handlers.cc
+void GetLayers(Service& service, const Call& call, httplib::Response& response);
+void GetLayerPicture(Service& service, const Call& call, httplib::Response& response);
+void GetLayerGeoTiff(Service& service, const Call& call, httplib::Response& response);
+void GetLayerLegend(Service& service, const Call& call, httplib::Response& response);
+
+// emergency_handlers.cc
+void GetEmergency(Service& service, const Call& call, httplib::Response& response);
+void PostEmergency(Service& service, const Call& call, httplib::Response& response);
+void GetEmergencyExport(Service& service, const Call& call, httplib::Response& response);
+
+// alternates_handler.cc
+void GetAlternates(Service& service, const Call& call, httplib::Response& response);
+
+// telemetry_handler.cc
+void PostTelemetry(Service& service, const Call& call, httplib::Response& response);
+
+// stream_handler.cc
+void PostStream(Service& service, const Call& call, httplib::Response& response);
+
+// events_handler.cc
+void GetEvents(Service& service, const Call& call, httplib::Response& response);
+
+// service_handlers.cc
+void GetHealth(Service& service, const Call& call, httplib::Response& response);
+void GetReadiness(Service& service, const Call& call, httplib::Response& response);
+void GetMetrics(Service& service, const Call& call, httplib::Response& response);
+void GetInfo(Service& service, const Call& call, httplib::Response& response);
+void GetOpenApi(Service& service, const Call& call, httplib::Response& response);
+
+}  // namespace freelsd

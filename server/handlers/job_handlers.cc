@@ -1,0 +1,89 @@
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/handlers/handlers.h"
+#include "server/handlers/lookups.h"
+#include "server/http/http.h"
+#include "server/work/work.h"
+
+namespace freelsd {
+namespace {
+
+bool IsUnfinished(const JobRow& job) {
+  return job.state == JobState::kQueued || job.state == JobState::kRunning;
+}
+
+// The flight's finish jobs, newest first.
+std::vector<JobRow> FinishJobs(const Service& service, const std::string& flight_id) {
+  std::vector<JobRow> jobs = service.storage.jobs.ListOf(flight_id);
+  std::erase_if(jobs, [](const JobRow& job) { return job.kind != "finish"; });
+  return jobs;
+}
+
+// The job that answers this finish: the running one, else a new one. A new one is done at once if
+// nothing arrived since the last.
+JobRow FinishJob(Service& service, const std::string& flight_id, bool is_over) {
+  const std::lock_guard lock(service.intake.intake_mutex);
+  const std::vector<JobRow> earlier = FinishJobs(service, flight_id);
+  const auto running = std::find_if(earlier.begin(), earlier.end(), IsUnfinished);
+  if (running != earlier.end()) return *running;
+  const std::vector<FrameRow> frames = service.storage.frames.List(flight_id);
+  const int64_t last_sequence = frames.empty() ? 0 : frames.back().sequence;
+  const auto done = std::find_if(earlier.begin(), earlier.end(), [](const JobRow& job) {
+    return job.state == JobState::kDone;
+  });
+  // A flight without images cannot be evaluated again; its sites stay.
+  const bool is_nothing_new =
+      frames.empty() || is_over ||
+      (done != earlier.end() && LastSequenceOf(*done, service.storage) == last_sequence);
+  JobRow job;
+  job.id = NewId("j");
+  job.kind = "finish";
+  job.flight_id = flight_id;
+  job.created_at_us = NowUs();
+  job.detail_json = nlohmann::json{{"last_sequence", last_sequence}}.dump();
+  if (is_nothing_new) {
+    job.state = JobState::kDone;
+    job.progress_ratio = 1.0;
+  }
+  service.storage.jobs.Insert(job);
+  service.events.Publish("job", flight_id, JobJson(job).dump());
+  return job;
+}
+
+}  // namespace
+
+void PostFinish(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRow flight = ExistingFlight(service, call);
+  const JobRow job = FinishJob(service, flight.id, flight.has_retired_images);
+  service.intake.wake_worker();
+  AnswerJob(job, response);
+}
+
+void GetJobs(Service& service, const Call&, httplib::Response& response) {
+  nlohmann::json jobs = nlohmann::json::array();
+  for (const JobRow& job : service.storage.jobs.List()) jobs.push_back(JobJson(job));
+  response.set_content(nlohmann::json{{"jobs", jobs}}.dump(), "application/json");
+}
+
+void GetJob(Service& service, const Call& call, httplib::Response& response) {
+  response.set_content(JobJson(ExistingJob(service, call)).dump(), "application/json");
+}
+
+// Cancels an unfinished job and answers it; deletes a finished job.
+void DeleteJob(Service& service, const Call& call, httplib::Response& response) {
+  JobRow job = ExistingJob(service, call);
+  if (IsUnfinished(job)) {
+    job.state = JobState::kCancelled;
+    UpdateJob(service, job);
+    service.intake.wake_worker();
+    response.set_content(JobJson(ExistingJob(service, call)).dump(), "application/json");
+    return;
+  }
+  service.storage.jobs.Delete(job.id);
+  response.status = 204;
+}
+
+}  // namespace freelsd

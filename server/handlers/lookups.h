@@ -1,0 +1,20 @@
+// Finds the flight, site or job whose id is in the URL.
+#pragma once
+
+#include "api/stored/stored.h"
+#include "server/http/http.h"
+#include "server/work/work.h"
+
+namespace freelsd {
+
+// Throws ApiError NoSuchFlight.
+FlightRow ExistingFlight(const Service& service, const Call& call);
+// Throws ApiError NoSuchSite.
+SiteRow ExistingSite(const Service& service, const Call& call);
+// Throws ApiError NoSuchJob.
+JobRow ExistingJob(const Service& service, const Call& call);
+
+// The row as a struct, without its rank.
+StoredSite SiteOf(const SiteRow& row);
+
+}  // namespace freelsd

@@ -1,0 +1,120 @@
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "engine/glide/glide.h"
+#include "server/handlers/handlers.h"
+#include "server/http/http.h"
+#include "server/recall/recall.h"
+
+namespace freelsd {
+
+void GetHealth(Service&, const Call&, httplib::Response& response) {
+  response.set_content(R"({"status":"ok"})", "application/json");
+}
+
+namespace {
+
+// Messages about a damaged database may hold bytes of it, which need not be UTF-8.
+std::string TextOf(const nlohmann::json& answer) {
+  return answer.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+}  // namespace
+
+void GetReadiness(Service& service, const Call&, httplib::Response& response) {
+  nlohmann::json reasons = nlohmann::json::array();
+  if (service.intake.is_stopping) reasons.push_back("the server is stopping");
+  if (const auto reason = service.storage.WhyNotWritable())
+    reasons.push_back("storage: " + *reason);
+  const bool is_ready = reasons.empty();
+  const std::vector<std::string> notices = service.storage.Notices();
+  if (is_ready) {
+    const nlohmann::json answer{{"ready", true}, {"reasons", reasons}, {"notices", notices}};
+    response.set_content(TextOf(answer), "application/json");
+    return;
+  }
+  nlohmann::json problem = nlohmann::json::parse(
+      ProblemJson(ApiError("Unavailable", "the server cannot accept work now")));
+  problem["ready"] = false;
+  problem["reasons"] = reasons;
+  problem["notices"] = notices;
+  response.status = 503;
+  response.set_content(TextOf(problem), "application/problem+json");
+  response.set_header("Retry-After", std::to_string(RetryAfterSeconds("Unavailable").value_or(1)));
+}
+
+// Gauges are read from storage for each request, so that they agree with it.
+void GetMetrics(Service& service, const Call&, httplib::Response& response) {
+  std::ostringstream text;
+  const auto gauge = [&text](const char* name, const char* help, auto value) {
+    text << "# HELP freelsd_" << name << ' ' << help << "\n# TYPE freelsd_" << name
+         << " gauge\nfreelsd_" << name << ' ' << value << '\n';
+  };
+  gauge("queued_frames", "Frames that wait for the engine.", service.storage.frames.CountQueued());
+  gauge("unfinished_jobs", "Jobs queued or running.", service.storage.jobs.ListUnfinished().size());
+  gauge("flights", "Stored flights.", service.storage.flights.List().size());
+  gauge("recallable_sites",
+        "Sites that emergency recall may answer with.",
+        service.storage.sites.CountRecallable());
+  gauge("notices", "Notices for the operator, see /readyz.", service.storage.Notices().size());
+  gauge("stored_image_bytes", "Total size of all image files.", service.storage.images.NumBytes());
+  gauge(
+      "writable", "1 if storage accepts writes, else 0.", service.storage.WhyNotWritable() ? 0 : 1);
+  response.set_content(text.str() + service.metrics.Text(), "text/plain; version=0.0.4");
+}
+
+namespace {
+
+// All limits of the service.
+nlohmann::json LimitsOf(const Service& service) {
+  const Config& config = service.config;
+  const HeadLimits head;
+  nlohmann::json limits = LimitsJson(kLimits);
+  limits.update(
+      nlohmann::json{{"max_head_bytes", head.max_bytes},
+                     {"max_num_head_lines", head.max_num_lines},
+                     {"max_head_line_bytes", head.max_line_bytes},
+                     {"max_url_bytes", head.max_target_bytes},
+                     {"max_batch_bytes", config.max_batch_bytes},
+                     {"max_telemetry_line_bytes", 8 << 10},
+                     {"max_telemetry_gap_s", config.max_telemetry_gap_s},
+                     {"max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s},
+                     {"telemetry_wait_s", config.telemetry_wait_s},
+                     {"max_num_queued_frames", config.max_num_queued_frames},
+                     {"max_num_open_flights", config.max_num_open_flights},
+                     {"max_num_uploads", kMaxNumUploads},
+                     {"max_num_streams", kMaxNumStreams},
+                     {"max_num_event_clients", kMaxNumEventClients},
+                     {"num_http_threads", config.num_http_threads},
+                     {"max_num_emergency_sites", kMaxNumEmergencySites},
+                     {"max_num_rose_winds", kMaxNumRoseWinds},
+                     {"max_image_age_days", config.max_image_age_days},
+                     {"max_stored_image_bytes", config.max_stored_image_bytes}});
+  return limits;
+}
+
+nlohmann::json EmergencyInfo() {
+  const GlideOptions options;
+  return {{"unknown_wind_mps", options.unknown_wind_mps},
+          {"datum_penalty_m", options.datum_penalty_m},
+          {"terrain_clearance_m", options.terrain_clearance_m}};
+}
+
+}  // namespace
+
+void GetInfo(Service& service, const Call&, httplib::Response& response) {
+  nlohmann::json info = OptionsJson();
+  info["name"] = "freelsd";
+  info["version"] = FREELSD_VERSION;
+  info["limits"] = LimitsOf(service);
+  info["emergency"] = EmergencyInfo();
+  response.set_content(info.dump(), "application/json");
+}
+
+void GetOpenApi(Service&, const Call&, httplib::Response& response) {
+  response.set_content(std::string(OpenApiJson()), "application/json");
+}
+
+}  // namespace freelsd

@@ -1,0 +1,15 @@
+// HTTP for all URLs alike: connections, requests, answers, events, tokens, metrics.
+#pragma once
+
+#include "server/http/body_reader.h"
+#include "server/http/call.h"
+#include "server/http/digest.h"
+#include "server/http/events.h"
+#include "server/http/http_library.h"
+#include "server/http/http_server.h"
+#include "server/http/metrics.h"
+#include "server/http/multipart.h"
+#include "server/http/page.h"
+#include "server/http/request_head.h"
+#include "server/http/stamps.h"
+#include "server/http/tokens.h"

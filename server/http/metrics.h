@@ -1,0 +1,33 @@
+// Counts requests and their times for Prometheus.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+
+namespace freelsd {
+
+// Thread-safe.
+class Metrics {
+ public:
+  // `route`: a pattern of the routes' table, never text of a client: labels must be bounded.
+  void CountRequest(const std::string& method,
+                    const std::string& route,
+                    int http_status,
+                    double seconds);
+  // Prometheus exposition format 0.0.4: number and time of requests, by method, route and status.
+  std::string Text() const;
+
+ private:
+  struct Sum {
+    int64_t count = 0;
+    double seconds = 0.0;
+  };
+  // Guards requests_.
+  mutable std::mutex mutex_;
+  // By labels in exposition format.
+  std::map<std::string, Sum> requests_;
+};
+
+}  // namespace freelsd

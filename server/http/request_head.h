@@ -1,0 +1,41 @@
+// Parses and checks the head of an HTTP request before cpp-httplib parses it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace freelsd {
+
+// Largest head that ParseRequestHead accepts.
+struct HeadLimits {
+  size_t max_bytes = 16 << 10;
+  size_t max_num_lines = 64;
+  size_t max_line_bytes = 4 << 10;
+  size_t max_target_bytes = 2 << 10;
+};
+
+// A valid request head.
+struct RequestHead {
+  std::string method;
+  std::string target;
+  // Nothing: the request has no body, or a chunked one.
+  std::optional<uint64_t> content_length;
+  bool is_chunked = false;
+  bool expects_continue = false;
+  // The head for cpp-httplib, without headers about body transfer, ranges and compression:
+  // BodyReader reads the body, and we offer neither ranges nor compression.
+  std::string forwarded;
+
+  bool HasBody() const { return is_chunked || content_length.value_or(0) > 0; }
+};
+
+// `text` includes the blank line. `allowed_hosts`: lower case, without port; loopback names are
+// always allowed. Throws ApiError.
+RequestHead ParseRequestHead(std::string_view text,
+                             const HeadLimits& limits,
+                             const std::vector<std::string>& allowed_hosts);
+
+}  // namespace freelsd

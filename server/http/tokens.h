@@ -1,0 +1,35 @@
+// Checks bearer tokens. Only hashes of the tokens are stored.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace freelsd {
+
+// What a route requires of a token, and what a token allows. kNone: no token is needed.
+enum class Scope { kNone, kRead, kIngest, kAdmin };
+
+// The accepted tokens. Immutable, so thread-safe.
+class TokenList {
+ public:
+  // Requests need no token.
+  TokenList() = default;
+  // JSON: [{"sha256": hex of the token's SHA-256, "scopes": ["read", "ingest", "admin"]}]. Throws
+  // ConfigError; also if anyone but the owner may read the file.
+  static TokenList Read(const std::filesystem::path& file);
+
+  // `authorization`: value of the header. Throws ApiError Unauthorized if the token is missing or
+  // unknown, Forbidden if its scopes lack `scope`.
+  void Require(Scope scope, const std::string& authorization) const;
+
+ private:
+  struct Token {
+    std::string sha256;
+    std::vector<Scope> scopes;
+  };
+  bool is_asked_for_ = false;
+  std::vector<Token> tokens_;
+};
+
+}  // namespace freelsd

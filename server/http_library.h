@@ -1,6 +1,0 @@
-// cpp-httplib, without what it drags in: <resolv.h> makes `_res` a macro, and Eigen uses the name.
-#pragma once
-
-#include <httplib.h>
-
-#undef _res

@@ -1,0 +1,181 @@
+#include "server/intake/batch.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+#include "api/api.h"
+#include "api/import/images/images.h"
+#include "api/import/import.h"
+#include "api/import/poses/poses.h"
+#include "server/http/http.h"
+
+namespace freelsd {
+namespace {
+
+constexpr size_t kMaxPosesBytes = 16 << 20;
+constexpr size_t kMaxNumSideFiles = 64;
+constexpr size_t kMaxNumImages = 20000;
+constexpr size_t kMaxNumOthersTold = 20;
+constexpr char kOtherFile[] = "neither an image (JPEG, PNG) nor a file of a known format";
+
+// A file in the spool folder; the destructor removes it.
+class SpoolFile {
+ public:
+  explicit SpoolFile(const std::filesystem::path& path) : path_(path) {}
+  ~SpoolFile() {
+    std::error_code error;
+    std::filesystem::remove(path_, error);
+  }
+  SpoolFile(const SpoolFile&) = delete;
+  SpoolFile& operator=(const SpoolFile&) = delete;
+
+  void Fill(BodyReader& body) const {
+    std::ofstream file(path_, std::ios::binary);
+    std::array<char, 65536> bytes;
+    while (const size_t num_read = body.Read(bytes.data(), bytes.size())) {
+      file.write(bytes.data(), static_cast<std::streamsize>(num_read));
+    }
+    file.close();
+    if (!file) {
+      throw StorageError("write the spool file", "no space or I/O error", StorageFault::kFull);
+    }
+  }
+  std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace
+
+BatchUpload::~BatchUpload() {
+  for (const std::string& sha256 : written_) {
+    try {
+      intake_.storage.images.RemoveUnused(sha256);
+    } catch (const StorageError&) {
+      // The next start removes the file.
+      continue;
+    }
+  }
+}
+
+void BatchUpload::Read(const Call& call) {
+  call.body.LimitTo(intake_.config.max_batch_bytes);
+  if (const auto flight = intake_.storage.flights.Find(call.Id("flight"))) {
+    camera_ = CameraOf(*flight);
+  }
+  const auto boundary = MultipartBoundary(call.request.get_header_value("Content-Type"));
+  if (boundary) {
+    ReadParts(call, *boundary);
+  } else {
+    ReadArchive(call);
+  }
+  if (images_.empty() && side_files_.empty()) {
+    const std::string detail =
+        others_.empty() ? "the batch has no images"
+                        : "the batch has no images: " + ShownPath(others_[0]) + " is " + kOtherFile;
+    throw ApiError("MissingPart", detail, {{"/images", "is missing"}});
+  }
+}
+
+void BatchUpload::ReadParts(const Call& call, const std::string& boundary) {
+  MultipartReader parts([&call](char* bytes, size_t size) { return call.body.Read(bytes, size); },
+                        boundary);
+  while (const std::optional<Part> part = parts.Next()) {
+    if (part->name == "images") {
+      AddImage(part->file_name, parts.ReadAll(intake_.image_limits.max_bytes));
+    } else if (part->name == "poses") {
+      AddSideFile(part->file_name, parts.ReadAll(kMaxPosesBytes));
+    } else {
+      throw ApiError("UnknownPart", "a batch accepts only parts named images and poses");
+    }
+  }
+}
+
+void BatchUpload::ReadArchive(const Call& call) {
+  const SpoolFile file(intake_.storage.SpoolFolder() / NewId("zip"));
+  file.Fill(call.body);
+  std::array<char, 4> magic{};
+  std::ifstream(file.path(), std::ios::binary).read(magic.data(), magic.size());
+  if (magic[0] != 'P' || magic[1] != 'K') {
+    throw ApiError("UnsupportedMediaType", "a batch is multipart/form-data or a zip archive");
+  }
+  ReadZip(file.path(), kLimits.zip, [this](const std::string& path, std::string&& bytes) {
+    AddEntry(path, std::move(bytes));
+  });
+}
+
+void BatchUpload::AddEntry(const std::string& path, std::string&& bytes) {
+  const FileKind kind = KindByName(path);
+  if (kind == FileKind::kImage || (kind == FileKind::kUnknown && BeginsAsImage(bytes))) {
+    AddImage(path, std::move(bytes));
+  } else if (IsSideFile(path) && !IsAnyText({path, bytes})) {
+    AddSideFile(path, std::move(bytes));
+  } else {
+    others_.push_back(path);
+  }
+}
+
+void BatchUpload::AddImage(const std::string& file_name, const std::optional<std::string>& bytes) {
+  BatchImage entry;
+  entry.id = IdFromFileName(file_name);
+  const std::string pointer = "/images/" + std::to_string(images_.size());
+  if (!IsValidId(entry.id)) {
+    throw ApiError("InvalidId", "an image has no usable file name", {{pointer, "file name"}});
+  }
+  if (!ids_.insert(entry.id).second) {
+    throw ApiError(
+        "DuplicateId", "two files have the id " + entry.id, {{pointer, "is a duplicate"}});
+  }
+  if (images_.size() >= kMaxNumImages) throw ApiError("TooManyParts", "too many images");
+  try {
+    if (!bytes) throw ApiError("ImageTooLarge", "the file is larger than 32 MiB");
+    entry.image = CheckImage(intake_, *bytes, camera_);
+    written_.insert(entry.image->sha256);
+    intake_.storage.images.Write(entry.image->sha256, *bytes);
+  } catch (const ApiError& error) {
+    entry.code = error.code();
+    entry.reason = error.what();
+  }
+  images_.push_back(std::move(entry));
+}
+
+void BatchUpload::AddSideFile(const std::string& path, const std::optional<std::string>& text) {
+  if (!text) throw ApiError("PosesTooLarge", "the pose file is larger than 16 MiB");
+  if (side_files_.size() >= kMaxNumSideFiles) {
+    throw ApiError("TooManyParts", "a batch has at most 64 files beside its images");
+  }
+  side_files_.push_back({path, *text});
+}
+
+void BatchUpload::ParsePoses(const std::optional<GeoPoint>& origin) {
+  SideContext context;
+  context.origin = origin;
+  for (const BatchImage& entry : images_) {
+    if (entry.image) context.image_tags.emplace_back(entry.id, entry.image->tags.meta);
+  }
+  poses_ = {};
+  poses_.formats = FormatsOf(side_files_);
+  TellOfOthers();
+  PoseFile read = PosesFromFiles(side_files_, context);
+  poses_.poses = std::move(read.poses);
+  poses_.camera = read.camera;
+  poses_.warnings.insert(poses_.warnings.end(), read.warnings.begin(), read.warnings.end());
+}
+
+void BatchUpload::TellOfOthers() {
+  const size_t num_told = std::min(others_.size(), kMaxNumOthersTold);
+  for (size_t i = 0; i < num_told; ++i) {
+    const std::string path = ShownPath(others_[i]);
+    poses_.formats.push_back({"unknown", path, kOtherFile});
+    poses_.warnings.push_back(path + ": " + kOtherFile + ", ignored");
+  }
+  if (others_.size() > num_told) {
+    poses_.warnings.push_back(std::to_string(others_.size() - num_told) +
+                              " more files of the archive were ignored");
+  }
+}
+
+}  // namespace freelsd

@@ -1,0 +1,61 @@
+// Reads a batch as it arrives: checks and writes each image, keeps the poses, inserts no rows.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "api/import/poses/poses.h"
+#include "server/http/http.h"
+#include "server/intake/checked_image.h"
+
+namespace freelsd {
+
+// The verdict on one image of a batch.
+struct BatchImage {
+  std::string id;
+  // Empty if the image was refused; code and reason are set then.
+  std::optional<CheckedImage> image;
+  std::string code;
+  std::string reason;
+};
+
+// Writes images as they arrive. The destructor removes images that no frame names.
+class BatchUpload {
+ public:
+  explicit BatchUpload(Intake& intake) : intake_(intake) {}
+  ~BatchUpload();
+  BatchUpload(const BatchUpload&) = delete;
+  BatchUpload& operator=(const BatchUpload&) = delete;
+
+  // Reads multipart with parts `images` and `poses` (files beside the images), or a zip archive of
+  // the same files. Throws ApiError if the body's structure is invalid.
+  void Read(const Call& call);
+  // Call it after Read: parses the files beside the images. Sets poses().formats even if it throws
+  // ApiError.
+  void ParsePoses(const std::optional<GeoPoint>& origin);
+
+  const std::vector<BatchImage>& images() const { return images_; }
+  const PoseFile& poses() const { return poses_; }
+
+ private:
+  void ReadParts(const Call& call, const std::string& boundary);
+  void ReadArchive(const Call& call);
+  void AddEntry(const std::string& path, std::string&& bytes);
+  void AddImage(const std::string& file_name, const std::optional<std::string>& bytes);
+  void AddSideFile(const std::string& path, const std::optional<std::string>& text);
+  void TellOfOthers();
+
+  Intake& intake_;
+  std::vector<BatchImage> images_;
+  std::optional<Camera> camera_;
+  std::set<std::string> ids_;
+  std::vector<SideFile> side_files_;
+  // Files of an archive that are neither images nor of a known format.
+  std::vector<std::string> others_;
+  PoseFile poses_;
+  std::set<std::string> written_;
+};
+
+}  // namespace freelsd

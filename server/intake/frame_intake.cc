@@ -1,0 +1,106 @@
+#include "server/intake/frame_intake.h"
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/intake/checked_image.h"
+#include "server/intake/frame_resolution.h"
+#include "server/intake/warnings.h"
+
+namespace freelsd {
+namespace {
+
+const char* StateName(FrameState state) {
+  constexpr const char* kNames[] = {"queued", "processed", "rejected"};
+  return kNames[static_cast<int>(state)];
+}
+
+FlightRow OpenFlight(const Intake& intake, const std::string& flight_id) {
+  const std::optional<FlightRow> flight = intake.storage.flights.Find(flight_id);
+  if (!flight) throw ApiError("NoSuchFlight", "there is no such flight");
+  RefuseWhenRetired(*flight);
+  return *flight;
+}
+
+void StoreFrame(Intake& intake,
+                const FrameUpload& upload,
+                const FrameRow& frame,
+                const CheckedImage& image,
+                const FrameMeta& given) {
+  RefuseWhenFull(intake);
+  RigResolver resolver(OpenFlight(intake, frame.flight_id));
+  const FrameMeta meta = KnownMeta(intake, frame.flight_id, given, image.tags.meta);
+  // A frame with a timestamp may wait for telemetry to give its position.
+  if (!meta.position && given.timestamp_us) {
+    resolver.CheckSize(image);
+  } else {
+    resolver.Admit(image, meta);
+  }
+  intake.storage.images.Write(image.sha256, upload.image);
+  try {
+    intake.storage.frames.Insert(frame.flight_id, {frame}, std::nullopt, [&](FlightRow& flight) {
+      flight.rig_json = resolver.RigJson();
+      flight.warnings_json =
+          AddWarnings(flight.warnings_json, "images", resolver.RelevantWarnings(image));
+    });
+  } catch (const StorageError&) {
+    // A refused image must not occupy a full disk.
+    intake.storage.images.RemoveUnused(image.sha256);
+    throw;
+  }
+}
+
+}  // namespace
+
+std::optional<FrameRow> SameFrame(const Intake& intake, const FrameRow& frame) {
+  const auto stored = intake.storage.frames.Find(frame.flight_id, frame.id);
+  if (!stored) return std::nullopt;
+  if (stored->sha256 != frame.sha256) {
+    throw ApiError(
+        "FrameConflict",
+        "the frame is stored with the image " + stored->sha256 + ", not with " + frame.sha256);
+  }
+  if (stored->meta_json != frame.meta_json) {
+    throw ApiError("FrameConflict", "the frame is stored with different meta");
+  }
+  return stored;
+}
+
+TakenFrame TakeFrame(Intake& intake,
+                     const std::string& flight_id,
+                     const std::string& frame_id,
+                     const FrameUpload& upload) {
+  // For a known id, SameFrame reports a differing image as a conflict, so the size is not checked.
+  const bool is_known = intake.storage.frames.Find(flight_id, frame_id).has_value();
+  const CheckedImage image = CheckImage(
+      intake, upload.image, is_known ? std::nullopt : CameraOf(OpenFlight(intake, flight_id)));
+  const FrameMeta given = ParseFrameMeta(upload.meta);
+  const FrameRow frame = NewFrameRow(flight_id, frame_id, image, given);
+  {
+    const std::lock_guard lock(intake.intake_mutex);
+    if (const auto stored = SameFrame(intake, frame)) return {*stored, false};
+    StoreFrame(intake, upload, frame, image, given);
+  }
+  intake.events.Publish("frame", flight_id, FrameJson(frame).dump());
+  intake.wake_worker();
+  intake.on_new_pose(flight_id);
+  return {frame, true};
+}
+
+void RefuseWhenFull(const Intake& intake) {
+  const int64_t num_queued = intake.storage.frames.CountQueued();
+  if (num_queued < intake.config.max_num_queued_frames) return;
+  ApiError error("QueueFull", "too many frames wait for the engine");
+  error.limit = static_cast<double>(intake.config.max_num_queued_frames);
+  error.observed = static_cast<double>(num_queued);
+  throw error;
+}
+
+nlohmann::json FrameJson(const FrameRow& frame) {
+  nlohmann::json object{
+      {"id", frame.id}, {"sha256", frame.sha256}, {"state", StateName(frame.state)}};
+  if (!frame.reason.empty()) object["reason"] = frame.reason;
+  return object;
+}
+
+}  // namespace freelsd

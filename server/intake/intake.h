@@ -1,0 +1,10 @@
+// Intake checks images, frames, batches and telemetry, and stores them.
+#pragma once
+
+#include "server/intake/batch.h"
+#include "server/intake/checked_image.h"
+#include "server/intake/frame_intake.h"
+#include "server/intake/frame_resolution.h"
+#include "server/intake/state.h"
+#include "server/intake/telemetry.h"
+#include "server/intake/warnings.h"

@@ -1,0 +1,79 @@
+// The state that all ways to send data share: settings, storage, events, limits of concurrency.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <semaphore>
+#include <set>
+#include <string>
+
+#include "api/api.h"
+#include "server/config.h"
+#include "server/http/http.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+
+inline constexpr int kMaxNumUploads = 8;
+inline constexpr int kMaxNumStreams = 8;
+
+// Thread-safe, except that the two callbacks are set before the first request.
+struct Intake {
+  Intake(const Config& settings, Storage& store, EventLog& log)
+      : config(settings), storage(store), events(log) {}
+  // True while an upload to the flight is read.
+  bool IsReceiving(const std::string& flight_id) const;
+
+  const Config& config;
+  Storage& storage;
+  EventLog& events;
+  ImageLimits image_limits = kLimits.image;
+  // Called after storing new input for the engine.
+  std::function<void()> wake_worker = [] {};
+  // Called after a flight's pose or wind changed.
+  std::function<void(const std::string& flight_id)> on_new_pose = [](const std::string&) {};
+
+  // Guards the frame rows in storage from the check of their ids to their insertion.
+  std::mutex intake_mutex;
+  // Limits images that requests decode at the same time: 64 megapixels take 192 MiB.
+  std::counting_semaphore<2> decoders{2};
+  // Limits uploads at the same time: each holds an encoded image in memory, and a thread.
+  std::counting_semaphore<kMaxNumUploads> uploads{kMaxNumUploads};
+  // Limits requests that last as long as a flight: each holds a thread.
+  std::counting_semaphore<kMaxNumStreams> streams{kMaxNumStreams};
+  // Guards receiving.
+  mutable std::mutex receiving_mutex;
+  // Ids of flights, once for each upload that is read now.
+  std::multiset<std::string> receiving;
+  std::atomic<bool> is_stopping{false};
+};
+
+// Marks a flight as receiving while an upload is read. The constructor throws ApiError
+// TooManyRequests if there are too many uploads, ShuttingDown if the server is stopping.
+class Receiving {
+ public:
+  Receiving(Intake& intake, const std::string& flight_id);
+  ~Receiving();
+  Receiving(const Receiving&) = delete;
+  Receiving& operator=(const Receiving&) = delete;
+
+ private:
+  Intake& intake_;
+  std::string flight_id_;
+};
+
+// The same for a request that lasts as long as a flight.
+class Streaming {
+ public:
+  Streaming(Intake& intake, const std::string& flight_id);
+  ~Streaming();
+  Streaming(const Streaming&) = delete;
+  Streaming& operator=(const Streaming&) = delete;
+
+ private:
+  Intake& intake_;
+  std::string flight_id_;
+};
+
+}  // namespace freelsd

@@ -1,0 +1,126 @@
+#include "server/intake/telemetry.h"
+
+#include <cmath>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+namespace freelsd {
+namespace {
+
+constexpr double kMicrosecond = 1e-6;
+
+std::array<double, 4> Interpolated(const TelemetryRow& a, const TelemetryRow& b, double share) {
+  std::array<double, 4> values{};
+  if (a.kind == TelemetryKind::kAttitude) {
+    const Eigen::Quaterniond qa(a.values[0], a.values[1], a.values[2], a.values[3]);
+    const Eigen::Quaterniond qb(b.values[0], b.values[1], b.values[2], b.values[3]);
+    const Eigen::Quaterniond between = qa.slerp(share, qb);
+    return {between.w(), between.x(), between.y(), between.z()};
+  }
+  for (size_t i = 0; i < values.size(); ++i) {
+    double step = b.values[i] - a.values[i];
+    // A longitude may cross the antimeridian.
+    if (a.kind == TelemetryKind::kPosition && i == 1) step = std::remainder(step, 360.0);
+    values[i] = a.values[i] + share * step;
+  }
+  if (a.kind == TelemetryKind::kPosition) values[1] = std::remainder(values[1], 360.0);
+  return values;
+}
+
+double SecondsBetween(int64_t from_us, int64_t to_us) {
+  return static_cast<double>(to_us - from_us) * kMicrosecond;
+}
+
+// The values of a sample if it is near enough in time.
+std::optional<std::array<double, 4>> Held(const std::optional<TelemetryRow>& row,
+                                          int64_t timestamp_us,
+                                          double max_s) {
+  if (!row || std::abs(SecondsBetween(row->timestamp_us, timestamp_us)) > max_s) {
+    return std::nullopt;
+  }
+  return row->values;
+}
+
+std::optional<std::array<double, 4>> ValuesAt(const TelemetryPair& pair,
+                                              int64_t timestamp_us,
+                                              const Config& config) {
+  const double max_held_s = config.max_telemetry_extrapolation_s;
+  if (pair.before && pair.after) {
+    const double gap_s = SecondsBetween(pair.before->timestamp_us, pair.after->timestamp_us);
+    if (gap_s <= 0.0) return pair.before->values;
+    if (gap_s <= config.max_telemetry_gap_s) {
+      const double share = SecondsBetween(pair.before->timestamp_us, timestamp_us) / gap_s;
+      return Interpolated(*pair.before, *pair.after, share);
+    }
+  }
+  if (const auto values = Held(pair.before, timestamp_us, max_held_s)) return values;
+  return Held(pair.after, timestamp_us, max_held_s);
+}
+
+void SetField(TelemetryKind kind, const std::array<double, 4>& values, FrameMeta& meta) {
+  if (kind == TelemetryKind::kPosition) {
+    meta.position = GeoPoint{values[0], values[1], values[2]};
+  } else if (kind == TelemetryKind::kAttitude) {
+    meta.ned_from_body = Eigen::Quaterniond(values[0], values[1], values[2], values[3]);
+  } else {
+    meta.wind_in_world = Eigen::Vector2d(values[0], values[1]);
+  }
+}
+
+constexpr TelemetryKind kKinds[] = {
+    TelemetryKind::kPosition, TelemetryKind::kAttitude, TelemetryKind::kWind};
+
+}  // namespace
+
+std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line) {
+  const nlohmann::json object = ParseJson(line);
+  for (const auto& [key, value] : object.items()) {
+    if (key == "timestamp_us" || key == "position" || key == "attitude" || key == "wind") continue;
+    throw ApiError("UnknownKey", key + ": is unknown", {{"/" + key, "is unknown"}});
+  }
+  const FrameMeta meta = ParseFrameMeta(line);
+  if (!meta.timestamp_us) {
+    throw ApiError("InvalidValue", "timestamp_us: is missing", {{"/timestamp_us", "is missing"}});
+  }
+  std::vector<TelemetryRow> rows;
+  const auto add = [&](TelemetryKind kind, const std::array<double, 4>& values) {
+    rows.push_back({kind, *meta.timestamp_us, values});
+  };
+  if (const auto& place = meta.position) {
+    add(TelemetryKind::kPosition, {place->latitude_deg, place->longitude_deg, place->altitude_m});
+  }
+  if (const auto& turn = meta.ned_from_body) {
+    add(TelemetryKind::kAttitude, {turn->w(), turn->x(), turn->y(), turn->z()});
+  }
+  if (const auto& wind = meta.wind_in_world) {
+    add(TelemetryKind::kWind, {wind->x(), wind->y()});
+  }
+  return rows;
+}
+
+FrameMeta TelemetryAt(const Storage& storage,
+                      const Config& config,
+                      const std::string& flight_id,
+                      int64_t timestamp_us) {
+  FrameMeta meta;
+  for (const TelemetryKind kind : kKinds) {
+    const auto pair = storage.telemetry.Around(flight_id, kind, timestamp_us);
+    if (const auto values = ValuesAt(pair, timestamp_us, config)) SetField(kind, *values, meta);
+  }
+  return meta;
+}
+
+FrameMeta LatestTelemetry(const Storage& storage, const std::string& flight_id) {
+  FrameMeta meta;
+  for (const TelemetryKind kind : kKinds) {
+    const auto pair =
+        storage.telemetry.Around(flight_id, kind, std::numeric_limits<int64_t>::max());
+    if (!pair.before) continue;
+    SetField(kind, pair.before->values, meta);
+    if (kind == TelemetryKind::kPosition) meta.timestamp_us = pair.before->timestamp_us;
+  }
+  return meta;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,29 @@
+// Parses telemetry and interpolates the pose at a frame's timestamp.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/api.h"
+#include "server/config.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+
+// Parses one line of NDJSON: {timestamp_us, position?, attitude?, wind?}. Throws ApiError.
+std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line);
+
+// Position, attitude and wind at that time. Each is interpolated (positions and winds linearly,
+// attitudes along the shortest rotation) if samples before and after it are at most
+// max_telemetry_gap_s apart. Otherwise a sample at most max_telemetry_extrapolation_s away is used
+// unchanged, or the value is empty.
+FrameMeta TelemetryAt(const Storage& storage,
+                      const Config& config,
+                      const std::string& flight_id,
+                      int64_t timestamp_us);
+
+// The latest position, attitude and wind.
+FrameMeta LatestTelemetry(const Storage& storage, const std::string& flight_id);
+
+}  // namespace freelsd

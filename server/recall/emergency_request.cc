@@ -1,0 +1,103 @@
+#include "server/recall/emergency_request.h"
+
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kMaxAltitudeM = 20000.0;
+constexpr double kMinAltitudeM = -1000.0;
+constexpr double kMaxWindMps = 100.0;
+
+[[noreturn]] void Refuse(const std::string& key, const std::string& detail) {
+  throw ApiError("InvalidValue", key + ": " + detail, {{"/" + key, detail}});
+}
+
+// JSON null counts as absent.
+std::optional<double> TakeNumber(nlohmann::json& object,
+                                 const std::string& key,
+                                 double min,
+                                 double max) {
+  const auto found = object.find(key);
+  if (found == object.end()) return std::nullopt;
+  const nlohmann::json value = *found;
+  object.erase(found);
+  if (value.is_null()) return std::nullopt;
+  if (!value.is_number() || !std::isfinite(value.get<double>())) Refuse(key, "must be a number");
+  const double number = value.get<double>();
+  if (number < min || number > max) {
+    Refuse(key,
+           "must be in [" + nlohmann::json(min).dump() + ", " + nlohmann::json(max).dump() + "]");
+  }
+  return number;
+}
+
+double TakeNeeded(nlohmann::json& object, const std::string& key, double min, double max) {
+  const std::optional<double> number = TakeNumber(object, key, min, max);
+  if (!number) Refuse(key, "is missing");
+  return *number;
+}
+
+std::optional<Eigen::Vector2d> TakeWind(nlohmann::json& object) {
+  const auto east = TakeNumber(object, "wind_east_mps", -kMaxWindMps, kMaxWindMps);
+  const auto north = TakeNumber(object, "wind_north_mps", -kMaxWindMps, kMaxWindMps);
+  if (east.has_value() != north.has_value()) {
+    Refuse(east ? "wind_north_mps" : "wind_east_mps", "is missing");
+  }
+  if (!east) return std::nullopt;
+  return Eigen::Vector2d(*east, *north);
+}
+
+std::string TakeDatum(nlohmann::json& object) {
+  const auto found = object.find("altitude_datum");
+  if (found == object.end() || found->is_null()) {
+    object.erase("altitude_datum");
+    return "unknown";
+  }
+  if (*found != "amsl" && *found != "ellipsoid" && *found != "unknown") {
+    Refuse("altitude_datum", "must be amsl, ellipsoid or unknown");
+  }
+  const std::string datum = *found;
+  object.erase(found);
+  return datum;
+}
+
+// The name of a profile, or an object whose fields override a profile.
+std::optional<Aircraft> TakeAircraft(nlohmann::json& object) {
+  const auto found = object.find("aircraft");
+  if (found == object.end()) return std::nullopt;
+  const nlohmann::json value = *found;
+  object.erase(found);
+  if (value.is_null()) return std::nullopt;
+  if (value.is_string()) return ParseAircraft({{"profile", value}}, "/aircraft");
+  return ParseAircraft(value, "/aircraft");
+}
+
+}  // namespace
+
+EmergencyRequest ParseEmergencyRequest(const nlohmann::json& given) {
+  if (!given.is_object()) throw ApiError("InvalidValue", "must be an object", {{"", "object"}});
+  nlohmann::json object = given;
+  EmergencyRequest request;
+  request.place.latitude_deg = TakeNeeded(object, "latitude_deg", -90.0, 90.0);
+  request.place.longitude_deg = TakeNeeded(object, "longitude_deg", -180.0, 180.0);
+  request.place.altitude_m = TakeNeeded(object, "altitude_m", kMinAltitudeM, kMaxAltitudeM);
+  request.wind_in_world = TakeWind(object);
+  request.heading_deg = TakeNumber(object, "heading_deg", -36000.0, 36000.0);
+  request.glide_ratio = TakeNumber(object, "glide_ratio", 1.0, 100.0);
+  request.altitude_datum = TakeDatum(object);
+  request.aircraft = TakeAircraft(object);
+  const double limit = TakeNumber(object, "limit", 1.0, kMaxNumEmergencySites).value_or(5.0);
+  if (limit != std::floor(limit)) Refuse("limit", "must be a whole number");
+  request.limit = static_cast<size_t>(limit);
+  if (!object.empty()) {
+    throw ApiError("UnknownKey", "unknown key", {{"/" + object.begin().key(), "is unknown"}});
+  }
+  return request;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,33 @@
+// A request to emergency recall, and its parser.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "api/api.h"
+#include "engine/flight/flight.h"
+
+namespace freelsd {
+
+// Upper bound of `limit`.
+constexpr size_t kMaxNumEmergencySites = 50;
+
+// The aircraft's state, and how many sites to answer.
+struct EmergencyRequest {
+  GeoPoint place;
+  std::string altitude_datum = "unknown";
+  // East and north, m/s: the direction in which the air moves. Empty: unknown.
+  std::optional<Eigen::Vector2d> wind_in_world;
+  std::optional<double> heading_deg;
+  std::optional<double> glide_ratio;
+  // Empty: for each site, the aircraft for which the site was planned.
+  std::optional<Aircraft> aircraft;
+  size_t limit = 5;
+};
+
+// `object` holds the query parameters or the keys of the body. Throws ApiError.
+EmergencyRequest ParseEmergencyRequest(const nlohmann::json& object);
+
+}  // namespace freelsd

@@ -1,0 +1,163 @@
+#include "server/recall/map_cache.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+namespace freelsd {
+namespace {
+
+// A map has eight layers of float and one of bytes. Each planner adds one layer of float and one of
+// bytes, and the surface that it clears: two layers of float and three of bytes.
+constexpr size_t kMaxNumPlannersKept = 2;
+constexpr size_t kBytesPerCell = 33 + (5 + 11) * kMaxNumPlannersKept;
+constexpr size_t kMaxNumPlansKept = 8;
+
+size_t NumCells(const Grid& grid) {
+  return static_cast<size_t>(grid.num_rows) * static_cast<size_t>(grid.num_cols);
+}
+
+// The exact bytes: any other wind needs another plan.
+std::string WindKey(const std::optional<Eigen::Vector2d>& wind) {
+  if (!wind) return {};
+  return {reinterpret_cast<const char*>(wind->data()), 2 * sizeof(double)};
+}
+
+// Nothing if the site cannot be used: one damaged site must not fail the whole answer.
+std::shared_ptr<const KeptSite> ReadSite(const Storage& storage, const std::string& site_id) {
+  const std::optional<SiteRow> row = storage.sites.Find(site_id);
+  const std::optional<std::string> blob = storage.sites.ReadMap(site_id);
+  if (!row || !blob) return nullptr;
+  return std::make_shared<const KeptSite>(
+      KeptSite{*row, ParseReplan(row->replan_json), DeserializeSiteMap(*blob)});
+}
+
+std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage, const std::string& site_id) {
+  try {
+    return ReadSite(storage, site_id);
+  } catch (const StorageError&) {
+    throw;
+  } catch (const DamagedMap& error) {
+    // From now on storage reads from the second copy.
+    spdlog::error("site {}: {}", site_id, error.what());
+    storage.MarkDamaged(std::string("site ").append(site_id).append(": ").append(error.what()));
+  } catch (const std::exception& error) {
+    // Another version wrote it, or memory is short. Other sites can still be used.
+    spdlog::error("site {} cannot be used: {}", site_id, error.what());
+    return nullptr;
+  }
+  try {
+    return ReadSite(storage, site_id);
+  } catch (const std::exception& error) {
+    spdlog::error("site {}, second copy: {}", site_id, error.what());
+    return nullptr;
+  }
+}
+
+}  // namespace
+
+MapCache::Planned* MapCache::FindSame(const std::shared_ptr<const KeptSite>& site) {
+  Planned* const planned = sites_.Find(site->row.id);
+  return planned != nullptr && planned->site == site ? planned : nullptr;
+}
+
+MapCache::Planner* MapCache::FindPlanner(const std::shared_ptr<const KeptSite>& site,
+                                         const std::string& aircraft_key) {
+  Planned* const planned = FindSame(site);
+  if (planned == nullptr) return nullptr;
+  std::list<Planner>& planners = planned->planners;
+  const auto found = std::find_if(planners.begin(), planners.end(), [&](const Planner& each) {
+    return each.aircraft_key == aircraft_key;
+  });
+  if (found == planners.end()) return nullptr;
+  planners.splice(planners.begin(), planners, found);
+  return &planners.front();
+}
+
+// Storage may hold another update than the requested one: a newer one that was just stored, or an
+// older one from the second copy of a damaged database. No other is available, so it is cached as
+// the requested one.
+std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
+                                              const std::string& site_id,
+                                              int64_t updated_at_us) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const Planned* planned = sites_.Find(site_id, updated_at_us)) return planned->site;
+  }
+  const std::shared_ptr<const KeptSite> site = ReadSiteSafely(storage, site_id);
+  if (!site) return nullptr;
+  const std::lock_guard lock(mutex_);
+  // Another thread may have cached it in the meantime, with plans that refer to its object.
+  if (const Planned* planned = sites_.Find(site_id, updated_at_us)) return planned->site;
+  const size_t num_bytes = kBytesPerCell * NumCells(site->site_map.map.grid);
+  sites_.Keep(site_id, updated_at_us, num_bytes, {site, {}});
+  return site;
+}
+
+std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
+                                                       const std::string& site_id,
+                                                       int64_t updated_at_us) {
+  std::shared_ptr<const KeptSite> site;
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto* terrain = terrains_.Find(site_id, updated_at_us)) return *terrain;
+    if (const Planned* planned = sites_.Find(site_id, updated_at_us)) site = planned->site;
+  }
+  if (!site) site = ReadSiteSafely(storage, site_id);
+  if (!site) return nullptr;
+  const auto terrain = std::make_shared<KeptTerrain>();
+  terrain->origin = site->replan.origin;
+  terrain->grid = site->site_map.map.grid;
+  terrain->upper = site->site_map.map.upper.clone();
+  const std::lock_guard lock(mutex_);
+  terrains_.Keep(site_id, updated_at_us, sizeof(float) * NumCells(terrain->grid), terrain);
+  return terrain;
+}
+
+void MapCache::DropPlans(const std::string& site_id) {
+  const std::lock_guard lock(mutex_);
+  sites_.Erase(site_id);
+}
+
+std::shared_ptr<const StoredMapPlanner> MapCache::PlannerFor(
+    const std::shared_ptr<const KeptSite>& site, const Aircraft& aircraft) {
+  const std::string aircraft_key = AircraftJson(aircraft).dump();
+  {
+    const std::lock_guard lock(mutex_);
+    if (const Planner* const planner = FindPlanner(site, aircraft_key)) return planner->on_map;
+  }
+  auto on_map = std::make_shared<const StoredMapPlanner>(site->replan, aircraft, site->site_map);
+  const std::lock_guard lock(mutex_);
+  Planned* const planned = FindSame(site);
+  if (planned == nullptr || FindPlanner(site, aircraft_key) != nullptr) return on_map;
+  planned->planners.push_front({aircraft_key, on_map, {}});
+  if (planned->planners.size() > kMaxNumPlannersKept) planned->planners.pop_back();
+  return on_map;
+}
+
+std::shared_ptr<const Plan> MapCache::PlanFor(const std::shared_ptr<const KeptSite>& site,
+                                              const Aircraft& aircraft,
+                                              const std::optional<Eigen::Vector2d>& wind_in_world) {
+  const std::string aircraft_key = AircraftJson(aircraft).dump();
+  const std::string wind_key = WindKey(wind_in_world);
+  {
+    const std::lock_guard lock(mutex_);
+    if (const Planner* const planner = FindPlanner(site, aircraft_key)) {
+      for (const auto& [kept_key, plan] : planner->plans) {
+        if (kept_key == wind_key) return plan;
+      }
+    }
+  }
+  const auto on_map = PlannerFor(site, aircraft);
+  const auto plan = std::make_shared<const Plan>(on_map->planner.PlanFor(wind_in_world));
+  const std::lock_guard lock(mutex_);
+  Planner* const planner = FindPlanner(site, aircraft_key);
+  if (planner == nullptr) return plan;
+  planner->plans.emplace_front(wind_key, plan);
+  if (planner->plans.size() > kMaxNumPlansKept) planner->plans.pop_back();
+  return plan;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,9 @@
+// Answers from stored sites alone: emergency recall, alternates, plans on stored maps.
+#pragma once
+
+#include "server/recall/alternates.h"
+#include "server/recall/emergency_request.h"
+#include "server/recall/map_cache.h"
+#include "server/recall/recall_sites.h"
+#include "server/recall/replan.h"
+#include "server/recall/superseding.h"

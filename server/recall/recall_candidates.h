@@ -1,0 +1,51 @@
+// Selects and orders the stored sites that recall evaluates, by position and stored data alone,
+// before it reads any map.
+#pragma once
+
+#include <vector>
+
+#include "engine/glide/glide.h"
+#include "server/recall/recall_sites.h"
+
+namespace freelsd {
+
+// Radius of the largest search; no small plane glides farther.
+constexpr double kMaxReachM = 100000.0;
+
+// A stored site as seen from the aircraft. Lengths and margins are in metres.
+struct RecallCandidate {
+  const RecallRow* row = nullptr;
+  // From the aircraft to the site: east, north.
+  Eigen::Vector2d way_m = Eigen::Vector2d::Zero();
+  double distance_m = 0.0;
+  double datum_penalty_m = 0.0;
+  double score = 0.0;
+  double age_s = 0.0;
+  // Upper bound of the arrival margin.
+  double best_margin_m = 0.0;
+  // Estimate of the arrival margin, for a glide straight to the site.
+  double expected_margin_m = 0.0;
+};
+
+BoundingBox BoxAround(const GeoPoint& place, double reach_m);
+// The gliding aircraft: aircraft and glide ratio of the request override the site's.
+Aircraft AircraftOf(const EmergencyRequest& request, const Aircraft& site_aircraft);
+GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& position_in_world);
+// Upper bound of the distance that the glide covers: to the lowest site, with the best aircraft.
+double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds);
+
+// The `num_first` most promising candidates come first, in order; the rest has no order. Candidates
+// point into `rows`. Sites whose stored aircraft is invalid are left out.
+std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
+                                        const SharedRows<RecallRow>& rows,
+                                        size_t num_first);
+
+// Order of an answer: by arrival margin, then verdict and score (reduced with age), then age.
+bool IsBetter(double margin_a,
+              bool landable_a,
+              const RecallCandidate& a,
+              double margin_b,
+              bool landable_b,
+              const RecallCandidate& b);
+
+}  // namespace freelsd

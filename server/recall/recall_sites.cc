@@ -1,0 +1,229 @@
+#include "server/recall/recall_sites.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/http/http.h"
+#include "server/recall/recall_candidates.h"
+#include "server/recall/terrain_margin.h"
+
+namespace freelsd {
+namespace {
+
+// Limits of one answer: the number of sites to plan on, and the time after which no plan is begun.
+constexpr size_t kMaxNumPlanned = 40;
+// One more than is planned on shows that there are more.
+constexpr size_t kNumRanked = kMaxNumPlanned + 1;
+constexpr std::chrono::milliseconds kTimeBudget{1500};
+
+struct Reached {
+  double margin_m = 0.0;
+  bool is_landable = false;
+  nlohmann::json answer;
+};
+
+// Removes duplicates: a box that crosses the antimeridian is read in two parts.
+SharedRows<RecallRow> RowsWithin(const StoredSites& stored,
+                                 const EmergencyRequest& request,
+                                 double reach_m) {
+  const BoundingBox box = BoxAround(request.place, reach_m);
+  SharedRows<RecallRow> rows = stored.storage.sites.ListRecallable(box);
+  if (box.west_deg > box.east_deg) {
+    std::set<std::string> ids;
+    std::erase_if(rows, [&ids](const auto& row) { return !ids.insert(row->site_id).second; });
+  }
+  return rows;
+}
+
+nlohmann::json PlaceOf(const GeoPoint& place) {
+  return {{"latitude_deg", place.latitude_deg},
+          {"longitude_deg", place.longitude_deg},
+          {"altitude_m", place.altitude_m}};
+}
+
+nlohmann::json ApproachOf(const Plan& plan, const FlightContext& context) {
+  nlohmann::json approach = PlanProperties(plan, context)["approach"];
+  approach["start"] =
+      PlaceOf(context.local_frame.GeoFromWorld(plan.approach->approach_start_in_world));
+  approach["loiter_center"] =
+      PlaceOf(context.local_frame.GeoFromWorld(plan.approach->loiter_center_in_world));
+  return approach;
+}
+
+nlohmann::json AnswerOf(const RecallCandidate& candidate,
+                        const Plan& plan,
+                        const Aircraft& aircraft,
+                        const Glide& glide,
+                        const FlightContext& context) {
+  const GeoPoint touchdown = context.local_frame.GeoFromWorld(plan.touchdown_in_world);
+  return {{"site_id", candidate.row->site_id},
+          {"flight_id", candidate.row->flight_id},
+          {"verdict", plan.verdict == Verdict::kLandable ? "landable" : "unverified"},
+          {"unseen_ratio", plan.approach->unseen_ratio},
+          {"distance_m", candidate.distance_m},
+          {"bearing_deg", DegFromRad(HeadingOf(candidate.way_m))},
+          {"datum_penalty_m", candidate.datum_penalty_m},
+          {"time_s", glide.time_s},
+          {"score", candidate.score},
+          {"score_when_stored", candidate.row->data.score},
+          {"age_s", candidate.age_s},
+          {"updated_at", Rfc3339(candidate.row->updated_at_us)},
+          {"last_seen_at", Rfc3339(candidate.row->seen_at_us)},
+          {"altitude_datum", candidate.row->data.altitude_datum},
+          {"aircraft", AircraftJson(aircraft)},
+          {"warnings", LimitsWarnings(aircraft)},
+          {"touchdown", PlaceOf(touchdown)},
+          {"approach", ApproachOf(plan, context)}};
+}
+
+// Nothing if the map has no approach in this wind, or if the wind is too strong to get there.
+std::optional<Reached> Reach(const StoredSites& stored,
+                             const EmergencyRequest& request,
+                             const RecallCandidate& candidate) {
+  const auto site =
+      stored.maps.Get(stored.storage, candidate.row->site_id, candidate.row->updated_at_us);
+  if (!site) return std::nullopt;
+  const FlightRequest& flight = site->replan.flight;
+  const Aircraft aircraft = AircraftOf(request, flight.aircraft);
+  const auto kept_plan = stored.maps.PlanFor(site, aircraft, request.wind_in_world);
+  const Plan& plan = *kept_plan;
+  if (plan.verdict == Verdict::kRejected || !plan.approach) return std::nullopt;
+  const FlightContext context{
+      site->row.flight_id, flight.altitude_datum, LocalFrame(site->replan.origin)};
+  const Eigen::Vector3d& approach_start = plan.approach->approach_start_in_world;
+  const Eigen::Vector3d here = context.local_frame.WorldFromGeo(request.place);
+  const auto glide = GlideTo(
+      StartOf(request, here), approach_start, plan.approach->heading, aircraft, GlideOptions{});
+  if (!glide) return std::nullopt;
+  Reached reached;
+  reached.is_landable = plan.verdict == Verdict::kLandable;
+  reached.margin_m = glide->arrival_height_m - approach_start.z() - candidate.datum_penalty_m;
+  GeoPoint end = context.local_frame.GeoFromWorld(approach_start);
+  end.altitude_m += glide->arrival_height_m - approach_start.z();
+  reached.answer = AnswerOf(candidate, plan, aircraft, *glide, context);
+  if (const auto terrain = TerrainMargin(stored, request, end)) {
+    reached.answer["terrain_margin_m"] = *terrain;
+    reached.margin_m = std::min(reached.margin_m, *terrain);
+  }
+  reached.answer["arrival_margin_m"] = reached.margin_m;
+  reached.answer["reachable"] = reached.margin_m >= 0.0;
+  return reached;
+}
+
+std::vector<std::string> WarningsOf(const EmergencyRequest& request,
+                                    const std::vector<RecallCandidate>& candidates) {
+  std::vector<std::string> warnings;
+  const GlideOptions options;
+  const bool is_penalised =
+      std::any_of(candidates.begin(), candidates.end(), [](const RecallCandidate& candidate) {
+        return candidate.datum_penalty_m > 0.0;
+      });
+  if (is_penalised || request.altitude_datum == "unknown") {
+    warnings.push_back("the altitude's datum is unknown or differs from the datum of some sites: " +
+                       std::to_string(std::lround(options.datum_penalty_m)) +
+                       " m are subtracted from the arrival margin there (datum_penalty_m)");
+  }
+  if (!request.wind_in_world) {
+    warnings.push_back(
+        "no wind is given: the worst direction of a wind of 5.5 m/s is assumed, and "
+        "approaches are planned for an unknown wind");
+  }
+  if (!request.heading_deg) warnings.push_back("no heading is given: the worst turn is assumed");
+  warnings.push_back(
+      "terrain on the way is known only where stored maps cover it (terrain_margin_m)");
+  return warnings;
+}
+
+struct Ranked {
+  const RecallCandidate* candidate = nullptr;
+  Reached reached;
+};
+
+struct Search {
+  std::vector<Ranked> reachable;
+  std::optional<Ranked> nearest_miss;
+  size_t num_without_approach = 0;
+  bool is_cut_short = false;
+};
+
+Search SearchAmong(const StoredSites& stored,
+                   const EmergencyRequest& request,
+                   const std::vector<RecallCandidate>& candidates) {
+  const auto begin = std::chrono::steady_clock::now();
+  Search search;
+  size_t num_planned = 0;
+  for (const RecallCandidate& candidate : candidates) {
+    if (search.reachable.size() >= request.limit) break;
+    // All later candidates are out of reach too. The first of them may be the nearest miss.
+    const bool is_out_of_reach = candidate.best_margin_m < 0.0;
+    if (is_out_of_reach && (search.nearest_miss || !search.reachable.empty())) break;
+    search.is_cut_short =
+        num_planned >= kMaxNumPlanned ||
+        (num_planned > 0 && std::chrono::steady_clock::now() - begin > kTimeBudget);
+    if (search.is_cut_short) break;
+    ++num_planned;
+    std::optional<Reached> reached = Reach(stored, request, candidate);
+    if (!reached) {
+      ++search.num_without_approach;
+    } else if (reached->margin_m >= 0.0) {
+      search.reachable.push_back({&candidate, std::move(*reached)});
+    } else if (!search.nearest_miss || reached->margin_m > search.nearest_miss->reached.margin_m) {
+      search.nearest_miss = Ranked{&candidate, std::move(*reached)};
+    }
+  }
+  return search;
+}
+
+}  // namespace
+
+nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& request) {
+  double reach_m = GreatestReach(request, stored.storage.sites.BoundsOfRecallable());
+  SharedRows<RecallRow> rows = RowsWithin(stored, request, reach_m);
+  std::vector<RecallCandidate> candidates = Candidates(request, rows, kNumRanked);
+  Search search = SearchAmong(stored, request, candidates);
+  // If nothing is in reach, the box grows until it contains a nearest miss.
+  while (search.reachable.empty() && !search.nearest_miss && !search.is_cut_short &&
+         reach_m < kMaxReachM) {
+    reach_m = std::min(kMaxReachM, 3.0 * reach_m);
+    rows = RowsWithin(stored, request, reach_m);
+    candidates = Candidates(request, rows, kNumRanked);
+    search = SearchAmong(stored, request, candidates);
+  }
+  std::sort(search.reachable.begin(), search.reachable.end(), [](const Ranked& a, const Ranked& b) {
+    return IsBetter(a.reached.margin_m,
+                    a.reached.is_landable,
+                    *a.candidate,
+                    b.reached.margin_m,
+                    b.reached.is_landable,
+                    *b.candidate);
+  });
+  nlohmann::json answer{{"sites", nlohmann::json::array()}};
+  for (Ranked& ranked : search.reachable) {
+    ranked.reached.answer["rank"] = answer["sites"].size() + 1;
+    answer["sites"].push_back(std::move(ranked.reached.answer));
+  }
+  if (search.reachable.empty() && search.nearest_miss) {
+    answer["nearest_miss"] = search.nearest_miss->reached.answer;
+    answer["nearest_miss"]["missing_m"] = -search.nearest_miss->reached.margin_m;
+  }
+  std::vector<std::string> warnings = WarningsOf(request, candidates);
+  if (search.num_without_approach > 0) {
+    warnings.push_back(std::to_string(search.num_without_approach) +
+                       " nearer stored sites have no approach in this wind");
+  }
+  if (const int64_t count =
+          stored.storage.sites.CountOverruled(BoxAround(request.place, reach_m))) {
+    warnings.push_back(std::to_string(count) +
+                       " sites nearby are left out: a later flight rejected their ground");
+  }
+  if (search.is_cut_short) warnings.push_back("not every stored site in reach was evaluated");
+  answer["warnings"] = warnings;
+  return answer;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,21 @@
+// Emergency recall: finds the stored sites that an aircraft without power can reach.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "server/recall/emergency_request.h"
+#include "server/recall/map_cache.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+
+// The data of recall: storage, and a cache of maps.
+struct StoredSites {
+  const Storage& storage;
+  MapCache& maps;
+};
+
+// Returns {sites, nearest_miss?, warnings}. Thread-safe.
+nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& request);
+
+}  // namespace freelsd

@@ -1,0 +1,21 @@
+// Height of the straight way to a site above stored maps. Private to recall.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/glide/glide.h"
+#include "server/recall/recall_sites.h"
+
+namespace freelsd {
+
+// Metres to subtract from a height difference of two altitudes whose datums differ or are unknown.
+double DatumPenalty(const std::string& given, const std::string& stored);
+
+// Least height of the way above the stored maps below it, minus the clearance, in metres. Nothing
+// if no stored map lies below the way.
+std::optional<double> TerrainMargin(const StoredSites& stored,
+                                    const EmergencyRequest& request,
+                                    const GeoPoint& end);
+
+}  // namespace freelsd

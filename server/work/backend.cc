@@ -1,0 +1,130 @@
+// The methods of Worker that the backend thread calls.
+#include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
+
+#include "server/intake/intake.h"
+#include "server/work/evaluation.h"
+#include "server/work/failure.h"
+#include "server/work/heap.h"
+#include "server/work/job_json.h"
+#include "server/work/retention.h"
+#include "server/work/worker.h"
+
+namespace freelsd {
+namespace {
+
+constexpr std::chrono::milliseconds kProgressPeriod{300};
+constexpr std::chrono::seconds kRetirePeriod{30};
+
+// Stores a job's progress. is_wanted() is false once the job is cancelled or deleted.
+class JobProgress {
+ public:
+  JobProgress(Service& service, JobRow& job) : service_(service), job_(job) {}
+
+  bool Tell(double done_ratio, const std::string& stage) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - told_at_ < kProgressPeriod && stage == job_.stage) return is_wanted_;
+    told_at_ = now;
+    job_.progress_ratio = done_ratio;
+    job_.stage = stage;
+    UpdateJob(service_, job_);
+    const std::optional<JobRow> stored = service_.storage.jobs.Find(job_.id);
+    is_wanted_ = stored && stored->state == JobState::kRunning;
+    return is_wanted_;
+  }
+  bool is_wanted() const { return is_wanted_; }
+
+ private:
+  Service& service_;
+  JobRow& job_;
+  std::chrono::steady_clock::time_point told_at_{};
+  bool is_wanted_ = true;
+};
+
+}  // namespace
+
+// Runs the oldest finish whose frames the frontend has all processed, else evaluates a due flight.
+bool Worker::StepBackend() {
+  RetireImages();
+  for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
+    if (job.kind != "finish") continue;
+    const SessionPointer session = open_flights_.Find(job.flight_id);
+    const int64_t last_sequence = LastSequenceOf(job, service_.storage);
+    if (!session || session->flushed_through() < last_sequence) continue;
+    if (session->HasSettledBefore(last_sequence)) continue;
+    RunFinish(job, *session);
+    ReturnFreedMemory();
+    return true;
+  }
+  std::string flight_id;
+  {
+    const std::lock_guard lock(mutex_);
+    if (due_.empty()) return false;
+    flight_id = *due_.begin();
+    due_.erase(due_.begin());
+  }
+  const SessionPointer session = open_flights_.Find(flight_id);
+  if (session) RunPeriodic(flight_id, *session);
+  return true;
+}
+
+void Worker::RunFinish(JobRow job, FlightSession& session) {
+  job.state = JobState::kRunning;
+  UpdateJob(service_, job);
+  JobProgress progress(service_, job);
+  try {
+    const size_t num_sites = EvaluateFlight(service_,
+                                            job.flight_id,
+                                            session,
+                                            EvaluationScope::kEveryGraded,
+                                            [&](double ratio, const std::string& stage) {
+                                              return !is_stopping_ && progress.Tell(ratio, stage);
+                                            });
+    nlohmann::json detail = nlohmann::json::parse(job.detail_json);
+    detail["num_sites"] = num_sites;
+    job.detail_json = detail.dump();
+    job.state = JobState::kDone;
+    job.progress_ratio = 1.0;
+    job.stage.clear();
+    UpdateJob(service_, job);
+  } catch (const StorageError&) {
+    throw;
+  } catch (const std::exception& error) {
+    // While the server stops, the job stays unfinished: the next start continues it.
+    if (is_stopping_ || !progress.is_wanted()) return;
+    spdlog::error("job {}: {}", job.id, Sentence(error));
+    FailJob(service_, job, Sentence(error));
+  }
+}
+
+void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
+  try {
+    EvaluateFlight(
+        service_, flight_id, session, EvaluationScope::kBest, [this](double, const std::string&) {
+          return !is_stopping_;
+        });
+  } catch (const StorageError&) {
+    throw;
+  } catch (const std::exception& error) {
+    if (is_stopping_) return;
+    spdlog::error("flight {}: {}", flight_id, Sentence(error));
+    service_.storage.flights.Change(flight_id, [&error](FlightRow& flight) {
+      flight.warnings_json = AddWarnings(flight.warnings_json, "evaluation", {Sentence(error)});
+    });
+  }
+}
+
+void Worker::RetireImages() {
+  const auto now = std::chrono::steady_clock::now();
+  if (retired_at_ != std::chrono::steady_clock::time_point{} && now - retired_at_ < kRetirePeriod) {
+    return;
+  }
+  retired_at_ = now;
+  for (const std::string& id : FlightsToRetire(service_)) {
+    open_flights_.Close(id);
+    spdlog::info("removed the images of flight {} to free disk space", id);
+    service_.storage.flights.RetireImages(id);
+  }
+}
+
+}  // namespace freelsd

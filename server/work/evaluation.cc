@@ -1,0 +1,248 @@
+#include "server/work/evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "api/export/layers/layers.h"
+#include "api/import/images/images.h"
+#include "api/stored/stored.h"
+#include "server/http/http.h"
+#include "server/intake/intake.h"
+#include "server/recall/recall.h"
+
+namespace freelsd {
+namespace {
+
+// An earlier timestamp comes from a camera whose clock was never set.
+constexpr int64_t kEarliestCaptureUs = 1262304000000000;  // 2010
+
+struct NewSite {
+  SiteRow row;
+  std::string map_blob;
+};
+
+std::vector<Candidate> RegionsToEvaluate(const Snapshot& snapshot,
+                                         EvaluationScope scope,
+                                         const BackendOptions& options) {
+  std::vector<Candidate> regions;
+  const size_t max_num_regions = scope == EvaluationScope::kEveryGraded
+                                     ? snapshot.regions.size()
+                                     : static_cast<size_t>(options.num_backend_candidates);
+  for (const Candidate& candidate : snapshot.regions) {  // best first
+    const bool is_graded = candidate.region.grade > 0.0;
+    if (is_graded && regions.size() < max_num_regions) regions.push_back(candidate);
+  }
+  return regions;
+}
+
+// Reads and decodes the stored image of a frame; empty if the file is missing.
+ImageSource StoredImages(Service& service, const std::string& flight_id) {
+  return [&service, flight_id](const std::string& frame_id) {
+    const std::optional<FrameRow> frame = service.storage.frames.Find(flight_id, frame_id);
+    if (!frame) return cv::Mat();
+    const std::optional<std::string> bytes = service.storage.images.Read(frame->sha256);
+    if (!bytes) return cv::Mat();
+    return DecodeImage(*bytes, service.intake.image_limits);
+  };
+}
+
+Replan ReplanOf(const Site& site, const FlightSession& session, int min_num_observations) {
+  Replan replan;
+  replan.flight = session.request();
+  replan.origin = session.origin();
+  replan.request.footprint = site.region.Footprint();
+  replan.request.area_m2 = site.region.area_m2;
+  replan.request.grade = site.region.grade;
+  replan.request.num_observations = site.region.num_observations;
+  replan.request.min_num_observations = min_num_observations;
+  if (site.wind) replan.request.wind_in_world = site.wind->wind_in_world;
+  return replan;
+}
+
+std::optional<RecallData> RecallOf(const Site& site,
+                                   const FlightRequest& request,
+                                   double altitude) {
+  const Plan& plan = site.plan;
+  if (plan.verdict == Verdict::kRejected || !plan.approach) return std::nullopt;
+  if (!std::isfinite(altitude)) return std::nullopt;
+  return RecallData{plan.verdict == Verdict::kLandable,
+                    altitude,
+                    request.altitude_datum,
+                    std::clamp(plan.score, 0.0, 1.0),
+                    AircraftJson(request.aircraft).dump()};
+}
+
+// The box of the stored map, from its corners.
+BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame) {
+  const Eigen::Vector2d size(grid.num_cols * grid.cell_size_m, -grid.num_rows * grid.cell_size_m);
+  BoundingBox box{180.0, 90.0, -180.0, -90.0};
+  for (const double x : {0.0, 1.0}) {
+    for (const double y : {0.0, 1.0}) {
+      const Eigen::Vector2d corner =
+          grid.north_west_in_world + Eigen::Vector2d(x * size.x(), y * size.y());
+      const GeoPoint place = local_frame.GeoFromWorld({corner.x(), corner.y(), 0.0});
+      box.west_deg = std::min(box.west_deg, place.longitude_deg);
+      box.east_deg = std::max(box.east_deg, place.longitude_deg);
+      box.south_deg = std::min(box.south_deg, place.latitude_deg);
+      box.north_deg = std::max(box.north_deg, place.latitude_deg);
+    }
+  }
+  return box;
+}
+
+// True if the verdict depends on the ground itself, not on the number of views or on the wind. A
+// blocked path counts: it may be blocked only in that wind, but the obstacle stands there.
+bool IsEvidence(const Site& site) {
+  if (site.plan.verdict != Verdict::kRejected) return true;
+  const RejectReason reason = site.plan.reject_reason.value_or(RejectReason::kNoTerrain);
+  return reason == RejectReason::kNoSafeTouchdown || reason == RejectReason::kApproachBlocked ||
+         reason == RejectReason::kLoiterBlocked || reason == RejectReason::kNotGrass;
+}
+
+// When the region was last photographed: the photographs' own time if it is plausible, because an
+// old flight may be uploaded today; else now, the latest possible time.
+int64_t SeenAt(const Region& region, int64_t now_us) {
+  const bool is_plausible =
+      region.last_seen_us >= kEarliestCaptureUs && region.last_seen_us <= now_us;
+  return is_plausible ? region.last_seen_us : now_us;
+}
+
+NewSite SiteOf(const Site& site,
+               const Evaluation& evaluation,
+               const FlightSession& session,
+               int min_num_observations) {
+  const FlightContext context = session.Context();
+  const FlightRequest& request = session.request();
+  NewSite made;
+  made.row.id = context.flight_id + "-r" + std::to_string(site.region.id);
+  if (site.field_number > 1) made.row.id += "-f" + std::to_string(site.field_number);
+  made.row.flight_id = context.flight_id;
+  made.row.region_id = site.region.id;
+  made.row.updated_at_us = NowUs();
+  const GeoPoint touchdown = context.local_frame.GeoFromWorld(site.plan.touchdown_in_world);
+  made.row.latitude_deg = touchdown.latitude_deg;
+  made.row.longitude_deg = touchdown.longitude_deg;
+  const std::string updated_at = Rfc3339(made.row.updated_at_us);
+  made.row.seen_at_us = SeenAt(site.region, made.row.updated_at_us);
+  nlohmann::json feature = SiteFeature(made.row.id, site, request.aircraft, updated_at, context);
+  feature["properties"]["last_seen_at"] = Rfc3339(made.row.seen_at_us);
+  made.row.feature_json = feature.dump();
+  if (site.plan.approach) made.row.approach_json = ApproachJson(site.plan, context).dump();
+  made.row.replan_json = ReplanJson(ReplanOf(site, session, min_num_observations));
+  made.row.is_evidence = IsEvidence(site);
+  made.row.recall = RecallOf(site, request, touchdown.altitude_m);
+  if (evaluation.map.grid.num_rows > 0) {
+    const SiteMap cropped = CropAround(evaluation.map,
+                                       evaluation.hazards,
+                                       site.region.Footprint(),
+                                       request.options.backend.max_surroundings_m);
+    made.map_blob = SerializeSiteMap(cropped);
+    if (cropped.map.grid.num_rows > 0) {
+      made.row.map_box = BoxOf(cropped.map.grid, context.local_frame);
+    }
+  }
+  return made;
+}
+
+void StoreSites(Service& service,
+                const std::string& flight_id,
+                std::vector<NewSite> sites,
+                EvaluationScope scope) {
+  const std::lock_guard lock(service.sites_mutex);
+  if (!service.storage.flights.Find(flight_id)) return;
+  std::set<std::string> ids;
+  std::set<int64_t> region_ids;
+  for (NewSite& site : sites) {
+    const Standing standing = StandingOf(service.storage, site.row);
+    site.row.superseded_by = standing.superseded_by;
+    service.storage.sites.Put(site.row, site.map_blob, standing.supersedes);
+    for (const std::string& superseded : standing.supersedes) service.maps.DropPlans(superseded);
+    ids.insert(site.row.id);
+    region_ids.insert(site.row.region_id);
+    service.events.Publish(
+        "site", flight_id, nlohmann::json{{"id", site.row.id}, {"flight_id", flight_id}}.dump());
+  }
+  for (const SiteRow& site : service.storage.sites.List(flight_id, std::nullopt)) {
+    const bool is_out_of_date =
+        scope == EvaluationScope::kEveryGraded || region_ids.contains(site.region_id);
+    if (is_out_of_date && !ids.contains(site.id)) ForgetSite(service.storage, site.id);
+  }
+}
+
+// The warning of a flight without any site.
+std::vector<std::string> NoSiteReason(const Snapshot& snapshot) {
+  if (snapshot.regions.empty()) {
+    return {"no sites: no smooth ground was found in any photograph"};
+  }
+  const auto seen_most = std::max_element(
+      snapshot.regions.begin(), snapshot.regions.end(), [](const Candidate& a, const Candidate& b) {
+        return a.region.num_observations < b.region.num_observations;
+      });
+  int num_grass_at_most = 0;
+  for (const auto& [region, wind] : snapshot.regions) {
+    num_grass_at_most = std::max(num_grass_at_most, region.num_grass_observations);
+  }
+  return {"no sites: none of the " + std::to_string(snapshot.regions.size()) +
+          " regions has a grade above 0 (seen at most " +
+          std::to_string(seen_most->region.num_observations) + " times, " +
+          std::to_string(snapshot.min_num_observations) + " are needed; seen as grass at most " +
+          std::to_string(num_grass_at_most) + " times)"};
+}
+
+// Progress of one of several groups of equal size, scaled to progress of the whole.
+Progress ShareOf(const Progress& progress, size_t index, size_t num_groups) {
+  if (!progress) return progress;
+  return [&progress, index, num_groups](double done_ratio, const std::string& stage) {
+    return progress((static_cast<double>(index) + done_ratio) / static_cast<double>(num_groups),
+                    stage);
+  };
+}
+
+}  // namespace
+
+size_t EvaluateFlight(Service& service,
+                      const std::string& flight_id,
+                      FlightSession& session,
+                      EvaluationScope scope,
+                      const Progress& progress) {
+  const Snapshot snapshot = session.TakeSnapshot();
+  const FlightRequest& request = session.request();
+  const std::vector<std::vector<Candidate>> groups =
+      GroupRegions(snapshot,
+                   RegionsToEvaluate(snapshot, scope, request.options.backend),
+                   request.aircraft,
+                   request.options);
+  std::vector<NewSite> sites;
+  std::vector<std::string> warnings;
+  for (size_t i = 0; i < groups.size(); ++i) {
+    const Evaluation evaluation = EvaluateSites(snapshot,
+                                                groups[i],
+                                                StoredImages(service, flight_id),
+                                                request.aircraft,
+                                                request.options,
+                                                ShareOf(progress, i, groups.size()));
+    for (const Site& site : evaluation.sites) {
+      sites.push_back(SiteOf(site, evaluation, session, snapshot.min_num_observations));
+    }
+    session.AddReports(evaluation.reports);
+    for (const std::string& warning : evaluation.warnings) {
+      if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) {
+        warnings.push_back(warning);
+      }
+    }
+  }
+  if (sites.empty()) warnings = NoSiteReason(snapshot);
+  const size_t num_sites = sites.size();
+  StoreSites(service, flight_id, std::move(sites), scope);
+  service.alternates.Wake(flight_id);
+  session.Store(service.storage);
+  service.storage.flights.Change(flight_id, [&](FlightRow& flight) {
+    flight.warnings_json = ReplaceWarnings(flight.warnings_json, "evaluation", warnings);
+  });
+  return num_sites;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,130 @@
+#include "server/work/flight_session.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "server/intake/intake.h"
+
+namespace freelsd {
+
+FlightSession::FlightSession(const FlightRow& flight, const Classifier& classifier)
+    : flight_id_(flight.id),
+      request_(ParseFlightRequest(flight.request_json)),
+      rig_(ParseStoredFlightRig(flight.rig_json)),
+      local_frame_(rig_.origin),
+      frontend_(rig_.rig, request_.options, classifier) {}
+
+FlightContext FlightSession::Context() const {
+  return {flight_id_, request_.altitude_datum, local_frame_};
+}
+
+std::vector<FrameResult> FlightSession::Give(const FrameRow& row,
+                                             const FrameMeta& meta,
+                                             const cv::Mat& image) {
+  // Frames without time are numbered in the order they came.
+  Frame frame = MakeFrame(row.id, image, meta, rig_.rig, local_frame_, row.sequence);
+  const std::lock_guard lock(frontend_mutex_);
+  std::vector<FrameResult> results = frontend_.Process(std::move(frame));
+  AddReports(frontend_.TakeReports());
+  cursor_ = row.sequence;
+  return results;
+}
+
+std::vector<FrameResult> FlightSession::Flush(int64_t through_sequence) {
+  const std::lock_guard lock(frontend_mutex_);
+  std::vector<FrameResult> results = frontend_.Flush();
+  AddReports(frontend_.TakeReports());
+  std::erase_if(flush_points_, [&](int64_t sequence) { return sequence <= through_sequence; });
+  if (!results.empty()) first_settled_at_ = std::min(first_settled_at_.load(), through_sequence);
+  flushed_through_ = through_sequence;
+  return results;
+}
+
+void FlightSession::AddFlushPoint(int64_t sequence) {
+  if (sequence > flushed_through_) flush_points_.insert(sequence);
+}
+
+std::optional<int64_t> FlightSession::NextFlushPoint() const {
+  if (flush_points_.empty()) return std::nullopt;
+  return *flush_points_.begin();
+}
+
+void FlightSession::AddNotes(const std::vector<FrameResult>& results) {
+  const std::lock_guard lock(statistics_mutex_);
+  for (const FrameResult& result : results) {
+    if (result.note.empty()) continue;
+    NoteCount& note = notes_[result.note];
+    if (note.count++ == 0) note.first_frame_id = result.frame_id;
+  }
+}
+
+Snapshot FlightSession::TakeSnapshot() {
+  const std::lock_guard lock(frontend_mutex_);
+  return frontend_.TakeSnapshot();
+}
+
+void FlightSession::AddReports(const std::vector<StageReport>& reports) {
+  const std::lock_guard lock(statistics_mutex_);
+  for (const StageReport& report : reports) {
+    StageSum& sum = stages_[report.stage];
+    sum.seconds += report.seconds;
+    sum.count += std::max<int64_t>(report.count, 1);
+  }
+}
+
+// Stages that this session has not run keep their stored values.
+std::string FlightSession::StagesJson(const std::string& stored_json) {
+  nlohmann::json stages = nlohmann::json::parse(stored_json);
+  const std::lock_guard lock(statistics_mutex_);
+  for (const auto& [name, sum] : stages_) {
+    stages[name] = {{"mean_ms", 1000.0 * sum.seconds / static_cast<double>(sum.count)},
+                    {"count", sum.count}};
+  }
+  return stages.dump();
+}
+
+std::vector<std::string> FlightSession::NoteSentences() {
+  const std::lock_guard lock(statistics_mutex_);
+  std::vector<std::string> sentences;
+  for (const auto& [text, note] : notes_) {
+    sentences.push_back(text + (note.count == 1
+                                    ? " (frame " + note.first_frame_id + ")"
+                                    : " (" + std::to_string(note.count) + " frames, first " +
+                                          note.first_frame_id + ")"));
+  }
+  return sentences;
+}
+
+void FlightSession::StoreRegions(Storage& storage) {
+  std::vector<Candidate> regions;
+  {
+    const std::lock_guard lock(frontend_mutex_);
+    regions = frontend_.RankedRegions();
+  }
+  const FlightContext context = Context();
+  std::vector<RegionRow> rows;
+  for (const auto& [region, wind] : regions) {
+    rows.push_back(
+        {region.id, RegionFeature(region, wind, context).dump(), RegionHistoryJson(region).dump()});
+  }
+  storage.flights.ReplaceRegions(flight_id_, rows);
+}
+
+void FlightSession::Store(Storage& storage) {
+  StoreRegions(storage);
+  std::optional<double> ground_altitude_m;
+  {
+    const std::lock_guard lock(frontend_mutex_);
+    if (const auto height = frontend_.GroundHeight()) {
+      ground_altitude_m = rig_.origin.altitude_m + *height;
+    }
+  }
+  storage.flights.Change(flight_id_, [&](FlightRow& flight) {
+    flight.stages_json = StagesJson(flight.stages_json);
+    flight.warnings_json = ReplaceWarnings(flight.warnings_json, "frames", NoteSentences());
+    if (ground_altitude_m) flight.ground_altitude_m = ground_altitude_m;
+  });
+}
+
+}  // namespace freelsd

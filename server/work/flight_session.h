@@ -1,0 +1,86 @@
+// The engine's state of one flight.
+#pragma once
+
+#include <atomic>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "api/api.h"
+#include "api/stored/stored.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+
+// Holds a flight's Frontend, its statistics and its notes. The frontend thread gives frames; the
+// backend thread takes snapshots. After a restart, giving the stored frames in order, with the same
+// flushes, rebuilds the session.
+class FlightSession {
+ public:
+  // The flight's rig must be settled.
+  FlightSession(const FlightRow& flight, const Classifier& classifier);
+
+  const FlightRequest& request() const { return request_; }
+  const GeoPoint& origin() const { return rig_.origin; }
+  FlightContext Context() const;
+
+  // --- Frontend thread ---
+  std::vector<FrameResult> Give(const FrameRow& row, const FrameMeta& meta, const cv::Mat& image);
+  // Passes over a frame that cannot be given.
+  void Skip(int64_t sequence) { cursor_ = sequence; }
+  std::vector<FrameResult> Flush(int64_t through_sequence);
+  // Asks for a flush after this frame, because further frames may not come for a while.
+  void AddFlushPoint(int64_t sequence);
+  std::optional<int64_t> NextFlushPoint() const;
+  // Collects the frontend's notes on frames.
+  void AddNotes(const std::vector<FrameResult>& results);
+
+  // --- Both threads ---
+  // Sequence number of the last frame given, and of the last frame before a flush: up to that one
+  // no frame waits in the engine.
+  int64_t cursor() const { return cursor_; }
+  int64_t flushed_through() const { return flushed_through_; }
+  // True if a flush before `sequence` decided frames that waited for their neighbours. A new
+  // session could decide them better, because more neighbours have arrived.
+  bool HasSettledBefore(int64_t sequence) const { return first_settled_at_ < sequence; }
+  Snapshot TakeSnapshot();
+  void AddReports(const std::vector<StageReport>& reports);
+  // Stores the flight's current regions, stages, warnings and ground altitude.
+  void Store(Storage& storage);
+
+ private:
+  struct StageSum {
+    double seconds = 0.0;
+    int64_t count = 0;
+  };
+  struct NoteCount {
+    std::string first_frame_id;
+    int count = 0;
+  };
+  void StoreRegions(Storage& storage);
+  std::string StagesJson(const std::string& stored_json);
+  std::vector<std::string> NoteSentences();
+
+  std::string flight_id_;
+  FlightRequest request_;
+  FlightRig rig_;
+  LocalFrame local_frame_;
+  std::atomic<int64_t> cursor_{0};
+  std::atomic<int64_t> flushed_through_{0};
+  std::atomic<int64_t> first_settled_at_{std::numeric_limits<int64_t>::max()};
+  std::set<int64_t> flush_points_;
+
+  // Guards frontend_.
+  std::mutex frontend_mutex_;
+  Frontend frontend_;
+  // Guards stages_ and notes_.
+  std::mutex statistics_mutex_;
+  std::map<std::string, StageSum> stages_;
+  std::map<std::string, NoteCount> notes_;
+};
+
+}  // namespace freelsd

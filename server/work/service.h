@@ -1,0 +1,48 @@
+// The state that handlers and worker share. A handler uses storage only; it never waits for the
+// engine.
+#pragma once
+
+#include <mutex>
+#include <semaphore>
+
+#include "server/http/http.h"
+#include "server/intake/intake.h"
+#include "server/recall/recall.h"
+
+namespace freelsd {
+
+inline constexpr int kMaxNumEventClients = 8;
+// Most winds in one wind rose. Planning takes 0.2 ms for each over an open field, 20 ms if most of
+// the field is obstructed.
+inline constexpr size_t kMaxNumRoseWinds = 180;
+
+// Refers to objects that the App owns. The mutex and the semaphores make the rest thread-safe.
+struct Service {
+  Service(Intake& in, MapCache& cache, Alternates& standing)
+      : config(in.config),
+        storage(in.storage),
+        events(in.events),
+        intake(in),
+        maps(cache),
+        alternates(standing) {}
+
+  const Config& config;
+  Storage& storage;
+  EventLog& events;
+  Intake& intake;
+  MapCache& maps;
+  Alternates& alternates;
+  Page page;
+  TokenList tokens;
+  Metrics metrics;
+
+  // Guards the rows in storage.sites: held while a flight or a site is deleted, and while the
+  // worker stores a flight's sites.
+  std::mutex sites_mutex;
+  // Limits wind roses at the same time; others wait. One can take seconds if much is obstructed.
+  std::counting_semaphore<2> rose_planners{2};
+  // Limits clients that listen to events: each holds a thread.
+  std::counting_semaphore<kMaxNumEventClients> event_clients{kMaxNumEventClients};
+};
+
+}  // namespace freelsd

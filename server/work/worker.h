@@ -1,0 +1,98 @@
+// Runs the engine beside the HTTP threads. One frontend thread processes stored frames in order;
+// one backend thread evaluates regions. Both read their work from storage, so that a restart
+// continues it.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "server/work/open_flights.h"
+#include "server/work/service.h"
+
+namespace freelsd {
+
+class Worker {
+ public:
+  Worker(Service& service, Classifier classifier);
+  // Requires that Stop returned true.
+  ~Worker();
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  // Call it after storing new work. Thread-safe.
+  void Wake();
+  // Ends both threads at their next step. False if one of them is still busy after `patience`.
+  bool Stop(std::chrono::milliseconds patience);
+
+ private:
+  using SessionPointer = OpenFlights::SessionPointer;
+
+  // --- Frontend thread ---
+  void RunFrontend();
+  bool StepFrontend();
+  bool StepFlight(const std::string& flight_id, const std::vector<JobRow>& jobs);
+  bool ResolveFirst(const FlightRow& flight);
+  // True while the frame may wait for telemetry that gives its position.
+  bool MayWait(const FrameRow& frame);
+  void TakeFrame(const std::string& flight_id, FlightSession& session, const PosedFrame& frame);
+  void ApplyResults(const std::string& flight_id,
+                    FlightSession& session,
+                    const std::vector<FrameResult>& results);
+  void StoreProgress(const std::string& flight_id,
+                     FlightSession& session,
+                     const std::vector<JobRow>& jobs);
+  void UpdateBatchJobs(const std::string& flight_id, const std::vector<JobRow>& jobs);
+  SessionPointer OpenSession(const FlightRow& flight);
+  // Drops the state that is kept for open flights only.
+  void Forget(const std::string& flight_id);
+  void FailFlight(const std::string& flight_id, const std::string& why);
+  int64_t LastSequence(const JobRow& job);
+
+  // --- Backend thread ---
+  void RunBackend();
+  bool StepBackend();
+  void RunFinish(JobRow job, FlightSession& session);
+  void RunPeriodic(const std::string& flight_id, FlightSession& session);
+  // Removes images of idle flights as the settings require.
+  void RetireImages();
+
+  // Repeats a step while it finds work; waits otherwise.
+  void Repeat(bool (Worker::*step)());
+
+  Service& service_;
+  Classifier classifier_;
+  OpenFlights open_flights_;
+  std::atomic<bool> is_stopping_{false};
+
+  // Guards num_wakes_, num_running_threads_ and due_.
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  uint64_t num_wakes_ = 0;
+  int num_running_threads_ = 2;
+  // Flights whose best regions are due for an evaluation.
+  std::set<std::string> due_;
+
+  // The following five belong to the frontend thread.
+  std::string last_flight_id_;
+  std::map<std::string, int64_t> last_sequences_;
+  std::map<std::string, int> num_since_evaluation_;
+  // By flight: sequence number of the frame that waits for telemetry, and the start of its wait.
+  std::map<std::string, std::pair<int64_t, std::chrono::steady_clock::time_point>> waiting_;
+  std::map<std::string, std::chrono::steady_clock::time_point> stored_at_;
+
+  // Belongs to the backend thread.
+  std::chrono::steady_clock::time_point retired_at_{};
+
+  std::thread frontend_thread_;
+  std::thread backend_thread_;
+};
+
+}  // namespace freelsd

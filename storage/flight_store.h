@@ -1,0 +1,69 @@
+// Flights and the regions that the engine finds in them.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace freelsd {
+
+struct StorageState;
+
+struct FlightRow {
+  std::string id;
+  std::string name;
+  std::string request_json;
+  // JSON text of camera, body_from_camera and origin; empty until a frame settles them.
+  std::string rig_json;
+  std::string warnings_json = "[]";
+  std::string stages_json = "{}";
+  int64_t created_at_us = 0;
+  int64_t num_rejected_frames = 0;
+  bool has_failed = false;
+  // Altitude of the ground below the first frame, in the flight's datum; empty until estimated.
+  std::optional<double> ground_altitude_m;
+  // The flight's images were removed to free disk space. It accepts no further frames; its regions
+  // and sites stay.
+  bool has_retired_images = false;
+};
+
+using FlightChange = std::function<void(FlightRow& flight)>;
+
+struct RegionRow {
+  int64_t id = 0;
+  std::string feature_json;
+  std::string history_json;
+};
+
+// Invariant: a flight's frames, jobs, telemetry and regions exist only while the flight does.
+class FlightStore {
+ public:
+  explicit FlightStore(StorageState& state) : state_(state) {}
+  FlightStore(const FlightStore&) = delete;
+  FlightStore& operator=(const FlightStore&) = delete;
+
+  void Insert(const FlightRow& flight);
+  // Reads, changes and writes the row in one transaction. Changes to id, request_json and
+  // created_at_us are ignored. False where there is no such flight.
+  bool Change(const std::string& flight_id, const FlightChange& change);
+  std::optional<FlightRow> Find(const std::string& flight_id) const;
+  std::vector<FlightRow> List() const;                    // newest first
+  std::vector<std::string> ListWithQueuedFrames() const;  // ids, oldest first
+  // Deletes the flight and the images that no other flight needs; with forget_sites also its sites.
+  // False where there is no such flight.
+  bool Delete(const std::string& flight_id, bool forget_sites);
+  // Removes the images that no other flight needs, and sets has_retired_images.
+  void RetireImages(const std::string& flight_id);
+
+  // Replaces all regions of the flight in one commit. Order: best first.
+  void ReplaceRegions(const std::string& flight_id, const std::vector<RegionRow>& regions);
+  std::vector<RegionRow> ListRegions(const std::string& flight_id) const;
+  int64_t CountRegions(const std::string& flight_id) const;
+
+ private:
+  StorageState& state_;
+};
+
+}  // namespace freelsd

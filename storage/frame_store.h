@@ -1,0 +1,83 @@
+// Frames of flights, in the order of processing.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "storage/flight_store.h"
+#include "storage/job_store.h"
+
+namespace freelsd {
+
+enum class FrameState { kQueued, kProcessed, kRejected };
+
+struct FrameRow {
+  // Order of processing within the flight.
+  int64_t sequence = 0;
+  std::string flight_id;
+  std::string id;
+  std::string sha256;
+  // Metadata that the client sent with the frame, and metadata from the image's own tags.
+  std::string meta_json;
+  std::string tags_json = "{}";
+  // Both, merged with telemetry: the metadata that the engine uses. Empty until it is settled.
+  std::string resolved_json;
+  FrameState state = FrameState::kQueued;
+  std::string reason;
+  // Frames of batches do not count against the limit of the frame queue.
+  bool is_from_batch = false;
+};
+
+struct FrameCounts {
+  int64_t received = 0, processed = 0, rejected = 0;
+};
+
+// Invariants: the sequence numbers of a flight run from 1 without a gap, and the image of each
+// frame is stored before the frame.
+class FrameStore {
+ public:
+  explicit FrameStore(StorageState& state) : state_(state) {}
+  FrameStore(const FrameStore&) = delete;
+  FrameStore& operator=(const FrameStore&) = delete;
+
+  // Inserts frames of one flight, inserts the job that waits for them, and applies `change` to the
+  // flight, all in one commit. Assigns sequence numbers in the given order. Throws StorageError and
+  // stores nothing if a frame id exists already or an image is missing.
+  void Insert(const std::string& flight_id,
+              const std::vector<FrameRow>& frames,
+              const std::optional<JobRow>& job = std::nullopt,
+              const FlightChange& change = {});
+  // Sets the frame's resolved_json and applies `change` to the flight, in one commit.
+  void Resolve(const std::string& flight_id,
+               const std::string& frame_id,
+               const std::string& resolved_json,
+               const FlightChange& change = {});
+  void SetState(const std::string& flight_id,
+                const std::string& frame_id,
+                FrameState state,
+                const std::string& reason);
+
+  std::optional<FrameRow> Find(const std::string& flight_id, const std::string& frame_id) const;
+  std::vector<FrameRow> List(const std::string& flight_id) const;  // by sequence
+  // Calls `take` with each resolved_json that is not empty, by sequence.
+  void ForEachResolved(const std::string& flight_id,
+                       const std::function<void(const std::string& resolved_json)>& take) const;
+  FrameCounts Count(const std::string& flight_id) const;
+  // Queued frames of all flights, without frames of batches.
+  int64_t CountQueued() const;
+  // The flight's first frame after `after_sequence`, whatever its state.
+  std::optional<FrameRow> Next(const std::string& flight_id, int64_t after_sequence) const;
+  // The flight's frame with the highest sequence number.
+  std::optional<FrameRow> Last(const std::string& flight_id) const;
+  // Sequence number of the flight's first queued frame after `after_sequence`.
+  std::optional<int64_t> NextQueuedSequence(const std::string& flight_id,
+                                            int64_t after_sequence) const;
+
+ private:
+  StorageState& state_;
+};
+
+}  // namespace freelsd

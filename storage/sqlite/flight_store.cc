@@ -1,0 +1,189 @@
+#include "storage/flight_store.h"
+
+#include "storage/sqlite/flight_rows.h"
+#include "storage/sqlite/site_rows.h"
+#include "storage/sqlite/state.h"
+
+namespace freelsd {
+namespace {
+
+Statement SelectFlights(const Connection& connection, const std::string& which) {
+  constexpr char kSelect[] =
+      "SELECT id, name, request_json, rig_json, warnings_json, stages_json, created_at_us, "
+      "num_rejected_frames, has_failed, ground_altitude_m, has_retired_images FROM flights ";
+  return connection.Prepare((kSelect + which).c_str());
+}
+
+FlightRow RowOf(const Statement& statement) {
+  FlightRow flight;
+  flight.id = statement.Text(0);
+  flight.name = statement.Text(1);
+  flight.request_json = statement.Text(2);
+  flight.rig_json = statement.Text(3);
+  flight.warnings_json = statement.Text(4);
+  flight.stages_json = statement.Text(5);
+  flight.created_at_us = statement.Int(6);
+  flight.num_rejected_frames = statement.Int(7);
+  flight.has_failed = statement.Int(8) != 0;
+  flight.ground_altitude_m = statement.OptionalReal(9);
+  flight.has_retired_images = statement.Int(10) != 0;
+  return flight;
+}
+
+std::optional<FlightRow> FindFlightRow(const Connection& connection, const std::string& flight_id) {
+  Statement statement = SelectFlights(connection, "WHERE id = ?1");
+  if (!statement.Bind(flight_id).Step()) return std::nullopt;
+  return RowOf(statement);
+}
+
+// Images that only frames of this flight name.
+std::vector<std::string> OwnImages(const Connection& writer, const std::string& flight_id) {
+  std::vector<std::string> images;
+  Statement statement = writer.Prepare(
+      "SELECT DISTINCT sha256 FROM frames AS mine WHERE flight_id = ?1 AND NOT EXISTS ("
+      "SELECT 1 FROM frames WHERE sha256 = mine.sha256 AND flight_id <> ?1)");
+  statement.Bind(flight_id);
+  while (statement.Step()) images.push_back(statement.Text(0));
+  return images;
+}
+
+}  // namespace
+
+bool ChangeFlightRow(const Connection& writer,
+                     const std::string& flight_id,
+                     const FlightChange& change) {
+  std::optional<FlightRow> flight = FindFlightRow(writer, flight_id);
+  if (!flight) return false;
+  change(*flight);
+  writer
+      .Prepare(
+          "UPDATE flights SET name = ?2, rig_json = ?3, warnings_json = ?4, stages_json = ?5, "
+          "num_rejected_frames = ?6, has_failed = ?7, ground_altitude_m = ?8, "
+          "has_retired_images = ?9 WHERE id = ?1")
+      .Bind(flight_id,
+            flight->name,
+            flight->rig_json,
+            flight->warnings_json,
+            flight->stages_json,
+            flight->num_rejected_frames,
+            static_cast<int>(flight->has_failed),
+            flight->ground_altitude_m,
+            static_cast<int>(flight->has_retired_images))
+      .Run();
+  return true;
+}
+
+void FlightStore::Insert(const FlightRow& flight) {
+  const auto lock = state_.LockForWriting();
+  state_.writer
+      .Prepare(
+          "INSERT INTO flights VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, "
+          "?11)")
+      .Bind(flight.id,
+            flight.name,
+            flight.request_json,
+            flight.rig_json,
+            flight.warnings_json,
+            flight.stages_json,
+            flight.created_at_us,
+            flight.num_rejected_frames,
+            static_cast<int>(flight.has_failed),
+            flight.ground_altitude_m,
+            static_cast<int>(flight.has_retired_images))
+      .Run();
+}
+
+bool FlightStore::Change(const std::string& flight_id, const FlightChange& change) {
+  const auto lock = state_.LockForWriting();
+  Transaction transaction(state_.writer);
+  const bool is_there = ChangeFlightRow(state_.writer, flight_id, change);
+  transaction.Commit();
+  return is_there;
+}
+
+std::optional<FlightRow> FlightStore::Find(const std::string& flight_id) const {
+  const Reader reader(state_.readers);
+  return FindFlightRow(*reader, flight_id);
+}
+
+std::vector<FlightRow> FlightStore::List() const {
+  const Reader reader(state_.readers);
+  Statement statement = SelectFlights(*reader, "ORDER BY created_at_us DESC, id");
+  std::vector<FlightRow> flights;
+  while (statement.Step()) flights.push_back(RowOf(statement));
+  return flights;
+}
+
+std::vector<std::string> FlightStore::ListWithQueuedFrames() const {
+  const Reader reader(state_.readers);
+  Statement statement = reader->Prepare(
+      "SELECT id FROM flights WHERE EXISTS (SELECT 1 FROM frames WHERE flight_id = flights.id AND "
+      "state = 0) ORDER BY created_at_us, id");
+  std::vector<std::string> flights;
+  while (statement.Step()) flights.push_back(statement.Text(0));
+  return flights;
+}
+
+void FlightStore::RetireImages(const std::string& flight_id) {
+  const auto lock = state_.LockForWriting();
+  Transaction transaction(state_.writer);
+  const std::vector<std::string> images = OwnImages(state_.writer, flight_id);
+  ChangeFlightRow(
+      state_.writer, flight_id, [](FlightRow& flight) { flight.has_retired_images = true; });
+  transaction.Commit();
+  for (const std::string& sha256 : images) state_.images.Remove(sha256);
+}
+
+bool FlightStore::Delete(const std::string& flight_id, bool forget_sites) {
+  const auto lock = state_.LockForWriting();
+  std::vector<std::string> images;
+  bool was_there = false;
+  {
+    Transaction transaction(state_.writer);
+    images = OwnImages(state_.writer, flight_id);
+    state_.writer.Prepare("DELETE FROM flights WHERE id = ?1").Bind(flight_id).Run();
+    was_there = state_.writer.NumChanges() > 0;
+    transaction.Commit();
+  }
+  if (was_there && forget_sites) {
+    state_.WriteSites(
+        [&](const Connection& connection) { DeleteSiteRowsOf(connection, flight_id); });
+  }
+  for (const std::string& sha256 : images) state_.images.Remove(sha256);
+  return was_there;
+}
+
+void FlightStore::ReplaceRegions(const std::string& flight_id,
+                                 const std::vector<RegionRow>& regions) {
+  const auto lock = state_.LockForWriting();
+  Transaction transaction(state_.writer);
+  state_.writer.Prepare("DELETE FROM regions WHERE flight_id = ?1").Bind(flight_id).Run();
+  int64_t rank = 0;
+  for (const RegionRow& region : regions) {
+    state_.writer.Prepare("INSERT INTO regions VALUES (?1, ?2, ?3, ?4, ?5)")
+        .Bind(flight_id, region.id, rank++, region.feature_json, region.history_json)
+        .Run();
+  }
+  transaction.Commit();
+}
+
+std::vector<RegionRow> FlightStore::ListRegions(const std::string& flight_id) const {
+  const Reader reader(state_.readers);
+  Statement statement = reader->Prepare(
+      "SELECT id, feature_json, history_json FROM regions WHERE flight_id = ?1 ORDER BY rank");
+  statement.Bind(flight_id);
+  std::vector<RegionRow> regions;
+  while (statement.Step()) {
+    regions.push_back({statement.Int(0), statement.Text(1), statement.Text(2)});
+  }
+  return regions;
+}
+
+int64_t FlightStore::CountRegions(const std::string& flight_id) const {
+  const Reader reader(state_.readers);
+  Statement statement = reader->Prepare("SELECT count(*) FROM regions WHERE flight_id = ?1");
+  statement.Bind(flight_id).Step();
+  return statement.Int(0);
+}
+
+}  // namespace freelsd

@@ -1,0 +1,23 @@
+#include "storage/image_store.h"
+
+#include "storage/sqlite/state.h"
+
+namespace freelsd {
+
+void ImageStore::Write(const std::string& sha256, std::string_view bytes) {
+  state_.images.Write(sha256, bytes);
+}
+
+std::optional<std::string> ImageStore::Read(const std::string& sha256) const {
+  return state_.images.Read(sha256);
+}
+
+void ImageStore::RemoveUnused(const std::string& sha256) {
+  const auto lock = state_.LockForWriting();
+  Statement statement = state_.writer.Prepare("SELECT 1 FROM frames WHERE sha256 = ?1 LIMIT 1");
+  if (!statement.Bind(sha256).Step()) state_.images.Remove(sha256);
+}
+
+uint64_t ImageStore::NumBytes() const { return state_.images.NumBytes(); }
+
+}  // namespace freelsd

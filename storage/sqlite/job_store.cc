@@ -1,0 +1,102 @@
+#include "storage/job_store.h"
+
+#include "storage/sqlite/job_rows.h"
+#include "storage/sqlite/state.h"
+
+namespace freelsd {
+namespace {
+
+// Bounds the answer, because jobs accumulate until their flight is deleted.
+constexpr int kMaxNumListedJobs = 1000;
+
+JobRow RowOf(const Statement& statement) {
+  JobRow job;
+  job.id = statement.Text(0);
+  job.kind = statement.Text(1);
+  job.flight_id = statement.Text(2);
+  job.state = static_cast<JobState>(statement.Int(3));
+  job.progress_ratio = statement.Real(4);
+  job.stage = statement.Text(5);
+  job.detail_json = statement.Text(6);
+  job.created_at_us = statement.Int(7);
+  return job;
+}
+
+Statement SelectJobs(const Connection& connection, const std::string& which) {
+  constexpr char kSelect[] =
+      "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, created_at_us "
+      "FROM jobs ";
+  return connection.Prepare((kSelect + which).c_str());
+}
+
+std::vector<JobRow> RowsOf(Statement& statement) {
+  std::vector<JobRow> jobs;
+  while (statement.Step()) jobs.push_back(RowOf(statement));
+  return jobs;
+}
+
+}  // namespace
+
+void InsertJobRow(const Connection& writer, const JobRow& job) {
+  writer
+      .Prepare(
+          "INSERT INTO jobs (id, kind, flight_id, state, progress_ratio, stage, detail_json, "
+          "created_at_us) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")
+      .Bind(job.id,
+            job.kind,
+            job.flight_id,
+            static_cast<int>(job.state),
+            job.progress_ratio,
+            job.stage,
+            job.detail_json,
+            job.created_at_us)
+      .Run();
+}
+
+void JobStore::Insert(const JobRow& job) {
+  const auto lock = state_.LockForWriting();
+  InsertJobRow(state_.writer, job);
+}
+
+void JobStore::Update(const JobRow& job) {
+  const auto lock = state_.LockForWriting();
+  state_.writer
+      .Prepare(
+          "UPDATE jobs SET state = ?2, progress_ratio = ?3, stage = ?4, detail_json = ?5 "
+          "WHERE id = ?1 AND state < 2")
+      .Bind(job.id, static_cast<int>(job.state), job.progress_ratio, job.stage, job.detail_json)
+      .Run();
+}
+
+std::optional<JobRow> JobStore::Find(const std::string& job_id) const {
+  const Reader reader(state_.readers);
+  Statement statement = SelectJobs(*reader, "WHERE id = ?1");
+  if (!statement.Bind(job_id).Step()) return std::nullopt;
+  return RowOf(statement);
+}
+
+std::vector<JobRow> JobStore::List() const {
+  const Reader reader(state_.readers);
+  Statement statement = SelectJobs(*reader, "ORDER BY number DESC LIMIT ?1");
+  return RowsOf(statement.Bind(kMaxNumListedJobs));
+}
+
+std::vector<JobRow> JobStore::ListOf(const std::string& flight_id) const {
+  const Reader reader(state_.readers);
+  Statement statement = SelectJobs(*reader, "WHERE flight_id = ?1 ORDER BY number DESC");
+  return RowsOf(statement.Bind(flight_id));
+}
+
+std::vector<JobRow> JobStore::ListUnfinished() const {
+  const Reader reader(state_.readers);
+  Statement statement = SelectJobs(*reader, "WHERE state < 2 ORDER BY number");
+  return RowsOf(statement);
+}
+
+bool JobStore::Delete(const std::string& job_id) {
+  const auto lock = state_.LockForWriting();
+  state_.writer.Prepare("DELETE FROM jobs WHERE id = ?1").Bind(job_id).Run();
+  return state_.writer.NumChanges() > 0;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,76 @@
+#include "storage/sqlite/migrations.h"
+
+namespace freelsd {
+namespace {
+
+// Only this migration reads JSON in storage: version 1 stored the values of the new columns in the
+// sites' features alone. It stored no extent of a map; a box of about 3 km is larger than any map.
+constexpr char kFrom1To2[] = R"sql(
+ALTER TABLE flights ADD COLUMN has_retired_images INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE frames ADD COLUMN tags_json TEXT NOT NULL DEFAULT '{}';
+ALTER TABLE frames ADD COLUMN resolved_json TEXT NOT NULL DEFAULT '';
+UPDATE frames SET resolved_json = meta_json;
+CREATE TABLE telemetry (
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  kind INTEGER NOT NULL,
+  timestamp_us INTEGER NOT NULL,
+  value_0 REAL NOT NULL,
+  value_1 REAL NOT NULL,
+  value_2 REAL NOT NULL,
+  value_3 REAL NOT NULL,
+  PRIMARY KEY (flight_id, kind, timestamp_us)
+) STRICT, WITHOUT ROWID;
+ALTER TABLE sites ADD COLUMN checksum INTEGER;
+ALTER TABLE sites ADD COLUMN superseded_by TEXT
+  REFERENCES sites (id) ON DELETE SET NULL DEFERRABLE INITIALLY DEFERRED;
+CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
+CREATE TABLE site_numbers (
+  number INTEGER PRIMARY KEY,
+  site_id TEXT NOT NULL UNIQUE REFERENCES sites (id) ON DELETE CASCADE,
+  is_recallable INTEGER NOT NULL,
+  is_landable INTEGER NOT NULL,
+  altitude_m REAL NOT NULL,
+  altitude_datum TEXT NOT NULL,
+  score REAL NOT NULL,
+  aircraft_json TEXT NOT NULL,
+  checksum INTEGER
+) STRICT;
+CREATE INDEX site_numbers_by_altitude ON site_numbers (altitude_m) WHERE is_recallable = 1;
+CREATE VIRTUAL TABLE site_boxes USING rtree (
+  number, west_deg, east_deg, south_deg, north_deg
+);
+INSERT INTO site_numbers (site_id, is_recallable, is_landable, altitude_m, altitude_datum, score,
+                          aircraft_json)
+SELECT id,
+       coalesce(json_extract(feature_json, '$.properties.verdict') IN ('landable', 'unverified')
+                AND json_type(feature_json, '$.properties.elevation_m') IN ('real', 'integer'), 0),
+       coalesce(json_extract(feature_json, '$.properties.verdict') = 'landable', 0),
+       coalesce(CAST(json_extract(feature_json, '$.properties.elevation_m') AS REAL), 0.0),
+       coalesce(json_extract(feature_json, '$.properties.altitude_datum'), 'unknown'),
+       coalesce(CAST(json_extract(feature_json, '$.properties.score') AS REAL), 0.0),
+       coalesce(json_extract(feature_json, '$.properties.aircraft'), '{}')
+FROM sites;
+INSERT INTO site_boxes
+SELECT number, longitude_deg - 0.03, longitude_deg + 0.03, latitude_deg - 0.015,
+       latitude_deg + 0.015
+FROM site_numbers JOIN sites ON sites.id = site_numbers.site_id;
+)sql";
+
+// The ground was last photographed before the site was written, so updated_at_us is the latest
+// possible time. Checksums are dropped because they cover the new columns too.
+constexpr char kFrom2To3[] = R"sql(
+ALTER TABLE sites ADD COLUMN seen_at_us INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE sites ADD COLUMN is_evidence INTEGER NOT NULL DEFAULT 0;
+UPDATE sites SET seen_at_us = updated_at_us, checksum = NULL,
+  is_evidence = (SELECT is_recallable FROM site_numbers WHERE site_id = id);
+UPDATE site_numbers SET checksum = NULL;
+)sql";
+
+}  // namespace
+
+void Migrate(const Connection& writer, int64_t version) {
+  if (version < 2) writer.Execute(kFrom1To2);
+  if (version < 3) writer.Execute(kFrom2To3);
+}
+
+}  // namespace freelsd

@@ -1,0 +1,116 @@
+-- All durable data except the image files. This is user_version 3; application_id holds the version
+-- too (migrations.h). migrations.cc migrates older versions.
+-- A second file, recall.db, has the same schema and holds a second copy of the tables of sites. It is
+-- read if this file is damaged.
+-- Times are microseconds since 1970 (UTC). Storage does not parse the text of JSON columns.
+
+CREATE TABLE flights (
+  id TEXT PRIMARY KEY,                       -- [A-Za-z0-9._-]{1,128}
+  name TEXT NOT NULL,                        -- as given by the client
+  request_json TEXT NOT NULL,                -- POST /v1/flights, canonical form
+  rig_json TEXT NOT NULL,                    -- camera, body_from_camera, origin; '' until known
+  warnings_json TEXT NOT NULL,               -- array of sentences
+  stages_json TEXT NOT NULL,                 -- per stage: mean_ms, count
+  created_at_us INTEGER NOT NULL,            -- microseconds since 1970
+  num_rejected_frames INTEGER NOT NULL,      -- refused images of batches and streams; they have no row
+  has_failed INTEGER NOT NULL,               -- 1: the engine failed on this flight; see warnings
+  ground_altitude_m REAL,                    -- of the ground below the first frame, flight's datum; NULL: unknown
+  has_retired_images INTEGER NOT NULL DEFAULT 0  -- 1: its images were removed to free disk space
+) STRICT;
+
+CREATE TABLE frames (
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  sequence INTEGER NOT NULL,                 -- order of processing within the flight, from 1
+  id TEXT NOT NULL,                          -- unique within the flight
+  sha256 TEXT NOT NULL,                      -- of the image file, lower-case hex; also the file's name
+  meta_json TEXT NOT NULL,                   -- sent by the client: timestamp_us, position (deg, m), attitude, wind (mps)
+  state INTEGER NOT NULL,                    -- 0 queued, 1 processed, 2 rejected by the frontend
+  reason TEXT NOT NULL,                      -- why rejected, or a note; '' for none
+  is_from_batch INTEGER NOT NULL,            -- 1: does not count against the limit of the frame queue
+  tags_json TEXT NOT NULL DEFAULT '{}',      -- the same keys, from the image's own tags
+  resolved_json TEXT NOT NULL DEFAULT '',    -- the same keys, as the engine uses them; '' until settled
+  PRIMARY KEY (flight_id, id)
+) STRICT, WITHOUT ROWID;
+CREATE UNIQUE INDEX frames_by_sequence ON frames (flight_id, sequence);
+CREATE INDEX frames_by_image ON frames (sha256);
+CREATE INDEX frames_queued ON frames (flight_id, sequence) WHERE state = 0;
+CREATE INDEX frames_in_queue ON frames (state) WHERE state = 0 AND is_from_batch = 0;
+
+-- Position, attitude and wind that the aircraft reports between frames.
+CREATE TABLE telemetry (
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  kind INTEGER NOT NULL,                     -- 0 position (deg, deg, m), 1 attitude (w, x, y, z), 2 wind (mps)
+  timestamp_us INTEGER NOT NULL,             -- microseconds since 1970
+  value_0 REAL NOT NULL,                     -- latitude_deg | w | east_mps
+  value_1 REAL NOT NULL,                     -- longitude_deg | x | north_mps
+  value_2 REAL NOT NULL,                     -- altitude_m | y | 0
+  value_3 REAL NOT NULL,                     -- 0 | z | 0
+  PRIMARY KEY (flight_id, kind, timestamp_us)
+) STRICT, WITHOUT ROWID;
+
+CREATE TABLE jobs (
+  number INTEGER PRIMARY KEY AUTOINCREMENT,  -- order of arrival
+  id TEXT NOT NULL UNIQUE,
+  kind TEXT NOT NULL,                        -- 'batch' or 'finish'
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  state INTEGER NOT NULL,                    -- 0 queued, 1 running, 2 done, 3 failed, 4 cancelled
+  progress_ratio REAL NOT NULL,              -- 0..1
+  stage TEXT NOT NULL,                       -- name of the current step
+  detail_json TEXT NOT NULL,                 -- verdict of each image, message of a failure
+  created_at_us INTEGER NOT NULL             -- microseconds since 1970
+) STRICT;
+CREATE INDEX jobs_by_flight ON jobs (flight_id);
+CREATE INDEX jobs_unfinished ON jobs (number) WHERE state < 2;
+
+CREATE TABLE regions (
+  flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  id INTEGER NOT NULL,                       -- stable within the flight
+  rank INTEGER NOT NULL,                     -- order of the snapshot, best first, from 0
+  feature_json TEXT NOT NULL,                -- GeoJSON feature (deg, m2)
+  history_json TEXT NOT NULL,                -- grade and counts per frame
+  PRIMARY KEY (flight_id, id)
+) STRICT, WITHOUT ROWID;
+
+-- A site stays when its flight is deleted, so there is no foreign key to flights.
+CREATE TABLE sites (
+  id TEXT PRIMARY KEY,                       -- '<flight>-r<region>'; a further field of the region '…-f<number>'
+  flight_id TEXT NOT NULL,
+  region_id INTEGER NOT NULL,
+  latitude_deg REAL NOT NULL,                -- touchdown, WGS84 degrees
+  longitude_deg REAL NOT NULL,               -- touchdown, WGS84 degrees
+  feature_json TEXT NOT NULL,                -- GeoJSON feature without rank
+  approach_json TEXT NOT NULL,               -- FeatureCollection; '' where there is no approach
+  replan_json TEXT NOT NULL,                 -- region, aircraft, origin, datum
+  updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
+  checksum INTEGER,                          -- of the row; NULL: not computed
+  superseded_by TEXT                         -- id of a later site on the same ground
+    REFERENCES sites (id) ON DELETE SET NULL DEFERRABLE INITIALLY DEFERRED,
+  seen_at_us INTEGER NOT NULL DEFAULT 0,     -- when the ground was last photographed, microseconds since 1970
+  is_evidence INTEGER NOT NULL DEFAULT 0     -- 1: the verdict depends on the ground itself
+) STRICT;
+CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
+CREATE INDEX sites_by_flight ON sites (flight_id);
+CREATE INDEX sites_by_place ON sites (latitude_deg, longitude_deg);
+
+CREATE TABLE site_maps (
+  site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
+  map BLOB NOT NULL                          -- compressed layers (m, rad, 0..1), versioned inside
+) STRICT;
+
+-- The columns of a site that emergency recall reads, by number: an R*Tree needs integer keys.
+CREATE TABLE site_numbers (
+  number INTEGER PRIMARY KEY,
+  site_id TEXT NOT NULL UNIQUE REFERENCES sites (id) ON DELETE CASCADE,
+  is_recallable INTEGER NOT NULL,            -- 0: rejected, or without terrain; its map still counts as terrain
+  is_landable INTEGER NOT NULL,              -- 1 landable, 0 unverified
+  altitude_m REAL NOT NULL,                  -- of the touchdown, in altitude_datum
+  altitude_datum TEXT NOT NULL,              -- 'amsl', 'ellipsoid' or 'unknown'
+  score REAL NOT NULL,                       -- 0..1, when the site was stored
+  aircraft_json TEXT NOT NULL,               -- the aircraft for which the site was planned
+  checksum INTEGER                           -- of the row and the site's position; NULL: not computed
+) STRICT;
+CREATE INDEX site_numbers_by_altitude ON site_numbers (altitude_m) WHERE is_recallable = 1;
+CREATE VIRTUAL TABLE site_boxes USING rtree (
+  number,                                    -- of site_numbers
+  west_deg, east_deg, south_deg, north_deg   -- WGS84: area of the site's map, touchdown included
+);

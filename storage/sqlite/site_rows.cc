@@ -1,0 +1,336 @@
+#include "storage/sqlite/site_rows.h"
+
+#include "storage/sqlite/checksum.h"
+#include "storage/storage_error.h"
+
+namespace freelsd {
+namespace {
+
+constexpr BoundingBox kWholeEarth{-180.0, -90.0, 180.0, 90.0};
+
+int64_t ChecksumOf(const SiteRow& site) {
+  return Checksum()
+      .Add(site.id)
+      .Add(site.flight_id)
+      .Add(site.region_id)
+      .Add(site.latitude_deg)
+      .Add(site.longitude_deg)
+      .Add(site.feature_json)
+      .Add(site.approach_json)
+      .Add(site.replan_json)
+      .Add(site.updated_at_us)
+      .Add(site.seen_at_us)
+      .Add(static_cast<int64_t>(site.is_evidence))
+      .value();
+}
+
+int64_t ChecksumOf(const RecallRow& row) {
+  return Checksum()
+      .Add(row.site_id)
+      .Add(row.latitude_deg)
+      .Add(row.longitude_deg)
+      .Add(row.updated_at_us)
+      .Add(row.seen_at_us)
+      .Add(static_cast<int64_t>(row.data.is_landable))
+      .Add(row.data.altitude_m)
+      .Add(row.data.altitude_datum)
+      .Add(row.data.score)
+      .Add(row.data.aircraft_json)
+      .value();
+}
+
+// A row without a checksum comes from an older version and is not checked.
+template <typename Row>
+Row Checked(const Row& row, const Statement& statement, int column) {
+  const std::optional<int64_t> stored = statement.OptionalInt(column);
+  if (stored && *stored != ChecksumOf(row)) {
+    throw StorageError("read a site", "its checksum is wrong", StorageFault::kDamaged);
+  }
+  return row;
+}
+
+SiteRow RowOf(const Statement& statement) {
+  SiteRow site;
+  site.id = statement.Text(0);
+  site.flight_id = statement.Text(1);
+  site.region_id = statement.Int(2);
+  site.latitude_deg = statement.Real(3);
+  site.longitude_deg = statement.Real(4);
+  site.feature_json = statement.Text(5);
+  site.approach_json = statement.Text(6);
+  site.replan_json = statement.Text(7);
+  site.updated_at_us = statement.Int(8);
+  if (std::string id = statement.Text(10); !id.empty()) site.superseded_by = std::move(id);
+  site.seen_at_us = statement.Int(11);
+  site.is_evidence = statement.Int(12) != 0;
+  return Checked(site, statement, 9);
+}
+
+Statement SelectSites(const Connection& connection, const std::string& which) {
+  constexpr char kSelect[] =
+      "SELECT id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
+      "replan_json, updated_at_us, checksum, superseded_by, seen_at_us, is_evidence FROM sites ";
+  return connection.Prepare((kSelect + which).c_str());
+}
+
+BoundingBox BoxOf(const Statement& statement, int first_column) {
+  return {statement.Real(first_column),
+          statement.Real(first_column + 1),
+          statement.Real(first_column + 2),
+          statement.Real(first_column + 3)};
+}
+
+RecallRow RecallRowOf(const Statement& statement) {
+  RecallRow row;
+  row.site_id = statement.Text(0);
+  row.flight_id = statement.Text(1);
+  row.latitude_deg = statement.Real(2);
+  row.longitude_deg = statement.Real(3);
+  row.updated_at_us = statement.Int(4);
+  row.seen_at_us = statement.Int(5);
+  row.data = {statement.Int(6) != 0,
+              statement.Real(7),
+              statement.Text(8),
+              statement.Real(9),
+              statement.Text(10)};
+  return Checked(row, statement, 11);
+}
+
+void PutSiteRow(const Connection& writer, const SiteRow& site) {
+  writer
+      .Prepare(
+          "INSERT INTO sites (id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, "
+          "approach_json, replan_json, updated_at_us, checksum, superseded_by, seen_at_us, "
+          "is_evidence) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, nullif(?11, ''), ?12, "
+          "?13) ON CONFLICT (id) DO UPDATE SET latitude_deg = ?4, longitude_deg = ?5, "
+          "feature_json = ?6, approach_json = ?7, replan_json = ?8, updated_at_us = ?9, "
+          "checksum = ?10, superseded_by = nullif(?11, ''), seen_at_us = ?12, is_evidence = ?13")
+      .Bind(site.id,
+            site.flight_id,
+            site.region_id,
+            site.latitude_deg,
+            site.longitude_deg,
+            site.feature_json,
+            site.approach_json,
+            site.replan_json,
+            site.updated_at_us,
+            ChecksumOf(site),
+            site.superseded_by.value_or(""),
+            site.seen_at_us,
+            static_cast<int>(site.is_evidence))
+      .Run();
+}
+
+int64_t NumberOf(const Connection& writer, const std::string& site_id) {
+  Statement statement = writer.Prepare("SELECT number FROM site_numbers WHERE site_id = ?1");
+  statement.Bind(site_id).Step();
+  return statement.Int(0);
+}
+
+void PutBox(const Connection& writer, const SiteRow& site) {
+  const BoundingBox touchdown{
+      site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg};
+  const BoundingBox box = site.map_box.value_or(touchdown);
+  writer.Prepare("INSERT OR REPLACE INTO site_boxes VALUES (?1, ?2, ?3, ?4, ?5)")
+      .Bind(NumberOf(writer, site.id), box.west_deg, box.east_deg, box.south_deg, box.north_deg)
+      .Run();
+}
+
+void PutRecall(const Connection& writer, const SiteRow& site) {
+  const RecallData data = site.recall.value_or(RecallData{});
+  const RecallRow row{site.id,
+                      site.flight_id,
+                      site.latitude_deg,
+                      site.longitude_deg,
+                      site.updated_at_us,
+                      site.seen_at_us,
+                      data};
+  writer
+      .Prepare(
+          "INSERT INTO site_numbers (site_id, is_recallable, is_landable, altitude_m, "
+          "altitude_datum, score, aircraft_json, checksum) "
+          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8) ON CONFLICT (site_id) DO UPDATE SET "
+          "is_recallable = ?2, is_landable = ?3, altitude_m = ?4, altitude_datum = ?5, score = ?6, "
+          "aircraft_json = ?7, checksum = ?8")
+      .Bind(site.id,
+            static_cast<int>(site.recall.has_value()),
+            static_cast<int>(data.is_landable),
+            data.altitude_m,
+            data.altitude_datum,
+            data.score,
+            data.aircraft_json,
+            ChecksumOf(row))
+      .Run();
+}
+
+// A site with recall and map_box, to be copied to the other database.
+SiteRow WholeSite(const Connection& connection, const std::string& site_id) {
+  std::optional<SiteRow> found = FindSiteRow(connection, site_id);
+  // The table has the site, but the index does not: the index is damaged.
+  if (!found)
+    throw StorageError("read a site", "its row is missing from an index", StorageFault::kDamaged);
+  SiteRow site = std::move(*found);
+  Statement recall = connection.Prepare(
+      "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
+      "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
+      "is_recallable, "
+      "west_deg, south_deg, east_deg, north_deg FROM site_numbers JOIN sites ON sites.id = site_id "
+      "JOIN site_boxes USING (number) WHERE site_id = ?1");
+  if (!recall.Bind(site_id).Step()) return site;
+  if (recall.Int(12) != 0) site.recall = RecallRowOf(recall).data;
+  site.map_box = BoundingBox{recall.Real(13), recall.Real(14), recall.Real(15), recall.Real(16)};
+  return site;
+}
+
+}  // namespace
+
+std::vector<BoundingBox> PlainBoxes(const BoundingBox& box) {
+  if (box.west_deg <= box.east_deg) return {box};
+  return {{box.west_deg, box.south_deg, 180.0, box.north_deg},
+          {-180.0, box.south_deg, box.east_deg, box.north_deg}};
+}
+
+void PutSiteRows(const Connection& writer,
+                 const SiteRow& site,
+                 std::string_view map_blob,
+                 const std::vector<std::string>& supersedes) {
+  PutSiteRow(writer, site);
+  PutRecall(writer, site);
+  PutBox(writer, site);
+  if (map_blob.empty()) {
+    writer.Prepare("DELETE FROM site_maps WHERE site_id = ?1").Bind(site.id).Run();
+  } else {
+    writer.Prepare("INSERT OR REPLACE INTO site_maps VALUES (?1, ?2)")
+        .Bind(site.id, Blob{map_blob})
+        .Run();
+  }
+  for (const std::string& id : supersedes) {
+    writer.Prepare("UPDATE sites SET superseded_by = ?2 WHERE id = ?1").Bind(id, site.id).Run();
+  }
+}
+
+std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::string& site_id) {
+  Statement statement = SelectSites(connection, "WHERE id = ?1");
+  if (!statement.Bind(site_id).Step()) return std::nullopt;
+  return RowOf(statement);
+}
+
+std::vector<SiteRow> ListSiteRows(const Connection& connection,
+                                  const std::optional<std::string>& flight_id,
+                                  const std::optional<BoundingBox>& box) {
+  Statement statement =
+      SelectSites(connection,
+                  "WHERE (?1 = 0 OR flight_id = ?2) AND latitude_deg BETWEEN ?3 AND ?5 AND ("
+                  "CASE WHEN ?4 <= ?6 THEN longitude_deg BETWEEN ?4 AND ?6 "
+                  "ELSE longitude_deg >= ?4 OR longitude_deg <= ?6 END) ORDER BY id");
+  const BoundingBox& wanted = box ? *box : kWholeEarth;
+  statement.Bind(static_cast<int>(flight_id.has_value()),
+                 flight_id.value_or(""),
+                 wanted.south_deg,
+                 wanted.west_deg,
+                 wanted.north_deg,
+                 wanted.east_deg);
+  std::vector<SiteRow> sites;
+  while (statement.Step()) sites.push_back(RowOf(statement));
+  return sites;
+}
+
+std::optional<std::string> ReadMapBlob(const Connection& connection, const std::string& site_id) {
+  Statement statement = connection.Prepare("SELECT map FROM site_maps WHERE site_id = ?1");
+  if (!statement.Bind(site_id).Step()) return std::nullopt;
+  return statement.Text(0);
+}
+
+BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box) {
+  BoxCache<RecallRow>::Rows rows;
+  Statement statement = connection.Prepare(
+      "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
+      "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
+      "west_deg, south_deg, east_deg, north_deg FROM site_boxes "
+      "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
+      "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
+      "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1 AND "
+      "superseded_by IS NULL");
+  statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
+  while (statement.Step()) {
+    rows.push_back(
+        {BoxOf(statement, 12), std::make_shared<const RecallRow>(RecallRowOf(statement))});
+  }
+  return rows;
+}
+
+BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
+  BoxCache<MapRow>::Rows rows;
+  Statement statement = connection.Prepare(
+      "SELECT sites.id, updated_at_us, altitude_datum, west_deg, south_deg, east_deg, north_deg "
+      "FROM site_boxes JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
+      "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
+      "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2");
+  statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
+  while (statement.Step()) {
+    rows.push_back({BoxOf(statement, 3),
+                    std::make_shared<const MapRow>(
+                        MapRow{statement.Text(0), statement.Int(1), statement.Text(2)})});
+  }
+  return rows;
+}
+
+bool DeleteSiteRows(const Connection& writer, const std::string& site_id) {
+  writer
+      .Prepare(
+          "DELETE FROM site_boxes WHERE number IN "
+          "(SELECT number FROM site_numbers WHERE site_id = ?1)")
+      .Bind(site_id)
+      .Run();
+  writer.Prepare("DELETE FROM sites WHERE id = ?1").Bind(site_id).Run();
+  return writer.NumChanges() > 0;
+}
+
+void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id) {
+  for (const SiteRow& site : ListSiteRows(writer, flight_id, std::nullopt)) {
+    DeleteSiteRows(writer, site.id);
+  }
+}
+
+void CheckSiteRows(const Connection& connection) {
+  Statement sites = SelectSites(connection, "");
+  while (sites.Step()) RowOf(sites);
+  Statement recall = connection.Prepare(
+      "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
+      "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
+      "site_boxes.number FROM sites LEFT JOIN site_numbers ON site_id = sites.id "
+      "LEFT JOIN site_boxes USING (number)");
+  while (recall.Step()) {
+    if (!recall.OptionalInt(12)) {
+      throw StorageError("read a site", "it has no bounding box", StorageFault::kDamaged);
+    }
+    RecallRowOf(recall);
+  }
+}
+
+SiteStamps StampsOf(const Connection& connection) {
+  SiteStamps stamps;
+  Statement statement = connection.Prepare("SELECT id, updated_at_us, superseded_by FROM sites");
+  while (statement.Step()) {
+    stamps[statement.Text(0)] = {statement.Int(1), statement.Text(2)};
+  }
+  return stamps;
+}
+
+void CopySites(const Connection& from, const Connection& to) {
+  const SiteStamps wanted = StampsOf(from);
+  const SiteStamps present = StampsOf(to);
+  if (wanted == present) return;
+  Transaction transaction(to);
+  for (const auto& [id, stamp] : present) {
+    if (!wanted.contains(id)) DeleteSiteRows(to, id);
+  }
+  for (const auto& [id, stamp] : wanted) {
+    const auto found = present.find(id);
+    if (found != present.end() && found->second == stamp) continue;
+    PutSiteRows(to, WholeSite(from, id), ReadMapBlob(from, id).value_or(""), {});
+  }
+  transaction.Commit();
+}
+
+}  // namespace freelsd

@@ -1,0 +1,48 @@
+// SQL for rows of sites, on a connection to the main database or to the second copy of the sites.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "storage/box_cache.h"
+#include "storage/site_store.h"
+#include "storage/sqlite/sqlite.h"
+
+namespace freelsd {
+
+// The box itself, or two boxes if it crosses the antimeridian.
+std::vector<BoundingBox> PlainBoxes(const BoundingBox& box);
+
+// SiteStore::Put on one connection, within the caller's transaction.
+void PutSiteRows(const Connection& writer,
+                 const SiteRow& site,
+                 std::string_view map_blob,
+                 const std::vector<std::string>& supersedes);
+
+// Rows have neither recall nor map_box. Throws StorageError kDamaged if a checksum is wrong.
+std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::string& site_id);
+std::vector<SiteRow> ListSiteRows(const Connection& connection,
+                                  const std::optional<std::string>& flight_id,
+                                  const std::optional<BoundingBox>& box);
+std::optional<std::string> ReadMapBlob(const Connection& connection, const std::string& site_id);
+// For both, the box must not cross the antimeridian.
+BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box);
+BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box);
+
+// True if the site existed. Deletes the R*Tree row explicitly: an R*Tree has no foreign keys.
+bool DeleteSiteRows(const Connection& writer, const std::string& site_id);
+void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id);
+
+// Reads all rows once. Throws StorageError kDamaged if a checksum is wrong or a site has no box.
+void CheckSiteRows(const Connection& connection);
+
+// By site id: updated_at_us and superseded_by.
+using SiteStamps = std::map<std::string, std::tuple<int64_t, std::string>>;
+SiteStamps StampsOf(const Connection& connection);
+// Makes the sites in `to` equal to the sites in `from`.
+void CopySites(const Connection& from, const Connection& to);
+
+}  // namespace freelsd

@@ -1,0 +1,156 @@
+#include "storage/sqlite/sqlite.h"
+
+#include <cerrno>
+
+#include "storage/storage_error.h"
+
+namespace freelsd {
+namespace {
+
+// How long a connection waits for a lock. With a single writer, only a checkpoint makes it wait.
+constexpr int kBusyTimeoutMs = 2000;
+
+// SQLite reports only ENOSPC as full; an exceeded quota or file size limit is an I/O error.
+StorageFault FaultOf(sqlite3* database, int code) {
+  if (code == SQLITE_FULL) return StorageFault::kFull;
+  if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) return StorageFault::kDamaged;
+  // Two kinds of damage have no error code of their own: an invalid file header, and a changed
+  // schema. The latter shows as "no such", because our statements name only what the schema has.
+  if (code == SQLITE_ERROR && database != nullptr) {
+    const std::string_view message = sqlite3_errmsg(database);
+    if (message == "unsupported file format" || message.starts_with("no such ")) {
+      return StorageFault::kDamaged;
+    }
+  }
+  if (database == nullptr || code != SQLITE_IOERR) return StorageFault::kOther;
+  const int error = sqlite3_system_errno(database);
+  return error == EDQUOT || error == EFBIG ? StorageFault::kFull : StorageFault::kOther;
+}
+
+[[noreturn]] void Fail(sqlite3* database, const std::string& step) {
+  const int code = database == nullptr ? SQLITE_NOMEM : sqlite3_errcode(database);
+  const std::string reason =
+      database == nullptr ? "out of memory" : std::string(sqlite3_errmsg(database));
+  throw StorageError(step, reason, FaultOf(database, code));
+}
+
+// The beginning of the statement, for error messages; it contains no values.
+std::string StepName(const char* sql) {
+  const std::string text = sql;
+  return text.substr(0, text.find_first_of("(\n"));
+}
+
+}  // namespace
+
+Statement::Statement(sqlite3* database, const char* sql) : database_(database) {
+  if (sqlite3_prepare_v2(database, sql, -1, &statement_, nullptr) != SQLITE_OK) {
+    Fail(database, StepName(sql));
+  }
+}
+
+Statement::~Statement() { sqlite3_finalize(statement_); }
+
+void Statement::Check(int result) const {
+  if (result != SQLITE_OK) Fail(database_, StepName(sqlite3_sql(statement_)));
+}
+
+bool Statement::Step() {
+  const int result = sqlite3_step(statement_);
+  if (result == SQLITE_ROW) return true;
+  if (result != SQLITE_DONE) Fail(database_, StepName(sqlite3_sql(statement_)));
+  return false;
+}
+
+void Statement::Run() {
+  while (Step()) {
+  }
+  Check(sqlite3_reset(statement_));
+}
+
+std::optional<double> Statement::OptionalReal(int column) const {
+  if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::nullopt;
+  return Real(column);
+}
+
+std::optional<int64_t> Statement::OptionalInt(int column) const {
+  if (sqlite3_column_type(statement_, column) == SQLITE_NULL) return std::nullopt;
+  return Int(column);
+}
+
+std::string Statement::Text(int column) const {
+  const void* const bytes = sqlite3_column_blob(statement_, column);
+  const int size = sqlite3_column_bytes(statement_, column);
+  if (bytes == nullptr) return {};
+  return std::string(static_cast<const char*>(bytes), static_cast<size_t>(size));
+}
+
+void Statement::BindOne(int index, int64_t value) {
+  Check(sqlite3_bind_int64(statement_, index, value));
+}
+
+void Statement::BindOne(int index, double value) {
+  Check(sqlite3_bind_double(statement_, index, value));
+}
+
+void Statement::BindOne(int index, const std::optional<double>& value) {
+  if (value) return BindOne(index, *value);
+  Check(sqlite3_bind_null(statement_, index));
+}
+
+void Statement::BindOne(int index, const std::string& value) {
+  Check(sqlite3_bind_text64(
+      statement_, index, value.data(), value.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+}
+
+void Statement::BindOne(int index, const Blob& value) {
+  Check(sqlite3_bind_blob64(
+      statement_, index, value.bytes.data(), value.bytes.size(), SQLITE_TRANSIENT));
+}
+
+Connection::Connection(const std::filesystem::path& file, Access access) {
+  const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
+  if (sqlite3_open_v2(file.c_str(), &database_, flags, nullptr) != SQLITE_OK) {
+    const std::string reason = database_ == nullptr ? "out of memory" : sqlite3_errmsg(database_);
+    sqlite3_close(database_);
+    throw StorageError(std::string("open ").append(file.filename().string()), reason);
+  }
+  try {
+    sqlite3_busy_timeout(database_, kBusyTimeoutMs);
+    sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    Execute("PRAGMA trusted_schema = OFF; PRAGMA foreign_keys = ON;");
+    Execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
+    if (access == Access::kRead) Execute("PRAGMA query_only = ON;");
+  } catch (...) {
+    sqlite3_close(database_);
+    throw;
+  }
+}
+
+Connection::~Connection() { sqlite3_close(database_); }
+
+void Connection::Execute(const char* sql) const {
+  if (sqlite3_exec(database_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
+    Fail(database_, StepName(sql));
+  }
+}
+
+Transaction::Transaction(const Connection& connection) : connection_(connection) {
+  connection_.Execute("BEGIN IMMEDIATE");
+}
+
+Transaction::~Transaction() {
+  if (!is_open_) return;
+  try {
+    connection_.Execute("ROLLBACK");
+  } catch (const StorageError&) {
+    // SQLite already rolled back by itself (disk full, I/O error).
+    is_open_ = false;
+  }
+}
+
+void Transaction::Commit() {
+  connection_.Execute("COMMIT");
+  is_open_ = false;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,149 @@
+// The state that all stores share: the folder, both databases and the image files. Each database
+// has one write connection and a pool of read connections.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <mutex>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "storage/box_cache.h"
+#include "storage/folder_lock.h"
+#include "storage/image_files.h"
+#include "storage/sqlite/reader_pool.h"
+#include "storage/sqlite/site_rows.h"
+#include "storage/sqlite/sqlite.h"
+#include "storage/storage_error.h"
+
+namespace freelsd {
+
+// The content of the sites' second copy is not what was written.
+struct CopyDamaged : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// The open folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
+struct StorageState {
+  // Opens or creates both databases and makes their sites equal.
+  explicit StorageState(const std::filesystem::path& data_folder);
+  ~StorageState();
+
+  // Throws StorageError if the main database is damaged.
+  std::unique_lock<std::mutex> LockForWriting();
+  void MarkDamaged(const std::string& why);
+  // Reads from the main database, or from the copy if the main database is damaged. Never waits for
+  // the writer.
+  template <typename Read>
+  auto ReadSites(Read read) {
+    if (!is_damaged) {
+      try {
+        const Reader reader(readers);
+        return read(*reader);
+      } catch (const StorageError& error) {
+        if (error.fault != StorageFault::kDamaged) throw;
+        MarkDamaged(error.what());
+      }
+    }
+    const Reader reader(copy_readers);
+    return read(*reader);
+  }
+  // Reads through the cache. The box may cross the antimeridian.
+  template <typename Row>
+  SharedRows<Row> RowsWithin(BoxCache<Row>& cache,
+                             const BoundingBox& box,
+                             typename BoxCache<Row>::Rows (*list)(const Connection&,
+                                                                  const BoundingBox&)) {
+    const uint64_t version = sites_version;
+    SharedRows<Row> rows;
+    for (const BoundingBox& part : PlainBoxes(box)) {
+      SharedRows<Row> some = cache.Within(part, version, [&](const BoundingBox& wide) {
+        return ReadForRecall([&](const Connection& connection) { return list(connection, wide); });
+      });
+      std::move(some.begin(), some.end(), std::back_inserter(rows));
+    }
+    return rows;
+  }
+  // Reads from the copy, or from the main database if the copy is damaged. Recall uses this: damage
+  // to the main database can lose rows undetected, and the copy is a file of its own.
+  template <typename Read>
+  auto ReadForRecall(Read read) {
+    if (is_copy_whole) {
+      try {
+        const Reader reader(copy_readers);
+        return read(*reader);
+      } catch (const StorageError& error) {
+        if (error.fault != StorageFault::kDamaged) throw;
+        MarkCopyDamaged(error.what());
+      }
+    }
+    return ReadSites(read);
+  }
+  // Finds one site in the main database, else in the copy: damage may have removed it undetected.
+  template <typename Find>
+  auto FindOfSite(Find find) {
+    auto found = ReadSites(find);
+    return found ? found : ReadForRecall(find);
+  }
+  // Applies the same change to both databases, each in its own transaction. The caller holds
+  // LockForWriting.
+  template <typename Write>
+  void WriteSites(Write write) {
+    {
+      Transaction transaction(writer);
+      write(writer);
+      transaction.Commit();
+    }
+    WriteCopy(write);
+  }
+
+  std::filesystem::path folder;
+  FolderLock lock;
+  // Guards notices.
+  std::mutex notices_mutex;
+  std::vector<std::string> notices;
+  ImageFiles images;
+  // Guards writer and copy_writer.
+  std::mutex write_mutex;
+  Connection writer;
+  ReaderPool readers;
+  // The second copy, which holds sites only.
+  Connection copy_writer;
+  ReaderPool copy_readers;
+  std::atomic<bool> is_damaged{false};
+  // The copy is undamaged and has every site that the main database has.
+  std::atomic<bool> is_copy_whole{true};
+  // Increases when any site changes.
+  std::atomic<uint64_t> sites_version{1};
+  BoxCache<RecallRow> recall_rows;
+  BoxCache<MapRow> map_rows;
+  // Guards bounds_version and bounds.
+  std::mutex bounds_mutex;
+  uint64_t bounds_version = 0;
+  RecallBounds bounds;
+
+ private:
+  void WriteCopy(const std::function<void(const Connection&)>& write);
+  void MarkCopyDamaged(const std::string& why);
+  // Makes the sites of both databases equal. Throws StorageError kDamaged if the main database is
+  // damaged, CopyDamaged if the copy is.
+  void BringTogether();
+  void CheckWholeFiles();
+
+  // The check thread reads both files completely, once. At start that would take too long.
+  Connection check_connection_;
+  Connection copy_check_connection_;
+  std::atomic<bool> is_check_over_{false};
+  std::thread check_thread_;
+};
+
+// Opens the folder; moves a damaged file aside and opens the folder without it.
+std::unique_ptr<StorageState> OpenState(const std::filesystem::path& folder);
+
+}  // namespace freelsd

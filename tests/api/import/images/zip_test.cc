@@ -1,0 +1,164 @@
+#include <archive.h>
+#include <archive_entry.h>
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include "api/import/images/images.h"
+#include "tests/api/errors.h"
+#include "tests/api/flights.h"
+
+namespace freelsd {
+namespace {
+
+struct Entry {
+  std::string name;
+  std::string bytes;
+  unsigned int type = AE_IFREG;
+};
+
+// A zip in the temporary folder, gone with the object.
+class ZipFile {
+ public:
+  explicit ZipFile(const std::vector<Entry>& entries, const char* options = nullptr) {
+    static int number = 0;
+    path_ = std::filesystem::temp_directory_path() /
+            ("freelsd_zip_test_" + std::to_string(getpid()) + "_" + std::to_string(++number));
+    archive* const written = archive_write_new();
+    archive_write_set_format_zip(written);
+    if (options != nullptr) {
+      archive_write_set_passphrase(written, "secret");
+      archive_write_set_options(written, options);
+    }
+    archive_write_open_filename(written, path_.c_str());
+    for (const Entry& entry : entries) Write(written, entry);
+    archive_write_free(written);
+  }
+  ~ZipFile() { std::filesystem::remove(path_); }
+  ZipFile(const ZipFile&) = delete;
+  ZipFile& operator=(const ZipFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  void Overwrite(const std::string& bytes) const {
+    std::ofstream(path_, std::ios::binary | std::ios::trunc) << bytes;
+  }
+
+ private:
+  static void Write(archive* written, const Entry& entry) {
+    archive_entry* const header = archive_entry_new();
+    archive_entry_set_pathname(header, entry.name.c_str());
+    archive_entry_set_filetype(header, entry.type);
+    archive_entry_set_perm(header, 0644);
+    if (entry.type == AE_IFLNK) {
+      archive_entry_set_symlink(header, entry.bytes.c_str());
+    } else {
+      archive_entry_set_size(header, static_cast<la_int64_t>(entry.bytes.size()));
+    }
+    archive_write_header(written, header);
+    if (entry.type == AE_IFREG) archive_write_data(written, entry.bytes.data(), entry.bytes.size());
+    archive_entry_free(header);
+  }
+
+  std::filesystem::path path_;
+};
+
+std::vector<Entry> Read(const ZipFile& zip, const ZipLimits& limits = {}) {
+  std::vector<Entry> entries;
+  ReadZip(zip.path().string(), limits, [&entries](const std::string& name, std::string&& bytes) {
+    entries.push_back({name, std::move(bytes)});
+  });
+  return entries;
+}
+
+std::string ErrorOfZip(const std::vector<Entry>& entries, const ZipLimits& limits = {}) {
+  const ZipFile zip(entries);
+  int num_calls = 0;
+  std::string error = ErrorOf([&] {
+    ReadZip(zip.path().string(), limits, [&](const std::string&, std::string&&) { ++num_calls; });
+  });
+  // What the directory tells is refused before anything is handed out.
+  if (error == "422 ZipRefused") CHECK(num_calls == 0);
+  return error;
+}
+
+TEST_CASE("zip: plain files come in order with their paths, folders and leftovers do not") {
+  const std::string large(300000, 'x');
+  const ZipFile zip({{"flight/", "", AE_IFDIR},
+                     {"flight/b 1.jpg", "second"},
+                     {"__MACOSX/flight/._b 1.jpg", "junk"},
+                     {"flight/.DS_Store", "junk"},
+                     {"a.csv", large}});
+  const auto entries = Read(zip, ZipLimits{100, 1e4, 1 << 30, 1 << 30});
+  REQUIRE(entries.size() == 2);
+  CHECK(entries[0].name == "flight/b 1.jpg");
+  CHECK(entries[0].bytes == "second");
+  CHECK(entries[1].bytes == large);
+}
+
+TEST_CASE("zip: traversal, absolute paths, links and doubles are refused") {
+  CHECK(ErrorOfZip({{"../a.jpg", "x"}}) == "422 ZipRefused");
+  CHECK(ErrorOfZip({{"a/../../b.jpg", "x"}}) == "422 ZipRefused");
+  CHECK(ErrorOfZip({{"a\\..\\b.jpg", "x"}}) == "422 ZipRefused");
+  CHECK(ErrorOfZip({{"/etc/passwd", "x"}}) == "422 ZipRefused");
+  CHECK(ErrorOfZip({{"C:\\a.jpg", "x"}}) == "422 ZipRefused");
+  CHECK(ErrorOfZip({{"good.jpg", "x"}, {"link.jpg", "/etc/passwd", AE_IFLNK}}) == "422 ZipRefused");
+  CHECK(ErrorOfZip({{"a/1.jpg", "x"}, {"b/1.jpg", "y"}}) == "422 ZipRefused");
+  CHECK(ErrorOfZip({{"a..b.jpg", "x"}}) == "nothing");
+  CHECK(ErrorOfZip({{"cam0/data.csv", "x"}, {"imu0/data.csv", "y"}}) == "nothing");
+  CHECK(ErrorOfZip({{"a.csv", "x"}, {"a.csv", "y"}}) == "422 ZipRefused");
+}
+
+TEST_CASE("zip: over a limit it is 413") {
+  const std::string zeros(1000000, '\0');
+  CHECK(ErrorOfZip({{"a", zeros}}, ZipLimits{10, 200.0, 1 << 30, 1 << 30}) == "413 ZipTooLarge");
+  CHECK(ErrorOfZip({{"a", zeros}}, ZipLimits{10, 1e9, 500000, 1 << 30}) == "413 ZipTooLarge");
+  CHECK(ErrorOfZip({{"a", zeros}}, ZipLimits{10, 1e9, 1 << 30, 500000}) == "413 ZipTooLarge");
+  CHECK(ErrorOfZip({{"a", "1"}, {"b", "2"}}, ZipLimits{1, 1e9, 1 << 30, 1 << 30}) ==
+        "413 ZipTooLarge");
+  CHECK(ErrorOfZip({{"a", zeros}}, ZipLimits{10, 1e9, 1 << 30, 1 << 30}) == "nothing");
+}
+
+TEST_CASE("zip: orthophotos, films and point clouds are named and not unpacked") {
+  const std::string zeros(1000000, '\0');
+  const ZipLimits small{10, 200.0, 1000, 1000};
+  const ZipFile zip({{"a/map.TIF", zeros}, {"b/map.tif", zeros}, {"a.jpg", "image"}});
+  const auto entries = Read(zip, ZipLimits{10, 1e9, 1000, 1000});
+  REQUIRE(entries.size() == 3);
+  CHECK(entries[0].name == "a/map.TIF");
+  CHECK(entries[0].bytes.empty());
+  CHECK(entries[2].bytes == "image");
+  CHECK(ErrorOfZip({{"a.jpg", zeros}}, small) == "413 ZipTooLarge");
+}
+
+TEST_CASE("zip: only images are known by their name without folders") {
+  CHECK(ErrorOfZip({{"README.md", "x"}, {"code/README.md", "y"}}) == "nothing");
+  CHECK(ErrorOfZip({{"a/1.JPEG", "x"}, {"b/1.JPEG", "y"}}) == "422 ZipRefused");
+  CHECK(KindByName("a.b/c.PNG") == FileKind::kImage);
+  CHECK(KindByName("geo.txt") == FileKind::kSideFile);
+  CHECK(KindByName("LICENSE") == FileKind::kUnknown);
+  CHECK(BeginsAsImage("\xFF\xD8\xFF\xE0"));
+  CHECK_FALSE(BeginsAsImage("II*"));
+}
+
+TEST_CASE("zip: encrypted, cut, damaged and no zip at all are refused") {
+  const ZipFile encrypted({{"a.jpg", "secret"}}, "zip:encryption=traditional");
+  CHECK(ErrorOf([&] { Read(encrypted); }) == "422 ZipRefused");
+  uint32_t state = 3;
+  std::string noise;
+  for (int i = 0; i < 5000; ++i)
+    noise += static_cast<char>((state = state * 1664525u + 1013904223u) >> 24);
+  const ZipFile zip({{"a.jpg", noise}});
+  const std::string bytes = ReadBytes(zip.path());
+  zip.Overwrite(bytes.substr(0, bytes.size() / 2));
+  CHECK(ErrorOf([&] { Read(zip); }) == "422 ZipRefused");
+  std::string damaged = bytes;
+  damaged[bytes.size() / 2] = static_cast<char>(damaged[bytes.size() / 2] ^ 0xFF);
+  zip.Overwrite(damaged);
+  CHECK(ErrorOf([&] { Read(zip); }) == "422 ZipRefused");
+  zip.Overwrite("image,latitude_deg\n");
+  CHECK(ErrorOf([&] { Read(zip); }) == "422 ZipRefused");
+  zip.Overwrite("");
+  CHECK(ErrorOf([&] { Read(zip); }) == "422 ZipRefused");
+}
+
+}  // namespace
+}  // namespace freelsd

@@ -1,0 +1,119 @@
+// Which regions share a map, and which views take part.
+#include <doctest/doctest.h>
+
+#include "engine/selection/selection.h"
+
+namespace freelsd {
+namespace {
+
+Candidate RegionAt(int id, double east, double north) {
+  Region region;
+  region.id = id;
+  for (const Eigen::Vector2d& corner :
+       {Eigen::Vector2d(-20, -20), {20, -20}, {20, 20}, {-20, 20}}) {
+    region.corners_in_world.emplace_back(east + corner.x(), north + corner.y(), 0.0);
+  }
+  return {region, std::nullopt};
+}
+
+// Looking down from 100 m, every `spacing` metres along a line to the east; neighbours share
+// tracks.
+Snapshot LineFlight(int num_views, double spacing) {
+  Snapshot snapshot;
+  Camera& camera = snapshot.rig.camera;
+  camera.width_px = 752;
+  camera.height_px = 480;
+  camera.fx_px = camera.fy_px = 450.0;
+  camera.cx_px = 375.5;
+  camera.cy_px = 239.5;
+  for (int i = 0; i < num_views; ++i) {
+    View view;
+    view.frame_id = std::to_string(i);
+    view.timestamp_us = i;
+    view.world_from_camera.rotation =
+        Eigen::Quaterniond(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()));
+    view.world_from_camera.translation = {i * spacing, 0.0, 100.0};
+    view.prior_position_in_world = view.world_from_camera.translation;
+    view.height_above_ground = 100.0;
+    for (int k = 0; k < 20; ++k) {
+      view.observations.push_back({1000 * i + k, Eigen::Vector2d(30.0 * k, 200.0)});
+      if (i > 0)
+        view.observations.push_back({1000 * (i - 1) + k, Eigen::Vector2d(30.0 * k, 100.0)});
+    }
+    snapshot.views.push_back(view);
+  }
+  return snapshot;
+}
+
+size_t NumRegions(const std::vector<std::vector<Candidate>>& groups) {
+  size_t count = 0;
+  for (const auto& group : groups) count += group.size();
+  return count;
+}
+
+TEST_CASE("region groups: near ones share a map, best first, far ones do not") {
+  const Snapshot snapshot = LineFlight(10, 30.0);
+  const Aircraft aircraft = *AircraftProfile("small");
+  const std::vector<Candidate> near{RegionAt(7, 200, 0), RegionAt(3, 0, 0), RegionAt(5, 100, 0)};
+  const auto one = GroupRegions(snapshot, near, aircraft, {});
+  REQUIRE(one.size() == 1);
+  CHECK(one[0][0].region.id == 7);
+  CHECK(one[0][1].region.id == 3);
+  std::vector<Candidate> all = near;
+  all.push_back(RegionAt(1, 9000, 0));
+  all.push_back(RegionAt(2, 0, 20000));
+  const auto groups = GroupRegions(snapshot, all, aircraft, {});
+  CHECK(groups.size() == 3);
+  CHECK(NumRegions(groups) == all.size());
+  CHECK(GroupRegions(snapshot, {}, aircraft, {}).empty());
+}
+
+TEST_CASE("region groups: those that need too many views are split, and none is lost") {
+  const Snapshot snapshot = LineFlight(60, 30.0);
+  PipelineOptions options;
+  options.backend.max_num_views = 20;
+  options.backend.max_surroundings_m = 50.0;
+  std::vector<Candidate> regions;
+  regions.reserve(8);
+  for (int i = 0; i < 8; ++i) regions.push_back(RegionAt(i, 200.0 * i, 0.0));
+  const auto groups = GroupRegions(snapshot, regions, *AircraftProfile("small"), options);
+  CHECK(groups.size() > 1);
+  CHECK(NumRegions(groups) == regions.size());
+  for (const auto& group : groups) {
+    const Box area =
+        AreaOfInterest(group, *AircraftProfile("small"), options.approach, options.backend);
+    const Selection selection = SelectViews(snapshot, area, options.adjustment, options.backend);
+    CHECK(selection.num_seeing == selection.views.size());
+    CHECK(selection.views.size() >= 2);
+  }
+}
+
+TEST_CASE("region groups: of too many views those about the region's middle are taken") {
+  const Snapshot snapshot = LineFlight(60, 30.0);
+  PipelineOptions options;
+  options.backend.max_num_views = 10;
+  const Box area = AreaOfInterest(
+      {RegionAt(1, 900, 0)}, *AircraftProfile("small"), options.approach, options.backend);
+  const Selection selection = SelectViews(snapshot, area, options.adjustment, options.backend);
+  CHECK(selection.views.size() == 10);
+  CHECK(selection.num_seeing > 10);
+  CHECK(std::is_sorted(selection.indices.begin(), selection.indices.end()));
+  for (const View& view : selection.views) {
+    CHECK(std::abs(view.world_from_camera.translation.x() - 900.0) < 300.0);
+  }
+}
+
+TEST_CASE("area of interest: where no wind is known the wind from behind has to fit in") {
+  std::vector<Candidate> regions{RegionAt(1, 0, 0)};
+  const Aircraft aircraft = *AircraftProfile("small");
+  const Box unknown = AreaOfInterest(regions, aircraft, {}, {});
+  const double behind = DownwindApproachDistance(aircraft, ApproachOptions{}.unknown_wind_mps) +
+                        2.0 * LoiterRadius(aircraft, ApproachOptions{}.unknown_wind_mps);
+  CHECK(unknown.max.x() == doctest::Approx(20.0 + behind));
+  regions[0].wind = WindEstimate{.wind_in_world = {0.0, 1.0}};
+  const Box known = AreaOfInterest(regions, aircraft, {}, {});
+  CHECK(known.max.x() < unknown.max.x());
+}
+
+}  // namespace
+}  // namespace freelsd

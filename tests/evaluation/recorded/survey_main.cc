@@ -1,0 +1,109 @@
+// freelsd-survey: how well the poses of recorded flights fit, and the surveyed targets where there
+// are any; a table in Markdown.
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+
+#include "tests/evaluation/recorded/control_points.h"
+
+namespace freelsd {
+namespace {
+
+namespace fs = std::filesystem;
+
+Classifier ReadClassifier(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error("cannot read " + path);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return Classifier::Parse(text.str());
+}
+
+void PrintFlight(const std::string& name,
+                 const RecordedFlight& flight,
+                 const PairAgreement& agreement) {
+  int num_connected = 0;
+  for (const AdjustedView& view : flight.block.views) num_connected += view.is_connected;
+  std::printf("| %s | %zu | %d | %zu | %.2f | %.0f | %.2f | %.2f | %.2f | %.2f |\n",
+              name.c_str(),
+              flight.images.size(),
+              num_connected,
+              flight.block.LargestGroup().size(),
+              flight.block.rms_after_px,
+              flight.block.camera.fx_px,
+              flight.block.position_sd_m,
+              flight.block.tilt_sd_deg,
+              agreement.median_m,
+              agreement.p90_m);
+  std::fflush(stdout);
+}
+
+void PrintControl(const std::string& name, const ControlErrors& errors) {
+  std::printf(
+      "\n%s: %d targets seen twice. Leave one out after a similarity of the others: %.2f m "
+      "horizontal, %.2f m vertical (RMS). Georeferenced by the positions alone: shift east %.2f, "
+      "north %.2f, up %.2f m, and without it %.2f m horizontal, %.2f m vertical. Elevation map at "
+      "%d targets: %.2f m RMS, largest %.2f m.\n",
+      name.c_str(),
+      errors.num_targets,
+      errors.aligned_horizontal_m,
+      errors.aligned_vertical_m,
+      errors.shift_in_world.x(),
+      errors.shift_in_world.y(),
+      errors.shift_in_world.z(),
+      errors.georeferenced_horizontal_m,
+      errors.georeferenced_vertical_m,
+      errors.num_map_targets,
+      errors.map_vertical_m,
+      errors.map_largest_m);
+}
+
+void Run(const std::vector<std::string>& folders, const std::string& model) {
+  const Classifier classifier = ReadClassifier(model);
+  const PipelineOptions options;
+  std::puts(
+      "| flight | photographs | adjusted | in one block | reprojection px | focal length px | "
+      "position sd m | "
+      "tilt sd deg | pairs differ by m, median | p90 |\n|---|---|---|---|---|---|---|---|---|---|");
+  std::vector<std::pair<std::string, ControlErrors>> controls;
+  for (const std::string& folder : folders) {
+    const std::string name = fs::path(folder).filename().string();
+    const RecordedFlight flight = AdjustRecordedFlight(folder, classifier, options);
+    PrintFlight(name, flight, AgreementOfPairs(flight, options));
+    const fs::path targets = fs::path(folder) / "TargetCoordinates_wAccuracy.csv";
+    if (!fs::exists(targets)) continue;
+    const auto sightings =
+        ReadSightings((fs::path(folder) / "ImageTargets_2000x1500.csv").string());
+    controls.emplace_back(
+        name,
+        CompareWithTargets(
+            flight, MapOfBlock(flight, options), ReadTargets(targets.string()), sightings));
+  }
+  for (const auto& [name, errors] : controls) PrintControl(name, errors);
+}
+
+}  // namespace
+}  // namespace freelsd
+
+int main(int argc, char** argv) {
+  try {
+    CLI::App app{"Fits the poses of recorded flights and prints how well they fit, as Markdown."};
+    std::vector<std::string> folders;
+    std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+    app.add_option("FLIGHT", folders, "folders with images/ and perhaps poses.csv")
+        ->required()
+        ->check(CLI::ExistingDirectory);
+    app.add_option("--model", model, "the classifier")->check(CLI::ExistingFile);
+    CLI11_PARSE(app, argc, argv);
+    freelsd::Run(folders, model);
+  } catch (const std::exception& error) {
+    std::cerr << "freelsd-survey: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}

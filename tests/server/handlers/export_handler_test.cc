@@ -1,0 +1,164 @@
+// Sites in other formats, over HTTP.
+#include <algorithm>
+
+#include <doctest/doctest.h>
+
+#include "server/handlers/lookups.h"
+#include "tests/api/export/layers/hill_map.h"
+#include "tests/api/export/sites/sites.h"
+#include "tests/server/test_server.h"
+
+namespace freelsd {
+namespace {
+
+// As stored: landable (with a map), unverified and rejected, of a flight of this datum.
+struct SitesServer {
+  TemporaryFolder folder;
+  std::unique_ptr<TestServer> server;
+  std::unique_ptr<httplib::Client> client;
+
+  explicit SitesServer(const std::string& datum = "amsl") {
+    {
+      Storage storage(folder.path() / "data");
+      FlightRow flight;
+      flight.id = "f1";
+      flight.name = "meadows";
+      flight.request_json = R"({"name":"meadows","altitude_datum":")" + datum + "\"}";
+      storage.flights.Insert(flight);
+      Put(storage, Verdict::kLandable, 1, datum, SerializeSiteMap(HillMap()));
+      Put(storage, Verdict::kUnverified, 2, datum, "");
+      Put(storage, Verdict::kRejected, 3, datum, "");
+    }
+    server = std::make_unique<TestServer>(TestConfig(folder.path() / "data"));
+    client = std::make_unique<httplib::Client>(server->Client());
+  }
+
+  static void Put(Storage& storage,
+                  Verdict verdict,
+                  int region_id,
+                  const std::string& datum,
+                  const std::string& map) {
+    KnownSiteOptions options;
+    options.verdict = verdict;
+    options.region_id = region_id;
+    options.altitude_datum = datum;
+    const KnownSite known = MakeSite(options);
+    Replan replan;
+    replan.flight = ParseFlightRequest(R"({"name":"meadows","altitude_datum":")" + datum + "\"}");
+    replan.origin = options.origin;
+    SiteRow row;
+    row.id = "f1-r" + std::to_string(region_id);
+    row.flight_id = std::string("f1");
+    row.region_id = region_id;
+    row.latitude_deg = known.touchdown.latitude_deg;
+    row.longitude_deg = known.touchdown.longitude_deg;
+    row.feature_json = known.feature_json;
+    row.approach_json = known.approach_json;
+    row.replan_json = ReplanJson(replan);
+    storage.sites.Put(row, map);
+  }
+};
+
+std::string TypeOf(const httplib::Result& result) {
+  REQUIRE(result);
+  CHECK(result->status == 200);
+  return result->get_header_value("Content-Type");
+}
+
+TEST_CASE("export: every format by name, for a site and for a flight") {
+  const SitesServer sites;
+  for (const SiteFormat& format : SiteFormats()) {
+    const std::string query = "?home_altitude_m=400&f=" + std::string(format.name);
+    for (const char* const path : {"/v1/sites/f1-r1", "/v1/flights/f1/sites"}) {
+      const auto result = sites.client->Get(path + query);
+      CHECK(TypeOf(result) == format.media_type);
+      CHECK(result->get_header_value("Content-Disposition").find("attachment") == 0);
+      CHECK(!result->body.empty());
+    }
+  }
+  CHECK(TypeOf(sites.client->Get("/v1/sites/f1-r1?f=geojson")) == "application/geo+json");
+  CHECK(TypeOf(sites.client->Get("/v1/flights/f1/sites?f=geojson")) == "application/geo+json");
+}
+
+TEST_CASE("export: Accept chooses too, by its weights, what is not known is answered in GeoJSON") {
+  const SitesServer sites;
+  const auto type = [&sites](const std::string& accept) {
+    return TypeOf(sites.client->Get("/v1/sites/f1-r1", {{"Accept", accept}}));
+  };
+  CHECK(type("text/csv") == "text/csv");
+  CHECK(type("text/csv;q=0.2, application/vnd.google-earth.kml+xml;q=0.9") ==
+        "application/vnd.google-earth.kml+xml");
+  CHECK(type("*/*") == "application/geo+json");
+  CHECK(type("application/json, text/csv;q=0.5") == "application/geo+json");
+  CHECK(type("text/csv;q=0") == "application/geo+json");
+  CHECK(type("image/x-unknown") == "application/geo+json");
+  CHECK(type("text/html,application/xhtml+xml,*/*;q=0.8") == "text/html; charset=utf-8");
+}
+
+TEST_CASE("export: the report is one page with a policy that lets it ask for nothing") {
+  const SitesServer sites;
+  const auto report = sites.client->Get("/v1/sites/f1-r1?f=html");
+  CHECK(TypeOf(report) == "text/html; charset=utf-8");
+  CHECK(report->get_header_value("Content-Security-Policy").find("default-src 'none'") == 0);
+  CHECK(report->body.find("data:image/png") != std::string::npos);
+  CHECK(TypeOf(sites.client->Get("/v1/sites/f1-r3?f=html")) == "text/html; charset=utf-8");
+}
+
+TEST_CASE("export: a rejected site is refused where something would fly to it") {
+  const SitesServer sites;
+  for (const char* const format : {"plan", "waypoints", "rally", "cup"}) {
+    const std::string query = "?home_altitude_m=400&f=" + std::string(format);
+    const auto refused = sites.client->Get("/v1/sites/f1-r3" + query);
+    CheckProblem(refused, 409, "SiteRejected");
+    CHECK(refused->body.find("Rejected (") != std::string::npos);
+    const auto flight = sites.client->Get("/v1/flights/f1/sites" + query);
+    CHECK(flight->status == 200);
+    CHECK(flight->body.find("f1-r3") == std::string::npos);
+  }
+  CHECK(sites.client->Get("/v1/sites/f1-r2?f=plan")
+            ->get_header_value("Content-Disposition")
+            .find("f1-r2-UNVERIFIED.plan") != std::string::npos);
+}
+
+TEST_CASE("export: waypoints tell no verdict, so that one unverified site names the file") {
+  const SitesServer sites;
+  const auto name_of = [&](const std::string& format) {
+    const std::string path = "/v1/flights/f1/sites?home_altitude_m=400&f=" + format;
+    return sites.client->Get(path)->get_header_value("Content-Disposition");
+  };
+  CHECK(name_of("waypoints").find("f1-UNVERIFIED.waypoints") != std::string::npos);
+  CHECK(name_of("kml").find("UNVERIFIED") == std::string::npos);
+}
+
+TEST_CASE("export: without a datum an autopilot's file is refused until home is given") {
+  const SitesServer sites("unknown");
+  CheckProblem(sites.client->Get("/v1/sites/f1-r1?f=plan"), 409, "AltitudeUnknown");
+  CheckProblem(sites.client->Get("/v1/flights/f1/sites?f=waypoints"), 409, "AltitudeUnknown");
+  CHECK(sites.client->Get("/v1/sites/f1-r1?f=plan&home_altitude_m=400")->status == 200);
+}
+
+TEST_CASE("export: what makes no sense is refused by name") {
+  const SitesServer sites;
+  CheckProblem(sites.client->Get("/v1/sites/f1-r1?f=gpx"), 400, "InvalidQuery");
+  CheckProblem(sites.client->Get("/v1/flights/f1/sites?f=html"), 400, "InvalidQuery");
+  CheckProblem(sites.client->Get("/v1/sites/f1-r1?f=plan&home_altitude_m=x"), 400, "InvalidQuery");
+  CheckProblem(
+      sites.client->Get("/v1/sites/f1-r1?f=plan&home_altitude_m=20000"), 400, "InvalidQuery");
+  CheckProblem(sites.client->Get("/v1/sites/f1-r1?format=plan"), 400, "UnknownParameter");
+  CheckProblem(sites.client->Get("/v1/sites/none?f=plan"), 404, "NoSuchSite");
+  CheckProblem(sites.client->Get("/v1/flights/none/sites?f=plan"), 404, "NoSuchFlight");
+}
+
+TEST_CASE("export: pictures have a world file") {
+  const SitesServer sites;
+  const auto world = sites.client->Get("/v1/sites/f1-r1/layers/slope.pgw");
+  CHECK(TypeOf(world) == "text/plain");
+  CHECK(std::count(world->body.begin(), world->body.end(), '\n') == 6);
+  const auto layers = GetJson(*sites.client, "/v1/sites/f1-r1/layers")["layers"];
+  CHECK(layers[0]["epsg"] == 32632);
+  CheckProblem(sites.client->Get("/v1/sites/f1-r1/layers/colour.pgw"), 404, "NoSuchLayer");
+  CheckProblem(sites.client->Get("/v1/sites/f1-r2/layers/slope.pgw"), 404, "NoMap");
+}
+
+}  // namespace
+}  // namespace freelsd

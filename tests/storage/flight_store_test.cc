@@ -1,0 +1,112 @@
+#include "storage/flight_store.h"
+
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "storage/storage.h"
+#include "tests/storage/rows.h"
+
+namespace freelsd {
+namespace {
+
+TEST_CASE(
+    "flight store: deleting a flight keeps its sites and the images that another flight needs") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  FrameRow own = SomeFrame("f", "own");
+  own.sha256 = kOtherImage;
+  storage.flights.Insert(SomeFlight("f"));
+  storage.flights.Insert(SomeFlight("g"));
+  storage.images.Write(kImage, "shared");
+  storage.images.Write(kOtherImage, "own");
+  storage.frames.Insert("f", {SomeFrame("f", "one"), own}, SomeJob("j", "f"));
+  storage.frames.Insert("g", {SomeFrame("g", "one")});
+  storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
+  CHECK(storage.flights.Delete("f", false));
+  CHECK_FALSE(storage.flights.Delete("f", false));
+  CHECK(storage.frames.List("f").empty());
+  CHECK_FALSE(storage.jobs.Find("j"));
+  CHECK(storage.images.Read(kImage) == "shared");
+  CHECK_FALSE(storage.images.Read(kOtherImage));
+  CHECK(storage.sites.Find("f-r3"));
+}
+
+TEST_CASE("flight store: deleting a flight forgets its sites when asked") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
+  CHECK(storage.flights.Delete("f", true));
+  CHECK_FALSE(storage.sites.Find("f-r3"));
+  CHECK_FALSE(storage.sites.ReadMap("f-r3"));
+}
+
+TEST_CASE(
+    "flight store: retired images are gone, unless another flight needs them, and rows stay") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  storage.flights.Insert(SomeFlight("g"));
+  storage.images.Write(kImage, "shared");
+  storage.images.Write(kOtherImage, "own");
+  FrameRow own = SomeFrame("f", "two");
+  own.sha256 = kOtherImage;
+  storage.frames.Insert("f", {SomeFrame("f", "one"), own});
+  storage.frames.Insert("g", {SomeFrame("g", "one")});
+  CHECK(storage.images.NumBytes() == 9);
+  storage.flights.RetireImages("f");
+  CHECK(storage.images.Read(kImage));
+  CHECK_FALSE(storage.images.Read(kOtherImage));
+  CHECK(storage.images.NumBytes() == 6);
+  CHECK(storage.flights.Find("f")->has_retired_images);
+  CHECK(storage.frames.List("f").size() == 2);
+}
+
+TEST_CASE("flight store: changes of one flight from several threads are all kept") {
+  constexpr int kNumThreads = 4;
+  constexpr int kNumChanges = 20;
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  std::vector<std::thread> threads;
+  for (int i = 0; i < kNumThreads; ++i) {
+    threads.emplace_back([&storage] {
+      for (int k = 0; k < kNumChanges; ++k) {
+        storage.flights.Change("f", [](FlightRow& flight) { ++flight.num_rejected_frames; });
+        storage.flights.Find("f");
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(storage.flights.Find("f")->num_rejected_frames == kNumThreads * kNumChanges);
+  CHECK_FALSE(storage.flights.Change("g", [](FlightRow&) {}));
+}
+
+TEST_CASE("flight store: regions are replaced as one snapshot and keep their order") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  storage.flights.ReplaceRegions("f", {{7, "seven", "h7"}, {2, "two", "h2"}});
+  storage.flights.ReplaceRegions("f", {{9, "nine", "h9"}, {7, "seven", "h7"}});
+  const std::vector<RegionRow> regions = storage.flights.ListRegions("f");
+  REQUIRE(regions.size() == 2);
+  CHECK(regions[0].id == 9);
+  CHECK(regions[1].feature_json == "seven");
+  CHECK(regions[1].history_json == "h7");
+}
+
+TEST_CASE("flight store: text that looks like SQL is data") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  FlightRow flight = SomeFlight("f");
+  flight.name = "'); DROP TABLE flights; --";
+  storage.flights.Insert(flight);
+  CHECK(storage.flights.Find("f")->name == flight.name);
+  CHECK_FALSE(storage.flights.Find("' OR '1' = '1"));
+}
+
+}  // namespace
+}  // namespace freelsd

@@ -1,0 +1,71 @@
+#include "storage/frame_store.h"
+
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "storage/storage.h"
+#include "tests/storage/rows.h"
+
+namespace freelsd {
+namespace {
+
+TEST_CASE("frame store: what the engine took of frames comes in their order, of those it took") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  storage.images.Write(kImage, "pixels");
+  storage.frames.Insert("f", {SomeFrame("f", "z"), SomeFrame("f", "m"), SomeFrame("f", "a")});
+  storage.frames.Resolve("f", "a", "{\"n\":3}");
+  storage.frames.Resolve("f", "z", "{\"n\":1}");
+  std::vector<std::string> taken;
+  storage.frames.ForEachResolved("f", [&taken](const std::string& json) { taken.push_back(json); });
+  CHECK(taken == std::vector<std::string>{"{\"n\":1}", "{\"n\":3}"});
+}
+
+TEST_CASE("frame store: frames of a refused insert are not there, nor is their job") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  storage.images.Write(kImage, "pixels");
+  storage.frames.Insert("f", {SomeFrame("f", "one")});
+  CHECK_THROWS_AS(
+      storage.frames.Insert("f", {SomeFrame("f", "two"), SomeFrame("f", "one")}, SomeJob("j", "f")),
+      StorageError);
+  CHECK(storage.frames.List("f").size() == 1);
+  CHECK_FALSE(storage.jobs.Find("j"));
+}
+
+TEST_CASE("frame store: a frame without its image file is refused") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  CHECK_THROWS_AS(storage.frames.Insert("f", {SomeFrame("f", "one")}), StorageError);
+  CHECK(storage.frames.List("f").empty());
+}
+
+TEST_CASE("frame store: frames are counted by state and taken in order") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  storage.images.Write(kImage, "pixels");
+  storage.frames.Insert("f", {SomeFrame("f", "b"), SomeFrame("f", "a"), SomeFrame("f", "c")});
+  CHECK(storage.frames.CountQueued() == 3);
+  CHECK(storage.frames.Next("f", 0)->id == "b");
+  CHECK(storage.frames.Next("f", 1)->id == "a");
+  storage.frames.SetState("f", "b", FrameState::kProcessed, "");
+  storage.frames.SetState("f", "a", FrameState::kRejected, "too dark");
+  const FrameCounts counts = storage.frames.Count("f");
+  CHECK(counts.received == 3);
+  CHECK(counts.processed == 1);
+  CHECK(counts.rejected == 1);
+  CHECK(storage.frames.Find("f", "a")->reason == "too dark");
+  CHECK(storage.flights.ListWithQueuedFrames() == std::vector<std::string>{"f"});
+  CHECK(storage.frames.NextQueuedSequence("f", 0) == 3);
+  CHECK_FALSE(storage.frames.NextQueuedSequence("f", 3));
+  CHECK_FALSE(storage.frames.Next("f", 3));
+}
+
+}  // namespace
+}  // namespace freelsd

@@ -1,0 +1,106 @@
+#include "storage/site_store.h"
+
+#include <optional>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "storage/storage.h"
+#include "tests/storage/rows.h"
+
+namespace freelsd {
+namespace {
+
+TEST_CASE("site store: sites are found by box, also across the antimeridian") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.sites.Put(SomeSite("home", 50.0, 8.0), "");
+  storage.sites.Put(SomeSite("fiji", -17.0, 179.5), "");
+  storage.sites.Put(SomeSite("taveuni", -17.0, -179.9), "");
+  CHECK(storage.sites.List(std::nullopt, std::nullopt).size() == 3);
+  CHECK(storage.sites.List(std::nullopt, BoundingBox{7.0, 49.0, 9.0, 51.0}).size() == 1);
+  CHECK(storage.sites.List(std::nullopt, BoundingBox{179.0, -18.0, -179.0, -16.0}).size() == 2);
+  CHECK(storage.sites.List("g", std::nullopt).empty());
+  CHECK(storage.sites.List("f", std::nullopt).size() == 3);
+}
+
+TEST_CASE("site store: a site put again replaces its map, an empty one removes it") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.sites.Put(SomeSite("s", 50.0, 8.0), "old");
+  SiteRow site = SomeSite("s", 51.0, 8.0);
+  site.approach_json = "{}";
+  storage.sites.Put(site, "new");
+  CHECK(storage.sites.ReadMap("s") == "new");
+  CHECK(storage.sites.Find("s")->latitude_deg == 51.0);
+  CHECK(storage.sites.Find("s")->approach_json == "{}");
+  storage.sites.Put(site, "");
+  CHECK_FALSE(storage.sites.ReadMap("s"));
+  CHECK(storage.sites.Delete("s"));
+  CHECK_FALSE(storage.sites.Delete("s"));
+}
+
+TEST_CASE(
+    "site store: recall finds sites by box, also over the antimeridian, and forgets deleted ones") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  SiteRow site = SomeSite("fiji", -17.0, 179.95);
+  site.recall = RecallData{true, 10.0, "amsl", 0.5, "{}"};
+  storage.sites.Put(site, "");
+  site = SomeSite("taveuni", -17.0, -179.9);
+  site.recall = RecallData{false, 20.0, "amsl", 0.4, "{}"};
+  site.map_box = BoundingBox{-179.95, -17.1, -179.5, -16.9};
+  storage.sites.Put(site, "map");
+  storage.sites.Put(SomeSite("rejected", -17.0, 179.95), "");
+  CHECK(storage.sites.ListRecallable({179.9, -18.0, -179.8, -16.0}).size() == 2);
+  CHECK(storage.sites.ListRecallable({179.0, -18.0, 180.0, -16.0}).size() == 1);
+  // By the map's extent, not the touchdown.
+  CHECK(storage.sites.ListRecallable({-179.6, -18.0, -179.4, -16.0}).size() == 1);
+  CHECK(storage.sites.ListRecallable({0.0, -18.0, 10.0, -16.0}).empty());
+  CHECK(storage.sites.ListMaps({179.9, -18.0, 180.0, -16.0}).size() == 2);
+  // Rejected at the next evaluation: no longer recalled.
+  site.recall.reset();
+  storage.sites.Put(site, "map");
+  CHECK(storage.sites.ListRecallable({-180.0, -90.0, 180.0, 90.0}).size() == 1);
+  storage.sites.Delete("fiji");
+  CHECK(storage.sites.ListRecallable({-180.0, -90.0, 180.0, 90.0}).empty());
+  CHECK(storage.sites.ListMaps({-180.0, -90.0, 180.0, 90.0}).size() == 2);
+}
+
+TEST_CASE("site store: a superseded site is not recalled, until what superseded it is gone") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  SiteRow old_site = SomeSite("f-r1", 50.0, 8.0);
+  old_site.recall = RecallData{true, 300.0, "amsl", 0.7, "{}"};
+  storage.sites.Put(old_site, "map");
+  SiteRow new_site = old_site;
+  new_site.id = std::string("g-r1");
+  new_site.flight_id = std::string("g");
+  storage.sites.Put(new_site, "map", {"f-r1"});
+  const BoundingBox box{7.0, 49.0, 9.0, 51.0};
+  REQUIRE(storage.sites.ListRecallable(box).size() == 1);
+  CHECK(storage.sites.ListRecallable(box)[0]->site_id == "g-r1");
+  CHECK(storage.sites.Find("f-r1")->superseded_by == "g-r1");
+  // Its map still tells of terrain.
+  CHECK(storage.sites.ListMaps(box).size() == 2);
+  CHECK(storage.sites.Delete("g-r1"));
+  REQUIRE(storage.sites.ListRecallable(box).size() == 1);
+  CHECK(storage.sites.ListRecallable(box)[0]->site_id == "f-r1");
+}
+
+TEST_CASE("site store: what bounds the reach of sites follows them") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  SiteRow high = SomeSite("f-r1", 50.0, 8.0);
+  high.recall = RecallData{true, 300.0, "amsl", 0.7, "{}"};
+  storage.sites.Put(high, "");
+  CHECK(storage.sites.BoundsOfRecallable().min_altitude_m == 300.0);
+  SiteRow low = SomeSite("f-r3", 50.0, 8.0);
+  low.recall = RecallData{true, 20.0, "amsl", 0.7, "{\"glide_ratio\":30}"};
+  storage.sites.Put(low, "");
+  CHECK(storage.sites.BoundsOfRecallable().min_altitude_m == 20.0);
+  CHECK(storage.sites.BoundsOfRecallable().aircraft_jsons.size() == 2);
+}
+
+}  // namespace
+}  // namespace freelsd

@@ -1,0 +1,187 @@
+#include "storage/sqlite/migrations.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include "storage/sqlite/sqlite.h"
+#include "storage/storage.h"
+#include "tests/storage/rows.h"
+#include "tests/storage/sqlite/damage.h"
+
+namespace freelsd {
+namespace {
+
+std::string BytesOfFile(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+// Of every file below the folder.
+std::map<std::string, std::string> BytesOf(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> bytes;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    bytes[entry.path()] = BytesOfFile(entry.path());
+  }
+  return bytes;
+}
+
+void MakeNewer(const std::filesystem::path& file) {
+  const std::string sql =
+      "PRAGMA user_version = " + std::to_string(kSchemaVersion + 1) +
+      "; PRAGMA application_id = " + std::to_string(ApplicationId(kSchemaVersion + 1));
+  Execute(file, sql.c_str());
+}
+
+TEST_CASE("migrations: a newer program's folder is refused with a sentence, and left as it is") {
+  // Of both files, or of the one that it came to before it was killed.
+  const std::vector<std::vector<std::string>> cases{
+      {"freelsd.db", "recall.db"}, {"freelsd.db"}, {"recall.db"}};
+  for (const std::vector<std::string>& newer : cases) {
+    CAPTURE(newer.size());
+    CAPTURE(newer[0]);
+    const TemporaryFolder folder;
+    {
+      Storage storage(folder.path());
+      storage.flights.Insert(SomeFlight("f"));
+      storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
+    }
+    std::ofstream(folder.path() / "damaged") << "so a newer program said";
+    for (const std::string& name : newer) MakeNewer(folder.path() / name);
+    const std::map<std::string, std::string> before = BytesOf(folder.path());
+    try {
+      const Storage storage(folder.path());
+      FAIL("it was opened");
+    } catch (const StorageError& error) {
+      CHECK(error.fault == StorageFault::kNewer);
+      CHECK(std::string(error.what()).find("a newer freelsd wrote it") != std::string::npos);
+    }
+    CHECK((BytesOf(folder.path()) == before));
+  }
+}
+
+TEST_CASE("migrations: of a newer program's database that is spoilt or gone, its copy is left") {
+  for (const bool is_gone : {false, true}) {
+    const TemporaryFolder folder;
+    { Storage(folder.path()).sites.Put(SomeSite("f-r3", 50.0, 8.0), "map"); }
+    MakeNewer(folder.path() / "recall.db");
+    std::filesystem::resize_file(folder.path() / "freelsd.db", 50);
+    if (is_gone) std::filesystem::remove(folder.path() / "freelsd.db");
+    const std::map<std::string, std::string> before = BytesOf(folder.path());
+    CHECK_THROWS_AS(Storage(folder.path()), StorageError);
+    CHECK((BytesOf(folder.path()) == before));
+  }
+}
+
+TEST_CASE("migrations: two files of a higher version are refused, whatever they say besides") {
+  const TemporaryFolder folder;
+  { const Storage storage(folder.path()); }
+  Execute(folder.path() / "freelsd.db", "PRAGMA user_version = 4");
+  Execute(folder.path() / "recall.db", "PRAGMA user_version = 4");
+  CHECK_THROWS_WITH_AS(Storage(folder.path()), doctest::Contains("version 4"), StorageError);
+}
+
+// What version 1 had of sites, with one of each verdict.
+constexpr char kVersion1[] = R"sql(
+CREATE TABLE flights (id TEXT PRIMARY KEY, name TEXT NOT NULL, request_json TEXT NOT NULL,
+  rig_json TEXT NOT NULL, warnings_json TEXT NOT NULL, stages_json TEXT NOT NULL,
+  created_at_us INTEGER NOT NULL, num_rejected_frames INTEGER NOT NULL, has_failed INTEGER NOT NULL,
+  ground_altitude_m REAL) STRICT;
+CREATE TABLE frames (flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
+  sequence INTEGER NOT NULL, id TEXT NOT NULL, sha256 TEXT NOT NULL, meta_json TEXT NOT NULL,
+  state INTEGER NOT NULL, reason TEXT NOT NULL, is_from_batch INTEGER NOT NULL,
+  PRIMARY KEY (flight_id, id)) STRICT, WITHOUT ROWID;
+CREATE TABLE sites (id TEXT PRIMARY KEY, flight_id TEXT NOT NULL, region_id INTEGER NOT NULL,
+  latitude_deg REAL NOT NULL, longitude_deg REAL NOT NULL, feature_json TEXT NOT NULL,
+  approach_json TEXT NOT NULL, replan_json TEXT NOT NULL, updated_at_us INTEGER NOT NULL) STRICT;
+CREATE TABLE site_maps (site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
+  map BLOB NOT NULL) STRICT;
+INSERT INTO sites VALUES ('good', 'f', 1, 50.0, 8.0, '{"properties":{"verdict":"landable",
+  "elevation_m":312.5,"score":0.7,"altitude_datum":"amsl","aircraft":{"profile":"small"}}}',
+  '', '{}', 5);
+INSERT INTO sites VALUES ('bad', 'f', 2, 50.0, 8.0, '{"properties":{"verdict":"rejected",
+  "elevation_m":312.5,"score":0.1}}', '', '{}', 5);
+INSERT INTO sites VALUES ('odd', 'f', 3, 50.0, 8.0, '{"properties":{"verdict":"landable",
+  "elevation_m":null}}', '', '{}', 5);
+PRAGMA user_version = 1;
+)sql";
+
+TEST_CASE("migrations: version 1 is brought up, and only what is known to be good is recalled") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path());
+  Execute(folder.path() / "freelsd.db", kVersion1);
+  for (int i = 0; i < 2; ++i) {
+    const Storage storage(folder.path());
+    const SharedRows<RecallRow> rows = storage.sites.ListRecallable({7.0, 49.0, 9.0, 51.0});
+    REQUIRE(rows.size() == 1);
+    CHECK(rows[0]->site_id == "good");
+    CHECK(rows[0]->data.is_landable);
+    CHECK(rows[0]->data.altitude_m == 312.5);
+    CHECK(rows[0]->data.altitude_datum == "amsl");
+    CHECK(rows[0]->data.aircraft_json.find("small") != std::string::npos);
+    CHECK(storage.sites.ListMaps({7.0, 49.0, 9.0, 51.0}).size() == 3);
+  }
+}
+
+// One line for each table, index and trigger of a closed database.
+std::vector<std::string> SchemaOf(const std::filesystem::path& file) {
+  const Connection database(file, Access::kRead);
+  Statement statement =
+      database.Prepare("SELECT name || ': ' || coalesce(sql, '') FROM sqlite_schema");
+  std::vector<std::string> schema;
+  while (statement.Step()) schema.push_back(statement.Text(0));
+  return schema;
+}
+
+// A folder with both files as 0.1.0 wrote them.
+void WriteVersion3(const std::filesystem::path& folder) {
+  const std::string sql = BytesOfFile(std::filesystem::path(FREELSD_TEST_SOURCE_DIR) /
+                                      "tests/storage/sqlite/version_3.sql");
+  for (const char* const name : {"freelsd.db", "recall.db"}) Execute(folder / name, sql.c_str());
+}
+
+TEST_CASE("migrations: a database of 0.1.0 is served, flights and sites alike") {
+  const TemporaryFolder folder;
+  WriteVersion3(folder.path());
+  const Storage storage(folder.path());
+  REQUIRE(storage.flights.Find("f"));
+  CHECK(storage.flights.Find("f")->ground_altitude_m == 12.5);
+  CHECK(storage.flights.ListRegions("f").at(0).id == 7);
+  CHECK(storage.flights.ListWithQueuedFrames() == std::vector<std::string>{"f"});
+  REQUIRE(storage.frames.List("f").size() == 2);
+  CHECK(storage.frames.List("f")[0].resolved_json == "{\"r\":1}");
+  CHECK(storage.frames.List("f")[1].is_from_batch);
+  CHECK(storage.jobs.ListUnfinished().size() == 1);
+  CHECK(storage.telemetry.Around("f", TelemetryKind::kPosition, 11).before->values[2] == 400.0);
+  CHECK(storage.sites.List(std::nullopt, std::nullopt).size() == 3);
+  CHECK(storage.sites.Find("f-r1")->superseded_by == "g-r1");
+  CHECK(storage.sites.ReadMap("f-r1") == std::string("map\0x", 5));
+  const SharedRows<RecallRow> rows = storage.sites.ListRecallable({7.0, 49.0, 9.0, 51.0});
+  REQUIRE(rows.size() == 1);
+  CHECK(rows[0]->site_id == "g-r1");
+  // A checksum that was computed in another way would count as damage.
+  CHECK(storage.Notices().empty());
+}
+
+TEST_CASE("migrations: opening a database of 0.1.0 and writing to it leaves its schema unchanged") {
+  const TemporaryFolder folder;
+  WriteVersion3(folder.path());
+  const std::vector<std::string> before = SchemaOf(folder.path() / "freelsd.db");
+  {
+    Storage storage(folder.path());
+    storage.flights.Insert(SomeFlight("h"));
+    storage.sites.Put(SomeSite("h-r1", 50.2, 8.0), "map");
+  }
+  REQUIRE_FALSE(before.empty());
+  CHECK((SchemaOf(folder.path() / "freelsd.db") == before));
+  CHECK((SchemaOf(folder.path() / "recall.db") == before));
+}
+
+}  // namespace
+}  // namespace freelsd

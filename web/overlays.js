@@ -1,0 +1,187 @@
+// What the map shows over its background, one function for each kind of overlay.
+/* global L */
+
+import { gradeColor } from './colors.js';
+import { verdictSign } from './units.js';
+
+const kMarker = 44;  // px, a touch target for gloves; the disc in it is smaller
+
+// A light line below the dark one keeps it legible on any layer.
+function casedLine(places, kind, suffix) {
+  return [
+    L.polyline(places, { className: `casing ${kind}-casing`, interactive: false }),
+    L.polyline(places, { className: kind + suffix, interactive: false }),
+  ];
+}
+
+const latLngs = (line) => line.coordinates.map(([lon, lat]) => [lat, lon]);
+
+function discMarker(place, className, text, options = {}) {
+  const disc = document.createElement('span');
+  disc.textContent = text;
+  return L.marker(place, {
+    icon: L.divIcon({ className: `disc-marker ${className}`, html: disc, iconSize: [kMarker, kMarker] }),
+    ...options,
+  });
+}
+
+export function createRegions(map) {
+  const group = L.featureGroup().addTo(map);
+  return {
+    draw(collection) {
+      group.clearLayers();
+      L.geoJSON(collection, { style: { className: 'region-casing' }, interactive: false }).addTo(group);
+      L.geoJSON(collection, {
+        bubblingMouseEvents: true,
+        style: ({ properties }) => ({
+          color: gradeColor(properties.grade),
+          fillColor: gradeColor(properties.grade),
+          className: `region${properties.is_fixed ? '' : ' growing'}`,
+        }),
+      }).addTo(group);
+    },
+    bounds: () => group.getBounds(),
+  };
+}
+
+// onSite(id) is called when the user selects a marker.
+export function createSites(map, onSite) {
+  const group = L.featureGroup().addTo(map);
+
+  function markerOf({ properties: p, geometry }, isChosen) {
+    const [lon, lat] = geometry.coordinates;
+    return discMarker([lat, lon], `verdict-${p.verdict}${isChosen ? ' chosen' : ''}`, p.rank, {
+      alt: `Site ${p.rank}, ${p.verdict}`,
+      title: `${verdictSign[p.verdict]} ${p.verdict}: ${p.summary}`,
+      zIndexOffset: isChosen ? 1000 : -p.rank,
+    }).on('click', () => onSite(p.id)).on('keypress', (event) => {
+      if (event.originalEvent.key === 'Enter') onSite(p.id);
+    });
+  }
+
+  return {
+    draw(collection, chosenId) {
+      group.clearLayers();
+      for (const feature of collection.features.filter(({ geometry }) => geometry)) {
+        group.addLayer(markerOf(feature, feature.properties.id === chosenId));
+      }
+    },
+    bounds: () => group.getBounds(),
+  };
+}
+
+// The picture of a layer.
+export function createPicture(map) {
+  map.createPane('layers').style.zIndex = 250;
+  let overlay = null;
+  return {
+    // url: of a picture in memory; null removes the layer.
+    draw(url, layer, opacity) {
+      overlay?.remove();
+      overlay = null;
+      if (!url) return;
+      const [west, south, east, north] = layer.bounds;
+      overlay = L.imageOverlay(url, [[south, west], [north, east]], {
+        opacity, pane: 'layers', className: 'site-layer', alt: `Layer ${layer.name}`,
+      }).addTo(map);
+      overlay.getElement().dataset.layer = layer.name;
+    },
+    setOpacity(opacity) { overlay?.setOpacity(opacity); },
+  };
+}
+
+// Final, loiter circle and touchdown disc. A replanned path differs in colour, a rejected one is dotted.
+export function createApproach(map) {
+  const group = L.layerGroup().addTo(map);
+  return {
+    // collection: GeoJSON of the server; null removes the approach.
+    draw(collection, { touchdownRadius_m, isReplanned } = {}) {
+      group.clearLayers();
+      if (!collection) return;
+      const suffix = (isReplanned ? ' replanned' : '') + (collection.verdict === 'rejected' ? ' refused-path' : '');
+      for (const { properties, geometry } of collection.features) {
+        if (properties.kind === 'touchdown') {
+          const [lon, lat] = geometry.coordinates;
+          group.addLayer(L.circle([lat, lon], {
+            radius: touchdownRadius_m ?? 1, className: 'touchdown', interactive: false,
+          }));
+        } else {
+          casedLine(latLngs(geometry), properties.kind, suffix).forEach((line) => group.addLayer(line));
+        }
+      }
+    },
+    bounds() {
+      const bounds = L.latLngBounds([]);
+      group.eachLayer((layer) => bounds.extend(layer.getBounds()));
+      return bounds;
+    },
+  };
+}
+
+// Rejected touchdowns and obstacles.
+export function createMarks(map) {
+  const group = L.layerGroup().addTo(map);
+  return {
+    // marks: [{place: {latitude_deg, longitude_deg}, sign, className, title}]
+    draw(marks) {
+      group.clearLayers();
+      for (const { place, sign, className, title } of marks) {
+        group.addLayer(discMarker([place.latitude_deg, place.longitude_deg], className, sign, { title, alt: title }));
+      }
+    },
+  };
+}
+
+// The wind barb in a corner of the map.
+export function createBarb(map) {
+  const control = L.control({ position: 'topleft' });
+  control.onAdd = () => L.DomUtil.create('div', 'map-barb');
+  control.addTo(map);
+  return {
+    // node: null if the wind is unknown. isTried: a trial wind, not the stored one.
+    draw(node, isTried) {
+      const box = control.getContainer();
+      box.replaceChildren(...(node ? [node] : []));
+      box.classList.toggle('tried', isTried);
+    },
+  };
+}
+
+// The popup at a clicked place.
+export function createAnswer(map) {
+  const group = L.layerGroup().addTo(map);
+  return {
+    // content: a DOM node. latlng: null removes the popup.
+    draw(latlng, content) {
+      group.clearLayers();
+      if (!latlng) return;
+      group.addLayer(L.popup({
+        maxWidth: 300, minWidth: 230, maxHeight: Math.max(160, map.getContainer().clientHeight - 90),
+        autoPanPaddingTopLeft: [16, 16], autoPanPaddingBottomRight: [kMarker + 28, 16],
+      }).setLatLng(latlng).setContent(content));
+    },
+    // Returns whether a popup was open.
+    close() {
+      const isOpen = group.getLayers().some((popup) => popup.isOpen());
+      group.clearLayers();
+      return isOpen;
+    },
+  };
+}
+
+// Lines from the aircraft to the emergency sites.
+export function createBearings(map) {
+  const group = L.layerGroup().addTo(map);
+  return {
+    // from: {latitude_deg, longitude_deg}; sites: with a touchdown each.
+    draw(from, sites) {
+      group.clearLayers();
+      const here = [from.latitude_deg, from.longitude_deg];
+      for (const { touchdown } of sites) {
+        group.addLayer(L.polyline([here, [touchdown.latitude_deg, touchdown.longitude_deg]],
+          { className: 'bearing', interactive: false }));
+      }
+      group.addLayer(discMarker(here, 'here', '✈', { title: 'Your position', alt: 'Your position' }));
+    },
+  };
+}
