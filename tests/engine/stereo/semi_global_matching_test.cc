@@ -1,5 +1,6 @@
 #include "engine/stereo/semi_global_matching.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -65,10 +66,11 @@ Quality QualityOf(const cv::Mat1s& sixteenths,
                   const ImagePair& pair,
                   const SemiGlobalOptions& options) {
   int num_matchable = 0, num_matched = 0, num_right = 0;
+  const int first_x = std::max(0, options.min_disparity_px + options.num_disparities);
   for (int y = 0; y < sixteenths.rows; ++y) {
-    for (int x = options.min_disparity_px + options.num_disparities; x < sixteenths.cols; ++x) {
+    for (int x = first_x; x < sixteenths.cols; ++x) {
       const float truth = pair.disparity_px(y, x);
-      if (x < 0 || static_cast<float>(x) - truth >= static_cast<float>(sixteenths.cols)) continue;
+      if (static_cast<float>(x) - truth >= static_cast<float>(sixteenths.cols)) continue;
       ++num_matchable;
       if (sixteenths(y, x) < options.min_disparity_px * kDisparityUnit) continue;
       ++num_matched;
