@@ -28,10 +28,23 @@ std::optional<Eigen::Vector2d> ImageOfCorner(const ElevationMap& map,
   const double cell = map.grid.cell_size_m;
   Eigen::Vector3d place_in_world;
   place_in_world << map.grid.north_west_in_world + cell * Eigen::Vector2d(col, -row), height;
-  const std::optional<Eigen::Vector2d> pixel =
-      camera.ImageFromCamera(camera_from_world * place_in_world);
+  std::optional<Eigen::Vector2d> pixel = camera.ImageFromCamera(camera_from_world * place_in_world);
   if (!pixel || !camera.IsInside(*pixel)) return std::nullopt;
   return pixel;
+}
+
+// Whether the image shows all four corners of the cell.
+bool IsCellShown(const ElevationMap& map,
+                 const Camera& camera,
+                 const Rigid3d& camera_from_world,
+                 int row,
+                 int col) {
+  const float height = map.elevation(row, col);
+  const auto is_shown = [&](double south, double east) {
+    return ImageOfCorner(map, camera, camera_from_world, row + south, col + east, height)
+        .has_value();
+  };
+  return is_shown(0, 0) && is_shown(0, 1) && is_shown(1, 0) && is_shown(1, 1);
 }
 
 bool IsElsewhere(const AdjustedBlock& block, size_t view, int first, double min_crossing_ratio) {
@@ -63,13 +76,7 @@ cv::Mat1i SteepestViews(const ElevationMap& map,
         const auto distance = static_cast<float>(offset.squaredNorm());
         if (distance >= least(row, col)) continue;
         if (!first.empty() && !IsElsewhere(block, v, first(row, col), min_crossing_ratio)) continue;
-        const float height = map.elevation(row, col);
-        const auto is_shown = [&](int corner) {
-          return ImageOfCorner(
-                     map, camera, camera_from_world, row + corner / 2, col + corner % 2, height)
-              .has_value();
-        };
-        if (!is_shown(0) || !is_shown(1) || !is_shown(2) || !is_shown(3)) continue;
+        if (!IsCellShown(map, camera, camera_from_world, row, col)) continue;
         least(row, col) = distance;
         steepest(row, col) = static_cast<int>(v);
       }
@@ -133,17 +140,19 @@ class CellPainter {
   void Paint(int row, int col, int num_parts, cv::Mat3b& image, cv::Mat1b& seen) const {
     Eigen::Vector2d corners[4];
     for (int i = 0; i < 4; ++i) {
+      const int south = i / 2, east = i % 2;
       const auto corner = ImageOfCorner(
-          map_, camera_, camera_from_world_, row + i / 2, col + i % 2, map_.elevation(row, col));
+          map_, camera_, camera_from_world_, row + south, col + east, map_.elevation(row, col));
       if (!corner) return;
       corners[i] = *corner;
     }
     for (int i = 0; i < num_parts * num_parts; ++i) {
-      const double v = (i / num_parts + 0.5) / num_parts, u = (i % num_parts + 0.5) / num_parts;
+      const int south = i / num_parts, east = i % num_parts;
+      const double v = (south + 0.5) / num_parts, u = (east + 0.5) / num_parts;
       const Eigen::Vector2d pixel = (1.0 - v) * ((1.0 - u) * corners[0] + u * corners[1]) +
                                     v * ((1.0 - u) * corners[2] + u * corners[3]);
       const Eigen::Vector2d in_scaled = (pixel.array() + 0.5) * scaled_.pixels_per_pixel - 0.5;
-      const cv::Point cell(col * num_parts + i % num_parts, row * num_parts + i / num_parts);
+      const cv::Point cell(col * num_parts + east, row * num_parts + south);
       image(cell) = Sample(scaled_.image, in_scaled);
       seen(cell) = 255;
     }

@@ -76,21 +76,26 @@ cv::Mat1b Opened(const cv::Mat1b& cells, double width_m, double cell_size_m) {
   return opened;
 }
 
-// Cells of `is_grass` in these rows, not in `moved` yet, that have the colour of other ground.
-// Reads only the rows around them.
+// The surroundings in which local colours are taken.
+struct Surroundings {
+  int side_cells = 1;
+  double min_num_cells = 1.0;
+};
+
+// Cells of grass in these rows that have the colour of other ground. Reads only the rows around
+// them.
 cv::Mat1b MovedIn(const cv::Range& rows,
-                  const cv::Mat1b& is_grass,
-                  const cv::Mat1b& moved,
-                  const cv::Mat1b& told,
+                  const cv::Mat1b& all_grass,
+                  const cv::Mat1b& all_other,
                   const ColorPlanes& colors,
-                  int side,
-                  double min_num_cells,
+                  const Surroundings& surroundings,
                   double min_separation) {
+  const int side = surroundings.side_cells;
   const cv::Range around(std::max(0, rows.start - side / 2),
-                         std::min(told.rows, rows.end + side / 2));
-  cv::Mat1b found(rows.size(), told.cols, uint8_t{0});
-  const cv::Mat1b other = told.rowRange(around);
-  const cv::Mat1b grass = is_grass.rowRange(around) & ~moved.rowRange(around);
+                         std::min(all_other.rows, rows.end + side / 2));
+  cv::Mat1b found(rows.size(), all_other.cols, uint8_t{0});
+  const cv::Mat1b other = all_other.rowRange(around);
+  const cv::Mat1b grass = all_grass.rowRange(around);
   if (cv::countNonZero(other) == 0 || cv::countNonZero(grass) == 0) return found;
   ColorPlanes planes;
   for (size_t i = 0; i < planes.size(); ++i) planes[i] = colors[i].rowRange(around);
@@ -99,9 +104,11 @@ cv::Mat1b MovedIn(const cv::Range& rows,
   for (int row = 0; row < found.rows; ++row) {
     for (int col = 0; col < found.cols; ++col) {
       const cv::Point cell(col, row + rows.start - around.start);
-      if (grass(cell) && IsOther(of_grass, of_other, planes, cell, min_num_cells, min_separation)) {
-        found(row, col) = 255;
-      }
+      if (!grass(cell)) continue;
+      found(row, col) =
+          IsOther(of_grass, of_other, planes, cell, surroundings.min_num_cells, min_separation)
+              ? 255
+              : 0;
     }
   }
   return found;
@@ -115,24 +122,18 @@ cv::Mat1b OverreachingGrass(const cv::Mat1f& grass,
                             const CoverOptions& options) {
   const ColorsOnMap on_map = ColorsOfMap(photo, grid);
   const double cell_m = grid.cell_size_m;
-  const int side = BoxSide(2.0 * options.overreach_surroundings_m / cell_m);
-  const double min_num_cells = kMinAreaM2 / (cell_m * cell_m);
+  const Surroundings surroundings{BoxSide(2.0 * options.overreach_surroundings_m / cell_m),
+                                  kMinAreaM2 / (cell_m * cell_m)};
   const cv::Mat1b is_grass = (grass >= options.min_grass_posterior) & on_map.is_seen;
   // Narrow things in a meadow are not other ground beside it.
   const cv::Mat1b told = Opened((grass < kMaxOtherPosterior) & on_map.is_seen, kMinWidthM, cell_m);
   cv::Mat1b moved = cv::Mat1b::zeros(grass.size());
   for (int round = 0; round < kNumRounds; ++round) {
+    const cv::Mat1b staying = is_grass & ~moved;
     cv::Mat1b found(grass.size());
     for (int first = 0; first < grass.rows; first += kNumBandRows) {
       const cv::Range rows(first, std::min(grass.rows, first + kNumBandRows));
-      MovedIn(rows,
-              is_grass,
-              moved,
-              told,
-              on_map.colors,
-              side,
-              min_num_cells,
-              options.min_overreach_deviations)
+      MovedIn(rows, staying, told, on_map.colors, surroundings, options.min_overreach_deviations)
           .copyTo(found.rowRange(rows));
     }
     if (cv::countNonZero(found) == 0) break;

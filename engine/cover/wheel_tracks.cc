@@ -95,6 +95,7 @@ std::vector<std::vector<TrackPlace>> ChainsOf(const Squares& squares) {
   std::map<size_t, std::vector<TrackPlace>> by_root;
   for (size_t i = 0; i < places.size(); ++i) by_root[chains.Root(i)].push_back(places[i]);
   std::vector<std::vector<TrackPlace>> gathered;
+  gathered.reserve(by_root.size());
   for (auto& [root, chain] : by_root) gathered.push_back(std::move(chain));
   return gathered;
 }
@@ -342,6 +343,7 @@ cv::Mat1b SprayedGround(const std::vector<WheelTrack>& all_tracks,
                         const CoverOptions& options) {
   const std::vector<WheelTrack> tracks = WithoutMowing(all_tracks, options);
   std::vector<Neighbours> neighbours;
+  neighbours.reserve(tracks.size());
   for (const WheelTrack& track : tracks) {
     neighbours.push_back(NearestOnEitherSide(track, tracks, options));
   }

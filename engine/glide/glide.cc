@@ -126,6 +126,7 @@ std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
 std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOptions& options) {
   if (start.heading) return {*start.heading};
   std::vector<double> headings;
+  headings.reserve(static_cast<size_t>(options.num_unknown_headings));
   for (int i = 0; i < options.num_unknown_headings; ++i) {
     headings.push_back(2.0 * kPi * i / options.num_unknown_headings);
   }

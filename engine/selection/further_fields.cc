@@ -36,6 +36,7 @@ std::vector<Piece> PiecesOf(const cv::Mat1b& is_wide, int side) {
     }
   }
   std::vector<Piece> pieces;
+  pieces.reserve(by_place.size());
   for (auto& [place, piece] : by_place) pieces.push_back(std::move(piece));
   std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) {
     return a.size() > b.size();

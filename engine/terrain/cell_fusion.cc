@@ -46,6 +46,7 @@ Center CenterOf(const std::vector<CellSummary>& sorted) {
     return center;
   }
   std::vector<double> deviations;
+  deviations.reserve(sorted.size());
   for (const CellSummary& summary : sorted) deviations.push_back(deviation(summary));
   std::sort(deviations.begin(), deviations.end());
   center.spread = kSigmaPerMad * (0.5 * (deviations[low] + deviations[high]));

@@ -120,8 +120,8 @@ void RankHeights(std::vector<float>& heights) {
             padded.begin() + static_cast<ptrdiff_t>(num_padded),
             std::numeric_limits<float>::infinity());
   kRank(padded.data(), heights.size(), ranks.data());
-  const float kGap = std::numeric_limits<float>::quiet_NaN();
-  std::fill(heights.begin(), heights.end(), kGap);
+  const float gap = std::numeric_limits<float>::quiet_NaN();
+  std::fill(heights.begin(), heights.end(), gap);
   for (size_t i = 0; i < heights.size(); ++i) heights[static_cast<size_t>(ranks[i])] = padded[i];
   for (size_t i = 1; i < heights.size(); ++i) {
     if (std::isnan(heights[i])) heights[i] = heights[i - 1];

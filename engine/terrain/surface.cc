@@ -161,8 +161,9 @@ double PcaSlopeOf(const std::array<double, 9>& heights, double cell_size_m) {
     const double height = heights[static_cast<size_t>(i)];
     sum += height;
     squares += height * height;
-    east += (i % 3 - 1) * height;
-    south += (i / 3 - 1) * height;
+    const int row = i / 3, col = i % 3;
+    east += (col - 1) * height;
+    south += (row - 1) * height;
   }
   const double level_variance = 6.0 * cell_size_m * cell_size_m;
   const double height_variance = squares - sum * sum / 9.0;

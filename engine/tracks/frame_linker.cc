@@ -167,6 +167,7 @@ bool FrameLinker::LinkByFollowing(FrameMemory& memory, std::optional<double> gro
   FrameRecord &from = memory.frames[newest - 1], &to = memory.frames[newest];
   const std::vector<int> chosen = ChooseCorners(memory, newest - 1);
   std::vector<Eigen::Vector2d> corners;
+  corners.reserve(chosen.size());
   for (const int index : chosen) corners.push_back(from.points[index]);
   const std::vector<Eigen::Vector2d> guesses = PredictPoints(memory, corners, ground_height);
   previous_image_ = WithPyramid(std::move(previous_image_));

@@ -62,7 +62,7 @@ std::optional<Eigen::Vector2d> WindOf(const Call& call, const PlanRequest& reque
 }
 
 std::shared_ptr<const KeptSite> SiteWithMap(const Service& service, const SiteRow& site) {
-  const auto kept = service.maps.Get(service.storage, site.id, site.updated_at_us);
+  auto kept = service.maps.Get(service.storage, site.id, site.updated_at_us);
   if (!kept) throw ApiError("NoApproach", "the site has no map to plan on");
   return kept;
 }

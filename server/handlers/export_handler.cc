@@ -79,6 +79,7 @@ ExportOptions OptionsOf(const Call& call) {
 std::vector<StoredSite> RankedSitesOf(const Service& service, const std::string& flight_id) {
   const std::vector<SiteRow> rows = service.storage.sites.List(flight_id, std::nullopt);
   std::vector<StoredSite> sites;
+  sites.reserve(rows.size());
   for (const SiteRow& row : rows) sites.push_back(SiteOf(row));
   return RankSites(std::move(sites));
 }

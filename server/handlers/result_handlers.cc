@@ -18,6 +18,7 @@ constexpr char kGeoJson[] = "application/geo+json";
 
 std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
   std::vector<nlohmann::json> features;
+  features.reserve(sites.size());
   for (const SiteRow& site : sites) features.push_back(nlohmann::json::parse(site.feature_json));
   return features;
 }

@@ -32,6 +32,7 @@ std::vector<GeoPoint> FramePositions(const Storage& storage, const std::string& 
     });
   }
   std::vector<GeoPoint> positions;
+  positions.reserve(passed.size());
   for (const PassedPosition& one : passed) positions.push_back(one.position);
   return positions;
 }

@@ -48,7 +48,7 @@ std::optional<std::string> Parameter(const std::string& header, const std::strin
 std::optional<std::string> MultipartBoundary(const std::string& content_type,
                                              const std::string& kind) {
   if (!Lower(content_type).starts_with(kind)) return std::nullopt;
-  const std::optional<std::string> boundary = Parameter(content_type, "boundary");
+  std::optional<std::string> boundary = Parameter(content_type, "boundary");
   if (!boundary || boundary->empty() || boundary->size() > kMaxBoundaryBytes) {
     Refuse("the Content-Type has no usable boundary");
   }

@@ -7,15 +7,15 @@ namespace freelsd {
 namespace {
 
 std::string ContentType(const std::string& extension) {
-  static const std::map<std::string, std::string> types{
+  static const std::map<std::string, std::string> kTypes{
       {".html", "text/html; charset=utf-8"},
       {".js", "text/javascript; charset=utf-8"},
       {".css", "text/css; charset=utf-8"},
       {".svg", "image/svg+xml"},
       {".png", "image/png"},
   };
-  const auto found = types.find(extension);
-  return found == types.end() ? "text/plain; charset=utf-8" : found->second;
+  const auto found = kTypes.find(extension);
+  return found == kTypes.end() ? "text/plain; charset=utf-8" : found->second;
 }
 
 }  // namespace

@@ -53,7 +53,7 @@ void StoreFrame(Intake& intake,
 }  // namespace
 
 std::optional<FrameRow> SameFrame(const Intake& intake, const FrameRow& frame) {
-  const auto stored = intake.storage.frames.Find(frame.flight_id, frame.id);
+  auto stored = intake.storage.frames.Find(frame.flight_id, frame.id);
   if (!stored) return std::nullopt;
   if (stored->sha256 != frame.sha256) {
     throw ApiError(

@@ -61,7 +61,7 @@ std::string TakeDatum(nlohmann::json& object) {
   if (*found != "amsl" && *found != "ellipsoid" && *found != "unknown") {
     Refuse("altitude_datum", "must be amsl, ellipsoid or unknown");
   }
-  const std::string datum = *found;
+  std::string datum = *found;
   object.erase(found);
   return datum;
 }

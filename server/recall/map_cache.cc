@@ -86,7 +86,7 @@ std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
     const std::lock_guard lock(mutex_);
     if (const Planned* planned = sites_.Find(site_id, updated_at_us)) return planned->site;
   }
-  const std::shared_ptr<const KeptSite> site = ReadSiteSafely(storage, site_id);
+  std::shared_ptr<const KeptSite> site = ReadSiteSafely(storage, site_id);
   if (!site) return nullptr;
   const std::lock_guard lock(mutex_);
   // Another thread may have cached it in the meantime, with plans that refer to its object.
@@ -151,7 +151,7 @@ std::shared_ptr<const Plan> MapCache::PlanFor(const std::shared_ptr<const KeptSi
     }
   }
   const auto on_map = PlannerFor(site, aircraft);
-  const auto plan = std::make_shared<const Plan>(on_map->planner.PlanFor(wind_in_world));
+  auto plan = std::make_shared<const Plan>(on_map->planner.PlanFor(wind_in_world));
   const std::lock_guard lock(mutex_);
   Planner* const planner = FindPlanner(site, aircraft_key);
   if (planner == nullptr) return plan;

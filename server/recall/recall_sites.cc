@@ -21,6 +21,7 @@ constexpr size_t kMaxNumPlanned = 40;
 constexpr size_t kNumRanked = kMaxNumPlanned + 1;
 constexpr std::chrono::milliseconds kTimeBudget{1500};
 
+// NOLINTNEXTLINE(bugprone-exception-escape): an empty json throws nothing.
 struct Reached {
   double margin_m = 0.0;
   bool is_landable = false;

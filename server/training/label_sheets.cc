@@ -41,9 +41,9 @@ cv::Point InnermostPixel(const cv::Mat1b& mask) {
 }
 
 cv::Scalar ColourOf(const Labels& labels, size_t index) {
-  const cv::Scalar red(0, 0, 255), yellow(0, 255, 255), green(0, 255, 0);
-  if (index >= labels.size() || labels[index].surface == Surface::kNotGrass) return red;
-  return labels[index].surface == Surface::kGrass ? green : yellow;
+  const Surface surface = index < labels.size() ? labels[index].surface : Surface::kNotGrass;
+  if (surface == Surface::kNotGrass) return {0, 0, 255};
+  return surface == Surface::kGrass ? cv::Scalar(0, 255, 0) : cv::Scalar(0, 255, 255);
 }
 
 void DrawNumber(cv::Mat3b& sheet, int number, const cv::Point& at) {

@@ -104,6 +104,7 @@ void FlightSession::StoreRegions(Storage& storage) {
   }
   const FlightContext context = Context();
   std::vector<RegionRow> rows;
+  rows.reserve(regions.size());
   for (const auto& [region, wind] : regions) {
     rows.push_back(
         {region.id, RegionFeature(region, wind, context).dump(), RegionHistoryJson(region).dump()});

@@ -316,7 +316,7 @@ void Worker::FailFlight(const std::string& flight_id, const std::string& why) {
     if (frame.state != FrameState::kQueued) continue;
     service_.storage.frames.SetState(flight_id, frame.id, FrameState::kRejected, why);
   }
-  for (JobRow job : service_.storage.jobs.ListUnfinished()) {
+  for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
     if (job.flight_id == flight_id) FailJob(service_, job, why);
   }
   open_flights_.Close(flight_id);

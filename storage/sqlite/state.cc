@@ -51,7 +51,7 @@ bool OpenSchema(const Connection& writer) {
 
 // The path of the copy. Removes a copy that cannot be read or has another version; it is rebuilt.
 std::filesystem::path UsableCopy(const std::filesystem::path& folder, bool is_database_whole) {
-  const std::filesystem::path file = folder / kCopyName;
+  std::filesystem::path file = folder / kCopyName;
   if (TakeMarkOfCopy(folder) && is_database_whole) RemoveDatabase(file);
   try {
     const Connection copy(file, Access::kWrite);

@@ -72,6 +72,7 @@ TEST_CASE("flight store: changes of one flight from several threads are all kept
   Storage storage(folder.path());
   storage.flights.Insert(SomeFlight("f"));
   std::vector<std::thread> threads;
+  threads.reserve(kNumThreads);
   for (int i = 0; i < kNumThreads; ++i) {
     threads.emplace_back([&storage] {
       for (int k = 0; k < kNumChanges; ++k) {

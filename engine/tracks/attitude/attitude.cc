@@ -124,6 +124,7 @@ std::vector<std::vector<size_t>> WaitingComponents(const FrameMemory& memory) {
     if (LacksAttitude(memory.frames[frame])) components[own].push_back(frame);
   }
   std::vector<std::vector<size_t>> result;
+  result.reserve(components.size());
   for (auto& [own, component] : components) result.push_back(std::move(component));
   return result;
 }

@@ -70,6 +70,7 @@ std::vector<ViewPair> OverlappingPairs(const std::vector<View>& views,
                                        const Camera& camera,
                                        double min_overlap_ratio) {
   std::vector<std::vector<cv::Point2f>> footprints;
+  footprints.reserve(views.size());
   for (const View& view : views) footprints.push_back(Footprint(view, camera.With(view.readout)));
   std::vector<ViewPair> pairs;
   for (size_t i = 0; i < views.size(); ++i) {
@@ -101,6 +102,7 @@ std::vector<Eigen::Vector2d> IdealPixels(const Camera& camera,
                                          const std::vector<int>& indices,
                                          double scale) {
   std::vector<Eigen::Vector2d> pixels;
+  pixels.reserve(indices.size());
   for (const int i : indices) {
     pixels.push_back(camera.NormalizedFromImage(points.in_image[static_cast<size_t>(i)]) *
                      (camera.MeanFocalPx() * scale));

@@ -49,7 +49,7 @@ std::ifstream Open(const std::string& path) {
 }
 
 cv::Mat ReadRaster(const std::string& path, int type) {
-  const cv::Mat raster = cv::imread(path, cv::IMREAD_UNCHANGED);
+  cv::Mat raster = cv::imread(path, cv::IMREAD_UNCHANGED);
   if (raster.empty()) throw std::runtime_error("cannot read " + path);
   if (raster.type() != type) {
     throw std::runtime_error(path + ": pixels are " + cv::typeToString(raster.type()) + ", not " +

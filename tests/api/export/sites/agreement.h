@@ -51,6 +51,7 @@ inline std::vector<KnownSite> ManySites() {
 
 inline std::vector<StoredSite> StoredOf(const std::vector<KnownSite>& sites) {
   std::vector<StoredSite> stored;
+  stored.reserve(sites.size());
   for (const KnownSite& site : sites) stored.push_back(site.stored);
   return stored;
 }
