@@ -104,11 +104,10 @@ cv::Mat1b MovedIn(const cv::Range& rows,
   for (int row = 0; row < found.rows; ++row) {
     for (int col = 0; col < found.cols; ++col) {
       const cv::Point cell(col, row + rows.start - around.start);
-      if (!grass(cell)) continue;
-      found(row, col) =
-          IsOther(of_grass, of_other, planes, cell, surroundings.min_num_cells, min_separation)
-              ? 255
-              : 0;
+      const bool is_other =
+          grass(cell) &&
+          IsOther(of_grass, of_other, planes, cell, surroundings.min_num_cells, min_separation);
+      if (is_other) found(row, col) = 255;
     }
   }
   return found;
