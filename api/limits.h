@@ -1,4 +1,4 @@
-// Every limit on incoming data.
+// Every limit on requests and answers. What an operator may change stands in server/config.h.
 #pragma once
 
 #include <cstddef>
@@ -61,12 +61,75 @@ struct TagLimits {
   size_t max_text_bytes = 1024;
 };
 
+// The head of a request: request line and headers.
+struct HeadLimits {
+  size_t max_bytes = 16 << 10;
+  size_t max_num_lines = 64;
+  size_t max_line_bytes = 4 << 10;
+  size_t max_target_bytes = 2 << 10;
+};
+
+struct BatchLimits {
+  size_t max_num_images = 20000;
+  // Pose files, calibrations and other files beside the images. All are held in memory together.
+  size_t max_num_side_files = 64;
+  size_t max_total_side_file_bytes = size_t{128} << 20;
+};
+
+// Requests that last as long as a flight.
+struct StreamLimits {
+  uint64_t max_frame_stream_bytes = uint64_t{1} << 40;
+  uint64_t max_telemetry_bytes = uint64_t{2} << 30;
+  // A longer line is rejected; the stream goes on.
+  size_t max_telemetry_line_bytes = 8 << 10;
+  // A stream that sends nothing for that long ends.
+  int max_pause_s = 60;
+};
+
+// Requests of one kind served at the same time. Beyond the limit the answer is 429, except for
+// decoders and rose planners, where the request waits.
+struct ConcurrencyLimits {
+  // Each upload holds an encoded image in memory, and a thread.
+  int max_num_uploads = 8;
+  // Each stream holds a thread for as long as the flight.
+  int max_num_streams = 8;
+  int max_num_event_clients = 8;
+  // Images decoded at the same time: 64 megapixels take 192 MiB.
+  int max_num_decoders = 2;
+  // Wind roses take seconds.
+  int max_num_rose_planners = 2;
+};
+
+// Length of answers.
+struct AnswerLimits {
+  size_t max_num_listed_sites = 1000;
+  size_t max_num_exported_sites = 1000;
+  size_t max_num_emergency_sites = 50;
+  // Planning takes 0.2 ms per wind over an open field, 20 ms if most of the field is obstructed.
+  size_t max_num_rose_winds = 180;
+  // Enough for a line on a map. Longer tracks are thinned.
+  int64_t max_num_track_positions = 2000;
+  // Errors of a batch or pose file.
+  size_t max_num_listed_errors = 20;
+  // Rejected frames or lines of a stream. All are counted.
+  size_t max_num_listed_rejections = 100;
+};
+
 struct Limits {
+  HeadLimits head;
   ImageLimits image;
   ZipLimits zip;
   JsonLimits json;
   PoseLimits poses;
   TagLimits tags;
+  BatchLimits batch;
+  StreamLimits stream;
+  ConcurrencyLimits concurrency;
+  AnswerLimits answer;
+  // What comes beside an image: the meta part of a frame, also in a stream.
+  size_t max_frame_meta_bytes = size_t{64} << 10;
+  // The body of an emergency request.
+  size_t max_emergency_bytes = size_t{64} << 10;
   // Ids are parts of file names and URLs.
   size_t max_id_bytes = 128;
   // A flight's name, which is shown on one line.

@@ -5,7 +5,11 @@
 namespace freelsd {
 
 nlohmann::json LimitsJson(const Limits& limits) {
-  return {{"max_json_bytes", limits.json.max_bytes},
+  return {{"max_head_bytes", limits.head.max_bytes},
+          {"max_num_head_lines", limits.head.max_num_lines},
+          {"max_head_line_bytes", limits.head.max_line_bytes},
+          {"max_url_bytes", limits.head.max_target_bytes},
+          {"max_json_bytes", limits.json.max_bytes},
           {"max_json_depth", limits.json.max_depth},
           {"max_id_bytes", limits.max_id_bytes},
           {"max_name_bytes", limits.max_name_bytes},
@@ -26,6 +30,27 @@ nlohmann::json LimitsJson(const Limits& limits) {
           {"max_num_pose_columns", limits.poses.max_num_columns},
           {"max_yaml_bytes", limits.poses.max_yaml_bytes},
           {"max_yaml_depth", limits.poses.max_yaml_depth},
+          {"max_frame_meta_bytes", limits.max_frame_meta_bytes},
+          {"max_emergency_bytes", limits.max_emergency_bytes},
+          {"max_num_batch_images", limits.batch.max_num_images},
+          {"max_num_side_files", limits.batch.max_num_side_files},
+          {"max_total_side_file_bytes", limits.batch.max_total_side_file_bytes},
+          {"max_frame_stream_bytes", limits.stream.max_frame_stream_bytes},
+          {"max_telemetry_bytes", limits.stream.max_telemetry_bytes},
+          {"max_telemetry_line_bytes", limits.stream.max_telemetry_line_bytes},
+          {"max_stream_pause_s", limits.stream.max_pause_s},
+          {"max_num_uploads", limits.concurrency.max_num_uploads},
+          {"max_num_streams", limits.concurrency.max_num_streams},
+          {"max_num_event_clients", limits.concurrency.max_num_event_clients},
+          {"max_num_decoders", limits.concurrency.max_num_decoders},
+          {"max_num_rose_planners", limits.concurrency.max_num_rose_planners},
+          {"max_num_listed_sites", limits.answer.max_num_listed_sites},
+          {"max_num_exported_sites", limits.answer.max_num_exported_sites},
+          {"max_num_emergency_sites", limits.answer.max_num_emergency_sites},
+          {"max_num_rose_winds", limits.answer.max_num_rose_winds},
+          {"max_num_track_positions", limits.answer.max_num_track_positions},
+          {"max_num_listed_errors", limits.answer.max_num_listed_errors},
+          {"max_num_listed_rejections", limits.answer.max_num_listed_rejections},
           {"max_num_map_cells", limits.max_num_map_cells}};
 }
 

@@ -109,19 +109,20 @@ std::vector<double> SpeedsOf(const std::string& text) {
 WindRoseOptions RoseOf(const Call& call) {
   WindRoseOptions rose;
   const double num_directions = call.QueryNumber("directions").value_or(rose.num_directions);
-  if (num_directions < 1 || num_directions > kMaxNumRoseWinds ||
+  if (num_directions < 1 || num_directions > kLimits.answer.max_num_rose_winds ||
       num_directions != std::floor(num_directions)) {
-    Refuse("directions", "must be a whole number, 1 to " + std::to_string(kMaxNumRoseWinds));
+    Refuse("directions",
+           "must be a whole number, 1 to " + std::to_string(kLimits.answer.max_num_rose_winds));
   }
   rose.num_directions = static_cast<int>(num_directions);
   if (const auto speeds_mps = call.Query("speeds_mps")) rose.speeds_mps = SpeedsOf(*speeds_mps);
   const size_t num_winds = static_cast<size_t>(rose.num_directions) * rose.speeds_mps.size();
-  if (num_winds <= kMaxNumRoseWinds) return rose;
+  if (num_winds <= kLimits.answer.max_num_rose_winds) return rose;
   ApiError error("InvalidValue",
-                 "directions times speeds_mps: at most " + std::to_string(kMaxNumRoseWinds) +
-                     " winds are allowed",
+                 "directions times speeds_mps: at most " +
+                     std::to_string(kLimits.answer.max_num_rose_winds) + " winds are allowed",
                  {{"directions", "too many winds"}, {"speeds_mps", "too many winds"}});
-  error.limit = kMaxNumRoseWinds;
+  error.limit = kLimits.answer.max_num_rose_winds;
   error.observed = static_cast<double>(num_winds);
   throw error;
 }

@@ -14,9 +14,6 @@
 namespace freelsd {
 namespace {
 
-// Most unknown images that one answer lists.
-constexpr size_t kMaxNumListedErrors = 20;
-
 // An image with its metadata from the pose file, and with its merged metadata.
 struct Candidate {
   const BatchImage* entry = nullptr;
@@ -48,7 +45,8 @@ std::vector<FieldError> UnknownImages(const Service& service,
   for (const BatchImage& entry : upload.images()) known.insert(entry.id);
   std::vector<FieldError> errors;
   const auto& poses = upload.poses().poses;
-  for (size_t i = 0; i < poses.size() && errors.size() < kMaxNumListedErrors; ++i) {
+  for (size_t i = 0; i < poses.size() && errors.size() < kLimits.answer.max_num_listed_errors;
+       ++i) {
     const std::string& id = poses[i].first;
     if (known.contains(id) || service.storage.frames.Find(flight_id, id)) continue;
     errors.push_back({"/poses/" + std::to_string(i) + "/image", "there is no image " + id});
@@ -220,7 +218,7 @@ nlohmann::json DryRun(const Service& service,
   const Admission admission = Admit(service.intake, flight, upload);
   nlohmann::json answer = DetailJson(admission, upload);
   std::vector<std::string> unposed = ImagesWithoutPose(upload);
-  unposed.resize(std::min(unposed.size(), kMaxNumListedErrors));
+  unposed.resize(std::min(unposed.size(), kLimits.answer.max_num_listed_errors));
   answer["dry_run"] = true;
   answer["would_be_refused"] = !problems.empty();
   answer["problems"] = problems;

@@ -14,8 +14,6 @@
 namespace freelsd {
 namespace {
 
-constexpr size_t kMaxNumExported = 1000;
-
 std::vector<SiteRow> RowsIn(const Service& service, const BoundingBox& box) {
   std::set<std::string> ids;
   std::vector<SiteRow> rows;
@@ -31,7 +29,8 @@ std::vector<StoredSite> SitesOf(const std::vector<SiteRow>& rows) {
   sites.reserve(rows.size());
   for (const SiteRow& row : rows) sites.push_back(SiteOf(row));
   sites = RankSites(std::move(sites));
-  if (sites.size() > kMaxNumExported) sites.resize(kMaxNumExported);
+  if (sites.size() > kLimits.answer.max_num_exported_sites)
+    sites.resize(kLimits.answer.max_num_exported_sites);
   return sites;
 }
 
@@ -41,7 +40,8 @@ std::string GeoJsonOf(const std::vector<SiteRow>& rows) {
   for (const SiteRow& row : rows) features.push_back(nlohmann::json::parse(row.feature_json));
   nlohmann::json collection = RankedSites(std::move(features));
   auto& ranked = collection["features"].get_ref<nlohmann::json::array_t&>();
-  if (ranked.size() > kMaxNumExported) ranked.resize(kMaxNumExported);
+  if (ranked.size() > kLimits.answer.max_num_exported_sites)
+    ranked.resize(kLimits.answer.max_num_exported_sites);
   return collection.dump();
 }
 

@@ -7,8 +7,6 @@
 namespace freelsd {
 namespace {
 
-constexpr uint64_t kMaxBodyBytes = 64 << 10;
-
 // The query parameters as a JSON object, so that GET and POST share one parser.
 nlohmann::json QueryObject(const Call& call) {
   nlohmann::json object = nlohmann::json::object();
@@ -44,12 +42,13 @@ void GetEmergency(Service& service, const Call& call, httplib::Response& respons
 
 // Takes the request as JSON in the body. A POST without a body may use the query instead.
 void PostEmergency(Service& service, const Call& call, httplib::Response& response) {
-  const std::string body = call.body.ReadAll(kMaxBodyBytes);
+  const std::string body = call.body.ReadAll(kLimits.max_emergency_bytes);
   if (!body.empty() && !call.request.params.empty()) {
     throw ApiError("InvalidQuery", "a request has either a body or query parameters, not both");
   }
   const EmergencyRequest request =
-      body.empty() ? ParseQuery(call) : ParseEmergencyRequest(ParseJson(body, kMaxBodyBytes));
+      body.empty() ? ParseQuery(call)
+                   : ParseEmergencyRequest(ParseJson(body, kLimits.max_emergency_bytes));
   response.set_content(RecallSites({service.storage, service.maps}, request).dump(),
                        "application/json");
 }

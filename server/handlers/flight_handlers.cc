@@ -11,8 +11,6 @@
 namespace freelsd {
 namespace {
 
-constexpr uint64_t kMaxJsonBytes = 1 << 20;
-
 const char* StateName(const Service& service, const FlightRow& flight, const FrameCounts& counts) {
   if (flight.has_failed) return "failed";
   if (counts.processed + counts.rejected < counts.received) return "processing";
@@ -64,7 +62,7 @@ nlohmann::json FlightJson(const Service& service, const FlightRow& flight) {
 }  // namespace
 
 void PostFlight(Service& service, const Call& call, httplib::Response& response) {
-  const FlightRequest request = ParseFlightRequest(call.body.ReadAll(kMaxJsonBytes));
+  const FlightRequest request = ParseFlightRequest(call.body.ReadAll(kLimits.json.max_bytes));
   FlightRow flight;
   flight.id = NewId("f");
   flight.name = request.name;

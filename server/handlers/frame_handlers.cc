@@ -10,7 +10,6 @@
 namespace freelsd {
 namespace {
 
-constexpr size_t kMaxMetaBytes = 1 << 20;
 // Size of boundaries and part headers around an image and its meta.
 constexpr size_t kMultipartOverheadBytes = 64 << 10;
 
@@ -42,7 +41,7 @@ FrameUpload ParseMultipart(const std::string& body, const std::string& boundary,
       TakePart(parts, "image", max_bytes, upload.image);
       has_image = true;
     } else if (part->name == "meta" && !has_meta) {
-      TakePart(parts, "meta", kMaxMetaBytes, upload.meta);
+      TakePart(parts, "meta", kLimits.max_frame_meta_bytes, upload.meta);
       has_meta = true;
     } else {
       throw ApiError("UnknownPart", "a frame has one image and at most one meta part");
@@ -66,7 +65,8 @@ FrameUpload ReadUpload(const Service& service, const Call& call) {
     if (upload.image.empty()) throw ApiError("MissingPart", "the body is empty: no image");
     return upload;
   }
-  const std::string body = call.body.ReadAll(max_bytes + kMaxMetaBytes + kMultipartOverheadBytes);
+  const std::string body =
+      call.body.ReadAll(max_bytes + kLimits.max_frame_meta_bytes + kMultipartOverheadBytes);
   FrameUpload upload = ParseMultipart(body, *boundary, max_bytes);
   if (!digest.empty()) CheckDigest(digest, {Sha256Hex(body), Sha256Hex(upload.image)});
   return upload;

@@ -13,7 +13,6 @@
 namespace freelsd {
 namespace {
 
-constexpr double kMaxNumListedSites = 1000;
 constexpr char kGeoJson[] = "application/geo+json";
 
 std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
@@ -24,9 +23,11 @@ std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
 }
 
 size_t ParseLimit(const Call& call) {
-  const double limit = call.QueryNumber("limit").value_or(kMaxNumListedSites);
-  if (limit < 1 || limit > kMaxNumListedSites || limit != std::floor(limit)) {
-    throw ApiError("InvalidValue", "limit: must be 1 to 1000", {{"limit", "must be 1 to 1000"}});
+  constexpr auto kMax = static_cast<double>(kLimits.answer.max_num_listed_sites);
+  const double limit = call.QueryNumber("limit").value_or(kMax);
+  if (limit < 1 || limit > kMax || limit != std::floor(limit)) {
+    const std::string rule = "must be 1 to " + std::to_string(kLimits.answer.max_num_listed_sites);
+    throw ApiError("InvalidValue", "limit: " + rule, {{"limit", rule}});
   }
   return static_cast<size_t>(limit);
 }

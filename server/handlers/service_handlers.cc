@@ -67,29 +67,18 @@ void GetMetrics(Service& service, const Call&, httplib::Response& response) {
 
 namespace {
 
-// All limits of the service.
+// All limits of the service: the fixed ones, and those that an operator sets.
 nlohmann::json LimitsOf(const Service& service) {
   const Config& config = service.config;
-  const HeadLimits head;
   nlohmann::json limits = LimitsJson(kLimits);
   limits.update(
-      nlohmann::json{{"max_head_bytes", head.max_bytes},
-                     {"max_num_head_lines", head.max_num_lines},
-                     {"max_head_line_bytes", head.max_line_bytes},
-                     {"max_url_bytes", head.max_target_bytes},
-                     {"max_batch_bytes", config.max_batch_bytes},
-                     {"max_telemetry_line_bytes", 8 << 10},
+      nlohmann::json{{"max_batch_bytes", config.max_batch_bytes},
                      {"max_telemetry_gap_s", config.max_telemetry_gap_s},
                      {"max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s},
                      {"telemetry_wait_s", config.telemetry_wait_s},
                      {"max_num_queued_frames", config.max_num_queued_frames},
                      {"max_num_open_flights", config.max_num_open_flights},
-                     {"max_num_uploads", kMaxNumUploads},
-                     {"max_num_streams", kMaxNumStreams},
-                     {"max_num_event_clients", kMaxNumEventClients},
                      {"num_http_threads", config.num_http_threads},
-                     {"max_num_emergency_sites", kMaxNumEmergencySites},
-                     {"max_num_rose_winds", kMaxNumRoseWinds},
                      {"max_image_age_days", config.max_image_age_days},
                      {"max_stored_image_bytes", config.max_stored_image_bytes}});
   return limits;

@@ -13,12 +13,8 @@
 namespace freelsd {
 namespace {
 
-constexpr uint64_t kMaxStreamBytes = uint64_t{1} << 40;
-constexpr std::chrono::seconds kMaxPause{60};
 // How often a full queue is checked again. Meanwhile the full socket slows the client down.
 constexpr std::chrono::milliseconds kQueuePeriod{50};
-constexpr size_t kMaxMetaBytes = 64 << 10;
-constexpr size_t kMaxNumListedRejections = 100;
 
 enum class PartKind { kImage, kMeta };
 
@@ -46,7 +42,7 @@ class FrameStream {
     std::optional<std::string> meta;
     while (const std::optional<Part> part = parts.Next()) {
       if (KindOf(*part) == PartKind::kMeta) {
-        meta = parts.ReadAll(kMaxMetaBytes).value_or("");
+        meta = parts.ReadAll(kLimits.max_frame_meta_bytes).value_or("");
         continue;
       }
       const auto image = parts.ReadAll(intake_.image_limits.max_bytes);
@@ -101,7 +97,7 @@ class FrameStream {
         "frame",
         flight_id_,
         nlohmann::json{{"id", frame_id}, {"state", "rejected"}, {"reason", error.what()}}.dump());
-    if (rejected_.size() < kMaxNumListedRejections) rejected_.push_back(rejection);
+    if (rejected_.size() < kLimits.answer.max_num_listed_rejections) rejected_.push_back(rejection);
   }
 
   Intake& intake_;
@@ -122,8 +118,8 @@ void PostStream(Service& service, const Call& call, httplib::Response& response)
     throw ApiError("UnsupportedMediaType", "a stream must be multipart/mixed");
   }
   const Streaming streaming(service.intake, flight_id);
-  call.body.LimitTo(kMaxStreamBytes);
-  call.body.WaitFor(kMaxPause);
+  call.body.LimitTo(kLimits.stream.max_frame_stream_bytes);
+  call.body.WaitFor(std::chrono::seconds(kLimits.stream.max_pause_s));
   MultipartReader parts([&call](char* bytes, size_t size) { return call.body.Read(bytes, size); },
                         *boundary);
   FrameStream stream(service.intake, flight_id);

@@ -11,13 +11,9 @@
 namespace freelsd {
 namespace {
 
-constexpr uint64_t kMaxTelemetryBytes = uint64_t{2} << 30;
-constexpr size_t kMaxLineBytes = 8 << 10;
-constexpr std::chrono::seconds kMaxPause{60};
 // Samples are committed together; this is the longest delay.
 constexpr std::chrono::milliseconds kCommitPeriod{200};
 constexpr size_t kMaxNumRowsTogether = 2000;
-constexpr size_t kMaxNumListedRejections = 100;
 
 // Takes lines as they arrive. Finish commits all samples that are counted as accepted.
 class TelemetryIntake {
@@ -38,7 +34,8 @@ class TelemetryIntake {
   }
   void TakeTooLong() {
     ++line_number_;
-    Reject("the line is longer than " + std::to_string(kMaxLineBytes) + " bytes");
+    Reject("the line is longer than " + std::to_string(kLimits.stream.max_telemetry_line_bytes) +
+           " bytes");
   }
   void CommitWhenDue() {
     const auto now = std::chrono::steady_clock::now();
@@ -62,7 +59,7 @@ class TelemetryIntake {
  private:
   void Reject(const std::string& detail) {
     ++num_rejected_;
-    if (rejected_.size() >= kMaxNumListedRejections) return;
+    if (rejected_.size() >= kLimits.answer.max_num_listed_rejections) return;
     rejected_.push_back({{"line", line_number_}, {"detail", detail}});
   }
 
@@ -84,7 +81,7 @@ void TakeLines(std::string& text, bool& is_skipping, TelemetryIntake& intake) {
     is_skipping = false;
   }
   text.erase(0, begin);
-  if (text.size() <= kMaxLineBytes) return;
+  if (text.size() <= kLimits.stream.max_telemetry_line_bytes) return;
   if (!is_skipping) intake.TakeTooLong();
   is_skipping = true;
   text.clear();
@@ -96,8 +93,8 @@ void PostTelemetry(Service& service, const Call& call, httplib::Response& respon
   const std::string flight_id = ExistingFlight(service, call).id;
   const Streaming streaming(service.intake, flight_id);
   TelemetryIntake telemetry(service.intake, flight_id);
-  call.body.LimitTo(kMaxTelemetryBytes);
-  call.body.WaitFor(kMaxPause);
+  call.body.LimitTo(kLimits.stream.max_telemetry_bytes);
+  call.body.WaitFor(std::chrono::seconds(kLimits.stream.max_pause_s));
   std::string text;
   bool is_skipping = false;
   std::array<char, 16384> bytes;

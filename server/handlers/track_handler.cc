@@ -11,8 +11,7 @@
 namespace freelsd {
 namespace {
 
-// Enough positions for a line on a map.
-constexpr int64_t kMaxNumPositions = 2000;
+constexpr int64_t kMaxNumPositions = kLimits.answer.max_num_track_positions;
 
 struct PassedPosition {
   std::optional<int64_t> timestamp_us;

@@ -89,7 +89,8 @@ std::optional<std::string> ReadHead(const ClientSocket& socket,
     if (buffered.size() > limits.max_bytes) {
       throw buffered.find("\r\n") == std::string::npos
           ? ApiError("UriTooLong", "the request line does not end")
-          : ApiError("HeadersTooLarge", "the head is larger than 16 KiB");
+          : ApiError("HeadersTooLarge",
+                     "the head is larger than " + std::to_string(limits.max_bytes) + " bytes");
     }
     const size_t num_read = socket.Read(bytes.data(), bytes.size(), deadline);
     if (num_read == 0 && buffered.empty()) return std::nullopt;
@@ -101,7 +102,8 @@ std::optional<std::string> ReadHead(const ClientSocket& socket,
   std::string head = buffered.substr(0, end + 4);
   buffered.erase(0, end + 4);
   if (head.size() > limits.max_bytes) {
-    throw ApiError("HeadersTooLarge", "the head is larger than 16 KiB");
+    throw ApiError("HeadersTooLarge",
+                   "the head is larger than " + std::to_string(limits.max_bytes) + " bytes");
   }
   return head;
 }

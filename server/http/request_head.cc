@@ -98,7 +98,8 @@ void ParseRequestLine(std::string_view line, const HeadLimits& limits, RequestHe
   if (version != "HTTP/1.1" && version != "HTTP/1.0")
     Refuse("only HTTP/1.1 and HTTP/1.0 are supported");
   if (head.target.size() > limits.max_target_bytes) {
-    throw ApiError("UriTooLong", "the URL is longer than 2 KiB");
+    throw ApiError("UriTooLong",
+                   "the URL is longer than " + std::to_string(limits.max_target_bytes) + " bytes");
   }
   const bool is_plain = std::all_of(
       head.target.begin(), head.target.end(), [](unsigned char c) { return c > 0x20 && c < 0x7f; });

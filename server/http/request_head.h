@@ -7,15 +7,9 @@
 #include <string_view>
 #include <vector>
 
-namespace freelsd {
+#include "api/api.h"
 
-// Largest head that ParseRequestHead accepts.
-struct HeadLimits {
-  size_t max_bytes = 16 << 10;
-  size_t max_num_lines = 64;
-  size_t max_line_bytes = 4 << 10;
-  size_t max_target_bytes = 2 << 10;
-};
+namespace freelsd {
 
 // A valid request head.
 struct RequestHead {

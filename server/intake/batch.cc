@@ -14,10 +14,6 @@
 namespace freelsd {
 namespace {
 
-constexpr size_t kMaxPosesBytes = 16 << 20;
-constexpr size_t kMaxNumSideFiles = 64;
-constexpr size_t kMaxNumImages = 20000;
-constexpr size_t kMaxNumOthersTold = 20;
 constexpr char kOtherFile[] = "neither an image (JPEG, PNG) nor a file of a known format";
 
 // A file in the spool folder; the destructor removes it.
@@ -47,6 +43,8 @@ class SpoolFile {
  private:
   std::filesystem::path path_;
 };
+
+std::string Mebibytes(uint64_t num_bytes) { return std::to_string(num_bytes >> 20) + " MiB"; }
 
 }  // namespace
 
@@ -87,7 +85,7 @@ void BatchUpload::ReadParts(const Call& call, const std::string& boundary) {
     if (part->name == "images") {
       AddImage(part->file_name, parts.ReadAll(intake_.image_limits.max_bytes));
     } else if (part->name == "poses") {
-      AddSideFile(part->file_name, parts.ReadAll(kMaxPosesBytes));
+      AddSideFile(part->file_name, parts.ReadAll(kLimits.poses.max_file_bytes));
     } else {
       throw ApiError("UnknownPart", "a batch accepts only parts named images and poses");
     }
@@ -129,9 +127,16 @@ void BatchUpload::AddImage(const std::string& file_name, const std::optional<std
     throw ApiError(
         "DuplicateId", "two files have the id " + entry.id, {{pointer, "is a duplicate"}});
   }
-  if (images_.size() >= kMaxNumImages) throw ApiError("TooManyParts", "too many images");
+  if (images_.size() >= kLimits.batch.max_num_images) {
+    throw ApiError(
+        "TooManyParts",
+        "a batch has at most " + std::to_string(kLimits.batch.max_num_images) + " images");
+  }
   try {
-    if (!bytes) throw ApiError("ImageTooLarge", "the file is larger than 32 MiB");
+    if (!bytes) {
+      throw ApiError("ImageTooLarge",
+                     "the file is larger than " + Mebibytes(intake_.image_limits.max_bytes));
+    }
     entry.image = CheckImage(intake_, *bytes, camera_);
     written_.insert(entry.image->sha256);
     intake_.storage.images.Write(entry.image->sha256, *bytes);
@@ -143,9 +148,20 @@ void BatchUpload::AddImage(const std::string& file_name, const std::optional<std
 }
 
 void BatchUpload::AddSideFile(const std::string& path, const std::optional<std::string>& text) {
-  if (!text) throw ApiError("PosesTooLarge", "the pose file is larger than 16 MiB");
-  if (side_files_.size() >= kMaxNumSideFiles) {
-    throw ApiError("TooManyParts", "a batch has at most 64 files beside its images");
+  if (!text) {
+    throw ApiError("PosesTooLarge",
+                   "the pose file is larger than " + Mebibytes(kLimits.poses.max_file_bytes));
+  }
+  if (side_files_.size() >= kLimits.batch.max_num_side_files) {
+    throw ApiError("TooManyParts",
+                   "a batch has at most " + std::to_string(kLimits.batch.max_num_side_files) +
+                       " files beside its images");
+  }
+  num_side_file_bytes_ += text->size();
+  if (num_side_file_bytes_ > kLimits.batch.max_total_side_file_bytes) {
+    throw ApiError("PosesTooLarge",
+                   "the files beside the images are together larger than " +
+                       Mebibytes(kLimits.batch.max_total_side_file_bytes));
   }
   side_files_.push_back({path, *text});
 }
@@ -166,7 +182,7 @@ void BatchUpload::ParsePoses(const std::optional<GeoPoint>& origin) {
 }
 
 void BatchUpload::TellOfOthers() {
-  const size_t num_told = std::min(others_.size(), kMaxNumOthersTold);
+  const size_t num_told = std::min(others_.size(), kLimits.answer.max_num_listed_errors);
   for (size_t i = 0; i < num_told; ++i) {
     const std::string path = ShownPath(others_[i]);
     poses_.formats.push_back({"unknown", path, kOtherFile});

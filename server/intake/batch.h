@@ -52,6 +52,7 @@ class BatchUpload {
   std::optional<Camera> camera_;
   std::set<std::string> ids_;
   std::vector<SideFile> side_files_;
+  size_t num_side_file_bytes_ = 0;
   // Files of an archive that are neither images nor of a known format.
   std::vector<std::string> others_;
   PoseFile poses_;

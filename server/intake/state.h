@@ -15,9 +15,6 @@
 
 namespace freelsd {
 
-inline constexpr int kMaxNumUploads = 8;
-inline constexpr int kMaxNumStreams = 8;
-
 // Thread-safe, except that the two callbacks are set before the first request.
 struct Intake {
   Intake(const Config& settings, Storage& store, EventLog& log)
@@ -37,11 +34,11 @@ struct Intake {
   // Guards the frame rows in storage from the check of their ids to their insertion.
   std::mutex intake_mutex;
   // Limits images that requests decode at the same time: 64 megapixels take 192 MiB.
-  std::counting_semaphore<2> decoders{2};
+  std::counting_semaphore<> decoders{kLimits.concurrency.max_num_decoders};
   // Limits uploads at the same time: each holds an encoded image in memory, and a thread.
-  std::counting_semaphore<kMaxNumUploads> uploads{kMaxNumUploads};
+  std::counting_semaphore<> uploads{kLimits.concurrency.max_num_uploads};
   // Limits requests that last as long as a flight: each holds a thread.
-  std::counting_semaphore<kMaxNumStreams> streams{kMaxNumStreams};
+  std::counting_semaphore<> streams{kLimits.concurrency.max_num_streams};
   // Guards receiving.
   mutable std::mutex receiving_mutex;
   // Ids of flights, once for each upload that is read now.

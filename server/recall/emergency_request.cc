@@ -91,7 +91,8 @@ EmergencyRequest ParseEmergencyRequest(const nlohmann::json& given) {
   request.glide_ratio = TakeNumber(object, "glide_ratio", 1.0, 100.0);
   request.altitude_datum = TakeDatum(object);
   request.aircraft = TakeAircraft(object);
-  const double limit = TakeNumber(object, "limit", 1.0, kMaxNumEmergencySites).value_or(5.0);
+  const double limit =
+      TakeNumber(object, "limit", 1.0, kLimits.answer.max_num_emergency_sites).value_or(5.0);
   if (limit != std::floor(limit)) Refuse("limit", "must be a whole number");
   request.limit = static_cast<size_t>(limit);
   if (!object.empty()) {

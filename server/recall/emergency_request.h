@@ -11,9 +11,6 @@
 
 namespace freelsd {
 
-// Upper bound of `limit`.
-constexpr size_t kMaxNumEmergencySites = 50;
-
 // The aircraft's state, and how many sites to answer.
 struct EmergencyRequest {
   GeoPoint place;

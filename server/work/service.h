@@ -11,11 +11,6 @@
 
 namespace freelsd {
 
-inline constexpr int kMaxNumEventClients = 8;
-// Most winds in one wind rose. Planning takes 0.2 ms for each over an open field, 20 ms if most of
-// the field is obstructed.
-inline constexpr size_t kMaxNumRoseWinds = 180;
-
 // Refers to objects that the App owns. The mutex and the semaphores make the rest thread-safe.
 struct Service {
   Service(Intake& in, MapCache& cache, Alternates& standing)
@@ -40,9 +35,9 @@ struct Service {
   // worker stores a flight's sites.
   std::mutex sites_mutex;
   // Limits wind roses at the same time; others wait. One can take seconds if much is obstructed.
-  std::counting_semaphore<2> rose_planners{2};
+  std::counting_semaphore<> rose_planners{kLimits.concurrency.max_num_rose_planners};
   // Limits clients that listen to events: each holds a thread.
-  std::counting_semaphore<kMaxNumEventClients> event_clients{kMaxNumEventClients};
+  std::counting_semaphore<> event_clients{kLimits.concurrency.max_num_event_clients};
 };
 
 }  // namespace freelsd

@@ -15,7 +15,6 @@ namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 // Largest number of lines reported in one error.
-constexpr size_t kMaxNumListedErrors = 20;
 // A later line with this many known names is the header of another table.
 constexpr size_t kMinHeaderColumns = 2;
 
@@ -136,7 +135,7 @@ PoseFile ParseCsvPoses(std::string_view text) {
     file.warnings.emplace_back("columns without a name hold values: ignored");
   }
   for (const CsvLine& line : poses) {
-    if (errors.size() >= kMaxNumListedErrors) break;
+    if (errors.size() >= kLimits.answer.max_num_listed_errors) break;
     try {
       file.poses.push_back(ReadCsvPose(header, line, lines[0].cells.size()));
     } catch (const ApiError& error) {

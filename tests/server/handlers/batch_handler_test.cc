@@ -246,6 +246,29 @@ TEST_CASE("batch: faults of structure are refused and store nothing") {
   }
 }
 
+TEST_CASE("batch: pose files count against one limit together, and each against its own") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const size_t max_bytes = kLimits.poses.max_file_bytes;
+  const std::string image = NoiseImage(1);
+  const std::string too_large(max_bytes + 1, '#');
+  const auto one =
+      PostBatch(fresh.client, flight, {Image("a.jpg", image), {"poses", too_large, "p.csv", ""}});
+  CheckProblem(one, 413, "PosesTooLarge");
+  CHECK(nlohmann::json::parse(one->body)["detail"] == "the pose file is larger than 64 MiB");
+  const std::string largest(max_bytes, '#');
+  const auto three = PostBatch(fresh.client,
+                               flight,
+                               {Image("a.jpg", image),
+                                {"poses", largest, "p.csv", ""},
+                                {"poses", largest, "q.csv", ""},
+                                {"poses", "#", "r.csv", ""}});
+  CheckProblem(three, 413, "PosesTooLarge");
+  CHECK(nlohmann::json::parse(three->body)["detail"] ==
+        "the files beside the images are together larger than 128 MiB");
+  CHECK(FrameList(fresh.client, flight).empty());
+}
+
 TEST_CASE("batch: a body that ends within a part is refused") {
   FreshServer fresh;
   const std::string flight = NewFlight(fresh.client);

@@ -82,7 +82,7 @@ TEST_CASE("events: an id that is not known any more is answered with a resync") 
 TEST_CASE("events: clients are bounded, and one that leaves makes room") {
   FreshServer fresh;
   std::vector<std::unique_ptr<RawConnection>> clients;
-  for (int i = 0; i < kMaxNumEventClients; ++i) {
+  for (int i = 0; i < kLimits.concurrency.max_num_event_clients; ++i) {
     clients.push_back(std::make_unique<RawConnection>(fresh.server.port()));
     clients.back()->Send("GET /v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n");
     CHECK(clients.back()->ReceiveHead().find("200") != std::string::npos);
