@@ -19,6 +19,7 @@ void VisitNumbers(AircraftType& aircraft, Visitor&& visit) {
   visit("max_roughness_m", aircraft.max_roughness_m);
   visit("safety_margin_m", aircraft.safety_margin_m);
   visit("path_half_width_m", aircraft.path_half_width_m);
+  visit("min_ground_speed_mps", aircraft.min_ground_speed_mps);
   visit("ground_roll_m", aircraft.ground_roll_m);
   visit("min_area_m2", aircraft.min_area_m2);
 }

@@ -66,13 +66,15 @@ std::string DirectionName(LoiterDirection direction) {
 
 nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& local_frame) {
   const double heading = TrueHeadingDeg(approach, local_frame);
-  return {{"heading_deg", Rounded(heading < 0.0 ? heading + 360.0 : heading)},
-          {"distance_m", Rounded(approach.approach_distance)},
-          {"height_m", Rounded(approach.approach_height)},
-          {"crosswind_mps", Rounded(approach.crosswind)},
-          {"loiter_radius_m", Rounded(approach.loiter_radius)},
-          {"loiter_direction", DirectionName(approach.loiter_direction)},
-          {"min_clearance_m", Rounded(approach.min_clearance)}};
+  nlohmann::json properties{{"heading_deg", Rounded(heading < 0.0 ? heading + 360.0 : heading)},
+                            {"distance_m", Rounded(approach.approach_distance)},
+                            {"height_m", Rounded(approach.approach_height)},
+                            {"crosswind_mps", Rounded(approach.crosswind)},
+                            {"loiter_radius_m", Rounded(approach.loiter_radius)},
+                            {"loiter_direction", DirectionName(approach.loiter_direction)},
+                            {"min_clearance_m", Rounded(approach.min_clearance)}};
+  if (approach.ground_speed) properties["ground_speed_mps"] = Rounded(*approach.ground_speed);
+  return properties;
 }
 
 nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context) {

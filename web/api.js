@@ -52,6 +52,12 @@ export function query(values) {
   const known = Object.entries(values).filter(([, v]) => v !== null && v !== undefined && v !== '');
   return known.length ? `?${known.map(([k, v]) => `${k}=${part(v)}`).join('&')}` : '';
 }
+function windQuery(wind) {
+  if (!wind) return {};
+  if (wind === 'unknown') return { wind };
+  return { wind_east_mps: wind.east_mps.toFixed(3), wind_north_mps: wind.north_mps.toFixed(3) };
+}
+
 export const paths = {
   jobs: '/v1/jobs',
   flight: (flight) => `/v1/flights/${part(flight)}`,
@@ -63,8 +69,9 @@ export const paths = {
   finish: (flight) => `/v1/flights/${part(flight)}/finish`,
   flightSites: (flight) => `/v1/flights/${part(flight)}/sites`,
   site: (site) => `/v1/sites/${part(site)}`,
-  approach: (site, wind) => `/v1/sites/${part(site)}/approach${wind ? query({
-    wind_east_mps: wind.east_mps.toFixed(3), wind_north_mps: wind.north_mps.toFixed(3) }) : ''}`,
+  // wind: 'unknown', a wind, or nothing for the site's own; aircraft: fields that differ from the site's.
+  approach: (site, wind, aircraft = {}) => `/v1/sites/${part(site)}/approach${query({ ...windQuery(wind), ...aircraft })}`,
+  alternates: (flight) => `/v1/flights/${part(flight)}/alternates`,
   windRose: (site, speeds_mps) => `/v1/sites/${part(site)}/wind-rose?speeds_mps=${speeds_mps.join(',')}`,
   layers: (site) => `/v1/sites/${part(site)}/layers`,
   layerPicture: (site, layer) => `/v1/sites/${part(site)}/layers/${part(layer)}.png`,
@@ -88,14 +95,15 @@ export const getSite = (site) => getJson(paths.site(site));
 export const getHistory = async (flight, region) => (await getJson(paths.history(flight, region))).history;
 export const getFrames = async (flight) => (await getJson(paths.frames(flight))).frames;
 export const getLayers = async (site) => (await getJson(paths.layers(site))).layers;
+export const getAlternates = (flight, signal) => getJson(paths.alternates(flight), { signal });
 export const getEmergency = (request, signal) => getJson(paths.emergency(request), { signal });
 
 export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });
 
 // {collection}, or {refusal} if the site has no approach for this wind (409).
-export async function getApproach(site, wind, signal) {
+export async function getApproach(site, wind, signal, aircraft) {
   try {
-    return { collection: await getJson(paths.approach(site, wind), { signal }) };
+    return { collection: await getJson(paths.approach(site, wind, aircraft), { signal }) };
   } catch (error) {
     if (error.status === 409) return { refusal: error.message };
     throw error;

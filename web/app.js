@@ -10,18 +10,19 @@ import { createLayers } from './layers.js';
 import { createLive } from './live.js';
 import { createMap } from './map.js';
 import { drawProfile } from './profile.js';
-import { drawSite } from './site.js';
+import { drawSite, drawTiles } from './site.js';
 import { drawSiteList } from './sites.js';
 import { askToken } from './token.js';
 import { createUpload } from './upload.js';
 import { answerNodeOf, createWhy } from './why.js';
+import { courseTo } from './units.js';
 import { createWind, replanNode } from './wind.js';
 import { createWindRose } from './wind_rose.js';
 import { findRegion } from './places.js';
 
 const state = {
   flight: null, flightJson: null, flights: [], sites: { features: [] }, regions: { features: [] },
-  siteId: null, site: null, approach: null, triedWind: null, drawnProfile: null,
+  siteId: null, site: null, approach: null, triedWind: null, recalled: null, drawnProfile: null,
   drawn: '', drawnSite: '', numTracked: null,
 };
 
@@ -80,6 +81,7 @@ async function loadSite(siteId) {
   wind.show(feature.properties.wind);
   byId('replan').replaceChildren();
   drawApproach(approach, false);
+  if (state.recalled?.siteId === siteId) await showRecalled();
   // The wind rose is expensive: the server computes it only for a visible site.
   rose.show(byId('view-site').hidden ? null : siteId);
   return true;
@@ -114,20 +116,47 @@ function drawApproach({ collection, refusal }, isReplanned) {
   drawProfile(byId('profile'), collection?.profile, aircraft);
 }
 
+// The plan of the emergency answer, and no other: same wind, same aircraft without power.
+async function showRecalled() {
+  const { wind: planned, aircraft } = state.recalled;
+  wind.showPlanned(planned);
+  await drawPlan(planned ?? 'unknown', new AbortController().signal, aircraft);
+}
+
 // tried: a wind, or null for the stored approach.
 async function replan(tried, signal) {
-  const siteId = state.siteId;
-  state.triedWind = tried;
-  if (!tried) {
-    byId('replan').replaceChildren();
-    drawApproach({ collection: state.approach }, false);
+  state.recalled = null;
+  if (tried) {
+    await drawPlan(tried, signal);
     return;
   }
+  state.triedWind = null;
+  byId('replan').replaceChildren();
+  drawTiles(state.site.properties);
+  drawApproach({ collection: state.approach }, false);
+}
+
+function placeOf({ coordinates: [longitude_deg, latitude_deg] }) {
+  return { latitude_deg, longitude_deg };
+}
+
+// How far the plan's touchdown lies from the stored one; 0 if one of them is unknown.
+function movedBy(collection) {
+  const touchdown = collection?.features.find((f) => f.properties.kind === 'touchdown')?.geometry;
+  const stored = state.site.geometry;
+  return touchdown && stored ? courseTo(placeOf(stored), placeOf(touchdown)).distance_m : 0;
+}
+
+async function drawPlan(tried, signal, aircraft) {
+  const siteId = state.siteId;
+  state.triedWind = tried;
   byId('replan').setAttribute('aria-busy', 'true');
   try {
-    const answer = await api.getApproach(siteId, tried, signal);
+    const answer = await api.getApproach(siteId, tried, signal, aircraft);
     if (siteId !== state.siteId || signal.aborted) return;
-    byId('replan').replaceChildren(replanNode(answer, state.site.properties.approach));
+    const { properties } = state.site;
+    byId('replan').replaceChildren(replanNode(answer, properties.approach, movedBy(answer.collection)));
+    drawTiles({ ...properties, ...(answer.collection?.plan ?? { approach: null }) });
     drawApproach(answer, true);
   } catch (error) {
     if (error.name === 'AbortError') return;
@@ -293,7 +322,8 @@ const upload = createUpload({
   open: () => showView('upload'),
 });
 createEmergency({
-  show: ({ site_id, flight_id }) => {
+  show: ({ site_id, flight_id, aircraft }, planned) => {
+    state.recalled = planned === undefined ? null : { siteId: site_id, wind: planned, aircraft };
     if (flight_id && flight_id !== state.flight) {
       chooseFlight(flight_id);
       location.hash = `flight=${flight_id}&site=${encodeURIComponent(site_id)}`;
@@ -302,7 +332,8 @@ createEmergency({
   },
   center: map.center,
   drawBearings: map.drawBearings,
-  wind: () => state.site?.properties.wind ?? null,
+  flight: () => state.flight,
+  flightName: () => state.flightJson?.name ?? state.flight,
 });
 api.whenUnauthorized(() => askToken(live.now));
 live.start();

@@ -17,7 +17,8 @@ function facts(site) {
     fact('Final heading', site.approach ? heading(site.approach.heading_deg) : 'unknown', 'big'),
     site.arrival_margin_m === undefined ? null : fact('Arrival margin', margin(site.arrival_margin_m), 'big'),
     isKnown(site.time_s) ? fact('Time to site', minutes(site.time_s)) : null,
-    fact('Last seen', `${age(site.age_s)} ago`),
+    isKnown(site.ground_speed_mps) ? fact('Ground speed on final', fixed(site.ground_speed_mps, 1, 'm/s')) : null,
+    fact('Photographed', `${age(site.age_s)} ago`),
     site.unseen_ratio > 0 ? fact('Circle unseen', fixed(100 * site.unseen_ratio, 0, '%')) : null);
 }
 

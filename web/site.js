@@ -22,7 +22,8 @@ function tiles(p) {
   }
   return [
     tile('Final heading', heading(approach.heading_deg), `length ${distance(approach.distance_m)}` +
-      (approach.crosswind_mps > 0 ? `, crosswind ${fixed(approach.crosswind_mps, 1, 'm/s')}` : '')),
+      (approach.crosswind_mps > 0 ? `, crosswind ${fixed(approach.crosswind_mps, 1, 'm/s')}` : '') +
+      (isKnown(approach.ground_speed_mps) ? `, ground speed ${fixed(approach.ground_speed_mps, 1, 'm/s')}` : '')),
     tile('Min clearance', fixed(approach.min_clearance_m, 1, 'm'), 'final and loiter circle'),
     tile('Nearest hazard', distance(p.hazard_distance_m), `slope ${fixed(p.slope_deg, 1, '°')}`),
     tile('Loiter circle', approach.loiter_direction, `radius ${distance(approach.loiter_radius_m)}, ` +
@@ -55,7 +56,7 @@ function numbersTable(p, [lon, lat]) {
     ['Area', area(p.area_m2)],
     ['Grade', `${p.grade.toFixed(2)} (${evidence})`],
     ['Measured wind', windText(p.wind)],
-    ['Updated', `${age((Date.now() - Date.parse(p.updated_at)) / 1000)} ago`],
+    ['Ground photographed', `${age((Date.now() - Date.parse(p.last_seen_at ?? p.updated_at)) / 1000)} ago`],
     ['Site ID', p.id],
   ];
   return el('table', { class: 'numbers' }, el('tbody', {}, rows.map(([name, value]) =>
@@ -106,11 +107,14 @@ export function drawSiteHead(p) {
   byId('site-curl').replaceChildren(curlButton('this site', () => curlOf(paths.site(p.id))));
 }
 
+// The headline numbers, of the stored plan or of the plan for a trial wind.
+export const drawTiles = (p) => byId('site-tiles').replaceChildren(...tiles(p));
+
 // on: {place(index): shows a rejection, wind(): the trial wind or null}
 export function drawSite(feature, on) {
   const { properties: p, geometry } = feature;
   drawSiteHead(p);
-  byId('site-tiles').replaceChildren(...tiles(p));
+  drawTiles(p);
   byId('approach-curl').replaceChildren(curlButton('this approach', () => curlOf(paths.approach(p.id, on.wind()))));
   const warnings = p.warnings ?? [];
   byId('site-more').replaceChildren(...[

@@ -32,7 +32,8 @@ function drawValues(speed_mps, from_deg) {
   byId('wind-from-value').textContent = heading(from_deg);
 }
 
-function sourceText(isStored, stored) {
+function sourceText(isStored, stored, isOfEmergency) {
+  if (isOfEmergency) return 'Wind of the emergency answer. Stored plan unchanged.';
   if (!isStored) return 'Trial wind. Stored plan unchanged.';
   return stored ? 'Wind measured in flight' : 'Wind unknown. All headings checked.';
 }
@@ -46,13 +47,13 @@ export function createWind(replan, showOnMap) {
   let timer = 0;
   let running = new AbortController();
 
-  function drawBarb(isStored) {
+  function drawBarb(isStored, isOfEmergency = false) {
     const [speed_mps, from_deg] = [Number(speed.value), Number(from.value)];
     byId('wind-barb').replaceChildren(windBarb(speed_mps, from_deg));
     if (isStored && !stored) showOnMap(null, false, null);
     else showOnMap(windBarb(speed_mps, from_deg, 48), !isStored, { speed_mps, from_deg });
     drawValues(speed_mps, from_deg);
-    byId('wind-source').textContent = sourceText(isStored, stored);
+    byId('wind-source').textContent = sourceText(isStored, stored, isOfEmergency);
     byId('wind-reset').hidden = isStored;
   }
 
@@ -88,6 +89,14 @@ export function createWind(replan, showOnMap) {
     changed();
   }
 
+  // The wind of a plan that is drawn already; null if it is unknown.
+  function showPlanned(planned) {
+    const known = windFrom(planned);
+    speed.value = known ? known.speed_mps : 0;
+    from.value = known ? Math.round(known.from_deg) % 360 : 0;
+    drawBarb(false, true);
+  }
+
   for (const input of [speed, from]) input.addEventListener('input', changed);
   for (const button of document.querySelectorAll('[data-turn]')) {
     button.addEventListener('click', () =>
@@ -97,12 +106,13 @@ export function createWind(replan, showOnMap) {
     reset();
     replan(null, null);
   });
-  return { show, take };
+  return { show, showPlanned, take };
 }
 
-// The outcome of a trial wind. answer: {collection} or {refusal}; stored: the stored approach.
+// The outcome of a trial wind. answer: {collection} or {refusal}; stored: the stored approach;
+// moved_m: from the stored touchdown.
 // Without a verdict of the server the outcome is unverified.
-export function replanNode(answer, stored) {
+export function replanNode(answer, stored, moved_m) {
   if (answer.refusal) {
     return el('div', { class: 'outcome rejected', role: 'status' },
       el('strong', {}, '✕ No approach for this wind'), el('span', {}, answer.refusal));
@@ -116,5 +126,6 @@ export function replanNode(answer, stored) {
     el('strong', {}, `${verdictSign[verdict]} Final ${heading(final.heading_deg)}: ${verdict}`),
     el('span', {}, `Length ${fixed(final.distance_m, 0, 'm')}, min clearance ${fixed(final.min_clearance_m, 1, 'm')}.` +
       (unseen === 0 ? '' : ` Circle ${isKnown(unseen) ? fixed(100 * unseen, 0, '%') : 'partly'} unseen.`) +
-      (turn ? ` ${Math.abs(turn)}° ${turn > 0 ? 'right' : 'left'} of the stored final.` : '')));
+      (turn ? ` ${Math.abs(turn)}° ${turn > 0 ? 'right' : 'left'} of the stored final.` : '') +
+      (moved_m >= 1 ? ` Touchdown ${fixed(moved_m, 0, 'm')} from the stored one.` : '')));
 }

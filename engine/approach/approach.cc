@@ -112,7 +112,7 @@ struct ApproachGround {
 // Without a path if ground or wind exclude every path.
 Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
   std::optional<Refusal> why_not = refusal;
-  if (!why_not) why_not = RefuseWind(way.wind);
+  if (!why_not) why_not = RefuseWind(way.wind, way.aircraft);
   if (why_not) {
     Plan plan = Refused(PlanAt(safest, hazards, request, way.aircraft), *why_not);
     plan.score_terms = ScoreTerms(

@@ -114,6 +114,8 @@ struct Approach {
   double approach_height = 0.0;
   // Crosswind of the planned wind; 0 where the wind is unknown.
   double crosswind = 0.0;
+  // Ground speed on final in the planned wind, m/s. Empty: the wind is unknown.
+  std::optional<double> ground_speed;
   double loiter_radius = 0.0;
   Eigen::Vector3d loiter_center_in_world = Eigen::Vector3d::Zero();
   LoiterDirection loiter_direction = LoiterDirection::kLeft;

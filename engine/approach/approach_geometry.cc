@@ -34,16 +34,30 @@ double FinalLength(const Aircraft& aircraft, double wind_speed, double off_deg) 
   return (GroundSpeed(aircraft) - headwind) / SinkRate(aircraft) * aircraft.approach_height_m;
 }
 
+// Ground speed on final, with the wind at this angle to the heading. The nose points into the wind
+// as far as the crosswind needs it.
+double GroundSpeedAgainst(const Aircraft& aircraft, double wind_speed, double off_deg) {
+  const double across = wind_speed * std::sin(RadFromDeg(off_deg));
+  const double against = wind_speed * std::cos(RadFromDeg(off_deg));
+  const double airspeed = GroundSpeed(aircraft);
+  return std::sqrt(std::max(0.0, airspeed * airspeed - across * across)) - against;
+}
+
 // Heading straight into the wind, at any wind speed.
 WindCase AgainstWind(const Eigen::Vector2d& wind_in_world, const Aircraft& aircraft) {
   const double wind_speed = wind_in_world.norm();
   WindCase wind;
   wind.is_known = true;
   wind.wind_speed = wind_speed;
+  wind.ground_speed = GroundSpeedAgainst(aircraft, wind_speed, 0.0);
   const WindScenario scenario{ApproachDistance(aircraft, wind_speed),
-                              LoiterRadius(aircraft, wind_speed)};
+                              LoiterRadius(aircraft, wind_speed),
+                              0.0,
+                              wind.ground_speed};
   wind.headings = {{HeadingOf(-wind_in_world), {scenario}}};  // downwind start, into the wind
-  wind.is_too_strong = scenario.approach_distance <= 0.0;
+  // The length of the final counts on only a part of the wind, so it is no measure of headway.
+  wind.is_too_strong =
+      scenario.approach_distance <= 0.0 || wind.ground_speed < aircraft.min_ground_speed_mps;
   return wind;
 }
 
@@ -63,7 +77,8 @@ WindCase AcrossWind(const Eigen::Vector2d& wind_in_world,
     const double off_deg = i * options.heading_step_deg;
     const WindScenario scenario{FinalLength(aircraft, wind_speed, off_deg),
                                 LoiterRadius(aircraft, wind_speed),
-                                wind_speed * std::sin(RadFromDeg(off_deg))};
+                                wind_speed * std::sin(RadFromDeg(off_deg)),
+                                GroundSpeedAgainst(aircraft, wind_speed, off_deg)};
     if (scenario.crosswind > most) break;
     for (const double side : {-1.0, 1.0}) {
       wind.headings.push_back({into_wind + side * RadFromDeg(off_deg), {scenario}});
@@ -134,8 +149,9 @@ WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
   if (speed >= options.calm_wind_mps) return AgainstWind(*wind_in_world, aircraft);
   wind.is_known = true;
   wind.wind_speed = speed;
-  wind.headings = AllHeadings(options.heading_step_deg,
-                              {{calm.approach_distance, LoiterRadius(aircraft, speed)}});
+  wind.headings = AllHeadings(
+      options.heading_step_deg,
+      {{calm.approach_distance, LoiterRadius(aircraft, speed), 0.0, GroundSpeed(aircraft)}});
   return wind;
 }
 
@@ -171,6 +187,7 @@ Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,
   approach.approach_height = approach_height;
   approach.loiter_radius = scenario.loiter_radius;
   approach.crosswind = scenario.crosswind;
+  approach.ground_speed = scenario.ground_speed;
   approach.loiter_direction = direction;
   const Eigen::Vector2d start =
       touchdown_in_world.head<2>() - scenario.approach_distance * DirectionOf(heading);

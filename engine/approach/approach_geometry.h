@@ -1,6 +1,7 @@
 // Private to approach/: positions and sizes of final and circle.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/approach/approach.h"
@@ -12,6 +13,8 @@ struct WindScenario {
   double approach_distance = 0.0;
   double loiter_radius = 0.0;
   double crosswind = 0.0;
+  // Ground speed on final, m/s. Empty: the wind is unknown.
+  std::optional<double> ground_speed;
 };
 
 struct HeadingCase {
@@ -27,6 +30,8 @@ struct WindCase {
   bool is_known = false;
   bool is_too_strong = false;
   double wind_speed = 0.0;
+  // On final straight into the wind, m/s; negative where the aircraft would fly backwards.
+  double ground_speed = 0.0;
 };
 
 // Known: into the wind. Calm: all headings. Unknown: all headings, in calm and with tail wind.

@@ -56,11 +56,13 @@ std::optional<Refusal> RefuseGround(const PlanRequest& request,
   return refusal ? refusal : RefuseTouchdown(content, required_distance);
 }
 
-std::optional<Refusal> RefuseWind(const WindCase& wind) {
+std::optional<Refusal> RefuseWind(const WindCase& wind, const Aircraft& aircraft) {
   if (!wind.is_too_strong) return std::nullopt;
-  return Refusal{
-      RejectReason::kWindTooStrong,
-      "against " + Rounded(wind.wind_speed, 1) + " m/s of wind the aircraft makes no headway"};
+  const double ground_speed = wind.ground_speed;
+  return Refusal{RejectReason::kWindTooStrong,
+                 "against " + Rounded(wind.wind_speed, 1) +
+                     " m/s of wind the ground speed on final is " + Rounded(ground_speed, 1) +
+                     " m/s, " + Rounded(aircraft.min_ground_speed_mps, 1) + " m/s are needed"};
 }
 
 }  // namespace freelsd

@@ -20,6 +20,6 @@ std::optional<Refusal> RefuseGround(const PlanRequest& request,
                                     const FootprintContent& content,
                                     double required_distance,
                                     const Aircraft& aircraft);
-std::optional<Refusal> RefuseWind(const WindCase& wind);
+std::optional<Refusal> RefuseWind(const WindCase& wind, const Aircraft& aircraft);
 
 }  // namespace freelsd

@@ -48,6 +48,7 @@ void Aircraft::Check() const {
   check.Inside("max_roughness_m", max_roughness_m, 0.01, 20.0);
   check.Inside("safety_margin_m", safety_margin_m, 0.0, 100.0);
   check.Inside("path_half_width_m", path_half_width_m, 0.0, 100.0);
+  check.Inside("min_ground_speed_mps", min_ground_speed_mps, 0.0, 50.0);
   check.Inside("ground_roll_m", ground_roll_m, 0.0, 2000.0);
   check.Inside("min_area_m2", min_area_m2, 1.0, 1e7);
   RequirePath(*this);
@@ -76,6 +77,7 @@ std::vector<std::string> LimitsLooserThanProfiles(const Aircraft& aircraft) {
   compare("max_roughness_m", &Aircraft::max_roughness_m, true);
   compare("safety_margin_m", &Aircraft::safety_margin_m, false);
   compare("path_half_width_m", &Aircraft::path_half_width_m, false);
+  compare("min_ground_speed_mps", &Aircraft::min_ground_speed_mps, false);
   compare("ground_roll_m", &Aircraft::ground_roll_m, false);
   return looser;
 }

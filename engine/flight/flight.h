@@ -76,6 +76,8 @@ struct Aircraft {
   // Clearance to keep above the map's upper surface, and half-width of the corridor to check.
   double safety_margin_m = 2.0;
   double path_half_width_m = 5.0;
+  // Least ground speed on final, with the whole wind against it. Slower, gusts stop the aircraft.
+  double min_ground_speed_mps = 3.0;
   // Length of the strip behind touchdown that must be free; 0 is the paper's rule.
   double ground_roll_m = 30.0;
   // Smallest region to evaluate. Paper: A_min.

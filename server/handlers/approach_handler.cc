@@ -16,7 +16,7 @@ constexpr char kGeoJson[] = "application/geo+json";
 
 // True for parameters of the wind; all other parameters here belong to the aircraft.
 bool IsOfWind(const std::string& parameter) {
-  return parameter.starts_with("wind_") || parameter == "directions" || parameter == "speeds_mps";
+  return parameter.starts_with("wind") || parameter == "directions" || parameter == "speeds_mps";
 }
 
 // The query's fields override the named profile, or the site's aircraft if no profile is named.
@@ -49,8 +49,15 @@ std::optional<double> WindComponent(const Call& call, const std::string& name) {
   throw ApiError("InvalidValue", name + ": must be in [-100, 100]", {{name, "out of range"}});
 }
 
-// The query's wind, else the wind with which the site was planned.
+// The query's wind, which may be "unknown", else the wind with which the site was planned.
 std::optional<Eigen::Vector2d> WindOf(const Call& call, const PlanRequest& request) {
+  if (const auto wind = call.Query("wind")) {
+    if (*wind == "unknown" && !call.Query("wind_east_mps") && !call.Query("wind_north_mps")) {
+      return std::nullopt;
+    }
+    const std::string detail = "wind: must be unknown, without wind_east_mps and wind_north_mps";
+    throw ApiError("InvalidQuery", detail, {{"wind", detail}});
+  }
   const auto east_mps = WindComponent(call, "wind_east_mps");
   const auto north_mps = WindComponent(call, "wind_north_mps");
   if (east_mps.has_value() != north_mps.has_value()) {

@@ -75,9 +75,8 @@ ExportOptions OptionsOf(const Call& call) {
   return options;
 }
 
-// The flight's sites, best first, each with its rank.
-std::vector<StoredSite> RankedSitesOf(const Service& service, const std::string& flight_id) {
-  const std::vector<SiteRow> rows = service.storage.sites.List(flight_id, std::nullopt);
+// Best first, each with its rank.
+std::vector<StoredSite> RankedSitesOf(const std::vector<SiteRow>& rows) {
   std::vector<StoredSite> sites;
   sites.reserve(rows.size());
   for (const SiteRow& row : rows) sites.push_back(SiteOf(row));
@@ -124,7 +123,15 @@ void GetSiteAs(Service& service, const Call& call, httplib::Response& response) 
     response.set_header("Vary", "Accept");
     return GetSite(service, call, response);
   }
-  for (const StoredSite& site : RankedSitesOf(service, row.flight_id)) {
+  const bool is_superseded = row.superseded_by && call.Query("include") != "superseded";
+  if (is_superseded && std::string_view(format.name) != kReport.name) {
+    throw ApiError("SiteRejected",
+                   "superseded by " + *row.superseded_by +
+                       ", which a later flight found on the same ground; include=superseded "
+                       "exports it nevertheless");
+  }
+  for (const StoredSite& site :
+       RankedSitesOf(service.storage.sites.List(row.flight_id, std::nullopt))) {
     if (site.id != row.id) continue;
     if (std::string_view(format.name) == kReport.name)
       return AnswerReport(service, row, site, response);
@@ -141,7 +148,8 @@ void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& res
     response.set_header("Vary", "Accept");
     return GetFlightSites(service, call, response);
   }
-  const std::vector<StoredSite> sites = RankedSitesOf(service, flight.id);
+  const std::vector<StoredSite> sites =
+      RankedSitesOf(ListedSites(service, call, flight.id, std::nullopt));
   // A format that shows verdicts is named after its first site; any other after all sites.
   const auto end = format.tells_verdicts && !sites.empty() ? sites.begin() + 1 : sites.end();
   const bool is_unverified = std::any_of(sites.begin(), end, IsUnverified);

@@ -100,6 +100,7 @@ void DeleteFlight(Service& service, const Call& call, httplib::Response& respons
     service.storage.flights.Delete(flight.id, forget_sites);
   }
   service.alternates.Forget(flight.id);
+  if (forget_sites) service.alternates.WakeAll();
   service.intake.wake_worker();
   response.status = 204;
 }

@@ -23,6 +23,20 @@ JobRow ExistingJob(const Service& service, const Call& call) {
   return *job;
 }
 
+std::vector<SiteRow> ListedSites(const Service& service,
+                                 const Call& call,
+                                 const std::optional<std::string>& flight_id,
+                                 const std::optional<BoundingBox>& box) {
+  const std::optional<std::string> include = call.Query("include");
+  if (include && *include != "superseded") {
+    throw ApiError(
+        "InvalidQuery", "include: must be superseded", {{"include", "must be superseded"}});
+  }
+  std::vector<SiteRow> sites = service.storage.sites.List(flight_id, box);
+  if (!include) std::erase_if(sites, [](const SiteRow& site) { return site.superseded_by; });
+  return sites;
+}
+
 StoredSite SiteOf(const SiteRow& row) {
   return ReadStoredSite(
       row.feature_json, row.approach_json, ParseReplan(row.replan_json).flight.altitude_datum);

@@ -14,6 +14,11 @@ SiteRow ExistingSite(const Service& service, const Call& call);
 // Throws ApiError NoSuchJob.
 JobRow ExistingJob(const Service& service, const Call& call);
 
+// Stored sites, without superseded ones unless the query says include=superseded. Throws ApiError.
+std::vector<SiteRow> ListedSites(const Service& service,
+                                 const Call& call,
+                                 const std::optional<std::string>& flight_id,
+                                 const std::optional<BoundingBox>& box);
 // The row as a struct, without its rank.
 StoredSite SiteOf(const SiteRow& row);
 

@@ -18,7 +18,10 @@ constexpr char kGeoJson[] = "application/geo+json";
 std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
   std::vector<nlohmann::json> features;
   features.reserve(sites.size());
-  for (const SiteRow& site : sites) features.push_back(nlohmann::json::parse(site.feature_json));
+  for (const SiteRow& site : sites) {
+    features.push_back(nlohmann::json::parse(site.feature_json));
+    if (site.superseded_by) features.back()["properties"]["superseded_by"] = *site.superseded_by;
+  }
   return features;
 }
 
@@ -55,14 +58,14 @@ void GetRegionHistory(Service& service, const Call& call, httplib::Response& res
 
 void GetFlightSites(Service& service, const Call& call, httplib::Response& response) {
   const FlightRow flight = ExistingFlight(service, call);
-  const auto features = FeaturesOf(service.storage.sites.List(flight.id, std::nullopt));
+  const auto features = FeaturesOf(ListedSites(service, call, flight.id, std::nullopt));
   response.set_content(RankedSites(features).dump(), kGeoJson);
 }
 
 void GetSites(Service& service, const Call& call, httplib::Response& response) {
   const std::optional<BoundingBox> box = ParseBoundingBox(call);
   const size_t limit = ParseLimit(call);
-  nlohmann::json sites = RankedSites(FeaturesOf(service.storage.sites.List(std::nullopt, box)));
+  nlohmann::json sites = RankedSites(FeaturesOf(ListedSites(service, call, std::nullopt, box)));
   nlohmann::json& features = sites["features"];
   while (features.size() > limit) features.erase(features.size() - 1);
   response.set_content(sites.dump(), kGeoJson);
@@ -79,8 +82,11 @@ void GetSite(Service& service, const Call& call, httplib::Response& response) {
 }
 
 void DeleteSite(Service& service, const Call& call, httplib::Response& response) {
-  const std::lock_guard lock(service.sites_mutex);
-  ForgetSite(service.storage, ExistingSite(service, call).id);
+  {
+    const std::lock_guard lock(service.sites_mutex);
+    ForgetSite(service.storage, ExistingSite(service, call).id);
+  }
+  service.alternates.WakeAll();
   response.status = 204;
 }
 

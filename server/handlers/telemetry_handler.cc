@@ -26,7 +26,9 @@ class TelemetryIntake {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.find_first_not_of(" \t") == std::string::npos) return;
     try {
-      for (TelemetryRow& row : ParseTelemetryLine(line)) rows_.push_back(row);
+      const std::vector<TelemetryRow> rows = ParseTelemetryLine(line);
+      if (!rows.empty()) RefuseFutureTime(rows.front().timestamp_us, NowUs());
+      rows_.insert(rows_.end(), rows.begin(), rows.end());
       ++num_accepted_;
     } catch (const ApiError& error) {
       Reject(error.what());

@@ -5,6 +5,7 @@
 #include "api/api.h"
 #include "server/intake/checked_image.h"
 #include "server/intake/frame_resolution.h"
+#include "server/intake/telemetry.h"
 #include "server/intake/warnings.h"
 
 namespace freelsd {
@@ -75,6 +76,7 @@ TakenFrame TakeFrame(Intake& intake,
   const CheckedImage image = CheckImage(
       intake, upload.image, is_known ? std::nullopt : CameraOf(OpenFlight(intake, flight_id)));
   const FrameMeta given = ParseFrameMeta(upload.meta);
+  if (given.timestamp_us) RefuseFutureTime(*given.timestamp_us, NowUs());
   const FrameRow frame = NewFrameRow(flight_id, frame_id, image, given);
   {
     const std::lock_guard lock(intake.intake_mutex);

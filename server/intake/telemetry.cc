@@ -73,6 +73,14 @@ constexpr TelemetryKind kKinds[] = {
 
 }  // namespace
 
+void RefuseFutureTime(int64_t timestamp_us, int64_t now_us) {
+  constexpr int64_t kFirstPlausibleUs = 1577836800000000;  // 2020: the clock was set
+  constexpr int64_t kDayUs = int64_t{86400} * 1000000;
+  if (now_us < kFirstPlausibleUs || timestamp_us <= now_us + kDayUs) return;
+  const std::string detail = "is more than a day ahead of the server's clock";
+  throw ApiError("InvalidValue", "timestamp_us: " + detail, {{"/timestamp_us", detail}});
+}
+
 std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line) {
   const nlohmann::json object = ParseJson(line);
   for (const auto& [key, value] : object.items()) {

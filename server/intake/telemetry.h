@@ -11,6 +11,10 @@
 
 namespace freelsd {
 
+// Throws ApiError if the time is more than a day ahead of the server's clock, which counts only if
+// it was ever set: one such sample would be the latest pose for good.
+void RefuseFutureTime(int64_t timestamp_us, int64_t now_us);
+
 // Parses one line of NDJSON: {timestamp_us, position?, attitude?, wind?}. Throws ApiError.
 std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line);
 

@@ -1,5 +1,6 @@
 #include "server/recall/alternates.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include <nlohmann/json.hpp>
@@ -14,7 +15,10 @@ namespace freelsd {
 namespace {
 
 constexpr size_t kNumAlternates = 3;
+// Of one flight: its poses may arrive 50 times a second.
 constexpr std::chrono::milliseconds kMinPeriod{100};
+// A flight that was not woken for that long has landed, or only asked.
+constexpr std::chrono::seconds kLiveFor{60};
 
 // The later of the telemetry's pose and the last frame's pose; nothing if neither is known.
 std::optional<FrameMeta> LatestPose(const Storage& storage, const std::string& flight_id) {
@@ -50,7 +54,11 @@ nlohmann::json AlternatesOf(const StoredSites& stored, const FlightRow& flight) 
   answer["pose"] = {{"latitude_deg", request.place.latitude_deg},
                     {"longitude_deg", request.place.longitude_deg},
                     {"altitude_m", request.place.altitude_m}};
+  answer["pose"]["altitude_datum"] = request.altitude_datum;
   if (pose->timestamp_us) answer["pose"]["timestamp_us"] = *pose->timestamp_us;
+  if (const auto& wind = request.wind_in_world) {
+    answer["wind"] = {{"east_mps", wind->x()}, {"north_mps", wind->y()}};
+  }
   answer["updated_at"] = Rfc3339(NowUs());
   return answer;
 }
@@ -72,10 +80,27 @@ void Alternates::Stop() {
   if (thread_.joinable()) thread_.join();
 }
 
+void Alternates::Enqueue(const std::string& flight_id) {
+  if (std::find(due_.begin(), due_.end(), flight_id) == due_.end()) due_.push_back(flight_id);
+}
+
 void Alternates::Wake(const std::string& flight_id) {
   {
     const std::lock_guard lock(mutex_);
-    due_.insert(flight_id);
+    woken_at_[flight_id] = Clock::now();
+    Enqueue(flight_id);
+  }
+  changed_.notify_all();
+}
+
+void Alternates::WakeAll() {
+  {
+    const std::lock_guard lock(mutex_);
+    const Clock::time_point now = Clock::now();
+    std::erase_if(woken_at_, [&](const auto& woken) { return now - woken.second > kLiveFor; });
+    std::erase_if(answers_, [&](const auto& kept) { return !woken_at_.contains(kept.first); });
+    std::erase_if(updated_at_, [&](const auto& kept) { return !woken_at_.contains(kept.first); });
+    for (const auto& [flight_id, woken_at] : woken_at_) Enqueue(flight_id);
   }
   changed_.notify_all();
 }
@@ -90,7 +115,9 @@ std::optional<std::string> Alternates::Find(const std::string& flight_id) const 
 void Alternates::Forget(const std::string& flight_id) {
   const std::lock_guard lock(mutex_);
   answers_.erase(flight_id);
-  due_.erase(flight_id);
+  woken_at_.erase(flight_id);
+  updated_at_.erase(flight_id);
+  std::erase(due_, flight_id);
 }
 
 std::string Alternates::Update(const std::string& flight_id) {
@@ -108,8 +135,17 @@ void Alternates::Run() {
   while (true) {
     changed_.wait(lock, [this] { return is_stopping_ || !due_.empty(); });
     if (is_stopping_) return;
-    const std::string flight_id = *due_.begin();
-    due_.erase(due_.begin());
+    // The flight that waits longest. All have the same period, so none behind it is due earlier.
+    const std::string flight_id = due_.front();
+    if (const auto updated = updated_at_.find(flight_id); updated != updated_at_.end()) {
+      const Clock::time_point next = updated->second + kMinPeriod;
+      if (Clock::now() < next) {
+        changed_.wait_until(lock, next, [this] { return is_stopping_; });
+        continue;
+      }
+    }
+    due_.pop_front();
+    updated_at_[flight_id] = Clock::now();
     lock.unlock();
     try {
       Update(flight_id);
@@ -118,8 +154,6 @@ void Alternates::Run() {
       spdlog::error("alternates of flight {}: {}", flight_id, error.what());
     }
     lock.lock();
-    // Limits the rate: poses may arrive 50 times a second.
-    changed_.wait_for(lock, kMinPeriod, [this] { return is_stopping_; });
   }
 }
 

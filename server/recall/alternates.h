@@ -2,11 +2,12 @@
 // pose. A thread keeps the lists up to date, so that a request finds its answer ready.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <thread>
 
@@ -28,8 +29,11 @@ class Alternates {
 
   void Start();
   void Stop();
-  // Call it when the flight's pose or wind changed. Never waits.
+  // Call it when the flight's pose or wind changed. Never waits. Flights take turns.
   void Wake(const std::string& flight_id);
+  // Call it when stored sites changed: lists of flights that were woken lately are computed anew,
+  // others are dropped and computed when they are asked for.
+  void WakeAll();
   // The latest answer as JSON text; nothing if there is none yet.
   std::optional<std::string> Find(const std::string& flight_id) const;
   void Forget(const std::string& flight_id);
@@ -38,15 +42,22 @@ class Alternates {
   std::string Update(const std::string& flight_id);
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  // The caller holds mutex_.
+  void Enqueue(const std::string& flight_id);
   void Run();
 
   const Storage& storage_;
   MapCache& maps_;
   EventLog& events_;
-  // Guards due_, answers_ and is_stopping_.
+  // Guards all members below but thread_.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::set<std::string> due_;
+  // In order of waking; each flight at most once.
+  std::deque<std::string> due_;
+  std::map<std::string, Clock::time_point> woken_at_;
+  std::map<std::string, Clock::time_point> updated_at_;
   std::map<std::string, std::string> answers_;
   bool is_stopping_ = false;
   std::thread thread_;

@@ -6,4 +6,5 @@
 #include "server/recall/map_cache.h"
 #include "server/recall/recall_sites.h"
 #include "server/recall/replan.h"
+#include "server/recall/same_place.h"
 #include "server/recall/superseding.h"

@@ -168,6 +168,14 @@ bool IsBetter(double margin_a,
   return a.row->site_id < b.row->site_id;
 }
 
+bool IsSurelyNotBetter(const RecallCandidate& candidate,
+                       double margin_of_reached,
+                       bool is_reached_landable,
+                       const RecallCandidate& reached) {
+  return IsBetter(
+      margin_of_reached, is_reached_landable, reached, candidate.best_margin_m, true, candidate);
+}
+
 std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
                                         const SharedRows<RecallRow>& rows,
                                         size_t num_first) {

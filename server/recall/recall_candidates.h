@@ -40,6 +40,13 @@ std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
                                         const SharedRows<RecallRow>& rows,
                                         size_t num_first);
 
+// True if no site with this candidate's data can come before one that was reached: IsBetter with
+// the best that a plan could make of the candidate.
+bool IsSurelyNotBetter(const RecallCandidate& candidate,
+                       double margin_of_reached,
+                       bool is_reached_landable,
+                       const RecallCandidate& reached);
+
 // Order of an answer: by arrival margin, then verdict and score (reduced with age), then age.
 bool IsBetter(double margin_a,
               bool landable_a,

@@ -10,6 +10,7 @@
 #include "api/api.h"
 #include "server/http/http.h"
 #include "server/recall/recall_candidates.h"
+#include "server/recall/same_place.h"
 #include "server/recall/terrain_margin.h"
 
 namespace freelsd {
@@ -25,6 +26,7 @@ constexpr std::chrono::milliseconds kTimeBudget{1500};
 struct Reached {
   double margin_m = 0.0;
   bool is_landable = false;
+  Landing landing;
   nlohmann::json answer;
 };
 
@@ -56,30 +58,40 @@ nlohmann::json ApproachOf(const Plan& plan, const FlightContext& context) {
   return approach;
 }
 
+// In [0, 360).
+double BearingDeg(const Eigen::Vector2d& way) {
+  const double bearing_deg = DegFromRad(HeadingOf(way));
+  return bearing_deg < 0.0 ? bearing_deg + 360.0 : bearing_deg;
+}
+
 nlohmann::json AnswerOf(const RecallCandidate& candidate,
                         const Plan& plan,
                         const Aircraft& aircraft,
                         const Glide& glide,
-                        const FlightContext& context) {
+                        const FlightContext& context,
+                        const GeoPoint& place) {
   const GeoPoint touchdown = context.local_frame.GeoFromWorld(plan.touchdown_in_world);
-  return {{"site_id", candidate.row->site_id},
-          {"flight_id", candidate.row->flight_id},
-          {"verdict", plan.verdict == Verdict::kLandable ? "landable" : "unverified"},
-          {"unseen_ratio", plan.approach->unseen_ratio},
-          {"distance_m", candidate.distance_m},
-          {"bearing_deg", DegFromRad(HeadingOf(candidate.way_m))},
-          {"datum_penalty_m", candidate.datum_penalty_m},
-          {"time_s", glide.time_s},
-          {"score", candidate.score},
-          {"score_when_stored", candidate.row->data.score},
-          {"age_s", candidate.age_s},
-          {"updated_at", Rfc3339(candidate.row->updated_at_us)},
-          {"last_seen_at", Rfc3339(candidate.row->seen_at_us)},
-          {"altitude_datum", candidate.row->data.altitude_datum},
-          {"aircraft", AircraftJson(aircraft)},
-          {"warnings", LimitsWarnings(aircraft)},
-          {"touchdown", PlaceOf(touchdown)},
-          {"approach", ApproachOf(plan, context)}};
+  const Eigen::Vector2d way = LocalFrame(place).WorldFromGeo(touchdown).head<2>();
+  nlohmann::json answer{{"site_id", candidate.row->site_id},
+                        {"flight_id", candidate.row->flight_id},
+                        {"verdict", plan.verdict == Verdict::kLandable ? "landable" : "unverified"},
+                        {"unseen_ratio", plan.approach->unseen_ratio},
+                        {"distance_m", way.norm()},
+                        {"bearing_deg", BearingDeg(way)},
+                        {"datum_penalty_m", candidate.datum_penalty_m},
+                        {"time_s", glide.time_s},
+                        {"score", candidate.score},
+                        {"score_when_stored", candidate.row->data.score},
+                        {"age_s", candidate.age_s},
+                        {"updated_at", Rfc3339(candidate.row->updated_at_us)},
+                        {"last_seen_at", Rfc3339(candidate.row->seen_at_us)},
+                        {"altitude_datum", candidate.row->data.altitude_datum},
+                        {"aircraft", AircraftJson(aircraft)},
+                        {"warnings", LimitsWarnings(aircraft)},
+                        {"touchdown", PlaceOf(touchdown)},
+                        {"approach", ApproachOf(plan, context)}};
+  if (plan.approach->ground_speed) answer["ground_speed_mps"] = *plan.approach->ground_speed;
+  return answer;
 }
 
 // Nothing if the map has no approach in this wind, or if the wind is too strong to get there.
@@ -103,10 +115,13 @@ std::optional<Reached> Reach(const StoredSites& stored,
   if (!glide) return std::nullopt;
   Reached reached;
   reached.is_landable = plan.verdict == Verdict::kLandable;
+  reached.landing = LandingOf(context.local_frame.GeoFromWorld(plan.touchdown_in_world),
+                              plan.approach->heading,
+                              request.wind_in_world);
   reached.margin_m = glide->arrival_height_m - approach_start.z() - candidate.datum_penalty_m;
   GeoPoint end = context.local_frame.GeoFromWorld(approach_start);
   end.altitude_m += glide->arrival_height_m - approach_start.z();
-  reached.answer = AnswerOf(candidate, plan, aircraft, *glide, context);
+  reached.answer = AnswerOf(candidate, plan, aircraft, *glide, context, request.place);
   if (const auto terrain = TerrainMargin(stored, request, end)) {
     reached.answer["terrain_margin_m"] = *terrain;
     reached.margin_m = std::min(reached.margin_m, *terrain);
@@ -145,12 +160,53 @@ struct Ranked {
   Reached reached;
 };
 
+bool IsBefore(const Ranked& a, const Ranked& b) {
+  return IsBetter(a.reached.margin_m,
+                  a.reached.is_landable,
+                  *a.candidate,
+                  b.reached.margin_m,
+                  b.reached.is_landable,
+                  *b.candidate);
+}
+
+// The best `limit` of different places, best first. `ranked` is sorted.
+std::vector<const Ranked*> DifferentPlaces(const std::vector<Ranked>& ranked, size_t limit) {
+  std::vector<const Ranked*> different;
+  for (const Ranked& each : ranked) {
+    if (different.size() >= limit) break;
+    const bool is_known = std::any_of(different.begin(), different.end(), [&](const Ranked* other) {
+      return IsSamePlace(each.reached.landing, other->reached.landing);
+    });
+    if (!is_known) different.push_back(&each);
+  }
+  return different;
+}
+
 struct Search {
+  // Best first.
   std::vector<Ranked> reachable;
   std::optional<Ranked> nearest_miss;
   size_t num_without_approach = 0;
   bool is_cut_short = false;
 };
+
+// True if no candidate from `next` on can change the answer: a smaller limit gives the beginning of
+// what a larger one gives.
+bool IsSettled(const std::vector<Ranked>& reachable,
+               size_t limit,
+               const std::vector<RecallCandidate>& candidates,
+               size_t next) {
+  const std::vector<const Ranked*> answer = DifferentPlaces(reachable, limit);
+  if (answer.size() < limit) return false;
+  const Ranked& last = *answer.back();
+  return std::all_of(
+      candidates.begin() + static_cast<std::ptrdiff_t>(next),
+      candidates.end(),
+      [&last](const RecallCandidate& candidate) {
+        return IsSurelyNotBetter(
+            candidate, last.reached.margin_m, last.reached.is_landable, *last.candidate);
+      });
+}
 
 Search SearchAmong(const StoredSites& stored,
                    const EmergencyRequest& request,
@@ -158,8 +214,9 @@ Search SearchAmong(const StoredSites& stored,
   const auto begin = std::chrono::steady_clock::now();
   Search search;
   size_t num_planned = 0;
-  for (const RecallCandidate& candidate : candidates) {
-    if (search.reachable.size() >= request.limit) break;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const RecallCandidate& candidate = candidates[i];
+    if (IsSettled(search.reachable, request.limit, candidates, i)) break;
     // All later candidates are out of reach too. The first of them may be the nearest miss.
     const bool is_out_of_reach = candidate.best_margin_m < 0.0;
     if (is_out_of_reach && (search.nearest_miss || !search.reachable.empty())) break;
@@ -172,7 +229,10 @@ Search SearchAmong(const StoredSites& stored,
     if (!reached) {
       ++search.num_without_approach;
     } else if (reached->margin_m >= 0.0) {
-      search.reachable.push_back({&candidate, std::move(*reached)});
+      Ranked ranked{&candidate, std::move(*reached)};
+      const auto place =
+          std::upper_bound(search.reachable.begin(), search.reachable.end(), ranked, IsBefore);
+      search.reachable.insert(place, std::move(ranked));
     } else if (!search.nearest_miss || reached->margin_m > search.nearest_miss->reached.margin_m) {
       search.nearest_miss = Ranked{&candidate, std::move(*reached)};
     }
@@ -195,18 +255,10 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
     candidates = Candidates(request, rows, kNumRanked);
     search = SearchAmong(stored, request, candidates);
   }
-  std::sort(search.reachable.begin(), search.reachable.end(), [](const Ranked& a, const Ranked& b) {
-    return IsBetter(a.reached.margin_m,
-                    a.reached.is_landable,
-                    *a.candidate,
-                    b.reached.margin_m,
-                    b.reached.is_landable,
-                    *b.candidate);
-  });
   nlohmann::json answer{{"sites", nlohmann::json::array()}};
-  for (Ranked& ranked : search.reachable) {
-    ranked.reached.answer["rank"] = answer["sites"].size() + 1;
-    answer["sites"].push_back(std::move(ranked.reached.answer));
+  for (const Ranked* ranked : DifferentPlaces(search.reachable, request.limit)) {
+    answer["sites"].push_back(ranked->reached.answer);
+    answer["sites"].back()["rank"] = answer["sites"].size();
   }
   if (search.reachable.empty() && search.nearest_miss) {
     answer["nearest_miss"] = search.nearest_miss->reached.answer;

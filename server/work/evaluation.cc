@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -22,6 +23,8 @@ constexpr int64_t kEarliestCaptureUs = 1262304000000000;  // 2010
 struct NewSite {
   SiteRow row;
   std::string map_blob;
+  // Of an accepted site.
+  std::optional<Landing> landing;
 };
 
 std::vector<Candidate> RegionsToEvaluate(const Snapshot& snapshot,
@@ -134,6 +137,10 @@ NewSite SiteOf(const Site& site,
   made.row.replan_json = ReplanJson(ReplanOf(site, session, min_num_observations));
   made.row.is_evidence = IsEvidence(site);
   made.row.recall = RecallOf(site, request, touchdown.altitude_m);
+  if (made.row.recall) {
+    const auto wind = site.wind ? std::optional(site.wind->wind_in_world) : std::nullopt;
+    made.landing = LandingOf(touchdown, site.plan.approach->heading, wind);
+  }
   if (evaluation.map.grid.num_rows > 0) {
     const SiteMap cropped = CropAround(evaluation.map,
                                        evaluation.hazards,
@@ -147,6 +154,35 @@ NewSite SiteOf(const Site& site,
   return made;
 }
 
+// Of accepted sites at one place, leaves the best: a landable one, then the better score.
+void DropDuplicates(std::vector<NewSite>& sites) {
+  const auto key = [](const NewSite& site) {
+    const bool is_landable = site.row.recall && site.row.recall->is_landable;
+    return std::tuple(!is_landable, site.row.recall ? -site.row.recall->score : 0.0, site.row.id);
+  };
+  std::sort(sites.begin(), sites.end(), [&key](const NewSite& a, const NewSite& b) {
+    return key(a) < key(b);
+  });
+  std::vector<NewSite> kept;
+  for (NewSite& site : sites) {
+    const bool is_known =
+        site.landing && std::any_of(kept.begin(), kept.end(), [&](const auto& better) {
+          return better.landing && IsSamePlace(*better.landing, *site.landing);
+        });
+    if (!is_known) kept.push_back(std::move(site));
+  }
+  sites = std::move(kept);
+}
+
+// True if one of the new sites says what has become of this ground.
+bool IsReplaced(const SiteRow& site, const std::vector<Replan>& replans) {
+  return std::any_of(replans.begin(), replans.end(), [&site](const Replan& replan) {
+    const GeoPoint place{site.latitude_deg, site.longitude_deg, replan.origin.altitude_m};
+    const Eigen::Vector3d in_world = LocalFrame(replan.origin).WorldFromGeo(place);
+    return Contains(replan.request.footprint, in_world.head<2>());
+  });
+}
+
 void StoreSites(Service& service,
                 const std::string& flight_id,
                 std::vector<NewSite> sites,
@@ -155,7 +191,9 @@ void StoreSites(Service& service,
   if (!service.storage.flights.Find(flight_id)) return;
   std::set<std::string> ids;
   std::set<int64_t> region_ids;
+  std::vector<Replan> replans;
   for (NewSite& site : sites) {
+    replans.push_back(ParseReplan(site.row.replan_json));
     const Standing standing = StandingOf(service.storage, site.row);
     site.row.superseded_by = standing.superseded_by;
     service.storage.sites.Put(site.row, site.map_blob, standing.supersedes);
@@ -168,7 +206,13 @@ void StoreSites(Service& service,
   for (const SiteRow& site : service.storage.sites.List(flight_id, std::nullopt)) {
     const bool is_out_of_date =
         scope == EvaluationScope::kEveryGraded || region_ids.contains(site.region_id);
-    if (is_out_of_date && !ids.contains(site.id)) ForgetSite(service.storage, site.id);
+    // An accepted site stays until its ground is judged anew, also if its region is not among the
+    // best any more.
+    const bool is_accepted_elsewhere =
+        site.recall && !region_ids.contains(site.region_id) && !IsReplaced(site, replans);
+    if (is_out_of_date && !is_accepted_elsewhere && !ids.contains(site.id)) {
+      ForgetSite(service.storage, site.id);
+    }
   }
 }
 
@@ -235,9 +279,11 @@ size_t EvaluateFlight(Service& service,
     }
   }
   if (sites.empty()) warnings = NoSiteReason(snapshot);
+  DropDuplicates(sites);
   const size_t num_sites = sites.size();
   StoreSites(service, flight_id, std::move(sites), scope);
   service.alternates.Wake(flight_id);
+  service.alternates.WakeAll();
   session.Store(service.storage);
   service.storage.flights.Change(flight_id, [&](FlightRow& flight) {
     flight.warnings_json = ReplaceWarnings(flight.warnings_json, "evaluation", warnings);

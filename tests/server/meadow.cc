@@ -20,12 +20,13 @@ SiteMap Meadow() {
   return meadow;
 }
 
-SiteRow MeadowSite(const std::string& altitude_datum) {
+SiteRow MeadowSite(const std::string& altitude_datum, double north_m) {
+  const double latitude_deg = 47.0 + north_m / 111195.0;
   Replan replan;
   replan.flight = ParseFlightRequest(R"({"name":"meadow","aircraft":{"profile":"small"},)"
                                      R"("altitude_datum":")" +
                                      altitude_datum + "\"}");
-  replan.origin = {47.0, 8.0, 400.0};
+  replan.origin = {latitude_deg, 8.0, 400.0};
   replan.request.footprint = {{-60, -60}, {60, -60}, {60, 60}, {-60, 60}};
   replan.request.area_m2 = 14400.0;
   replan.request.grade = 1.0;
@@ -34,14 +35,14 @@ SiteRow MeadowSite(const std::string& altitude_datum) {
   site.id = std::string("f-r1");
   site.flight_id = std::string("f");
   site.region_id = 1;
-  site.latitude_deg = 47.0;
+  site.latitude_deg = latitude_deg;
   site.longitude_deg = 8.0;
   site.feature_json = R"({"type":"Feature","geometry":{"type":"Point","coordinates":[8,47,400]},)"
                       R"("properties":{"id":"f-r1","verdict":"unverified","score":0.5}})";
   site.replan_json = ReplanJson(replan);
   site.recall =
       RecallData{false, 400.0, altitude_datum, 0.5, AircraftJson(replan.flight.aircraft).dump()};
-  site.map_box = BoundingBox{7.996, 46.997, 8.004, 47.003};
+  site.map_box = BoundingBox{7.996, latitude_deg - 0.003, 8.004, latitude_deg + 0.003};
   return site;
 }
 

@@ -12,8 +12,9 @@ namespace freelsd {
 
 // A flat, grassy, wholly seen square of 600 m about the origin.
 SiteMap Meadow();
-// On it, at 47 N 8 E, 400 m in `altitude_datum`; unverified, for the small aircraft.
-SiteRow MeadowSite(const std::string& altitude_datum = "unknown");
+// On it, at 47 N 8 E, 400 m in `altitude_datum`, or so far north of there; unverified, for the
+// small aircraft.
+SiteRow MeadowSite(const std::string& altitude_datum = "unknown", double north_m = 0.0);
 
 // A server whose folder already holds the meadow, and a site that never had a map.
 struct MeadowServer {

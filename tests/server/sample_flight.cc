@@ -105,7 +105,8 @@ bool AwaitEvaluation(httplib::Client& client, const std::string& job) {
 
 nlohmann::json SiteIds(httplib::Client& client, const std::string& flight) {
   nlohmann::json ids = nlohmann::json::array();
-  const nlohmann::json sites = GetJson(client, "/v1/flights/" + flight + "/sites");
+  const nlohmann::json sites =
+      GetJson(client, "/v1/flights/" + flight + "/sites?include=superseded");
   for (const auto& site : sites["features"]) {
     ids.push_back(site["properties"]["id"]);
   }

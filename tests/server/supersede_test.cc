@@ -10,7 +10,8 @@ namespace {
 
 // Flights that the recalled sites are of.
 std::set<std::string> RecalledFlights(httplib::Client& client, const std::string& flight) {
-  const nlohmann::json sites = GetJson(client, "/v1/flights/" + flight + "/sites");
+  const nlohmann::json sites =
+      GetJson(client, "/v1/flights/" + flight + "/sites?include=superseded");
   REQUIRE_FALSE(sites["features"].empty());
   const nlohmann::json& place = sites["features"][0]["geometry"]["coordinates"];
   const std::string path = "/v1/emergency?latitude_deg=" + place[1].dump() +

@@ -149,6 +149,7 @@ test('emergency: the page shows the sites that the server reports in reach', asy
   await page.locator('.bar [data-emergency]').click();
   const [lon, lat] = site.place;
   const { elevation_m, altitude_datum } = site.properties;
+  await page.locator('#em-more summary').click();
   await page.locator('#em-latitude_deg').fill(String(lat));
   await page.locator('#em-longitude_deg').fill(String(lon));
   await page.selectOption('#em-altitude_datum', altitude_datum);
@@ -213,10 +214,69 @@ test('emergency: without an altitude the page shows the nearest sites as uncheck
   const { page, seen } = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
   await page.locator('#sites button').first().waitFor(kWait);
   await page.locator('.bar [data-emergency]').click();
+  await page.locator('#em-source', { hasText: /^Position and altitude of flight/ }).waitFor(kWait);
+  await page.locator('#em-altitude_m').fill('');
   await page.getByText('Enter altitude to check reach. Sites below are unchecked.').waitFor(kWait);
   assert.equal(await page.locator('.em-card .chip').first().textContent(), 'reach unchecked');
+  await page.locator('#em-more summary').click();
   await page.locator('#em-latitude_deg').fill('');
   await page.getByText('Enter your position.').waitFor(kWait);
+  assert.deepEqual(seen.errors, []);
+});
+
+test('emergency: position and altitude are those of the selected flight, and say so', async (t) => {
+  const { page, seen } = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
+  await page.locator('#sites button').first().waitFor(kWait);
+  const { pose } = await getJson(`/v1/flights/${site.flight}/alternates`);
+  await page.keyboard.press('e');
+  await page.locator('#em-source', { hasText: /^Position and altitude of flight .* old\./ }).waitFor(kWait);
+  assert.equal(await page.locator('#em-altitude_m').inputValue(), pose.altitude_m.toFixed(0));
+  assert.equal(await page.locator('#em-latitude_deg').inputValue(), pose.latitude_deg.toFixed(6));
+  // What is entered is not overwritten, and gone after a reload.
+  await page.locator('#em-altitude_m').fill('4321');
+  await page.locator('#em-message', { hasText: /4321|reach/i }).waitFor(kWait);
+  await page.waitForTimeout(5500);
+  assert.equal(await page.locator('#em-altitude_m').inputValue(), '4321');
+  await page.reload();
+  await page.locator('#sites button').first().waitFor(kWait);
+  await page.keyboard.press('e');
+  await page.locator('#em-source', { hasText: /^Position and altitude of flight/ }).waitFor(kWait);
+  assert.equal(await page.locator('#em-altitude_m').inputValue(), pose.altitude_m.toFixed(0));
+  assert.deepEqual(seen.errors, []);
+});
+
+test('emergency: on a phone the altitude is in sight when the dialog opens', async (t) => {
+  const { page } = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
+  await page.setViewportSize({ width: 360, height: 740 });
+  await page.locator('[data-emergency]').locator('visible=true').first().click();
+  const box = await page.locator('#em-altitude_m').boundingBox();
+  assert.ok(box.y + box.height < 500, `the altitude stands at ${box.y} px`);
+});
+
+test('emergency: the map shows the plan of the answer, not the stored one', async (t) => {
+  const { page, seen } = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
+  await page.locator('#sites button').first().waitFor(kWait);
+  await page.locator('.bar [data-emergency]').click();
+  const [lon, lat] = site.place;
+  await page.locator('#em-more summary').click();
+  await page.locator('#em-latitude_deg').fill(String(lat));
+  await page.locator('#em-longitude_deg').fill(String(lon));
+  await page.selectOption('#em-altitude_datum', site.properties.altitude_datum);
+  await page.locator('#em-wind_speed_mps').fill('4');
+  await page.locator('#em-wind_from_deg').fill('200');
+  const answer = await emergencyAnswer(page, () =>
+    page.locator('#em-altitude_m').fill((site.properties.elevation_m + 300).toFixed(0)));
+  assert.ok(answer.sites.length > 0, 'something is in reach');
+  await page.locator('#em-message', { hasText: /^In reach/ }).waitFor(kWait);
+  const planned = page.waitForRequest((r) => r.url().includes('/approach?wind_east_mps='), kWait);
+  await page.locator('.em-card button').first().click();
+  const drawn = await getJson((await planned).url().slice(url.length));
+  const [best] = answer.sites;
+  for (const name of ['heading_deg', 'distance_m', 'height_m', 'loiter_radius_m']) {
+    assert.equal(drawn.plan.approach[name], best.approach[name], name);
+  }
+  await page.locator('#wind-source', { hasText: 'Wind of the emergency answer' }).waitFor(kWait);
+  await page.locator('#site-tiles', { hasText: heading(best.approach.heading_deg) }).waitFor(kWait);
   assert.deepEqual(seen.errors, []);
 });
 

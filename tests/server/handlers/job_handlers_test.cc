@@ -71,7 +71,8 @@ void AwaitBatches(httplib::Client& client) {
 // Where the flight's sites are, and how good.
 nlohmann::json Findings(httplib::Client& client, const std::string& flight) {
   nlohmann::json findings = nlohmann::json::array();
-  const nlohmann::json sites = GetJson(client, "/v1/flights/" + flight + "/sites");
+  const nlohmann::json sites =
+      GetJson(client, "/v1/flights/" + flight + "/sites?include=superseded");
   for (const auto& site : sites["features"]) {
     const auto& properties = site["properties"];
     findings.push_back({site["geometry"], properties["verdict"], properties["score"]});
