@@ -52,6 +52,7 @@ export function query(values) {
   const known = Object.entries(values).filter(([, v]) => v !== null && v !== undefined && v !== '');
   return known.length ? `?${known.map(([k, v]) => `${k}=${part(v)}`).join('&')}` : '';
 }
+
 function windQuery(wind) {
   if (!wind) return {};
   if (wind === 'unknown') return { wind };

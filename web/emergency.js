@@ -1,0 +1,221 @@
+// Emergency mode: the three best sites in reach. Refreshes while the dialog is open.
+
+import * as api from './api.js';
+import { curlButton, curlOf } from './curl.js';
+import { byId, el } from './dom.js';
+import { emergencyCard } from './emergency_card.js';
+import { age, courseTo, isKnown, windFrom, windTo } from './units.js';
+
+const kRefresh_ms = 5000;
+const kShown = 3;
+const kept = 'freelsd.emergency';
+const kOld_s = 60;
+// A position of yesterday is worse than none: only what belongs to the aircraft is kept.
+const keptFields = ['glide_ratio', 'altitude_datum'];
+
+// --- Form ---
+
+const input = (name) => byId(`em-${name}`);
+const number = (name) => (input(name).value === '' ? null : Number(input(name).value));
+
+function requestOfForm() {
+  const speed = number('wind_speed_mps');
+  const from = number('wind_from_deg');
+  const wind = speed === null || from === null ? null : windTo(speed, from);
+  return {
+    latitude_deg: number('latitude_deg'), longitude_deg: number('longitude_deg'), altitude_m: number('altitude_m'),
+    altitude_datum: input('altitude_datum').value, heading_deg: number('heading_deg'), glide_ratio: number('glide_ratio'),
+    wind_east_mps: wind?.east_mps.toFixed(3), wind_north_mps: wind?.north_mps.toFixed(3), limit: kShown,
+  };
+}
+
+const fill = (name, value, digits) => { input(name).value = isKnown(value) ? value.toFixed(digits) : ''; };
+
+function setPosition({ latitude_deg, longitude_deg }, source, isDoubtful = false) {
+  fill('latitude_deg', latitude_deg, 6);
+  fill('longitude_deg', longitude_deg, 6);
+  byId('em-source').textContent = source;
+  byId('em-source').className = isDoubtful ? 'bad' : '';
+}
+
+function keepForm() {
+  localStorage.setItem(kept, JSON.stringify(Object.fromEntries(keptFields.map((name) => [name, input(name).value]))));
+}
+
+function fillKept() {
+  const known = JSON.parse(localStorage.getItem(kept) ?? '{}');
+  for (const name of keptFields) if (known[name] !== undefined) input(name).value = known[name];
+}
+
+// pose and wind: of the flight's last data, as its alternates tell them.
+function fillFromFlight({ pose, wind }, flightName) {
+  const age_s = isKnown(pose.timestamp_us) ? Date.now() / 1000 - pose.timestamp_us / 1e6 : null;
+  const told = age_s === null ? 'age unknown' : `${age(Math.max(0, age_s))} old`;
+  const from = windFrom(wind ?? null);
+  setPosition(pose, `Position and altitude of flight ${flightName}, ${told}. ` +
+    (from ? 'Wind of the same flight.' : 'Wind unknown.'), age_s === null || age_s > kOld_s);
+  fill('altitude_m', pose.altitude_m, 0);
+  input('altitude_datum').value = pose.altitude_datum ?? 'unknown';
+  fill('wind_speed_mps', from?.speed_mps, 1);
+  fill('wind_from_deg', from?.from_deg, 0);
+}
+
+// --- Message ---
+
+function say(text, className = '') {
+  byId('em-message').textContent = text;
+  byId('em-message').className = className;
+}
+
+const now = () => new Date().toLocaleTimeString();
+
+function sayReach({ sites, nearest_miss: miss }) {
+  if (sites.length > 0) say(`In reach, best first (${now()})`);
+  else say(`No site in reach (${now()}). ${miss ? 'Closest miss:' : 'No usable site is stored nearby.'}`, 'bad');
+}
+
+// --- Sites ---
+
+// The nearest stored sites, for a server or a request without a reach computation.
+async function nearestSites(from, signal) {
+  const { features } = await api.getAllSites(signal);
+  const usable = new Set(['landable', 'unverified']);
+  return features.filter(({ properties: p, geometry }) => usable.has(p.verdict) && geometry)
+    .map(({ properties: p, geometry }) => {
+      const touchdown = { latitude_deg: geometry.coordinates[1], longitude_deg: geometry.coordinates[0] };
+      return {
+        site_id: p.id, flight_id: p.flight_id, verdict: p.verdict, approach: p.approach, touchdown, reach: 'unknown',
+        unseen_ratio: p.unseen_ratio, age_s: (Date.now() - Date.parse(p.last_seen_at ?? p.updated_at)) / 1000,
+        ...courseTo(from, touchdown),
+      };
+    })
+    .sort((a, b) => a.distance_m - b.distance_m)
+    .slice(0, kShown);
+}
+
+// {sites, nearest_miss, warnings}, or null if this server has no reach computation.
+async function askReach(request, signal) {
+  try {
+    return await api.getEmergency(request, signal);
+  } catch (error) {
+    if (error.status === 404) return null;
+    throw error;
+  }
+}
+
+class Emergency {
+  #on;
+  #isOwn = false; // the user has entered or chosen something: nothing is filled in any more
+  #wind = null; // of the answer shown
+  #dialog = byId('emergency');
+  #timer = 0;
+  #running = new AbortController();
+
+  constructor(on) {
+    this.#on = on;
+    byId('em-form').addEventListener('input', () => { this.#isOwn = true; this.#ask(); });
+    byId('em-form').addEventListener('submit', (event) => { event.preventDefault(); this.#ask(); });
+    byId('em-center').addEventListener('click', () => {
+      this.#isOwn = true;
+      setPosition(on.center(), 'Position: centre of the map.', true);
+      this.#ask();
+    });
+    byId('em-locate').addEventListener('click', () => this.#locate());
+    byId('em-locate').hidden = !('geolocation' in navigator) || !isSecureContext;
+    byId('em-close').addEventListener('click', () => this.#dialog.close());
+    this.#dialog.addEventListener('close', () => this.#stop());
+    byId('em-curl').append(curlButton('the emergency sites', () => curlOf(api.paths.emergency(requestOfForm()))));
+    for (const button of document.querySelectorAll('[data-emergency]')) {
+      button.addEventListener('click', () => this.#open());
+    }
+    addEventListener('keydown', (event) => {
+      const isTyping = event.target.closest?.('input, textarea, select, dialog[open]');
+      if (event.key === 'e' && !isTyping && !event.ctrlKey && !event.metaKey && !event.altKey) this.#open();
+    });
+  }
+
+  #open() {
+    if (this.#dialog.open) return;
+    fillKept();
+    if (!this.#isOwn) setPosition(this.#on.center(), 'Position: centre of the map. Enter yours.', true);
+    this.#dialog.showModal();
+    this.#ask();
+  }
+
+  // The selected flight's last position, altitude and wind, unless the user has entered others.
+  async #follow(signal) {
+    const flight = this.#on.flight();
+    if (this.#isOwn || !flight) return;
+    const answer = await api.getAlternates(flight, signal).catch(() => null);
+    if (answer?.pose && !this.#isOwn && !signal.aborted) fillFromFlight(answer, this.#on.flightName());
+  }
+
+  #stop() {
+    clearTimeout(this.#timer);
+    this.#running.abort();
+  }
+
+  #show(site) {
+    this.#stop();
+    this.#dialog.close();
+    this.#on.show(site, site.reach === 'unknown' ? undefined : this.#wind);
+  }
+
+  #draw({ sites, nearest_miss: miss, warnings = [] }, from) {
+    const shown = sites.slice(0, kShown);
+    const cards = shown.length === 0 && miss ? [miss] : shown;
+    byId('em-cards').replaceChildren(...cards.map((site, i) => emergencyCard(site, i, () => this.#show(site))));
+    byId('em-warnings').replaceChildren(...warnings.map((w) => el('li', {}, typeof w === 'string' ? w : w.detail)));
+    this.#on.drawBearings(from, shown);
+  }
+
+  async #refresh(request, signal) {
+    const from = { latitude_deg: request.latitude_deg, longitude_deg: request.longitude_deg };
+    const isAltitudeKnown = request.altitude_m !== null;
+    const answer = isAltitudeKnown ? await askReach(request, signal) : null;
+    this.#wind = request.wind_east_mps === undefined ? null
+      : { east_mps: Number(request.wind_east_mps), north_mps: Number(request.wind_north_mps) };
+    this.#draw(answer ?? { sites: await nearestSites(from, signal) }, from);
+    if (answer) sayReach(answer);
+    else if (isAltitudeKnown) say(`This server cannot check reach. Sites below are unchecked (${now()}).`, 'bad');
+    else say('Enter altitude to check reach. Sites below are unchecked.', 'bad');
+  }
+
+  // A newer request aborts the former one: a late answer must not replace a newer one.
+  async #ask() {
+    this.#stop();
+    this.#running = new AbortController();
+    const { signal } = this.#running;
+    await this.#follow(signal);
+    if (signal.aborted) return;
+    const request = requestOfForm();
+    if (request.latitude_deg === null || request.longitude_deg === null) {
+      say('Enter your position.', 'bad');
+      return;
+    }
+    keepForm();
+    try {
+      await this.#refresh(request, signal);
+    } catch (error) {
+      if (signal.aborted) return;
+      // An old answer is better than none, but must be marked as old.
+      say(`Update failed: ${error.message}. Sites below may be outdated.`, 'bad');
+    }
+    if (this.#dialog.open && !signal.aborted) this.#timer = setTimeout(() => this.#ask(), kRefresh_ms);
+  }
+
+  #locate() {
+    say('Reading device position …');
+    navigator.geolocation.getCurrentPosition(({ coords }) => {
+      this.#isOwn = true;
+      setPosition({ latitude_deg: coords.latitude, longitude_deg: coords.longitude }, 'Position of this device.');
+      if (isKnown(coords.altitude)) input('altitude_m').value = coords.altitude.toFixed(0);
+      if (isKnown(coords.heading)) input('heading_deg').value = coords.heading.toFixed(0);
+      this.#ask();
+    }, (error) => say(`No device position: ${error.message}`, 'bad'), { timeout: 8000 });
+  }
+}
+
+// on: {show(site, wind of its plan; null if unknown, undefined if it was not planned), center(): place,
+// drawBearings(from, sites), flight(): id or null, flightName()}
+export const createEmergency = (on) => new Emergency(on);

@@ -14,7 +14,7 @@ struct WindScenario {
   double loiter_radius = 0.0;
   double crosswind = 0.0;
   // Ground speed on final, m/s. Empty: the wind is unknown.
-  std::optional<double> ground_speed;
+  std::optional<double> ground_speed = std::nullopt;
 };
 
 struct HeadingCase {

@@ -6,39 +6,16 @@
 #include "engine/glide/glide.h"
 #include "tests/server/child.h"
 #include "tests/server/meadow.h"
+#include "tests/server/recall/emergency_query.h"
 
 namespace freelsd {
 namespace {
-
-// 500 m south of the meadow's touchdown, flying north; the meadow lies at 400 m.
-std::string Query(double altitude_m, const std::string& more = "") {
-  return "/v1/emergency?latitude_deg=46.9955&longitude_deg=8.0&altitude_m=" +
-         std::to_string(altitude_m) + more;
-}
-
-constexpr char kCalmNorth[] = "&wind_east_mps=0&wind_north_mps=0&heading_deg=0&altitude_datum=amsl";
-
-void StoreAmslMeadow(Storage& storage) {
-  storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Meadow()));
-}
 
 double MarginOf(httplib::Client& client, const std::string& path) {
   const nlohmann::json answer = GetJson(client, path);
   if (!answer["sites"].empty()) return answer["sites"][0]["arrival_margin_m"];
   REQUIRE(answer.contains("nearest_miss"));
   return answer["nearest_miss"]["arrival_margin_m"];
-}
-
-// An answer is cut short when planning takes too long; what was planned is kept, so that a busy
-// machine gets there in a few requests.
-nlohmann::json WholeAnswer(httplib::Client& client, const std::string& path) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(3);
-  nlohmann::json answer;
-  do {
-    answer = GetJson(client, path);
-  } while (answer["warnings"].dump().find("not every stored site") != std::string::npos &&
-           std::chrono::steady_clock::now() < deadline);
-  return answer;
 }
 
 TEST_CASE("emergency: a site in reach is told with its approach, margin and time") {
@@ -150,77 +127,6 @@ TEST_CASE(
   CHECK(storm["warnings"].dump().find("no approach in this wind") != std::string::npos);
 }
 
-TEST_CASE("emergency: bearing and distance lead to the touchdown of the answer's own plan") {
-  // The stored touchdown is far from where the plan lands.
-  const auto elsewhere = [](Storage& storage) {
-    SiteRow row = MeadowSite("amsl");
-    row.latitude_deg += 0.0015;
-    storage.sites.Put(row, SerializeSiteMap(Meadow()));
-  };
-  const MeadowServer meadow(elsewhere);
-  for (const char* const wind : {"&wind_east_mps=3&wind_north_mps=0",
-                                 "&wind_east_mps=0&wind_north_mps=-4",
-                                 "&wind_east_mps=-3&wind_north_mps=3"}) {
-    const nlohmann::json answer = GetJson(
-        *meadow.client, Query(800.0, std::string(wind) + "&heading_deg=0&altitude_datum=amsl"));
-    REQUIRE(answer["sites"].size() == 1);
-    const nlohmann::json& site = answer["sites"][0];
-    const nlohmann::json& touchdown = site["touchdown"];
-    const GeoPoint place{touchdown["latitude_deg"], touchdown["longitude_deg"], 400.0};
-    const Eigen::Vector3d way = LocalFrame({46.9955, 8.0, 400.0}).WorldFromGeo(place);
-    CHECK(site["distance_m"].get<double>() == doctest::Approx(way.head<2>().norm()).epsilon(1e-4));
-    const double off_deg =
-        site["bearing_deg"].get<double>() - DegFromRad(std::atan2(way.x(), way.y()));
-    CHECK(std::abs(std::remainder(off_deg, 360.0)) < 0.1);
-    CHECK(site["bearing_deg"].get<double>() >= 0.0);
-  }
-}
-
-TEST_CASE("emergency: the plan of the answer is what approach answers for its wind and aircraft") {
-  const MeadowServer meadow(StoreAmslMeadow);
-  for (const std::string wind : {"&wind_east_mps=3&wind_north_mps=1", ""}) {
-    const nlohmann::json answer =
-        GetJson(*meadow.client, Query(800.0, wind + "&heading_deg=0&altitude_datum=amsl"));
-    REQUIRE(answer["sites"].size() == 1);
-    const nlohmann::json& site = answer["sites"][0];
-    std::string path =
-        "/v1/sites/f-r1/approach?" + (wind.empty() ? "wind=unknown" : wind.substr(1));
-    for (const auto& [name, value] : site["aircraft"].items()) {
-      path += "&" + name + "=" + (value.is_string() ? value.get<std::string>() : value.dump());
-    }
-    const nlohmann::json plan = GetJson(*meadow.client, path)["plan"];
-    for (const char* const key : {"heading_deg", "distance_m", "height_m", "loiter_radius_m"}) {
-      CHECK(plan["approach"][key] == site["approach"][key]);
-    }
-    CHECK(plan["verdict"] == site["verdict"]);
-    CHECK(site.contains("ground_speed_mps") == !wind.empty());
-  }
-  CheckProblem(meadow.client->Get("/v1/sites/f-r1/approach?wind=calm"), 400, "InvalidQuery");
-  CheckProblem(meadow.client->Get("/v1/sites/f-r1/approach?wind=unknown&wind_east_mps=1"),
-               400,
-               "InvalidQuery");
-}
-
-TEST_CASE("emergency: wind that leaves no ground speed on final makes no site reachable") {
-  const MeadowServer meadow(StoreAmslMeadow);
-  const nlohmann::json aircraft{{"landing_airspeed_mps", 13.0},
-                                {"crosswind_uncertainty_deg", 89.0}};
-  const auto post = meadow.client->Post("/v1/emergency",
-                                        nlohmann::json{{"latitude_deg", 46.9955},
-                                                       {"longitude_deg", 8.0},
-                                                       {"altitude_m", 1600.0},
-                                                       {"wind_east_mps", 14.9},
-                                                       {"wind_north_mps", 0},
-                                                       {"heading_deg", 0},
-                                                       {"altitude_datum", "amsl"},
-                                                       {"aircraft", aircraft}}
-                                            .dump(),
-                                        "application/json");
-  REQUIRE(post);
-  REQUIRE(post->status == 200);
-  CHECK(nlohmann::json::parse(post->body)["sites"].empty());
-}
-
 TEST_CASE("emergency: the approach is planned for the wind given, on the stored map") {
   const MeadowServer meadow(StoreAmslMeadow);
   const nlohmann::json answer =
@@ -274,67 +180,6 @@ TEST_CASE("emergency: sites are ranked by margin, then verdict and score, up to 
   }
   CHECK(answer["sites"][0]["score"].get<double>() <
         answer["sites"][0]["score_when_stored"].get<double>());
-}
-
-TEST_CASE("emergency: one place is told once, and a smaller limit begins like a larger one") {
-  constexpr int kNumPlaces = 6;
-  const MeadowServer meadow([](Storage& storage) {
-    StoreAmslMeadow(storage);
-    for (int i = 0; i < 2 * kNumPlaces; ++i) {
-      // Each place twice, 6 m apart; the better scores are farther away.
-      SiteRow row = MeadowSite("amsl", 60.0 * (i / 2) + 6.0 * (i % 2));
-      row.id = "g-r" + std::to_string(i);
-      row.flight_id = "g";
-      row.recall->score = 0.3 + 0.05 * i;
-      storage.sites.Put(row, SerializeSiteMap(Meadow()));
-    }
-  });
-  const auto ids = [&](int limit) {
-    const nlohmann::json answer = WholeAnswer(
-        *meadow.client, Query(1200.0, kCalmNorth + ("&limit=" + std::to_string(limit))));
-    std::vector<std::string> ids;
-    for (const nlohmann::json& site : answer["sites"]) ids.push_back(site["site_id"]);
-    return ids;
-  };
-  const std::vector<std::string> all = ids(50);
-  CHECK(all.size() == kNumPlaces);
-  for (int limit = 1; limit < kNumPlaces; ++limit) {
-    CHECK(ids(limit) == std::vector<std::string>(all.begin(), all.begin() + limit));
-  }
-}
-
-TEST_CASE("sites: lists and exports leave out what a later flight found otherwise") {
-  const MeadowServer meadow([](Storage& storage) {
-    SiteRow later = MeadowSite("amsl");
-    later.id = std::string("g-r1");
-    later.flight_id = std::string("g");
-    later.feature_json = R"({"type":"Feature","geometry":null,"properties":{"id":"g-r1",)"
-                         R"("verdict":"rejected","score":0.05}})";
-    later.recall.reset();
-    storage.sites.Put(later, SerializeSiteMap(Meadow()), {"f-r1"});
-  });
-  httplib::Client& client = *meadow.client;
-  const auto ids = [&client](const std::string& path) {
-    std::string ids;
-    const nlohmann::json sites = GetJson(client, path);
-    for (const nlohmann::json& feature : sites["features"]) {
-      ids += feature["properties"]["id"].get<std::string>() + " ";
-    }
-    return ids;
-  };
-  CHECK(ids("/v1/sites") == "f-r2 g-r1 ");
-  CHECK(ids("/v1/sites?include=superseded") == "f-r1 f-r2 g-r1 ");
-  CHECK(GetJson(client,
-                "/v1/sites?include=superseded")["features"][0]["properties"]["superseded_by"] ==
-        "g-r1");
-  CHECK(GetJson(client, "/v1/sites/f-r1")["properties"]["superseded_by"] == "g-r1");
-  CheckProblem(client.Get("/v1/sites?include=all"), 400, "InvalidQuery");
-  for (const char* const format : {"plan", "waypoints", "rally", "cup", "kml", "csv"}) {
-    const auto refused = client.Get(std::string("/v1/sites/f-r1?f=") + format);
-    CheckProblem(refused, 409, "SiteRejected");
-    CHECK(refused->body.find("g-r1") != std::string::npos);
-  }
-  CHECK(client.Get("/v1/sites/f-r1?f=csv&include=superseded")->status == 200);
 }
 
 TEST_CASE("emergency: bad parameters are named, with 400 or 422") {
