@@ -95,9 +95,9 @@ TEST_CASE("emergency: one place is told once, and a smaller limit begins like a 
   const auto ids = [&](int limit) {
     const nlohmann::json answer = WholeAnswer(
         *meadow.client, Query(1200.0, kCalmNorth + ("&limit=" + std::to_string(limit))));
-    std::vector<std::string> ids;
-    for (const nlohmann::json& site : answer["sites"]) ids.push_back(site["site_id"]);
-    return ids;
+    std::vector<std::string> listed;
+    for (const nlohmann::json& site : answer["sites"]) listed.push_back(site["site_id"]);
+    return listed;
   };
   const std::vector<std::string> all = ids(50);
   CHECK(all.size() == kNumPlaces);
@@ -118,12 +118,12 @@ TEST_CASE("sites: lists and exports leave out what a later flight found otherwis
   });
   httplib::Client& client = *meadow.client;
   const auto ids = [&client](const std::string& path) {
-    std::string ids;
+    std::string listed;
     const nlohmann::json sites = GetJson(client, path);
     for (const nlohmann::json& feature : sites["features"]) {
-      ids += feature["properties"]["id"].get<std::string>() + " ";
+      listed += feature["properties"]["id"].get<std::string>() + " ";
     }
-    return ids;
+    return listed;
   };
   CHECK(ids("/v1/sites") == "f-r2 g-r1 ");
   CHECK(ids("/v1/sites?include=superseded") == "f-r1 f-r2 g-r1 ");
