@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/approach/attempt_verdict.h"
 #include "engine/approach/refusal.h"
 #include "engine/approach/score.h"
 #include "engine/approach/search.h"

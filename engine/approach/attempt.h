@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "engine/approach/path_cells.h"
 #include "engine/approach/touchdown.h"
@@ -40,12 +39,6 @@ Attempt Try(const Touchdown& touchdown,
 
 // The best attempt over all headings.
 Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context);
-
-// By verdict, then clearance and unseen share; rejected attempts by how far they got.
-bool IsBetter(const Attempt& a, const Attempt& b);
-
-// Reason of the rejection, in a sentence with numbers.
-Rejection Explain(const Attempt& attempt, const AttemptContext& context);
 
 // Includes clearances, not the profile.
 Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context);

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "engine/approach/attempt_verdict.h"
+
 namespace freelsd {
 namespace {
 

@@ -6,7 +6,6 @@
 #include "engine/regions/region_update.h"
 
 namespace freelsd {
-namespace {}  // namespace
 
 void RegionsOptions::Check() const {
   const FieldCheck check("regions");

@@ -1,7 +1,7 @@
 #include "storage/flight_store.h"
 
 #include "storage/sqlite/flight_rows.h"
-#include "storage/sqlite/site_rows.h"
+#include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/state.h"
 
 namespace freelsd {

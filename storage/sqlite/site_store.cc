@@ -1,6 +1,6 @@
 #include "storage/site_store.h"
 
-#include "storage/sqlite/site_rows.h"
+#include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/state.h"
 
 namespace freelsd {

@@ -5,7 +5,7 @@
 
 #include "storage/sqlite/damage.h"
 #include "storage/sqlite/migrations.h"
-#include "storage/sqlite/site_rows.h"
+#include "storage/sqlite/site_queries.h"
 #include "storage/storage_error.h"
 
 extern const char* const kSchemaSql;

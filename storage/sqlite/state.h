@@ -18,7 +18,7 @@
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
 #include "storage/sqlite/reader_pool.h"
-#include "storage/sqlite/site_rows.h"
+#include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/sqlite.h"
 #include "storage/storage_error.h"
 

@@ -1,4 +1,4 @@
-#include "storage/sqlite/site_rows.h"
+#include "storage/sqlite/site_queries.h"
 
 #include "storage/sqlite/checksum.h"
 #include "storage/storage_error.h"

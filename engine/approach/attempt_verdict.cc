@@ -1,0 +1,107 @@
+#include "engine/approach/attempt_verdict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <tuple>
+
+namespace freelsd {
+namespace {
+
+// "41 m" from 10 m on, "6.3 m" below.
+std::string Metres(double metres) {
+  std::ostringstream text;
+  text.setf(std::ios::fixed);
+  text.precision(std::abs(metres) < 10.0 ? 1 : 0);
+  text << metres << " m";
+  return text.str();
+}
+
+std::string Percent(double ratio) {
+  std::ostringstream text;
+  text.setf(std::ios::fixed);
+  text.precision(0);
+  text << 100.0 * ratio << " %";
+  return text.str();
+}
+
+// Progress of an attempt: ground roll, part of the final, circle, or everything.
+double Progress(const Attempt& attempt) {
+  if (attempt.roll_hazard) return 0.0;
+  if (attempt.final_path.obstacle || attempt.final_path.num_unseen_steps > 0) {
+    return 1.0 + attempt.final_path.clear_ratio;
+  }
+  return attempt.circle.obstacle ? 3.0 : 4.0;
+}
+
+std::string DescribeObstacle(const Attempt& attempt, const Obstacle& obstacle) {
+  const double above_touchdown = obstacle.place_in_world.z() - attempt.touchdown.place_in_world.z();
+  const std::string clearance = obstacle.clearance < 0.0
+                                    ? Metres(-obstacle.clearance) + " above the path"
+                                    : Metres(obstacle.clearance) + " below the path";
+  return "by something " + Metres(above_touchdown) + " above the touchdown point, " + clearance +
+         ", where " + Metres(obstacle.wanted) + " of clearance are needed";
+}
+
+std::string DescribeRoll(const RollHazard& hazard) {
+  return "the ground roll meets " + std::string(hazard.is_unseen ? "unseen ground " : "a hazard ") +
+         Metres(hazard.distance) + " behind the touchdown point";
+}
+
+}  // namespace
+
+std::optional<RejectReason> ReasonOf(const Attempt& attempt) {
+  if (attempt.roll_hazard) return RejectReason::kNoSafeTouchdown;
+  if (attempt.final_path.obstacle) return RejectReason::kApproachBlocked;
+  if (attempt.final_path.num_unseen_steps > 0) return RejectReason::kApproachUnseen;
+  if (attempt.circle.obstacle) return RejectReason::kLoiterBlocked;
+  return std::nullopt;
+}
+
+Verdict VerdictOf(const Attempt& attempt, const WindCase& wind) {
+  if (attempt.reason) return Verdict::kRejected;
+  const bool is_wholly_seen = attempt.circle.num_unseen_steps == 0;
+  return is_wholly_seen && wind.is_known ? Verdict::kLandable : Verdict::kUnverified;
+}
+
+bool IsBetter(const Attempt& a, const Attempt& b) {
+  const auto key = [](const Attempt& attempt) {
+    return std::tuple(attempt.verdict,  // in order of declaration: landable first
+                      -Progress(attempt),
+                      attempt.circle.UnseenRatio(),
+                      -std::min(attempt.final_path.min_clearance, attempt.circle.min_clearance));
+  };
+  return key(a) < key(b);
+}
+
+Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
+  Rejection rejection;
+  rejection.touchdown_in_world = attempt.touchdown.place_in_world;
+  // An attempt without a reason lost against one that is fully seen.
+  rejection.reason = attempt.reason.value_or(RejectReason::kApproachUnseen);
+  if (attempt.roll_hazard) {
+    const Eigen::Vector2d& place = attempt.roll_hazard->place_in_world;
+    rejection.detail = DescribeRoll(*attempt.roll_hazard);
+    rejection.obstacle_in_world = {place.x(), place.y(), attempt.touchdown.place_in_world.z()};
+  } else if (const auto& obstacle = attempt.final_path.obstacle) {
+    rejection.detail = "the final is blocked " + Metres(obstacle->distance) + " before touchdown " +
+                       DescribeObstacle(attempt, *obstacle);
+    rejection.obstacle_in_world = obstacle->place_in_world;
+  } else if (attempt.final_path.num_unseen_steps > 0) {
+    rejection.detail = "the ground below the final was not seen from " +
+                       Metres(attempt.final_path.first_unseen_distance) + " before touchdown on";
+  } else if (const auto& circled = attempt.circle.obstacle) {
+    rejection.detail =
+        "both loiter circles are blocked; the better one " + DescribeObstacle(attempt, *circled);
+    rejection.obstacle_in_world = circled->place_in_world;
+  } else {
+    rejection.detail = Percent(attempt.circle.UnseenRatio()) + " of the loiter circle was not seen";
+  }
+  if (!context.wind.is_known && attempt.reason) {
+    rejection.detail +=
+        " (no wind known, best of " + std::to_string(context.wind.headings.size()) + " headings)";
+  }
+  return rejection;
+}
+
+}  // namespace freelsd

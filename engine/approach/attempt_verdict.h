@@ -1,0 +1,24 @@
+// Private to approach/: what a tried path means: its verdict, the rule that rejects it, the order of
+// attempts, and the sentence for people.
+#pragma once
+
+#include <optional>
+
+#include "engine/approach/attempt.h"
+
+namespace freelsd {
+
+// The first rule that rejects the attempt, if any: ground roll, final blocked, final over unseen
+// ground, circle blocked.
+std::optional<RejectReason> ReasonOf(const Attempt& attempt);
+
+// From attempt.reason, the unseen part of the circle, and whether the wind is known.
+Verdict VerdictOf(const Attempt& attempt, const WindCase& wind);
+
+// By verdict, then clearance and unseen share; rejected attempts by how far they got.
+bool IsBetter(const Attempt& a, const Attempt& b);
+
+// Reason of the rejection, in a sentence with numbers.
+Rejection Explain(const Attempt& attempt, const AttemptContext& context);
+
+}  // namespace freelsd
