@@ -23,7 +23,7 @@ nlohmann::json PlaceJson(const Eigen::Vector3d& point_in_world, const LocalFrame
 nlohmann::json PointGeometry(const Eigen::Vector3d& point_in_world, const LocalFrame& local_frame);
 nlohmann::json LineGeometry(const std::vector<Eigen::Vector3d>& line_in_world,
                             const LocalFrame& local_frame);
-// A closed ring, counter-clockwise. `ring_in_world` is open; with fewer than three corners: null.
+// A closed ring, counter-clockwise. `ring_in_world` is open. Null if it has fewer than 3 corners.
 nlohmann::json PolygonGeometry(std::vector<Eigen::Vector3d> ring_in_world,
                                const LocalFrame& local_frame);
 nlohmann::json Feature(const nlohmann::json& geometry, const nlohmann::json& properties);

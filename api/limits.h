@@ -1,4 +1,4 @@
-// Every limit on requests and answers. What an operator may change stands in server/config.h.
+// Every fixed limit on requests and answers. Settings for the operator are in server/config.h.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@ namespace freelsd {
 struct ImageLimits {
   // A decoded image takes 3 bytes per pixel: 192 MiB at this limit.
   double max_megapixels = 64.0;
-  // No aerial camera with that many pixels has longer sides.
+  // No aerial camera with max_megapixels has a longer side.
   int max_side_px = 16384;
   // The encoded image is held in memory as a whole.
   size_t max_bytes = 32u << 20;
@@ -31,7 +31,7 @@ struct ZipLimits {
 struct JsonLimits {
   // The parsed form takes many times the size of the text.
   size_t max_bytes = size_t{1} << 20;
-  // The contract nests far less. The JSON library's destructor and dump() recurse.
+  // Valid requests nest far less. The JSON library's destructor and dump() recurse.
   int max_depth = 32;
 };
 
@@ -82,7 +82,7 @@ struct StreamLimits {
   uint64_t max_telemetry_bytes = uint64_t{2} << 30;
   // A longer line is rejected; the stream goes on.
   size_t max_telemetry_line_bytes = 8 << 10;
-  // A stream that sends nothing for that long ends.
+  // A stream ends if it sends nothing for this time.
   int max_pause_s = 60;
 };
 
@@ -126,7 +126,7 @@ struct Limits {
   StreamLimits stream;
   ConcurrencyLimits concurrency;
   AnswerLimits answer;
-  // What comes beside an image: the meta part of a frame, also in a stream.
+  // The metadata part sent with one image, also in a stream.
   size_t max_frame_meta_bytes = size_t{64} << 10;
   // The body of an emergency request.
   size_t max_emergency_bytes = size_t{64} << 10;
@@ -134,7 +134,7 @@ struct Limits {
   size_t max_id_bytes = 128;
   // A flight's name, which is shown on one line.
   size_t max_name_bytes = 256;
-  // Cells of a stored map: the engine's default limit for a map.
+  // Cells of a stored map; equals the engine's default for max_num_cells.
   uint64_t max_num_map_cells = 25'000'000;
 };
 

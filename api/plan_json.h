@@ -10,13 +10,14 @@
 
 namespace freelsd {
 
-// Names as in the contract, for example "landable" and "approach_blocked".
+// Names as in openapi.yaml, for example "landable" and "approach_blocked".
 std::string NameOf(Verdict verdict);
 std::string NameOf(RejectReason reason);
 // "left" or "right".
 std::string DirectionName(LoiterDirection direction);
-// Heading, distance, height, loiter radius and direction, least clearance. The heading counts from
-// true north at the touchdown: a kilometre east of the origin at 80 N, north differs by 0.05 deg.
+// Heading, distance, height, loiter radius and direction, least clearance. The heading is relative
+// to true north at the touchdown, which differs from the origin's: at 80 N by 0.05 deg for each
+// kilometre to the east.
 nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& local_frame);
 // The smaller key ranks first. Verdicts are ordered landable, unverified, any other; equal verdicts
 // are ordered by descending score, then by id.

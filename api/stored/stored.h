@@ -13,7 +13,8 @@ namespace freelsd {
 
 // --- A flight's rig and a frame's pose ---
 
-// Rig and origin of a resolved flight. JSON keeps every number exactly.
+// Rig and origin of a flight, set by its first frame with a position. JSON keeps every number
+// exactly.
 struct FlightRig {
   Rig rig;
   GeoPoint origin;
@@ -24,8 +25,8 @@ FlightRig ParseStoredFlightRig(const std::string& text);
 // Equal metas give equal bytes. ParseStoredFrameMeta reads exactly the same numbers back.
 std::string FrameMetaJson(const FrameMeta& meta);
 FrameMeta ParseStoredFrameMeta(const std::string& text);
-// The pose of a frame's row. It is `resolved_json` if the engine has used a pose, else the meta
-// sent with the image, completed by the image's own tags.
+// The pose of a frame's row: `resolved_json`, as used by the engine, if it is not empty; else the
+// meta sent with the image, completed by the image's own tags.
 FrameMeta ParseStoredPose(const std::string& resolved_json,
                           const std::string& meta_json,
                           const std::string& tags_json);
@@ -71,7 +72,7 @@ struct StoredRejection {
   std::string detail;
 };
 
-// A site as stored in its row. Absent values are unknown. Names and units are the contract's.
+// A site as stored in its row. Absent values are unknown. Names and units as in openapi.yaml.
 struct StoredSite {
   std::string id;
   // "landable", "unverified" or "rejected". Any other verdict counts as rejected.

@@ -10,7 +10,8 @@ namespace freelsd {
 
 struct AdjustmentOptions {
   // --- Behaviour ---
-  // Key-frames: the predecessor of the first frame with fewer connections. Paper: 30, Sec. III-F.
+  // The next key-frame is the predecessor of the first frame that shares fewer tracks with the last
+  // key-frame. Paper: 30, Sec. III-F.
   int min_num_track_connections = 30;
   // Paper: "larger than a minimal baseline", no number.
   double min_baseline_m = 8.0;
@@ -22,10 +23,10 @@ struct AdjustmentOptions {
   double robust_loss_px = 1.5;
   // Observations with a larger error after the first solve are dropped before the second.
   double max_reprojection_error_px = 6.0;
-  // Deviations for refining a lens known from EXIF: focal length and first radial coefficient
-  // always; second radial, tangential and principal point (share of the focal length) from
-  // min_num_lens_views on, because fewer views confuse them with tilt (decision 0007). Differs: the
-  // paper's cameras are calibrated.
+  // Refinement of a lens known from EXIF, with prior deviations. Focal length and first radial
+  // coefficient are always refined. The second radial and the tangential coefficients and the
+  // principal point (share of the focal length) need min_num_lens_views, because fewer views cannot
+  // separate them from tilt (decision 0007). Differs: the paper's cameras are calibrated.
   bool refine_exif_intrinsics = true;
   int min_num_lens_views = 20;
   double focal_sd_ratio = 0.05;
@@ -33,15 +34,15 @@ struct AdjustmentOptions {
   double tangential_sd = 0.01;
   double principal_point_sd_ratio = 0.03;
   // Prior deviation of the image's angular rate while a rolling shutter reads it: rotation plus
-  // motion past the ground. Differs: the paper's shutters are global. A survey photograph may shift
-  // by a hundred pixels. A wider prior lets views that look straight down on flat ground stretch
-  // the block.
+  // motion past the ground. Differs: the paper's shutters are global. During readout, the image of
+  // a survey camera may shift by a hundred pixels. A wider prior lets views that look straight down
+  // on flat ground stretch the block.
   double readout_rate_sd_deg_s = 8.0;
   // Prior deviation of the change of that rate during readout: gusts.
   double readout_change_sd_deg_s2 = 400.0;
-  // Assumed readout time of a camera known from EXIF alone; 0: global shutter. Kept only if it
-  // improves the fit more than its number of parameters would by chance (Schwarz). Otherwise it
-  // could bend the block.
+  // Assumed readout time of a camera known from EXIF alone; 0: global shutter. The estimated motion
+  // during readout is kept only if it improves the fit enough for its number of parameters
+  // (Schwarz's criterion, BIC). Otherwise it could bend the block.
   double exif_readout_s = 0.03;
   int max_num_iterations = 30;
 
@@ -53,17 +54,17 @@ struct AdjustmentOptions {
   double estimated_yaw_sd_deg = 20.0;
 
   // --- What counts as a trustworthy block ---
-  // Landmarks that two neighbours share; and, for a connected view, its sightings of landmarks that
-  // other connected views see. Least numbers.
+  // Least number of landmarks that two neighbouring views share.
   int min_num_shared_landmarks = 8;
+  // Least number of landmarks that a connected view has in common with other connected views.
   int min_num_view_observations = 15;
   // Least size of a group of connected views: smaller groups have too few mutual checks.
   int min_num_connected_views = 3;
-  // Scale depends on the spread of the positions: root mean square distance from their mean, in
-  // deviations of a position. The noise of a hover alone gives 1.7.
+  // Least spread of the positions, which determine the scale: root mean square distance from their
+  // mean, in deviations of one position. In a hover, position noise alone gives 1.7.
   double min_position_spread_sigma = 3.0;
-  // Largest tilt deviation of a whole group, because tilt becomes slope in the map. Positions in
-  // one line leave the roll about that line to the attitudes.
+  // Largest tilt deviation of a whole group, because tilt becomes slope in the map. If all
+  // positions lie on one line, only the attitudes determine the rotation about it.
   double max_tilt_sd_deg = 4.0;
 
   // --- Cost ---
@@ -99,10 +100,11 @@ struct AdjustedView {
   // Landmarks tie the connected views of one group to each other. Only priors relate two groups.
   // Negative if the view is not connected.
   int group = -1;
-  // Deviation of the absolute position, along one axis; approximate. Adds the priors' common error
-  // (at most four independent fixes, because GPS drifts; or two with the error that the solved
-  // block shows, if that is larger) and the error of the view's own sightings with landmarks held
-  // fixed. Bending of the block is not included.
+  // Deviation of the absolute position, along one axis; approximate. Adds two variances: that of
+  // the group's mean position, and that of the view's own position with landmarks held fixed. The
+  // first is the larger of two estimates: from the priors' deviations, as if from at most four
+  // independent fixes because GPS drifts; and from the residuals of the priors, as if from at most
+  // two. Bending of the block is not included.
   double position_sd_m = 0.0;
   // Landmarks it sees: index into AdjustedBlock::landmarks.
   std::vector<size_t> landmarks;
@@ -116,8 +118,8 @@ struct AdjustedBlock {
   std::vector<Landmark> landmarks;
   double rms_before_px = 0.0;
   double rms_after_px = 0.0;
-  // Deviation of the tilt of the whole block, about the worse horizontal axis, from the priors. It
-  // adds to every slope, and more points do not reduce it.
+  // Deviation of the whole block's tilt about its less certain horizontal axis, estimated from the
+  // priors. It adds to every slope, and more points do not reduce it.
   double tilt_sd_deg = 0.0;
   // Deviation of the whole block's position, along one axis: the largest of its connected views.
   double position_sd_m = 0.0;

@@ -1,7 +1,7 @@
 // Residuals of the bundle adjustment, in a form that can be differentiated automatically.
 //
 // Parameter blocks: pose (rotation world_from_camera in Eigen's order x, y, z, w, then the position
-// of the camera in world; one block, for the solver's cost grows with the square of their number),
+// of the camera in world; one block, because the cost grows with the square of the blocks' number),
 // landmark in world (3), lens (7, see LensParameter), readout of the view (6: turn, then bend).
 #pragma once
 
@@ -66,7 +66,7 @@ struct ReprojectionResidual {
   Eigen::Vector2d point_in_image;
 
  private:
-  // Distortion by the change of the coefficients, which are linear in the model.
+  // Distortion due to the change of the coefficients. The model is linear in them.
   template <typename T>
   static Eigen::Matrix<T, 2, 1> Change(const Eigen::Matrix<T, 2, 1>& p, const T* const lens) {
     const T r2 = p.squaredNorm();

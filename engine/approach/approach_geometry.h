@@ -1,4 +1,4 @@
-// Private to approach/: positions and sizes of final and circle.
+// Private to approach/: geometry of the final approach and of the loiter circle before it.
 #pragma once
 
 #include <optional>
@@ -20,7 +20,7 @@ struct WindScenario {
 struct HeadingCase {
   // Direction of travel, radians clockwise from north.
   double heading = 0.0;
-  // All must be clear; the first is the one to fly.
+  // The path must be clear in each scenario. The path of the first one is flown.
   std::vector<WindScenario> scenarios;
 };
 
@@ -39,19 +39,19 @@ WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,
                       const ApproachOptions& options);
 
-// One way to come down. It needs the ground below all of its headings.
+// One start height with the headings of one wind case. Planning needs the map below all paths.
 struct Way {
   // Index in options.start_height_ratios.
   size_t start_height = 0;
-  // With the approach height of this start.
+  // With approach_height_m scaled by that ratio.
   Aircraft aircraft;
   WindCase wind;
 
   std::vector<WindScenario> Scenarios() const;
 };
 
-// In the order of trying: headings of the wind case, crosswind, then both from higher starts, which
-// help where circles are blocked.
+// In the order in which they are tried: headings of the wind case, headings with crosswind, then
+// both from greater start heights, where the circle may clear obstacles that block a lower one.
 std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
                           const Aircraft& aircraft,
                           const ApproachOptions& options);

@@ -8,7 +8,7 @@
 
 namespace freelsd {
 
-// Marks an unknown height in a raster of which maxima are taken.
+// An unknown height. It is below every real height, so that a maximum over cells ignores it.
 constexpr float kNoHeight = -1e30f;
 
 // Avoids std::floor, a function call on baseline x86: cells are looked up by the million.
@@ -23,19 +23,19 @@ struct ClearanceSurface {
   double cell_size = 1.0;
   int first_row = 0;
   int first_col = 0;
-  // Height of the highest thing in the cell, with its allowance, or kNoHeight.
+  // Upper height of the cell, plus an allowance where the cover is unclear; or kNoHeight.
   cv::Mat1f height;
   // 1 where the height is unknown or too uncertain.
   cv::Mat1b is_unseen;
   // Values of Hazard.
   cv::Mat1b hazard;
-  // Maximum of height and is_unseen over all cells that a corridor through the cell can meet: for
-  // circles, and for a quick test of finals.
+  // height and is_unseen, each the maximum over all cells that a corridor through the cell can
+  // touch. They serve to check circles, and to test finals quickly.
   cv::Mat1f corridor_height;
   cv::Mat1b corridor_is_unseen;
   // Radius of that corridor around a cell's centre.
   double corridor_radius = 0.0;
-  // Extra height per metre from touchdown, because the map may lean.
+  // Extra clearance per metre from touchdown, because the map may be tilted.
   double lean = 0.0;
   // Step along the circle, metres.
   double circle_step = 0.5;
@@ -62,7 +62,7 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
                                       const Aircraft& aircraft,
                                       const ApproachOptions& options);
 
-// Covers the whole map, for every wind and height whose circles have the usual step.
+// Covers the whole map. Usable for every wind and start height whose CircleStep is path_step_m.
 ClearanceSurface MakeClearanceSurfaceOfMap(const ElevationMap& map,
                                            const HazardLayers& hazards,
                                            const Aircraft& aircraft,

@@ -20,8 +20,8 @@ struct FinalCell {
   CellOffset offset;
   // Height of the lowest step in the cell, above touchdown.
   double path_height = 0.0;
-  // Height above touchdown that a thing in the cell may have: least difference between a step's
-  // path height and the clearance it needs.
+  // Greatest height above touchdown that an object in the cell may have: the least difference, over
+  // the steps in the cell, between path height and needed clearance.
   double free_height = 0.0;
 };
 
@@ -58,8 +58,8 @@ class CellsBelow {
       : surface_(surface), row_(row), col_(col), height_(height) {}
 
   bool IsRollFree(const std::vector<CellOffset>& ground_roll) const;
-  // As CheckFinal with kUntilFailure, if the widened corridor is clear. Nothing if it is not: then
-  // CheckFinal must decide.
+  // Quick test. Gives the result of CheckFinal with kUntilFailure if the widened corridor is clear,
+  // else nothing: then call CheckFinal.
   std::optional<PathCheck> GlanceAlongFinal(const PathCells& cells) const;
   // As CheckCircle; stops at the first failure.
   PathCheck CheckCircle(const PathCells& cells,

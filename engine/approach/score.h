@@ -10,7 +10,7 @@ namespace freelsd {
 struct ScoreInput {
   double hazard_distance = 0.0;
   double required_hazard_distance = 1.0;
-  // Least ratio of clearance to the clearance needed; NaN or negative: none.
+  // Least ratio of clearance to the clearance needed; NaN or negative counts as 0.
   double clearance_ratio = 0.0;
   double slope = 0.0;
   double roughness = 0.0;

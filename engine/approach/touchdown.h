@@ -19,7 +19,7 @@ struct Touchdown {
 // Throws std::invalid_argument when map and hazards have different grids.
 void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards);
 
-// Widens ground roll and corridor by the uncertainty of the map's position.
+// Adds a margin for the map's position error to the ground roll and to the corridor's half-width.
 Aircraft WithPositionMargin(Aircraft aircraft,
                             const ElevationMap& map,
                             const ApproachOptions& options);
@@ -39,7 +39,8 @@ FootprintContent ReadFootprint(const ElevationMap& map,
 struct TouchdownCandidates {
   // At most max_num_candidates.
   std::vector<Touchdown> first;
-  // More densely spaced, at most max_num_reserve_candidates: for fields with room for one final.
+  // More densely spaced, at most max_num_reserve_candidates: for fields with room for only one
+  // final.
   std::vector<Touchdown> reserve;
 };
 TouchdownCandidates SelectCandidates(const std::vector<Touchdown>& touchdowns,

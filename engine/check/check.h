@@ -1,4 +1,4 @@
-// Rejects bad values by field name; every Check() uses it.
+// Rejects invalid values with an error that names the field; every Check() uses it.
 #pragma once
 
 #include <string>

@@ -17,19 +17,21 @@ enum class FeatureSet {
   kHsv,      // 6: hue circular
   kRgbHsv,   // 12
   kPaper18,  // 12 + mean and deviation of three Gabor responses, see gabor.h
-  // What generalises best to other places; the default. Grass is green and, from the size of a leaf
-  // to that of a bush, even: mean excess green (2G - R - B) / (R + G + B), the logarithms of the
-  // deviation of log brightness between windows of 0.6 and 1.8 m, and of 1.8 and 4.2 m, and the
-  // skewness between windows of 0.3 and 0.9 m (fern has dark gaps between bright leaves). The mean
-  // logarithms of red to green and of blue to green follow; the forest does not see them, they only
-  // tell what is like no grass of the training data.
+  // What generalises best to other places; the default. Grass is green, and even from the size of a
+  // leaf to that of a bush. The forest uses four features. The first is the mean excess green
+  // (2G - R - B) / (R + G + B). The others describe the difference between the mean log brightness
+  // over a small and over a large window: the logarithm of its standard deviation for windows of
+  // 0.6 and 1.8 m, the same for 1.8 and 4.2 m, and its skewness for 0.3 and 0.9 m (fern has dark
+  // gaps between bright leaves). Two more features, the mean logarithms of red / green and
+  // blue / green, only detect regions unlike the training grass.
   kRobust,
 };
 
 struct ClassificationOptions {
   // --- Behaviour ---
-  // A region is grass from the first probability on, and not grass below the second. Between them
-  // it is unsure, which counts as not grass. Differs: the paper takes the majority of trees.
+  // A region is grass at or above the first probability, and not grass at or below the second.
+  // Between them it is unsure, which counts as not grass. Differs: the paper takes the majority of
+  // trees.
   double min_grass_probability = 0.7;
   double max_not_grass_probability = 0.4;
   // Regions with a mean grey level outside this range are unsure.
@@ -86,7 +88,7 @@ Labels ClassifySegments(const Segments& segments,
 struct TrainingSample {
   std::vector<float> features;
   bool is_grass = false;
-  // Samples of one place are never split between training and validation.
+  // When a place is left out for validation, none of its samples are used for training.
   std::string place;
   // A varied copy of another sample: trained on, never validated on.
   bool is_augmented = false;
@@ -109,9 +111,9 @@ struct TrainingOptions {
 struct TrainingReport {
   int max_depth = 0;
   int min_samples_per_branch = 0;
-  // Of the chosen pair, without augmented samples: random folds, and each place predicted from the
-  // others (random folds if there are fewer than three places). Only the forest's majority, before
-  // calibration and range check.
+  // For the chosen pair, on samples that are not augmented: in random folds, and with each place
+  // predicted from the others (random folds if there are fewer than three places). They rate the
+  // forest's majority vote, before calibration and range check.
   double random_fold_error_ratio = 0.0;
   double leave_one_place_out_error_ratio = 0.0;
   double leave_one_place_out_auc = 0.0;

@@ -10,8 +10,8 @@ namespace freelsd {
 // Length of a feature row.
 size_t NumFeatures(FeatureSet feature_set);
 
-// Tolerance around the range of the training grass, as shares of that range. A region with a
-// feature outside it is unsure.
+// How far a feature may lie outside its range over the training grass, as shares of that range. A
+// region with a feature farther outside is unsure.
 struct RangeMargin {
   float below = 0.0f;
   float above = 0.0f;

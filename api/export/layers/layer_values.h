@@ -12,7 +12,7 @@ namespace freelsd {
 // Throws std::invalid_argument if no layer has the name.
 cv::Mat1f LayerValues(const SiteMap& site_map, const std::string& name);
 
-// Altitude of world z = 0 at a place. It varies because the plane is tangent to a curved earth.
+// Altitude of world z = 0 at a place. It varies because this plane is tangent to the curved earth.
 double AltitudeOfPlane(const Eigen::Vector2d& place_in_world, const LocalFrame& local_frame);
 
 }  // namespace freelsd

@@ -33,20 +33,21 @@ struct LayerInfo {
 // Unit and range of a layer. Values are those of the GeoTIFF, except that elevation is world z.
 // This function and the ones below throw std::invalid_argument if no layer has the name.
 LayerInfo DescribeLayer(const SiteMap& site_map, const std::string& name);
-// {layers: [...]} of the contract: units, ranges, size, bounds, corners. Elevation is an altitude.
+// {layers: [...]} of openapi.yaml: units, ranges, size, bounds, corners. Elevation is an altitude.
 // An empty map gives {layers: []}.
 nlohmann::json LayersJson(const SiteMap& site_map, const LocalFrame& local_frame);
 // Picture for people: RGBA, north up, one pixel per cell. Unseen cells are transparent, but in
 // hazard and distance they have an opaque colour. Colour-blind people can distinguish the colours.
 std::string LayerPng(const SiteMap& site_map, const std::string& name);
-// Legend of the picture with values and unit. `altitude_of_world_m`, the origin's altitude, is
-// added to heights.
+// Legend of the picture with values and unit. `altitude_of_world_m` is the origin's altitude; it is
+// added to elevations.
 std::string LegendPng(const SiteMap& site_map,
                       const std::string& name,
                       double altitude_of_world_m = 0.0);
 // float32 in the origin's UTM zone (WGS84; UPS near the poles). Unseen cells are NaN. Elevation is
-// an altitude in the flight's datum. `hazard` is 0 free, 1 hazard, 2 unseen. `grass` is 1 at or
-// above the default posterior, else 0. Rows follow the local grid, so the transform is affine.
+// an altitude in the flight's datum. `hazard` is 0 free, 1 hazard, 2 unseen. `grass` is 1 where the
+// posterior is at least the default min_grass_posterior, else 0. Rows follow the local grid, not
+// the UTM grid, so the geotransform is a general affine one.
 std::string LayerGeoTiff(const SiteMap& site_map,
                          const std::string& name,
                          const LocalFrame& local_frame);

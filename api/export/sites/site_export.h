@@ -27,7 +27,7 @@ AltitudeFrame FrameOf(const std::vector<StoredSite>& sites, const ExportOptions&
 // Always above home. Throws ApiError AltitudeUnknown if home is not given.
 AltitudeFrame FrameAboveHome(const ExportOptions& options);
 
-// Height of the circle at a rally point above the touchdown. The circle's radius is set in the
+// Height, above the touchdown, of the circle at a rally point. The circle's radius is set in the
 // autopilot, so the map cannot check its clearance. 100 m is also ArduPilot's default for return.
 constexpr double kRallyHeightM = 100.0;
 

@@ -54,9 +54,10 @@ bool IsSideFile(std::string_view path);
 bool BeginsAsImage(std::string_view bytes);
 
 // Reads a zip file and calls `entry` for each entry in order (path in the archive, bytes). Names,
-// kinds and count are checked before the first call. Throws ApiError ZipRefused (422), also if two
-// images have the same frame id; ZipTooLarge (413) beyond a limit. Folders and files of file
-// managers (__MACOSX, .DS_Store) are skipped. Entries of FileKind::kUnread come without bytes.
+// kinds and count are checked before the first call. Throws ApiError ZipRefused (422) if the
+// archive is damaged, encrypted or unsafe, or if two images have the same frame id; ZipTooLarge
+// (413) beyond a limit. Folders and files of file managers (__MACOSX, .DS_Store) are skipped.
+// Entries of FileKind::kUnread come without bytes.
 void ReadZip(const std::string& path,
              const ZipLimits& limits,
              const std::function<void(const std::string& path, std::string&& bytes)>& entry);

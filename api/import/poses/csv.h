@@ -13,8 +13,8 @@ struct CsvLine {
   std::vector<std::string> cells;
 };
 
-// Reads quotes, doubled quotes and CRLF; skips blank lines. The separator is the first of comma,
-// semicolon and tab that occurs in the first line. Throws std::invalid_argument if a quote never
+// Reads quotes, doubled quotes and CRLF; skips blank lines. The separator is a comma if the first
+// line contains one, else a semicolon, else a tab. Throws std::invalid_argument if a quote never
 // closes. `first_line_number` is the file's line at which the text starts.
 std::vector<CsvLine> ParseCsv(std::string_view text, int first_line_number = 1);
 

@@ -47,7 +47,7 @@ constexpr std::array<PoseField, 4> kQuaternionFields{PoseField::kQuaternionW,
                                                      PoseField::kQuaternionY,
                                                      PoseField::kQuaternionZ};
 
-// The contract's name of a field.
+// Name of a field in openapi.yaml.
 std::string_view NameOf(PoseField field);
 // The field's pointer in a frame's meta ("/position/latitude_deg"); empty if meta has no such key.
 std::string_view MetaPointerOf(PoseField field);
@@ -64,11 +64,11 @@ struct PoseColumns {
 };
 // Number of cells that name a field.
 size_t NumKnownColumns(const std::vector<std::string>& cells);
-// Same for a line that may not be a header; it is split at every comma, semicolon and tab.
+// The same for a line that need not be a header; it is split at every comma, semicolon and tab.
 size_t NumKnownColumns(std::string_view line);
 // Names may have any order and case. An unknown name causes a warning. If several columns name one
-// field, the most trusted name is used. Throws ApiError InvalidPoses if a name occurs twice or if
-// one of the first four fields of PoseField is missing.
+// field, the name listed first in pose_columns.cc is used. Throws ApiError InvalidPoses if a name
+// occurs twice or if one of the first four fields of PoseField is missing.
 PoseColumns ReadHeader(const CsvLine& line);
 
 }  // namespace freelsd

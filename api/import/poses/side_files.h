@@ -88,9 +88,10 @@ void ReadReferenceLla(const SideFile& file, SideData& data);
 void JoinBodyPoses(const SideContext& context, SideData& data);
 // Converts local poses to poses on the earth.
 void Georeference(const SideContext& context, SideData& data);
-// Warnings about readable poses that are probably wrong. Each warning starts with its name.
+// Warnings about readable poses that are probably wrong. Each starts with its name, for example
+// "QuaternionOrder: ".
 std::vector<std::string> SuspicionsOf(const PoseFile& file, const SideContext& context);
-// True if the cameras look down only when the quaternions are read with w last.
+// True if many cameras do not look down, but nearly all do if the quaternions are read with w last.
 bool IsWLastLikely(const std::vector<Eigen::Quaterniond>& ned_from_x,
                    const std::vector<Eigen::Quaterniond>& ned_from_x_w_last);
 
