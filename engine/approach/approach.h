@@ -187,6 +187,34 @@ Plan PlanApproach(const ElevationMap& map,
 // Whether a plan includes its rejections and the profile below its final.
 enum class Explanation { kFull, kNone };
 
+// What a map says of an approach that was planned on another map.
+struct ApproachCheck {
+  // The first rule that seen ground breaks: disc, ground roll, final, circle. Unseen ground breaks
+  // none.
+  std::optional<Rejection> rejection;
+  // Disc, ground roll and final are wholly seen.
+  bool is_covered = false;
+};
+
+// Checks an approach again, as it stands, on another map: same touchdown, heading and sizes, in the
+// frame of that map. `wind_in_world` is the wind that it was planned for. Only differences of
+// height count: the approach is set on the ground of its touchdown on this map, because altitudes
+// of two flights differ by metres, and by tens of metres where their datums differ. If the map
+// shows no ground in the disc, the ground below the stored profile of the final takes its place.
+// Throws as PlanApproach does.
+ApproachCheck CheckApproach(const Approach& approach,
+                            const ElevationMap& map,
+                            const HazardLayers& hazards,
+                            const Aircraft& aircraft,
+                            const std::optional<Eigen::Vector2d>& wind_in_world,
+                            const ApproachOptions& options);
+// Corners of a box, in world, around everything that CheckApproach reads.
+Polygon CheckedGround(const Approach& approach,
+                      const ElevationMap& map,
+                      const Aircraft& aircraft,
+                      const std::optional<Eigen::Vector2d>& wind_in_world,
+                      const ApproachOptions& options);
+
 // Plans for many winds. Work that does not depend on wind is done once. Map and hazards must
 // outlive the planner. Thread-safe.
 class ApproachPlanner {

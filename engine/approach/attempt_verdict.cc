@@ -8,15 +8,6 @@
 namespace freelsd {
 namespace {
 
-// "41 m" from 10 m on, "6.3 m" below.
-std::string Metres(double metres) {
-  std::ostringstream text;
-  text.setf(std::ios::fixed);
-  text.precision(std::abs(metres) < 10.0 ? 1 : 0);
-  text << metres << " m";
-  return text.str();
-}
-
 std::string Percent(double ratio) {
   std::ostringstream text;
   text.setf(std::ios::fixed);
@@ -34,21 +25,29 @@ double Progress(const Attempt& attempt) {
   return attempt.circle.obstacle ? 3.0 : 4.0;
 }
 
-std::string DescribeObstacle(const Attempt& attempt, const Obstacle& obstacle) {
-  const double above_touchdown = obstacle.place_in_world.z() - attempt.touchdown.place_in_world.z();
-  const std::string clearance = obstacle.clearance < 0.0
-                                    ? Metres(-obstacle.clearance) + " above the path"
-                                    : Metres(obstacle.clearance) + " below the path";
-  return "by something " + Metres(above_touchdown) + " above the touchdown point, " + clearance +
-         ", where " + Metres(obstacle.wanted) + " of clearance are needed";
-}
-
 std::string DescribeRoll(const RollHazard& hazard) {
   return "the ground roll meets " + std::string(hazard.is_unseen ? "unseen ground " : "a hazard ") +
          Metres(hazard.distance) + " behind the touchdown point";
 }
 
 }  // namespace
+
+std::string Metres(double metres) {
+  std::ostringstream text;
+  text.setf(std::ios::fixed);
+  text.precision(std::abs(metres) < 10.0 ? 1 : 0);
+  text << metres << " m";
+  return text.str();
+}
+
+std::string DescribeObstacle(const Obstacle& obstacle, double touchdown_height) {
+  const double above_touchdown = obstacle.place_in_world.z() - touchdown_height;
+  const std::string clearance = obstacle.clearance < 0.0
+                                    ? Metres(-obstacle.clearance) + " above the path"
+                                    : Metres(obstacle.clearance) + " below the path";
+  return "by something " + Metres(above_touchdown) + " above the touchdown point, " + clearance +
+         ", where " + Metres(obstacle.wanted) + " of clearance are needed";
+}
 
 std::optional<RejectReason> ReasonOf(const Attempt& attempt) {
   if (attempt.roll_hazard) return RejectReason::kNoSafeTouchdown;
@@ -85,14 +84,14 @@ Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
     rejection.obstacle_in_world = {place.x(), place.y(), attempt.touchdown.place_in_world.z()};
   } else if (const auto& obstacle = attempt.final_path.obstacle) {
     rejection.detail = "the final is blocked " + Metres(obstacle->distance) + " before touchdown " +
-                       DescribeObstacle(attempt, *obstacle);
+                       DescribeObstacle(*obstacle, attempt.touchdown.place_in_world.z());
     rejection.obstacle_in_world = obstacle->place_in_world;
   } else if (attempt.final_path.num_unseen_steps > 0) {
     rejection.detail = "the ground below the final was not seen from " +
                        Metres(attempt.final_path.first_unseen_distance) + " before touchdown on";
   } else if (const auto& circled = attempt.circle.obstacle) {
-    rejection.detail =
-        "both loiter circles are blocked; the better one " + DescribeObstacle(attempt, *circled);
+    rejection.detail = "both loiter circles are blocked; the better one " +
+                       DescribeObstacle(*circled, attempt.touchdown.place_in_world.z());
     rejection.obstacle_in_world = circled->place_in_world;
   } else {
     rejection.detail = Percent(attempt.circle.UnseenRatio()) + " of the loiter circle was not seen";

@@ -175,6 +175,7 @@ PathCheck CheckFinal(const Approach& approach,
   const double slope = approach.approach_height / approach.approach_distance;
   const WindScenario scenario{approach.approach_distance, approach.loiter_radius};
   PathCheck check;
+  bool was_on_map = false;
   for (double distance : FinalSteps(surface, scenario, aircraft, options)) {
     const Eigen::Vector2d place = approach.touchdown_in_world.head<2>() - distance * forward;
     const double path = slope * distance;
@@ -190,6 +191,7 @@ PathCheck CheckFinal(const Approach& approach,
       }
     }
     const Slice slice = SliceAt(place, corridor, surface);
+    was_on_map |= slice.is_on_map;
     ++check.num_steps;
     if (slice.is_unseen && check.num_unseen_steps++ == 0) check.first_unseen_distance = distance;
     if (slice.height != kNoHeight) {
@@ -203,7 +205,7 @@ PathCheck CheckFinal(const Approach& approach,
     if (!HasFailed(check)) continue;
     check.clear_ratio = std::min(check.clear_ratio, distance / approach.approach_distance);
     if (depth == Depth::kUntilFailure) break;
-    if (!slice.is_on_map) break;  // the map is convex: what follows is off it too
+    if (was_on_map && !slice.is_on_map) break;  // the map is convex: the rest is off it too
   }
   return check;
 }
