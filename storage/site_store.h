@@ -1,11 +1,13 @@
 // Sites and their maps. Both stay when the flight that found them is deleted.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace freelsd {
@@ -33,6 +35,7 @@ struct RecallRow {
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
   int64_t updated_at_us = 0;
+  // When the ground was last photographed, later maps that confirm the plan included.
   int64_t seen_at_us = 0;
   RecallData data;
 };
@@ -41,8 +44,24 @@ struct RecallRow {
 template <typename Row>
 using SharedRows = std::vector<std::shared_ptr<const Row>>;
 
+// What later maps say of a site: whether its stored plan still holds on them.
+struct Standing {
+  // Id of the site on whose map the plan fails; of several, the one photographed last.
+  std::optional<std::string> superseded_by;
+  // When the ground of that map was photographed; the broken rule, and a sentence with numbers.
+  int64_t superseded_at_us = 0;
+  std::string superseded_reason;
+  std::string superseded_detail;
+  // When the ground was last photographed on another map on which the plan holds.
+  std::optional<int64_t> confirmed_at_us;
+  // False: an older program stored the site, and its plan was never checked on later maps.
+  bool is_checked = false;
+
+  bool operator==(const Standing&) const = default;
+};
+
 // A site. Columns and units are those of schema.sql.
-struct SiteRow {
+struct SiteRow : Standing {
   std::string id;
   std::string flight_id;
   int64_t region_id = 0;
@@ -55,16 +74,16 @@ struct SiteRow {
   // Input for planning the site again on its map: region, aircraft, origin, datum.
   std::string replan_json;
   int64_t updated_at_us = 0;
-  // When the ground was last photographed; a later site supersedes earlier ones on the same ground.
+  // When the ground of its own map was last photographed.
   int64_t seen_at_us = 0;
-  // The verdict depends on the ground itself, so this site may supersede earlier sites there.
-  bool is_evidence = false;
   // Empty: recall never returns the site, because it was rejected or no terrain was seen.
   std::optional<RecallData> recall;
   // Area of the map; empty: the box is the touchdown point.
   std::optional<BoundingBox> map_box;
-  // Id of the site that a later flight found on the same ground.
-  std::optional<std::string> superseded_by;
+
+  // When the ground was last photographed: on its own map, or on a later one that confirms the
+  // plan.
+  int64_t LastSeenUs() const { return std::max(seen_at_us, confirmed_at_us.value_or(seen_at_us)); }
 };
 
 // Identifies one version of a site's map.
@@ -72,7 +91,15 @@ struct MapRow {
   std::string site_id;
   int64_t updated_at_us = 0;
   std::string altitude_datum;
+  std::string flight_id;
+  // When the ground of this map was last photographed.
+  int64_t seen_at_us = 0;
+  // The site was accepted.
+  bool is_recallable = false;
 };
+
+// Standings to write, by site id.
+using Standings = std::vector<std::pair<std::string, Standing>>;
 
 // Bounds that hold for all recallable sites; the greatest reach of a glide follows from them.
 struct RecallBounds {
@@ -89,14 +116,13 @@ class SiteStore {
   SiteStore(const SiteStore&) = delete;
   SiteStore& operator=(const SiteStore&) = delete;
 
-  // Inserts or replaces the site and its map (empty: no map) in one commit. `supersedes`: ids of
-  // sites on the same ground that recall leaves out while this site exists.
-  void Put(const SiteRow& site,
-           std::string_view map_blob,
-           const std::vector<std::string>& supersedes = {});
-  // Sets SiteRow::superseded_by; nothing: no site supersedes it any more.
-  void SetSupersededBy(const std::string& site_id, const std::optional<std::string>& newer_id);
-  bool Delete(const std::string& site_id);
+  // Inserts or replaces the site and its map (empty: no map), and writes what that changes for
+  // other sites, in one commit.
+  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others = {});
+  // Deletes the site, and writes what that changes for other sites, in one commit. False if there
+  // is no such site; then nothing is written.
+  bool Delete(const std::string& site_id, const Standings& others = {});
+  void SetStandings(const Standings& standings);
 
   // Rows from Find and List have neither recall nor map_box.
   std::optional<SiteRow> Find(const std::string& site_id) const;
@@ -104,6 +130,8 @@ class SiteStore {
                             const std::optional<BoundingBox>& box) const;
   int64_t Count(const std::string& flight_id) const;
   std::optional<std::string> ReadMap(const std::string& site_id) const;
+  // Ids of accepted sites that were never checked on later maps.
+  std::vector<std::string> ListUnchecked() const;
   // All sites, rejected ones included, whose map may meet the box.
   SharedRows<MapRow> ListMaps(const BoundingBox& box) const;
 
@@ -111,7 +139,7 @@ class SiteStore {
   SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const;
   int64_t CountRecallable() const;
   RecallBounds BoundsOfRecallable() const;
-  // Sites in the box that recall leaves out because a later site rejected their ground.
+  // Accepted sites that recall leaves out because they are superseded, with a map in the box.
   int64_t CountOverruled(const BoundingBox& box) const;
 
  private:

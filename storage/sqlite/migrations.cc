@@ -66,11 +66,25 @@ UPDATE sites SET seen_at_us = updated_at_us, checksum = NULL,
 UPDATE site_numbers SET checksum = NULL;
 )sql";
 
+// Up to version 3, superseded_by was decided by the rectangles of regions. It stays until the
+// server has checked the site's plan on later maps. Checksums are dropped because they covered
+// is_evidence.
+constexpr char kFrom3To4[] = R"sql(
+ALTER TABLE sites DROP COLUMN is_evidence;
+ALTER TABLE sites ADD COLUMN superseded_at_us INTEGER;
+ALTER TABLE sites ADD COLUMN superseded_reason TEXT NOT NULL DEFAULT '';
+ALTER TABLE sites ADD COLUMN superseded_detail TEXT NOT NULL DEFAULT '';
+ALTER TABLE sites ADD COLUMN confirmed_at_us INTEGER;
+ALTER TABLE sites ADD COLUMN is_checked INTEGER NOT NULL DEFAULT 0;
+UPDATE sites SET checksum = NULL;
+)sql";
+
 }  // namespace
 
 void Migrate(const Connection& writer, int64_t version) {
   if (version < 2) writer.Execute(kFrom1To2);
   if (version < 3) writer.Execute(kFrom2To3);
+  if (version < 4) writer.Execute(kFrom3To4);
 }
 
 }  // namespace freelsd

@@ -1,4 +1,4 @@
--- All durable data except the image files. This is user_version 3; application_id holds the version
+-- All durable data except the image files. This is user_version 4; application_id holds the version
 -- too (migrations.h). migrations.cc migrates older versions.
 -- A second file, recall.db, has the same schema and holds a second copy of the tables of sites. It is
 -- read if this file is damaged.
@@ -83,10 +83,14 @@ CREATE TABLE sites (
   replan_json TEXT NOT NULL,                 -- region, aircraft, origin, datum
   updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
   checksum INTEGER,                          -- of the row; NULL: not computed
-  superseded_by TEXT                         -- id of a later site on the same ground
+  superseded_by TEXT                         -- id of the site on whose later map the stored plan fails
     REFERENCES sites (id) ON DELETE SET NULL DEFERRABLE INITIALLY DEFERRED,
-  seen_at_us INTEGER NOT NULL DEFAULT 0,     -- when the ground was last photographed, microseconds since 1970
-  is_evidence INTEGER NOT NULL DEFAULT 0     -- 1: the verdict depends on the ground itself
+  seen_at_us INTEGER NOT NULL DEFAULT 0,     -- when the ground of its map was last photographed, microseconds since 1970
+  superseded_at_us INTEGER,                  -- when the ground of superseded_by was photographed; NULL: not superseded
+  superseded_reason TEXT NOT NULL DEFAULT '',  -- the rule that the plan breaks there, as reject_reason; '' for none
+  superseded_detail TEXT NOT NULL DEFAULT '',  -- a sentence with numbers; '' for none
+  confirmed_at_us INTEGER,                   -- when the ground was photographed of the last later map where the plan holds
+  is_checked INTEGER NOT NULL DEFAULT 0      -- 0: the plan was never checked on later maps
 ) STRICT;
 CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
 CREATE INDEX sites_by_flight ON sites (flight_id);

@@ -1,6 +1,9 @@
 #include "storage/sqlite/site_queries.h"
 
+#include <algorithm>
+
 #include "storage/sqlite/checksum.h"
+#include "storage/sqlite/site_standings.h"
 #include "storage/storage_error.h"
 
 namespace freelsd {
@@ -20,7 +23,6 @@ int64_t ChecksumOf(const SiteRow& site) {
       .Add(site.replan_json)
       .Add(site.updated_at_us)
       .Add(site.seen_at_us)
-      .Add(static_cast<int64_t>(site.is_evidence))
       .value();
 }
 
@@ -60,17 +62,17 @@ SiteRow RowOf(const Statement& statement) {
   site.approach_json = statement.Text(6);
   site.replan_json = statement.Text(7);
   site.updated_at_us = statement.Int(8);
-  if (std::string id = statement.Text(10); !id.empty()) site.superseded_by = std::move(id);
-  site.seen_at_us = statement.Int(11);
-  site.is_evidence = statement.Int(12) != 0;
+  site.seen_at_us = statement.Int(10);
+  static_cast<Standing&>(site) = StandingAt(statement, 11);
   return Checked(site, statement, 9);
 }
 
 Statement SelectSites(const Connection& connection, const std::string& which) {
-  constexpr char kSelect[] =
+  const std::string select =
       "SELECT id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
-      "replan_json, updated_at_us, checksum, superseded_by, seen_at_us, is_evidence FROM sites ";
-  return connection.Prepare((kSelect + which).c_str());
+      "replan_json, updated_at_us, checksum, seen_at_us, " +
+      std::string(kStandingColumns) + " FROM sites ";
+  return connection.Prepare((select + which).c_str());
 }
 
 BoundingBox BoxOf(const Statement& statement, int first_column) {
@@ -93,18 +95,20 @@ RecallRow RecallRowOf(const Statement& statement) {
               statement.Text(8),
               statement.Real(9),
               statement.Text(10)};
-  return Checked(row, statement, 11);
+  row = Checked(row, statement, 11);
+  // After the checksum, which covers what was stored with the site.
+  row.seen_at_us = std::max(row.seen_at_us, statement.OptionalInt(12).value_or(row.seen_at_us));
+  return row;
 }
 
 void PutSiteRow(const Connection& writer, const SiteRow& site) {
   writer
       .Prepare(
           "INSERT INTO sites (id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, "
-          "approach_json, replan_json, updated_at_us, checksum, superseded_by, seen_at_us, "
-          "is_evidence) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, nullif(?11, ''), ?12, "
-          "?13) ON CONFLICT (id) DO UPDATE SET latitude_deg = ?4, longitude_deg = ?5, "
-          "feature_json = ?6, approach_json = ?7, replan_json = ?8, updated_at_us = ?9, "
-          "checksum = ?10, superseded_by = nullif(?11, ''), seen_at_us = ?12, is_evidence = ?13")
+          "approach_json, replan_json, updated_at_us, checksum, seen_at_us) VALUES (?1, ?2, ?3, "
+          "?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11) ON CONFLICT (id) DO UPDATE SET latitude_deg = ?4, "
+          "longitude_deg = ?5, feature_json = ?6, approach_json = ?7, replan_json = ?8, "
+          "updated_at_us = ?9, checksum = ?10, seen_at_us = ?11")
       .Bind(site.id,
             site.flight_id,
             site.region_id,
@@ -115,9 +119,7 @@ void PutSiteRow(const Connection& writer, const SiteRow& site) {
             site.replan_json,
             site.updated_at_us,
             ChecksumOf(site),
-            site.superseded_by.value_or(""),
-            site.seen_at_us,
-            static_cast<int>(site.is_evidence))
+            site.seen_at_us)
       .Run();
 }
 
@@ -173,12 +175,12 @@ SiteRow WholeSite(const Connection& connection, const std::string& site_id) {
   Statement recall = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "is_recallable, "
-      "west_deg, south_deg, east_deg, north_deg FROM site_numbers JOIN sites ON sites.id = site_id "
+      "confirmed_at_us, is_recallable, west_deg, south_deg, east_deg, north_deg FROM site_numbers "
+      "JOIN sites ON sites.id = site_id "
       "JOIN site_boxes USING (number) WHERE site_id = ?1");
   if (!recall.Bind(site_id).Step()) return site;
-  if (recall.Int(12) != 0) site.recall = RecallRowOf(recall).data;
-  site.map_box = BoundingBox{recall.Real(13), recall.Real(14), recall.Real(15), recall.Real(16)};
+  if (recall.Int(13) != 0) site.recall = RecallRowOf(recall).data;
+  site.map_box = BoundingBox{recall.Real(14), recall.Real(15), recall.Real(16), recall.Real(17)};
   return site;
 }
 
@@ -190,11 +192,9 @@ std::vector<BoundingBox> PlainBoxes(const BoundingBox& box) {
           {-180.0, box.south_deg, box.east_deg, box.north_deg}};
 }
 
-void PutSiteRows(const Connection& writer,
-                 const SiteRow& site,
-                 std::string_view map_blob,
-                 const std::vector<std::string>& supersedes) {
+void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view map_blob) {
   PutSiteRow(writer, site);
+  PutStandings(writer, {{site.id, site}});
   PutRecall(writer, site);
   PutBox(writer, site);
   if (map_blob.empty()) {
@@ -203,9 +203,6 @@ void PutSiteRows(const Connection& writer,
     writer.Prepare("INSERT OR REPLACE INTO site_maps VALUES (?1, ?2)")
         .Bind(site.id, Blob{map_blob})
         .Run();
-  }
-  for (const std::string& id : supersedes) {
-    writer.Prepare("UPDATE sites SET superseded_by = ?2 WHERE id = ?1").Bind(id, site.id).Run();
   }
 }
 
@@ -246,7 +243,7 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
   Statement statement = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "west_deg, south_deg, east_deg, north_deg FROM site_boxes "
+      "confirmed_at_us, west_deg, south_deg, east_deg, north_deg FROM site_boxes "
       "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
       "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
       "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1 AND "
@@ -254,7 +251,7 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
   statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
   while (statement.Step()) {
     rows.push_back(
-        {BoxOf(statement, 12), std::make_shared<const RecallRow>(RecallRowOf(statement))});
+        {BoxOf(statement, 13), std::make_shared<const RecallRow>(RecallRowOf(statement))});
   }
   return rows;
 }
@@ -262,15 +259,20 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
 BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
   BoxCache<MapRow>::Rows rows;
   Statement statement = connection.Prepare(
-      "SELECT sites.id, updated_at_us, altitude_datum, west_deg, south_deg, east_deg, north_deg "
-      "FROM site_boxes JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
+      "SELECT sites.id, updated_at_us, altitude_datum, flight_id, seen_at_us, is_recallable, "
+      "west_deg, south_deg, east_deg, north_deg FROM site_boxes JOIN site_numbers USING (number) "
+      "JOIN sites ON sites.id = site_id "
       "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
       "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2");
   statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
   while (statement.Step()) {
-    rows.push_back({BoxOf(statement, 3),
-                    std::make_shared<const MapRow>(
-                        MapRow{statement.Text(0), statement.Int(1), statement.Text(2)})});
+    rows.push_back({BoxOf(statement, 6),
+                    std::make_shared<const MapRow>(MapRow{statement.Text(0),
+                                                          statement.Int(1),
+                                                          statement.Text(2),
+                                                          statement.Text(3),
+                                                          statement.Int(4),
+                                                          statement.Int(5) != 0})});
   }
   return rows;
 }
@@ -298,10 +300,10 @@ void CheckSiteRows(const Connection& connection) {
   Statement recall = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "site_boxes.number FROM sites LEFT JOIN site_numbers ON site_id = sites.id "
+      "confirmed_at_us, site_boxes.number FROM sites LEFT JOIN site_numbers ON site_id = sites.id "
       "LEFT JOIN site_boxes USING (number)");
   while (recall.Step()) {
-    if (!recall.OptionalInt(12)) {
+    if (!recall.OptionalInt(13)) {
       throw StorageError("read a site", "it has no bounding box", StorageFault::kDamaged);
     }
     RecallRowOf(recall);
@@ -310,9 +312,11 @@ void CheckSiteRows(const Connection& connection) {
 
 SiteStamps StampsOf(const Connection& connection) {
   SiteStamps stamps;
-  Statement statement = connection.Prepare("SELECT id, updated_at_us, superseded_by FROM sites");
+  const std::string select =
+      "SELECT id, updated_at_us, " + std::string(kStandingColumns) + " FROM sites";
+  Statement statement = connection.Prepare(select.c_str());
   while (statement.Step()) {
-    stamps[statement.Text(0)] = {statement.Int(1), statement.Text(2)};
+    stamps.insert({statement.Text(0), {statement.Int(1), StandingAt(statement, 2)}});
   }
   return stamps;
 }
@@ -328,7 +332,7 @@ void CopySites(const Connection& from, const Connection& to) {
   for (const auto& [id, stamp] : wanted) {
     const auto found = present.find(id);
     if (found != present.end() && found->second == stamp) continue;
-    PutSiteRows(to, WholeSite(from, id), ReadMapBlob(from, id).value_or(""), {});
+    PutSiteRows(to, WholeSite(from, id), ReadMapBlob(from, id).value_or(""));
   }
   transaction.Commit();
 }

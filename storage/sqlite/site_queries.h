@@ -4,7 +4,6 @@
 #include <map>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <vector>
 
 #include "storage/box_cache.h"
@@ -16,11 +15,8 @@ namespace freelsd {
 // The box itself, or two boxes if it crosses the antimeridian.
 std::vector<BoundingBox> PlainBoxes(const BoundingBox& box);
 
-// SiteStore::Put on one connection, within the caller's transaction.
-void PutSiteRows(const Connection& writer,
-                 const SiteRow& site,
-                 std::string_view map_blob,
-                 const std::vector<std::string>& supersedes);
+// The site of SiteStore::Put on one connection, within the caller's transaction.
+void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view map_blob);
 
 // Rows have neither recall nor map_box. Throws StorageError kDamaged if a checksum is wrong.
 std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::string& site_id);
@@ -39,8 +35,14 @@ void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id);
 // Reads all rows once. Throws StorageError kDamaged if a checksum is wrong or a site has no box.
 void CheckSiteRows(const Connection& connection);
 
-// By site id: updated_at_us and superseded_by.
-using SiteStamps = std::map<std::string, std::tuple<int64_t, std::string>>;
+// By site id: updated_at_us and the site's standing.
+struct SiteStamp {
+  int64_t updated_at_us = 0;
+  Standing standing;
+
+  bool operator==(const SiteStamp&) const = default;
+};
+using SiteStamps = std::map<std::string, SiteStamp>;
 SiteStamps StampsOf(const Connection& connection);
 // Makes the sites in `to` equal to the sites in `from`.
 void CopySites(const Connection& from, const Connection& to);

@@ -1,6 +1,7 @@
 #include "storage/site_store.h"
 
 #include "storage/sqlite/site_queries.h"
+#include "storage/sqlite/site_standings.h"
 #include "storage/sqlite/state.h"
 
 namespace freelsd {
@@ -12,12 +13,12 @@ int64_t SiteStore::Count(const std::string& flight_id) const {
   return statement.Int(0);
 }
 
-void SiteStore::Put(const SiteRow& site,
-                    std::string_view map_blob,
-                    const std::vector<std::string>& supersedes) {
+void SiteStore::Put(const SiteRow& site, std::string_view map_blob, const Standings& others) {
   const auto lock = state_.LockForWriting();
-  state_.WriteSites(
-      [&](const Connection& connection) { PutSiteRows(connection, site, map_blob, supersedes); });
+  state_.WriteSites([&](const Connection& connection) {
+    PutSiteRows(connection, site, map_blob);
+    PutStandings(connection, others);
+  });
 }
 
 std::optional<SiteRow> SiteStore::Find(const std::string& site_id) const {
@@ -78,13 +79,11 @@ int64_t SiteStore::CountOverruled(const BoundingBox& box) const {
     for (const BoundingBox& part : PlainBoxes(box)) {
       Statement statement = connection.Prepare(
           // CROSS JOIN fixes the order: few sites are superseded, but many may lie in the box.
-          "SELECT count(*) FROM sites CROSS JOIN site_numbers AS own ON own.site_id = sites.id "
+          "SELECT count(*) FROM sites CROSS JOIN site_numbers ON site_id = sites.id "
           "CROSS JOIN site_boxes USING (number) "
-          "CROSS JOIN site_numbers AS newer ON newer.site_id = superseded_by "
           "WHERE superseded_by IS NOT NULL AND site_boxes.west_deg <= ?3 AND site_boxes.east_deg "
           ">= ?1 AND "
-          "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND "
-          "own.is_recallable = 1 AND newer.is_recallable = 0");
+          "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1");
       statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg).Step();
       count += statement.Int(0);
     }
@@ -92,13 +91,20 @@ int64_t SiteStore::CountOverruled(const BoundingBox& box) const {
   });
 }
 
-void SiteStore::SetSupersededBy(const std::string& site_id,
-                                const std::optional<std::string>& newer_id) {
+void SiteStore::SetStandings(const Standings& standings) {
+  if (standings.empty()) return;
   const auto lock = state_.LockForWriting();
-  state_.WriteSites([&](const Connection& connection) {
-    connection.Prepare("UPDATE sites SET superseded_by = nullif(?2, '') WHERE id = ?1")
-        .Bind(site_id, newer_id.value_or(""))
-        .Run();
+  state_.WriteSites([&](const Connection& connection) { PutStandings(connection, standings); });
+}
+
+std::vector<std::string> SiteStore::ListUnchecked() const {
+  return state_.ReadSites([](const Connection& connection) {
+    Statement statement = connection.Prepare(
+        "SELECT sites.id FROM sites JOIN site_numbers ON site_id = sites.id "
+        "WHERE is_checked = 0 AND is_recallable = 1 ORDER BY sites.id");
+    std::vector<std::string> ids;
+    while (statement.Step()) ids.push_back(statement.Text(0));
+    return ids;
   });
 }
 
@@ -106,11 +112,13 @@ SharedRows<MapRow> SiteStore::ListMaps(const BoundingBox& box) const {
   return state_.RowsWithin(state_.map_rows, box, ListMapRows);
 }
 
-bool SiteStore::Delete(const std::string& site_id) {
+bool SiteStore::Delete(const std::string& site_id, const Standings& others) {
   const auto lock = state_.LockForWriting();
   bool was_there = false;
   state_.WriteSites([&](const Connection& connection) {
-    was_there = DeleteSiteRows(connection, site_id) || was_there;
+    if (!DeleteSiteRows(connection, site_id)) return;
+    was_there = true;
+    PutStandings(connection, others);
   });
   return was_there;
 }
