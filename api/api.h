@@ -127,6 +127,8 @@ nlohmann::json WindRoseJson(const WindRose& rose, const FlightContext& context);
 std::vector<std::string> LimitsWarnings(const Aircraft& aircraft);
 // The site properties that depend on the plan (verdict, score, approach, rejections, ...).
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context);
+// Name as in openapi.yaml, for example "approach_blocked".
+std::string NameOf(RejectReason reason);
 // FeatureCollection ordered by verdict (landable, unverified, rejected), then score; rank from 1.
 nlohmann::json RankedSites(std::vector<nlohmann::json> features);
 nlohmann::json AircraftJson(const Aircraft& aircraft);

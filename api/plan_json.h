@@ -10,9 +10,8 @@
 
 namespace freelsd {
 
-// Names as in openapi.yaml, for example "landable" and "approach_blocked".
+// "landable", "unverified" or "rejected".
 std::string NameOf(Verdict verdict);
-std::string NameOf(RejectReason reason);
 // "left" or "right".
 std::string DirectionName(LoiterDirection direction);
 // Heading, distance, height, loiter radius and direction, least clearance. The heading is relative

@@ -130,6 +130,8 @@ class SiteStore {
                             const std::optional<BoundingBox>& box) const;
   int64_t Count(const std::string& flight_id) const;
   std::optional<std::string> ReadMap(const std::string& site_id) const;
+  // Ids of sites whose standing depends on this site's map.
+  std::vector<std::string> ListDependents(const std::string& site_id) const;
   // Ids of accepted sites that were never checked on later maps.
   std::vector<std::string> ListUnchecked() const;
   // All sites, rejected ones included, whose map may meet the box.

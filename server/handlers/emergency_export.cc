@@ -37,7 +37,7 @@ std::vector<StoredSite> SitesOf(const std::vector<SiteRow>& rows) {
 std::string GeoJsonOf(const std::vector<SiteRow>& rows) {
   std::vector<nlohmann::json> features;
   features.reserve(rows.size());
-  for (const SiteRow& row : rows) features.push_back(nlohmann::json::parse(row.feature_json));
+  for (const SiteRow& row : rows) features.push_back(FeatureOf(row));
   nlohmann::json collection = RankedSites(std::move(features));
   auto& ranked = collection["features"].get_ref<nlohmann::json::array_t&>();
   if (ranked.size() > kLimits.answer.max_num_exported_sites)

@@ -126,9 +126,9 @@ void GetSiteAs(Service& service, const Call& call, httplib::Response& response) 
   const bool is_superseded = row.superseded_by && call.Query("include") != "superseded";
   if (is_superseded && std::string_view(format.name) != kReport.name) {
     throw ApiError("SiteRejected",
-                   "superseded by " + *row.superseded_by +
-                       ", which a later flight found on the same ground; include=superseded "
-                       "exports it nevertheless");
+                   "superseded: on the later map of " + *row.superseded_by + " " +
+                       (row.superseded_detail.empty() ? "its plan fails" : row.superseded_detail) +
+                       "; include=superseded exports it nevertheless");
   }
   for (const StoredSite& site :
        RankedSitesOf(service.storage.sites.List(row.flight_id, std::nullopt))) {

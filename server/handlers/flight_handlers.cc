@@ -94,7 +94,7 @@ void DeleteFlight(Service& service, const Call& call, httplib::Response& respons
     const std::lock_guard lock(service.sites_mutex);
     if (forget_sites) {
       for (const SiteRow& site : service.storage.sites.List(flight.id, std::nullopt)) {
-        ForgetSite(service.storage, site.id);
+        ForgetSite(service.storage, service.maps, site.id);
       }
     }
     service.storage.flights.Delete(flight.id, forget_sites);

@@ -1,5 +1,7 @@
 #include "server/handlers/lookups.h"
 
+#include <nlohmann/json.hpp>
+
 #include "api/api.h"
 #include "api/stored/stored.h"
 
@@ -35,6 +37,20 @@ std::vector<SiteRow> ListedSites(const Service& service,
   std::vector<SiteRow> sites = service.storage.sites.List(flight_id, box);
   if (!include) std::erase_if(sites, [](const SiteRow& site) { return site.superseded_by; });
   return sites;
+}
+
+nlohmann::json FeatureOf(const SiteRow& row) {
+  nlohmann::json feature = nlohmann::json::parse(row.feature_json);
+  nlohmann::json& properties = feature["properties"];
+  if (row.confirmed_at_us) properties["last_seen_at"] = Rfc3339(row.LastSeenUs());
+  if (!row.superseded_by) return feature;
+  properties["superseded_by"] = *row.superseded_by;
+  // A row of an older program has no more than the id, until it is checked.
+  if (row.superseded_at_us == 0) return feature;
+  properties["superseded_at"] = Rfc3339(row.superseded_at_us);
+  properties["superseded_reason"] = row.superseded_reason;
+  properties["superseded_detail"] = row.superseded_detail;
+  return feature;
 }
 
 StoredSite SiteOf(const SiteRow& row) {

@@ -1,6 +1,8 @@
 // Finds the flight, site or job whose id is in the URL.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "api/stored/stored.h"
 #include "server/http/http.h"
 #include "server/work/work.h"
@@ -19,6 +21,8 @@ std::vector<SiteRow> ListedSites(const Service& service,
                                  const Call& call,
                                  const std::optional<std::string>& flight_id,
                                  const std::optional<BoundingBox>& box);
+// The stored feature, with what later maps say of the site.
+nlohmann::json FeatureOf(const SiteRow& row);
 // The row as a struct, without its rank.
 StoredSite SiteOf(const SiteRow& row);
 

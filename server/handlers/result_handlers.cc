@@ -19,8 +19,7 @@ std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
   std::vector<nlohmann::json> features;
   features.reserve(sites.size());
   for (const SiteRow& site : sites) {
-    features.push_back(nlohmann::json::parse(site.feature_json));
-    if (site.superseded_by) features.back()["properties"]["superseded_by"] = *site.superseded_by;
+    features.push_back(FeatureOf(site));
   }
   return features;
 }
@@ -84,7 +83,7 @@ void GetSite(Service& service, const Call& call, httplib::Response& response) {
 void DeleteSite(Service& service, const Call& call, httplib::Response& response) {
   {
     const std::lock_guard lock(service.sites_mutex);
-    ForgetSite(service.storage, ExistingSite(service, call).id);
+    ForgetSite(service.storage, service.maps, ExistingSite(service, call).id);
   }
   service.alternates.WakeAll();
   response.status = 204;

@@ -45,6 +45,7 @@ class JobProgress {
 
 // Runs the oldest finish whose frames the frontend has all processed, else evaluates a due flight.
 bool Worker::StepBackend() {
+  if (CheckNextSite()) return true;
   RetireImages();
   for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
     if (job.kind != "finish") continue;
@@ -65,6 +66,20 @@ bool Worker::StepBackend() {
   }
   const SessionPointer session = open_flights_.Find(flight_id);
   if (session) RunPeriodic(flight_id, *session);
+  return true;
+}
+
+bool Worker::CheckNextSite() {
+  if (!unchecked_sites_) unchecked_sites_ = service_.storage.sites.ListUnchecked();
+  if (unchecked_sites_->empty()) return false;
+  const std::string site_id = unchecked_sites_->back();
+  // A site whose check fails is not tried again before the next start.
+  unchecked_sites_->pop_back();
+  {
+    const std::lock_guard lock(service_.sites_mutex);
+    CheckUnchecked(service_.storage, service_.maps, site_id);
+  }
+  service_.alternates.WakeAll();
   return true;
 }
 

@@ -96,15 +96,6 @@ BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame) {
   return box;
 }
 
-// True if the verdict depends on the ground itself, not on the number of views or on the wind. A
-// blocked path counts: it may be blocked only in that wind, but the obstacle stands there.
-bool IsEvidence(const Site& site) {
-  if (site.plan.verdict != Verdict::kRejected) return true;
-  const RejectReason reason = site.plan.reject_reason.value_or(RejectReason::kNoTerrain);
-  return reason == RejectReason::kNoSafeTouchdown || reason == RejectReason::kApproachBlocked ||
-         reason == RejectReason::kLoiterBlocked || reason == RejectReason::kNotGrass;
-}
-
 // When the region was last photographed: the photographs' own time if it is plausible, because an
 // old flight may be uploaded today; else now, the latest possible time.
 int64_t SeenAt(const Region& region, int64_t now_us) {
@@ -135,7 +126,6 @@ NewSite SiteOf(const Site& site,
   made.row.feature_json = feature.dump();
   if (site.plan.approach) made.row.approach_json = ApproachJson(site.plan, context).dump();
   made.row.replan_json = ReplanJson(ReplanOf(site, session, min_num_observations));
-  made.row.is_evidence = IsEvidence(site);
   made.row.recall = RecallOf(site, request, touchdown.altitude_m);
   if (made.row.recall) {
     const auto wind = site.wind ? std::optional(site.wind->wind_in_world) : std::nullopt;
@@ -194,10 +184,7 @@ void StoreSites(Service& service,
   std::vector<Replan> replans;
   for (NewSite& site : sites) {
     replans.push_back(ParseReplan(site.row.replan_json));
-    const Standing standing = StandingOf(service.storage, site.row);
-    site.row.superseded_by = standing.superseded_by;
-    service.storage.sites.Put(site.row, site.map_blob, standing.supersedes);
-    for (const std::string& superseded : standing.supersedes) service.maps.DropPlans(superseded);
+    StoreSite(service.storage, service.maps, site.row, site.map_blob);
     ids.insert(site.row.id);
     region_ids.insert(site.row.region_id);
     service.events.Publish(
@@ -211,7 +198,7 @@ void StoreSites(Service& service,
     const bool is_accepted_elsewhere =
         site.recall && !region_ids.contains(site.region_id) && !IsReplaced(site, replans);
     if (is_out_of_date && !is_accepted_elsewhere && !ids.contains(site.id)) {
-      ForgetSite(service.storage, site.id);
+      ForgetSite(service.storage, service.maps, site.id);
     }
   }
 }

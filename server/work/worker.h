@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -59,6 +60,8 @@ class Worker {
   // --- Backend thread ---
   void RunBackend();
   bool StepBackend();
+  // Checks one site that an older program stored on later maps; false if there is none.
+  bool CheckNextSite();
   void RunFinish(JobRow job, FlightSession& session);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
   // Removes images of idle flights as the settings require.
@@ -88,8 +91,10 @@ class Worker {
   std::map<std::string, std::pair<int64_t, std::chrono::steady_clock::time_point>> waiting_;
   std::map<std::string, std::chrono::steady_clock::time_point> stored_at_;
 
-  // Belongs to the backend thread.
+  // The following two belong to the backend thread.
   std::chrono::steady_clock::time_point retired_at_{};
+  // Ids; nothing before the first step.
+  std::optional<std::vector<std::string>> unchecked_sites_;
 
   std::thread frontend_thread_;
   std::thread backend_thread_;

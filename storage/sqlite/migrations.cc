@@ -76,6 +76,8 @@ ALTER TABLE sites ADD COLUMN superseded_reason TEXT NOT NULL DEFAULT '';
 ALTER TABLE sites ADD COLUMN superseded_detail TEXT NOT NULL DEFAULT '';
 ALTER TABLE sites ADD COLUMN confirmed_at_us INTEGER;
 ALTER TABLE sites ADD COLUMN is_checked INTEGER NOT NULL DEFAULT 0;
+CREATE INDEX sites_confirmed ON sites (confirmed_at_us) WHERE confirmed_at_us IS NOT NULL;
+CREATE INDEX sites_unchecked ON sites (id) WHERE is_checked = 0;
 UPDATE sites SET checksum = NULL;
 )sql";
 

@@ -93,6 +93,8 @@ CREATE TABLE sites (
   is_checked INTEGER NOT NULL DEFAULT 0      -- 0: the plan was never checked on later maps
 ) STRICT;
 CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
+CREATE INDEX sites_confirmed ON sites (confirmed_at_us) WHERE confirmed_at_us IS NOT NULL;
+CREATE INDEX sites_unchecked ON sites (id) WHERE is_checked = 0;
 CREATE INDEX sites_by_flight ON sites (flight_id);
 CREATE INDEX sites_by_place ON sites (latitude_deg, longitude_deg);
 

@@ -5,6 +5,15 @@
 #include "storage/sqlite/state.h"
 
 namespace freelsd {
+namespace {
+
+std::vector<std::string> IdsOf(Statement& statement) {
+  std::vector<std::string> ids;
+  while (statement.Step()) ids.push_back(statement.Text(0));
+  return ids;
+}
+
+}  // namespace
 
 int64_t SiteStore::Count(const std::string& flight_id) const {
   const Reader reader(state_.readers);
@@ -97,14 +106,21 @@ void SiteStore::SetStandings(const Standings& standings) {
   state_.WriteSites([&](const Connection& connection) { PutStandings(connection, standings); });
 }
 
+std::vector<std::string> SiteStore::ListDependents(const std::string& site_id) const {
+  return state_.ReadSites([&](const Connection& connection) {
+    Statement statement = connection.Prepare(
+        "SELECT id FROM sites WHERE superseded_by = ?1 UNION SELECT id FROM sites "
+        "WHERE confirmed_at_us = (SELECT seen_at_us FROM sites WHERE id = ?1) ORDER BY id");
+    return IdsOf(statement.Bind(site_id));
+  });
+}
+
 std::vector<std::string> SiteStore::ListUnchecked() const {
   return state_.ReadSites([](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT sites.id FROM sites JOIN site_numbers ON site_id = sites.id "
         "WHERE is_checked = 0 AND is_recallable = 1 ORDER BY sites.id");
-    std::vector<std::string> ids;
-    while (statement.Step()) ids.push_back(statement.Text(0));
-    return ids;
+    return IdsOf(statement);
   });
 }
 

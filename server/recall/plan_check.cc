@@ -1,0 +1,151 @@
+#include "server/recall/plan_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <spdlog/spdlog.h>
+
+#include "api/export/layers/layers.h"
+
+namespace freelsd {
+namespace {
+
+// On all sides of the plan, metres: more than the widest corridor and disc of the known aircraft.
+constexpr double kBoxMarginM = 200.0;
+
+LoiterDirection TurnOf(const FinalPlaces& places) {
+  return places.is_right_turn ? LoiterDirection::kRight : LoiterDirection::kLeft;
+}
+
+// In another map's frame. Heights are relative to the touchdown.
+Approach ApproachIn(const LocalFrame& frame, const StoredPlan& plan) {
+  const FinalPlaces& places = *plan.site.final_places;
+  const auto at = [&frame](const GeoPoint& place, double height) {
+    const GeoPoint level{place.latitude_deg, place.longitude_deg, frame.origin().altitude_m};
+    const Eigen::Vector3d in_world = frame.WorldFromGeo(level);
+    return Eigen::Vector3d(in_world.x(), in_world.y(), height);
+  };
+  Approach approach;
+  approach.touchdown_in_world = at(plan.site.touchdown, 0.0);
+  approach.approach_start_in_world = at(places.start, places.height_m);
+  approach.loiter_center_in_world = at(places.loiter_center, places.height_m);
+  const Eigen::Vector2d way =
+      (approach.touchdown_in_world - approach.approach_start_in_world).head<2>();
+  approach.heading = HeadingOf(way);
+  approach.approach_distance = way.norm();
+  approach.approach_height = places.height_m;
+  approach.loiter_radius = places.loiter_radius_m;
+  approach.loiter_direction = TurnOf(places);
+  constexpr double kUnseen = std::numeric_limits<double>::quiet_NaN();
+  const double ground_m = plan.site.touchdown.altitude_m;
+  for (const ProfilePoint& point : plan.site.profile) {
+    approach.profile.distance.push_back(point.distance_m);
+    approach.profile.path_height.push_back(point.path_m.value_or(kUnseen) - ground_m);
+    approach.profile.terrain_height.push_back(point.terrain_m.value_or(kUnseen) - ground_m);
+  }
+  return approach;
+}
+
+struct Reading {
+  SiteMap site_map;
+  ApproachOptions options;
+};
+
+// The map as the planner reads it: what is unsure counts against the plan.
+Reading Strict(const StoredPlan& plan, const SiteMap& site_map) {
+  return {site_map, plan.replan.flight.options.approach};
+}
+
+// The map as if it lay exactly and its unclear cells were clear. A less exact map, or one that
+// could not tell what grows somewhere, shows no change of the ground: only what breaks a rule on
+// this reading too was seen.
+Reading Lenient(const StoredPlan& plan, const SiteMap& site_map) {
+  Reading reading = Strict(plan, site_map);
+  reading.site_map.map.position_sd_m = 0.0;
+  reading.site_map.map.tilt_sd_deg = 0.0;
+  reading.site_map.layers.grass = site_map.layers.grass.clone();
+  cv::patchNaNs(reading.site_map.layers.grass, 1.0);
+  reading.options.min_map_position_sd_m = 0.0;
+  reading.options.unclear_height_allowance_m = 0.0;
+  return reading;
+}
+
+ApproachCheck CheckOn(const Reading& reading, const Approach& approach, const StoredPlan& plan) {
+  const FlightRequest& flight = plan.replan.flight;
+  const HazardLayers layers =
+      WithLimits(reading.site_map.map,
+                 reading.site_map.layers,
+                 {flight.aircraft.max_slope_deg, flight.aircraft.max_roughness_m},
+                 flight.options.hazard);
+  return CheckApproach(approach,
+                       reading.site_map.map,
+                       layers,
+                       flight.aircraft,
+                       plan.replan.request.wind_in_world,
+                       reading.options);
+}
+
+// The part of the map that the check reads.
+SiteMap CroppedTo(const StoredPlan& plan, const Approach& approach, const SiteMap& site_map) {
+  ElevationMap extent;
+  extent.grid = site_map.map.grid;
+  extent.position_sd_m = std::isfinite(site_map.map.position_sd_m) ? site_map.map.position_sd_m : 0;
+  const FlightRequest& flight = plan.replan.flight;
+  return CropAround(site_map.map,
+                    site_map.layers,
+                    CheckedGround(approach,
+                                  extent,
+                                  flight.aircraft,
+                                  plan.replan.request.wind_in_world,
+                                  flight.options.approach),
+                    0.0);
+}
+
+}  // namespace
+
+std::optional<StoredPlan> ReadStoredPlan(const SiteRow& row) {
+  if (row.approach_json.empty()) return std::nullopt;
+  try {
+    StoredPlan plan{ParseReplan(row.replan_json), {}};
+    plan.site =
+        ReadStoredSite(row.feature_json, row.approach_json, plan.replan.flight.altitude_datum);
+    if (plan.site.IsRejected() || !plan.site.final_places) return std::nullopt;
+    return plan;
+  } catch (const std::exception& error) {
+    spdlog::error("site {} cannot be checked on later maps: {}", row.id, error.what());
+    return std::nullopt;
+  }
+}
+
+BoundingBox BoxOf(const StoredPlan& plan) {
+  const LocalFrame frame(plan.site.touchdown);
+  const Approach approach = ApproachIn(frame, plan);
+  ElevationMap exact;
+  const Polygon ground = CheckedGround(approach,
+                                       exact,
+                                       plan.replan.flight.aircraft,
+                                       plan.replan.request.wind_in_world,
+                                       plan.replan.flight.options.approach);
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kBoxMarginM);
+  const Eigen::Vector2d low = ground[0] - margin, high = ground[2] + margin;
+  const GeoPoint south_west = frame.GeoFromWorld({low.x(), low.y(), 0.0});
+  const GeoPoint north_east = frame.GeoFromWorld({high.x(), high.y(), 0.0});
+  return {south_west.longitude_deg,
+          south_west.latitude_deg,
+          north_east.longitude_deg,
+          north_east.latitude_deg};
+}
+
+PlanCheck CheckPlan(const StoredPlan& plan, const GeoPoint& map_origin, const SiteMap& site_map) {
+  const Approach approach = ApproachIn(LocalFrame(map_origin), plan);
+  const SiteMap around = CroppedTo(plan, approach, site_map);
+  if (around.map.elevation.empty()) return {};
+  const ApproachCheck strict = CheckOn(Strict(plan, around), approach, plan);
+  if (strict.is_covered && !strict.rejection) return {PlanVerdict::kHolds, {}, {}};
+  const ApproachCheck lenient = CheckOn(Lenient(plan, around), approach, plan);
+  if (!lenient.rejection) return {};
+  return {PlanVerdict::kFails, NameOf(lenient.rejection->reason), lenient.rejection->detail};
+}
+
+}  // namespace freelsd
