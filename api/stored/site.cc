@@ -145,6 +145,7 @@ StoredSite ReadProperties(const nlohmann::json& properties) {
 }  // namespace
 
 std::string StoredSite::Name() const {
+  if (is_superseded) return id + " SUPERSEDED";
   if (IsRejected()) return id + " REJECTED";
   return verdict == "unverified" ? id + " UNVERIFIED" : id;
 }

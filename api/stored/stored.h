@@ -97,11 +97,13 @@ struct StoredSite {
   std::optional<StoredClearance> approach;
   std::vector<StoredRejection> rejections;
   std::vector<std::string> warnings;
+  // Its plan fails on a later map. The caller sets it: a later flight changes it.
+  bool is_superseded = false;
   std::optional<FinalPlaces> final_places;
   std::vector<ProfilePoint> profile;
 
   bool IsRejected() const { return verdict != "landable" && verdict != "unverified"; }
-  // The id, marked if the site is unverified: "f-r1 UNVERIFIED".
+  // The id, marked if the site is superseded, rejected or unverified: "f-r1 UNVERIFIED".
   std::string Name() const;
 };
 // `feature_json` is the site's GeoJSON feature. `approach_json` is the FeatureCollection of the

@@ -91,8 +91,8 @@ RollCheck CheckRoll(const Approach& approach,
   return check;
 }
 
-// Height of the touchdown's ground by the ground below the final: the median of its differences to
-// the stored profile, so that a thing that is new below a small part of the final does not count.
+// Height of the touchdown's ground by the ground below the final: the lower quartile of its
+// differences to the stored profile, because what is new on the ground stands up.
 std::optional<double> GroundByProfile(const Approach& approach,
                                       const ClearanceSurface& surface,
                                       const Aircraft& aircraft,
@@ -110,9 +110,9 @@ std::optional<double> GroundByProfile(const Approach& approach,
     if (std::isfinite(rise)) heights.push_back(approach.touchdown_in_world.z() + rise);
   }
   if (heights.empty()) return std::nullopt;
-  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-  std::nth_element(heights.begin(), middle, heights.end());
-  return *middle;
+  const auto quartile = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 4);
+  std::nth_element(heights.begin(), quartile, heights.end());
+  return *quartile;
 }
 
 Approach Seated(Approach approach, double ground_height) {

@@ -54,8 +54,14 @@ nlohmann::json FeatureOf(const SiteRow& row) {
 }
 
 StoredSite SiteOf(const SiteRow& row) {
-  return ReadStoredSite(
+  StoredSite site = ReadStoredSite(
       row.feature_json, row.approach_json, ParseReplan(row.replan_json).flight.altitude_datum);
+  site.is_superseded = row.superseded_by.has_value();
+  if (site.is_superseded) {
+    site.warnings.push_back("superseded: on the later map of " + *row.superseded_by + " " +
+                            row.superseded_detail);
+  }
+  return site;
 }
 
 }  // namespace freelsd

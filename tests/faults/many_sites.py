@@ -54,7 +54,7 @@ def fill_one(database, places, map_blob):
         replan["latitude_deg"], replan["longitude_deg"] = latitude, longitude
         row = dict(base, id=f"many-r{number}", flight_id="many", region_id=number,
                    latitude_deg=latitude, longitude_deg=longitude, replan_json=json.dumps(replan),
-                   checksum=None, superseded_by=None)
+                   checksum=None, superseded_by=None, is_checked=1)
         database.execute(f"INSERT INTO sites VALUES ({','.join('?' * len(columns))})",
                          [row[column] for column in columns])
         database.execute("INSERT INTO site_maps VALUES (?, ?)", (row["id"], map_blob))

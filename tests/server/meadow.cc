@@ -46,6 +46,16 @@ SiteRow MeadowSite(const std::string& altitude_datum, double north_m) {
   return site;
 }
 
+Standing SupersededBy(const std::string& site_id) {
+  Standing standing;
+  standing.superseded_by = site_id;
+  standing.superseded_at_us = 1600000000000000;
+  standing.superseded_reason = std::string("approach_blocked");
+  standing.superseded_detail = std::string("the final is blocked 30 m before touchdown");
+  standing.is_checked = true;
+  return standing;
+}
+
 MeadowServer::MeadowServer(const std::function<void(Storage&)>& fill,
                            const std::function<void(Config&)>& change) {
   {

@@ -16,6 +16,9 @@ SiteMap Meadow();
 // small aircraft.
 SiteRow MeadowSite(const std::string& altitude_datum = "unknown", double north_m = 0.0);
 
+// Of a site whose final is blocked on the map of that site.
+Standing SupersededBy(const std::string& site_id);
+
 // A server whose folder already holds the meadow, and a site that never had a map.
 struct MeadowServer {
   TemporaryFolder folder;

@@ -76,16 +76,31 @@ TEST_CASE("site store: a superseded site is not recalled, until what superseded 
   SiteRow new_site = old_site;
   new_site.id = std::string("g-r1");
   new_site.flight_id = std::string("g");
-  storage.sites.Put(new_site, "map", {"f-r1"});
+  Standing superseded;
+  superseded.superseded_by = std::string("g-r1");
+  superseded.superseded_at_us = 2000;
+  superseded.superseded_reason = std::string("approach_blocked");
+  superseded.confirmed_at_us = 1500;
+  superseded.is_checked = true;
+  storage.sites.Put(new_site, "map", {{"f-r1", superseded}});
   const BoundingBox box{7.0, 49.0, 9.0, 51.0};
   REQUIRE(storage.sites.ListRecallable(box).size() == 1);
   CHECK(storage.sites.ListRecallable(box)[0]->site_id == "g-r1");
-  CHECK(storage.sites.Find("f-r1")->superseded_by == "g-r1");
+  CHECK((static_cast<Standing>(*storage.sites.Find("f-r1")) == superseded));
+  CHECK(storage.sites.CountOverruled(box) == 1);
+  CHECK(storage.sites.ListDependents("g-r1") == std::vector<std::string>{"f-r1"});
   // Its map still tells of terrain.
   CHECK(storage.sites.ListMaps(box).size() == 2);
-  CHECK(storage.sites.Delete("g-r1"));
+  Standing confirmed;
+  confirmed.confirmed_at_us = 1500;
+  CHECK_FALSE(storage.sites.Delete("none", {{"f-r1", confirmed}}));
+  CHECK(storage.sites.ListRecallable(box).size() == 1);
+  CHECK(storage.sites.Delete("g-r1", {{"f-r1", confirmed}}));
   REQUIRE(storage.sites.ListRecallable(box).size() == 1);
   CHECK(storage.sites.ListRecallable(box)[0]->site_id == "f-r1");
+  CHECK(storage.sites.ListRecallable(box)[0]->seen_at_us == 1500);
+  CHECK_FALSE(storage.sites.Find("f-r1")->superseded_by);
+  CHECK(storage.sites.ListUnchecked() == std::vector<std::string>{"f-r1"});
 }
 
 TEST_CASE("site store: what bounds the reach of sites follows them") {

@@ -281,7 +281,7 @@ TEST_CASE("emergency: a superseded site is not recalled") {
     SiteRow later = MeadowSite("amsl");
     later.id = std::string("g-r1");
     later.flight_id = std::string("g");
-    storage.sites.Put(later, SerializeSiteMap(Meadow()), {"f-r1"});
+    storage.sites.Put(later, SerializeSiteMap(Meadow()), {{"f-r1", SupersededBy("g-r1")}});
   });
   const nlohmann::json answer = GetJson(*meadow.client, Query(900.0, kCalmNorth));
   REQUIRE(answer["sites"].size() == 1);

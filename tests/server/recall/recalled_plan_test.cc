@@ -114,7 +114,7 @@ TEST_CASE("sites: lists and exports leave out what a later flight found otherwis
     later.feature_json = R"({"type":"Feature","geometry":null,"properties":{"id":"g-r1",)"
                          R"("verdict":"rejected","score":0.05}})";
     later.recall.reset();
-    storage.sites.Put(later, SerializeSiteMap(Meadow()), {"f-r1"});
+    storage.sites.Put(later, SerializeSiteMap(Meadow()), {{"f-r1", SupersededBy("g-r1")}});
   });
   httplib::Client& client = *meadow.client;
   const auto ids = [&client](const std::string& path) {
@@ -130,7 +130,10 @@ TEST_CASE("sites: lists and exports leave out what a later flight found otherwis
   CHECK(GetJson(client,
                 "/v1/sites?include=superseded")["features"][0]["properties"]["superseded_by"] ==
         "g-r1");
-  CHECK(GetJson(client, "/v1/sites/f-r1")["properties"]["superseded_by"] == "g-r1");
+  const nlohmann::json properties = GetJson(client, "/v1/sites/f-r1")["properties"];
+  CHECK(properties["superseded_by"] == "g-r1");
+  CHECK(properties["superseded_at"] == "2020-09-13T12:26:40Z");
+  CHECK(properties["superseded_reason"] == "approach_blocked");
   CheckProblem(client.Get("/v1/sites?include=all"), 400, "InvalidQuery");
   for (const char* const format : {"plan", "waypoints", "rally", "cup", "kml", "csv"}) {
     const auto refused = client.Get(std::string("/v1/sites/f-r1?f=") + format);

@@ -1,100 +1,222 @@
-// Of several flights over one ground, which site speaks.
+// Memory that neither forgets nor haunts: what a later flight changes of stored sites.
 #include "server/recall/superseding.h"
 
 #include <doctest/doctest.h>
 
 #include "tests/server/meadow.h"
+#include "tests/server/recall/flown_ground.h"
 
 namespace freelsd {
 namespace {
 
-constexpr BoundingBox kEverywhere{-180.0, -90.0, 180.0, 90.0};
+constexpr int64_t kFirst = 1600000000000000;  // 2020-09-13T12:26:40Z
+constexpr int64_t kLater = kFirst + 86400000000;
+constexpr int64_t kLatest = kLater + 86400000000;
+constexpr char kLaterText[] = "2020-09-14T12:26:40Z";
+// Away from the meadow that the server holds anyway.
+constexpr int kPlace = 5;
 
-SiteRow SeenAt(const std::string& flight_id, int64_t seen_at_us, bool is_rejected = false) {
-  SiteRow site = MeadowSite("amsl");
-  site.id = flight_id + "-r1";
-  site.flight_id = flight_id;
-  site.seen_at_us = seen_at_us;
-  site.is_evidence = true;
-  if (is_rejected) site.recall.reset();
-  return site;
+Flown First(Ground ground = Ground::kFree) {
+  return {.flight_id = "first", .seen_at_us = kFirst, .ground = ground, .place = kPlace};
 }
 
-// As an evaluation stores it.
-void Store(Storage& storage, SiteRow site) {
-  const Standing standing = StandingOf(storage, site);
-  site.superseded_by = standing.superseded_by;
-  storage.sites.Put(site, "map", standing.supersedes);
+// A later flight that accepts nothing.
+Flown Later(Ground ground, const std::string& flight_id = "later", int64_t seen_at_us = kLater) {
+  return {.flight_id = flight_id,
+          .seen_at_us = seen_at_us,
+          .ground = ground,
+          .is_accepted = false,
+          .place = kPlace};
 }
 
-std::string RecalledIds(const Storage& storage) {
-  std::string ids;
-  for (const auto& row : storage.sites.ListRecallable(kEverywhere)) ids += row->site_id + " ";
-  return ids;
+struct FieldServer : MeadowServer {
+  explicit FieldServer(const std::vector<Flown>& flights)
+      : MeadowServer([&flights](Storage& storage) {
+          MapCache maps(size_t{1} << 24, size_t{1} << 22);
+          for (const Flown& flown : flights) Store(storage, maps, flown);
+        }) {}
+
+  nlohmann::json Site(const std::string& id) const {
+    return GetJson(*client, "/v1/sites/" + id)["properties"];
+  }
+  bool IsListed(const std::string& path) const {
+    const auto answer = client->Get(path);
+    REQUIRE(answer->status == 200);
+    return answer->body.find("first-r1") != std::string::npos;
+  }
+  // In lists, exports and recall alike.
+  bool IsServed() const {
+    const std::string near = "latitude_deg=47.04&longitude_deg=8&altitude_m=1500";
+    const bool is_served = IsListed("/v1/sites");
+    for (const std::string& path :
+         {std::string("/v1/emergency/export"),
+          std::string("/v1/emergency/export?f=rally&home_altitude_m=300"),
+          std::string("/v1/emergency/export?f=plan&home_altitude_m=300&bbox=7.9,47.02,8.1,47.1"),
+          "/v1/emergency?limit=50&heading_deg=0&wind_east_mps=0&wind_north_mps=-4&" + near}) {
+      INFO(path);
+      CHECK(IsListed(path) == is_served);
+    }
+    for (const char* const format : {"plan", "waypoints", "cup", "kml", "csv"}) {
+      const auto file =
+          client->Get(std::string("/v1/sites/first-r1?home_altitude_m=300&f=") + format);
+      CHECK(file->status == (is_served ? 200 : 409));
+    }
+    return is_served;
+  }
+};
+
+TEST_CASE("memory: a repeat flight's region over the whole survey supersedes no free ground") {
+  Flown wide = Later(Ground::kFree);
+  wide.half_region_m = 5000.0;
+  Flown neighbour = First();
+  neighbour.region_id = 2;
+  neighbour.place = kPlace + 1;
+  const FieldServer field({First(), neighbour, wide});
+  CHECK(field.IsServed());
+  CHECK_FALSE(field.Site("first-r1").contains("superseded_by"));
+  CHECK(field.Site("first-r1")["last_seen_at"] == kLaterText);
+  // Not photographed again.
+  CHECK(field.Site("first-r2")["last_seen_at"] == "2020-09-13T12:26:40Z");
+  const nlohmann::json answer =
+      GetJson(*field.client,
+              "/v1/emergency?latitude_deg=47.045&longitude_deg=8&altitude_m=900&heading_deg=0"
+              "&wind_east_mps=0&wind_north_mps=-4&limit=1");
+  CHECK(answer["sites"][0]["site_id"] == "first-r1");
+  CHECK(answer["sites"][0]["last_seen_at"] == kLaterText);
 }
 
-TEST_CASE("superseding: the ground photographed last speaks, in whatever order the flights came") {
-  for (const bool is_newer_first : {false, true}) {
-    INFO(is_newer_first);
-    const TemporaryFolder folder;
-    Storage storage(folder.path());
-    const SiteRow older = SeenAt("a", 1000), newer = SeenAt("b", 2000);
-    Store(storage, is_newer_first ? newer : older);
-    Store(storage, is_newer_first ? older : newer);
-    CHECK(RecalledIds(storage) == "b-r1 ");
-    CHECK(storage.sites.Find("a-r1")->superseded_by == "b-r1");
-    CHECK_FALSE(storage.sites.Find("b-r1")->superseded_by);
+TEST_CASE("memory: a flight with a stricter aircraft erases nothing whose ground has not changed") {
+  Flown strict = Later(Ground::kSlope);
+  strict.is_strict = true;
+  CHECK(FieldServer({First(Ground::kSlope), strict}).IsServed());
+  // For the site of a strict aircraft, the same ground is a hazard.
+  Flown first = First();
+  first.is_strict = true;
+  CHECK_FALSE(FieldServer({first, Later(Ground::kSlope)}).IsServed());
+}
+
+TEST_CASE(
+    "memory: a new obstacle supersedes the site whose way down it blocks, with reason and time") {
+  const std::vector<std::pair<Ground, const char*>> cases{
+      {Ground::kTreeOnFinal, "approach_blocked"},
+      {Ground::kTreeOnCircle, "loiter_blocked"},
+      {Ground::kHazardInDisc, "no_safe_touchdown"}};
+  for (const auto& [ground, reason] : cases) {
+    INFO(reason);
+    const FieldServer field({First(), Later(ground)});
+    CHECK_FALSE(field.IsServed());
+    CHECK(field.IsListed("/v1/sites?include=superseded"));
+    const nlohmann::json site = field.Site("first-r1");
+    CHECK(site["superseded_by"] == "later-r1");
+    CHECK(site["superseded_at"] == kLaterText);
+    CHECK(site["superseded_reason"] == reason);
+    CHECK(site["superseded_detail"].get<std::string>().find(" m") != std::string::npos);
+    CHECK(site["last_seen_at"] == "2020-09-13T12:26:40Z");
+    const auto refused = field.client->Get("/v1/sites/first-r1?f=csv");
+    CHECK(refused->body.find(site["superseded_detail"]) != std::string::npos);
+    const auto kml = field.client->Get("/v1/sites/first-r1?f=kml&include=superseded");
+    CHECK(kml->body.find("first-r1 SUPERSEDED") != std::string::npos);
+  }
+  CHECK(FieldServer({First(), Later(Ground::kTreeAside)}).IsServed());
+}
+
+TEST_CASE("memory: flights may arrive in any order") {
+  const Flown first = First(), blocked = Later(Ground::kTreeOnFinal);
+  const Flown free = Later(Ground::kFree, "latest", kLatest);
+  std::vector<Flown> flights{first, blocked, free};
+  const auto by_id = [](const Flown& a, const Flown& b) { return a.flight_id < b.flight_id; };
+  std::sort(flights.begin(), flights.end(), by_id);
+  do {
+    INFO(flights[0].flight_id);
+    const FieldServer field(flights);
+    CHECK_FALSE(field.IsServed());
+    const nlohmann::json site = field.Site("first-r1");
+    CHECK(site["superseded_by"] == "later-r1");
+    CHECK(site["superseded_at"] == kLaterText);
+    CHECK(site["last_seen_at"] == "2020-09-15T12:26:40Z");
+  } while (std::next_permutation(flights.begin(), flights.end(), by_id));
+  // An older flight, and the same photographs sent again, show nothing later.
+  for (const int64_t seen_at_us : {kFirst - 1, kFirst}) {
+    CHECK(FieldServer({First(), Later(Ground::kTreeOnFinal, "old", seen_at_us)}).IsServed());
   }
 }
 
-TEST_CASE("superseding: an old flight that is sent late does not win over a later rejection") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
-  Store(storage, SeenAt("b", 2000, true));
-  Store(storage, SeenAt("a", 1000));
-  CHECK(RecalledIds(storage).empty());
-  CHECK(storage.sites.CountOverruled(kEverywhere) == 1);
-  // Evaluated again, nothing changes.
-  Store(storage, SeenAt("a", 1000));
-  CHECK(RecalledIds(storage).empty());
+TEST_CASE("memory: what superseded a site is forgotten: the other later maps decide again") {
+  const FieldServer field({First(),
+                           Later(Ground::kTreeOnFinal),
+                           Later(Ground::kHazardInDisc, "latest", kLatest),
+                           Later(Ground::kFree, "free", kLater + 1)});
+  CHECK(field.Site("first-r1")["superseded_by"] == "latest-r1");
+  CHECK(field.client->Delete("/v1/sites/latest-r1")->status == 204);
+  CHECK_FALSE(field.IsServed());
+  CHECK(field.Site("first-r1")["superseded_by"] == "later-r1");
+  CHECK(field.Site("first-r1")["superseded_reason"] == "approach_blocked");
+  CHECK(field.client->Delete("/v1/sites/later-r1")->status == 204);
+  CHECK(field.IsServed());
+  CHECK_FALSE(field.Site("first-r1").contains("superseded_reason"));
+  CHECK(field.Site("first-r1")["last_seen_at"] == kLaterText);
+  CHECK(field.client->Delete("/v1/sites/free-r1")->status == 204);
+  CHECK(field.Site("first-r1")["last_seen_at"] == "2020-09-13T12:26:40Z");
 }
 
-TEST_CASE("superseding: who forgets one rejection does not bring back what another one rejects") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
-  Store(storage, SeenAt("a", 1000));
-  Store(storage, SeenAt("b", 2000, true));
-  Store(storage, SeenAt("c", 3000, true));
-  CHECK(RecalledIds(storage).empty());
-  CHECK(ForgetSite(storage, "c-r1"));
-  CHECK(RecalledIds(storage).empty());
-  CHECK(storage.sites.Find("a-r1")->superseded_by == "b-r1");
-  CHECK(ForgetSite(storage, "b-r1"));
-  CHECK(RecalledIds(storage) == "a-r1 ");
-  CHECK_FALSE(ForgetSite(storage, "b-r1"));
+TEST_CASE("memory: a map that does not show the disc neither supersedes nor refreshes") {
+  const FieldServer unseen({First(), Later(Ground::kDiscUnseen)});
+  CHECK(unseen.IsServed());
+  CHECK(unseen.Site("first-r1")["last_seen_at"] == "2020-09-13T12:26:40Z");
+  // But what it shows on the final does.
+  const FieldServer tree({First(), Later(Ground::kDiscUnseenTree)});
+  CHECK_FALSE(tree.IsServed());
+  CHECK(tree.Site("first-r1")["superseded_reason"] == "approach_blocked");
 }
 
-TEST_CASE("superseding: what says nothing of the ground supersedes nothing") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
-  Store(storage, SeenAt("a", 1000));
-  SiteRow silent = SeenAt("b", 2000, true);
-  silent.is_evidence = false;
-  Store(storage, silent);
-  CHECK(RecalledIds(storage) == "a-r1 ");
+TEST_CASE("memory: altitudes of another datum, or wrong ones, change nothing of the ground") {
+  for (const char* const datum : {"amsl", "unknown"}) {
+    Flown higher = Later(Ground::kFree);
+    higher.altitude_datum = datum;
+    higher.altitude_error_m = 48.0;
+    const FieldServer field({First(), higher});
+    CHECK(field.IsServed());
+    CHECK(field.Site("first-r1")["last_seen_at"] == kLaterText);
+    higher.ground = Ground::kTreeOnFinal;
+    CHECK_FALSE(FieldServer({First(), higher}).IsServed());
+  }
 }
 
-TEST_CASE("superseding: other ground is left alone") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
-  Store(storage, SeenAt("a", 1000));
-  SiteRow elsewhere = SeenAt("b", 2000);
-  Replan replan = ParseReplan(elsewhere.replan_json);
-  replan.origin.longitude_deg += 0.01;
-  elsewhere.replan_json = ReplanJson(replan);
-  elsewhere.longitude_deg += 0.01;
-  Store(storage, elsewhere);
-  CHECK(RecalledIds(storage) == "a-r1 b-r1 ");
+TEST_CASE("memory: within a flight a new evaluation replaces what its old map said") {
+  Flown again = Later(Ground::kFree);
+  again.updated_at_us = 2;
+  const FieldServer field({First(), Later(Ground::kTreeOnFinal), again});
+  CHECK(field.IsServed());
+  CHECK(field.Site("first-r1")["last_seen_at"] == kLaterText);
+  // A map of the flight's own never supersedes.
+  Flown own = Later(Ground::kTreeOnFinal, "first");
+  own.region_id = 7;
+  CHECK(FieldServer({First(), own}).IsServed());
+}
+
+TEST_CASE("memory: sites of an older program are checked once at the start of the server") {
+  const MeadowServer meadow([](Storage& storage) {
+    storage.sites.Put(SiteOf(First()), MapOf(First()));
+    Flown neighbour = First();
+    neighbour.flight_id = "other";
+    neighbour.place = kPlace + 1;
+    SiteRow wrongly = SiteOf(neighbour);
+    storage.sites.Put(SiteOf(Later(Ground::kTreeOnFinal)), MapOf(Later(Ground::kTreeOnFinal)));
+    wrongly.superseded_by = "later-r1";
+    storage.sites.Put(wrongly, MapOf(neighbour));
+  });
+  const auto is_superseded = [&meadow](const char* const id) {
+    return GetJson(*meadow.client, std::string("/v1/sites/") + id)["properties"].contains(
+        "superseded_by");
+  };
+  for (int i = 0; i < 500 && is_superseded("other-r1"); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK_FALSE(is_superseded("other-r1"));
+  for (int i = 0; i < 500 && !is_superseded("first-r1"); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK(is_superseded("first-r1"));
 }
 
 }  // namespace

@@ -1,0 +1,206 @@
+#include "tests/server/recall/flown_ground.h"
+
+#include <cmath>
+#include <limits>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/approach/approach_geometry.h"
+#include "server/http/stamps.h"
+
+namespace freelsd {
+namespace {
+
+constexpr int kNumCells = 40;
+constexpr double kTreeM = 15.0;
+// The whole disc is unseen.
+constexpr double kUnseenM = 14.0;
+const Eigen::Vector2d kWind(0.0, -4.0);
+
+FlightRequest RequestOf(const Flown& flown) {
+  const std::string strict =
+      flown.is_strict ? R"(,"max_slope_deg":4,"touchdown_uncertainty_m":9)" : "";
+  return ParseFlightRequest(R"({"name":"field","aircraft":{"profile":"small")" + strict +
+                            R"(},"altitude_datum":")" + flown.altitude_datum + "\"}");
+}
+
+// The frames of different flights lie beside each other; the grids too.
+GeoPoint OriginOf(const Flown& flown) {
+  const double shift_m = 0.7 * static_cast<double>(flown.flight_id.back() % 10);
+  GeoPoint origin = TouchdownOf(flown.place);
+  origin.altitude_m += flown.altitude_error_m;
+  return LocalFrame(origin).GeoFromWorld({shift_m, -shift_m, 0.0});
+}
+
+Plan PlanOf(const Flown& flown, const LocalFrame& frame) {
+  const Aircraft aircraft = RequestOf(flown).aircraft;
+  const WindCase wind = MakeWindCase(kWind, aircraft, {});
+  GeoPoint touchdown = TouchdownOf(flown.place);
+  touchdown.altitude_m += flown.altitude_error_m;
+  Plan plan;
+  plan.verdict = Verdict::kLandable;
+  plan.approach = MakeApproach(frame.WorldFromGeo(touchdown),
+                               wind.headings[0].heading,
+                               wind.headings[0].scenarios[0],
+                               LoiterDirection::kLeft,
+                               aircraft.approach_height_m);
+  plan.touchdown_in_world = plan.approach->touchdown_in_world;
+  ApproachProfile& profile = plan.approach->profile;
+  for (double distance = std::floor(plan.approach->approach_distance); distance >= 0.0;
+       --distance) {
+    profile.distance.push_back(distance);
+    profile.path_height.push_back(plan.touchdown_in_world.z() + 0.2 * distance);
+    profile.terrain_height.push_back(plan.touchdown_in_world.z() + 0.1);
+  }
+  return plan;
+}
+
+bool IsWithin(const Eigen::Vector2d& place, const Eigen::Vector2d& middle, double half_m) {
+  return (place - middle).cwiseAbs().maxCoeff() <= half_m;
+}
+
+struct CellFound {
+  double height = 0.1;
+  double slope = 0.0;
+  double grass = 0.99;
+  bool is_seen = true;
+};
+
+CellFound FindAt(Ground ground, const Eigen::Vector2d& from_touchdown) {
+  const auto tree = [&](double east, double north) {
+    return IsWithin(from_touchdown, {east, north}, 4.0) ? kTreeM : 0.1;
+  };
+  CellFound cell;
+  switch (ground) {
+    case Ground::kFree:
+      break;
+    case Ground::kHazardInDisc:
+      if (IsWithin(from_touchdown, {7.0, 0.0}, 4.0)) cell.grass = 0.0;
+      break;
+    case Ground::kSlope:
+      if (IsWithin(from_touchdown, {0.0, 0.0}, 6.0)) cell.slope = RadFromDeg(6.0);
+      break;
+    case Ground::kTreeOnFinal:
+      cell.height = tree(0.0, -30.0);
+      break;
+    case Ground::kTreeOnCircle:
+      cell.height = tree(-68.0, -46.0);
+      break;
+    case Ground::kTreeAside:
+      cell.height = tree(70.0, 60.0);
+      break;
+    case Ground::kDiscUnseen:
+      cell.is_seen = from_touchdown.norm() > kUnseenM;
+      break;
+    case Ground::kDiscUnseenTree:
+      cell.is_seen = from_touchdown.norm() > kUnseenM;
+      cell.height = tree(0.0, -30.0);
+      break;
+  }
+  return cell;
+}
+
+SiteMap EmptyMap(const Flown& flown) {
+  SiteMap made;
+  const double size_m = 2.0 * flown.half_size_m / kNumCells;
+  made.map.grid = {
+      Eigen::Vector2d(-flown.half_size_m, flown.half_size_m), size_m, kNumCells, kNumCells};
+  const cv::Size size(kNumCells, kNumCells);
+  constexpr float kUnseenCell = std::numeric_limits<float>::quiet_NaN();
+  for (cv::Mat1f* layer : {&made.map.elevation,
+                           &made.map.upper,
+                           &made.map.standard_deviation,
+                           &made.map.num_points,
+                           &made.layers.slope,
+                           &made.layers.roughness,
+                           &made.layers.grass}) {
+    *layer = cv::Mat1f(size, kUnseenCell);
+  }
+  made.map.is_compared = true;
+  made.layers.grid = made.map.grid;
+  made.layers.hazard = cv::Mat1b(size, uchar{kUnseen});
+  made.layers.distance = cv::Mat1f(size, 0.0f);
+  return made;
+}
+
+}  // namespace
+
+std::string IdOf(const Flown& flown) {
+  return flown.flight_id + "-r" + std::to_string(flown.region_id);
+}
+
+GeoPoint TouchdownOf(int place) { return {47.0 + 0.009 * place, 8.0, 400.0}; }
+
+SiteRow SiteOf(const Flown& flown) {
+  const LocalFrame frame(OriginOf(flown));
+  Replan replan;
+  replan.flight = RequestOf(flown);
+  replan.origin = frame.origin();
+  const double half_m = flown.half_region_m;
+  replan.request = {
+      .footprint = {{-half_m, -half_m}, {half_m, -half_m}, {half_m, half_m}, {-half_m, half_m}},
+      .area_m2 = 1600.0,
+      .grade = 1.0,
+      .num_observations = 9,
+      .wind_in_world = kWind};
+  const GeoPoint touchdown = TouchdownOf(flown.place);
+  const double altitude_m = touchdown.altitude_m + flown.altitude_error_m;
+  SiteRow site;
+  site.id = IdOf(flown);
+  site.flight_id = flown.flight_id;
+  site.region_id = flown.region_id;
+  site.latitude_deg = touchdown.latitude_deg;
+  site.longitude_deg = touchdown.longitude_deg;
+  site.updated_at_us = flown.updated_at_us;
+  site.seen_at_us = flown.seen_at_us;
+  const nlohmann::json position{touchdown.longitude_deg, touchdown.latitude_deg, altitude_m};
+  site.feature_json = nlohmann::json{
+      {"type", "Feature"},
+      {"geometry", {{"type", "Point"}, {"coordinates", position}}},
+      {"properties",
+       {{"id", site.id},
+        {"verdict", flown.is_accepted ? "landable" : "rejected"},
+        {"last_seen_at", Rfc3339(flown.seen_at_us)},
+        {"score", 0.5}}}}.dump();
+  site.replan_json = ReplanJson(replan);
+  site.map_box = BoundingBox{8.0 - 0.00002 * flown.half_size_m,
+                             touchdown.latitude_deg - 0.00001 * flown.half_size_m,
+                             8.0 + 0.00002 * flown.half_size_m,
+                             touchdown.latitude_deg + 0.00001 * flown.half_size_m};
+  if (!flown.is_accepted) return site;
+  const FlightContext context{flown.flight_id, flown.altitude_datum, frame};
+  site.approach_json = ApproachJson(PlanOf(flown, frame), context).dump();
+  site.recall = RecallData{
+      true, altitude_m, flown.altitude_datum, 0.5, AircraftJson(replan.flight.aircraft).dump()};
+  return site;
+}
+
+std::string MapOf(const Flown& flown) {
+  const LocalFrame frame(OriginOf(flown));
+  GeoPoint touchdown = TouchdownOf(flown.place);
+  touchdown.altitude_m += flown.altitude_error_m;
+  const Eigen::Vector3d middle = frame.WorldFromGeo(touchdown);
+  SiteMap made = EmptyMap(flown);
+  for (int row = 0; row < kNumCells; ++row) {
+    for (int col = 0; col < kNumCells; ++col) {
+      const Eigen::Vector2d place = made.map.grid.CellCenter(row, col);
+      const CellFound cell = FindAt(flown.ground, place - middle.head<2>());
+      if (!cell.is_seen) continue;
+      made.map.elevation(row, col) = static_cast<float>(middle.z());
+      made.map.upper(row, col) = static_cast<float>(middle.z() + cell.height);
+      made.map.standard_deviation(row, col) = 0.1f;
+      made.map.num_points(row, col) = 9.0f;
+      made.layers.slope(row, col) = static_cast<float>(cell.slope);
+      made.layers.roughness(row, col) = 0.0f;
+      made.layers.grass(row, col) = static_cast<float>(cell.grass);
+      made.layers.hazard(row, col) = uchar{kFree};
+    }
+  }
+  return SerializeSiteMap(made);
+}
+
+void Store(Storage& storage, MapCache& maps, const Flown& flown) {
+  StoreSite(storage, maps, SiteOf(flown), MapOf(flown));
+}
+
+}  // namespace freelsd

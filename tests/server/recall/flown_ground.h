@@ -1,0 +1,54 @@
+// One field as flights at different times find it: small maps made by hand, and sites whose stored
+// plan lies on it, without the engine's photogrammetry.
+#pragma once
+
+#include <string>
+
+#include "api/stored/stored.h"
+#include "server/recall/superseding.h"
+
+namespace freelsd {
+
+enum class Ground {
+  kFree,
+  kHazardInDisc,  // no grass 7 m from the touchdown
+  kSlope,         // 6 degrees in the disc: too steep for the strict aircraft alone
+  kTreeOnFinal,
+  kTreeOnCircle,
+  kTreeAside,  // below no part of the plan
+  kDiscUnseen,
+  kDiscUnseenTree  // and a tree on the final
+};
+
+// What a flight says of the field.
+struct Flown {
+  std::string flight_id = "f";
+  // When it photographed the field.
+  int64_t seen_at_us = 0;
+  Ground ground = Ground::kFree;
+  bool is_strict = false;
+  bool is_accepted = true;
+  // Which field: 1 km north of the one before.
+  int place = 0;
+  int64_t updated_at_us = 1;
+  int region_id = 1;
+  std::string altitude_datum = "unknown";
+  // Of the map above the same ground of other flights.
+  double altitude_error_m = 0.0;
+  // Half a side of the map; the plan lies within 100 m of the touchdown.
+  double half_size_m = 100.0;
+  // Half a side of the region's rectangle.
+  double half_region_m = 20.0;
+};
+
+std::string IdOf(const Flown& flown);
+GeoPoint TouchdownOf(int place);
+// A site whose plan is landed northwards, against 4 m/s of wind, on the middle of the field. The
+// plan does not depend on the ground.
+SiteRow SiteOf(const Flown& flown);
+// 40 x 40 cells on the default size, about an origin that differs from flight to flight.
+std::string MapOf(const Flown& flown);
+// As the server stores it.
+void Store(Storage& storage, MapCache& maps, const Flown& flown);
+
+}  // namespace freelsd
