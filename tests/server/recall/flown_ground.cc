@@ -129,7 +129,7 @@ std::string IdOf(const Flown& flown) {
   return flown.flight_id + "-r" + std::to_string(flown.region_id);
 }
 
-GeoPoint TouchdownOf(int place) { return {47.0 + 0.009 * place, 8.0, 400.0}; }
+GeoPoint TouchdownOf(int place) { return {47.0 + 0.04 * place, 8.0, 400.0}; }
 
 SiteRow SiteOf(const Flown& flown) {
   const LocalFrame frame(OriginOf(flown));

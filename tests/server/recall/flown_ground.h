@@ -28,7 +28,7 @@ struct Flown {
   Ground ground = Ground::kFree;
   bool is_strict = false;
   bool is_accepted = true;
-  // Which field: 1 km north of the one before.
+  // Which field: 4 km north of the one before.
   int place = 0;
   int64_t updated_at_us = 1;
   int region_id = 1;
