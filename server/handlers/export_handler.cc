@@ -103,13 +103,13 @@ void AnswerReport(const Service& service,
                   const SiteRow& row,
                   const StoredSite& site,
                   httplib::Response& response) {
-  const std::optional<std::string> blob = service.storage.sites.ReadMap(row.id);
+  const std::optional<SiteMap> map = MapOf(service, row);
   const LocalFrame local_frame(ParseReplan(row.replan_json).origin);
   response.set_header("Vary", "Accept");
   response.set_header("Content-Security-Policy",
                       "default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
                       "frame-ancestors 'none'");
-  response.set_content(SiteReport(site, blob ? DeserializeSiteMap(*blob) : SiteMap(), local_frame),
+  response.set_content(SiteReport(site, map.value_or(SiteMap()), local_frame),
                        "text/html; charset=utf-8");
 }
 
@@ -163,10 +163,10 @@ void GetLayerWorldFile(Service& service, const Call& call, httplib::Response& re
   if (std::find(names.begin(), names.end(), call.Id("layer")) == names.end()) {
     throw ApiError("NoSuchLayer", "there is no such layer");
   }
-  const std::optional<std::string> blob = service.storage.sites.ReadMap(site.id);
-  if (!blob) throw ApiError("NoMap", "the site has no map");
+  const std::optional<SiteMap> map = MapOf(service, site);
+  if (!map) throw ApiError("NoMap", "the site has no map");
   const LocalFrame local_frame(ParseReplan(site.replan_json).origin);
-  response.set_content(LayerWorldFile(DeserializeSiteMap(*blob), local_frame), "text/plain");
+  response.set_content(LayerWorldFile(*map, local_frame), "text/plain");
 }
 
 }  // namespace freelsd

@@ -42,4 +42,13 @@ StoredSite SiteOf(const SiteRow& row) {
       row.feature_json, row.approach_json, ParseReplan(row.replan_json).flight.altitude_datum);
 }
 
+std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site) {
+  const std::optional<std::string> blob = service.storage.sites.ReadMap(site.id);
+  if (!blob) return std::nullopt;
+  SiteMap map = DeserializeSiteMap(*blob);
+  map.layers.min_grass_posterior =
+      ParseReplan(site.replan_json).flight.options.hazard.cover.min_grass_posterior;
+  return map;
+}
+
 }  // namespace freelsd

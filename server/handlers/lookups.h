@@ -21,5 +21,8 @@ std::vector<SiteRow> ListedSites(const Service& service,
                                  const std::optional<BoundingBox>& box);
 // The row as a struct, without its rank.
 StoredSite SiteOf(const SiteRow& row);
+// The site's stored map, with the limit of grass of the flight's own settings. Nothing if the site
+// has no map.
+std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site);
 
 }  // namespace freelsd
