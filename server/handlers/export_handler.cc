@@ -15,7 +15,6 @@ namespace {
 
 constexpr SiteFormat kGeoJson{"geojson", "application/geo+json", "geojson"};
 constexpr SiteFormat kReport{"html", "text/html", "html"};
-constexpr double kMaxHomeAltitudeM = 10000.0;
 
 struct AcceptedType {
   std::string media_type;
@@ -66,15 +65,6 @@ std::vector<SiteFormat> FormatsWith(std::initializer_list<SiteFormat> more) {
   return formats;
 }
 
-ExportOptions OptionsOf(const Call& call) {
-  const ExportOptions options{call.QueryNumber("home_altitude_m")};
-  if (std::abs(options.home_altitude_m.value_or(0.0)) > kMaxHomeAltitudeM) {
-    const std::string detail = "home_altitude_m: must be in [-10000, 10000]";
-    throw ApiError("InvalidQuery", detail, {{"home_altitude_m", detail}});
-  }
-  return options;
-}
-
 // Best first, each with its rank.
 std::vector<StoredSite> RankedSitesOf(const std::vector<SiteRow>& rows) {
   std::vector<StoredSite> sites;
@@ -118,7 +108,7 @@ void AnswerReport(const Service& service,
 void GetSiteAs(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow row = ExistingSite(service, call);
   const SiteFormat format = FormatOf(call, FormatsWith({kGeoJson, kReport}));
-  const ExportOptions options = OptionsOf(call);
+  const ExportOptions options = ExportOptionsOf(call);
   if (std::string_view(format.name) == kGeoJson.name) {
     response.set_header("Vary", "Accept");
     return GetSite(service, call, response);
@@ -143,7 +133,7 @@ void GetSiteAs(Service& service, const Call& call, httplib::Response& response) 
 void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& response) {
   const FlightRow flight = ExistingFlight(service, call);
   const SiteFormat format = FormatOf(call, FormatsWith({kGeoJson}));
-  const ExportOptions options = OptionsOf(call);
+  const ExportOptions options = ExportOptionsOf(call);
   if (std::string_view(format.name) == kGeoJson.name) {
     response.set_header("Vary", "Accept");
     return GetFlightSites(service, call, response);

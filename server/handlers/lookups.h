@@ -1,6 +1,7 @@
 // Finds the flight, site or job whose id is in the URL.
 #pragma once
 
+#include "api/export/sites/sites.h"
 #include "api/stored/stored.h"
 #include "server/http/http.h"
 #include "server/work/work.h"
@@ -19,6 +20,8 @@ std::vector<SiteRow> ListedSites(const Service& service,
                                  const Call& call,
                                  const std::optional<std::string>& flight_id,
                                  const std::optional<BoundingBox>& box);
+// The query's home_altitude_m and firmware. Throws ApiError InvalidQuery.
+ExportOptions ExportOptionsOf(const Call& call);
 // The row as a struct, without its rank.
 StoredSite SiteOf(const SiteRow& row);
 // The site's stored map, with the limit of grass of the flight's own settings. Nothing if the site
