@@ -162,13 +162,8 @@ nlohmann::json Rigid3Json(const Rigid3d& a_from_b) {
 FlightRequest ParseFlightRequest(const std::string& body) {
   const nlohmann::json object = ParseJson(body);
   ObjectReader reader(object, "");
-  reader.RefuseKeysExcept({"name",
-                           "camera",
-                           "body_from_camera",
-                           "origin",
-                           "altitude_datum",
-                           "aircraft",
-                           "options"});
+  reader.RefuseKeysExcept(
+      {"name", "camera", "body_from_camera", "origin", "altitude_datum", "aircraft", "options"});
   FlightRequest request;
   request.name = ReadName(reader);
   if (const nlohmann::json* const camera = reader.Find("camera")) {

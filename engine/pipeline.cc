@@ -130,10 +130,8 @@ PlanRequest RequestOf(const Candidate& candidate, int min_num_observations) {
   request.grade = region.grade;
   request.num_observations = region.num_observations;
   request.min_num_observations = min_num_observations;
-  if (candidate.wind) {
-    request.wind_in_world = candidate.wind->wind_in_world;
-    request.wind_spread_mps = candidate.wind->spread_mps;
-  }
+  if (candidate.wind) request.wind_in_world = candidate.wind->wind_in_world;
+  if (candidate.wind) request.wind_spread_mps = candidate.wind->spread_mps;
   return request;
 }
 
@@ -217,14 +215,11 @@ Frontend::Frontend(const Rig& rig, const PipelineOptions& options, Classifier cl
 
 std::vector<FrameResult> Frontend::Process(Frame frame) {
   if (frame.wind_in_world) {
-    wind_samples_.push_back(
-        {frame.prior.position_in_world, *frame.wind_in_world, frame.timestamp_us});
+    AddWind({frame.prior.position_in_world, *frame.wind_in_world, frame.timestamp_us});
   }
   return ProcessReady(
       Timed(reports_, "tracks", [&] { return tracks_.Add(std::move(frame)); }));  // III-A, B
 }
-
-void Frontend::AddWind(const WindSample& sample) { wind_samples_.push_back(sample); }
 
 std::vector<FrameResult> Frontend::Flush() { return ProcessReady(tracks_.Flush()); }
 

@@ -66,8 +66,7 @@ Box AreaOfInterest(const std::vector<Candidate>& regions,
   }
   if (strongest_wind < approach.calm_wind_mps) {
     const double final = DownwindApproachDistance(aircraft, strongest_wind + widest_margin);
-    wanted =
-        std::max(wanted, final + 2.0 * LoiterRadius(aircraft, strongest_wind + widest_margin));
+    wanted = std::max(wanted, final + 2.0 * LoiterRadius(aircraft, strongest_wind + widest_margin));
   }
   if (!is_wind_known) {
     const double wind_speed = approach.unknown_wind_mps;

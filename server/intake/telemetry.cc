@@ -136,9 +136,8 @@ std::vector<MeasuredWind> WindsBetween(const Storage& storage,
     before_us = row->timestamp_us;
     const auto places = storage.telemetry.Around(flight_id, TelemetryKind::kPosition, before_us);
     if (const auto place = ValuesAt(places, before_us, config)) {
-      winds.push_back({before_us,
-                       {(*place)[0], (*place)[1], (*place)[2]},
-                       {row->values[0], row->values[1]}});
+      winds.push_back(
+          {before_us, {(*place)[0], (*place)[1], (*place)[2]}, {row->values[0], row->values[1]}});
     }
   }
   std::reverse(winds.begin(), winds.end());

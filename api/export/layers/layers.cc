@@ -34,7 +34,8 @@ cv::Mat1f BinaryGrass(const HazardLayers& layers) {
   for (int row = 0; row < binary.rows; ++row) {
     for (int col = 0; col < binary.cols; ++col) {
       const float value = posterior(row, col);
-      binary(row, col) = std::isnan(value) ? kNaN : (value >= layers.min_grass_posterior ? 1.0f : 0.0f);
+      binary(row, col) =
+          std::isnan(value) ? kNaN : (value >= layers.min_grass_posterior ? 1.0f : 0.0f);
     }
   }
   return binary;

@@ -81,7 +81,8 @@ std::string Row(const StoredSite& site) {
   return Quoted(site.Name()) + "," + Code(site.id) + ",," +
          Angle(site.touchdown.latitude_deg, 2, "NS") + "," +
          Angle(site.touchdown.longitude_deg, 3, "EW") + "," + elevation + "," +
-         std::to_string(kOutlanding) + "," + direction + "," + Length(site) + ",," + Quoted(Description(site)) + "\r\n";
+         std::to_string(kOutlanding) + "," + direction + "," + Length(site) + ",," +
+         Quoted(Description(site)) + "\r\n";
 }
 
 }  // namespace

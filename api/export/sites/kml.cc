@@ -45,7 +45,8 @@ std::string Data(const std::string& name, const std::string& value) {
 }
 
 std::string ExtendedData(const StoredSite& site) {
-  std::string data = Data("site_id", site.id) + Data("verdict", site.verdict) + Data("altitude_datum", site.altitude_datum) +
+  std::string data = Data("site_id", site.id) + Data("verdict", site.verdict) +
+                     Data("altitude_datum", site.altitude_datum) +
                      Data("altitude_m", FixedText(site.touchdown.altitude_m, 3));
   if (site.final_places) {
     data += Data("heading_deg", FixedText(site.final_places->heading_deg, 3)) +

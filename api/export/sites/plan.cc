@@ -153,16 +153,15 @@ std::string PlanFile(const std::vector<StoredSite>& sites, const ExportOptions& 
   const AltitudeFrame frame = FrameOf(safe, options);
   nlohmann::json items = nlohmann::json::array();
   items.push_back(LandingPattern(best, frame));
-  const nlohmann::json mission{{"version", 2},
-                               {"firmwareType",
-                                options.firmware == Firmware::kArduPilot ? kArduPilotType
-                                                                         : kPx4Type},
-                               {"vehicleType", kVehicleType},
-                               {"cruiseSpeed", kCruiseSpeedMps},
-                               {"hoverSpeed", kHoverSpeedMps},
-                               {"globalPlanAltitudeMode", frame.is_above_home ? 1 : 2},
-                               {"plannedHomePosition", PlannedHome(best, options)},
-                               {"items", items}};
+  const nlohmann::json mission{
+      {"version", 2},
+      {"firmwareType", options.firmware == Firmware::kArduPilot ? kArduPilotType : kPx4Type},
+      {"vehicleType", kVehicleType},
+      {"cruiseSpeed", kCruiseSpeedMps},
+      {"hoverSpeed", kHoverSpeedMps},
+      {"globalPlanAltitudeMode", frame.is_above_home ? 1 : 2},
+      {"plannedHomePosition", PlannedHome(best, options)},
+      {"items", items}};
   const nlohmann::json fence{
       {"version", 2}, {"polygons", nlohmann::json::array()}, {"circles", nlohmann::json::array()}};
   const nlohmann::json plan{
