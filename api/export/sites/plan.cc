@@ -1,4 +1,5 @@
 // QGroundControl's .plan, version 1, with the fixed-wing landing pattern of the best site.
+#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
