@@ -74,7 +74,8 @@ test_usage() {
     run 0 "$each" --help
     said out "^  $each"
     said out '--url URL'
-    equal "$(grep -Ec '^  (submit|watch|sites|flights|emergency|export) ' "$work/out" || true)" 1 "commands in the help of $each"
+    equal "$(grep -Ec '^  (submit|watch|sites|flights|emergency|export) ' "$work/out" || true)" 1 \
+      "commands in the help of $each"
   done
   run 0 submit --help
   said out '--no-wait'
