@@ -42,6 +42,7 @@ constexpr ErrorKind kErrorKinds[] = {
     {"FrameConflict", 409, "The frame is stored with another image or meta", 0},
     {"NoApproach", 409, "The site has no approach", 0},
     {"SiteRejected", 409, "The site is rejected", 0},
+    {"NothingInReach", 409, "No stored site is in reach", 0},
     {"AltitudeUnknown", 409, "The reference of the altitudes is unknown", 0},
     {"LengthRequired", 411, "The body's length is needed", 0},
     {"TooLarge", 413, "A limit is exceeded", 0},

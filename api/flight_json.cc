@@ -94,6 +94,10 @@ std::string CanonicalJson(const FlightRequest& request) {
 
 Camera ParseCamera(const nlohmann::json& object, const std::string& pointer, CameraOrigin origin) {
   ObjectReader reader(object, pointer);
+  std::set<std::string> known{
+      "width_px", "height_px", "fx_px", "fy_px", "cx_px", "cy_px", "readout_s", "distortion"};
+  if (origin == CameraOrigin::kStored) known.insert("source");
+  reader.RefuseKeysExcept(known);
   Camera camera;
   camera.width_px = ReadSide(reader, "width_px");
   camera.height_px = ReadSide(reader, "height_px");
@@ -134,6 +138,7 @@ nlohmann::json CameraJson(const Camera& camera) {
 
 Rigid3d ParseRigid3(const nlohmann::json& object, const std::string& pointer) {
   ObjectReader reader(object, pointer);
+  reader.RefuseKeysExcept({"translation_m", "quaternion_wxyz"});
   Rigid3d a_from_b;
   const std::string at = reader.PointerTo("translation_m");
   const nlohmann::json& translation = reader.Required("translation_m");
@@ -157,6 +162,8 @@ nlohmann::json Rigid3Json(const Rigid3d& a_from_b) {
 FlightRequest ParseFlightRequest(const std::string& body) {
   const nlohmann::json object = ParseJson(body);
   ObjectReader reader(object, "");
+  reader.RefuseKeysExcept(
+      {"name", "camera", "body_from_camera", "origin", "altitude_datum", "aircraft", "options"});
   FlightRequest request;
   request.name = ReadName(reader);
   if (const nlohmann::json* const camera = reader.Find("camera")) {

@@ -188,6 +188,7 @@ Eigen::Quaterniond ReadQuaternion(const nlohmann::json& value, const std::string
 
 GeoPoint ReadGeoPoint(const nlohmann::json& value, const std::string& pointer) {
   ObjectReader reader(value, pointer);
+  reader.RefuseKeysExcept({"latitude_deg", "longitude_deg", "altitude_m"});
   GeoPoint point;
   point.latitude_deg = ReadLatitude(reader, pointer);
   point.longitude_deg = reader.RequiredNumber("longitude_deg", kLongitudeRange);
@@ -241,9 +242,11 @@ std::string ObjectReader::PointerTo(const std::string& key) const {
   return pointer_ + "/" + Escaped(key);
 }
 
-void ObjectReader::RefuseUnknownKeys() const {
+void ObjectReader::RefuseUnknownKeys() const { RefuseKeysExcept(asked_); }
+
+void ObjectReader::RefuseKeysExcept(const std::set<std::string>& known) const {
   for (const auto& item : value_.items()) {
-    if (asked_.count(item.key()) != 0) continue;
+    if (known.count(item.key()) != 0) continue;
     const bool is_long = item.key().size() > kMaxShownKeyBytes;
     const std::string detail = "the key \"" + (is_long ? "..." : item.key()) + "\" is unknown";
     throw ApiError("UnknownKey", detail, {{PointerTo(item.key()), detail}});

@@ -48,6 +48,9 @@ class ObjectReader {
   // Throws ApiError unless `value` is an object. Keeps a reference to `value`.
   ObjectReader(const nlohmann::json& value, std::string pointer);
 
+  // Throws ApiError UnknownKey if the object has a key besides these. Call it before reading, if
+  // some key is needed: a misspelt key explains more than the missing one.
+  void RefuseKeysExcept(const std::set<std::string>& known) const;
   // Null counts as absent.
   const nlohmann::json* Find(const std::string& key);
   const nlohmann::json& Required(const std::string& key);

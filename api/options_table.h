@@ -285,6 +285,7 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("heading_step_deg",
         o.heading_step_deg,
         "step of the headings tried where the wind is calm or unknown");
+  visit("wind_sigma", o.wind_sigma, "standard deviations of the measured wind to allow for");
   visit("calm_wind_mps", o.calm_wind_mps, "in weaker wind every heading is allowed");
   visit("path_step_m", o.path_step_m, "sampling step along path and circle");
   visit("max_num_rejections",

@@ -197,6 +197,7 @@ nlohmann::json SiteFeature(const std::string& site_id,
   properties["num_grass_observations"] = region.num_grass_observations;
   properties["area_m2"] = Rounded(region.area_m2);
   properties["wind"] = WindJson(site.wind);
+  if (site.wind) properties["wind_spread_mps"] = Rounded(site.wind->spread_mps);
   properties["altitude_datum"] = context.altitude_datum;
   properties["aircraft"] = AircraftJson(aircraft);
   properties["footprint"] = PolygonGeometry(region.corners_in_world, context.local_frame);

@@ -131,6 +131,7 @@ PlanRequest RequestOf(const Candidate& candidate, int min_num_observations) {
   request.num_observations = region.num_observations;
   request.min_num_observations = min_num_observations;
   if (candidate.wind) request.wind_in_world = candidate.wind->wind_in_world;
+  if (candidate.wind) request.wind_spread_mps = candidate.wind->spread_mps;
   return request;
 }
 
@@ -214,8 +215,7 @@ Frontend::Frontend(const Rig& rig, const PipelineOptions& options, Classifier cl
 
 std::vector<FrameResult> Frontend::Process(Frame frame) {
   if (frame.wind_in_world) {
-    wind_samples_.push_back(
-        {frame.prior.position_in_world, *frame.wind_in_world, frame.timestamp_us});
+    AddWind({frame.prior.position_in_world, *frame.wind_in_world, frame.timestamp_us});
   }
   return ProcessReady(
       Timed(reports_, "tracks", [&] { return tracks_.Add(std::move(frame)); }));  // III-A, B

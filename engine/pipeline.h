@@ -28,6 +28,8 @@ class Frontend {
   // Processes one frame as it arrives; must keep up with the image rate. Frames may wait for their
   // neighbours, so the result may hold no frame or earlier frames.
   std::vector<FrameResult> Process(Frame frame);
+  // Takes a wind measured between frames. A frame's own wind comes with the frame.
+  void AddWind(const WindSample& sample) { wind_samples_.push_back(sample); }
   // Processes frames that still wait for neighbours.
   std::vector<FrameResult> Flush();
 

@@ -50,7 +50,7 @@ constexpr char kAircraft[] =
 
 constexpr char kEmergency[] =
     "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps heading_deg "
-    "glide_ratio aircraft limit";
+    "glide_ratio aircraft limit f home_altitude_m firmware";
 
 constexpr Route kRoutes[] = {
     {"POST", "/v1/flights", PostFlight},
@@ -72,9 +72,9 @@ constexpr Route kRoutes[] = {
     {"DELETE", "/v1/jobs/{job}", DeleteJob},
     {"GET", "/v1/flights/{flight}/regions", GetRegions},
     {"GET", "/v1/flights/{flight}/regions/{region}/history", GetRegionHistory},
-    {"GET", "/v1/flights/{flight}/sites", GetFlightSitesAs, "f home_altitude_m include"},
+    {"GET", "/v1/flights/{flight}/sites", GetFlightSitesAs, "f home_altitude_m firmware include"},
     {"GET", "/v1/sites", GetSites, "bbox limit include"},
-    {"GET", "/v1/sites/{site}", GetSiteAs, "f home_altitude_m include"},
+    {"GET", "/v1/sites/{site}", GetSiteAs, "f home_altitude_m firmware include"},
     {"DELETE", "/v1/sites/{site}", DeleteSite},
     {"GET",
      "/v1/sites/{site}/approach",
@@ -95,7 +95,11 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/sites/{site}/layers/{layer}/legend.png", GetLayerLegend},
     {"GET", "/v1/emergency", GetEmergency, kEmergency, Listeners::kBoth},
     {"POST", "/v1/emergency", PostEmergency, kEmergency, Listeners::kBoth},
-    {"GET", "/v1/emergency/export", GetEmergencyExport, "bbox f home_altitude_m", Listeners::kBoth},
+    {"GET",
+     "/v1/emergency/export",
+     GetEmergencyExport,
+     "bbox f home_altitude_m firmware",
+     Listeners::kBoth},
     {"GET", "/healthz", GetHealth, "", Listeners::kBoth},
     {"GET", "/readyz", GetReadiness},
     {"GET", "/metrics", GetMetrics},

@@ -10,6 +10,14 @@ std::string FixedText(double number, int num_decimals) {
   return text;
 }
 
+std::string OneLine(const std::string& text) {
+  std::string line = text;
+  for (char& c : line) {
+    if (static_cast<unsigned char>(c) < ' ') c = ' ';
+  }
+  return line;
+}
+
 std::string EscapeXml(const std::string& text) {
   std::string escaped;
   for (const char c : text) {

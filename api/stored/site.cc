@@ -114,6 +114,15 @@ std::vector<std::string> ReadWarnings(const nlohmann::json& properties) {
   return warnings;
 }
 
+std::optional<double> FreeLengthOf(const nlohmann::json& properties,
+                                   const nlohmann::json& aircraft) {
+  if (const auto usable_m = NumberIn(properties, "usable_length_m")) return usable_m;
+  const auto disc_m = NumberIn(aircraft, "touchdown_uncertainty_m");
+  const auto roll_m = NumberIn(aircraft, "ground_roll_m");
+  if (!disc_m || !roll_m) return std::nullopt;
+  return *disc_m + std::max(*disc_m, *roll_m);
+}
+
 StoredSite ReadProperties(const nlohmann::json& properties) {
   StoredSite site;
   site.id = properties.at("id");
@@ -131,6 +140,10 @@ StoredSite ReadProperties(const nlohmann::json& properties) {
   site.slope_deg = NumberIn(properties, "slope_deg");
   site.roughness_m = NumberIn(properties, "roughness_m");
   site.unseen_ratio = NumberIn(properties, "unseen_ratio");
+  if (const auto aircraft = ObjectIn(properties, "aircraft")) {
+    site.landing_airspeed_mps = NumberIn(*aircraft, "landing_airspeed_mps");
+    site.free_length_m = FreeLengthOf(properties, *aircraft);
+  }
   if (const auto wind = ObjectIn(properties, "wind")) {
     site.wind = StoredWind{NumberIn(*wind, "east_mps"), NumberIn(*wind, "north_mps")};
   }
@@ -145,9 +158,11 @@ StoredSite ReadProperties(const nlohmann::json& properties) {
 }  // namespace
 
 std::string StoredSite::Name() const {
-  if (is_superseded) return id + " SUPERSEDED";
-  if (IsRejected()) return id + " REJECTED";
-  return verdict == "unverified" ? id + " UNVERIFIED" : id;
+  const bool has_name = !flight_name.empty() && rank;
+  const std::string name = has_name ? flight_name + " " + std::to_string(*rank) : id;
+  if (is_superseded) return name + " SUPERSEDED";
+  if (IsRejected()) return name + " REJECTED";
+  return verdict == "unverified" ? name + " UNVERIFIED" : name;
 }
 
 StoredSite ReadStoredSite(const std::string& feature_json,

@@ -75,6 +75,8 @@ struct StoredRejection {
 // A site as stored in its row. Absent values are unknown. Names and units as in openapi.yaml.
 struct StoredSite {
   std::string id;
+  // Empty if unknown. A row does not hold it: the caller sets it.
+  std::string flight_name;
   // "landable", "unverified" or "rejected". Any other verdict counts as rejected.
   std::string verdict = "rejected";
   std::string altitude_datum = "unknown";
@@ -93,6 +95,10 @@ struct StoredSite {
   std::optional<double> slope_deg;
   std::optional<double> roughness_m;
   std::optional<double> unseen_ratio;
+  // Length of the strip along the final that is free: from the near edge of the touchdown disc to
+  // the end of the ground roll.
+  std::optional<double> free_length_m;
+  std::optional<double> landing_airspeed_mps;
   std::optional<StoredWind> wind;
   std::optional<StoredClearance> approach;
   std::vector<StoredRejection> rejections;
@@ -103,7 +109,8 @@ struct StoredSite {
   std::vector<ProfilePoint> profile;
 
   bool IsRejected() const { return verdict != "landable" && verdict != "unverified"; }
-  // The id, marked if the site is superseded, rejected or unverified: "f-r1 UNVERIFIED".
+  // For people: the flight's name and the rank, marked if the site is superseded or not landable:
+  // "north field 2 UNVERIFIED". The id if one of the two is unknown.
   std::string Name() const;
 };
 // `feature_json` is the site's GeoJSON feature. `approach_json` is the FeatureCollection of the

@@ -163,9 +163,12 @@ ApproachGround::ApproachGround(const ElevationMap& the_map,
 
 Plan ApproachGround::PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world,
                               Explanation explanation) const {
+  // A wind that was not measured here has no spread.
+  const bool is_measured = wind_in_world && wind_in_world == request.wind_in_world;
+  const double wind_margin = is_measured ? options.wind_sigma * request.wind_spread_mps : 0.0;
   std::optional<Plan> first;
   bool is_loiter_blocked = false;
-  for (const Way& way : WaysDown(wind_in_world, aircraft, options)) {
+  for (const Way& way : WaysDown(wind_in_world, aircraft, options, wind_margin)) {
     if (way.start_height > 0 && !is_loiter_blocked) break;
     Plan plan = PlanWay(way, explanation);
     if (plan.verdict != Verdict::kRejected) {

@@ -35,6 +35,10 @@ struct ApproachOptions {
   // With unknown wind, the final must also be clear with a tail wind of this speed. Paper: 5.5 m/s
   // in the last experiment.
   double unknown_wind_mps = 5.5;
+  // Spread of the measured wind to allow for, in its deviations: that much less wind counts in the
+  // length of the final, that much more in circle and ground speed. Paper: Eq. 1 allows for the
+  // wind's direction alone. Differs: its speed is uncertain too.
+  double wind_sigma = 1.0;
   // Bare ground gets no allowance. All cells within this radius must be seen and no rougher than
   // the limit: below branches they are rougher.
   double bare_ground_radius_m = 2.0;
@@ -55,7 +59,7 @@ struct ApproachOptions {
   double max_crosswind_ratio = 0.15;
   // Step between headings where the wind is unknown, calm or partly from the side.
   double heading_step_deg = 10.0;
-  // Below this wind speed every heading is tried.
+  // Below this wind speed every heading is tried. The wind still counts in final and circle.
   double calm_wind_mps = 0.5;
   // Step along path and circle; never coarser than half a cell on the final.
   double path_step_m = 0.5;
@@ -85,8 +89,8 @@ enum class RejectReason {
 enum class LoiterDirection { kLeft, kRight };  // as flown
 
 // Eq. 1: length of the final over ground, into the wind. Zero or negative where the wind is too
-// strong.
-double ApproachDistance(const Aircraft& aircraft, double wind_speed);
+// strong. `wind_margin`, m/s: how much weaker the wind may be than estimated.
+double ApproachDistance(const Aircraft& aircraft, double wind_speed, double wind_margin = 0.0);
 // Eq. 1 with a tail wind, for wind that is unknown. No final is planned downwind.
 double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed);
 double LoiterRadius(const Aircraft& aircraft, double wind_speed);
@@ -112,7 +116,7 @@ struct Approach {
   double heading = 0.0;
   double approach_distance = 0.0;
   double approach_height = 0.0;
-  // Crosswind of the planned wind; 0 where the wind is unknown.
+  // Crosswind of the planned wind; 0 where the wind is unknown or calm.
   double crosswind = 0.0;
   // Ground speed on final in the planned wind, m/s. Empty: the wind is unknown.
   std::optional<double> ground_speed;
@@ -169,6 +173,8 @@ struct PlanRequest {
   int num_observations = 0;
   int min_num_observations = 2;
   std::optional<Eigen::Vector2d> wind_in_world;
+  // Deviation of the wind per axis (WindEstimate), m/s; 0 for a wind that was not measured.
+  double wind_spread_mps = 0.0;
   // World z of the region by coarse depth. Reported only if the map has no height there.
   double ground_height = 0.0;
 };
@@ -219,7 +225,8 @@ Polygon CheckedGround(const Approach& approach,
 // outlive the planner. Thread-safe.
 class ApproachPlanner {
  public:
-  // Ignores the request's own wind. Throws as PlanApproach does.
+  // Of the request's own wind, only its spread counts, and only in a plan for that very wind.
+  // Throws as PlanApproach does.
   ApproachPlanner(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,

@@ -19,19 +19,26 @@ double SinkRate(const Aircraft& aircraft) {
   return aircraft.landing_airspeed_mps * std::sin(RadFromDeg(aircraft.flight_path_angle_deg));
 }
 
-std::vector<HeadingCase> AllHeadings(double step_deg, const std::vector<WindScenario>& scenarios) {
+// `scenarios_of` gives the winds for a heading.
+template <class ScenariosOf>
+std::vector<HeadingCase> AllHeadings(double step_deg, const ScenariosOf& scenarios_of) {
   std::vector<HeadingCase> headings;
   for (int i = 0; i * step_deg < 360.0; ++i) {
-    headings.push_back({RadFromDeg(i * step_deg), scenarios});
+    const double heading = RadFromDeg(i * step_deg);
+    headings.push_back({heading, scenarios_of(heading)});
   }
   return headings;
 }
 
-// Eq. 1, with the wind at this angle to the heading.
-double FinalLength(const Aircraft& aircraft, double wind_speed, double off_deg) {
-  const double headwind =
-      wind_speed * std::cos(RadFromDeg(aircraft.crosswind_uncertainty_deg + off_deg));
+double FinalLength(const Aircraft& aircraft, double headwind) {
   return (GroundSpeed(aircraft) - headwind) / SinkRate(aircraft) * aircraft.approach_height_m;
+}
+
+// The headwind that Eq. 1 counts on, with the wind at this angle to the heading.
+double SureHeadwind(const Aircraft& aircraft, double wind_speed, double off_deg) {
+  constexpr double kBehindDeg = 180.0;
+  const double turned_deg = std::min(kBehindDeg, aircraft.crosswind_uncertainty_deg + off_deg);
+  return wind_speed * std::cos(RadFromDeg(turned_deg));
 }
 
 // Ground speed on final, with the wind at this angle to the heading. The nose points into the wind
@@ -44,16 +51,18 @@ double GroundSpeedAgainst(const Aircraft& aircraft, double wind_speed, double of
 }
 
 // Heading straight into the wind, at any wind speed.
-WindCase AgainstWind(const Eigen::Vector2d& wind_in_world, const Aircraft& aircraft) {
+WindCase AgainstWind(const Eigen::Vector2d& wind_in_world,
+                     const Aircraft& aircraft,
+                     double wind_margin) {
   const double wind_speed = wind_in_world.norm();
   WindCase wind;
   wind.is_known = true;
-  wind.wind_speed = wind_speed;
-  wind.ground_speed = GroundSpeedAgainst(aircraft, wind_speed, 0.0);
-  const WindScenario scenario{ApproachDistance(aircraft, wind_speed),
-                              LoiterRadius(aircraft, wind_speed),
+  wind.wind_speed = wind_speed + wind_margin;
+  wind.ground_speed = GroundSpeedAgainst(aircraft, wind.wind_speed, 0.0);
+  const WindScenario scenario{ApproachDistance(aircraft, wind_speed, wind_margin),
+                              LoiterRadius(aircraft, wind.wind_speed),
                               0.0,
-                              wind.ground_speed};
+                              GroundSpeedAgainst(aircraft, wind_speed, 0.0)};
   wind.headings = {{HeadingOf(-wind_in_world), {scenario}}};  // downwind start, into the wind
   // The length of the final counts on only a part of the wind, so it is no measure of headway.
   wind.is_too_strong =
@@ -65,25 +74,56 @@ WindCase AgainstWind(const Eigen::Vector2d& wind_in_world, const Aircraft& aircr
 // matter, or too strong to make headway.
 WindCase AcrossWind(const Eigen::Vector2d& wind_in_world,
                     const Aircraft& aircraft,
-                    const ApproachOptions& options) {
+                    const ApproachOptions& options,
+                    double wind_margin) {
   constexpr double kAbeamDeg = 90.0;
   const double wind_speed = wind_in_world.norm();
-  WindCase wind = AgainstWind(wind_in_world, aircraft);
+  WindCase wind = AgainstWind(wind_in_world, aircraft, wind_margin);
   const double into_wind = wind.headings.front().heading;
   wind.headings.clear();
   if (wind_speed < options.calm_wind_mps || wind.is_too_strong) return wind;
   const double most = options.max_crosswind_ratio * aircraft.landing_airspeed_mps;
   for (int i = 1; i * options.heading_step_deg < kAbeamDeg; ++i) {
     const double off_deg = i * options.heading_step_deg;
-    const WindScenario scenario{FinalLength(aircraft, wind_speed, off_deg),
-                                LoiterRadius(aircraft, wind_speed),
+    const double headwind = SureHeadwind(aircraft, wind_speed, off_deg) - wind_margin;
+    const WindScenario scenario{FinalLength(aircraft, headwind),
+                                LoiterRadius(aircraft, wind.wind_speed),
                                 wind_speed * std::sin(RadFromDeg(off_deg)),
                                 GroundSpeedAgainst(aircraft, wind_speed, off_deg)};
-    if (scenario.crosswind > most) break;
+    if (scenario.crosswind + wind_margin > most) break;
     for (const double side : {-1.0, 1.0}) {
       wind.headings.push_back({into_wind + side * RadFromDeg(off_deg), {scenario}});
     }
   }
+  return wind;
+}
+
+// Unsigned, 0 to 180.
+double DegreesBetween(double heading, double other) {
+  return std::abs(DegFromRad(std::remainder(heading - other, 2.0 * kPi)));
+}
+
+// A wind too weak to choose the heading. It counts in both lengths: the circle as in Eq. 1, the
+// final as far as it blows from behind. A headwind that may turn at any time shortens no final.
+WindCase InCalm(const Eigen::Vector2d& wind_in_world,
+                const Aircraft& aircraft,
+                const ApproachOptions& options,
+                double wind_margin) {
+  const double wind_speed = wind_in_world.norm();
+  const double into_wind = HeadingOf(-wind_in_world);
+  WindCase wind;
+  wind.is_known = true;
+  wind.wind_speed = wind_speed + wind_margin;
+  wind.ground_speed = GroundSpeedAgainst(aircraft, wind.wind_speed, 0.0);
+  wind.is_too_strong = wind.ground_speed < aircraft.min_ground_speed_mps;
+  wind.headings = AllHeadings(options.heading_step_deg, [&](double heading) {
+    const double off_deg = DegreesBetween(heading, into_wind);
+    const double headwind = std::min(0.0, SureHeadwind(aircraft, wind_speed, off_deg));
+    return std::vector<WindScenario>{{FinalLength(aircraft, headwind - wind_margin),
+                                      LoiterRadius(aircraft, wind.wind_speed),
+                                      0.0,
+                                      GroundSpeedAgainst(aircraft, wind_speed, off_deg)}};
+  });
   return wind;
 }
 
@@ -117,8 +157,8 @@ Eigen::Vector2d TowardsCenter(double heading, LoiterDirection direction) {
 
 }  // namespace
 
-double ApproachDistance(const Aircraft& aircraft, double wind_speed) {
-  return FinalLength(aircraft, wind_speed, 0.0);
+double ApproachDistance(const Aircraft& aircraft, double wind_speed, double wind_margin) {
+  return FinalLength(aircraft, SureHeadwind(aircraft, wind_speed, 0.0) - wind_margin);
 }
 
 double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed) {
@@ -132,27 +172,24 @@ double LoiterRadius(const Aircraft& aircraft, double wind_speed) {
 
 WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,
-                      const ApproachOptions& options) {
-  WindCase wind;
-  const WindScenario calm{ApproachDistance(aircraft, 0.0), LoiterRadius(aircraft, 0.0)};
+                      const ApproachOptions& options,
+                      double wind_margin) {
   if (!wind_in_world) {
     const double worst = options.unknown_wind_mps;
-    wind.headings = AllHeadings(
-        options.heading_step_deg,
-        {calm, {DownwindApproachDistance(aircraft, worst), LoiterRadius(aircraft, worst)}});
+    const std::vector<WindScenario> scenarios{
+        {ApproachDistance(aircraft, 0.0), LoiterRadius(aircraft, 0.0)},
+        {DownwindApproachDistance(aircraft, worst), LoiterRadius(aircraft, worst)}};
+    WindCase wind;
+    wind.headings = AllHeadings(options.heading_step_deg, [&](double) { return scenarios; });
     return wind;
   }
-  if (!wind_in_world->allFinite()) {
+  if (!wind_in_world->allFinite() || !std::isfinite(wind_margin)) {
     throw std::invalid_argument("approach.wind_in_world: must be finite");
   }
-  const double speed = wind_in_world->norm();
-  if (speed >= options.calm_wind_mps) return AgainstWind(*wind_in_world, aircraft);
-  wind.is_known = true;
-  wind.wind_speed = speed;
-  wind.headings = AllHeadings(
-      options.heading_step_deg,
-      {{calm.approach_distance, LoiterRadius(aircraft, speed), 0.0, GroundSpeed(aircraft)}});
-  return wind;
+  if (wind_in_world->norm() < options.calm_wind_mps) {
+    return InCalm(*wind_in_world, aircraft, options, wind_margin);
+  }
+  return AgainstWind(*wind_in_world, aircraft, wind_margin);
 }
 
 std::vector<WindScenario> Way::Scenarios() const {
@@ -165,11 +202,12 @@ std::vector<WindScenario> Way::Scenarios() const {
 
 std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
                           const Aircraft& aircraft,
-                          const ApproachOptions& options) {
+                          const ApproachOptions& options,
+                          double wind_margin) {
   return FromEachHeight(aircraft, options, [&](const Aircraft& higher) {
-    std::vector<WindCase> cases{MakeWindCase(wind_in_world, higher, options)};
+    std::vector<WindCase> cases{MakeWindCase(wind_in_world, higher, options, wind_margin)};
     if (wind_in_world) {
-      cases.push_back(AcrossWind(*wind_in_world, higher, options));
+      cases.push_back(AcrossWind(*wind_in_world, higher, options, wind_margin));
     }
     return cases;
   });

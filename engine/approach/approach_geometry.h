@@ -29,15 +29,18 @@ struct WindCase {
   std::vector<HeadingCase> headings;
   bool is_known = false;
   bool is_too_strong = false;
+  // The strongest that is allowed for.
   double wind_speed = 0.0;
-  // On final straight into the wind, m/s; negative where the aircraft would fly backwards.
+  // Straight into that wind, m/s; negative where the aircraft would fly backwards.
   double ground_speed = 0.0;
 };
 
 // Known: into the wind. Calm: all headings. Unknown: all headings, in calm and with tail wind.
+// `wind_margin`, m/s: how much weaker or stronger than estimated a known wind may be.
 WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,
-                      const ApproachOptions& options);
+                      const ApproachOptions& options,
+                      double wind_margin = 0.0);
 
 // One start height with the headings of one wind case. Planning needs the map below all paths.
 struct Way {
@@ -54,7 +57,8 @@ struct Way {
 // both from greater start heights, where the circle may clear obstacles that block a lower one.
 std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
                           const Aircraft& aircraft,
-                          const ApproachOptions& options);
+                          const ApproachOptions& options,
+                          double wind_margin = 0.0);
 
 // Fills the start of the final, the circle's centre and sizes; fields that need a map stay empty.
 Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,

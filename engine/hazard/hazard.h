@@ -39,6 +39,8 @@ struct HazardLayers {
   cv::Mat1f distance;
   // A cell with at least this posterior of grass has a clear class (ClearClassOptions).
   double min_clear_class_posterior = ClearClassOptions{}.min_clear_class_posterior;
+  // A cell with at least this posterior of grass is grass (CoverOptions).
+  double min_grass_posterior = CoverOptions{}.min_grass_posterior;
 };
 
 HazardLayers AssessHazards(const ElevationMap& map,

@@ -339,12 +339,6 @@ void Tracks::SetPose(size_t view, const Rigid3d& world_from_camera, const Readou
   state_->landmarks.clear();
 }
 
-void Tracks::SetCamera(const Camera& camera) {
-  camera.Check();
-  state_->memory.rig.camera = camera;
-  state_->landmarks.clear();
-}
-
 std::optional<GroundPoint> Tracks::GroundAt(size_t view,
                                             const Eigen::Vector2d& point_in_image) const {
   const View& seen_from = state_->views.at(view);

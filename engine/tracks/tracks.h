@@ -140,9 +140,9 @@ class Tracks {
   // In order of readiness.
   const std::vector<View>& views() const;
   const Camera& camera() const;
-  // Sets poses (views by index) and intrinsics from an adjustment.
+  // Sets the pose of a view (by index) from an adjustment. The camera never changes: a lens that
+  // an adjustment refined belongs to that adjustment's views alone.
   void SetPose(size_t view, const Rigid3d& world_from_camera, const Readout& readout);
-  void SetCamera(const Camera& camera);
 
   // Where the ray of a pixel meets the ground: N nearest landmarks, inverse distance weights; else
   // the plane at the view's height above ground. Nothing at or above the horizon.

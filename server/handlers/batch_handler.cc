@@ -177,7 +177,15 @@ JobRow NewBatchJob(const std::string& flight_id,
   job.flight_id = flight_id;
   job.stage = "frontend";
   job.created_at_us = NowUs();
-  const nlohmann::json detail = DetailJson(admission, upload);
+  nlohmann::json detail = DetailJson(admission, upload);
+  // No frame will ever end such a job, so it ends now and says why.
+  if (!admission.verdicts.empty() && detail["num_accepted"] == 0) {
+    job.state = JobState::kDone;
+    job.progress_ratio = 1.0;
+    job.stage.clear();
+    detail["message"] = "no photograph was accepted; the first reason: " +
+                        admission.verdicts.front().at("detail").get<std::string>();
+  }
   job.detail_json = detail.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   return job;
 }

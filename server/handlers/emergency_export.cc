@@ -46,9 +46,8 @@ std::string GeoJsonOf(const std::vector<SiteRow>& rows) {
 }
 
 // An altitude above home needs sites with one common altitude datum.
-double HomeAltitude(const Call& call, const std::vector<StoredSite>& sites) {
-  const std::optional<double> home_altitude_m = call.QueryNumber("home_altitude_m");
-  if (!home_altitude_m) {
+void RequireHome(const ExportOptions& options, const std::vector<StoredSite>& sites) {
+  if (!options.home_altitude_m) {
     throw ApiError("AltitudeUnknown",
                    "this format has altitudes above home: home_altitude_m is needed",
                    {{"home_altitude_m", "is missing"}});
@@ -57,7 +56,6 @@ double HomeAltitude(const Call& call, const std::vector<StoredSite>& sites) {
     if (site.altitude_datum == sites.front().altitude_datum) continue;
     throw ApiError("AltitudeUnknown", "the area's sites have different altitude datums");
   }
-  return *home_altitude_m;
 }
 
 void AnswerFile(const std::string& text,
@@ -76,6 +74,7 @@ void GetEmergencyExport(Service& service, const Call& call, httplib::Response& r
     const std::string detail = "f: must be geojson, plan or rally";
     throw ApiError("InvalidQuery", detail, {{"f", detail}});
   }
+  const ExportOptions options = ExportOptionsOf(call);
   const BoundingBox whole_earth{-180.0, -90.0, 180.0, 90.0};
   const std::vector<SiteRow> rows = RowsIn(service, ParseBoundingBox(call).value_or(whole_earth));
   if (format == "geojson") {
@@ -83,10 +82,10 @@ void GetEmergencyExport(Service& service, const Call& call, httplib::Response& r
     return;
   }
   std::vector<StoredSite> sites = SitesOf(rows);
-  const double home_altitude_m = HomeAltitude(call, sites);
+  RequireHome(options, sites);
   // A file to fly by has only what has a way down.
   std::erase_if(sites, [](const StoredSite& site) { return !site.final_places; });
-  const std::string text = ExportSites(format, sites, {home_altitude_m});
+  const std::string text = ExportSites(format, sites, options);
   if (format == "plan") return AnswerFile(text, "application/json", "emergency.plan", response);
   AnswerFile(text, "text/plain", "emergency-rally.txt", response);
 }

@@ -15,7 +15,6 @@ namespace {
 
 constexpr SiteFormat kGeoJson{"geojson", "application/geo+json", "geojson"};
 constexpr SiteFormat kReport{"html", "text/html", "html"};
-constexpr double kMaxHomeAltitudeM = 10000.0;
 
 struct AcceptedType {
   std::string media_type;
@@ -66,15 +65,6 @@ std::vector<SiteFormat> FormatsWith(std::initializer_list<SiteFormat> more) {
   return formats;
 }
 
-ExportOptions OptionsOf(const Call& call) {
-  const ExportOptions options{call.QueryNumber("home_altitude_m")};
-  if (std::abs(options.home_altitude_m.value_or(0.0)) > kMaxHomeAltitudeM) {
-    const std::string detail = "home_altitude_m: must be in [-10000, 10000]";
-    throw ApiError("InvalidQuery", detail, {{"home_altitude_m", detail}});
-  }
-  return options;
-}
-
 // Best first, each with its rank.
 std::vector<StoredSite> RankedSitesOf(const std::vector<SiteRow>& rows) {
   std::vector<StoredSite> sites;
@@ -103,13 +93,13 @@ void AnswerReport(const Service& service,
                   const SiteRow& row,
                   const StoredSite& site,
                   httplib::Response& response) {
-  const std::optional<std::string> blob = service.storage.sites.ReadMap(row.id);
+  const std::optional<SiteMap> map = MapOf(service, row);
   const LocalFrame local_frame(ParseReplan(row.replan_json).origin);
   response.set_header("Vary", "Accept");
   response.set_header("Content-Security-Policy",
                       "default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
                       "frame-ancestors 'none'");
-  response.set_content(SiteReport(site, blob ? DeserializeSiteMap(*blob) : SiteMap(), local_frame),
+  response.set_content(SiteReport(site, map.value_or(SiteMap()), local_frame),
                        "text/html; charset=utf-8");
 }
 
@@ -118,7 +108,7 @@ void AnswerReport(const Service& service,
 void GetSiteAs(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow row = ExistingSite(service, call);
   const SiteFormat format = FormatOf(call, FormatsWith({kGeoJson, kReport}));
-  const ExportOptions options = OptionsOf(call);
+  const ExportOptions options = ExportOptionsOf(call);
   if (std::string_view(format.name) == kGeoJson.name) {
     response.set_header("Vary", "Accept");
     return GetSite(service, call, response);
@@ -143,7 +133,7 @@ void GetSiteAs(Service& service, const Call& call, httplib::Response& response) 
 void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& response) {
   const FlightRow flight = ExistingFlight(service, call);
   const SiteFormat format = FormatOf(call, FormatsWith({kGeoJson}));
-  const ExportOptions options = OptionsOf(call);
+  const ExportOptions options = ExportOptionsOf(call);
   if (std::string_view(format.name) == kGeoJson.name) {
     response.set_header("Vary", "Accept");
     return GetFlightSites(service, call, response);
@@ -163,10 +153,10 @@ void GetLayerWorldFile(Service& service, const Call& call, httplib::Response& re
   if (std::find(names.begin(), names.end(), call.Id("layer")) == names.end()) {
     throw ApiError("NoSuchLayer", "there is no such layer");
   }
-  const std::optional<std::string> blob = service.storage.sites.ReadMap(site.id);
-  if (!blob) throw ApiError("NoMap", "the site has no map");
+  const std::optional<SiteMap> map = MapOf(service, site);
+  if (!map) throw ApiError("NoMap", "the site has no map");
   const LocalFrame local_frame(ParseReplan(site.replan_json).origin);
-  response.set_content(LayerWorldFile(DeserializeSiteMap(*blob), local_frame), "text/plain");
+  response.set_content(LayerWorldFile(*map, local_frame), "text/plain");
 }
 
 }  // namespace freelsd

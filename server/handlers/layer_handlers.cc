@@ -17,20 +17,18 @@ SiteMap ExistingMap(const Service& service, const Call& call, const SiteRow& sit
   if (std::find(names.begin(), names.end(), call.Id("layer")) == names.end()) {
     throw ApiError("NoSuchLayer", "there is no such layer");
   }
-  const std::optional<std::string> blob = service.storage.sites.ReadMap(site.id);
-  if (!blob) throw ApiError("NoMap", "the site has no map");
-  return DeserializeSiteMap(*blob);
+  std::optional<SiteMap> map = MapOf(service, site);
+  if (!map) throw ApiError("NoMap", "the site has no map");
+  return *std::move(map);
 }
 
 }  // namespace
 
 void GetLayers(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow site = ExistingSite(service, call);
-  const std::optional<std::string> blob = service.storage.sites.ReadMap(site.id);
   nlohmann::json layers{{"layers", nlohmann::json::array()}};
-  if (blob) {
-    layers =
-        LayersJson(DeserializeSiteMap(*blob), LocalFrame(ParseReplan(site.replan_json).origin));
+  if (const std::optional<SiteMap> map = MapOf(service, site)) {
+    layers = LayersJson(*map, LocalFrame(ParseReplan(site.replan_json).origin));
   }
   response.set_content(layers.dump(), "application/json");
 }

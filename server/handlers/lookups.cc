@@ -1,5 +1,7 @@
 #include "server/handlers/lookups.h"
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
@@ -54,14 +56,40 @@ nlohmann::json FeatureOf(const SiteRow& row) {
 }
 
 StoredSite SiteOf(const SiteRow& row) {
-  StoredSite site = ReadStoredSite(
-      row.feature_json, row.approach_json, ParseReplan(row.replan_json).flight.altitude_datum);
+  const FlightRequest flight = ParseReplan(row.replan_json).flight;
+  StoredSite site = ReadStoredSite(row.feature_json, row.approach_json, flight.altitude_datum);
+  site.flight_name = flight.name;
   site.is_superseded = row.superseded_by.has_value();
   if (site.is_superseded) {
     site.warnings.push_back("superseded: on the later map of " + *row.superseded_by + " " +
                             row.superseded_detail);
   }
   return site;
+}
+
+ExportOptions ExportOptionsOf(const Call& call) {
+  constexpr double kMaxHomeAltitudeM = 10000.0;
+  ExportOptions options{call.QueryNumber("home_altitude_m")};
+  if (std::abs(options.home_altitude_m.value_or(0.0)) > kMaxHomeAltitudeM) {
+    const std::string detail = "home_altitude_m: must be in [-10000, 10000]";
+    throw ApiError("InvalidQuery", detail, {{"home_altitude_m", detail}});
+  }
+  const std::string firmware = call.Query("firmware").value_or("px4");
+  if (firmware != "px4" && firmware != "ardupilot") {
+    const std::string detail = "firmware: must be px4 or ardupilot";
+    throw ApiError("InvalidQuery", detail, {{"firmware", detail}});
+  }
+  if (firmware == "ardupilot") options.firmware = Firmware::kArduPilot;
+  return options;
+}
+
+std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site) {
+  const std::optional<std::string> blob = service.storage.sites.ReadMap(site.id);
+  if (!blob) return std::nullopt;
+  SiteMap map = DeserializeSiteMap(*blob);
+  map.layers.min_grass_posterior =
+      ParseReplan(site.replan_json).flight.options.hazard.cover.min_grass_posterior;
+  return map;
 }
 
 }  // namespace freelsd

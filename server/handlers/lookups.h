@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "api/export/sites/sites.h"
 #include "api/stored/stored.h"
 #include "server/http/http.h"
 #include "server/work/work.h"
@@ -23,7 +24,12 @@ std::vector<SiteRow> ListedSites(const Service& service,
                                  const std::optional<BoundingBox>& box);
 // The stored feature, with what later maps say of the site.
 nlohmann::json FeatureOf(const SiteRow& row);
+// The query's home_altitude_m and firmware. Throws ApiError InvalidQuery.
+ExportOptions ExportOptionsOf(const Call& call);
 // The row as a struct, without its rank.
 StoredSite SiteOf(const SiteRow& row);
+// The site's stored map, with the limit of grass of the flight's own settings. Nothing if the site
+// has no map.
+std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site);
 
 }  // namespace freelsd

@@ -49,7 +49,8 @@ class BodyReader {
   // Bytes left in the body, or in the current chunk.
   uint64_t num_left_ = 0;
   uint64_t num_read_ = 0;
-  uint64_t max_bytes_ = 1 << 20;
+  // A handler sets it before it reads.
+  uint64_t max_bytes_ = 0;
   std::chrono::seconds idle_timeout_{10};
   bool is_live_ = false;
   SteadyTime begin_ = std::chrono::steady_clock::now();

@@ -1,5 +1,6 @@
 #include "server/intake/telemetry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -117,6 +118,30 @@ FrameMeta TelemetryAt(const Storage& storage,
     if (const auto values = ValuesAt(pair, timestamp_us, config)) SetField(kind, *values, meta);
   }
   return meta;
+}
+
+std::vector<MeasuredWind> WindsBetween(const Storage& storage,
+                                       const Config& config,
+                                       const std::string& flight_id,
+                                       int64_t after_us,
+                                       int64_t before_us) {
+  // A minute and a half at 20 Hz. The moving average has forgotten older ones, and after a long
+  // pause of the camera the frontend would read for seconds.
+  constexpr size_t kMaxNumWinds = 2000;
+  std::vector<MeasuredWind> winds;
+  while (winds.size() < kMaxNumWinds && before_us > after_us + 1) {
+    const auto row =
+        storage.telemetry.Around(flight_id, TelemetryKind::kWind, before_us - 1).before;
+    if (!row || row->timestamp_us <= after_us) break;
+    before_us = row->timestamp_us;
+    const auto places = storage.telemetry.Around(flight_id, TelemetryKind::kPosition, before_us);
+    if (const auto place = ValuesAt(places, before_us, config)) {
+      winds.push_back(
+          {before_us, {(*place)[0], (*place)[1], (*place)[2]}, {row->values[0], row->values[1]}});
+    }
+  }
+  std::reverse(winds.begin(), winds.end());
+  return winds;
 }
 
 FrameMeta LatestTelemetry(const Storage& storage, const std::string& flight_id) {

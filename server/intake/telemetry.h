@@ -27,6 +27,22 @@ FrameMeta TelemetryAt(const Storage& storage,
                       const std::string& flight_id,
                       int64_t timestamp_us);
 
+// A wind that the aircraft measured between two frames.
+struct MeasuredWind {
+  int64_t timestamp_us = 0;
+  GeoPoint place;
+  // As in Frame.
+  Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
+};
+
+// Winds measured after one time and before another, where telemetry gives a position too; oldest
+// first. The latest ones if there are very many.
+std::vector<MeasuredWind> WindsBetween(const Storage& storage,
+                                       const Config& config,
+                                       const std::string& flight_id,
+                                       int64_t after_us,
+                                       int64_t before_us);
+
 // The latest position, attitude and wind.
 FrameMeta LatestTelemetry(const Storage& storage, const std::string& flight_id);
 

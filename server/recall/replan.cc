@@ -29,6 +29,7 @@ std::string ReplanJson(const Replan& replan) {
                         {"min_num_observations", replan.request.min_num_observations}};
   if (const auto& wind = replan.request.wind_in_world) {
     object["wind_mps"] = {wind->x(), wind->y()};
+    object["wind_spread_mps"] = replan.request.wind_spread_mps;
   }
   return object.dump();
 }
@@ -48,6 +49,7 @@ Replan ParseReplan(const std::string& text) {
   if (object.contains("wind_mps")) {
     replan.request.wind_in_world =
         Eigen::Vector2d(object["wind_mps"].at(0), object["wind_mps"].at(1));
+    replan.request.wind_spread_mps = object.value("wind_spread_mps", 0.0);
   }
   return replan;
 }

@@ -61,7 +61,10 @@ Replan ReplanOf(const Site& site, const FlightSession& session, int min_num_obse
   replan.request.grade = site.region.grade;
   replan.request.num_observations = site.region.num_observations;
   replan.request.min_num_observations = min_num_observations;
-  if (site.wind) replan.request.wind_in_world = site.wind->wind_in_world;
+  if (site.wind) {
+    replan.request.wind_in_world = site.wind->wind_in_world;
+    replan.request.wind_spread_mps = site.wind->spread_mps;
+  }
   return replan;
 }
 

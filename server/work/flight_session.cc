@@ -19,6 +19,21 @@ FlightContext FlightSession::Context() const {
   return {flight_id_, request_.altitude_datum, local_frame_};
 }
 
+// A frame has the wind of its own time already.
+void FlightSession::GiveWinds(const Storage& storage, const Config& config, const FrameMeta& next) {
+  if (!next.timestamp_us) return;
+  if (last_frame_us_) {
+    const auto winds =
+        WindsBetween(storage, config, flight_id_, *last_frame_us_, *next.timestamp_us);
+    const std::lock_guard lock(frontend_mutex_);
+    for (const MeasuredWind& wind : winds) {
+      frontend_.AddWind(
+          {local_frame_.WorldFromGeo(wind.place), wind.wind_in_world, wind.timestamp_us});
+    }
+  }
+  last_frame_us_ = std::max(last_frame_us_.value_or(*next.timestamp_us), *next.timestamp_us);
+}
+
 std::vector<FrameResult> FlightSession::Give(const FrameRow& row,
                                              const FrameMeta& meta,
                                              const cv::Mat& image) {

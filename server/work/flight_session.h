@@ -12,6 +12,7 @@
 
 #include "api/api.h"
 #include "api/stored/stored.h"
+#include "server/config.h"
 #include "storage/storage.h"
 
 namespace freelsd {
@@ -29,6 +30,9 @@ class FlightSession {
   FlightContext Context() const;
 
   // --- Frontend thread ---
+  // Gives what telemetry tells between the frame of that time, which comes next, and its
+  // predecessor.
+  void GiveWinds(const Storage& storage, const Config& config, const FrameMeta& next);
   std::vector<FrameResult> Give(const FrameRow& row, const FrameMeta& meta, const cv::Mat& image);
   // Passes over a frame that cannot be given.
   void Skip(int64_t sequence) { cursor_ = sequence; }
@@ -73,6 +77,8 @@ class FlightSession {
   std::atomic<int64_t> flushed_through_{0};
   std::atomic<int64_t> first_settled_at_{std::numeric_limits<int64_t>::max()};
   std::set<int64_t> flush_points_;
+  // Latest time of a frame given; belongs to the frontend thread.
+  std::optional<int64_t> last_frame_us_;
 
   // Guards frontend_.
   std::mutex frontend_mutex_;

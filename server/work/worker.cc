@@ -208,6 +208,7 @@ void Worker::TakeFrame(const std::string& flight_id,
     ApplyResults(flight_id, session, {{frame.row.id, false, why_not}});
     return;
   }
+  session.GiveWinds(service_.storage, service_.config, *frame.meta);
   ApplyResults(flight_id, session, session.Give(frame.row, *frame.meta, image));
 }
 

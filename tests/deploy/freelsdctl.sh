@@ -69,17 +69,31 @@ num_flights() { get /v1/flights | jq '.flights | length'; }
 test_usage() {
   run 0 --help
   said out 'comes FROM'
+  local each
+  for each in submit watch sites flights emergency export; do
+    run 0 "$each" --help
+    said out "^  $each"
+    said out '--url URL'
+    equal "$(grep -Ec '^  (submit|watch|sites|flights|emergency|export) ' "$work/out" || true)" 1 \
+      "commands in the help of $each"
+  done
+  run 0 submit --help
+  said out '--no-wait'
+  if grep -q -- '--home-altitude' "$work/out"; then fail "the help of submit tells of export"; fi
   run 0 --version
   equal "$(cut -d ' ' -f 2 "$work/out")" \
     "$(sed -n 's/^project(freelsd VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")" "the version"
   run 2 land
   run 2 sites --wind-from 3
+  said err 'freelsdctl sites --help'
   run 2 emergency 47 8
   run 2 emergency 47 east 500
   run 2 emergency 47 8 500 --wind-from 270
   said err 'go together'
   run 2 sites ../../etc
   run 2 export f-1 --format dwg
+  run 2 export f-1 --format plan --firmware betaflight
+  said err '--firmware must be px4 or ardupilot'
   run 2 submit "$photos" --aircraft
   run 3 flights --url http://127.0.0.1:1
   said err 'no server can be reached at http://127.0.0.1:1'
@@ -88,7 +102,7 @@ test_usage() {
   run 1 sites f-none
   said err 'there is no such flight'
   run 1 submit "$work"
-  said err 'no photographs'
+  said err "no photographs .* in $work or $work/images"
   echo "usage, no server, no flight: as they should be"
 }
 
@@ -124,6 +138,25 @@ test_submit() {
   run 0 submit "$photos"
   equal "$(grep -c '^images=' "$work/arguments" || true)" 0 "photographs sent the third time"
   echo "submit: dry, broken off, gone on with, asked again"
+}
+
+# As many programs leave a flight: photographs in a folder of their own, poses beside it.
+test_images_folder() {
+  local flown="$work/flown" other
+  mkdir -p "$flown/images"
+  cp "$rendered"/frame_000[1-3].jpg "$flown/images"
+  cp "$rendered/flight.json" "$rendered/poses.csv" "$flown"
+  run 0 submit "$flown" --no-wait
+  said err "photographs from $flown/images"
+  said err "poses from $flown/poses.csv"
+  other="$(cat "$work/out")"
+  run 0 watch "$other"
+  equal "$(get "/v1/flights/$other" | jq .frames.received)" 3 "frames"
+  mv "$flown/poses.csv" "$flown/images"
+  run 0 submit "$flown" --dry-run
+  said err "poses from $flown/images/poses.csv"
+  curl -fsS -X DELETE "$url/v1/flights/$other?forget_sites=true"
+  echo "images in a folder of their own: sent"
 }
 
 test_refusals() {
@@ -195,6 +228,8 @@ test_emergency() {
   said out 'NOTHING IN REACH'
   run 1 emergency 91 8 500
   said err 'latitude_deg'
+  run 1 emergency 47 8 500 --glide 0.5
+  said err '--glide: must be in'
   echo "emergency: in reach and not"
 }
 
@@ -215,10 +250,16 @@ test_exports() {
   run 1 export "$flight" --format report
   said err 'about one site'
   run 1 export "$site" --format rally -o "$work/none.rally"
-  said err 'home_altitude_m'
+  said err '--home-altitude: is missing'
+  if grep -q home_altitude_m "$work/err"; then fail "the message names no option"; fi
   if [ -e "$work/none.rally" ]; then fail "a refused export left a file"; fi
   run 1 export f-none-r1 --format kml
   said err 'no such site'
+  run 0 export "$site" --format plan --home-altitude 400
+  equal "$(jq .mission.firmwareType "$work/out")" 12 "PX4"
+  run 0 export "$site" --format plan --home-altitude 400 --firmware ardupilot
+  equal "$(jq .mission.firmwareType "$work/out")" 3 "ArduPilot"
+  said out "\"name\": \"$(get "/v1/flights/$flight" | jq -r .name) [0-9]+"
   mkdir "$work/folder"
   run 0 export "$site" --format cup -o "$work/folder"
   compgen -G "$work/folder/$site*.cup" >/dev/null || fail "the file in the folder has another name"
@@ -277,6 +318,7 @@ start_server open
 export FREELSD_URL="$url" XDG_STATE_HOME="$work/state"
 test_usage
 test_submit
+test_images_folder
 test_sites
 test_emergency
 test_exports

@@ -153,6 +153,19 @@ TEST_CASE("bad input: an unknown key is 422 with its place") {
   CHECK(result->body.find("/colour") != std::string::npos);
 }
 
+TEST_CASE("bad input: a misspelt key is told, not only the key that is missing for it") {
+  FreshServer fresh;
+  for (const auto& [body, pointer] :
+       {std::pair(R"({"nme":"field"})", "/nme"),
+        std::pair(R"({"name":"x","origin":{"lattitude_deg":47,"longitude_deg":8,"altitude_m":1}})",
+                  "/origin/lattitude_deg"),
+        std::pair(R"({"name":"x","camera":{"width":640}})", "/camera/width")}) {
+    const auto result = fresh.client.Post("/v1/flights", body, "application/json");
+    CheckProblem(result, 422, "UnknownKey");
+    CHECK(nlohmann::json::parse(result->body)["errors"][0]["pointer"] == pointer);
+  }
+}
+
 TEST_CASE("bad input: a batch whose poses name images that do not exist is 422") {
   StoredFlight stored;
   const std::string poses =

@@ -49,8 +49,14 @@ const SampleFlight& Sample() {
   return kFlight;
 }
 
-// The header and the lines of these frames: a batch must not name images that are not there.
-std::string PosesOf(int begin, int end) {
+}  // namespace
+
+std::filesystem::path RealModel() {
+  return std::filesystem::path(FREELSD_SOURCE_DIR) / "engine/classification/grass_model.yml";
+}
+
+// The header and the lines: a batch must not name images that are not there.
+std::string SamplePoses(int begin, int end) {
   std::istringstream lines(Sample().poses);
   std::string poses, line;
   for (int i = -1; std::getline(lines, line); ++i) {
@@ -59,14 +65,9 @@ std::string PosesOf(int begin, int end) {
   return poses;
 }
 
-}  // namespace
-
-std::filesystem::path RealModel() {
-  return std::filesystem::path(FREELSD_SOURCE_DIR) / "engine/classification/grass_model.yml";
-}
-
 void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end) {
-  httplib::MultipartFormDataItems items{{"poses", PosesOf(begin, end), "poses.csv", "text/csv"}};
+  httplib::MultipartFormDataItems items{
+      {"poses", SamplePoses(begin, end), "poses.csv", "text/csv"}};
   for (int i = begin; i < end; ++i) {
     const size_t index = static_cast<size_t>(i);
     items.push_back({"images", Sample().images[index], Sample().names[index], "image/jpeg"});

@@ -12,6 +12,8 @@ std::filesystem::path RealModel();
 // Flight with its frames [begin, end) as one batch; its id.
 std::string PostSampleFlight(httplib::Client& client, int begin, int end);
 void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end);
+// The file of poses of these frames, as a batch of them has it.
+std::string SamplePoses(int begin, int end);
 // POST finish; the job's id.
 std::string Finish(httplib::Client& client, const std::string& flight);
 // Whether the job is seen running in the backend.

@@ -66,7 +66,8 @@ SiteMap CropAround(const ElevationMap& map,
            .grass = layers.grass(box).clone(),
            .hazard = layers.hazard(box).clone(),
            .distance = layers.distance(box).clone(),
-           .min_clear_class_posterior = layers.min_clear_class_posterior}};
+           .min_clear_class_posterior = layers.min_clear_class_posterior,
+           .min_grass_posterior = layers.min_grass_posterior}};
 }
 
 }  // namespace freelsd

@@ -11,8 +11,6 @@ namespace freelsd {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-// The method's default, because the site's own options are not stored with its map.
-const double kMinGrassPosterior = CoverOptions{}.min_grass_posterior;
 // Mean radius of the earth, m. Over a few kilometres its error is below a millimetre.
 constexpr double kEarthRadiusM = 6371000.0;
 
@@ -30,12 +28,14 @@ constexpr LayerUnit kLayers[] = {
     {"distance", "m"},
 };
 
-cv::Mat1f BinaryGrass(const cv::Mat1f& posterior) {
+cv::Mat1f BinaryGrass(const HazardLayers& layers) {
+  const cv::Mat1f& posterior = layers.grass;
   cv::Mat1f binary(posterior.size());
   for (int row = 0; row < binary.rows; ++row) {
     for (int col = 0; col < binary.cols; ++col) {
       const float value = posterior(row, col);
-      binary(row, col) = std::isnan(value) ? kNaN : (value >= kMinGrassPosterior ? 1.0f : 0.0f);
+      binary(row, col) =
+          std::isnan(value) ? kNaN : (value >= layers.min_grass_posterior ? 1.0f : 0.0f);
     }
   }
   return binary;
@@ -99,7 +99,7 @@ cv::Mat1f LayerValues(const SiteMap& site_map, const std::string& name) {
   if (name == "elevation") return site_map.map.elevation.clone();
   if (name == "slope") return SlopeDegrees(site_map.layers.slope);
   if (name == "roughness") return site_map.layers.roughness.clone();
-  if (name == "grass") return BinaryGrass(site_map.layers.grass);
+  if (name == "grass") return BinaryGrass(site_map.layers);
   if (name == "distance") return SeenDistance(site_map);
   if (name != "hazard") throw std::invalid_argument("layer = " + name + ": no such layer");
   cv::Mat1f hazard;

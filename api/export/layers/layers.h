@@ -45,9 +45,9 @@ std::string LegendPng(const SiteMap& site_map,
                       const std::string& name,
                       double altitude_of_world_m = 0.0);
 // float32 in the origin's UTM zone (WGS84; UPS near the poles). Unseen cells are NaN. Elevation is
-// an altitude in the flight's datum. `hazard` is 0 free, 1 hazard, 2 unseen. `grass` is 1 where the
-// posterior is at least the default min_grass_posterior, else 0. Rows follow the local grid, not
-// the UTM grid, so the geotransform is a general affine one.
+// an altitude in the flight's datum. `hazard` is 0 free, 1 hazard, 2 unseen. `grass` is 1 at or
+// above the map's min_grass_posterior, else 0. Rows follow the local grid, so the transform is
+// affine.
 std::string LayerGeoTiff(const SiteMap& site_map,
                          const std::string& name,
                          const LocalFrame& local_frame);

@@ -74,7 +74,8 @@ std::string SurfaceRows(const StoredSite& site) {
 }
 
 std::string Numbers(const StoredSite& site) {
-  std::string rows = Row("Touchdown",
+  std::string rows = Row("Site", EscapeXml(site.id)) +
+                     Row("Touchdown",
                          FixedText(site.touchdown.latitude_deg, 7) + ", " +
                              FixedText(site.touchdown.longitude_deg, 7)) +
                      Row("Altitude",

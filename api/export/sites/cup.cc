@@ -1,5 +1,6 @@
 // SeeYou CUP: landables for gliding computers. Minutes have three decimals because older readers
 // accept no others. A position is exact to 1.4 m; the description has all decimals.
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 
@@ -38,9 +39,15 @@ std::string Direction(double heading_deg) {
 }
 
 std::string Quoted(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? '\'' : c == '\n' || c == '\r' ? ' ' : c;
-  return quoted + "\"";
+  std::string quoted = OneLine(text);
+  std::replace(quoted.begin(), quoted.end(), '"', '\'');
+  return "\"" + quoted + "\"";
+}
+
+// Whole metres, rounded down: a pilot must not count on more than is free.
+std::string Length(const StoredSite& site) {
+  if (!site.final_places || !site.free_length_m) return "";
+  return FixedText(std::floor(*site.free_length_m), 0) + "m";
 }
 
 std::string Description(const StoredSite& site) {
@@ -50,6 +57,7 @@ std::string Description(const StoredSite& site) {
   if (site.final_places) {
     text += ", heading " + FixedText(site.final_places->heading_deg, 1) + " deg";
   }
+  text += ". Site " + site.id;
   if (site.altitude_datum != "amsl") text += ". Elevation left out: datum " + site.altitude_datum;
   return text + ".";
 }
@@ -73,7 +81,8 @@ std::string Row(const StoredSite& site) {
   return Quoted(site.Name()) + "," + Code(site.id) + ",," +
          Angle(site.touchdown.latitude_deg, 2, "NS") + "," +
          Angle(site.touchdown.longitude_deg, 3, "EW") + "," + elevation + "," +
-         std::to_string(kOutlanding) + "," + direction + ",,," + Quoted(Description(site)) + "\r\n";
+         std::to_string(kOutlanding) + "," + direction + "," + Length(site) + ",," +
+         Quoted(Description(site)) + "\r\n";
 }
 
 }  // namespace

@@ -45,7 +45,8 @@ std::string Data(const std::string& name, const std::string& value) {
 }
 
 std::string ExtendedData(const StoredSite& site) {
-  std::string data = Data("verdict", site.verdict) + Data("altitude_datum", site.altitude_datum) +
+  std::string data = Data("site_id", site.id) + Data("verdict", site.verdict) +
+                     Data("altitude_datum", site.altitude_datum) +
                      Data("altitude_m", FixedText(site.touchdown.altitude_m, 3));
   if (site.final_places) {
     data += Data("heading_deg", FixedText(site.final_places->heading_deg, 3)) +
@@ -66,7 +67,9 @@ std::string LoiterCoordinates(const StoredSite& site) {
 }
 
 std::string SiteFolder(const StoredSite& site) {
-  std::string description = site.summary.value_or("");
+  std::string description = site.summary.value_or("") + " Site " + site.id + ", touchdown at " +
+                            FixedText(site.touchdown.latitude_deg, 6) + " " +
+                            FixedText(site.touchdown.longitude_deg, 6) + ".";
   if (site.altitude_datum != "amsl") {
     description += " Altitudes are in the datum \"" + site.altitude_datum +
                    "\", so places are drawn on the ground.";

@@ -1,4 +1,5 @@
 // QGroundControl's .plan, version 1, with the fixed-wing landing pattern of the best site.
+#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -13,8 +14,10 @@ constexpr double kSphereRadiusM = 6371007.2;
 // Allowed differences between the site and the values that the program computes from the plan.
 const double kHeadingTolerance = RadFromDeg(0.1);
 const double kSlopeTolerance = RadFromDeg(0.05);
-// MAV_AUTOPILOT_PX4, vehicle class fixed wing.
-constexpr int kFirmwareType = 12;
+// MAV_AUTOPILOT_PX4, MAV_AUTOPILOT_ARDUPILOTMEGA.
+constexpr int kPx4Type = 12;
+constexpr int kArduPilotType = 3;
+// Vehicle class fixed wing.
 constexpr int kVehicleType = 1;
 // Only displayed; the pilot's own settings override them.
 constexpr double kCruiseSpeedMps = 15.0;
@@ -69,19 +72,24 @@ nlohmann::json Coordinate(const GeoPoint& place, const AltitudeFrame& frame) {
   return {place.latitude_deg, place.longitude_deg, frame.Of(place.altitude_m)};
 }
 
+// Without a known airspeed the vehicle keeps its own.
 nlohmann::json LandingPattern(const StoredSite& site, const AltitudeFrame& frame) {
-  return {{"type", "ComplexItem"},
-          {"complexItemType", "fwLandingPattern"},
-          {"version", 2},
-          {"altitudesAreRelative", frame.is_above_home},
-          {"landCoordinate", Coordinate(site.touchdown, frame)},
-          {"landingApproachCoordinate", Coordinate(site.final_places->loiter_center, frame)},
-          {"loiterRadius", RadiusOnSphere(site)},
-          {"loiterClockwise", site.final_places->is_right_turn},
-          {"useLoiterToAlt", true},
-          {"valueSetIsDistance", true},
-          {"stopTakingPhotos", false},
-          {"stopVideoPhotos", false}};
+  nlohmann::json pattern{
+      {"type", "ComplexItem"},
+      {"complexItemType", "fwLandingPattern"},
+      {"version", 2},
+      {"altitudesAreRelative", frame.is_above_home},
+      {"landCoordinate", Coordinate(site.touchdown, frame)},
+      {"landingApproachCoordinate", Coordinate(site.final_places->loiter_center, frame)},
+      {"loiterRadius", RadiusOnSphere(site)},
+      {"loiterClockwise", site.final_places->is_right_turn},
+      {"useLoiterToAlt", true},
+      {"useDoChangeSpeed", site.landing_airspeed_mps.has_value()},
+      {"valueSetIsDistance", true},
+      {"stopTakingPhotos", false},
+      {"stopVideoPhotos", false}};
+  if (site.landing_airspeed_mps) pattern["finalApproachSpeed"] = *site.landing_airspeed_mps;
+  return pattern;
 }
 
 // The format needs a home; the vehicle replaces it by its own. Home's altitude is above mean sea
@@ -107,12 +115,32 @@ nlohmann::json RallyPoints(const std::vector<StoredSite>& sites, const ExportOpt
   return points;
 }
 
-// The program ignores unknown keys. These are for people.
-nlohmann::json Remarks(const StoredSite& site, const AltitudeFrame& frame) {
+// What people must know before they fly the plan.
+std::vector<std::string> WarningsOf(const StoredSite& site) {
+  std::vector<std::string> warnings = site.warnings;
+  if (site.verdict != "unverified") return warnings;
+  std::string text = "UNVERIFIED: no hazard is known, but not everything was seen";
+  if (site.unseen_ratio.value_or(0.0) > 0.0) {
+    const double percent = std::max(1.0, 100.0 * *site.unseen_ratio);
+    text += ": " + FixedText(percent, 0) + " % of the loiter circle is unseen";
+  }
+  warnings.insert(warnings.begin(), text);
+  return warnings;
+}
+
+// The program ignores unknown keys. These are for people. `sites` begins with the site to land on.
+nlohmann::json Remarks(const std::vector<StoredSite>& sites, const AltitudeFrame& frame) {
+  const StoredSite& site = sites.front();
+  nlohmann::json rally_points = nlohmann::json::array();
+  for (const StoredSite& each : sites) {
+    if (frame.is_above_home) rally_points.push_back({{"site_id", each.id}, {"name", each.Name()}});
+  }
   return {{"site_id", site.id},
           {"name", site.Name()},
           {"verdict", site.verdict},
           {"summary", site.summary.value_or("")},
+          {"warnings", WarningsOf(site)},
+          {"rally_points", rally_points},
           {"heading_deg", site.final_places->heading_deg},
           {"altitude_datum", site.altitude_datum},
           {"altitudes", frame.is_above_home ? "above home" : "above mean sea level"}};
@@ -126,14 +154,15 @@ std::string PlanFile(const std::vector<StoredSite>& sites, const ExportOptions& 
   const AltitudeFrame frame = FrameOf(safe, options);
   nlohmann::json items = nlohmann::json::array();
   items.push_back(LandingPattern(best, frame));
-  const nlohmann::json mission{{"version", 2},
-                               {"firmwareType", kFirmwareType},
-                               {"vehicleType", kVehicleType},
-                               {"cruiseSpeed", kCruiseSpeedMps},
-                               {"hoverSpeed", kHoverSpeedMps},
-                               {"globalPlanAltitudeMode", frame.is_above_home ? 1 : 2},
-                               {"plannedHomePosition", PlannedHome(best, options)},
-                               {"items", items}};
+  const nlohmann::json mission{
+      {"version", 2},
+      {"firmwareType", options.firmware == Firmware::kArduPilot ? kArduPilotType : kPx4Type},
+      {"vehicleType", kVehicleType},
+      {"cruiseSpeed", kCruiseSpeedMps},
+      {"hoverSpeed", kHoverSpeedMps},
+      {"globalPlanAltitudeMode", frame.is_above_home ? 1 : 2},
+      {"plannedHomePosition", PlannedHome(best, options)},
+      {"items", items}};
   const nlohmann::json fence{
       {"version", 2}, {"polygons", nlohmann::json::array()}, {"circles", nlohmann::json::array()}};
   const nlohmann::json plan{
@@ -143,7 +172,7 @@ std::string PlanFile(const std::vector<StoredSite>& sites, const ExportOptions& 
       {"mission", mission},
       {"geoFence", fence},
       {"rallyPoints", {{"version", 2}, {"points", RallyPoints(safe, options)}}},
-      {"freelsd", Remarks(best, frame)}};
+      {"freelsd", Remarks(safe, frame)}};
   return plan.dump(2) + "\n";
 }
 

@@ -9,9 +9,13 @@
 
 namespace freelsd {
 
+// The autopilot that a plan names.
+enum class Firmware { kPx4, kArduPilot };
+
 struct ExportOptions {
   // Altitude of the launch place, in the sites' datum. If set, autopilots get heights above it.
   std::optional<double> home_altitude_m;
+  Firmware firmware = Firmware::kPx4;
 };
 struct SiteFormat {
   const char* name;

@@ -205,6 +205,24 @@ TEST_CASE("batch: good images go on, damaged ones and ones without pose are told
   CHECK(told["frames"]["rejected"] == 2);
 }
 
+TEST_CASE("batch: where no photograph is accepted, the answer says so and nothing is queued") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const auto result =
+      PostBatch(fresh.client,
+                flight,
+                {Image("a.jpg", NoiseImage(1).substr(0, 9000)), Image("b.jpg", NoiseImage(2))});
+  REQUIRE(result);
+  REQUIRE(result->status == 202);
+  const nlohmann::json job = nlohmann::json::parse(result->body);
+  CHECK(job["state"] == "done");
+  CHECK(job["progress"] == 1.0);
+  CHECK(job["detail"]["num_accepted"] == 0);
+  CHECK(job["detail"]["message"].get<std::string>().find("no photograph was accepted") == 0);
+  CHECK(GetJson(fresh.client, "/v1/jobs/" + job["id"].get<std::string>()) == job);
+  CHECK(GetJson(fresh.client, "/v1/flights/" + flight)["frames"]["rejected"] == 2);
+}
+
 TEST_CASE("batch: the same batch again changes nothing") {
   FreshServer fresh;
   const std::string flight = NewFlight(fresh.client);

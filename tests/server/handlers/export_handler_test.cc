@@ -5,6 +5,7 @@
 
 #include "server/handlers/lookups.h"
 #include "tests/api/export/layers/hill_map.h"
+#include "tests/api/export/sites/readers.h"
 #include "tests/api/export/sites/sites.h"
 #include "tests/server/test_server.h"
 
@@ -17,7 +18,9 @@ struct SitesServer {
   std::unique_ptr<TestServer> server;
   std::unique_ptr<httplib::Client> client;
 
-  explicit SitesServer(const std::string& datum = "amsl") {
+  explicit SitesServer(const std::function<void(Replan&)>& change) : SitesServer("amsl", change) {}
+  explicit SitesServer(const std::string& datum = "amsl",
+                       const std::function<void(Replan&)>& change = {}) {
     {
       Storage storage(folder.path() / "data");
       FlightRow flight;
@@ -25,7 +28,7 @@ struct SitesServer {
       flight.name = "meadows";
       flight.request_json = R"({"name":"meadows","altitude_datum":")" + datum + "\"}";
       storage.flights.Insert(flight);
-      Put(storage, Verdict::kLandable, 1, datum, SerializeSiteMap(HillMap()));
+      Put(storage, Verdict::kLandable, 1, datum, SerializeSiteMap(HillMap()), change);
       Put(storage, Verdict::kUnverified, 2, datum, "");
       Put(storage, Verdict::kRejected, 3, datum, "");
     }
@@ -37,7 +40,8 @@ struct SitesServer {
                   Verdict verdict,
                   int region_id,
                   const std::string& datum,
-                  const std::string& map) {
+                  const std::string& map,
+                  const std::function<void(Replan&)>& change = {}) {
     KnownSiteOptions options;
     options.verdict = verdict;
     options.region_id = region_id;
@@ -46,6 +50,7 @@ struct SitesServer {
     Replan replan;
     replan.flight = ParseFlightRequest(R"({"name":"meadows","altitude_datum":")" + datum + "\"}");
     replan.origin = options.origin;
+    if (change) change(replan);
     SiteRow row;
     row.id = "f1-r" + std::to_string(region_id);
     row.flight_id = std::string("f1");
@@ -147,6 +152,80 @@ TEST_CASE("export: what makes no sense is refused by name") {
   CheckProblem(sites.client->Get("/v1/sites/f1-r1?format=plan"), 400, "UnknownParameter");
   CheckProblem(sites.client->Get("/v1/sites/none?f=plan"), 404, "NoSuchSite");
   CheckProblem(sites.client->Get("/v1/flights/none/sites?f=plan"), 404, "NoSuchFlight");
+}
+
+TEST_CASE("export: sites are called by the flight's name and their rank, not by their ids") {
+  const SitesServer sites;
+  const auto body = [&sites](const std::string& format) {
+    const auto result = sites.client->Get("/v1/flights/f1/sites?home_altitude_m=400&f=" + format);
+    REQUIRE(result);
+    REQUIRE(result->status == 200);
+    return result->body;
+  };
+  CHECK(body("kml").find("<name>meadows 1</name>") != std::string::npos);
+  CHECK(body("kml").find("<name>meadows 2 UNVERIFIED</name>") != std::string::npos);
+  CHECK(body("kml").find("<name>f1-r") == std::string::npos);
+  const auto rows = SplitRows(body("cup"), ',');
+  REQUIRE(rows.size() == 3);
+  CHECK(rows[1][0] == "meadows 1");
+  CHECK(rows[2][0] == "meadows 2 UNVERIFIED");
+  CHECK(rows[1][10].find("f1-r1") != std::string::npos);
+  CHECK(body("rally").find("# meadows 2 UNVERIFIED, site f1-r2") != std::string::npos);
+}
+
+TEST_CASE("export: a cup's runway is as long as what was checked, rounded down") {
+  const SitesServer sites;
+  const auto result = sites.client->Get("/v1/sites/f1-r1?f=cup");
+  REQUIRE(result);
+  const auto rows = SplitRows(result->body, ',');
+  CHECK(rows[0][8] == "rwlen");
+  // Techpod: a disc of 10 m, and 30 m of ground roll from its middle.
+  CHECK(rows[1][8] == "40m");
+  CHECK_FALSE(rows[1][7].empty());
+  CHECK(rows[1][9].empty());
+}
+
+TEST_CASE("export: a plan is for the firmware of the query, with the aircraft's landing speed") {
+  const SitesServer sites;
+  const auto plan_of = [&sites](const std::string& query) {
+    return GetJson(*sites.client, "/v1/sites/f1-r1?f=plan" + query);
+  };
+  CHECK(plan_of("")["mission"]["firmwareType"] == 12);
+  CHECK(plan_of("&firmware=px4") == plan_of(""));
+  CHECK(plan_of("&firmware=ardupilot")["mission"]["firmwareType"] == 3);
+  const nlohmann::json landing = plan_of("")["mission"]["items"][0];
+  CHECK(landing["useDoChangeSpeed"] == true);
+  CHECK(landing["finalApproachSpeed"] == 13.0);
+  CheckProblem(
+      sites.client->Get("/v1/sites/f1-r1?f=plan&firmware=betaflight"), 400, "InvalidQuery");
+}
+
+TEST_CASE("export: the plan of an unverified site warns of it before all else") {
+  const SitesServer sites;
+  const nlohmann::json remarks =
+      GetJson(*sites.client, "/v1/flights/f1/sites?f=plan&home_altitude_m=400")["freelsd"];
+  CHECK(remarks["verdict"] == "landable");
+  CHECK(remarks["warnings"].dump().find("UNVERIFIED") == std::string::npos);
+  CHECK(remarks["rally_points"][1]["name"] == "meadows 2 UNVERIFIED");
+  const nlohmann::json unverified =
+      GetJson(*sites.client, "/v1/sites/f1-r2?f=plan")["freelsd"]["warnings"];
+  CHECK(unverified[0].get<std::string>().find("UNVERIFIED: ") == 0);
+  CHECK(unverified.dump().find("wires") != std::string::npos);
+}
+
+TEST_CASE("layers: grass is what the flight's own settings call grass, as in hazard") {
+  const SitesServer sites([](Replan& replan) {
+    replan.flight = ParseFlightRequest(
+        R"({"name":"strict","options":{"hazard":{"min_grass_posterior":0.999}}})");
+  });
+  const auto largest = [](const SitesServer& of) {
+    for (const auto& layer : GetJson(*of.client, "/v1/sites/f1-r1/layers")["layers"]) {
+      if (layer["name"] == "grass") return layer["max"].get<double>();
+    }
+    return -1.0;
+  };
+  CHECK(largest(SitesServer()) == 1.0);
+  CHECK(largest(sites) == 0.0);
 }
 
 TEST_CASE("export: pictures have a world file") {

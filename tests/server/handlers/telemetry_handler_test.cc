@@ -4,7 +4,9 @@
 #include <doctest/doctest.h>
 
 #include "server/intake/telemetry.h"
+#include "tests/api/export/sites/readers.h"
 #include "tests/server/meadow.h"
+#include "tests/server/sample_flight.h"
 
 namespace freelsd {
 namespace {
@@ -156,6 +158,73 @@ TEST_CASE("telemetry: attitude turns the short way, positions go straight, nothi
   CHECK_FALSE(TelemetryAt(storage, config, "f", kStart - 250000).position);
   storage.telemetry.Put("f", ParseTelemetryLine(Line(kStart + 9000000, 49.0, 0.0)));
   CHECK_FALSE(TelemetryAt(storage, config, "f", kStart + 5000000).position);
+}
+
+TEST_CASE("telemetry: winds between two frames are found where the aircraft was") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  FlightRow flight;
+  flight.id = std::string("f");
+  storage.flights.Insert(flight);
+  for (int i = 0; i <= 10; ++i) {
+    storage.telemetry.Put(
+        "f", ParseTelemetryLine(Line(kStart + int64_t{100000} * i, 47.0 + 0.001 * i, 0.0)));
+  }
+  // Without a position near in time.
+  storage.telemetry.Put("f", {{TelemetryKind::kWind, kStart + 30000000, {9.0, 9.0, 0.0, 0.0}}});
+  const auto between = [&](int64_t after_us, int64_t before_us) {
+    return WindsBetween(storage, Config{}, "f", kStart + after_us, kStart + before_us);
+  };
+  const std::vector<MeasuredWind> winds = between(200000, 600000);
+  REQUIRE(winds.size() == 3);
+  CHECK(winds[0].timestamp_us == kStart + 300000);
+  CHECK(winds[2].place.latitude_deg == doctest::Approx(47.005));
+  CHECK(winds[1].wind_in_world == Eigen::Vector2d(1.0, -2.0));
+  CHECK(between(200000, 300000).empty());
+  CHECK(between(600000, 200000).empty());
+  CHECK(between(1000000, 60000000).empty());
+}
+
+// Telemetry halfway between the frames of the file, with this wind.
+std::string WindsHalfway(const std::string& poses, double wind_east_mps) {
+  const auto rows = SplitRows(poses, ',');
+  std::string lines;
+  for (size_t i = 2; i < rows.size(); ++i) {
+    const auto middle = [&](size_t column) {
+      return 0.5 * (std::stod(rows[i - 1].at(column)) + std::stod(rows[i].at(column)));
+    };
+    lines += nlohmann::json{{"timestamp_us", static_cast<int64_t>(middle(4))},
+                            {"position",
+                             {{"latitude_deg", middle(1)},
+                              {"longitude_deg", middle(2)},
+                              {"altitude_m", middle(3)}}},
+                            {"wind", {{"east_mps", wind_east_mps}, {"north_mps", 0.0}}}}
+                 .dump() +
+             "\n";
+  }
+  return lines;
+}
+
+TEST_CASE("telemetry: a wind between the frames counts in the wind of a region") {
+  FreshServer fresh([](Config& config) { config.model = RealModel(); });
+  const std::string flight = PostSampleFlight(fresh.client, 0, 1);
+  const std::string poses = SamplePoses(0, kNumSampleFrames);
+  double framed_east_mps = 0.0;
+  const auto rows = SplitRows(poses, ',');
+  for (size_t i = 1; i < rows.size(); ++i) framed_east_mps += std::stod(rows[i].at(8));
+  framed_east_mps /= static_cast<double>(kNumSampleFrames);
+  PostTelemetry(fresh.client, flight, WindsHalfway(poses, framed_east_mps + 10.0));
+  PostSampleFrames(fresh.client, flight, 1, kNumSampleFrames);
+  const nlohmann::json jobs = GetJson(fresh.client, "/v1/jobs")["jobs"];
+  for (const auto& job : jobs) CHECK(AwaitJob(fresh.client, job["id"])["state"] == "done");
+  const nlohmann::json regions =
+      GetJson(fresh.client, "/v1/flights/" + flight + "/regions")["features"];
+  REQUIRE(!regions.empty());
+  for (const auto& region : regions) {
+    REQUIRE(region["properties"]["wind"].is_object());
+    // Half of the samples are from between the frames. Without them it is within 1 m/s.
+    CHECK(region["properties"]["wind"]["east_mps"].get<double>() > framed_east_mps + 3.0);
+  }
 }
 
 TEST_CASE("alternates: the best sites from the latest pose stand ready, and follow it") {

@@ -1,0 +1,22 @@
+// The best site of an emergency answer as a file for an autopilot.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "api/export/sites/sites.h"
+#include "server/http/http.h"
+#include "server/work/work.h"
+
+namespace freelsd {
+
+// `answer` is that of RecallSites; its plan of the best site is written, not the stored one.
+// `format` is plan or waypoints. Throws ApiError NothingInReach, AltitudeUnknown.
+void AnswerLanding(const Service& service,
+                   const nlohmann::json& answer,
+                   const std::string& format,
+                   const ExportOptions& options,
+                   httplib::Response& response);
+
+}  // namespace freelsd
