@@ -61,6 +61,8 @@ struct SiteRow {
   bool is_evidence = false;
   // Empty: recall never returns the site, because it was rejected or no terrain was seen.
   std::optional<RecallData> recall;
+  // Datum of the map's altitudes, for a site without `recall`; else it is that of `recall`.
+  std::string map_datum = "unknown";
   // Area of the map; empty: the box is the touchdown point.
   std::optional<BoundingBox> map_box;
   // Id of the site that a later flight found on the same ground.
@@ -70,6 +72,7 @@ struct SiteRow {
 // Identifies one version of a site's map.
 struct MapRow {
   std::string site_id;
+  std::string flight_id;
   int64_t updated_at_us = 0;
   std::string altitude_datum;
 };
@@ -98,7 +101,7 @@ class SiteStore {
   void SetSupersededBy(const std::string& site_id, const std::optional<std::string>& newer_id);
   bool Delete(const std::string& site_id);
 
-  // Rows from Find and List have neither recall nor map_box.
+  // Rows from Find and List have no recall, map_box and map_datum.
   std::optional<SiteRow> Find(const std::string& site_id) const;
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const;

@@ -1,4 +1,5 @@
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 
 #include "api/api.h"
 #include "server/handlers/handlers.h"
@@ -11,7 +12,7 @@ namespace {
 nlohmann::json QueryObject(const Call& call) {
   nlohmann::json object = nlohmann::json::object();
   for (const auto& [name, value] : call.request.params) {
-    if (name == "altitude_datum" || name == "aircraft") {
+    if (name == "altitude_datum" || name == "aircraft" || name == "flight") {
       object[name] = *call.Query(name);
     } else {
       object[name] = *call.QueryNumber(name);
@@ -33,11 +34,29 @@ EmergencyRequest ParseQuery(const Call& call) {
   }
 }
 
+void AnswerEmergency(Service& service,
+                     const EmergencyRequest& request,
+                     httplib::Response& response) {
+  const StoredSites stored{service.storage, service.maps};
+  CompletedRequest completed{request, nullptr};
+  bool is_flight_unread = false;
+  try {
+    if (request.flight_id) completed = CompletedFromFlight(service.storage, request);
+  } catch (const StorageError& error) {
+    // Sites have a second copy, flights have none: a damaged flight must not cost the answer.
+    spdlog::error("emergency recall for a flight: {}", error.what());
+    is_flight_unread = true;
+  }
+  nlohmann::json answer = RecallSites(stored, completed.request);
+  if (!completed.taken.is_null()) answer["taken_from_flight"] = std::move(completed.taken);
+  if (is_flight_unread) answer["warnings"].push_back("the flight's data cannot be read");
+  response.set_content(answer.dump(), "application/json");
+}
+
 }  // namespace
 
 void GetEmergency(Service& service, const Call& call, httplib::Response& response) {
-  response.set_content(RecallSites({service.storage, service.maps}, ParseQuery(call)).dump(),
-                       "application/json");
+  AnswerEmergency(service, ParseQuery(call), response);
 }
 
 // Takes the request as JSON in the body. A POST without a body may use the query instead.
@@ -49,8 +68,7 @@ void PostEmergency(Service& service, const Call& call, httplib::Response& respon
   const EmergencyRequest request =
       body.empty() ? ParseQuery(call)
                    : ParseEmergencyRequest(ParseJson(body, kLimits.max_emergency_bytes));
-  response.set_content(RecallSites({service.storage, service.maps}, request).dump(),
-                       "application/json");
+  AnswerEmergency(service, request, response);
 }
 
 }  // namespace freelsd

@@ -38,8 +38,9 @@ std::vector<SiteRow> ListedSites(const Service& service,
 }
 
 StoredSite SiteOf(const SiteRow& row) {
-  return ReadStoredSite(
-      row.feature_json, row.approach_json, ParseReplan(row.replan_json).flight.altitude_datum);
+  return ReadStoredSite(row.feature_json,
+                        row.approach_json,
+                        ParseReplan(row.replan_json).flight.altitude_datum.value_or("unknown"));
 }
 
 }  // namespace freelsd
