@@ -16,13 +16,12 @@ std::optional<std::string> DatumOfFrames(const FlightRow& flight) {
 // What the frames tell against the client, or against each other; empty: nothing.
 std::vector<std::string> Contradictions(const std::optional<std::string>& given,
                                         const std::optional<std::string>& before,
-                                        const std::string& told,
-                                        const std::string& common) {
+                                        const std::string& told) {
   if (given && *given != kUnknown && told != kUnknown && told != *given) {
     return {"altitude_datum is given as " + *given + ", but photographs or poses tell " + told +
             ": the given one is used"};
   }
-  if (!given && before && *before != common) {
+  if (!given && before && *before != told) {
     return {
         "the altitudes of the frames tell different datums, or only some tell theirs: "
         "altitude_datum is unknown"};
@@ -54,9 +53,8 @@ FlightRow WithDatumOf(FlightRow flight, const FrameMeta& meta) {
   rig.altitude_datum = CommonDatum(before, meta);
   flight.rig_json = FlightRigJson(rig);
   const std::optional<std::string> given = ParseFlightRequest(flight.request_json).altitude_datum;
-  flight.warnings_json = AddWarnings(flight.warnings_json,
-                                     "altitude_datum",
-                                     Contradictions(given, before, told, *rig.altitude_datum));
+  flight.warnings_json =
+      AddWarnings(flight.warnings_json, "altitude_datum", Contradictions(given, before, told));
   return flight;
 }
 

@@ -1,5 +1,4 @@
-// The datum of a flight's altitudes: as the client gave it, else as the flight's own input tells
-// it.
+// The datum of a flight's altitudes: the client's, else the one that the flight's own input tells.
 #pragma once
 
 #include <optional>

@@ -26,14 +26,24 @@ struct Destroy {
   void operator()(PJ* transformation) const { proj_destroy(transformation); }
 };
 
-// Reads nodes of the grid. A context must not be used by two threads, so each reader has its own.
-class GridReader {
+// The index of the cell, and where in it, 0 to 1.
+std::pair<int, double> CellOf(double nodes, int num_cells) {
+  const int index = std::clamp(static_cast<int>(std::floor(nodes)), 0, num_cells - 1);
+  return {index, nodes - index};
+}
+
+}  // namespace
+
+// Reads nodes of the grid.
+class Geoid::GridReader {
  public:
   GridReader() : context_(proj_context_create()) {
     proj_log_level(context_.get(), PJ_LOG_NONE);
     // In an emergency nothing may wait for a server that distributes grids.
     proj_context_set_enable_network(context_.get(), 0);
     ellipsoid_from_geoid_.reset(proj_create(context_.get(), kPipeline));
+    if (ellipsoid_from_geoid_) return;
+    spdlog::warn("PROJ has no grid egm96_15.gtx: install the package proj-data");
   }
 
   // Nothing if PROJ has no such grid.
@@ -53,27 +63,18 @@ class GridReader {
   std::unique_ptr<PJ, Destroy> ellipsoid_from_geoid_;
 };
 
-// The index of the cell, and where in it, 0 to 1.
-std::pair<int, double> CellOf(double nodes, int num_cells) {
-  const int index = std::clamp(static_cast<int>(std::floor(nodes)), 0, num_cells - 1);
-  return {index, nodes - index};
-}
+Geoid::Geoid() = default;
 
-}  // namespace
+Geoid::~Geoid() = default;
 
 std::optional<Geoid::Cell> Geoid::CellAt(int row, int col) {
   const int key = row * kNumCols + col;
   if (const auto found = cells_.find(key); found != cells_.end()) return found->second;
-  if (is_missing_) return std::nullopt;
-  const GridReader grid;
+  if (!grid_) grid_ = std::make_unique<GridReader>();
   Cell cell{};
   for (int i = 0; i < 4; ++i) {
-    const std::optional<double> height = grid.HeightAt(row + i / 2, col + i % 2);
-    if (!height) {
-      is_missing_ = true;
-      spdlog::warn("PROJ has no grid egm96_15.gtx: install the package proj-data");
-      return std::nullopt;
-    }
+    const std::optional<double> height = grid_->HeightAt(row + i / 2, col + i % 2);
+    if (!height) return std::nullopt;
     cell.at(static_cast<size_t>(i)) = *height;
   }
   if (cells_.size() >= kMaxNumCells) cells_.clear();

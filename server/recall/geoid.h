@@ -2,7 +2,7 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <unordered_map>
@@ -17,6 +17,11 @@ constexpr double kMaxGeoidHeightM = 110.0;
 // sites.
 class Geoid {
  public:
+  Geoid();
+  ~Geoid();
+  Geoid(const Geoid&) = delete;
+  Geoid& operator=(const Geoid&) = delete;
+
   // Metres: altitude above the ellipsoid = altitude above mean sea level + height. Nothing if the
   // grid is not installed.
   std::optional<double> HeightAt(double latitude_deg, double longitude_deg);
@@ -24,12 +29,16 @@ class Geoid {
  private:
   // Heights at the corners: south-west, south-east, north-west, north-east.
   using Cell = std::array<double, 4>;
+  class GridReader;
+  // The caller holds mutex_.
   std::optional<Cell> CellAt(int row, int col);
 
-  // Guards the members below.
+  // Guards the members below. PROJ forbids two threads in one context at once; the reader's is only
+  // used by the thread that holds this.
   std::mutex mutex_;
+  // Nothing before the first question.
+  std::unique_ptr<GridReader> grid_;
   std::unordered_map<int, Cell> cells_;
-  bool is_missing_ = false;
 };
 
 // One for the whole process: the grid is a constant of nature.
