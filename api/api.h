@@ -57,12 +57,15 @@ struct FlightRequest {
   std::optional<Camera> camera;
   std::optional<Rigid3d> body_from_camera;
   std::optional<GeoPoint> origin;
-  std::string altitude_datum = "unknown";
+  // "amsl", "ellipsoid" or "unknown". Empty: the flight's own input tells the datum.
+  std::optional<std::string> altitude_datum;
   Aircraft aircraft;
   PipelineOptions options;
   std::string canonical_json;
 };
 FlightRequest ParseFlightRequest(const std::string& body);
+// The same request with this datum, as if the client had given it.
+FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum);
 // Calls PipelineOptions::Check; its message becomes an ApiError at /options/<stage>/<field>.
 void CheckOptions(const PipelineOptions& options);
 // An object of aircraft fields over a profile. Pointers in errors start with `pointer`.
@@ -76,6 +79,8 @@ nlohmann::json GeoPointJson(const GeoPoint& point);
 struct FrameMeta {
   std::optional<int64_t> timestamp_us;
   std::optional<GeoPoint> position;
+  // Datum of the position's altitude, "amsl" or "ellipsoid"; empty: the source does not tell it.
+  std::optional<std::string> altitude_datum;
   // NED is north-east-down; the body is forward-right-down.
   std::optional<Eigen::Quaterniond> ned_from_body;
   // Attitude of the camera itself, from a gimbal. Overrides ned_from_body.
@@ -86,8 +91,8 @@ struct FrameMeta {
   std::optional<double> attitude_sd_deg;
 };
 FrameMeta ParseFrameMeta(const std::string& json_text);
-// Each field is taken from `first` if set there, else from `second`. A standard deviation is taken
-// from the source of its position or attitude, never from the other one.
+// Each field is taken from `first` if set there, else from `second`. A standard deviation and a
+// datum are taken from the source of their position or attitude, never from the other one.
 FrameMeta Merged(const FrameMeta& first, const FrameMeta& second);
 // Engine frame from an image and its meta. Throws ApiError NoPosition if `meta` has no position,
 // ImageSizeMismatch if the image and the camera differ in size.

@@ -56,9 +56,9 @@ std::string ReadName(ObjectReader& reader) {
   return name;
 }
 
-std::string ReadDatum(ObjectReader& reader) {
+std::optional<std::string> ReadDatum(ObjectReader& reader) {
   const nlohmann::json* const value = reader.Find("altitude_datum");
-  if (value == nullptr) return "unknown";
+  if (value == nullptr) return std::nullopt;
   std::string datum = ReadString(*value, "/altitude_datum");
   if (datum != "amsl" && datum != "ellipsoid" && datum != "unknown") {
     throw InvalidValue("/altitude_datum",
@@ -81,9 +81,9 @@ PipelineOptions ReadOptions(const nlohmann::json* value, const Aircraft& aircraf
 
 std::string CanonicalJson(const FlightRequest& request) {
   nlohmann::json object{{"name", request.name},
-                        {"altitude_datum", request.altitude_datum},
                         {"aircraft", AircraftJson(request.aircraft)},
                         {"options", OptionsValuesJson(request.options)}};
+  if (request.altitude_datum) object["altitude_datum"] = *request.altitude_datum;
   if (request.camera) object["camera"] = CameraJson(*request.camera);
   if (request.body_from_camera) object["body_from_camera"] = Rigid3Json(*request.body_from_camera);
   if (request.origin) object["origin"] = GeoPointJson(*request.origin);
@@ -182,6 +182,12 @@ FlightRequest ParseFlightRequest(const std::string& body) {
   const nlohmann::json* const options = reader.Find("options");
   reader.RefuseUnknownKeys();
   request.options = ReadOptions(options, request.aircraft);
+  request.canonical_json = CanonicalJson(request);
+  return request;
+}
+
+FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum) {
+  request.altitude_datum = altitude_datum;
   request.canonical_json = CanonicalJson(request);
   return request;
 }

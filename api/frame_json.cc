@@ -35,6 +35,19 @@ Eigen::Vector2d ReadWind(const nlohmann::json& value) {
   return wind;
 }
 
+// A datum that is "unknown" says no more than none.
+std::optional<std::string> ReadDatum(const nlohmann::json& value, bool has_position) {
+  const std::string datum = ReadString(value, "/altitude_datum");
+  if (datum != "amsl" && datum != "ellipsoid" && datum != "unknown") {
+    throw InvalidValue("/altitude_datum",
+                       "altitude_datum: must be one of amsl, ellipsoid, unknown");
+  }
+  if (!has_position) {
+    throw InvalidValue("/altitude_datum", "altitude_datum: needs a position, whose altitude it is");
+  }
+  return datum == "unknown" ? std::nullopt : std::optional(datum);
+}
+
 std::optional<Eigen::Quaterniond> WorldFromBody(const FrameMeta& meta,
                                                 const Rigid3d& body_from_camera) {
   if (meta.ned_from_camera) {
@@ -68,6 +81,9 @@ FrameMeta ReadCommonFrameFields(ObjectReader& reader) {
   if (const nlohmann::json* const position = reader.Find("position")) {
     meta.position = ReadGeoPoint(*position, "/position");
   }
+  if (const nlohmann::json* const datum = reader.Find("altitude_datum")) {
+    meta.altitude_datum = ReadDatum(*datum, meta.position.has_value());
+  }
   if (const nlohmann::json* const wind = reader.Find("wind")) {
     meta.wind_in_world = ReadWind(*wind);
   }
@@ -93,6 +109,7 @@ FrameMeta Merged(const FrameMeta& first, const FrameMeta& second) {
   if (!first.timestamp_us) merged.timestamp_us = second.timestamp_us;
   if (!first.position) {
     merged.position = second.position;
+    merged.altitude_datum = second.altitude_datum;
     if (!first.position_sd_m) merged.position_sd_m = second.position_sd_m;
   }
   // An attitude of `first`, in either form, overrides both forms of `second`.

@@ -15,7 +15,7 @@ struct FlightRow {
   std::string id;
   std::string name;
   std::string request_json;
-  // JSON text of camera, body_from_camera and origin; empty until a frame settles them.
+  // JSON text of camera, body_from_camera, origin and told datum; empty until a frame settles them.
   std::string rig_json;
   std::string warnings_json = "[]";
   std::string stages_json = "{}";

@@ -78,6 +78,8 @@ struct SiteRow : Standing {
   int64_t seen_at_us = 0;
   // Empty: recall never returns the site, because it was rejected or no terrain was seen.
   std::optional<RecallData> recall;
+  // Datum of the map's altitudes, for a site without `recall`; else it is that of `recall`.
+  std::string map_datum = "unknown";
   // Area of the map; empty: the box is the touchdown point.
   std::optional<BoundingBox> map_box;
 
@@ -89,9 +91,9 @@ struct SiteRow : Standing {
 // Identifies one version of a site's map.
 struct MapRow {
   std::string site_id;
+  std::string flight_id;
   int64_t updated_at_us = 0;
   std::string altitude_datum;
-  std::string flight_id;
   // When the ground of this map was last photographed.
   int64_t seen_at_us = 0;
   // The site was accepted.
@@ -124,7 +126,7 @@ class SiteStore {
   bool Delete(const std::string& site_id, const Standings& others = {});
   void SetStandings(const Standings& standings);
 
-  // Rows from Find and List have neither recall nor map_box.
+  // Rows from Find and List have no recall, map_box and map_datum.
   std::optional<SiteRow> Find(const std::string& site_id) const;
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const;

@@ -13,8 +13,9 @@ struct StorageState;
 
 enum class TelemetryKind { kPosition, kAttitude, kWind };
 
-// Values by kind. Position: latitude, longitude (deg), altitude (m). Attitude: quaternion
-// ned_from_body w, x, y, z. Wind: east, north (m/s), the direction in which the air moves.
+// Values by kind. Position: latitude, longitude (deg), altitude (m), and the altitude's datum: 0
+// not told, 1 amsl, 2 ellipsoid. Attitude: quaternion ned_from_body w, x, y, z. Wind: east, north
+// (m/s), the direction in which the air moves.
 struct TelemetryRow {
   TelemetryKind kind = TelemetryKind::kPosition;
   int64_t timestamp_us = 0;

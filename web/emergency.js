@@ -18,7 +18,8 @@ const keptFields = ['glide_ratio', 'altitude_datum'];
 const input = (name) => byId(`em-${name}`);
 const number = (name) => (input(name).value === '' ? null : Number(input(name).value));
 
-function requestOfForm() {
+// flight: the id of the flight whose position is asked for, or null. Its datum and aircraft are those of the request.
+function requestOfForm(flight) {
   const speed = number('wind_speed_mps');
   const from = number('wind_from_deg');
   const wind = speed === null || from === null ? null : windTo(speed, from);
@@ -26,6 +27,7 @@ function requestOfForm() {
     latitude_deg: number('latitude_deg'), longitude_deg: number('longitude_deg'), altitude_m: number('altitude_m'),
     altitude_datum: input('altitude_datum').value, heading_deg: number('heading_deg'), glide_ratio: number('glide_ratio'),
     wind_east_mps: wind?.east_mps.toFixed(3), wind_north_mps: wind?.north_mps.toFixed(3), limit: kShown,
+    flight: flight ?? undefined,
   };
 }
 
@@ -105,6 +107,7 @@ async function askReach(request, signal) {
 
 class Emergency {
   #on;
+  #flight = null; // id of the flight whose position is filled in, null for any other position
   #isOwn = false; // the user has entered or chosen something: nothing is filled in any more
   #wind = null; // of the answer shown
   #dialog = byId('emergency');
@@ -124,7 +127,7 @@ class Emergency {
     byId('em-locate').hidden = !('geolocation' in navigator) || !isSecureContext;
     byId('em-close').addEventListener('click', () => this.#dialog.close());
     this.#dialog.addEventListener('close', () => this.#stop());
-    byId('em-curl').append(curlButton('the emergency sites', () => curlOf(api.paths.emergency(requestOfForm()))));
+    byId('em-curl').append(curlButton('the emergency sites', () => curlOf(api.paths.emergency(requestOfForm(this.#flight)))));
     for (const button of document.querySelectorAll('[data-emergency]')) {
       button.addEventListener('click', () => this.#open());
     }
@@ -145,9 +148,12 @@ class Emergency {
   // The selected flight's last position, altitude and wind, unless the user has entered others.
   async #follow(signal) {
     const flight = this.#on.flight();
+    this.#flight = null;
     if (this.#isOwn || !flight) return;
     const answer = await api.getAlternates(flight, signal).catch(() => null);
-    if (answer?.pose && !this.#isOwn && !signal.aborted) fillFromFlight(answer, this.#on.flightName());
+    if (!answer?.pose || this.#isOwn || signal.aborted) return;
+    fillFromFlight(answer, this.#on.flightName());
+    this.#flight = flight;
   }
 
   #stop() {
@@ -188,7 +194,7 @@ class Emergency {
     const { signal } = this.#running;
     await this.#follow(signal);
     if (signal.aborted) return;
-    const request = requestOfForm();
+    const request = requestOfForm(this.#flight);
     if (request.latitude_deg === null || request.longitude_deg === null) {
       say('Enter your position.', 'bad');
       return;

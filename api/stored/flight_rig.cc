@@ -7,9 +7,10 @@
 namespace freelsd {
 
 std::string FlightRigJson(const FlightRig& flight_rig) {
-  const nlohmann::json object{{"camera", CameraJson(flight_rig.rig.camera)},
-                              {"body_from_camera", Rigid3Json(flight_rig.rig.body_from_camera)},
-                              {"origin", GeoPointJson(flight_rig.origin)}};
+  nlohmann::json object{{"camera", CameraJson(flight_rig.rig.camera)},
+                        {"body_from_camera", Rigid3Json(flight_rig.rig.body_from_camera)},
+                        {"origin", GeoPointJson(flight_rig.origin)}};
+  if (flight_rig.altitude_datum) object["altitude_datum"] = *flight_rig.altitude_datum;
   return object.dump();
 }
 
@@ -21,6 +22,9 @@ FlightRig ParseStoredFlightRig(const std::string& text) {
   flight_rig.rig.body_from_camera =
       ParseRigid3(reader.Required("body_from_camera"), "/body_from_camera");
   flight_rig.origin = ReadGeoPoint(reader.Required("origin"), "/origin");
+  if (const nlohmann::json* const datum = reader.Find("altitude_datum")) {
+    flight_rig.altitude_datum = ReadString(*datum, "/altitude_datum");
+  }
   return flight_rig;
 }
 

@@ -9,6 +9,7 @@ std::string FrameMetaJson(const FrameMeta& meta) {
   nlohmann::json object = nlohmann::json::object();
   if (meta.timestamp_us) object["timestamp_us"] = *meta.timestamp_us;
   if (meta.position) object["position"] = GeoPointJson(*meta.position);
+  if (meta.altitude_datum) object["altitude_datum"] = *meta.altitude_datum;
   if (meta.ned_from_body) {
     object["ned_from_body_wxyz"] = QuaternionJson(WithPositiveW(*meta.ned_from_body));
   }

@@ -18,6 +18,9 @@ namespace freelsd {
 struct FlightRig {
   Rig rig;
   GeoPoint origin;
+  // Datum that the positions of all frames so far tell: "amsl" or "ellipsoid"; "unknown" if one
+  // tells none, or if two differ. Empty: no frame has been settled.
+  std::optional<std::string> altitude_datum;
 };
 std::string FlightRigJson(const FlightRig& flight_rig);
 FlightRig ParseStoredFlightRig(const std::string& text);

@@ -21,8 +21,8 @@ struct GlideOptions {
   int num_unknown_headings = 16;
   // Height to keep above the terrain of stored maps on the way.
   double terrain_clearance_m = 10.0;
-  // Subtracted from the arrival height if the altitude's datum is unknown or differs: the geoid
-  // lies up to 106 m from the ellipsoid.
+  // Subtracted from the arrival height if two datums differ or one is unknown, and the height of
+  // the geoid is not known either: the geoid lies up to 106 m from the ellipsoid.
   double datum_penalty_m = 110.0;
 
   // Throws std::invalid_argument: "glide.unknown_wind_mps = -1: must be in [0, 50]".

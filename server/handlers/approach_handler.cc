@@ -76,7 +76,8 @@ std::shared_ptr<const KeptSite> SiteWithMap(const Service& service, const SiteRo
 
 FlightContext ContextOf(const KeptSite& kept) {
   const Replan& replan = kept.replan;
-  return {kept.row.flight_id, replan.flight.altitude_datum, LocalFrame(replan.origin)};
+  const std::string datum = replan.flight.altitude_datum.value_or("unknown");
+  return {kept.row.flight_id, datum, LocalFrame(replan.origin)};
 }
 
 nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call& call) {

@@ -26,6 +26,8 @@ struct Admission {
   std::vector<FrameRow> frames;
   nlohmann::json verdicts = nlohmann::json::array();
   std::string rig_json;
+  // Of the flight, with these frames.
+  std::optional<std::string> altitude_datum;
   std::vector<std::string> warnings;
   int64_t num_rejected = 0;
 };
@@ -109,6 +111,8 @@ Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload
   Admission admission;
   const PoseFile& poses = upload.poses();
   RigResolver resolver(flight, poses.camera);
+  const bool has_datum = ParseFlightRequest(flight.request_json).altitude_datum.has_value();
+  admission.altitude_datum = ToldDatumOf(flight);
   admission.warnings = poses.warnings;
   if (poses.camera && ParseFlightRequest(flight.request_json).camera) {
     admission.warnings.emplace_back(
@@ -119,6 +123,8 @@ Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload
     try {
       if (!AdmitOne(intake, flight.id, candidate, resolver, admission.frames)) {
         verdict["detail"] = "already stored";
+      } else if (!has_datum) {
+        admission.altitude_datum = CommonDatum(admission.altitude_datum, candidate.meta);
       }
       const std::vector<std::string> warnings = resolver.RelevantWarnings(*candidate.entry->image);
       admission.warnings.insert(admission.warnings.end(), warnings.begin(), warnings.end());
@@ -231,7 +237,7 @@ nlohmann::json DryRun(const Service& service,
   answer["would_be_refused"] = !problems.empty();
   answer["problems"] = problems;
   answer["images_without_pose"] = unposed;
-  answer["altitude_datum"] = ParseFlightRequest(flight.request_json).altitude_datum;
+  answer["altitude_datum"] = admission.altitude_datum.value_or("unknown");
   answer["camera"] = CameraToBeTaken(flight, admission, upload.poses());
   return answer;
 }
@@ -258,7 +264,8 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
   const Admission admission = Admit(service.intake, ExistingFlight(service, call), upload);
   const JobRow job = NewBatchJob(flight_id, admission, upload);
   service.storage.frames.Insert(flight_id, admission.frames, job, [&](FlightRow& flight) {
-    flight.rig_json = admission.rig_json;
+    // A stored rig may have learnt a datum since it was read.
+    if (flight.rig_json.empty()) flight.rig_json = admission.rig_json;
     flight.num_rejected_frames += admission.num_rejected;
     flight.warnings_json = AddWarnings(flight.warnings_json, "images", admission.warnings);
   });

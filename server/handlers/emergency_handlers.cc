@@ -1,4 +1,5 @@
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 
 #include "api/api.h"
 #include "server/handlers/emergency_landing.h"
@@ -19,7 +20,7 @@ nlohmann::json QueryObject(const Call& call) {
   nlohmann::json object = nlohmann::json::object();
   for (const auto& [name, value] : call.request.params) {
     if (IsOfForm(name)) continue;
-    if (name == "altitude_datum" || name == "aircraft") {
+    if (name == "altitude_datum" || name == "aircraft" || name == "flight") {
       object[name] = *call.Query(name);
     } else {
       object[name] = *call.QueryNumber(name);
@@ -48,13 +49,31 @@ std::string FormatOf(const Call& call) {
   throw ApiError("InvalidQuery", detail, {{"f", detail}});
 }
 
-void Answer(Service& service,
-            const Call& call,
-            const EmergencyRequest& request,
-            httplib::Response& response) {
+// The answer for the request, completed from the flight that it names.
+nlohmann::json RecalledFor(Service& service, const EmergencyRequest& request) {
+  const StoredSites stored{service.storage, service.maps};
+  CompletedRequest completed{request, nullptr};
+  bool is_flight_unread = false;
+  try {
+    if (request.flight_id) completed = CompletedFromFlight(service.storage, request);
+  } catch (const StorageError& error) {
+    // Sites have a second copy, flights have none: a damaged flight must not cost the answer.
+    spdlog::error("emergency recall for a flight: {}", error.what());
+    is_flight_unread = true;
+  }
+  nlohmann::json answer = RecallSites(stored, completed.request);
+  if (!completed.taken.is_null()) answer["taken_from_flight"] = std::move(completed.taken);
+  if (is_flight_unread) answer["warnings"].push_back("the flight's data cannot be read");
+  return answer;
+}
+
+void AnswerEmergency(Service& service,
+                     const Call& call,
+                     const EmergencyRequest& request,
+                     httplib::Response& response) {
   const std::string format = FormatOf(call);
   const ExportOptions options = ExportOptionsOf(call);
-  const nlohmann::json answer = RecallSites({service.storage, service.maps}, request);
+  const nlohmann::json answer = RecalledFor(service, request);
   if (format != "json") return AnswerLanding(service, answer, format, options, response);
   response.set_content(answer.dump(), "application/json");
 }
@@ -62,7 +81,7 @@ void Answer(Service& service,
 }  // namespace
 
 void GetEmergency(Service& service, const Call& call, httplib::Response& response) {
-  Answer(service, call, ParseQuery(call), response);
+  AnswerEmergency(service, call, ParseQuery(call), response);
 }
 
 // Takes the request as JSON in the body. A POST without a body may use the query instead.
@@ -74,7 +93,7 @@ void PostEmergency(Service& service, const Call& call, httplib::Response& respon
   const EmergencyRequest request =
       body.empty() ? ParseQuery(call)
                    : ParseEmergencyRequest(ParseJson(body, kLimits.max_emergency_bytes));
-  Answer(service, call, request, response);
+  AnswerEmergency(service, call, request, response);
 }
 
 }  // namespace freelsd

@@ -54,7 +54,7 @@ nlohmann::json FlightJson(const Service& service, const FlightRow& flight) {
           {"camera", CameraOf(flight, request)},
           {"origin", OriginJson(flight, request)},
           {"aircraft", AircraftJson(request.aircraft)},
-          {"altitude_datum", request.altitude_datum},
+          {"altitude_datum", AltitudeDatumOf(flight)},
           {"has_retired_images", flight.has_retired_images},
           {"created_at", Rfc3339(flight.created_at_us)}};
 }

@@ -57,7 +57,8 @@ nlohmann::json FeatureOf(const SiteRow& row) {
 
 StoredSite SiteOf(const SiteRow& row) {
   const FlightRequest flight = ParseReplan(row.replan_json).flight;
-  StoredSite site = ReadStoredSite(row.feature_json, row.approach_json, flight.altitude_datum);
+  StoredSite site = ReadStoredSite(
+      row.feature_json, row.approach_json, flight.altitude_datum.value_or("unknown"));
   site.flight_name = flight.name;
   site.is_superseded = row.superseded_by.has_value();
   if (site.is_superseded) {

@@ -7,6 +7,7 @@
 #include "api/stored/stored.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/intake/intake.h"
 
 namespace freelsd {
 namespace {
@@ -84,7 +85,7 @@ nlohmann::json FeatureOf(const std::vector<GeoPoint>& positions, const FlightRow
           {"properties",
            {{"flight_id", flight.id},
             {"num_positions", positions.size()},
-            {"altitude_datum", ParseFlightRequest(flight.request_json).altitude_datum}}}};
+            {"altitude_datum", AltitudeDatumOf(flight)}}}};
 }
 
 }  // namespace

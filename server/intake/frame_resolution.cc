@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/intake/checked_image.h"
+#include "server/intake/flight_datum.h"
 #include "server/intake/telemetry.h"
 
 namespace freelsd {
@@ -65,8 +66,10 @@ Resolution ResolveFrame(Intake& intake, const FlightRow& flight, PosedFrame& pos
   }
   if (const auto why = WhyTooFar(*meta.position, rig_json)) return Reject(intake, frame, *why);
   frame.resolved_json = FrameMetaJson(meta);
-  intake.storage.frames.Resolve(
-      flight.id, frame.id, frame.resolved_json, [&](FlightRow& row) { row.rig_json = rig_json; });
+  intake.storage.frames.Resolve(flight.id, frame.id, frame.resolved_json, [&](FlightRow& row) {
+    if (row.rig_json.empty()) row.rig_json = rig_json;
+    row = WithDatumOf(std::move(row), meta);
+  });
   posed.meta = meta;
   return Resolution::kReady;
 }

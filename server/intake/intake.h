@@ -3,6 +3,7 @@
 
 #include "server/intake/batch.h"
 #include "server/intake/checked_image.h"
+#include "server/intake/flight_datum.h"
 #include "server/intake/frame_intake.h"
 #include "server/intake/frame_resolution.h"
 #include "server/intake/state.h"

@@ -1,6 +1,7 @@
 #include "server/intake/telemetry.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,6 +11,20 @@ namespace freelsd {
 namespace {
 
 constexpr double kMicrosecond = 1e-6;
+
+// By the number that a row of a position holds. The first is a datum that is not told.
+constexpr std::array<const char*, 3> kDatums{"", "amsl", "ellipsoid"};
+
+double NumberOfDatum(const std::optional<std::string>& datum) {
+  const auto found = std::find(kDatums.begin(), kDatums.end(), datum.value_or(""));
+  return static_cast<double>(found - kDatums.begin());
+}
+
+std::optional<std::string> DatumOf(const std::array<double, 4>& position) {
+  const auto number = static_cast<size_t>(position[3]);
+  if (number == 0 || number >= kDatums.size()) return std::nullopt;
+  return kDatums.at(number);
+}
 
 std::array<double, 4> Interpolated(const TelemetryRow& a, const TelemetryRow& b, double share) {
   std::array<double, 4> values{};
@@ -25,7 +40,11 @@ std::array<double, 4> Interpolated(const TelemetryRow& a, const TelemetryRow& b,
     if (a.kind == TelemetryKind::kPosition && i == 1) step = std::remainder(step, 360.0);
     values[i] = a.values[i] + share * step;
   }
-  if (a.kind == TelemetryKind::kPosition) values[1] = std::remainder(values[1], 360.0);
+  if (a.kind == TelemetryKind::kPosition) {
+    values[1] = std::remainder(values[1], 360.0);
+    // No altitude lies between two datums.
+    values[3] = a.values[3] == b.values[3] ? a.values[3] : 0.0;
+  }
   return values;
 }
 
@@ -62,6 +81,7 @@ std::optional<std::array<double, 4>> ValuesAt(const TelemetryPair& pair,
 void SetField(TelemetryKind kind, const std::array<double, 4>& values, FrameMeta& meta) {
   if (kind == TelemetryKind::kPosition) {
     meta.position = GeoPoint{values[0], values[1], values[2]};
+    meta.altitude_datum = DatumOf(values);
   } else if (kind == TelemetryKind::kAttitude) {
     meta.ned_from_body = Eigen::Quaterniond(values[0], values[1], values[2], values[3]);
   } else {
@@ -85,7 +105,9 @@ void RefuseFutureTime(int64_t timestamp_us, int64_t now_us) {
 std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line) {
   const nlohmann::json object = ParseJson(line);
   for (const auto& [key, value] : object.items()) {
-    if (key == "timestamp_us" || key == "position" || key == "attitude" || key == "wind") continue;
+    const bool is_known = key == "timestamp_us" || key == "position" || key == "attitude" ||
+                          key == "wind" || key == "altitude_datum";
+    if (is_known) continue;
     throw ApiError("UnknownKey", key + ": is unknown", {{"/" + key, "is unknown"}});
   }
   const FrameMeta meta = ParseFrameMeta(line);
@@ -97,7 +119,11 @@ std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line) {
     rows.push_back({kind, *meta.timestamp_us, values});
   };
   if (const auto& place = meta.position) {
-    add(TelemetryKind::kPosition, {place->latitude_deg, place->longitude_deg, place->altitude_m});
+    add(TelemetryKind::kPosition,
+        {place->latitude_deg,
+         place->longitude_deg,
+         place->altitude_m,
+         NumberOfDatum(meta.altitude_datum)});
   }
   if (const auto& turn = meta.ned_from_body) {
     add(TelemetryKind::kAttitude, {turn->w(), turn->x(), turn->y(), turn->z()});

@@ -45,7 +45,8 @@ nlohmann::json AlternatesOf(const StoredSites& stored, const FlightRow& flight) 
   const FlightRequest flight_request = ParseFlightRequest(flight.request_json);
   EmergencyRequest request;
   request.place = *pose->position;
-  request.altitude_datum = flight_request.altitude_datum;
+  request.altitude_datum = AltitudeDatumOf(flight);
+  request.flight_id = flight.id;
   request.wind_in_world = pose->wind_in_world;
   // No heading is given, so recall assumes the worst turn: attitude does not show the course.
   request.aircraft = flight_request.aircraft;
@@ -54,7 +55,7 @@ nlohmann::json AlternatesOf(const StoredSites& stored, const FlightRow& flight) 
   answer["pose"] = {{"latitude_deg", request.place.latitude_deg},
                     {"longitude_deg", request.place.longitude_deg},
                     {"altitude_m", request.place.altitude_m}};
-  answer["pose"]["altitude_datum"] = request.altitude_datum;
+  answer["pose"]["altitude_datum"] = *request.altitude_datum;
   if (pose->timestamp_us) answer["pose"]["timestamp_us"] = *pose->timestamp_us;
   if (const auto& wind = request.wind_in_world) {
     answer["wind"] = {{"east_mps", wind->x()}, {"north_mps", wind->y()}};

@@ -52,17 +52,22 @@ std::optional<Eigen::Vector2d> TakeWind(nlohmann::json& object) {
   return Eigen::Vector2d(*east, *north);
 }
 
-std::string TakeDatum(nlohmann::json& object) {
-  const auto found = object.find("altitude_datum");
-  if (found == object.end() || found->is_null()) {
-    object.erase("altitude_datum");
-    return "unknown";
-  }
-  if (*found != "amsl" && *found != "ellipsoid" && *found != "unknown") {
+// JSON null counts as absent.
+std::optional<std::string> TakeText(nlohmann::json& object, const std::string& key) {
+  const auto found = object.find(key);
+  if (found == object.end()) return std::nullopt;
+  const nlohmann::json value = *found;
+  object.erase(found);
+  if (value.is_null()) return std::nullopt;
+  if (!value.is_string()) Refuse(key, "must be a text");
+  return value.get<std::string>();
+}
+
+std::optional<std::string> TakeDatum(nlohmann::json& object) {
+  std::optional<std::string> datum = TakeText(object, "altitude_datum");
+  if (datum && *datum != "amsl" && *datum != "ellipsoid" && *datum != "unknown") {
     Refuse("altitude_datum", "must be amsl, ellipsoid or unknown");
   }
-  std::string datum = *found;
-  object.erase(found);
   return datum;
 }
 
@@ -79,6 +84,13 @@ std::optional<Aircraft> TakeAircraft(nlohmann::json& object) {
 
 }  // namespace
 
+AltitudeReference ReferenceOf(const EmergencyRequest& request) {
+  return {request.altitude_datum ? std::string_view(*request.altitude_datum) : "unknown",
+          request.place.latitude_deg,
+          request.place.longitude_deg,
+          request.flight_id ? std::string_view(*request.flight_id) : std::string_view()};
+}
+
 EmergencyRequest ParseEmergencyRequest(const nlohmann::json& given) {
   if (!given.is_object()) throw ApiError("InvalidValue", "must be an object", {{"", "object"}});
   nlohmann::json object = given;
@@ -90,6 +102,7 @@ EmergencyRequest ParseEmergencyRequest(const nlohmann::json& given) {
   request.heading_deg = TakeNumber(object, "heading_deg", -36000.0, 36000.0);
   request.glide_ratio = TakeNumber(object, "glide_ratio", 1.0, 100.0);
   request.altitude_datum = TakeDatum(object);
+  request.flight_id = TakeText(object, "flight");
   request.aircraft = TakeAircraft(object);
   const double limit =
       TakeNumber(object, "limit", 1.0, kLimits.answer.max_num_emergency_sites).value_or(5.0);

@@ -8,13 +8,17 @@
 
 #include "api/api.h"
 #include "engine/flight/flight.h"
+#include "server/recall/altitude_datum.h"
 
 namespace freelsd {
 
 // The aircraft's state, and how many sites to answer.
 struct EmergencyRequest {
   GeoPoint place;
-  std::string altitude_datum = "unknown";
+  // "amsl", "ellipsoid" or "unknown"; empty: not given, so unknown unless the flight tells it.
+  std::optional<std::string> altitude_datum;
+  // The flight that measured the altitude. What is not given may be taken from it.
+  std::optional<std::string> flight_id;
   // East and north, m/s: the direction in which the air moves. Empty: unknown.
   std::optional<Eigen::Vector2d> wind_in_world;
   std::optional<double> heading_deg;
@@ -23,6 +27,9 @@ struct EmergencyRequest {
   std::optional<Aircraft> aircraft;
   size_t limit = 5;
 };
+
+// The request's altitude, to compare it with stored ones. Refers to the request's texts.
+AltitudeReference ReferenceOf(const EmergencyRequest& request);
 
 // `object` holds the query parameters or the keys of the body. Throws ApiError.
 EmergencyRequest ParseEmergencyRequest(const nlohmann::json& object);

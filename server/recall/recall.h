@@ -3,6 +3,7 @@
 
 #include "server/recall/alternates.h"
 #include "server/recall/emergency_request.h"
+#include "server/recall/flight_state.h"
 #include "server/recall/map_cache.h"
 #include "server/recall/recall_sites.h"
 #include "server/recall/replan.h"

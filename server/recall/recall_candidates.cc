@@ -12,7 +12,7 @@
 
 #include "api/api.h"
 #include "server/http/http.h"
-#include "server/recall/terrain_margin.h"
+#include "server/recall/geoid.h"
 
 namespace freelsd {
 namespace {
@@ -62,7 +62,7 @@ double StraightMargin(const EmergencyRequest& request,
   const GlideStart start = StartOf(request, {0.0, 0.0, request.place.altitude_m});
   const auto lost = LeastHeightLost(start, candidate.way_m, within_m, glider.glide);
   if (!lost) return -std::numeric_limits<double>::infinity();
-  return request.place.altitude_m - candidate.datum_penalty_m - *lost -
+  return request.place.altitude_m - candidate.datum.subtracted_m - *lost -
          candidate.row->data.altitude_m - glider.approach_height_m;
 }
 
@@ -80,7 +80,9 @@ RecallCandidate CandidateOf(const EmergencyRequest& request,
   candidate.row = &row;
   candidate.way_m = WayTo(row, request.place);
   candidate.distance_m = candidate.way_m.norm();
-  candidate.datum_penalty_m = DatumPenalty(request.altitude_datum, row.data.altitude_datum);
+  candidate.datum = DatumDifferenceOf(
+      ReferenceOf(request),
+      {row.data.altitude_datum, row.latitude_deg, row.longitude_deg, row.flight_id});
   candidate.age_s = std::max(0.0, static_cast<double>(now_us - row.seen_at_us) * 1e-6);
   candidate.score = row.data.score * std::exp2(-candidate.age_s / kScoreHalfLifeS);
   candidate.best_margin_m = StraightMargin(request, candidate, kPlanShiftM, glider);
@@ -140,7 +142,9 @@ GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& posit
 }
 
 double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds) {
-  const double height_m = std::max(0.0, request.place.altitude_m - bounds.min_altitude_m);
+  // The altitude may gain as much where the site's datum is another.
+  const double height_m =
+      std::max(0.0, request.place.altitude_m + kMaxGeoidHeightM - bounds.min_altitude_m);
   const double wind_mps = request.wind_in_world ? request.wind_in_world->norm() : 0.0;
   double reach_m = 0.0;
   for (const std::string& aircraft_json : bounds.aircraft_jsons) {

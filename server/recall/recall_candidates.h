@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/glide/glide.h"
+#include "server/recall/altitude_datum.h"
 #include "server/recall/recall_sites.h"
 
 namespace freelsd {
@@ -18,7 +19,7 @@ struct RecallCandidate {
   // From the aircraft to the site: east, north.
   Eigen::Vector2d way_m = Eigen::Vector2d::Zero();
   double distance_m = 0.0;
-  double datum_penalty_m = 0.0;
+  DatumDifference datum;
   double score = 0.0;
   double age_s = 0.0;
   // Upper bound of the arrival margin.

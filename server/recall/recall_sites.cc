@@ -27,6 +27,8 @@ struct Reached {
   double margin_m = 0.0;
   bool is_landable = false;
   Landing landing;
+  // Of the site's datum, and of the terrain's on the way.
+  std::set<DatumBasis> datum_bases;
   nlohmann::json answer;
 };
 
@@ -78,7 +80,7 @@ nlohmann::json AnswerOf(const RecallCandidate& candidate,
                         {"unseen_ratio", plan.approach->unseen_ratio},
                         {"distance_m", way.norm()},
                         {"bearing_deg", BearingDeg(way)},
-                        {"datum_penalty_m", candidate.datum_penalty_m},
+                        {"datum_penalty_m", candidate.datum.subtracted_m},
                         {"time_s", glide.time_s},
                         {"score", candidate.score},
                         {"score_when_stored", candidate.row->data.score},
@@ -106,8 +108,9 @@ std::optional<Reached> Reach(const StoredSites& stored,
   const auto kept_plan = stored.maps.PlanFor(site, aircraft, request.wind_in_world);
   const Plan& plan = *kept_plan;
   if (plan.verdict == Verdict::kRejected || !plan.approach) return std::nullopt;
-  const FlightContext context{
-      site->row.flight_id, flight.altitude_datum, LocalFrame(site->replan.origin)};
+  const FlightContext context{site->row.flight_id,
+                              flight.altitude_datum.value_or("unknown"),
+                              LocalFrame(site->replan.origin)};
   const Eigen::Vector3d& approach_start = plan.approach->approach_start_in_world;
   const Eigen::Vector3d here = context.local_frame.WorldFromGeo(request.place);
   const auto glide = GlideTo(
@@ -118,32 +121,44 @@ std::optional<Reached> Reach(const StoredSites& stored,
   reached.landing = LandingOf(context.local_frame.GeoFromWorld(plan.touchdown_in_world),
                               plan.approach->heading,
                               request.wind_in_world);
-  reached.margin_m = glide->arrival_height_m - approach_start.z() - candidate.datum_penalty_m;
+  reached.margin_m = glide->arrival_height_m - approach_start.z() - candidate.datum.subtracted_m;
   GeoPoint end = context.local_frame.GeoFromWorld(approach_start);
   end.altitude_m += glide->arrival_height_m - approach_start.z();
   reached.answer = AnswerOf(candidate, plan, aircraft, *glide, context, request.place);
-  if (const auto terrain = TerrainMargin(stored, request, end)) {
-    reached.answer["terrain_margin_m"] = *terrain;
-    reached.margin_m = std::min(reached.margin_m, *terrain);
+  reached.datum_bases = {candidate.datum.basis};
+  if (const auto terrain = TerrainMarginOf(stored, request, end)) {
+    reached.answer["terrain_margin_m"] = terrain->margin_m;
+    reached.answer["terrain_datum_penalty_m"] = terrain->datum.subtracted_m;
+    reached.margin_m = std::min(reached.margin_m, terrain->margin_m);
+    reached.datum_bases.insert(terrain->datum.basis);
   }
   reached.answer["arrival_margin_m"] = reached.margin_m;
   reached.answer["reachable"] = reached.margin_m >= 0.0;
   return reached;
 }
 
-std::vector<std::string> WarningsOf(const EmergencyRequest& request,
-                                    const std::vector<RecallCandidate>& candidates) {
+std::vector<std::string> DatumWarnings(const EmergencyRequest& request,
+                                       const std::set<DatumBasis>& bases) {
   std::vector<std::string> warnings;
-  const GlideOptions options;
-  const bool is_penalised =
-      std::any_of(candidates.begin(), candidates.end(), [](const RecallCandidate& candidate) {
-        return candidate.datum_penalty_m > 0.0;
-      });
-  if (is_penalised || request.altitude_datum == "unknown") {
-    warnings.push_back("the altitude's datum is unknown or differs from the datum of some sites: " +
-                       std::to_string(std::lround(options.datum_penalty_m)) +
-                       " m are subtracted from the arrival margin there (datum_penalty_m)");
+  const bool is_unknown = request.altitude_datum.value_or("unknown") == "unknown";
+  if (bases.contains(DatumBasis::kUnknown) || (is_unknown && !request.flight_id)) {
+    warnings.emplace_back(
+        "the datum of the altitude, or of stored sites or maps, is unknown: the height of the "
+        "geoid "
+        "is subtracted there (datum_penalty_m, terrain_datum_penalty_m)");
   }
+  if (bases.contains(DatumBasis::kNoGeoid)) {
+    warnings.push_back(
+        "the height of the geoid is unknown, because PROJ has no grid egm96_15.gtx: " +
+        std::to_string(std::lround(GlideOptions{}.datum_penalty_m)) +
+        " m are subtracted where datums differ or are unknown");
+  }
+  return warnings;
+}
+
+std::vector<std::string> WarningsOf(const EmergencyRequest& request,
+                                    const std::set<DatumBasis>& bases) {
+  std::vector<std::string> warnings = DatumWarnings(request, bases);
   if (!request.wind_in_world) {
     warnings.push_back(
         "no wind is given: the worst direction of a wind of 5.5 m/s is assumed, and "
@@ -183,6 +198,8 @@ std::vector<const Ranked*> DifferentPlaces(const std::vector<Ranked>& ranked, si
 }
 
 struct Search {
+  // Of all candidates, and of the ways to those that were evaluated.
+  std::set<DatumBasis> datum_bases;
   // Best first.
   std::vector<Ranked> reachable;
   std::optional<Ranked> nearest_miss;
@@ -213,6 +230,9 @@ Search SearchAmong(const StoredSites& stored,
                    const std::vector<RecallCandidate>& candidates) {
   const auto begin = std::chrono::steady_clock::now();
   Search search;
+  for (const RecallCandidate& candidate : candidates) {
+    search.datum_bases.insert(candidate.datum.basis);
+  }
   size_t num_planned = 0;
   for (size_t i = 0; i < candidates.size(); ++i) {
     const RecallCandidate& candidate = candidates[i];
@@ -226,6 +246,7 @@ Search SearchAmong(const StoredSites& stored,
     if (search.is_cut_short) break;
     ++num_planned;
     std::optional<Reached> reached = Reach(stored, request, candidate);
+    if (reached) search.datum_bases.merge(reached->datum_bases);
     if (!reached) {
       ++search.num_without_approach;
     } else if (reached->margin_m >= 0.0) {
@@ -264,7 +285,7 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
     answer["nearest_miss"] = search.nearest_miss->reached.answer;
     answer["nearest_miss"]["missing_m"] = -search.nearest_miss->reached.margin_m;
   }
-  std::vector<std::string> warnings = WarningsOf(request, candidates);
+  std::vector<std::string> warnings = WarningsOf(request, search.datum_bases);
   if (search.num_without_approach > 0) {
     warnings.push_back(std::to_string(search.num_without_approach) +
                        " nearer stored sites have no approach in this wind");

@@ -40,17 +40,22 @@ SharedRows<MapRow> MapsOnTheWay(const StoredSites& stored,
   return rows;
 }
 
-}  // namespace
-
-double DatumPenalty(const std::string& given, const std::string& stored) {
-  const bool is_same = given == stored && given != "unknown";
-  return is_same ? 0.0 : GlideOptions{}.datum_penalty_m;
+// The map's altitudes, at its middle.
+AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain) {
+  const Grid& grid = terrain.grid;
+  const Eigen::Vector2d middle =
+      grid.north_west_in_world +
+      0.5 * grid.cell_size_m * Eigen::Vector2d(grid.num_cols, -grid.num_rows);
+  const GeoPoint place = LocalFrame(terrain.origin).GeoFromWorld({middle.x(), middle.y(), 0.0});
+  return {row.altitude_datum, place.latitude_deg, place.longitude_deg, row.flight_id};
 }
 
-std::optional<double> TerrainMargin(const StoredSites& stored,
-                                    const EmergencyRequest& request,
-                                    const GeoPoint& end) {
-  std::optional<double> least;
+}  // namespace
+
+std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
+                                             const EmergencyRequest& request,
+                                             const GeoPoint& end) {
+  std::optional<TerrainMargin> least;
   for (const auto& row : MapsOnTheWay(stored, request.place, end)) {
     const auto terrain = stored.maps.TerrainOf(stored.storage, row->site_id, row->updated_at_us);
     if (!terrain) continue;
@@ -60,9 +65,10 @@ std::optional<double> TerrainMargin(const StoredSites& stored,
                                         local_frame.WorldFromGeo(request.place),
                                         local_frame.WorldFromGeo(end));
     if (!height) continue;
-    const double margin = *height - GlideOptions{}.terrain_clearance_m -
-                          DatumPenalty(request.altitude_datum, row->altitude_datum);
-    if (!least || margin < *least) least = margin;
+    const DatumDifference datum =
+        DatumDifferenceOf(ReferenceOf(request), ReferenceOf(*row, *terrain));
+    const double margin_m = *height - GlideOptions{}.terrain_clearance_m - datum.subtracted_m;
+    if (!least || margin_m < least->margin_m) least = TerrainMargin{margin_m, datum};
   }
   return least;
 }

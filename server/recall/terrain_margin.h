@@ -2,20 +2,24 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "engine/glide/glide.h"
+#include "server/recall/altitude_datum.h"
 #include "server/recall/recall_sites.h"
 
 namespace freelsd {
 
-// Metres to subtract from a height difference of two altitudes whose datums differ or are unknown.
-double DatumPenalty(const std::string& given, const std::string& stored);
+// The way where it is nearest to the stored maps below it.
+struct TerrainMargin {
+  // Height above the map, minus the clearance and what the datum costs, in metres.
+  double margin_m = 0.0;
+  // Between the datums of the request's altitude and of that map.
+  DatumDifference datum;
+};
 
-// Least height of the way above the stored maps below it, minus the clearance, in metres. Nothing
-// if no stored map lies below the way.
-std::optional<double> TerrainMargin(const StoredSites& stored,
-                                    const EmergencyRequest& request,
-                                    const GeoPoint& end);
+// Nothing if no stored map lies below the way.
+std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
+                                             const EmergencyRequest& request,
+                                             const GeoPoint& end);
 
 }  // namespace freelsd

@@ -52,15 +52,37 @@ ImageSource StoredImages(Service& service, const std::string& flight_id) {
   };
 }
 
-Replan ReplanOf(const Site& site, const FlightSession& session, int min_num_observations) {
+// The flight at the time of an evaluation. Its request has the datum of all its altitudes.
+struct EvaluatedFlight {
+  FlightRequest request;
+  GeoPoint origin;
+  FlightContext context;
+  int min_num_observations = 0;
+};
+
+EvaluatedFlight FlightOf(const Service& service,
+                         const std::string& flight_id,
+                         const FlightSession& session,
+                         const Snapshot& snapshot) {
+  const std::optional<FlightRow> row = service.storage.flights.Find(flight_id);
+  const std::string datum = row ? AltitudeDatumOf(*row) : "unknown";
+  EvaluatedFlight flight{WithAltitudeDatum(session.request(), datum),
+                         session.origin(),
+                         session.Context(),
+                         snapshot.min_num_observations};
+  flight.context.altitude_datum = datum;
+  return flight;
+}
+
+Replan ReplanOf(const Site& site, const EvaluatedFlight& flight) {
   Replan replan;
-  replan.flight = session.request();
-  replan.origin = session.origin();
+  replan.flight = flight.request;
+  replan.origin = flight.origin;
   replan.request.footprint = site.region.Footprint();
   replan.request.area_m2 = site.region.area_m2;
   replan.request.grade = site.region.grade;
   replan.request.num_observations = site.region.num_observations;
-  replan.request.min_num_observations = min_num_observations;
+  replan.request.min_num_observations = flight.min_num_observations;
   if (site.wind) {
     replan.request.wind_in_world = site.wind->wind_in_world;
     replan.request.wind_spread_mps = site.wind->spread_mps;
@@ -76,7 +98,7 @@ std::optional<RecallData> RecallOf(const Site& site,
   if (!std::isfinite(altitude)) return std::nullopt;
   return RecallData{plan.verdict == Verdict::kLandable,
                     altitude,
-                    request.altitude_datum,
+                    request.altitude_datum.value_or("unknown"),
                     std::clamp(plan.score, 0.0, 1.0),
                     AircraftJson(request.aircraft).dump()};
 }
@@ -107,12 +129,9 @@ int64_t SeenAt(const Region& region, int64_t now_us) {
   return is_plausible ? region.last_seen_us : now_us;
 }
 
-NewSite SiteOf(const Site& site,
-               const Evaluation& evaluation,
-               const FlightSession& session,
-               int min_num_observations) {
-  const FlightContext context = session.Context();
-  const FlightRequest& request = session.request();
+NewSite SiteOf(const Site& site, const Evaluation& evaluation, const EvaluatedFlight& flight) {
+  const FlightContext& context = flight.context;
+  const FlightRequest& request = flight.request;
   NewSite made;
   made.row.id = context.flight_id + "-r" + std::to_string(site.region.id);
   if (site.field_number > 1) made.row.id += "-f" + std::to_string(site.field_number);
@@ -128,7 +147,8 @@ NewSite SiteOf(const Site& site,
   feature["properties"]["last_seen_at"] = Rfc3339(made.row.seen_at_us);
   made.row.feature_json = feature.dump();
   if (site.plan.approach) made.row.approach_json = ApproachJson(site.plan, context).dump();
-  made.row.replan_json = ReplanJson(ReplanOf(site, session, min_num_observations));
+  made.row.replan_json = ReplanJson(ReplanOf(site, flight));
+  made.row.map_datum = context.altitude_datum;
   made.row.recall = RecallOf(site, request, touchdown.altitude_m);
   if (made.row.recall) {
     const auto wind = site.wind ? std::optional(site.wind->wind_in_world) : std::nullopt;
@@ -249,6 +269,7 @@ size_t EvaluateFlight(Service& service,
                    RegionsToEvaluate(snapshot, scope, request.options.backend),
                    request.aircraft,
                    request.options);
+  const EvaluatedFlight flight = FlightOf(service, flight_id, session, snapshot);
   std::vector<NewSite> sites;
   std::vector<std::string> warnings;
   for (size_t i = 0; i < groups.size(); ++i) {
@@ -259,7 +280,7 @@ size_t EvaluateFlight(Service& service,
                                                 request.options,
                                                 ShareOf(progress, i, groups.size()));
     for (const Site& site : evaluation.sites) {
-      sites.push_back(SiteOf(site, evaluation, session, snapshot.min_num_observations));
+      sites.push_back(SiteOf(site, evaluation, flight));
     }
     session.AddReports(evaluation.reports);
     for (const std::string& warning : evaluation.warnings) {
@@ -275,8 +296,8 @@ size_t EvaluateFlight(Service& service,
   service.alternates.Wake(flight_id);
   service.alternates.WakeAll();
   session.Store(service.storage);
-  service.storage.flights.Change(flight_id, [&](FlightRow& flight) {
-    flight.warnings_json = ReplaceWarnings(flight.warnings_json, "evaluation", warnings);
+  service.storage.flights.Change(flight_id, [&](FlightRow& row) {
+    row.warnings_json = ReplaceWarnings(row.warnings_json, "evaluation", warnings);
   });
   return num_sites;
 }

@@ -16,7 +16,7 @@ FlightSession::FlightSession(const FlightRow& flight, const Classifier& classifi
       frontend_(rig_.rig, request_.options, classifier) {}
 
 FlightContext FlightSession::Context() const {
-  return {flight_id_, request_.altitude_datum, local_frame_};
+  return {flight_id_, request_.altitude_datum.value_or("unknown"), local_frame_};
 }
 
 // A frame has the wind of its own time already.

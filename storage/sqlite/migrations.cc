@@ -3,7 +3,7 @@
 namespace freelsd {
 namespace {
 
-// Only this migration reads JSON in storage: version 1 stored the values of the new columns in the
+// Only migrations read JSON in storage: version 1 stored the values of the new columns in the
 // sites' features alone. It stored no extent of a map; a box of about 3 km is larger than any map.
 constexpr char kFrom1To2[] = R"sql(
 ALTER TABLE flights ADD COLUMN has_retired_images INTEGER NOT NULL DEFAULT 0;
@@ -81,12 +81,28 @@ CREATE INDEX sites_unchecked ON sites (id) WHERE is_checked = 0;
 UPDATE sites SET checksum = NULL;
 )sql";
 
+// Maps of rejected sites were stored with an unknown datum. The flight's request in replan_json, a
+// JSON text within JSON, has the true one. Checksums cover the datum.
+constexpr char kFrom4To5[] = R"sql(
+WITH flights_of_sites AS (
+  SELECT id, CASE WHEN json_valid(replan_json) THEN json_extract(replan_json, '$.flight') END
+    AS request_json FROM sites
+), datums AS (
+  SELECT id, CASE WHEN json_valid(request_json)
+    THEN json_extract(request_json, '$.altitude_datum') END AS datum FROM flights_of_sites
+)
+UPDATE site_numbers SET altitude_datum = datum, checksum = NULL
+FROM datums
+WHERE datums.id = site_id AND is_recallable = 0 AND datum IN ('amsl', 'ellipsoid');
+)sql";
+
 }  // namespace
 
 void Migrate(const Connection& writer, int64_t version) {
   if (version < 2) writer.Execute(kFrom1To2);
   if (version < 3) writer.Execute(kFrom2To3);
   if (version < 4) writer.Execute(kFrom3To4);
+  if (version < 5) writer.Execute(kFrom4To5);
 }
 
 }  // namespace freelsd

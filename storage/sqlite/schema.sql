@@ -8,7 +8,7 @@ CREATE TABLE flights (
   id TEXT PRIMARY KEY,                       -- [A-Za-z0-9._-]{1,128}
   name TEXT NOT NULL,                        -- as given by the client
   request_json TEXT NOT NULL,                -- POST /v1/flights, canonical form
-  rig_json TEXT NOT NULL,                    -- camera, body_from_camera, origin; '' until known
+  rig_json TEXT NOT NULL,                    -- camera, body_from_camera, origin, told datum; '' until known
   warnings_json TEXT NOT NULL,               -- array of sentences
   stages_json TEXT NOT NULL,                 -- per stage: mean_ms, count
   created_at_us INTEGER NOT NULL,            -- microseconds since 1970
@@ -44,7 +44,7 @@ CREATE TABLE telemetry (
   value_0 REAL NOT NULL,                     -- latitude_deg | w | east_mps
   value_1 REAL NOT NULL,                     -- longitude_deg | x | north_mps
   value_2 REAL NOT NULL,                     -- altitude_m | y | 0
-  value_3 REAL NOT NULL,                     -- 0 | z | 0
+  value_3 REAL NOT NULL,                     -- datum: 0 not told, 1 amsl, 2 ellipsoid | z | 0
   PRIMARY KEY (flight_id, kind, timestamp_us)
 ) STRICT, WITHOUT ROWID;
 
@@ -110,7 +110,7 @@ CREATE TABLE site_numbers (
   is_recallable INTEGER NOT NULL,            -- 0: rejected, or without terrain; its map still counts as terrain
   is_landable INTEGER NOT NULL,              -- 1 landable, 0 unverified
   altitude_m REAL NOT NULL,                  -- of the touchdown, in altitude_datum
-  altitude_datum TEXT NOT NULL,              -- 'amsl', 'ellipsoid' or 'unknown'
+  altitude_datum TEXT NOT NULL,              -- 'amsl', 'ellipsoid' or 'unknown'; also of the map
   score REAL NOT NULL,                       -- 0..1, when the site was stored
   aircraft_json TEXT NOT NULL,               -- the aircraft for which the site was planned
   checksum INTEGER                           -- of the row and the site's position; NULL: not computed

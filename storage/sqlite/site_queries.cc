@@ -139,7 +139,8 @@ void PutBox(const Connection& writer, const SiteRow& site) {
 }
 
 void PutRecall(const Connection& writer, const SiteRow& site) {
-  const RecallData data = site.recall.value_or(RecallData{});
+  RecallData data = site.recall.value_or(RecallData{});
+  if (!site.recall) data.altitude_datum = site.map_datum;
   const RecallRow row{site.id,
                       site.flight_id,
                       site.latitude_deg,
@@ -179,7 +180,9 @@ SiteRow WholeSite(const Connection& connection, const std::string& site_id) {
       "JOIN sites ON sites.id = site_id "
       "JOIN site_boxes USING (number) WHERE site_id = ?1");
   if (!recall.Bind(site_id).Step()) return site;
-  if (recall.Int(13) != 0) site.recall = RecallRowOf(recall).data;
+  const RecallData data = RecallRowOf(recall).data;
+  site.map_datum = data.altitude_datum;
+  if (recall.Int(13) != 0) site.recall = data;
   site.map_box = BoundingBox{recall.Real(14), recall.Real(15), recall.Real(16), recall.Real(17)};
   return site;
 }
@@ -259,7 +262,7 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
 BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
   BoxCache<MapRow>::Rows rows;
   Statement statement = connection.Prepare(
-      "SELECT sites.id, updated_at_us, altitude_datum, flight_id, seen_at_us, is_recallable, "
+      "SELECT sites.id, flight_id, updated_at_us, altitude_datum, seen_at_us, is_recallable, "
       "west_deg, south_deg, east_deg, north_deg FROM site_boxes JOIN site_numbers USING (number) "
       "JOIN sites ON sites.id = site_id "
       "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
@@ -268,8 +271,8 @@ BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingB
   while (statement.Step()) {
     rows.push_back({BoxOf(statement, 6),
                     std::make_shared<const MapRow>(MapRow{statement.Text(0),
-                                                          statement.Int(1),
-                                                          statement.Text(2),
+                                                          statement.Text(1),
+                                                          statement.Int(2),
                                                           statement.Text(3),
                                                           statement.Int(4),
                                                           statement.Int(5) != 0})});

@@ -51,7 +51,16 @@ TEST_CASE("flight request: a name is enough, and nulls are absent") {
   CHECK_FALSE(request.camera);
   CHECK_FALSE(request.origin);
   CHECK(request.aircraft.profile == "techpod");
-  CHECK(request.altitude_datum == "unknown");
+  // What the flight's input tells is not known here.
+  CHECK_FALSE(request.altitude_datum);
+  CHECK_FALSE(ParseFlightRequest(request.canonical_json).altitude_datum);
+}
+
+TEST_CASE("flight request: a datum that is settled later stands in the stored request") {
+  const FlightRequest request =
+      WithAltitudeDatum(ParseFlightRequest(R"({"name": "x"})"), "ellipsoid");
+  CHECK(request.altitude_datum == "ellipsoid");
+  CHECK(ParseFlightRequest(request.canonical_json).altitude_datum == "ellipsoid");
 }
 
 TEST_CASE("flight request: the least area of a region is the aircraft's unless it is given") {

@@ -65,9 +65,12 @@ std::string SamplePoses(int begin, int end) {
   return poses;
 }
 
-void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end) {
-  httplib::MultipartFormDataItems items{
-      {"poses", SamplePoses(begin, end), "poses.csv", "text/csv"}};
+void PostFrames(httplib::Client& client,
+                const std::string& flight,
+                const std::string& poses,
+                int begin,
+                int end) {
+  httplib::MultipartFormDataItems items{{"poses", poses, "poses.csv", "text/csv"}};
   for (int i = begin; i < end; ++i) {
     const size_t index = static_cast<size_t>(i);
     items.push_back({"images", Sample().images[index], Sample().names[index], "image/jpeg"});
@@ -78,12 +81,37 @@ void PostSampleFrames(httplib::Client& client, const std::string& flight, int be
   REQUIRE(batch->status == 202);
 }
 
-std::string PostSampleFlight(httplib::Client& client, int begin, int end) {
-  const auto result = client.Post("/v1/flights", Sample().request, "application/json");
+std::string PostFlight(httplib::Client& client, const std::string& request) {
+  const auto result = client.Post("/v1/flights", request, "application/json");
   REQUIRE(result);
   REQUIRE(result->status == 201);
-  std::string flight = nlohmann::json::parse(result->body).at("id");
+  return nlohmann::json::parse(result->body).at("id");
+}
+
+}  // namespace
+
+std::filesystem::path RealModel() {
+  return std::filesystem::path(FREELSD_SOURCE_DIR) / "engine/classification/grass_model.yml";
+}
+
+void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end) {
+  PostFrames(client, flight, SamplePoses(begin, end), begin, end);
+}
+
+std::string PostSampleFlight(httplib::Client& client, int begin, int end) {
+  std::string flight = PostFlight(client, Sample().request);
   PostSampleFrames(client, flight, begin, end);
+  return flight;
+}
+
+std::string PostSampleFlightWithNamedDatum(httplib::Client& client) {
+  nlohmann::json request = nlohmann::json::parse(Sample().request);
+  request.erase("altitude_datum");
+  std::string flight = PostFlight(client, request.dump());
+  std::string poses = Sample().poses;
+  const std::string column = "altitude_m";
+  poses.replace(poses.find(column), column.size(), "alt_amsl_m");
+  PostFrames(client, flight, poses, 0, kNumSampleFrames);
   return flight;
 }
 

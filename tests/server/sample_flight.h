@@ -11,6 +11,8 @@ constexpr int kNumSampleFrames = 24;
 std::filesystem::path RealModel();
 // Flight with its frames [begin, end) as one batch; its id.
 std::string PostSampleFlight(httplib::Client& client, int begin, int end);
+// The whole flight; its request gives no datum, but the column of its altitudes is alt_amsl_m.
+std::string PostSampleFlightWithNamedDatum(httplib::Client& client);
 void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end);
 // The file of poses of these frames, as a batch of them has it.
 std::string SamplePoses(int begin, int end);

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "api/import/date_time.h"
@@ -12,6 +14,11 @@ namespace {
 // Same limits as for a client's meta. A tag outside them is wrong.
 constexpr double kMinAltitude = -1000.0, kMaxAltitude = 20000.0;
 constexpr double kMaxPositionSd = 10000.0;
+constexpr char kAltitude[] = "Exif.GPSInfo.GPSAltitude";
+constexpr char kAltitudeRef[] = "Exif.GPSInfo.GPSAltitudeRef";
+// Values of GPSAltitudeRef; EXIF 3.0 has added those of the ellipsoid.
+constexpr double kAboveSeaLevel = 0.0, kBelowSeaLevel = 1.0;
+constexpr double kAboveEllipsoid = 2.0, kBelowEllipsoid = 3.0;
 // Standard deviation of roll and pitch, assumed level, if only the heading is tagged.
 constexpr double kUnknownTiltSdDeg = 8.0;
 // Autopilots of survey planes tag exposures late and in turns, and their compass drifts. Compared
@@ -49,10 +56,53 @@ std::optional<double> Longitude(const TagSource& tags) {
 }
 
 std::optional<double> Altitude(const TagSource& tags) {
-  const std::optional<double> altitude = tags.ExifNumber("Exif.GPSInfo.GPSAltitude");
+  const std::optional<double> altitude = tags.ExifNumber(kAltitude);
   if (!altitude) return tags.XmpNumber("drone", "AbsoluteAltitude");
-  const bool is_below = tags.ExifNumber("Exif.GPSInfo.GPSAltitudeRef").value_or(0.0) == 1.0;
+  const double reference = tags.ExifNumber(kAltitudeRef).value_or(0.0);
+  const bool is_below = reference == kBelowSeaLevel || reference == kBelowEllipsoid;
   return is_below ? -*altitude : *altitude;
+}
+
+// XMP of DJI. A drone with RTK writes ellipsoidal altitudes, and yet calls them sea level in EXIF.
+struct DjiAltitude {
+  explicit DjiAltitude(const TagSource& tags)
+      : type(tags.XmpText("drone", "AltitudeType").value_or("")),
+        rtk_flag(tags.XmpNumber("drone", "RtkFlag")) {}
+
+  // RtkFlag 0 is a receiver without a solution: the source of its altitude is not told.
+  bool IsFromRtk() const { return type == "RtkAlt" || (type.empty() && rtk_flag.value_or(0) > 0); }
+  bool IsDoubtful() const {
+    const bool is_from_barometer = type == "GpsFusionAlt" && rtk_flag.value_or(0) == 0;
+    const bool is_silent = type.empty() && !rtk_flag;
+    return !IsFromRtk() && !is_from_barometer && !is_silent;
+  }
+
+  std::string type;
+  std::optional<double> rtk_flag;
+};
+
+// Pix4D's tag, which Sequoia, MicaSense and eMotion write too: "ellipsoidal", "EGM96", ...
+std::optional<std::string> DatumOfVerticalSystem(const std::string& name) {
+  const auto has = [&name](std::string_view word) {
+    return std::search(name.begin(), name.end(), word.begin(), word.end(), [](char a, char b) {
+             return std::tolower(static_cast<unsigned char>(a)) == b;
+           }) != name.end();
+  };
+  if (has("ellips")) return "ellipsoid";
+  if (has("egm") || has("msl") || has("sea level")) return "amsl";
+  return std::nullopt;
+}
+
+// The most specific tag that tells the datum decides. Tags that contradict each other tell nothing.
+std::optional<std::string> AltitudeDatum(const TagSource& tags) {
+  if (const auto system = tags.XmpText("Camera", "VertCS")) return DatumOfVerticalSystem(*system);
+  const DjiAltitude dji(tags);
+  if (dji.IsFromRtk()) return "ellipsoid";
+  const std::optional<double> reference = tags.ExifNumber(kAltitudeRef);
+  if (dji.IsDoubtful() || !reference || !tags.ExifNumber(kAltitude)) return std::nullopt;
+  if (*reference == kAboveSeaLevel || *reference == kBelowSeaLevel) return "amsl";
+  if (*reference == kAboveEllipsoid || *reference == kBelowEllipsoid) return "ellipsoid";
+  return std::nullopt;
 }
 
 bool IsOnEarth(const GeoPoint& point) {
@@ -73,6 +123,7 @@ ImageTags WithPosition(ImageTags read, const TagSource& tags) {
     read.warnings.emplace_back("the geotag has no altitude or only one coordinate: it is not used");
   } else if (const GeoPoint point{*latitude, *longitude, *altitude}; IsOnEarth(point)) {
     read.meta.position = point;
+    read.meta.altitude_datum = AltitudeDatum(tags);
   } else {
     read.warnings.emplace_back("the geotag is out of range: it is not used");
   }

@@ -1,6 +1,7 @@
 // Transforms poses from the local frame of a reconstruction or laboratory to the earth.
 #include <cmath>
 #include <map>
+#include <set>
 
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
@@ -22,6 +23,8 @@ struct Georeferencing {
   double scale = 1.0;
   Rigid3d world_from_local;
   double residual_m = 0.0;
+  // Of the altitudes; empty: not told.
+  std::optional<std::string> altitude_datum;
 };
 
 Georeferencing AboutOrigin(const GeoPoint& origin) {
@@ -38,6 +41,17 @@ bool LieOnLine(const Eigen::Matrix3Xd& points) {
   const Eigen::Matrix3Xd centered = points.colwise() - points.rowwise().mean();
   const Eigen::Vector3d sizes = Eigen::JacobiSVD<Eigen::Matrix3Xd>(centered).singularValues();
   return sizes[1] <= kMinBreadthRatio * sizes[0];
+}
+
+// The datum that all positions tell, of files and tags alike; nothing if one tells none or another.
+std::optional<std::string> CommonDatum(const SideContext& context, const PoseFile& file) {
+  std::set<std::optional<std::string>> datums;
+  for (const auto* metas : {&context.image_tags, &file.poses}) {
+    for (const auto& [image_id, meta] : *metas) {
+      if (meta.position) datums.insert(meta.altitude_datum);
+    }
+  }
+  return datums.size() == 1 ? *datums.begin() : std::nullopt;
 }
 
 std::map<std::string, GeoPoint> GeotagsOf(const SideContext& context, const PoseFile& file) {
@@ -90,7 +104,10 @@ Georeferencing ReferenceOf(const std::vector<LocalPose>& poses,
                            const SideData& data) {
   if (data.local_kind == LocalFrameKind::kEastNorthUp)
     return AboutOrigin(data.local_origin.value());
-  if (const auto fit = FitToGeotags(poses, geotags)) return *fit;
+  if (auto fit = FitToGeotags(poses, geotags)) {
+    fit->altitude_datum = CommonDatum(context, data.file);
+    return *fit;
+  }
   if (data.local_kind == LocalFrameKind::kLevelMetric && context.origin)
     return AboutOrigin(*context.origin);
   throw UnusablePoses(
@@ -107,6 +124,7 @@ FrameMeta MetaOf(const LocalPose& pose, const Georeferencing& reference, const L
   FrameMeta meta;
   meta.timestamp_us = pose.timestamp_us;
   meta.position = frame.GeoFromWorld(position_in_world);
+  meta.altitude_datum = reference.altitude_datum;
   meta.ned_from_camera =
       (WorldFromNed().conjugate() * world_from_local.rotation * pose.local_from_camera.rotation)
           .normalized();

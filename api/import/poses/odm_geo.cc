@@ -22,6 +22,8 @@ constexpr double kAttitudeSdDeg = 5.0;
 struct Projection {
   int utm_zone = 0;
   bool is_north = true;
+  // The third coordinate is a height above the ellipsoid; else its datum is not told.
+  bool is_ellipsoidal = false;
 };
 
 bool HasWord(const std::vector<std::string>& words, const std::string& word) {
@@ -44,7 +46,8 @@ std::optional<Projection> ProjectionOf(const std::string& line) {
   const std::vector<std::string> words = WordsOf(header);
   if (header.rfind("epsg:", 0) == 0) {
     const std::string code = words[0].substr(5);
-    if (code == "4326" || code == "4979") return Projection{};
+    if (code == "4326") return Projection{};
+    if (code == "4979") return Projection{.is_ellipsoidal = true};
     if (code.size() != 5) return std::nullopt;
     if (code.rfind("326", 0) == 0) return Utm(code.substr(3), true);
     if (code.rfind("327", 0) == 0) return Utm(code.substr(3), false);
@@ -104,6 +107,7 @@ GeoLine ReadLine(const TextLine& line, const Projection& projection, const SideF
   read.image_id = IdFromFileName(words[0]);
   read.meta.position =
       PlaceOf(NumbersOf(words, 1, kFirstAngle, file, line.number), projection, file, line.number);
+  if (projection.is_ellipsoidal) read.meta.altitude_datum = "ellipsoid";
   if (words.size() >= kFirstAccuracy) {
     read.angles_deg = NumbersOf(words, kFirstAngle, kFirstAccuracy, file, line.number);
     // "Can be set to 0 if they are not available."

@@ -15,7 +15,7 @@ namespace {
 constexpr size_t kMaxShownNameBytes = 60;
 
 // Largest number of names of a field.
-constexpr size_t kMaxNumNames = 13;
+constexpr size_t kMaxNumNames = 18;
 
 struct FieldNames {
   PoseField field;
@@ -79,7 +79,12 @@ constexpr FieldNames kFieldNames[] = {
       "gps_altitude_m",
       "abs_altitude_m",
       "alt_amsl_m",
+      "altitude_amsl_m",
+      "alt_msl_m",
       "alt_hae_m",
+      "altitude_hae_m",
+      "altitude_ellipsoid_m",
+      "ellipsoidal_height_m",
       "altitude",
       "alt",
       "gpsaltitude",
@@ -165,6 +170,16 @@ PoseColumns WithOneAttitude(PoseColumns header) {
 }
 
 }  // namespace
+
+std::optional<std::string> PoseColumns::AltitudeDatum() const {
+  const auto altitude = columns.find(PoseField::kAltitude);
+  if (altitude == columns.end()) return std::nullopt;
+  const std::string& name = altitude->second.name;
+  if (name.find("msl") != std::string::npos) return "amsl";
+  const bool is_ellipsoidal =
+      name.find("hae") != std::string::npos || name.find("ellipsoid") != std::string::npos;
+  return is_ellipsoidal ? std::optional<std::string>("ellipsoid") : std::nullopt;
+}
 
 std::string_view NameOf(PoseField field) { return NamesOf(field).names.front(); }
 

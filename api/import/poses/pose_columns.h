@@ -61,6 +61,9 @@ struct PoseColumns {
   // Indices of columns without a name. Spreadsheets may write any number of them.
   std::vector<size_t> unnamed;
   std::vector<std::string> warnings;
+
+  // The datum that the altitude's column names: "amsl" or "ellipsoid".
+  std::optional<std::string> AltitudeDatum() const;
 };
 // Number of cells that name a field.
 size_t NumKnownColumns(const std::vector<std::string>& cells);

@@ -34,12 +34,10 @@ std::vector<std::string> AssumptionsOf(const PoseColumns& header) {
   if (wind != header.columns.end() && wind->second.name.find("from") == std::string::npos) {
     warnings.push_back("column \"" + wind->second.name + "\" is read as where the wind comes from");
   }
-  if (has(PoseField::kAltitude)) {
-    const std::string& name = header.columns.at(PoseField::kAltitude).name;
-    // Altitudes are not converted: the flight states the one datum of all its altitudes.
-    const std::string sentence = "column \"" + name + "\" is of the datum ";
-    if (name.find("amsl") != std::string::npos) warnings.push_back(sentence + "amsl");
-    if (name.find("hae") != std::string::npos) warnings.push_back(sentence + "ellipsoid");
+  // Altitudes are not converted: a flight has one datum of all its altitudes.
+  if (const std::optional<std::string> datum = header.AltitudeDatum()) {
+    warnings.push_back("column \"" + header.columns.at(PoseField::kAltitude).name +
+                       "\" is of the datum " + *datum);
   }
   if (has(PoseField::kWindFrom) && has(PoseField::kWindTo)) {
     warnings.emplace_back(

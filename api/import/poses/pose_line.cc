@@ -67,6 +67,7 @@ nlohmann::json MetaOf(const PoseLine& line) {
   if (const std::optional<int64_t> time = TimeOf(line); time && !meta.contains("timestamp_us")) {
     meta["timestamp_us"] = *time;
   }
+  if (const auto datum = line.header().AltitudeDatum()) meta["altitude_datum"] = *datum;
   if (const auto wind = WindOf(line); wind && !meta.contains("wind")) meta["wind"] = *wind;
   return meta;
 }

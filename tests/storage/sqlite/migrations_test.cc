@@ -83,9 +83,12 @@ TEST_CASE("migrations: of a newer program's database that is spoilt or gone, its
 TEST_CASE("migrations: two files of a higher version are refused, whatever they say besides") {
   const TemporaryFolder folder;
   { const Storage storage(folder.path()); }
-  Execute(folder.path() / "freelsd.db", "PRAGMA user_version = 5");
-  Execute(folder.path() / "recall.db", "PRAGMA user_version = 5");
-  CHECK_THROWS_WITH_AS(Storage(folder.path()), doctest::Contains("version 5"), StorageError);
+  const std::string higher = std::to_string(kSchemaVersion + 1);
+  for (const char* const name : {"freelsd.db", "recall.db"}) {
+    Execute(folder.path() / name, ("PRAGMA user_version = " + higher).c_str());
+  }
+  CHECK_THROWS_WITH_AS(
+      Storage(folder.path()), doctest::Contains(("version " + higher).c_str()), StorageError);
 }
 
 // What version 1 had of sites, with one of each verdict.
@@ -184,6 +187,35 @@ TEST_CASE("migrations: a database of 0.1.0 is brought up in both files, its site
   for (const char* const name : {"freelsd.db", "recall.db"}) {
     CHECK((ColumnsOfSites(folder.path() / name) == ColumnsOfSites(fresh.path() / name)));
   }
+}
+
+TEST_CASE("migrations: maps of rejected sites take their datum from the stored replan data") {
+  const TemporaryFolder folder;
+  WriteVersion3(folder.path());
+  constexpr char kRejected[] = R"sql(
+INSERT INTO sites VALUES
+  ('a', 'f', 4, 51.0, 8.0, '{}', '', '{"flight":"{\"altitude_datum\":\"amsl\"}"}', 0, NULL, NULL, 0, 0),
+  ('b', 'f', 5, 51.0, 8.0, '{}', '', '{"flight":"{\"altitude_datum\":\"ellipsoid\"}"}', 0, NULL, NULL, 0, 0),
+  ('c', 'f', 6, 51.0, 8.0, '{}', '', '{"flight":"{\"name\":\"x\"}"}', 0, NULL, NULL, 0, 0),
+  ('d', 'f', 7, 51.0, 8.0, '{}', '', '{"flight":"{"}', 0, NULL, NULL, 0, 0),
+  ('e', 'f', 8, 51.0, 8.0, '{}', '', 'no JSON', 0, NULL, NULL, 0, 0);
+INSERT INTO site_numbers
+  SELECT region_id, id, 0, 0, 0.0, 'unknown', 0.0, '{}', NULL FROM sites WHERE region_id > 3;
+INSERT INTO site_boxes SELECT number, 8.0, 8.0, 51.0, 51.0 FROM site_numbers WHERE number > 3;
+)sql";
+  Execute(folder.path() / "freelsd.db", kRejected);
+  const Storage storage(folder.path());
+  std::map<std::string, std::string> datums;
+  for (const auto& map : storage.sites.ListMaps({7.0, 50.5, 9.0, 51.5})) {
+    datums[map->site_id] = map->altitude_datum;
+    CHECK(map->flight_id == "f");
+  }
+  CHECK((datums == std::map<std::string, std::string>{{"a", "amsl"},
+                                                      {"b", "ellipsoid"},
+                                                      {"c", "unknown"},
+                                                      {"d", "unknown"},
+                                                      {"e", "unknown"}}));
+  CHECK(storage.Notices().empty());
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "api/import/number_text.h"
 #include "api/stored/stored.h"
 #include "tests/api/flights.h"
+#include "tests/api/import/images/tagged_image.h"
 
 namespace freelsd {
 namespace {
@@ -27,25 +28,8 @@ std::string PlainJpeg(int width, int height) {
   return {bytes.begin(), bytes.end()};
 }
 
-std::string WithSegment(const std::string& jpeg, const std::string& payload) {
-  const size_t length = payload.size() + 2;
-  std::string segment("\xFF\xE1");
-  segment += static_cast<char>(length >> 8);
-  segment += static_cast<char>(length & 0xFF);
-  return jpeg.substr(0, 2) + segment + payload + jpeg.substr(2);
-}
-
 std::string WithXmp(const std::string& attributes) {
-  const std::string header("http://ns.adobe.com/xap/1.0/\0", 29);
-  return WithSegment(PlainJpeg(64, 48),
-                     header +
-                         "<x:xmpmeta xmlns:x='adobe:ns:meta/'><rdf:RDF "
-                         "xmlns:rdf='http://www.w3.org/1999/02/22-rdf-syntax-ns#'>"
-                         "<rdf:Description rdf:about='' "
-                         "xmlns:drone-dji='http://www.dji.com/drone-dji/1.0/' "
-                         "xmlns:drone-parrot='http://www.parrot.com/drone-parrot/1.0/' "
-                         "xmlns:Camera='http://pix4d.com/camera/1.0/' " +
-                         attributes + "/></rdf:RDF></x:xmpmeta>");
+  return WithXmpTags(PlainJpeg(64, 48), attributes);
 }
 
 ImageTags Read(const std::string& bytes) {
@@ -128,42 +112,65 @@ TEST_CASE("tags: senseFly and its like, the aircraft's angles, level is 0, 0") {
       kMaxRotationErrorRad);
 }
 
-std::string LittleEndian(uint32_t number, size_t num_bytes) {
-  std::string bytes;
-  for (size_t i = 0; i < num_bytes; ++i) bytes += static_cast<char>(number >> (8 * i) & 0xFF);
-  return bytes;
-}
-
-std::string TiffEntry(uint32_t tag, uint32_t type, uint32_t count, uint32_t value) {
-  return LittleEndian(tag, 2) + LittleEndian(type, 2) + LittleEndian(count, 4) +
-         LittleEndian(value, 4);
-}
-
-// 47 deg 30' 36" N, 8 deg 15' 0" W, 1234/10 m; `below` as GPSAltitudeRef.
-std::string WithGeotag(uint32_t below) {
-  constexpr uint32_t kByte = 1, kAscii = 2, kLong = 4, kRational = 5;
-  constexpr uint32_t kGpsAt = 26, kLatitudeAt = 104, kLongitudeAt = 128, kAltitudeAt = 152;
-  std::string tiff = "II*" + std::string(1, '\0') + LittleEndian(8, 4);
-  tiff += LittleEndian(1, 2) + TiffEntry(0x8825, kLong, 1, kGpsAt) + LittleEndian(0, 4);
-  tiff += LittleEndian(6, 2) + TiffEntry(1, kAscii, 2, 'N') +
-          TiffEntry(2, kRational, 3, kLatitudeAt) + TiffEntry(3, kAscii, 2, 'W') +
-          TiffEntry(4, kRational, 3, kLongitudeAt) + TiffEntry(5, kByte, 1, below) +
-          TiffEntry(6, kRational, 1, kAltitudeAt) + LittleEndian(0, 4);
-  for (const uint32_t number : {47, 1, 30, 1, 36, 1, 8, 1, 15, 1, 0, 1, 1234, 10}) {
-    tiff += LittleEndian(number, 4);
-  }
-  return WithSegment(PlainJpeg(64, 48), "Exif" + std::string(2, '\0') + tiff);
+// Minutes and seconds are used too: 47 deg 30' 36" N, 8 deg 15' 0" W.
+std::string InMinutesAndSeconds() {
+  std::string jpeg = WithGeotag(PlainJpeg(64, 48), {1.0, -1.0, 123.4, 0});
+  const std::string one = LittleEndian(10000000, 4) + LittleEndian(10000000, 4);
+  const auto replace = [&jpeg, &one](uint32_t degrees, uint32_t minutes, uint32_t seconds) {
+    std::string angle;
+    for (const uint32_t number : {degrees, minutes, seconds}) {
+      angle += LittleEndian(number, 4) + LittleEndian(1, 4);
+    }
+    jpeg.replace(jpeg.find(one), angle.size(), angle);
+  };
+  replace(47, 30, 36);
+  replace(8, 15, 0);
+  return jpeg;
 }
 
 TEST_CASE("tags: altitudes of EXIF are taken as they stand, below the datum with their sign") {
-  const ImageTags above = Read(WithGeotag(0)), below = Read(WithGeotag(1));
+  const ImageTags above = Read(InMinutesAndSeconds());
   REQUIRE(above.meta.position);
-  REQUIRE(below.meta.position);
   // 47 + 30/60 + 36/3600.
   CHECK(std::abs(above.meta.position->latitude_deg - 47.51) < kMaxPositionErrorDeg);
   CHECK(std::abs(above.meta.position->longitude_deg + 8.25) < kMaxPositionErrorDeg);
-  CHECK(above.meta.position->altitude_m == 123.4);
-  CHECK(below.meta.position->altitude_m == -123.4);
+  const std::string jpeg = PlainJpeg(64, 48);
+  const double signs[] = {1.0, -1.0, 1.0, -1.0};
+  for (uint32_t reference = 0; reference < 4; ++reference) {
+    const ImageTags tags = Read(WithGeotag(jpeg, {47.0, 8.0, 123.4, reference}));
+    REQUIRE(tags.meta.position);
+    CHECK(tags.meta.position->altitude_m == signs[reference] * 123.4);
+    CHECK(tags.meta.altitude_datum == (reference < 2 ? "amsl" : "ellipsoid"));
+  }
+}
+
+TEST_CASE("tags: sea level in EXIF is no sea level where a tag of XMP says otherwise") {
+  const auto datum_with = [](const std::string& attributes) {
+    return Read(WithXmpTags(WithGeotag(PlainJpeg(64, 48), {}), attributes))
+        .meta.altitude_datum.value_or("none");
+  };
+  // DJI: by RTK, by RTK in an older firmware, by barometer; a receiver without a solution; two tags
+  // that contradict each other; a type of the future.
+  CHECK(datum_with("drone-dji:AltitudeType='RtkAlt' drone-dji:RtkFlag='50'") == "ellipsoid");
+  CHECK(datum_with("drone-dji:RtkFlag='16'") == "ellipsoid");
+  CHECK(datum_with("drone-dji:AltitudeType='GpsFusionAlt'") == "amsl");
+  CHECK(datum_with("drone-dji:AltitudeType='GpsFusionAlt' drone-dji:RtkFlag='0'") == "amsl");
+  CHECK(datum_with("drone-dji:RtkFlag='0'") == "none");
+  CHECK(datum_with("drone-dji:AltitudeType='GpsFusionAlt' drone-dji:RtkFlag='50'") == "none");
+  CHECK(datum_with("drone-dji:AltitudeType='LaserAlt'") == "none");
+  // Pix4D's tag of Sequoia, MicaSense and senseFly.
+  CHECK(datum_with("Camera:VertCS='ellipsoidal'") == "ellipsoid");
+  CHECK(datum_with("Camera:VertCS='EGM96 Geoid'") == "amsl");
+  CHECK(datum_with("Camera:VertCS='arbitrary'") == "none");
+  CHECK(datum_with("drone-dji:RelativeAltitude='+40.0'") == "amsl");
+}
+
+TEST_CASE("tags: an altitude without a reference tells no datum") {
+  const ImageTags tags =
+      Read(WithXmp("drone-dji:GpsLatitude='46.5' drone-dji:GpsLongitude='8' "
+                   "drone-dji:AbsoluteAltitude='+121.6'"));
+  REQUIRE(tags.meta.position);
+  CHECK_FALSE(tags.meta.altitude_datum);
 }
 
 TEST_CASE("tags: zeros, nonsense and out of range are no position") {

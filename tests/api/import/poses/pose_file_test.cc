@@ -225,13 +225,17 @@ TEST_CASE("poses: altitudes stay in the datum of the column, which is told") {
   const PoseFile amsl = ParsePoses("image,lat,lon,alt_hae_m,alt_amsl_m" + line);
   CHECK(amsl.poses[0].second.position->altitude_m == 500.5);
   CHECK(HasWarning(amsl, "\"alt_amsl_m\" is of the datum amsl"));
+  CHECK(amsl.poses[0].second.altitude_datum == "amsl");
   CHECK(HasWarning(amsl, "\"alt_hae_m\" is unknown"));
   const PoseFile ellipsoid = ParsePoses("image,lat,lon,alt_hae_m,yaw_deg" + line);
   CHECK(ellipsoid.poses[0].second.position->altitude_m == 547.25);
   CHECK(HasWarning(ellipsoid, "\"alt_hae_m\" is of the datum ellipsoid"));
+  CHECK(ellipsoid.poses[0].second.altitude_datum == "ellipsoid");
   CHECK(ParsePoses("image,lat,lon,alt\na,47,8,-12.5\n").poses[0].second.position->altitude_m ==
         -12.5);
-  CHECK_FALSE(HasWarning(ParsePoses("image,lat,lon,alt\na,47,8,5\n"), "datum"));
+  const PoseFile silent = ParsePoses("image,lat,lon,alt\na,47,8,5\n");
+  CHECK_FALSE(HasWarning(silent, "datum"));
+  CHECK_FALSE(silent.poses[0].second.altitude_datum);
 }
 
 TEST_CASE("poses: lines of JSON, with the image beside the meta") {
