@@ -50,7 +50,7 @@ constexpr char kAircraft[] =
 
 constexpr char kEmergency[] =
     "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps heading_deg "
-    "glide_ratio aircraft limit";
+    "glide_ratio terrain_clearance_m arrival_height_m aircraft limit";
 
 constexpr Route kRoutes[] = {
     {"POST", "/v1/flights", PostFlight},

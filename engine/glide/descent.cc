@@ -61,6 +61,7 @@ std::optional<Transit> TransitLosing(const TransitTask& task,
 
 // A circle over ground about a fixed centre: points relative to its start, time and height lost.
 struct Circle {
+  double radius = 0.0;
   std::vector<DescentPoint> points;
   double Time() const { return points.back().time_s; }
   double HeightLost() const { return -points.back().position_in_world.z(); }
@@ -74,8 +75,7 @@ std::optional<Circle> CircleOf(const Approach& approach,
   const double side = approach.loiter_direction == LoiterDirection::kLeft ? -1.0 : 1.0;
   const double step = 2.0 * kPi / kNumCirclePoints;
   const double chord = 2.0 * radius * std::sin(0.5 * step);
-  Circle circle;
-  circle.points.push_back({});
+  Circle circle{radius, {{}}};
   for (int i = 0; i < kNumCirclePoints; ++i) {
     const double begin = approach.heading + side * i * step;
     const Eigen::Vector2d direction = DirectionOf(begin + side * 0.5 * step);
@@ -239,6 +239,7 @@ Descent Flown(const TransitTask& task,
   flight.points.push_back({approach.touchdown_in_world, flight.points.back().time_s + time});
   descent.points = std::move(flight.points);
   descent.num_circles = choice.num_circles;
+  if (choice.num_circles > 0) descent.circle_radius_m = choice.circle->radius;
   descent.surplus_height_m = std::max(0.0, choice.surplus_height);
   return descent;
 }

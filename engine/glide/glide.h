@@ -72,6 +72,7 @@ struct Descent {
   // Index of the point at which the final begins: `arrival` if no circle is flown.
   size_t final_start = 0;
   int num_circles = 0;
+  double circle_radius_m = 0.0;
   // Height above the planned final at its start. It is too small for a circle, and no longer turn
   // uses it up: the pilot loses it on the final.
   double surplus_height_m = 0.0;
