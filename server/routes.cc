@@ -50,7 +50,8 @@ constexpr char kAircraft[] =
 
 constexpr char kEmergency[] =
     "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps heading_deg "
-    "glide_ratio aircraft limit flight f home_altitude_m firmware";
+    "glide_ratio terrain_clearance_m arrival_height_m aircraft limit flight f home_altitude_m "
+    "firmware";
 
 constexpr Route kRoutes[] = {
     {"POST", "/v1/flights", PostFlight},

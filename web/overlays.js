@@ -173,13 +173,15 @@ export function createAnswer(map) {
 export function createBearings(map) {
   const group = L.layerGroup().addTo(map);
   return {
-    // from: {latitude_deg, longitude_deg}; sites: with a touchdown each.
+    // from: {latitude_deg, longitude_deg}; sites: with a touchdown each, and a path where one was
+    // planned. Without a path the straight line to the touchdown is drawn.
     draw(from, sites) {
       group.clearLayers();
       const here = [from.latitude_deg, from.longitude_deg];
-      for (const { touchdown } of sites) {
-        group.addLayer(L.polyline([here, [touchdown.latitude_deg, touchdown.longitude_deg]],
-          { className: 'bearing', interactive: false }));
+      for (const { touchdown, path } of sites) {
+        const line = path?.coordinates.map(([longitude, latitude]) => [latitude, longitude])
+          ?? [here, [touchdown.latitude_deg, touchdown.longitude_deg]];
+        group.addLayer(L.polyline(line, { className: 'bearing', interactive: false }));
       }
       group.addLayer(discMarker(here, 'here', '✈', { title: 'Your position', alt: 'Your position' }));
     },

@@ -5,104 +5,11 @@
 #include <vector>
 
 #include "engine/check/check.h"
-#include "engine/glide/shortest_turns.h"
+#include "engine/glide/performance.h"
+#include "engine/glide/transit.h"
 
 namespace freelsd {
 namespace {
-
-constexpr double kGravity = 9.81;  // m/s^2, as in approach/
-// Longest glide in seconds: no small plane has enough height for more.
-constexpr double kMaxGlideTime = 3600.0;
-constexpr int kMaxIterations = 60;
-constexpr double kTimeTolerance = 0.01;
-// Step of the search that replaces the iteration where it does not converge.
-constexpr double kTimeStep = 1.0;
-
-// Performance in the frame of the moving air.
-struct Performance {
-  StraightGlide straight;
-  double turn_radius = 0.0;
-  // Induced drag grows with the square of the load factor. All drag counts as induced, which is the
-  // worst case for a turn.
-  double turning_sink_rate = 0.0;
-};
-
-double GlideSpeed(const Aircraft& aircraft) {
-  return aircraft.glide_airspeed_mps.value_or(aircraft.landing_airspeed_mps);
-}
-
-Performance PerformanceOf(const Aircraft& aircraft) {
-  const double speed = GlideSpeed(aircraft);
-  const double bank = RadFromDeg(aircraft.max_bank_deg);
-  Performance performance;
-  performance.straight = StraightGlideOf(aircraft);
-  performance.turn_radius = speed * speed / (kGravity * std::tan(bank));
-  performance.turning_sink_rate =
-      performance.straight.sink_rate_mps / std::pow(std::cos(bank), 2.0);
-  return performance;
-}
-
-// Ground speed along a direction; nothing if the wind is too strong to hold it.
-std::optional<double> GroundSpeed(const Eigen::Vector2d& direction,
-                                  const Eigen::Vector2d& wind,
-                                  double airspeed) {
-  const double along = wind.dot(direction);
-  const double across_squared = wind.squaredNorm() - along * along;
-  const double left = airspeed * airspeed - across_squared;
-  if (left <= 0.0) return std::nullopt;
-  const double speed = along + std::sqrt(left);
-  if (speed <= 0.0) return std::nullopt;
-  return speed;
-}
-
-// Heading relative to the air that gives this direction of travel over ground.
-double AirHeading(double travel_heading, const Eigen::Vector2d& wind, double airspeed) {
-  const Eigen::Vector2d direction = DirectionOf(travel_heading);
-  const std::optional<double> speed = GroundSpeed(direction, wind, airspeed);
-  if (!speed) return travel_heading;
-  return HeadingOf(*speed * direction - wind);
-}
-
-struct Flown {
-  double time = 0.0;
-  double height_lost = 0.0;
-};
-
-double TimeOf(const TurnPath& path, const Performance& performance) {
-  return (path.turned * performance.turn_radius + path.straight_m) /
-         performance.straight.airspeed_mps;
-}
-
-// In the air's frame the place drifts against the wind: the time of flight decides where it is.
-std::optional<Flown> Fly(const Stance& from,
-                         const Stance& to,
-                         const Eigen::Vector2d& wind,
-                         const Performance& performance) {
-  const auto path_for = [&](double time) {
-    return ShortestTurns(from, {to.place - wind * time, to.heading}, performance.turn_radius);
-  };
-  double time = 0.0;
-  for (int i = 0; i < kMaxIterations && time < kMaxGlideTime; ++i) {
-    const TurnPath path = path_for(time);
-    const double next = TimeOf(path, performance);
-    if (std::abs(next - time) < kTimeTolerance) {
-      const double turning =
-          path.turned * performance.turn_radius / performance.straight.airspeed_mps;
-      return Flown{next,
-                   turning * performance.turning_sink_rate +
-                       (next - turning) * performance.straight.sink_rate_mps};
-    }
-    time = next;
-  }
-  // The shortest path changes abruptly between kinds. Any time that is long enough works, because
-  // surplus time is spent in turns.
-  for (time = 0.0; time < kMaxGlideTime; time += kTimeStep) {
-    if (TimeOf(path_for(time), performance) <= time) {
-      return Flown{time, time * performance.turning_sink_rate};
-    }
-  }
-  return std::nullopt;
-}
 
 std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
                                                const Aircraft& aircraft,
@@ -121,16 +28,6 @@ std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
     winds.push_back(Eigen::Rotation2Dd(angle) * *start.wind_in_world);
   }
   return winds;
-}
-
-std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOptions& options) {
-  if (start.heading) return {*start.heading};
-  std::vector<double> headings;
-  headings.reserve(static_cast<size_t>(options.num_unknown_headings));
-  for (int i = 0; i < options.num_unknown_headings; ++i) {
-    headings.push_back(2.0 * kPi * i / options.num_unknown_headings);
-  }
-  return headings;
 }
 
 // Height margin for headings between the tried ones: at most this turn, there and back.
@@ -192,29 +89,26 @@ std::optional<Glide> GlideTo(const GlideStart& start,
                              const Aircraft& aircraft,
                              const GlideOptions& options) {
   const Performance performance = PerformanceOf(aircraft);
-  const Stance to{approach_start_in_world.head<2>(), final_heading};
-  const double extra_time = TurnBetweenHeadings(start, options) * performance.turn_radius /
-                            performance.straight.airspeed_mps;
-  Flown worst;
+  const double extra_time =
+      TurnBetweenHeadings(start, options) * performance.turn_radius / performance.Airspeed();
+  Glide worst;
   for (const Eigen::Vector2d& wind : WindsToReckonWith(start, aircraft, options)) {
     for (const double heading : HeadingsToReckonWith(start, options)) {
-      const Stance from{
-          start.position_in_world.head<2>(),
-          start.heading ? AirHeading(heading, wind, performance.straight.airspeed_mps) : heading};
-      const std::optional<Flown> flown = Fly(from, to, wind, performance);
-      if (!flown) return std::nullopt;
-      worst.time = std::max(worst.time, flown->time + extra_time);
-      worst.height_lost = std::max(worst.height_lost,
-                                   flown->height_lost + extra_time * performance.turning_sink_rate);
+      const TransitTask task = TransitTaskOf(start.position_in_world.head<2>(),
+                                             heading,
+                                             approach_start_in_world.head<2>(),
+                                             final_heading,
+                                             wind,
+                                             performance);
+      const std::optional<Transit> transit = TightestTransit(task, performance);
+      if (!transit) return std::nullopt;
+      worst.time_s = std::max(worst.time_s, transit->time + extra_time);
+      worst.height_lost_m = std::max(
+          worst.height_lost_m, transit->height_lost + extra_time * performance.turning_sink_rate);
     }
   }
-  return Glide{worst.time, worst.height_lost, start.position_in_world.z() - worst.height_lost};
-}
-
-StraightGlide StraightGlideOf(const Aircraft& aircraft) {
-  const double speed = GlideSpeed(aircraft);
-  const double angle = std::atan(1.0 / aircraft.glide_ratio);
-  return {speed * std::cos(angle), speed * std::sin(angle)};
+  worst.arrival_height_m = start.position_in_world.z() - worst.height_lost_m;
+  return worst;
 }
 
 std::optional<double> LeastHeightLost(const GlideStart& start,

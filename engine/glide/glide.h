@@ -7,6 +7,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "engine/approach/approach.h"
 
@@ -55,6 +56,36 @@ std::optional<Glide> GlideTo(const GlideStart& start,
                              double final_heading,
                              const Aircraft& aircraft,
                              const GlideOptions& options);
+
+struct DescentPoint {
+  Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
+  double time_s = 0.0;
+};
+
+// The whole path to a stored approach in one wind: turns and a straight glide to the start of the
+// final, circles there that lose the surplus height, and the final.
+struct Descent {
+  // From the aircraft to the touchdown, straight between neighbours.
+  std::vector<DescentPoint> points;
+  // Index of the point at which the path first reaches the start of the final.
+  size_t arrival = 0;
+  // Index of the point at which the final begins: `arrival` if no circle is flown.
+  size_t final_start = 0;
+  int num_circles = 0;
+  double circle_radius_m = 0.0;
+  // Height above the planned final at its start. It is too small for a circle, and no longer turn
+  // uses it up: the pilot loses it on the final.
+  double surplus_height_m = 0.0;
+};
+
+// The path in the start's wind, in calm if the wind is unknown. An unknown heading counts as the
+// one that loses most height. Turns are wider than the tightest, or circles wider than the
+// approach's, so far as this uses up the surplus height. Nothing if the aircraft arrives below the
+// start of the final or the wind is too strong. `aircraft` must be Unpowered.
+std::optional<Descent> PlanDescent(const GlideStart& start,
+                                   const Approach& approach,
+                                   const Aircraft& aircraft,
+                                   const GlideOptions& options);
 
 // Speeds of an aircraft without power in still air, flying straight.
 struct StraightGlide {

@@ -26,20 +26,26 @@ struct Problem {
   double d, alpha, beta;
 };
 
+// Lengths in radii; angles are not negative. `sense` of the first turn: 1 is left, -1 is right.
 struct Word {
-  double turned, straight;
-  double Length() const { return turned + straight; }
+  double sense, first, straight, middle, last;
+  // Relative to the sense of the first turn.
+  double last_sense;
+  double Length() const { return first + straight + middle + last; }
 };
 
-// Both turns in the same sense: `sense` 1 is left, -1 is right.
+// Both turns in the same sense.
 Word SameSense(const Problem& p, double sense) {
   const double x = p.d - sense * (std::sin(p.beta) - std::sin(p.alpha));
   const double y = -sense * (std::cos(p.alpha) - std::cos(p.beta));
   const double straight = std::hypot(x, y);
   // Both turns share one circle: a straight piece of zero length has no direction.
-  if (straight < kNoStraight) return {Turn(sense * (p.beta - p.alpha)), straight};
+  if (straight < kNoStraight) {
+    return {sense, Turn(sense * (p.beta - p.alpha)), straight, 0.0, 0.0, 1.0};
+  }
   const double direction = std::atan2(y, x);
-  return {Turn(sense * (direction - p.alpha)) + Turn(sense * (p.beta - direction)), straight};
+  const double first = Turn(sense * (direction - p.alpha));
+  return {sense, first, straight, 0.0, Turn(sense * (p.beta - direction)), 1.0};
 }
 
 // A turn in this sense, then one in the other. Nothing if the circles overlap.
@@ -51,8 +57,9 @@ std::optional<Word> OtherSense(const Problem& p, double sense) {
   // Circles that touch may overlap by a rounding error.
   if (between < 2.0 - kNoStraight) return std::nullopt;
   const double direction = std::atan2(y, x) + sense * std::asin(std::min(1.0, 2.0 / between));
-  return Word{Turn(sense * (direction - p.alpha)) + Turn(sense * (direction - p.beta)),
-              std::sqrt(std::max(0.0, between * between - 4.0))};
+  const double first = Turn(sense * (direction - p.alpha));
+  const double straight = std::sqrt(std::max(0.0, between * between - 4.0));
+  return Word{sense, first, straight, 0.0, Turn(sense * (direction - p.beta)), -1.0};
 }
 
 // Three arcs; the middle one has the opposite sense and is longer than half a turn.
@@ -65,7 +72,7 @@ std::optional<Word> ThreeArcs(const Problem& p, double sense) {
   // The outer arcs make up the rest of the change of heading.
   const double first = Turn(sense * (std::atan2(y, x) - p.alpha) + middle / 2.0);
   const double last = Turn(sense * (p.beta - p.alpha) + middle - first);
-  return Word{first + middle + last, 0.0};
+  return Word{sense, first, 0.0, middle, last, 1.0};
 }
 
 }  // namespace
@@ -85,7 +92,15 @@ TurnPath ShortestTurns(const Stance& from, const Stance& to, double radius_m) {
       if (other && other->Length() < best.Length()) best = *other;
     }
   }
-  return {best.turned, best.straight * radius_m};
+  const double to_the_right = -best.sense;
+  return {to_the_right * best.first,
+          best.straight * radius_m,
+          -to_the_right * best.middle,
+          to_the_right * best.last_sense * best.last};
+}
+
+double TurnPath::Turned() const {
+  return std::abs(first_turn) + std::abs(middle_turn) + std::abs(last_turn);
 }
 
 }  // namespace freelsd

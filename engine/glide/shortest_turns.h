@@ -11,10 +11,16 @@ struct Stance {
   double heading = 0.0;
 };
 
+// Flown in the order of the fields. Turns are in radians, positive to the right. The path has a
+// straight piece or a middle turn, never both.
 struct TurnPath {
-  // Sum of the two or three arcs, radians, and length of the straight piece.
-  double turned = 0.0;
+  double first_turn = 0.0;
   double straight_m = 0.0;
+  double middle_turn = 0.0;
+  double last_turn = 0.0;
+
+  // Sum of the turns without their sign.
+  double Turned() const;
 };
 
 // The shortest of turn-straight-turn and turn-turn-turn.

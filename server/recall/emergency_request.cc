@@ -12,6 +12,7 @@ namespace {
 constexpr double kMaxAltitudeM = 20000.0;
 constexpr double kMinAltitudeM = -1000.0;
 constexpr double kMaxWindMps = 100.0;
+constexpr double kMaxSafetyHeightM = 1000.0;
 
 [[noreturn]] void Refuse(const std::string& key, const std::string& detail) {
   throw ApiError("InvalidValue", key + ": " + detail, {{"/" + key, detail}});
@@ -101,6 +102,10 @@ EmergencyRequest ParseEmergencyRequest(const nlohmann::json& given) {
   request.wind_in_world = TakeWind(object);
   request.heading_deg = TakeNumber(object, "heading_deg", -36000.0, 36000.0);
   request.glide_ratio = TakeNumber(object, "glide_ratio", 1.0, 100.0);
+  request.terrain_clearance_m = TakeNumber(object, "terrain_clearance_m", 0.0, kMaxSafetyHeightM)
+                                    .value_or(request.terrain_clearance_m);
+  request.arrival_height_m = TakeNumber(object, "arrival_height_m", 0.0, kMaxSafetyHeightM)
+                                 .value_or(request.arrival_height_m);
   request.altitude_datum = TakeDatum(object);
   request.flight_id = TakeText(object, "flight");
   request.aircraft = TakeAircraft(object);

@@ -8,6 +8,7 @@
 
 #include "api/api.h"
 #include "engine/flight/flight.h"
+#include "engine/glide/glide.h"
 #include "server/recall/altitude_datum.h"
 
 namespace freelsd {
@@ -23,6 +24,9 @@ struct EmergencyRequest {
   std::optional<Eigen::Vector2d> wind_in_world;
   std::optional<double> heading_deg;
   std::optional<double> glide_ratio;
+  // Safety heights: above the stored terrain below the path, and above the start of the final.
+  double terrain_clearance_m = GlideOptions{}.terrain_clearance_m;
+  double arrival_height_m = 0.0;
   // Empty: for each site, the aircraft for which the site was planned.
   std::optional<Aircraft> aircraft;
   size_t limit = 5;

@@ -63,7 +63,7 @@ double StraightMargin(const EmergencyRequest& request,
   const auto lost = LeastHeightLost(start, candidate.way_m, within_m, glider.glide);
   if (!lost) return -std::numeric_limits<double>::infinity();
   return request.place.altitude_m - candidate.datum.subtracted_m - *lost -
-         candidate.row->data.altitude_m - glider.approach_height_m;
+         candidate.row->data.altitude_m - glider.approach_height_m - request.arrival_height_m;
 }
 
 std::optional<Glider> GliderOf(const EmergencyRequest& request, const std::string& aircraft_json) {

@@ -9,6 +9,7 @@
 
 #include "api/api.h"
 #include "server/http/http.h"
+#include "server/recall/descent_path.h"
 #include "server/recall/recall_candidates.h"
 #include "server/recall/same_place.h"
 #include "server/recall/terrain_margin.h"
@@ -112,21 +113,32 @@ std::optional<Reached> Reach(const StoredSites& stored,
                               flight.altitude_datum.value_or("unknown"),
                               LocalFrame(site->replan.origin)};
   const Eigen::Vector3d& approach_start = plan.approach->approach_start_in_world;
-  const Eigen::Vector3d here = context.local_frame.WorldFromGeo(request.place);
-  const auto glide = GlideTo(
-      StartOf(request, here), approach_start, plan.approach->heading, aircraft, GlideOptions{});
+  GeoPoint place_in_site_datum = request.place;
+  place_in_site_datum.altitude_m -= candidate.datum.subtracted_m;
+  const Eigen::Vector3d here = context.local_frame.WorldFromGeo(place_in_site_datum);
+  const GlideStart start = StartOf(request, here);
+  const GlideOptions options;
+  const auto glide = GlideTo(start, approach_start, plan.approach->heading, aircraft, options);
   if (!glide) return std::nullopt;
+  const auto descent = PlanDescent(start, *plan.approach, aircraft, options);
   Reached reached;
   reached.is_landable = plan.verdict == Verdict::kLandable;
   reached.landing = LandingOf(context.local_frame.GeoFromWorld(plan.touchdown_in_world),
                               plan.approach->heading,
                               request.wind_in_world);
-  reached.margin_m = glide->arrival_height_m - approach_start.z() - candidate.datum.subtracted_m;
-  GeoPoint end = context.local_frame.GeoFromWorld(approach_start);
-  end.altitude_m += glide->arrival_height_m - approach_start.z();
+  reached.margin_m = glide->arrival_height_m - approach_start.z() - request.arrival_height_m;
   reached.answer = AnswerOf(candidate, plan, aircraft, *glide, context, request.place);
   reached.datum_bases = {candidate.datum.basis};
-  if (const auto terrain = TerrainMarginOf(stored, request, end)) {
+  std::vector<GeoPoint> unchecked{
+      place_in_site_datum,
+      context.local_frame.GeoFromWorld(
+          {approach_start.x(), approach_start.y(), glide->arrival_height_m})};
+  if (descent) {
+    unchecked = UncheckedPath(*descent, *plan.approach, *glide, context.local_frame);
+    AddDescent(*descent, context.local_frame, reached.answer);
+  }
+  for (GeoPoint& point : unchecked) point.altitude_m += candidate.datum.subtracted_m;
+  if (const auto terrain = TerrainMarginOf(stored, request, unchecked)) {
     reached.answer["terrain_margin_m"] = terrain->margin_m;
     reached.answer["terrain_datum_penalty_m"] = terrain->datum.subtracted_m;
     reached.margin_m = std::min(reached.margin_m, terrain->margin_m);

@@ -9,30 +9,72 @@
 namespace freelsd {
 namespace {
 
-// Maps are searched in one box per piece of the way: a box around a whole diagonal has too many.
+// Maps are searched in one box per piece of the path: a box around a whole diagonal has too many.
 constexpr double kMinPieceDeg = 0.004;
 constexpr int kMaxNumPieces = 16;
 
-// Stored maps that the straight way may cross, without duplicates.
-SharedRows<MapRow> MapsOnTheWay(const StoredSites& stored,
-                                const GeoPoint& begin,
-                                const GeoPoint& end) {
-  const double dlat_deg = end.latitude_deg - begin.latitude_deg;
-  const double dlon_deg = std::remainder(end.longitude_deg - begin.longitude_deg, 360.0);
-  const double length_deg = std::max(std::abs(dlat_deg), std::abs(dlon_deg));
-  const int num_pieces =
-      std::clamp(static_cast<int>(std::ceil(length_deg / kMinPieceDeg)), 1, kMaxNumPieces);
+double SpanDeg(const GeoPoint& a, const GeoPoint& b) {
+  const double dlon_deg = std::remainder(b.longitude_deg - a.longitude_deg, 360.0);
+  return std::max(std::abs(b.latitude_deg - a.latitude_deg), std::abs(dlon_deg));
+}
+
+// Longitude may leave [-180, 180] in between; Wrapped puts it back.
+void Extend(BoundingBox& box, const GeoPoint& point) {
+  const double longitude_deg =
+      box.west_deg + std::remainder(point.longitude_deg - box.west_deg, 360.0);
+  box = {std::min(box.west_deg, longitude_deg),
+         std::min(box.south_deg, point.latitude_deg),
+         std::max(box.east_deg, longitude_deg),
+         std::max(box.north_deg, point.latitude_deg)};
+}
+
+BoundingBox BoxOf(const GeoPoint& point) {
+  return {point.longitude_deg, point.latitude_deg, point.longitude_deg, point.latitude_deg};
+}
+
+BoundingBox Wrapped(const BoundingBox& box) {
+  return {std::remainder(box.west_deg, 360.0),
+          box.south_deg,
+          std::remainder(box.east_deg, 360.0),
+          box.north_deg};
+}
+
+GeoPoint Between(const GeoPoint& a, const GeoPoint& b, double ratio) {
+  const double dlon_deg = std::remainder(b.longitude_deg - a.longitude_deg, 360.0);
+  return {a.latitude_deg + ratio * (b.latitude_deg - a.latitude_deg),
+          a.longitude_deg + ratio * dlon_deg,
+          a.altitude_m + ratio * (b.altitude_m - a.altitude_m)};
+}
+
+// Boxes that together enclose the path. Short legs share one box, long ones have several.
+std::vector<BoundingBox> BoxesAlong(const std::vector<GeoPoint>& path) {
+  std::vector<BoundingBox> boxes{BoxOf(path.front())};
+  for (size_t i = 1; i < path.size(); ++i) {
+    const double span_deg = SpanDeg(path[i - 1], path[i]);
+    const int num_pieces =
+        std::clamp(static_cast<int>(std::ceil(span_deg / kMinPieceDeg)), 1, kMaxNumPieces);
+    for (int piece = 0; piece < num_pieces; ++piece) {
+      const BoundingBox& last = boxes.back();
+      const double size_deg =
+          std::max(last.east_deg - last.west_deg, last.north_deg - last.south_deg);
+      const double step_deg = span_deg / num_pieces;
+      if (size_deg + step_deg > kMinPieceDeg) {
+        boxes.push_back(
+            BoxOf(Between(path[i - 1], path[i], static_cast<double>(piece) / num_pieces)));
+      }
+      Extend(boxes.back(),
+             Between(path[i - 1], path[i], static_cast<double>(piece + 1) / num_pieces));
+    }
+  }
+  for (BoundingBox& box : boxes) box = Wrapped(box);
+  return boxes;
+}
+
+// Stored maps that the path may cross, without duplicates.
+SharedRows<MapRow> MapsAlong(const StoredSites& stored, const std::vector<GeoPoint>& path) {
   SharedRows<MapRow> rows;
   std::set<std::string_view> ids;
-  for (int i = 0; i < num_pieces; ++i) {
-    const double from = static_cast<double>(i) / num_pieces;
-    const double to = static_cast<double>(i + 1) / num_pieces;
-    const auto [south_deg, north_deg] =
-        std::minmax({begin.latitude_deg + from * dlat_deg, begin.latitude_deg + to * dlat_deg});
-    const auto [west_deg, east_deg] =
-        std::minmax({begin.longitude_deg + from * dlon_deg, begin.longitude_deg + to * dlon_deg});
-    const BoundingBox box{
-        std::remainder(west_deg, 360.0), south_deg, std::remainder(east_deg, 360.0), north_deg};
+  for (const BoundingBox& box : BoxesAlong(path)) {
     for (auto& row : stored.storage.sites.ListMaps(box)) {
       if (ids.insert(row->site_id).second) rows.push_back(std::move(row));
     }
@@ -50,24 +92,35 @@ AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain) {
   return {row.altitude_datum, place.latitude_deg, place.longitude_deg, row.flight_id};
 }
 
+// Least height of the path above one map; nothing if no seen cell of it lies below the path.
+std::optional<double> LeastHeightAlong(const std::vector<GeoPoint>& path,
+                                       const KeptTerrain& terrain) {
+  const LocalFrame local_frame(terrain.origin);
+  std::optional<double> least;
+  Eigen::Vector3d begin = local_frame.WorldFromGeo(path.front());
+  for (size_t i = 1; i < path.size(); ++i) {
+    const Eigen::Vector3d end = local_frame.WorldFromGeo(path[i]);
+    const auto height = LeastHeightOver(terrain.grid, terrain.upper, begin, end);
+    if (height && (!least || *height < *least)) least = height;
+    begin = end;
+  }
+  return least;
+}
+
 }  // namespace
 
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
                                              const EmergencyRequest& request,
-                                             const GeoPoint& end) {
+                                             const std::vector<GeoPoint>& path) {
   std::optional<TerrainMargin> least;
-  for (const auto& row : MapsOnTheWay(stored, request.place, end)) {
+  for (const auto& row : MapsAlong(stored, path)) {
     const auto terrain = stored.maps.TerrainOf(stored.storage, row->site_id, row->updated_at_us);
     if (!terrain) continue;
-    const LocalFrame local_frame(terrain->origin);
-    const auto height = LeastHeightOver(terrain->grid,
-                                        terrain->upper,
-                                        local_frame.WorldFromGeo(request.place),
-                                        local_frame.WorldFromGeo(end));
+    const auto height = LeastHeightAlong(path, *terrain);
     if (!height) continue;
     const DatumDifference datum =
         DatumDifferenceOf(ReferenceOf(request), ReferenceOf(*row, *terrain));
-    const double margin_m = *height - GlideOptions{}.terrain_clearance_m - datum.subtracted_m;
+    const double margin_m = *height - request.terrain_clearance_m - datum.subtracted_m;
     if (!least || margin_m < least->margin_m) least = TerrainMargin{margin_m, datum};
   }
   return least;

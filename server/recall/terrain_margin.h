@@ -1,7 +1,8 @@
-// Height of the straight way to a site above stored maps. Private to recall.
+// Height of a path above stored maps. Private to recall.
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "engine/glide/glide.h"
 #include "server/recall/altitude_datum.h"
@@ -17,9 +18,10 @@ struct TerrainMargin {
   DatumDifference datum;
 };
 
-// Nothing if no stored map lies below the way.
+// Nothing if no stored map lies below the path. The path has at least one point; altitudes are in
+// the request's datum.
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
                                              const EmergencyRequest& request,
-                                             const GeoPoint& end);
+                                             const std::vector<GeoPoint>& path);
 
 }  // namespace freelsd

@@ -14,7 +14,7 @@ constexpr double kMaxLengthErrorM = 1e-6;
 constexpr double kMaxHeightErrorM = 0.1;
 
 double LengthOf(const TurnPath& path, double radius_m) {
-  return path.turned * radius_m + path.straight_m;
+  return path.Turned() * radius_m + path.straight_m;
 }
 
 TEST_CASE("glide: straight ahead the shortest turns are the straight line") {

@@ -1,0 +1,68 @@
+#include "engine/glide/transit.h"
+
+#include <cmath>
+
+namespace freelsd {
+namespace {
+
+// Longest glide in seconds: no small plane has enough height for more.
+constexpr double kMaxTime = 3600.0;
+constexpr int kMaxIterations = 60;
+constexpr double kTimeTolerance = 0.01;
+constexpr double kRadiusStep = 0.05;
+
+double TimeOf(const TurnPath& path, const Performance& performance) {
+  return (path.Turned() * performance.turn_radius + path.straight_m) / performance.Airspeed();
+}
+
+}  // namespace
+
+std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOptions& options) {
+  if (start.heading) return {*start.heading};
+  std::vector<double> headings;
+  headings.reserve(static_cast<size_t>(options.num_unknown_headings));
+  for (int i = 0; i < options.num_unknown_headings; ++i) {
+    headings.push_back(2.0 * kPi * i / options.num_unknown_headings);
+  }
+  return headings;
+}
+
+TransitTask TransitTaskOf(const Eigen::Vector2d& from,
+                          double from_heading,
+                          const Eigen::Vector2d& to,
+                          double to_heading,
+                          const Eigen::Vector2d& wind,
+                          const Performance& performance) {
+  const double airspeed = performance.Airspeed();
+  return {{from, AirHeading(from_heading, wind, airspeed)},
+          {to, AirHeading(to_heading, wind, airspeed)},
+          wind};
+}
+
+std::optional<Transit> TransitOf(const TransitTask& task, const Performance& performance) {
+  // In the air's frame the place drifts against the wind: the time of flight decides where it is.
+  double time = 0.0;
+  for (int i = 0; i < kMaxIterations && time < kMaxTime; ++i) {
+    const Stance to{task.to.place - task.wind * time, task.to.heading};
+    const TurnPath path = ShortestTurns(task.from, to, performance.turn_radius);
+    const double next = TimeOf(path, performance);
+    if (std::abs(next - time) < kTimeTolerance) {
+      const double turning = path.Turned() * performance.turn_radius / performance.Airspeed();
+      const double height_lost = turning * performance.turning_sink_rate +
+                                 (next - turning) * performance.straight.sink_rate_mps;
+      return Transit{path, performance, next, height_lost};
+    }
+    time = next;
+  }
+  return std::nullopt;
+}
+
+std::optional<Transit> TightestTransit(const TransitTask& task, const Performance& tightest) {
+  for (double ratio = 1.0; ratio < kMaxRadiusRatio; ratio += kRadiusStep) {
+    const auto transit = TransitOf(task, WithTurnRadius(tightest, ratio * tightest.turn_radius));
+    if (transit) return transit;
+  }
+  return std::nullopt;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,88 @@
+// The path that recall tells: the whole way, in three dimensions, checked where it really leads.
+#include <cmath>
+
+#include <doctest/doctest.h>
+
+#include "engine/geometry/local_frame.h"
+#include "tests/server/recall/emergency_query.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kMaxPlaceErrorM = 0.1;
+
+GeoPoint PlaceOf(const nlohmann::json& coordinates) {
+  return {coordinates[1], coordinates[0], coordinates[2]};
+}
+
+double Apart(const GeoPoint& a, const GeoPoint& b) { return LocalFrame(a).WorldFromGeo(b).norm(); }
+
+TEST_CASE("emergency: the path leads from the aircraft to the touchdown of the same answer") {
+  const MeadowServer meadow(StoreAmslMeadow);
+  for (const char* wind : {kCalmNorth,
+                           "&wind_east_mps=3&wind_north_mps=2&heading_deg=200&altitude_datum=amsl",
+                           "&altitude_datum=amsl"}) {
+    const nlohmann::json answer = GetJson(*meadow.client, Query(700.0, wind));
+    INFO(answer.dump());
+    REQUIRE(answer["sites"].size() == 1);
+    const nlohmann::json& site = answer["sites"][0];
+    const nlohmann::json& path = site["path"]["coordinates"];
+    CHECK(site["path"]["type"] == "LineString");
+    REQUIRE(path.size() > 2);
+    CHECK(site["times_s"].size() == path.size());
+    CHECK(Apart(PlaceOf(path.front()), {46.9955, 8.0, 700.0}) < kMaxPlaceErrorM);
+    const nlohmann::json& touchdown = site["touchdown"];
+    CHECK(Apart(PlaceOf(path.back()),
+                {touchdown["latitude_deg"], touchdown["longitude_deg"], touchdown["altitude_m"]}) <
+          kMaxPlaceErrorM);
+    const nlohmann::json& start = site["approach"]["start"];
+    const GeoPoint before = PlaceOf(path[path.size() - 2]);
+    CHECK(Apart(before, {start["latitude_deg"], start["longitude_deg"], before.altitude_m}) <
+          kMaxPlaceErrorM);
+    CHECK(before.altitude_m >= start["altitude_m"].get<double>() - kMaxPlaceErrorM);
+    for (size_t i = 1; i < path.size(); ++i) {
+      CHECK(site["times_s"][i].get<double>() >= site["times_s"][i - 1].get<double>());
+      CHECK(path[i][2].get<double>() <= path[i - 1][2].get<double>());
+    }
+  }
+}
+
+TEST_CASE("emergency: terrain is checked along the turn, not along the straight line") {
+  const MeadowServer meadow([](Storage& storage) {
+    StoreAmslMeadow(storage);
+    SiteMap ridge = Meadow();
+    // From 5 m south of the aircraft on, higher than the aircraft.
+    ridge.map.upper(cv::Rect(0, 205, 600, 395)) = 300.0f;
+    SiteRow row = MeadowSite("amsl", -600.0);
+    row.id = std::string("f-r9");
+    row.recall.reset();
+    storage.sites.Put(row, SerializeSiteMap(ridge));
+  });
+  const nlohmann::json north = GetJson(*meadow.client, Query(600.0, kCalmNorth));
+  INFO(north.dump());
+  CHECK(north["sites"].size() == 1);
+  const nlohmann::json south = GetJson(
+      *meadow.client,
+      Query(600.0, "&wind_east_mps=0&wind_north_mps=0&heading_deg=180&altitude_datum=amsl"));
+  INFO(south.dump());
+  CHECK(south["sites"].empty());
+  CHECK(south["nearest_miss"]["terrain_margin_m"].get<double>() < -100.0);
+}
+
+TEST_CASE("emergency: safety heights are kept above the terrain and on arrival") {
+  const MeadowServer meadow(StoreAmslMeadow);
+  const auto site = [&](const std::string& more) {
+    const nlohmann::json answer = GetJson(*meadow.client, Query(900.0, kCalmNorth + more));
+    return answer["sites"].empty() ? answer["nearest_miss"] : answer["sites"][0];
+  };
+  const nlohmann::json plain = site("");
+  const nlohmann::json higher = site("&terrain_clearance_m=60");
+  CHECK(higher["terrain_margin_m"].get<double>() ==
+        doctest::Approx(plain["terrain_margin_m"].get<double>() - 50.0));
+  const nlohmann::json arrival = site("&arrival_height_m=600");
+  CHECK(arrival["reachable"] == false);
+  CheckProblem(meadow.client->Get(Query(900.0, "&terrain_clearance_m=-1")), 422, "InvalidValue");
+}
+
+}  // namespace
+}  // namespace freelsd
