@@ -7,7 +7,7 @@
 
 namespace freelsd {
 
-constexpr int kSchemaVersion = 3;
+constexpr int kSchemaVersion = 4;
 
 // Stored as application_id beside user_version. A newer program wrote the file only if both numbers
 // agree; if only one of them names a newer version, the file is damaged.

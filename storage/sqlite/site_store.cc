@@ -12,6 +12,8 @@ int64_t SiteStore::Count(const std::string& flight_id) const {
   return statement.Int(0);
 }
 
+uint64_t SiteStore::Version() const { return state_.sites_version; }
+
 void SiteStore::Put(const SiteRow& site,
                     std::string_view map_blob,
                     const std::vector<std::string>& supersedes) {
