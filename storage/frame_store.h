@@ -29,7 +29,8 @@ struct FrameRow {
   std::string reason;
   // Frames of batches do not count against the limit of the frame queue.
   bool is_from_batch = false;
-  // When the server received it, as TelemetryRow::arrived_at_us. Insert raises it as Put does there.
+  // When the server received it, as TelemetryRow::arrived_at_us. Insert raises it as Put does
+  // there.
   int64_t arrived_at_us = 0;
 };
 

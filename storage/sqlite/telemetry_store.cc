@@ -27,7 +27,8 @@ void TelemetryStore::Put(const std::string& flight_id, const std::vector<Telemet
   for (const TelemetryRow& row : rows) {
     const int64_t arrived_at_us = std::max(row.arrived_at_us, next_us);
     next_us = arrived_at_us + 1;
-    state_.writer.Prepare("INSERT OR REPLACE INTO telemetry VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")
+    state_.writer
+        .Prepare("INSERT OR REPLACE INTO telemetry VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")
         .Bind(flight_id,
               static_cast<int>(row.kind),
               row.timestamp_us,
@@ -60,7 +61,8 @@ TelemetryPair TelemetryStore::Around(const std::string& flight_id,
   const Reader reader(state_.readers);
   Statement before = reader->Prepare(
       "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
-      "WHERE flight_id = ?1 AND kind = ?2 AND timestamp_us <= ?3 ORDER BY timestamp_us DESC LIMIT 1");
+      "WHERE flight_id = ?1 AND kind = ?2 AND timestamp_us <= ?3 ORDER BY timestamp_us DESC LIMIT "
+      "1");
   before.Bind(flight_id, static_cast<int>(kind), timestamp_us);
   Statement after = reader->Prepare(
       "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "

@@ -27,7 +27,8 @@ TEST_CASE("telemetry store: telemetry is found on both sides of a time, by kind"
   CHECK(storage.telemetry.Around("f", TelemetryKind::kPosition, 20).before->timestamp_us == 20);
 }
 
-TEST_CASE("telemetry store: what arrived last comes first, whatever its own time and the clock say") {
+TEST_CASE(
+    "telemetry store: what arrived last comes first, whatever its own time and the clock say") {
   const TemporaryFolder folder;
   Storage storage(folder.path());
   storage.flights.Insert(SomeFlight("f"));

@@ -138,7 +138,8 @@ std::vector<std::string> SchemaOf(const std::filesystem::path& file) {
   Statement statement = database.Prepare(
       "SELECT entry.name || ' ' || coalesce(cid || ' ' || column.name || ' ' || column.type || "
       "' ' || \"notnull\" || ' ' || coalesce(dflt_value, ''), '') AS line "
-      "FROM sqlite_schema AS entry LEFT JOIN pragma_table_info(entry.name) AS column ORDER BY line");
+      "FROM sqlite_schema AS entry LEFT JOIN pragma_table_info(entry.name) AS column ORDER BY "
+      "line");
   std::vector<std::string> schema;
   while (statement.Step()) schema.push_back(statement.Text(0));
   return schema;
