@@ -1,9 +1,10 @@
 #include "server/intake/telemetry.h"
 
 #include <cmath>
-#include <limits>
 
 #include <nlohmann/json.hpp>
+
+#include "server/intake/arrival_clock.h"
 
 namespace freelsd {
 namespace {
@@ -74,7 +75,6 @@ constexpr TelemetryKind kKinds[] = {
 }  // namespace
 
 void RefuseFutureTime(int64_t timestamp_us, int64_t now_us) {
-  constexpr int64_t kFirstPlausibleUs = 1577836800000000;  // 2020: the clock was set
   constexpr int64_t kDayUs = int64_t{86400} * 1000000;
   if (now_us < kFirstPlausibleUs || timestamp_us <= now_us + kDayUs) return;
   const std::string detail = "is more than a day ahead of the server's clock";
@@ -115,18 +115,6 @@ FrameMeta TelemetryAt(const Storage& storage,
   for (const TelemetryKind kind : kKinds) {
     const auto pair = storage.telemetry.Around(flight_id, kind, timestamp_us);
     if (const auto values = ValuesAt(pair, timestamp_us, config)) SetField(kind, *values, meta);
-  }
-  return meta;
-}
-
-FrameMeta LatestTelemetry(const Storage& storage, const std::string& flight_id) {
-  FrameMeta meta;
-  for (const TelemetryKind kind : kKinds) {
-    const auto pair =
-        storage.telemetry.Around(flight_id, kind, std::numeric_limits<int64_t>::max());
-    if (!pair.before) continue;
-    SetField(kind, pair.before->values, meta);
-    if (kind == TelemetryKind::kPosition) meta.timestamp_us = pair.before->timestamp_us;
   }
   return meta;
 }

@@ -11,8 +11,8 @@
 
 namespace freelsd {
 
-// Throws ApiError if the time is more than a day ahead of the server's clock, which counts only if
-// it was ever set: one such sample would be the latest pose for good.
+// Throws ApiError if the time is more than a day ahead of the server's clock. A clock before
+// kFirstPlausibleUs was never set and refuses nothing; past times are always legitimate.
 void RefuseFutureTime(int64_t timestamp_us, int64_t now_us);
 
 // Parses one line of NDJSON: {timestamp_us, position?, attitude?, wind?}. Throws ApiError.
@@ -26,8 +26,5 @@ FrameMeta TelemetryAt(const Storage& storage,
                       const Config& config,
                       const std::string& flight_id,
                       int64_t timestamp_us);
-
-// The latest position, attitude and wind.
-FrameMeta LatestTelemetry(const Storage& storage, const std::string& flight_id);
 
 }  // namespace freelsd

@@ -50,11 +50,13 @@ const SampleFlight& Sample() {
 }
 
 // The header and the lines of these frames: a batch must not name images that are not there.
-std::string PosesOf(int begin, int end) {
+std::string PosesOf(int begin, int end, const std::string& prefix) {
   std::istringstream lines(Sample().poses);
   std::string poses, line;
   for (int i = -1; std::getline(lines, line); ++i) {
-    if (i < 0 || (i >= begin && i < end)) poses += line + "\n";
+    if (i >= 0 && (i < begin || i >= end)) continue;
+    if (i >= 0) line.insert(line.find(Sample().names[static_cast<size_t>(i)]), prefix);
+    poses += line + "\n";
   }
   return poses;
 }
@@ -65,11 +67,27 @@ std::filesystem::path RealModel() {
   return std::filesystem::path(FREELSD_SOURCE_DIR) / "engine/classification/grass_model.yml";
 }
 
-void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end) {
-  httplib::MultipartFormDataItems items{{"poses", PosesOf(begin, end), "poses.csv", "text/csv"}};
+std::string NewSampleFlight(httplib::Client& client, const nlohmann::json& options) {
+  nlohmann::json request = nlohmann::json::parse(Sample().request);
+  if (!options.is_null()) request["options"] = options;
+  const auto result = client.Post("/v1/flights", request.dump(), "application/json");
+  REQUIRE(result);
+  INFO(result->body);
+  REQUIRE(result->status == 201);
+  return nlohmann::json::parse(result->body).at("id");
+}
+
+void PostSampleFrames(httplib::Client& client,
+                      const std::string& flight,
+                      int begin,
+                      int end,
+                      const std::string& prefix) {
+  httplib::MultipartFormDataItems items{
+      {"poses", PosesOf(begin, end, prefix), "poses.csv", "text/csv"}};
   for (int i = begin; i < end; ++i) {
     const size_t index = static_cast<size_t>(i);
-    items.push_back({"images", Sample().images[index], Sample().names[index], "image/jpeg"});
+    items.push_back(
+        {"images", Sample().images[index], prefix + Sample().names[index], "image/jpeg"});
   }
   const auto batch = client.Post("/v1/flights/" + flight + "/batch", items);
   REQUIRE(batch);
@@ -78,10 +96,7 @@ void PostSampleFrames(httplib::Client& client, const std::string& flight, int be
 }
 
 std::string PostSampleFlight(httplib::Client& client, int begin, int end) {
-  const auto result = client.Post("/v1/flights", Sample().request, "application/json");
-  REQUIRE(result);
-  REQUIRE(result->status == 201);
-  std::string flight = nlohmann::json::parse(result->body).at("id");
+  std::string flight = NewSampleFlight(client);
   PostSampleFrames(client, flight, begin, end);
   return flight;
 }

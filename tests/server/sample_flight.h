@@ -9,9 +9,16 @@ constexpr int kNumSampleFrames = 24;
 
 // The model that is delivered.
 std::filesystem::path RealModel();
+// Flight without frames, `options` added to its request; its id.
+std::string NewSampleFlight(httplib::Client& client, const nlohmann::json& options = {});
 // Flight with its frames [begin, end) as one batch; its id.
 std::string PostSampleFlight(httplib::Client& client, int begin, int end);
-void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end);
+// `prefix`: of the frames' ids, to send the same frames again.
+void PostSampleFrames(httplib::Client& client,
+                      const std::string& flight,
+                      int begin,
+                      int end,
+                      const std::string& prefix = "");
 // POST finish; the job's id.
 std::string Finish(httplib::Client& client, const std::string& flight);
 // Whether the job is seen running in the backend.
