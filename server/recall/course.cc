@@ -50,13 +50,10 @@ const PassedPosition& MiddleOf(const std::vector<PassedPosition>& latest_first) 
 // The end of the list that the course is taken from: in order of time, and as short as may be.
 // Empty if no three positions reach far enough.
 std::vector<PassedPosition> LastWay(const std::vector<PassedPosition>& passed) {
-  std::vector<PassedPosition> way;
+  if (passed.empty()) return {};
+  const PassedPosition& latest = passed.front();
+  std::vector<PassedPosition> way{latest};
   for (const PassedPosition& each : passed) {
-    if (way.empty()) {
-      way.push_back(each);
-      continue;
-    }
-    const PassedPosition& latest = way.front();
     if (SecondsBetween(each.arrived_at_us, latest.arrived_at_us) > kMaxArrivalSpanS) break;
     const double span_s = SecondsBetween(each.timestamp_us, latest.timestamp_us);
     if (each.timestamp_us >= way.back().timestamp_us || span_s > kMaxSpanS) continue;
@@ -77,8 +74,7 @@ std::optional<double> CourseDeg(const std::vector<PassedPosition>& passed) {
   const PassedPosition& middle = MiddleOf(last);
   const double detour_m = Way(last.back(), middle).norm() + Way(middle, last.front()).norm();
   if (detour_m > kMaxDetourRatio * way.norm()) return std::nullopt;
-  const double course_deg = DegFromRad(HeadingOf(way));
-  return course_deg < 0.0 ? course_deg + 360.0 : course_deg;
+  return std::fmod(DegFromRad(HeadingOf(way)) + 360.0, 360.0);
 }
 
 }  // namespace freelsd

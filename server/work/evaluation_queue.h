@@ -29,6 +29,7 @@ class EvaluationQueue {
   }
 
  private:
+  // Guards waiting_.
   std::mutex mutex_;
   std::deque<std::string> waiting_;
 };
