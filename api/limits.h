@@ -105,6 +105,8 @@ struct AnswerLimits {
   size_t max_num_listed_sites = 1000;
   size_t max_num_exported_sites = 1000;
   size_t max_num_emergency_sites = 50;
+  // Sites that a flight's list of alternates may have.
+  size_t max_num_alternates = 20;
   // Planning takes 0.2 ms per wind over an open field, 20 ms if most of the field is obstructed.
   size_t max_num_rose_winds = 180;
   // Enough for a line on a map. Longer tracks are thinned.

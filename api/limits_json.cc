@@ -47,6 +47,7 @@ nlohmann::json LimitsJson(const Limits& limits) {
           {"max_num_listed_sites", limits.answer.max_num_listed_sites},
           {"max_num_exported_sites", limits.answer.max_num_exported_sites},
           {"max_num_emergency_sites", limits.answer.max_num_emergency_sites},
+          {"max_num_alternates", limits.answer.max_num_alternates},
           {"max_num_rose_winds", limits.answer.max_num_rose_winds},
           {"max_num_track_positions", limits.answer.max_num_track_positions},
           {"max_num_listed_errors", limits.answer.max_num_listed_errors},

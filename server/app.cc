@@ -69,7 +69,7 @@ App::App(const Config& config)
       storage_(config_.data),
       maps_(kMaxBytesOfSites, kMaxBytesOfTerrain),
       intake_(config_, storage_, events_),
-      alternates_(storage_, maps_, events_),
+      alternates_(storage_, maps_, events_, static_cast<size_t>(config_.num_alternates)),
       service_(intake_, maps_, alternates_),
       http_(OptionsOf(config_, Listener::kMain), HandlerFor(service_, Listener::kMain)),
       port_(http_.Bind(config_.host, config_.port)),

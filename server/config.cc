@@ -81,6 +81,7 @@ void ReadConfigFile(const std::string& path, Config& config) {
   Take(object, "num_http_threads", config.num_http_threads);
   Take(object, "max_num_queued_frames", config.max_num_queued_frames);
   Take(object, "max_num_open_flights", config.max_num_open_flights);
+  Take(object, "num_alternates", config.num_alternates);
   Take(object, "max_batch_bytes", config.max_batch_bytes);
   Take(object, "max_image_age_days", config.max_image_age_days);
   Take(object, "max_stored_image_bytes", config.max_stored_image_bytes);
@@ -115,6 +116,10 @@ void Check(const Config& config) {
   if (!(config.max_image_age_days >= 0.0)) throw ConfigError("max_image_age_days: must be >= 0");
   if (config.max_num_queued_frames < 1) throw ConfigError("max_num_queued_frames: must be >= 1");
   if (config.max_num_open_flights < 1) throw ConfigError("max_num_open_flights: must be >= 1");
+  constexpr int kMaxNumAlternates = static_cast<int>(kLimits.answer.max_num_alternates);
+  if (config.num_alternates < 1 || config.num_alternates > kMaxNumAlternates) {
+    throw ConfigError("num_alternates: must be in [1, " + std::to_string(kMaxNumAlternates) + "]");
+  }
 }
 
 }  // namespace

@@ -37,6 +37,8 @@ struct Config {
   int64_t max_num_queued_frames = 256;
   // Most flights that the engine holds in memory. Frames of other flights wait.
   int max_num_open_flights = 16;
+  // Sites in the list of alternates that is kept for each live flight.
+  int num_alternates = 3;
   uint64_t max_batch_bytes = uint64_t{2} << 30;
   // Beyond these limits, images of idle flights are removed, oldest flight first. 0: no limit.
   // Sites stay.

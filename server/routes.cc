@@ -66,7 +66,7 @@ constexpr Route kRoutes[] = {
     {"POST", "/v1/flights/{flight}/finish", PostFinish},
     {"POST", "/v1/flights/{flight}/telemetry", PostTelemetry},
     {"POST", "/v1/flights/{flight}/stream", PostStream},
-    {"GET", "/v1/flights/{flight}/alternates", GetAlternates},
+    {"GET", "/v1/flights/{flight}/alternates", GetAlternates, "limit"},
     {"GET", "/v1/events", GetEvents, "flight"},
     {"GET", "/v1/jobs", GetJobs},
     {"GET", "/v1/jobs/{job}", GetJob},

@@ -29,6 +29,9 @@ struct FrameRow {
   std::string reason;
   // Frames of batches do not count against the limit of the frame queue.
   bool is_from_batch = false;
+  // When the server received it, as TelemetryRow::arrived_at_us. Insert raises it as Put does
+  // there.
+  int64_t arrived_at_us = 0;
 };
 
 struct FrameCounts {
@@ -70,8 +73,8 @@ class FrameStore {
   int64_t CountQueued() const;
   // The flight's first frame after `after_sequence`, whatever its state.
   std::optional<FrameRow> Next(const std::string& flight_id, int64_t after_sequence) const;
-  // The flight's frame with the highest sequence number.
-  std::optional<FrameRow> Last(const std::string& flight_id) const;
+  // The flight's frames with the highest sequence numbers, the last one first.
+  std::vector<FrameRow> LastArrived(const std::string& flight_id, int max_num_frames) const;
   // Sequence number of the flight's first queued frame after `after_sequence`.
   std::optional<int64_t> NextQueuedSequence(const std::string& flight_id,
                                             int64_t after_sequence) const;

@@ -131,6 +131,8 @@ class SiteStore {
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const;
   int64_t Count(const std::string& flight_id) const;
+  // Increases with every change of any site, before the change returns.
+  uint64_t Version() const;
   std::optional<std::string> ReadMap(const std::string& site_id) const;
   // Ids of sites whose standing depends on this site's map.
   std::vector<std::string> ListDependents(const std::string& site_id) const;

@@ -20,6 +20,9 @@ struct TelemetryRow {
   TelemetryKind kind = TelemetryKind::kPosition;
   int64_t timestamp_us = 0;
   std::array<double, 4> values{};
+  // When the server received it, microseconds since 1970. Not above 0: unknown, because an older
+  // version stored it; then it only gives the order of arrival.
+  int64_t arrived_at_us = 0;
 };
 
 // The last row at or before a time, and the first row at or after it.
@@ -34,8 +37,14 @@ class TelemetryStore {
   TelemetryStore(const TelemetryStore&) = delete;
   TelemetryStore& operator=(const TelemetryStore&) = delete;
 
-  // Writes all rows in one commit. A row replaces the row of the same kind and timestamp.
+  // Writes all rows in one commit. A row replaces the row of the same kind and timestamp. Raises
+  // each arrived_at_us above those of all rows and frames that the flight already has: the order of
+  // arrival is right even if the clock was set back.
   void Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows);
+  // The rows of a kind that arrived last, the latest first.
+  std::vector<TelemetryRow> LastArrived(const std::string& flight_id,
+                                        TelemetryKind kind,
+                                        int max_num_rows) const;
   TelemetryPair Around(const std::string& flight_id,
                        TelemetryKind kind,
                        int64_t timestamp_us) const;

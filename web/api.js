@@ -91,7 +91,7 @@ export const getFlight = (flight) => getJson(paths.flight(flight));
 export const getTrack = (flight) => getJson(paths.track(flight));
 export const getRegions = (flight) => getJson(paths.regions(flight));
 export const getSites = (flight) => getJson(paths.flightSites(flight));
-export const getAllSites = (signal) => getJson('/v1/sites', { signal });
+export const getSitesIn = (bbox, signal) => getJson(`/v1/sites${query({ bbox })}`, { signal });
 export const getSite = (site) => getJson(paths.site(site));
 export const getHistory = async (flight, region) => (await getJson(paths.history(flight, region))).history;
 export const getFrames = async (flight) => (await getJson(paths.frames(flight))).frames;

@@ -4,7 +4,8 @@ import * as api from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
 import { emergencyCard } from './emergency_card.js';
-import { age, courseTo, isKnown, windFrom, windTo } from './units.js';
+import { nearestSites } from './nearest.js';
+import { age, groundAge_s, isKnown, windFrom, windTo } from './units.js';
 
 const kRefresh_ms = 5000;
 const kShown = 3;
@@ -49,15 +50,18 @@ function fillKept() {
   for (const name of keptFields) if (known[name] !== undefined) input(name).value = known[name];
 }
 
-// pose and wind: of the flight's last data, as its alternates tell them.
+const since = (age_s) => (isKnown(age_s) ? `received ${age(age_s)} ago` : 'received at an unknown time');
+
+// pose and wind: of the flight's last data, as its alternates tell them. Ages count from their arrival.
 function fillFromFlight({ pose, wind }, flightName) {
-  const age_s = isKnown(pose.timestamp_us) ? Date.now() / 1000 - pose.timestamp_us / 1e6 : null;
-  const told = age_s === null ? 'age unknown' : `${age(Math.max(0, age_s))} old`;
   const from = windFrom(wind ?? null);
-  setPosition(pose, `Position and altitude of flight ${flightName}, ${told}. ` +
-    (from ? 'Wind of the same flight.' : 'Wind unknown.'), age_s === null || age_s > kOld_s);
+  const isOld = !isKnown(pose.age_s) || pose.age_s > kOld_s;
+  setPosition(pose, `Position and altitude of flight ${flightName}, ${since(pose.age_s)}. ` +
+    (from ? `Wind of the same flight, ${since(wind.age_s)}. ` : 'Wind unknown. ') +
+    (isKnown(pose.heading_deg) ? 'Heading from its track.' : 'Heading unknown.'), isOld);
   fill('altitude_m', pose.altitude_m, 0);
   input('altitude_datum').value = pose.altitude_datum ?? 'unknown';
+  fill('heading_deg', pose.heading_deg, 0);
   fill('wind_speed_mps', from?.speed_mps, 1);
   fill('wind_from_deg', from?.from_deg, 0);
 }
@@ -79,20 +83,14 @@ function sayReach({ sites, nearest_miss: miss }) {
 // --- Sites ---
 
 // The nearest stored sites, for a server or a request without a reach computation.
-async function nearestSites(from, signal) {
-  const { features } = await api.getAllSites(signal);
+async function uncheckedSites(from, signal) {
   const usable = new Set(['landable', 'unverified']);
-  return features.filter(({ properties: p, geometry }) => usable.has(p.verdict) && geometry)
-    .map(({ properties: p, geometry }) => {
-      const touchdown = { latitude_deg: geometry.coordinates[1], longitude_deg: geometry.coordinates[0] };
-      return {
-        site_id: p.id, flight_id: p.flight_id, verdict: p.verdict, approach: p.approach, touchdown, reach: 'unknown',
-        unseen_ratio: p.unseen_ratio, age_s: (Date.now() - Date.parse(p.last_seen_at ?? p.updated_at)) / 1000,
-        ...courseTo(from, touchdown),
-      };
-    })
-    .sort((a, b) => a.distance_m - b.distance_m)
-    .slice(0, kShown);
+  const nearest = await nearestSites(from, kShown, {
+    list: (box) => api.getSitesIn(box, signal), isWanted: ({ properties }) => usable.has(properties.verdict) });
+  return nearest.map(({ feature: { properties: p }, ...course }) => ({
+    site_id: p.id, flight_id: p.flight_id, verdict: p.verdict, approach: p.approach, reach: 'unknown',
+    unseen_ratio: p.unseen_ratio, age_s: groundAge_s(p), ...course,
+  }));
 }
 
 // {sites, nearest_miss, warnings}, or null if this server has no reach computation.
@@ -181,7 +179,7 @@ class Emergency {
     const answer = isAltitudeKnown ? await askReach(request, signal) : null;
     this.#wind = request.wind_east_mps === undefined ? null
       : { east_mps: Number(request.wind_east_mps), north_mps: Number(request.wind_north_mps) };
-    this.#draw(answer ?? { sites: await nearestSites(from, signal) }, from);
+    this.#draw(answer ?? { sites: await uncheckedSites(from, signal) }, from);
     if (answer) sayReach(answer);
     else if (isAltitudeKnown) say(`This server cannot check reach. Sites below are unchecked (${now()}).`, 'bad');
     else say('Enter altitude to check reach. Sites below are unchecked.', 'bad');

@@ -4,7 +4,7 @@ import { paths } from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
 import { drawDownloads } from './downloads.js';
-import { age, area, distance, fixed, heading, isKnown, verdictSign, windText, words } from './units.js';
+import { age, area, distance, fixed, groundAge_s, heading, isKnown, verdictSign, windText, words } from './units.js';
 
 const tile = (name, value, note) => el('div', { class: 'tile' },
   el('span', {}, name), el('strong', {}, value), note ? el('small', {}, note) : null);
@@ -56,7 +56,7 @@ function numbersTable(p, [lon, lat]) {
     ['Area', area(p.area_m2)],
     ['Grade', `${p.grade.toFixed(2)} (${evidence})`],
     ['Measured wind', windText(p.wind)],
-    ['Ground photographed', `${age((Date.now() - Date.parse(p.last_seen_at ?? p.updated_at)) / 1000)} ago`],
+    ['Ground photographed', `${age(groundAge_s(p))} ago`],
     ['Site ID', p.id],
   ];
   return el('table', { class: 'numbers' }, el('tbody', {}, rows.map(([name, value]) =>

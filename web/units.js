@@ -30,6 +30,9 @@ export function age(seconds) {
   return `${Math.max(0, Math.round(seconds))} s`;
 }
 
+// Since the ground of a site was last photographed. p: properties of the site.
+export const groundAge_s = (p) => (Date.now() - Date.parse(p.last_seen_at ?? p.updated_at)) / 1000;
+
 export function bytes(count) {
   return count >= 1 << 20 ? `${(count / (1 << 20)).toFixed(1)} MiB` : `${Math.ceil(count / 1024)} KiB`;
 }

@@ -1,15 +1,31 @@
+#include <cmath>
+
 #include "api/api.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
 
 namespace freelsd {
+namespace {
 
-// Returns the kept answer. Computes it only if there is none yet since the start.
+std::optional<size_t> ParseLimit(const Call& call) {
+  constexpr auto kMax = static_cast<double>(kLimits.answer.max_num_alternates);
+  const std::optional<double> limit = call.QueryNumber("limit");
+  if (!limit) return std::nullopt;
+  if (*limit < 1 || *limit > kMax || *limit != std::floor(*limit)) {
+    const std::string rule =
+        "must be a whole number, 1 to " + std::to_string(kLimits.answer.max_num_alternates);
+    throw ApiError("InvalidValue", "limit: " + rule, {{"limit", rule}});
+  }
+  return static_cast<size_t>(*limit);
+}
+
+}  // namespace
+
 void GetAlternates(Service& service, const Call& call, httplib::Response& response) {
   const std::string flight_id = ExistingFlight(service, call).id;
-  std::optional<std::string> answer = service.alternates.Find(flight_id);
-  if (!answer) answer = service.alternates.Update(flight_id);
-  response.set_content(*answer, "application/json");
+  const std::string answer = service.alternates.Answer(flight_id, ParseLimit(call));
+  if (answer.empty()) throw ApiError("NoSuchFlight", "there is no such flight");
+  response.set_content(answer, "application/json");
 }
 
 }  // namespace freelsd

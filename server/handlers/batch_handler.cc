@@ -271,6 +271,7 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
   });
   service.events.Publish("job", flight_id, JobJson(job).dump());
   service.intake.wake_worker();
+  service.intake.on_new_pose(flight_id);
   AnswerJob(job, response);
 }
 

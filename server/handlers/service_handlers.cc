@@ -78,6 +78,7 @@ nlohmann::json LimitsOf(const Service& service) {
                      {"telemetry_wait_s", config.telemetry_wait_s},
                      {"max_num_queued_frames", config.max_num_queued_frames},
                      {"max_num_open_flights", config.max_num_open_flights},
+                     {"num_alternates", config.num_alternates},
                      {"num_http_threads", config.num_http_threads},
                      {"max_image_age_days", config.max_image_age_days},
                      {"max_stored_image_bytes", config.max_stored_image_bytes}});

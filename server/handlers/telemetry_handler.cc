@@ -26,8 +26,9 @@ class TelemetryIntake {
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.find_first_not_of(" \t") == std::string::npos) return;
     try {
-      const std::vector<TelemetryRow> rows = ParseTelemetryLine(line);
+      std::vector<TelemetryRow> rows = ParseTelemetryLine(line);
       if (!rows.empty()) RefuseFutureTime(rows.front().timestamp_us, NowUs());
+      for (TelemetryRow& row : rows) row.arrived_at_us = ArrivalNowUs();
       rows_.insert(rows_.end(), rows.begin(), rows.end());
       ++num_accepted_;
     } catch (const ApiError& error) {

@@ -1,5 +1,7 @@
 #include "server/intake/checked_image.h"
 
+#include "server/intake/arrival_clock.h"
+
 namespace freelsd {
 namespace {
 
@@ -99,6 +101,7 @@ FrameRow NewFrameRow(const std::string& flight_id,
   row.sha256 = image.sha256;
   row.meta_json = FrameMetaJson(given);
   row.tags_json = FrameMetaJson(image.tags.meta);
+  row.arrived_at_us = ArrivalNowUs();
   return row;
 }
 

@@ -1,6 +1,7 @@
 // Intake checks images, frames, batches and telemetry, and stores them.
 #pragma once
 
+#include "server/intake/arrival_clock.h"
 #include "server/intake/batch.h"
 #include "server/intake/checked_image.h"
 #include "server/intake/flight_datum.h"

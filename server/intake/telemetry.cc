@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <nlohmann/json.hpp>
+
+#include "server/intake/arrival_clock.h"
 
 namespace freelsd {
 namespace {
@@ -95,7 +96,6 @@ constexpr TelemetryKind kKinds[] = {
 }  // namespace
 
 void RefuseFutureTime(int64_t timestamp_us, int64_t now_us) {
-  constexpr int64_t kFirstPlausibleUs = 1577836800000000;  // 2020: the clock was set
   constexpr int64_t kDayUs = int64_t{86400} * 1000000;
   if (now_us < kFirstPlausibleUs || timestamp_us <= now_us + kDayUs) return;
   const std::string detail = "is more than a day ahead of the server's clock";
@@ -170,16 +170,8 @@ std::vector<MeasuredWind> WindsBetween(const Storage& storage,
   return winds;
 }
 
-FrameMeta LatestTelemetry(const Storage& storage, const std::string& flight_id) {
-  FrameMeta meta;
-  for (const TelemetryKind kind : kKinds) {
-    const auto pair =
-        storage.telemetry.Around(flight_id, kind, std::numeric_limits<int64_t>::max());
-    if (!pair.before) continue;
-    SetField(kind, pair.before->values, meta);
-    if (kind == TelemetryKind::kPosition) meta.timestamp_us = pair.before->timestamp_us;
-  }
-  return meta;
+std::optional<std::string> AltitudeDatumOf(const TelemetryRow& position) {
+  return DatumOf(position.values);
 }
 
 }  // namespace freelsd

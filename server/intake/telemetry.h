@@ -11,8 +11,8 @@
 
 namespace freelsd {
 
-// Throws ApiError if the time is more than a day ahead of the server's clock, which counts only if
-// it was ever set: one such sample would be the latest pose for good.
+// Throws ApiError if the time is more than a day ahead of the server's clock. A clock before
+// kFirstPlausibleUs was never set and refuses nothing; past times are always legitimate.
 void RefuseFutureTime(int64_t timestamp_us, int64_t now_us);
 
 // Parses one line of NDJSON: {timestamp_us, position?, attitude?, wind?}. Throws ApiError.
@@ -43,7 +43,7 @@ std::vector<MeasuredWind> WindsBetween(const Storage& storage,
                                        int64_t after_us,
                                        int64_t before_us);
 
-// The latest position, attitude and wind.
-FrameMeta LatestTelemetry(const Storage& storage, const std::string& flight_id);
+// The datum of the altitude in a row of a position; nothing if it is not told.
+std::optional<std::string> AltitudeDatumOf(const TelemetryRow& position);
 
 }  // namespace freelsd

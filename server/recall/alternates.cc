@@ -3,64 +3,87 @@
 #include <algorithm>
 #include <chrono>
 
-#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "api/stored/stored.h"
 #include "server/http/http.h"
 #include "server/intake/intake.h"
+#include "server/recall/live_pose.h"
 #include "server/recall/recall_sites.h"
 
 namespace freelsd {
 namespace {
 
-constexpr size_t kNumAlternates = 3;
 // Of one flight: its poses may arrive 50 times a second.
 constexpr std::chrono::milliseconds kMinPeriod{100};
 // A flight that was not woken for that long has landed, or only asked.
 constexpr std::chrono::seconds kLiveFor{60};
 
-// The later of the telemetry's pose and the last frame's pose; nothing if neither is known.
-std::optional<FrameMeta> LatestPose(const Storage& storage, const std::string& flight_id) {
-  FrameMeta latest = LatestTelemetry(storage, flight_id);
-  const std::optional<FrameRow> frame = storage.frames.Last(flight_id);
-  if (frame) {
-    const FrameMeta meta =
-        ParseStoredPose(frame->resolved_json, frame->meta_json, frame->tags_json);
-    const bool is_later =
-        !latest.position || meta.timestamp_us.value_or(0) > latest.timestamp_us.value_or(0);
-    if (meta.position && is_later) latest = Merged(meta, latest);
-  }
-  if (!latest.position) return std::nullopt;
-  return latest;
+// Sets the two members that poses and winds share.
+void TellTimes(const std::optional<int64_t>& timestamp_us,
+               const std::optional<double>& age_s,
+               nlohmann::json& sample) {
+  if (timestamp_us) sample["timestamp_us"] = *timestamp_us;
+  sample["age_s"] = nullptr;
+  if (age_s) sample["age_s"] = *age_s;
 }
 
-nlohmann::json AlternatesOf(const StoredSites& stored, const FlightRow& flight) {
-  const std::optional<FrameMeta> pose = LatestPose(stored.storage, flight.id);
+nlohmann::json PoseJson(const LivePose& pose, const std::string& altitude_datum) {
+  nlohmann::json object{{"latitude_deg", pose.place.latitude_deg},
+                        {"longitude_deg", pose.place.longitude_deg},
+                        {"altitude_m", pose.place.altitude_m},
+                        {"altitude_datum", altitude_datum}};
+  if (pose.heading_deg) object["heading_deg"] = *pose.heading_deg;
+  TellTimes(pose.timestamp_us, pose.age_s, object);
+  return object;
+}
+
+nlohmann::json WindJson(const LiveWind& wind) {
+  nlohmann::json object{{"east_mps", wind.wind_in_world.x()},
+                        {"north_mps", wind.wind_in_world.y()}};
+  TellTimes(wind.timestamp_us, wind.age_s, object);
+  return object;
+}
+
+nlohmann::json AnswerOf(const StoredSites& stored,
+                        const FlightRow& flight,
+                        const std::optional<LivePose>& pose,
+                        size_t limit) {
   nlohmann::json answer{{"flight_id", flight.id}, {"sites", nlohmann::json::array()}};
+  answer["updated_at"] = Rfc3339(NowUs());
   if (!pose) {
     answer["warnings"] = {"no pose of the flight is known yet"};
     return answer;
   }
   const FlightRequest flight_request = ParseFlightRequest(flight.request_json);
   EmergencyRequest request;
-  request.place = *pose->position;
+  request.place = pose->place;
   request.altitude_datum = AltitudeDatumOf(flight);
   request.flight_id = flight.id;
-  request.wind_in_world = pose->wind_in_world;
-  // No heading is given, so recall assumes the worst turn: attitude does not show the course.
+  if (pose->wind) request.wind_in_world = pose->wind->wind_in_world;
+  // Where it is unknown, recall assumes the worst turn, and says so.
+  request.heading_deg = pose->heading_deg;
   request.aircraft = flight_request.aircraft;
-  request.limit = kNumAlternates;
+  request.limit = limit;
   answer.update(RecallSites(stored, request));
-  answer["pose"] = {{"latitude_deg", request.place.latitude_deg},
-                    {"longitude_deg", request.place.longitude_deg},
-                    {"altitude_m", request.place.altitude_m}};
-  answer["pose"]["altitude_datum"] = *request.altitude_datum;
-  if (pose->timestamp_us) answer["pose"]["timestamp_us"] = *pose->timestamp_us;
-  if (const auto& wind = request.wind_in_world) {
-    answer["wind"] = {{"east_mps", wind->x()}, {"north_mps", wind->y()}};
+  answer["pose"] = PoseJson(*pose, *request.altitude_datum);
+  if (pose->wind) answer["wind"] = WindJson(*pose->wind);
+  return answer;
+}
+
+void AddAge(double seconds, nlohmann::json& object) {
+  const auto age = object.find("age_s");
+  if (age != object.end() && age->is_number()) *age = age->get<double>() + seconds;
+}
+
+// The answer `seconds` after it was computed, with the first `limit` of its sites.
+nlohmann::json AfterSeconds(nlohmann::json answer, double seconds, size_t limit) {
+  nlohmann::json& sites = answer["sites"];
+  while (sites.size() > limit) sites.erase(sites.size() - 1);
+  for (nlohmann::json& site : sites) AddAge(seconds, site);
+  for (const char* const name : {"pose", "wind", "nearest_miss"}) {
+    if (const auto part = answer.find(name); part != answer.end()) AddAge(seconds, *part);
   }
-  answer["updated_at"] = Rfc3339(NowUs());
   return answer;
 }
 
@@ -99,36 +122,77 @@ void Alternates::WakeAll() {
     const std::lock_guard lock(mutex_);
     const Clock::time_point now = Clock::now();
     std::erase_if(woken_at_, [&](const auto& woken) { return now - woken.second > kLiveFor; });
-    std::erase_if(answers_, [&](const auto& kept) { return !woken_at_.contains(kept.first); });
+    std::erase_if(lists_, [&](const auto& kept) { return !woken_at_.contains(kept.first); });
     std::erase_if(updated_at_, [&](const auto& kept) { return !woken_at_.contains(kept.first); });
     for (const auto& [flight_id, woken_at] : woken_at_) Enqueue(flight_id);
   }
   changed_.notify_all();
 }
 
-std::optional<std::string> Alternates::Find(const std::string& flight_id) const {
+std::optional<nlohmann::json> Alternates::Kept(const std::string& flight_id) const {
   const std::lock_guard lock(mutex_);
-  const auto found = answers_.find(flight_id);
-  if (found == answers_.end()) return std::nullopt;
-  return found->second;
+  const auto found = lists_.find(flight_id);
+  if (found == lists_.end()) return std::nullopt;
+  return found->second.answer;
 }
 
 void Alternates::Forget(const std::string& flight_id) {
   const std::lock_guard lock(mutex_);
-  answers_.erase(flight_id);
+  lists_.erase(flight_id);
   woken_at_.erase(flight_id);
   updated_at_.erase(flight_id);
   std::erase(due_, flight_id);
 }
 
-std::string Alternates::Update(const std::string& flight_id) {
+std::string Alternates::Answer(const std::string& flight_id, std::optional<size_t> limit) {
+  const size_t num_sites = limit.value_or(num_sites_);
+  std::optional<List> list;
+  if (num_sites <= num_sites_) {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = lists_.find(flight_id); found != lists_.end()) list = found->second;
+  }
+  // A site that was deleted or superseded must not be told once more, nor the turn from a course
+  // that the aircraft may have left.
+  if (list && (list->sites_version != storage_.sites.Version() ||
+               (list->holds_until_us && ArrivalNowUs() > *list->holds_until_us))) {
+    list.reset();
+  }
+  if (!list) {
+    list = Compute(flight_id, std::max(num_sites, num_sites_));
+    if (!list) return {};
+    if (num_sites <= num_sites_) Keep(flight_id, *list);
+  }
+  const double seconds = static_cast<double>(ArrivalNowUs() - list->computed_at_us) * 1e-6;
+  return AfterSeconds(std::move(list->answer), seconds, num_sites).dump();
+}
+
+std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id, size_t limit) {
+  List list;
+  {
+    const std::lock_guard lock(mutex_);
+    list.number = ++num_lists_;
+  }
+  list.sites_version = storage_.sites.Version();
+  list.computed_at_us = ArrivalNowUs();
   const std::optional<FlightRow> flight = storage_.flights.Find(flight_id);
-  if (!flight) return {};
-  std::string answer = AlternatesOf({storage_, maps_}, *flight).dump();
-  events_.Publish("alternates", flight_id, answer);
-  const std::lock_guard lock(mutex_);
-  answers_[flight_id] = answer;
-  return answer;
+  if (!flight) return std::nullopt;
+  const std::optional<LivePose> pose = LivePoseOf(storage_, flight_id, list.computed_at_us);
+  if (pose && pose->heading_deg) {
+    const double seconds = kMaxCourseAgeS - pose->age_s.value_or(0.0);
+    list.holds_until_us = list.computed_at_us + static_cast<int64_t>(seconds * 1e6);
+  }
+  list.answer = AnswerOf({storage_, maps_}, *flight, pose, limit);
+  return list;
+}
+
+void Alternates::Keep(const std::string& flight_id, const List& list) {
+  {
+    const std::lock_guard lock(mutex_);
+    List& kept = lists_[flight_id];
+    if (kept.number > list.number) return;
+    kept = list;
+  }
+  events_.Publish("alternates", flight_id, list.answer.dump());
 }
 
 void Alternates::Run() {
@@ -149,12 +213,14 @@ void Alternates::Run() {
     updated_at_[flight_id] = Clock::now();
     lock.unlock();
     try {
-      Update(flight_id);
+      if (const std::optional<List> list = Compute(flight_id, num_sites_)) Keep(flight_id, *list);
+      lock.lock();
     } catch (const std::exception& error) {
-      // The next pose triggers a retry.
       spdlog::error("alternates of flight {}: {}", flight_id, error.what());
+      lock.lock();
+      // An outdated list must not stay: the next pose or the next request computes it.
+      lists_.erase(flight_id);
     }
-    lock.lock();
   }
 }
 

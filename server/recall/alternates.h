@@ -4,12 +4,15 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <cstdint>
 #include <deque>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+
+#include <nlohmann/json.hpp>
 
 namespace freelsd {
 
@@ -20,9 +23,9 @@ class Storage;
 // Thread-safe.
 class Alternates {
  public:
-  // All three must live until Stop returns.
-  Alternates(const Storage& storage, MapCache& maps, EventLog& events)
-      : storage_(storage), maps_(maps), events_(events) {}
+  // `num_sites`: length of the lists. Storage, maps and events must live until Stop returns.
+  Alternates(const Storage& storage, MapCache& maps, EventLog& events, size_t num_sites)
+      : storage_(storage), maps_(maps), events_(events), num_sites_(num_sites) {}
   ~Alternates();
   Alternates(const Alternates&) = delete;
   Alternates& operator=(const Alternates&) = delete;
@@ -34,23 +37,40 @@ class Alternates {
   // Call it when stored sites changed: lists of flights that were woken lately are computed anew,
   // others are dropped and computed when they are asked for.
   void WakeAll();
-  // The latest answer as JSON text; nothing if there is none yet.
-  std::optional<std::string> Find(const std::string& flight_id) const;
   void Forget(const std::string& flight_id);
 
-  // Computes the answer now, keeps it and publishes an event. Empty if there is no such flight.
-  std::string Update(const std::string& flight_id);
+  // The best `limit` sites (default: the length of the lists) as JSON text, with ages as of now.
+  // Takes the kept list if it is long enough and still holds, else computes one. Empty if there is
+  // no such flight.
+  std::string Answer(const std::string& flight_id, std::optional<size_t> limit = std::nullopt);
+  // The kept list, of any age; nothing if there is none.
+  std::optional<nlohmann::json> Kept(const std::string& flight_id) const;
 
  private:
   using Clock = std::chrono::steady_clock;
+  struct List {
+    nlohmann::json answer;
+    // Lists of one flight in the order in which their computation began.
+    uint64_t number = 0;
+    // Of the stored sites when it began.
+    uint64_t sites_version = 0;
+    // On the clock of ArrivalNowUs.
+    int64_t computed_at_us = 0;
+    // When the course that it counts on becomes unknown.
+    std::optional<int64_t> holds_until_us;
+  };
 
-  // The caller holds mutex_.
   void Enqueue(const std::string& flight_id);
   void Run();
+  // Nothing if there is no such flight.
+  std::optional<List> Compute(const std::string& flight_id, size_t limit);
+  // Keeps the list unless a later one is kept, and publishes an event.
+  void Keep(const std::string& flight_id, const List& list);
 
   const Storage& storage_;
   MapCache& maps_;
   EventLog& events_;
+  const size_t num_sites_;
   // Guards all members below but thread_.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -58,7 +78,8 @@ class Alternates {
   std::deque<std::string> due_;
   std::map<std::string, Clock::time_point> woken_at_;
   std::map<std::string, Clock::time_point> updated_at_;
-  std::map<std::string, std::string> answers_;
+  std::map<std::string, List> lists_;
+  uint64_t num_lists_ = 0;
   bool is_stopping_ = false;
   std::thread thread_;
 };

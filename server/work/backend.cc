@@ -1,4 +1,6 @@
 // The methods of Worker that the backend thread calls.
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
@@ -43,29 +45,37 @@ class JobProgress {
 
 }  // namespace
 
-// Runs the oldest finish whose frames the frontend has all processed, else evaluates a due flight.
-bool Worker::StepBackend() {
-  if (CheckNextSite()) return true;
-  RetireImages();
+std::vector<JobRow> Worker::ReadyFinishes() const {
+  std::vector<JobRow> ready;
   for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
     if (job.kind != "finish") continue;
     const SessionPointer session = open_flights_.Find(job.flight_id);
     const int64_t last_sequence = LastSequenceOf(job, service_.storage);
     if (!session || session->flushed_through() < last_sequence) continue;
-    if (session->HasSettledBefore(last_sequence)) continue;
-    RunFinish(job, *session);
+    if (!session->HasSettledBefore(last_sequence)) ready.push_back(job);
+  }
+  return ready;
+}
+
+// Evaluates one flight: for its finish, else its best regions. Flights take turns.
+bool Worker::StepBackend() {
+  if (CheckNextSite()) return true;
+  RetireImages();
+  const std::vector<JobRow> finishes = ReadyFinishes();
+  for (const JobRow& job : finishes) due_.Add(job.flight_id);
+  const std::optional<std::string> flight_id = due_.Take();
+  if (!flight_id) return false;
+  const SessionPointer session = open_flights_.Find(*flight_id);
+  if (!session) return true;
+  const auto finish = std::find_if(finishes.begin(), finishes.end(), [&](const JobRow& job) {
+    return job.flight_id == *flight_id;
+  });
+  if (finish == finishes.end()) {
+    RunPeriodic(*flight_id, *session);
+  } else {
+    RunFinish(*finish, *session);
     ReturnFreedMemory();
-    return true;
   }
-  std::string flight_id;
-  {
-    const std::lock_guard lock(mutex_);
-    if (due_.empty()) return false;
-    flight_id = *due_.begin();
-    due_.erase(due_.begin());
-  }
-  const SessionPointer session = open_flights_.Find(flight_id);
-  if (session) RunPeriodic(flight_id, *session);
   return true;
 }
 

@@ -19,14 +19,20 @@ OpenFlights::SessionPointer OpenFlights::Find(const std::string& flight_id) cons
   return found == open_.end() ? nullptr : found->second.session;
 }
 
-bool OpenFlights::HasRoomFor(const std::string& flight_id) const {
+bool OpenFlights::MayOpen(const std::string& flight_id) {
   const std::lock_guard lock(mutex_);
-  return open_.contains(flight_id) || !IsFull();
+  if (open_.contains(flight_id)) return true;
+  const auto place = std::find(waiting_.begin(), waiting_.end(), flight_id);
+  const auto num_before = static_cast<size_t>(place - waiting_.begin());
+  if (open_.size() + num_before < max_num_open_) return true;
+  if (place == waiting_.end()) waiting_.push_back(flight_id);
+  return false;
 }
 
 void OpenFlights::Open(const std::string& flight_id, SessionPointer session) {
   const std::lock_guard lock(mutex_);
   open_[flight_id].session = std::move(session);
+  std::erase(waiting_, flight_id);
 }
 
 void OpenFlights::Touch(const std::string& flight_id) {
@@ -62,6 +68,7 @@ std::vector<std::string> OpenFlights::CloseIdle(const std::set<std::string>& bus
                                                 const std::set<std::string>& flights_with_jobs) {
   const Time now = std::chrono::steady_clock::now();
   const std::lock_guard lock(mutex_);
+  std::erase_if(waiting_, [&](const std::string& id) { return !busy_flights.contains(id); });
   const auto idle = Idle(busy_flights, flights_with_jobs);
   const bool is_any_waiting =
       std::any_of(busy_flights.begin(), busy_flights.end(), [this](const std::string& flight_id) {
@@ -81,6 +88,7 @@ std::vector<std::string> OpenFlights::CloseIdle(const std::set<std::string>& bus
 
 void OpenFlights::Close(const std::string& flight_id) {
   const std::lock_guard lock(mutex_);
+  std::erase(waiting_, flight_id);
   Park(flight_id);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -24,8 +25,9 @@ class OpenFlights {
       : storage_(storage), max_num_open_(static_cast<size_t>(max_num_open)) {}
 
   SessionPointer Find(const std::string& flight_id) const;
-  // True if the flight is open, or if fewer flights are open than the limit.
-  bool HasRoomFor(const std::string& flight_id) const;
+  // True if the flight is open, or if there is room for it and for all that wait longer. If not, it
+  // waits from now on.
+  bool MayOpen(const std::string& flight_id);
   void Open(const std::string& flight_id, SessionPointer session);
   // Records that the flight had work.
   void Touch(const std::string& flight_id);
@@ -53,11 +55,13 @@ class OpenFlights {
 
   const Storage& storage_;
   size_t max_num_open_;
-  // Guards open_ and parked_at_.
+  // Guards open_, parked_at_ and waiting_.
   mutable std::mutex mutex_;
   std::map<std::string, OpenFlight> open_;
   // By closed flight: sequence number of the last frame that it was given.
   std::map<std::string, int64_t> parked_at_;
+  // Flights with work that found no room, the longest waiting first.
+  std::deque<std::string> waiting_;
 };
 
 }  // namespace freelsd

@@ -1,6 +1,7 @@
 #include "server/work/worker.h"
 
 #include <algorithm>
+#include <set>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
@@ -231,10 +232,7 @@ void Worker::ApplyResults(const std::string& flight_id,
   const int period = session.request().options.backend.backend_period_frames;
   if (num_since_evaluation_[flight_id] < period) return;
   num_since_evaluation_[flight_id] = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    due_.insert(flight_id);
-  }
+  due_.Add(flight_id);
   Wake();
 }
 
@@ -281,7 +279,7 @@ void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<Job
 // comes before the last finish, and a session that had one is rebuilt. A replay repeats the same
 // flushes. Returns nullptr while too many other flights are open.
 Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
-  if (!open_flights_.HasRoomFor(flight.id)) return nullptr;
+  if (!open_flights_.MayOpen(flight.id)) return nullptr;
   SessionPointer session = open_flights_.Find(flight.id);
   std::vector<int64_t> flush_points;
   int64_t last_finish = 0;

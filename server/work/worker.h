@@ -9,12 +9,12 @@
 #include <map>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "server/work/evaluation_queue.h"
 #include "server/work/open_flights.h"
 #include "server/work/service.h"
 
@@ -62,6 +62,8 @@ class Worker {
   bool StepBackend();
   // Checks one site that an older program stored on later maps; false if there is none.
   bool CheckNextSite();
+  // Finishes whose frames the frontend has all processed, oldest first.
+  std::vector<JobRow> ReadyFinishes() const;
   void RunFinish(JobRow job, FlightSession& session);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
   // Removes images of idle flights as the settings require.
@@ -75,13 +77,13 @@ class Worker {
   OpenFlights open_flights_;
   std::atomic<bool> is_stopping_{false};
 
-  // Guards num_wakes_, num_running_threads_ and due_.
+  // Guards num_wakes_ and num_running_threads_.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   uint64_t num_wakes_ = 0;
   int num_running_threads_ = 2;
-  // Flights whose best regions are due for an evaluation.
-  std::set<std::string> due_;
+  // Flights with a finish that can run, or whose best regions are due for an evaluation.
+  EvaluationQueue due_;
 
   // The following five belong to the frontend thread.
   std::string last_flight_id_;

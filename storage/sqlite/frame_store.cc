@@ -1,5 +1,8 @@
 #include "storage/frame_store.h"
 
+#include <algorithm>
+
+#include "storage/sqlite/arrivals.h"
 #include "storage/sqlite/flight_rows.h"
 #include "storage/sqlite/job_rows.h"
 #include "storage/sqlite/state.h"
@@ -19,13 +22,14 @@ FrameRow RowOf(const Statement& statement) {
   frame.is_from_batch = statement.Int(7) != 0;
   frame.tags_json = statement.Text(8);
   frame.resolved_json = statement.Text(9);
+  frame.arrived_at_us = statement.Int(10);
   return frame;
 }
 
 Statement SelectFrames(const Connection& connection, const std::string& which) {
   constexpr char kSelect[] =
       "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch, tags_json, "
-      "resolved_json FROM frames ";
+      "resolved_json, arrived_at_us FROM frames ";
   return connection.Prepare((kSelect + which).c_str());
 }
 
@@ -40,8 +44,8 @@ void InsertFrameRow(const Connection& writer, const FrameRow& frame, int64_t seq
   writer
       .Prepare(
           "INSERT INTO frames (flight_id, sequence, id, sha256, meta_json, state, reason, "
-          "is_from_batch, tags_json, resolved_json) "
-          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
+          "is_from_batch, tags_json, resolved_json, arrived_at_us) "
+          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)")
       .Bind(frame.flight_id,
             sequence,
             frame.id,
@@ -51,7 +55,8 @@ void InsertFrameRow(const Connection& writer, const FrameRow& frame, int64_t seq
             frame.reason,
             static_cast<int>(frame.is_from_batch),
             frame.tags_json,
-            frame.resolved_json)
+            frame.resolved_json,
+            std::max(frame.arrived_at_us, NextArrival(writer, frame.flight_id)))
       .Run();
 }
 
@@ -130,12 +135,15 @@ std::optional<FrameRow> FrameStore::Next(const std::string& flight_id,
   return RowOf(statement);
 }
 
-std::optional<FrameRow> FrameStore::Last(const std::string& flight_id) const {
+std::vector<FrameRow> FrameStore::LastArrived(const std::string& flight_id,
+                                              int max_num_frames) const {
   const Reader reader(state_.readers);
   Statement statement =
-      SelectFrames(*reader, "WHERE flight_id = ?1 ORDER BY sequence DESC LIMIT 1");
-  if (!statement.Bind(flight_id).Step()) return std::nullopt;
-  return RowOf(statement);
+      SelectFrames(*reader, "WHERE flight_id = ?1 ORDER BY sequence DESC LIMIT ?2");
+  statement.Bind(flight_id, max_num_frames);
+  std::vector<FrameRow> frames;
+  while (statement.Step()) frames.push_back(RowOf(statement));
+  return frames;
 }
 
 std::optional<int64_t> FrameStore::NextQueuedSequence(const std::string& flight_id,

@@ -96,6 +96,16 @@ FROM datums
 WHERE datums.id = site_id AND is_recallable = 0 AND datum IN ('amsl', 'ellipsoid');
 )sql";
 
+// Arrivals were not stored. Samples keep the order of their own times, below 0 because the time of
+// arrival is unknown; times outside 1970 to 2255 are cut, so that no sum leaves its range.
+constexpr char kFrom5To6[] = R"sql(
+ALTER TABLE frames ADD COLUMN arrived_at_us INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE telemetry ADD COLUMN arrived_at_us INTEGER NOT NULL DEFAULT 0;
+UPDATE telemetry
+SET arrived_at_us = max(0, min(9000000000000000, timestamp_us)) - 9000000000000001;
+CREATE INDEX telemetry_by_arrival ON telemetry (flight_id, kind, arrived_at_us);
+)sql";
+
 }  // namespace
 
 void Migrate(const Connection& writer, int64_t version) {
@@ -103,6 +113,7 @@ void Migrate(const Connection& writer, int64_t version) {
   if (version < 3) writer.Execute(kFrom2To3);
   if (version < 4) writer.Execute(kFrom3To4);
   if (version < 5) writer.Execute(kFrom4To5);
+  if (version < 6) writer.Execute(kFrom5To6);
 }
 
 }  // namespace freelsd

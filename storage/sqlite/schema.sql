@@ -29,6 +29,7 @@ CREATE TABLE frames (
   is_from_batch INTEGER NOT NULL,            -- 1: does not count against the limit of the frame queue
   tags_json TEXT NOT NULL DEFAULT '{}',      -- the same keys, from the image's own tags
   resolved_json TEXT NOT NULL DEFAULT '',    -- the same keys, as the engine uses them; '' until settled
+  arrived_at_us INTEGER NOT NULL DEFAULT 0,  -- as in telemetry
   PRIMARY KEY (flight_id, id)
 ) STRICT, WITHOUT ROWID;
 CREATE UNIQUE INDEX frames_by_sequence ON frames (flight_id, sequence);
@@ -36,7 +37,8 @@ CREATE INDEX frames_by_image ON frames (sha256);
 CREATE INDEX frames_queued ON frames (flight_id, sequence) WHERE state = 0;
 CREATE INDEX frames_in_queue ON frames (state) WHERE state = 0 AND is_from_batch = 0;
 
--- Position, attitude and wind that the aircraft reports between frames.
+-- Position, attitude and wind that the aircraft reports between frames. Of a flight's frames and
+-- telemetry, what arrived later has the higher arrived_at_us, also if the clock was set back.
 CREATE TABLE telemetry (
   flight_id TEXT NOT NULL REFERENCES flights (id) ON DELETE CASCADE,
   kind INTEGER NOT NULL,                     -- 0 position (deg, deg, m), 1 attitude (w, x, y, z), 2 wind (mps)
@@ -45,8 +47,10 @@ CREATE TABLE telemetry (
   value_1 REAL NOT NULL,                     -- longitude_deg | x | north_mps
   value_2 REAL NOT NULL,                     -- altitude_m | y | 0
   value_3 REAL NOT NULL,                     -- datum: 0 not told, 1 amsl, 2 ellipsoid | z | 0
+  arrived_at_us INTEGER NOT NULL DEFAULT 0,  -- when the server received it; <= 0: unknown, an order only
   PRIMARY KEY (flight_id, kind, timestamp_us)
 ) STRICT, WITHOUT ROWID;
+CREATE INDEX telemetry_by_arrival ON telemetry (flight_id, kind, arrived_at_us);
 
 CREATE TABLE jobs (
   number INTEGER PRIMARY KEY AUTOINCREMENT,  -- order of arrival

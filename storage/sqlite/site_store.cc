@@ -22,6 +22,8 @@ int64_t SiteStore::Count(const std::string& flight_id) const {
   return statement.Int(0);
 }
 
+uint64_t SiteStore::Version() const { return state_.sites_version; }
+
 void SiteStore::Put(const SiteRow& site, std::string_view map_blob, const Standings& others) {
   const auto lock = state_.LockForWriting();
   state_.WriteSites([&](const Connection& connection) {

@@ -19,6 +19,7 @@ import disks
 import harness
 import hostile_images
 import kills
+import live_flights
 import numbers_in_fields
 import recalls
 import slow_clients
@@ -61,6 +62,8 @@ ROWS = [
      "p50 <= 2 ms, p99 <= 20 ms", 0, 10000, recalls.run_latency),
     ("roses", "30 clients that ask for wind roses without end (seconds)", "emergency p50 <= 2 ms, "
      "p99 <= 20 ms", 2, 30, recalls.run_roses),
+    ("alternates", "live flights that send 10 poses a second each", "each list of alternates <= 1 s "
+     "old", 5, 50, live_flights.run),
     ("slow", "slow clients in front of nginx", "emergency p99 <= 50 ms, memory flat", 0, 60,
      slow_clients.run),
     ("soak", "a camera of 5 frames a second (minutes)", "memory and descriptors flat", 0, 30,

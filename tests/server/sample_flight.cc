@@ -49,31 +49,17 @@ const SampleFlight& Sample() {
   return kFlight;
 }
 
-}  // namespace
-
-std::filesystem::path RealModel() {
-  return std::filesystem::path(FREELSD_SOURCE_DIR) / "engine/classification/grass_model.yml";
-}
-
-// The header and the lines: a batch must not name images that are not there.
-std::string SamplePoses(int begin, int end) {
-  std::istringstream lines(Sample().poses);
-  std::string poses, line;
-  for (int i = -1; std::getline(lines, line); ++i) {
-    if (i < 0 || (i >= begin && i < end)) poses += line + "\n";
-  }
-  return poses;
-}
-
 void PostFrames(httplib::Client& client,
                 const std::string& flight,
                 const std::string& poses,
                 int begin,
-                int end) {
+                int end,
+                const std::string& prefix = "") {
   httplib::MultipartFormDataItems items{{"poses", poses, "poses.csv", "text/csv"}};
   for (int i = begin; i < end; ++i) {
     const size_t index = static_cast<size_t>(i);
-    items.push_back({"images", Sample().images[index], Sample().names[index], "image/jpeg"});
+    items.push_back(
+        {"images", Sample().images[index], prefix + Sample().names[index], "image/jpeg"});
   }
   const auto batch = client.Post("/v1/flights/" + flight + "/batch", items);
   REQUIRE(batch);
@@ -81,9 +67,10 @@ void PostFrames(httplib::Client& client,
   REQUIRE(batch->status == 202);
 }
 
-std::string PostFlight(httplib::Client& client, const std::string& request) {
-  const auto result = client.Post("/v1/flights", request, "application/json");
+std::string PostFlight(httplib::Client& client, const nlohmann::json& request) {
+  const auto result = client.Post("/v1/flights", request.dump(), "application/json");
   REQUIRE(result);
+  INFO(result->body);
   REQUIRE(result->status == 201);
   return nlohmann::json::parse(result->body).at("id");
 }
@@ -94,12 +81,34 @@ std::filesystem::path RealModel() {
   return std::filesystem::path(FREELSD_SOURCE_DIR) / "engine/classification/grass_model.yml";
 }
 
-void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end) {
-  PostFrames(client, flight, SamplePoses(begin, end), begin, end);
+// The header and the lines of these frames: a batch must not name images that are not there.
+std::string SamplePoses(int begin, int end, const std::string& prefix) {
+  std::istringstream lines(Sample().poses);
+  std::string poses, line;
+  for (int i = -1; std::getline(lines, line); ++i) {
+    if (i >= 0 && (i < begin || i >= end)) continue;
+    if (i >= 0) line.insert(line.find(Sample().names[static_cast<size_t>(i)]), prefix);
+    poses += line + "\n";
+  }
+  return poses;
+}
+
+std::string NewSampleFlight(httplib::Client& client, const nlohmann::json& options) {
+  nlohmann::json request = nlohmann::json::parse(Sample().request);
+  if (!options.is_null()) request["options"] = options;
+  return PostFlight(client, request);
+}
+
+void PostSampleFrames(httplib::Client& client,
+                      const std::string& flight,
+                      int begin,
+                      int end,
+                      const std::string& prefix) {
+  PostFrames(client, flight, SamplePoses(begin, end, prefix), begin, end, prefix);
 }
 
 std::string PostSampleFlight(httplib::Client& client, int begin, int end) {
-  std::string flight = PostFlight(client, Sample().request);
+  std::string flight = NewSampleFlight(client);
   PostSampleFrames(client, flight, begin, end);
   return flight;
 }
@@ -107,7 +116,7 @@ std::string PostSampleFlight(httplib::Client& client, int begin, int end) {
 std::string PostSampleFlightWithNamedDatum(httplib::Client& client) {
   nlohmann::json request = nlohmann::json::parse(Sample().request);
   request.erase("altitude_datum");
-  std::string flight = PostFlight(client, request.dump());
+  std::string flight = PostFlight(client, request);
   std::string poses = Sample().poses;
   const std::string column = "altitude_m";
   poses.replace(poses.find(column), column.size(), "alt_amsl_m");

@@ -9,13 +9,20 @@ constexpr int kNumSampleFrames = 24;
 
 // The model that is delivered.
 std::filesystem::path RealModel();
+// Flight without frames, `options` added to its request; its id.
+std::string NewSampleFlight(httplib::Client& client, const nlohmann::json& options = {});
 // Flight with its frames [begin, end) as one batch; its id.
 std::string PostSampleFlight(httplib::Client& client, int begin, int end);
+// `prefix`: of the frames' ids, to send the same frames again.
+void PostSampleFrames(httplib::Client& client,
+                      const std::string& flight,
+                      int begin,
+                      int end,
+                      const std::string& prefix = "");
 // The whole flight; its request gives no datum, but the column of its altitudes is alt_amsl_m.
 std::string PostSampleFlightWithNamedDatum(httplib::Client& client);
-void PostSampleFrames(httplib::Client& client, const std::string& flight, int begin, int end);
 // The file of poses of these frames, as a batch of them has it.
-std::string SamplePoses(int begin, int end);
+std::string SamplePoses(int begin, int end, const std::string& prefix = "");
 // POST finish; the job's id.
 std::string Finish(httplib::Client& client, const std::string& flight);
 // Whether the job is seen running in the backend.

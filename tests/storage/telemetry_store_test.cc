@@ -27,5 +27,33 @@ TEST_CASE("telemetry store: telemetry is found on both sides of a time, by kind"
   CHECK(storage.telemetry.Around("f", TelemetryKind::kPosition, 20).before->timestamp_us == 20);
 }
 
+TEST_CASE(
+    "telemetry store: what arrived last comes first, whatever its own time and the clock say") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  const auto put = [&](int64_t timestamp_us, int64_t arrived_at_us) {
+    TelemetryRow row{TelemetryKind::kPosition, timestamp_us, {47.0, 8.0, 400.0, 0.0}};
+    row.arrived_at_us = arrived_at_us;
+    storage.telemetry.Put("f", {row});
+  };
+  put(500, 1000);
+  put(100, 2000);
+  // The clock was set back meanwhile.
+  put(300, 50);
+  std::vector<int64_t> timestamps, arrivals;
+  for (const auto& row : storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 3)) {
+    timestamps.push_back(row.timestamp_us);
+    arrivals.push_back(row.arrived_at_us);
+  }
+  CHECK(timestamps == std::vector<int64_t>{300, 100, 500});
+  CHECK(arrivals == std::vector<int64_t>{2001, 2000, 1000});
+  // A sample sent again is the latest again.
+  put(500, 3000);
+  CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 9).size() == 3);
+  CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 1)[0].timestamp_us == 500);
+  CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kWind, 1).empty());
+}
+
 }  // namespace
 }  // namespace freelsd

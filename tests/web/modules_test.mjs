@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import { nearestSites } from '../../web/nearest.js';
 import { findRegion } from '../../web/places.js';
 import { lastCourse } from '../../web/track.js';
 import { age, area, courseTo, heading, windFrom, windTo } from '../../web/units.js';
@@ -138,4 +139,54 @@ test('upload: chunks stay small, and what is sent is shared out file by file', (
   const large = Array.from({ length: 3 }, () => ({ file: { size: 20 << 20 } }));
   assert.equal(chunksOf(large).length, 3);
   assert.deepEqual(sharesOf([{ size: 100 }, { size: 100 }, { size: 100 }], 150), [1, 0.5, 0]);
+});
+
+// A server of these sites that lists the 1000 best of a box, by score. asked: the boxes.
+function listOf(sites, asked = []) {
+  return async (bbox) => {
+    asked.push(bbox);
+    const [west, south, east, north] = bbox.split(',').map(Number);
+    const isBetween = (lon) => (west <= east ? lon >= west && lon <= east : lon >= west || lon <= east);
+    const within = sites.filter(({ geometry: { coordinates: [lon, lat] } }) => isBetween(lon) && lat >= south && lat <= north);
+    return { features: within.sort((a, b) => b.properties.score - a.properties.score).slice(0, 1000) };
+  };
+}
+
+const storedAt = (id, longitude_deg, latitude_deg, score, verdict = 'landable') =>
+  ({ geometry: { type: 'Point', coordinates: [longitude_deg, latitude_deg] }, properties: { id, score, verdict } });
+const isWanted = ({ properties }) => properties.verdict !== 'rejected';
+const idsNear = async (from, sites, asked) =>
+  (await nearestSites(from, 3, { list: listOf(sites, asked), isWanted })).map(({ feature }) => feature.properties.id);
+
+test('nearest sites: a site at hand comes before a thousand better ones far away', async () => {
+  const far = Array.from({ length: 1500 }, (_, i) => storedAt(`far-${i}`, 20 + 0.001 * i, 55, 0.9));
+  const near = [storedAt('115 m', 8, 47.001034, 0.1), storedAt('2 km', 8, 47.018, 0.2), storedAt('30 km', 8, 47.27, 0.3),
+    storedAt('rejected', 8, 47.0001, 0, 'rejected')];
+  const asked = [];
+  const sites = await nearestSites({ latitude_deg: 47, longitude_deg: 8 }, 3, { list: listOf([...far, ...near], asked), isWanted });
+  assert.deepEqual(sites.map(({ feature }) => feature.properties.id), ['115 m', '2 km', '30 km']);
+  assert.ok(Math.abs(sites[0].distance_m - 115) < 1 && Math.abs(sites[0].bearing_deg % 360) < 0.1);
+  assert.ok(asked.length <= 4, `${asked.length} lists`);
+});
+
+test('nearest sites: more than a list holds within one box are all looked at', async () => {
+  const crowd = Array.from({ length: 4000 }, (_, i) => storedAt(`crowd-${i}`, 8.02 + 1e-5 * (i % 60), 47.02 + 1e-5 * Math.floor(i / 60), 0.9));
+  assert.deepEqual((await idsNear({ latitude_deg: 47, longitude_deg: 8 },
+    [...crowd, storedAt('near', 8, 47.0005, 0), storedAt('next', 8, 47.0008, 0), storedAt('third', 8, 47.001, 0)])),
+  ['near', 'next', 'third']);
+});
+
+test('nearest sites: a corner of the box does not come before a place beyond its rim', async () => {
+  const corner_deg = 3900 / 111195;
+  const rim_deg = 4100 / 111195;
+  const sites = [storedAt('corner', corner_deg, corner_deg, 0.5), storedAt('north', 0, rim_deg, 0.5), storedAt('south', 0, -rim_deg, 0.5),
+    storedAt('east', rim_deg, 0, 0.5)];
+  assert.ok(!(await idsNear({ latitude_deg: 0, longitude_deg: 0 }, sites)).includes('corner'));
+});
+
+test('nearest sites: across the antimeridian, at the poles, and where there are few', async () => {
+  const sites = [storedAt('fiji', -179.99, -17, 0.5), storedAt('pole', 100, 89.99, 0.5)];
+  assert.deepEqual(await idsNear({ latitude_deg: -17, longitude_deg: 179.99 }, sites), ['fiji', 'pole']);
+  assert.deepEqual(await idsNear({ latitude_deg: 89.99, longitude_deg: -80 }, sites), ['pole', 'fiji']);
+  assert.deepEqual(await idsNear({ latitude_deg: 10, longitude_deg: 20 }, []), []);
 });

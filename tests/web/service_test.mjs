@@ -5,7 +5,7 @@ import { after, before, test } from 'node:test';
 
 import { Validator } from '@seriousme/openapi-schema-validator';
 
-import { distance, heading } from '../../web/units.js';
+import { age, distance, heading } from '../../web/units.js';
 import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
 import { startStandIn } from './stand_in.mjs';
 
@@ -229,7 +229,7 @@ test('emergency: position and altitude are those of the selected flight, and say
   await page.locator('#sites button').first().waitFor(kWait);
   const { pose } = await getJson(`/v1/flights/${site.flight}/alternates`);
   await page.keyboard.press('e');
-  await page.locator('#em-source', { hasText: /^Position and altitude of flight .* old\./ }).waitFor(kWait);
+  await page.locator('#em-source', { hasText: /^Position and altitude of flight .*, received \d+ \w+ ago\. (Wind of the same flight, received \d+ \w+ ago|Wind unknown)\. Heading/ }).waitFor(kWait);
   assert.equal(await page.locator('#em-altitude_m').inputValue(), pose.altitude_m.toFixed(0));
   assert.equal(await page.locator('#em-latitude_deg').inputValue(), pose.latitude_deg.toFixed(6));
   // What is entered is not overwritten, and gone after a reload.
@@ -245,12 +245,66 @@ test('emergency: position and altitude are those of the selected flight, and say
   assert.deepEqual(seen.errors, []);
 });
 
-test('emergency: on a phone the altitude is in sight when the dialog opens', async (t) => {
+test('emergency: on a phone the altitude is in sight when the dialog opens, prefilled or not', async (t) => {
+  const small = { width: 360, height: 640 };
+  for (const hash of [`#flight=${site.flight}`, '']) {
+    const { page } = await openPage(t, browser, { address: `${url}/${hash}`, ...small });
+    await page.locator('[data-emergency]').locator('visible=true').first().click();
+    if (hash) await page.locator('#em-source', { hasText: /^Position and altitude of flight/ }).waitFor(kWait);
+    await page.locator('#em-message:not(:empty)').waitFor(kWait);
+    const box = await page.locator('#em-altitude_m').boundingBox();
+    assert.ok(box.y >= 0 && box.y + box.height < small.height, `the altitude stands at ${box.y} px`);
+    if (folder) await page.screenshot({ path: `${folder}/emergency-360${hash ? '-prefilled' : ''}.jpg`, type: 'jpeg', quality: 65 });
+  }
+});
+
+test('emergency: a live flight fills position, heading and wind, with their ages; a silent one is marked', async (t) => {
+  const made = await fetch(`${url}/v1/flights`, { method: 'POST', body: JSON.stringify({ name: 'Live one', altitude_datum: 'amsl' }) });
+  const { id } = await made.json();
+  t.after(() => fetch(`${url}/v1/flights/${id}`, { method: 'DELETE' }));
+  const [lon, lat] = site.place;
+  const lines = [0, 1, 2, 3].map((i) => JSON.stringify({
+    timestamp_us: 1600000000000000 + i * 1000000, wind: { east_mps: 3, north_mps: 0 },
+    position: { latitude_deg: lat, longitude_deg: lon - 0.01 + i * 0.0002, altitude_m: 900 } })).join('\n');
+  const { page, seen } = await openPage(t, browser, { address: `${url}/#flight=${id}` });
+  await page.locator('#flight option:checked', { hasText: 'Live one' }).waitFor({ state: 'attached', ...kWait });
+  const sent = await fetch(`${url}/v1/flights/${id}/telemetry`, { method: 'POST', body: lines });
+  assert.equal((await sent.json()).accepted, 4);
+  await page.keyboard.press('e');
+  await page.locator('#em-source', { hasText: /^Position and altitude of flight Live one, received \d s ago\. Wind of the same flight, received \d s ago\. Heading from its track\.$/ }).waitFor(kWait);
+  for (const [name, value] of [['altitude_m', '900'], ['heading_deg', '90'], ['wind_speed_mps', '3.0'], ['wind_from_deg', '270']]) {
+    assert.equal(await page.locator(`#em-${name}`).inputValue(), value, name);
+  }
+  // It is silent from now on: it may have turned.
+  await page.locator('#em-source', { hasText: /Heading unknown\.$/ }).waitFor(kWait);
+  assert.equal(await page.locator('#em-heading_deg').inputValue(), '');
+  assert.deepEqual(seen.errors, []);
+});
+
+test('emergency: a site has one age everywhere, since its ground was photographed', async (t) => {
   const { page } = await openPage(t, browser, { address: `${url}/#flight=${site.flight}` });
-  await page.setViewportSize({ width: 360, height: 740 });
-  await page.locator('[data-emergency]').locator('visible=true').first().click();
-  const box = await page.locator('#em-altitude_m').boundingBox();
-  assert.ok(box.y + box.height < 500, `the altitude stands at ${box.y} px`);
+  await page.locator('#sites button').first().waitFor(kWait);
+  await page.locator('.bar [data-emergency]').click();
+  await page.locator('#em-more summary').click();
+  const [lon, lat] = site.place;
+  await page.locator('#em-latitude_deg').fill(String(lat));
+  await page.locator('#em-longitude_deg').fill(String(lon));
+  await page.selectOption('#em-altitude_datum', site.properties.altitude_datum);
+  await page.locator('#em-altitude_m').fill('');
+  await page.locator('.em-card .chip').first().waitFor(kWait);
+  const aged = (text) => /Photographed(\d+ \w+) ago/.exec(text)?.[1];
+  const unchecked = aged(await page.locator('.em-card').first().textContent());
+  const answer = await emergencyAnswer(page, () =>
+    page.locator('#em-altitude_m').fill((site.properties.elevation_m + 250).toFixed(0)));
+  await page.locator('#em-message', { hasText: /^In reach/ }).waitFor(kWait);
+  const expected = age((Date.now() - Date.parse(site.properties.last_seen_at)) / 1000);
+  assert.equal(unchecked, expected);
+  const index = answer.sites.findIndex(({ site_id }) => site_id === site.properties.id);
+  assert.ok(index >= 0, 'the site is in reach');
+  assert.equal(aged(await page.locator('.em-card').nth(index).textContent()), expected);
+  await page.locator('.em-card button').nth(index).click();
+  await page.locator('#view-site:not([hidden]) #profile canvas').waitFor(kWait);
+  assert.ok((await page.locator('#site-more').textContent()).includes(`Ground photographed${expected} ago`));
 });
 
 test('emergency: the map shows the plan of the answer, not the stored one', async (t) => {

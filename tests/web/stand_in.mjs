@@ -39,7 +39,7 @@ export async function startStandIn(t, target, { token = null, hasEvents = false,
   const server = http.createServer(async (request, response) => {
     state.asked.push(request.url);
     if (play(request, response)) return;
-    if (request.url === '/v1/sites') await new Promise((resolve) => { setTimeout(resolve, sitesAfter_ms); });
+    if (/^\/v1\/sites(\?|$)/.test(request.url)) await new Promise((resolve) => { setTimeout(resolve, sitesAfter_ms); });
     const headers = { ...request.headers, host: to.host };
     delete headers.origin;
     delete headers.authorization;

@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "storage/sqlite/migrations.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
@@ -34,7 +35,8 @@ TEST_CASE("damage: any byte of the head may be another, and both sites are recal
 }
 
 TEST_CASE("damage: a newer version beside a copy of this one is none") {
-  for (const char* const version : {"\x04", "\xff"}) {
+  const std::string next(1, static_cast<char>(kSchemaVersion + 1));
+  for (const std::string& version : {next, std::string("\xff")}) {
     const TemporaryFolder folder;
     StoreTwoSites(folder.path());
     WriteAt(folder.path() / "freelsd.db", kPlaceOfVersion, version);

@@ -4,7 +4,6 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -83,12 +82,12 @@ TEST_CASE("migrations: of a newer program's database that is spoilt or gone, its
 TEST_CASE("migrations: two files of a higher version are refused, whatever they say besides") {
   const TemporaryFolder folder;
   { const Storage storage(folder.path()); }
-  const std::string higher = std::to_string(kSchemaVersion + 1);
-  for (const char* const name : {"freelsd.db", "recall.db"}) {
-    Execute(folder.path() / name, ("PRAGMA user_version = " + higher).c_str());
-  }
+  const std::string newer = std::to_string(kSchemaVersion + 1);
+  const std::string sql = "PRAGMA user_version = " + newer;
+  Execute(folder.path() / "freelsd.db", sql.c_str());
+  Execute(folder.path() / "recall.db", sql.c_str());
   CHECK_THROWS_WITH_AS(
-      Storage(folder.path()), doctest::Contains(("version " + higher).c_str()), StorageError);
+      Storage(folder.path()), doctest::Contains(("version " + newer).c_str()), StorageError);
 }
 
 // What version 1 had of sites, with one of each verdict.
@@ -133,13 +132,17 @@ TEST_CASE("migrations: version 1 is brought up, and only what is known to be goo
   }
 }
 
-// Of a closed database.
-std::set<std::string> ColumnsOfSites(const std::filesystem::path& file) {
+// One line for each column and index of a closed database.
+std::vector<std::string> SchemaOf(const std::filesystem::path& file) {
   const Connection database(file, Access::kRead);
-  Statement statement = database.Prepare("SELECT name FROM pragma_table_info('sites')");
-  std::set<std::string> columns;
-  while (statement.Step()) columns.insert(statement.Text(0));
-  return columns;
+  Statement statement = database.Prepare(
+      "SELECT entry.name || ' ' || coalesce(cid || ' ' || column.name || ' ' || column.type || "
+      "' ' || \"notnull\" || ' ' || coalesce(dflt_value, ''), '') AS line "
+      "FROM sqlite_schema AS entry LEFT JOIN pragma_table_info(entry.name) AS column ORDER BY "
+      "line");
+  std::vector<std::string> schema;
+  while (statement.Step()) schema.push_back(statement.Text(0));
+  return schema;
 }
 
 // A folder with both files as 0.1.0 wrote them.
@@ -182,11 +185,6 @@ TEST_CASE("migrations: a database of 0.1.0 is brought up in both files, its site
     storage.flights.Insert(SomeFlight("h"));
     storage.sites.Put(SomeSite("h-r1", 50.2, 8.0), "map");
   }
-  const TemporaryFolder fresh;
-  { const Storage storage(fresh.path()); }
-  for (const char* const name : {"freelsd.db", "recall.db"}) {
-    CHECK((ColumnsOfSites(folder.path() / name) == ColumnsOfSites(fresh.path() / name)));
-  }
 }
 
 TEST_CASE("migrations: maps of rejected sites take their datum from the stored replan data") {
@@ -216,6 +214,40 @@ INSERT INTO site_boxes SELECT number, 8.0, 8.0, 51.0, 51.0 FROM site_numbers WHE
                                                       {"d", "unknown"},
                                                       {"e", "unknown"}}));
   CHECK(storage.Notices().empty());
+}
+
+TEST_CASE("migrations: a database of 0.1.0 gets the columns and indices of a new one") {
+  const TemporaryFolder folder, fresh;
+  WriteVersion3(folder.path());
+  for (const TemporaryFolder* const each : {&folder, &fresh}) {
+    Storage storage(each->path());
+    storage.flights.Insert(SomeFlight("h"));
+    storage.sites.Put(SomeSite("h-r1", 50.2, 8.0), "map");
+  }
+  const std::vector<std::string> expected = SchemaOf(fresh.path() / "freelsd.db");
+  REQUIRE(expected.size() > 50);
+  CHECK(SchemaOf(folder.path() / "freelsd.db") == expected);
+  CHECK(SchemaOf(folder.path() / "recall.db") == expected);
+}
+
+TEST_CASE("migrations: samples of 0.1.0 keep their order, and what arrives now is later") {
+  const TemporaryFolder folder;
+  WriteVersion3(folder.path());
+  Execute(folder.path() / "freelsd.db",
+          "INSERT INTO telemetry VALUES ('f', 0, 9223372036854775807, 48.0, 8.0, 400.0, 0.0), "
+          "('f', 0, 5, 46.0, 8.0, 400.0, 0.0)");
+  Storage storage(folder.path());
+  const auto latitudes = [&storage] {
+    std::vector<double> found;
+    for (const auto& row : storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 9)) {
+      found.push_back(row.values[0]);
+    }
+    return found;
+  };
+  CHECK(latitudes() == std::vector<double>{48.0, 47.0, 46.0});
+  CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 1)[0].arrived_at_us <= 0);
+  storage.telemetry.Put("f", {{TelemetryKind::kPosition, 1, {45.0, 8.0, 400.0, 0.0}}});
+  CHECK(latitudes() == std::vector<double>{45.0, 48.0, 47.0, 46.0});
 }
 
 }  // namespace

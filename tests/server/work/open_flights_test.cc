@@ -1,0 +1,51 @@
+// Which flights are in memory when there are more than may be.
+#include "server/work/open_flights.h"
+
+#include <fstream>
+#include <iterator>
+
+#include <doctest/doctest.h>
+
+#include "tests/server/test_server.h"
+#include "tests/synthetic/flight_files.h"
+
+namespace freelsd {
+namespace {
+
+OpenFlights::SessionPointer SomeSession() {
+  std::ifstream file(TestModel(), std::ios::binary);
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  FlightRig flight_rig;
+  flight_rig.rig.camera = PaperCamera(320, 240);
+  FlightRow flight;
+  flight.id = std::string("f");
+  flight.request_json = R"({"name":"x"})";
+  flight.rig_json = FlightRigJson(flight_rig);
+  return std::make_shared<FlightSession>(flight, Classifier::Parse(text));
+}
+
+TEST_CASE(
+    "open flights: of those that wait for room the longest waiting is next, whatever its id") {
+  const TemporaryFolder folder;
+  const Storage storage(folder.path());
+  const OpenFlights::SessionPointer session = SomeSession();
+  OpenFlights flights(storage, 1);
+  REQUIRE(flights.MayOpen("m"));
+  flights.Open("m", session);
+  CHECK(flights.MayOpen("m"));
+  CHECK_FALSE(flights.MayOpen("z"));
+  CHECK_FALSE(flights.MayOpen("a"));
+  flights.Close("m");
+  CHECK_FALSE(flights.MayOpen("a"));
+  CHECK_FALSE(flights.MayOpen("m"));
+  REQUIRE(flights.MayOpen("z"));
+  flights.Open("z", session);
+  // The work of the two others was deleted meanwhile.
+  CHECK_FALSE(flights.MayOpen("b"));
+  CHECK(flights.CloseIdle({"z", "b"}, {"z"}).empty());
+  flights.Close("z");
+  CHECK(flights.MayOpen("b"));
+}
+
+}  // namespace
+}  // namespace freelsd
