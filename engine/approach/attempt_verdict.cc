@@ -8,23 +8,6 @@
 namespace freelsd {
 namespace {
 
-// "41 m" from 10 m on, "6.3 m" below.
-std::string Metres(double metres) {
-  std::ostringstream text;
-  text.setf(std::ios::fixed);
-  text.precision(std::abs(metres) < 10.0 ? 1 : 0);
-  text << metres << " m";
-  return text.str();
-}
-
-std::string Percent(double ratio) {
-  std::ostringstream text;
-  text.setf(std::ios::fixed);
-  text.precision(0);
-  text << 100.0 * ratio << " %";
-  return text.str();
-}
-
 // Progress of an attempt: ground roll, part of the final, circle, or everything.
 double Progress(const Attempt& attempt) {
   if (attempt.roll_hazard) return 0.0;
@@ -41,11 +24,6 @@ std::string DescribeObstacle(const Attempt& attempt, const Obstacle& obstacle) {
                                     : Metres(obstacle.clearance) + " below the path";
   return "by something " + Metres(above_touchdown) + " above the touchdown point, " + clearance +
          ", where " + Metres(obstacle.wanted) + " of clearance are needed";
-}
-
-std::string DescribeRoll(const RollHazard& hazard) {
-  return "the ground roll meets " + std::string(hazard.is_unseen ? "unseen ground " : "a hazard ") +
-         Metres(hazard.distance) + " behind the touchdown point";
 }
 
 }  // namespace
@@ -74,6 +52,45 @@ bool IsBetter(const Attempt& a, const Attempt& b) {
   return key(a) < key(b);
 }
 
+std::string Metres(double metres) {
+  std::ostringstream text;
+  text.setf(std::ios::fixed);
+  text.precision(std::abs(metres) < 10.0 ? 1 : 0);
+  text << metres << " m";
+  return text.str();
+}
+
+std::string Percent(double ratio) {
+  std::ostringstream text;
+  text.setf(std::ios::fixed);
+  text.precision(0);
+  text << 100.0 * ratio << " %";
+  return text.str();
+}
+
+std::string WhyRollFails(const RollHazard& hazard) {
+  return "the ground roll meets " + std::string(hazard.is_unseen ? "unseen ground " : "a hazard ") +
+         Metres(hazard.distance) + " behind the touchdown point";
+}
+
+std::string WhyFinalFails(const Attempt& attempt, const Obstacle& obstacle) {
+  return "the final is blocked " + Metres(obstacle.distance) + " before touchdown " +
+         DescribeObstacle(attempt, obstacle);
+}
+
+std::string WhyFinalIsUnseen(const Attempt& attempt) {
+  return "the ground below the final was not seen from " +
+         Metres(attempt.final_path.first_unseen_distance) + " before touchdown on";
+}
+
+std::string WhyCircleFails(const Attempt& attempt, const Obstacle& obstacle) {
+  return "both loiter circles are blocked; the better one " + DescribeObstacle(attempt, obstacle);
+}
+
+std::string WhyCircleIsUnseen(const Attempt& attempt) {
+  return Percent(attempt.circle.UnseenRatio()) + " of the loiter circle was not seen";
+}
+
 Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
   Rejection rejection;
   rejection.touchdown_in_world = attempt.touchdown.place_in_world;
@@ -81,21 +98,18 @@ Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
   rejection.reason = attempt.reason.value_or(RejectReason::kApproachUnseen);
   if (attempt.roll_hazard) {
     const Eigen::Vector2d& place = attempt.roll_hazard->place_in_world;
-    rejection.detail = DescribeRoll(*attempt.roll_hazard);
+    rejection.detail = WhyRollFails(*attempt.roll_hazard);
     rejection.obstacle_in_world = {place.x(), place.y(), attempt.touchdown.place_in_world.z()};
   } else if (const auto& obstacle = attempt.final_path.obstacle) {
-    rejection.detail = "the final is blocked " + Metres(obstacle->distance) + " before touchdown " +
-                       DescribeObstacle(attempt, *obstacle);
+    rejection.detail = WhyFinalFails(attempt, *obstacle);
     rejection.obstacle_in_world = obstacle->place_in_world;
   } else if (attempt.final_path.num_unseen_steps > 0) {
-    rejection.detail = "the ground below the final was not seen from " +
-                       Metres(attempt.final_path.first_unseen_distance) + " before touchdown on";
+    rejection.detail = WhyFinalIsUnseen(attempt);
   } else if (const auto& circled = attempt.circle.obstacle) {
-    rejection.detail =
-        "both loiter circles are blocked; the better one " + DescribeObstacle(attempt, *circled);
+    rejection.detail = WhyCircleFails(attempt, *circled);
     rejection.obstacle_in_world = circled->place_in_world;
   } else {
-    rejection.detail = Percent(attempt.circle.UnseenRatio()) + " of the loiter circle was not seen";
+    rejection.detail = WhyCircleIsUnseen(attempt);
   }
   if (!context.wind.is_known && attempt.reason) {
     rejection.detail +=

@@ -1,8 +1,9 @@
-// Private to approach/: what a tried path means: its verdict, the rule that rejects it, the order of
-// attempts, and the sentence for people.
+// Private to approach/: what a tried path means: its verdict, the rule that rejects it, the order
+// of attempts, and the sentence for people.
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "engine/approach/attempt.h"
 
@@ -17,6 +18,17 @@ Verdict VerdictOf(const Attempt& attempt, const WindCase& wind);
 
 // By verdict, then clearance and unseen share; rejected attempts by how far they got.
 bool IsBetter(const Attempt& a, const Attempt& b);
+
+// "41 m" from 10 m on, "6.3 m" below.
+std::string Metres(double metres);
+std::string Percent(double ratio);
+
+// One sentence part per rule that the attempt breaks.
+std::string WhyRollFails(const RollHazard& hazard);
+std::string WhyFinalFails(const Attempt& attempt, const Obstacle& obstacle);
+std::string WhyFinalIsUnseen(const Attempt& attempt);
+std::string WhyCircleFails(const Attempt& attempt, const Obstacle& obstacle);
+std::string WhyCircleIsUnseen(const Attempt& attempt);
 
 // Reason of the rejection, in a sentence with numbers.
 Rejection Explain(const Attempt& attempt, const AttemptContext& context);
