@@ -187,7 +187,7 @@ async function drawPlan(tried, signal, aircraft) {
     drawShownSite();
     drawApproach(answer, true);
   } catch (error) {
-    if (error.name === 'AbortError') return;
+    if (error.name === 'AbortError' || siteId !== state.siteId) return;
     // A path planned for a former wind must not stay on the map.
     byId('replan').replaceChildren(replanNode({ refusal: error.message }));
     state.planned = siteWithPlan(state.site, { refusal: error.message }, tried);

@@ -63,7 +63,7 @@ function numbersTable(p, [lon, lat]) {
     ['Hazard-free radius', distance(p.hazard_distance_m)],
     ['Rectangle of the region', `${area(p.area_m2)}, hazards included`],
     ['Grade', `${p.grade.toFixed(2)} (${evidence})`],
-    [p.is_trial ? 'Trial wind' : 'Wind of the flight', windText(p.wind)],
+    [p.is_trial ? 'Wind of this plan' : 'Wind of the flight', windText(p.wind)],
     ['Ground photographed', `${age((Date.now() - Date.parse(p.last_seen_at ?? p.updated_at)) / 1000)} ago`],
     ['Site ID', p.id],
   ];
@@ -143,7 +143,7 @@ export function drawSite(feature, on) {
       { what: 'the score', command: () => curlOfPart(p, 'score_terms') }),
     warnings.length ? section('Warnings', el('ul', { class: 'plain' }, warnings.map((w) => el('li', {}, w))),
       { what: 'the warnings', command: () => curlOfPart(p, 'warnings') }) : null,
-    section('Export', [p.is_trial ? el('p', {}, 'Files hold the stored plan, not the one for the trial wind.') : null,
+    section('Export', [p.is_trial ? el('p', {}, 'Files hold the stored plan, not the plan shown.') : null,
       drawDownloads(paths.site(p.id), 'site', p)].filter(Boolean), { id: 'site-downloads' }),
     section('All values', numbersTable(p, geometry.coordinates),
       { isOpen: false, what: 'all values', command: () => `${curlOf(paths.site(p.id))} | jq .` }),

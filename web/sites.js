@@ -6,7 +6,7 @@ import { fixed, heading, strip, verdictSign, words } from './units.js';
 const kinds = { landable: 'Landable', unverified: 'Unverified', rejected: 'Rejected' };
 
 function numbersOf(p) {
-  const trial = p.is_trial ? 'trial wind, ' : '';
+  const trial = p.is_trial ? 'for another wind, ' : '';
   return trial + planNumbersOf(p);
 }
 

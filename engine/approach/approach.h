@@ -182,7 +182,7 @@ struct PlaceRule {
   bool passed = false;
   // Measured value and the limit that it is compared with, if known and if they are numbers.
   std::optional<double> value, limit;
-  // "m", "m2", "deg", "m/s" or "ratio"; empty where there is no number.
+  // "m", "deg", "m/s" or "ratio"; empty where there is no number.
   std::string unit;
   // For people, with numbers.
   std::string sentence;
