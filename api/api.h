@@ -122,12 +122,16 @@ nlohmann::json SiteFeature(const std::string& site_id,
                            const Aircraft& aircraft,
                            const std::string& updated_at,
                            const FlightContext& context);
-// FeatureCollection of kinds approach, loiter and touchdown, with `profile`. Throws ApiError
+// FeatureCollection of kinds approach, loiter, touchdown and ground_roll, with `profile`. Throws ApiError
 // NoApproach (409) if the plan has no approach.
 nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context);
 // {directions_deg, speeds_mps, altitude_datum, entries}. Entries are ordered by speed, then by
 // direction. A direction is where the wind comes from.
 nlohmann::json WindRoseJson(const WindRose& rose, const FlightContext& context);
+// {verdict, rules, first_failed, evidence}: why the planner does or does not touch down at a place.
+nlohmann::json PlaceJudgementJson(const PlaceJudgement& judgement,
+                                  const Eigen::Vector2d& place_in_world,
+                                  const FlightContext& context);
 // Warnings for pilots if the aircraft's limits are looser than those of every known profile.
 std::vector<std::string> LimitsWarnings(const Aircraft& aircraft);
 // The site properties that depend on the plan (verdict, score, approach, rejections, ...).

@@ -33,6 +33,26 @@ nlohmann::json ProfileJson(const Approach& approach, const LocalFrame& local_fra
           {"clearance_m", clearance}};
 }
 
+nlohmann::json ObstacleJson(const std::optional<PathObstacle>& obstacle,
+                            const LocalFrame& local_frame) {
+  if (!obstacle) return nullptr;
+  nlohmann::json object = PlaceJson(obstacle->place_in_world, local_frame);
+  object["part"] = obstacle->part == PathPart::kFinal ? "final" : "loiter";
+  object["distance_m"] = Rounded(obstacle->distance);
+  object["clearance_m"] = Rounded(obstacle->clearance);
+  object["required_clearance_m"] = Rounded(obstacle->wanted);
+  return object;
+}
+
+nlohmann::json GroundRollFeature(const Approach& approach, const LocalFrame& local_frame) {
+  const std::vector<Eigen::Vector3d>& corners = approach.ground_roll_in_world;
+  // The corners go along the roll, then across it.
+  return Feature(PolygonGeometry(corners, local_frame),
+                 {{"kind", "ground_roll"},
+                  {"length_m", Rounded((corners.at(1) - corners.at(0)).norm())},
+                  {"width_m", Rounded((corners.at(2) - corners.at(1)).norm())}});
+}
+
 std::vector<nlohmann::json> ApproachFeatures(const Approach& approach,
                                              const LocalFrame& local_frame) {
   nlohmann::json final_properties = ApproachProperties(approach, local_frame);
@@ -44,11 +64,16 @@ std::vector<nlohmann::json> ApproachFeatures(const Approach& approach,
                               {"unseen_ratio", Rounded(approach.unseen_ratio)}};
   const nlohmann::json touchdown{{"kind", "touchdown"},
                                  {"heading_deg", final_properties["heading_deg"]}};
-  return {Feature(LineGeometry({approach.approach_start_in_world, approach.touchdown_in_world},
-                               local_frame),
-                  final_properties),
-          Feature(LineGeometry(LoiterPolyline(approach, kNumLoiterLegs), local_frame), loiter),
-          Feature(PointGeometry(approach.touchdown_in_world, local_frame), touchdown)};
+  std::vector<nlohmann::json> features{
+      Feature(LineGeometry({approach.approach_start_in_world, approach.touchdown_in_world},
+                           local_frame),
+              final_properties),
+      Feature(LineGeometry(LoiterPolyline(approach, kNumLoiterLegs), local_frame), loiter),
+      Feature(PointGeometry(approach.touchdown_in_world, local_frame), touchdown)};
+  if (!approach.ground_roll_in_world.empty()) {
+    features.push_back(GroundRollFeature(approach, local_frame));
+  }
+  return features;
 }
 
 double TrueHeadingDeg(const Approach& approach, const LocalFrame& local_frame) {
@@ -73,6 +98,10 @@ nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& lo
                             {"loiter_radius_m", Rounded(approach.loiter_radius)},
                             {"loiter_direction", DirectionName(approach.loiter_direction)},
                             {"min_clearance_m", Rounded(approach.min_clearance)}};
+  // The obstacle is known where the strip is.
+  if (approach.strip) {
+    properties["tightest_obstacle"] = ObstacleJson(approach.obstacle, local_frame);
+  }
   if (approach.ground_speed) properties["ground_speed_mps"] = Rounded(*approach.ground_speed);
   return properties;
 }

@@ -16,6 +16,20 @@ std::string ReasonOf(const Plan& plan) {
   return plan.reject_reason ? NameOf(*plan.reject_reason) : "no_safe_touchdown";
 }
 
+std::string ObstacleSentencePart(const PathObstacle& obstacle) {
+  std::ostringstream text;
+  text << ", tightest obstacle " << std::round(obstacle.clearance * 10.0) / 10.0 << " m below the "
+       << (obstacle.part == PathPart::kFinal ? "final" : "circle") << " and "
+       << std::lround(obstacle.distance) << " m from touchdown";
+  return text.str();
+}
+
+// "180 x 35 m".
+std::string StripText(const LandingStrip& strip) {
+  return std::to_string(static_cast<int64_t>(strip.Length())) + " x " +
+         std::to_string(static_cast<int64_t>(strip.Width())) + " m";
+}
+
 std::string ApproachSentencePart(const Approach& approach, const LocalFrame& local_frame) {
   std::ostringstream text;
   text << "final of " << std::lround(approach.approach_distance) << " m on heading "
@@ -27,8 +41,10 @@ std::string ApproachSentencePart(const Approach& approach, const LocalFrame& loc
   }
   text << " after a " << DirectionName(approach.loiter_direction) << " turn of "
        << std::lround(approach.loiter_radius) << " m radius";
-  if (std::isfinite(approach.min_clearance)) {
-    text << ", least clearance " << std::round(approach.min_clearance * 10.0) / 10.0 << " m";
+  if (approach.obstacle) {
+    text << ObstacleSentencePart(*approach.obstacle);
+  } else if (approach.strip) {
+    text << ", no obstacle below";
   }
   return text.str();
 }
@@ -42,6 +58,9 @@ std::string SummaryOf(const Plan& plan, const LocalFrame& local_frame) {
   } else {
     text << (plan.verdict == Verdict::kLandable ? "Landable" : "Unverified") << ": "
          << std::lround(plan.hazard_distance) << " m free around the touchdown";
+    if (plan.approach && plan.approach->strip) {
+      text << ", usable strip of " << StripText(*plan.approach->strip);
+    }
     if (plan.approach) text << ", " << ApproachSentencePart(*plan.approach, local_frame);
     if (plan.approach && plan.approach->unseen_ratio > 0.0) {
       text << "; " << std::max(1L, std::lround(100.0 * plan.approach->unseen_ratio))
@@ -108,6 +127,15 @@ nlohmann::json SurfaceProperties(const Plan& plan, const LocalFrame& local_frame
           {"elevation_m", Rounded(AltitudeOf(plan.touchdown_in_world, local_frame))}};
 }
 
+// Null where no path was planned.
+nlohmann::json StripProperties(const Plan& plan) {
+  if (!plan.approach || !plan.approach->strip) {
+    return {{"usable_length_m", nullptr}, {"usable_width_m", nullptr}};
+  }
+  return {{"usable_length_m", Rounded(plan.approach->strip->Length())},
+          {"usable_width_m", Rounded(plan.approach->strip->Width())}};
+}
+
 RankKey KeyOf(const nlohmann::json& feature) {
   const nlohmann::json& properties = feature.at("properties");
   const auto score = properties.find("score");
@@ -157,6 +185,7 @@ std::string NameOf(RejectReason reason) {
 
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
   nlohmann::json properties = SurfaceProperties(plan, context.local_frame);
+  properties.update(StripProperties(plan));
   properties["verdict"] = NameOf(plan.verdict);
   if (plan.verdict == Verdict::kRejected) properties["reject_reason"] = ReasonOf(plan);
   if (!plan.reject_detail.empty()) properties["reject_detail"] = plan.reject_detail;

@@ -142,12 +142,12 @@ print_sites() {
   jq -r '
     def show(digits): if . == null then "-"
       else (. * pow(10; digits) | round / pow(10; digits) | tostring) end;
-    ["rank", "verdict", "score", "latitude", "longitude", "area m2", "to hazard m", "heading deg",
-     "clearance m", "unseen", "why not"],
+    ["rank", "verdict", "score", "latitude", "longitude", "strip m", "to hazard m", "heading deg",
+     "obstacle m", "unseen", "why not"],
     (.features[] | .properties as $p | .geometry.coordinates as $c |
      [$p.rank, $p.verdict, ($p.score | show(2)), ($c[1] | show(6)), ($c[0] | show(6)),
-      ($p.area_m2 | show(0)), ($p.hazard_distance_m | show(1)),
-      ($p.approach.heading_deg | show(0)), ($p.approach.min_clearance_m | show(1)),
+      (if $p.usable_length_m == null then "-" else "\($p.usable_length_m | floor)x\($p.usable_width_m | floor)" end), ($p.hazard_distance_m | show(1)),
+      ($p.approach.heading_deg | show(0)), ($p.approach.tightest_obstacle.clearance_m | show(1)),
       ($p.unseen_ratio | show(2)), ($p.reject_reason // "-")])
     | @tsv' <<<"$sites" |
     awk -F '\t' '{ printf "%4s  %-10s  %5s  %10s  %10s  %7s  %11s  %11s  %11s  %6s  %s\n",

@@ -72,6 +72,8 @@ export const paths = {
   site: (site) => `/v1/sites/${part(site)}`,
   // wind: 'unknown', a wind, or nothing for the site's own; aircraft: fields that differ from the site's.
   approach: (site, wind, aircraft = {}) => `/v1/sites/${part(site)}/approach${query({ ...windQuery(wind), ...aircraft })}`,
+  why: (site, place, wind, aircraft = {}) =>
+    `/v1/sites/${part(site)}/why${query({ ...place, ...windQuery(wind), ...aircraft })}`,
   alternates: (flight) => `/v1/flights/${part(flight)}/alternates`,
   windRose: (site, speeds_mps) => `/v1/sites/${part(site)}/wind-rose?speeds_mps=${speeds_mps.join(',')}`,
   layers: (site) => `/v1/sites/${part(site)}/layers`,
@@ -111,7 +113,16 @@ export async function getApproach(site, wind, signal, aircraft) {
   }
 }
 
-export const getBytes = async (path, signal) => (await call(path, { signal })).arrayBuffer();
+// {judgement}, or {refusal} if the site has no map (409). path: of paths.why.
+export async function getWhy(path, signal) {
+  try {
+    return { judgement: await getJson(path, { signal }) };
+  } catch (error) {
+    if (error.status === 409) return { refusal: error.message };
+    throw error;
+  }
+}
+
 export const getBlob = async (path, signal) => (await call(path, { signal })).blob();
 
 // {blob, name}; the name comes from Content-Disposition.

@@ -10,11 +10,11 @@ import { createLayers } from './layers.js';
 import { createLive } from './live.js';
 import { createMap } from './map.js';
 import { drawProfile } from './profile.js';
-import { drawSite, drawTiles } from './site.js';
+import { drawSite } from './site.js';
 import { drawSiteList } from './sites.js';
 import { askToken } from './token.js';
 import { createUpload } from './upload.js';
-import { answerNodeOf, createWhy } from './why.js';
+import { answerNodeOf, whyNot } from './why.js';
 import { courseTo } from './units.js';
 import { createWind, replanNode } from './wind.js';
 import { createWindRose } from './wind_rose.js';
@@ -22,13 +22,12 @@ import { findRegion } from './places.js';
 
 const state = {
   flight: null, flightJson: null, flights: [], sites: { features: [] }, regions: { features: [] },
-  siteId: null, site: null, approach: null, triedWind: null, recalled: null, drawnProfile: null,
+  siteId: null, site: null, approach: null, triedWind: null, triedAircraft: null, planned: null, recalled: null, drawnProfile: null,
   drawn: '', drawnSite: '', numTracked: null,
 };
 
 const map = createMap(byId('map'), { site: (id) => openSite(id), place: answerPlace });
 const layers = createLayers(map);
-const whyNot = createWhy();
 const rose = createWindRose((speed_mps, from_deg) => wind.take(speed_mps, from_deg));
 const wind = createWind(replan, (barb, isTried, now) => {
   map.drawWind(barb, isTried);
@@ -74,10 +73,10 @@ async function loadSite(siteId) {
     [api.getSite(siteId), api.getLayers(siteId), api.getApproach(siteId)]);
   if (state.siteId !== siteId) return false;
   feature.properties.rank = rankOf(siteId) ?? feature.properties.rank;
-  Object.assign(state, { site: feature, approach: approach.collection ?? null, triedWind: null });
+  Object.assign(state, { site: feature, approach: approach.collection ?? null, triedWind: null, triedAircraft: null, planned: null });
   state.drawnSite = feature.properties.updated_at;
   layers.show(siteId, list);
-  drawSite(feature, { place: showRejection, wind: () => state.triedWind });
+  drawShownSite();
   wind.show(feature.properties.wind);
   byId('replan').replaceChildren();
   drawApproach(approach, false);
@@ -87,8 +86,16 @@ async function loadSite(siteId) {
   return true;
 }
 
+// The site with the plan that is shown: its own, or the one for a trial wind.
+const shownSite = () => state.planned ?? state.site;
+
+function drawShownSite() {
+  drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind });
+  drawLists();
+}
+
 async function chooseSite(siteId) {
-  state.siteId = siteId;
+  Object.assign(state, { siteId, planned: null });
   drawLists();
   map.drawMarks([]);
   try {
@@ -130,9 +137,10 @@ async function replan(tried, signal) {
     await drawPlan(tried, signal);
     return;
   }
-  state.triedWind = null;
+  Object.assign(state, { triedWind: null, triedAircraft: null, planned: null });
   byId('replan').replaceChildren();
-  drawTiles(state.site.properties);
+  map.drawMarks([]);
+  drawShownSite();
   drawApproach({ collection: state.approach }, false);
 }
 
@@ -147,21 +155,43 @@ function movedBy(collection) {
   return touchdown && stored ? courseTo(placeOf(stored), placeOf(touchdown)).distance_m : 0;
 }
 
+// Numbers of a path that was not found.
+const kNoPath = {
+  verdict: 'rejected', reject_reason: 'no_approach', approach: null, unseen_ratio: null, usable_length_m: null,
+  usable_width_m: null, score_terms: [], rejections: [], why: '',
+};
+
+const isOfUnknownWind = (warning) => warning.startsWith('the wind is unknown');
+
+// The site as it would be with the plan of an answer ({collection} or {refusal}) for the tried wind.
+function siteWithPlan({ properties, geometry }, { collection, refusal }, tried) {
+  const plan = collection?.plan ?? { ...kNoPath, reject_detail: refusal, summary: `Rejected: ${refusal}` };
+  const stored = (properties.warnings ?? []).filter((warning) => tried === 'unknown' || !isOfUnknownWind(warning));
+  const warnings = [...new Set([...stored, ...(plan.warnings ?? [])])];
+  const touchdown = collection?.features.find((f) => f.properties.kind === 'touchdown')?.geometry;
+  return { type: 'Feature', geometry: touchdown ?? geometry, properties: { ...properties, reject_reason: undefined,
+    reject_detail: undefined, ...plan, wind: tried === 'unknown' ? null : tried, warnings, is_trial: true } };
+}
+
 async function drawPlan(tried, signal, aircraft) {
   const siteId = state.siteId;
-  state.triedWind = tried;
+  Object.assign(state, { triedWind: tried, triedAircraft: aircraft ?? null });
   byId('replan').setAttribute('aria-busy', 'true');
   try {
     const answer = await api.getApproach(siteId, tried, signal, aircraft);
     if (siteId !== state.siteId || signal.aborted) return;
     const { properties } = state.site;
     byId('replan').replaceChildren(replanNode(answer, properties.approach, movedBy(answer.collection)));
-    drawTiles({ ...properties, ...(answer.collection?.plan ?? { approach: null }) });
+    state.planned = siteWithPlan(state.site, answer, tried);
+    map.drawMarks([]);
+    drawShownSite();
     drawApproach(answer, true);
   } catch (error) {
-    if (error.name === 'AbortError') return;
+    if (error.name === 'AbortError' || siteId !== state.siteId) return;
     // A path planned for a former wind must not stay on the map.
     byId('replan').replaceChildren(replanNode({ refusal: error.message }));
+    state.planned = siteWithPlan(state.site, { refusal: error.message }, tried);
+    drawShownSite();
     drawApproach({ refusal: error.message }, true);
   } finally {
     byId('replan').removeAttribute('aria-busy');
@@ -169,7 +199,7 @@ async function drawPlan(tried, signal, aircraft) {
 }
 
 function showRejection(index) {
-  const rejection = state.site.properties.rejections[index];
+  const rejection = shownSite().properties.rejections[index];
   const letter = String.fromCharCode(97 + index % 26);
   const marks = [{ place: rejection.touchdown, sign: letter, className: 'refused', title: `Rejected touchdown: ${rejection.detail}` }];
   if (rejection.obstacle) {
@@ -181,12 +211,20 @@ function showRejection(index) {
 
 // --- A clicked place ---
 
+let asking = new AbortController();
+
 async function answerPlace(latlng) {
+  asking.abort();
+  asking = new AbortController();
+  const { signal } = asking;
   const region = findRegion(state.regions, latlng);
   const openHistory = region ? () => openRegion(region) : null;
   try {
-    map.drawAnswer(latlng, answerNodeOf(await whyNot(latlng, state.site, layers.all()), region, openHistory));
+    const plan = { wind: state.triedWind, aircraft: state.triedAircraft ?? undefined };
+    const answer = await whyNot(latlng, state.site, plan, signal);
+    if (!signal.aborted) map.drawAnswer(latlng, answerNodeOf(answer, region, openHistory));
   } catch (error) {
+    if (error.name === 'AbortError') return;
     notify(`Place not checked: ${error.message}`);
   }
 }
@@ -205,13 +243,21 @@ async function openRegion({ properties }) {
 
 // --- Server state ---
 
+// The chosen site is listed with the plan that is shown.
+function shownSites() {
+  if (!state.planned) return state.sites;
+  const features = state.sites.features.map((f) => (f.properties.id === state.planned.properties.id
+    ? { ...state.planned, properties: { ...state.planned.properties, rank: f.properties.rank } } : f));
+  return { ...state.sites, features };
+}
+
 function drawLists() {
-  drawSiteList(state.sites, state.siteId, openSite, state.flightJson);
-  map.drawSites(state.sites, state.siteId);
+  drawSiteList(shownSites(), state.siteId, openSite, state.flightJson);
+  map.drawSites(shownSites(), state.siteId);
 }
 
 function chooseFlight(id) {
-  Object.assign(state, { flight: id, siteId: null, site: null, approach: null, drawn: '', drawnSite: '',
+  Object.assign(state, { flight: id, siteId: null, site: null, approach: null, planned: null, drawn: '', drawnSite: '',
     numTracked: null, flightJson: null, sites: { features: [] }, regions: { features: [] } });
   byId('flight').value = id ?? '';
   map.drawTrack(null);

@@ -51,8 +51,6 @@ class Layers {
     byId('opacity').addEventListener('input', () => map.setOpacity(Number(byId('opacity').value)));
   }
 
-  all() { return this.#layers; }
-
   // Shows the layers of another site. The selected layer stays selected.
   show(siteId, list) {
     this.#site = siteId;

@@ -2,6 +2,7 @@
 /* global L */
 
 import { gradeColor } from './colors.js';
+import { svg } from './dom.js';
 import { verdictSign } from './units.js';
 
 const kMarker = 44;  // px, a touch target for gloves; the disc in it is smaller
@@ -90,7 +91,16 @@ export function createPicture(map) {
   };
 }
 
-// Final, loiter circle and touchdown disc. A replanned path differs in colour, a rejected one is dotted.
+// Points along the direction of flight, in the middle of the final.
+function flightArrow({ coordinates: [from, to] }, heading_deg, suffix) {
+  const arrow = svg('svg', { viewBox: '-12 -12 24 24', width: 28, height: 28, role: 'img', 'aria-label': 'Direction of flight' },
+    svg('path', { d: 'M0 -10L8 8L0 4L-8 8Z', transform: `rotate(${heading_deg})` }));
+  return L.marker([(from[1] + to[1]) / 2, (from[0] + to[0]) / 2], {
+    icon: L.divIcon({ className: `flight-arrow${suffix}`, html: arrow, iconSize: [28, 28] }), interactive: false, keyboard: false,
+  });
+}
+
+// Final, loiter circle, touchdown disc, ground roll and direction of flight. A replanned path differs in colour, a rejected one is dotted.
 export function createApproach(map) {
   const group = L.layerGroup().addTo(map);
   return {
@@ -105,14 +115,18 @@ export function createApproach(map) {
           group.addLayer(L.circle([lat, lon], {
             radius: touchdownRadius_m ?? 1, className: 'touchdown', interactive: false,
           }));
+        } else if (properties.kind === 'ground_roll') {
+          const [ring] = geometry.coordinates;
+          group.addLayer(L.polygon(latLngs({ coordinates: ring }), { className: `ground-roll${suffix}`, interactive: false }));
         } else {
+          if (properties.kind === 'approach') group.addLayer(flightArrow(geometry, properties.heading_deg, suffix));
           casedLine(latLngs(geometry), properties.kind, suffix).forEach((line) => group.addLayer(line));
         }
       }
     },
     bounds() {
       const bounds = L.latLngBounds([]);
-      group.eachLayer((layer) => bounds.extend(layer.getBounds()));
+      group.eachLayer((layer) => bounds.extend(layer.getBounds?.() ?? layer.getLatLng()));
       return bounds;
     },
   };

@@ -4,7 +4,7 @@ import { paths } from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
 import { drawDownloads } from './downloads.js';
-import { age, area, distance, fixed, groundAge_s, heading, isKnown, verdictSign, windText, words } from './units.js';
+import { age, area, distance, fixed, groundAge_s, heading, isKnown, strip, verdictSign, windText, words } from './units.js';
 
 const tile = (name, value, note) => el('div', { class: 'tile' },
   el('span', {}, name), el('strong', {}, value), note ? el('small', {}, note) : null);
@@ -14,18 +14,24 @@ function coverage(unseen_ratio) {
   return unseen_ratio > 0 ? `${fixed(100 * unseen_ratio, 0, '%')} unseen` : 'fully seen';
 }
 
+function obstacleTile({ tightest_obstacle: obstacle }) {
+  if (!obstacle) return tile('Tightest obstacle', obstacle === null ? 'none' : 'unknown', 'below final and loiter circle');
+  return tile('Tightest obstacle', fixed(obstacle.clearance_m, 1, 'm'),
+    `below the ${words(obstacle.part)}, ${distance(obstacle.distance_m)} from touchdown`);
+}
+
 function tiles(p) {
   const { approach } = p;
   if (!approach) {
-    return [tile('Nearest hazard', distance(p.hazard_distance_m)), tile('Area', area(p.area_m2)),
+    return [tile('Nearest hazard', distance(p.hazard_distance_m)), tile('Usable strip', strip(p)),
       tile('Slope', fixed(p.slope_deg, 1, '°')), tile('Wind', windText(p.wind))];
   }
   return [
     tile('Final heading', heading(approach.heading_deg), `length ${distance(approach.distance_m)}` +
       (approach.crosswind_mps > 0 ? `, crosswind ${fixed(approach.crosswind_mps, 1, 'm/s')}` : '') +
       (isKnown(approach.ground_speed_mps) ? `, ground speed ${fixed(approach.ground_speed_mps, 1, 'm/s')}` : '')),
-    tile('Min clearance', fixed(approach.min_clearance_m, 1, 'm'), 'final and loiter circle'),
-    tile('Nearest hazard', distance(p.hazard_distance_m), `slope ${fixed(p.slope_deg, 1, '°')}`),
+    tile('Usable strip', strip(p), `hazard at ${distance(p.hazard_distance_m)}, slope ${fixed(p.slope_deg, 1, '°')}`),
+    obstacleTile(approach),
     tile('Loiter circle', approach.loiter_direction, `radius ${distance(approach.loiter_radius_m)}, ` +
       `${distance(approach.height_m)} above touchdown, ${coverage(p.unseen_ratio)}`),
   ];
@@ -53,9 +59,11 @@ function numbersTable(p, [lon, lat]) {
     ['Elevation', `${fixed(p.elevation_m, 1, 'm')} (datum ${p.altitude_datum ?? 'unknown'})`],
     ['Slope', fixed(p.slope_deg, 1, '°')],
     ['Roughness', fixed(p.roughness_m, 2, 'm')],
-    ['Area', area(p.area_m2)],
+    ['Usable strip', strip(p)],
+    ['Hazard-free radius', distance(p.hazard_distance_m)],
+    ['Rectangle of the region', `${area(p.area_m2)}, hazards included`],
     ['Grade', `${p.grade.toFixed(2)} (${evidence})`],
-    ['Measured wind', windText(p.wind)],
+    [p.is_trial ? 'Wind of this plan' : 'Wind of the flight', windText(p.wind)],
     ['Ground photographed', `${age(groundAge_s(p))} ago`],
     ['Site ID', p.id],
   ];
@@ -107,26 +115,41 @@ export function drawSiteHead(p) {
   byId('site-curl').replaceChildren(curlButton('this site', () => curlOf(paths.site(p.id))));
 }
 
-// The headline numbers, of the stored plan or of the plan for a trial wind.
-export const drawTiles = (p) => byId('site-tiles').replaceChildren(...tiles(p));
+// The summaries of the open sections, null if no site was drawn: a redraw keeps what the user opened.
+function openTitles(node) {
+  const sections = [...node.querySelectorAll('details')];
+  return sections.length ? sections.filter((each) => each.open).map((each) => each.querySelector('summary').textContent) : null;
+}
 
+function keepOpen(node, titles) {
+  if (!titles) return;
+  for (const each of node.querySelectorAll('details:not(#why-not)')) {
+    each.open = titles.includes(each.querySelector('summary').textContent);
+  }
+}
+
+// feature: the site as stored, or with the plan for a trial wind (is_trial) in place of its own.
 // on: {place(index): shows a rejection, wind(): the trial wind or null}
 export function drawSite(feature, on) {
   const { properties: p, geometry } = feature;
   drawSiteHead(p);
-  drawTiles(p);
+  byId('site-tiles').replaceChildren(...tiles(p));
   byId('approach-curl').replaceChildren(curlButton('this approach', () => curlOf(paths.approach(p.id, on.wind()))));
   const warnings = p.warnings ?? [];
+  const opened = openTitles(byId('site-more'));
   byId('site-more').replaceChildren(...[
     whyNotSection(p, on.place),
     section('Score breakdown', [el('p', {}, p.why ?? ''), scoreTable(p)],
       { what: 'the score', command: () => curlOfPart(p, 'score_terms') }),
     warnings.length ? section('Warnings', el('ul', { class: 'plain' }, warnings.map((w) => el('li', {}, w))),
       { what: 'the warnings', command: () => curlOfPart(p, 'warnings') }) : null,
-    section('Export', drawDownloads(paths.site(p.id), 'site', p), { id: 'site-downloads' }),
+    section('Export', [p.is_trial ? el('p', {}, 'Files hold the stored plan, not the plan shown.') : null,
+      drawDownloads(paths.site(p.id), 'site', p)].filter(Boolean), { id: 'site-downloads' }),
     section('All values', numbersTable(p, geometry.coordinates),
       { isOpen: false, what: 'all values', command: () => `${curlOf(paths.site(p.id))} | jq .` }),
     section('Aircraft', aircraftTable(p.aircraft),
       { isOpen: false, what: 'the aircraft', command: () => curlOfPart(p, 'aircraft') }),
   ].filter(Boolean));
+  if (byId('site-more').dataset.site === p.id) keepOpen(byId('site-more'), opened);
+  byId('site-more').dataset.site = p.id;
 }

@@ -1,15 +1,20 @@
 // The list of ranked sites.
 
 import { byId, el } from './dom.js';
-import { area, fixed, heading, verdictSign, words } from './units.js';
+import { fixed, heading, strip, verdictSign, words } from './units.js';
 
 const kinds = { landable: 'Landable', unverified: 'Unverified', rejected: 'Rejected' };
 
 function numbersOf(p) {
+  const trial = p.is_trial ? 'for another wind, ' : '';
+  return trial + planNumbersOf(p);
+}
+
+function planNumbersOf(p) {
   if (p.verdict === 'rejected') return p.reject_reason ? words(p.reject_reason) : 'reason unknown';
   const land = p.approach ? `final ${heading(p.approach.heading_deg)}, ` : '';
   const unseen = p.verdict === 'unverified' && p.unseen_ratio ? `circle ${Math.round(100 * p.unseen_ratio)} % unseen, ` : '';
-  return `${land}${unseen}hazard at ${fixed(p.hazard_distance_m, 0, 'm')}, area ${area(p.area_m2)}`;
+  return `${land}${unseen}hazard at ${fixed(p.hazard_distance_m, 0, 'm')}, strip ${strip(p)}`;
 }
 
 function row(p, isChosen, onSite) {

@@ -12,6 +12,11 @@ export function area(value_m2) {
   return value_m2 >= 10000 ? `${(value_m2 / 10000).toFixed(1)} ha` : `${Math.round(value_m2)} m²`;
 }
 
+// "180 × 35 m": rounded down, because a strip is never longer than it was measured.
+export const strip = ({ usable_length_m, usable_width_m }) =>
+  isKnown(usable_length_m) && isKnown(usable_width_m)
+    ? `${Math.floor(usable_length_m)} × ${Math.floor(usable_width_m)} m` : 'unknown';
+
 export function distance(value_m) {
   if (!isKnown(value_m)) return 'unknown';
   return value_m >= 2000 ? `${(value_m / 1000).toFixed(1)} km` : `${Math.round(value_m)} m`;

@@ -1,91 +1,51 @@
-// Checks one place against the limits of the aircraft, rule by rule, from the stored layers.
-// A passed check is no verdict: only the server plans final, loiter circle and ground roll.
+// Asks the server why the planner would, or would not, touch down at a clicked place. The page has no
+// rule of its own.
 
 import * as api from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { el } from './dom.js';
-import { readGeoTiff } from './geotiff.js';
-import { fixed, isKnown } from './units.js';
+import { fixed, isKnown, verdictSign, words } from './units.js';
 
-const kLayers = ['hazard', 'grass', 'slope', 'roughness', 'distance', 'elevation'];
-const hazardUnseen = 2;
+const title = { landable: 'Landable here', unverified: 'Unverified here', rejected: 'Not landable' };
 
-// Row and column of a place in a layer. layer.corners: clockwise from the north-west, [lon, lat].
-export function cellAt(layer, { lat, lng }) {
-  const [nw, ne, , sw] = layer.corners;
-  const [ax, ay] = [ne[0] - nw[0], ne[1] - nw[1]];
-  const [bx, by] = [sw[0] - nw[0], sw[1] - nw[1]];
-  const [px, py] = [lng - nw[0], lat - nw[1]];
-  const area = ax * by - ay * bx;
-  return {
-    row: Math.floor((ax * py - ay * px) / area * layer.height_px),
-    col: Math.floor((px * by - py * bx) / area * layer.width_px),
-  };
+// What it means that a rule fails.
+const fault = {
+  seen: 'unseen', grass: 'no grass', slope: 'too steep', roughness: 'too rough', object: 'an object',
+  hazard_distance: 'too close to a hazard', outline: 'outside the region', region: 'region refused',
+  wind: 'wind too strong', ground_roll: 'ground roll not free', final: 'final blocked', final_seen: 'final unseen',
+  circle: 'loiter circle blocked', circle_seen: 'loiter circle partly unseen', wind_known: 'wind unknown',
+};
+
+export function headlineOf({ verdict, first_failed }) {
+  const why = first_failed ? `: ${fault[first_failed] ?? words(first_failed)}` : '';
+  return `${verdictSign[verdict]} ${title[verdict]}${why}`;
 }
 
-const isIn = (layer, { row, col }) =>
-  row >= 0 && col >= 0 && row < layer.height_px && col < layer.width_px;
+const ruleItem = ({ rule, passed, sentence }) => el('li', { class: passed ? 'pass' : 'fail', 'data-rule': rule },
+  el('b', { 'aria-label': passed ? 'passed' : 'failed' }, passed ? '✓' : '✕'),
+  el('span', {}, el('strong', {}, words(rule)), ` ${sentence}`));
 
-function ruleOfCoverage(hazard) {
-  const isSeen = isKnown(hazard) && hazard !== hazardUnseen;
-  return { name: 'coverage', state: isSeen ? 'pass' : 'fail',
-    text: isSeen ? 'sufficient' : 'not sufficient. Unseen ground is never safe.' };
+const ruleList = (rules) => el('ul', { class: 'rules' }, rules.map(ruleItem));
+
+function evidenceText({ height_m, height_sd_m, grass_probability }) {
+  const known = [
+    isKnown(height_m) ? `ground at ${fixed(height_m, 1, 'm')}` : null,
+    isKnown(height_sd_m) ? `± ${fixed(height_sd_m, 2, 'm')}` : null,
+    isKnown(grass_probability) ? `grass ${fixed(100 * grass_probability, 0, '%')}` : null,
+  ].filter(Boolean);
+  return known.length ? `Map: ${known.join(', ')}.` : 'Nothing is stored about this place.';
 }
 
-function ruleOfGrass(grass) {
-  if (!isKnown(grass)) return { name: 'grass', state: 'unknown', text: 'not classified' };
-  return grass > 0 ? { name: 'grass', state: 'pass', text: 'classified as grass' }
-    : { name: 'grass', state: 'fail', text: 'not classified as grass' };
-}
-
-function ruleOfMaximum(name, value, limit, digits, unit) {
-  if (!isKnown(value)) return { name, state: 'unknown', text: 'unseen' };
-  if (!isKnown(limit)) return { name, state: 'unknown', text: `${fixed(value, digits, unit)}, limit unknown` };
-  const excess = value - limit;
-  const text = `${fixed(value, digits, unit)}, max ${fixed(limit, digits, unit)}`;
-  return excess > 0 ? { name, state: 'fail', text: `${text}: ${fixed(excess, digits, unit)} over limit` }
-    : { name, state: 'pass', text };
-}
-
-function ruleOfDistance(distance, needed) {
-  const name = 'nearest hazard';
-  if (!isKnown(distance) || !isKnown(needed)) return { name, state: 'unknown', text: 'unknown' };
-  const missing = needed - distance;
-  const text = `or unseen ground at ${fixed(distance, 1, 'm')}, min ${fixed(needed, 0, 'm')}`;
-  return missing > 0 ? { name, state: 'fail', text: `${text}: ${fixed(missing, 1, 'm')} too close` }
-    : { name, state: 'pass', text };
-}
-
-// [{name, state: 'pass' | 'fail' | 'unknown', text}], the decisive rule first.
-export function judge({ hazard, grass, slope, roughness, distance }, aircraft) {
-  return [
-    ruleOfCoverage(hazard),
-    ruleOfGrass(grass),
-    ruleOfMaximum('slope', slope, aircraft?.max_slope_deg, 1, '°'),
-    ruleOfMaximum('roughness', roughness, aircraft?.max_roughness_m, 2, 'm'),
-    ruleOfDistance(distance, aircraft?.touchdown_uncertainty_m),
-  ];
-}
-
-const sign = { pass: '✓', fail: '✕', unknown: '?' };
-
-function headline(rules, hazard) {
-  const first = rules.find((rule) => rule.state !== 'pass');
-  if (first) return first.state === 'fail' ? `Not landable: ${first.name}` : `Not landable: ${first.name} unknown`;
-  if (hazard !== 0) return 'Not landable: marked as hazard';
-  return 'Ground passes. Landing is unchecked.';
-}
-
-export function answerNode(rules, values) {
-  const isClear = rules.every((rule) => rule.state === 'pass') && values.hazard === 0;
-  return el('div', { class: 'answer' },
-    el('h3', {}, headline(rules, values.hazard)),
-    el('ul', { class: 'rules' }, rules.map((rule) => el('li', { class: rule.state },
-      el('b', { 'aria-label': rule.state }, sign[rule.state]), el('span', {}, el('strong', {}, rule.name), ` ${rule.text}`)))),
-    isKnown(values.elevation) ? el('p', { class: 'faint' }, `Ground elevation ${fixed(values.elevation, 1, 'm')}`) : null,
-    el('p', { class: 'faint' }, isClear
-      ? 'This is not a verdict. Final, loiter circle, ground roll and map uncertainty are checked for sites only.'
-      : 'The title names the first failed rule.'));
+export function answerNode(judgement) {
+  const failed = judgement.rules.filter((rule) => !rule.passed);
+  const passed = judgement.rules.filter((rule) => rule.passed);
+  return el('div', { class: `answer verdict-${judgement.verdict}` },
+    el('h3', {}, headlineOf(judgement)),
+    failed.length ? ruleList(failed) : null,
+    passed.length ? el('details', { class: 'passed-rules', open: failed.length === 0 },
+      el('summary', {}, `${passed.length} ${passed.length === 1 ? 'rule' : 'rules'} passed`), ruleList(passed)) : null,
+    el('p', { class: 'faint' }, evidenceText(judgement.evidence)),
+    (judgement.warnings ?? []).map((warning) => el('p', { class: 'faint' }, `Warning: ${warning}`)));
 }
 
 // Adds a button to the region at this place. region: null if none.
@@ -97,37 +57,17 @@ export function answerNodeOf(answer, region, openHistory) {
   return answer;
 }
 
-const nothing = () => el('div', { class: 'answer' }, el('h3', {}, 'Not landable: unseen'),
-  el('p', {}, 'No map covers this place. Unseen ground is never safe.'));
+const nothing = (text) => el('div', { class: 'answer' }, el('h3', {}, headlineOf({ verdict: 'rejected', first_failed: 'seen' })),
+  el('p', {}, `${text} Unseen ground is never safe.`));
 
-export function createWhy() {
-  const cache = new Map();
-
-  function rasterOf(site, name) {
-    const key = `${site.properties.id} ${site.properties.updated_at} ${name}`;
-    if (!cache.has(key)) {
-      if (cache.size > 4 * kLayers.length) cache.clear();
-      const raster = api.getBytes(api.paths.layerTiff(site.properties.id, name)).then(readGeoTiff);
-      raster.catch(() => cache.delete(key));
-      cache.set(key, raster);
-    }
-    return cache.get(key);
-  }
-
-  // Returns the answer as a DOM node. site: the selected site or null; layers: its layers.
-  return async function whyNot(latlng, site, layers) {
-    const known = layers.filter((layer) => kLayers.includes(layer.name));
-    if (!site || known.length === 0 || !known.every((layer) => isIn(layer, cellAt(layer, latlng)))) {
-      return nothing();
-    }
-    const values = {};
-    await Promise.all(known.map(async (layer) => {
-      const { row, col } = cellAt(layer, latlng);
-      values[layer.name] = (await rasterOf(site, layer.name)).at(row, col);
-    }));
-    const answer = answerNode(judge(values, site.properties.aircraft), values);
-    answer.append(el('div', { class: 'card-foot' }, curlButton('these layers', () =>
-      known.map(({ name }) => curlOf(api.paths.layerTiff(site.properties.id, name), `-o ${name}.tif`)).join('\n'))));
-    return answer;
-  };
+// Returns the answer as a DOM node. site: the selected site or null; plan: {wind, aircraft} where the page
+// shows another plan than the stored one.
+export async function whyNot({ lat, lng }, site, { wind, aircraft } = {}, signal = undefined) {
+  if (!site) return nothing('No map covers this place.');
+  const path = api.paths.why(site.properties.id, { latitude_deg: lat, longitude_deg: lng }, wind, aircraft);
+  const { judgement, refusal } = await api.getWhy(path, signal);
+  if (refusal) return nothing(`Not checked: ${refusal}.`);
+  const answer = answerNode(judgement);
+  answer.append(el('div', { class: 'card-foot' }, curlButton('this answer', () => curlOf(path))));
+  return answer;
 }

@@ -35,7 +35,7 @@ function drawValues(speed_mps, from_deg) {
 function sourceText(isStored, stored, isOfEmergency) {
   if (isOfEmergency) return 'Wind of the emergency answer. Stored plan unchanged.';
   if (!isStored) return 'Trial wind. Stored plan unchanged.';
-  return stored ? 'Wind measured in flight' : 'Wind unknown. All headings checked.';
+  return stored ? 'Wind given with the flight' : 'Wind unknown. All headings checked.';
 }
 
 // replan(wind, signal): plans for a trial wind; null restores the stored approach.
@@ -124,8 +124,8 @@ export function replanNode(answer, stored, moved_m) {
   const turn = stored ? Math.round(((final.heading_deg - stored.heading_deg + 540) % 360) - 180) : 0;
   return el('div', { class: `outcome ${verdict}`, role: 'status' },
     el('strong', {}, `${verdictSign[verdict]} Final ${heading(final.heading_deg)}: ${verdict}`),
-    el('span', {}, `Length ${fixed(final.distance_m, 0, 'm')}, min clearance ${fixed(final.min_clearance_m, 1, 'm')}.` +
+    el('span', {}, `Length ${fixed(final.distance_m, 0, 'm')}.` +
       (unseen === 0 ? '' : ` Circle ${isKnown(unseen) ? fixed(100 * unseen, 0, '%') : 'partly'} unseen.`) +
       (turn ? ` ${Math.abs(turn)}° ${turn > 0 ? 'right' : 'left'} of the stored final.` : '') +
-      (moved_m >= 1 ? ` Touchdown ${fixed(moved_m, 0, 'm')} from the stored one.` : '')));
+      (moved_m >= 1 ? ` Touchdown moved ${fixed(moved_m, 0, 'm')} from the stored one.` : ' Touchdown as stored.')));
 }

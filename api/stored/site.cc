@@ -136,6 +136,8 @@ StoredSite ReadProperties(const nlohmann::json& properties) {
   site.num_observations = CountIn(properties, "num_observations");
   site.num_grass_observations = CountIn(properties, "num_grass_observations");
   site.area_m2 = NumberIn(properties, "area_m2");
+  site.usable_length_m = NumberIn(properties, "usable_length_m");
+  site.usable_width_m = NumberIn(properties, "usable_width_m");
   site.hazard_distance_m = NumberIn(properties, "hazard_distance_m");
   site.slope_deg = NumberIn(properties, "slope_deg");
   site.roughness_m = NumberIn(properties, "roughness_m");
@@ -148,7 +150,11 @@ StoredSite ReadProperties(const nlohmann::json& properties) {
     site.wind = StoredWind{NumberIn(*wind, "east_mps"), NumberIn(*wind, "north_mps")};
   }
   if (const auto approach = ObjectIn(properties, "approach")) {
-    site.approach = StoredClearance{NumberIn(*approach, "min_clearance_m")};
+    const nlohmann::json obstacle =
+        ObjectIn(*approach, "tightest_obstacle").value_or(nlohmann::json::object());
+    site.approach = StoredClearance{NumberIn(*approach, "min_clearance_m"),
+                                    NumberIn(obstacle, "clearance_m"),
+                                    NumberIn(obstacle, "distance_m")};
   }
   site.rejections = ReadRejections(properties);
   site.warnings = ReadWarnings(properties);

@@ -67,7 +67,12 @@ struct StoredWind {
 
 // Clearance of the approach path above ground and trees.
 struct StoredClearance {
+  // Includes the end of the final, which is low above the ground it lands on.
   std::optional<double> min_clearance_m;
+  // Of the tightest obstacle, and its distance to touchdown; empty where there is none, or where
+  // an older program stored the site.
+  std::optional<double> obstacle_clearance_m;
+  std::optional<double> obstacle_distance_m;
 };
 
 struct StoredRejection {
@@ -94,6 +99,9 @@ struct StoredSite {
   std::optional<int64_t> num_observations;
   std::optional<int64_t> num_grass_observations;
   std::optional<double> area_m2;
+  // Of the usable strip; empty where an older program stored the site.
+  std::optional<double> usable_length_m;
+  std::optional<double> usable_width_m;
   std::optional<double> hazard_distance_m;
   std::optional<double> slope_deg;
   std::optional<double> roughness_m;

@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "engine/approach/approach_ground.h"
 #include "engine/approach/attempt_verdict.h"
-#include "engine/approach/refusal.h"
+#include "engine/approach/landing_strip.h"
+#include "engine/approach/path_rules.h"
 #include "engine/approach/score.h"
 #include "engine/approach/search.h"
+#include "engine/approach/tightest_obstacle.h"
 
 namespace freelsd {
 namespace {
@@ -74,6 +78,24 @@ Plan WithAttempt(Plan plan, const Attempt& attempt, const AttemptContext& contex
   return Refused(std::move(plan), {rejection.reason, rejection.detail});
 }
 
+// Adds everything that only people need.
+Plan Explained(Plan plan,
+               const Attempt& attempt,
+               const AttemptContext& context,
+               const HazardLayers& hazards) {
+  const std::optional<PathObstacle> on_final = TightestOf(attempt, context, PathPart::kFinal);
+  const std::optional<PathObstacle> on_circle = TightestOf(attempt, context, PathPart::kCircle);
+  Approach approach = DescribeApproach(attempt, context);
+  const LandingStrip strip =
+      MeasureStrip(approach.touchdown_in_world, approach.heading, hazards, context.aircraft);
+  approach.strip = strip;
+  approach.obstacle = Tighter(on_final, on_circle);
+  approach.profile = MakeProfile(approach, context.surface, context.aircraft, context.options);
+  plan.approach = std::move(approach);
+  plan.path_rules = PathRules(attempt, context, strip, {on_final, on_circle});
+  return plan;
+}
+
 // Adds the reason why the first way was not taken.
 Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_rejections);
@@ -86,31 +108,6 @@ Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
 
 }  // namespace
 
-// Everything that does not depend on the wind.
-struct ApproachGround {
-  const ElevationMap& map;
-  const HazardLayers& hazards;
-  PlanRequest request;
-  Aircraft aircraft;
-  ApproachOptions options;
-  double required_hazard_distance = 0.0;
-  // The place farthest from hazard.
-  std::optional<Touchdown> safest;
-  std::optional<Refusal> refusal;
-  TouchdownCandidates candidates;
-  // Covers the whole map; used where several winds are planned for.
-  std::optional<ClearanceSurface> surface;
-
-  ApproachGround(const ElevationMap& the_map,
-                 const HazardLayers& the_hazards,
-                 const PlanRequest& the_request,
-                 const Aircraft& profile,
-                 const ApproachOptions& the_options);
-  Plan PlanWay(const Way& way, Explanation explanation) const;
-  Plan PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world, Explanation explanation) const;
-};
-
-// Without a path if ground or wind exclude every path.
 Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
   std::optional<Refusal> why_not = refusal;
   if (!why_not) why_not = RefuseWind(way.wind, way.aircraft);
@@ -136,8 +133,8 @@ Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
       Try(found.best.touchdown, found.best.heading_index, context, Depth::kEverything);
   Plan plan = WithAttempt(PlanAt(best.touchdown, hazards, request, way.aircraft), best, context);
   if (explanation == Explanation::kFull) {
+    plan = Explained(std::move(plan), best, context, hazards);
     plan.rejections = Rejections(found.passed_over, context);
-    plan.approach->profile = MakeProfile(*plan.approach, to_clear, way.aircraft, options);
   }
   plan.score_terms = ScoreTerms(
       ScoreInputOf(plan, best, required_hazard_distance), request, way.aircraft, options);
@@ -156,6 +153,7 @@ ApproachGround::ApproachGround(const ElevationMap& the_map,
   required_hazard_distance = RequiredHazardDistance(map, aircraft, options);
   const FootprintContent content = ReadFootprint(map, hazards, request.footprint);
   if (!content.touchdowns.empty()) safest = content.touchdowns.front();
+  refusal_of_region = RefuseRegion(request, content, aircraft);
   refusal = RefuseGround(request, content, required_hazard_distance, aircraft);
   candidates =
       SelectCandidates(content.touchdowns, required_hazard_distance, map.grid.cell_size_m, options);

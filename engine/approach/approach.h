@@ -109,6 +109,37 @@ struct ApproachProfile {
   std::vector<double> terrain_height;  // highest in the corridor; NaN where unseen
 };
 
+// Free ground around a touchdown: a rectangle along the landing heading, in metres from touchdown.
+// It is as long as the planner's corridor (path_half_width_m and the margin of the map's position
+// on both sides) meets only cells that are kFree, ahead and behind. It is then as wide as this
+// whole length stays free. No cell that is not kFree reaches into it. All 0: the touchdown's own
+// ground is not free.
+struct LandingStrip {
+  double ahead = 0.0;
+  double behind = 0.0;
+  double left = 0.0;
+  double right = 0.0;
+
+  double Length() const { return ahead + behind; }
+  double Width() const { return left + right; }
+};
+
+enum class PathPart { kFinal, kCircle };
+
+// What a path passes over with the least spare clearance, of all cells that are not kFree or higher
+// than the safety margin above touchdown. The ground that the aircraft lands on is no obstacle: the
+// end of every final is low above it.
+struct PathObstacle {
+  PathPart part = PathPart::kFinal;
+  // Its top, with the allowance of its cell.
+  Eigen::Vector3d place_in_world = Eigen::Vector3d::Zero();
+  // Distance to touchdown; on the final, measured along it.
+  double distance = 0.0;
+  double clearance = 0.0;
+  // Clearance that the planner needs there.
+  double wanted = 0.0;
+};
+
 struct Approach {
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   Eigen::Vector3d approach_start_in_world = Eigen::Vector3d::Zero();
@@ -127,6 +158,12 @@ struct Approach {
   double min_clearance = 0.0;
   // Unseen share of the chosen circle.
   double unseen_ratio = 0.0;
+  // Corners of the ground roll that must be free, with its margins; empty where none is needed.
+  std::vector<Eigen::Vector3d> ground_roll_in_world;
+  // The next three are left empty without explanation.
+  std::optional<LandingStrip> strip;
+  // Over all scenarios of the wind. Empty: there is none.
+  std::optional<PathObstacle> obstacle;
   ApproachProfile profile;
 };
 
@@ -139,6 +176,33 @@ struct Rejection {
   // One sentence with numbers.
   std::string detail;
   std::optional<Eigen::Vector3d> obstacle_in_world;
+};
+
+// One rule of the planner for one place.
+struct PlaceRule {
+  // seen, grass, slope, roughness, object, hazard_distance, outline, region, wind, ground_roll,
+  // final, final_seen, circle, circle_seen, wind_known; in this order.
+  std::string name;
+  bool passed = false;
+  // Measured value and the limit that it is compared with, if known and if they are numbers.
+  std::optional<double> value, limit;
+  // "m", "deg", "m/s" or "ratio"; empty where there is no number.
+  std::string unit;
+  // For people, with numbers.
+  std::string sentence;
+};
+
+// What the planner says about a touchdown at one place.
+struct PlaceJudgement {
+  // As PlanFor, if this were the region's only place. kRejected where a rule of the ground fails.
+  Verdict verdict = Verdict::kRejected;
+  // Rules that could not be tried are left out: without a height there is no path.
+  std::vector<PlaceRule> rules;
+  // What the map holds there: world z of the ground, its deviation, posterior of grass.
+  std::optional<double> height, height_sd, grass_probability;
+
+  // The first rule that fails; null if all pass.
+  const PlaceRule* FirstFailed() const;
 };
 
 struct ScoreTerm {
@@ -161,6 +225,8 @@ struct Plan {
   double roughness = 0.0;
   std::optional<Approach> approach;
   std::vector<Rejection> rejections;
+  // Rules of the path to the touchdown; empty without a path, or without explanation.
+  std::vector<PlaceRule> path_rules;
   double score = 0.0;
   std::vector<ScoreTerm> score_terms;
 };
@@ -190,7 +256,8 @@ Plan PlanApproach(const ElevationMap& map,
                   const Aircraft& aircraft,
                   const ApproachOptions& options);
 
-// Whether a plan includes its rejections and the profile below its final.
+// Whether a plan includes its rejections, its rules, its strip, its tightest obstacle and the
+// profile below its final.
 enum class Explanation { kFull, kNone };
 
 // What a map says of an approach that was planned on another map.
@@ -236,10 +303,15 @@ class ApproachPlanner {
   ApproachPlanner(ApproachPlanner&&) noexcept;
   ApproachPlanner& operator=(ApproachPlanner&&) noexcept;
 
-  // Without explanation, rejections and profile are empty and planning is faster. Everything else
-  // is identical.
+  // Without explanation planning is faster. Everything else is identical.
   Plan PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world,
                Explanation explanation = Explanation::kFull) const;
+
+  // Judges the cell at a place by the rules that PlanFor uses, over the ways of this wind. Off the
+  // map nothing is seen. `options` are those of the hazard layers.
+  PlaceJudgement Judge(const Eigen::Vector2d& place_in_world,
+                       const std::optional<Eigen::Vector2d>& wind_in_world,
+                       const HazardOptions& options) const;
 
  private:
   std::unique_ptr<const struct ApproachGround> ground_;

@@ -6,6 +6,8 @@
 #include <tuple>
 
 #include "engine/approach/attempt_verdict.h"
+#include "engine/approach/landing_strip.h"
+#include "engine/approach/tightest_obstacle.h"
 
 namespace freelsd {
 namespace {
@@ -136,7 +138,24 @@ Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context)
   approach.min_clearance =
       std::isfinite(clearance) ? clearance : std::numeric_limits<double>::quiet_NaN();
   approach.unseen_ratio = attempt.circle.UnseenRatio();
+  approach.ground_roll_in_world =
+      GroundRollCorners(approach.touchdown_in_world, approach.heading, context.aircraft);
   return approach;
+}
+
+std::optional<PathObstacle> TightestOf(const Attempt& attempt,
+                                       const AttemptContext& context,
+                                       PathPart part) {
+  std::optional<PathObstacle> tightest;
+  for (const WindScenario& scenario : ScenariosOf(attempt, context)) {
+    const Approach flown = ApproachOf(attempt, context, scenario);
+    tightest =
+        Tighter(tightest,
+                part == PathPart::kCircle
+                    ? TightestOnCircle(flown, context.surface, context.aircraft)
+                    : TightestOnFinal(flown, context.surface, context.aircraft, context.options));
+  }
+  return tightest;
 }
 
 }  // namespace freelsd

@@ -40,7 +40,12 @@ Attempt Try(const Touchdown& touchdown,
 // The best attempt over all headings.
 Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context);
 
-// Includes clearances, not the profile.
+// Includes clearances, but nothing that an explanation adds.
 Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context);
+
+// On one part of the path, over all scenarios of its heading.
+std::optional<PathObstacle> TightestOf(const Attempt& attempt,
+                                       const AttemptContext& context,
+                                       PathPart part);
 
 }  // namespace freelsd

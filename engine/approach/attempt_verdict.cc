@@ -8,14 +8,6 @@
 namespace freelsd {
 namespace {
 
-std::string Percent(double ratio) {
-  std::ostringstream text;
-  text.setf(std::ios::fixed);
-  text.precision(0);
-  text << 100.0 * ratio << " %";
-  return text.str();
-}
-
 // Progress of an attempt: ground roll, part of the final, circle, or everything.
 double Progress(const Attempt& attempt) {
   if (attempt.roll_hazard) return 0.0;
@@ -23,11 +15,6 @@ double Progress(const Attempt& attempt) {
     return 1.0 + attempt.final_path.clear_ratio;
   }
   return attempt.circle.obstacle ? 3.0 : 4.0;
-}
-
-std::string DescribeRoll(const RollHazard& hazard) {
-  return "the ground roll meets " + std::string(hazard.is_unseen ? "unseen ground " : "a hazard ") +
-         Metres(hazard.distance) + " behind the touchdown point";
 }
 
 }  // namespace
@@ -73,6 +60,38 @@ bool IsBetter(const Attempt& a, const Attempt& b) {
   return key(a) < key(b);
 }
 
+std::string Percent(double ratio) {
+  std::ostringstream text;
+  text.setf(std::ios::fixed);
+  text.precision(0);
+  text << 100.0 * ratio << " %";
+  return text.str();
+}
+
+std::string WhyRollFails(const RollHazard& hazard) {
+  return "the ground roll meets " + std::string(hazard.is_unseen ? "unseen ground " : "a hazard ") +
+         Metres(hazard.distance) + " behind the touchdown point";
+}
+
+std::string WhyFinalFails(const Attempt& attempt, const Obstacle& obstacle) {
+  return "the final is blocked " + Metres(obstacle.distance) + " before touchdown " +
+         DescribeObstacle(obstacle, attempt.touchdown.place_in_world.z());
+}
+
+std::string WhyFinalIsUnseen(const Attempt& attempt) {
+  return "the ground below the final was not seen from " +
+         Metres(attempt.final_path.first_unseen_distance) + " before touchdown on";
+}
+
+std::string WhyCircleFails(const Attempt& attempt, const Obstacle& obstacle) {
+  return "both loiter circles are blocked; the better one " +
+         DescribeObstacle(obstacle, attempt.touchdown.place_in_world.z());
+}
+
+std::string WhyCircleIsUnseen(const Attempt& attempt) {
+  return Percent(attempt.circle.UnseenRatio()) + " of the loiter circle was not seen";
+}
+
 Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
   Rejection rejection;
   rejection.touchdown_in_world = attempt.touchdown.place_in_world;
@@ -80,21 +99,18 @@ Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
   rejection.reason = attempt.reason.value_or(RejectReason::kApproachUnseen);
   if (attempt.roll_hazard) {
     const Eigen::Vector2d& place = attempt.roll_hazard->place_in_world;
-    rejection.detail = DescribeRoll(*attempt.roll_hazard);
+    rejection.detail = WhyRollFails(*attempt.roll_hazard);
     rejection.obstacle_in_world = {place.x(), place.y(), attempt.touchdown.place_in_world.z()};
   } else if (const auto& obstacle = attempt.final_path.obstacle) {
-    rejection.detail = "the final is blocked " + Metres(obstacle->distance) + " before touchdown " +
-                       DescribeObstacle(*obstacle, attempt.touchdown.place_in_world.z());
+    rejection.detail = WhyFinalFails(attempt, *obstacle);
     rejection.obstacle_in_world = obstacle->place_in_world;
   } else if (attempt.final_path.num_unseen_steps > 0) {
-    rejection.detail = "the ground below the final was not seen from " +
-                       Metres(attempt.final_path.first_unseen_distance) + " before touchdown on";
+    rejection.detail = WhyFinalIsUnseen(attempt);
   } else if (const auto& circled = attempt.circle.obstacle) {
-    rejection.detail = "both loiter circles are blocked; the better one " +
-                       DescribeObstacle(*circled, attempt.touchdown.place_in_world.z());
+    rejection.detail = WhyCircleFails(attempt, *circled);
     rejection.obstacle_in_world = circled->place_in_world;
   } else {
-    rejection.detail = Percent(attempt.circle.UnseenRatio()) + " of the loiter circle was not seen";
+    rejection.detail = WhyCircleIsUnseen(attempt);
   }
   if (!context.wind.is_known && attempt.reason) {
     rejection.detail +=

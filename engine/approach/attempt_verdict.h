@@ -23,6 +23,14 @@ bool IsBetter(const Attempt& a, const Attempt& b);
 std::string Metres(double metres);
 // "by something 4.0 m above the touchdown point, …".
 std::string DescribeObstacle(const Obstacle& obstacle, double touchdown_height);
+std::string Percent(double ratio);
+
+// One sentence part per rule that the attempt breaks.
+std::string WhyRollFails(const RollHazard& hazard);
+std::string WhyFinalFails(const Attempt& attempt, const Obstacle& obstacle);
+std::string WhyFinalIsUnseen(const Attempt& attempt);
+std::string WhyCircleFails(const Attempt& attempt, const Obstacle& obstacle);
+std::string WhyCircleIsUnseen(const Attempt& attempt);
 
 // Reason of the rejection, in a sentence with numbers.
 Rejection Explain(const Attempt& attempt, const AttemptContext& context);

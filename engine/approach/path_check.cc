@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/approach/corridor.h"
+
 namespace freelsd {
 namespace {
 
-// Spacing of samples along and across a corridor, in cells. One sample lies within half a cell of
-// every cell's centre, so no cell is missed.
-constexpr double kAlongSpacing = 0.5;
-constexpr double kAcrossSpacing = 0.86;
 // Near touchdown this share of the path's height is enough clearance (decision 0019).
 constexpr double kShareOfPathHeight = 0.5;
 
@@ -21,24 +19,6 @@ struct Slice {
   bool is_unseen = false;
   bool is_on_map = false;
 };
-
-// Samples across a corridor. Cells that reach into it have their centre within the half-width.
-struct Corridor {
-  Eigen::Vector2d across = Eigen::Vector2d::Zero();
-  double spacing = 0.0;
-  int num_each_side = 0;
-};
-
-Corridor MakeCorridor(double heading, double half_width, const ClearanceSurface& surface) {
-  const Eigen::Vector2d forward = DirectionOf(heading);
-  const double reach = half_width + surface.HalfDiagonal();
-  Corridor corridor;
-  corridor.across = {forward.y(), -forward.x()};
-  corridor.num_each_side =
-      static_cast<int>(std::ceil(reach / (kAcrossSpacing * surface.cell_size)));
-  corridor.spacing = reach / corridor.num_each_side;
-  return corridor;
-}
 
 Slice SliceAt(const Eigen::Vector2d& place,
               const Corridor& corridor,
@@ -70,15 +50,6 @@ Slice GlanceAt(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
           .col = col,
           .is_unseen = surface.corridor_is_unseen(row, col) != 0,
           .is_on_map = true};
-}
-
-// Distances to touchdown, ascending, both ends included; the last step may be shorter.
-std::vector<double> Steps(double from, double to, double step) {
-  std::vector<double> distances;
-  const int num_whole = static_cast<int>(std::floor((to - from) / step));
-  for (int i = 0; i <= num_whole; ++i) distances.push_back(from + i * step);
-  if (!distances.empty() && distances.back() < to) distances.push_back(to);
-  return distances;
 }
 
 double AlongStep(const ClearanceSurface& surface, const ApproachOptions& options) {
@@ -131,7 +102,7 @@ std::vector<RollSample> RollSamples(double heading,
                                     const Aircraft& aircraft) {
   std::vector<RollSample> samples;
   if (aircraft.ground_roll_m <= 0.0) return samples;
-  const Corridor corridor = MakeCorridor(heading, aircraft.path_half_width_m, surface);
+  const Corridor corridor = MakeCorridor(heading, aircraft.path_half_width_m, surface.cell_size);
   const Eigen::Vector2d forward = DirectionOf(heading);
   const double end = aircraft.ground_roll_m + surface.HalfDiagonal();
   for (double distance : Steps(0.0, end, kAlongSpacing * surface.cell_size)) {
@@ -170,7 +141,8 @@ PathCheck CheckFinal(const Approach& approach,
                      const Aircraft& aircraft,
                      const ApproachOptions& options,
                      Depth depth) {
-  const Corridor corridor = MakeCorridor(approach.heading, aircraft.path_half_width_m, surface);
+  const Corridor corridor =
+      MakeCorridor(approach.heading, aircraft.path_half_width_m, surface.cell_size);
   const Eigen::Vector2d forward = DirectionOf(approach.heading);
   const double slope = approach.approach_height / approach.approach_distance;
   const WindScenario scenario{approach.approach_distance, approach.loiter_radius};
@@ -264,7 +236,8 @@ ApproachProfile MakeProfile(const Approach& approach,
                             const ClearanceSurface& surface,
                             const Aircraft& aircraft,
                             const ApproachOptions& options) {
-  const Corridor corridor = MakeCorridor(approach.heading, aircraft.path_half_width_m, surface);
+  const Corridor corridor =
+      MakeCorridor(approach.heading, aircraft.path_half_width_m, surface.cell_size);
   const Eigen::Vector2d forward = DirectionOf(approach.heading);
   const double slope = approach.approach_height / approach.approach_distance;
   std::vector<double> distances =

@@ -13,6 +13,16 @@ std::string Rounded(double value, int num_decimals) {
   return text.str();
 }
 
+std::optional<Refusal> RefuseTouchdown(const FootprintContent& content, double required_distance) {
+  const double largest = content.touchdowns.front().hazard_distance;
+  if (IsFarEnough(largest, required_distance)) return std::nullopt;
+  return Refusal{RejectReason::kNoSafeTouchdown,
+                 "the place farthest from hazard is " + Rounded(largest, 1) + " m from it, " +
+                     Rounded(required_distance, 1) + " m are needed"};
+}
+
+}  // namespace
+
 std::optional<Refusal> RefuseRegion(const PlanRequest& request,
                                     const FootprintContent& content,
                                     const Aircraft& aircraft) {
@@ -37,16 +47,6 @@ std::optional<Refusal> RefuseRegion(const PlanRequest& request,
   }
   return std::nullopt;
 }
-
-std::optional<Refusal> RefuseTouchdown(const FootprintContent& content, double required_distance) {
-  const double largest = content.touchdowns.front().hazard_distance;
-  if (largest >= required_distance) return std::nullopt;
-  return Refusal{RejectReason::kNoSafeTouchdown,
-                 "the place farthest from hazard is " + Rounded(largest, 1) + " m from it, " +
-                     Rounded(required_distance, 1) + " m are needed"};
-}
-
-}  // namespace
 
 std::optional<Refusal> RefuseGround(const PlanRequest& request,
                                     const FootprintContent& content,

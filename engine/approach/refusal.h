@@ -14,6 +14,10 @@ struct Refusal {
   std::string detail;
 };
 
+// Reason against the region as a whole.
+std::optional<Refusal> RefuseRegion(const PlanRequest& request,
+                                    const FootprintContent& content,
+                                    const Aircraft& aircraft);
 // Reason against the region, or against every place in it, in the order of the paper's stages.
 // `required_distance`: from hazard, metres.
 std::optional<Refusal> RefuseGround(const PlanRequest& request,

@@ -143,6 +143,15 @@ Aircraft WithPositionMargin(Aircraft aircraft,
   return aircraft;
 }
 
+Touchdown TouchdownAt(const ElevationMap& map, const HazardLayers& hazards, const cv::Point& cell) {
+  const Eigen::Vector2d center = map.grid.CellCenter(cell.y, cell.x);
+  const float distance = hazards.distance(cell);
+  return {.row = cell.y,
+          .col = cell.x,
+          .place_in_world = {center.x(), center.y(), map.elevation(cell)},
+          .hazard_distance = std::isnan(distance) ? 0.0 : distance};
+}
+
 FootprintContent ReadFootprint(const ElevationMap& map,
                                const HazardLayers& hazards,
                                const Polygon& footprint) {
@@ -153,20 +162,16 @@ FootprintContent ReadFootprint(const ElevationMap& map,
   for (const cv::Point& cell : map.grid.CellsIn(footprint)) {
     if (hazards.grass(cell) >= hazards.min_clear_class_posterior) content.has_grass = true;
     if (std::isnan(map.elevation(cell))) continue;
-    const float distance = hazards.distance(cell);
-    const Eigen::Vector2d center = map.grid.CellCenter(cell.y, cell.x);
-    places.push_back(
-        {std::isnan(distance) ? 0.0 : distance, (center - middle).squaredNorm(), cell.y, cell.x});
+    const Touchdown touchdown = TouchdownAt(map, hazards, cell);
+    places.push_back({touchdown.hazard_distance,
+                      (touchdown.place_in_world.head<2>() - middle).squaredNorm(),
+                      cell.y,
+                      cell.x});
   }
   std::sort(places.begin(), places.end());
   content.touchdowns.reserve(places.size());
   for (const Place& place : places) {
-    const Eigen::Vector2d center = map.grid.CellCenter(place.row, place.col);
-    const float elevation = map.elevation(place.row, place.col);
-    content.touchdowns.push_back({.row = place.row,
-                                  .col = place.col,
-                                  .place_in_world = {center.x(), center.y(), elevation},
-                                  .hazard_distance = place.hazard_distance});
+    content.touchdowns.push_back(TouchdownAt(map, hazards, {place.col, place.row}));
   }
   return content;
 }
@@ -178,7 +183,7 @@ TouchdownCandidates SelectCandidates(const std::vector<Touchdown>& touchdowns,
   if (!std::isfinite(required_distance)) return {};
   const auto end_of_wide =
       std::find_if(touchdowns.begin(), touchdowns.end(), [&](const Touchdown& place) {
-        return place.hazard_distance < required_distance;
+        return !IsFarEnough(place.hazard_distance, required_distance);
       });
   const std::vector<Touchdown> wide(touchdowns.begin(), end_of_wide);
   return {SpreadOut(wide, cell_size, options), SafestOfBlocks(wide, options)};

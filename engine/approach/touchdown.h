@@ -24,6 +24,9 @@ Aircraft WithPositionMargin(Aircraft aircraft,
                             const ElevationMap& map,
                             const ApproachOptions& options);
 
+// A touchdown at the centre of a seen cell.
+Touchdown TouchdownAt(const ElevationMap& map, const HazardLayers& hazards, const cv::Point& cell);
+
 // The cells within the footprint.
 struct FootprintContent {
   // Seen cells, farthest from hazard first. Equal distances: nearer to the middle first.
@@ -33,6 +36,11 @@ struct FootprintContent {
 FootprintContent ReadFootprint(const ElevationMap& map,
                                const HazardLayers& hazards,
                                const Polygon& footprint);
+
+// Whether a touchdown is far enough from hazard; never where one of the distances is unknown.
+inline bool IsFarEnough(double hazard_distance, double required_distance) {
+  return hazard_distance >= required_distance;
+}
 
 // Places far enough from hazard, safest first. Each list covers all usable ground: if all
 // candidates lay around the safest place, one house on its final would reject the whole field.

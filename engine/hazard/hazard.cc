@@ -1,5 +1,6 @@
 #include "engine/hazard/hazard.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -15,21 +16,10 @@ void CheckLimits(const HazardLimits& limits) {
   check.Inside("max_roughness_m", limits.max_roughness_m, 0.0, 1000.0);
 }
 
-// Comparisons are written so that NaN fails them.
-Hazard ClassOf(const ElevationMap& map,
-               const HazardLayers& layers,
-               const cv::Point& cell,
-               const HazardLimits& limits,
-               const HazardOptions& options) {
-  const bool is_seen = std::isfinite(map.elevation(cell)) &&
-                       map.standard_deviation(cell) <= options.surface.max_standard_deviation_m &&
-                       std::isfinite(layers.slope(cell)) && std::isfinite(layers.roughness(cell));
-  if (!is_seen) return kUnseen;
-  const double max_excess = limits.max_roughness_m + options.cover.upper_margin_m;
-  const bool is_free = layers.grass(cell) >= options.cover.min_grass_posterior &&
-                       layers.slope(cell) <= RadFromDeg(limits.max_slope_deg - map.tilt_sd_deg) &&
-                       layers.roughness(cell) <= limits.max_roughness_m &&
-                       map.upper(cell) - map.elevation(cell) <= max_excess;
+Hazard ClassOf(const CellRules& rules) {
+  if (!rules.front().passed) return kUnseen;
+  const bool is_free =
+      std::all_of(rules.begin(), rules.end(), [](const CellRule& rule) { return rule.passed; });
   return is_free ? kFree : kHazard;
 }
 
@@ -40,13 +30,38 @@ cv::Mat1b ClassesOf(const ElevationMap& map,
   cv::Mat1b classes(map.elevation.size(), kUnseen);
   for (int row = 0; row < classes.rows; ++row) {
     for (int col = 0; col < classes.cols; ++col) {
-      classes(row, col) = ClassOf(map, layers, {col, row}, limits, options);
+      classes(row, col) = ClassOf(CellRulesAt(map, layers, {col, row}, limits, options));
     }
   }
   return classes;
 }
 
 }  // namespace
+
+// Comparisons are written so that NaN fails them.
+CellRules CellRulesAt(const ElevationMap& map,
+                      const HazardLayers& layers,
+                      const cv::Point& cell,
+                      const HazardLimits& limits,
+                      const HazardOptions& options) {
+  const double deviation = map.standard_deviation(cell), grass = layers.grass(cell);
+  const double slope = layers.slope(cell), roughness = layers.roughness(cell);
+  const double excess = map.upper(cell) - map.elevation(cell);
+  const double max_deviation = options.surface.max_standard_deviation_m;
+  const double min_grass = options.cover.min_grass_posterior;
+  const double max_slope = RadFromDeg(limits.max_slope_deg - map.tilt_sd_deg);
+  const double max_excess = limits.max_roughness_m + options.cover.upper_margin_m;
+  const bool is_seen = std::isfinite(map.elevation(cell)) && deviation <= max_deviation &&
+                       std::isfinite(slope) && std::isfinite(roughness);
+  return {CellRule{CellCondition::kSeen, is_seen, deviation, max_deviation},
+          {CellCondition::kGrass, grass >= min_grass, grass, min_grass},
+          {CellCondition::kNotSteep, slope <= max_slope, slope, max_slope},
+          {CellCondition::kNotRough,
+           roughness <= limits.max_roughness_m,
+           roughness,
+           limits.max_roughness_m},
+          {CellCondition::kNoObject, excess <= max_excess, excess, max_excess}};
+}
 
 void HazardOptions::Check() const {
   surface.Check();

@@ -2,6 +2,9 @@
 // the distance to it. Paper: Sec. III-G.
 #pragma once
 
+#include <array>
+#include <limits>
+
 #include "engine/cover/cover.h"
 
 namespace freelsd {
@@ -42,6 +45,28 @@ struct HazardLayers {
   // A cell with at least this posterior of grass is grass (CoverOptions).
   double min_grass_posterior = CoverOptions{}.min_grass_posterior;
 };
+
+// What a cell must be. kSeen: elevation, slope and roughness are known well enough.
+enum class CellCondition { kSeen, kGrass, kNotSteep, kNotRough, kNoObject };
+
+// One rule of the class of a cell.
+struct CellRule {
+  CellCondition condition = CellCondition::kSeen;
+  bool passed = false;
+  // kSeen: standard deviation of elevation. kGrass: posterior. kNotSteep: slope, radians.
+  // kNotRough: roughness. kNoObject: upper height above elevation, metres. NaN where unknown.
+  double value = std::numeric_limits<double>::quiet_NaN();
+  // Least value for kGrass, else the largest.
+  double limit = 0.0;
+};
+// In the order of CellCondition. A cell is kUnseen where the first rule fails, kFree where all
+// pass.
+using CellRules = std::array<CellRule, 5>;
+CellRules CellRulesAt(const ElevationMap& map,
+                      const HazardLayers& layers,
+                      const cv::Point& cell,
+                      const HazardLimits& limits,
+                      const HazardOptions& options);
 
 HazardLayers AssessHazards(const ElevationMap& map,
                            const GroundSurface& surface,

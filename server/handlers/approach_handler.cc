@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -14,9 +16,13 @@ namespace {
 
 constexpr char kGeoJson[] = "application/geo+json";
 
-// True for parameters of the wind; all other parameters here belong to the aircraft.
-bool IsOfWind(const std::string& parameter) {
-  return parameter.starts_with("wind") || parameter == "directions" || parameter == "speeds_mps";
+// False for parameters of the wind and of a place; all other parameters here belong to the
+// aircraft.
+bool IsOfAircraft(const std::string& parameter) {
+  constexpr std::string_view kOthers[] = {
+      "directions", "speeds_mps", "latitude_deg", "longitude_deg", "aircraft", "profile"};
+  return !parameter.starts_with("wind") &&
+         std::find(std::begin(kOthers), std::end(kOthers), parameter) == std::end(kOthers);
 }
 
 // The query's fields override the named profile, or the site's aircraft if no profile is named.
@@ -26,8 +32,7 @@ Aircraft AircraftOf(const Call& call, const Aircraft& site_aircraft) {
     if (const auto profile = call.Query(name)) object = {{"profile", *profile}};
   }
   for (const auto& [name, value] : call.request.params) {
-    if (name == "aircraft" || name == "profile" || IsOfWind(name)) continue;
-    object[name] = *call.QueryNumber(name);
+    if (IsOfAircraft(name)) object[name] = *call.QueryNumber(name);
   }
   try {
     return ParseAircraft(object, "");
@@ -100,6 +105,16 @@ nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call&
   throw ApiError("InvalidValue", parameter + ": " + detail, {{parameter, detail}});
 }
 
+double NeededDegrees(const Call& call, const std::string& name, double most) {
+  const std::optional<double> degrees = call.QueryNumber(name);
+  if (!degrees) throw ApiError("InvalidQuery", name + ": is missing", {{name, "is missing"}});
+  if (std::abs(*degrees) > most) {
+    const std::string bound = std::to_string(std::lround(most));
+    Refuse(name, "must be in [-" + bound + ", " + bound + "]");
+  }
+  return *degrees;
+}
+
 std::vector<double> SpeedsOf(const std::string& text) {
   std::vector<double> speeds_mps;
   std::istringstream list(text + ",");
@@ -162,6 +177,25 @@ void GetApproach(Service& service, const Call& call, httplib::Response& response
     return;
   }
   response.set_content(PlanAnew(service, site, call).dump(), kGeoJson);
+}
+
+void GetWhy(Service& service, const Call& call, httplib::Response& response) {
+  const SiteRow site = ExistingSite(service, call);
+  GeoPoint place{
+      NeededDegrees(call, "latitude_deg", 90.0), NeededDegrees(call, "longitude_deg", 180.0), 0.0};
+  const auto kept = SiteWithMap(service, site);
+  const Replan& replan = kept->replan;
+  const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
+  const FlightContext context = ContextOf(*kept);
+  place.altitude_m = replan.origin.altitude_m;
+  const Eigen::Vector2d place_in_world = context.local_frame.WorldFromGeo(place).head<2>();
+  const PlaceJudgement judgement =
+      service.maps.PlannerFor(kept, aircraft)
+          ->planner.Judge(
+              place_in_world, WindOf(call, replan.request), replan.flight.options.hazard);
+  nlohmann::json answer = PlaceJudgementJson(judgement, place_in_world, context);
+  answer["warnings"] = LimitsWarnings(aircraft);
+  response.set_content(answer.dump(), "application/json");
 }
 
 void GetWindRose(Service& service, const Call& call, httplib::Response& response) {

@@ -40,6 +40,7 @@ void DeleteSite(Service& service, const Call& call, httplib::Response& response)
 
 // approach_handler.cc
 void GetApproach(Service& service, const Call& call, httplib::Response& response);
+void GetWhy(Service& service, const Call& call, httplib::Response& response);
 void GetWindRose(Service& service, const Call& call, httplib::Response& response);
 
 // export_handler.cc

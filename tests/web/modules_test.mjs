@@ -6,14 +6,10 @@ import test from 'node:test';
 import { nearestSites } from '../../web/nearest.js';
 import { findRegion } from '../../web/places.js';
 import { lastCourse } from '../../web/track.js';
-import { age, area, courseTo, heading, windFrom, windTo } from '../../web/units.js';
+import { age, area, courseTo, heading, strip, windFrom, windTo } from '../../web/units.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
-import { cellAt, judge } from '../../web/why.js';
+import { headlineOf } from '../../web/why.js';
 import { bestDirections, radiusOf, roseText } from '../../web/wind_rose_shape.js';
-
-const aircraft = { max_slope_deg: 8, max_roughness_m: 0.5, touchdown_uncertainty_m: 10 };
-const good = { hazard: 0, grass: 1, slope: 3, roughness: 0.2, distance: 25 };
-const firstFault = (values) => judge({ ...good, ...values }, aircraft).find((rule) => rule.state !== 'pass');
 
 test('wind: JSON states where the air moves to, the page where it comes from', () => {
   const from = windFrom({ east_mps: 5, north_mps: 0 });
@@ -75,30 +71,16 @@ test('track: noise of the receiver does not change the last course', () => {
   assert.equal(lastCourse([[8, 47, 500], [8, 47, 510]]), null);
 });
 
-test('why not here: the first failed rule names what is missing', () => {
-  assert.equal(firstFault({}), undefined);
-  assert.match(firstFault({ slope: 12.3 }).text, /4\.3° over limit/);
-  assert.match(firstFault({ roughness: 0.75 }).text, /0\.25 m over limit/);
-  assert.match(firstFault({ distance: 4 }).text, /6\.0 m too close/);
-  assert.equal(firstFault({ grass: 0 }).name, 'grass');
+test('why not here: the title is the verdict of the server and the first rule that fails', () => {
+  assert.equal(headlineOf({ verdict: 'landable', first_failed: null }), '✓ Landable here');
+  assert.equal(headlineOf({ verdict: 'unverified', first_failed: 'circle_seen' }), '? Unverified here: loiter circle partly unseen');
+  assert.equal(headlineOf({ verdict: 'rejected', first_failed: 'hazard_distance' }), '✕ Not landable: too close to a hazard');
 });
 
-test('why not here: unseen ground never passes', () => {
-  assert.equal(firstFault({ hazard: 2 }).name, 'coverage');
-  assert.equal(firstFault({ hazard: NaN }).name, 'coverage');
-  for (const name of ['grass', 'slope', 'roughness', 'distance']) {
-    assert.equal(firstFault({ [name]: NaN }).state, 'unknown', name);
-  }
-  const withoutLimits = judge(good, undefined).filter((rule) => rule.state === 'pass').map((rule) => rule.name);
-  assert.deepEqual(withoutLimits, ['coverage', 'grass']);
-});
-
-test('why not here: a place is found in its cell, in a turned grid too', () => {
-  const layer = { width_px: 100, height_px: 50, corners: [[8, 47], [8.1, 47.01], [8.11, 46.96], [8.01, 46.95]] };
-  assert.deepEqual(cellAt(layer, { lat: 47 - 0.00001, lng: 8 + 0.0001 }), { row: 0, col: 0 });
-  const middle = cellAt(layer, { lat: 46.98, lng: 8.055 });
-  assert.ok(Math.abs(middle.row - 25) <= 1 && Math.abs(middle.col - 50) <= 1);
-  assert.ok(cellAt(layer, { lat: 47.2, lng: 8.05 }).row < 0);
+test('strip: length and width are rounded down, an old site has none', () => {
+  assert.equal(strip({ usable_length_m: 180.9, usable_width_m: 35.2 }), '180 × 35 m');
+  assert.equal(strip({ usable_length_m: null, usable_width_m: null }), 'unknown');
+  assert.equal(strip({}), 'unknown');
 });
 
 test('regions: the smallest region at a place wins', () => {

@@ -1,6 +1,8 @@
 // The report is one printable page without scripts and without other files.
 #include "api/export/report/report.h"
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "api/export/layers/layers.h"
@@ -60,10 +62,23 @@ std::string DatumSentence(const std::string& datum) {
   return "datum \"" + EscapeXml(datum) + "\", not known to be above mean sea level";
 }
 
+std::string StripRow(const StoredSite& site) {
+  if (!site.usable_length_m || !site.usable_width_m) return Row("Usable strip", "unknown");
+  return Row("Usable strip, along the final",
+             FixedText(std::floor(*site.usable_length_m), 0) + " x " +
+                 FixedText(std::floor(*site.usable_width_m), 0) + " m");
+}
+
+std::string ObstacleRow(const StoredClearance& approach) {
+  if (!approach.obstacle_clearance_m || !approach.obstacle_distance_m) return "";
+  return Row("Tightest obstacle",
+             FixedText(*approach.obstacle_clearance_m, 1) + " m below the path, " +
+                 FixedText(*approach.obstacle_distance_m, 0) + " m from touchdown");
+}
+
 // Each unit starts with its space. Numbers without unit have only the space.
 std::string SurfaceRows(const StoredSite& site) {
-  return Row("Score", Value(site.score, " ")) +
-         Row("Area of the field", Value(site.area_m2, " m&#178;")) +
+  return Row("Score", Value(site.score, " ")) + StripRow(site) +
          Row("Touchdown to nearest hazard", Value(site.hazard_distance_m, " m")) +
          Row("Slope", Value(site.slope_deg, " &#176;")) +
          Row("Roughness", Value(site.roughness_m, " m")) +
@@ -83,7 +98,7 @@ std::string Numbers(const StoredSite& site) {
                              DatumSentence(site.altitude_datum) + ")") +
                      FinalRows(site) + WindRow(site);
   if (site.final_places && site.approach) {
-    rows += Row("Least clearance", Value(site.approach->min_clearance_m, " m"));
+    rows += ObstacleRow(*site.approach);
   }
   rows += SurfaceRows(site);
   return "<h2>Numbers</h2>\n<table>\n" + rows + "</table>\n";

@@ -1,0 +1,38 @@
+// Private to approach/: a region prepared for planning.
+#pragma once
+
+#include <optional>
+
+#include "engine/approach/clearance_surface.h"
+#include "engine/approach/refusal.h"
+
+namespace freelsd {
+
+// Everything that does not depend on the wind.
+struct ApproachGround {
+  const ElevationMap& map;
+  const HazardLayers& hazards;
+  PlanRequest request;
+  Aircraft aircraft;
+  ApproachOptions options;
+  double required_hazard_distance = 0.0;
+  // The place farthest from hazard.
+  std::optional<Touchdown> safest;
+  // Against the region as a whole, and against that or every place in it.
+  std::optional<Refusal> refusal_of_region;
+  std::optional<Refusal> refusal;
+  TouchdownCandidates candidates;
+  // Covers the whole map; used where several winds are planned for.
+  std::optional<ClearanceSurface> surface;
+
+  ApproachGround(const ElevationMap& the_map,
+                 const HazardLayers& the_hazards,
+                 const PlanRequest& the_request,
+                 const Aircraft& profile,
+                 const ApproachOptions& the_options);
+  // Without a path if ground or wind exclude every path.
+  Plan PlanWay(const Way& way, Explanation explanation) const;
+  Plan PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world, Explanation explanation) const;
+};
+
+}  // namespace freelsd

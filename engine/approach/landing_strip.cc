@@ -1,0 +1,105 @@
+#include "engine/approach/landing_strip.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/approach/corridor.h"
+
+namespace freelsd {
+namespace {
+
+// Free ground by its place along the heading and to the right of it, from touchdown on.
+class GroundAlong {
+ public:
+  GroundAlong(const Eigen::Vector2d& touchdown, double heading, const HazardLayers& hazards)
+      : hazards_(hazards),
+        touchdown_(touchdown),
+        forward_(DirectionOf(heading)),
+        right_(forward_.y(), -forward_.x()) {}
+
+  bool IsFree(double along, double to_right) const {
+    const auto cell = hazards_.grid.CellAt(touchdown_ + along * forward_ + to_right * right_);
+    return cell && hazards_.hazard(*cell) == kFree;
+  }
+  double step() const { return kAlongSpacing * hazards_.grid.cell_size_m; }
+
+ private:
+  const HazardLayers& hazards_;
+  Eigen::Vector2d touchdown_, forward_, right_;
+};
+
+// The last of the multiples 0, step, ... up to which all are free; nothing if the first is not.
+template <class Test>
+std::optional<double> LastFree(double step, const Test& is_free) {
+  int num_free = 0;
+  while (is_free(num_free * step)) ++num_free;
+  if (num_free == 0) return std::nullopt;
+  return (num_free - 1) * step;
+}
+
+bool IsSliceFree(const GroundAlong& ground, double along, const Corridor& corridor) {
+  for (int i = -corridor.num_each_side; i <= corridor.num_each_side; ++i) {
+    if (!ground.IsFree(along, i * corridor.spacing)) return false;
+  }
+  return true;
+}
+
+// Of a line beside the strip, from -behind to ahead.
+bool IsLineFree(const GroundAlong& ground, double to_right, double behind, double ahead) {
+  for (const double along : Steps(-behind, ahead, ground.step())) {
+    if (!ground.IsFree(along, to_right)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+// A cell reaches into the rectangle if its centre is at most half a diagonal away. Samples reach
+// farther than the rectangle by that much.
+LandingStrip MeasureStrip(const Eigen::Vector3d& touchdown_in_world,
+                          double heading,
+                          const HazardLayers& hazards,
+                          const Aircraft& aircraft) {
+  const double cell_size = hazards.grid.cell_size_m, margin = cell_size * std::sqrt(0.5);
+  const GroundAlong ground(touchdown_in_world.head<2>(), heading, hazards);
+  const Corridor corridor = MakeCorridor(heading, aircraft.path_half_width_m, cell_size);
+  const auto run = [&](double sign) {
+    return LastFree(ground.step(),
+                    [&](double along) { return IsSliceFree(ground, sign * along, corridor); });
+  };
+  const std::optional<double> ahead = run(1.0), behind = run(-1.0);
+  if (!ahead || !behind || std::min(*ahead, *behind) < margin) return {};
+  const auto beside = [&](double sign) {
+    const double reach = corridor.Reach();
+    const std::optional<double> wider = LastFree(ground.step(), [&](double beyond) {
+      return IsLineFree(ground, sign * (reach + beyond), *behind, *ahead);
+    });
+    return reach + wider.value_or(0.0) - margin;
+  };
+  return {.ahead = *ahead - margin,
+          .behind = *behind - margin,
+          .left = beside(-1.0),
+          .right = beside(1.0)};
+}
+
+std::vector<Eigen::Vector3d> GroundRollCorners(const Eigen::Vector3d& touchdown_in_world,
+                                               double heading,
+                                               const Aircraft& aircraft) {
+  if (aircraft.ground_roll_m <= 0.0) return {};
+  const Eigen::Vector2d forward = DirectionOf(heading);
+  const Eigen::Vector2d along = aircraft.ground_roll_m * forward;
+  const Eigen::Vector2d right =
+      aircraft.path_half_width_m * Eigen::Vector2d(forward.y(), -forward.x());
+  std::vector<Eigen::Vector3d> corners;
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(right),
+                                        Eigen::Vector2d(right + along),
+                                        Eigen::Vector2d(along - right),
+                                        Eigen::Vector2d(-right)}) {
+    corners.emplace_back(touchdown_in_world.x() + corner.x(),
+                         touchdown_in_world.y() + corner.y(),
+                         touchdown_in_world.z());
+  }
+  return corners;
+}
+
+}  // namespace freelsd
