@@ -63,7 +63,9 @@ void AnswerLanding(const Service& service,
   const std::string mark = best.verdict == "unverified" ? "-UNVERIFIED." : ".";
   response.set_header("Content-Disposition",
                       "attachment; filename=\"emergency" + mark + format + "\"");
-  response.set_content(text, format == "plan" ? "application/json" : "text/plain");
+  response.set_content(text,
+                       format == "plan" ? "application/vnd.qgroundcontrol.plan+json"
+                                        : "text/vnd.qgroundcontrol.waypoints");
 }
 
 }  // namespace freelsd
