@@ -1,0 +1,26 @@
+// Steps on the page of one site that several tests share.
+
+import assert from 'node:assert/strict';
+import { mkdir } from 'node:fs/promises';
+
+export const kWait = { timeout: 15000 };
+const folder = process.env.FREELSD_SCREENSHOTS;
+
+export const shoot = async (page, name) => {
+  if (!folder) return;
+  await mkdir(folder, { recursive: true });
+  await page.screenshot({ path: `${folder}/${name}.jpg`, type: 'jpeg', quality: 65 });
+};
+
+export const pictureIsDrawn = (page, layer) => page.waitForFunction((name) => {
+  const image = document.querySelector('img.site-layer');
+  return image && image.dataset.layer === name && image.complete && image.naturalWidth > 10;
+}, layer, kWait);
+
+// Clicks the map at an offset, in pixels, from the selected site.
+export async function clickPlace(page, [lon, lat], [right, down]) {
+  const marker = page.locator(`.disc-marker.chosen`);
+  const box = await marker.boundingBox();
+  assert.ok(box, `the marker at ${lat}, ${lon} is drawn`);
+  await page.mouse.click(box.x + box.width / 2 + right, box.y + box.height / 2 + down);
+}
