@@ -114,6 +114,33 @@ TEST_CASE("http: an exception's text reaches no client") {
   CHECK(answer.find("EXCEPTION_WHAT") == std::string::npos);
 }
 
+TEST_CASE("http: a live answer that its client does not read ends, and frees what it holds") {
+  constexpr std::chrono::seconds kPatience{30};
+  const auto held = std::make_shared<int>(0);
+  HttpServer server({}, [&held](const httplib::Request&, BodyReader&, httplib::Response& response) {
+    AnswerLive(response,
+               "text/plain",
+               "begin",
+               {[copy = held] {
+                  return LiveText{std::string(100000, 'x'), false};
+                },
+                "still here"});
+  });
+  const int port = server.Bind("127.0.0.1", 0);
+  std::thread thread([&server] { server.Run(); });
+  RawConnection connection(port);
+  connection.Send(HeadOf("GET", "/", ""));
+  CHECK(connection.ReceiveHead().starts_with("HTTP/1.1 200"));
+  CHECK(held.use_count() > 1);
+  const auto begin = std::chrono::steady_clock::now();
+  while (held.use_count() > 1 && std::chrono::steady_clock::now() - begin < kPatience) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  CHECK(held.use_count() == 1);
+  server.Stop();
+  thread.join();
+}
+
 TEST_CASE("http: a second server on a taken port says so instead of sharing the traffic") {
   const FreshServer fresh;
   const TemporaryFolder folder;
