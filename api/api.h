@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -127,6 +128,10 @@ nlohmann::json WindRoseJson(const WindRose& rose, const FlightContext& context);
 std::vector<std::string> LimitsWarnings(const Aircraft& aircraft);
 // The site properties that depend on the plan (verdict, score, approach, rejections, ...).
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context);
+// The smaller key ranks first. Verdicts are ordered landable, unverified, any other; equal verdicts
+// are ordered by descending score, then by id.
+using RankKey = std::tuple<int, double, std::string>;
+RankKey RankKeyOf(const nlohmann::json& site_feature);
 // FeatureCollection ordered by verdict (landable, unverified, rejected), then score; rank from 1.
 nlohmann::json RankedSites(std::vector<nlohmann::json> features);
 nlohmann::json AircraftJson(const Aircraft& aircraft);

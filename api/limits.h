@@ -130,7 +130,10 @@ struct ConcurrencyLimits {
 
 // Length of answers.
 struct AnswerLimits {
-  size_t max_num_listed_sites = 1000;
+  // Flights, jobs or sites of one page.
+  size_t max_num_listed = 10000;
+  // A page of jobs ends early beyond it: each lists the verdicts of its images.
+  size_t max_list_bytes = size_t{32} << 20;
   size_t max_num_exported_sites = 1000;
   size_t max_num_emergency_sites = 50;
   // Planning takes 0.2 ms per wind over an open field, 20 ms if most of the field is obstructed.

@@ -102,7 +102,6 @@ class SiteStore {
   std::optional<SiteRow> Find(const std::string& site_id) const;
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const;
-  int64_t Count(const std::string& flight_id) const;
   std::optional<std::string> ReadMap(const std::string& site_id) const;
   // All sites, rejected ones included, whose map may meet the box.
   SharedRows<MapRow> ListMaps(const BoundingBox& box) const;

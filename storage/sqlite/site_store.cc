@@ -5,13 +5,6 @@
 
 namespace freelsd {
 
-int64_t SiteStore::Count(const std::string& flight_id) const {
-  const Reader reader(state_.readers);
-  Statement statement = reader->Prepare("SELECT count(*) FROM sites WHERE flight_id = ?1");
-  statement.Bind(flight_id).Step();
-  return statement.Int(0);
-}
-
 void SiteStore::Put(const SiteRow& site,
                     std::string_view map_blob,
                     const std::vector<std::string>& supersedes) {
