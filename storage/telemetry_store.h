@@ -33,8 +33,9 @@ class TelemetryStore {
   TelemetryStore(const TelemetryStore&) = delete;
   TelemetryStore& operator=(const TelemetryStore&) = delete;
 
-  // Writes all rows in one commit. A row replaces the row of the same kind and timestamp.
-  void Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows);
+  // Writes all rows in one commit. A row replaces the row of the same kind and timestamp. False,
+  // and writes nothing, if there is no such flight.
+  bool Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows);
   TelemetryPair Around(const std::string& flight_id,
                        TelemetryKind kind,
                        int64_t timestamp_us) const;

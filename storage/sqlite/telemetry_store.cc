@@ -16,9 +16,11 @@ std::optional<TelemetryRow> FirstRow(Statement& statement, TelemetryKind kind) {
 
 }  // namespace
 
-void TelemetryStore::Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) {
+bool TelemetryStore::Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
+  Statement flight = state_.writer.Prepare("SELECT 1 FROM flights WHERE id = ?1");
+  if (!flight.Bind(flight_id).Step()) return false;
   for (const TelemetryRow& row : rows) {
     state_.writer.Prepare("INSERT OR REPLACE INTO telemetry VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
         .Bind(flight_id,
@@ -31,6 +33,7 @@ void TelemetryStore::Put(const std::string& flight_id, const std::vector<Telemet
         .Run();
   }
   transaction.Commit();
+  return true;
 }
 
 TelemetryPair TelemetryStore::Around(const std::string& flight_id,

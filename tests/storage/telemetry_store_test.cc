@@ -27,5 +27,15 @@ TEST_CASE("telemetry store: telemetry is found on both sides of a time, by kind"
   CHECK(storage.telemetry.Around("f", TelemetryKind::kPosition, 20).before->timestamp_us == 20);
 }
 
+TEST_CASE("telemetry store: nothing is written for a flight that does not exist") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  CHECK_FALSE(
+      storage.telemetry.Put("f", {{TelemetryKind::kPosition, 10, {47.0, 8.0, 400.0, 0.0}}}));
+  storage.flights.Insert(SomeFlight("f"));
+  CHECK(storage.telemetry.Put("f", {{TelemetryKind::kPosition, 20, {47.0, 8.0, 400.0, 0.0}}}));
+  CHECK_FALSE(storage.telemetry.Around("f", TelemetryKind::kPosition, 15).before);
+}
+
 }  // namespace
 }  // namespace freelsd

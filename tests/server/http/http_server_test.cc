@@ -171,6 +171,18 @@ TEST_CASE("http: what is not there, not taken or not known is a problem with its
       fresh.client.Post("/v1/flights", R"({"nam":"x"})", "application/json"), 422, "InvalidValue");
 }
 
+TEST_CASE("http: JSON with bytes after its end is refused, also if they are NUL") {
+  FreshServer fresh;
+  for (const std::string& rest :
+       {std::string(1, '\0'), std::string(3, '\0'), std::string("\0 x", 3)}) {
+    const std::string flight = R"({"name":"x"})" + rest;
+    CheckProblem(fresh.client.Post("/v1/flights", flight, "application/json"), 400, "InvalidJson");
+    const std::string recall = R"({"latitude_deg":47,"longitude_deg":8,"altitude_m":500})" + rest;
+    CheckProblem(
+        fresh.client.Post("/v1/emergency", recall, "application/json"), 400, "InvalidJson");
+  }
+}
+
 TEST_CASE("http: DELETE on a path that only reads is 405 and says what it takes") {
   FreshServer fresh;
   const auto result = fresh.client.Delete("/v1/flights");
