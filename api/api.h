@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include <nlohmann/json_fwd.hpp>
@@ -138,6 +139,10 @@ std::vector<std::string> LimitsWarnings(const Aircraft& aircraft);
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context);
 // Name as in openapi.yaml, for example "approach_blocked".
 std::string NameOf(RejectReason reason);
+// The smaller key ranks first. Verdicts are ordered landable, unverified, any other; equal verdicts
+// are ordered by descending score, then by id.
+using RankKey = std::tuple<int, double, std::string>;
+RankKey RankKeyOf(const nlohmann::json& site_feature);
 // FeatureCollection ordered by verdict (landable, unverified, rejected), then score; rank from 1.
 nlohmann::json RankedSites(std::vector<nlohmann::json> features);
 nlohmann::json AircraftJson(const Aircraft& aircraft);

@@ -92,6 +92,10 @@ nlohmann::json ParseJson(const std::string& text, size_t max_bytes) {
     error.observed = static_cast<double>(text.size());
     throw error;
   }
+  // The parser takes a NUL byte for the end of the text.
+  if (const size_t nul = text.find('\0'); nul != std::string::npos) {
+    throw ApiError("InvalidJson", "not JSON at byte " + std::to_string(nul + 1));
+  }
   StrictCallback strict;
   try {
     return nlohmann::json::parse(

@@ -69,6 +69,35 @@ struct HeadLimits {
   size_t max_target_bytes = 2 << 10;
 };
 
+// Connections of one listener. None of these limits holds a thread: a poll loop waits for heads,
+// small bodies and slow readers.
+struct ConnectionLimits {
+  // Beyond it the longest idle connection is closed for a new one.
+  size_t max_num_connections = 1000;
+  // A head, and a body up to max_small_body_bytes, must arrive whole within this time.
+  int max_request_ms = 1000;
+  size_t max_small_body_bytes = size_t{64} << 10;
+  // Larger and chunked bodies arrive in threads of their own, one each. Beyond the limit the answer
+  // is 429. The emergency listener takes none.
+  int max_num_large_bodies = 24;
+  int max_idle_s = 60;
+  // A client that reads nothing of its answer for that long is disconnected.
+  int max_write_pause_s = 10;
+  // Answers that clients have not read yet, together. Beyond it the longest waiting is dropped.
+  size_t max_unsent_bytes = size_t{256} << 20;
+};
+
+// Server-Sent Events.
+struct EventLimits {
+  int max_num_clients = 100;
+  // A larger event is sent as "resync": the client fetches the state.
+  size_t max_event_bytes = size_t{256} << 10;
+  // Text that waits in memory for one client. Events beyond it wait in the log.
+  size_t max_unsent_bytes = size_t{256} << 10;
+  // All events that are kept for clients that are behind or come back.
+  size_t max_log_bytes = size_t{8} << 20;
+};
+
 struct BatchLimits {
   size_t max_num_images = 20000;
   // Pose files, calibrations and other files beside the images. All are held in memory together.
@@ -93,7 +122,6 @@ struct ConcurrencyLimits {
   int max_num_uploads = 8;
   // Each stream holds a thread for as long as the flight.
   int max_num_streams = 8;
-  int max_num_event_clients = 8;
   // Images decoded at the same time: 64 megapixels take 192 MiB.
   int max_num_decoders = 2;
   // Wind roses take seconds.
@@ -102,7 +130,10 @@ struct ConcurrencyLimits {
 
 // Length of answers.
 struct AnswerLimits {
-  size_t max_num_listed_sites = 1000;
+  // Flights, jobs or sites of one page.
+  size_t max_num_listed = 10000;
+  // A page of jobs ends early beyond it: each lists the verdicts of its images.
+  size_t max_list_bytes = size_t{32} << 20;
   size_t max_num_exported_sites = 1000;
   size_t max_num_emergency_sites = 50;
   // Sites that a flight's list of alternates may have.
@@ -119,6 +150,8 @@ struct AnswerLimits {
 
 struct Limits {
   HeadLimits head;
+  ConnectionLimits connection;
+  EventLimits events;
   ImageLimits image;
   ZipLimits zip;
   JsonLimits json;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <tuple>
 
 #include <nlohmann/json.hpp>
 
@@ -18,9 +17,6 @@ std::string DirectionName(LoiterDirection direction);
 // to true north at the touchdown, which differs from the origin's: at 80 N by 0.05 deg for each
 // kilometre to the east.
 nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& local_frame);
-// The smaller key ranks first. Verdicts are ordered landable, unverified, any other; equal verdicts
-// are ordered by descending score, then by id.
-using RankKey = std::tuple<int, double, std::string>;
 RankKey RankKeyOf(const std::string& verdict, double score, const std::string& id);
 
 }  // namespace freelsd

@@ -136,15 +136,6 @@ nlohmann::json StripProperties(const Plan& plan) {
           {"usable_width_m", Rounded(plan.approach->strip->Width())}};
 }
 
-RankKey KeyOf(const nlohmann::json& feature) {
-  const nlohmann::json& properties = feature.at("properties");
-  const auto score = properties.find("score");
-  const bool has_score = score != properties.end() && score->is_number();
-  return RankKeyOf(properties.value("verdict", "rejected"),
-                   has_score ? score->get<double>() : 0.0,
-                   properties.value("id", ""));
-}
-
 }  // namespace
 
 std::string NameOf(Verdict verdict) {
@@ -246,9 +237,18 @@ RankKey RankKeyOf(const std::string& verdict, double score, const std::string& i
   return {verdict == "landable" ? 0 : verdict == "unverified" ? 1 : 2, -score, id};
 }
 
+RankKey RankKeyOf(const nlohmann::json& site_feature) {
+  const nlohmann::json& properties = site_feature.at("properties");
+  const auto score = properties.find("score");
+  const bool has_score = score != properties.end() && score->is_number();
+  return RankKeyOf(properties.value("verdict", "rejected"),
+                   has_score ? score->get<double>() : 0.0,
+                   properties.value("id", ""));
+}
+
 nlohmann::json RankedSites(std::vector<nlohmann::json> features) {
   std::stable_sort(features.begin(), features.end(), [](const auto& a, const auto& b) {
-    return KeyOf(a) < KeyOf(b);
+    return RankKeyOf(a) < RankKeyOf(b);
   });
   int rank = 0;
   for (nlohmann::json& feature : features) feature["properties"]["rank"] = ++rank;

@@ -37,21 +37,15 @@ Page ReadPageFiles(const Config& config) {
 constexpr size_t kMaxBytesOfSites = size_t{192} << 20;
 constexpr size_t kMaxBytesOfTerrain = size_t{64} << 20;
 
-// Emergency answers take milliseconds, and uploads never use these threads. An idle connection
-// holds a thread, so there are many threads and the idle timeout is short.
+// Emergency answers take milliseconds, and whole requests alone reach these threads.
 constexpr int kNumEmergencyThreads = 32;
-constexpr std::chrono::milliseconds kEmergencyIdleTimeout{200};
-constexpr std::chrono::milliseconds kEmergencyHeadTimeout{1000};
 
 HttpOptions OptionsOf(const Config& config, Listener listener) {
-  HttpOptions options;
-  options.allowed_hosts = config.allowed_hosts;
   const bool is_main = listener == Listener::kMain;
+  HttpOptions options;
+  options.rules.allowed_hosts = config.allowed_hosts;
+  options.rules.takes_large_bodies = is_main;
   options.num_threads = is_main ? config.num_http_threads : kNumEmergencyThreads;
-  if (!is_main) {
-    options.idle_timeout = kEmergencyIdleTimeout;
-    options.head_timeout = kEmergencyHeadTimeout;
-  }
   return options;
 }
 
@@ -76,6 +70,7 @@ App::App(const Config& config)
       worker_(service_, ReadModel(config_)) {
   service_.page = ReadPageFiles(config_);
   if (!config_.token_file.empty()) service_.tokens = TokenList::Read(config_.token_file);
+  events_.CallOnNews(http_.NewsCall());
   intake_.wake_worker = [this] { worker_.Wake(); };
   intake_.on_new_pose = [this](const std::string& flight_id) { alternates_.Wake(flight_id); };
   alternates_.Start();

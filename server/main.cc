@@ -9,6 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "server/app.h"
+#include "server/descriptors.h"
 #include "server/supervisor.h"
 #include "server/work/work.h"
 
@@ -70,6 +71,7 @@ int Fail(const std::exception& error, int exit_code) {
 
 int main(int argc, char** argv) {
   freelsd::LimitHeapPools();
+  freelsd::RaiseDescriptorLimit();
   try {
     return freelsd::Run(argc, argv);
   } catch (const freelsd::ConfigError& error) {

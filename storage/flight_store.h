@@ -29,6 +29,24 @@ struct FlightRow {
   bool has_retired_images = false;
 };
 
+// A flight with the numbers that lists show.
+struct FlightSummary {
+  FlightRow flight;
+  // Order of creation.
+  int64_t number = 0;
+  int64_t num_frames = 0;
+  int64_t num_queued_frames = 0;
+  int64_t num_regions = 0;
+  int64_t num_sites = 0;
+  bool has_unfinished_job = false;
+};
+
+struct FlightPage {
+  std::vector<FlightSummary> flights;
+  // Flights follow after the last of them.
+  bool has_more = false;
+};
+
 using FlightChange = std::function<void(FlightRow& flight)>;
 
 struct RegionRow {
@@ -49,7 +67,12 @@ class FlightStore {
   // created_at_us are ignored. False where there is no such flight.
   bool Change(const std::string& flight_id, const FlightChange& change);
   std::optional<FlightRow> Find(const std::string& flight_id) const;
-  std::vector<FlightRow> List() const;                    // newest first
+  std::optional<FlightSummary> FindSummary(const std::string& flight_id) const;
+  std::vector<FlightRow> List() const;  // newest first
+  // In reverse order of creation, from the flight before `before_number`, or from the last. The
+  // time that it takes depends on `limit`, not on the number of flights.
+  FlightPage ListPage(size_t limit, std::optional<int64_t> before_number) const;
+  int64_t Count() const;
   std::vector<std::string> ListWithQueuedFrames() const;  // ids, oldest first
   // Deletes the flight and the images that no other flight needs; with forget_sites also its sites.
   // False where there is no such flight.

@@ -34,10 +34,6 @@ struct FrameRow {
   int64_t arrived_at_us = 0;
 };
 
-struct FrameCounts {
-  int64_t received = 0, processed = 0, rejected = 0;
-};
-
 // Invariants: the sequence numbers of a flight run from 1 without a gap, and the image of each
 // frame is stored before the frame.
 class FrameStore {
@@ -68,7 +64,6 @@ class FrameStore {
   // Calls `take` with each resolved_json that is not empty, by sequence.
   void ForEachResolved(const std::string& flight_id,
                        const std::function<void(const std::string& resolved_json)>& take) const;
-  FrameCounts Count(const std::string& flight_id) const;
   // Queued frames of all flights, without frames of batches.
   int64_t CountQueued() const;
   // The flight's first frame after `after_sequence`, whatever its state.

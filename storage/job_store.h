@@ -13,6 +13,8 @@ struct StorageState;
 enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };
 
 struct JobRow {
+  // Order of arrival. Insert assigns it.
+  int64_t number = 0;
   std::string id;
   std::string kind;  // "batch" or "finish"
   std::string flight_id;
@@ -21,6 +23,12 @@ struct JobRow {
   std::string stage;
   std::string detail_json = "{}";
   int64_t created_at_us = 0;
+};
+
+struct JobPage {
+  std::vector<JobRow> jobs;
+  // Jobs follow after the last of them.
+  bool has_more = false;
 };
 
 // Invariant: a job that is done, failed or cancelled never changes its state.
@@ -34,7 +42,9 @@ class JobStore {
   // Writes state, progress, stage and detail. Does nothing if the stored job has ended.
   void Update(const JobRow& job);
   std::optional<JobRow> Find(const std::string& job_id) const;
-  std::vector<JobRow> List() const;                                // newest first, at most 1000
+  // Newest first, from the job before `before_number`, or from the newest. The page ends with the
+  // job whose details exceed `max_bytes` together.
+  JobPage ListPage(size_t limit, std::optional<int64_t> before_number, size_t max_bytes) const;
   std::vector<JobRow> ListOf(const std::string& flight_id) const;  // newest first, all
   std::vector<JobRow> ListUnfinished() const;  // queued or running, oldest first
   bool Delete(const std::string& job_id);

@@ -130,7 +130,6 @@ class SiteStore {
   std::optional<SiteRow> Find(const std::string& site_id) const;
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const;
-  int64_t Count(const std::string& flight_id) const;
   // Increases with every change of any site, before the change returns.
   uint64_t Version() const;
   std::optional<std::string> ReadMap(const std::string& site_id) const;

@@ -39,8 +39,9 @@ class TelemetryStore {
 
   // Writes all rows in one commit. A row replaces the row of the same kind and timestamp. Raises
   // each arrived_at_us above those of all rows and frames that the flight already has: the order of
-  // arrival is right even if the clock was set back.
-  void Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows);
+  // arrival is right even if the clock was set back. False, and writes nothing, if there is no such
+  // flight.
+  bool Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows);
   // The rows of a kind that arrived last, the latest first.
   std::vector<TelemetryRow> LastArrived(const std::string& flight_id,
                                         TelemetryKind kind,

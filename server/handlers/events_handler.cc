@@ -7,9 +7,8 @@
 namespace freelsd {
 namespace {
 
-// Period of a comment line. It keeps proxies from closing the connection, and detects a client that
-// left: its slot is free once a line cannot be written.
-constexpr std::chrono::seconds kHeartbeatPeriod{2};
+// Period of a comment line. It keeps proxies from closing the connection.
+constexpr std::chrono::milliseconds kHeartbeatPeriod{2000};
 constexpr std::chrono::milliseconds kRetryAfter{2000};
 
 // A listening client and its position in the log. The destructor frees its slot.
@@ -17,8 +16,6 @@ struct EventClient {
   Service& service;
   std::string flight_id;
   int64_t number = 0;
-  bool has_missed = false;
-  bool is_greeted = false;
 
   explicit EventClient(Service& all) : service(all) {}
   ~EventClient() { service.event_clients.release(); }
@@ -36,36 +33,17 @@ std::string ResyncText(const EventLog& log, int64_t number) {
   return "id: " + log.IdOf(number) + "\nevent: resync\ndata: {}\n\n";
 }
 
-std::string Greeting(EventClient& client) {
-  client.is_greeted = true;
+// What happened since the last call.
+LiveText NewsOf(EventClient& client) {
   const EventLog& log = client.service.events;
-  std::string text = "retry: " + std::to_string(kRetryAfter.count()) + "\n\n";
-  if (client.has_missed) text += ResyncText(log, client.number);
-  return text;
-}
-
-// Sends new events, or a heartbeat. False at the end.
-bool Send(EventClient& client, httplib::DataSink& sink) {
-  const EventLog& log = client.service.events;
-  std::string text;
-  bool is_over = false;
-  if (!client.is_greeted) {
-    text = Greeting(client);
-  } else {
-    const auto deadline = std::chrono::steady_clock::now() + kHeartbeatPeriod;
-    const EventLog::Batch batch = log.WaitAfter(client.number, client.flight_id, deadline);
-    client.number = batch.last_number;
-    is_over = batch.is_over;
-    if (batch.has_gap) {
-      text = ResyncText(log, batch.last_number);
-    } else {
-      for (const Event& event : batch.events) text += TextOf(log, event);
-    }
-    if (text.empty()) text = ": heartbeat\n\n";
-  }
-  if (!sink.write(text.data(), text.size()) || !FlushAnswer()) return false;
-  if (is_over) sink.done();
-  return true;
+  const EventLog::Batch batch =
+      log.After(client.number, client.flight_id, kLimits.events.max_unsent_bytes);
+  client.number = batch.last_number;
+  LiveText news;
+  news.is_over = batch.is_over;
+  if (batch.has_gap) news.text = ResyncText(log, batch.last_number);
+  for (const Event& event : batch.events) news.text += TextOf(log, event);
+  return news;
 }
 
 }  // namespace
@@ -82,16 +60,18 @@ void GetEvents(Service& service, const Call& call, httplib::Response& response) 
   const auto client = std::make_shared<EventClient>(service);
   client->flight_id = flight_id;
   client->number = service.events.LastNumber();
+  std::string begin = "retry: " + std::to_string(kRetryAfter.count()) + "\n\n";
   const std::string last_id = call.request.get_header_value("Last-Event-ID");
   if (!last_id.empty()) {
     const std::optional<int64_t> number = service.events.NumberOf(last_id);
-    client->has_missed = !number.has_value();
     client->number = number.value_or(client->number);
+    if (!number) begin += ResyncText(service.events, client->number);
   }
   response.set_header("X-Accel-Buffering", "no");
-  response.set_chunked_content_provider(
-      "text/event-stream",
-      [client](size_t, httplib::DataSink& sink) { return Send(*client, sink); });
+  AnswerLive(response,
+             "text/event-stream",
+             begin,
+             {[client] { return NewsOf(*client); }, ": heartbeat\n\n", kHeartbeatPeriod});
 }
 
 }  // namespace freelsd

@@ -4,6 +4,7 @@
 #include "api/stored/stored.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/handlers/paging.h"
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/recall/recall.h"
@@ -11,17 +12,14 @@
 namespace freelsd {
 namespace {
 
-const char* StateName(const Service& service, const FlightRow& flight, const FrameCounts& counts) {
-  if (flight.has_failed) return "failed";
-  if (counts.processed + counts.rejected < counts.received) return "processing";
-  for (const JobRow& job : service.storage.jobs.ListUnfinished()) {
-    if (job.flight_id == flight.id) return "processing";
-  }
-  return service.intake.IsReceiving(flight.id) ? "receiving" : "idle";
+const char* StateName(const Service& service, const FlightSummary& summary) {
+  if (summary.flight.has_failed) return "failed";
+  if (summary.num_queued_frames > 0 || summary.has_unfinished_job) return "processing";
+  return service.intake.IsReceiving(summary.flight.id) ? "receiving" : "idle";
 }
 
 // Origin as in api/openapi.yaml: at the estimated ground altitude unless the client gave an origin.
-nlohmann::json OriginJson(const FlightRow& flight, const FlightRequest& request) {
+nlohmann::json OriginJson(const FlightRow& flight, const StoredFlight& request) {
   if (request.origin) return GeoPointJson(*request.origin);
   if (flight.rig_json.empty()) return nullptr;
   GeoPoint origin = ParseStoredFlightRig(flight.rig_json).origin;
@@ -31,24 +29,24 @@ nlohmann::json OriginJson(const FlightRow& flight, const FlightRequest& request)
   return object;
 }
 
-nlohmann::json CameraOf(const FlightRow& flight, const FlightRequest& request) {
+nlohmann::json CameraOf(const FlightRow& flight, const StoredFlight& request) {
   if (request.camera) return CameraJson(*request.camera);
   if (flight.rig_json.empty()) return nullptr;
   return CameraJson(ParseStoredFlightRig(flight.rig_json).rig.camera);
 }
 
-nlohmann::json FlightJson(const Service& service, const FlightRow& flight) {
-  const FlightRequest request = ParseFlightRequest(flight.request_json);
-  const FrameCounts counts = service.storage.frames.Count(flight.id);
+nlohmann::json FlightJson(const Service& service, const FlightSummary& summary) {
+  const FlightRow& flight = summary.flight;
+  const StoredFlight request = ParseStoredFlight(flight.request_json);
   return {{"id", flight.id},
           {"name", flight.name},
-          {"state", StateName(service, flight, counts)},
+          {"state", StateName(service, summary)},
           {"frames",
-           {{"received", counts.received},
-            {"processed", counts.processed + counts.rejected},
+           {{"received", summary.num_frames},
+            {"processed", summary.num_frames - summary.num_queued_frames},
             {"rejected", flight.num_rejected_frames}}},
-          {"num_regions", service.storage.flights.CountRegions(flight.id)},
-          {"num_sites", service.storage.sites.Count(flight.id)},
+          {"num_regions", summary.num_regions},
+          {"num_sites", summary.num_sites},
           {"stages", nlohmann::json::parse(flight.stages_json)},
           {"warnings", AllWarnings(flight.warnings_json)},
           {"camera", CameraOf(flight, request)},
@@ -57,6 +55,14 @@ nlohmann::json FlightJson(const Service& service, const FlightRow& flight) {
           {"altitude_datum", AltitudeDatumOf(flight)},
           {"has_retired_images", flight.has_retired_images},
           {"created_at", Rfc3339(flight.created_at_us)}};
+}
+
+void AnswerFlight(const Service& service,
+                  const std::string& flight_id,
+                  httplib::Response& response) {
+  const std::optional<FlightSummary> summary = service.storage.flights.FindSummary(flight_id);
+  if (!summary) throw ApiError("NoSuchFlight", "there is no such flight");
+  response.set_content(FlightJson(service, *summary).dump(), "application/json");
 }
 
 }  // namespace
@@ -71,20 +77,24 @@ void PostFlight(Service& service, const Call& call, httplib::Response& response)
   service.storage.flights.Insert(flight);
   response.status = 201;
   response.set_header("Location", "/v1/flights/" + flight.id);
-  response.set_content(FlightJson(service, flight).dump(), "application/json");
+  AnswerFlight(service, flight.id, response);
 }
 
-void GetFlights(Service& service, const Call&, httplib::Response& response) {
-  nlohmann::json flights = nlohmann::json::array();
-  for (const FlightRow& flight : service.storage.flights.List()) {
-    flights.push_back(FlightJson(service, flight));
+void GetFlights(Service& service, const Call& call, httplib::Response& response) {
+  const FlightPage page =
+      service.storage.flights.ListPage(ParseLimit(call), ParseNumberCursor(call));
+  std::string flights;
+  for (const FlightSummary& summary : page.flights) {
+    flights += (flights.empty() ? "" : ",") + FlightJson(service, summary).dump();
   }
-  response.set_content(nlohmann::json{{"flights", flights}}.dump(), "application/json");
+  AnswerPage("flights",
+             flights,
+             page.has_more ? std::optional(page.flights.back().number) : std::nullopt,
+             response);
 }
 
 void GetFlight(Service& service, const Call& call, httplib::Response& response) {
-  response.set_content(FlightJson(service, ExistingFlight(service, call)).dump(),
-                       "application/json");
+  AnswerFlight(service, call.Id("flight"), response);
 }
 
 void DeleteFlight(Service& service, const Call& call, httplib::Response& response) {

@@ -5,6 +5,7 @@
 #include "api/api.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/handlers/paging.h"
 #include "server/http/http.h"
 #include "server/work/work.h"
 
@@ -62,10 +63,15 @@ void PostFinish(Service& service, const Call& call, httplib::Response& response)
   AnswerJob(job, response);
 }
 
-void GetJobs(Service& service, const Call&, httplib::Response& response) {
-  nlohmann::json jobs = nlohmann::json::array();
-  for (const JobRow& job : service.storage.jobs.List()) jobs.push_back(JobJson(job));
-  response.set_content(nlohmann::json{{"jobs", jobs}}.dump(), "application/json");
+void GetJobs(Service& service, const Call& call, httplib::Response& response) {
+  const JobPage page = service.storage.jobs.ListPage(
+      ParseLimit(call), ParseNumberCursor(call), kLimits.answer.max_list_bytes);
+  std::string jobs;
+  for (const JobRow& job : page.jobs) jobs += (jobs.empty() ? "" : ",") + JobJson(job).dump();
+  AnswerPage("jobs",
+             jobs,
+             page.has_more ? std::optional(page.jobs.back().number) : std::nullopt,
+             response);
 }
 
 void GetJob(Service& service, const Call& call, httplib::Response& response) {

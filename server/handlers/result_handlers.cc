@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cmath>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
@@ -8,6 +6,7 @@
 #include "server/handlers/bounding_box.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/handlers/paging.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
@@ -18,20 +17,26 @@ constexpr char kGeoJson[] = "application/geo+json";
 std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
   std::vector<nlohmann::json> features;
   features.reserve(sites.size());
-  for (const SiteRow& site : sites) {
-    features.push_back(FeatureOf(site));
-  }
+  for (const SiteRow& site : sites) features.push_back(FeatureOf(site));
   return features;
 }
 
-size_t ParseLimit(const Call& call) {
-  constexpr auto kMax = static_cast<double>(kLimits.answer.max_num_listed_sites);
-  const double limit = call.QueryNumber("limit").value_or(kMax);
-  if (limit < 1 || limit > kMax || limit != std::floor(limit)) {
-    const std::string rule = "must be 1 to " + std::to_string(kLimits.answer.max_num_listed_sites);
-    throw ApiError("InvalidValue", "limit: " + rule, {{"limit", rule}});
+struct RankedRow {
+  RankKey key;
+  const SiteRow* row = nullptr;
+};
+
+// One feature is parsed at a time: all of them together take many times the memory of their text.
+std::vector<RankedRow> Ranked(const std::vector<SiteRow>& sites) {
+  std::vector<RankedRow> ranked;
+  ranked.reserve(sites.size());
+  for (const SiteRow& site : sites) {
+    ranked.push_back({RankKeyOf(nlohmann::json::parse(site.feature_json)), &site});
   }
-  return static_cast<size_t>(limit);
+  std::sort(ranked.begin(), ranked.end(), [](const RankedRow& a, const RankedRow& b) {
+    return a.key < b.key;
+  });
+  return ranked;
 }
 
 }  // namespace
@@ -61,13 +66,27 @@ void GetFlightSites(Service& service, const Call& call, httplib::Response& respo
   response.set_content(RankedSites(features).dump(), kGeoJson);
 }
 
+// The rank of a site is its place in the whole list, also on a later page.
 void GetSites(Service& service, const Call& call, httplib::Response& response) {
   const std::optional<BoundingBox> box = ParseBoundingBox(call);
   const size_t limit = ParseLimit(call);
-  nlohmann::json sites = RankedSites(FeaturesOf(ListedSites(service, call, std::nullopt, box)));
-  nlohmann::json& features = sites["features"];
-  while (features.size() > limit) features.erase(features.size() - 1);
-  response.set_content(sites.dump(), kGeoJson);
+  const std::optional<RankKey> after = ParseRankCursor(call);
+  const std::vector<SiteRow> sites = ListedSites(service, call, std::nullopt, box);
+  const std::vector<RankedRow> ranked = Ranked(sites);
+  const auto is_up_to = [](const RankKey& key, const RankedRow& row) { return key < row.key; };
+  const auto first =
+      after ? std::upper_bound(ranked.begin(), ranked.end(), *after, is_up_to) : ranked.begin();
+  const auto end = first + static_cast<std::ptrdiff_t>(
+                               std::min(limit, static_cast<size_t>(ranked.end() - first)));
+  std::string body = R"({"type":"FeatureCollection","features":[)";
+  for (auto row = first; row != end; ++row) {
+    nlohmann::json feature = FeatureOf(*row->row);
+    feature["properties"]["rank"] = row - ranked.begin() + 1;
+    body += (row == first ? "" : ",") + feature.dump();
+  }
+  body += "]";
+  if (end != ranked.end()) body += R"(,"next":)" + nlohmann::json(CursorOf((end - 1)->key)).dump();
+  response.set_content(body + "}", kGeoJson);
 }
 
 // Answers the site with its rank in its flight.

@@ -54,7 +54,7 @@ void GetMetrics(Service& service, const Call&, httplib::Response& response) {
   };
   gauge("queued_frames", "Frames that wait for the engine.", service.storage.frames.CountQueued());
   gauge("unfinished_jobs", "Jobs queued or running.", service.storage.jobs.ListUnfinished().size());
-  gauge("flights", "Stored flights.", service.storage.flights.List().size());
+  gauge("flights", "Stored flights.", service.storage.flights.Count());
   gauge("recallable_sites",
         "Sites that emergency recall may answer with.",
         service.storage.sites.CountRecallable());

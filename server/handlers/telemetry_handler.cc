@@ -48,8 +48,9 @@ class TelemetryIntake {
   }
   void Commit() {
     if (rows_.empty()) return;
-    intake_.storage.telemetry.Put(flight_id_, rows_);
+    const bool has_flight = intake_.storage.telemetry.Put(flight_id_, rows_);
     rows_.clear();
+    if (!has_flight) throw ApiError("NoSuchFlight", "the flight was deleted");
     intake_.wake_worker();
     intake_.on_new_pose(flight_id_);
   }

@@ -1,7 +1,6 @@
 #include "server/http/client_socket.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 
 #include <netinet/in.h>
@@ -14,9 +13,9 @@ namespace freelsd {
 namespace {
 
 constexpr std::chrono::seconds kWriteTimeout{10};
-constexpr std::chrono::seconds kLingerTime{2};
-// Most bytes that Linger reads from a client.
-constexpr size_t kMaxLingerBytes = size_t{64} << 20;
+// A client that acknowledges nothing for that long has vanished. Without it the kernel waits a
+// quarter of an hour.
+constexpr std::chrono::milliseconds kAcknowledgementTimeout{20000};
 
 bool WaitFor(int descriptor, short events, SteadyTime deadline) {
   while (true) {
@@ -30,6 +29,8 @@ bool WaitFor(int descriptor, short events, SteadyTime deadline) {
   }
 }
 
+bool IsOnlyBusy(int error) { return error == EINTR || error == EAGAIN; }
+
 }  // namespace
 
 ClientSocket::ClientSocket(int descriptor) : descriptor_(descriptor) {
@@ -37,6 +38,8 @@ ClientSocket::ClientSocket(int descriptor) : descriptor_(descriptor) {
   // acknowledgement.
   const int on = 1;
   ::setsockopt(descriptor_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
+  const auto timeout_ms = static_cast<unsigned int>(kAcknowledgementTimeout.count());
+  ::setsockopt(descriptor_, IPPROTO_TCP, TCP_USER_TIMEOUT, &timeout_ms, sizeof(timeout_ms));
 }
 
 ClientSocket::~ClientSocket() {
@@ -44,15 +47,24 @@ ClientSocket::~ClientSocket() {
   ::close(descriptor_);
 }
 
-bool ClientSocket::IsReadableBefore(SteadyTime deadline) const {
-  return WaitFor(descriptor_, POLLIN, deadline);
+std::optional<size_t> ClientSocket::ReadNow(char* bytes, size_t size) const {
+  const ssize_t num_read = ::recv(descriptor_, bytes, size, MSG_DONTWAIT);
+  if (num_read >= 0) return static_cast<size_t>(num_read);
+  if (IsOnlyBusy(errno)) return std::nullopt;
+  return 0;
+}
+
+std::optional<size_t> ClientSocket::WriteNow(std::string_view bytes) const {
+  const ssize_t num_sent =
+      ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  if (num_sent >= 0) return static_cast<size_t>(num_sent);
+  if (IsOnlyBusy(errno)) return 0;
+  return std::nullopt;
 }
 
 size_t ClientSocket::Read(char* bytes, size_t size, SteadyTime deadline) const {
-  while (IsReadableBefore(deadline)) {
-    const ssize_t num_read = ::recv(descriptor_, bytes, size, MSG_DONTWAIT);
-    if (num_read >= 0) return static_cast<size_t>(num_read);
-    if (errno != EINTR && errno != EAGAIN) return 0;
+  while (WaitFor(descriptor_, POLLIN, deadline)) {
+    if (const std::optional<size_t> num_read = ReadNow(bytes, size)) return *num_read;
   }
   return 0;
 }
@@ -61,26 +73,17 @@ bool ClientSocket::Write(std::string_view bytes) const {
   SteadyTime deadline = std::chrono::steady_clock::now() + kWriteTimeout;
   while (!bytes.empty()) {
     if (!WaitFor(descriptor_, POLLOUT, deadline)) return false;
-    const ssize_t num_sent =
-        ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (num_sent < 0 && errno != EINTR && errno != EAGAIN) return false;
-    if (num_sent > 0) {
-      bytes.remove_prefix(static_cast<size_t>(num_sent));
-      deadline = std::chrono::steady_clock::now() + kWriteTimeout;
-    }
+    const std::optional<size_t> num_sent = WriteNow(bytes);
+    if (!num_sent) return false;
+    if (*num_sent == 0) continue;
+    bytes.remove_prefix(*num_sent);
+    deadline = std::chrono::steady_clock::now() + kWriteTimeout;
   }
   return true;
 }
 
-void ClientSocket::Linger() const {
-  ::shutdown(descriptor_, SHUT_WR);
-  const SteadyTime deadline = std::chrono::steady_clock::now() + kLingerTime;
-  std::array<char, 65536> ignored;
-  for (size_t total = 0; total < kMaxLingerBytes;) {
-    const size_t num_read = Read(ignored.data(), ignored.size(), deadline);
-    if (num_read == 0) return;
-    total += num_read;
-  }
-}
+void ClientSocket::EndWriting() const { ::shutdown(descriptor_, SHUT_WR); }
+
+void ClientSocket::EndReading() const { ::shutdown(descriptor_, SHUT_RD); }
 
 }  // namespace freelsd

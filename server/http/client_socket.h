@@ -1,8 +1,9 @@
-// One accepted TCP connection. Reads have a deadline; a write sends all bytes. The destructor
-// closes the connection.
+// One accepted TCP connection. The destructor closes it. ReadNow and WriteNow never wait; Read and
+// Write wait up to a deadline and are for threads that serve one large body.
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string_view>
 
 namespace freelsd {
@@ -17,15 +18,18 @@ class ClientSocket {
   ClientSocket& operator=(const ClientSocket&) = delete;
 
   int descriptor() const { return descriptor_; }
-  // True if bytes, or the end of the client's data, arrive before the deadline.
-  bool IsReadableBefore(SteadyTime deadline) const;
+  // What arrived. 0: the client ended or the connection broke; nothing: nothing arrived.
+  std::optional<size_t> ReadNow(char* bytes, size_t size) const;
+  // Number of bytes that the kernel accepted; nothing: the connection broke.
+  std::optional<size_t> WriteNow(std::string_view bytes) const;
   // Number of bytes read; 0 if the client ended, the deadline passed, or the connection broke.
   size_t Read(char* bytes, size_t size, SteadyTime deadline) const;
   // False if the client reads too slowly or disconnected.
   bool Write(std::string_view bytes) const;
-  // Ends our side and reads for a while what the client still sends. Closing at once could discard
-  // an answer that the client has not read yet.
-  void Linger() const;
+  // Tells the client that no more bytes follow.
+  void EndWriting() const;
+  // Ends a Read that waits in another thread.
+  void EndReading() const;
 
  private:
   int descriptor_;

@@ -1,10 +1,9 @@
 // A log of the latest events, numbered. Server-Sent Events are read from it.
 #pragma once
 
-#include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -14,7 +13,7 @@ namespace freelsd {
 
 struct Event {
   int64_t number = 0;
-  std::string type;  // frame, region, site, job, alternates
+  std::string type;  // frame, region, site, job, alternates, resync
   std::string flight_id;
   std::string data;  // JSON, one line
 };
@@ -24,9 +23,14 @@ class EventLog {
  public:
   EventLog();
 
+  // Data beyond kLimits.events.max_event_bytes become an event "resync": the client must fetch the
+  // state.
   void Publish(const std::string& type, const std::string& flight_id, const std::string& data);
-  // Ends all calls of WaitAfter.
+  // Marks the end of the log for all listeners.
   void Stop();
+  // `call` is called after each event and after Stop, by the thread that publishes. It must not
+  // wait.
+  void CallOnNews(std::function<void()> call);
 
   // "<start time of this log>-<number>"; unique also across restarts.
   std::string IdOf(int64_t number) const;
@@ -38,22 +42,25 @@ class EventLog {
     std::vector<Event> events;
     // Events were dropped: the listener must fetch the whole state.
     bool has_gap = false;
-    // Stop was called.
+    // Stop was called, and no event is left.
     bool is_over = false;
+    // Number of the last event that was looked at.
     int64_t last_number = 0;
   };
-  // Waits for events after `number` and returns them; no events if the deadline passes first. An
+  // The events after `number`; it ends with the event whose data exceed `max_bytes` together. An
   // empty flight_id stands for all flights.
-  Batch WaitAfter(int64_t number,
-                  const std::string& flight_id,
-                  std::chrono::steady_clock::time_point deadline) const;
+  Batch After(int64_t number, const std::string& flight_id, size_t max_bytes) const;
 
  private:
+  void DropOld();
+
   std::string epoch_;
-  // Guards events_, last_number_ and is_over_.
+  // Guards all below.
   mutable std::mutex mutex_;
-  mutable std::condition_variable changed_;
+  std::function<void()> on_news_ = [] {};
+  // Without a gap between their numbers.
   std::deque<Event> events_;
+  size_t num_bytes_ = 0;
   int64_t last_number_ = 0;
   bool is_over_ = false;
 };

@@ -10,6 +10,7 @@
 #include "server/http/metrics.h"
 #include "server/http/multipart.h"
 #include "server/http/page.h"
+#include "server/http/problem.h"
 #include "server/http/request_head.h"
 #include "server/http/stamps.h"
 #include "server/http/tokens.h"

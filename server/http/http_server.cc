@@ -1,33 +1,50 @@
 #include "server/http/http_server.h"
 
 #include <algorithm>
-#include <array>
 #include <stdexcept>
 
 #include <sys/socket.h>
 
 #include "api/api.h"
+#include "server/http/problem.h"
 
 namespace freelsd {
 namespace {
 
-constexpr std::chrono::milliseconds kStopPollPeriod{200};
+// Told to clients; the poll loop does not count.
 constexpr int kMaxRequestsPerConnection = 10000;
 // Most connections that wait to be accepted. The library's default of 5 refuses bursts.
 constexpr int kListenBacklog = 1024;
 constexpr size_t kWriteBufferBytes = 256 << 10;
 
-// Body of the request that this thread serves. The library passes no argument of ours to handlers.
+// The request that this thread serves. The library passes no argument of ours to handlers.
 thread_local BodyReader* body_of_this_thread = nullptr;
+thread_local Connection* connection_of_this_thread = nullptr;
 
-// The stream from which the library reads a checked head, and to which it writes its answer.
+// Sets both while a request is served.
+class ServedRequest {
+ public:
+  ServedRequest(BodyReader& body, Connection& connection) {
+    body_of_this_thread = &body;
+    connection_of_this_thread = &connection;
+  }
+  ~ServedRequest() {
+    body_of_this_thread = nullptr;
+    connection_of_this_thread = nullptr;
+  }
+  ServedRequest(const ServedRequest&) = delete;
+  ServedRequest& operator=(const ServedRequest&) = delete;
+};
+
+// The stream from which the library reads a checked head, and to which it writes its answer. It
+// never waits for the client: what the client does not take now stays in the connection's output.
 class HeadStream : public httplib::Stream {
  public:
-  HeadStream(const ClientSocket& socket, std::string head)
-      : socket_(socket), head_(std::move(head)) {}
+  HeadStream(Connection& connection, const std::string& head)
+      : connection_(connection), head_(head) {}
 
   bool is_readable() const override { return position_ < head_.size(); }
-  bool is_writable() const override { return !is_broken_; }
+  bool is_writable() const override { return true; }
   ssize_t read(char* bytes, size_t size) override {
     const size_t num_taken = std::min(size, head_.size() - position_);
     head_.copy(bytes, num_taken, position_);
@@ -35,9 +52,9 @@ class HeadStream : public httplib::Stream {
     return static_cast<ssize_t>(num_taken);
   }
   ssize_t write(const char* bytes, size_t size) override {
-    answer_.append(bytes, size);
-    if (answer_.size() > kWriteBufferBytes) Flush();
-    return is_broken_ ? -1 : static_cast<ssize_t>(size);
+    connection_.output.Append({bytes, size});
+    if (connection_.output.size() <= kWriteBufferBytes) return static_cast<ssize_t>(size);
+    return connection_.output.SendTo(connection_.socket) ? static_cast<ssize_t>(size) : -1;
   }
   using httplib::Stream::write;
   void get_remote_ip_and_port(std::string& ip, int& port) const override {
@@ -48,83 +65,20 @@ class HeadStream : public httplib::Stream {
     ip.clear();
     port = 0;
   }
-  socket_t socket() const override { return socket_.descriptor(); }
-
-  // True if everything was sent.
-  bool Flush() {
-    is_broken_ = is_broken_ || !socket_.Write(answer_);
-    answer_.clear();
-    return !is_broken_;
-  }
+  socket_t socket() const override { return connection_.socket.descriptor(); }
 
  private:
-  const ClientSocket& socket_;
-  std::string head_;
+  Connection& connection_;
+  const std::string& head_;
   size_t position_ = 0;
-  std::string answer_;
-  bool is_broken_ = false;
 };
-
-thread_local HeadStream* stream_of_this_thread = nullptr;
-
-// The whole answer with a problem+json, for requests that never reach the library.
-std::string RawProblem(const ApiError& error) {
-  const std::string body = ProblemJson(error);
-  std::string allow;
-  if (error.http_status() == 405) allow = "Allow: GET, HEAD, POST, PUT, DELETE\r\n";
-  return "HTTP/1.1 " + std::to_string(error.http_status()) + " " + error.code() +
-         "\r\nContent-Type: application/problem+json\r\nConnection: close\r\n" + allow +
-         "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
-}
-
-// Takes a head, blank line included, out of `buffered`. Nothing if the client ends or sends
-// nothing. Throws ApiError if the head is too large or arrives too slowly.
-std::optional<std::string> ReadHead(const ClientSocket& socket,
-                                    std::string& buffered,
-                                    const HeadLimits& limits,
-                                    SteadyTime deadline) {
-  std::array<char, 4096> bytes;
-  size_t end = 0;
-  while ((end = buffered.find("\r\n\r\n")) == std::string::npos) {
-    if (buffered.size() > limits.max_bytes) {
-      throw buffered.find("\r\n") == std::string::npos
-          ? ApiError("UriTooLong", "the request line does not end")
-          : ApiError("HeadersTooLarge",
-                     "the head is larger than " + std::to_string(limits.max_bytes) + " bytes");
-    }
-    const size_t num_read = socket.Read(bytes.data(), bytes.size(), deadline);
-    if (num_read == 0 && buffered.empty()) return std::nullopt;
-    if (num_read == 0) throw ApiError("RequestTimeout", "the head did not arrive in time");
-    buffered.append(bytes.data(), num_read);
-    // Blank lines before a request are allowed (RFC 9112, 2.2).
-    while (buffered.starts_with("\r\n")) buffered.erase(0, 2);
-  }
-  std::string head = buffered.substr(0, end + 4);
-  buffered.erase(0, end + 4);
-  if (head.size() > limits.max_bytes) {
-    throw ApiError("HeadersTooLarge",
-                   "the head is larger than " + std::to_string(limits.max_bytes) + " bytes");
-  }
-  return head;
-}
 
 }  // namespace
 
-void AnswerProblem(const ApiError& error, httplib::Response& response) {
-  response.status = error.http_status();
-  response.set_content(ProblemJson(error), "application/problem+json");
-  if (const std::optional<int> seconds = RetryAfterSeconds(error.code())) {
-    response.set_header("Retry-After", std::to_string(*seconds));
-  }
-  if (error.http_status() == 401) response.set_header("WWW-Authenticate", "Bearer");
-}
-
 HttpServer::HttpServer(const HttpOptions& options, Handler handler)
-    : options_(options), handler_(std::move(handler)) {
-  new_task_queue = [num_threads = options.num_threads] {
-    return new httplib::ThreadPool(static_cast<size_t>(num_threads));
-  };
-  set_tcp_nodelay(true);
+    : options_(options), handler_(std::move(handler)), loop_(options_.rules) {
+  set_keep_alive_timeout(kLimits.connection.max_idle_s);
+  set_keep_alive_max_count(kMaxRequestsPerConnection);
   // The library's default is SO_REUSEPORT, with which a second server could share the port.
   set_socket_options([](socket_t descriptor) {
     const int on = 1;
@@ -154,17 +108,27 @@ int HttpServer::Bind(const std::string& host, int port) {
     throw std::runtime_error("cannot listen on " + host + ":" + std::to_string(port) +
                              ": the port is taken or the address is not this machine's");
   }
+  listening_socket_ = std::make_unique<OwnDescriptor>(svr_sock_);
   ::listen(svr_sock_, kListenBacklog);
   return bound;
 }
 
-bool FlushAnswer() { return stream_of_this_thread->Flush(); }
-
-void HttpServer::Run() { listen_after_bind(); }
+void HttpServer::Run() {
+  httplib::ThreadPool threads(static_cast<size_t>(options_.num_threads));
+  const int num_large =
+      options_.rules.takes_large_bodies ? kLimits.connection.max_num_large_bodies : 0;
+  httplib::ThreadPool large_bodies(static_cast<size_t>(num_large));
+  loop_.Run(listening_socket_->value(), [&](Connection& connection) {
+    httplib::ThreadPool& pool = connection.has_large_body ? large_bodies : threads;
+    pool.enqueue([this, &connection] { Serve(connection); });
+  });
+  threads.shutdown();
+  large_bodies.shutdown();
+}
 
 void HttpServer::Stop() {
   is_stopping_ = true;
-  stop();
+  loop_.Stop();
 }
 
 void HttpServer::Answer(const httplib::Request& request, httplib::Response& response) const {
@@ -173,51 +137,35 @@ void HttpServer::Answer(const httplib::Request& request, httplib::Response& resp
   if (!body.SkipRest()) response.set_header("Connection", "close");
 }
 
-bool HttpServer::WaitForRequest(const ClientSocket& socket, const std::string& buffered) const {
-  const SteadyTime deadline = std::chrono::steady_clock::now() + options_.idle_timeout;
-  while (buffered.empty() && !is_stopping_ && std::chrono::steady_clock::now() < deadline) {
-    if (socket.IsReadableBefore(std::chrono::steady_clock::now() + kStopPollPeriod)) return true;
-  }
-  return !buffered.empty();
-}
-
-bool HttpServer::ServeOne(const ClientSocket& socket, std::string& buffered, bool is_last) {
+void HttpServer::Serve(Connection& connection) {
   try {
-    const SteadyTime deadline = std::chrono::steady_clock::now() + options_.head_timeout;
-    const std::optional<std::string> text = ReadHead(socket, buffered, options_.head, deadline);
-    if (!text) return false;
-    const RequestHead head = ParseRequestHead(*text, options_.head, options_.allowed_hosts);
-    BodyReader body(socket, head, buffered);
-    HeadStream stream(socket, head.forwarded);
-    body_of_this_thread = &body;
-    stream_of_this_thread = &stream;
+    BodyReader body(connection.socket, connection.request.head(), connection.input);
+    HeadStream stream(connection, connection.request.head().forwarded);
+    const ServedRequest served(body, connection);
     bool is_closed = false;
-    const bool is_written =
-        process_request(stream, is_last || is_stopping_, is_closed, nullptr) && stream.Flush();
-    body_of_this_thread = nullptr;
-    stream_of_this_thread = nullptr;
-    if (!body.IsAtEnd()) {
-      socket.Linger();
-      return false;
-    }
-    return is_written && !is_closed;
-  } catch (const ApiError& error) {
-    socket.Write(RawProblem(error));
-    socket.Linger();
-    return false;
+    const bool is_whole = process_request(stream, is_stopping_, is_closed, nullptr);
+    connection.is_last = is_closed || !is_whole || !body.IsAtEnd();
+    connection.must_linger = !body.IsAtEnd();
+    // What the client takes at once need not wait for the poll loop.
+    connection.output.SendTo(connection.socket);
   } catch (const std::exception&) {
     // Most likely out of memory: only this connection ends.
-    return false;
+    connection.is_last = true;
   }
+  loop_.GiveBack(connection);
 }
 
-bool HttpServer::process_and_close_socket(socket_t descriptor) {
-  const ClientSocket socket(descriptor);
-  std::string buffered;
-  for (int i = 1; i <= kMaxRequestsPerConnection && WaitForRequest(socket, buffered); ++i) {
-    if (!ServeOne(socket, buffered, i == kMaxRequestsPerConnection)) break;
-  }
-  return true;
+void AnswerLive(httplib::Response& response,
+                const std::string& content_type,
+                const std::string& begin,
+                LiveAnswer rest) {
+  connection_of_this_thread->live = std::move(rest);
+  // The library writes the head and the first chunk. The result false keeps it from ending the
+  // answer.
+  response.set_chunked_content_provider(content_type, [begin](size_t, httplib::DataSink& sink) {
+    sink.write(begin.data(), begin.size());
+    return false;
+  });
 }
 
 }  // namespace freelsd

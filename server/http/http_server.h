@@ -1,28 +1,24 @@
-// cpp-httplib's server with our own handling of connections. Heads are checked before the library
-// parses them, handlers read the bodies, and every error is answered as problem+json.
+// cpp-httplib's parsing and formatting behind our own poll loop. Heads are checked before the
+// library parses them, requests reach a thread only when they are whole, and every error is
+// answered as problem+json.
 #pragma once
 
 #include <atomic>
-#include <chrono>
 #include <functional>
+#include <memory>
 #include <string>
-#include <vector>
 
 #include "server/http/body_reader.h"
+#include "server/http/connection_loop.h"
 #include "server/http/http_library.h"
-#include "server/http/request_head.h"
 
 namespace freelsd {
 
-// Limits of one listener.
+// Settings of one listener.
 struct HttpOptions {
-  HeadLimits head;
-  std::vector<std::string> allowed_hosts;
+  RequestRules rules;
+  // Threads for whole requests. Large bodies have threads of their own.
   int num_threads = 32;
-  // How long a client may take to send a head.
-  std::chrono::milliseconds head_timeout{5000};
-  // How long a thread waits for the next request of its connection.
-  std::chrono::milliseconds idle_timeout{15000};
 };
 
 class HttpServer : public httplib::Server {
@@ -38,24 +34,26 @@ class HttpServer : public httplib::Server {
   // Serves until another thread calls Stop.
   void Run();
   void Stop();
+  // A call that makes this server ask all live answers for text. Thread-safe; may outlive the
+  // server.
+  std::function<void()> NewsCall() const { return loop_.NewsCall(); }
 
  private:
-  bool process_and_close_socket(socket_t descriptor) override;
-  // True if the connection can be kept.
-  bool ServeOne(const ClientSocket& socket, std::string& buffered, bool is_last);
-  bool WaitForRequest(const ClientSocket& socket, const std::string& buffered) const;
+  void Serve(Connection& connection);
   void Answer(const httplib::Request& request, httplib::Response& response) const;
 
   HttpOptions options_;
   Handler handler_;
+  ConnectionLoop loop_;
+  std::unique_ptr<OwnDescriptor> listening_socket_;
   std::atomic<bool> is_stopping_{false};
 };
 
-// Sends the part of the answer that is written so far; for answers that continue as events happen.
-// Call it only while serving a request. False if the client disconnected.
-bool FlushAnswer();
-
-// Fills the response with the error as problem+json.
-void AnswerProblem(const class ApiError& error, httplib::Response& response);
+// Answers with a text that begins now and continues after the handler has returned: the poll loop
+// sends it, so the client holds no thread. Call it only while serving a request.
+void AnswerLive(httplib::Response& response,
+                const std::string& content_type,
+                const std::string& begin,
+                LiveAnswer rest);
 
 }  // namespace freelsd

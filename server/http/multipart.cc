@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "api/api.h"
+#include "server/http/lower_case.h"
 
 namespace freelsd {
 namespace {
@@ -16,16 +16,9 @@ constexpr size_t kFillBytes = 65536;
 
 [[noreturn]] void Refuse(const std::string& detail) { throw ApiError("InvalidMultipart", detail); }
 
-std::string Lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  return text;
-}
-
 // Value of `; key="value"` or `; key=value`. A backslash escapes a quote, as in browsers and curl.
 std::optional<std::string> Parameter(const std::string& header, const std::string& key) {
-  const std::string lower = Lower(header);
+  const std::string lower = LowerCase(header);
   for (size_t at = lower.find(key + "="); at != std::string::npos;
        at = lower.find(key + "=", at + 1)) {
     if (at == 0 || (lower[at - 1] != ';' && lower[at - 1] != ' ')) continue;
@@ -47,7 +40,7 @@ std::optional<std::string> Parameter(const std::string& header, const std::strin
 
 std::optional<std::string> MultipartBoundary(const std::string& content_type,
                                              const std::string& kind) {
-  if (!Lower(content_type).starts_with(kind)) return std::nullopt;
+  if (!LowerCase(content_type).starts_with(kind)) return std::nullopt;
   std::optional<std::string> boundary = Parameter(content_type, "boundary");
   if (!boundary || boundary->empty() || boundary->size() > kMaxBoundaryBytes) {
     Refuse("the Content-Type has no usable boundary");
@@ -120,9 +113,9 @@ std::optional<Part> MultipartReader::Next() {
       return part;
     }
     const size_t colon = std::min(line.find(':'), line.size());
-    const std::string key = Lower(line.substr(0, colon));
+    const std::string key = LowerCase(line.substr(0, colon));
     const size_t begin = std::min(line.find_first_not_of(" :\t", colon), line.size());
-    if (key == "content-type") part.content_type = Lower(line.substr(begin));
+    if (key == "content-type") part.content_type = LowerCase(line.substr(begin));
     if (key == "x-timestamp-us") part.timestamp_us = line.substr(begin);
     if (key != "content-disposition") continue;
     part.name = Parameter(line, "name").value_or("");

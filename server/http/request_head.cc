@@ -6,6 +6,8 @@
 #include <map>
 
 #include "api/api.h"
+#include "server/http/lower_case.h"
+#include "server/http/origin_check.h"
 
 namespace freelsd {
 namespace {
@@ -28,14 +30,6 @@ constexpr std::array<std::string_view, 9> kKeptBack{"content-length",
 constexpr size_t kMaxLengthDigits = 15;
 
 [[noreturn]] void Refuse(const std::string& detail) { throw ApiError("InvalidRequest", detail); }
-
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) {
-    return static_cast<char>(std::tolower(c));
-  });
-  return lower;
-}
 
 std::string Trimmed(std::string_view text) {
   const size_t begin = text.find_first_not_of(" \t");
@@ -70,7 +64,7 @@ std::vector<std::string_view> SplitLines(std::string_view text, const HeadLimits
 }
 
 bool HasEncodedControl(const std::string& value) {
-  const std::string lower = Lower(value);
+  const std::string lower = LowerCase(value);
   return lower.find("%0a") != std::string::npos || lower.find("%0d") != std::string::npos ||
          lower.find("%00") != std::string::npos;
 }
@@ -85,7 +79,7 @@ std::pair<std::string, std::string> ParseField(std::string_view line) {
     return (c < 0x20 && c != '\t') || c == 0x7f;
   });
   if (has_control || HasEncodedControl(value)) Refuse("a header value has control characters");
-  return {Lower(line.substr(0, colon)), std::move(value)};
+  return {LowerCase(line.substr(0, colon)), std::move(value)};
 }
 
 void ParseRequestLine(std::string_view line, const HeadLimits& limits, RequestHead& head) {
@@ -124,7 +118,7 @@ void ParseBodyFields(const Fields& fields, RequestHead& head) {
   if (!lengths.empty() && !encodings.empty())
     Refuse("Content-Length and Transfer-Encoding exclude each other");
   if (!encodings.empty()) {
-    if (encodings.size() > 1 || Lower(encodings[0]) != "chunked") {
+    if (encodings.size() > 1 || LowerCase(encodings[0]) != "chunked") {
       Refuse("the only supported Transfer-Encoding is chunked");
     }
     head.is_chunked = true;
@@ -141,37 +135,9 @@ void ParseBodyFields(const Fields& fields, RequestHead& head) {
     throw ApiError("UnsupportedMediaType", "Content-Encoding is not supported");
   }
   const std::vector<std::string> expectations = ValuesOf(fields, "expect");
-  head.expects_continue = !expectations.empty() && Lower(expectations[0]) == "100-continue";
+  head.expects_continue = !expectations.empty() && LowerCase(expectations[0]) == "100-continue";
   const bool takes_body = head.method == "POST" || head.method == "PUT" || head.method == "PATCH";
   if (head.HasBody() && !takes_body) Refuse("a " + head.method + " request must have no body");
-}
-
-// "[::1]:8080" -> "[::1]", "localhost:8080" -> "localhost".
-std::string HostWithoutPort(const std::string& host) {
-  const size_t bracket = host.find(']');
-  const size_t colon = host.find(':', bracket == std::string::npos ? 0 : bracket);
-  return Lower(host.substr(0, colon));
-}
-
-// A foreign web page must not reach this server under the page's own host name (DNS rebinding), and
-// must not send requests across origins.
-void CheckHostAndOrigin(const Fields& fields, const std::vector<std::string>& allowed_hosts) {
-  const std::vector<std::string> hosts = ValuesOf(fields, "host");
-  if (hosts.size() != 1) Refuse("exactly one Host header is required");
-  const std::string host = HostWithoutPort(hosts[0]);
-  const bool is_loopback = host == "localhost" || host == "127.0.0.1" || host == "[::1]";
-  if (!is_loopback &&
-      std::find(allowed_hosts.begin(), allowed_hosts.end(), host) == allowed_hosts.end()) {
-    throw ApiError("ForbiddenHost", "the host name is not allowed");
-  }
-  const std::vector<std::string> origins = ValuesOf(fields, "origin");
-  // https is our origin too: a reverse proxy may handle TLS.
-  const std::string origin = origins.empty() ? "" : Lower(origins[0]);
-  const bool is_ours =
-      origin == "http://" + Lower(hosts[0]) || origin == "https://" + Lower(hosts[0]);
-  if (!origins.empty() && (origins.size() > 1 || !is_ours)) {
-    throw ApiError("ForbiddenOrigin", "requests from another origin are not accepted");
-  }
 }
 
 }  // namespace
@@ -185,7 +151,7 @@ RequestHead ParseRequestHead(std::string_view text,
   Fields fields;
   for (size_t i = 1; i < lines.size(); ++i) fields.push_back(ParseField(lines[i]));
   ParseBodyFields(fields, head);
-  CheckHostAndOrigin(fields, allowed_hosts);
+  CheckHostAndOrigin(ValuesOf(fields, "host"), ValuesOf(fields, "origin"), allowed_hosts);
   head.forwarded = std::string(lines[0]) + "\r\n";
   for (const auto& [name, value] : fields) {
     if (std::find(kKeptBack.begin(), kKeptBack.end(), name) != kKeptBack.end()) continue;

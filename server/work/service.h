@@ -36,8 +36,8 @@ struct Service {
   std::mutex sites_mutex;
   // Limits wind roses at the same time; others wait. One can take seconds if much is obstructed.
   std::counting_semaphore<> rose_planners{kLimits.concurrency.max_num_rose_planners};
-  // Limits clients that listen to events: each holds a thread.
-  std::counting_semaphore<> event_clients{kLimits.concurrency.max_num_event_clients};
+  // Limits clients that listen to events.
+  std::counting_semaphore<> event_clients{kLimits.events.max_num_clients};
 };
 
 }  // namespace freelsd

@@ -1,11 +1,15 @@
 #include "storage/flight_store.h"
 
+#include <limits>
+
 #include "storage/sqlite/flight_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/state.h"
 
 namespace freelsd {
 namespace {
+
+constexpr int kNumFlightColumns = 11;
 
 Statement SelectFlights(const Connection& connection, const std::string& which) {
   constexpr char kSelect[] =
@@ -28,6 +32,33 @@ FlightRow RowOf(const Statement& statement) {
   flight.ground_altitude_m = statement.OptionalReal(9);
   flight.has_retired_images = statement.Int(10) != 0;
   return flight;
+}
+
+// Each count comes from an index. The rowid is the order of insertion.
+Statement SelectSummaries(const Connection& connection, const std::string& which) {
+  constexpr char kSelect[] =
+      "SELECT id, name, request_json, rig_json, warnings_json, stages_json, created_at_us, "
+      "num_rejected_frames, has_failed, ground_altitude_m, has_retired_images, "
+      // Sequence numbers run from 1 without a gap.
+      "(SELECT coalesce(max(sequence), 0) FROM frames WHERE flight_id = flights.id), "
+      "(SELECT count(*) FROM frames WHERE flight_id = flights.id AND state = 0), "
+      "(SELECT count(*) FROM regions WHERE flight_id = flights.id), "
+      "(SELECT count(*) FROM sites WHERE flight_id = flights.id), "
+      "EXISTS (SELECT 1 FROM jobs WHERE flight_id = flights.id AND state < 2), "
+      "rowid FROM flights ";
+  return connection.Prepare((kSelect + which).c_str());
+}
+
+FlightSummary SummaryOf(const Statement& statement) {
+  FlightSummary summary;
+  summary.flight = RowOf(statement);
+  summary.num_frames = statement.Int(kNumFlightColumns);
+  summary.num_queued_frames = statement.Int(kNumFlightColumns + 1);
+  summary.num_regions = statement.Int(kNumFlightColumns + 2);
+  summary.num_sites = statement.Int(kNumFlightColumns + 3);
+  summary.has_unfinished_job = statement.Int(kNumFlightColumns + 4) != 0;
+  summary.number = statement.Int(kNumFlightColumns + 5);
+  return summary;
 }
 
 std::optional<FlightRow> FindFlightRow(const Connection& connection, const std::string& flight_id) {
@@ -112,6 +143,32 @@ std::vector<FlightRow> FlightStore::List() const {
   std::vector<FlightRow> flights;
   while (statement.Step()) flights.push_back(RowOf(statement));
   return flights;
+}
+
+std::optional<FlightSummary> FlightStore::FindSummary(const std::string& flight_id) const {
+  const Reader reader(state_.readers);
+  Statement statement = SelectSummaries(*reader, "WHERE id = ?1");
+  if (!statement.Bind(flight_id).Step()) return std::nullopt;
+  return SummaryOf(statement);
+}
+
+FlightPage FlightStore::ListPage(size_t limit, std::optional<int64_t> before_number) const {
+  const Reader reader(state_.readers);
+  Statement statement = SelectSummaries(*reader, "WHERE rowid < ?1 ORDER BY rowid DESC LIMIT ?2");
+  statement.Bind(before_number.value_or(std::numeric_limits<int64_t>::max()),
+                 static_cast<int64_t>(limit) + 1);
+  FlightPage page;
+  while (statement.Step()) page.flights.push_back(SummaryOf(statement));
+  page.has_more = page.flights.size() > limit;
+  if (page.has_more) page.flights.pop_back();
+  return page;
+}
+
+int64_t FlightStore::Count() const {
+  const Reader reader(state_.readers);
+  Statement statement = reader->Prepare("SELECT count(*) FROM flights");
+  statement.Step();
+  return statement.Int(0);
 }
 
 std::vector<std::string> FlightStore::ListWithQueuedFrames() const {

@@ -109,15 +109,6 @@ void FrameStore::ForEachResolved(
   while (statement.Step()) take(statement.Text(0));
 }
 
-FrameCounts FrameStore::Count(const std::string& flight_id) const {
-  const Reader reader(state_.readers);
-  Statement statement = reader->Prepare(
-      "SELECT count(*), coalesce(sum(state = 1), 0), coalesce(sum(state = 2), 0) FROM frames "
-      "WHERE flight_id = ?1");
-  statement.Bind(flight_id).Step();
-  return {statement.Int(0), statement.Int(1), statement.Int(2)};
-}
-
 int64_t FrameStore::CountQueued() const {
   const Reader reader(state_.readers);
   Statement statement =

@@ -1,13 +1,12 @@
 #include "storage/job_store.h"
 
+#include <limits>
+
 #include "storage/sqlite/job_rows.h"
 #include "storage/sqlite/state.h"
 
 namespace freelsd {
 namespace {
-
-// Bounds the answer, because jobs accumulate until their flight is deleted.
-constexpr int kMaxNumListedJobs = 1000;
 
 JobRow RowOf(const Statement& statement) {
   JobRow job;
@@ -19,13 +18,14 @@ JobRow RowOf(const Statement& statement) {
   job.stage = statement.Text(5);
   job.detail_json = statement.Text(6);
   job.created_at_us = statement.Int(7);
+  job.number = statement.Int(8);
   return job;
 }
 
 Statement SelectJobs(const Connection& connection, const std::string& which) {
   constexpr char kSelect[] =
-      "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, created_at_us "
-      "FROM jobs ";
+      "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, created_at_us, "
+      "number FROM jobs ";
   return connection.Prepare((kSelect + which).c_str());
 }
 
@@ -75,10 +75,21 @@ std::optional<JobRow> JobStore::Find(const std::string& job_id) const {
   return RowOf(statement);
 }
 
-std::vector<JobRow> JobStore::List() const {
+JobPage JobStore::ListPage(size_t limit,
+                           std::optional<int64_t> before_number,
+                           size_t max_bytes) const {
   const Reader reader(state_.readers);
-  Statement statement = SelectJobs(*reader, "ORDER BY number DESC LIMIT ?1");
-  return RowsOf(statement.Bind(kMaxNumListedJobs));
+  Statement statement = SelectJobs(*reader, "WHERE number < ?1 ORDER BY number DESC");
+  statement.Bind(before_number.value_or(std::numeric_limits<int64_t>::max()));
+  JobPage page;
+  size_t num_bytes = 0;
+  while (statement.Step()) {
+    page.has_more = page.jobs.size() == limit || num_bytes > max_bytes;
+    if (page.has_more) break;
+    page.jobs.push_back(RowOf(statement));
+    num_bytes += page.jobs.back().detail_json.size();
+  }
+  return page;
 }
 
 std::vector<JobRow> JobStore::ListOf(const std::string& flight_id) const {

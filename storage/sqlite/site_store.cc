@@ -15,13 +15,6 @@ std::vector<std::string> IdsOf(Statement& statement) {
 
 }  // namespace
 
-int64_t SiteStore::Count(const std::string& flight_id) const {
-  const Reader reader(state_.readers);
-  Statement statement = reader->Prepare("SELECT count(*) FROM sites WHERE flight_id = ?1");
-  statement.Bind(flight_id).Step();
-  return statement.Int(0);
-}
-
 uint64_t SiteStore::Version() const { return state_.sites_version; }
 
 void SiteStore::Put(const SiteRow& site, std::string_view map_blob, const Standings& others) {

@@ -20,9 +20,11 @@ std::optional<TelemetryRow> NextRow(Statement& statement, TelemetryKind kind) {
 
 }  // namespace
 
-void TelemetryStore::Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) {
+bool TelemetryStore::Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
+  Statement flight = state_.writer.Prepare("SELECT 1 FROM flights WHERE id = ?1");
+  if (!flight.Bind(flight_id).Step()) return false;
   int64_t next_us = NextArrival(state_.writer, flight_id);
   for (const TelemetryRow& row : rows) {
     const int64_t arrived_at_us = std::max(row.arrived_at_us, next_us);
@@ -40,6 +42,7 @@ void TelemetryStore::Put(const std::string& flight_id, const std::vector<Telemet
         .Run();
   }
   transaction.Commit();
+  return true;
 }
 
 std::vector<TelemetryRow> TelemetryStore::LastArrived(const std::string& flight_id,

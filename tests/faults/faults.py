@@ -15,6 +15,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import aborts
+import crowds
 import disks
 import harness
 import hostile_images
@@ -64,6 +65,8 @@ ROWS = [
      "p99 <= 20 ms", 2, 30, recalls.run_roses),
     ("alternates", "live flights that send 10 poses a second each", "each list of alternates <= 1 s "
      "old", 5, 50, live_flights.run),
+    ("crowd", "100 slow bodies, 100 slow heads, 100 idle connections, 30 readers of wind roses and a "
+     "batch together (seconds)", "0 recalls failed, p99 <= 20 ms", 0, 60, crowds.run),
     ("slow", "slow clients in front of nginx", "emergency p99 <= 50 ms, memory flat", 0, 60,
      slow_clients.run),
     ("soak", "a camera of 5 frames a second (minutes)", "memory and descriptors flat", 0, 30,

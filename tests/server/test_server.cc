@@ -141,14 +141,14 @@ std::string RawConnection::Receive() {
   }
 }
 
-std::string RawConnection::ReceiveHead() {
+std::string RawConnection::ReceiveUntil(const std::string& text) {
   char bytes[4096];
   while (true) {
-    const size_t end = buffer_.find("\r\n\r\n");
+    const size_t end = buffer_.find(text);
     if (end != std::string::npos) {
-      std::string head = buffer_.substr(0, end + 4);
-      buffer_.erase(0, end + 4);
-      return head;
+      std::string received = buffer_.substr(0, end + text.size());
+      buffer_.erase(0, end + text.size());
+      return received;
     }
     const ssize_t num_read = ::recv(descriptor_, bytes, sizeof(bytes), 0);
     if (num_read <= 0) return {};

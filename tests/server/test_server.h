@@ -68,7 +68,9 @@ class RawConnection {
   // One answer with a Content-Length: status line, headers and body. Empty when the server closes.
   std::string Receive();
   // Up to the blank line alone.
-  std::string ReceiveHead();
+  std::string ReceiveHead() { return ReceiveUntil("\r\n\r\n"); }
+  // Up to that text, and with it. Empty when the server closes, or sends nothing for ten seconds.
+  std::string ReceiveUntil(const std::string& text);
 
  private:
   int descriptor_;

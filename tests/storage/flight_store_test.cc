@@ -34,6 +34,34 @@ TEST_CASE(
   CHECK(storage.sites.Find("f-r3"));
 }
 
+TEST_CASE("flight store: pages list every flight once, newest first, with its numbers") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  for (const char* const id : {"a", "b", "c"}) storage.flights.Insert(SomeFlight(id));
+  storage.images.Write(kImage, "image");
+  storage.frames.Insert("b", {SomeFrame("b", "one"), SomeFrame("b", "two")}, SomeJob("j", "b"));
+  storage.frames.SetState("b", "one", FrameState::kProcessed, "");
+  storage.flights.ReplaceRegions("b", {{7, "{}", "[]"}});
+  storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
+  const FlightPage first = storage.flights.ListPage(2, std::nullopt);
+  REQUIRE(first.flights.size() == 2);
+  CHECK(first.has_more);
+  CHECK(first.flights[0].flight.id == "c");
+  const FlightSummary& busy = first.flights[1];
+  CHECK(busy.flight.id == "b");
+  CHECK(busy.num_frames == 2);
+  CHECK(busy.num_queued_frames == 1);
+  CHECK(busy.num_regions == 1);
+  CHECK(busy.num_sites == 0);
+  CHECK(busy.has_unfinished_job);
+  const FlightPage second = storage.flights.ListPage(2, busy.number);
+  REQUIRE(second.flights.size() == 1);
+  CHECK_FALSE(second.has_more);
+  CHECK(second.flights[0].flight.id == "a");
+  CHECK(storage.flights.Count() == 3);
+  CHECK_FALSE(storage.flights.FindSummary("d"));
+}
+
 TEST_CASE("flight store: deleting a flight forgets its sites when asked") {
   const TemporaryFolder folder;
   Storage storage(folder.path());

@@ -21,8 +21,30 @@ TEST_CASE("job store: a finished job is not changed any more") {
   storage.jobs.Update(job);
   CHECK(storage.jobs.Find("j")->state == JobState::kCancelled);
   CHECK(storage.jobs.ListUnfinished().empty());
-  CHECK(storage.jobs.List().size() == 1);
+  CHECK(storage.jobs.ListPage(10, std::nullopt, 1000).jobs.size() == 1);
   CHECK(storage.jobs.Delete("j"));
+}
+
+TEST_CASE("job store: pages list every job once, newest first, and end early for large details") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  storage.flights.Insert(SomeFlight("f"));
+  for (int i = 0; i < 5; ++i) {
+    JobRow job = SomeJob("j" + std::to_string(i), "f");
+    job.detail_json = std::string(100, ' ') + "{}";
+    storage.jobs.Insert(job);
+  }
+  const JobPage first = storage.jobs.ListPage(3, std::nullopt, 100000);
+  REQUIRE(first.jobs.size() == 3);
+  CHECK(first.has_more);
+  CHECK(first.jobs[0].id == "j4");
+  const JobPage second = storage.jobs.ListPage(3, first.jobs[2].number, 100000);
+  REQUIRE(second.jobs.size() == 2);
+  CHECK_FALSE(second.has_more);
+  CHECK(second.jobs[1].id == "j0");
+  const JobPage short_page = storage.jobs.ListPage(3, std::nullopt, 50);
+  CHECK(short_page.jobs.size() == 1);
+  CHECK(short_page.has_more);
 }
 
 }  // namespace

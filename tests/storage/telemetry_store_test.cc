@@ -55,5 +55,15 @@ TEST_CASE(
   CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kWind, 1).empty());
 }
 
+TEST_CASE("telemetry store: nothing is written for a flight that does not exist") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  CHECK_FALSE(
+      storage.telemetry.Put("f", {{TelemetryKind::kPosition, 10, {47.0, 8.0, 400.0, 0.0}}}));
+  storage.flights.Insert(SomeFlight("f"));
+  CHECK(storage.telemetry.Put("f", {{TelemetryKind::kPosition, 20, {47.0, 8.0, 400.0, 0.0}}}));
+  CHECK_FALSE(storage.telemetry.Around("f", TelemetryKind::kPosition, 15).before);
+}
+
 }  // namespace
 }  // namespace freelsd

@@ -1,4 +1,6 @@
 // Server-Sent Events.
+#include <memory>
+
 #include <doctest/doctest.h>
 
 #include "tests/server/test_server.h"
@@ -82,7 +84,7 @@ TEST_CASE("events: an id that is not known any more is answered with a resync") 
 TEST_CASE("events: clients are bounded, and one that leaves makes room") {
   FreshServer fresh;
   std::vector<std::unique_ptr<RawConnection>> clients;
-  for (int i = 0; i < kLimits.concurrency.max_num_event_clients; ++i) {
+  for (int i = 0; i < kLimits.events.max_num_clients; ++i) {
     clients.push_back(std::make_unique<RawConnection>(fresh.server.port()));
     clients.back()->Send("GET /v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n");
     CHECK(clients.back()->ReceiveHead().find("200") != std::string::npos);
@@ -101,6 +103,28 @@ TEST_CASE("events: clients are bounded, and one that leaves makes room") {
     status = again.ReceiveHead().find(" 200 ") != std::string::npos ? 200 : 503;
   }
   CHECK(status == 200);
+}
+
+TEST_CASE(
+    "events: 40 readers hold no threads; requests go on, and each reader hears what happens") {
+  constexpr int kNumReaders = 40;
+  FreshServer fresh([](Config& config) { config.num_http_threads = 4; });
+  const std::string flight = NewFlight(fresh.client);
+  std::vector<std::unique_ptr<RawConnection>> readers;
+  for (int i = 0; i < kNumReaders; ++i) {
+    readers.push_back(std::make_unique<RawConnection>(fresh.server.port()));
+    readers.back()->Send("GET /v1/events HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  }
+  for (const auto& reader : readers) {
+    CHECK(reader->ReceiveUntil("retry: ").starts_with("HTTP/1.1 200"));
+  }
+  for (int i = 0; i < 10; ++i) {
+    const std::string frame = "n" + std::to_string(i);
+    CHECK(PutFrame(fresh.client, flight, frame, NoiseImage(i), SomeMeta(i))->status == 201);
+  }
+  for (const auto& reader : readers) {
+    CHECK_FALSE(reader->ReceiveUntil("\"id\":\"n9\"").empty());
+  }
 }
 
 }  // namespace

@@ -50,6 +50,31 @@ nlohmann::json FinishedFrame(httplib::Client& client, const std::string& flight)
   return FrameList(client, flight).at(0);
 }
 
+TEST_CASE("telemetry: an upload to a flight that is deleted meanwhile is 404") {
+  FreshServer fresh;
+  const std::string flight = NewFlight(fresh.client);
+  const auto chunk_of = [](const std::string& line) {
+    char size[8];
+    std::snprintf(size, sizeof(size), "%zx", line.size());
+    return size + ("\r\n" + line + "\r\n");
+  };
+  RawConnection upload(fresh.server.port());
+  upload.Send("POST /v1/flights/" + flight +
+              "/telemetry HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n" +
+              chunk_of(Line(kStart, 47.0, 0.0)));
+  // The upload has begun once its flight is receiving.
+  std::string state;
+  for (int i = 0; state != "receiving" && i < 500; ++i) {
+    state = GetJson(fresh.client, "/v1/flights/" + flight)["state"];
+  }
+  CHECK(state == "receiving");
+  CHECK(fresh.client.Delete("/v1/flights/" + flight)->status == 204);
+  upload.Send(chunk_of(Line(kStart + 1000000, 47.0, 0.0)) + "0\r\n\r\n");
+  const std::string answer = upload.Receive();
+  CHECK(answer.starts_with("HTTP/1.1 404"));
+  CHECK(answer.find("NoSuchFlight") != std::string::npos);
+}
+
 TEST_CASE("telemetry: good lines are taken, bad ones told of with their number") {
   FreshServer fresh;
   const std::string flight = NewFlight(fresh.client);

@@ -114,6 +114,33 @@ TEST_CASE("http: an exception's text reaches no client") {
   CHECK(answer.find("EXCEPTION_WHAT") == std::string::npos);
 }
 
+TEST_CASE("http: a live answer that its client does not read ends, and frees what it holds") {
+  constexpr std::chrono::seconds kPatience{30};
+  const auto held = std::make_shared<int>(0);
+  HttpServer server({}, [&held](const httplib::Request&, BodyReader&, httplib::Response& response) {
+    AnswerLive(response,
+               "text/plain",
+               "begin",
+               {[copy = held] {
+                  return LiveText{std::string(100000, 'x'), false};
+                },
+                "still here"});
+  });
+  const int port = server.Bind("127.0.0.1", 0);
+  std::thread thread([&server] { server.Run(); });
+  RawConnection connection(port);
+  connection.Send(HeadOf("GET", "/", ""));
+  CHECK(connection.ReceiveHead().starts_with("HTTP/1.1 200"));
+  CHECK(held.use_count() > 1);
+  const auto begin = std::chrono::steady_clock::now();
+  while (held.use_count() > 1 && std::chrono::steady_clock::now() - begin < kPatience) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  CHECK(held.use_count() == 1);
+  server.Stop();
+  thread.join();
+}
+
 TEST_CASE("http: a second server on a taken port says so instead of sharing the traffic") {
   const FreshServer fresh;
   const TemporaryFolder folder;
@@ -142,6 +169,18 @@ TEST_CASE("http: what is not there, not taken or not known is a problem with its
   CheckProblem(fresh.client.Post("/v1/flights", "{", "application/json"), 400, "InvalidJson");
   CheckProblem(
       fresh.client.Post("/v1/flights", R"({"nam":"x"})", "application/json"), 422, "InvalidValue");
+}
+
+TEST_CASE("http: JSON with bytes after its end is refused, also if they are NUL") {
+  FreshServer fresh;
+  for (const std::string& rest :
+       {std::string(1, '\0'), std::string(3, '\0'), std::string("\0 x", 3)}) {
+    const std::string flight = R"({"name":"x"})" + rest;
+    CheckProblem(fresh.client.Post("/v1/flights", flight, "application/json"), 400, "InvalidJson");
+    const std::string recall = R"({"latitude_deg":47,"longitude_deg":8,"altitude_m":500})" + rest;
+    CheckProblem(
+        fresh.client.Post("/v1/emergency", recall, "application/json"), 400, "InvalidJson");
+  }
 }
 
 TEST_CASE("http: DELETE on a path that only reads is 405 and says what it takes") {

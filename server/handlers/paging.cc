@@ -1,0 +1,79 @@
+#include "server/handlers/paging.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace freelsd {
+namespace {
+
+// Separates the parts of a cursor. It occurs in no id and in no number, and needs no escape in
+// URLs.
+constexpr char kSeparator = '~';
+
+[[noreturn]] void RefuseCursor() {
+  throw ApiError("InvalidQuery",
+                 "cursor: must be the value of next of an earlier page",
+                 {{"cursor", "must be the value of next of an earlier page"}});
+}
+
+// Parses the whole text.
+template <typename Number>
+Number ParseWhole(const std::string& text) {
+  Number number{};
+  const char* const end = text.data() + text.size();
+  const auto [stopped_at, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stopped_at != end) RefuseCursor();
+  return number;
+}
+
+}  // namespace
+
+size_t ParseLimit(const Call& call) {
+  constexpr auto kMax = static_cast<double>(kLimits.answer.max_num_listed);
+  const double limit = call.QueryNumber("limit").value_or(kMax);
+  if (limit < 1 || limit > kMax || limit != std::floor(limit)) {
+    const std::string rule =
+        "must be an integer from 1 to " + std::to_string(kLimits.answer.max_num_listed);
+    throw ApiError("InvalidValue", "limit: " + rule, {{"limit", rule}});
+  }
+  return static_cast<size_t>(limit);
+}
+
+std::optional<int64_t> ParseNumberCursor(const Call& call) {
+  const std::optional<std::string> text = call.Query("cursor");
+  if (!text) return std::nullopt;
+  return ParseWhole<int64_t>(*text);
+}
+
+void AnswerPage(const std::string& name,
+                const std::string& items,
+                std::optional<int64_t> next,
+                httplib::Response& response) {
+  std::string body = "{\"" + name + "\":[" + items + "]";
+  if (next) body += ",\"next\":\"" + std::to_string(*next) + "\"";
+  response.set_content(body + "}", "application/json");
+}
+
+std::optional<RankKey> ParseRankCursor(const Call& call) {
+  const std::optional<std::string> text = call.Query("cursor");
+  if (!text) return std::nullopt;
+  const size_t first = text->find(kSeparator);
+  if (first == std::string::npos) RefuseCursor();
+  const size_t second = text->find(kSeparator, first + 1);
+  if (second == std::string::npos) RefuseCursor();
+  return RankKey{ParseWhole<int>(text->substr(0, first)),
+                 ParseWhole<double>(text->substr(first + 1, second - first - 1)),
+                 text->substr(second + 1)};
+}
+
+std::string CursorOf(const RankKey& key) {
+  const auto& [verdict_order, minus_score, id] = key;
+  // The shortest text that parses to the same number.
+  std::array<char, 40> score{};
+  const auto end = std::to_chars(score.data(), score.data() + score.size(), minus_score).ptr;
+  return std::to_string(verdict_order) + kSeparator + std::string(score.data(), end) + kSeparator +
+         id;
+}
+
+}  // namespace freelsd

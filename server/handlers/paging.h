@@ -1,0 +1,33 @@
+// Pages of lists: the query parameters limit and cursor, and the member next of an answer.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "api/api.h"
+#include "server/http/http.h"
+
+namespace freelsd {
+
+// Parameter limit. Absent: kLimits.answer.max_num_listed. Throws ApiError InvalidQuery or
+// InvalidValue.
+size_t ParseLimit(const Call& call);
+
+// Parameter cursor of a list whose items are numbered. Nothing if it is absent. Throws ApiError
+// InvalidQuery.
+std::optional<int64_t> ParseNumberCursor(const Call& call);
+
+// Answers {"<name>": [<items>], "next": …}. `items`: JSON, separated by commas. `next`: number of
+// the last item if others follow.
+void AnswerPage(const std::string& name,
+                const std::string& items,
+                std::optional<int64_t> next,
+                httplib::Response& response);
+
+// A cursor of a list that is ordered by rank.
+std::optional<RankKey> ParseRankCursor(const Call& call);
+std::string CursorOf(const RankKey& key);
+
+}  // namespace freelsd

@@ -1,0 +1,80 @@
+// One connection of a listener. The poll loop owns it; while a request is served, it belongs to the
+// serving thread alone.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/http/client_socket.h"
+#include "server/http/request_reader.h"
+
+namespace freelsd {
+
+struct LiveText {
+  std::string text;
+  // The answer ends after this text.
+  bool is_over = false;
+};
+
+// The rest of an answer that continues as events happen. The poll loop sends it.
+struct LiveAnswer {
+  // The text since the last call; empty: none. Must not wait. One thread at a time calls it.
+  std::function<LiveText()> next;
+  // Sent after a period without text.
+  std::string heartbeat;
+  std::chrono::milliseconds heartbeat_period{2000};
+};
+
+// Bytes of an answer that the client has not taken yet.
+class UnsentBytes {
+ public:
+  void Append(std::string_view bytes) { bytes_.append(bytes); }
+  bool empty() const { return num_sent_ == bytes_.size(); }
+  size_t size() const { return bytes_.size() - num_sent_; }
+  // Sends what the kernel accepts now. False if the connection broke.
+  bool SendTo(const ClientSocket& socket);
+
+ private:
+  std::string bytes_;
+  size_t num_sent_ = 0;
+};
+
+struct Connection {
+  // What the poll loop waits for.
+  enum class Phase {
+    kIdle,       // the first byte of a request
+    kHead,       // the rest of a head
+    kBody,       // the rest of a small body
+    kServing,    // the serving thread
+    kWriting,    // a client that reads its answer
+    kLive,       // events, or a client that reads them
+    kLingering,  // the end of a client whose request was not read to its end
+  };
+
+  Connection(int descriptor, const RequestRules& rules) : socket(descriptor), request(rules) {}
+
+  ClientSocket socket;
+  RequestReader request;
+  // Bytes that arrived and that no request has taken.
+  std::string input;
+  UnsentBytes output;
+  Phase phase = Phase::kIdle;
+  // In kLive: when the last text was sent; else when the phase began.
+  SteadyTime since{};
+  SteadyTime deadline{};
+  // The request's body is read while it is served.
+  bool has_large_body = false;
+
+  // --- Set by the serving thread ---
+  std::optional<LiveAnswer> live;
+  // The connection ends after the answer.
+  bool is_last = false;
+  // The request was not read to its end. Closing at once could discard an answer that the client
+  // has not read yet.
+  bool must_linger = false;
+};
+
+}  // namespace freelsd

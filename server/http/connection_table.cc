@@ -1,0 +1,107 @@
+#include "server/http/connection_table.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace freelsd {
+namespace {
+
+// Order in which connections are closed to make room; nothing: not at all.
+std::optional<int> OrderOfClosing(Connection::Phase phase) {
+  using Phase = Connection::Phase;
+  switch (phase) {
+    case Phase::kIdle:
+      return 0;
+    case Phase::kLingering:
+      return 1;
+    case Phase::kHead:
+    case Phase::kBody:
+      return 2;
+    case Phase::kWriting:
+      return 3;
+    case Phase::kLive:
+      return 4;
+    case Phase::kServing:
+      return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+void ConnectionTable::Add(std::unique_ptr<Connection> connection) {
+  const int descriptor = connection->socket.descriptor();
+  connections_[descriptor] = std::move(connection);
+}
+
+Connection* ConnectionTable::Find(int descriptor) const {
+  const auto found = connections_.find(descriptor);
+  return found == connections_.end() ? nullptr : found->second.get();
+}
+
+void ConnectionTable::Close(const Connection& connection) {
+  connections_.erase(connection.socket.descriptor());
+}
+
+void ConnectionTable::Do(Connection& connection, const std::function<void(Connection&)>& act) {
+  const int descriptor = connection.socket.descriptor();
+  try {
+    act(connection);
+  } catch (const std::exception&) {
+    connections_.erase(descriptor);
+  }
+}
+
+void ConnectionTable::ForEach(Connection::Phase phase,
+                              const std::function<void(Connection&)>& act) {
+  std::vector<Connection*> chosen;
+  for (const auto& [descriptor, connection] : connections_) {
+    if (connection->phase == phase) chosen.push_back(connection.get());
+  }
+  for (Connection* const connection : chosen) Do(*connection, act);
+}
+
+int ConnectionTable::CountLargeBodies() const {
+  return static_cast<int>(
+      std::count_if(connections_.begin(), connections_.end(), [](const auto& entry) {
+        return entry.second->has_large_body;
+      }));
+}
+
+bool ConnectionTable::CloseOne() {
+  using Order = std::pair<int, SteadyTime>;
+  const Connection* first = nullptr;
+  Order first_order;
+  for (const auto& [descriptor, connection] : connections_) {
+    const std::optional<int> of_phase = OrderOfClosing(connection->phase);
+    if (!of_phase) continue;
+    const Order order{*of_phase, connection->since};
+    if (first != nullptr && order >= first_order) continue;
+    first = connection.get();
+    first_order = order;
+  }
+  if (first != nullptr) Close(*first);
+  return first != nullptr;
+}
+
+void ConnectionTable::LimitUnsent(size_t max_bytes) {
+  size_t total = 0;
+  std::vector<const Connection*> writing;
+  for (const auto& [descriptor, connection] : connections_) {
+    if (connection->phase != Connection::Phase::kWriting) continue;
+    total += connection->output.size();
+    writing.push_back(connection.get());
+  }
+  std::sort(writing.begin(), writing.end(), [](const Connection* a, const Connection* b) {
+    return a->since < b->since;
+  });
+  for (const Connection* const connection : writing) {
+    if (total <= max_bytes) return;
+    total -= connection->output.size();
+    Close(*connection);
+  }
+}
+
+}  // namespace freelsd

@@ -1,0 +1,19 @@
+// Refuses requests that a foreign web page sends through the browser of a user of this server.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace freelsd {
+
+// `hosts`, `origins`: the values of all Host and Origin headers of a request. `allowed_hosts`:
+// lower case, without port; loopback names are always allowed. Throws ApiError InvalidRequest,
+// ForbiddenHost or ForbiddenOrigin.
+//
+// The check of the host stops a page that reaches this server under the page's own host name (DNS
+// rebinding). The check of the origin stops requests that a page of another origin sends.
+void CheckHostAndOrigin(const std::vector<std::string>& hosts,
+                        const std::vector<std::string>& origins,
+                        const std::vector<std::string>& allowed_hosts);
+
+}  // namespace freelsd

@@ -1,0 +1,18 @@
+// Errors as answers: problem+json.
+#pragma once
+
+#include <string>
+
+#include "api/api.h"
+#include "server/http/http_library.h"
+
+namespace freelsd {
+
+// Fills the response with the error.
+void AnswerProblem(const ApiError& error, httplib::Response& response);
+
+// The whole answer, head included, to a request that never reaches a handler. It closes the
+// connection.
+std::string RawProblem(const ApiError& error);
+
+}  // namespace freelsd
