@@ -139,6 +139,7 @@ async function replan(tried, signal) {
   }
   Object.assign(state, { triedWind: null, triedAircraft: null, planned: null });
   byId('replan').replaceChildren();
+  map.closeAnswer();
   map.drawMarks([]);
   drawShownSite();
   drawApproach({ collection: state.approach }, false);
@@ -180,6 +181,7 @@ async function drawPlan(tried, signal, aircraft) {
   try {
     const answer = await api.getApproach(siteId, tried, signal, aircraft);
     if (siteId !== state.siteId || signal.aborted) return;
+    map.closeAnswer();
     const { properties } = state.site;
     byId('replan').replaceChildren(replanNode(answer, properties.approach, movedBy(answer.collection)));
     state.planned = siteWithPlan(state.site, answer, tried);
@@ -190,6 +192,7 @@ async function drawPlan(tried, signal, aircraft) {
     if (error.name === 'AbortError' || siteId !== state.siteId) return;
     // A path planned for a former wind must not stay on the map.
     byId('replan').replaceChildren(replanNode({ refusal: error.message }));
+    map.closeAnswer();
     state.planned = siteWithPlan(state.site, { refusal: error.message }, tried);
     drawShownSite();
     drawApproach({ refusal: error.message }, true);

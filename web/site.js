@@ -17,7 +17,7 @@ function coverage(unseen_ratio) {
 function obstacleTile({ tightest_obstacle: obstacle }) {
   if (!obstacle) return tile('Tightest obstacle', obstacle === null ? 'none' : 'unknown', 'below final and loiter circle');
   return tile('Tightest obstacle', fixed(obstacle.clearance_m, 1, 'm'),
-    `below the ${words(obstacle.part)}, ${distance(obstacle.distance_m)} from touchdown`);
+    `below the ${obstacle.part === 'final' ? 'final' : 'loiter circle'}, ${distance(obstacle.distance_m)} from touchdown`);
 }
 
 function tiles(p) {

@@ -42,7 +42,7 @@ export function answerNode(judgement) {
   return el('div', { class: `answer verdict-${judgement.verdict}` },
     el('h3', {}, headlineOf(judgement)),
     failed.length ? ruleList(failed) : null,
-    passed.length ? el('details', { class: 'passed-rules', open: failed.length === 0 },
+    passed.length ? el('details', { class: 'passed-rules' },
       el('summary', {}, `${passed.length} ${passed.length === 1 ? 'rule' : 'rules'} passed`), ruleList(passed)) : null,
     el('p', { class: 'faint' }, evidenceText(judgement.evidence)),
     (judgement.warnings ?? []).map((warning) => el('p', { class: 'faint' }, `Warning: ${warning}`)));

@@ -15,24 +15,33 @@ struct Step {
   double wanted = 0.0;
 };
 
-// Whether what stands in the cell is more than the ground that the aircraft lands on.
-bool IsObstacle(const ClearanceSurface& surface, int row, int col, double max_ground_height) {
-  const float top = surface.height(row, col);
-  if (top == kNoHeight) return false;
-  return surface.hazard(row, col) != kFree || top > max_ground_height;
+// Largest height of the ground that the aircraft lands on, world z.
+struct GroundHeights {
+  double free = 0.0;
+  double not_free = 0.0;
+};
+
+GroundHeights HeightsAround(const Approach& approach, const Aircraft& aircraft) {
+  const double touchdown = approach.touchdown_in_world.z();
+  return {touchdown + aircraft.safety_margin_m, touchdown + aircraft.max_roughness_m};
+}
+
+bool IsObstacle(const ClearanceSurface& surface, int row, int col, const GroundHeights& ground) {
+  const bool is_free = surface.hazard(row, col) == kFree;
+  return surface.height(row, col) > (is_free ? ground.free : ground.not_free);
 }
 
 // The highest obstacle across the path at a step.
 std::optional<PathObstacle> HighestAcross(const Step& step,
                                           const Corridor& corridor,
                                           const ClearanceSurface& surface,
-                                          double max_ground_height) {
+                                          const GroundHeights& ground) {
   std::optional<PathObstacle> highest;
   for (int i = -corridor.num_each_side; i <= corridor.num_each_side; ++i) {
     const Eigen::Vector2d sample = step.place + (i * corridor.spacing) * corridor.across;
     const int row = surface.RowAt(sample.y()), col = surface.ColAt(sample.x());
     if (!surface.IsInside(row, col)) continue;
-    if (!IsObstacle(surface, row, col, max_ground_height)) continue;
+    if (!IsObstacle(surface, row, col, ground)) continue;
     const double top = surface.height(row, col);
     if (highest && top <= highest->place_in_world.z()) continue;
     const Eigen::Vector2d center = surface.CellCenter(row, col);
@@ -42,10 +51,6 @@ std::optional<PathObstacle> HighestAcross(const Step& step,
                            .wanted = step.wanted};
   }
   return highest;
-}
-
-double MaxGroundHeight(const Approach& approach, const Aircraft& aircraft) {
-  return approach.touchdown_in_world.z() + aircraft.safety_margin_m;
 }
 
 }  // namespace
@@ -74,7 +79,7 @@ std::optional<PathObstacle> TightestOnFinal(const Approach& approach,
                     .distance = distance,
                     .wanted = WantedClearance(distance, path, surface, aircraft)};
     tightest = Tighter(tightest,
-                       HighestAcross(step, corridor, surface, MaxGroundHeight(approach, aircraft)));
+                       HighestAcross(step, corridor, surface, HeightsAround(approach, aircraft)));
   }
   return tightest;
 }
@@ -99,7 +104,7 @@ std::optional<PathObstacle> TightestOnCircle(const Approach& approach,
                     .distance = distance,
                     .wanted = aircraft.safety_margin_m + surface.lean * distance};
     tightest = Tighter(tightest,
-                       HighestAcross(step, corridor, surface, MaxGroundHeight(approach, aircraft)));
+                       HighestAcross(step, corridor, surface, HeightsAround(approach, aircraft)));
   }
   if (tightest) tightest->part = PathPart::kCircle;
   return tightest;

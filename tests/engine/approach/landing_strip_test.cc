@@ -118,6 +118,11 @@ TEST_CASE("obstacle: the end of a final over a free meadow is no obstacle") {
   REQUIRE(clear.verdict == Verdict::kLandable);
   CHECK(clear.approach->min_clearance < Nimble().safety_margin_m);  // the flare
   CHECK_FALSE(clear.approach->obstacle);
+  // A track without grass is no obstacle either.
+  scene::AddBlock(scene, {-10, 28}, {10, 30}, 0.1);
+  const Plan over_track = scene::PlanOn(scene, request);
+  REQUIRE(over_track.verdict == Verdict::kLandable);
+  CHECK_FALSE(over_track.approach->obstacle);
   // A hedge of 2 m, 40 m before the touchdown.
   scene::AddBlock(scene, {-10, 18}, {10, 20}, 2.0);
   const Plan above = scene::PlanOn(scene, request);
