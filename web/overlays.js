@@ -5,6 +5,7 @@ import { gradeColor } from './colors.js';
 import { svg } from './dom.js';
 import { verdictSign } from './units.js';
 
+const kWideMap = 600;  // px; there a popup leaves the wind barb free
 const kMarker = 44;  // px, a touch target for gloves; the disc in it is smaller
 
 // A light line below the dark one keeps it legible on any layer.
@@ -171,7 +172,7 @@ export function createAnswer(map) {
       if (!latlng) return;
       group.addLayer(L.popup({
         maxWidth: 300, minWidth: 230, maxHeight: Math.max(160, map.getContainer().clientHeight - 90),
-        autoPanPaddingTopLeft: [16, 16], autoPanPaddingBottomRight: [kMarker + 28, 16],
+        autoPanPaddingTopLeft: [map.getSize().x > kWideMap ? 2 * kMarker : 16, 16], autoPanPaddingBottomRight: [kMarker + 28, 16],
       }).setLatLng(latlng).setContent(content));
     },
     // Returns whether a popup was open.

@@ -36,14 +36,21 @@ function evidenceText({ height_m, height_sd_m, grass_probability }) {
   return known.length ? `Map: ${known.join(', ')}.` : 'Nothing is stored about this place.';
 }
 
+// "14 other rules: 3 failed", or "15 rules passed".
+function summaryOf(others, hasFailed) {
+  if (!hasFailed) return `${others.length} rules passed`;
+  const numFailed = others.filter((rule) => !rule.passed).length;
+  return `${others.length} other rules: ${numFailed || 'none'} failed`;
+}
+
 export function answerNode(judgement) {
-  const failed = judgement.rules.filter((rule) => !rule.passed);
-  const passed = judgement.rules.filter((rule) => rule.passed);
+  const first = judgement.rules.find((rule) => !rule.passed);
+  const others = judgement.rules.filter((rule) => rule !== first);
   return el('div', { class: `answer verdict-${judgement.verdict}` },
     el('h3', {}, headlineOf(judgement)),
-    failed.length ? ruleList(failed) : null,
-    passed.length ? el('details', { class: 'passed-rules' },
-      el('summary', {}, `${passed.length} ${passed.length === 1 ? 'rule' : 'rules'} passed`), ruleList(passed)) : null,
+    first ? ruleList([first]) : null,
+    others.length ? el('details', { class: 'other-rules' },
+      el('summary', {}, summaryOf(others, Boolean(first))), ruleList(others)) : null,
     el('p', { class: 'faint' }, evidenceText(judgement.evidence)),
     (judgement.warnings ?? []).map((warning) => el('p', { class: 'faint' }, `Warning: ${warning}`)));
 }
