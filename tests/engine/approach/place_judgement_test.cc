@@ -78,7 +78,7 @@ std::set<std::pair<int, int>> CandidatesOf(const Scene& field,
 TEST_CASE("why not here: the ground passes exactly where the planner takes a candidate") {
   const Aircraft aircraft = Nimble();
   const Scene field = MixedField(aircraft);
-  const PlanRequest request = scene::Request(Box({-75, -70}, {70, 75}), kToSouth);
+  const PlanRequest request = scene::Request(Box({-60, -65}, {60, 65}), kToSouth);
   const ApproachPlanner planner(field.map, field.hazards, request, aircraft, OneWay());
   const auto candidates = CandidatesOf(field, request, aircraft, OneWay());
   REQUIRE(candidates.size() > 100);
