@@ -185,11 +185,12 @@ struct PlaceRule {
   std::string name;
   bool passed = false;
   // Measured value and the limit that it is compared with, if known and if they are numbers.
-  std::optional<double> value, limit;
+  std::optional<double> value = std::nullopt;
+  std::optional<double> limit = std::nullopt;
   // "m", "deg", "m/s" or "ratio"; empty where there is no number.
-  std::string unit;
+  std::string unit = {};
   // For people, with numbers.
-  std::string sentence;
+  std::string sentence = {};
 };
 
 // What the planner says about a touchdown at one place.
