@@ -82,7 +82,8 @@ class Model {
 
  private:
   Expected OfSite(const Flown& site) const {
-    Expected expected{.last_seen_us = site.seen_at_us};
+    Expected expected;
+    expected.last_seen_us = site.seen_at_us;
     for (const auto& [id, map] : stored_) {
       const bool is_later = map.place == site.place && map.flight_id != site.flight_id &&
                             map.seen_at_us > site.seen_at_us;

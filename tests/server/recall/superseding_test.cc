@@ -1,6 +1,8 @@
 // Memory that neither forgets nor haunts: what a later flight changes of stored sites.
 #include "server/recall/superseding.h"
 
+#include <algorithm>
+
 #include <doctest/doctest.h>
 
 #include "tests/server/meadow.h"
@@ -203,7 +205,7 @@ TEST_CASE("memory: sites of an older program are checked once at the start of th
     neighbour.place = kPlace + 1;
     SiteRow wrongly = SiteOf(neighbour);
     storage.sites.Put(SiteOf(Later(Ground::kTreeOnFinal)), MapOf(Later(Ground::kTreeOnFinal)));
-    wrongly.superseded_by = "later-r1";
+    wrongly.superseded_by = std::string("later-r1");
     storage.sites.Put(wrongly, MapOf(neighbour));
   });
   const auto is_superseded = [&meadow](const char* const id) {
