@@ -122,7 +122,8 @@ std::set<std::string> RecalledIds(const Storage& storage) {
 
 std::set<std::string> IdsIn(httplib::Client& client, const std::string& path) {
   std::set<std::string> ids;
-  for (const nlohmann::json& feature : GetJson(client, path)["features"]) {
+  const nlohmann::json collection = GetJson(client, path);
+  for (const nlohmann::json& feature : collection["features"]) {
     ids.insert(feature["properties"]["id"]);
   }
   return ids;
