@@ -15,8 +15,8 @@ namespace freelsd {
 namespace {
 
 constexpr int kNumSteps = 10000;
-constexpr int kNumPlaces = 3;
-constexpr int kNumFlights = 9;
+constexpr int kNumPlaces = 2;
+constexpr int kNumFlights = 6;
 constexpr int kNumGrounds = static_cast<int>(Ground::kDiscUnseenTree) + 1;
 constexpr int kStepsBetweenServers = 1000;
 constexpr int64_t kBegin = 1600000000000000;
