@@ -50,7 +50,7 @@ MeadowServer ServerWithHouse() {
 
 TEST_CASE("why not here: each place gets the planner's rule that it breaks, with numbers") {
   const MeadowServer meadow = ServerWithHouse();
-  const nlohmann::json good = Why(meadow, At(10, -20) + "&wind_east_mps=0&wind_north_mps=-4");
+  const nlohmann::json good = Why(meadow, At(10.5, -20.5) + "&wind_east_mps=0&wind_north_mps=-4");
   CAPTURE(good.dump());
   CHECK(good["verdict"] == "landable");
   CHECK(good["first_failed"].is_null());
@@ -59,13 +59,13 @@ TEST_CASE("why not here: each place gets the planner's rule that it breaks, with
   CHECK(good["evidence"]["grass_probability"] == 0.99);
   CHECK(good["evidence"]["frames"].is_null());
   CHECK(good["evidence"]["risk"].is_null());
-  const nlohmann::json pond = Why(meadow, At(-35, 5));
+  const nlohmann::json pond = Why(meadow, At(-35.5, 5.5));
   CHECK(pond["verdict"] == "rejected");
   CHECK(pond["first_failed"] == "grass");
   CHECK(RuleOf(pond, "grass")["value"] == 0.1);
-  CHECK(Why(meadow, At(34, 6))["first_failed"] == "object");
-  CHECK(Why(meadow, At(-1, 57))["first_failed"] == "seen");
-  CHECK(Why(meadow, At(0, 100))["first_failed"] == "outline");
+  CHECK(Why(meadow, At(34.5, 5.5))["first_failed"] == "object");
+  CHECK(Why(meadow, At(-1.5, 56.5))["first_failed"] == "seen");
+  CHECK(Why(meadow, At(0.5, 100.5))["first_failed"] == "outline");
   const nlohmann::json outside = Why(meadow, At(0, 400));
   CHECK(outside["first_failed"] == "seen");
   CHECK(outside["evidence"]["height_m"].is_null());
@@ -74,7 +74,7 @@ TEST_CASE("why not here: each place gets the planner's rule that it breaks, with
 // The page's rule asked for touchdown_uncertainty_m alone.
 TEST_CASE("why not here: a place that only the disc fits is refused, as the planner does") {
   const MeadowServer meadow = ServerWithHouse();
-  const nlohmann::json near = Why(meadow, At(18, 6) + "&touchdown_uncertainty_m=10");
+  const nlohmann::json near = Why(meadow, At(18.5, 5.5) + "&touchdown_uncertainty_m=10");
   const nlohmann::json rule = RuleOf(near, "hazard_distance");
   CAPTURE(near.dump());
   CHECK(rule["value"].get<double>() > 10.0);
@@ -86,17 +86,17 @@ TEST_CASE("why not here: a place that only the disc fits is refused, as the plan
 
 TEST_CASE("why not here: wind and aircraft of the request count") {
   const MeadowServer meadow = ServerWithHouse();
-  CHECK(Why(meadow, At(10, -20) + "&wind=unknown")["first_failed"] == "wind_known");
-  CHECK(Why(meadow, At(10, -20) + "&wind=unknown")["verdict"] == "unverified");
-  const nlohmann::json storm = Why(meadow, At(10, -20) + "&wind_east_mps=30&wind_north_mps=0");
+  CHECK(Why(meadow, At(10.5, -20.5) + "&wind=unknown")["first_failed"] == "wind_known");
+  CHECK(Why(meadow, At(10.5, -20.5) + "&wind=unknown")["verdict"] == "unverified");
+  const nlohmann::json storm = Why(meadow, At(10.5, -20.5) + "&wind_east_mps=30&wind_north_mps=0");
   CHECK(storm["first_failed"] == "wind");
   CHECK(storm["verdict"] == "rejected");
-  const nlohmann::json loose = Why(meadow, At(10, -20) + "&max_slope_deg=30");
+  const nlohmann::json loose = Why(meadow, At(10.5, -20.5) + "&max_slope_deg=30");
   CHECK(RuleOf(loose, "slope")["limit"] == 30.0);
   CHECK(loose["warnings"].size() == 1);
   // It needs more ground roll than the meadow has.
   const nlohmann::json fast =
-      Why(meadow, At(10, -20) + "&ground_roll_m=500&wind_east_mps=0&wind_north_mps=-4");
+      Why(meadow, At(10.5, -20.5) + "&ground_roll_m=500&wind_east_mps=0&wind_north_mps=-4");
   CHECK(fast["first_failed"] == "ground_roll");
 }
 
