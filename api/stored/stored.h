@@ -30,7 +30,7 @@ FlightRig ParseStoredFlightRig(const std::string& text);
 struct StoredFlight {
   std::optional<Camera> camera;
   std::optional<GeoPoint> origin;
-  std::string altitude_datum = "unknown";
+  std::optional<std::string> altitude_datum;
   Aircraft aircraft;
 };
 // `request_json` is FlightRequest::canonical_json.

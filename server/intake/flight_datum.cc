@@ -32,7 +32,7 @@ std::vector<std::string> Contradictions(const std::optional<std::string>& given,
 }  // namespace
 
 std::optional<std::string> ToldDatumOf(const FlightRow& flight) {
-  const FlightRequest request = ParseFlightRequest(flight.request_json);
+  const StoredFlight request = ParseStoredFlight(flight.request_json);
   return request.altitude_datum ? request.altitude_datum : DatumOfFrames(flight);
 }
 
@@ -52,7 +52,7 @@ FlightRow WithDatumOf(FlightRow flight, const FrameMeta& meta) {
   if (before == told) return flight;
   rig.altitude_datum = CommonDatum(before, meta);
   flight.rig_json = FlightRigJson(rig);
-  const std::optional<std::string> given = ParseFlightRequest(flight.request_json).altitude_datum;
+  const std::optional<std::string> given = ParseStoredFlight(flight.request_json).altitude_datum;
   flight.warnings_json =
       AddWarnings(flight.warnings_json, "altitude_datum", Contradictions(given, before, told));
   return flight;
