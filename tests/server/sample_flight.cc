@@ -116,6 +116,7 @@ std::string PostSampleFlight(httplib::Client& client, int begin, int end) {
 std::string PostSampleFlightWithNamedDatum(httplib::Client& client) {
   nlohmann::json request = nlohmann::json::parse(Sample().request);
   request.erase("altitude_datum");
+  request["aircraft"] = {{"profile", "small"}, {"ground_roll_m", 2000.0}};
   std::string flight = PostFlight(client, request);
   std::string poses = Sample().poses;
   const std::string column = "altitude_m";

@@ -19,7 +19,8 @@ void PostSampleFrames(httplib::Client& client,
                       int begin,
                       int end,
                       const std::string& prefix = "");
-// The whole flight; its request gives no datum, but the column of its altitudes is alt_amsl_m.
+// The whole flight; its request gives no datum, but the column of its altitudes is alt_amsl_m. Its
+// aircraft needs a strip of 2 km, so all its sites are rejected.
 std::string PostSampleFlightWithNamedDatum(httplib::Client& client);
 // The file of poses of these frames, as a batch of them has it.
 std::string SamplePoses(int begin, int end, const std::string& prefix = "");
