@@ -5,12 +5,12 @@
 #include <doctest/doctest.h>
 
 #include "engine/glide/glide.h"
+#include "storage/sqlite/sqlite.h"
 #include "tests/api/import/images/tagged_image.h"
 #include "tests/server/child.h"
 #include "tests/server/meadow.h"
 #include "tests/server/recall/emergency_query.h"
 #include "tests/server/sample_flight.h"
-#include "tests/storage/sqlite/damage.h"
 
 namespace freelsd {
 namespace {
@@ -181,7 +181,9 @@ TEST_CASE("nothing in reach beside a field: an old database's rejected maps get 
     storage.sites.Put(row, SerializeSiteMap(Meadow()));
   }
   constexpr char kAsVersion3[] = "PRAGMA user_version = 3; PRAGMA application_id = 1718383363";
-  for (const char* const name : {"freelsd.db", "recall.db"}) Execute(data / name, kAsVersion3);
+  for (const char* const name : {"freelsd.db", "recall.db"}) {
+    Connection(data / name, Access::kWrite).Execute(kAsVersion3);
+  }
   const TestServer server(TestConfig(data));
   httplib::Client client = server.Client();
   const nlohmann::json site = BestOf(GetJson(client, Query(600.0, kCalmNorth)));
