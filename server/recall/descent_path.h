@@ -5,7 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "engine/geometry/local_frame.h"
+#include "engine/geometry/geometry.h"
 #include "engine/glide/glide.h"
 
 namespace freelsd {

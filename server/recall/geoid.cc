@@ -8,7 +8,7 @@
 #include <proj.h>
 #include <spdlog/spdlog.h>
 
-#include "engine/geometry/rigid3.h"
+#include "engine/geometry/geometry.h"
 
 namespace freelsd {
 namespace {

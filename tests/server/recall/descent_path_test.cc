@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "engine/geometry/local_frame.h"
+#include "engine/geometry/geometry.h"
 #include "tests/server/recall/emergency_query.h"
 
 namespace freelsd {
