@@ -123,8 +123,8 @@ nlohmann::json SiteFeature(const std::string& site_id,
                            const Aircraft& aircraft,
                            const std::string& updated_at,
                            const FlightContext& context);
-// FeatureCollection of kinds approach, loiter, touchdown and ground_roll, with `profile`. Throws ApiError
-// NoApproach (409) if the plan has no approach.
+// FeatureCollection of kinds approach, loiter, touchdown and ground_roll, with `profile`. Throws
+// ApiError NoApproach (409) if the plan has no approach.
 nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context);
 // {directions_deg, speeds_mps, altitude_datum, entries}. Entries are ordered by speed, then by
 // direction. A direction is where the wind comes from.

@@ -126,9 +126,9 @@ struct LandingStrip {
 
 enum class PathPart { kFinal, kCircle };
 
-// What a path passes over with the least spare clearance, of all that is higher above touchdown than
-// the safety margin, or than max_roughness_m in cells that are not kFree. The ground on which the
-// aircraft lands is no obstacle: the end of every final is low above it.
+// What a path passes over with the least spare clearance, of all that is higher above touchdown
+// than the safety margin, or than max_roughness_m in cells that are not kFree. The ground on which
+// the aircraft lands is no obstacle: the end of every final is low above it.
 struct PathObstacle {
   PathPart part = PathPart::kFinal;
   // Its top, with the allowance of its cell.

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "server/http/body_reader.h"
-#include "server/http/connection_loop.h"
+#include "server/http/connections/connections.h"
 #include "server/http/http_library.h"
 
 namespace freelsd {

@@ -10,9 +10,9 @@
 #include "api/import/poses/poses.h"
 #include "api/stored/stored.h"
 #include "server/http/call.h"
+#include "server/http/connections/request_reader.h"
 #include "server/http/multipart.h"
 #include "server/http/request_head.h"
-#include "server/http/request_reader.h"
 #include "server/intake/telemetry.h"
 #include "tests/fuzz/targets.h"
 

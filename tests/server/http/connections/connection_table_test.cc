@@ -1,4 +1,4 @@
-#include "server/http/connection_table.h"
+#include "server/http/connections/connection_table.h"
 
 #include <doctest/doctest.h>
 #include <sys/socket.h>

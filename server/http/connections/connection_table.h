@@ -6,7 +6,7 @@
 #include <memory>
 #include <unordered_map>
 
-#include "server/http/connection.h"
+#include "server/http/connections/connection.h"
 
 namespace freelsd {
 

@@ -1,4 +1,4 @@
-#include "server/http/request_reader.h"
+#include "server/http/connections/request_reader.h"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "server/http/connection_loop.h"
+#include "server/http/connections/connection_loop.h"
 
 #include <array>
 #include <cerrno>

@@ -1,4 +1,4 @@
-#include "server/http/connection.h"
+#include "server/http/connections/connection.h"
 
 namespace freelsd {
 

@@ -1,4 +1,4 @@
-#include "server/http/poller.h"
+#include "server/http/connections/poller.h"
 
 #include <array>
 #include <cerrno>

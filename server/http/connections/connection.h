@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "server/http/client_socket.h"
-#include "server/http/request_reader.h"
+#include "server/http/connections/request_reader.h"
 
 namespace freelsd {
 

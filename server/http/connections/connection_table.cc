@@ -1,4 +1,4 @@
-#include "server/http/connection_table.h"
+#include "server/http/connections/connection_table.h"
 
 #include <algorithm>
 #include <optional>

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "api/api.h"
-#include "server/http/connection_table.h"
-#include "server/http/poller.h"
+#include "server/http/connections/connection_table.h"
+#include "server/http/connections/poller.h"
 
 namespace freelsd {
 
