@@ -1,4 +1,5 @@
-// JSON <-> engine types, and the errors of the HTTP contract. Independent of sockets and SQL.
+// Conversion between JSON and engine types, and the errors of the HTTP API. Independent of sockets
+// and SQL.
 #pragma once
 
 #include <cstdint>
@@ -23,16 +24,16 @@ struct FieldError {
   std::string detail;
 };
 
-// Thrown if a client made an error or if the server cannot serve a request now. server/ turns it
-// into problem+json. `code` is a stable CamelCase name. A table in error.cc maps it to its HTTP
-// status and title; a code outside the table has status 500.
+// Thrown if a request is invalid or cannot be served now. server/ answers it with problem+json.
+// `code` is a stable CamelCase name. A table in error.cc gives its HTTP status and title; a code
+// outside the table has status 500.
 class ApiError : public std::runtime_error {
  public:
   ApiError(std::string code, const std::string& detail, std::vector<FieldError> errors = {});
   const std::string& code() const { return code_; }
   int http_status() const;
   const std::vector<FieldError>& errors() const { return errors_; }
-  // Set if a limit is exceeded.
+  // `limit` and `observed` are set if a limit is exceeded.
   std::optional<double> limit;
   std::optional<double> observed;
 
@@ -69,14 +70,16 @@ FlightRequest ParseFlightRequest(const std::string& body);
 FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum);
 // Calls PipelineOptions::Check; its message becomes an ApiError at /options/<stage>/<field>.
 void CheckOptions(const PipelineOptions& options);
-// An object of aircraft fields over a profile. Pointers in errors start with `pointer`.
+// `object` names a profile, or none, and fields that override the profile's. Pointers in errors
+// start with `pointer`.
 Aircraft ParseAircraft(const nlohmann::json& object, const std::string& pointer);
 
-// {width_px, …} as in the contract, with "source": "exif" if the camera is not calibrated.
+// {width_px, …} as in openapi.yaml. "source" is "exif" if the camera was derived from image tags.
 nlohmann::json CameraJson(const Camera& camera);
 nlohmann::json GeoPointJson(const GeoPoint& point);
 
-// Pose, time and wind of a frame. Sources: meta, pose file, telemetry, or the image's tags.
+// Pose, time and wind of a frame. Sources: the meta sent with the image, pose file, telemetry, the
+// image's tags.
 struct FrameMeta {
   std::optional<int64_t> timestamp_us;
   std::optional<GeoPoint> position;
@@ -105,9 +108,9 @@ Frame MakeFrame(const std::string& frame_id,
                 int64_t fallback_timestamp_us);
 
 // --- Responses -----------------------------------------------------------------------------------
-// Regions and sites are stored as GeoJSON features. The rank is not stored: each answer sets it.
+// Regions and sites are stored as GeoJSON features without rank. Each answer adds the rank.
 
-// Properties of a flight that the engine's types do not have.
+// The flight's data that the engine's types do not contain.
 struct FlightContext {
   std::string flight_id;
   std::string altitude_datum;
@@ -148,7 +151,7 @@ nlohmann::json RankedSites(std::vector<nlohmann::json> features);
 nlohmann::json AircraftJson(const Aircraft& aircraft);
 // {options: {stage: {field: {default, unit, help}}}, aircraft_profiles: {name: {…}}}.
 nlohmann::json OptionsJson();
-// `limits` of GET /v1/info, one number each. The server adds its own limits.
+// The object `limits` of GET /v1/info: one number per limit. The server adds its own limits.
 nlohmann::json LimitsJson(const Limits& limits);
 // Text of api/openapi.yaml, which is written as JSON (valid JSON is valid YAML).
 std::string_view OpenApiJson();

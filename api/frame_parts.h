@@ -1,4 +1,4 @@
-// Parts of a frame's meta that the contract's JSON and the stored JSON share.
+// Reading of a frame's meta: the parts that the API's JSON and the stored JSON have in common.
 #pragma once
 
 #include "api/json_reader.h"

@@ -1,5 +1,5 @@
-// Strict reading of JSON. The caller reads every value by key, type and range; keys that it does
-// not read are refused. All errors are ApiError with a pointer.
+// Strict reading of JSON. The caller reads each value by key, with its type and range. Keys that
+// are never read are errors. All errors are ApiError with a JSON pointer.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,9 @@ struct NumberRange {
 
 // ApiError InvalidValue (422) with one pointer.
 ApiError InvalidValue(const std::string& pointer, const std::string& detail);
-// The message of an engine's Check(), "owner.field = value: constraint", as ApiError at
-// <pointer>/field. The prefix `owner` ("camera.") is removed; an empty one removes nothing.
+// Turns the message of an engine's Check(), "owner.field = value: constraint", into an ApiError
+// with pointer <pointer>/field. `owner`, for example "camera.", is the prefix to remove; it may be
+// empty.
 ApiError FromCheck(const std::invalid_argument& error,
                    const std::string& pointer,
                    const std::string& owner);
@@ -34,7 +35,7 @@ double ReadNumber(const nlohmann::json& value,
 int64_t ReadInteger(const nlohmann::json& value, const std::string& pointer);
 std::string ReadString(const nlohmann::json& value, const std::string& pointer);
 bool ReadBoolean(const nlohmann::json& value, const std::string& pointer);
-// Array of exactly `size` finite numbers.
+// Array of finite numbers; exactly `size` of them, if given.
 std::vector<double> ReadNumbers(const nlohmann::json& value,
                                 const std::string& pointer,
                                 std::optional<size_t> size);

@@ -1,4 +1,4 @@
-// Which views of a solved block are trusted, and how accurate they are.
+// Decides which views of a solved block are trusted, and estimates their accuracy.
 #pragma once
 
 #include <string>
@@ -10,17 +10,18 @@ namespace freelsd {
 
 struct BlockVerdict {
   std::vector<bool> is_connected;
-  // As AdjustedView::group.
+  // Per view, as AdjustedView::group.
   std::vector<int> group;
   // Per view, as AdjustedView::position_sd_m.
   std::vector<double> position_sd_m;
-  // As AdjustedBlock::tilt_sd_deg; of the worst group of connected views.
+  // As AdjustedBlock::tilt_sd_deg: the largest value of all groups of connected views.
   double tilt_sd_deg = 0.0;
-  // Why groups of views were rejected; empty if none was.
+  // Why a group of views was rejected (the last one, if several were); empty if none was. A group
+  // that is too small is rejected without a note.
   std::string note;
 };
 
-// Judges each connected group by itself, because its own priors place it.
+// Judges each connected group separately, because each group is positioned by its own priors.
 BlockVerdict JudgeBlock(const std::vector<View>& views,
                         const BlockState& state,
                         const std::vector<BlockTrack>& tracks,

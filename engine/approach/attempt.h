@@ -1,4 +1,4 @@
-// Private to approach/: tries one touchdown point with one heading.
+// Private to approach/: evaluates one touchdown point with one heading.
 #pragma once
 
 #include <optional>
@@ -8,26 +8,26 @@
 
 namespace freelsd {
 
-// Shared by all attempts of one region.
+// Inputs common to all attempts in one region.
 struct AttemptContext {
   const ClearanceSurface& surface;
   const WindCase& wind;
   const Aircraft& aircraft;
   const ApproachOptions& options;
-  // One per heading in `wind`.
+  // One element per heading in `wind`.
   const std::vector<HeadingCells>& cells;
 };
 
 struct Attempt {
   Touchdown touchdown;
-  // Index in the headings of `wind`.
+  // Index into the headings of `wind`.
   size_t heading_index = 0;
   double heading = 0.0;
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reason;
   LoiterDirection direction = LoiterDirection::kLeft;
   std::optional<RollHazard> roll_hazard;
-  // Worst over all scenarios of the wind; the circle in the chosen direction.
+  // Both are the worst over all wind scenarios. The circle has the chosen direction.
   PathCheck final_path;
   PathCheck circle;
 };
@@ -37,7 +37,6 @@ Attempt Try(const Touchdown& touchdown,
             const AttemptContext& context,
             Depth depth);
 
-// The best attempt over all headings.
 Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context);
 
 // Includes clearances, but nothing that an explanation adds.

@@ -1,4 +1,4 @@
-// Private to approach/: checks one path against the surface.
+// Private to approach/: checks one path against the clearance surface.
 #pragma once
 
 #include <limits>
@@ -8,32 +8,32 @@
 
 namespace freelsd {
 
-// Place where a path lacks most clearance.
+// The place with the largest deficit of clearance.
 struct Obstacle {
-  // Top of the obstacle.
+  // Highest point of the obstacle.
   Eigen::Vector3d place_in_world = Eigen::Vector3d::Zero();
-  // Distance to touchdown; on the final, measured along it.
+  // Distance to touchdown. On the final approach it is measured along the path.
   double distance = 0.0;
   double clearance = 0.0;
   double wanted = 0.0;
   double Deficit() const { return wanted - clearance; }
 };
 
-// kUntilFailure stops as soon as the verdict is known; reports need kEverything.
+// kUntilFailure stops as soon as the verdict is known. A report needs kEverything.
 enum class Depth { kUntilFailure, kEverything };
 
 struct PathCheck {
-  // Infinity if nothing was seen.
+  // Infinity if the map shows nothing below the path.
   double min_clearance = std::numeric_limits<double>::infinity();
   // Least ratio of clearance to the clearance needed.
   double min_clearance_ratio = std::numeric_limits<double>::infinity();
-  // The worst one, if the path is blocked.
+  // The obstacle with the largest deficit; nothing if none blocks the path.
   std::optional<Obstacle> obstacle;
   int num_steps = 0;
   int num_unseen_steps = 0;
-  // Distance to touchdown of the unseen step nearest to it (final only).
+  // Final approach only: distance to touchdown of the nearest unseen step.
   double first_unseen_distance = 0.0;
-  // Share of the final, from touchdown on, that is seen and clear.
+  // Share of the final approach, counted from touchdown, that is seen and clear.
   double clear_ratio = 1.0;
 
   double UnseenRatio() const {
@@ -41,20 +41,20 @@ struct PathCheck {
   }
 };
 
-// Distances to touchdown at which the final is checked, ascending, both ends included.
+// Distances to touchdown at which the final approach is checked, ascending, both ends included.
 std::vector<double> FinalSteps(const ClearanceSurface& surface,
                                const WindScenario& scenario,
                                const Aircraft& aircraft,
                                const ApproachOptions& options);
-// Clearance that the final needs at a distance from touchdown, where the path is path_height above
-// touchdown (decision 0019).
+// Clearance that the final approach needs at a distance from touchdown. `path_height` is the height
+// of the path above touchdown there (decision 0019).
 double WantedClearance(double distance,
                        double path_height,
                        const ClearanceSurface& surface,
                        const Aircraft& aircraft);
 // Number of steps around a circle, each about circle_step long.
 int NumCircleSteps(double radius, const ClearanceSurface& surface);
-// Samples of the ground roll, from touchdown outward.
+// Sample points of the ground roll, ordered by distance from touchdown.
 struct RollSample {
   Eigen::Vector2d from_touchdown = Eigen::Vector2d::Zero();
   double distance = 0.0;
@@ -63,14 +63,15 @@ std::vector<RollSample> RollSamples(double heading,
                                     const ClearanceSurface& surface,
                                     const Aircraft& aircraft);
 
-// The check with one more obstacle below the path.
+// Adds one more obstacle below the path to the check.
 PathCheck WithObstacle(PathCheck check, const Obstacle& nearest);
-// The worse of two checks: both must be clear.
+// Combines two checks into the worst case, because both paths must be clear.
 PathCheck Worse(const PathCheck& a, const PathCheck& b);
 
-// kUntilFailure gives the same verdict, but only a lower bound of the clearance. Starts at the edge
-// of the touchdown disc; corridor of path_half_width_m. The clearance needed is the lesser of
-// safety margin and half the path's height, plus the map's lean (decision 0019).
+// With kUntilFailure the verdict is the same, but the clearance is only a lower bound. The check
+// starts at the edge of the touchdown disc; the corridor's half-width is path_half_width_m. The
+// needed clearance is the lesser of the safety margin and half the path's height, plus an amount
+// for the tilt of the map (decision 0019).
 PathCheck CheckFinal(const Approach& approach,
                      const ClearanceSurface& surface,
                      const Aircraft& aircraft,
@@ -81,7 +82,7 @@ PathCheck CheckCircle(const Approach& approach,
                       const ClearanceSurface& surface,
                       const Aircraft& aircraft);
 
-// First cell of the strip behind touchdown that is not free.
+// First cell of the ground roll, beyond touchdown, that is not kFree.
 struct RollHazard {
   Eigen::Vector2d place_in_world = Eigen::Vector2d::Zero();
   double distance = 0.0;

@@ -15,7 +15,7 @@ size_t NumFeatures(FeatureSet feature_set);
 struct RangeMargin {
   float below = 0.0f;
   float above = 0.0f;
-  // Below this value a region is unsure, whatever the training grass was.
+  // A region with a smaller value is unsure, whatever the range of the training grass.
   float least = std::numeric_limits<float>::lowest();
 };
 RangeMargin MarginOf(FeatureSet feature_set, size_t feature);

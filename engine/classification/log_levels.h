@@ -5,8 +5,8 @@
 
 namespace freelsd {
 
-// By grey level. Levels are raised a little first, so that noise in shadows does not count as
-// texture. All lie between 1 and 8, and are multiples of 2^-23.
+// Logarithm of each grey level plus a small offset, which prevents noise in shadows from counting
+// as texture. All values lie between 1 and 8 and are multiples of 2^-23.
 using LogLevels = std::array<float, 256>;
 const LogLevels& LogOfLevel();
 

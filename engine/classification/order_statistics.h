@@ -7,8 +7,8 @@
 
 namespace freelsd {
 
-// The values at three ascending ranks below values.size(), as after sorting. Fastest for values
-// between -4 and 4 that differ in the third decimal.
+// The values that would have these ranks after sorting. The ranks are ascending and less than
+// values.size(). Fastest if the values lie between -4 and 4 and differ by about 0.001 or more.
 std::array<float, 3> OfRanks(std::vector<float> values, const std::array<size_t, 3>& ranks);
 
 }  // namespace freelsd

@@ -1,4 +1,4 @@
-// Private to cover/. Pairs of ruts among green plants, cell by cell.
+// Private to cover/. Finds pairs of ruts among green plants, for each cell separately.
 #pragma once
 
 #include <vector>
@@ -7,15 +7,15 @@
 
 namespace freelsd {
 
-// A place midway between two ruts, in cells of the orthophoto.
+// A point midway between two ruts. `place` is (column, row) in cells of the orthophoto.
 struct TrackPlace {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  double direction = 0.0;  // radians from a row's own, in [0, pi)
+  double direction = 0.0;  // radians from east towards south, in [0, pi)
   double contrast = 0.0;
 };
 
-// One for every rut cell with a second rut beside it, in the direction of highest contrast.
-// Row-major by rut cell.
+// One place for every rut cell that has a second rut beside it, in the direction of highest
+// contrast. The rut cells are in row-major order.
 std::vector<TrackPlace> RutPairs(const Orthophoto& photo, const CoverOptions& options);
 
 }  // namespace freelsd

@@ -5,13 +5,13 @@
 
 namespace freelsd {
 
-// The odd number of cells nearest to the width, so that a square has a middle cell.
+// The odd number of cells nearest to the width. It is odd so that a square has a middle cell.
 int BoxSide(double width_cells);
 
-// Values beyond the edge of the raster.
+// Which values are assumed beyond the edge of the raster.
 enum class BoxBorder {
   kNothing,   // zeros
-  kMirrored,  // the raster again, mirrored at the middle of its last cells
+  kMirrored,  // the raster, mirrored at the centres of its outermost cells
 };
 
 cv::Mat1f BoxMean(const cv::Mat1f& values, int side, BoxBorder border);

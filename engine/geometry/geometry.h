@@ -1,4 +1,4 @@
-// Input: none. Output: the vocabulary of places: transforms, cameras, frames, polygons, rays.
+// Input: none. Output: geometric types: transforms, cameras, frames, polygons, rays.
 //
 // Frames:
 //   world   local east-north-up, metres, tangent at the flight's origin (WGS84)

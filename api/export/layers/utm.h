@@ -9,15 +9,16 @@
 namespace freelsd {
 
 struct Utm {
-  int zone = 0;  // 0: polar
+  int zone = 0;  // 0: polar (UPS)
   bool is_north = true;
 
   int Epsg() const;
 };
 
 Utm ZoneOf(const GeoPoint& origin);
-// Easting and northing (rows of the matrix) from (column, row, 1) of pixel corners; a least-squares
-// fit at the grid's four corners. Six numbers: UTM is rotated and scaled against east-north.
+// Affine transform from (column, row, 1) of a pixel corner to (easting, northing), fitted by least
+// squares to the grid's four corners. It contains rotation and scale, because UTM axes differ from
+// local east and north.
 Eigen::Matrix<double, 2, 3> UtmFromPixel(const Grid& grid, const Utm& utm, const LocalFrame& frame);
 
 }  // namespace freelsd

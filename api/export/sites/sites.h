@@ -1,4 +1,4 @@
-// Sites -> file formats of other programs.
+// Converts sites to file formats of other programs.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,8 @@ namespace freelsd {
 enum class Firmware { kPx4, kArduPilot };
 
 struct ExportOptions {
-  // Altitude of the launch place, in the sites' datum. If set, autopilots get heights above it.
+  // Altitude of the launch place, in the datum of the sites. If set, files for autopilots state
+  // heights above this place.
   std::optional<double> home_altitude_m;
   Firmware firmware = Firmware::kPx4;
 };
@@ -21,15 +22,15 @@ struct SiteFormat {
   const char* name;
   const char* media_type;
   const char* extension;
-  // True if the file itself marks unverified sites. Otherwise the file's name marks them.
+  // True if the file's content marks unverified sites. Otherwise the file's name must mark them.
   bool tells_verdicts = true;
 };
 // plan, waypoints, rally, kml, cup, csv.
 std::vector<SiteFormat> SiteFormats();
-// `sites` are of one flight, best first. Formats to navigate by (plan, waypoints, rally, cup) never
-// contain a rejected site and mark unverified ones by name. Throws ApiError SiteRejected if no site
-// remains, NoApproach if a needed final is missing, AltitudeUnknown if the altitude reference is
-// unknown; std::invalid_argument for an unknown format.
+// `sites` belong to one flight and are ordered best first. Navigation formats (plan, waypoints,
+// rally, cup) omit rejected sites. Throws ApiError SiteRejected if no site remains, NoApproach if a
+// site lacks the final approach that the format needs, AltitudeUnknown if home_altitude_m is
+// needed but not set; std::invalid_argument for an unknown format.
 std::string ExportSites(const std::string& format,
                         const std::vector<StoredSite>& sites,
                         const ExportOptions& options);
