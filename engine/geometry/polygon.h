@@ -7,14 +7,15 @@
 
 namespace freelsd {
 
-// Open ring: the last vertex is not the first one again. Counter-clockwise has positive area.
+// Open ring: the first vertex is not repeated at the end. The area of a counter-clockwise ring is
+// positive.
 using Polygon = std::vector<Eigen::Vector2d>;
 
 double SignedArea(const Polygon& polygon);
 double Area(const Polygon& polygon);
 Eigen::Vector2d Centroid(const Polygon& polygon);
-// How often the polygon winds around the point (Weiler 1994); 0 is outside. Points on the boundary
-// count as inside on lower and left edges only.
+// Number of times the polygon winds around the point (Weiler 1994); 0 if the point is outside.
+// Points on the boundary are inside only on lower and left edges.
 int WindingNumber(const Polygon& polygon, const Eigen::Vector2d& point);
 bool Contains(const Polygon& polygon, const Eigen::Vector2d& point);
 // Convex hull (Andrew's monotone chain), counter-clockwise.
@@ -22,9 +23,11 @@ Polygon ConvexHull(Polygon points);
 // Rectangle of least area around the points (rotating calipers), counter-clockwise, four corners.
 Polygon MinAreaRectangle(const Polygon& points);
 
-// Common part of two convex polygons, both counter-clockwise (Sutherland-Hodgman); empty if none.
+// Intersection of two convex polygons, both counter-clockwise (Sutherland-Hodgman); empty if they
+// do not overlap.
 Polygon ConvexIntersection(const Polygon& a, const Polygon& b);
-// Area of the common part over area of the union, 0..1.
+// Area of the intersection divided by the area of the union, 0..1. Both polygons are convex and
+// counter-clockwise.
 double OverlapRatio(const Polygon& a, const Polygon& b);
 
 }  // namespace freelsd

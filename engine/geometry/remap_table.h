@@ -1,4 +1,4 @@
-// Tables of source pixels for resampling an image.
+// Tables that give the source pixel of each pixel of a resampled image.
 #pragma once
 
 #include <functional>
@@ -9,11 +9,12 @@
 
 namespace freelsd {
 
-// Table entry without a source pixel: far outside every image.
+// Marks a table entry without a source pixel: a coordinate far outside every image.
 inline constexpr float kNoPixel = -1e4F;
 
-// Table for cv::remap: source_at(column, row) is exact at every n-th pixel, linear between them.
-// Pixels next to a node without a source have none either (kNoPixel).
+// Table for cv::remap. Values of source_at(column, row) are exact at nodes, which are
+// node_spacing_px apart, and linearly interpolated between them. Pixels beside a node without a
+// source are kNoPixel.
 cv::Mat2f RemapTable(
     const cv::Size& size,
     int node_spacing_px,

@@ -12,7 +12,7 @@ namespace freelsd {
 
 struct PosedRay {
   Rigid3d world_from_camera;
-  // Ideal (undistorted) direction x / z, y / z in the camera frame.
+  // Ideal (undistorted) direction (x / z, y / z) in the camera frame.
   Eigen::Vector2d point_normalized = Eigen::Vector2d::Zero();
 };
 
@@ -24,9 +24,9 @@ struct TriangulatedPoint {
   double rms_error_normalized = 0.0;
 };
 
-// Point closest to all rays (midpoint of the least squares), then one Gauss-Newton refinement of
-// the reprojection error. Nothing with fewer than two rays, parallel rays, or a point behind a
-// camera.
+// Starts at the point with the least sum of squared distances to the rays, then minimises the
+// reprojection error by a few Gauss-Newton steps. Nothing if there are fewer than two rays, if the
+// rays are parallel, or if the point is behind a camera.
 std::optional<TriangulatedPoint> Triangulate(const std::vector<PosedRay>& rays);
 
 }  // namespace freelsd

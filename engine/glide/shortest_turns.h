@@ -5,7 +5,7 @@
 
 namespace freelsd {
 
-// A place and a direction of travel there, radians clockwise from north.
+// A place and the direction of travel there. The heading is in radians clockwise from north.
 struct Stance {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   double heading = 0.0;
@@ -23,7 +23,7 @@ struct TurnPath {
   double Turned() const;
 };
 
-// The shortest of turn-straight-turn and turn-turn-turn.
+// The shortest path of the forms turn-straight-turn and turn-turn-turn.
 TurnPath ShortestTurns(const Stance& from, const Stance& to, double radius_m);
 
 }  // namespace freelsd

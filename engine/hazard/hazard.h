@@ -1,5 +1,5 @@
-// Input: elevation map, its surface and what covers it. Output: slope, roughness, grass, hazard and
-// the distance to it. Paper: Sec. III-G.
+// Input: elevation map, its surface, and the cover of the ground. Output: slope, roughness, grass,
+// hazard and the distance to the nearest hazard. Paper: Sec. III-G.
 #pragma once
 
 #include <array>
@@ -16,29 +16,30 @@ struct HazardOptions {
   void Check() const;
 };
 
-// Limits above which a cell is a hazard; from the aircraft.
+// Limits above which a cell is a hazard. They are the aircraft's.
 struct HazardLimits {
-  // Reduced by the deviation of the map's tilt (ElevationMap), as the whole map may lean.
+  // Reduced by the deviation of the map's tilt (ElevationMap), because the whole map may be tilted.
   double max_slope_deg = 8.0;
   double max_roughness_m = 0.5;
 };
 
 // kUnseen: elevation, slope or roughness is unknown or too uncertain. kHazard: seen, but not grass
-// (or without a class), too steep, too rough, or an object stands in it. kFree: otherwise.
+// (or without a class), too steep, too rough, or with an object on it. kFree: all others.
 enum Hazard : uint8_t { kFree = 0, kHazard = 1, kUnseen = 2 };
 
 struct HazardLayers {
   Grid grid;
   // Radians; NaN where unseen.
   cv::Mat1f slope;
-  // Terrain ruggedness index (Riley): root of summed squared differences to 8 neighbours, metres.
+  // Terrain ruggedness index (Riley): square root of the sum of squared height differences to the 8
+  // neighbours, metres.
   cv::Mat1f roughness;
   // As in GroundCover.
   cv::Mat1f grass;
   // Hazard values.
   cv::Mat1b hazard;
-  // Metres from the cell's centre to the nearest centre of a cell that is not kFree, exact. Cells
-  // outside the grid count as unseen.
+  // Exact distance, metres, from the cell's centre to the nearest centre of a cell that is not
+  // kFree. Cells outside the grid count as unseen.
   cv::Mat1f distance;
   // A cell with at least this posterior of grass has a clear class (ClearClassOptions).
   double min_clear_class_posterior = ClearClassOptions{}.min_clear_class_posterior;

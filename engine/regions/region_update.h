@@ -1,4 +1,4 @@
-// Private to regions/: the region manager, on rectangles in the world frame.
+// Private to regions/: tracks regions as rectangles in the world frame.
 #pragma once
 
 #include <map>
@@ -12,16 +12,16 @@ namespace freelsd {
 
 // One segment of one view, projected onto the ground.
 struct Detection {
-  // Four, counter-clockwise.
+  // Four corners, counter-clockwise.
   std::vector<Eigen::Vector3d> corners_in_world;
   Eigen::Vector3d centroid_in_world = Eigen::Vector3d::Zero();
   bool is_fully_visible = false;
   bool is_grass = false;
-  // Area of the segment: its weight in the view's vote.
+  // Area of the segment. It is the segment's weight in the vote of the view.
   double area_m2 = 0.0;
 };
 
-// Horizontal part of the corners.
+// The horizontal coordinates of the corners.
 Polygon GroundPolygon(const std::vector<Eigen::Vector3d>& corners_in_world);
 
 struct ViewStamp {
@@ -30,7 +30,7 @@ struct ViewStamp {
   int64_t timestamp_us = 0;
 };
 
-// Areas that one view showed of a region.
+// Areas of grass and of other ground that one view showed within a region.
 struct ViewEvidence {
   double grass_area_m2 = 0.0;
   double other_area_m2 = 0.0;
@@ -38,11 +38,11 @@ struct ViewEvidence {
 
 struct TrackedRegion {
   Region region;
-  // By view: a view counts once for merged regions, even if it saw both.
+  // Key: index of the view. If merged regions were seen by the same view, that view counts once.
   std::map<size_t, ViewEvidence> evidence;
   bool has_new_corners = false;
 
-  // Whether most of its views saw grass.
+  // True if more than half of its views showed mostly grass.
   bool IsGrass() const;
 };
 
@@ -63,14 +63,16 @@ class RegionTracker {
   int next_id_ = 1;
 };
 
-// Counts the views that see a place, to derive n_obs,min.
+// Counts the views that see a place, to determine the minimum number of observations (n_obs,min).
 class ViewOverlap {
  public:
-  // Adds the ground below the image centre and the image's footprint. A view counts once.
+  // Adds the ground point at the image centre and the footprint of the image. Each view is added
+  // only once.
   void Add(size_t view, const Eigen::Vector2d& center_in_world, const Polygon& footprint);
-  // Typical number of views of a place: median over the centres of all views.
+  // Typical number of views that see one place: the median over the centres of all views.
   double ExpectedNumViews() const;
-  // The paper's number, lowered to half of the expected views, at least the floor.
+  // min_num_observations (the paper's value), but at most half of ExpectedNumViews(), and at least
+  // min_num_observations_floor.
   int MinNumObservations(const RegionsOptions& options) const;
 
  private:

@@ -5,9 +5,9 @@
 
 namespace freelsd {
 
-// As cv::resize with INTER_AREA up to rounding. Two to six times as fast on one core, except where
-// both sides are halved: freelsd-bench --filter kernel_area_resize. 8 bit, one or three channels.
-// `size` exceeds the image in neither direction.
+// Same result as cv::resize with INTER_AREA, up to rounding. On one core it is two to six times as
+// fast, except where both sides are halved: freelsd-bench --filter kernel_area_resize. 8 bit, one
+// or three channels. `size` must not exceed the image's size.
 cv::Mat ReduceByArea(const cv::Mat& image, cv::Size size);
 
 }  // namespace freelsd

@@ -9,7 +9,7 @@
 
 namespace freelsd {
 
-// Columns of the left image for which every disparity has a column in the right one.
+// The columns of the left image in which every disparity leads to a column of the right image.
 struct MatchedColumns {
   int first = 0;
   int count = 0;
@@ -17,7 +17,8 @@ struct MatchedColumns {
   // A multiple of 16.
   int num_disparities = 0;
 
-  // A multiple of 32: the number of sums per column, of which the last may be unused.
+  // Number of sums per column: num_disparities, rounded up to a multiple of 32. Sums beyond
+  // num_disparities are not used.
   int NumSums() const { return (num_disparities + 31) / 32 * 32; }
 };
 
@@ -26,24 +27,24 @@ constexpr int kMaxPixelCost = 93;
 
 struct BlockOptions {
   int block_size_px = 7;
-  // Number of low bits dropped from pixel costs, so that sums over a large block fit.
+  // Number of low bits dropped from pixel costs, so that sums over a large block fit into 16 bits.
   int num_lost_bits = 0;
 };
 
-// Cost of Birchfield and Tomasi (1998): distance of a pixel to the interval of the other image's
-// values within half a pixel, the smaller of both directions. Taken on the clipped Sobel derivative
-// along the row; a quarter of the cost on grey is added.
+// Cost of Birchfield and Tomasi (1998): distance between a pixel's value and the range of values
+// within half a pixel in the other image; the smaller one of both directions. It is computed on the
+// clipped Sobel derivative along the row. A quarter of the same cost on grey levels is added.
 class BlockCosts {
  public:
-  // The images must outlive this. Treats first_row as the upper border of the image.
+  // The images must outlive this object. Treats first_row as the upper border of the image.
   BlockCosts(const cv::Mat1b& left,
              const cv::Mat1b& right_mirrored,
              const MatchedColumns& columns,
              const BlockOptions& options,
              int first_row);
 
-  // Advances one row; the first call gives the first row. Returns the sums over the block's height,
-  // by column and disparity. Valid until the next call.
+  // Advances one row; the first call gives first_row. Returns sums over the height of the block, in
+  // order of column, then disparity. Valid until the next call.
   const int16_t* NextRow();
 
  private:
@@ -53,7 +54,7 @@ class BlockCosts {
   MatchedColumns columns_;
   BlockOptions options_;
   int radius_px_, first_row_, row_;
-  // Costs of the last rows; row i is at i modulo their number.
+  // Ring buffer of the costs of the last rows: row i is stored at i modulo the number of rows.
   cv::Mat1b costs_;
   cv::Mat1s sums_;
   int num_rows_known_;

@@ -1,5 +1,6 @@
-// Planar rectification of two posed views: both look along one direction, rows are epipolar lines.
-// Fusiello, Trucco, Verri: A compact algorithm for rectification of stereo pairs, 2000.
+// Planar rectification of two posed views: both then look in the same direction, and their rows are
+// epipolar lines. Fusiello, Trucco, Verri: A compact algorithm for rectification of stereo pairs,
+// 2000.
 #pragma once
 
 #include <optional>
@@ -16,7 +17,8 @@ struct DepthRange {
 };
 
 struct RectifiedPair {
-  // Pose of the left camera. The right camera is `baseline` further along the rectified x axis.
+  // Pose of the left camera. The right camera is displaced by `baseline` along the rectified x
+  // axis.
   Rigid3d world_from_left;
   double baseline = 0.0;
   double focal_px = 0.0;
@@ -26,22 +28,24 @@ struct RectifiedPair {
   double cy_px = 0.0;
   cv::Mat1b left;
   cv::Mat1b right;
-  // Non-zero inside the original image; elsewhere left and right are black.
+  // Non-zero inside the original image. Outside, left and right are black.
   cv::Mat1b is_left_inside;
   cv::Mat1b is_right_inside;
 
-  // Disparity (left column minus right column) of a depth, and back.
+  // Converts a depth to a disparity (left column minus right column), and back.
   double DisparityOf(double depth) const;
   double DepthOf(double disparity_px) const;
 };
 
-// Depths of landmarks that both views see, plus the relief margin; else around the height above
-// ground. Measured along the rectified pair's axis.
+// Depths along the rectified axis: those of the landmarks that both views see, without outliers, or
+// the height above ground if there are too few. The range is widened by the relief margin.
 DepthRange DepthsOf(const AdjustedBlock& block,
                     const StereoPair& pair,
                     const StereoOptions& options);
 
-// Nothing if the views share no ground, or no baseline across their axis.
+// Nothing if the views share no ground, if they have no baseline across their mean optical axis, or
+// if the rectified image would be too small or too large. Throws std::invalid_argument if an image
+// does not fit the camera.
 std::optional<RectifiedPair> RectifyPair(const AdjustedBlock& block,
                                          const StereoPair& pair,
                                          const cv::Mat& left_image,

@@ -12,37 +12,40 @@ struct StereoOptions {
   // --- Behaviour ---
   // Images are matched at this ground sampling distance or at full size, whichever is coarser.
   double ground_sampling_distance_m = 0.12;
-  // Ideal baseline of a pair over its height, and the accepted range.
+  // Ratio of a pair's baseline to its height above ground: ideal value and accepted range.
   double ideal_baseline_ratio = 0.3;
   double min_baseline_ratio = 0.08;
   double max_baseline_ratio = 0.9;
   // Largest angle between the optical axes.
   double max_axis_angle_deg = 30.0;
-  // Pairs per view. Paper: one. Differs: survey photographs overlap so little that one leaves gaps.
+  // Pairs per view. Differs: the paper uses one; in survey photographs with little overlap, one
+  // pair leaves gaps.
   int num_partners = 2;
   // Least number of landmarks that the views of a pair share.
   int min_num_shared_landmarks = 8;
-  // Relief above and below the sparse landmarks that the disparity range includes.
+  // The range of disparities includes relief of this height above and below the sparse landmarks.
   double relief_margin_m = 15.0;
-  // Semi-global matching: block, penalties (times channels * block^2), left-right check, speckles.
+  // Semi-global matching: block, penalties (in units of block_size_px^2), uniqueness, speckles,
+  // left-right check.
   int block_size_px = 7;
   int p1_factor = 8;
   int p2_factor = 32;
   int uniqueness_ratio_percent = 15;
   int speckle_size_px = 100;
   int max_left_right_difference_px = 1;
-  // Least deviation of grey levels within a window: water and burnt-out ground have no texture to
-  // match.
+  // Least standard deviation of grey levels within a window. Water and burnt-out ground have no
+  // texture to match.
   double min_texture_grey = 1.5;
-  // Least normalised cross-correlation of matched windows. At these values fewer than 0.5 % of the
-  // pixels of two unrelated photographs pass, and 97 % of the true matches do.
+  // Least normalised cross-correlation of matched windows. At these values less than 0.5 % of the
+  // pixels of two unrelated photographs pass, but 97 % of the true matches do.
   int correlation_window_px = 15;
   double min_correlation = 0.6;
-  // Largest number of disparities searched, a multiple of 16.
+  // Largest number of disparities searched; rounded down to a multiple of 16.
   int max_num_disparities = 256;
-  // Points per square metre of ground, approximately: every n-th pixel of every n-th row is kept.
+  // Approximate number of points per square metre of ground: every n-th pixel of every n-th row is
+  // kept.
   double max_points_per_m2 = 25.0;
-  // Standard deviation of a disparity, for the deviation of the height.
+  // Standard deviation of a disparity. The deviation of the height is derived from it.
   double disparity_sd_px = 0.35;
 
   void Check() const;
@@ -55,7 +58,9 @@ struct StereoPair {
   double cost = 0.0;
 };
 
-// The best partners of every connected view by baseline, epipolar and viewing cost; no pair twice.
+// The num_partners pairs of least cost for every connected view, each pair once. The cost combines
+// the baseline ratio, the baseline's component along the optical axes, the angle between these
+// axes, and missing overlap.
 std::vector<StereoPair> SelectPairs(const AdjustedBlock& block, const StereoOptions& options);
 
 struct DensePoint {
@@ -65,7 +70,7 @@ struct DensePoint {
 using Points = std::vector<DensePoint>;
 
 // Planar rectification (Fusiello et al. 2000) and semi-global matching of one pair. Images are
-// full-size, 8-bit BGR or grey; throws std::invalid_argument for others. Empty without matches
+// full-size, 8-bit BGR or grey; throws std::invalid_argument for others. Empty if nothing matches
 // (water, uniform ground).
 Points ReconstructPoints(const AdjustedBlock& block,
                          const StereoPair& pair,

@@ -15,7 +15,7 @@ struct FusedCell {
   double num_points = 0.0;
 };
 
-// Independent of the order of the summaries. Nothing where too few points agree.
+// The result does not depend on the order of the summaries. Nothing if too few points agree.
 std::optional<FusedCell> FuseCell(std::vector<CellSummary> summaries,
                                   const TerrainOptions& options);
 

@@ -11,30 +11,31 @@
 namespace freelsd {
 
 struct CellSummary {
-  // row * num_cols + col.
+  // Index of the cell: row * num_cols + col.
   uint32_t cell = 0;
-  // Within the interpolation radius, outliers not counted.
+  // Number of points within the interpolation radius, without outliers.
   uint32_t num_points = 0;
-  // Inverse-distance weighted mean height, world z.
+  // Mean height, world z, weighted by inverse squared distance.
   double mean = 0.0;
   // Standard deviation of the mean.
   float standard_deviation = 0.0f;
-  // Upper percentile of the cell's own points, >= mean, reached by at least two points.
+  // Upper percentile of the points inside the cell, limited to a height that at least two of them
+  // reach; at least `mean`.
   float upper = 0.0f;
-  // The same, reached by at least min_num_points points.
+  // The same, limited to a height that at least min_num_points points reach.
   float firm_upper = 0.0f;
 };
 
-// Keeps its working memory from pair to pair.
+// Reuses its working memory for all pairs.
 class PairSummarizer {
  public:
   PairSummarizer(const Grid& grid, const TerrainOptions& options);
-  // Cells in row-major order, only those with at least one point. Drops points outside the grid and
-  // wild points (max_relief_m).
+  // Returns cells with at least one point within the interpolation radius, in row-major order.
+  // Drops points outside the grid and points far from the median height (max_relief_m).
   std::vector<CellSummary> Summarize(const Points& points);
 
  private:
-  // Upper percentiles of a cell's own points; NaN where there are too few.
+  // Upper percentiles of the points inside a cell; NaN if there are too few.
   struct Uppers {
     float upper;
     float firm_upper;

@@ -10,17 +10,17 @@ namespace freelsd {
 // Elevation; NaN where it is unseen or its deviation exceeds the limit.
 cv::Mat1f TrustedElevation(const ElevationMap& map, double max_standard_deviation_m);
 
-// Radians; NaN where the cell or too much of its support is unseen.
+// Radians; NaN if the cell or too many cells of its support are unseen.
 cv::Mat1f PlaneSlope(const cv::Mat1f& elevation, double cell_size_m, const SurfaceOptions& options);
 cv::Mat1f PaperPcaSlope(const cv::Mat1f& elevation,
                         double cell_size_m,
                         const SurfaceOptions& options);
 
-// Radians between the vertical and the normal by PCA of nine cells, in closed form. Heights in
-// metres, row by row; only differences between them count.
+// Angle between the vertical and the normal, in radians, by PCA of nine cells in closed form.
+// Heights are in metres, row by row; only their differences matter.
 double PcaSlopeOf(const std::array<double, 9>& heights, double cell_size_m);
 
-// Riley et al. 1999; neighbours `spacing` cells away; NaN if one of the nine is unseen.
+// Riley et al. 1999, with neighbours `spacing` cells away. NaN if any of the nine cells is unseen.
 cv::Mat1f Ruggedness(const cv::Mat1f& elevation, int spacing);
 
 }  // namespace freelsd

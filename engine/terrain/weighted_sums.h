@@ -8,7 +8,7 @@
 
 namespace freelsd {
 
-// A point this near to a cell's centre decides its height alone.
+// A point closer than this to a cell's centre alone determines the cell's height.
 constexpr double kExactHitM = 1e-6;
 
 struct CellSums {
@@ -21,14 +21,14 @@ struct CellSums {
   double variance = 0.0;
 };
 
-// The paper's mean needs weight and height only.
+// kMeanOnly: only weight and height, which suffice for the paper's mean.
 enum class SumKind { kMeanOnly, kAll };
 
-// Sums over the cells of a rectangle. Each processor gives the same result to the bit; the sums
-// depend on the order of the points.
+// Sums for the cells of a rectangle. They are bitwise equal on every processor, but depend on the
+// order of the points.
 class WeightedSums {
  public:
-  // `cells`: x = col, y = row. Heights are summed relative to base_height.
+  // `cells`: the rectangle; x = col, y = row. Heights are summed relative to base_height.
   WeightedSums(
       const Grid& grid, const cv::Rect& cells, double radius_m, double base_height, SumKind kind);
 
@@ -37,7 +37,8 @@ class WeightedSums {
 
   const cv::Rect& cells() const { return cells_; }
   double base_height() const { return base_height_; }
-  // Row and column count from the rectangle's corner. kMeanOnly fills only weight and height.
+  // `row` and `col` are relative to the rectangle's corner. With kMeanOnly only weight and height
+  // are set.
   CellSums At(int row, int col) const;
 
  private:
@@ -53,14 +54,14 @@ class WeightedSums {
   double west_, north_, cell_size_, radius_, base_height_;
   SumKind kind_;
   size_t num_slots_;
-  // A ring of unused cells surrounds the cells, so that points at the border need no test.
+  // A border of unused cells surrounds the rectangle, so that points at its edge need no check.
   int stride_;
   // The slots of a cell share one cache line.
   struct alignas(4 * sizeof(double)) FourSlots {
     double slots[4] = {};
   };
   std::vector<FourSlots> sums_;
-  // Number of points and variance of each cell.
+  // For each cell: number of points, sum of their variances.
   std::vector<double> tallies_;
 };
 

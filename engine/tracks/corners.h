@@ -1,6 +1,6 @@
 // Input: a grey image and a request. Output: corners (Shi and Tomasi 1994).
-// The corners of cv::goodFeaturesToTrack, four times as fast on one core: freelsd-bench --filter
-// kernel_corners.
+// Finds the same corners as cv::goodFeaturesToTrack, four times as fast on one core: freelsd-bench
+// --filter kernel_corners.
 #pragma once
 
 #include <vector>
@@ -10,15 +10,15 @@
 namespace freelsd {
 
 struct CornerWish {
-  // Corners lie where it is not 0, never in the image's outermost pixels.
+  // Corners lie where the mask is not 0, but never in the image's outermost rows and columns.
   cv::Mat1b mask;
   int max_count = 0;
-  // Least strength, as a share of the strongest corner.
+  // Least corner strength, as a share of that of the strongest corner.
   double min_quality = 0.0;
   double min_distance_px = 0.0;
 };
 
-// Strongest first; each at least min_distance_px from all before it.
+// Strongest first. Each corner is at least min_distance_px from all stronger ones returned.
 std::vector<cv::Point> StrongestCorners(const cv::Mat1b& grey, const CornerWish& wish);
 
 }  // namespace freelsd

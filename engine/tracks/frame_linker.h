@@ -1,5 +1,5 @@
-// Joins a new frame with earlier ones: follows corners after small motion, matches descriptors
-// after large motion.
+// Links a new frame to earlier ones: follows corners if the motion is small, else matches
+// descriptors.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@ namespace freelsd {
 
 class FrameLinker {
  public:
-  // Finds points and links of the newest frame and joins the tracks. `ground_height` is the world z
-  // of the ground, if known.
+  // Finds points of the newest frame, links it to earlier frames and joins their tracks.
+  // `ground_height` is the world z of the ground, if known.
   void LinkNewest(FrameMemory& memory, std::optional<double> ground_height);
 
  private:
@@ -21,10 +21,11 @@ class FrameLinker {
   void LinkByDescriptors(FrameMemory& memory, std::optional<double> ground_height);
   void MatchPair(FrameMemory& memory, size_t newest, size_t other);
 
-  // Of the newest frame and of its predecessor.
+  // Images of the newest frame and of its predecessor.
   TrackingImage image_;
   TrackingImage previous_image_;
-  // Median displacement between the last two linked frames, share of the image width.
+  // Median displacement of points between the newest frame and its predecessor, as a share of the
+  // image width. Nothing if the two are not linked.
   std::optional<double> last_flow_ratio_;
 };
 

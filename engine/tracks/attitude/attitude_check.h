@@ -1,5 +1,5 @@
-// Input: frames with attitudes, and their matches. Output: the turn that corrects a wrong attitude
-// (photographs rotated after exposure, faulty gimbal angles).
+// Input: frames with attitudes, and their matches. Output: the rotation that corrects a wrong
+// attitude (photographs rotated after exposure, faulty gimbal angles).
 #pragma once
 
 #include <optional>
@@ -16,12 +16,12 @@ struct OrientedFrame {
   double attitude_sd = 0.0;
 };
 
-// Turn about the vertical (counter-clockwise from above) that makes the matches of two frames meet
-// on level ground.
+// Rotation about the vertical, in radians counter-clockwise from above, that makes the matches of
+// two frames coincide on level ground.
 struct TurnEvidence {
-  // Turn of b if a is right.
+  // Rotation of b if the attitude of a is correct.
   double turn_of_b_against_a = 0.0;
-  // Turn of either frame by the GPS baseline; nothing if the baseline is too short.
+  // Rotation of each frame according to the GPS baseline; nothing if the baseline is too short.
   std::optional<double> turn_of_a;
   std::optional<double> turn_of_b;
 };
@@ -29,7 +29,8 @@ std::optional<TurnEvidence> CompareAttitudes(const OrientedFrame& a,
                                              const OrientedFrame& b,
                                              const AlignmentPair& matches);
 
-// The turn of a frame from the turns of its pairs: the one nearest to all others.
+// Rotation of a frame, given the rotations from its pairs: the one with the least sum of
+// differences from the others. Nothing if `turns` is empty.
 std::optional<double> MedianTurn(const std::vector<double>& turns);
 
 }  // namespace freelsd

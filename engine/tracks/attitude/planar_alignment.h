@@ -1,12 +1,14 @@
 // Input: matched frames of near-nadir cameras without attitude, over locally level ground, with GPS
 // positions. Output: their attitudes and heights above ground.
 //
-// Differs: the paper has an autopilot's attitude. Without one, a normalised image point, read as
-// the complex number z = x - i y (the image seen from above, right and up), lies on the ground at
+// Differs: the paper has the autopilot's attitude. Without attitude, a normalised image point is
+// written as the complex number z = x - i y (right and up in the image, seen from above). Its place
+// on the ground is
 //   place = p + c + a z     (east + i north)
-// with p the position, arg a the turn of the image against north, |a| the height above ground and c
-// the offset of the optical axis by tilt. Every match gives place_a = place_b, linear in a and c:
-// no first guess of a heading is needed. The solution is then refined with the exact projection.
+// where p is the camera's position, arg a the counter-clockwise rotation of the image's top from
+// north, |a| the height above ground, and c the offset of the optical axis due to tilt. Every match
+// gives the equation place_a = place_b, which is linear in a and c, so no initial heading is
+// needed. The solution is then refined with the exact projection.
 #pragma once
 
 #include <optional>
@@ -22,13 +24,13 @@ namespace freelsd {
 struct AlignmentFrame {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   double position_sd_m = 2.0;
-  // A held frame has a known pose; the others are solved.
+  // A held frame has a known pose, which stays unchanged. The poses of the others are computed.
   bool is_held = false;
   Eigen::Quaterniond world_from_camera = Eigen::Quaterniond::Identity();
   double height_above_ground = 0.0;
-  // From the equations; 0 for held frames.
+  // Radians, from the normal equations; 0 for held frames.
   double heading_sd = 0.0;
-  // Whether the solution of this frame is trusted.
+  // True if the computed pose of this frame is trusted.
   bool is_solved = false;
 };
 
@@ -45,8 +47,8 @@ struct AlignmentOptions {
   double max_heading_sd = 0.0;
 };
 
-// The pairs must connect all frames. Returns the frames in the same order. Untrusted frames (too
-// little baseline, implausible tilt or residuals) are not solved.
+// The pairs must connect all frames. Returns the frames in the same order. is_solved stays false
+// for frames with too little baseline, or with implausible tilt or residuals.
 std::vector<AlignmentFrame> AlignToGround(std::vector<AlignmentFrame> frames,
                                           const std::vector<AlignmentPair>& pairs,
                                           const AlignmentOptions& options);
