@@ -23,25 +23,26 @@ struct Config {
   std::string host = "127.0.0.1";
   // 0: any free port.
   int port = 8080;
-  // Second listener, with its own threads, for /v1/emergency and /healthz; empty: no such listener.
+  // Second listener for /v1/emergency, its export and /healthz. It has its own threads. Empty: no
+  // such listener.
   std::optional<Address> emergency;
-  // Grass classifier and folder of the page; empty: those installed beside the program.
+  // Grass classifier, and folder of the web page. Empty: the ones installed beside the program.
   std::filesystem::path model;
   std::filesystem::path page;
   // File with hashes of the accepted tokens; empty: requests need no token.
   std::filesystem::path token_file;
-  // Host names that requests may use besides loopback names.
+  // Host names that a request's Host header may contain in addition to loopback names.
   std::vector<std::string> allowed_hosts;
   int num_http_threads = 32;
-  // Most frames that may wait for the frontend. Frames of batches do not count.
+  // Largest number of frames that wait to be processed. Frames of batches do not count.
   int64_t max_num_queued_frames = 256;
-  // Most flights that the engine holds in memory. Frames of other flights wait.
+  // Largest number of flights that the engine holds in memory. Frames of other flights wait.
   int max_num_open_flights = 16;
   // Sites in the list of alternates that is kept for each live flight.
   int num_alternates = 3;
   uint64_t max_batch_bytes = uint64_t{2} << 30;
-  // Beyond these limits, images of idle flights are removed, oldest flight first. 0: no limit.
-  // Sites stay.
+  // If a limit is exceeded, images of idle flights are removed, oldest flight first. Sites are
+  // kept. 0: no limit.
   double max_image_age_days = 0.0;
   uint64_t max_stored_image_bytes = 0;
   // How long a frame without a position waits for telemetry that covers its timestamp.
@@ -52,13 +53,13 @@ struct Config {
   double max_telemetry_extrapolation_s = 0.2;
 };
 
-// A setting is invalid. The text is a sentence for the operator.
+// Thrown if a setting is invalid. what() is a sentence for the operator.
 class ConfigError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// Reads the settings. Nothing if the command line asked for help or version, which is then printed.
+// Reads the settings. Prints help or version and returns nothing if the command line asks for it.
 // Throws ConfigError.
 std::optional<Config> ReadConfig(int argc, const char* const* argv);
 

@@ -1,5 +1,5 @@
-// Input: a frame's image. Output: corners followed from the frame before, or described keypoints.
-// Points are distorted pixels of the full-size image throughout.
+// Input: a frame's image. Output: corners followed from the previous frame, or keypoints with
+// descriptors. All points are distorted pixels of the full-size image.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,12 @@
 
 namespace freelsd {
 
-// The grey image for tracking: at most matching_width_px wide.
+// Grey image for tracking, at most matching_width_px wide.
 struct TrackingImage {
   cv::Mat grey;
   // Tracking pixels per full-size pixel; at most 1.
   double scale = 1.0;
-  // For following corners; empty until needed.
+  // For following corners; empty until WithPyramid is called.
   std::vector<cv::Mat> pyramid = {};
 
   Eigen::Vector2d FullFromReduced(const cv::Point2f& point) const;
@@ -30,11 +30,11 @@ std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
                                          const std::vector<Eigen::Vector2d>& existing,
                                          const TracksOptions& options);
 
-// Adds the pyramid, which is used twice: for the predecessor and for the successor.
+// Adds the pyramid, which is needed twice: for the previous and for the next frame.
 TrackingImage WithPyramid(TrackingImage image);
 
-// Positions in the next frame (both images with pyramids); nothing for a lost point. `guesses` are
-// predicted positions, or empty.
+// Positions in the image `to`; nothing for a lost point. Both images must have pyramids. `guesses`
+// contains predicted positions, or is empty.
 std::vector<std::optional<Eigen::Vector2d>> FollowCorners(
     const TrackingImage& from,
     const TrackingImage& to,

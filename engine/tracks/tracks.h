@@ -1,4 +1,4 @@
-// Input: frames with pose priors. Output: posed views joined by feature tracks, and the coarse
+// Input: frames with pose priors. Output: posed views connected by feature tracks, and the coarse
 // height of the ground at a pixel. Paper: Sec. III-A, III-B.
 #pragma once
 
@@ -15,51 +15,55 @@ namespace freelsd {
 
 struct TracksOptions {
   // --- Behaviour ---
-  // Largest predicted displacement between two frames (share of the image width) for following
-  // corners with Kanade-Lucas-Tomasi. Above it, descriptors are matched. Paper: "depending on the
-  // provided framerate", Sec. III-A, no number.
+  // Largest predicted displacement between two frames, as a share of the image width, for following
+  // corners with Kanade-Lucas-Tomasi. If it is larger, descriptors are matched. Paper: "depending
+  // on the provided framerate", Sec. III-A, no number.
   double max_klt_flow_ratio = 0.15;
-  // Corners kept per frame by the tracker, and keypoints per frame by the matcher.
+  // Largest number of corners per frame for the tracker, and of keypoints per frame for the
+  // matcher.
   int max_num_corners = 250;
   int max_num_keypoints = 1500;
-  // Wider images are matched at this width; observations stay in full-size pixels. 752 is the
-  // width of the paper's video camera. Survey photographs match as well as at 1000, and
-  // faster.
+  // Wider images are reduced to this width for matching; observations are still in full-size
+  // pixels. 752 is the width of the paper's video camera. Survey photographs match as well as at
+  // 1000, and faster.
   int matching_width_px = 752;
-  // Largest distance between a corner and its forward-backward tracked position.
+  // Largest distance between a corner and the result of tracking it forward and back again.
   double max_forward_backward_error_px = 1.0;
-  // Least number of geometrically verified matches of a connected pair of frames.
+  // Least number of geometrically verified matches that connect two frames.
   int min_num_verified_matches = 20;
-  // Largest distance of a verified match from the epipolar line or the plane-induced homography, in
-  // pixels of the matching image.
+  // Largest distance of a verified match from its epipolar line or from the position that the
+  // plane's homography gives, in pixels of the matching image.
   double max_verification_error_px = 3.0;
-  // Earlier views near in place that a survey photograph is matched with, besides its
-  // predecessor.
+  // Number of earlier views, the nearest ones, that a survey photograph is matched with in addition
+  // to its predecessor.
   int max_num_match_partners = 6;
   // Number of tracks whose landmarks give the height at a pixel. Paper: N, Sec. III-B, no number.
   int num_nearest_tracks = 8;
   // Landmarks with less parallax or a larger reprojection error are not used.
   double min_parallax_deg = 2.0;
   double max_reprojection_error_px = 12.0;
-  // A given attitude that differs from the matches by more than this is replaced, with a warning
-  // (rotated photographs, faulty gimbal angles).
+  // A given attitude is replaced, with a warning, if its yaw differs from that of the matches by
+  // more than this (rotated photographs, faulty gimbal angles).
   double max_attitude_disagreement_deg = 30.0;
-  // Deviation from straight down of a camera without a given attitude.
+  // Standard deviation of the angle to straight down, for a camera without a given attitude.
   double nadir_sd_deg = 8.0;
-  // Most frames that wait for matches to solve their attitude or height.
+  // Largest number of frames that wait for matches from which their attitude or height can be
+  // computed.
   int max_num_waiting_frames = 12;
-  // Photographs of the same ground without common tracks are matched again during adjustment: at
-  // this width, each resampled to the view from straight above. Differs: tracks connect all of the
-  // paper's video.
+  // Photographs of the same ground without common tracks are matched again during adjustment: each
+  // is resampled to the view from straight above, at this width. Differs: in the paper's video,
+  // tracks connect all frames.
   int ground_matching_width_px = 1200;
   int max_num_ground_keypoints = 3000;
   int min_num_tie_matches = 12;
-  // Least overlap (share of the smaller footprint). Tilt and relief can pretend a smaller one.
+  // Least overlap, as a share of the smaller footprint. A smaller computed overlap may be due to
+  // tilt and relief alone.
   double min_ground_overlap_ratio = 0.02;
-  // Search radius of ground matching, as a share of the height: errors of poses, and relief.
+  // Search radius of ground matching, as a share of the height. It covers errors of poses, and
+  // relief.
   double max_ground_error_ratio = 0.15;
-  // Uses the plane below the camera by height_above_ground (or the take-off plane) as ground.
-  // Paper: the footnote's ground plane approximation.
+  // Uses a level plane as ground: height_above_ground below the camera if given, else at take-off
+  // height (world z = 0). Paper: the footnote's ground plane approximation.
   bool assume_ground_plane = false;
 
   void Check() const;
@@ -77,16 +81,15 @@ enum class AttitudeSource {
   kCorrected,  // given, but contradicted by matches
 };
 
-// A frame whose pose and height above ground are known, without its image.
+// A frame with known pose and height above ground, without its image.
 struct View {
   std::string frame_id;
   int64_t timestamp_us = 0;
   // Best current estimate.
   Rigid3d world_from_camera;
   Readout readout;
-  // Prior of the camera, and its deviations. They never change, even if world_from_camera
-  // does. Otherwise every adjustment would take the last result as an independent
-  // measurement.
+  // Prior of the camera, and its deviations. They stay the same when world_from_camera changes.
+  // Otherwise every adjustment would take the previous result as an independent measurement.
   Eigen::Vector3d prior_position_in_world = Eigen::Vector3d::Zero();
   Eigen::Quaterniond prior_world_from_camera = Eigen::Quaterniond::Identity();
   double position_sd_m = 2.0;
@@ -97,14 +100,14 @@ struct View {
   std::vector<Observation> observations;
 };
 
-// A pixel projected onto the ground with coarse depth.
+// The ground point that a pixel shows, from coarse depth.
 struct GroundPoint {
   Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();
-  // Standard deviation of its height from the spread of the landmarks, metres.
+  // Standard deviation of the height, from the spread of the landmarks, metres.
   double height_sd_m = 0.0;
 };
 
-// A frame that became a view, with its image, or a frame that was dropped.
+// A frame that is finished: with its image, as a view or dropped.
 struct ReadyFrame {
   Frame frame;
   // Index into views(); nothing if the frame was dropped.
@@ -113,10 +116,10 @@ struct ReadyFrame {
   std::string note;
 };
 
-// Returns the views with additional tracks between views of different groups (one number per view;
-// negative: no group). Resamples images to the view from straight above, with the adjusted poses
-// and `camera`, and matches them near their poses. This finds matches in narrow overlaps and across
-// headings. Holds one image in memory at a time.
+// Adds tracks between views of different groups, and returns all views. `group` has one number per
+// view; negative: no group. Images are resampled to the view from straight above with the adjusted
+// poses and `camera`, and matched near the positions that the poses predict. This finds matches in
+// narrow overlaps and between different headings. Holds one image in memory at a time.
 std::vector<View> TieOnGround(std::vector<View> views,
                               const std::vector<int>& group,
                               const Camera& camera,
@@ -131,21 +134,22 @@ class Tracks {
   Tracks(Tracks&&) noexcept;
   Tracks& operator=(Tracks&&) noexcept;
 
-  // Takes one frame. A frame without attitude, or without any known height, waits for its
-  // neighbours. The result holds zero, one or several frames, in order.
+  // Adds one frame. A frame waits for its neighbours if its attitude is not given or its height is
+  // unknown. The result contains zero, one or several finished frames.
   std::vector<ReadyFrame> Add(Frame frame);
-  // Makes the waiting frames views as well as possible, or drops them.
+  // Turns the waiting frames into views as well as possible; drops the others.
   std::vector<ReadyFrame> Flush();
 
-  // In order of readiness.
+  // In the order in which the frames became views.
   const std::vector<View>& views() const;
   const Camera& camera() const;
   // Sets the pose of a view (by index) from an adjustment. The camera never changes: a lens that
   // an adjustment refined belongs to that adjustment's views alone.
   void SetPose(size_t view, const Rigid3d& world_from_camera, const Readout& readout);
 
-  // Where the ray of a pixel meets the ground: N nearest landmarks, inverse distance weights; else
-  // the plane at the view's height above ground. Nothing at or above the horizon.
+  // Where the ray through a pixel meets the ground. The ground's height is the inverse-distance
+  // weighted mean of the num_nearest_tracks nearest landmarks, or else that of the plane at the
+  // view's height above ground. Nothing at or above the horizon.
   std::optional<GroundPoint> GroundAt(size_t view, const Eigen::Vector2d& point_in_image) const;
 
  private:

@@ -11,7 +11,7 @@ namespace freelsd {
 
 struct WindOptions {
   // --- Behaviour ---
-  // Measurements farther from the place are ignored. Paper: "within a radius".
+  // Measurements farther from the place than this are ignored. Paper: "within a radius".
   double radius_m = 300.0;
   // Measurements older than this, relative to the flight's newest image, are ignored.
   double max_age_s = 1800.0;
@@ -30,18 +30,19 @@ struct WindSample {
 
 struct WindEstimate {
   Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
-  // Deviation of the samples from the estimate, per axis.
+  // Root mean square deviation of the samples from the estimate, per axis.
   double spread_mps = 0.0;
   int num_samples = 0;
   int64_t last_sample_us = 0;
 };
 
-// Samples that are not too old at `now_us`.
+// Samples that are at most max_age_s old at `now_us`.
 std::vector<WindSample> RecentSamples(const std::vector<WindSample>& samples,
                                       int64_t now_us,
                                       const WindOptions& options);
 
-// Exponentially weighted moving average of the vectors, oldest first. Nothing without samples.
+// Exponentially weighted moving average of the samples within radius_m, oldest first. Nothing if
+// there is no sample.
 std::optional<WindEstimate> WindAt(const Eigen::Vector2d& place_in_world,
                                    const std::vector<WindSample>& samples,
                                    const WindOptions& options);

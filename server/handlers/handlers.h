@@ -1,5 +1,5 @@
-// The handlers in the table of routes.cc, by the file that defines them. They throw ApiError and
-// StorageError. Several threads call them at the same time.
+// The handlers that the table in routes.cc refers to, grouped by the file that defines them. They
+// throw ApiError and StorageError. Several threads may call them at the same time.
 #pragma once
 
 #include "server/http/http.h"

@@ -1,5 +1,5 @@
-// Reads the body of one request, by Content-Length or chunked, up to a limit and only as far as the
-// handler asks. Only the thread that serves the request uses it.
+// Reads the body of one request, with Content-Length or chunked, up to a limit and only as far as
+// the handler asks. Only the thread that serves the request may use it.
 #pragma once
 
 #include <chrono>
@@ -16,21 +16,22 @@ class BodyReader {
   // `buffered`: bytes already read after the head. `socket` and `buffered` must outlive the reader.
   BodyReader(const ClientSocket& socket, const RequestHead& head, std::string& buffered);
 
-  // Limits the whole body. Throws ApiError BodyTooLarge at once if Content-Length is larger, else
-  // when the body exceeds the limit.
+  // Sets the limit of the whole body. Throws ApiError BodyTooLarge if Content-Length is larger;
+  // Read throws it if a chunked body exceeds the limit.
   void LimitTo(uint64_t max_bytes);
-  // For a body that arrives as events happen, for example a stream of frames: sets how long the
-  // next bytes may take, and switches off the check of the mean rate.
+  // For a body that arrives slowly because events produce it, for example a stream of frames. Sets
+  // the longest time to wait for the next bytes, and disables the check of the mean rate.
   void WaitFor(std::chrono::seconds idle_timeout) {
     idle_timeout_ = idle_timeout;
     is_live_ = true;
   }
-  // Reads up to `size` bytes; 0 at the end. Throws ApiError BodyTooLarge, RequestTimeout, or
-  // InvalidRequest if chunks are malformed or the client disconnects early.
+  // Reads up to `size` bytes; returns 0 at the end of the body. Throws ApiError BodyTooLarge,
+  // RequestTimeout, or InvalidRequest if chunks are malformed or the client disconnects early.
   size_t Read(char* bytes, size_t size);
   std::string ReadAll(uint64_t max_bytes);
   bool IsAtEnd() const { return is_at_end_; }
-  // Reads and drops a short rest of the body. False if it is long: the connection must then close.
+  // Reads and discards the rest of the body if it is short. Returns false if it is not: the
+  // connection must then be closed.
   bool SkipRest();
 
  private:

@@ -1,4 +1,4 @@
-// A log of the latest events, numbered. Server-Sent Events are read from it.
+// Numbered log of the latest events, the source of Server-Sent Events.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct Event {
   std::string data;  // JSON, one line
 };
 
-// Thread-safe. Publish never waits for listeners; a listener that is too slow gets Batch::has_gap.
+// Thread-safe. Publish never waits for listeners. A listener that is too slow gets Batch::has_gap.
 class EventLog {
  public:
   EventLog();
@@ -35,12 +35,13 @@ class EventLog {
   // "<start time of this log>-<number>"; unique also across restarts.
   std::string IdOf(int64_t number) const;
   int64_t LastNumber() const;
-  // The number in an id. Nothing if another log made the id, or if later events were dropped.
+  // The number in an id. Nothing if the id is from another log, or if events after it are no longer
+  // kept.
   std::optional<int64_t> NumberOf(const std::string& id) const;
 
   struct Batch {
     std::vector<Event> events;
-    // Events were dropped: the listener must fetch the whole state.
+    // True if events were dropped. The listener must then fetch the complete state.
     bool has_gap = false;
     // Stop was called, and no event is left.
     bool is_over = false;

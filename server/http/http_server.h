@@ -29,7 +29,8 @@ class HttpServer : public httplib::Server {
   // `handler` answers every request that has a valid head. It must be thread-safe and not throw.
   HttpServer(const HttpOptions& options, Handler handler);
 
-  // Port 0: any free port. Returns the bound port. Throws std::runtime_error if the port is taken.
+  // Port 0 means any free port. Returns the bound port. Throws std::runtime_error if the port is
+  // taken or the address is not local.
   int Bind(const std::string& host, int port);
   // Serves until another thread calls Stop.
   void Run();

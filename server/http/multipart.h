@@ -1,4 +1,4 @@
-// Reads multipart bodies part by part, with a small window of the body in memory.
+// Reads multipart bodies part by part, with only a small window of the body in memory.
 #pragma once
 
 #include <functional>
@@ -14,26 +14,26 @@ struct Part {
   std::string file_name;
   // Empty if the part has no Content-Type.
   std::string content_type;
-  // Header X-Timestamp-Us, not parsed.
+  // Value of the header X-Timestamp-Us, not parsed.
   std::string timestamp_us;
 };
 
 // The boundary in a Content-Type; nothing if the Content-Type is not `kind`. Throws ApiError
-// InvalidMultipart if it is `kind` but has no usable boundary.
+// InvalidMultipart if the type is `kind` but the boundary is missing or invalid.
 std::optional<std::string> MultipartBoundary(const std::string& content_type,
                                              const std::string& kind = "multipart/form-data");
 
 // Not thread-safe.
 class MultipartReader {
  public:
-  // Up to `size` bytes of the body; 0 at its end.
+  // Reads up to `size` bytes of the body; returns 0 at its end.
   using Source = std::function<size_t(char* bytes, size_t size)>;
   MultipartReader(Source source, const std::string& boundary);
 
-  // Skips the rest of the current part and returns the next one; nothing after the last. Throws
-  // ApiError InvalidMultipart if the body is malformed or ends early.
+  // Skips the rest of the current part and returns the next part; nothing after the last one.
+  // Throws ApiError InvalidMultipart if the body is malformed or ends early.
   std::optional<Part> Next();
-  // The current part's content. Nothing, with the rest skipped, if it is larger than max_bytes.
+  // Content of the current part. Nothing if it is larger than max_bytes; it is then skipped.
   std::optional<std::string> ReadAll(size_t max_bytes);
 
  private:
@@ -43,7 +43,7 @@ class MultipartReader {
   std::string ReadLine();
 
   Source source_;
-  // CR LF "--" boundary. The window starts with CR LF so that the first boundary matches too.
+  // CR LF "--" boundary. `window_` starts with CR LF, so that the first boundary matches too.
   std::string delimiter_;
   std::string window_ = "\r\n";
   bool is_in_part_ = true;

@@ -15,19 +15,19 @@ namespace freelsd {
 struct RequestHead {
   std::string method;
   std::string target;
-  // Nothing: the request has no body, or a chunked one.
+  // Nothing if the request has no body, or a chunked one.
   std::optional<uint64_t> content_length;
   bool is_chunked = false;
   bool expects_continue = false;
-  // The head for cpp-httplib, without headers about body transfer, ranges and compression:
-  // BodyReader reads the body, and we offer neither ranges nor compression.
+  // The head that cpp-httplib parses. It lacks the headers about body transfer, ranges and
+  // compression: BodyReader reads the body, and neither ranges nor compression are supported.
   std::string forwarded;
 
   bool HasBody() const { return is_chunked || content_length.value_or(0) > 0; }
 };
 
-// `text` includes the blank line. `allowed_hosts`: lower case, without port; loopback names are
-// always allowed. Throws ApiError.
+// `text` includes the blank line at the end. `allowed_hosts`: lower case, without port; loopback
+// names are always allowed. Throws ApiError.
 RequestHead ParseRequestHead(std::string_view text,
                              const HeadLimits& limits,
                              const std::vector<std::string>& allowed_hosts);

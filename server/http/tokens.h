@@ -7,20 +7,20 @@
 
 namespace freelsd {
 
-// What a route requires of a token, and what a token allows. kNone: no token is needed.
+// The scope that a route requires, or that a token grants. kNone: no token is needed.
 enum class Scope { kNone, kRead, kIngest, kAdmin };
 
 // The accepted tokens. Immutable, so thread-safe.
 class TokenList {
  public:
-  // Requests need no token.
+  // An empty list: requests need no token.
   TokenList() = default;
-  // JSON: [{"sha256": hex of the token's SHA-256, "scopes": ["read", "ingest", "admin"]}]. Throws
-  // ConfigError; also if anyone but the owner may read the file.
+  // Reads JSON: [{"sha256": hex of the token's SHA-256, "scopes": ["read", "ingest", "admin"]}].
+  // Throws ConfigError if the file is invalid, or if anyone but the owner has access to it.
   static TokenList Read(const std::filesystem::path& file);
 
   // `authorization`: value of the header. Throws ApiError Unauthorized if the token is missing or
-  // unknown, Forbidden if its scopes lack `scope`.
+  // unknown, Forbidden if it does not grant `scope`.
   void Require(Scope scope, const std::string& authorization) const;
 
  private:

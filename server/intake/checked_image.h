@@ -1,4 +1,4 @@
-// Checks an uploaded image, and resolves the camera and the origin of its flight.
+// Checks an uploaded image, and determines the camera and the origin of its flight.
 #pragma once
 
 #include <optional>
@@ -21,31 +21,32 @@ struct CheckedImage {
   ImageTags tags;
 };
 
-// Decodes the image strictly, so that every stored image can be used. With a camera, refuses an
-// image of another size by its header, before it unpacks pixels. Throws ApiError.
+// Decodes the image completely, so that every stored image is usable. If `camera` is given, an
+// image of another size is rejected by its header, before decoding. Throws ApiError.
 CheckedImage CheckImage(Intake& intake,
                         std::string_view bytes,
                         const std::optional<Camera>& camera = std::nullopt);
-// The camera of the flight's images; nothing if it is not known yet.
+// The camera of the flight's images; nothing while it is unknown.
 std::optional<Camera> CameraOf(const FlightRow& flight);
 
-// Resolves a flight's rig (camera, mounting, origin). The first admitted image settles what the
+// Determines a flight's rig (camera, mounting) and origin. The first admitted image fixes what the
 // flight's request left open.
 class RigResolver {
  public:
-  // `side_camera`: from a calibration file beside the images. Precedence: the flight's own camera,
-  // then `side_camera`, then the images' tags.
+  // `side_camera`: camera from a calibration file beside the images. Precedence: the flight's own
+  // camera, `side_camera`, the images' tags.
   explicit RigResolver(const FlightRow& flight,
                        const std::optional<Camera>& side_camera = std::nullopt);
-  // Throws ApiError NoPosition, NoCamera or ImageSizeMismatch; the resolver is unchanged then.
-  // `meta`: merged with the image's tags.
+  // `meta`: already merged with the image's tags. Throws ApiError NoPosition, NoCamera or
+  // ImageSizeMismatch; the resolver is then unchanged.
   void Admit(const CheckedImage& image, const FrameMeta& meta);
-  // The check of the size alone, for a frame whose position telemetry will give. Resolves nothing.
+  // Only the check of the size, for a frame whose position will come from telemetry. Changes
+  // nothing.
   void CheckSize(const CheckedImage& image) const;
-  // Warnings about the image's tags if the flight uses the tags. It uses none of them if the image
-  // has no geotag and the flight has its own camera.
+  // Warnings about the image's tags; none if the flight does not use the tags, because it has its
+  // own camera and the image has no geotag.
   std::vector<std::string> RelevantWarnings(const CheckedImage& image) const;
-  // The new value of FlightRow::rig_json.
+  // The new value of FlightRow::rig_json; empty before the first admitted image.
   std::string RigJson() const;
 
  private:
@@ -55,7 +56,7 @@ class RigResolver {
   std::optional<FlightRig> resolved_;
 };
 
-// `given`: metadata from the client, without the image's tags.
+// `given`: metadata from the client, without those from the image's tags.
 FrameRow NewFrameRow(const std::string& flight_id,
                      const std::string& frame_id,
                      const CheckedImage& image,

@@ -1,4 +1,4 @@
-// Settles a frame's metadata from its three sources: the client, telemetry, the image's tags.
+// Determines a frame's final metadata from three sources: the client, telemetry, the image's tags.
 #pragma once
 
 #include <optional>
@@ -9,28 +9,29 @@
 
 namespace freelsd {
 
-// Merged metadata: the client's overrides telemetry's, and telemetry's overrides the image's tags.
+// Merges the metadata: the client's override those from telemetry, which override the image's tags.
 FrameMeta KnownMeta(const Intake& intake,
                     const std::string& flight_id,
                     const FrameMeta& given,
                     const FrameMeta& tags);
 
-// A frame's row with its pose as the engine takes it, parsed once.
+// A frame's row with the pose that the engine uses, parsed once.
 struct PosedFrame {
-  // Reads the pose if the row is resolved.
+  // Parses the pose if the frame is resolved.
   explicit PosedFrame(FrameRow frame_row);
 
   FrameRow row;
-  // Unknown before the frame is resolved, and for a frame that was rejected without a position.
+  // Nothing before the frame is resolved, or if it was rejected before that.
   std::optional<FrameMeta> meta;
 };
 
-// The state of a frame's metadata: settled, waiting for telemetry, or impossible to settle.
+// State of a frame's metadata: final, waiting for telemetry, or unusable.
 enum class Resolution { kReady, kWaiting, kRejected };
 
-// Settles the metadata that the engine uses for a queued frame; the first frame with a position
-// also settles the flight's rig. Stores both, so that a replay uses the same values. A frame
-// without a position is kWaiting while `may_wait`, then kRejected.
+// Determines the metadata that the engine uses for a queued frame, and, with the first frame that
+// has a position, the flight's rig. Stores both, so that a replay uses the same values. A frame
+// without a position is kWaiting while `may_wait` is true, else kRejected. A frame is also rejected
+// if it does not fit the flight's rig or is too far from its origin.
 Resolution ResolveFrame(Intake& intake, const FlightRow& flight, PosedFrame& posed, bool may_wait);
 
 // Throws ApiError Conflict if the flight's images were removed.

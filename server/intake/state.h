@@ -1,4 +1,5 @@
-// The state that all ways to send data share: settings, storage, events, limits of concurrency.
+// State common to all endpoints that receive data: settings, storage, events, limits of
+// concurrency.
 #pragma once
 
 #include <atomic>
@@ -15,39 +16,40 @@
 
 namespace freelsd {
 
-// Thread-safe, except that the two callbacks are set before the first request.
+// Thread-safe, except that both callbacks must be set before the first request.
 struct Intake {
   Intake(const Config& settings, Storage& store, EventLog& log)
       : config(settings), storage(store), events(log) {}
-  // True while an upload to the flight is read.
+  // True while the server reads an upload or a stream for the flight.
   bool IsReceiving(const std::string& flight_id) const;
 
   const Config& config;
   Storage& storage;
   EventLog& events;
   ImageLimits image_limits = kLimits.image;
-  // Called after storing new input for the engine.
+  // Called after new input for the engine was stored.
   std::function<void()> wake_worker = [] {};
   // Called after a flight's pose or wind changed.
   std::function<void(const std::string& flight_id)> on_new_pose = [](const std::string&) {};
 
-  // Guards the frame rows in storage from the check of their ids to their insertion.
+  // Held from checking the ids of new frames until their rows are inserted.
   std::mutex intake_mutex;
-  // Limits images that requests decode at the same time: 64 megapixels take 192 MiB.
+  // Limits the number of images decoded at the same time: 64 megapixels take 192 MiB.
   std::counting_semaphore<> decoders{kLimits.concurrency.max_num_decoders};
-  // Limits uploads at the same time: each holds an encoded image in memory, and a thread.
+  // Limits the number of uploads at the same time: each holds an encoded image in memory, and a
+  // thread.
   std::counting_semaphore<> uploads{kLimits.concurrency.max_num_uploads};
-  // Limits requests that last as long as a flight: each holds a thread.
+  // Limits the number of requests that last as long as a flight: each holds a thread.
   std::counting_semaphore<> streams{kLimits.concurrency.max_num_streams};
-  // Guards receiving.
+  // Guards `receiving`.
   mutable std::mutex receiving_mutex;
-  // Ids of flights, once for each upload that is read now.
+  // Ids of flights: one entry for each upload or stream that is being read.
   std::multiset<std::string> receiving;
   std::atomic<bool> is_stopping{false};
 };
 
 // Marks a flight as receiving while an upload is read. The constructor throws ApiError
-// TooManyRequests if there are too many uploads, ShuttingDown if the server is stopping.
+// TooManyRequests if there are too many uploads, or ShuttingDown if the server is stopping.
 class Receiving {
  public:
   Receiving(Intake& intake, const std::string& flight_id);
@@ -60,7 +62,7 @@ class Receiving {
   std::string flight_id_;
 };
 
-// The same for a request that lasts as long as a flight.
+// The same as Receiving, for a request that lasts as long as a flight.
 class Streaming {
  public:
   Streaming(Intake& intake, const std::string& flight_id);

@@ -1,4 +1,5 @@
-// Edits a flight's stored warnings: sentences by source, so that a source can replace its own ones.
+// Edits a flight's stored warnings. They are grouped by source, so that a source can replace its
+// own.
 #pragma once
 
 #include <string>
@@ -6,11 +7,11 @@
 
 namespace freelsd {
 
-// These functions take FlightRow::warnings_json; the first two return its new value.
+// All functions take the text of FlightRow::warnings_json. The first two return its new value.
 std::string ReplaceWarnings(const std::string& warnings_json,
                             const std::string& source,
                             const std::vector<std::string>& sentences);
-// Adds sentences that the source does not have yet.
+// Adds those sentences that the source does not have yet.
 std::string AddWarnings(const std::string& warnings_json,
                         const std::string& source,
                         const std::vector<std::string>& sentences);

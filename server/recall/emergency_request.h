@@ -1,4 +1,5 @@
-// A request to emergency recall, and its parser.
+// A request to emergency recall, and its parser. Emergency recall finds stored landing sites for an
+// aircraft without power.
 #pragma once
 
 #include <optional>
@@ -13,7 +14,7 @@
 
 namespace freelsd {
 
-// The aircraft's state, and how many sites to answer.
+// State of the aircraft, and the largest number of sites in the answer.
 struct EmergencyRequest {
   GeoPoint place;
   // "amsl", "ellipsoid" or "unknown"; empty: not given, so unknown unless the flight tells it.

@@ -1,4 +1,4 @@
-// Answers from stored sites alone: emergency recall, alternates, plans on stored maps.
+// Answers that need only stored sites: emergency recall, alternates, plans on stored maps.
 #pragma once
 
 #include "server/recall/alternates.h"

@@ -9,7 +9,7 @@
 
 namespace freelsd {
 
-// The data of recall: storage, and a cache of maps.
+// The data that recall reads: storage, and a cache of maps.
 struct StoredSites {
   const Storage& storage;
   MapCache& maps;

@@ -1,4 +1,4 @@
-// Height of the ground below the aircraft, tracked along the flight.
+// Estimates the height of the ground below the aircraft along the flight.
 #pragma once
 
 #include <optional>
@@ -9,13 +9,13 @@
 
 namespace freelsd {
 
-// Scalar Kalman filter of the ground's world z. Its uncertainty grows with distance flown.
+// Scalar Kalman filter of the ground's world z. Its uncertainty grows with the distance flown.
 class GroundFilter {
  public:
-  // Predicts: the ground may have changed on the way here.
+  // Prediction step: the ground's height may differ from that at the last position.
   void MoveTo(const Eigen::Vector3d& position_in_world);
   void Update(const GroundHeight& measured);
-  // Sets a known ground height below the position.
+  // Sets the ground height below this position to a known value.
   void Restart(const Eigen::Vector3d& position_in_world, double ground_height);
   std::optional<double> Height() const { return height_; }
   double Sd() const;
