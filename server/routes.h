@@ -1,4 +1,4 @@
-// The table of all URLs, and the dispatch of a request to its handler.
+// The table of all URLs; passes each request to its handler.
 #pragma once
 
 #include "server/http/http.h"
@@ -6,10 +6,10 @@
 
 namespace freelsd {
 
-// The emergency listener serves recall and health only, with its own threads.
+// The emergency listener has its own threads. It serves only emergency recall and /healthz.
 enum class Listener { kMain, kEmergency };
 
-// Answers the request. Every failure becomes a problem+json answer. Does not throw. Thread-safe.
+// Answers the request; every failure with problem+json. Does not throw. Thread-safe.
 void Serve(Service& service,
            Listener listener,
            const httplib::Request& request,

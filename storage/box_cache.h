@@ -1,6 +1,6 @@
-// A cache of rows that have a bounding box each. It answers from memory while no site changes and
-// the requested box lies within the box that was read: an aircraft that asks for its surroundings
-// moves little between two requests. Rows are shared, not copied.
+// A cache of rows with bounding boxes. It answers from memory if no site has changed and the
+// requested box lies within the box read last. This is usual, because an aircraft that asks for its
+// surroundings moves little between two requests. Rows are shared, not copied.
 #pragma once
 
 #include <algorithm>
@@ -33,8 +33,8 @@ class BoxCache {
   using Rows = std::vector<Boxed<Row>>;
   using Read = std::function<Rows(const BoundingBox& box)>;
 
-  // Rows whose boxes meet `box`, which must not cross the antimeridian. The caller reads `version`
-  // before this call: rows that change in between are then read twice at worst.
+  // Returns the rows whose boxes overlap `box`, which must not cross the antimeridian. The caller
+  // gets `version` before this call. If rows change in between, they are at worst read once more.
   SharedRows<Row> Within(const BoundingBox& box, uint64_t version, const Read& read) {
     std::shared_ptr<const FromSouth> kept = Kept(box, version);
     if (!kept) {
@@ -55,7 +55,7 @@ class BoxCache {
   }
 
  private:
-  // Rows sorted by their southern edge, so that a small box needs a search of one strip only.
+  // Rows sorted by their southern edge, so that only one strip is searched for a small box.
   struct FromSouth {
     explicit FromSouth(Rows read) : rows(std::move(read)) {
       std::stable_sort(rows.begin(), rows.end(), [](const Boxed<Row>& a, const Boxed<Row>& b) {
@@ -65,7 +65,7 @@ class BoxCache {
         tallest_deg = std::max(tallest_deg, each.box.north_deg - each.box.south_deg);
       }
     }
-    // The first row that may reach as far north as `south_deg`.
+    // The first row that may extend as far north as `south_deg`.
     typename Rows::const_iterator First(double south_deg) const {
       return std::partition_point(rows.begin(), rows.end(), [&](const Boxed<Row>& each) {
         return each.box.south_deg + tallest_deg < south_deg;
@@ -84,7 +84,7 @@ class BoxCache {
     return holds ? kept_ : nullptr;
   }
 
-  // The box, larger by a quarter of its size on each side, and by 0.02 degrees at least.
+  // Enlarges the box by a quarter of its size, but at least 0.02 degrees, on each side.
   static BoundingBox Grown(const BoundingBox& box) {
     constexpr double kLeastDeg = 0.02;
     const double dlon_deg = std::max(kLeastDeg, 0.25 * (box.east_deg - box.west_deg));

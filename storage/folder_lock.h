@@ -5,7 +5,7 @@
 
 namespace freelsd {
 
-// Holds the lock while it lives. Throws StorageError where another process holds it.
+// Holds the lock during its lifetime. Throws StorageError if another process holds it.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);

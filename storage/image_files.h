@@ -1,5 +1,5 @@
-// Image files, named by SHA-256 and sorted into 256 folders: images/ab/abcd... A file that has its
-// final name is complete and synced to disk.
+// Image files, named by their SHA-256 and distributed over 256 folders: images/ab/abcd... A file
+// with its final name is complete and synced to disk.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ class ImageFiles {
   void Remove(const std::string& sha256) const;
   // Total size of all files.
   uint64_t NumBytes() const;
-  // Removes every file that is not needed, unfinished files among them.
+  // Removes every file that is not needed, including unfinished files.
   void RemoveUnless(const std::function<bool(const std::string& sha256)>& is_needed) const;
 
  private:
@@ -31,7 +31,7 @@ class ImageFiles {
   std::filesystem::path folder_;
 };
 
-// Syncs a folder, so that the names in it survive power loss. Throws StorageError.
+// Syncs a folder to disk, so that the file names in it survive a power loss. Throws StorageError.
 void SyncFolder(const std::filesystem::path& folder);
 
 }  // namespace freelsd

@@ -1,9 +1,9 @@
 // Durable storage of flights, frames, images, jobs, telemetry, sites and their maps, as rows, JSON
-// text and blobs. It depends on no engine type. This is the only public header of storage/.
+// text and blobs. Does not depend on engine types. This is the only public header of storage/.
 //
-// When a call returns, its data is on disk (WAL, synchronous=FULL). An image file and the name in
-// its folder are synced before a row that refers to the image is committed. There is one writer;
-// readers never wait for it. All methods are thread-safe.
+// When a call returns, its data are on disk (WAL, synchronous=FULL). An image file and its folder
+// are synced before a row that refers to the image is committed. There is one writer; readers never
+// wait for it. All methods are thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -27,9 +27,10 @@ class Storage {
   std::unique_ptr<StorageState> state_;
 
  public:
-  // Opens the folder, or creates it with its schema. Image files that no frame names are removed. A
-  // damaged database is moved aside together with its images; a new database then starts with the
-  // sites of the second copy. Throws StorageError, and changes nothing, if another process uses the
+  // Opens the folder, or creates it with the database. Removes image files that no frame refers to.
+  // Sites are stored in the main database and, as a second copy, in a database of their own. A
+  // damaged main database is moved aside together with its images; a new one then starts with the
+  // sites of the second copy. Throws StorageError and changes nothing if another process uses the
   // folder or a newer program wrote it.
   explicit Storage(const std::filesystem::path& folder);
   ~Storage();
@@ -41,14 +42,16 @@ class Storage {
   TelemetryStore telemetry;
   SiteStore sites;
 
-  // Folder for uploads that are not acknowledged yet. The constructor empties it.
+  // Folder for uploads that are not acknowledged yet. Opening the storage empties it.
   std::filesystem::path SpoolFolder() const;
-  // Why a write would fail now; nothing if it would succeed.
+  // Why the storage should not be written to now (damage, little free disk space, or a failing
+  // write); nothing if it can.
   std::optional<std::string> WhyNotWritable() const;
-  // Reports that the main database is damaged. From then on nothing is written, sites are read from
-  // the second copy, and the next start moves the database aside.
+  // Reports that the main database is damaged. After this call nothing is written, sites are read
+  // from the second copy, and the next start moves the database aside.
   void MarkDamaged(const std::string& why) const;
-  // Sentences for the operator: detected damage, and files that this start moved aside.
+  // Sentences for the operator about detected damage and about files that were moved aside at this
+  // start.
   std::vector<std::string> Notices() const;
 };
 

@@ -25,7 +25,7 @@ struct TelemetryRow {
   int64_t arrived_at_us = 0;
 };
 
-// The last row at or before a time, and the first row at or after it.
+// The last row at or before a time, and the first row at or after that time.
 struct TelemetryPair {
   std::optional<TelemetryRow> before, after;
 };

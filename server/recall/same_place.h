@@ -1,4 +1,5 @@
-// Whether two landings are one: two regions, or two flights, may hold the same field.
+// Decides whether two landings are at the same place: several regions, or several flights, may
+// contain the same field.
 #pragma once
 
 #include <optional>
@@ -11,14 +12,15 @@ struct Landing {
   GeoPoint touchdown;
   // Direction of travel on final, radians clockwise from north.
   double heading = 0.0;
-  // In calm or unknown wind the heading is a choice and tells no places apart.
+  // True in calm or unknown wind. The heading is then arbitrary and is not compared.
   bool is_heading_free = false;
 };
 
 Landing LandingOf(const GeoPoint& touchdown,
                   double heading,
                   const std::optional<Eigen::Vector2d>& wind_in_world);
-// Touchdowns within 30 m, headings within 15 degrees.
+// True if the touchdowns are within 30 m, and the headings within 15 degrees unless one of them is
+// free.
 bool IsSamePlace(const Landing& a, const Landing& b);
 
 }  // namespace freelsd

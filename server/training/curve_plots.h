@@ -1,4 +1,4 @@
-// Draws ROC and precision-recall curves of a classifier's answers.
+// Plots ROC and precision-recall curves of a classifier's answers.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace freelsd {
 
-// An SVG of both curves, with one line for each place and one for all places. Leaves out regions of
-// classes that are neither grass nor not grass.
+// An SVG of both plots, with one curve for each place and one for all places. Leaves out unlabelled
+// regions and dormant grass, which count neither as grass nor as other ground.
 std::string CurvePlots(const std::vector<Answer>& answers);
 
 }  // namespace freelsd

@@ -1,7 +1,7 @@
-// Reads photographs whose surfaces are labelled, in two layouts: a folder with images/NAME.jpg and
-// masks/NAME.png, or flights with one table of outlined regions each (see label_sheets.h).
-// Classes, in masks and tables: 0 unlabelled, 1 grass, 2 trees, 3 bracken, rushes and other tall
-// growth, 4 crops, 5 soil and gravel, 6 paved, 7 building, 8 water, 9 dormant grass.
+// Reads photographs with labelled surfaces, in two layouts: a folder with images/NAME.jpg and
+// masks/NAME.png, or flights with one table of outlined regions each (see label_sheets.h). Classes
+// in masks and tables: 0 unlabelled, 1 grass, 2 trees, 3 tall growth (bracken, rushes and others),
+// 4 crops, 5 soil and gravel, 6 paved, 7 building, 8 water, 9 dormant grass.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,8 @@ constexpr int kGrassClass = 1;
 constexpr int kDormantGrassClass = 9;
 constexpr int kNumClasses = 10;
 
-// One line of the cameras file: the ground scale of the photographs whose names have this prefix.
+// One line of the cameras file. It gives the place and the ground scale of photographs whose names
+// begin with `prefix`.
 struct LabelledCamera {
   std::string prefix;
   std::string place;
@@ -25,13 +26,13 @@ struct LabelledCamera {
   double height_m = 0.0;
 };
 
-// Throws std::runtime_error naming the line that cannot be read.
+// Throws std::runtime_error that names the file or the line that cannot be read.
 std::vector<LabelledCamera> ReadLabelledCameras(const std::string& path);
 
 // A photograph with its labels and its ground scale.
 struct LabelledPhotograph {
   std::string name;
-  // Photographs of one place are never split between training and validation.
+  // When a place is left out for validation, none of its photographs are used for training.
   std::string place;
   cv::Mat3b image;
   // Class of each pixel.
@@ -41,13 +42,14 @@ struct LabelledPhotograph {
 };
 using Photographs = std::vector<LabelledPhotograph>;
 
-// All photographs of the folder that have a mask, sorted by name. A prefix without a camera counts
-// as a place of its own, with the mean scale of the other prefixes.
+// All photographs of the folder, sorted by name. Throws std::runtime_error if one has no mask of
+// the same size. A photograph whose name begins with no prefix in `cameras` belongs to the place
+// that its name up to "__" states, and has the mean scale of `cameras`.
 Photographs ReadLabelledPhotographs(const std::string& folder,
                                     const std::vector<LabelledCamera>& cameras);
 
-// For every table, the photographs of flights/FLIGHT/images that tables/FLIGHT.csv names. They are
-// reduced to 0.15 m per pixel, so that all of them fit into memory.
+// For each table, the photographs in flights/FLIGHT/images that tables/FLIGHT.csv names. They are
+// reduced to 0.15 m per pixel, so that all fit into memory.
 Photographs ReadLabelledFlights(const std::string& flights,
                                 const std::string& tables,
                                 const std::vector<LabelledCamera>& cameras);

@@ -1,4 +1,4 @@
-// Scores of a model and of the segmentation on labelled photographs.
+// Scores of a classifier and of the segmentation on labelled photographs.
 #pragma once
 
 #include <string>
@@ -20,25 +20,29 @@ struct Answer {
 };
 std::vector<Answer> AnswersOf(const Photographs& photographs, const Classifier& classifier);
 
-// Returns num_regions, error, auc, precision, recall, num_unsure, false_grass (share of regions
-// without grass that are classified as grass), and this share by class. Unsure counts as not grass.
+// Returns num_regions, error, auc, precision, recall, num_unsure, false_grass (share of the regions
+// without grass that are classified as grass), and by_class (numbers of regions, and of those
+// classified as grass). Unsure counts as not grass. Unlabelled regions and dormant grass count only
+// in by_class.
 nlohmann::ordered_json Scores(const std::vector<Answer>& answers);
 
-// Scores of all, and by place.
+// Scores of all regions, and scores by place.
 nlohmann::ordered_json ScoresByPlace(const std::vector<Answer>& answers);
 
-// Every region that is classified as grass and is not grass.
+// All regions that are classified as grass but labelled as another class.
 nlohmann::ordered_json FalseGrass(const std::vector<Answer>& answers);
 
-// Cross-validation by place. For each place: trains settings, forest, calibration and range on the
-// samples of all other places, then answers on the photographs of this place.
+// Cross-validation by place. For each place, settings, forest, calibration and range are trained on
+// the samples of all other places; the resulting classifier answers for the photographs of this
+// place.
 std::vector<Answer> AnswersOfUnseenPlaces(const Photographs& photographs,
                                           const std::vector<TrainingSample>& samples,
                                           const TrainingOptions& options);
 
-// Returns scores of all photographs, and by place. covered: share of labelled grass that lies in a
-// region, mean over the photographs with grass. purity: share of a region's labelled pixels that
-// agree with its majority, grass or not. grass_purity: purity of regions that are mostly grass.
+// Returns three numbers over all photographs, and by place. covered: share of labelled grass that
+// lies in a region, mean over the photographs with grass. purity: share of the labelled pixels in
+// regions that agree with their region's majority, grass or not. grass_purity: the same for regions
+// that are mostly grass.
 nlohmann::ordered_json SegmentationScores(const Photographs& photographs,
                                           const SegmentationOptions& options);
 

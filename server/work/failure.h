@@ -1,4 +1,4 @@
-// How a failure of the engine is reported.
+// Reports failures of the engine.
 #pragma once
 
 #include <exception>

@@ -1,5 +1,5 @@
-// Limits the freed memory that the C library keeps. It keeps such memory in one pool for each group
-// of threads; with many flights over time, the pools grow far beyond the memory in use.
+// Limits the freed memory that the C library (glibc) keeps. It has several pools (arenas), which
+// the threads share. With many flights over time, the pools grow far beyond the memory in use.
 #pragma once
 
 namespace freelsd {

@@ -1,4 +1,4 @@
-// The sessions in memory; decides which of them are closed to make room for others.
+// The sessions of flights that are held in memory. Decides which of them are closed to free memory.
 #pragma once
 
 #include <chrono>
@@ -29,13 +29,16 @@ class OpenFlights {
   // waits from now on.
   bool MayOpen(const std::string& flight_id);
   void Open(const std::string& flight_id, SessionPointer session);
-  // Records that the flight had work.
+  // Records that the flight was just processed.
   void Touch(const std::string& flight_id);
-  // True if the flight was closed after its last frame was given, and no frame has arrived since.
-  // It has no work, although some of its frames still wait for neighbours.
+  // True if the flight was closed after all its frames were passed to the engine, and no frame has
+  // arrived since. It needs no processing, although some of its frames may still wait for
+  // neighbours.
   bool IsParked(const std::string& flight_id);
-  // Closes flights that have neither a job nor work, or whose frames have waited for neighbours for
-  // long; the least recently used first. Returns their ids.
+  // Closes idle flights, the least recently used first, if another flight needs the room, if too
+  // many have been idle for long, or if the flight was deleted. Idle flights have no job and are
+  // not busy; a busy flight without progress for long counts as idle. Returns the ids of the closed
+  // flights.
   std::vector<std::string> CloseIdle(const std::set<std::string>& busy_flights,
                                      const std::set<std::string>& flights_with_jobs);
   void Close(const std::string& flight_id);
@@ -46,7 +49,7 @@ class OpenFlights {
     SessionPointer session;
     Time used_at = std::chrono::steady_clock::now();
   };
-  // The caller holds mutex_ in all of these.
+  // The caller holds mutex_.
   bool IsFull() const { return open_.size() >= max_num_open_; }
   std::vector<std::pair<Time, std::string>> Idle(
       const std::set<std::string>& busy_flights,
@@ -58,7 +61,7 @@ class OpenFlights {
   // Guards open_, parked_at_ and waiting_.
   mutable std::mutex mutex_;
   std::map<std::string, OpenFlight> open_;
-  // By closed flight: sequence number of the last frame that it was given.
+  // Key: id of a closed flight. Value: sequence number of the last frame that it received.
   std::map<std::string, int64_t> parked_at_;
   // Flights with work that found no room, the longest waiting first.
   std::deque<std::string> waiting_;

@@ -1,4 +1,4 @@
-// Selects flights whose images are removed to free disk space. Sites are never removed.
+// Selects flights whose images will be removed to free disk space. Sites are never removed.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace freelsd {
 
-// Ids of idle flights, oldest first, whose images exceed the configured age or size.
+// Ids of idle flights, oldest first: all that exceed the configured age. If the images exceed the
+// configured size, at least the oldest flight.
 std::vector<std::string> FlightsToRetire(const Service& service);
 
 }  // namespace freelsd

@@ -8,7 +8,7 @@
 
 namespace freelsd {
 
-// False where there is no such flight.
+// False if there is no such flight.
 bool ChangeFlightRow(const Connection& writer,
                      const std::string& flight_id,
                      const FlightChange& change);

@@ -24,7 +24,7 @@ class ReaderPool {
   std::vector<std::unique_ptr<Connection>> idle_;
 };
 
-// Takes a connection out of the pool while it lives.
+// Holds a connection of the pool during its lifetime.
 class Reader {
  public:
   explicit Reader(ReaderPool& pool) : pool_(pool), connection_(pool.Take()) {}

@@ -1,4 +1,4 @@
-// RAII wrappers of SQLite: connection, statement, transaction. All of them throw StorageError.
+// RAII wrappers for SQLite: connection, statement, transaction. All of them throw StorageError.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace freelsd {
 
-// Bytes to bind as a blob rather than as text.
+// Bytes that are bound as a blob, not as text.
 struct Blob {
   std::string_view bytes;
 };
@@ -57,7 +57,7 @@ class Statement {
 
 enum class Access { kWrite, kRead };
 
-// A connection for one thread at a time.
+// A connection. Only one thread may use it at a time, except for Interrupt.
 class Connection {
  public:
   Connection(const std::filesystem::path& file, Access access);
@@ -68,7 +68,7 @@ class Connection {
   Statement Prepare(const char* sql) const { return Statement(database_, sql); }
   // Runs several statements that have neither parameters nor rows.
   void Execute(const char* sql) const;
-  // Makes a statement that another thread runs on this connection fail soon.
+  // Makes the statement that another thread is running on this connection fail soon.
   void Interrupt() const { sqlite3_interrupt(database_); }
   int NumChanges() const { return sqlite3_changes(database_); }
 
