@@ -23,7 +23,7 @@ struct TurnPath {
   double Turned() const;
 };
 
-// The shortest path of the forms turn-straight-turn and turn-turn-turn.
+// The shortest of all paths of the form turn-straight-turn or turn-turn-turn.
 TurnPath ShortestTurns(const Stance& from, const Stance& to, double radius_m);
 
 }  // namespace freelsd

@@ -16,7 +16,7 @@ struct HazardOptions {
   void Check() const;
 };
 
-// Limits above which a cell is a hazard. They are the aircraft's.
+// Limits of the aircraft. A cell that exceeds one of them is a hazard.
 struct HazardLimits {
   // Reduced by the deviation of the map's tilt (ElevationMap), because the whole map may be tilted.
   double max_slope_deg = 8.0;

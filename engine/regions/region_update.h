@@ -59,7 +59,7 @@ class RegionTracker {
   void DropWorst(int min_num_observations);
 
   RegionsOptions options_;
-  std::vector<TrackedRegion> tracked_;  // by id
+  std::vector<TrackedRegion> tracked_;  // ascending id
   int next_id_ = 1;
 };
 

@@ -81,7 +81,7 @@ struct Segment {
 struct Segments {
   // Working image: the frame resized, BGR (grey frames have three equal channels).
   cv::Mat3b image;
-  // Of the same size. 0 = no region, else Segment::label.
+  // Same size as `image`. 0 = no region, else Segment::label.
   cv::Mat1i labels;
   // Pixels of the full-size image per pixel of the working image.
   double image_px_per_working_px = 1.0;

@@ -8,7 +8,7 @@
 
 namespace freelsd {
 
-// A point closer than this to a cell's centre alone determines the cell's height.
+// If a point is closer than this to a cell's centre, only this point determines the cell's height.
 constexpr double kExactHitM = 1e-6;
 
 struct CellSums {

@@ -45,7 +45,7 @@ struct TracksOptions {
   // A given attitude is replaced, with a warning, if its yaw differs from that of the matches by
   // more than this (rotated photographs, faulty gimbal angles).
   double max_attitude_disagreement_deg = 30.0;
-  // Standard deviation of the angle to straight down, for a camera without a given attitude.
+  // Standard deviation of the tilt from straight down, for a camera without a given attitude.
   double nadir_sd_deg = 8.0;
   // Largest number of frames that wait for matches from which their attitude or height can be
   // computed.
@@ -59,8 +59,7 @@ struct TracksOptions {
   // Least overlap, as a share of the smaller footprint. A smaller computed overlap may be due to
   // tilt and relief alone.
   double min_ground_overlap_ratio = 0.02;
-  // Search radius of ground matching, as a share of the height. It covers errors of poses, and
-  // relief.
+  // Search radius of ground matching, as a share of the height. It covers pose errors and relief.
   double max_ground_error_ratio = 0.15;
   // Uses a level plane as ground: height_above_ground below the camera if given, else at take-off
   // height (world z = 0). Paper: the footnote's ground plane approximation.
@@ -107,7 +106,7 @@ struct GroundPoint {
   double height_sd_m = 0.0;
 };
 
-// A frame that is finished: with its image, as a view or dropped.
+// A frame, with its image, that has become a view or was dropped.
 struct ReadyFrame {
   Frame frame;
   // Index into views(); nothing if the frame was dropped.
@@ -135,7 +134,7 @@ class Tracks {
   Tracks& operator=(Tracks&&) noexcept;
 
   // Adds one frame. A frame waits for its neighbours if its attitude is not given or its height is
-  // unknown. The result contains zero, one or several finished frames.
+  // unknown. The result contains zero, one or several frames.
   std::vector<ReadyFrame> Add(Frame frame);
   // Turns the waiting frames into views as well as possible; drops the others.
   std::vector<ReadyFrame> Flush();

@@ -10,7 +10,7 @@ namespace freelsd {
 
 struct Landing {
   GeoPoint touchdown;
-  // Direction of travel on final, radians clockwise from north.
+  // Direction of travel on the final approach, radians clockwise from north.
   double heading = 0.0;
   // True in calm or unknown wind. The heading is then arbitrary and is not compared.
   bool is_heading_free = false;

@@ -22,14 +22,14 @@ std::vector<Answer> AnswersOf(const Photographs& photographs, const Classifier& 
 
 // Returns num_regions, error, auc, precision, recall, num_unsure, false_grass (share of the regions
 // without grass that are classified as grass), and by_class (numbers of regions, and of those
-// classified as grass). Unsure counts as not grass. Unlabelled regions and dormant grass count only
-// in by_class.
+// classified as grass). Unsure counts as not grass. Unlabelled regions are left out; dormant
+// grass counts only in by_class.
 nlohmann::ordered_json Scores(const std::vector<Answer>& answers);
 
 // Scores of all regions, and scores by place.
 nlohmann::ordered_json ScoresByPlace(const std::vector<Answer>& answers);
 
-// All regions that are classified as grass but labelled as another class.
+// All regions that are classified as grass but labelled as another class, without dormant grass.
 nlohmann::ordered_json FalseGrass(const std::vector<Answer>& answers);
 
 // Cross-validation by place. For each place, settings, forest, calibration and range are trained on

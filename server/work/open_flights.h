@@ -1,4 +1,4 @@
-// The sessions of flights that are held in memory. Decides which of them are closed to free memory.
+// The flight sessions in memory. Decides which of them are closed to free memory.
 #pragma once
 
 #include <chrono>
@@ -61,7 +61,7 @@ class OpenFlights {
   // Guards open_, parked_at_ and waiting_.
   mutable std::mutex mutex_;
   std::map<std::string, OpenFlight> open_;
-  // Key: id of a closed flight. Value: sequence number of the last frame that it received.
+  // Key: id of a closed flight. Value: sequence number of the last frame that its session received.
   std::map<std::string, int64_t> parked_at_;
   // Flights with work that found no room, the longest waiting first.
   std::deque<std::string> waiting_;

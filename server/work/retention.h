@@ -9,7 +9,7 @@
 namespace freelsd {
 
 // Ids of idle flights, oldest first: all that exceed the configured age. If the images exceed the
-// configured size, at least the oldest flight.
+// configured size, the oldest idle flight is always included.
 std::vector<std::string> FlightsToRetire(const Service& service);
 
 }  // namespace freelsd

@@ -1,7 +1,7 @@
 // Input: matched frames of near-nadir cameras without attitude, over locally level ground, with GPS
 // positions. Output: their attitudes and heights above ground.
 //
-// Differs: the paper has the autopilot's attitude. Without attitude, a normalised image point is
+// Differs: the paper has the autopilot's attitude. Without one, a normalised image point is
 // written as the complex number z = x - i y (right and up in the image, seen from above). Its place
 // on the ground is
 //   place = p + c + a z     (east + i north)
