@@ -1,4 +1,4 @@
-// Private to export/. Numbers and text in the form that exported files need.
+// Private to export/. Formats numbers and text for exported files.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Tracks of the views of a block, and their landmarks.
+// Feature tracks through the views of a block, and their landmarks.
 #pragma once
 
 #include <map>
@@ -35,28 +35,31 @@ struct BlockState {
 // Tracks with at least two sightings, in order of track id.
 std::vector<BlockTrack> CollectTracks(const std::vector<View>& views);
 
-// Initial points from the current poses. If the rays of a track do not meet (poor poses), its point
-// is on the ground plane below the first view that sees it.
+// Initial points, usable with poor poses: the mean of the places where a track's rays meet the
+// ground below their views. A track whose rays are all too flat gets no point.
 void InitialiseOnGround(const std::vector<View>& views,
                         const BlockState& state,
                         std::vector<BlockTrack>& tracks);
-// Points from rays. Repeatedly drops a track's worst sighting until all are within max_error_px. A
-// track with one sighting, or too little parallax, loses its point. Sightings dropped earlier are
-// tried again, because poses may have improved.
+// Triangulates points. Drops the worst sighting of a track until all others are within
+// max_error_px. A track with fewer than two sightings left, or with too little parallax, loses its
+// point. Sightings that an earlier call dropped are tried again, because the poses may have
+// improved.
 void TriangulateTracks(const BlockState& state,
                        double min_parallax_deg,
                        double max_error_px,
                        std::vector<BlockTrack>& tracks);
 
-// Marks sightings beyond max_error_px as outliers, others as inliers. Drops points with one ray.
+// Marks sightings beyond max_error_px as outliers, others as inliers. A track with fewer than two
+// inliers loses its point.
 void MarkOutliers(const BlockState& state, double max_error_px, std::vector<BlockTrack>& tracks);
-// Median error of the sightings of the worst view; infinite if half of them have no
+// Largest median reprojection error of a view, px; infinite if half of a view's sightings have no
 // point.
 double WorstMedianError(const BlockState& state, const std::vector<BlockTrack>& tracks);
-// Root mean square over inliers of tracks with a point; 0 without any.
+// Root mean square reprojection error of the inliers of tracks with a point, px; 0 without inliers.
 double RmsError(const BlockState& state, const std::vector<BlockTrack>& tracks);
 
-// Height deviation of a track's point from its ray geometry for pixel_sd.
+// Standard deviation of the height of a track's point if each inlier has the deviation pixel_sd.
+// Infinite if the rays are nearly parallel.
 double HeightDeviation(const BlockState& state, const BlockTrack& track, double pixel_sd);
 
 }  // namespace freelsd

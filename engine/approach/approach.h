@@ -13,24 +13,23 @@ namespace freelsd {
 
 struct ApproachOptions {
   // --- What counts as safe ---
-  // Least assumed deviation of the map's position. A touchdown disc keeps disc_margin_sigma of
-  // these deviations away from hazard. Paper: the disc alone. Differs: one deviation is too little
-  // (decision 0018).
+  // Least standard deviation assumed for the map's position. The touchdown disc stays
+  // disc_margin_sigma deviations away from hazard. Paper: no margin. Differs: even a margin of one
+  // deviation is too small (decision 0018).
   double min_map_position_sd_m = 1.0;
   double disc_margin_sigma = 2.0;
-  // Ground roll and corridors are wider on both sides, and the roll longer, by this many deviations
-  // of the map's position, because the map may be shifted.
+  // Margin added to both sides of ground roll and corridors, and to the length of the roll: a
+  // number of deviations of the map's position, because the map may be shifted.
   double path_margin_sigma = 3.0;
-  // Allowance on top of cells under the path without a clear class: their posterior of
-  // grass is unknown or too low. The map misses leafless trees. Applies only if no
-  // photographs were compared: the comparison finds such trees and makes their height
-  // unknown.
+  // Added to the height of cells without a clear class (their posterior of grass is unknown or too
+  // low), because the map misses leafless trees. Not used if photographs were compared: the
+  // comparison finds such trees and makes their height unknown.
   double unclear_height_allowance_m = 2.0;
-  // A cell with a larger height deviation counts as unseen under the path too. What stands in it
-  // still blocks.
+  // A cell under the path with a larger height deviation counts as unseen. Its height can still
+  // block the path.
   double max_height_sd_m = 1.0;
-  // Deviations of the map's tilt to allow for. Things may stand higher relative to touchdown by
-  // their distance times this angle, because the whole map may lean.
+  // Allowance for a tilt of the whole map, in deviations of that tilt. An obstacle may be higher,
+  // relative to touchdown, by its distance times the tangent of this angle.
   double tilt_sigma = 2.0;
   // With unknown wind, the final must also be clear with a tail wind of this speed. Paper: 5.5 m/s
   // in the last experiment.
@@ -44,28 +43,29 @@ struct ApproachOptions {
   double bare_ground_radius_m = 2.0;
   double max_bare_roughness_m = 0.5;
   // --- Search ---
-  // Touchdown candidates per region, best first, and their least distance from each other. The
-  // distance grows until the candidates cover all free ground of the region.
+  // Largest number of touchdown candidates per region, and the least distance between them. In a
+  // large region the distance is larger, so that the candidates cover all free ground.
   int max_num_candidates = 60;
-  // Additional evenly spaced candidates, tried if no candidate succeeds: a field may have room for
-  // a single final, which a coarse search misses.
+  // Largest number of additional, more densely spaced candidates. They are tried if no other
+  // candidate succeeds: a field may have room for only one final, which a coarse search misses.
   int max_num_reserve_candidates = 500;
   double candidate_spacing_m = 4.0;
-  // Heights of the start, in units of the aircraft's approach height, ascending. Higher starts are
-  // tried where every lower circle is blocked. The final grows in proportion. Paper: 1 alone.
+  // Heights of the start of the final, in units of the aircraft's approach height, ascending. A
+  // greater height is tried if all lower ones fail and a circle is blocked. The length of the final
+  // is proportional to the height. Paper: only 1.
   std::vector<double> start_height_ratios{1.0, 1.5, 2.0, 3.0};
-  // Where every final into the wind fails, other headings are tried with at most this crosswind, as
-  // a share of the landing airspeed. Paper: 0, into the wind alone.
+  // If every final into the wind fails, headings with crosswind are tried, up to this share of the
+  // landing airspeed. Paper: 0, only into the wind.
   double max_crosswind_ratio = 0.15;
-  // Step between headings where the wind is unknown, calm or partly from the side.
+  // Step between the headings that are tried with crosswind, or in unknown or calm wind.
   double heading_step_deg = 10.0;
   // Below this wind speed every heading is tried. The wind still counts in final and circle.
   double calm_wind_mps = 0.5;
-  // Step along path and circle; never coarser than half a cell on the final.
+  // Step along final and circle; on the final at most half a cell.
   double path_step_m = 0.5;
   // Largest number of rejections stored with the site.
   int max_num_rejections = 20;
-  // Final score: weights of distance to hazard, clearance, area, slope, roughness, evidence.
+  // Weights of the score's terms: distance to hazard, clearance, area, slope, roughness, evidence.
   std::vector<double> score_weights{0.25, 0.2, 0.15, 0.15, 0.1, 0.15};
 
   void Check() const;
@@ -86,7 +86,7 @@ enum class RejectReason {
   kNoTerrain,
 };
 
-enum class LoiterDirection { kLeft, kRight };  // as flown
+enum class LoiterDirection { kLeft, kRight };  // direction of the turn
 
 // Eq. 1: length of the final over ground, into the wind. Zero or negative where the wind is too
 // strong. `wind_margin`, m/s: how much weaker the wind may be than estimated.
@@ -95,13 +95,14 @@ double ApproachDistance(const Aircraft& aircraft, double wind_speed, double wind
 double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed);
 double LoiterRadius(const Aircraft& aircraft, double wind_speed);
 
-// Distance that a touchdown needs from hazard: its disc, the map's deviation and half a cell's
-// diagonal (decision 0019). NaN where the deviation is unknown: no distance suffices.
+// Least distance of a touchdown from hazard: radius of its disc, margin for the map's position and
+// half a cell's diagonal (decision 0019). NaN if the deviation of the map's position is unknown:
+// then no distance suffices.
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options);
 
-// Path height against the map's upper surface, from the start of the final to touchdown.
+// Heights of the path and of the terrain below it, from the start of the final to touchdown.
 struct ApproachProfile {
   // Distance to touchdown, descending.
   std::vector<double> distance;
@@ -149,12 +150,13 @@ struct Approach {
   double approach_height = 0.0;
   // Crosswind of the planned wind; 0 where the wind is unknown or calm.
   double crosswind = 0.0;
-  // Ground speed on final in the planned wind, m/s. Empty: the wind is unknown.
+  // Ground speed on final in the planned wind, m/s. Empty if the wind is unknown.
   std::optional<double> ground_speed;
   double loiter_radius = 0.0;
   Eigen::Vector3d loiter_center_in_world = Eigen::Vector3d::Zero();
   LoiterDirection loiter_direction = LoiterDirection::kLeft;
-  // Over the final outside the touchdown disc and the seen part of the circle; NaN if all unseen.
+  // Least clearance over the seen parts of the final (outside the touchdown disc) and of the
+  // circle; NaN if both are unseen.
   double min_clearance = 0.0;
   // Unseen share of the chosen circle.
   double unseen_ratio = 0.0;
@@ -167,7 +169,8 @@ struct Approach {
   ApproachProfile profile;
 };
 
-// The circle as flown from the start of the final. Closed: num_points + 1 points, first = last.
+// Points of the loiter circle in the order of flight, beginning at the start of the final. The
+// polyline is closed: num_points + 1 points, first = last. num_points below 4 count as 4.
 std::vector<Eigen::Vector3d> LoiterPolyline(const Approach& approach, int num_points);
 
 struct Rejection {
@@ -212,13 +215,14 @@ struct ScoreTerm {
   double weight = 0.0;
 };
 
-// The plan for one region. Even a rejected region gets a place with numbers: the least bad place
-// and the rule that it breaks. Exception: nothing was seen.
+// The plan for one region. A rejected region has a place with numbers, too: the least bad place and
+// the rule that it breaks. Exception: no ground of the region was seen.
 struct Plan {
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reject_reason;
   std::string reject_detail;
-  // World. If rejected: the least bad place, or the region's centre at its ground_height.
+  // If rejected: the least bad place, or the footprint's centroid at ground_height if no ground was
+  // seen.
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   double hazard_distance = 0.0;
   // Largest within the touchdown disc; NaN if unseen. Slope in radians.
@@ -232,7 +236,7 @@ struct Plan {
   std::vector<ScoreTerm> score_terms;
 };
 
-// The region's data that a plan depends on.
+// Data of a region that its plan depends on.
 struct PlanRequest {
   Polygon footprint;  // where the touchdown may lie, world
   double area_m2 = 0.0;
@@ -246,11 +250,11 @@ struct PlanRequest {
   double ground_height = 0.0;
 };
 
-// Tries candidates by distance to hazard, best first. Returns the first landable one, else the
-// first unverified one (of the candidates, then of the reserve). The search is not exhaustive: it
-// may miss a good place but never accepts a bad one. Order of ways: into the wind, with crosswind,
-// then both from higher starts. Throws std::invalid_argument when map and hazards have different
-// grids.
+// Searches headings into the wind, then with crosswind, then both from greater start heights. Each
+// search tries the candidates farthest from hazard first. It returns the first landable one, else
+// the first unverified one (of the candidates, then of the reserve). It is not exhaustive: it may
+// miss a good place but never accepts a bad one. Throws std::invalid_argument when map and hazards
+// have different grids.
 Plan PlanApproach(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,
@@ -318,9 +322,9 @@ class ApproachPlanner {
   std::unique_ptr<const struct ApproachGround> ground_;
 };
 
-// The winds of a rose.
+// The winds of a wind rose: each speed from each direction.
 struct WindRoseOptions {
-  // Evenly spaced from north: 36 are 10 degrees apart.
+  // Evenly spaced, the first from north: 36 directions are 10 degrees apart.
   int num_directions = 36;
   // Ascending.
   std::vector<double> speeds_mps{2.5, 5.0, 7.5, 10.0};
@@ -336,13 +340,13 @@ struct WindRose {
   // Ordered by speed, then by direction.
   std::vector<Plan> plans;
 
-  // Direction that the air moves towards.
+  // Velocity of the air; points to where the air moves.
   Eigen::Vector2d WindInWorld(size_t speed, size_t direction) const;
   const Plan& At(size_t speed, size_t direction) const;
 };
 
-// Each plan equals planner.PlanFor(that wind, kNone). Throws std::invalid_argument on bad
-// options.
+// Each plan equals planner.PlanFor(wind, Explanation::kNone) for its wind. Throws
+// std::invalid_argument on bad options.
 WindRose PlanWindRose(const ApproachPlanner& planner, const WindRoseOptions& options);
 
 }  // namespace freelsd

@@ -1,6 +1,6 @@
-// Private to approach/: the cells that the paths of one heading meet, as offsets from the
-// touchdown's cell. Touchdowns lie at cell centres, so all share these offsets, and a check only
-// looks cells up.
+// Private to approach/: the cells below the paths of one heading, as offsets from the touchdown's
+// cell. Every touchdown is at the centre of a cell, so the offsets are the same for all touchdowns,
+// and a check only looks cells up.
 #pragma once
 
 #include <array>
@@ -32,7 +32,7 @@ struct CircleCell {
   double wanted = 0.0;
 };
 
-// One wind scenario: cells in order from touchdown, and around both circles.
+// Cells of one wind scenario: along the final in order from touchdown, and along both circles.
 struct PathCells {
   std::vector<FinalCell> final_path;
   int num_final_steps = 0;
@@ -51,7 +51,8 @@ std::vector<HeadingCells> MakeHeadingCells(const WindCase& wind,
                                            const Aircraft& aircraft,
                                            const ApproachOptions& options);
 
-// Cells of the surface around one touchdown.
+// Checks the paths to one touchdown by looking up the cells below them. `row` and `col` are the
+// touchdown's cell in the surface, `height` is its world z.
 class CellsBelow {
  public:
   CellsBelow(const ClearanceSurface& surface, int row, int col, double height)
@@ -61,7 +62,7 @@ class CellsBelow {
   // Quick test. Gives the result of CheckFinal with kUntilFailure if the widened corridor is clear,
   // else nothing: then call CheckFinal.
   std::optional<PathCheck> GlanceAlongFinal(const PathCells& cells) const;
-  // As CheckCircle; stops at the first failure.
+  // As the function CheckCircle, but stops at the first failure.
   PathCheck CheckCircle(const PathCells& cells,
                         LoiterDirection direction,
                         double approach_height) const;

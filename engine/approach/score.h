@@ -1,4 +1,4 @@
-// Private to approach/: the quality of a site as one number with its terms.
+// Private to approach/: the score of a site and its terms.
 #pragma once
 
 #include <vector>
@@ -22,7 +22,7 @@ std::vector<ScoreTerm> ScoreTerms(const ScoreInput& input,
                                   const Aircraft& aircraft,
                                   const ApproachOptions& options);
 
-// Weighted mean, 0..1; a rejected site stays in the lowest fifth.
+// Weighted mean of the terms, 0..1; multiplied by 0.2 if the site is rejected.
 double Score(const std::vector<ScoreTerm>& terms, Verdict verdict);
 
 }  // namespace freelsd

@@ -8,16 +8,17 @@
 namespace freelsd {
 
 constexpr size_t kNumGaborWavelengths = 3;
-// Half the side of the filters without their middle: margin that they need around a pixel.
+// The side of the filters is 2 * kGaborRadiusPx + 1 px.
 constexpr int kGaborRadiusPx = 15;
 
-// One filter per wavelength: the mean over the four directions. The paper leaves two points open.
-// We take the mean pixel by pixel, which is one linear filter. A side of 31 px holds the relevant
-// envelope across the wave (3.75 sigma).
+// One filter per wavelength: the mean over the four directions. The paper does not specify how to
+// combine the directions, nor the size of the filters. Here, the mean of the responses is taken for
+// each pixel, which is one linear filter. A radius of 15 px is 3.75 sigma of the envelope across
+// the wave.
 std::array<cv::Mat1f, kNumGaborWavelengths> MeanGaborKernels();
 
-// Responses to grey levels 0..255 where mask != 0; elsewhere 0 or the response. The image is
-// mirrored at its border. Equals filtering with MeanGaborKernels up to rounding.
+// Responses to grey levels 0..255. Only pixels with mask != 0 are sure to be computed; others may
+// be 0. The image is mirrored at its border. Equals filtering with MeanGaborKernels up to rounding.
 std::array<cv::Mat1f, kNumGaborWavelengths> GaborResponses(const cv::Mat1f& grey,
                                                            const cv::Mat1b& mask);
 

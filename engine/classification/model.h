@@ -1,4 +1,4 @@
-// A trained forest, its calibration and the feature range of its training grass.
+// A trained forest, its calibration, and the feature ranges of the grass it was trained on.
 #pragma once
 
 #include <memory>

@@ -7,17 +7,17 @@
 
 namespace freelsd {
 
-// Mean log brightness over square windows of a region, at a cost independent of their side. Keeps
-// only the rows that a window reaches. Sums are exact in any order, because each logarithm is a
-// multiple of 2^-23 (see log_levels.h).
+// Mean log brightness over square windows of a region, at a cost that does not depend on the size
+// of the window. Keeps only as many rows as the tallest window needs. Sums are exact in any order,
+// because each logarithm is a multiple of 2^-23 (see log_levels.h).
 class WindowSums {
  public:
-  // Windows are at most max_side_px wide.
+  // No window may be wider than max_side_px.
   WindowSums(const cv::Mat1b& grey, const cv::Mat1b& mask, int max_side_px);
 
-  // Means for the given columns of a row, over the part of each pixel's window that is in the
-  // region; 0 if no part is. Request rows in ascending order. In a window of even side the pixel
-  // lies right of and below the middle.
+  // Writes the means of the given columns of a row to means[col]. Each is over the part of the
+  // pixel's window that lies in the region; 0 if no part does. Request rows in ascending order. In
+  // a window of even side, the pixel is right of and below the middle.
   void MeansOfRow(int row, const cv::Range& cols, int side_px, float* means);
 
  private:
@@ -35,13 +35,13 @@ class WindowSums {
 };
 
 struct Texture {
-  // Log of the deviation of log brightness between windows the size of leaves and of tufts, and
-  // between windows the size of tufts and of bushes.
+  // Logarithm of the standard deviation of a difference: mean log brightness over a small window
+  // minus that over a large one. Leaf: windows of 0.6 and 1.8 m. Tuft: 1.8 and 4.2 m.
   float leaf_log_deviation = 0.0f;
   float tuft_log_deviation = 0.0f;
-  // (upper + lower - 2 median) / (upper - lower), with upper and lower tail values of the
-  // difference between windows of gaps and of fronds. Negative where dark gaps lie between evenly
-  // bright leaves. Robust against a few sheep.
+  // Skewness of the same difference for windows of 0.3 and 0.9 m: (upper + lower - 2 median) /
+  // (upper - lower), with the 95th and 5th percentiles as upper and lower. Negative where dark gaps
+  // lie between evenly bright leaves. A few sheep do not change it.
   float gap_skewness = 0.0f;
 };
 

@@ -6,7 +6,7 @@
 namespace freelsd {
 
 // Posterior probability (or the paper's OR as 0 and 1); NaN where the elevation is unknown or too
-// few views classified the cell.
+// small a share of the views classified the cell.
 cv::Mat1f FuseGrass(const ElevationMap& map,
                     const std::vector<GrassView>& grass_views,
                     const CoverOptions& options);

@@ -1,4 +1,4 @@
-// Private to cover/. Where photographs of one place show different things.
+// Private to cover/. Compares two photographs of each place to find cover that the map misses.
 #pragma once
 
 #include "engine/cover/cover.h"
@@ -8,17 +8,17 @@ namespace freelsd {
 // Cover that is known before photographs are compared. Cells of the map: 255, else 0.
 struct MeadowCells {
   cv::Mat1b is_clear_class;
-  // Counts as meadow around a lone thing, whatever other rules find there.
+  // Counts as meadow in the surroundings of a lone object, even if other rules exclude the cell.
   cv::Mat1b is_meadow;
-  // Objects that differ from the ground around them; may be empty.
+  // Objects that differ from the ground around them; the raster may be empty.
   cv::Mat1b objects;
 };
 
-// The map has the ground's height below a leafless crown, but the twigs move against the
-// ground from view to view. The deviation of the height is unknown where two photographs
-// differ, or where only one shows the place. Narrow cover and lone objects get an allowance
-// instead. Cells of a clear class are left alone: grass is no tree. An orthophoto of one view
-// is not compared.
+// Below a leafless crown the map has the height of the ground, but the twigs shift relative to the
+// ground from view to view. Where two photographs differ, or fewer than two show the place, the
+// deviation of the height is unknown. Narrow cover and lone objects get an allowance instead.
+// Differences in cells of a clear class are ignored: grass is not a tree. Nothing is compared if
+// the orthophoto has no second image.
 OpenCover FindOpenCover(const Orthophoto& photo,
                         const Grid& grid,
                         const MeadowCells& cells,

@@ -13,21 +13,23 @@ struct PhotoBand {
   // The band's own rows in the whole orthophoto, end_row not included.
   int first_row = 0;
   int end_row = 0;
-  // These rows and the halo that their result depends on; pixels are shared.
+  // The band's own rows and the halo around them that their result depends on. Shares pixels with
+  // the whole orthophoto.
   Orthophoto photo;
   // Row of the whole orthophoto that is row 0 of `photo`.
   int photo_first_row = 0;
 };
 
-// From north to south; an orthophoto of ordinary size is one band.
+// Bands from north to south. An orthophoto of ordinary size is one band.
 std::vector<PhotoBand> BandsOf(const Orthophoto& photo, double halo_m);
 
-// Joins what `find` returns for each band with its halo: cells of the orthophoto, 255 or 0.
+// Calls `find` for each band and joins the results without halos. Cells of the orthophoto: 255,
+// else 0.
 cv::Mat1b FindInBands(const Orthophoto& photo,
                       double halo_m,
                       const std::function<cv::Mat1b(const PhotoBand&)>& find);
 
-// Cells of the map that hold a found cell of the orthophoto: 255, else 0.
+// Cells of the map that contain a found cell of the orthophoto: 255, else 0.
 cv::Mat1b OnMap(const cv::Mat1b& found, const Grid& grid);
 
 }  // namespace freelsd

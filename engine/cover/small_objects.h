@@ -1,5 +1,5 @@
-// Private to cover/. Objects in a meadow that the heights do not show: boulders, animals, cars,
-// feeders. Anomaly detector of Reed and Yu (1990) on the orthophoto.
+// Private to cover/. Objects in a meadow that the elevation map does not show: boulders, animals,
+// cars, feeders. Anomaly detector of Reed and Yu (1990) on the orthophoto.
 #pragma once
 
 #include "engine/cover/cover.h"
@@ -10,7 +10,8 @@ namespace freelsd {
 // else 0.
 cv::Mat1b SmallObjects(const Orthophoto& photo, const CoverOptions& options);
 
-// Cells of `grid` with such a patch: 255, else 0. Empty without an orthophoto.
+// Cells of `grid` with such a patch: 255, else 0. Empty if the orthophoto is empty or the search is
+// off.
 cv::Mat1b FindSmallObjects(const Orthophoto& photo, const Grid& grid, const CoverOptions& options);
 
 }  // namespace freelsd

@@ -19,15 +19,15 @@ enum class CameraSource { kCalibrated, kExif };
 
 // Motion of the camera while the rows of one image are read (rolling shutter).
 struct Readout {
-  // Rotation vectors, camera frame, radians. `turn`: the uniform part, from the first row to
-  // the last. `bend`: four times the additional turn at the first and last row, because gusts
-  // turn a light plane unevenly. Motion past the ground looks nearly the same and counts as
-  // turn.
+  // Rotation vectors, camera frame, radians. `turn`: the uniform part, from the first row to the
+  // last. `bend`: the quadratic part, four times the additional rotation at the first and at the
+  // last row; gusts turn a light plane unevenly. Translation along the ground has nearly the same
+  // effect on the image and is included in `turn`.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
 
   bool IsGlobal() const { return turn.isZero(0.0) && bend.isZero(0.0); }
-  // Turn since the middle row was read, for the row with share = (row - cy) / height.
+  // Rotation from the middle row's pose to that of the row with share = (row - cy) / height.
   Eigen::Vector3d TurnAt(double share) const { return share * (turn + share * bend); }
 };
 
@@ -42,25 +42,25 @@ struct Camera {
   DistortionModel distortion = DistortionModel::kNone;
   std::vector<double> coefficients;
   CameraSource source = CameraSource::kCalibrated;
-  // Time from the first row's reading to the last one's, seconds; 0 if all rows are exposed at
-  // once, or if the time is unknown.
+  // Time from reading the first row to reading the last row, seconds; 0 if all rows are exposed at
+  // once or if the time is unknown.
   double readout_s = 0.0;
   // Differs from image to image.
   Readout readout;
 
-  // Pixel of a point in the camera frame; nothing for a point behind the camera or so far off-axis
-  // that the distortion model folds back.
+  // Pixel of a point in the camera frame; nothing for a point behind the camera, or so far off-axis
+  // that the distortion is no longer invertible.
   std::optional<Eigen::Vector2d> ImageFromCamera(const Eigen::Vector3d& point_in_camera) const;
-  // Ideal direction (x / z, y / z) of a pixel. Inverts the distortion by Newton iteration.
+  // Undistorted direction (x / z, y / z) of a pixel. Inverts the distortion by Newton iteration.
   Eigen::Vector2d NormalizedFromImage(const Eigen::Vector2d& point_in_image) const;
   // Unit ray in the camera frame.
   Eigen::Vector3d RayFromImage(const Eigen::Vector2d& point_in_image) const;
   bool IsInside(const Eigen::Vector2d& point_in_image, double margin_px = 0.0) const;
   double MeanFocalPx() const { return 0.5 * (fx_px + fy_px); }
-  // The camera of the same image resized by `factor` (pixel areas averaged).
+  // The camera for the image resized by `factor`, where pixel areas are averaged.
   Camera Scaled(double factor) const;
 
-  // The same lens with the readout of one image.
+  // The same camera with the readout of one image.
   Camera With(const Readout& readout_of_image) const;
 
   // Throws std::invalid_argument: "camera.fx_px = 0: must be positive".

@@ -6,7 +6,7 @@
 
 namespace freelsd {
 
-// WGS84. The altitude's datum is the flight's; only differences matter.
+// WGS84. The altitude uses the flight's datum; only altitude differences matter.
 struct GeoPoint {
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;

@@ -1,4 +1,4 @@
-// Private to layers/. Colours of the layers' pictures.
+// Private to layers/. Colours of layer pictures.
 #pragma once
 
 #include <string>
@@ -10,13 +10,14 @@ namespace freelsd {
 // RGB, 0..255.
 using Color = cv::Vec3b;
 
-// Not on any ramp. They differ in brightness, so colour-blind people can distinguish them.
+// Colours that no ramp contains. They differ in brightness, so colour-blind people can distinguish
+// them.
 const Color kFreeColor(126, 211, 150);
 const Color kHazardColor(200, 70, 0);
 const Color kUnseenColor(26, 26, 26);
 
-// Values of a layer at the two ends of its ramp. They are fixed for slope, roughness and grass,
-// whose limits people compare between sites; otherwise they depend on the seen values.
+// Values of a layer at the two ends of its ramp. For slope, roughness and grass they are fixed, so
+// that pictures of different sites are comparable; for other layers they depend on the seen values.
 struct Scale {
   double min = 0.0;
   double max = 1.0;

@@ -7,12 +7,13 @@
 
 namespace freelsd {
 
-// One layer with touchdown, final, circle, north arrow and scale. Without a map: only the lines.
+// One layer with touchdown, final, circle, north arrow and scale. If the map is empty, the figure
+// has no layer.
 std::string MapFigure(const StoredSite& site,
                       const SiteMap& site_map,
                       const LocalFrame& local_frame,
                       const std::string& layer);
-// Path and ground along the final; empty if the site has no approach.
+// Heights of path and terrain along the final; empty if the site has no approach.
 std::string ProfileFigure(const StoredSite& site);
 
 }  // namespace freelsd

@@ -11,7 +11,7 @@
 
 namespace freelsd {
 
-// ApiError InvalidPoses with one error.
+// ApiError InvalidPoses that lists one error.
 ApiError InvalidPose(const std::string& pointer, const std::string& detail);
 // "/poses/<line>".
 std::string LinePointer(int line);
@@ -21,11 +21,12 @@ class PoseLine {
  public:
   PoseLine(const PoseColumns& header, const CsvLine& line) : header_(header), line_(line) {}
 
-  // Pointer to the cell, with the file's own name of the column.
+  // JSON pointer to the cell. It contains the column's name as written in the file.
   std::string Pointer(PoseField field) const;
   // Nothing if the cell is empty.
   std::optional<std::string> Text(PoseField field) const;
-  // Both functions throw ApiError InvalidPoses with a pointer to the cell.
+  // Nothing if the cell is empty. Number and AngleRad throw ApiError InvalidPoses with a pointer to
+  // the cell.
   std::optional<double> Number(PoseField field) const;
   std::optional<double> AngleRad(PoseField field) const;
 
@@ -37,7 +38,7 @@ class PoseLine {
   const CsvLine& line_;
 };
 
-// The frame's meta in the line. Throws ApiError InvalidPoses with a pointer to the invalid cell.
+// Metadata of the line's frame. Throws ApiError InvalidPoses with a pointer to the invalid cell.
 FrameMeta ReadPoseLine(const PoseLine& line);
 
 }  // namespace freelsd
