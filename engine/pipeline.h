@@ -1,5 +1,6 @@
-// The method; start here. Frontend::Process runs for every frame as it arrives. EvaluateSites runs
-// beside it, on a copy, for the best regions. Detect runs both on a stored flight.
+// The whole method; start reading here. Frontend::Process runs for every frame as it arrives.
+// EvaluateSites runs concurrently for the best regions, on a copy of the frontend's state. Detect
+// runs both on a stored flight.
 #pragma once
 
 #include <functional>
@@ -25,15 +26,15 @@ class Frontend {
  public:
   Frontend(const Rig& rig, const PipelineOptions& options, Classifier classifier);
 
-  // Processes one frame as it arrives; must keep up with the image rate. Frames may wait for their
-  // neighbours, so the result may hold no frame or earlier frames.
+  // Processes one frame as it arrives; must keep up with the image rate. A frame may wait for its
+  // neighbours, so the results may be empty or be those of earlier frames.
   std::vector<FrameResult> Process(Frame frame);
   // Takes a wind measured between frames. A frame's own wind comes with the frame.
   void AddWind(const WindSample& sample) { wind_samples_.push_back(sample); }
   // Processes frames that still wait for neighbours.
   std::vector<FrameResult> Flush();
 
-  // Best first, each with the current wind estimate at its centre.
+  // Best region first, each with the current wind estimate at its centre.
   std::vector<Candidate> RankedRegions() const;
   Snapshot TakeSnapshot() const;
   std::vector<StageReport> TakeReports();
@@ -58,10 +59,11 @@ class Frontend {
 };
 
 struct Evaluation {
-  // One site per requested region, in the same order, followed by accepted further fields of these
-  // regions.
+  // One site per requested region, in the same order, followed by the sites of further fields (see
+  // WithFurtherSites).
   std::vector<Site> sites;
-  // Shared by all sites; grids are empty if nothing was reconstructed. The map includes its cover.
+  // Shared by all sites; grids are empty if nothing was reconstructed. The map includes its cover
+  // (WithCover).
   ElevationMap map;
   HazardLayers hazards;
   AdjustedBlock block;
@@ -69,8 +71,8 @@ struct Evaluation {
   std::vector<std::string> warnings;
 };
 
-// Evaluates regions on one shared map. Calls `progress` with the done share 0..1 and the stage. If
-// `progress` returns false, throws std::runtime_error("cancelled").
+// Evaluates regions on one shared map. Calls `progress` with the completed share 0..1 and the
+// current stage. If `progress` returns false, throws std::runtime_error("cancelled").
 using Progress = std::function<bool(double done_ratio, const std::string& stage)>;
 Evaluation EvaluateSites(const Snapshot& snapshot,
                          const std::vector<Candidate>& regions,
@@ -79,7 +81,8 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                          const PipelineOptions& options,
                          const Progress& progress);
 
-// A whole stored flight: every frame through the frontend, then every region with a grade.
+// Processes a whole stored flight: all frames in the frontend, then all regions with a grade above
+// 0.
 Evaluation Detect(const Rig& rig,
                   const std::vector<Frame>& frames,
                   const Aircraft& aircraft,

@@ -1,4 +1,4 @@
-// Rigid transforms and the attitudes of autopilots.
+// Rigid transforms and autopilot attitudes.
 #pragma once
 
 #include <Eigen/Core>
@@ -43,7 +43,7 @@ struct EulerAngles {
 };
 Eigen::Quaterniond NedFromBody(const EulerAngles& attitude);
 EulerAngles EulerFromNedFromBody(const Eigen::Quaterniond& ned_from_body);
-// East-north-up from north-east-down: swaps x and y, negates z. Its own inverse.
+// East-north-up from north-east-down: swaps x and y, negates z. This rotation is its own inverse.
 Eigen::Quaterniond WorldFromNed();
 // Heading of a direction in world: radians clockwise from north, in [0, 2 pi).
 double HeadingOf(const Eigen::Vector2d& direction_in_world);

@@ -1,9 +1,9 @@
 // Input: position without power, wind, a stored approach and map. Output: height on arrival at the
 // approach's start. Not part of the pipeline; emergency recall uses it.
 //
-// The aircraft turns towards the place, flies straight, and turns onto the final: a shortest path
-// of bounded curvature (Dubins 1957) in the frame of the moving air. In this frame the place drifts
-// against the wind. Every unknown costs height.
+// The aircraft turns towards the approach's start, flies straight, and turns onto the final: a
+// shortest path of bounded curvature (Dubins 1957) in the frame of the moving air. In this frame,
+// the approach's start moves against the wind. For unknown values the worst case is assumed.
 #pragma once
 
 #include <optional>
@@ -14,13 +14,13 @@
 namespace freelsd {
 
 struct GlideOptions {
-  // Speed that stands for an unknown wind; its worst direction counts. The same as
+  // Wind speed assumed if the wind is unknown, from the worst direction. Same value as
   // approach.unknown_wind_mps.
   double unknown_wind_mps = 5.5;
   // Number of directions tried for an unknown wind or heading; the worst one counts.
   int num_unknown_winds = 8;
   int num_unknown_headings = 16;
-  // Height to keep above the terrain of stored maps on the way.
+  // Clearance to keep above the terrain of stored maps on the way to the approach's start.
   double terrain_clearance_m = 10.0;
   // Subtracted from the arrival height if two datums differ or one is unknown, and the height of
   // the geoid is not known either: the geoid lies up to 106 m from the ellipsoid.
@@ -40,17 +40,17 @@ struct GlideStart {
 struct Glide {
   double time_s = 0.0;
   double height_lost_m = 0.0;
-  // World z above the start of the final.
+  // World z of the aircraft when it is over the start of the final.
   double arrival_height_m = 0.0;
 };
 
-// The aircraft for a landing without power: its final is at least as steep as its glide. Throws
+// The same aircraft without power: its final is at least as steep as its glide. Throws
 // std::invalid_argument if the glide ratio is outside the aircraft's bounds.
 Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio);
 
-// Worst case over everything unknown: all directions of an unknown wind or heading, or the known
-// wind turned by up to the crosswind uncertainty. Nothing if some wind is too strong to arrive.
-// `aircraft` must be Unpowered.
+// Worst case over all unknown values: every direction of an unknown wind, every unknown heading, or
+// the known wind turned by the crosswind uncertainty to either side. Nothing if one of these winds
+// is too strong to arrive. `aircraft` must be Unpowered.
 std::optional<Glide> GlideTo(const GlideStart& start,
                              const Eigen::Vector3d& approach_start_in_world,
                              double final_heading,
@@ -95,16 +95,17 @@ struct StraightGlide {
 
 StraightGlide StraightGlideOf(const Aircraft& aircraft);
 
-// Lower bound of the height lost on any way to within `within_m` of a place: straight, without
-// turns, in the known wind or in calm. Never more than GlideTo returns. Nothing if the wind is too
-// strong. `glide` is computed once for many places.
+// Lower bound of the height lost on any path that ends within `within_m` of a place: a straight
+// line without turns, in the known wind, or in calm if the wind is unknown. Never more than GlideTo
+// returns. Nothing if the wind is too strong. `glide` is a parameter because it is the same for
+// many places.
 std::optional<double> LeastHeightLost(const GlideStart& start,
                                       const Eigen::Vector2d& place_in_world,
                                       double within_m,
                                       const StraightGlide& glide);
 
-// Least height of the straight line above a map's upper surface (ElevationMap::upper), metres;
-// nothing if the line crosses no seen cell. Both ends in the map's world.
+// Least height of a straight line above a map's upper surface (ElevationMap::upper), metres;
+// nothing if the line crosses no seen cell. Both ends are in the world frame of the map.
 std::optional<double> LeastHeightOver(const Grid& grid,
                                       const cv::Mat1f& upper,
                                       const Eigen::Vector3d& begin_in_world,

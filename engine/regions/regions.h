@@ -18,14 +18,13 @@ struct RegionsOptions {
   // Least area of a graded region; normally the aircraft's. Paper: A_min.
   double min_area_m2 = 900.0;
   // Least observations of a graded region. Paper: n_obs,min = 10 at 4 Hz. Differs: survey
-  // photographs never show a place ten times. The limit falls to half of the expected views of a
-  // place, but not below min_num_observations_floor.
+  // photographs never show a place ten times. The limit is lowered to half of the expected views of
+  // a place, but not below min_num_observations_floor.
   int min_num_observations = 10;
   int min_num_observations_floor = 2;
-  // Grass and non-grass are merged only if their rectangles overlap by this share
-  // (intersection over union). Differs: the paper requires only a centre inside the other's
-  // corners. Then rectangles around winding woods and roads swallow the fields between them.
-  // Paper: 0.
+  // A grass region and a non-grass region are merged only if their rectangles overlap by this share
+  // (intersection over union). Differs: the paper only requires the centre of one inside the other,
+  // so rectangles around winding woods and roads absorb the fields between them. Paper: 0.
   double min_overlap_of_unlike_ratio = 0.3;
   // A fully visible segment fixes a region's corners only if it covers this share of the region.
   // Differs: the paper accepts any fully visible segment, so a small patch between two shadows can
@@ -35,14 +34,14 @@ struct RegionsOptions {
   int max_num_regions = 20;
   // A segment with a corner nearer to the image border than this is not fully visible.
   double border_margin_px = 2.0;
-  // Largest distance of a seen corner, in heights above ground. Views with a farther corner skip
-  // the region. Differs: the paper's cameras look down more steeply.
+  // Largest distance between the camera and a segment's corner, in heights above ground. A segment
+  // with a farther corner is ignored. Differs: the paper's cameras look down more steeply.
   double max_viewing_distance_ratio = 10.0;
 
   void Check() const;
 };
 
-// State of a region after one of its observations (the paper's plots over frames).
+// State of a region after one of its observations, for plots over frames as in the paper.
 struct RegionHistory {
   std::string frame_id;
   int64_t timestamp_us = 0;
@@ -74,8 +73,8 @@ struct Region {
 };
 
 // Tracks the regions of one flight. The result does not depend on the order of the segments within
-// a view. A view counts once per region, regardless of segments and merges. It counts as grass when
-// most of the seen area is grass. Not thread-safe.
+// a view. A view is at most one observation of a region, however many segments or merged regions it
+// contains. The observation counts as grass if most of the seen area is grass. Not thread-safe.
 class Regions {
  public:
   explicit Regions(const RegionsOptions& options);
@@ -85,9 +84,9 @@ class Regions {
   // `segments` and `labels` belong to tracks.views()[view].
   void Update(size_t view, const Segments& segments, const Labels& labels, const Tracks& tracks);
   // Best grade first; equal grades: more observations, then older id. At most max_num_regions.
-  // Regions with too few observations come last and displace no graded ones.
+  // Regions with too few observations come last and never displace graded ones.
   std::vector<Region> Ranked() const;
-  // n_obs,min as derived from the views so far.
+  // n_obs,min, derived from the views so far.
   int MinNumObservations() const;
 
  private:

@@ -1,5 +1,5 @@
-// Input: the frontend's state of a flight. Output: which regions are evaluated together, on which
-// ground and with which views; and which further fields of a finished map get a site.
+// Input: the frontend's state of a flight. Output: groups of regions that are evaluated together,
+// the ground and views of each group; and the further fields of a finished map that get a site.
 #pragma once
 
 #include <cstdint>
@@ -23,22 +23,26 @@
 namespace freelsd {
 
 struct BackendOptions {
-  // Every N frames the best n regions are evaluated. Paper: N = 150, n = 1.
+  // The best num_backend_candidates regions are evaluated every backend_period_frames frames.
+  // Paper: N = 150, n = 1.
   int backend_period_frames = 150;
   int num_backend_candidates = 1;
-  // Ground mapped around the regions: enough for final and circle, at most this.
+  // Largest margin of mapped ground around the regions. Otherwise it is as wide as final and circle
+  // need.
   double max_surroundings_m = 400.0;
-  // Most key-frames in one evaluation. Regions that need more are evaluated in groups. A single
-  // region uses those nearest to its middle.
+  // Largest number of key-frames in one evaluation. Regions that need more are split into groups. A
+  // single region uses the key-frames nearest to its middle.
   int max_num_views = 300;
-  // Regions farther apart than this are evaluated in groups, each on its own map.
+  // Largest extent of the regions in one evaluation. Regions farther apart are split into groups,
+  // each with its own map.
   double max_group_extent_m = 1500.0;
-  // Most further fields within the rectangle of one region that get a site. Differs: the paper has
-  // one site per region, but grass connects through gaps in hedges, so one rectangle may hold many
-  // fields (decision 0006). Paper: 0.
+  // Further fields are other pieces of usable ground in the rectangle of a region. This is the
+  // largest number of them that get a site. Differs: the paper has one site per region, but grass
+  // connects through gaps in hedges, so one rectangle may contain many fields (decision 0006).
+  // Paper: 0.
   int max_num_further_fields = 12;
-  // Connected ground is searched in pieces of this extent. Touchdowns of one region lie at least
-  // half of it apart.
+  // Connected ground is cut into pieces of this extent. The touchdown of a further field is at
+  // least half of it away from all other accepted touchdowns.
   double further_field_extent_m = 60.0;
 
   void Check() const;
@@ -60,9 +64,9 @@ struct PipelineOptions {
   void Check() const;
 };
 
-// A view's grass mask, run-length encoded: a flight stores one per frame.
+// A view's grass mask. It is run-length encoded, because a flight keeps one per view.
 struct PackedMask {
-  // Consecutive pixels of one value, row after row.
+  // Consecutive pixels with the same value, in row-major order.
   struct Run {
     uint8_t value = 0;
     uint32_t length = 0;
@@ -81,7 +85,7 @@ struct Candidate {
   std::optional<WindEstimate> wind;
 };
 
-// The frontend's state that the backend needs. A copy, so that both can run at once.
+// Copy of the frontend's state for the backend, so that both can run concurrently.
 struct Snapshot {
   Rig rig;
   std::vector<View> views;
@@ -97,14 +101,13 @@ struct Snapshot {
 struct Site {
   // For a further field, the rectangle around that field; else the tracked region.
   Region region;
-  // 1 for the region's own site, 2 and up for further fields: a rectangle may hold several fields
-  // that suit different winds.
+  // 1 for the region's own site, 2 and up for further fields.
   int field_number = 1;
   std::optional<WindEstimate> wind;
   Plan plan;
 };
 
-// Horizontal, world, metres. A new box is empty.
+// Horizontal rectangle along the axes of world, metres. A new box is empty.
 struct Box {
   Eigen::Vector2d min = Eigen::Vector2d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector2d max = Eigen::Vector2d::Constant(-std::numeric_limits<double>::infinity());
@@ -116,8 +119,9 @@ struct Box {
   Box Intersection(const Box& other) const;
 };
 
-// Ground that finals and circles around the regions may need: in calm, in the strongest wind of the
-// regions and, if one region has no wind, with the tail wind of unknown_wind_mps.
+// The regions and the ground around them that finals and circles may need: in calm, in the
+// strongest wind of the regions and, if the wind of a region is unknown, with a tail wind of
+// unknown_wind_mps.
 Box AreaOfInterest(const std::vector<Candidate>& regions,
                    const Aircraft& aircraft,
                    const ApproachOptions& approach,
@@ -128,7 +132,7 @@ struct Selection {
   std::vector<View> views;
   // Indices of `views` in the snapshot, ascending.
   std::vector<size_t> indices;
-  // Number of views that see the area, before max_num_views drops the farthest.
+  // Number of key-frames that see the area, including those dropped because of max_num_views.
   size_t num_seeing = 0;
 };
 Selection SelectViews(const Snapshot& snapshot,
@@ -136,47 +140,49 @@ Selection SelectViews(const Snapshot& snapshot,
                       const AdjustmentOptions& adjustment,
                       const BackendOptions& options);
 
-// Ground around the landmarks of an adjusted block.
+// Bounding box of an adjusted block's landmarks, with a margin.
 Box SeenArea(const AdjustedBlock& block);
 
-// Groups of regions that one map can hold, best first within each. A farm survey is one group; a
-// cross-country flight has many.
+// Splits regions into groups, each small enough for one map. The order within a group is kept. A
+// farm survey is one group; a cross-country flight has many.
 std::vector<std::vector<Candidate>> GroupRegions(const Snapshot& snapshot,
                                                  const std::vector<Candidate>& regions,
                                                  const Aircraft& aircraft,
                                                  const PipelineOptions& options);
 
-// As AdjustPoses. If the block falls apart into groups or drops views, the photographs are matched
-// again on the ground and adjusted with the new matches. Returns the block whose largest group has
-// the most views.
+// Like AdjustPoses. If the largest connected group lacks views, the photographs are projected onto
+// the ground, matched again, and adjusted with the additional matches. Returns the block with the
+// largest group.
 AdjustedBlock AdjustAndTie(const std::vector<View>& views,
                            const Camera& camera,
                            const ImageSource& images,
                            const TracksOptions& tracks,
                            const AdjustmentOptions& options);
 
-// The fine mask of a view: 0 where no segment has a sure class, else the segment's probability.
+// The fine mask of a view, with values as in GrassView: 0 outside segments and in unsure ones.
 cv::Mat1b GrassMask(const Segments& segments, const Labels& labels);
 
 PackedMask Packed(const cv::Mat1b& mask, double image_px_per_mask_px);
 
-// Masks of the adjusted views, with adjusted poses and camera. `indices`: the block's views in the
-// snapshot.
+// Masks of the connected views, with adjusted poses and camera. `indices[i]` is the index of the
+// block's view i in the snapshot.
 std::vector<GrassView> AdjustedGrassViews(const Snapshot& snapshot,
                                           const std::vector<size_t>& indices,
                                           const AdjustedBlock& block);
 
-// Ground within a region on which the touchdown disc fits, as regions with their own rectangle and
-// the observations of the whole. Connected ground is cut into pieces of at most max_extent_m,
-// because the map may not show a border in it. Widest first.
+// Pieces of ground within a region where the touchdown disc fits. Each is returned as a region with
+// its own rectangle and with the observations of the whole region. Connected ground is cut into
+// pieces of at most max_extent_m, because it may contain a border that the map does not show.
+// Largest piece first.
 std::vector<Region> FurtherFields(const Region& region,
                                   const ElevationMap& map,
                                   const HazardLayers& hazards,
                                   double required_hazard_distance,
                                   double max_extent_m);
 
-// The sites, one per region, followed by landable further fields of accepted sites, planned by
-// `plan`. Skips fields near an existing site of any region.
+// Returns `sites`, one per region, followed by the sites of further fields. Only regions with an
+// accepted site are searched. `plan` plans each field; rejected fields are dropped, and so are
+// fields near an accepted site of any region.
 std::vector<Site> WithFurtherSites(std::vector<Site> sites,
                                    const ElevationMap& map,
                                    const HazardLayers& hazards,

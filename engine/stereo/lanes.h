@@ -21,7 +21,7 @@ template <typename Lanes, typename Value>
   __builtin_memcpy(values, &lanes, sizeof(lanes));
 }
 
-// Sets every lane to the least of the sixteen.
+// Sets every lane to the minimum of all lanes.
 [[gnu::always_inline]] inline void SpreadLeast(Shorts& lanes) {
   Shorts other =
       __builtin_shufflevector(lanes, lanes, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 2, 3, 4, 5, 6, 7);
@@ -37,7 +37,7 @@ template <typename Lanes, typename Value>
   lanes = lanes < other ? lanes : other;
 }
 
-// Sum of the lanes. They must not be negative, and the sum must fit into 16 bits.
+// Sum of the lanes. No lane may be negative, and the sum must fit into 16 bits.
 [[gnu::always_inline]] inline int SumOf(const Shorts& lanes) {
   typedef uint64_t Longs __attribute__((vector_size(32)));
   constexpr uint64_t kEachOfFour = 0x0001000100010001;
@@ -45,14 +45,15 @@ template <typename Lanes, typename Value>
   return static_cast<int>((fours[0] + fours[1] + fours[2] + fours[3]) * kEachOfFour >> 48);
 }
 
-// The upper half of `lanes` and the lower half of `after`.
+// Sets `between` to the upper half of `lanes`, followed by the lower half of `after`.
 [[gnu::always_inline]] inline void Join(const Shorts& lanes, const Shorts& after, Shorts& between) {
   between = __builtin_shufflevector(
       lanes, after, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23);
 }
 
-// The sixteen numbers that start one before those of `lanes`, or one after. `between` is Join() of
-// the previous register and `lanes`, or of `lanes` and the next register.
+// OneBefore and OneAfter read the numbers in memory one place before those of `lanes`, or one place
+// after. For OneBefore, `between` is Join() of the previous register and `lanes`; for OneAfter, of
+// `lanes` and the next register.
 [[gnu::always_inline]] inline void OneBefore(const Shorts& between,
                                              const Shorts& lanes,
                                              Shorts& shifted) {

@@ -22,29 +22,30 @@ struct PathOptions {
   int uniqueness_ratio_percent = 0;
 };
 
-// The disparity of the least sum, relative to the least disparity, and the sums around it. The
-// first of equal sums wins.
+// The disparity with the least sum (the first one if several are equal), and the sums of its
+// neighbours. `index` is relative to the least disparity.
 struct Winner {
   int16_t index = 0;
   int16_t cost = 0;
   int16_t cost_before = 0;
   int16_t cost_after = 0;
-  // No sum comes near, except its neighbours.
+  // No other sum is within uniqueness_ratio_percent of the least one, except those of the
+  // neighbours.
   bool is_unique = false;
 };
 
 class PathCosts {
  public:
   static constexpr int kMaxNumDisparities = 1024;
-  // Largest cost of a block plus p2. Sums over three paths then fit into 16 bits.
+  // Limit for the largest cost of a block plus p2, so that sums over three paths fit into 16 bits.
   static constexpr int kMaxPathCost = std::numeric_limits<int16_t>::max() / 3;
 
   PathCosts(const MatchedColumns& columns, const PathOptions& options);
 
-  // Advances one row, given its sums over the block's height.
+  // Advances one row. `column_sums` is the result of BlockCosts::NextRow for it.
   void NextRow(const int16_t* column_sums);
 
-  // Winners of that row, one per column. Call once per row.
+  // Winners of the current row, one per column. Call it at most once per row.
   void FindWinners(std::vector<Winner>& winners);
 
  private:

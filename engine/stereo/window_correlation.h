@@ -14,8 +14,8 @@ struct CorrelationOptions {
   double min_correlation = 0.0;
 };
 
-// 255 where the windows around a pixel exceed both limits, else 0. Images are mirrored at their
-// borders.
+// 255 where the windows around a pixel exceed min_variance and min_correlation, else 0. Images are
+// mirrored at their borders.
 cv::Mat1b AlikeWindows(const cv::Mat1b& a, const cv::Mat1b& b, const CorrelationOptions& options);
 
 }  // namespace freelsd

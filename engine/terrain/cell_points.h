@@ -1,4 +1,4 @@
-// Private to terrain/. The points of a pair, sorted by cell.
+// Private to terrain/. The points of a stereo pair, sorted by cell.
 #pragma once
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct CellPoints {
   size_t IndexOf(int row, int col) const { return static_cast<size_t>(row) * cells.width + col; }
 };
 
-// Keeps its memory from pair to pair, because allocation takes longer than sorting.
+// Reuses its memory for the next pair, because allocation takes longer than sorting.
 class CellSorter {
  public:
   // Drops points outside the grid, points without a known height or deviation, and points farther
@@ -36,13 +36,13 @@ class CellSorter {
   void Locate(const Points& points, const Grid& grid, double max_relief_m);
   void CountPerCell();
 
-  // For each input point: first its row and column, then its cell in `cells` and the number of
-  // earlier points in that cell.
+  // For each input point. After Locate: its row and column. After CountPerCell: row_ holds the
+  // index of its cell in `cells`, col_ the number of earlier points in that cell.
   std::vector<int> row_, col_;
   CellPoints sorted_;
 };
 
-// Heights in ascending order, in place.
+// Sorts heights in ascending order, in place.
 void SortHeights(std::vector<float>& heights);
 
 }  // namespace freelsd

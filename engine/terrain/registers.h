@@ -1,4 +1,4 @@
-// Private to terrain/. Registers of several numbers, one per lane. An operation applies to all
+// Private to terrain/. SIMD registers of several numbers, one per lane. An operation applies to all
 // lanes at once and rounds alike on every processor.
 #pragma once
 
@@ -13,7 +13,8 @@ struct Register {
   typedef int Ints __attribute__((vector_size(num_lanes * sizeof(int))));
 };
 
-// Lane by lane: compilers optimise this better than one conversion of the whole register.
+// Converts lane by lane, because compilers optimise this better than a conversion of the whole
+// register.
 template <typename To, typename From>
 [[gnu::always_inline]] inline void Convert(const From& from, To& to) {
   for (size_t lane = 0; lane < sizeof(To) / sizeof(to[0]); ++lane) to[lane] = from[lane];

@@ -24,9 +24,8 @@ struct Grid {
   Eigen::Vector2d CellCenter(int row, int col) const;
   // Cell that holds the place; nothing outside the grid.
   std::optional<cv::Point> CellAt(const Eigen::Vector2d& place_in_world) const;  // x = col, y = row
-  // Cells that hold a point of the polygon's bounding box, widened by `reach` metres, which may be
-  // huge.
-  // An eastern or southern edge on a line of the grid is not in the cell beyond that line.
+  // Cells of the grid that meet the polygon's bounding box, widened by `reach` metres. If the box's
+  // eastern or southern edge is on a grid line, the cells beyond that line are not included.
   cv::Rect CellsAround(const Polygon& polygon, double reach) const;
   // Cells whose centre lies in the polygon, row by row.
   std::vector<cv::Point> CellsIn(const Polygon& polygon) const;
@@ -34,32 +33,34 @@ struct Grid {
 };
 
 enum class HeightFusion {
-  kRobust,     // outliers clipped, upper heights kept, pairs weighed by their deviations
+  kRobust,     // outliers clipped, upper heights kept, pairs weighted by their deviations
   kPaperMean,  // the weighted mean of all points of all pairs
 };
 
 struct TerrainOptions {
   // --- Behaviour ---
-  // Differs: the paper's mean has no outlier rejection and no error estimate, and hides objects:
-  // upper equals elevation, standard_deviation is 0, num_points is 1. For comparison only; the
-  // service does not offer it. Its sums depend on the order of the pairs.
+  // Differs: the paper's mean has no outlier rejection and no error estimate, and hides objects.
+  // With kPaperMean, upper equals elevation, standard_deviation is 0, num_points is 1, and the
+  // result depends on the order of the pairs. It is for comparison only; the service does not offer
+  // it.
   HeightFusion height_fusion = HeightFusion::kRobust;
   double cell_size_m = 1.0;
-  // A point counts for cell centres within this distance, weight 1 / d^2. Paper: IDW in a radius.
+  // A point contributes to all cells whose centre is within this distance d, with weight 1 / d^2.
+  // Paper: inverse-distance weighting in a radius.
   double interpolation_radius_m = 1.0;
-  // Points within the radius that a cell needs, over all pairs that agree. A pair with fewer
-  // points counts only where no pair has enough, so that one wild landmark cannot disturb dense
-  // ground.
+  // Least number of points within the radius of a seen cell, summed over the pairs that agree. A
+  // pair with fewer points counts only where no pair has enough, so that one outlier among the
+  // landmarks cannot disturb dense ground.
   int min_num_points = 3;
-  // Outliers: points farther than this many robust deviations from a cell's median, and pairs as
-  // far from the median of a cell's pairs. Differs: the paper takes the plain mean.
+  // Outliers are points farther than this many robust deviations from the median of their cell, and
+  // pairs equally far from the median of the cell's pairs. Differs: the paper takes the plain mean.
   double outlier_sigma = 4.0;
-  // Percentile of a pair's points in a cell that gives the upper height; the highest pair counts.
-  // At least min_num_points points of one pair must reach it, or two points in each of two pairs,
-  // so a single wild point never does. A mean would hide poles.
+  // The upper height of a cell is this percentile of a pair's points in it, for the highest pair.
+  // At least min_num_points points of one pair must reach the height, or two points in each of two
+  // pairs, so that a single outlier never sets it. A mean would hide poles.
   double upper_percentile = 95.0;
-  // Points farther than this from the median height of their pair are wild. They are dropped, like
-  // points outside the grid, before memory is allocated.
+  // Points farther than this from the median height of their pair are outliers. Like points outside
+  // the grid, they are dropped before memory is allocated.
   double max_relief_m = 150.0;
   // Largest number of cells of a grid; a larger area is refused.
   int max_num_cells = 25000000;
@@ -72,15 +73,15 @@ struct ElevationMap {
   // Metres above the world origin; NaN where unseen.
   cv::Mat1f elevation;
   // Upper height for clearance, >= elevation. Includes pairs that are outliers of elevation: a tree
-  // still stands there if most pairs see through it.
+  // is an obstacle even if most pairs see the ground through it.
   cv::Mat1f upper;
   // Standard deviation of elevation, metres: errors of points and their spread within each pair,
-  // widened where the pairs disagree by more than that.
+  // increased where the pairs disagree by more than that.
   cv::Mat1f standard_deviation;
-  // Number of points behind the elevation; NaN where unseen.
+  // Number of points that the elevation is computed from; NaN where unseen.
   cv::Mat1f num_points;
-  // Standard deviations of the whole map, which more points do not reduce: horizontal position
-  // along one axis, and tilt.
+  // Standard deviations of the whole map's horizontal position along one axis, and of its tilt.
+  // More points do not reduce them.
   double position_sd_m = 0.0;
   double tilt_sd_deg = 0.0;
   // Whether photographs were compared on this map (WithCover).
@@ -95,9 +96,9 @@ Grid GridAround(const Eigen::Vector2d& min_in_world,
                 const Eigen::Vector2d& max_in_world,
                 double cell_size_m);
 
-// Adds points pair by pair, without a whole cloud in memory. Uses 32 bytes per pair and covered
-// cell, plus working memory for one pair. The result is identical to the bit in any order of the
-// pairs. Not thread-safe.
+// Adds points pair by pair, without holding the whole point cloud in memory. Uses 32 bytes per pair
+// and covered cell, plus working memory for one pair. The result is identical to the bit in any
+// order of the pairs. Not thread-safe.
 class ElevationMapBuilder {
  public:
   // Throws std::invalid_argument on bad options and on a grid of more than max_num_cells. Uses the
@@ -125,8 +126,8 @@ struct SurfaceOptions {
   // unseen.
   double min_support_ratio = 0.6;
   // Distance of the 8 neighbours of the roughness index, rounded to whole cells, at least one.
-  // Differs: the paper's distance is one cell. The limit is meant for 1 m, and finer cells must not
-  // loosen it.
+  // Differs: the paper's distance is one cell. The roughness limit is meant for 1 m; with finer
+  // cells and one cell's distance it would be looser.
   double roughness_spacing_m = 1.0;
   // Cells with a larger deviation of elevation count as unseen.
   double max_standard_deviation_m = 1.0;

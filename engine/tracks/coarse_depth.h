@@ -16,8 +16,8 @@ struct CoarseLandmark {
   // Largest angle between its rays, radians.
   double parallax = 0.0;
 };
-// Skips landmarks with too little parallax, too large a reprojection error, or a point that no
-// camera can have seen.
+// Skips landmarks with too little parallax, too large a reprojection error, or a point above the
+// camera or too far from the ground.
 std::vector<CoarseLandmark> TriangulateLandmarks(const FrameMemory& memory, size_t frame);
 
 // Height of the ground from one frame's landmarks, world z.
@@ -28,14 +28,15 @@ struct GroundHeight {
 std::optional<GroundHeight> GroundFromLandmarks(const std::vector<CoarseLandmark>& landmarks,
                                                 const FrameRecord& record);
 
-// Intersects a pixel's ray with a horizontal plane; nothing at or above the horizon.
+// Intersects a pixel's ray with a horizontal plane. Nothing if the ray is less than 3 deg below the
+// horizon or the plane is not below the camera.
 std::optional<Eigen::Vector3d> IntersectGround(const Camera& camera,
                                                const Rigid3d& world_from_camera,
                                                const Eigen::Vector2d& point_in_image,
                                                double ground_height);
 
-// Inverse-distance weighted mean height of the landmarks nearest to the pixel, and their spread;
-// nothing when there are too few.
+// Inverse-distance weighted mean height of the landmarks nearest to the pixel, and the deviation of
+// these heights; nothing if there are too few landmarks.
 std::optional<GroundHeight> HeightNear(const std::vector<CoarseLandmark>& landmarks,
                                        const Eigen::Vector2d& point_in_image,
                                        int num_nearest);

@@ -9,13 +9,13 @@
 
 namespace freelsd {
 
-// One match: index of a point in each frame.
+// One match: the index of a point in each image.
 struct IndexPair {
   int a = 0;
   int b = 0;
 };
 
-// Mutual nearest neighbours that are clearly better than the second nearest.
+// Mutual nearest neighbours that pass Lowe's ratio test in both directions.
 std::vector<IndexPair> MatchDescriptors(const cv::Mat& a, const cv::Mat& b);
 // The same, among points within `radius` of each other.
 std::vector<IndexPair> MatchDescriptorsNear(const DescribedPoints& a,

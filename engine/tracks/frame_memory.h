@@ -1,4 +1,4 @@
-// State of the frames of one flight, and of the tracks that join them.
+// State of the frames of one flight, and of the tracks that connect them.
 #pragma once
 
 #include <optional>
@@ -11,16 +11,18 @@
 
 namespace freelsd {
 
-// Verified matches with another frame; a: index of a point here, b: index there.
+// Verified matches of a frame with the frame `other`. In each pair, `a` is a point of this frame
+// and `b` a point of the other.
 struct Link {
   size_t other = 0;
   std::vector<IndexPair> pairs;
 };
 
 struct FrameRecord {
-  // The image is dropped once the frame is returned.
+  // Its image is released when the frame is returned to the caller.
   Frame frame;
-  // Followed corners, then described keypoints; distorted pixels of the full-size image.
+  // First tracked corners, then keypoints with descriptors. Distorted pixels of the full-size
+  // image.
   std::vector<Eigen::Vector2d> points;
   // Descriptors of the points from first_described on; empty if not computed or no longer needed.
   cv::Mat descriptors;
@@ -35,7 +37,7 @@ struct FrameRecord {
   std::optional<size_t> view;
   bool is_waiting = true;
   std::string note;
-  // Only while it waits.
+  // Kept only while the frame waits.
   std::vector<Link> links;
 
   Eigen::Vector3d PriorPosition() const { return frame.prior.position_in_world; }

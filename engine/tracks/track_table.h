@@ -1,4 +1,4 @@
-// Tracks over frames: joins matches so that a track has at most one observation per frame.
+// Joins matches into tracks over frames. A track has at most one observation per frame.
 #pragma once
 
 #include <cstdint>
@@ -21,13 +21,14 @@ class TrackTable {
  public:
   // Adds the next frame, without points.
   void AddFrame();
-  // States that two points of two frames show one place. Ignored if a track would then have two
-  // observations in one frame.
+  // A point of a frame.
   struct Place {
     size_t frame = 0;
     int point = 0;
     Eigen::Vector2d point_in_image = Eigen::Vector2d::Zero();
   };
+  // Joins the tracks of two points that show the same place. Ignored if the joined track would have
+  // two observations in one frame.
   void Join(const Place& a, const Place& b);
 
   const std::vector<Observation>& ObservationsOf(size_t frame) const {

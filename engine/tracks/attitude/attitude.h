@@ -1,4 +1,4 @@
-// Attitudes of frames from their matches: finds wrong ones and solves missing ones.
+// Detects wrong attitudes of frames, and estimates missing ones, from matches between frames.
 #pragma once
 
 #include <optional>
@@ -9,19 +9,22 @@
 
 namespace freelsd {
 
-// Turn about the vertical (counter-clockwise from above) that corrects a waiting frame's attitude;
-// nothing if it agrees with the matches or is undetermined. If the attitude fits the direction of
-// the frame's GPS baselines, it is trusted over the neighbours.
+// Rotation about the vertical (radians, counter-clockwise from above) that corrects a waiting
+// frame's attitude; nothing if the attitude agrees with the matches or the rotation is
+// undetermined. An attitude that fits the directions of the frame's GPS baselines is kept, even if
+// neighbours disagree.
 std::optional<double> NeededTurn(const FrameMemory& memory, size_t frame);
-// Turns the camera. Prefers a multiple of 90 deg about its axis, as photo viewers apply, if that
-// fits.
+// Rotates the camera about the vertical. A rotation near 180 deg is applied about the optical axis
+// instead, because photo viewers rotate photographs like this.
 void TurnFrame(FrameRecord& record, double turn);
 
-// Waiting frames without attitude, connected by matches or by a frame with pose.
+// Groups of waiting frames without attitude. The frames of a group are connected by matches,
+// directly or through frames with a pose.
 std::vector<std::vector<size_t>> WaitingComponents(const FrameMemory& memory);
 // Whether a frame of the component is matched with a frame whose pose is known.
 bool HasPosedNeighbour(const FrameMemory& memory, const std::vector<size_t>& component);
-// Attitudes of the component's frames, same order, relative to their posed neighbours.
+// Estimates the attitudes of the component's frames, in the same order. The poses of neighbours
+// outside the component are held fixed.
 std::vector<AlignmentFrame> SolveAttitudes(const FrameMemory& memory,
                                            const std::vector<size_t>& component);
 

@@ -1,4 +1,4 @@
-// Where a camera's ray meets level ground, in units of the camera's height.
+// Computes where a camera's ray meets level ground, in units of the camera's height.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@ inline Eigen::Matrix3d CrossMatrix(const Eigen::Vector3d& v) {
 }
 
 // Horizontal offset (east, north) of the ground point from the camera per metre of height, and its
-// derivative by a small rotation vector in world.
+// derivative with respect to a small rotation vector in world.
 struct UnitPlace {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, 2, 3> by_rotation = Eigen::Matrix<double, 2, 3>::Zero();

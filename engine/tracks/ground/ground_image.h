@@ -1,5 +1,5 @@
-// Input: a photograph with a pose known to a few metres on the ground. Output: its ground from
-// straight above, north up, so that photographs of any heading and tilt are comparable.
+// Input: a photograph with a pose accurate to a few metres on the ground. Output: the photograph
+// projected onto the ground, north up, so that photographs of any heading and tilt are comparable.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ namespace freelsd {
 
 struct GroundImage {
   cv::Mat grey;
-  // Centre of the top-left pixel.
+  // Centre of the top-left pixel, world.
   Eigen::Vector2d north_west = Eigen::Vector2d::Zero();
   double pixel_m = 0.0;
   double ground_z = 0.0;
@@ -26,9 +26,9 @@ struct GroundImage {
   }
 };
 
-// Assumes level ground at the view's height. `camera` is the view's own, with its readout. The
-// resolution is that of the photograph, reduced to width_px if larger. Grey is empty if the camera
-// does not look down.
+// Assumes level ground, height_above_ground below the view. `camera` is the view's own, with its
+// readout. The resolution is that of the photograph, after reduction to at most width_px columns.
+// `grey` is empty if the camera does not look down.
 GroundImage SeenFromAbove(const View& view,
                           const Camera& camera,
                           const cv::Mat& image,
