@@ -13,7 +13,7 @@ namespace freelsd {
 class App {
  public:
   // Opens the data folder, reads the model and the page, binds the ports. Throws ConfigError,
-  // StorageError or std::runtime_error with a sentence for the operator.
+  // StorageError or std::runtime_error with a message for the operator.
   explicit App(const Config& config);
 
   int port() const { return port_; }

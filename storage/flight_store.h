@@ -24,8 +24,8 @@ struct FlightRow {
   bool has_failed = false;
   // Altitude of the ground below the first frame, in the flight's datum; empty until estimated.
   std::optional<double> ground_altitude_m;
-  // The flight's images were removed to free disk space. It accepts no further frames; its regions
-  // and sites stay.
+  // True if the flight's images were removed to free disk space. Such a flight accepts no further
+  // frames; its regions and sites stay.
   bool has_retired_images = false;
 };
 
@@ -64,7 +64,7 @@ class FlightStore {
 
   void Insert(const FlightRow& flight);
   // Reads, changes and writes the row in one transaction. Changes to id, request_json and
-  // created_at_us are ignored. False where there is no such flight.
+  // created_at_us are ignored. False if there is no such flight.
   bool Change(const std::string& flight_id, const FlightChange& change);
   std::optional<FlightRow> Find(const std::string& flight_id) const;
   std::optional<FlightSummary> FindSummary(const std::string& flight_id) const;
@@ -75,7 +75,7 @@ class FlightStore {
   int64_t Count() const;
   std::vector<std::string> ListWithQueuedFrames() const;  // ids, oldest first
   // Deletes the flight and the images that no other flight needs; with forget_sites also its sites.
-  // False where there is no such flight.
+  // False if there is no such flight.
   bool Delete(const std::string& flight_id, bool forget_sites);
   // Removes the images that no other flight needs, and sets has_retired_images.
   void RetireImages(const std::string& flight_id);

@@ -23,7 +23,8 @@ struct FrameRow {
   // Metadata that the client sent with the frame, and metadata from the image's own tags.
   std::string meta_json;
   std::string tags_json = "{}";
-  // Both, merged with telemetry: the metadata that the engine uses. Empty until it is settled.
+  // The metadata that the engine uses: meta_json and tags_json, merged with telemetry. Empty until
+  // they are merged.
   std::string resolved_json;
   FrameState state = FrameState::kQueued;
   std::string reason;

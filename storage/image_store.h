@@ -10,7 +10,7 @@ namespace freelsd {
 
 struct StorageState;
 
-// Invariants: a stored image is complete, and it stays while a frame names it, unless
+// Invariants: a stored image is complete, and it stays while a frame refers to it, unless
 // FlightStore::RetireImages removes it.
 class ImageStore {
  public:
@@ -18,10 +18,11 @@ class ImageStore {
   ImageStore(const ImageStore&) = delete;
   ImageStore& operator=(const ImageStore&) = delete;
 
-  // Call it before inserting frames that name the image. Does nothing if the image is stored.
+  // Call it before inserting frames that refer to the image. Does nothing if the image is already
+  // stored.
   void Write(const std::string& sha256, std::string_view bytes);
   std::optional<std::string> Read(const std::string& sha256) const;
-  // Removes the image unless a frame names it.
+  // Removes the image unless a frame refers to it.
   void RemoveUnused(const std::string& sha256);
   // Total size of all images.
   uint64_t NumBytes() const;

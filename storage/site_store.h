@@ -19,7 +19,7 @@ struct BoundingBox {
   double west_deg, south_deg, east_deg, north_deg;
 };
 
-// The data of a site by which emergency recall ranks it before it reads the whole row.
+// Data by which emergency recall ranks a site before it reads the site's whole row.
 struct RecallData {
   bool is_landable = false;  // false: unverified
   double altitude_m = 0.0;   // of the touchdown, in altitude_datum
@@ -40,7 +40,7 @@ struct RecallRow {
   RecallData data;
 };
 
-// Rows that a query returns by the thousand; they are shared, not copied.
+// Result of a query that may return thousands of rows. Rows are shared, not copied.
 template <typename Row>
 using SharedRows = std::vector<std::shared_ptr<const Row>>;
 
@@ -69,7 +69,7 @@ struct SiteRow : Standing {
   double longitude_deg = 0.0;
   // GeoJSON feature; has no rank, because the rank depends on the flight's other sites.
   std::string feature_json;
-  // FeatureCollection of the approach; empty: the site has no approach.
+  // FeatureCollection of the approach; empty if the site has no approach.
   std::string approach_json;
   // Input for planning the site again on its map: region, aircraft, origin, datum.
   std::string replan_json;
@@ -140,7 +140,7 @@ class SiteStore {
   // All sites, rejected ones included, whose map may meet the box.
   SharedRows<MapRow> ListMaps(const BoundingBox& box) const;
 
-  // Recallable sites whose map or touchdown meets the box.
+  // Recallable sites whose map or touchdown intersects the box.
   SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const;
   int64_t CountRecallable() const;
   RecallBounds BoundsOfRecallable() const;

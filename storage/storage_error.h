@@ -6,8 +6,8 @@
 
 namespace freelsd {
 
-// kFull: the disk or a quota is full. kDamaged: the content of a database file is not what was
-// written. kNewer: a newer program wrote the folder.
+// kFull: the disk or a quota is full. kDamaged: the content of a database file is damaged. kNewer:
+// a newer program wrote the folder.
 enum class StorageFault { kOther, kFull, kDamaged, kNewer };
 
 // Its text names the SQL statement or file operation that failed, and the reason.

@@ -25,7 +25,7 @@ struct Call {
   bool QueryFlag(const std::string& name) const;
 };
 
-// Parses one finite number. Throws ApiError InvalidQuery, naming the parameter, for other text.
+// Throws ApiError InvalidQuery with the parameter's name if the text is not one finite number.
 double ParseQueryNumber(const std::string& text, const std::string& parameter);
 
 }  // namespace freelsd

@@ -1,4 +1,4 @@
-// HTTP for all URLs alike: connections, requests, answers, events, tokens, metrics.
+// HTTP functions that all URLs share: connections, requests, answers, events, tokens, metrics.
 #pragma once
 
 #include "server/http/body_reader.h"

@@ -1,4 +1,4 @@
-// Counts requests and their times for Prometheus.
+// Number and duration of requests, for Prometheus.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,14 @@ namespace freelsd {
 // Thread-safe.
 class Metrics {
  public:
-  // `route`: a pattern of the routes' table, never text of a client: labels must be bounded.
+  // `route` is a pattern from the route table, never text from a client, because the number of
+  // labels must be bounded.
   void CountRequest(const std::string& method,
                     const std::string& route,
                     int http_status,
                     double seconds);
-  // Prometheus exposition format 0.0.4: number and time of requests, by method, route and status.
+  // Prometheus exposition format 0.0.4: number and total seconds of requests, by method, route and
+  // status.
   std::string Text() const;
 
  private:

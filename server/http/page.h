@@ -1,4 +1,5 @@
-// The files of the ground-station page, read once at start, so that no request opens a file.
+// The files of the ground-station page. They are read once at start, so that no request opens a
+// file.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,5 @@
-// Reads a batch as it arrives: checks and writes each image, keeps the poses, inserts no rows.
+// Reads a batch as it arrives: checks and writes each image and parses the poses. Inserts no rows
+// into the database.
 #pragma once
 
 #include <optional>
@@ -12,16 +13,16 @@
 
 namespace freelsd {
 
-// The verdict on one image of a batch.
+// Result of the check of one image of a batch.
 struct BatchImage {
   std::string id;
-  // Empty if the image was refused; code and reason are set then.
+  // Empty if the image was refused. In that case code and reason are set.
   std::optional<CheckedImage> image;
   std::string code;
   std::string reason;
 };
 
-// Writes images as they arrive. The destructor removes images that no frame names.
+// Writes images as they arrive. The destructor removes images that no frame refers to.
 class BatchUpload {
  public:
   explicit BatchUpload(Intake& intake) : intake_(intake) {}
@@ -32,7 +33,7 @@ class BatchUpload {
   // Reads multipart with parts `images` and `poses` (files beside the images), or a zip archive of
   // the same files. Throws ApiError if the body's structure is invalid.
   void Read(const Call& call);
-  // Call it after Read: parses the files beside the images. Sets poses().formats even if it throws
+  // Parses the files beside the images. Call it after Read. Sets poses().formats even if it throws
   // ApiError.
   void ParsePoses(const std::optional<GeoPoint>& origin);
 

@@ -1,4 +1,4 @@
-// Takes in one frame: checks it, stores it, publishes an event.
+// Accepts one frame: checks it, stores it, publishes an event.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace freelsd {
 
-// A frame as a client sends it: the encoded image, and its meta as JSON.
+// A frame as a client sends it: the encoded image and its metadata as JSON.
 struct FrameUpload {
   std::string image;
   std::string meta = "{}";
@@ -19,15 +19,15 @@ struct FrameUpload {
 // A stored frame.
 struct TakenFrame {
   FrameRow frame;
-  // False: the frame was stored before, with the same image and meta.
+  // False if the frame was already stored with the same image and meta.
   bool is_new = true;
 };
 
-// The stored frame with this id; nothing if there is none. Throws ApiError FrameConflict if its
-// image or meta differ.
+// The stored frame with the id of `frame`; nothing if there is none. Throws ApiError FrameConflict
+// if its image or meta differ.
 std::optional<FrameRow> SameFrame(const Intake& intake, const FrameRow& frame);
 
-// When it returns, the frame is on disk. Throws ApiError; nothing is stored then.
+// When it returns, the frame is on disk. If it throws ApiError, nothing was stored.
 TakenFrame TakeFrame(Intake& intake,
                      const std::string& flight_id,
                      const std::string& frame_id,

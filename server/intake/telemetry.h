@@ -18,10 +18,10 @@ void RefuseFutureTime(int64_t timestamp_us, int64_t now_us);
 // Parses one line of NDJSON: {timestamp_us, position?, attitude?, wind?}. Throws ApiError.
 std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line);
 
-// Position, attitude and wind at that time. Each is interpolated (positions and winds linearly,
-// attitudes along the shortest rotation) if samples before and after it are at most
-// max_telemetry_gap_s apart. Otherwise a sample at most max_telemetry_extrapolation_s away is used
-// unchanged, or the value is empty.
+// Position, attitude and wind at `timestamp_us`. Each is interpolated between the samples before
+// and after if these are at most max_telemetry_gap_s apart: positions and winds linearly, attitudes
+// along the shortest rotation. Otherwise a sample at most max_telemetry_extrapolation_s away is
+// used unchanged. Without such a sample the value is empty.
 FrameMeta TelemetryAt(const Storage& storage,
                       const Config& config,
                       const std::string& flight_id,

@@ -32,10 +32,11 @@ class Alternates {
 
   void Start();
   void Stop();
-  // Call it when the flight's pose or wind changed. Never waits. Flights take turns.
+  // Call it when the flight's pose or wind changed. Returns at once; the thread updates the flights
+  // in turn.
   void Wake(const std::string& flight_id);
-  // Call it when stored sites changed: lists of flights that were woken lately are computed anew,
-  // others are dropped and computed when they are asked for.
+  // Call it when stored sites changed. The lists of recently woken flights are computed again. All
+  // other lists are dropped and computed on request.
   void WakeAll();
   void Forget(const std::string& flight_id);
 

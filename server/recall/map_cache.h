@@ -1,5 +1,5 @@
-// A cache of stored sites with their maps, of the terrain of maps, and of plans on maps. Recall
-// plans approaches on these maps and checks its ways over them.
+// Caches stored sites with their maps, the terrain of maps, and plans on maps. Recall plans
+// approaches on these maps and checks the terrain below the way to a site.
 #pragma once
 
 #include <list>
@@ -16,32 +16,34 @@
 
 namespace freelsd {
 
-// A site with its map.
+// A cached site with its map.
 struct KeptSite {
   SiteRow row;
   Replan replan;
   SiteMap site_map;
 };
 
-// The part of a site's map that a way over it needs.
+// The part of a site's map that is needed to check a flight over it.
 struct KeptTerrain {
   GeoPoint origin;
   Grid grid;
-  // Height of the highest object or ground in each cell.
+  // Height of the highest object in each cell, or of the ground (ElevationMap::upper).
   cv::Mat1f upper;
 };
 
-// Thread-safe. Returned objects stay valid and never change. The sizes are upper bounds in bytes.
+// Thread-safe. Returned objects stay valid and never change. The constructor's arguments limit the
+// memory.
 class MapCache {
  public:
   MapCache(size_t max_bytes_of_sites, size_t max_bytes_of_terrain)
       : sites_(max_bytes_of_sites), terrains_(max_bytes_of_terrain) {}
 
-  // The site as of this update. Nothing if the site has no map, or a map that cannot be read.
+  // The site as of the update at updated_at_us, or as stored now if that version is gone. Nothing
+  // if the site has no map or its map cannot be read.
   std::shared_ptr<const KeptSite> Get(const Storage& storage,
                                       const std::string& site_id,
                                       int64_t updated_at_us);
-  // The terrain of the site's map. It takes a fraction of the memory of Get.
+  // The terrain of the site's map. It needs a fraction of the memory of a whole site.
   std::shared_ptr<const KeptTerrain> TerrainOf(const Storage& storage,
                                                const std::string& site_id,
                                                int64_t updated_at_us);
@@ -60,16 +62,16 @@ class MapCache {
   struct Planner {
     std::string aircraft_key;
     std::shared_ptr<const StoredMapPlanner> on_map;
-    // By wind; the latest is first.
+    // Plans by wind, the latest first.
     std::list<std::pair<std::string, std::shared_ptr<const Plan>>> plans;
   };
   struct Planned {
     std::shared_ptr<const KeptSite> site;
-    // The latest is first.
+    // The latest planner is first.
     std::list<Planner> planners;
   };
-  // The caller holds mutex_. Both find an entry only if the cache holds this very object, because
-  // planners refer to its map.
+  // The caller holds mutex_. FindSame and FindPlanner return nullptr unless the cache holds this
+  // same object, because planners refer to its map.
   Planned* FindSame(const std::shared_ptr<const KeptSite>& site);
   Planner* FindPlanner(const std::shared_ptr<const KeptSite>& site,
                        const std::string& aircraft_key);

@@ -1,5 +1,5 @@
-// Selects and orders the stored sites that recall evaluates, by position and stored data alone,
-// before it reads any map.
+// Selects and orders the stored sites that recall evaluates. Uses only positions and stored data,
+// no maps.
 #pragma once
 
 #include <vector>
@@ -22,17 +22,18 @@ struct RecallCandidate {
   DatumDifference datum;
   double score = 0.0;
   double age_s = 0.0;
-  // Upper bound of the arrival margin.
+  // Upper bound of the arrival margin: the height on arrival above the start of the final.
   double best_margin_m = 0.0;
   // Estimate of the arrival margin, for a glide straight to the site.
   double expected_margin_m = 0.0;
 };
 
 BoundingBox BoxAround(const GeoPoint& place, double reach_m);
-// The gliding aircraft: aircraft and glide ratio of the request override the site's.
+// The aircraft without power. Aircraft and glide ratio of the request override those of the site.
 Aircraft AircraftOf(const EmergencyRequest& request, const Aircraft& site_aircraft);
 GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& position_in_world);
-// Upper bound of the distance that the glide covers: to the lowest site, with the best aircraft.
+// Upper bound of the gliding distance: down to the lowest site, with the aircraft that glides
+// farthest.
 double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds);
 
 // The `num_first` most promising candidates come first, in order; the rest has no order. Candidates
@@ -41,14 +42,15 @@ std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
                                         const SharedRows<RecallRow>& rows,
                                         size_t num_first);
 
-// True if no site with this candidate's data can come before one that was reached: IsBetter with
-// the best that a plan could make of the candidate.
+// True if the candidate cannot rank before `reached`, an evaluated site in reach, even if the
+// candidate's plan is landable and has its best_margin_m.
 bool IsSurelyNotBetter(const RecallCandidate& candidate,
                        double margin_of_reached,
                        bool is_reached_landable,
                        const RecallCandidate& reached);
 
-// Order of an answer: by arrival margin, then verdict and score (reduced with age), then age.
+// True if site `a` ranks before site `b` in an answer. The order is by arrival margin (in steps),
+// then verdict, then score (reduced with age), then age.
 bool IsBetter(double margin_a,
               bool landable_a,
               const RecallCandidate& a,

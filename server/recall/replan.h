@@ -26,7 +26,7 @@ struct StoredMapPlanner {
   const ApproachPlanner planner;
 };
 std::string ReplanJson(const Replan& replan);
-// Throws if the text is not a replan by current rules.
+// Throws if the text is not valid by the current rules.
 Replan ParseReplan(const std::string& text);
 
 }  // namespace freelsd

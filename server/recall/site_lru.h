@@ -17,8 +17,9 @@ class SiteLru {
  public:
   explicit SiteLru(size_t max_bytes) : max_bytes_(max_bytes) {}
 
-  // The site's value; nullptr if there is none, or if its update differs from `updated_at_us`.
-  // Valid until the next change. No update counts as newer than another: clocks can be set back.
+  // The site's value; nullptr if there is none, or if its update differs from `updated_at_us`. The
+  // pointer is valid until the next change. Updates are compared only for equality, because clocks
+  // can be set back.
   Value* Find(const std::string& site_id, std::optional<int64_t> updated_at_us = std::nullopt) {
     const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) {
       return each.site_id == site_id && (!updated_at_us || each.updated_at_us == *updated_at_us);
@@ -28,7 +29,8 @@ class SiteLru {
     return &found->value;
   }
 
-  // Replaces the value of any other update. Removes the least recently used values until all fit.
+  // Replaces any value of the site. Then removes the least recently used values until the limit
+  // holds, but never the new value.
   void Keep(const std::string& site_id, int64_t updated_at_us, size_t num_bytes, Value value) {
     Erase(site_id);
     num_bytes_ += num_bytes;

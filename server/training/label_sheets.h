@@ -1,5 +1,5 @@
 // Sheets for labelling by eye: photographs with outlined, numbered regions, and a table of the
-// regions in which a person fills the column `class`.
+// regions. A person fills in its column `class`.
 #pragma once
 
 #include <string>

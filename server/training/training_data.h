@@ -9,7 +9,7 @@
 
 namespace freelsd {
 
-// Changes to a copy of a photograph that must not change its label; a forest learns to ignore them.
+// Changes to a copy of a photograph. They keep its labels, so the forest learns to ignore them.
 struct Variation {
   double exposure_ratio = 1.0;
   // White balance, relative to green.
@@ -19,14 +19,14 @@ struct Variation {
   double saturation_ratio = 1.0;
   // Ground sampling distance of the working image relative to the default.
   double sampling_ratio = 1.0;
-  // Ground sampling distance given to the features, relative to the true one: the height above
-  // ground is an estimate.
+  // Ground sampling distance that the features assume, relative to the true one, because the height
+  // above ground is only an estimate.
   double told_sampling_ratio = 1.0;
   double noise_sd_grey = 0.0;
   uint64_t noise_seed = 0;
 };
 
-// The unchanged photograph, then num_copies random variations that depend on `seed` alone.
+// The unchanged photograph, then num_copies random variations that depend only on `seed`.
 std::vector<Variation> Variations(int num_copies, uint64_t seed);
 
 // A photograph's regions, and its labels at the size of the working image.
@@ -43,8 +43,8 @@ LabelledRegions CutVaried(const LabelledPhotograph& photograph,
                           const Variation& variation,
                           double min_labelled_ratio);
 
-// Samples from regions whose class is grass or not grass, and samples from square tiles, tile_m
-// wide on the ground, whose pixels nearly all have one such class.
+// RegionSamples: one sample for each region labelled as grass or not grass. TileSamples: one for
+// each square tile, tile_m wide on the ground, in which nearly all pixels have one such class.
 std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions, FeatureSet feature_set);
 std::vector<TrainingSample> TileSamples(const LabelledRegions& regions,
                                         FeatureSet feature_set,

@@ -16,7 +16,7 @@ enum class EvaluationScope {
 
 // Returns the number of stored sites. Throws what the engine throws, and
 // std::runtime_error("cancelled") if `progress` returned false. Stores nothing if the flight was
-// deleted in the meantime. For the backend thread.
+// deleted in the meantime. Call it only from the backend thread.
 size_t EvaluateFlight(Service& service,
                       const std::string& flight_id,
                       FlightSession& session,

@@ -17,12 +17,12 @@
 
 namespace freelsd {
 
-// Holds a flight's Frontend, its statistics and its notes. The frontend thread gives frames; the
-// backend thread takes snapshots. After a restart, giving the stored frames in order, with the same
-// flushes, rebuilds the session.
+// Holds a flight's Frontend, its statistics and its notes. The frontend thread passes frames to it;
+// the backend thread takes snapshots. After a restart, a new session is rebuilt from the stored
+// frames, in the same order and with the same flushes.
 class FlightSession {
  public:
-  // The flight's rig must be settled.
+  // The flight's rig must be known.
   FlightSession(const FlightRow& flight, const Classifier& classifier);
 
   const FlightRequest& request() const { return request_; }
@@ -34,22 +34,22 @@ class FlightSession {
   // predecessor.
   void GiveWinds(const Storage& storage, const Config& config, const FrameMeta& next);
   std::vector<FrameResult> Give(const FrameRow& row, const FrameMeta& meta, const cv::Mat& image);
-  // Passes over a frame that cannot be given.
+  // Skips a frame that cannot be passed to the frontend.
   void Skip(int64_t sequence) { cursor_ = sequence; }
   std::vector<FrameResult> Flush(int64_t through_sequence);
-  // Asks for a flush after this frame, because further frames may not come for a while.
+  // Requests a flush after this frame, because the next frame may come much later.
   void AddFlushPoint(int64_t sequence);
   std::optional<int64_t> NextFlushPoint() const;
   // Collects the frontend's notes on frames.
   void AddNotes(const std::vector<FrameResult>& results);
 
   // --- Both threads ---
-  // Sequence number of the last frame given, and of the last frame before a flush: up to that one
-  // no frame waits in the engine.
+  // cursor: sequence number of the last frame passed in. flushed_through: that of the last frame
+  // before the latest flush; neither it nor any earlier frame waits in the engine.
   int64_t cursor() const { return cursor_; }
   int64_t flushed_through() const { return flushed_through_; }
-  // True if a flush before `sequence` decided frames that waited for their neighbours. A new
-  // session could decide them better, because more neighbours have arrived.
+  // True if a flush before `sequence` processed or rejected frames that still waited for
+  // neighbours. A new session could process them better, because more neighbours have arrived.
   bool HasSettledBefore(int64_t sequence) const { return first_settled_at_ < sequence; }
   Snapshot TakeSnapshot();
   void AddReports(const std::vector<StageReport>& reports);

@@ -34,7 +34,8 @@ struct Service {
   // Guards the rows in storage.sites: held while a flight or a site is deleted, and while the
   // worker stores a flight's sites.
   std::mutex sites_mutex;
-  // Limits wind roses at the same time; others wait. One can take seconds if much is obstructed.
+  // Limits the number of wind roses computed at the same time; other requests wait. One wind rose
+  // can take seconds if many paths are obstructed.
   std::counting_semaphore<> rose_planners{kLimits.concurrency.max_num_rose_planners};
   // Limits clients that listen to events.
   std::counting_semaphore<> event_clients{kLimits.events.max_num_clients};

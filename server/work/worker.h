@@ -52,7 +52,7 @@ class Worker {
                      const std::vector<JobRow>& jobs);
   void UpdateBatchJobs(const std::string& flight_id, const std::vector<JobRow>& jobs);
   SessionPointer OpenSession(const FlightRow& flight);
-  // Drops the state that is kept for open flights only.
+  // Drops the state of a flight that is not open any more.
   void Forget(const std::string& flight_id);
   void FailFlight(const std::string& flight_id, const std::string& why);
   int64_t LastSequence(const JobRow& job);
@@ -85,7 +85,7 @@ class Worker {
   // Flights with a finish that can run, or whose best regions are due for an evaluation.
   EvaluationQueue due_;
 
-  // The following five belong to the frontend thread.
+  // Only the frontend thread uses the next five members.
   std::string last_flight_id_;
   std::map<std::string, int64_t> last_sequences_;
   std::map<std::string, int> num_since_evaluation_;

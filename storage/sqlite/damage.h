@@ -1,4 +1,5 @@
-// Moves damaged database files aside, at a start, and leaves marks for the next start.
+// Moves damaged database files aside when the program starts. Mark files request this for the next
+// start.
 #pragma once
 
 #include <filesystem>
@@ -11,18 +12,18 @@ inline constexpr char kDatabaseName[] = "freelsd.db";
 // The second copy of the sites.
 inline constexpr char kCopyName[] = "recall.db";
 
-// Writes a mark: the next start moves the database aside.
+// Writes a mark file, so that the next start moves the database aside.
 void MarkForSettingAside(const std::filesystem::path& folder, const std::string& why);
 
-// Writes a mark: the next start rebuilds the copy from the database.
+// Writes a mark file, so that the next start rebuilds the copy from the database.
 void MarkCopy(const std::filesystem::path& folder);
-// Removes that mark; true if there was one.
+// Removes the mark file of the copy; true if there was one.
 bool TakeMarkOfCopy(const std::filesystem::path& folder);
-// Moves the copy into a folder of its own.
+// Moves the copy into a new folder.
 void SetCopyAside(const std::filesystem::path& folder);
 
-// Moves the database and the images into a folder of their own if the database is marked, cannot be
-// read, or has another schema version than the copy. Returns sentences for Storage::Notices. Call
+// Moves the database and the images into a new folder if the database is marked or cannot be read,
+// or if only the copy has the current schema version. Returns messages for Storage::Notices. Call
 // it before any file is opened. Throws StorageError, and moves nothing, if a newer program wrote a
 // file.
 std::vector<std::string> SetAsideWhenDamaged(const std::filesystem::path& folder);

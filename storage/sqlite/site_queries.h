@@ -24,7 +24,7 @@ std::vector<SiteRow> ListSiteRows(const Connection& connection,
                                   const std::optional<std::string>& flight_id,
                                   const std::optional<BoundingBox>& box);
 std::optional<std::string> ReadMapBlob(const Connection& connection, const std::string& site_id);
-// For both, the box must not cross the antimeridian.
+// In ListRecallRows and ListMapRows, the box must not cross the antimeridian.
 BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box);
 BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box);
 

@@ -24,12 +24,12 @@
 
 namespace freelsd {
 
-// The content of the sites' second copy is not what was written.
+// Thrown if the second copy of the sites is damaged.
 struct CopyDamaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// The open folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
+// The open data folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
 struct StorageState {
   // Opens or creates both databases and makes their sites equal.
   explicit StorageState(const std::filesystem::path& data_folder);
@@ -70,8 +70,8 @@ struct StorageState {
     }
     return rows;
   }
-  // Reads from the copy, or from the main database if the copy is damaged. Recall uses this: damage
-  // to the main database can lose rows undetected, and the copy is a file of its own.
+  // Reads from the copy, or from the main database if the copy is damaged. Recall uses this,
+  // because damage can remove rows from the main database undetected; the copy is a separate file.
   template <typename Read>
   auto ReadForRecall(Read read) {
     if (is_copy_whole) {
@@ -85,7 +85,8 @@ struct StorageState {
     }
     return ReadSites(read);
   }
-  // Finds one site in the main database, else in the copy: damage may have removed it undetected.
+  // Finds one site in the main database, else in the copy, because damage may have removed it from
+  // the main database undetected.
   template <typename Find>
   auto FindOfSite(Find find) {
     auto found = ReadSites(find);
@@ -117,7 +118,7 @@ struct StorageState {
   Connection copy_writer;
   ReaderPool copy_readers;
   std::atomic<bool> is_damaged{false};
-  // The copy is undamaged and has every site that the main database has.
+  // True while the copy is undamaged and has every site of the main database.
   std::atomic<bool> is_copy_whole{true};
   // Increases when any site changes.
   std::atomic<uint64_t> sites_version{1};
@@ -136,14 +137,14 @@ struct StorageState {
   void BringTogether();
   void CheckWholeFiles();
 
-  // The check thread reads both files completely, once. At start that would take too long.
+  // A thread checks both files completely, once, because this check would delay the start too long.
   Connection check_connection_;
   Connection copy_check_connection_;
   std::atomic<bool> is_check_over_{false};
   std::thread check_thread_;
 };
 
-// Opens the folder; moves a damaged file aside and opens the folder without it.
+// Opens the folder. If a file is damaged, moves it aside and opens the folder without it.
 std::unique_ptr<StorageState> OpenState(const std::filesystem::path& folder);
 
 }  // namespace freelsd
