@@ -35,12 +35,12 @@ struct BlockState {
 // Tracks with at least two sightings, in order of track id.
 std::vector<BlockTrack> CollectTracks(const std::vector<View>& views);
 
-// Initial points, usable with poor poses: the mean of the places where a track's rays meet the
-// ground below their views. A track whose rays are all too flat gets no point.
+// Sets initial points that are usable even with poor poses: the mean of the places where a track's
+// rays meet the ground below their views. A track whose rays are all too flat gets no point.
 void InitialiseOnGround(const std::vector<View>& views,
                         const BlockState& state,
                         std::vector<BlockTrack>& tracks);
-// Triangulates points. Drops the worst sighting of a track until all others are within
+// Triangulates points. Repeatedly drops the worst sighting of a track, until the others are within
 // max_error_px. A track with fewer than two sightings left, or with too little parallax, loses its
 // point. Sightings that an earlier call dropped are tried again, because the poses may have
 // improved.

@@ -18,15 +18,15 @@ struct ApproachOptions {
   // deviation is too small (decision 0018).
   double min_map_position_sd_m = 1.0;
   double disc_margin_sigma = 2.0;
-  // Margin added to both sides of ground roll and corridors, and to the length of the roll: a
-  // number of deviations of the map's position, because the map may be shifted.
+  // Margin in deviations of the map's position, because the map may be shifted. It is added to both
+  // sides of ground roll and corridors, and to the length of the roll.
   double path_margin_sigma = 3.0;
-  // Added to the height of cells without a clear class (their posterior of grass is unknown or too
-  // low), because the map misses leafless trees. Not used if photographs were compared: the
-  // comparison finds such trees and makes their height unknown.
+  // Added to the height of cells under the path without a clear class (their posterior of grass is
+  // unknown or too low), because the map misses leafless trees. Not used if photographs were
+  // compared: the comparison finds such trees and makes their height unknown.
   double unclear_height_allowance_m = 2.0;
-  // A cell under the path with a larger height deviation counts as unseen. Its height can still
-  // block the path.
+  // A cell under the path with a larger height deviation counts as unseen. It still blocks the path
+  // if it is too high.
   double max_height_sd_m = 1.0;
   // Allowance for a tilt of the whole map, in deviations of that tilt. An obstacle may be higher,
   // relative to touchdown, by its distance times the tangent of this angle.
@@ -44,15 +44,15 @@ struct ApproachOptions {
   double max_bare_roughness_m = 0.5;
   // --- Search ---
   // Largest number of touchdown candidates per region, and the least distance between them. In a
-  // large region the distance is larger, so that the candidates cover all free ground.
+  // large region the distance is increased so that the candidates cover all free ground.
   int max_num_candidates = 60;
   // Largest number of additional, more densely spaced candidates. They are tried if no other
   // candidate succeeds: a field may have room for only one final, which a coarse search misses.
   int max_num_reserve_candidates = 500;
   double candidate_spacing_m = 4.0;
   // Heights of the start of the final, in units of the aircraft's approach height, ascending. A
-  // greater height is tried if all lower ones fail and a circle is blocked. The length of the final
-  // is proportional to the height. Paper: only 1.
+  // greater height is tried if all lower ones fail and at one of them the circle is blocked. The
+  // length of the final is proportional to the height. Paper: only 1.
   std::vector<double> start_height_ratios{1.0, 1.5, 2.0, 3.0};
   // If every final into the wind fails, headings with crosswind are tried, up to this share of the
   // landing airspeed. Paper: 0, only into the wind.
@@ -215,8 +215,8 @@ struct ScoreTerm {
   double weight = 0.0;
 };
 
-// The plan for one region. A rejected region has a place with numbers, too: the least bad place and
-// the rule that it breaks. Exception: no ground of the region was seen.
+// The plan for one region. If the region is rejected, the plan still describes the least bad place
+// and the rule that it breaks, unless no ground of the region was seen.
 struct Plan {
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reject_reason;

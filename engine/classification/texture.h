@@ -29,7 +29,8 @@ class WindowSums {
   int max_side_px_;
   int margin_px_;
   int num_rows_ = 0;
-  // Row y, at Place(y), holds for each column the sums over all rows above and columns to the left.
+  // Row Place(y) holds, for each column, the sums over all rows above y and all columns to the
+  // left.
   cv::Mat1d sums_;
   cv::Mat1i counts_;
 };

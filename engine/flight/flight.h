@@ -15,8 +15,8 @@
 
 namespace freelsd {
 
-// Aircraft pose from the autopilot (or a geotag) at the time of exposure. Its errors are metres and
-// degrees. The altitude may be biased.
+// Aircraft pose from the autopilot (or a geotag) at the time of exposure. Typical errors are a few
+// metres and a few degrees. The altitude may be biased.
 struct PosePrior {
   // Body origin, world frame, metres.
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
@@ -93,8 +93,8 @@ struct Aircraft {
 // "techpod", "atlantiksolar" or "small"; nothing for another name.
 std::optional<Aircraft> AircraftProfile(std::string_view name);
 std::vector<std::string> AircraftProfileNames();
-// Describes the aircraft's limits that are looser than in every profile: "max_slope_deg = 60
-// (profiles: at most 8)".
+// Describes the aircraft's limits that are looser than in every profile, for example "max_slope_deg
+// = 60 (profiles: at most 8)".
 std::vector<std::string> LimitsLooserThanProfiles(const Aircraft& aircraft);
 
 // Cost and result of one run of a stage. The engine does not log; the server logs these reports.

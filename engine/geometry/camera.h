@@ -27,7 +27,8 @@ struct Readout {
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
 
   bool IsGlobal() const { return turn.isZero(0.0) && bend.isZero(0.0); }
-  // Rotation from the middle row's pose to that of the row with share = (row - cy) / height.
+  // Rotation from the camera pose at the middle row to that at the row with share = (row - cy) /
+  // height.
   Eigen::Vector3d TurnAt(double share) const { return share * (turn + share * bend); }
 };
 

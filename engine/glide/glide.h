@@ -48,9 +48,9 @@ struct Glide {
 // std::invalid_argument if the glide ratio is outside the aircraft's bounds.
 Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio);
 
-// Worst case over all unknown values: every direction of an unknown wind, every unknown heading, or
-// the known wind turned by the crosswind uncertainty to either side. Nothing if one of these winds
-// is too strong to arrive. `aircraft` must be Unpowered.
+// Worst case over all unknown values: calm and every direction of an unknown wind, every heading if
+// it is unknown, or the known wind turned by the crosswind uncertainty to either side. Nothing if
+// one of these winds is too strong to arrive. `aircraft` must be Unpowered.
 std::optional<Glide> GlideTo(const GlideStart& start,
                              const Eigen::Vector3d& approach_start_in_world,
                              double final_heading,
@@ -97,8 +97,7 @@ StraightGlide StraightGlideOf(const Aircraft& aircraft);
 
 // Lower bound of the height lost on any path that ends within `within_m` of a place: a straight
 // line without turns, in the known wind, or in calm if the wind is unknown. Never more than GlideTo
-// returns. Nothing if the wind is too strong. `glide` is a parameter because it is the same for
-// many places.
+// returns. Nothing if the wind is too strong. Compute `glide` once for many places.
 std::optional<double> LeastHeightLost(const GlideStart& start,
                                       const Eigen::Vector2d& place_in_world,
                                       double within_m,

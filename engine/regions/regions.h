@@ -55,13 +55,14 @@ struct Region {
   // Stable within the flight. Merged regions keep the older id.
   int id = 0;
   // Four corners, counter-clockwise, world, with the ground's height. The rectangle is projected
-  // from the image, so its angles are not exactly right.
+  // from the image, so its angles are not exactly 90 deg.
   std::vector<Eigen::Vector3d> corners_in_world;
   bool is_fixed = false;
   int num_observations = 0;
   int num_grass_observations = 0;
   double area_m2 = 0.0;
-  // 0 if too small or seen too seldom, else num_grass_observations / num_observations.
+  // 0 if the region is too small or has too few observations, else num_grass_observations /
+  // num_observations.
   double grade = 0.0;
   std::string first_seen_frame_id;
   std::string last_seen_frame_id;
@@ -73,8 +74,9 @@ struct Region {
 };
 
 // Tracks the regions of one flight. The result does not depend on the order of the segments within
-// a view. A view is at most one observation of a region, however many segments or merged regions it
-// contains. The observation counts as grass if most of the seen area is grass. Not thread-safe.
+// a view. A view counts as at most one observation of a region, even if it shows several segments
+// of the region or regions are merged. The observation is one of grass if most of the seen area is
+// grass. Not thread-safe.
 class Regions {
  public:
   explicit Regions(const RegionsOptions& options);
@@ -83,8 +85,8 @@ class Regions {
   Regions& operator=(Regions&&) noexcept;
   // `segments` and `labels` belong to tracks.views()[view].
   void Update(size_t view, const Segments& segments, const Labels& labels, const Tracks& tracks);
-  // Best grade first; equal grades: more observations, then older id. At most max_num_regions.
-  // Regions with too few observations come last and never displace graded ones.
+  // Best grade first; at equal grades, more observations first, then the older id. At most
+  // max_num_regions. Regions with too few observations come last and never displace graded ones.
   std::vector<Region> Ranked() const;
   // n_obs,min, derived from the views so far.
   int MinNumObservations() const;

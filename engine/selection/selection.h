@@ -27,8 +27,8 @@ struct BackendOptions {
   // Paper: N = 150, n = 1.
   int backend_period_frames = 150;
   int num_backend_candidates = 1;
-  // Largest margin of mapped ground around the regions. Otherwise it is as wide as final and circle
-  // need.
+  // Width of the mapped ground around the regions: as much as final and circle need, but at most
+  // this.
   double max_surroundings_m = 400.0;
   // Largest number of key-frames in one evaluation. Regions that need more are split into groups. A
   // single region uses the key-frames nearest to its middle.

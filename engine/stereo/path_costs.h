@@ -14,9 +14,9 @@ namespace freelsd {
 
 struct PathOptions {
   int block_size_px = 7;
-  // Penalty if the disparity differs by one from the previous pixel's, and if by more.
+  // Penalty if the disparity differs by one from that of the previous pixel.
   int p1 = 1;
-  // Larger than p1.
+  // Penalty if it differs by more. Larger than p1.
   int p2 = 2;
   // Below 100.
   int uniqueness_ratio_percent = 0;

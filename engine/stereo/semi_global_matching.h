@@ -16,8 +16,8 @@ struct SemiGlobalOptions {
   // A multiple of 16, at most 1024.
   int num_disparities = 16;
   int block_size_px = 7;
-  // Penalties if the disparity differs by one from the previous pixel's, and if by more. Values
-  // above the largest block cost are reduced to it.
+  // p1: penalty if the disparity differs by one from that of the previous pixel. p2: penalty if it
+  // differs by more. Values above the largest block cost are reduced to it.
   int p1 = 1;
   int p2 = 2;
   int max_left_right_difference_px = 1;

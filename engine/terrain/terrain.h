@@ -24,8 +24,8 @@ struct Grid {
   Eigen::Vector2d CellCenter(int row, int col) const;
   // Cell that holds the place; nothing outside the grid.
   std::optional<cv::Point> CellAt(const Eigen::Vector2d& place_in_world) const;  // x = col, y = row
-  // Cells of the grid that meet the polygon's bounding box, widened by `reach` metres. If the box's
-  // eastern or southern edge is on a grid line, the cells beyond that line are not included.
+  // Cells of the grid that intersect the polygon's bounding box, widened by `reach` metres. If the
+  // box's eastern or southern edge is on a grid line, the cells beyond that line are not included.
   cv::Rect CellsAround(const Polygon& polygon, double reach) const;
   // Cells whose centre lies in the polygon, row by row.
   std::vector<cv::Point> CellsIn(const Polygon& polygon) const;
@@ -97,8 +97,8 @@ Grid GridAround(const Eigen::Vector2d& min_in_world,
                 double cell_size_m);
 
 // Adds points pair by pair, without holding the whole point cloud in memory. Uses 32 bytes per pair
-// and covered cell, plus working memory for one pair. The result is identical to the bit in any
-// order of the pairs. Not thread-safe.
+// and covered cell, plus working memory for one pair. With kRobust, the result is bit-identical for
+// every order of the pairs. Not thread-safe.
 class ElevationMapBuilder {
  public:
   // Throws std::invalid_argument on bad options and on a grid of more than max_num_cells. Uses the
@@ -118,16 +118,16 @@ enum class SlopeSupport { kPlane, kPaperPca };
 
 // Messages name its fields `hazard.…`.
 struct SurfaceOptions {
-  // Plane fit over plane_support_m, or PCA of the 3x3 neighbourhood. Differs: slopes from 3x3 cells
-  // of 1 m are mostly noise.
+  // kPlane fits a plane over plane_support_m; kPaperPca uses PCA of the 3x3 neighbourhood. Differs:
+  // slopes from 3x3 cells of 1 m are mostly noise.
   SlopeSupport slope_support = SlopeSupport::kPlane;
   double plane_support_m = 9.0;
   // Share of the support's cells that must be seen. Cells outside the grid count as
   // unseen.
   double min_support_ratio = 0.6;
   // Distance of the 8 neighbours of the roughness index, rounded to whole cells, at least one.
-  // Differs: the paper's distance is one cell. The roughness limit is meant for 1 m; with finer
-  // cells and one cell's distance it would be looser.
+  // Differs: the paper's distance is one cell. The limit of roughness is meant for 1 m; at the
+  // distance of one fine cell it would be looser.
   double roughness_spacing_m = 1.0;
   // Cells with a larger deviation of elevation count as unseen.
   double max_standard_deviation_m = 1.0;

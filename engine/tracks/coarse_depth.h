@@ -1,4 +1,4 @@
-// Input: frames with poses, joined by tracks. Output: landmarks and the height of the ground.
+// Input: frames with poses, connected by tracks. Output: landmarks and the height of the ground.
 // Paper: Sec. III-B.
 #pragma once
 

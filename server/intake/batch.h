@@ -30,8 +30,8 @@ class BatchUpload {
   BatchUpload(const BatchUpload&) = delete;
   BatchUpload& operator=(const BatchUpload&) = delete;
 
-  // Reads multipart with parts `images` and `poses` (files beside the images), or a zip archive of
-  // the same files. Throws ApiError if the body's structure is invalid.
+  // Reads a multipart body with the parts `images` and `poses` (files beside the images), or a zip
+  // archive of the same files. Throws ApiError if the body's structure is invalid.
   void Read(const Call& call);
   // Parses the files beside the images. Call it after Read. Sets poses().formats even if it throws
   // ApiError.

@@ -75,7 +75,7 @@ class Alternates {
   // Guards all members below but thread_.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  // In order of waking; each flight at most once.
+  // Flights to update, in the order of their Wake calls, each at most once.
   std::deque<std::string> due_;
   std::map<std::string, Clock::time_point> woken_at_;
   std::map<std::string, Clock::time_point> updated_at_;

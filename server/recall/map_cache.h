@@ -1,5 +1,5 @@
 // Caches stored sites with their maps, the terrain of maps, and plans on maps. Recall plans
-// approaches on these maps and checks the terrain below the way to a site.
+// approaches on these maps and checks the terrain below the straight line to a site.
 #pragma once
 
 #include <list>
@@ -54,8 +54,8 @@ class MapCache {
   std::shared_ptr<const Plan> PlanFor(const std::shared_ptr<const KeptSite>& site,
                                       const Aircraft& aircraft,
                                       const std::optional<Eigen::Vector2d>& wind_in_world);
-  // Drops the site, its map and its plans, but not its terrain; for a site that is not a landing
-  // site any more.
+  // Drops the site, its map and its plans, but not its terrain. Call it for a site that is no
+  // longer a landing site.
   void DropPlans(const std::string& site_id);
 
  private:

@@ -9,7 +9,8 @@
 
 namespace freelsd {
 
-// Changes to a copy of a photograph. They keep its labels, so the forest learns to ignore them.
+// Changes to a copy of a photograph. They do not change its labels, so the forest learns to ignore
+// such changes.
 struct Variation {
   double exposure_ratio = 1.0;
   // White balance, relative to green.

@@ -18,7 +18,7 @@
 namespace freelsd {
 
 // Holds a flight's Frontend, its statistics and its notes. The frontend thread passes frames to it;
-// the backend thread takes snapshots. After a restart, a new session is rebuilt from the stored
+// the backend thread takes snapshots. After a restart, the session is rebuilt from the stored
 // frames, in the same order and with the same flushes.
 class FlightSession {
  public:

@@ -54,7 +54,7 @@ struct StorageState {
     const Reader reader(copy_readers);
     return read(*reader);
   }
-  // Reads through the cache. The box may cross the antimeridian.
+  // Reads the rows within the box through the cache. The box may cross the antimeridian.
   template <typename Row>
   SharedRows<Row> RowsWithin(BoxCache<Row>& cache,
                              const BoundingBox& box,

@@ -14,8 +14,8 @@ namespace freelsd {
 // undetermined. An attitude that fits the directions of the frame's GPS baselines is kept, even if
 // neighbours disagree.
 std::optional<double> NeededTurn(const FrameMemory& memory, size_t frame);
-// Rotates the camera about the vertical. A rotation near 180 deg is applied about the optical axis
-// instead, because photo viewers rotate photographs like this.
+// Rotates the camera about the vertical. A rotation near 180 deg is replaced by 180 deg about the
+// optical axis, because photo viewers rotate photographs like this.
 void TurnFrame(FrameRecord& record, double turn);
 
 // Groups of waiting frames without attitude. The frames of a group are connected by matches,
