@@ -1,8 +1,12 @@
 // Residuals of the bundle adjustment, in a form that can be differentiated automatically.
 //
-// Parameter blocks: pose (rotation world_from_camera in Eigen's order x, y, z, w, then the position
-// of the camera in world; one block, because the cost grows with the square of the blocks' number),
-// landmark in world (3), lens (7, see LensParameter), readout of the view (6: turn, then bend).
+// Parameter blocks:
+//   pose      7  rotation world_from_camera as x, y, z, w (Eigen), then camera position in world
+//   landmark  3  point in world
+//   lens      7  see LensParameter
+//   readout   6  turn of the view, then its bend (see Readout)
+// Rotation and position share one block, because computing time grows with the square of the number
+// of blocks.
 #pragma once
 
 #include <array>
@@ -15,8 +19,8 @@
 
 namespace freelsd {
 
-// Refined parameters of the lens: a factor on the focal lengths, changes of radial and tangential
-// coefficients, and of the principal point as a share of the focal length.
+// Refined parameters of the lens. The focal parameter is a factor. The others are changes: of the
+// radial and tangential coefficients, and of the principal point as a share of the focal length.
 enum LensParameter {
   kFocalFactor,
   kRadial1,
@@ -46,14 +50,15 @@ struct ReprojectionResidual {
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(pose + 4), point(landmark);
     const T cx = T(camera->cx_px) + camera->fx_px * lens[kPrincipalX];
     const T cy = T(camera->cy_px) + camera->fy_px * lens[kPrincipalY];
-    // The sighting's own row gives the turn of the camera. Angles are small enough to equal their
-    // sine.
+    // While the rows are read, the camera turns. The row of the sighting determines how far. The
+    // angles are so small that each equals its sine.
     const T share = (T(point_in_image.y()) - cy) / T(camera->height_px);
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> turn(readout), bend(readout + 3);
     const Eigen::Matrix<T, 3, 1> turned = share * (turn + share * bend);
     Eigen::Matrix<T, 3, 1> x = world_from_camera.conjugate() * (point - camera_in_world);
     x -= turned.cross(x);
-    // A point that slips behind the camera during a step gives no finite projection.
+    // A step of the solver may move a point behind the camera. Such a point has no finite
+    // projection.
     if (x.z() < T(1e-3)) return false;
     Eigen::Matrix<T, 2, 1> p(x.x() / x.z(), x.y() / x.z());
     p = Distorted(p) + Change(p, lens);
@@ -66,7 +71,8 @@ struct ReprojectionResidual {
   Eigen::Vector2d point_in_image;
 
  private:
-  // Distortion due to the change of the coefficients. The model is linear in them.
+  // Additional distortion from the changes of the coefficients. The model is linear in the
+  // coefficients.
   template <typename T>
   static Eigen::Matrix<T, 2, 1> Change(const Eigen::Matrix<T, 2, 1>& p, const T* const lens) {
     const T r2 = p.squaredNorm();
@@ -118,8 +124,8 @@ struct PositionPrior {
   double sd_m;
 };
 
-// Rotation vector, in world, from the prior attitude to the adjusted one. Yaw (about the vertical)
-// and tilt (about horizontal axes) have separate deviations.
+// The residual is the rotation vector, in world, from the prior attitude to the adjusted one. Yaw
+// (about the vertical) and tilt (about horizontal axes) have separate deviations.
 struct AttitudePrior {
   template <typename T>
   bool operator()(const T* const pose, T* residual) const {
@@ -127,7 +133,7 @@ struct AttitudePrior {
     Eigen::Quaternion<T> difference =
         world_from_camera * prior_world_from_camera.conjugate().cast<T>();
     if (difference.w() < T(0.0)) difference.coeffs() = -difference.coeffs();
-    // Twice the vector part: the rotation vector of small angles.
+    // For small angles, the rotation vector is twice the vector part of the quaternion.
     residual[0] = T(2.0) * difference.x() / T(tilt_sd);
     residual[1] = T(2.0) * difference.y() / T(tilt_sd);
     residual[2] = T(2.0) * difference.z() / T(yaw_sd);

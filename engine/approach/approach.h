@@ -13,26 +13,27 @@ namespace freelsd {
 
 struct ApproachOptions {
   // --- What counts as safe ---
-  // Least standard deviation assumed for the map's position. The touchdown disc stays
-  // disc_margin_sigma deviations away from hazard. Paper: no margin. Differs: even a margin of one
-  // deviation is too small (decision 0018).
+  // Lower bound for the standard deviation of the map's position. The edge of the touchdown disc
+  // stays disc_margin_sigma such deviations away from hazard. Paper: no margin. Differs: even a
+  // margin of one deviation is too small (decision 0018).
   double min_map_position_sd_m = 1.0;
   double disc_margin_sigma = 2.0;
-  // Margin in deviations of the map's position, because the map may be shifted. It is added to both
-  // sides of ground roll and corridors, and to the length of the roll.
+  // Margin for a shift of the map, in deviations of the map's position. It widens the ground roll
+  // and the corridors on both sides, and it lengthens the ground roll.
   double path_margin_sigma = 3.0;
-  // Added to the height of cells under the path without a clear class (their posterior of grass is
-  // unknown or too low), because the map misses leafless trees. Not used if photographs were
-  // compared: the comparison finds such trees and makes their height unknown.
+  // Height added to the cells under the path that have no clear class, because the map misses
+  // leafless trees. A cell has no clear class if its posterior of grass is unknown or too low.
+  // Nothing is added if photographs were compared: the comparison finds such trees and marks their
+  // height as unknown.
   double unclear_height_allowance_m = 2.0;
-  // A cell under the path with a larger height deviation counts as unseen. It still blocks the path
-  // if it is too high.
+  // A cell under the path counts as unseen if its height deviation is larger. Such a cell still
+  // blocks the path if it is too high.
   double max_height_sd_m = 1.0;
-  // Allowance for a tilt of the whole map, in deviations of that tilt. An obstacle may be higher,
-  // relative to touchdown, by its distance times the tangent of this angle.
+  // The whole map may be tilted. This is the assumed tilt, in deviations of the map's tilt. The
+  // needed clearance increases with the distance from touchdown, by distance * tan(assumed tilt).
   double tilt_sigma = 2.0;
-  // With unknown wind, the final must also be clear with a tail wind of this speed. Paper: 5.5 m/s
-  // in the last experiment.
+  // If the wind is unknown, the path must be clear in calm and also with a tail wind of this speed.
+  // Paper: 5.5 m/s in the last experiment.
   double unknown_wind_mps = 5.5;
   // Spread of the measured wind to allow for, in its deviations: that much less wind counts in the
   // length of the final, that much more in circle and ground speed. Paper: Eq. 1 allows for the
@@ -43,25 +44,27 @@ struct ApproachOptions {
   double bare_ground_radius_m = 2.0;
   double max_bare_roughness_m = 0.5;
   // --- Search ---
-  // Largest number of touchdown candidates per region, and the least distance between them. In a
-  // large region the distance is increased so that the candidates cover all free ground.
+  // Largest number of touchdown candidates per region.
   int max_num_candidates = 60;
-  // Largest number of additional, more densely spaced candidates. They are tried if no other
-  // candidate succeeds: a field may have room for only one final, which a coarse search misses.
+  // Largest number of reserve candidates, which are more densely spaced. They are tried if all
+  // other candidates are rejected. A field may have room for only one final, which a coarse search
+  // misses.
   int max_num_reserve_candidates = 500;
+  // Least distance between touchdown candidates. It is increased in a large region, so that the
+  // candidates cover all free ground.
   double candidate_spacing_m = 4.0;
-  // Heights of the start of the final, in units of the aircraft's approach height, ascending. A
-  // greater height is tried if all lower ones fail and at one of them the circle is blocked. The
-  // length of the final is proportional to the height. Paper: only 1.
+  // Heights of the start of the final, in units of the aircraft's approach height, ascending. The
+  // next height is tried if all lower heights fail and one of their circles is blocked. The length
+  // of the final is proportional to the height. Paper: only 1.
   std::vector<double> start_height_ratios{1.0, 1.5, 2.0, 3.0};
-  // If every final into the wind fails, headings with crosswind are tried, up to this share of the
-  // landing airspeed. Paper: 0, only into the wind.
+  // Largest crosswind, as a share of the landing airspeed. Headings with crosswind are tried if
+  // every final into the wind fails. Paper: 0, only into the wind.
   double max_crosswind_ratio = 0.15;
-  // Step between the headings that are tried with crosswind, or in unknown or calm wind.
+  // Step between headings where several are tried: with crosswind, in calm, and in unknown wind.
   double heading_step_deg = 10.0;
   // Below this wind speed every heading is tried. The wind still counts in final and circle.
   double calm_wind_mps = 0.5;
-  // Step along final and circle; on the final at most half a cell.
+  // Step along the final and the circle. On the final, the step is at most half a cell.
   double path_step_m = 0.5;
   // Largest number of rejections stored with the site.
   int max_num_rejections = 20;
@@ -95,9 +98,9 @@ double ApproachDistance(const Aircraft& aircraft, double wind_speed, double wind
 double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed);
 double LoiterRadius(const Aircraft& aircraft, double wind_speed);
 
-// Least distance of a touchdown from hazard: radius of its disc, margin for the map's position and
-// half a cell's diagonal (decision 0019). NaN if the deviation of the map's position is unknown:
-// then no distance suffices.
+// Least distance of a touchdown from hazard. It is the sum of the disc's radius, the margin for the
+// map's position, and half the diagonal of a cell (decision 0019). NaN if the deviation of the
+// map's position is unknown: then no distance suffices.
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options);
@@ -155,8 +158,8 @@ struct Approach {
   double loiter_radius = 0.0;
   Eigen::Vector3d loiter_center_in_world = Eigen::Vector3d::Zero();
   LoiterDirection loiter_direction = LoiterDirection::kLeft;
-  // Least clearance over the seen parts of the final (outside the touchdown disc) and of the
-  // circle; NaN if both are unseen.
+  // Least clearance along the seen parts of the final and of the circle. The touchdown disc is left
+  // out. NaN if neither has a seen part.
   double min_clearance = 0.0;
   // Unseen share of the chosen circle.
   double unseen_ratio = 0.0;
@@ -170,7 +173,8 @@ struct Approach {
 };
 
 // Points of the loiter circle in the order of flight, beginning at the start of the final. The
-// polyline is closed: num_points + 1 points, first = last. num_points below 4 count as 4.
+// polyline is closed: it has num_points + 1 points, and the last equals the first. A num_points
+// below 4 counts as 4.
 std::vector<Eigen::Vector3d> LoiterPolyline(const Approach& approach, int num_points);
 
 struct Rejection {
@@ -215,14 +219,14 @@ struct ScoreTerm {
   double weight = 0.0;
 };
 
-// The plan for one region. If the region is rejected, the plan still describes the least bad place
-// and the rule that it breaks, unless no ground of the region was seen.
+// The plan for one region. The plan of a rejected region describes the least bad place and the rule
+// that this place breaks.
 struct Plan {
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reject_reason;
   std::string reject_detail;
-  // If rejected: the least bad place, or the footprint's centroid at ground_height if no ground was
-  // seen.
+  // If rejected, the least bad place. If no ground of the region was seen, the footprint's centroid
+  // at ground_height.
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   double hazard_distance = 0.0;
   // Largest within the touchdown disc; NaN if unseen. Slope in radians.
@@ -250,11 +254,18 @@ struct PlanRequest {
   double ground_height = 0.0;
 };
 
-// Searches headings into the wind, then with crosswind, then both from greater start heights. Each
-// search tries the candidates farthest from hazard first. It returns the first landable one, else
-// the first unverified one (of the candidates, then of the reserve). It is not exhaustive: it may
-// miss a good place but never accepts a bad one. Throws std::invalid_argument when map and hazards
-// have different grids.
+// Plans the approach to one region. Several searches follow one another:
+// 1. headings into the wind;
+// 2. headings with crosswind;
+// 3. both again from each greater start height.
+// The first search that accepts a place ends the planning. Each search tries the candidates
+// farthest from hazard first:
+// - The first landable candidate is accepted.
+// - If none is landable, the first unverified candidate is accepted.
+// - If all candidates are rejected, the reserve is tried. Its first place that is landable or
+//   unverified is accepted.
+// The searches are not exhaustive: they may miss a good place, but they never accept a bad one.
+// Throws std::invalid_argument when map and hazards have different grids.
 Plan PlanApproach(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,
@@ -324,7 +335,7 @@ class ApproachPlanner {
 
 // The winds of a wind rose: each speed from each direction.
 struct WindRoseOptions {
-  // Evenly spaced, the first from north: 36 directions are 10 degrees apart.
+  // The directions are evenly spaced, and the first is north. 36 directions are 10 degrees apart.
   int num_directions = 36;
   // Ascending.
   std::vector<double> speeds_mps{2.5, 5.0, 7.5, 10.0};

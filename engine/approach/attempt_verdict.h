@@ -9,14 +9,19 @@
 
 namespace freelsd {
 
-// The first rule that rejects the attempt, if any: ground roll, final blocked, final over unseen
-// ground, circle blocked.
+// The first rule that rejects the attempt, if any. The rules in order: ground roll not free, final
+// blocked, final over unseen ground, circle blocked.
 std::optional<RejectReason> ReasonOf(const Attempt& attempt);
 
-// From attempt.reason, the unseen part of the circle, and whether the wind is known.
+// Rejected if attempt.reason is set. Landable if the whole circle is seen and the wind is known.
+// Otherwise unverified.
 Verdict VerdictOf(const Attempt& attempt, const WindCase& wind);
 
-// By verdict, then clearance and unseen share; rejected attempts by how far they got.
+// Whether `a` is better than `b`. The first of these values that differs decides:
+// 1. verdict: landable, then unverified, then rejected;
+// 2. progress, more is better: ground roll, share of the final, circle;
+// 3. unseen share of the circle, less is better;
+// 4. least clearance of final and circle, more is better.
 bool IsBetter(const Attempt& a, const Attempt& b);
 
 // "41 m" from 10 m on, "6.3 m" below.

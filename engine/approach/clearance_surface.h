@@ -11,7 +11,7 @@ namespace freelsd {
 // An unknown height. It is below every real height, so that a maximum over cells ignores it.
 constexpr float kNoHeight = -1e30f;
 
-// Avoids std::floor, a function call on baseline x86: cells are looked up by the million.
+// Replaces std::floor, which is a function call on baseline x86. Millions of cells are looked up.
 inline int FloorOf(double value) {
   const int truncated = static_cast<int>(value);
   return truncated - (value < truncated ? 1 : 0);
@@ -23,19 +23,20 @@ struct ClearanceSurface {
   double cell_size = 1.0;
   int first_row = 0;
   int first_col = 0;
-  // Upper height of the cell, plus an allowance where the cover is unclear; or kNoHeight.
+  // Upper height of the cell, world z, or kNoHeight. Where the class of the cell is not clear, it
+  // includes unclear_height_allowance_m.
   cv::Mat1f height;
   // 1 where the height is unknown or too uncertain.
   cv::Mat1b is_unseen;
   // Values of Hazard.
   cv::Mat1b hazard;
-  // height and is_unseen, each the maximum over all cells that a corridor through the cell can
-  // touch. They serve to check circles, and to test finals quickly.
+  // Maximum of height and of is_unseen over all cells that a corridor through the cell can touch.
+  // Used to check circles, and for a quick test of finals.
   cv::Mat1f corridor_height;
   cv::Mat1b corridor_is_unseen;
-  // Radius of that corridor around a cell's centre.
+  // All those cells lie within this distance of the cell's centre, metres.
   double corridor_radius = 0.0;
-  // Extra clearance per metre from touchdown, because the map may be tilted.
+  // Additional clearance per metre of distance from touchdown, because the map may be tilted.
   double lean = 0.0;
   // Step along the circle, metres.
   double circle_step = 0.5;
@@ -62,12 +63,14 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
                                       const Aircraft& aircraft,
                                       const ApproachOptions& options);
 
-// Covers the whole map. Usable for every wind and start height whose CircleStep is path_step_m.
+// Covers the whole map. Its circle_step is path_step_m. It is usable only for scenarios whose
+// CircleStep is equal to that.
 ClearanceSurface MakeClearanceSurfaceOfMap(const ElevationMap& map,
                                            const HazardLayers& hazards,
                                            const Aircraft& aircraft,
                                            const ApproachOptions& options);
-// path_step_m, or more on the largest circles.
+// Step along the circles of the scenarios, metres. It is path_step_m, or more if the largest circle
+// would have too many steps.
 double CircleStep(const std::vector<WindScenario>& scenarios, const ApproachOptions& options);
 
 }  // namespace freelsd

@@ -1,6 +1,6 @@
 // Private to approach/: the cells below the paths of one heading, as offsets from the touchdown's
-// cell. Every touchdown is at the centre of a cell, so the offsets are the same for all touchdowns,
-// and a check only looks cells up.
+// cell. Every touchdown is at the centre of a cell. The offsets are therefore the same for all
+// touchdowns, and are computed only once.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@ struct CellOffset {
 
 struct FinalCell {
   CellOffset offset;
-  // Height of the lowest step in the cell, above touchdown.
+  // Height of the path above touchdown, at the lowest step in the cell.
   double path_height = 0.0;
-  // Greatest height above touchdown that an object in the cell may have: the least difference, over
-  // the steps in the cell, between path height and needed clearance.
+  // Greatest allowed height of an object in the cell, above touchdown. For each step in the cell,
+  // the needed clearance is subtracted from the path height. The least result counts.
   double free_height = 0.0;
 };
 
@@ -59,10 +59,11 @@ class CellsBelow {
       : surface_(surface), row_(row), col_(col), height_(height) {}
 
   bool IsRollFree(const std::vector<CellOffset>& ground_roll) const;
-  // Quick test. Gives the result of CheckFinal with kUntilFailure if the widened corridor is clear,
-  // else nothing: then call CheckFinal.
+  // Quick test with a widened corridor (ClearanceSurface::corridor_height). If this corridor is
+  // clear, the result equals that of CheckFinal with kUntilFailure. Otherwise returns nothing, and
+  // the caller must call CheckFinal.
   std::optional<PathCheck> GlanceAlongFinal(const PathCells& cells) const;
-  // As the function CheckCircle, but stops at the first failure.
+  // Like the free function CheckCircle, but stops at the first obstacle.
   PathCheck CheckCircle(const PathCells& cells,
                         LoiterDirection direction,
                         double approach_height) const;

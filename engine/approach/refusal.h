@@ -24,6 +24,7 @@ std::optional<Refusal> RefuseGround(const PlanRequest& request,
                                     const FootprintContent& content,
                                     double required_distance,
                                     const Aircraft& aircraft);
+// Refuses a wind that is too strong to land in.
 std::optional<Refusal> RefuseWind(const WindCase& wind, const Aircraft& aircraft);
 
 }  // namespace freelsd

@@ -9,13 +9,17 @@ namespace freelsd {
 
 struct SearchResult {
   Attempt best;
-  // Attempts tried before it and not chosen; all attempts if none was good.
+  // Attempts at first candidates before the best one, in the order tried. All first candidates are
+  // included if the best attempt is rejected or is at a reserve candidate.
   std::vector<Attempt> passed_over;
 };
 
-// Sec. III-H: tries touchdowns from the safest on. Returns the first landable one, else the first
-// unverified one, else the least bad one. Tries the reserve if no first candidate is good. Needs at
-// least one candidate.
+// Sec. III-H. Needs at least one first candidate. Tries the first candidates, the safest first:
+// - The first landable attempt is the best.
+// - If none is landable, the first unverified attempt is the best.
+// - If all are rejected, the reserve is tried. Its first landable or unverified attempt is the
+//   best.
+// - If the reserve is rejected too, the least bad attempt is the best.
 SearchResult SearchTouchdown(const TouchdownCandidates& candidates, const AttemptContext& context);
 
 }  // namespace freelsd
