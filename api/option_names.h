@@ -1,4 +1,5 @@
-// Names of enum values in the options' JSON, and a concept for both tables of options.
+// Shared by options_table.h and ground_options_table.h: the names of enum values in JSON, and a
+// concept for the parameters of VisitFields.
 #pragma once
 
 #include <concepts>
@@ -11,7 +12,7 @@
 
 namespace freelsd {
 
-// `Options` or `const Options`.
+// Satisfied by `Options` and `const Options`: one VisitFields serves to parse and to print.
 template <class T, class Options>
 concept Of = std::same_as<std::remove_const_t<T>, Options>;
 

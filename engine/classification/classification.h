@@ -14,24 +14,26 @@ namespace freelsd {
 
 enum class FeatureSet {
   kRgb,      // 6: mean and deviation of R, G, B
-  kHsv,      // 6: hue circular
-  kRgbHsv,   // 12
-  kPaper18,  // 12 + mean and deviation of three Gabor responses, see gabor.h
-  // What generalises best to other places; the default. Grass is green, and even from the size of a
-  // leaf to that of a bush. The forest uses four features. The first is the mean excess green
-  // (2G - R - B) / (R + G + B). The others describe the difference between the mean log brightness
-  // over a small and over a large window: the logarithm of its standard deviation for windows of
-  // 0.6 and 1.8 m, the same for 1.8 and 4.2 m, and its skewness for 0.3 and 0.9 m (fern has dark
-  // gaps between bright leaves). Two more features, the mean logarithms of red / green and
-  // blue / green, only detect regions unlike the training grass.
+  kHsv,      // 6: mean and deviation of H, S, V; hue is averaged as an angle
+  kRgbHsv,   // 12: those of kRgb and kHsv
+  kPaper18,  // 18: those of kRgbHsv, and mean and deviation of three Gabor responses (gabor.h)
+  // The default, because it generalises best to other places. Grass is green, and its brightness
+  // hardly varies at the scales of a leaf and of a bush. The forest uses four features. In the last
+  // three, d is the mean log brightness over a small window minus that over a large window.
+  // 1. Mean excess green, (2G - R - B) / (R + G + B).
+  // 2. Logarithm of the standard deviation of d, for windows of 0.6 and 1.8 m.
+  // 3. Logarithm of the standard deviation of d, for windows of 1.8 and 4.2 m.
+  // 4. Skewness of d, for windows of 0.3 and 0.9 m. Fern has dark gaps between bright leaves.
+  // Two more features only detect regions unlike the training grass: the mean logarithms of red /
+  // green and of blue / green.
   kRobust,
 };
 
 struct ClassificationOptions {
   // --- Behaviour ---
-  // A region is grass at or above the first probability, and not grass at or below the second.
-  // Between them it is unsure, which counts as not grass. Differs: the paper takes the majority of
-  // trees.
+  // A region is grass if its probability is at least min_grass_probability. It is not grass if its
+  // probability is at most max_not_grass_probability. Between them it is unsure, and an unsure
+  // region counts as not grass. Differs: the paper takes the majority of trees.
   double min_grass_probability = 0.7;
   double max_not_grass_probability = 0.4;
   // Regions with a mean grey level outside this range are unsure.
@@ -51,7 +53,7 @@ struct Label {
 // One per Segments::segments, same order.
 using Labels = std::vector<Label>;
 
-// A trained random forest with the feature set it was trained on. Immutable, safe to share.
+// A trained random forest and its feature set. Immutable, safe to share between threads.
 class Classifier {
  public:
   // Parses the text that Serialize or freelsd-train wrote. Throws std::invalid_argument with the
@@ -59,7 +61,7 @@ class Classifier {
   static Classifier Parse(const std::string& model_text);
   std::string Serialize() const;
   FeatureSet feature_set() const;
-  // Free text in the model: data, licence, command, cross-validation.
+  // Free text in the model about its origin: data, licence, command, cross-validation.
   const std::string& provenance() const;
   // Probability of grass for one feature row.
   double Predict(const std::vector<float>& features) const;
@@ -96,9 +98,10 @@ struct TrainingSample {
 
 struct TrainingOptions {
   FeatureSet feature_set = FeatureSet::kRobust;
-  // Cross-validation chooses the depth and the least samples per branch with the lowest error on
-  // places left out. Paper: Sec. III-D, 10-fold, values not given. Differs: random folds share
-  // places between training and validation, which favours deep trees.
+  // Values to choose from. Cross-validation leaves out one place at a time. The pair of depth and
+  // least samples per branch with the lowest error is chosen. Paper: Sec. III-D, 10-fold, values
+  // not given. Differs: with random folds, training and validation share places, which favours deep
+  // trees.
   std::vector<int> max_depths{4, 6};
   std::vector<int> min_samples_per_branch{20, 60};
   int num_trees = 30;
@@ -111,15 +114,17 @@ struct TrainingOptions {
 struct TrainingReport {
   int max_depth = 0;
   int min_samples_per_branch = 0;
-  // For the chosen pair, on samples that are not augmented: in random folds, and with each place
-  // predicted from the others (random folds if there are fewer than three places). They rate the
-  // forest's majority vote, before calibration and range check.
+  // Results of cross-validation with the chosen pair. They rate the forest's majority vote, before
+  // calibration and range check. Augmented samples are not rated.
+  // - random_fold: random folds.
+  // - leave_one_place_out: each place is predicted from the others. If there is only one place,
+  //   random folds are used.
   double random_fold_error_ratio = 0.0;
   double leave_one_place_out_error_ratio = 0.0;
   double leave_one_place_out_auc = 0.0;
 };
 
-// Deterministic for a seed.
+// The same samples, options and seed give the same result.
 std::pair<Classifier, TrainingReport> TrainClassifier(const std::vector<TrainingSample>& samples,
                                                       const std::string& provenance,
                                                       const TrainingOptions& options);
