@@ -70,7 +70,7 @@ FlightRequest ParseFlightRequest(const std::string& body);
 FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum);
 // Calls PipelineOptions::Check; its message becomes an ApiError at /options/<stage>/<field>.
 void CheckOptions(const PipelineOptions& options);
-// `object` names a profile, or none, and fields that override the profile's. Pointers in errors
+// `object` may name a profile. Its other fields override those of the profile. Pointers in errors
 // start with `pointer`.
 Aircraft ParseAircraft(const nlohmann::json& object, const std::string& pointer);
 
@@ -78,8 +78,8 @@ Aircraft ParseAircraft(const nlohmann::json& object, const std::string& pointer)
 nlohmann::json CameraJson(const Camera& camera);
 nlohmann::json GeoPointJson(const GeoPoint& point);
 
-// Pose, time and wind of a frame. Sources: the meta sent with the image, pose file, telemetry, the
-// image's tags.
+// Pose, time and wind of a frame. Sources are the meta sent with the image, a pose file, telemetry,
+// and the image's tags.
 struct FrameMeta {
   std::optional<int64_t> timestamp_us;
   std::optional<GeoPoint> position;

@@ -18,9 +18,10 @@ struct ImageLimits {
 };
 
 struct ZipLimits {
-  // Far more images than one flight has; every entry's name is held in memory.
+  // Far more images than one flight has. The name of every entry is held in memory.
   int max_entries = 20000;
-  // Unpacked over packed bytes. Images and text stay far below; zip bombs lie far above.
+  // Ratio of unpacked to packed bytes. Images and text stay far below it. Zip bombs exceed it by
+  // far.
   double max_ratio = 200.0;
   // The entries are processed one by one, but all of them are stored on disk.
   uint64_t max_total_bytes = uint64_t{16} << 30;
@@ -56,7 +57,7 @@ struct TagLimits {
   size_t max_num_segments = 4096;
   // XMP packets nest about 5 levels deep. The XMP library recurses.
   int max_xmp_depth = 32;
-  // Components read from one tag. GPS tags have 3; components beyond the limit are ignored.
+  // Components read from one tag. GPS tags have 3. Components beyond the limit are ignored.
   long max_num_components = 16;
   size_t max_text_bytes = 1024;
 };
@@ -109,14 +110,14 @@ struct BatchLimits {
 struct StreamLimits {
   uint64_t max_frame_stream_bytes = uint64_t{1} << 40;
   uint64_t max_telemetry_bytes = uint64_t{2} << 30;
-  // A longer line is rejected; the stream goes on.
+  // A longer line is rejected, and the stream continues.
   size_t max_telemetry_line_bytes = 8 << 10;
   // A stream ends if it sends nothing for this time.
   int max_pause_s = 60;
 };
 
-// Requests of one kind served at the same time. Beyond the limit the answer is 429, except for
-// decoders and rose planners, where the request waits.
+// Largest numbers of requests of one kind that are served at the same time. A request beyond a
+// limit is answered with 429. Requests for decoders and rose planners wait instead.
 struct ConcurrencyLimits {
   // Each upload holds an encoded image in memory, and a thread.
   int max_num_uploads = 8;
@@ -144,7 +145,7 @@ struct AnswerLimits {
   int64_t max_num_track_positions = 2000;
   // Errors of a batch or pose file.
   size_t max_num_listed_errors = 20;
-  // Rejected frames or lines of a stream. All are counted.
+  // Rejected frames or lines of a stream. All of them are counted, but only these are listed.
   size_t max_num_listed_rejections = 100;
 };
 

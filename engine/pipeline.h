@@ -18,7 +18,7 @@ namespace freelsd {
 struct FrameResult {
   std::string frame_id;
   bool is_processed = false;
-  // Reason if it was not processed, else a warning or empty.
+  // The reason why it was not processed, or a warning. Often empty.
   std::string note;
 };
 
@@ -62,8 +62,8 @@ struct Evaluation {
   // One site per requested region, in the same order, followed by the sites of further fields (see
   // WithFurtherSites).
   std::vector<Site> sites;
-  // Shared by all sites; grids are empty if nothing was reconstructed. The map includes its cover
-  // (WithCover).
+  // The map and its layers are shared by all sites. Their grids are empty if nothing was
+  // reconstructed. The map includes its cover (WithCover).
   ElevationMap map;
   HazardLayers hazards;
   AdjustedBlock block;
@@ -81,8 +81,8 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                          const PipelineOptions& options,
                          const Progress& progress);
 
-// Processes a whole stored flight: all frames in the frontend, then all regions with a grade above
-// 0.
+// Processes a whole stored flight. The frontend processes all frames. Then all regions with a grade
+// above 0 are evaluated.
 Evaluation Detect(const Rig& rig,
                   const std::vector<Frame>& frames,
                   const Aircraft& aircraft,

@@ -1,5 +1,5 @@
-// Text and blobs of database rows <-> structs. Each row is parsed here once; all other code uses
-// the struct.
+// Converts text and blobs of database rows to structs and back. Only this code parses rows. All
+// other code uses the structs.
 #pragma once
 
 #include <optional>
@@ -39,8 +39,8 @@ StoredFlight ParseStoredFlight(const std::string& request_json);
 // Equal metas give equal bytes. ParseStoredFrameMeta reads exactly the same numbers back.
 std::string FrameMetaJson(const FrameMeta& meta);
 FrameMeta ParseStoredFrameMeta(const std::string& text);
-// The pose of a frame's row: `resolved_json`, as used by the engine, if it is not empty; else the
-// meta sent with the image, completed by the image's own tags.
+// The pose of a frame's row. `resolved_json` is the pose that the engine used. If it is empty, the
+// pose is the meta sent with the image, completed by the image's own tags.
 FrameMeta ParseStoredPose(const std::string& resolved_json,
                           const std::string& meta_json,
                           const std::string& tags_json);
@@ -151,7 +151,7 @@ struct SiteMap {
   ElevationMap map;
   HazardLayers layers;
 };
-// The stored bytes differ from the written bytes.
+// Thrown if the stored bytes differ from the bytes that were written.
 class DamagedMap : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -15,26 +15,28 @@ enum class GrassFusion { kPosterior, kPaperOr };
 struct PhotoOptions {
   // Cell size of the orthophoto. A wheel track is two cells wide.
   double orthophoto_cell_size_m = 0.25;
-  // Two photographs are compared if the horizontal distance between their cameras is at least this
-  // share of the height above ground. Both are projected onto the map. The map's height is wrong
-  // where their log brightness deviates by more than max_photo_disagreement. If that is 0, there is
-  // no comparison.
+  // Two photographs are compared if the horizontal distance between their cameras is at least
+  // min_crossing_ratio times the height above ground. Both are projected onto the map. Where their
+  // log brightness differs by more than max_photo_disagreement, the map's height is wrong.
+  // max_photo_disagreement = 0: no comparison.
   double min_crossing_ratio = 0.2;
   double max_photo_disagreement = 0.06;
-  // A disagreement counts only where it, together with unseen ground, contains a disc of this
-  // radius. It is then widened by the margin. This keeps tree crowns and ignores the edges of
-  // hedges.
+  // Disagreement and ground that is not shown are joined to one area. Disagreement counts only in
+  // those parts of the area into which a disc of min_open_cover_radius_m fits. Such disagreement is
+  // then widened by open_cover_margin_m. Tree crowns are large enough to count; the edges of hedges
+  // are not.
   double min_open_cover_radius_m = 2.0;
   double open_cover_margin_m = 1.0;
-  // Small crowns cannot be distinguished from edges. Where a disagreement contains no such disc but
-  // a square of this side, the allowance is added to the upper height. Saplings may grow in hedges
-  // (decision 0014).
+  // Narrow cover is disagreement into which no such disc fits, but a square of side
+  // min_narrow_cover_m. It is a small crown or an edge, and the two cannot be distinguished.
+  // narrow_cover_allowance_m is added to its upper height. Saplings may grow in hedges (decision
+  // 0014).
   double min_narrow_cover_m = 2.0;
   double narrow_cover_allowance_m = 2.5;
-  // A lone object (narrow cover, or an object found in a meadow) may be a leafless sapling, which
-  // the map hardly shows. It gets this allowance instead. An object is lone if it is at most
-  // max_lone_size_m wide and at least min_lone_meadow_ratio of the cells within lone_surroundings_m
-  // around it are meadow.
+  // A lone object may be a leafless sapling, which the map hardly shows. It gets lone_allowance_m
+  // instead. Narrow cover, or an object found in a meadow, is lone under two conditions:
+  // - It is at most max_lone_size_m wide.
+  // - At least min_lone_meadow_ratio of the cells within lone_surroundings_m around it are meadow.
   double lone_allowance_m = 4.0;
   double max_lone_size_m = 8.0;
   double lone_surroundings_m = 3.0;
@@ -46,7 +48,7 @@ struct PhotoOptions {
 // Defines which cells are certainly neither tree nor crop. In error messages the field is named
 // `approach.…`.
 struct ClearClassOptions {
-  // A cell with at least this posterior of grass has a clear class: its measured height includes
+  // A cell with at least this posterior of grass has a clear class. Its measured height includes
   // everything that stands there.
   double min_clear_class_posterior = 0.5;
 
@@ -59,29 +61,31 @@ struct CoverOptions {
   // kPosterior: posterior over all observations of a cell. kPaperOr: the paper's OR of all fine
   // masks.
   GrassFusion grass_fusion = GrassFusion::kPosterior;
-  // Greater than max_observation_probability, so that one view never suffices.
+  // Least posterior of a grass cell. It is greater than max_observation_probability, so that one
+  // view never suffices.
   double min_grass_posterior = 0.95;
-  // Limits of one observation's probability: no single view is ever certain.
+  // Limits of the probability from one observation, because no single view is certain.
   double min_observation_probability = 0.1;
   double max_observation_probability = 0.9;
   // Errors of views at 4 Hz are not independent (same light, same growth). The mean log-odds of a
   // cell is multiplied by its number of views, but at most by this number. Differs: the paper takes
   // the OR of all masks (Sec. III-G, decision 0003).
   double max_num_independent_views = 4.0;
-  // A cell has a class only if at least this share of the views that see it classified it. Nearly
-  // every view leaves canopy and rubble unclassified, so they get no class.
+  // A cell gets a class only if at least this share of the views that see it classify it. Canopy
+  // and rubble get no class, because nearly every view leaves them unclassified.
   double min_vote_ratio = 0.2;
   // A cell is a hazard if its upper height exceeds its elevation by more than max_roughness_m plus
   // this margin: a pole, bush or animal stands there. The upper height is the highest 95th
-  // percentile of several stereo pairs; the margin covers about 2.5 times its noise of 0.2 m.
+  // percentile of several stereo pairs. Its noise is 0.2 m, and the margin is 2.5 times that.
   double upper_margin_m = 0.5;
   // --- What looks like grass from above, but is not ---
-  // Least contrast of a rut: how much less green it is than the plants beside it, as a share of the
-  // brightness, averaged over the filter length. 0: no search for tracks, as in the paper.
+  // Least contrast of a rut. The contrast is the green of the plants beside the rut minus the green
+  // of the rut, as a share of the brightness. It is averaged over rut_filter_length_m. 0: no search
+  // for tracks, as in the paper.
   double min_rut_contrast = 0.03;
   double rut_filter_length_m = 8.0;
   double min_track_length_m = 15.0;
-  // Distance between neighbouring tracks. Sprayers have working widths in this range; mowers have
+  // Distance between neighbouring tracks. Sprayers have working widths in this range. Mowers have
   // smaller ones.
   double min_working_width_m = 6.0;
   double max_working_width_m = 42.0;
@@ -93,44 +97,51 @@ struct CoverOptions {
   // Largest difference in colour, in standard deviations, between the sprayed part of a field and
   // the rest of it.
   double max_field_color_deviations = 2.0;
-  // Crops in rows: least peak power of the spectrum, relative to the median power at the same
-  // spacing, for row spacings in this range. 0: no search.
+  // Crops in rows cause a peak in the spectrum of the photograph. min_row_strength is the least
+  // power of this peak, relative to the median power at the same spacing. Spacings from
+  // min_row_spacing_m to max_row_spacing_m are searched. 0: no search.
   double min_row_strength = 10.0;
   double min_row_spacing_m = 0.55;
   double max_row_spacing_m = 0.9;
-  // Ground with less fine detail than this, as a share of its brightness, is water with algae. 0:
-  // no search.
+  // Least fine detail of grass, as a share of its brightness. Green ground with less detail is
+  // water with algae. 0: no search.
   double min_detail_ratio = 0.015;
-  // A closed crop is as even as a meadow but higher than its surroundings. It has this step in
-  // height along at least this length of its border, and along at least this share of the border
-  // whose step is known. 0: no search.
+  // A closed crop is as even as a meadow, but higher than its surroundings. A border is raised
+  // where its step in height is at least min_raised_step_m. A field is a crop under two conditions:
+  // - Its raised border is at least min_raised_border_m long.
+  // - The raised border is at least min_raised_border_ratio of the border whose step is known.
+  // min_raised_step_m = 0: no search.
   double min_raised_step_m = 0.6;
   double min_raised_border_m = 30.0;
   double min_raised_border_ratio = 0.3;
-  // The step at a border is known if two planes of equal slope, one on each side, fit the heights
-  // within this residual. A strip of width border_ramp_m is left out, because stereo turns the step
-  // into a ramp. Grass counts as even if its slope and roughness are within these limits, which do
-  // not depend on the aircraft.
+  // To measure the step at a border, two planes of equal slope are fitted, one on each side. The
+  // step is known if the residual is at most max_border_residual_m. A strip of width border_ramp_m
+  // is left out, because stereo turns the step into a ramp. Grass counts as even up to
+  // max_even_slope_deg and max_even_roughness_m. These two limits do not depend on the aircraft.
   double max_border_residual_m = 0.25;
   double border_ramp_m = 3.0;
   double max_even_slope_deg = 10.0;
   double max_even_roughness_m = 0.5;
-  // Image segments may extend across soft borders into other ground. A grass cell is dropped if its
-  // colour is nearer to that of other ground within this distance than to that of grass, and if the
-  // two colours differ by this number of deviations. 0: no search.
+  // Image segments may extend across soft borders into other ground. Therefore two mean colours are
+  // measured within overreach_surroundings_m of a grass cell: that of grass and that of other
+  // ground. If the two differ by less than min_overreach_deviations deviations, the cell stays
+  // grass. Otherwise it is dropped if its own colour is nearer to that of other ground. 0: no
+  // search.
   double min_overreach_deviations = 2.0;
   double overreach_surroundings_m = 30.0;
-  // Boulders, animals, cars: patches of at least this area whose colour or brightness differs from
-  // that of the surroundings by this number of deviations. 0: no search.
+  // Boulders, animals and cars differ from their surroundings in colour or brightness. An object is
+  // a patch of at least min_object_area_m2 that differs by min_object_deviations deviations. The
+  // surroundings are the ground within object_surroundings_m. 0: no search.
   double min_object_deviations = 7.0;
   double object_surroundings_m = 10.0;
   double min_object_area_m2 = 0.4;
   // The surroundings are measured again without pixels that deviate by more than this.
   double max_surroundings_deviations = 3.5;
-  // Fences: a line of this length must be darker than the ground on both sides by this number of
-  // deviations of such lines anywhere. It must contain this number of posts. A post is a cell
-  // darker than its surroundings by min_post_deviations, in deviations of single cells. 0: no
-  // search.
+  // A fence is a dark line of length fence_filter_length_m that contains min_num_posts posts. The
+  // line must be darker than the ground on both sides by min_fence_deviations. The unit is the
+  // deviation of the darkness of arbitrary lines. A post is a cell that is darker than its
+  // surroundings by min_post_deviations. The unit is the deviation of the darkness of single cells.
+  // 0: no search.
   double min_fence_deviations = 3.0;
   double fence_filter_length_m = 16.0;
   double min_post_deviations = 4.0;
@@ -159,17 +170,18 @@ struct Orthophoto {
   Grid grid;
   cv::Mat3b image;  // BGR, as photographed; black where unseen
   cv::Mat1b seen;   // 255 or 0
-  // The same ground from a second view, for comparison: the steepest one whose camera is far enough
-  // from the first one's (min_crossing_ratio). Empty if photographs are not compared.
+  // The same ground from a second view, for comparison. Only views whose camera is far enough from
+  // the first camera are considered (min_crossing_ratio). The steepest of them is used. Empty if
+  // photographs are not compared.
   cv::Mat3b second_image;
   cv::Mat1b second_seen;
-  // The views that both images are taken from, one value per map cell: index into the block's
-  // views; -1 for none.
+  // The views from which `image` and `second_image` are taken, one value per map cell. Index into
+  // the block's views; -1 for none.
   cv::Mat1i view, second_view;
 };
 
-// Covers the ground that both the map and a connected view see. `images` returns full-size images;
-// a frame whose image is empty is skipped. Empty for an empty map.
+// Covers the ground that both the map and a connected view see. `images` returns full-size images.
+// A frame whose image is empty is skipped. The orthophoto is empty if the map is empty.
 Orthophoto MakeOrthophoto(const ElevationMap& map,
                           const AdjustedBlock& block,
                           const ImageSource& images,
@@ -177,8 +189,8 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
 
 // Result of comparing photographs. One value per map cell.
 struct OpenCover {
-  // 255 where photographs disagree, or where two photographs do not show the cell; else 0. The
-  // deviation of the height is unknown there.
+  // 255 where photographs disagree, or where fewer than two photographs show the cell; else 0.
+  // Where it is 255, the height is unreliable, and its deviation is unknown.
   cv::Mat1b is_unknown;
   // Metres to add to the map's upper height.
   cv::Mat1f allowance_m;
@@ -187,22 +199,22 @@ struct OpenCover {
 };
 
 struct GroundCover {
-  // Posterior probability of grass. NaN where no view, or too small a share of the views,
-  // classified the cell. 0 where the orthophoto or the heights show a crop, water, a fence, an
-  // object or other ground, whatever the views report.
+  // Posterior probability of grass. NaN where too few views classified the cell (min_vote_ratio). 0
+  // where the orthophoto or the heights show a crop, water, a fence, an object or other ground. The
+  // classes from the views do not count there.
   cv::Mat1f grass;
   OpenCover open;
 };
 
-// With an empty orthophoto the only search is that for raised fields.
+// If the orthophoto is empty, only raised fields are searched for.
 GroundCover AssessCover(const ElevationMap& map,
                         const GroundSurface& surface,
                         const std::vector<GrassView>& grass_views,
                         const CoverOptions& options,
                         const Orthophoto& photo = {});
 
-// Applies the cover to the map: the deviation becomes NaN where it is unknown, and the upper height
-// includes the allowance.
+// Applies the cover to the map. The deviation becomes NaN where the cover is unknown. The allowance
+// is added to the upper height. If photographs were not compared, returns the map unchanged.
 ElevationMap WithCover(const ElevationMap& map, const OpenCover& cover);
 
 }  // namespace freelsd

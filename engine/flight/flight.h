@@ -21,15 +21,15 @@ struct PosePrior {
   // Body origin, world frame, metres.
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   double position_sd_m = 2.0;
-  // Unknown for plain geotags. The ground track does not give the heading: small planes crab by up
-  // to 60 deg.
+  // Unknown for plain geotags. The ground track does not give the heading: in wind, the two may
+  // differ by up to 60 deg for a small plane.
   std::optional<Eigen::Quaterniond> world_from_body;
   double attitude_sd_deg = 2.0;
 };
 
 struct Frame {
   std::string id;
-  // Microseconds since 1970. If the time is unknown: the frame's number in order of arrival.
+  // Microseconds since 1970. If the time is unknown, the frame's number in order of arrival.
   int64_t timestamp_us = 0;
   // 8 bit, BGR or grey, as the sensor delivered it: EXIF orientation is not applied, because the
   // intrinsics refer to the sensor's axes.
@@ -70,18 +70,19 @@ struct Aircraft {
   double touchdown_uncertainty_m = 10.0;
   // Distance per height lost without power, in still air, at glide_airspeed_mps.
   double glide_ratio = 12.0;
-  // If empty: the landing airspeed.
+  // Airspeed of the glide. If empty, the landing airspeed.
   std::optional<double> glide_airspeed_mps;
   // Ground above these limits is a hazard.
   double max_slope_deg = 8.0;
   double max_roughness_m = 0.5;
-  // Clearance to keep above the map's upper surface, and half-width of the corridor to check.
+  // Clearance to keep above the map's upper surface, and half the width of the corridor that is
+  // checked.
   double safety_margin_m = 2.0;
   double path_half_width_m = 5.0;
   // Least ground speed on a final straight into the wind. Below it, gusts could stop the aircraft.
   double min_ground_speed_mps = 3.0;
-  // Length of the strip that must be free, from the touchdown point in landing direction. Paper: 0,
-  // only the disc.
+  // Length of the strip that must be free. It begins at the touchdown point and extends in landing
+  // direction. Paper: 0, only the disc.
   double ground_roll_m = 30.0;
   // Smallest region to evaluate. Paper: A_min.
   double min_area_m2 = 900.0;
@@ -93,8 +94,8 @@ struct Aircraft {
 // "techpod", "atlantiksolar" or "small"; nothing for another name.
 std::optional<Aircraft> AircraftProfile(std::string_view name);
 std::vector<std::string> AircraftProfileNames();
-// Describes the aircraft's limits that are looser than in every profile, for example "max_slope_deg
-// = 60 (profiles: at most 8)".
+// Describes those limits of the aircraft that are looser than in every profile. Example:
+// "max_slope_deg = 60 (profiles: at most 8)".
 std::vector<std::string> LimitsLooserThanProfiles(const Aircraft& aircraft);
 
 // Cost and result of one run of a stage. The engine does not log; the server logs these reports.

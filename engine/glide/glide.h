@@ -14,10 +14,11 @@
 namespace freelsd {
 
 struct GlideOptions {
-  // Wind speed assumed if the wind is unknown, from the worst direction. Same value as
+  // Wind speed assumed if the wind is unknown. The worst direction is assumed. Same value as
   // approach.unknown_wind_mps.
   double unknown_wind_mps = 5.5;
-  // Number of directions tried for an unknown wind or heading; the worst one counts.
+  // Number of directions tried for an unknown wind, and for an unknown heading. The worst one
+  // counts.
   int num_unknown_winds = 8;
   int num_unknown_headings = 16;
   // Clearance to keep above the terrain of stored maps on the way to the approach's start.
@@ -44,13 +45,15 @@ struct Glide {
   double arrival_height_m = 0.0;
 };
 
-// The same aircraft without power: its final is at least as steep as its glide. Throws
-// std::invalid_argument if the glide ratio is outside the aircraft's bounds.
+// The same aircraft without power: its final is at least as steep as its glide. A given glide_ratio
+// replaces that of the aircraft. Throws std::invalid_argument if it is outside its bounds.
 Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio);
 
-// Worst case over all unknown values: calm and every direction of an unknown wind, every heading if
-// it is unknown, or the known wind turned by the crosswind uncertainty to either side. Nothing if
-// one of these winds is too strong to arrive. `aircraft` must be Unpowered.
+// The worst case over all combinations of these values:
+// - Known wind: the wind itself, and turned by the crosswind uncertainty to either side.
+// - Unknown wind: calm, and unknown_wind_mps from every direction.
+// - Unknown heading: every heading.
+// Nothing if one of these winds is too strong to arrive. `aircraft` must be Unpowered.
 std::optional<Glide> GlideTo(const GlideStart& start,
                              const Eigen::Vector3d& approach_start_in_world,
                              double final_heading,
@@ -62,8 +65,10 @@ struct DescentPoint {
   double time_s = 0.0;
 };
 
-// The whole path to a stored approach in one wind: turns and a straight glide to the start of the
-// final, circles there that lose the surplus height, and the final.
+// The whole path to a stored approach in one wind. Its parts in order:
+// - turns and a straight glide to the start of the final;
+// - circles there that lose surplus height, if there is enough for a circle;
+// - the final.
 struct Descent {
   // From the aircraft to the touchdown, straight between neighbours.
   std::vector<DescentPoint> points;
@@ -73,15 +78,15 @@ struct Descent {
   size_t final_start = 0;
   int num_circles = 0;
   double circle_radius_m = 0.0;
-  // Height above the planned final at its start. It is too small for a circle, and no longer turn
-  // uses it up: the pilot loses it on the final.
+  // Height above the planned final at its start. It is the rest that neither circles nor wider
+  // turns use up. The pilot loses it on the final.
   double surplus_height_m = 0.0;
 };
 
-// The path in the start's wind, in calm if the wind is unknown. An unknown heading counts as the
-// one that loses most height. Turns are wider than the tightest, or circles wider than the
-// approach's, so far as this uses up the surplus height. Nothing if the aircraft arrives below the
-// start of the final or the wind is too strong. `aircraft` must be Unpowered.
+// The path in the wind of `start`. An unknown wind counts as calm. For an unknown heading, the one
+// that loses the most height is assumed. Turns are widened to use up surplus height; if that fails,
+// the circles are widened. Nothing if the aircraft arrives below the start of the final, or if the
+// wind is too strong. `aircraft` must be Unpowered.
 std::optional<Descent> PlanDescent(const GlideStart& start,
                                    const Approach& approach,
                                    const Aircraft& aircraft,
@@ -95,9 +100,9 @@ struct StraightGlide {
 
 StraightGlide StraightGlideOf(const Aircraft& aircraft);
 
-// Lower bound of the height lost on any path that ends within `within_m` of a place: a straight
-// line without turns, in the known wind, or in calm if the wind is unknown. Never more than GlideTo
-// returns. Nothing if the wind is too strong. Compute `glide` once for many places.
+// Lower bound of the height lost on any path that ends within `within_m` of a place. It assumes a
+// straight line without turns. An unknown wind counts as calm. The bound never exceeds the result
+// of GlideTo. Nothing if the wind is too strong. Compute `glide` once for many places.
 std::optional<double> LeastHeightLost(const GlideStart& start,
                                       const Eigen::Vector2d& place_in_world,
                                       double within_m,

@@ -23,8 +23,9 @@ struct HazardLimits {
   double max_roughness_m = 0.5;
 };
 
-// kUnseen: elevation, slope or roughness is unknown or too uncertain. kHazard: seen, but not grass
-// (or without a class), too steep, too rough, or with an object on it. kFree: all others.
+// - kUnseen: elevation, slope or roughness is unknown or too uncertain.
+// - kHazard: seen, but not grass or without a class, too steep, too rough, or with an object on it.
+// - kFree: all others.
 enum Hazard : uint8_t { kFree = 0, kHazard = 1, kUnseen = 2 };
 
 struct HazardLayers {

@@ -17,31 +17,33 @@ struct RegionsOptions {
   // --- Behaviour ---
   // Least area of a graded region; normally the aircraft's. Paper: A_min.
   double min_area_m2 = 900.0;
-  // Least observations of a graded region. Paper: n_obs,min = 10 at 4 Hz. Differs: survey
+  // Least number of observations of a graded region. Paper: n_obs,min = 10 at 4 Hz. Differs: survey
   // photographs never show a place ten times. The limit is lowered to half of the expected views of
   // a place, but not below min_num_observations_floor.
   int min_num_observations = 10;
   int min_num_observations_floor = 2;
   // A grass region and a non-grass region are merged only if their rectangles overlap by this share
-  // (intersection over union). Differs: the paper only requires the centre of one inside the other,
-  // so rectangles around winding woods and roads absorb the fields between them. Paper: 0.
+  // (intersection over union). Differs: the paper only requires that one rectangle contains the
+  // centre of the other. Rectangles around winding woods and roads would then absorb the fields
+  // between them. Paper: 0.
   double min_overlap_of_unlike_ratio = 0.3;
   // A fully visible segment fixes a region's corners only if it covers this share of the region.
-  // Differs: the paper accepts any fully visible segment, so a small patch between two shadows can
-  // shrink a field (decision 0005). Paper: 0.
+  // Differs: the paper accepts any fully visible segment. A small patch between two shadows could
+  // then shrink a field (decision 0005). Paper: 0.
   double min_fixing_overlap_ratio = 0.5;
   // Largest number of regions. Paper: "20 best", Sec. III-E3.
   int max_num_regions = 20;
   // A segment with a corner nearer to the image border than this is not fully visible.
   double border_margin_px = 2.0;
-  // Largest distance between the camera and a segment's corner, in heights above ground. A segment
-  // with a farther corner is ignored. Differs: the paper's cameras look down more steeply.
+  // Largest distance between the camera and a corner of a segment, as a multiple of the height
+  // above ground. A segment with a farther corner is ignored. Differs: the paper's cameras look
+  // down more steeply.
   double max_viewing_distance_ratio = 10.0;
 
   void Check() const;
 };
 
-// State of a region after one of its observations, for plots over frames as in the paper.
+// State of a region after one of its observations. The paper plots these values over the frames.
 struct RegionHistory {
   std::string frame_id;
   int64_t timestamp_us = 0;
@@ -75,8 +77,8 @@ struct Region {
 
 // Tracks the regions of one flight. The result does not depend on the order of the segments within
 // a view. A view counts as at most one observation of a region, even if it shows several segments
-// of the region or regions are merged. The observation is one of grass if most of the seen area is
-// grass. Not thread-safe.
+// of the region, or if regions are merged. It is an observation of grass if most of the area that
+// the view shows is grass. Not thread-safe.
 class Regions {
  public:
   explicit Regions(const RegionsOptions& options);

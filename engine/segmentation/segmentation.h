@@ -19,8 +19,8 @@ struct SegmentationOptions {
   // --- Behaviour ---
   // Differs: with the paper's polynomials, sharp photographs give no regions.
   SegmentationThresholds thresholds = SegmentationThresholds::kGroundSampling;
-  // The image is first reduced to this ground sampling distance, but never enlarged. Decision 0001
-  // explains this field and the three below.
+  // The image is first reduced to this ground sampling distance. It is never enlarged. Decision
+  // 0001 explains this field and the three below.
   double ground_sampling_distance_m = 0.6;
   // Ground sampling distance of the image for classification, which needs finer texture.
   double detail_sampling_distance_m = 0.3;
@@ -30,10 +30,10 @@ struct SegmentationOptions {
   // Gain of the two colour channels of CIE L*a*b* before edge detection. 0: grey only, as in the
   // paper. Differs: road, gravel and meadow may be equally bright.
   double chroma_gain = 1.0;
-  // Adds edges where excess green (2G - R - B) / (R + G + B) crosses split_level_ratio. It is first
-  // smoothed by a Gaussian with split_sigma_m; 0: no such edges. Differs: between a lawn and the
-  // leaf litter under bare trees there is no edge. Labelled grass lies above 0.07; road, soil and
-  // litter lie mostly below 0.05.
+  // Adds edges where excess green (2G - R - B) / (R + G + B) crosses split_level_ratio. Excess
+  // green is first smoothed by a Gaussian with deviation split_sigma_m. split_sigma_m = 0: no such
+  // edges. Differs: the paper's detector finds no edge between a lawn and the leaf litter under
+  // bare trees. Labelled grass lies above 0.07; road, soil and litter lie mostly below 0.05.
   double split_level_ratio = 0.06;
   double split_sigma_m = 1.2;
   // Least distance between an edge and the pixels of a region.
@@ -44,7 +44,7 @@ struct SegmentationOptions {
   double contrast_window_m = 40.0;
   double reference_grey = 110.0;
   // Pixels outside this range of grey levels belong to no region. Black and burnt-out areas have no
-  // edges, but only because the sensor recorded nothing there.
+  // edges only because the sensor recorded nothing there.
   double min_grey = 12.0;
   double max_grey = 250.0;
   // Smaller regions are dropped.
@@ -56,8 +56,8 @@ struct SegmentationOptions {
   // Range of heights to which the polynomials were fitted. Heights are clamped to it.
   double paper_min_height_m = 58.0;
   double paper_max_height_m = 382.0;
-  // Focal length for which the polynomials hold, and a lower bound of p_dtf, which otherwise
-  // becomes negative.
+  // Focal length for which the polynomials hold, and a lower bound of p_dtf. Without the bound,
+  // p_dtf would become negative.
   double paper_focal_px = 465.0;
   double paper_min_edge_distance_px = 2.0;
 

@@ -1,5 +1,6 @@
 // Input: the frontend's state of a flight. Output: groups of regions that are evaluated together,
-// the ground and views of each group; and the further fields of a finished map that get a site.
+// with the ground and the views of each group. For a finished map: the further fields that get a
+// site.
 #pragma once
 
 #include <cstdint>
@@ -27,22 +28,22 @@ struct BackendOptions {
   // Paper: N = 150, n = 1.
   int backend_period_frames = 150;
   int num_backend_candidates = 1;
-  // Width of the mapped ground around the regions: as much as final and circle need, but at most
-  // this.
+  // Largest width of the mapped ground around the regions. The actual width is what final and
+  // circle need, but at most this.
   double max_surroundings_m = 400.0;
   // Largest number of key-frames in one evaluation. Regions that need more are split into groups. A
-  // single region uses the key-frames nearest to its middle.
+  // single region that needs more uses the key-frames nearest to its middle.
   int max_num_views = 300;
   // Largest extent of the regions in one evaluation. Regions farther apart are split into groups,
   // each with its own map.
   double max_group_extent_m = 1500.0;
-  // Further fields are other pieces of usable ground in the rectangle of a region. This is the
-  // largest number of them that get a site. Differs: the paper has one site per region, but grass
+  // Largest number of further fields per region that get a site. Further fields are other pieces of
+  // usable ground in the rectangle of a region. Differs: the paper has one site per region. Grass
   // connects through gaps in hedges, so one rectangle may contain many fields (decision 0006).
   // Paper: 0.
   int max_num_further_fields = 12;
   // Connected ground is cut into pieces of this extent. The touchdown of a further field is at
-  // least half of it away from all other accepted touchdowns.
+  // least half this extent away from all other accepted touchdowns.
   double further_field_extent_m = 60.0;
 
   void Check() const;
@@ -99,7 +100,7 @@ struct Snapshot {
 
 // An evaluated region.
 struct Site {
-  // For a further field, the rectangle around that field; else the tracked region.
+  // The tracked region. For a further field: the rectangle around that field.
   Region region;
   // 1 for the region's own site, 2 and up for further fields.
   int field_number = 1;
@@ -119,9 +120,10 @@ struct Box {
   Box Intersection(const Box& other) const;
 };
 
-// The regions and the ground around them that finals and circles may need: in calm, in the
-// strongest wind of the regions and, if the wind of a region is unknown, with a tail wind of
-// unknown_wind_mps.
+// The regions and the ground around them that finals and circles may need in any of these winds:
+// - calm;
+// - the strongest wind of the regions;
+// - a tail wind of unknown_wind_mps, if the wind of a region is unknown.
 Box AreaOfInterest(const std::vector<Candidate>& regions,
                    const Aircraft& aircraft,
                    const ApproachOptions& approach,
@@ -150,16 +152,16 @@ std::vector<std::vector<Candidate>> GroupRegions(const Snapshot& snapshot,
                                                  const Aircraft& aircraft,
                                                  const PipelineOptions& options);
 
-// Like AdjustPoses. If the largest connected group lacks views, the photographs are projected onto
-// the ground, matched again, and adjusted with the additional matches. Returns the block with the
-// largest group.
+// Like AdjustPoses. If the largest group does not contain all views, the photographs are projected
+// onto the ground and matched again. The poses are then adjusted with the additional matches.
+// Returns the block whose largest group has the most views.
 AdjustedBlock AdjustAndTie(const std::vector<View>& views,
                            const Camera& camera,
                            const ImageSource& images,
                            const TracksOptions& tracks,
                            const AdjustmentOptions& options);
 
-// The fine mask of a view, with values as in GrassView: 0 outside segments and in unsure ones.
+// The fine mask of a view, with values as in GrassView. 0 outside segments and in unsure segments.
 cv::Mat1b GrassMask(const Segments& segments, const Labels& labels);
 
 PackedMask Packed(const cv::Mat1b& mask, double image_px_per_mask_px);
@@ -180,9 +182,9 @@ std::vector<Region> FurtherFields(const Region& region,
                                   double required_hazard_distance,
                                   double max_extent_m);
 
-// Returns `sites`, one per region, followed by the sites of further fields. Only regions with an
-// accepted site are searched. `plan` plans each field; rejected fields are dropped, and so are
-// fields near an accepted site of any region.
+// `sites` has one site per region. Returns them, followed by the sites of further fields. Only
+// regions with an accepted site are searched. `plan` plans each field. Rejected fields are dropped.
+// Fields near an accepted site of any region are dropped too.
 std::vector<Site> WithFurtherSites(std::vector<Site> sites,
                                    const ElevationMap& map,
                                    const HazardLayers& hazards,

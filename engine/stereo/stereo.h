@@ -12,21 +12,21 @@ struct StereoOptions {
   // --- Behaviour ---
   // Images are matched at this ground sampling distance or at full size, whichever is coarser.
   double ground_sampling_distance_m = 0.12;
-  // Ratio of a pair's baseline to its height above ground: ideal value and accepted range.
+  // Ratio of a pair's baseline to its height above ground: the ideal value and the accepted range.
   double ideal_baseline_ratio = 0.3;
   double min_baseline_ratio = 0.08;
   double max_baseline_ratio = 0.9;
   // Largest angle between the optical axes.
   double max_axis_angle_deg = 30.0;
-  // Pairs per view. Differs: the paper uses one; in survey photographs with little overlap, one
+  // Pairs per view. Differs: the paper uses one. In survey photographs with little overlap, one
   // pair leaves gaps.
   int num_partners = 2;
   // Least number of landmarks that the views of a pair share.
   int min_num_shared_landmarks = 8;
   // The range of disparities includes relief of this height above and below the sparse landmarks.
   double relief_margin_m = 15.0;
-  // Semi-global matching: block, penalties (in units of block_size_px^2), uniqueness, speckles,
-  // left-right check.
+  // Parameters of semi-global matching. The penalties p1_factor and p2_factor are in units of
+  // block_size_px^2.
   int block_size_px = 7;
   int p1_factor = 8;
   int p2_factor = 32;
@@ -36,8 +36,8 @@ struct StereoOptions {
   // Least standard deviation of grey levels within a window. Water and burnt-out ground have no
   // texture to match.
   double min_texture_grey = 1.5;
-  // Least normalised cross-correlation of matched windows. At these values less than 0.5 % of the
-  // pixels of two unrelated photographs pass, but 97 % of the true matches do.
+  // Least normalised cross-correlation of matched windows. With these values, 97 % of the true
+  // matches pass, but less than 0.5 % of the pixels of two unrelated photographs.
   int correlation_window_px = 15;
   double min_correlation = 0.6;
   // Largest number of disparities searched; rounded down to a multiple of 16.

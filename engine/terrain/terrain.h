@@ -48,16 +48,18 @@ struct TerrainOptions {
   // A point contributes to all cells whose centre is within this distance d, with weight 1 / d^2.
   // Paper: inverse-distance weighting in a radius.
   double interpolation_radius_m = 1.0;
-  // Least number of points within the radius of a seen cell, summed over the pairs that agree. A
-  // pair with fewer points counts only where no pair has enough, so that one outlier among the
-  // landmarks cannot disturb dense ground.
+  // Least number of points within interpolation_radius_m of a seen cell, summed over the pairs that
+  // agree. A pair with fewer points counts only in cells where no pair has enough. Otherwise one
+  // outlier among the landmarks could disturb dense ground.
   int min_num_points = 3;
-  // Outliers are points farther than this many robust deviations from the median of their cell, and
-  // pairs equally far from the median of the cell's pairs. Differs: the paper takes the plain mean.
+  // A point is an outlier if it is farther than this many robust deviations from the median of its
+  // cell. A pair is an outlier if it is equally far from the median of the cell's pairs. Differs:
+  // the paper takes the plain mean.
   double outlier_sigma = 4.0;
-  // The upper height of a cell is this percentile of a pair's points in it, for the highest pair.
-  // At least min_num_points points of one pair must reach the height, or two points in each of two
-  // pairs, so that a single outlier never sets it. A mean would hide poles.
+  // For each pair, this percentile of the pair's points in a cell is taken. The upper height of the
+  // cell is the highest of these values. At least min_num_points points of one pair must reach it,
+  // or two points in each of two pairs. A single outlier therefore never sets it. A mean would hide
+  // poles.
   double upper_percentile = 95.0;
   // Points farther than this from the median height of their pair are outliers. Like points outside
   // the grid, they are dropped before memory is allocated.
@@ -75,13 +77,13 @@ struct ElevationMap {
   // Upper height for clearance, >= elevation. Includes pairs that are outliers of elevation: a tree
   // is an obstacle even if most pairs see the ground through it.
   cv::Mat1f upper;
-  // Standard deviation of elevation, metres: errors of points and their spread within each pair,
-  // increased where the pairs disagree by more than that.
+  // Standard deviation of elevation, metres. It combines the errors of the points and their spread
+  // within each pair. It is increased where the pairs disagree by more than that.
   cv::Mat1f standard_deviation;
   // Number of points that the elevation is computed from; NaN where unseen.
   cv::Mat1f num_points;
-  // Standard deviations of the whole map's horizontal position along one axis, and of its tilt.
-  // More points do not reduce them.
+  // Standard deviations of the whole map: of its horizontal position along one axis, and of its
+  // tilt. More points do not reduce them.
   double position_sd_m = 0.0;
   double tilt_sd_deg = 0.0;
   // Whether photographs were compared on this map (WithCover).
@@ -105,7 +107,7 @@ class ElevationMapBuilder {
   // grid's cell size.
   ElevationMapBuilder(const Grid& grid, const TerrainOptions& options);
   ~ElevationMapBuilder();
-  // Points of one pair (or the sparse landmarks, with their own deviations).
+  // Adds the points of one pair, or the sparse landmarks with their own deviations.
   void Add(const Points& points);
   ElevationMap Build() const;
 
@@ -116,7 +118,7 @@ class ElevationMapBuilder {
 
 enum class SlopeSupport { kPlane, kPaperPca };
 
-// Messages name its fields `hazard.…`.
+// In error messages the fields are named `hazard.…`.
 struct SurfaceOptions {
   // kPlane fits a plane over plane_support_m; kPaperPca uses PCA of the 3x3 neighbourhood. Differs:
   // slopes from 3x3 cells of 1 m are mostly noise.
@@ -125,9 +127,9 @@ struct SurfaceOptions {
   // Share of the support's cells that must be seen. Cells outside the grid count as
   // unseen.
   double min_support_ratio = 0.6;
-  // Distance of the 8 neighbours of the roughness index, rounded to whole cells, at least one.
-  // Differs: the paper's distance is one cell. The limit of roughness is meant for 1 m; at the
-  // distance of one fine cell it would be looser.
+  // Distance from a cell to the 8 neighbours that its roughness is computed from. Rounded to whole
+  // cells, at least one. Differs: the paper's distance is one cell. max_roughness_m is meant for a
+  // distance of 1 m. With smaller cells, the paper's rule would accept rougher ground.
   double roughness_spacing_m = 1.0;
   // Cells with a larger deviation of elevation count as unseen.
   double max_standard_deviation_m = 1.0;
@@ -141,7 +143,8 @@ struct GroundSurface {
   cv::Mat1f elevation;
   // Radians.
   cv::Mat1f slope;
-  // Terrain ruggedness index (Riley): root of summed squared differences to 8 neighbours, metres.
+  // Terrain ruggedness index (Riley): square root of the sum of squared height differences to the 8
+  // neighbours, metres.
   cv::Mat1f roughness;
 };
 

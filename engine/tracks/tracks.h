@@ -15,54 +15,55 @@ namespace freelsd {
 
 struct TracksOptions {
   // --- Behaviour ---
-  // Largest predicted displacement between two frames, as a share of the image width, for following
-  // corners with Kanade-Lucas-Tomasi. If it is larger, descriptors are matched. Paper: "depending
-  // on the provided framerate", Sec. III-A, no number.
+  // Largest predicted displacement between two frames, as a share of the image width, at which
+  // corners are followed with Kanade-Lucas-Tomasi. At larger displacements, descriptors are
+  // matched. Paper: "depending on the provided framerate", Sec. III-A, no number.
   double max_klt_flow_ratio = 0.15;
   // Largest number of corners per frame for the tracker, and of keypoints per frame for the
   // matcher.
   int max_num_corners = 250;
   int max_num_keypoints = 1500;
   // Wider images are reduced to this width for matching; observations are still in full-size
-  // pixels. 752 is the width of the paper's video camera. Survey photographs match as well as at
-  // 1000, and faster.
+  // pixels. 752 is the width of the paper's video camera. At this width, survey photographs match
+  // as well as at 1000, and faster.
   int matching_width_px = 752;
   // Largest distance between a corner and the result of tracking it forward and back again.
   double max_forward_backward_error_px = 1.0;
   // Least number of geometrically verified matches that connect two frames.
   int min_num_verified_matches = 20;
-  // Largest distance of a verified match from its epipolar line or from the position that the
-  // plane's homography gives, in pixels of the matching image.
+  // Largest error of a verified match, in pixels of the matching image. The error is the distance
+  // from the epipolar line, or from the position that the homography of a plane predicts.
   double max_verification_error_px = 3.0;
-  // Number of earlier views, the nearest ones, that a survey photograph is matched with in addition
-  // to its predecessor.
+  // A survey photograph is matched with its predecessor, and also with this number of the nearest
+  // earlier views.
   int max_num_match_partners = 6;
   // Number of tracks whose landmarks give the height at a pixel. Paper: N, Sec. III-B, no number.
   int num_nearest_tracks = 8;
   // Landmarks with less parallax or a larger reprojection error are not used.
   double min_parallax_deg = 2.0;
   double max_reprojection_error_px = 12.0;
-  // A given attitude is replaced, with a warning, if its yaw differs from that of the matches by
-  // more than this (rotated photographs, faulty gimbal angles).
+  // Largest difference between the yaw of a given attitude and the yaw from matches. Beyond it, the
+  // attitude is replaced, with a warning. Causes are rotated photographs and faulty gimbal angles.
   double max_attitude_disagreement_deg = 30.0;
   // Standard deviation of the tilt from straight down, for a camera without a given attitude.
   double nadir_sd_deg = 8.0;
   // Largest number of frames that wait for matches from which their attitude or height can be
   // computed.
   int max_num_waiting_frames = 12;
-  // Photographs of the same ground without common tracks are matched again during adjustment: each
-  // is resampled to the view from straight above, at this width. Differs: in the paper's video,
-  // tracks connect all frames.
+  // Photographs of the same ground without common tracks are matched again during adjustment. Each
+  // photograph is resampled to the view from straight above, at this width. Differs: in the paper's
+  // video, tracks connect all frames.
   int ground_matching_width_px = 1200;
   int max_num_ground_keypoints = 3000;
   int min_num_tie_matches = 12;
-  // Least overlap, as a share of the smaller footprint. A smaller computed overlap may be due to
-  // tilt and relief alone.
+  // Least overlap, as a share of the smaller footprint. Tilt and relief alone may cause a smaller
+  // computed overlap.
   double min_ground_overlap_ratio = 0.02;
   // Search radius of ground matching, as a share of the height. It covers pose errors and relief.
   double max_ground_error_ratio = 0.15;
-  // Uses a level plane as ground: height_above_ground below the camera if given, else at take-off
-  // height (world z = 0). Paper: the footnote's ground plane approximation.
+  // Assumes that the ground is a level plane. The plane lies height_above_ground below the camera.
+  // If that height is not given, the plane lies at take-off height (world z = 0). Paper: the
+  // footnote's ground plane approximation.
   bool assume_ground_plane = false;
 
   void Check() const;
@@ -87,7 +88,7 @@ struct View {
   // Best current estimate.
   Rigid3d world_from_camera;
   Readout readout;
-  // Prior of the camera, and its deviations. They stay the same when world_from_camera changes.
+  // Prior of the camera, and its deviations. They do not change when world_from_camera changes.
   // Otherwise every adjustment would take the previous result as an independent measurement.
   Eigen::Vector3d prior_position_in_world = Eigen::Vector3d::Zero();
   Eigen::Quaterniond prior_world_from_camera = Eigen::Quaterniond::Identity();
@@ -116,9 +117,10 @@ struct ReadyFrame {
 };
 
 // Adds tracks between views of different groups, and returns all views. `group` has one number per
-// view; negative: no group. Images are resampled to the view from straight above with the adjusted
-// poses and `camera`, and matched near the positions that the poses predict. This finds matches in
-// narrow overlaps and between different headings. Holds one image in memory at a time.
+// view; negative: no group. The adjusted poses and `camera` are used to resample each image to the
+// view from straight above. The images are then matched near the positions that the poses predict.
+// This finds matches in narrow overlaps and between different headings. Holds one image in memory
+// at a time.
 std::vector<View> TieOnGround(std::vector<View> views,
                               const std::vector<int>& group,
                               const Camera& camera,
@@ -146,9 +148,10 @@ class Tracks {
   // an adjustment refined belongs to that adjustment's views alone.
   void SetPose(size_t view, const Rigid3d& world_from_camera, const Readout& readout);
 
-  // Where the ray through a pixel meets the ground. The ground's height is the inverse-distance
-  // weighted mean of the num_nearest_tracks nearest landmarks, or else that of the plane at the
-  // view's height above ground. Nothing at or above the horizon.
+  // Where the ray through a pixel meets the ground. The height of the ground is the
+  // inverse-distance weighted mean of the num_nearest_tracks nearest landmarks. With too few
+  // landmarks, the ground is a level plane at the view's height above ground. Nothing at or above
+  // the horizon.
   std::optional<GroundPoint> GroundAt(size_t view, const Eigen::Vector2d& point_in_image) const;
 
  private:

@@ -31,7 +31,7 @@ struct CopyDamaged : std::runtime_error {
 
 // The open data folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
 struct StorageState {
-  // Opens or creates both databases and makes their sites equal.
+  // Opens or creates both databases. Then both contain the same sites.
   explicit StorageState(const std::filesystem::path& data_folder);
   ~StorageState();
 
@@ -71,7 +71,7 @@ struct StorageState {
     return rows;
   }
   // Reads from the copy, or from the main database if the copy is damaged. Recall uses this,
-  // because damage can remove rows from the main database undetected; the copy is a separate file.
+  // because damage can remove rows from the main database undetected. The copy is a separate file.
   template <typename Read>
   auto ReadForRecall(Read read) {
     if (is_copy_whole) {
@@ -85,7 +85,7 @@ struct StorageState {
     }
     return ReadSites(read);
   }
-  // Finds one site in the main database, else in the copy, because damage may have removed it from
+  // Finds one site in the main database, else in the copy. Damage may have removed the site from
   // the main database undetected.
   template <typename Find>
   auto FindOfSite(Find find) {
@@ -137,7 +137,8 @@ struct StorageState {
   void BringTogether();
   void CheckWholeFiles();
 
-  // A thread checks both files completely, once, because this check would delay the start too long.
+  // A thread checks both files completely, once. Without the thread, this check would delay the
+  // start too long.
   Connection check_connection_;
   Connection copy_check_connection_;
   std::atomic<bool> is_check_over_{false};
