@@ -108,8 +108,8 @@ std::optional<StoredPlan> ReadStoredPlan(const SiteRow& row) {
   if (row.approach_json.empty()) return std::nullopt;
   try {
     StoredPlan plan{ParseReplan(row.replan_json), {}};
-    plan.site =
-        ReadStoredSite(row.feature_json, row.approach_json, plan.replan.flight.altitude_datum);
+    plan.site = ReadStoredSite(
+        row.feature_json, row.approach_json, plan.replan.flight.altitude_datum.value_or("unknown"));
     if (plan.site.IsRejected() || !plan.site.final_places) return std::nullopt;
     return plan;
   } catch (const std::exception& error) {
