@@ -19,12 +19,12 @@ constexpr size_t kWriteBufferBytes = 256 << 10;
 
 // The request that this thread serves. The library passes no argument of ours to handlers.
 thread_local BodyReader* body_of_this_thread = nullptr;
-thread_local Connection* connection_of_this_thread = nullptr;
+thread_local ClientConnection* connection_of_this_thread = nullptr;
 
 // Sets both while a request is served.
 class ServedRequest {
  public:
-  ServedRequest(BodyReader& body, Connection& connection) {
+  ServedRequest(BodyReader& body, ClientConnection& connection) {
     body_of_this_thread = &body;
     connection_of_this_thread = &connection;
   }
@@ -40,7 +40,7 @@ class ServedRequest {
 // never waits for the client: what the client does not take now stays in the connection's output.
 class HeadStream : public httplib::Stream {
  public:
-  HeadStream(Connection& connection, const std::string& head)
+  HeadStream(ClientConnection& connection, const std::string& head)
       : connection_(connection), head_(head) {}
 
   bool is_readable() const override { return position_ < head_.size(); }
@@ -68,7 +68,7 @@ class HeadStream : public httplib::Stream {
   socket_t socket() const override { return connection_.socket.descriptor(); }
 
  private:
-  Connection& connection_;
+  ClientConnection& connection_;
   const std::string& head_;
   size_t position_ = 0;
 };
@@ -118,7 +118,7 @@ void HttpServer::Run() {
   const int num_large =
       options_.rules.takes_large_bodies ? kLimits.connection.max_num_large_bodies : 0;
   httplib::ThreadPool large_bodies(static_cast<size_t>(num_large));
-  loop_.Run(listening_socket_->value(), [&](Connection& connection) {
+  loop_.Run(listening_socket_->value(), [&](ClientConnection& connection) {
     httplib::ThreadPool& pool = connection.has_large_body ? large_bodies : threads;
     pool.enqueue([this, &connection] { Serve(connection); });
   });
@@ -137,7 +137,7 @@ void HttpServer::Answer(const httplib::Request& request, httplib::Response& resp
   if (!body.SkipRest()) response.set_header("Connection", "close");
 }
 
-void HttpServer::Serve(Connection& connection) {
+void HttpServer::Serve(ClientConnection& connection) {
   try {
     BodyReader body(connection.socket, connection.request.head(), connection.input);
     HeadStream stream(connection, connection.request.head().forwarded);

@@ -40,7 +40,7 @@ class HttpServer : public httplib::Server {
   std::function<void()> NewsCall() const { return loop_.NewsCall(); }
 
  private:
-  void Serve(Connection& connection);
+  void Serve(ClientConnection& connection);
   void Answer(const httplib::Request& request, httplib::Response& response) const;
 
   HttpOptions options_;

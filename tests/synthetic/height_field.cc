@@ -85,10 +85,10 @@ float DescentPerCell(float slide) {
 
 }  // namespace
 
-Descent DescentThrough(const HeightRange& layer,
-                       const Eigen::Vector3d& origin,
-                       const Eigen::Vector2d& slide) {
-  Descent ray;
+DescentRay DescentThrough(const HeightRange& layer,
+                          const Eigen::Vector3d& origin,
+                          const Eigen::Vector2d& slide) {
+  DescentRay ray;
   ray.top = layer.top;
   ray.limit = layer.top - layer.bottom;
   ray.entry = (origin.head<2>() + (origin.z() - layer.top) * slide).cast<float>();
@@ -142,7 +142,7 @@ HeightRange HeightField::LayerMetBy(const Eigen::Vector3d& origin,
   return layer;
 }
 
-inline HeightField::Trial HeightField::Try(const Descent& ray, float depth) const {
+inline HeightField::Trial HeightField::Try(const DescentRay& ray, float depth) const {
   // Bilinear between cell centres; outside the grid the edge repeats.
   const Eigen::Vector2f cell = ray.CellAt(depth);
   const float u = std::min(std::max(cell.x(), 0.0f), static_cast<float>(surface_.cols) - 1.001f);
@@ -159,7 +159,7 @@ inline HeightField::Trial HeightField::Try(const Descent& ray, float depth) cons
 }
 
 // Between a depth above the surface and one in or below it (false position).
-inline float HeightField::CloseIn(const Descent& ray, Trial above, Trial below) const {
+inline float HeightField::CloseIn(const DescentRay& ray, Trial above, Trial below) const {
   const auto guess = [&] {
     const float drop = above.clearance - below.clearance;
     if (drop <= 0.0f) return below.depth;
@@ -173,7 +173,7 @@ inline float HeightField::CloseIn(const Descent& ray, Trial above, Trial below) 
   return guess();
 }
 
-float HeightField::HitDepth(const Descent& ray) const {
+float HeightField::HitDepth(const DescentRay& ray) const {
   const float step = kStepCells / std::max(ray.slide.norm(), kMinSlide);
   const Eigen::Vector2f per_cell(DescentPerCell(ray.slide.x()), DescentPerCell(ray.slide.y()));
   const int ahead_x = per_cell.x() > 0.0f, ahead_y = per_cell.y() > 0.0f;

@@ -17,7 +17,7 @@ struct HeightRange {
 
 // A ray that goes down: where it is at the height `top`, by how many cells it moves sideways per
 // metre of descent, and how deep it can go before it has surely met the surface.
-struct Descent {
+struct DescentRay {
   Eigen::Vector2f entry = Eigen::Vector2f::Zero();
   Eigen::Vector2f slide = Eigen::Vector2f::Zero();
   float top = 0.0f;
@@ -28,9 +28,9 @@ struct Descent {
 
 // Through the layer of heights that rays from `origin` (cells, metres) can meet; `slide` in cells
 // per metre of descent.
-Descent DescentThrough(const HeightRange& layer,
-                       const Eigen::Vector3d& origin,
-                       const Eigen::Vector2d& slide);
+DescentRay DescentThrough(const HeightRange& layer,
+                          const Eigen::Vector3d& origin,
+                          const Eigen::Vector2d& slide);
 
 class HeightField {
  public:
@@ -42,7 +42,7 @@ class HeightField {
   HeightRange LayerMetBy(const Eigen::Vector3d& origin, const Eigen::AlignedBox2d& slides) const;
 
   // Metres below `ray.top` at which the ray first meets the surface.
-  float HitDepth(const Descent& ray) const;
+  float HitDepth(const DescentRay& ray) const;
 
  private:
   // Lowest and highest cell of every square block.
@@ -58,8 +58,8 @@ class HeightField {
   };
 
   HeightRange RangeIn(const cv::Rect& cells) const;
-  Trial Try(const Descent& ray, float depth) const;
-  float CloseIn(const Descent& ray, Trial above, Trial below) const;
+  Trial Try(const DescentRay& ray, float depth) const;
+  float CloseIn(const DescentRay& ray, Trial above, Trial below) const;
 
   cv::Mat1f surface_;
   HeightRange all_;

@@ -145,7 +145,7 @@ class Tracer {
   }
 
   Eigen::Vector3f LightAlong(const Eigen::Vector2d& slide, const HeightRange& layer) const {
-    const Descent ray = DescentThrough(layer, origin_, slide);
+    const DescentRay ray = DescentThrough(layer, origin_, slide);
     const float depth = field_.HitDepth(ray);
     const Eigen::Vector2f cell = ray.CellAt(depth);
     return leaves_.Gain(cell, layer.top - depth) * RadianceAt(world_.radiance, cell);

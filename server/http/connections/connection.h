@@ -42,7 +42,7 @@ class UnsentBytes {
   size_t num_sent_ = 0;
 };
 
-struct Connection {
+struct ClientConnection {
   // What the poll loop waits for.
   enum class Phase {
     kIdle,       // the first byte of a request
@@ -54,7 +54,8 @@ struct Connection {
     kLingering,  // the end of a client whose request was not read to its end
   };
 
-  Connection(int descriptor, const RequestRules& rules) : socket(descriptor), request(rules) {}
+  ClientConnection(int descriptor, const RequestRules& rules)
+      : socket(descriptor), request(rules) {}
 
   ClientSocket socket;
   RequestReader request;

@@ -43,7 +43,7 @@ std::string ChunkOf(const std::string& text) {
 }
 
 // Begins a phase of the connection.
-void Enter(Connection& connection, Connection::Phase phase, milliseconds timeout) {
+void Enter(ClientConnection& connection, ClientConnection::Phase phase, milliseconds timeout) {
   connection.phase = phase;
   connection.since = Now();
   connection.deadline = connection.since + timeout;
@@ -79,14 +79,14 @@ void ConnectionLoop::Turn() {
   for (const int descriptor : poller_.Ready(*has_news_ ? milliseconds(0) : timeout)) {
     if (descriptor == listening_socket_) {
       Accept();
-    } else if (Connection* const connection = connections_.Find(descriptor)) {
+    } else if (ClientConnection* const connection = connections_.Find(descriptor)) {
       // It may be another connection by now: then there is nothing to read or to write.
-      connections_.Do(*connection, [this](Connection& ready) { OnReady(ready); });
+      connections_.Do(*connection, [this](ClientConnection& ready) { OnReady(ready); });
     }
   }
   TakeBack();
   if (has_news_->exchange(false)) {
-    connections_.ForEach(Phase::kLive, [this](Connection& live) { FeedLive(live); });
+    connections_.ForEach(Phase::kLive, [this](ClientConnection& live) { FeedLive(live); });
   }
   if (Now() >= next_sweep_) Sweep();
   if (is_stopping_) CloseForStop();
@@ -97,7 +97,7 @@ void ConnectionLoop::Stop() {
   waker_->Wake();
 }
 
-void ConnectionLoop::GiveBack(Connection& connection) {
+void ConnectionLoop::GiveBack(ClientConnection& connection) {
   {
     const std::lock_guard lock(mutex_);
     served_.push_back(&connection);
@@ -130,7 +130,7 @@ void ConnectionLoop::Accept() {
 }
 
 void ConnectionLoop::Add(int descriptor) {
-  auto connection = std::make_unique<Connection>(descriptor, rules_);
+  auto connection = std::make_unique<ClientConnection>(descriptor, rules_);
   const bool is_full = connections_.size() >= kLimitsOfConnections.max_num_connections;
   if (is_full && !connections_.CloseOne()) return;
   Enter(*connection, Phase::kIdle, kIdleTimeout);
@@ -138,7 +138,7 @@ void ConnectionLoop::Add(int descriptor) {
   connections_.Add(std::move(connection));
 }
 
-void ConnectionLoop::OnReady(Connection& connection) {
+void ConnectionLoop::OnReady(ClientConnection& connection) {
   switch (connection.phase) {
     case Phase::kIdle:
     case Phase::kHead:
@@ -155,7 +155,7 @@ void ConnectionLoop::OnReady(Connection& connection) {
   }
 }
 
-void ConnectionLoop::Receive(Connection& connection) {
+void ConnectionLoop::Receive(ClientConnection& connection) {
   std::array<char, kReadBytes> bytes;
   const std::optional<size_t> num_read = connection.socket.ReadNow(bytes.data(), bytes.size());
   if (num_read && *num_read == 0) {
@@ -166,7 +166,7 @@ void ConnectionLoop::Receive(Connection& connection) {
   Advance(connection);
 }
 
-void ConnectionLoop::Advance(Connection& connection) {
+void ConnectionLoop::Advance(ClientConnection& connection) {
   using State = RequestReader::State;
   try {
     switch (connection.request.Advance(connection.input)) {
@@ -188,14 +188,14 @@ void ConnectionLoop::Advance(Connection& connection) {
   }
 }
 
-void ConnectionLoop::AwaitRest(Connection& connection, Phase phase) {
+void ConnectionLoop::AwaitRest(ClientConnection& connection, Phase phase) {
   if (connection.phase != phase) {
     Enter(connection, phase, phase == Phase::kIdle ? kIdleTimeout : kRequestTimeout);
   }
   poller_.Arm(connection.socket.descriptor(), Poller::Interest::kRead);
 }
 
-void ConnectionLoop::StartServing(Connection& connection, bool has_large_body) {
+void ConnectionLoop::StartServing(ClientConnection& connection, bool has_large_body) {
   if (has_large_body) {
     const int limit = kLimitsOfConnections.max_num_large_bodies;
     if (connections_.CountLargeBodies() >= limit) {
@@ -209,7 +209,7 @@ void ConnectionLoop::StartServing(Connection& connection, bool has_large_body) {
   serve_(connection);
 }
 
-void ConnectionLoop::Refuse(Connection& connection, const ApiError& error) {
+void ConnectionLoop::Refuse(ClientConnection& connection, const ApiError& error) {
   connection.output.Append(RawProblem(error));
   connection.is_last = true;
   connection.must_linger = true;
@@ -219,18 +219,18 @@ void ConnectionLoop::Refuse(Connection& connection, const ApiError& error) {
 // --- Sending answers ---
 
 void ConnectionLoop::TakeBack() {
-  std::vector<Connection*> served;
+  std::vector<ClientConnection*> served;
   {
     const std::lock_guard lock(mutex_);
     served.swap(served_);
   }
-  for (Connection* const connection : served) {
+  for (ClientConnection* const connection : served) {
     connection->has_large_body = false;
-    connections_.Do(*connection, [this](Connection& answered) { Flush(answered); });
+    connections_.Do(*connection, [this](ClientConnection& answered) { Flush(answered); });
   }
 }
 
-void ConnectionLoop::Flush(Connection& connection) {
+void ConnectionLoop::Flush(ClientConnection& connection) {
   const size_t size_before = connection.output.size();
   if (!connection.output.SendTo(connection.socket)) return connections_.Close(connection);
   if (connection.output.empty()) return AfterAnswer(connection);
@@ -239,7 +239,7 @@ void ConnectionLoop::Flush(Connection& connection) {
   poller_.Arm(connection.socket.descriptor(), Poller::Interest::kWrite);
 }
 
-void ConnectionLoop::AfterAnswer(Connection& connection) {
+void ConnectionLoop::AfterAnswer(ClientConnection& connection) {
   if (connection.live) {
     Enter(connection, Phase::kLive, kWritePause);
     return FeedLive(connection);
@@ -255,14 +255,14 @@ void ConnectionLoop::AfterAnswer(Connection& connection) {
   Advance(connection);
 }
 
-void ConnectionLoop::Linger(Connection& connection) {
+void ConnectionLoop::Linger(ClientConnection& connection) {
   std::array<char, kReadBytes> ignored;
   const std::optional<size_t> num_read = connection.socket.ReadNow(ignored.data(), ignored.size());
   if (num_read && *num_read == 0) return connections_.Close(connection);
   poller_.Arm(connection.socket.descriptor(), Poller::Interest::kRead);
 }
 
-void ConnectionLoop::FeedLive(Connection& connection) {
+void ConnectionLoop::FeedLive(ClientConnection& connection) {
   for (int i = 0; i < kMaxNumTexts && connection.output.empty(); ++i) {
     const LiveText news = connection.live->next();
     if (!news.text.empty()) connection.output.Append(ChunkOf(news.text));
@@ -282,7 +282,7 @@ void ConnectionLoop::FeedLive(Connection& connection) {
   SendLive(connection);
 }
 
-void ConnectionLoop::SendLive(Connection& connection) {
+void ConnectionLoop::SendLive(ClientConnection& connection) {
   const size_t size_before = connection.output.size();
   if (!connection.output.SendTo(connection.socket)) return connections_.Close(connection);
   if (connection.output.size() < size_before) {
@@ -295,7 +295,7 @@ void ConnectionLoop::SendLive(Connection& connection) {
       connection.output.empty() ? Poller::Interest::kRead : Poller::Interest::kReadAndWrite);
 }
 
-void ConnectionLoop::OnLiveReady(Connection& connection) {
+void ConnectionLoop::OnLiveReady(ClientConnection& connection) {
   // A client that listens sends nothing; its end means that it left.
   std::array<char, 4096> ignored;
   const std::optional<size_t> num_read = connection.socket.ReadNow(ignored.data(), ignored.size());
@@ -311,13 +311,13 @@ void ConnectionLoop::Sweep() {
   is_paused_ = false;
   for (const Phase phase :
        {Phase::kIdle, Phase::kHead, Phase::kBody, Phase::kWriting, Phase::kLingering}) {
-    connections_.ForEach(phase, [this](Connection& connection) { OnDeadline(connection); });
+    connections_.ForEach(phase, [this](ClientConnection& connection) { OnDeadline(connection); });
   }
-  connections_.ForEach(Phase::kLive, [this](Connection& live) { OnQuietLive(live); });
+  connections_.ForEach(Phase::kLive, [this](ClientConnection& live) { OnQuietLive(live); });
   connections_.LimitUnsent(kLimitsOfConnections.max_unsent_bytes);
 }
 
-void ConnectionLoop::OnDeadline(Connection& connection) {
+void ConnectionLoop::OnDeadline(ClientConnection& connection) {
   if (Now() < connection.deadline) return;
   if (connection.phase == Phase::kHead) {
     return Refuse(connection, ApiError("RequestTimeout", "the head did not arrive in time"));
@@ -328,7 +328,7 @@ void ConnectionLoop::OnDeadline(Connection& connection) {
   connections_.Close(connection);
 }
 
-void ConnectionLoop::OnQuietLive(Connection& connection) {
+void ConnectionLoop::OnQuietLive(ClientConnection& connection) {
   const SteadyTime now = Now();
   if (!connection.output.empty()) {
     if (now >= connection.deadline) connections_.Close(connection);
@@ -348,16 +348,16 @@ void ConnectionLoop::CloseForStop() {
     // Refuses new connections.
     ::shutdown(listening_socket_, SHUT_RDWR);
     // A live answer may have a last text.
-    connections_.ForEach(Phase::kLive, [this](Connection& live) { FeedLive(live); });
+    connections_.ForEach(Phase::kLive, [this](ClientConnection& live) { FeedLive(live); });
   }
-  const auto close = [this](Connection& connection) { connections_.Close(connection); };
+  const auto close = [this](ClientConnection& connection) { connections_.Close(connection); };
   for (const Phase phase :
        {Phase::kIdle, Phase::kHead, Phase::kBody, Phase::kLive, Phase::kLingering}) {
     connections_.ForEach(phase, close);
   }
   if (now > *stopped_at_ + kAnswerPatience) connections_.ForEach(Phase::kWriting, close);
   if (now <= *stopped_at_ + kBodyPatience) return;
-  connections_.ForEach(Phase::kServing, [](Connection& connection) {
+  connections_.ForEach(Phase::kServing, [](ClientConnection& connection) {
     if (connection.has_large_body) connection.socket.EndReading();
   });
 }

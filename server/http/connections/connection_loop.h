@@ -19,7 +19,7 @@ namespace freelsd {
 class ConnectionLoop {
  public:
   // Makes another thread serve the request, which then calls GiveBack. Must not wait or throw.
-  using Serve = std::function<void(Connection&)>;
+  using Serve = std::function<void(ClientConnection&)>;
 
   // `rules` must outlive the loop.
   explicit ConnectionLoop(const RequestRules& rules);
@@ -29,38 +29,38 @@ class ConnectionLoop {
   void Run(int listening_socket, Serve serve);
   // Thread-safe.
   void Stop();
-  void GiveBack(Connection& connection);
+  void GiveBack(ClientConnection& connection);
   // A call that makes the loop ask all live answers for text. Thread-safe; may outlive the loop.
   std::function<void()> NewsCall() const;
 
  private:
-  using Phase = Connection::Phase;
+  using Phase = ClientConnection::Phase;
 
   void Turn();
 
   // --- Reading requests ---
   void Accept();
   void Add(int descriptor);
-  void OnReady(Connection& connection);
-  void Receive(Connection& connection);
-  void Advance(Connection& connection);
-  void AwaitRest(Connection& connection, Phase phase);
-  void StartServing(Connection& connection, bool has_large_body);
-  void Refuse(Connection& connection, const ApiError& error);
+  void OnReady(ClientConnection& connection);
+  void Receive(ClientConnection& connection);
+  void Advance(ClientConnection& connection);
+  void AwaitRest(ClientConnection& connection, Phase phase);
+  void StartServing(ClientConnection& connection, bool has_large_body);
+  void Refuse(ClientConnection& connection, const ApiError& error);
 
   // --- Sending answers ---
   void TakeBack();
-  void Flush(Connection& connection);
-  void AfterAnswer(Connection& connection);
-  void Linger(Connection& connection);
-  void FeedLive(Connection& connection);
-  void SendLive(Connection& connection);
-  void OnLiveReady(Connection& connection);
+  void Flush(ClientConnection& connection);
+  void AfterAnswer(ClientConnection& connection);
+  void Linger(ClientConnection& connection);
+  void FeedLive(ClientConnection& connection);
+  void SendLive(ClientConnection& connection);
+  void OnLiveReady(ClientConnection& connection);
 
   // --- Time ---
   void Sweep();
-  void OnDeadline(Connection& connection);
-  void OnQuietLive(Connection& connection);
+  void OnDeadline(ClientConnection& connection);
+  void OnQuietLive(ClientConnection& connection);
   void CloseForStop();
 
   const RequestRules& rules_;
@@ -78,7 +78,7 @@ class ConnectionLoop {
   std::optional<SteadyTime> stopped_at_;
   // Guards served_.
   std::mutex mutex_;
-  std::vector<Connection*> served_;
+  std::vector<ClientConnection*> served_;
 };
 
 }  // namespace freelsd

@@ -9,8 +9,8 @@ namespace freelsd {
 namespace {
 
 // Order in which connections are closed to make room; nothing: not at all.
-std::optional<int> OrderOfClosing(Connection::Phase phase) {
-  using Phase = Connection::Phase;
+std::optional<int> OrderOfClosing(ClientConnection::Phase phase) {
+  using Phase = ClientConnection::Phase;
   switch (phase) {
     case Phase::kIdle:
       return 0;
@@ -31,21 +31,22 @@ std::optional<int> OrderOfClosing(Connection::Phase phase) {
 
 }  // namespace
 
-void ConnectionTable::Add(std::unique_ptr<Connection> connection) {
+void ConnectionTable::Add(std::unique_ptr<ClientConnection> connection) {
   const int descriptor = connection->socket.descriptor();
   connections_[descriptor] = std::move(connection);
 }
 
-Connection* ConnectionTable::Find(int descriptor) const {
+ClientConnection* ConnectionTable::Find(int descriptor) const {
   const auto found = connections_.find(descriptor);
   return found == connections_.end() ? nullptr : found->second.get();
 }
 
-void ConnectionTable::Close(const Connection& connection) {
+void ConnectionTable::Close(const ClientConnection& connection) {
   connections_.erase(connection.socket.descriptor());
 }
 
-void ConnectionTable::Do(Connection& connection, const std::function<void(Connection&)>& act) {
+void ConnectionTable::Do(ClientConnection& connection,
+                         const std::function<void(ClientConnection&)>& act) {
   const int descriptor = connection.socket.descriptor();
   try {
     act(connection);
@@ -54,13 +55,13 @@ void ConnectionTable::Do(Connection& connection, const std::function<void(Connec
   }
 }
 
-void ConnectionTable::ForEach(Connection::Phase phase,
-                              const std::function<void(Connection&)>& act) {
-  std::vector<Connection*> chosen;
+void ConnectionTable::ForEach(ClientConnection::Phase phase,
+                              const std::function<void(ClientConnection&)>& act) {
+  std::vector<ClientConnection*> chosen;
   for (const auto& [descriptor, connection] : connections_) {
     if (connection->phase == phase) chosen.push_back(connection.get());
   }
-  for (Connection* const connection : chosen) Do(*connection, act);
+  for (ClientConnection* const connection : chosen) Do(*connection, act);
 }
 
 int ConnectionTable::CountLargeBodies() const {
@@ -72,7 +73,7 @@ int ConnectionTable::CountLargeBodies() const {
 
 bool ConnectionTable::CloseOne() {
   using Order = std::pair<int, SteadyTime>;
-  const Connection* first = nullptr;
+  const ClientConnection* first = nullptr;
   Order first_order;
   for (const auto& [descriptor, connection] : connections_) {
     const std::optional<int> of_phase = OrderOfClosing(connection->phase);
@@ -88,16 +89,17 @@ bool ConnectionTable::CloseOne() {
 
 void ConnectionTable::LimitUnsent(size_t max_bytes) {
   size_t total = 0;
-  std::vector<const Connection*> writing;
+  std::vector<const ClientConnection*> writing;
   for (const auto& [descriptor, connection] : connections_) {
-    if (connection->phase != Connection::Phase::kWriting) continue;
+    if (connection->phase != ClientConnection::Phase::kWriting) continue;
     total += connection->output.size();
     writing.push_back(connection.get());
   }
-  std::sort(writing.begin(), writing.end(), [](const Connection* a, const Connection* b) {
-    return a->since < b->since;
-  });
-  for (const Connection* const connection : writing) {
+  std::sort(
+      writing.begin(), writing.end(), [](const ClientConnection* a, const ClientConnection* b) {
+        return a->since < b->since;
+      });
+  for (const ClientConnection* const connection : writing) {
     if (total <= max_bytes) return;
     total -= connection->output.size();
     Close(*connection);

@@ -14,15 +14,15 @@ class ConnectionTable {
  public:
   bool empty() const { return connections_.empty(); }
   size_t size() const { return connections_.size(); }
-  void Add(std::unique_ptr<Connection> connection);
+  void Add(std::unique_ptr<ClientConnection> connection);
   // nullptr if it is closed.
-  Connection* Find(int descriptor) const;
-  void Close(const Connection& connection);
+  ClientConnection* Find(int descriptor) const;
+  void Close(const ClientConnection& connection);
   // Calls `act`, which may close the connection. If it fails, for example because memory is short,
   // the connection is closed.
-  void Do(Connection& connection, const std::function<void(Connection&)>& act);
+  void Do(ClientConnection& connection, const std::function<void(ClientConnection&)>& act);
   // The same for each connection of that phase.
-  void ForEach(Connection::Phase phase, const std::function<void(Connection&)>& act);
+  void ForEach(ClientConnection::Phase phase, const std::function<void(ClientConnection&)>& act);
   int CountLargeBodies() const;
   // Closes the connection that is missed least: the longest idle one. Connections that are being
   // served stay. False if there is none to close.
@@ -33,7 +33,7 @@ class ConnectionTable {
 
  private:
   // By descriptor.
-  std::unordered_map<int, std::unique_ptr<Connection>> connections_;
+  std::unordered_map<int, std::unique_ptr<ClientConnection>> connections_;
 };
 
 }  // namespace freelsd

@@ -281,9 +281,14 @@ TEST_CASE("alternates: new, changed and superseded sites count at once, also of 
   CHECK(ids() == std::vector<std::string>{"f-r1"});
   SiteRow newer = MeadowSite("amsl");
   newer.id = std::string("g-r1");
-  storage.sites.Put(newer, SerializeSiteMap(Meadow()), {"f-r1"});
+  Standing superseded;
+  superseded.superseded_by = std::string("g-r1");
+  superseded.is_checked = true;
+  storage.sites.Put(newer, SerializeSiteMap(Meadow()), {{"f-r1", superseded}});
   CHECK(ids() == std::vector<std::string>{"g-r1"});
-  storage.sites.Delete("g-r1");
+  Standing free;
+  free.is_checked = true;
+  storage.sites.Delete("g-r1", {{"f-r1", free}});
   CHECK(ids() == std::vector<std::string>{"f-r1"});
   storage.flights.Delete("x", false);
   alternates.Forget("x");

@@ -7,7 +7,7 @@
 namespace freelsd {
 namespace {
 
-using Phase = Connection::Phase;
+using Phase = ClientConnection::Phase;
 
 // Connections to nobody.
 struct Fixture {
@@ -20,7 +20,7 @@ struct Fixture {
     int pair[2];
     REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM, 0, pair) == 0);
     ::close(pair[1]);
-    auto connection = std::make_unique<Connection>(pair[0], rules);
+    auto connection = std::make_unique<ClientConnection>(pair[0], rules);
     connection->phase = phase;
     connection->since = now - std::chrono::seconds(age_s);
     table.Add(std::move(connection));
@@ -64,7 +64,7 @@ TEST_CASE("connection table: a connection whose turn fails is closed, the others
   const int bad = fixture.Add(Phase::kIdle, 1);
   const int good = fixture.Add(Phase::kIdle, 1);
   int num_called = 0;
-  fixture.table.ForEach(Phase::kIdle, [&](Connection& connection) {
+  fixture.table.ForEach(Phase::kIdle, [&](ClientConnection& connection) {
     ++num_called;
     if (connection.socket.descriptor() == bad) throw std::bad_alloc();
   });
