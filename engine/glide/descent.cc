@@ -9,59 +9,11 @@
 namespace freelsd {
 namespace {
 
-constexpr double kGravity = 9.81;                 // m/s^2, as in approach/
 constexpr double kTurnStep = 10.0 * kPi / 180.0;  // between points of a turn
 constexpr int kNumCirclePoints = 36;
-// Surplus height that is not worth a longer path.
-constexpr double kHeightTolerance = 0.5;
-// Step of the search for a wider turn, in radii of the tightest.
-constexpr double kRadiusStep = 0.125;
-// A circle wider than this leaves the surroundings of the place.
-constexpr double kMaxCircleRatio = 2.5;
-constexpr int kNumBisections = 40;
-
-// The transit between two turn radii that loses this height. Nothing if the height lost jumps over
-// it, because the shortest path changes its kind.
-std::optional<Transit> Bisected(const TransitTask& task,
-                                const Performance& tightest,
-                                double narrow,
-                                double wide,
-                                double height_lost) {
-  for (int i = 0; i < kNumBisections; ++i) {
-    const double middle = 0.5 * (narrow + wide);
-    const auto transit = TransitOf(task, WithTurnRadius(tightest, middle));
-    if (!transit) return std::nullopt;
-    const double left = height_lost - transit->height_lost;
-    if (left >= 0.0 && left < kHeightTolerance) return transit;
-    (transit->height_lost < height_lost ? narrow : wide) = middle;
-  }
-  return std::nullopt;
-}
-
-// The transit with the tightest turns that loses this height.
-std::optional<Transit> TransitLosing(const TransitTask& task,
-                                     const Performance& tightest,
-                                     const Transit& shortest,
-                                     double height_lost) {
-  double narrow = shortest.performance.turn_radius;
-  double narrow_lost = shortest.height_lost;
-  const double widest = kMaxRadiusRatio * tightest.turn_radius;
-  while (narrow < widest) {
-    const double wide = narrow + kRadiusStep * tightest.turn_radius;
-    const auto transit = TransitOf(task, WithTurnRadius(tightest, wide));
-    if (transit && narrow_lost <= height_lost && transit->height_lost >= height_lost) {
-      const auto found = Bisected(task, tightest, narrow, wide, height_lost);
-      if (found) return found;
-    }
-    narrow = wide;
-    if (transit) narrow_lost = transit->height_lost;
-  }
-  return std::nullopt;
-}
 
 // A circle over ground about a fixed centre: points relative to its start, time and height lost.
 struct Circle {
-  double radius = 0.0;
   std::vector<DescentPoint> points;
   double Time() const { return points.back().time_s; }
   double HeightLost() const { return -points.back().position_in_world.z(); }
@@ -69,13 +21,13 @@ struct Circle {
 
 // Nothing if the wind is too strong to fly it.
 std::optional<Circle> CircleOf(const Approach& approach,
-                               double radius,
                                const Eigen::Vector2d& wind,
                                const StraightGlide& straight) {
   const double side = approach.loiter_direction == LoiterDirection::kLeft ? -1.0 : 1.0;
   const double step = 2.0 * kPi / kNumCirclePoints;
+  const double radius = approach.loiter_radius;
   const double chord = 2.0 * radius * std::sin(0.5 * step);
-  Circle circle{radius, {{}}};
+  Circle circle{{{}}};
   for (int i = 0; i < kNumCirclePoints; ++i) {
     const double begin = approach.heading + side * i * step;
     const Eigen::Vector2d direction = DirectionOf(begin + side * 0.5 * step);
@@ -96,22 +48,18 @@ std::optional<Circle> CircleOf(const Approach& approach,
   return circle;
 }
 
-// The approach's circle, or wider where the bank would be too steep at the speed of the glide.
-double CircleRadius(const Approach& approach,
-                    const Eigen::Vector2d& wind,
-                    const Aircraft& aircraft,
-                    const StraightGlide& straight) {
-  const double speed = straight.airspeed_mps + wind.norm();
-  const double tightest = speed * speed / (kGravity * std::tan(RadFromDeg(aircraft.max_bank_deg)));
-  return std::max(approach.loiter_radius, tightest);
-}
-
 // What all paths to one approach share.
 struct Task {
   TransitTask transit;
   // Height above the start of the final.
   double height = 0.0;
 };
+
+// The planner's circle is for the speed of landing.
+StraightGlide AtLandingSpeed(Aircraft aircraft) {
+  aircraft.glide_airspeed_mps = aircraft.landing_airspeed_mps;
+  return StraightGlideOf(aircraft);
+}
 
 // How the height above the start of the final is lost.
 struct Choice {
@@ -121,46 +69,18 @@ struct Choice {
   double surplus_height = 0.0;
 };
 
-// Widens the circles until they lose the surplus too.
-void WidenCircles(const Approach& approach, const Task& task, double radius, Choice& choice) {
-  const double wanted = choice.num_circles * choice.circle->HeightLost() + choice.surplus_height;
-  double narrow = radius;
-  double wide = kMaxCircleRatio * radius;
-  for (int i = 0; i < kNumBisections; ++i) {
-    const double middle = 0.5 * (narrow + wide);
-    const auto circle =
-        CircleOf(approach, middle, task.transit.wind, choice.transit.performance.straight);
-    if (!circle) return;
-    const double lost = choice.num_circles * circle->HeightLost();
-    if (lost <= wanted && wanted - lost < kHeightTolerance) {
-      choice.circle = circle;
-      choice.surplus_height = wanted - lost;
-      return;
-    }
-    (lost < wanted ? narrow : wide) = middle;
-  }
-}
-
 std::optional<Choice> Choose(const Task& task,
                              const Approach& approach,
                              const Aircraft& aircraft,
                              const Performance& tightest) {
   const std::optional<Transit> shortest = TightestTransit(task.transit, tightest);
   if (!shortest || shortest->height_lost > task.height) return std::nullopt;
-  const double radius = CircleRadius(approach, task.transit.wind, aircraft, tightest.straight);
-  Choice choice{*shortest, CircleOf(approach, radius, task.transit.wind, tightest.straight)};
-  const double above = task.height - shortest->height_lost;
-  if (choice.circle) choice.num_circles = static_cast<int>(above / choice.circle->HeightLost());
-  const double in_circles = choice.circle ? choice.num_circles * choice.circle->HeightLost() : 0.0;
-  choice.surplus_height = above - in_circles;
-  if (choice.surplus_height < kHeightTolerance) return choice;
-  if (const auto wider =
-          TransitLosing(task.transit, tightest, *shortest, task.height - in_circles)) {
-    choice.transit = *wider;
-    choice.surplus_height = task.height - in_circles - wider->height_lost;
-  } else if (choice.num_circles > 0) {
-    WidenCircles(approach, task, radius, choice);
-  }
+  Choice choice{*shortest, CircleOf(approach, task.transit.wind, AtLandingSpeed(aircraft))};
+  choice.surplus_height = task.height - shortest->height_lost;
+  if (!choice.circle) return choice;
+  const double lost_in_circle = choice.circle->HeightLost();
+  choice.num_circles = static_cast<int>(choice.surplus_height / lost_in_circle);
+  choice.surplus_height -= choice.num_circles * lost_in_circle;
   return choice;
 }
 
@@ -239,7 +159,6 @@ Descent Flown(const TransitTask& task,
   flight.points.push_back({approach.touchdown_in_world, flight.points.back().time_s + time});
   descent.points = std::move(flight.points);
   descent.num_circles = choice.num_circles;
-  if (choice.num_circles > 0) descent.circle_radius_m = choice.circle->radius;
   descent.surplus_height_m = std::max(0.0, choice.surplus_height);
   return descent;
 }

@@ -77,7 +77,6 @@ struct Descent {
   // Index of the point at which the final begins: `arrival` if no circle is flown.
   size_t final_start = 0;
   int num_circles = 0;
-  double circle_radius_m = 0.0;
   // Height above the planned final at its start. It is the rest that neither circles nor wider
   // turns use up. The pilot loses it on the final.
   double surplus_height_m = 0.0;

@@ -17,10 +17,6 @@ constexpr double kStepsPerMetre = 100.0;
 
 double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
 
-bool HasWiderCircles(const Descent& descent, const Approach& approach) {
-  return descent.num_circles > 0 && descent.circle_radius_m > approach.loiter_radius + 0.01;
-}
-
 }  // namespace
 
 void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann::json& answer) {
@@ -43,17 +39,14 @@ void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann:
 }
 
 std::vector<GeoPoint> UncheckedPath(const Descent& descent,
-                                    const Approach& approach,
                                     const Glide& worst,
                                     const LocalFrame& local_frame) {
   const DescentPoint& arrival = descent.points[descent.arrival];
   const double lower = std::max(0.0, arrival.position_in_world.z() - worst.arrival_height_m);
-  const size_t end = HasWiderCircles(descent, approach) ? descent.final_start : descent.arrival;
   std::vector<GeoPoint> path;
-  for (size_t i = 0; i <= end; ++i) {
+  for (size_t i = 0; i <= descent.arrival; ++i) {
     Eigen::Vector3d position_in_world = descent.points[i].position_in_world;
-    // Circles begin at the height of arrival, whatever it is.
-    if (i <= descent.arrival && arrival.time_s > 0.0) {
+    if (arrival.time_s > 0.0) {
       position_in_world.z() -= lower * descent.points[i].time_s / arrival.time_s;
     }
     path.push_back(local_frame.GeoFromWorld(position_in_world));

@@ -18,7 +18,6 @@ void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann:
 // wider than the approach's. It is lowered in proportion to time, so that it arrives at the height
 // of the worst case.
 std::vector<GeoPoint> UncheckedPath(const Descent& descent,
-                                    const Approach& approach,
                                     const Glide& worst,
                                     const LocalFrame& local_frame);
 

@@ -134,7 +134,7 @@ std::optional<Reached> Reach(const StoredSites& stored,
       context.local_frame.GeoFromWorld(
           {approach_start.x(), approach_start.y(), glide->arrival_height_m})};
   if (descent) {
-    unchecked = UncheckedPath(*descent, *plan.approach, *glide, context.local_frame);
+    unchecked = UncheckedPath(*descent, *glide, context.local_frame);
     AddDescent(*descent, context.local_frame, reached.answer);
   }
   for (GeoPoint& point : unchecked) point.altitude_m += candidate.datum.subtracted_m;

@@ -106,7 +106,7 @@ TEST_CASE("events: clients are bounded, and one that leaves makes room") {
 }
 
 TEST_CASE(
-    "events: 40 readers hold no threads; requests go on, and each reader hears what happens") {
+    "events: 40 readers hold no threads while requests go on, and each reader hears what happens") {
   constexpr int kNumReaders = 40;
   FreshServer fresh([](Config& config) { config.num_http_threads = 4; });
   const std::string flight = NewFlight(fresh.client);

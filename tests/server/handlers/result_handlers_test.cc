@@ -24,7 +24,7 @@ TEST_CASE("results: an approach is planned anew for the wind and aircraft of the
   // Air moves to the east: the final is flown to the west.
   const nlohmann::json approach = GetJson(
       *meadow.client, "/v1/sites/f-r1/approach?wind_east_mps=3&wind_north_mps=0&max_bank_deg=35");
-  CHECK(approach["features"].size() == 3);
+  CHECK(approach["features"].size() == 4);
   CHECK(approach.contains("profile"));
   const double heading_deg = approach["plan"]["approach"]["heading_deg"];
   CHECK(heading_deg == doctest::Approx(270.0).epsilon(0.01));

@@ -168,7 +168,7 @@ TEST_CASE("http: what is not there, not taken or not known is a problem with its
   CheckProblem(fresh.client.Get("/v1/sites?bbox=1,2,3,nan"), 400, "InvalidQuery");
   CheckProblem(fresh.client.Post("/v1/flights", "{", "application/json"), 400, "InvalidJson");
   CheckProblem(
-      fresh.client.Post("/v1/flights", R"({"nam":"x"})", "application/json"), 422, "InvalidValue");
+      fresh.client.Post("/v1/flights", R"({"nam":"x"})", "application/json"), 422, "UnknownKey");
 }
 
 TEST_CASE("http: JSON with bytes after its end is refused, also if they are NUL") {

@@ -20,7 +20,8 @@ const Eigen::Vector2d kWind(0.0, -4.0);
 FlightRequest RequestOf(const Flown& flown) {
   const std::string strict =
       flown.is_strict ? R"(,"max_slope_deg":4,"touchdown_uncertainty_m":9)" : "";
-  return ParseFlightRequest(R"({"name":"field","aircraft":{"profile":"small")" + strict +
+  return ParseFlightRequest(R"({"name":"field of )" + flown.flight_id +
+                            R"(","aircraft":{"profile":"small")" + strict +
                             R"(},"altitude_datum":")" + flown.altitude_datum + "\"}");
 }
 
