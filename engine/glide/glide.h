@@ -77,15 +77,15 @@ struct Descent {
   // Index of the point at which the final begins: `arrival` if no circle is flown.
   size_t final_start = 0;
   int num_circles = 0;
-  // Height above the planned final at its start. It is the rest that neither circles nor wider
-  // turns use up. The pilot loses it on the final.
+  // Height above the planned final at its start: the rest that is too small for a circle. The pilot
+  // loses it on the final.
   double surplus_height_m = 0.0;
 };
 
 // The path in the wind of `start`. An unknown wind counts as calm. For an unknown heading, the one
-// that loses the most height is assumed. Turns are widened to use up surplus height; if that fails,
-// the circles are widened. Nothing if the aircraft arrives below the start of the final, or if the
-// wind is too strong. `aircraft` must be Unpowered.
+// that loses the most height is assumed. The circles are the approach's own, flown at landing
+// speed, because the planner has checked these. Nothing if the aircraft arrives below the start of
+// the final, or if the wind is too strong. `aircraft` must be Unpowered.
 std::optional<Descent> PlanDescent(const GlideStart& start,
                                    const Approach& approach,
                                    const Aircraft& aircraft,

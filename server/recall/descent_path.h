@@ -14,9 +14,8 @@ namespace freelsd {
 // surplus height is left at the start of the final. `local_frame` is the approach's.
 void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann::json& answer);
 
-// The part of the path that the planner has not checked: to the start of the final, and circles
-// wider than the approach's. It is lowered in proportion to time, so that it arrives at the height
-// of the worst case.
+// The part of the path that the planner has not checked: to the start of the final. It is lowered
+// in proportion to time, so that it arrives at the height of the worst case.
 std::vector<GeoPoint> UncheckedPath(const Descent& descent,
                                     const Glide& worst,
                                     const LocalFrame& local_frame);

@@ -219,7 +219,8 @@ TEST_CASE("layers: grass is what the flight's own settings call grass, as in haz
         R"({"name":"strict","options":{"hazard":{"min_grass_posterior":0.999}}})");
   });
   const auto largest = [](const SitesServer& of) {
-    for (const auto& layer : GetJson(*of.client, "/v1/sites/f1-r1/layers")["layers"]) {
+    const nlohmann::json answer = GetJson(*of.client, "/v1/sites/f1-r1/layers");
+    for (const auto& layer : answer["layers"]) {
       if (layer["name"] == "grass") return layer["max"].get<double>();
     }
     return -1.0;
