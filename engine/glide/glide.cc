@@ -100,7 +100,8 @@ std::optional<Glide> GlideTo(const GlideStart& start,
                                              final_heading,
                                              wind,
                                              performance);
-      const std::optional<Transit> transit = TightestTransit(task, performance);
+      std::optional<Transit> transit = TightestTransit(task, performance);
+      if (!transit) transit = LongestTransit(task, performance);
       if (!transit) return std::nullopt;
       worst.time_s = std::max(worst.time_s, transit->time + extra_time);
       worst.height_lost_m = std::max(

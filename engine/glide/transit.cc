@@ -10,6 +10,7 @@ constexpr double kMaxTime = 3600.0;
 constexpr int kMaxIterations = 60;
 constexpr double kTimeTolerance = 0.01;
 constexpr double kRadiusStep = 0.05;
+constexpr double kTimeStep = 1.0;
 
 double TimeOf(const TurnPath& path, const Performance& performance) {
   return (path.Turned() * performance.turn_radius + path.straight_m) / performance.Airspeed();
@@ -53,6 +54,17 @@ std::optional<Transit> TransitOf(const TransitTask& task, const Performance& per
       return Transit{path, performance, next, height_lost};
     }
     time = next;
+  }
+  return std::nullopt;
+}
+
+std::optional<Transit> LongestTransit(const TransitTask& task, const Performance& performance) {
+  for (double time = 0.0; time < kMaxTime; time += kTimeStep) {
+    const Stance to{task.to.place - task.wind * time, task.to.heading};
+    const TurnPath path = ShortestTurns(task.from, to, performance.turn_radius);
+    if (TimeOf(path, performance) <= time) {
+      return Transit{{}, performance, time, time * performance.turning_sink_rate};
+    }
   }
   return std::nullopt;
 }

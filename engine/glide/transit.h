@@ -42,6 +42,10 @@ struct Transit {
 // shortest path changes its kind at the time of arrival.
 std::optional<Transit> TransitOf(const TransitTask& task, const Performance& performance);
 
+// Time and height lost where no path is found, at most: any time that is long enough works, because
+// surplus time is spent in turns. Its path is empty. Nothing if the wind is too strong.
+std::optional<Transit> LongestTransit(const TransitTask& task, const Performance& performance);
+
 // With the tightest turns for which a path is found.
 std::optional<Transit> TightestTransit(const TransitTask& task, const Performance& tightest);
 

@@ -5,7 +5,6 @@
 #include <doctest/doctest.h>
 
 #include "engine/glide/glide.h"
-#include "storage/sqlite/sqlite.h"
 #include "tests/api/import/images/tagged_image.h"
 #include "tests/server/child.h"
 #include "tests/server/meadow.h"
@@ -168,27 +167,6 @@ TEST_CASE("nothing in reach beside a field: between two known datums lies the ge
   INFO(gained.dump());
   REQUIRE(gained["sites"].size() == 1);
   CHECK(gained["sites"][0]["datum_penalty_m"].get<double>() < 0.0);
-}
-
-TEST_CASE("nothing in reach beside a field: an old database's rejected maps get their datum back") {
-  const TemporaryFolder folder;
-  const std::filesystem::path data = folder.path() / "data";
-  {
-    Storage storage(data);
-    StoreAmslMeadow(storage);
-    SiteRow row = SiteOf("g", "amsl");
-    row.recall.reset();
-    storage.sites.Put(row, SerializeSiteMap(Meadow()));
-  }
-  constexpr char kAsVersion3[] = "PRAGMA user_version = 3; PRAGMA application_id = 1718383363";
-  for (const char* const name : {"freelsd.db", "recall.db"}) {
-    Connection(data / name, Access::kWrite).Execute(kAsVersion3);
-  }
-  const TestServer server(TestConfig(data));
-  httplib::Client client = server.Client();
-  const nlohmann::json site = BestOf(GetJson(client, Query(600.0, kCalmNorth)));
-  CHECK(site["terrain_datum_penalty_m"] == 0.0);
-  CHECK(site["datum_penalty_m"] == 0.0);
 }
 
 TEST_CASE("nothing in reach beside a field: frames that contradict each other make it unknown") {

@@ -59,7 +59,7 @@ struct FieldServer : MeadowServer {
           std::string("/v1/emergency/export?f=rally&home_altitude_m=300"),
           std::string("/v1/emergency/export?f=plan&home_altitude_m=300&bbox=7.9,47.02,8.1,47.1"),
           "/v1/emergency?limit=50&heading_deg=0&wind_east_mps=0&wind_north_mps=-4&" + near}) {
-      INFO(path);
+      INFO(path << ": " << client->Get(path)->body);
       CHECK(IsListed(path) == is_served);
     }
     for (const char* const format : {"plan", "waypoints", "cup", "kml", "csv"}) {
