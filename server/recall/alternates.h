@@ -49,6 +49,7 @@ class Alternates {
 
  private:
   using Clock = std::chrono::steady_clock;
+  // NOLINTNEXTLINE(bugprone-exception-escape): an empty json throws nothing.
   struct List {
     nlohmann::json answer;
     // Lists of one flight in the order in which their computation began.

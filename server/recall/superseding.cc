@@ -123,7 +123,7 @@ Standings WithEarlier(const StoredSites& stored, Standings standings, const NewM
     if (!site) continue;
     const std::optional<StoredPlan> plan = ReadStoredPlan(*site);
     if (!plan) continue;
-    const Standing before = *site;
+    const Standing& before = *site;
     Standing after = before.is_checked ? OnNewMap(before, *site, *plan, added)
                                        : StandingOf(stored, *site, newer.id, added);
     if (!(after == before)) standings.emplace_back(row->site_id, std::move(after));
