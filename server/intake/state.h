@@ -32,7 +32,7 @@ struct Intake {
   // Called after a flight's pose or wind changed.
   std::function<void(const std::string& flight_id)> on_new_pose = [](const std::string&) {};
 
-  // Held from checking the ids of new frames until their rows are inserted.
+  // Guards the ids of new frames, from their check until their rows are inserted.
   std::mutex intake_mutex;
   // Limits the number of images decoded at the same time: 64 megapixels take 192 MiB.
   std::counting_semaphore<> decoders{kLimits.concurrency.max_num_decoders};

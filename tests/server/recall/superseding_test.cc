@@ -107,7 +107,9 @@ TEST_CASE(
       {Ground::kTreeOnFinal, "approach_blocked"},
       {Ground::kTreeOnCircle, "loiter_blocked"},
       {Ground::kHazardInDisc, "no_safe_touchdown"}};
-  for (const auto& [ground, reason] : cases) {
+  for (const auto& [ground, expected_reason] : cases) {
+    // A structured binding cannot be captured by doctest's INFO.
+    const std::string reason = expected_reason;
     INFO(reason);
     const FieldServer field({First(), Later(ground)});
     CHECK_FALSE(field.IsServed());
