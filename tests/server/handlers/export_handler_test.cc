@@ -221,7 +221,7 @@ TEST_CASE("export: a plan is for the firmware of the query, with the aircraft's 
     return GetJson(*sites.client, "/v1/sites/f1-r1?f=plan" + query);
   };
   CHECK(plan_of("")["mission"]["firmwareType"] == 12);
-  CHECK(plan_of("&firmware=px4") == plan_of(""));
+  CHECK(plan_of("&firmware=px4")["mission"] == plan_of("")["mission"]);
   CHECK(plan_of("&firmware=ardupilot")["mission"]["firmwareType"] == 3);
   const nlohmann::json landing = plan_of("")["mission"]["items"][0];
   CHECK(landing["useDoChangeSpeed"] == true);
