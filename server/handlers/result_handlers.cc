@@ -18,7 +18,8 @@ constexpr char kGeoJson[] = "application/geo+json";
 std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
   std::vector<nlohmann::json> features;
   features.reserve(sites.size());
-  for (const SiteRow& site : sites) features.push_back(FeatureOf(site));
+  const int64_t now_us = NowUs();
+  for (const SiteRow& site : sites) features.push_back(FeatureOf(site, now_us));
   return features;
 }
 
@@ -86,8 +87,9 @@ void GetSites(Service& service, const Call& call, httplib::Response& response) {
   const auto end = first + static_cast<std::ptrdiff_t>(
                                std::min(limit, static_cast<size_t>(ranked.end() - first)));
   std::string features;
+  const int64_t now_us = NowUs();
   for (auto row = first; row != end; ++row) {
-    nlohmann::json feature = FeatureOf(*row->row);
+    nlohmann::json feature = FeatureOf(*row->row, now_us);
     feature["properties"]["rank"] = row - ranked.begin() + 1;
     features += (row == first ? "" : ",") + feature.dump();
   }

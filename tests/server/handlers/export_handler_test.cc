@@ -189,8 +189,10 @@ TEST_CASE("export: each format with text says when the ground was photographed")
     CAPTURE(format);
     CHECK(body(format).find(photographed) != std::string::npos);
   }
+  CHECK(body("html").find("40 m before touchdown; 25 %") != std::string::npos);
   const auto rows = SplitRows(body("csv"), ',');
   REQUIRE(rows.size() >= 2);
+  CHECK(rows[0].size() == rows[1].size());
   const auto column = [&rows](const std::string& name) {
     const auto found = std::find(rows[0].begin(), rows[0].end(), name);
     REQUIRE(found != rows[0].end());
