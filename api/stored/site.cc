@@ -165,7 +165,6 @@ StoredSite ReadProperties(const nlohmann::json& properties) {
   if (const auto approach = ObjectIn(properties, "approach")) {
     const nlohmann::json obstacle =
         ObjectIn(*approach, "tightest_obstacle").value_or(nlohmann::json::object());
-    site.is_go_around_known = approach->contains("no_return_distance_m");
     site.approach = StoredClearance{NumberIn(*approach, "min_clearance_m"),
                                     NumberIn(obstacle, "clearance_m"),
                                     NumberIn(obstacle, "distance_m")};

@@ -142,10 +142,8 @@ struct StoredSite {
   bool is_superseded = false;
   std::optional<FinalPlaces> final_places;
   std::vector<ProfilePoint> profile;
-  // Empty: no climb clears the seen ground; or it is unknown, because an older program stored the
-  // site.
+  // Empty: no climb clears the seen ground, or an older program stored the site.
   std::optional<StoredGoAround> go_around;
-  bool is_go_around_known = false;
 
   bool IsRejected() const { return verdict != "landable" && verdict != "unverified"; }
   // For people: the flight's name and the rank, marked if the site is superseded or not landable:

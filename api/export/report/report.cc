@@ -41,10 +41,7 @@ std::string Value(const std::optional<Number>& number, const std::string& unit) 
 
 std::string NoReturnRow(const StoredSite& site) {
   if (site.IsRejected()) return "";
-  if (!site.go_around) {
-    return Row("Point of no return",
-               site.is_go_around_known ? "no climb clears the seen ground ahead" : "unknown");
-  }
+  if (!site.go_around) return Row("Point of no return", "no climb is known to clear");
   const long percent = std::lround(std::ceil(100.0 * site.go_around->unseen_ratio));
   return Row("Point of no return, with power",
              FixedText(std::ceil(site.go_around->no_return_distance_m), 0) +
