@@ -20,6 +20,7 @@ void VisitNumbers(AircraftType& aircraft, Visitor&& visit) {
   visit("safety_margin_m", aircraft.safety_margin_m);
   visit("path_half_width_m", aircraft.path_half_width_m);
   visit("min_ground_speed_mps", aircraft.min_ground_speed_mps);
+  visit("climb_gradient_deg", aircraft.climb_gradient_deg);
   visit("ground_roll_m", aircraft.ground_roll_m);
   visit("min_area_m2", aircraft.min_area_m2);
 }

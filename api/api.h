@@ -126,7 +126,8 @@ nlohmann::json SiteFeature(const std::string& site_id,
                            const Aircraft& aircraft,
                            const std::string& updated_at,
                            const FlightContext& context);
-// FeatureCollection of kinds approach, loiter, touchdown and ground_roll, with `profile`. Throws
+// FeatureCollection of kinds approach, loiter, touchdown, ground_roll and go_around, with
+// `profile`. Throws
 // ApiError NoApproach (409) if the plan has no approach.
 nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context);
 // {directions_deg, speeds_mps, altitude_datum, entries}. Entries are ordered by speed, then by
@@ -136,6 +137,8 @@ nlohmann::json WindRoseJson(const WindRose& rose, const FlightContext& context);
 nlohmann::json PlaceJudgementJson(const PlaceJudgement& judgement,
                                   const Eigen::Vector2d& place_in_world,
                                   const FlightContext& context);
+// A duration for people, rounded down: "365 days", "5 hours" or "12 minutes".
+std::string AgeText(double age_s);
 // Warnings for pilots if the aircraft's limits are looser than those of every known profile.
 std::vector<std::string> LimitsWarnings(const Aircraft& aircraft);
 // The site properties that depend on the plan (verdict, score, approach, rejections, ...).

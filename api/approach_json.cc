@@ -53,6 +53,17 @@ nlohmann::json GroundRollFeature(const Approach& approach, const LocalFrame& loc
                   {"width_m", Rounded((corners.at(2) - corners.at(1)).norm())}});
 }
 
+nlohmann::json GoAroundFeature(const Approach& approach, const LocalFrame& local_frame) {
+  const GoAround& go_around = *approach.go_around;
+  const double height = go_around.start_in_world.z() - approach.touchdown_in_world.z();
+  return Feature(LineGeometry({go_around.start_in_world, go_around.end_in_world}, local_frame),
+                 {{"kind", "go_around"},
+                  {"no_return_distance_m", Rounded(go_around.no_return_distance)},
+                  {"height_m", Rounded(height)},
+                  {"climb_angle_deg", Rounded(DegFromRad(go_around.climb_angle))},
+                  {"unseen_ratio", Rounded(go_around.unseen_ratio)}});
+}
+
 std::vector<nlohmann::json> ApproachFeatures(const Approach& approach,
                                              const LocalFrame& local_frame) {
   nlohmann::json final_properties = ApproachProperties(approach, local_frame);
@@ -73,6 +84,7 @@ std::vector<nlohmann::json> ApproachFeatures(const Approach& approach,
   if (!approach.ground_roll_in_world.empty()) {
     features.push_back(GroundRollFeature(approach, local_frame));
   }
+  if (approach.go_around) features.push_back(GoAroundFeature(approach, local_frame));
   return features;
 }
 
@@ -98,9 +110,13 @@ nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& lo
                             {"loiter_radius_m", Rounded(approach.loiter_radius)},
                             {"loiter_direction", DirectionName(approach.loiter_direction)},
                             {"min_clearance_m", Rounded(approach.min_clearance)}};
-  // The obstacle is known where the strip is.
+  // Obstacle and go-around are known where the strip is.
   if (approach.strip) {
     properties["tightest_obstacle"] = ObstacleJson(approach.obstacle, local_frame);
+    properties["no_return_distance_m"] = nullptr;
+    if (approach.go_around) {
+      properties["no_return_distance_m"] = Rounded(approach.go_around->no_return_distance);
+    }
   }
   if (approach.ground_speed) properties["ground_speed_mps"] = Rounded(*approach.ground_speed);
   return properties;

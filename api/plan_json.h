@@ -13,7 +13,8 @@ namespace freelsd {
 std::string NameOf(Verdict verdict);
 // "left" or "right".
 std::string DirectionName(LoiterDirection direction);
-// Heading, distance, height, loiter radius and direction, least clearance. The heading is relative
+// Heading, distance, height, loiter radius and direction, least clearance, point of no return. The
+// heading is relative
 // to true north at the touchdown, which differs from the origin's: at 80 N by 0.05 deg for each
 // kilometre to the east.
 nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& local_frame);

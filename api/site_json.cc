@@ -194,6 +194,16 @@ nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
   return properties;
 }
 
+std::string AgeText(double age_s) {
+  constexpr double kMinuteS = 60.0, kHourS = 3600.0, kDayS = 86400.0;
+  const auto whole = [age_s](double unit_s) {
+    return std::to_string(static_cast<int64_t>(age_s / unit_s));
+  };
+  if (age_s >= 2.0 * kDayS) return whole(kDayS) + " days";
+  if (age_s >= 2.0 * kHourS) return whole(kHourS) + " hours";
+  return whole(kMinuteS) + " minutes";
+}
+
 std::vector<std::string> LimitsWarnings(const Aircraft& aircraft) {
   const std::vector<std::string> looser = LimitsLooserThanProfiles(aircraft);
   if (looser.empty()) return {};

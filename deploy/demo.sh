@@ -143,15 +143,15 @@ print_sites() {
     def show(digits): if . == null then "-"
       else (. * pow(10; digits) | round / pow(10; digits) | tostring) end;
     ["rank", "verdict", "score", "latitude", "longitude", "strip m", "to hazard m", "heading deg",
-     "obstacle m", "unseen", "why not"],
+     "obstacle m", "unseen", "age days", "why not"],
     (.features[] | .properties as $p | .geometry.coordinates as $c |
      [$p.rank, $p.verdict, ($p.score | show(2)), ($c[1] | show(6)), ($c[0] | show(6)),
       (if $p.usable_length_m == null then "-" else "\($p.usable_length_m | floor)x\($p.usable_width_m | floor)" end), ($p.hazard_distance_m | show(1)),
       ($p.approach.heading_deg | show(0)), ($p.approach.tightest_obstacle.clearance_m | show(1)),
-      ($p.unseen_ratio | show(2)), ($p.reject_reason // "-")])
+      ($p.unseen_ratio | show(2)), ($p.age_s / 86400 | floor), ($p.reject_reason // "-")])
     | @tsv' <<<"$sites" |
-    awk -F '\t' '{ printf "%4s  %-10s  %5s  %10s  %10s  %7s  %11s  %11s  %11s  %6s  %s\n",
-                          $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11 }'
+    awk -F '\t' '{ printf "%4s  %-10s  %5s  %10s  %10s  %7s  %11s  %11s  %11s  %6s  %8s  %s\n",
+                          $1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12 }'
   echo
   jq -r '.features[0].properties | "best: " + .summary' <<<"$sites"
 }

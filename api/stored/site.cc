@@ -97,6 +97,19 @@ std::vector<ProfilePoint> ReadProfile(const nlohmann::json& approach) {
   return points;
 }
 
+std::optional<StoredGoAround> ReadGoAround(const nlohmann::json& approach) {
+  for (const nlohmann::json& feature : approach.at("features")) {
+    const nlohmann::json& properties = feature.at("properties");
+    if (properties.at("kind") != "go_around") continue;
+    const nlohmann::json& line = feature.at("geometry").at("coordinates");
+    return StoredGoAround{properties.at("no_return_distance_m").get<double>(),
+                          properties.at("unseen_ratio").get<double>(),
+                          PlaceOf(line.at(0)),
+                          PlaceOf(line.at(1))};
+  }
+  return std::nullopt;
+}
+
 std::vector<StoredRejection> ReadRejections(const nlohmann::json& properties) {
   std::vector<StoredRejection> rejections;
   for (const nlohmann::json& each : properties.value("rejections", nlohmann::json::array())) {
@@ -182,6 +195,7 @@ StoredSite ReadStoredSite(const std::string& feature_json,
   const nlohmann::json approach = nlohmann::json::parse(approach_json);
   site.final_places = ReadFinal(approach, site.touchdown);
   site.profile = ReadProfile(approach);
+  site.go_around = ReadGoAround(approach);
   return site;
 }
 

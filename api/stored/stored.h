@@ -63,6 +63,15 @@ struct FinalPlaces {
   std::vector<GeoPoint> circle;
 };
 
+// The climb that breaks the approach off.
+struct StoredGoAround {
+  // Point of no return: distance of the start to the touchdown.
+  double no_return_distance_m = 0.0;
+  double unseen_ratio = 0.0;
+  GeoPoint start;
+  GeoPoint end;
+};
+
 // Altitudes along the final. `terrain_m` is empty where no image shows the ground.
 struct ProfilePoint {
   double distance_m = 0.0;  // before the touchdown
@@ -125,10 +134,16 @@ struct StoredSite {
   std::optional<StoredClearance> approach;
   std::vector<StoredRejection> rejections;
   std::vector<std::string> warnings;
+  // When the ground was last photographed, RFC 3339, and the time since then. The caller sets them:
+  // a later flight changes them.
+  std::optional<std::string> last_seen_at;
+  std::optional<double> age_s;
   // Its plan fails on a later map. The caller sets it: a later flight changes it.
   bool is_superseded = false;
   std::optional<FinalPlaces> final_places;
   std::vector<ProfilePoint> profile;
+  // Empty: no climb clears the seen ground, or an older program stored the site.
+  std::optional<StoredGoAround> go_around;
 
   bool IsRejected() const { return verdict != "landable" && verdict != "unverified"; }
   // For people: the flight's name and the rank, marked if the site is superseded or not landable:

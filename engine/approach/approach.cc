@@ -9,6 +9,7 @@
 
 #include "engine/approach/approach_ground.h"
 #include "engine/approach/attempt_verdict.h"
+#include "engine/approach/go_around/go_around.h"
 #include "engine/approach/landing_strip.h"
 #include "engine/approach/path_rules.h"
 #include "engine/approach/score.h"
@@ -129,6 +130,24 @@ Plan Explained(Plan plan,
   return plan;
 }
 
+std::optional<GoAround> GoAroundOf(const Attempt& attempt,
+                                   const AttemptContext& context,
+                                   const ElevationMap& map,
+                                   const HazardLayers& hazards) {
+  if (attempt.verdict == Verdict::kRejected) return std::nullopt;
+  const std::vector<Approach> flown = ApproachesOf(attempt, context);
+  const ClearanceSurface& planned = context.surface;
+  // A plan for one region only reads the map around the region.
+  if (planned.num_rows() == map.grid.num_rows && planned.num_cols() == map.grid.num_cols) {
+    return FindGoAround(flown, planned, context.aircraft, context.options);
+  }
+  return FindGoAround(
+      flown,
+      MakeClimbSurface(flown.front(), map, hazards, context.aircraft, context.options),
+      context.aircraft,
+      context.options);
+}
+
 // Adds the reason why the first way was not taken.
 Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_rejections);
@@ -191,6 +210,7 @@ Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
   Plan plan = WithAttempt(PlanAt(best.touchdown, hazards, request, way.aircraft), best, context);
   if (explanation == Explanation::kFull) {
     plan = Explained(std::move(plan), best, context, hazards);
+    plan.approach->go_around = GoAroundOf(best, context, map, hazards);
     plan.rejections = Rejections(found.passed_over, context);
   }
   plan.score_terms = ScoreTerms(

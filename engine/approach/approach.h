@@ -144,6 +144,23 @@ struct PathObstacle {
   double wanted = 0.0;
 };
 
+// A straight climb with power along the landing heading that breaks the approach off. It clears all
+// seen ground ahead by the safety margin and the allowance for the map's tilt. Unseen ground does
+// not block it.
+struct GoAround {
+  // Point of no return: the last place on the final from which the climb clears. Distance to
+  // touchdown. The path there is at least safety_margin_m above touchdown, and outside the disc.
+  double no_return_distance = 0.0;
+  // The climb begins on the final. It ends where it is as high as the start of the final and no
+  // seen ground lies ahead.
+  Eigen::Vector3d start_in_world = Eigen::Vector3d::Zero();
+  Eigen::Vector3d end_in_world = Eigen::Vector3d::Zero();
+  // Angle over ground, radians. Tail wind makes it less than climb_gradient_deg.
+  double climb_angle = 0.0;
+  // Share of the climb below which ground is unseen or lies off the map.
+  double unseen_ratio = 0.0;
+};
+
 struct Approach {
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   Eigen::Vector3d approach_start_in_world = Eigen::Vector3d::Zero();
@@ -165,10 +182,12 @@ struct Approach {
   double unseen_ratio = 0.0;
   // Corners of the ground roll that must be free, with its margins; empty where none is needed.
   std::vector<Eigen::Vector3d> ground_roll_in_world;
-  // The next three are left empty without explanation.
+  // The next four are left empty without explanation.
   std::optional<LandingStrip> strip;
   // Over all scenarios of the wind. Empty: there is none.
   std::optional<PathObstacle> obstacle;
+  // It clears in all scenarios of the wind. Empty: no climb clears, or the plan is rejected.
+  std::optional<GoAround> go_around;
   ApproachProfile profile;
 };
 
@@ -272,8 +291,8 @@ Plan PlanApproach(const ElevationMap& map,
                   const Aircraft& aircraft,
                   const ApproachOptions& options);
 
-// Whether a plan includes its rejections, its rules, its strip, its tightest obstacle and the
-// profile below its final.
+// Whether a plan includes its rejections, its rules, its strip, its tightest obstacle, its
+// go-around and the profile below its final.
 enum class Explanation { kFull, kNone };
 
 // What a map says of an approach that was planned on another map.

@@ -213,6 +213,16 @@ std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
   });
 }
 
+double ClimbSlope(const Approach& approach, const Aircraft& aircraft) {
+  // FinalLength, solved for the headwind.
+  const double headwind = GroundSpeed(aircraft) - approach.approach_distance /
+                                                      approach.approach_height * SinkRate(aircraft);
+  const double climb = RadFromDeg(aircraft.climb_gradient_deg);
+  const double tailwind = std::max(0.0, -headwind);
+  return aircraft.landing_airspeed_mps * std::sin(climb) /
+         (aircraft.landing_airspeed_mps * std::cos(climb) + tailwind);
+}
+
 Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,
                       double heading,
                       const WindScenario& scenario,

@@ -60,6 +60,11 @@ std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
                           const ApproachOptions& options,
                           double wind_margin = 0.0);
 
+// Height gained for each metre over ground by the aircraft's climb along the landing heading. A
+// tail wind that the final's length allows for flattens the climb; a headwind does not count,
+// because it may drop.
+double ClimbSlope(const Approach& approach, const Aircraft& aircraft);
+
 // Fills the start of the final, the circle's centre and sizes; fields that need a map stay empty.
 Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,
                       double heading,

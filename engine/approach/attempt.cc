@@ -143,12 +143,19 @@ Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context)
   return approach;
 }
 
+std::vector<Approach> ApproachesOf(const Attempt& attempt, const AttemptContext& context) {
+  std::vector<Approach> approaches;
+  for (const WindScenario& scenario : ScenariosOf(attempt, context)) {
+    approaches.push_back(ApproachOf(attempt, context, scenario));
+  }
+  return approaches;
+}
+
 std::optional<PathObstacle> TightestOf(const Attempt& attempt,
                                        const AttemptContext& context,
                                        PathPart part) {
   std::optional<PathObstacle> tightest;
-  for (const WindScenario& scenario : ScenariosOf(attempt, context)) {
-    const Approach flown = ApproachOf(attempt, context, scenario);
+  for (const Approach& flown : ApproachesOf(attempt, context)) {
     tightest =
         Tighter(tightest,
                 part == PathPart::kCircle

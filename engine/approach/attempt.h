@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "engine/approach/path_cells.h"
 #include "engine/approach/touchdown.h"
@@ -41,6 +42,9 @@ Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context);
 
 // Includes clearances, but nothing that an explanation adds.
 Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context);
+
+// The path in each scenario of its heading, without clearances; the first is flown.
+std::vector<Approach> ApproachesOf(const Attempt& attempt, const AttemptContext& context);
 
 // On one part of the path, over all scenarios of its heading.
 std::optional<PathObstacle> TightestOf(const Attempt& attempt,

@@ -119,11 +119,11 @@ ClearanceSurface WithStep(double circle_step,
   return surface;
 }
 
-ClearanceSurface Filled(ClearanceSurface surface,
-                        const ElevationMap& map,
-                        const HazardLayers& hazards,
-                        const cv::Rect& cells,
-                        const ApproachOptions& options) {
+ClearanceSurface WithHeights(ClearanceSurface surface,
+                             const ElevationMap& map,
+                             const HazardLayers& hazards,
+                             const cv::Rect& cells,
+                             const ApproachOptions& options) {
   surface.first_row = cells.y;
   surface.first_col = cells.x;
   surface.north_west_in_world =
@@ -142,6 +142,11 @@ ClearanceSurface Filled(ClearanceSurface surface,
       surface.is_unseen(cell) = known.is_unseen;
     }
   }
+  return surface;
+}
+
+ClearanceSurface WithCorridors(ClearanceSurface surface) {
+  if (surface.height.empty()) return surface;
   const double radius_cells = surface.corridor_radius / surface.cell_size;
   surface.corridor_height = MaxOverDisc(surface.height, radius_cells, kNoHeight);
   surface.corridor_is_unseen = MaxOverDisc(surface.is_unseen, radius_cells, 1.0);
@@ -163,18 +168,24 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
   ClearanceSurface surface = WithStep(CircleStep(scenarios, options), map, aircraft, options);
   const cv::Rect cells =
       map.grid.CellsAround(footprint, Reach(scenarios) + surface.corridor_radius);
-  return Filled(std::move(surface), map, hazards, cells, options);
+  return WithCorridors(WithHeights(std::move(surface), map, hazards, cells, options));
 }
 
 ClearanceSurface MakeClearanceSurfaceOfMap(const ElevationMap& map,
                                            const HazardLayers& hazards,
                                            const Aircraft& aircraft,
                                            const ApproachOptions& options) {
-  return Filled(WithStep(options.path_step_m, map, aircraft, options),
-                map,
-                hazards,
-                {0, 0, map.grid.num_cols, map.grid.num_rows},
-                options);
+  return WithCorridors(MakeHeightSurface(
+      map, hazards, {0, 0, map.grid.num_cols, map.grid.num_rows}, aircraft, options));
+}
+
+ClearanceSurface MakeHeightSurface(const ElevationMap& map,
+                                   const HazardLayers& hazards,
+                                   const cv::Rect& cells,
+                                   const Aircraft& aircraft,
+                                   const ApproachOptions& options) {
+  return WithHeights(
+      WithStep(options.path_step_m, map, aircraft, options), map, hazards, cells, options);
 }
 
 }  // namespace freelsd

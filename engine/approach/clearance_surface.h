@@ -69,6 +69,13 @@ ClearanceSurface MakeClearanceSurfaceOfMap(const ElevationMap& map,
                                            const HazardLayers& hazards,
                                            const Aircraft& aircraft,
                                            const ApproachOptions& options);
+// Covers these cells of the map, for straight paths: without corridor_height and
+// corridor_is_unseen.
+ClearanceSurface MakeHeightSurface(const ElevationMap& map,
+                                   const HazardLayers& hazards,
+                                   const cv::Rect& cells,
+                                   const Aircraft& aircraft,
+                                   const ApproachOptions& options);
 // Step along the circles of the scenarios, metres. It is path_step_m, or more if the largest circle
 // would have too many steps.
 double CircleStep(const std::vector<WindScenario>& scenarios, const ApproachOptions& options);

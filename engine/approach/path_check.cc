@@ -3,43 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/approach/corridor.h"
-
 namespace freelsd {
 namespace {
 
 // Near touchdown this share of the path's height is enough clearance (decision 0019).
 constexpr double kShareOfPathHeight = 0.5;
-
-// One slice across a corridor.
-struct Slice {
-  float height = kNoHeight;
-  int row = 0;  // of the highest cell
-  int col = 0;
-  bool is_unseen = false;
-  bool is_on_map = false;
-};
-
-Slice SliceAt(const Eigen::Vector2d& place,
-              const Corridor& corridor,
-              const ClearanceSurface& surface) {
-  Slice slice;
-  for (int i = -corridor.num_each_side; i <= corridor.num_each_side; ++i) {
-    const Eigen::Vector2d sample = place + (i * corridor.spacing) * corridor.across;
-    const int row = surface.RowAt(sample.y()), col = surface.ColAt(sample.x());
-    if (!surface.IsInside(row, col)) {
-      slice.is_unseen = true;
-      continue;
-    }
-    slice.is_on_map = true;
-    if (surface.is_unseen(row, col)) slice.is_unseen = true;
-    if (surface.height(row, col) <= slice.height) continue;
-    slice.height = surface.height(row, col);
-    slice.row = row;
-    slice.col = col;
-  }
-  return slice;
-}
 
 // Upper bound of a slice: the highest cell within reach. If this is clear, the slice is clear.
 Slice GlanceAt(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
@@ -50,10 +18,6 @@ Slice GlanceAt(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
           .col = col,
           .is_unseen = surface.corridor_is_unseen(row, col) != 0,
           .is_on_map = true};
-}
-
-double AlongStep(const ClearanceSurface& surface, const ApproachOptions& options) {
-  return std::min(options.path_step_m, kAlongSpacing * surface.cell_size);
 }
 
 bool HasFailed(const PathCheck& check) { return check.obstacle || check.num_unseen_steps > 0; }
@@ -76,6 +40,31 @@ Eigen::Vector3d HighestAround(const Eigen::Vector2d& place, const ClearanceSurfa
 }
 
 }  // namespace
+
+Slice SliceAt(const Eigen::Vector2d& place,
+              const Corridor& corridor,
+              const ClearanceSurface& surface) {
+  Slice slice;
+  for (int i = -corridor.num_each_side; i <= corridor.num_each_side; ++i) {
+    const Eigen::Vector2d sample = place + (i * corridor.spacing) * corridor.across;
+    const int row = surface.RowAt(sample.y()), col = surface.ColAt(sample.x());
+    if (!surface.IsInside(row, col)) {
+      slice.is_unseen = true;
+      continue;
+    }
+    slice.is_on_map = true;
+    if (surface.is_unseen(row, col)) slice.is_unseen = true;
+    if (surface.height(row, col) <= slice.height) continue;
+    slice.height = surface.height(row, col);
+    slice.row = row;
+    slice.col = col;
+  }
+  return slice;
+}
+
+double AlongStep(const ClearanceSurface& surface, const ApproachOptions& options) {
+  return std::min(options.path_step_m, kAlongSpacing * surface.cell_size);
+}
 
 std::vector<double> FinalSteps(const ClearanceSurface& surface,
                                const WindScenario& scenario,

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "engine/approach/clearance_surface.h"
+#include "engine/approach/corridor.h"
 
 namespace freelsd {
 
@@ -40,6 +41,22 @@ struct PathCheck {
     return num_steps == 0 ? 0.0 : static_cast<double>(num_unseen_steps) / num_steps;
   }
 };
+
+// One slice across a corridor.
+struct Slice {
+  // World z; kNoHeight where no cell shows a height.
+  float height = kNoHeight;
+  int row = 0;  // of the highest cell
+  int col = 0;
+  // A cell is unseen or lies off the map.
+  bool is_unseen = false;
+  bool is_on_map = false;
+};
+Slice SliceAt(const Eigen::Vector2d& place,
+              const Corridor& corridor,
+              const ClearanceSurface& surface);
+// Distance between slices along a straight path, metres.
+double AlongStep(const ClearanceSurface& surface, const ApproachOptions& options);
 
 // Distances to touchdown at which the final approach is checked, ascending, both ends included.
 std::vector<double> FinalSteps(const ClearanceSurface& surface,

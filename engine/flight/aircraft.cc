@@ -49,6 +49,7 @@ void Aircraft::Check() const {
   check.Inside("safety_margin_m", safety_margin_m, 0.0, 100.0);
   check.Inside("path_half_width_m", path_half_width_m, 0.0, 100.0);
   check.Inside("min_ground_speed_mps", min_ground_speed_mps, 0.0, 50.0);
+  check.Inside("climb_gradient_deg", climb_gradient_deg, 0.5, 45.0);
   check.Inside("ground_roll_m", ground_roll_m, 0.0, 2000.0);
   check.Inside("min_area_m2", min_area_m2, 1.0, 1e7);
   RequirePath(*this);

@@ -37,7 +37,8 @@ std::vector<StoredSite> SitesOf(const std::vector<SiteRow>& rows) {
 std::string GeoJsonOf(const std::vector<SiteRow>& rows) {
   std::vector<nlohmann::json> features;
   features.reserve(rows.size());
-  for (const SiteRow& row : rows) features.push_back(FeatureOf(row));
+  const int64_t now_us = NowUs();
+  for (const SiteRow& row : rows) features.push_back(FeatureOf(row, now_us));
   nlohmann::json collection = RankedSites(std::move(features));
   auto& ranked = collection["features"].get_ref<nlohmann::json::array_t&>();
   if (ranked.size() > kLimits.answer.max_num_exported_sites)

@@ -6,6 +6,7 @@
 
 #include "api/api.h"
 #include "api/stored/stored.h"
+#include "server/recall/recall.h"
 
 namespace freelsd {
 
@@ -41,10 +42,11 @@ std::vector<SiteRow> ListedSites(const Service& service,
   return sites;
 }
 
-nlohmann::json FeatureOf(const SiteRow& row) {
+nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us) {
   nlohmann::json feature = nlohmann::json::parse(row.feature_json);
   nlohmann::json& properties = feature["properties"];
-  if (row.confirmed_at_us) properties["last_seen_at"] = Rfc3339(row.LastSeenUs());
+  properties["last_seen_at"] = Rfc3339(row.LastSeenUs());
+  properties["age_s"] = GroundAgeS(row.LastSeenUs(), now_us);
   if (!row.superseded_by) return feature;
   properties["superseded_by"] = *row.superseded_by;
   // A row of an older program has no more than the id, until it is checked.
@@ -60,6 +62,8 @@ StoredSite SiteOf(const SiteRow& row) {
   StoredSite site = ReadStoredSite(
       row.feature_json, row.approach_json, flight.altitude_datum.value_or("unknown"));
   site.flight_name = flight.name;
+  site.last_seen_at = Rfc3339(row.LastSeenUs());
+  site.age_s = GroundAgeS(row.LastSeenUs(), NowUs());
   site.is_superseded = row.superseded_by.has_value();
   if (site.is_superseded) {
     site.warnings.push_back("superseded: on the later map of " + *row.superseded_by + " " +

@@ -22,8 +22,9 @@ std::vector<SiteRow> ListedSites(const Service& service,
                                  const Call& call,
                                  const std::optional<std::string>& flight_id,
                                  const std::optional<BoundingBox>& box);
-// The stored feature, with what later maps say of the site.
-nlohmann::json FeatureOf(const SiteRow& row);
+// The stored feature, with the age of its ground at `now_us` and with what later maps say of the
+// site.
+nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us = NowUs());
 // The query's home_altitude_m and firmware. Throws ApiError InvalidQuery.
 ExportOptions ExportOptionsOf(const Call& call);
 // The row as a struct, without its rank.

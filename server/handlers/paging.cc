@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include <nlohmann/json.hpp>
+
 namespace freelsd {
 namespace {
 
@@ -25,6 +27,25 @@ Number ParseWhole(const std::string& text) {
   const auto [stopped_at, error] = std::from_chars(text.data(), end, number);
   if (error != std::errc() || stopped_at != end) RefuseCursor();
   return number;
+}
+
+// Parts of the parameter cursor, which is three texts. The last may contain a separator.
+std::optional<std::array<std::string, 3>> ParseThreeParts(const Call& call) {
+  const std::optional<std::string> text = call.Query("cursor");
+  if (!text) return std::nullopt;
+  const size_t first = text->find(kSeparator);
+  if (first == std::string::npos) RefuseCursor();
+  const size_t second = text->find(kSeparator, first + 1);
+  if (second == std::string::npos) RefuseCursor();
+  return std::array<std::string, 3>{text->substr(0, first),
+                                    text->substr(first + 1, second - first - 1),
+                                    text->substr(second + 1)};
+}
+
+// The shortest text that parses to the same number.
+std::string ShortestText(double number) {
+  std::array<char, 40> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), number).ptr};
 }
 
 }  // namespace
@@ -56,24 +77,38 @@ void AnswerPage(const std::string& name,
 }
 
 std::optional<RankKey> ParseRankCursor(const Call& call) {
-  const std::optional<std::string> text = call.Query("cursor");
-  if (!text) return std::nullopt;
-  const size_t first = text->find(kSeparator);
-  if (first == std::string::npos) RefuseCursor();
-  const size_t second = text->find(kSeparator, first + 1);
-  if (second == std::string::npos) RefuseCursor();
-  return RankKey{ParseWhole<int>(text->substr(0, first)),
-                 ParseWhole<double>(text->substr(first + 1, second - first - 1)),
-                 text->substr(second + 1)};
+  const auto parts = ParseThreeParts(call);
+  if (!parts) return std::nullopt;
+  const auto& [verdict_order, minus_score, id] = *parts;
+  return RankKey{ParseWhole<int>(verdict_order), ParseWhole<double>(minus_score), id};
 }
 
 std::string CursorOf(const RankKey& key) {
   const auto& [verdict_order, minus_score, id] = key;
-  // The shortest text that parses to the same number.
-  std::array<char, 40> score{};
-  const auto end = std::to_chars(score.data(), score.data() + score.size(), minus_score).ptr;
-  return std::to_string(verdict_order) + kSeparator + std::string(score.data(), end) + kSeparator +
-         id;
+  return std::to_string(verdict_order) + kSeparator + ShortestText(minus_score) + kSeparator + id;
+}
+
+std::optional<NewLookCursor> ParseNewLookCursor(const Call& call) {
+  const auto parts = ParseThreeParts(call);
+  if (!parts) return std::nullopt;
+  const auto& [now_us, minus_gain, id] = *parts;
+  NewLookCursor cursor{ParseWhole<int64_t>(now_us), {ParseWhole<double>(minus_gain), id}};
+  // A later time is not that of an earlier page.
+  if (cursor.now_us < 0 || cursor.now_us > NowUs()) RefuseCursor();
+  return cursor;
+}
+
+std::string CursorOf(const NewLookCursor& cursor) {
+  const auto& [minus_gain, id] = cursor.last;
+  return std::to_string(cursor.now_us) + kSeparator + ShortestText(minus_gain) + kSeparator + id;
+}
+
+void AnswerFeatures(const std::string& features,
+                    const std::optional<std::string>& next,
+                    httplib::Response& response) {
+  std::string body = R"({"type":"FeatureCollection","features":[)" + features + "]";
+  if (next) body += R"(,"next":)" + nlohmann::json(*next).dump();
+  response.set_content(body + "}", "application/geo+json");
 }
 
 }  // namespace freelsd

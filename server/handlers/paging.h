@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "api/api.h"
 #include "server/http/http.h"
@@ -29,5 +30,21 @@ void AnswerPage(const std::string& name,
 // A cursor of a list that is ordered by rank.
 std::optional<RankKey> ParseRankCursor(const Call& call);
 std::string CursorOf(const RankKey& key);
+
+// Order of a list by what a new look gains: minus the gain, then the id.
+using NewLookKey = std::tuple<double, std::string>;
+// The last site of a page, and the time at which the ages of all pages are taken.
+struct NewLookCursor {
+  int64_t now_us = 0;
+  NewLookKey last;
+};
+std::optional<NewLookCursor> ParseNewLookCursor(const Call& call);
+std::string CursorOf(const NewLookCursor& cursor);
+
+// Answers a FeatureCollection. `features`: JSON, separated by commas. `next`: cursor if others
+// follow.
+void AnswerFeatures(const std::string& features,
+                    const std::optional<std::string>& next,
+                    httplib::Response& response);
 
 }  // namespace freelsd

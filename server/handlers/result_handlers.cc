@@ -6,6 +6,7 @@
 #include "server/handlers/bounding_box.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/handlers/new_look.h"
 #include "server/handlers/paging.h"
 #include "server/recall/recall.h"
 
@@ -17,7 +18,8 @@ constexpr char kGeoJson[] = "application/geo+json";
 std::vector<nlohmann::json> FeaturesOf(const std::vector<SiteRow>& sites) {
   std::vector<nlohmann::json> features;
   features.reserve(sites.size());
-  for (const SiteRow& site : sites) features.push_back(FeatureOf(site));
+  const int64_t now_us = NowUs();
+  for (const SiteRow& site : sites) features.push_back(FeatureOf(site, now_us));
   return features;
 }
 
@@ -68,6 +70,12 @@ void GetFlightSites(Service& service, const Call& call, httplib::Response& respo
 
 // The rank of a site is its place in the whole list, also on a later page.
 void GetSites(Service& service, const Call& call, httplib::Response& response) {
+  const std::string order = call.Query("order").value_or("rank");
+  if (order == "new_look") return GetSitesByNewLook(service, call, response);
+  if (order != "rank") {
+    const std::string detail = "order: must be rank or new_look";
+    throw ApiError("InvalidQuery", detail, {{"order", detail}});
+  }
   const std::optional<BoundingBox> box = ParseBoundingBox(call);
   const size_t limit = ParseLimit(call);
   const std::optional<RankKey> after = ParseRankCursor(call);
@@ -78,15 +86,16 @@ void GetSites(Service& service, const Call& call, httplib::Response& response) {
       after ? std::upper_bound(ranked.begin(), ranked.end(), *after, is_up_to) : ranked.begin();
   const auto end = first + static_cast<std::ptrdiff_t>(
                                std::min(limit, static_cast<size_t>(ranked.end() - first)));
-  std::string body = R"({"type":"FeatureCollection","features":[)";
+  std::string features;
+  const int64_t now_us = NowUs();
   for (auto row = first; row != end; ++row) {
-    nlohmann::json feature = FeatureOf(*row->row);
+    nlohmann::json feature = FeatureOf(*row->row, now_us);
     feature["properties"]["rank"] = row - ranked.begin() + 1;
-    body += (row == first ? "" : ",") + feature.dump();
+    features += (row == first ? "" : ",") + feature.dump();
   }
-  body += "]";
-  if (end != ranked.end()) body += R"(,"next":)" + nlohmann::json(CursorOf((end - 1)->key)).dump();
-  response.set_content(body + "}", kGeoJson);
+  std::optional<std::string> next;
+  if (end != ranked.end()) next = CursorOf((end - 1)->key);
+  AnswerFeatures(features, next, response);
 }
 
 // Answers the site with its rank in its flight.

@@ -26,8 +26,6 @@ constexpr double kMapHalfSizeM = 500.0;
 constexpr double kPlentyMarginM = 60.0;
 // Margins are compared in steps of this size.
 constexpr double kMarginStepM = 15.0;
-// A site's score halves in this time, because ground changes.
-constexpr double kScoreHalfLifeS = 365.0 * 24.0 * 3600.0;
 // Scores are compared in steps of this size.
 constexpr double kScoreStep = 0.05;
 
@@ -83,8 +81,8 @@ RecallCandidate CandidateOf(const EmergencyRequest& request,
   candidate.datum = DatumDifferenceOf(
       ReferenceOf(request),
       {row.data.altitude_datum, row.latitude_deg, row.longitude_deg, row.flight_id});
-  candidate.age_s = std::max(0.0, static_cast<double>(now_us - row.seen_at_us) * 1e-6);
-  candidate.score = row.data.score * std::exp2(-candidate.age_s / kScoreHalfLifeS);
+  candidate.age_s = GroundAgeS(row.seen_at_us, now_us);
+  candidate.score = row.data.score * ScoreLeft(candidate.age_s);
   candidate.best_margin_m = StraightMargin(request, candidate, kPlanShiftM, glider);
   candidate.expected_margin_m = StraightMargin(request, candidate, 0.0, glider);
   return candidate;
@@ -113,6 +111,12 @@ bool IsMorePromising(const RecallCandidate& a, const RecallCandidate& b) {
 }
 
 }  // namespace
+
+double GroundAgeS(int64_t seen_at_us, int64_t now_us) {
+  return std::max(0.0, static_cast<double>(now_us - seen_at_us) * 1e-6);
+}
+
+double ScoreLeft(double age_s) { return std::exp2(-age_s / kScoreHalfLifeS); }
 
 BoundingBox BoxAround(const GeoPoint& place, double reach_m) {
   const double dlat_deg = reach_m / kMetresPerDegree;

@@ -2,6 +2,7 @@
 // no maps.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "engine/glide/glide.h"
@@ -12,6 +13,13 @@ namespace freelsd {
 
 // Radius of the largest search; no small plane glides farther.
 constexpr double kMaxReachM = 100000.0;
+
+// A site's score halves in this time, because ground changes.
+constexpr double kScoreHalfLifeS = 365.0 * 24.0 * 3600.0;
+// Time since the ground was last photographed, seconds. 0 for a time in the future.
+double GroundAgeS(int64_t seen_at_us, int64_t now_us);
+// The share of a score that is left at this age of the ground.
+double ScoreLeft(double age_s);
 
 // A stored site as seen from the aircraft. Lengths and margins are in metres.
 struct RecallCandidate {

@@ -39,10 +39,21 @@ std::string Value(const std::optional<Number>& number, const std::string& unit) 
   return number ? nlohmann::json(*number).dump() + unit : "unknown";
 }
 
+std::string NoReturnRow(const StoredSite& site) {
+  if (site.IsRejected()) return "";
+  if (!site.go_around) return Row("Point of no return", "no climb is known to clear");
+  const long percent = std::lround(std::ceil(100.0 * site.go_around->unseen_ratio));
+  return Row("Point of no return, with power",
+             FixedText(std::ceil(site.go_around->no_return_distance_m), 0) +
+                 " m before touchdown; " + std::to_string(percent) +
+                 " % of the ground below the go-around is unseen");
+}
+
 std::string FinalRows(const StoredSite& site) {
   if (!site.final_places) return Row("Approach", "none");
   const FinalPlaces& places = *site.final_places;
-  return Row("Heading of the final", FixedText(places.heading_deg, 1) + "&#176; true") +
+  return NoReturnRow(site) +
+         Row("Heading of the final", FixedText(places.heading_deg, 1) + "&#176; true") +
          Row("Length of the final", FixedText(places.distance_m, 1) + " m") +
          Row("Height of its start", FixedText(places.height_m, 1) + " m above touchdown") +
          Row("Loiter circle",
@@ -85,7 +96,11 @@ std::string SurfaceRows(const StoredSite& site) {
          Row("Grade (share of views seen as grass)", Value(site.grade, " ")) +
          Row("Observations", Value(site.num_observations, " ")) +
          Row("Unseen share of the circle", Value(site.unseen_ratio, " ")) +
-         Row("Updated", site.updated_at ? EscapeXml(*site.updated_at) + " " : "unknown");
+         Row("Ground photographed",
+             site.last_seen_at && site.age_s
+                 ? EscapeXml(*site.last_seen_at) + ", " + AgeText(*site.age_s) + " ago "
+                 : "unknown") +
+         Row("Evaluated", site.updated_at ? EscapeXml(*site.updated_at) + " " : "unknown");
 }
 
 std::string Numbers(const StoredSite& site) {

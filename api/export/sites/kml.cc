@@ -48,12 +48,19 @@ std::string ExtendedData(const StoredSite& site) {
   std::string data = Data("site_id", site.id) + Data("verdict", site.verdict) +
                      Data("altitude_datum", site.altitude_datum) +
                      Data("altitude_m", FixedText(site.touchdown.altitude_m, 3));
+  if (site.last_seen_at && site.age_s) {
+    data += Data("last_seen_at", *site.last_seen_at) + Data("age_s", FixedText(*site.age_s, 0));
+  }
   if (site.final_places) {
     data += Data("heading_deg", FixedText(site.final_places->heading_deg, 3)) +
             Data("approach_distance_m", FixedText(site.final_places->distance_m, 3)) +
             Data("approach_height_m", FixedText(site.final_places->height_m, 3)) +
             Data("loiter_radius_m", FixedText(site.final_places->loiter_radius_m, 3)) +
             Data("loiter_direction", site.final_places->is_right_turn ? "right" : "left");
+  }
+  if (site.go_around) {
+    data += Data("no_return_distance_m", FixedText(site.go_around->no_return_distance_m, 3)) +
+            Data("go_around_unseen_ratio", FixedText(site.go_around->unseen_ratio, 3));
   }
   return Element("ExtendedData", data);
 }
@@ -70,6 +77,8 @@ std::string SiteFolder(const StoredSite& site) {
   std::string description = site.summary.value_or("") + " Site " + site.id + ", touchdown at " +
                             FixedText(site.touchdown.latitude_deg, 6) + " " +
                             FixedText(site.touchdown.longitude_deg, 6) + ".";
+  const std::string photographed = PhotographedSentence(site);
+  if (!photographed.empty()) description += " " + photographed;
   if (site.altitude_datum != "amsl") {
     description += " Altitudes are in the datum \"" + site.altitude_datum +
                    "\", so places are drawn on the ground.";
@@ -90,6 +99,13 @@ std::string SiteFolder(const StoredSite& site) {
         "",
         Line(site, Coordinates(site.final_places->start) + " " + Coordinates(site.touchdown)));
     text += Placemark(site, " loiter", "", Line(site, LoiterCoordinates(site)));
+  }
+  if (site.go_around) {
+    text += Placemark(
+        site,
+        " go-around",
+        "",
+        Line(site, Coordinates(site.go_around->start) + " " + Coordinates(site.go_around->end)));
   }
   return text + "</Folder>\n";
 }

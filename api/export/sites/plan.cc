@@ -128,22 +128,33 @@ std::vector<std::string> WarningsOf(const StoredSite& site) {
   return warnings;
 }
 
+// When the ground was photographed; null if unknown.
+nlohmann::json WithAge(nlohmann::json object, const StoredSite& site) {
+  object["last_seen_at"] = nullptr;
+  object["age_s"] = nullptr;
+  if (site.last_seen_at) object["last_seen_at"] = *site.last_seen_at;
+  if (site.age_s) object["age_s"] = *site.age_s;
+  return object;
+}
+
 // The program ignores unknown keys. These are for people. `sites` begins with the site to land on.
 nlohmann::json Remarks(const std::vector<StoredSite>& sites, const AltitudeFrame& frame) {
   const StoredSite& site = sites.front();
   nlohmann::json rally_points = nlohmann::json::array();
   for (const StoredSite& each : sites) {
-    if (frame.is_above_home) rally_points.push_back({{"site_id", each.id}, {"name", each.Name()}});
+    if (!frame.is_above_home) continue;
+    rally_points.push_back(WithAge({{"site_id", each.id}, {"name", each.Name()}}, each));
   }
-  return {{"site_id", site.id},
-          {"name", site.Name()},
-          {"verdict", site.verdict},
-          {"summary", site.summary.value_or("")},
-          {"warnings", WarningsOf(site)},
-          {"rally_points", rally_points},
-          {"heading_deg", site.final_places->heading_deg},
-          {"altitude_datum", site.altitude_datum},
-          {"altitudes", frame.is_above_home ? "above home" : "above mean sea level"}};
+  return WithAge({{"site_id", site.id},
+                  {"name", site.Name()},
+                  {"verdict", site.verdict},
+                  {"summary", site.summary.value_or("")},
+                  {"warnings", WarningsOf(site)},
+                  {"rally_points", rally_points},
+                  {"heading_deg", site.final_places->heading_deg},
+                  {"altitude_datum", site.altitude_datum},
+                  {"altitudes", frame.is_above_home ? "above home" : "above mean sea level"}},
+                 site);
 }
 
 }  // namespace

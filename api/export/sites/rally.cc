@@ -12,7 +12,9 @@ std::string RallyFile(const std::vector<StoredSite>& sites, const ExportOptions&
                      safe.front().altitude_datum + "\"\n";
   for (const StoredSite& site : safe) {
     const double ground_m = frame.Of(site.touchdown.altitude_m);
-    text += "# " + OneLine(site.Name()) + ", site " + site.id + "\nRALLY " +
+    const std::string photographed = PhotographedSentence(site);
+    text += "# " + OneLine(site.Name()) + ", site " + site.id +
+            (photographed.empty() ? "" : ". " + photographed) + "\nRALLY " +
             FixedText(site.touchdown.latitude_deg, 9) + "\t" +
             FixedText(site.touchdown.longitude_deg, 9) + "\t" +
             FixedText(ground_m + kRallyHeightM, 3) + "\t" +

@@ -13,7 +13,8 @@ constexpr char kPlaceColumns[] =
     "loiter_radius_m,loiter_direction";
 constexpr char kPropertyColumns[] =
     ",rank,verdict,reject_reason,score,grade,num_observations,num_grass_observations,area_m2,"
-    "hazard_distance_m,slope_deg,roughness_m,unseen_ratio,updated_at,summary";
+    "hazard_distance_m,slope_deg,roughness_m,unseen_ratio,updated_at,summary,"
+    "last_seen_at,age_s,no_return_distance_m";
 constexpr int kNumFinalColumns = 9;
 
 std::string Cell(const std::optional<std::string>& text) {
@@ -40,6 +41,11 @@ std::string FinalCells(const StoredSite& site) {
          FixedText(places.loiter_radius_m, 3) + (places.is_right_turn ? ",right" : ",left");
 }
 
+std::optional<double> NoReturnM(const StoredSite& site) {
+  if (!site.go_around) return std::nullopt;
+  return site.go_around->no_return_distance_m;
+}
+
 std::string PropertyCells(const StoredSite& site) {
   std::string cells;
   for (const std::string& cell : {NumberCell(site.rank),
@@ -55,7 +61,10 @@ std::string PropertyCells(const StoredSite& site) {
                                   NumberCell(site.roughness_m),
                                   NumberCell(site.unseen_ratio),
                                   Cell(site.updated_at),
-                                  Cell(site.summary)}) {
+                                  Cell(site.summary),
+                                  Cell(site.last_seen_at),
+                                  NumberCell(site.age_s),
+                                  NumberCell(NoReturnM(site))}) {
     cells += "," + cell;
   }
   return cells;

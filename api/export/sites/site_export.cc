@@ -19,6 +19,12 @@ std::vector<StoredSite> SafeSites(const std::vector<StoredSite>& sites, bool nee
   throw ApiError("SiteRejected", detail);
 }
 
+std::string PhotographedSentence(const StoredSite& site) {
+  if (!site.last_seen_at || !site.age_s) return "";
+  return "Ground photographed " + *site.last_seen_at + ", " + AgeText(*site.age_s) +
+         " before this file.";
+}
+
 AltitudeFrame FrameAboveHome(const ExportOptions& options) {
   if (options.home_altitude_m) return {true, *options.home_altitude_m};
   throw ApiError(

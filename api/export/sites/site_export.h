@@ -15,6 +15,9 @@ namespace freelsd {
 // the sites has no final.
 std::vector<StoredSite> SafeSites(const std::vector<StoredSite>& sites, bool needs_final);
 
+// "Ground photographed 2026-05-01T10:00:00Z, 12 days before this file." Empty if unknown.
+std::string PhotographedSentence(const StoredSite& site);
+
 // Reference of a file's altitudes: mean sea level, or home.
 struct AltitudeFrame {
   bool is_above_home = false;

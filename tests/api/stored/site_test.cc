@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
@@ -32,6 +34,20 @@ TEST_CASE("stored site: numbers, wind, final and profile are those of the featur
   CHECK(site.profile[0].distance_m == doctest::Approx(108.58));
   CHECK_FALSE(site.profile[1].terrain_m.has_value());
   CHECK(site.profile[1].path_m.has_value());
+  REQUIRE(site.go_around.has_value());
+  CHECK(site.go_around->no_return_distance_m == 40.0);
+  CHECK(site.go_around->unseen_ratio == 0.25);
+  CHECK(site.go_around->end.altitude_m - site.go_around->start.altitude_m ==
+        doctest::Approx(200.0 * std::tan(RadFromDeg(5.0))).epsilon(1e-3));
+}
+
+TEST_CASE("stored site: an older program's approach has no go-around, and is read") {
+  const KnownSite known = MakeSite({});
+  nlohmann::json approach = nlohmann::json::parse(known.approach_json);
+  approach["features"].erase(approach["features"].size() - 1);
+  const StoredSite site = ReadStoredSite(known.feature_json, approach.dump(), "amsl");
+  CHECK(site.final_places.has_value());
+  CHECK_FALSE(site.go_around.has_value());
 }
 
 TEST_CASE("stored site: what is null or absent is unknown, another verdict is a rejection") {

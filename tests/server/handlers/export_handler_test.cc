@@ -12,6 +12,8 @@
 namespace freelsd {
 namespace {
 
+constexpr int64_t kSeenAtUs = 1600000000000000;
+
 // As stored: landable (with a map), unverified and rejected, of a flight of this datum.
 struct SitesServer {
   TemporaryFolder folder;
@@ -60,6 +62,7 @@ struct SitesServer {
     row.feature_json = known.feature_json;
     row.approach_json = known.approach_json;
     row.replan_json = ReplanJson(replan);
+    row.seen_at_us = kSeenAtUs;
     storage.sites.Put(row, map);
   }
 };
@@ -173,6 +176,35 @@ TEST_CASE("export: sites are called by the flight's name and their rank, not by 
   CHECK(body("rally").find("# meadows 2 UNVERIFIED, site f1-r2") != std::string::npos);
 }
 
+TEST_CASE("export: each format with text says when the ground was photographed") {
+  const SitesServer sites;
+  const auto body = [&sites](const std::string& format) {
+    const auto result = sites.client->Get("/v1/sites/f1-r1?home_altitude_m=300&f=" + format);
+    REQUIRE(result);
+    REQUIRE(result->status == 200);
+    return result->body;
+  };
+  const std::string photographed = Rfc3339(kSeenAtUs);
+  for (const char* const format : {"plan", "rally", "kml", "cup", "csv", "html"}) {
+    CAPTURE(format);
+    CHECK(body(format).find(photographed) != std::string::npos);
+  }
+  CHECK(body("html").find("40 m before touchdown; 25 %") != std::string::npos);
+  const auto rows = SplitRows(body("csv"), ',');
+  REQUIRE(rows.size() >= 2);
+  CHECK(rows[0].size() == rows[1].size());
+  const auto column = [&rows](const std::string& name) {
+    const auto found = std::find(rows[0].begin(), rows[0].end(), name);
+    REQUIRE(found != rows[0].end());
+    return rows[1][static_cast<size_t>(found - rows[0].begin())];
+  };
+  CHECK(column("last_seen_at") == photographed);
+  const double age_s = static_cast<double>(NowUs() - kSeenAtUs) * 1e-6;
+  CHECK(std::abs(std::stod(column("age_s")) - age_s) < 60.0);
+  const std::string days = std::to_string(static_cast<int64_t>(age_s / 86400.0)) + " days";
+  CHECK(body("cup").find(days) != std::string::npos);
+}
+
 TEST_CASE("export: a cup's runway is as long as what was checked, rounded down") {
   const SitesServer sites;
   const auto result = sites.client->Get("/v1/sites/f1-r1?f=cup");
@@ -191,7 +223,7 @@ TEST_CASE("export: a plan is for the firmware of the query, with the aircraft's 
     return GetJson(*sites.client, "/v1/sites/f1-r1?f=plan" + query);
   };
   CHECK(plan_of("")["mission"]["firmwareType"] == 12);
-  CHECK(plan_of("&firmware=px4") == plan_of(""));
+  CHECK(plan_of("&firmware=px4")["mission"] == plan_of("")["mission"]);
   CHECK(plan_of("&firmware=ardupilot")["mission"]["firmwareType"] == 3);
   const nlohmann::json landing = plan_of("")["mission"]["items"][0];
   CHECK(landing["useDoChangeSpeed"] == true);

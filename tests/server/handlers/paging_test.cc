@@ -76,17 +76,24 @@ void StoreSites(Storage& storage) {
   }
 }
 
+// Ages grow from request to request.
+nlohmann::json Ageless(nlohmann::json feature) {
+  feature["properties"].erase("age_s");
+  return feature;
+}
+
 TEST_CASE("paging: the pages of sites are the parts of the whole ranked list") {
   MeadowServer meadow(StoreSites);
-  const nlohmann::json whole = GetJson(*meadow.client, "/v1/sites")["features"];
+  nlohmann::json whole = GetJson(*meadow.client, "/v1/sites")["features"];
   REQUIRE(whole.size() == 8);
+  for (nlohmann::json& feature : whole) feature = Ageless(feature);
   CHECK(whole[0]["properties"]["verdict"] == "landable");
   for (const int limit : {1, 3, 8}) {
     CAPTURE(limit);
     nlohmann::json joined = nlohmann::json::array();
     for (const nlohmann::json& page :
          Pages(*meadow.client, "/v1/sites?limit=" + std::to_string(limit))) {
-      for (const nlohmann::json& feature : page["features"]) joined.push_back(feature);
+      for (const nlohmann::json& feature : page["features"]) joined.push_back(Ageless(feature));
     }
     // Ranks included.
     CHECK(joined == whole);

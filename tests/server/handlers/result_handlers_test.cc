@@ -1,4 +1,6 @@
 // What is answered of stored sites, without the engine.
+#include <cmath>
+
 #include <doctest/doctest.h>
 
 #include "api/export/layers/layers.h"
@@ -24,10 +26,91 @@ TEST_CASE("results: an approach is planned anew for the wind and aircraft of the
   // Air moves to the east: the final is flown to the west.
   const nlohmann::json approach = GetJson(
       *meadow.client, "/v1/sites/f-r1/approach?wind_east_mps=3&wind_north_mps=0&max_bank_deg=35");
-  CHECK(approach["features"].size() == 4);
+  CHECK(approach["features"].size() == 5);
   CHECK(approach.contains("profile"));
   const double heading_deg = approach["plan"]["approach"]["heading_deg"];
   CHECK(heading_deg == doctest::Approx(270.0).epsilon(0.01));
+}
+
+TEST_CASE("results: the go-around is told with the approach, planned anew, and in recall") {
+  const MeadowServer meadow;
+  const auto go_around = [&meadow](const std::string& more) {
+    const nlohmann::json approach =
+        GetJson(*meadow.client, "/v1/sites/f-r1/approach?wind_east_mps=0&wind_north_mps=-4" + more);
+    nlohmann::json feature = approach["features"].back();
+    REQUIRE(feature["properties"]["kind"] == "go_around");
+    CHECK(feature["properties"]["no_return_distance_m"] ==
+          approach["plan"]["approach"]["no_return_distance_m"]);
+    CHECK(approach["features"][0]["properties"]["no_return_distance_m"] ==
+          feature["properties"]["no_return_distance_m"]);
+    return feature;
+  };
+  const nlohmann::json told = go_around("");
+  // Free ground: it begins 2 m up, the safety margin, outside the map's own 0.1 m.
+  const nlohmann::json& line = told["geometry"]["coordinates"];
+  REQUIRE(line.size() == 2);
+  CHECK(line[0][2].get<double>() == doctest::Approx(402.1).epsilon(1e-3));
+  CHECK(line[1][2].get<double>() >= 410.0 - 1e-3);
+  CHECK(line[1][1] > line[0][1]);
+  CHECK(told["properties"]["climb_angle_deg"] == 5.0);
+  CHECK(told["properties"]["unseen_ratio"].get<double>() < 0.05);
+  CHECK(go_around("&climb_gradient_deg=20")["properties"]["climb_angle_deg"] == 20.0);
+  CheckProblem(
+      meadow.client->Get("/v1/sites/f-r1/approach?climb_gradient_deg=60"), 422, "InvalidValue");
+  const nlohmann::json info = GetJson(*meadow.client, "/v1/info");
+  CHECK(info["aircraft_profiles"]["small"]["climb_gradient_deg"] == 5.0);
+  const nlohmann::json recall =
+      GetJson(*meadow.client,
+              "/v1/emergency?latitude_deg=46.9955&longitude_deg=8&altitude_m=800&heading_deg=0"
+              "&wind_east_mps=0&wind_north_mps=-4");
+  REQUIRE(recall["sites"].size() == 1);
+  CHECK(recall["sites"][0]["approach"]["no_return_distance_m"].get<double>() >= 8.0);
+}
+
+// The whole map but a strip about the touchdown is a wood that no climb clears.
+SiteMap Clearing() {
+  SiteMap map = Meadow();
+  map.map.upper.rowRange(0, 120) = 90.0f;
+  return map;
+}
+
+TEST_CASE("results: where no climb clears there is no go-around, and no point of no return") {
+  const MeadowServer meadow(
+      [](Storage& storage) { storage.sites.Put(MeadowSite(), SerializeSiteMap(Clearing())); });
+  const nlohmann::json approach =
+      GetJson(*meadow.client, "/v1/sites/f-r1/approach?wind_east_mps=0&wind_north_mps=-4");
+  for (const nlohmann::json& feature : approach["features"]) {
+    CHECK(feature["properties"]["kind"] != "go_around");
+  }
+  CHECK(approach["plan"]["verdict"] == "landable");
+  CHECK(approach["plan"]["approach"]["no_return_distance_m"].is_null());
+}
+
+TEST_CASE("results: every list tells when the ground was photographed, never the row's age") {
+  constexpr int64_t kDayUs = 86400000000;
+  const int64_t now_us = NowUs();
+  const MeadowServer meadow([now_us](Storage& storage) {
+    SiteRow site = MeadowSite("amsl");
+    site.seen_at_us = now_us - 9 * kDayUs;
+    site.confirmed_at_us = now_us - 3 * kDayUs;
+    site.is_checked = true;
+    // Stored now, by an older program that knew no last_seen_at.
+    site.updated_at_us = now_us;
+    storage.sites.Put(site, SerializeSiteMap(Meadow()));
+  });
+  const std::string seen_at = Rfc3339(now_us - 3 * kDayUs);
+  const std::string near = "latitude_deg=46.9955&longitude_deg=8&altitude_m=800&heading_deg=0";
+  const std::vector<nlohmann::json> told{
+      GetJson(*meadow.client, "/v1/sites")["features"][0]["properties"],
+      GetJson(*meadow.client, "/v1/sites?order=new_look")["features"][0]["properties"],
+      GetJson(*meadow.client, "/v1/sites/f-r1")["properties"],
+      GetJson(*meadow.client, "/v1/emergency/export")["features"][0]["properties"],
+      GetJson(*meadow.client, "/v1/emergency?" + near)["sites"][0]};
+  for (const nlohmann::json& site : told) {
+    CAPTURE(site.dump());
+    CHECK(site["last_seen_at"] == seen_at);
+    CHECK(std::abs(site["age_s"].get<double>() - 3.0 * 86400.0) < 60.0);
+  }
 }
 
 TEST_CASE("results: a wind or an aircraft that makes no sense is refused by name") {

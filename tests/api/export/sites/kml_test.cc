@@ -15,11 +15,15 @@ TEST_CASE("kml: GDAL reads touchdown, final and circle where they are") {
     const TemporaryFile single("site.kml", ExportSites("kml", {sites[i].stored}, {}));
     const auto read = ReadByGdal(single.path(), "", "Name");
     const std::string id = "f1-r" + std::to_string(i);
-    REQUIRE(read.size() == 3);
+    REQUIRE(read.size() == 4);
     CheckPlace(PlaceOf(read.at(id)["geometry"]["coordinates"]), sites[i].touchdown);
     const nlohmann::json& line = read.at(id + " approach")["geometry"]["coordinates"];
     CheckPlace(PlaceOf(line.at(0)), sites[i].start);
     CheckPlace(PlaceOf(line.at(1)), sites[i].touchdown);
+    const nlohmann::json& climb = read.at(id + " go-around")["geometry"]["coordinates"];
+    const GeoPoint begin = PlaceOf(climb.at(0));
+    CHECK(std::abs(MetresBetween(begin, sites[i].touchdown) - 40.0) < kMaxPlaceErrorM);
+    CHECK(std::abs(MetresBetween(begin, PlaceOf(climb.at(1))) - 200.0) < 4.0 * kMaxPlaceErrorM);
     for (const nlohmann::json& position : read.at(id + " loiter")["geometry"]["coordinates"]) {
       const double radius_m = MetresInSpace(PlaceOf(position), sites[i].loiter_center);
       CHECK(std::abs(radius_m - sites[i].loiter_radius_m) < kMaxPlaceErrorM);

@@ -31,6 +31,17 @@ Approach MakeApproach(const KnownSiteOptions& options) {
   approach.profile = {{108.58, 80.0, 50.0, 20.0, 0.0},
                       {z + 12, z + 8.8, z + 5.5, z + 2.2, z},
                       {z, unseen, z + 2, z, z}};
+  if (options.verdict == Verdict::kRejected) return approach;
+  // Climbs by 5 degrees for 200 m.
+  GoAround go_around{.no_return_distance = 40.0, .unseen_ratio = 0.25};
+  go_around.start_in_world = options.touchdown_in_world;
+  go_around.start_in_world.head<2>() -= ahead * go_around.no_return_distance;
+  go_around.start_in_world.z() += 40.0 * approach.approach_height / approach.approach_distance;
+  go_around.climb_angle = RadFromDeg(5.0);
+  go_around.end_in_world = go_around.start_in_world;
+  go_around.end_in_world.head<2>() += ahead * 200.0;
+  go_around.end_in_world.z() += 200.0 * std::tan(go_around.climb_angle);
+  approach.go_around = go_around;
   return approach;
 }
 
