@@ -2,12 +2,15 @@
 /* global L */
 
 import { Graticule } from './graticule.js';
+import { createDraftOverlay, createObstacleOverlay } from './obstacle_overlay.js';
 import {
   createAnswer, createApproach, createBarb, createBearings, createMarks, createPicture, createRegions, createSites,
 } from './overlays.js';
+import { createReachOverlay } from './reach_overlay.js';
 import { createTrack } from './track.js';
 
-function createBase(element) {
+// A map without overlays.
+export function createBase(element) {
   const isCalm = matchMedia('(prefers-reduced-motion: reduce)').matches;
   const map = L.map(element, {
     maxZoom: 23, zoomSnap: 0.25, attributionControl: false, zoomControl: false,
@@ -28,16 +31,20 @@ function fitTo(map, bounds) {
   }
 }
 
-// on: {site(id), place(latlng)}
+// on: {site(id), place(latlng), obstacle(id)}
 export function createMap(element, on) {
   const map = createBase(element);
   const barb = createBarb(map);
   const picture = createPicture(map);
+  const reach = createReachOverlay(map);
   const track = createTrack(map);
   const regions = createRegions(map);
   const approach = createApproach(map);
   const sites = createSites(map, on.site);
   const marks = createMarks(map);
+  const looks = createMarks(map);
+  const obstacles = createObstacleOverlay(map, ({ properties }) => on.obstacle(properties.id));
+  const draft = createDraftOverlay(map);
   const answer = createAnswer(map);
   const bearings = createBearings(map);
   // Once the user has moved the map, it no longer follows the track.
@@ -63,6 +70,19 @@ export function createMap(element, on) {
     drawAnswer: answer.draw,
     closeAnswer: answer.close,
     drawBearings: bearings.draw,
+    drawReach: reach.draw,
+    drawNewLook: (shown) => looks.draw(shown.map((mark) => ({ ...mark, className: 'new-look' }))),
+    drawObstacles: obstacles.draw,
+    drawDraft: draft.draw,
+    onMove: (listener) => map.on('moveend', listener),
+    box() {
+      const bounds = map.getBounds();
+      return { west: bounds.getWest(), south: bounds.getSouth(), east: bounds.getEast(), north: bounds.getNorth() };
+    },
+    centerPoint: () => map.getCenter(),
+    // feature: GeoJSON
+    panToFeature: (feature) => map.panTo(L.geoJSON(feature).getBounds().getCenter()),
+    fitFeatures: (features) => fitTo(map, L.geoJSON(features).getBounds()),
     fit,
     fitUnlessMoved() { if (!isMoved) fit(); },
     fitApproach() {
