@@ -12,13 +12,14 @@ const minutes = (time_s) => `${Math.floor(time_s / 60)}:${String(Math.round(time
 
 const ageText = (age_s) => (isKnown(age_s) ? `${age(age_s)} ago` : 'unknown');
 
-function facts(site) {
+function facts(site, flightName) {
   return el('dl', {},
     fact('Final heading', site.approach ? heading(site.approach.heading_deg) : 'unknown'),
     isKnown(site.touchdown?.altitude_m) ? fact('Field elevation', fixed(site.touchdown.altitude_m, 0, 'm')) : null,
     isKnown(site.time_s) ? fact('Time to site', minutes(site.time_s)) : null,
-    isKnown(site.ground_speed_mps) ? fact('Ground speed on final', fixed(site.ground_speed_mps, 1, 'm/s')) : null,
+    isKnown(site.ground_speed_mps) ? fact('Speed on final', fixed(site.ground_speed_mps, 1, 'm/s')) : null,
     fact('Photographed', ageText(site.age_s)),
+    flightName ? fact('Flight', flightName) : null,
     site.unseen_ratio > 0 ? fact('Circle unseen', fixed(100 * site.unseen_ratio, 0, '%')) : null);
 }
 
@@ -37,7 +38,6 @@ export function emergencyCard(site, index, { flightName, onShow }) {
     el('header', {}, el('span', { class: 'rank' }, index + 1),
       el('strong', {}, `Site ${index + 1} `, el('span', { class: 'em-verdict' }, `${verdictSign[site.verdict]} ${site.verdict}`)),
       site.reach === 'unknown' ? el('span', { class: 'chip' }, 'reach unchecked') : null,
-      flightName ? el('small', {}, flightName) : null),
-    course(site), facts(site),
-    el('button', { type: 'button', class: 'wide', onclick: onShow }, 'Show on map'));
+      el('button', { type: 'button', 'aria-label': `Show site ${index + 1} on the map`, onclick: onShow }, 'Show')),
+    course(site), facts(site, flightName));
 }

@@ -36,7 +36,7 @@ class EmergencyMap {
 
   #draw() {
     const { reach, reachText, obstacles, from, sites } = this.#shown;
-    this.#reach.draw(reach);
+    this.#reach.draw(reach, sites);
     this.#obstacles.draw(obstacles);
     byId('em-key').replaceChildren(...reachKey(reach), ...obstacleKey(obstacles));
     byId('em-reach').textContent = reachText ?? '';

@@ -1,6 +1,7 @@
 // The map with all its overlays.
 /* global L */
 
+import { byId } from './dom.js';
 import { Graticule } from './graticule.js';
 import { createDraftOverlay, createObstacleOverlay } from './obstacle_overlay.js';
 import {
@@ -24,11 +25,12 @@ export function createBase(element) {
   return map;
 }
 
-// The lower padding keeps bounds above the layer box.
+// Keeps bounds beside the open layer box, or above the closed one, if the map is wide enough for both.
 function fitTo(map, bounds) {
-  if (bounds.isValid()) {
-    map.fitBounds(bounds, { paddingTopLeft: [28, 28], paddingBottomRight: [28, 64], maxZoom: 20 });
-  }
+  if (!bounds.isValid()) return;
+  const box = byId('layer-box');
+  const left = box.open && !box.hidden && map.getSize().x > 2 * box.offsetWidth ? box.offsetWidth + 40 : 28;
+  map.fitBounds(bounds, { paddingTopLeft: [left, 28], paddingBottomRight: [28, left > 28 ? 28 : 64], maxZoom: 20 });
 }
 
 // on: {site(id), place(latlng), obstacle(id)}

@@ -16,8 +16,8 @@ function row(p, index, { open, flightName }) {
   return el('li', {}, el('button', { type: 'button', class: `site-row verdict-${p.verdict}`, 'data-new-look': p.id, onclick: () => open(p) },
     el('span', { class: 'rank look', 'aria-hidden': 'true' }, index + 1),
     el('span', { class: 'site-text' },
-      el('strong', {}, `${verdictSign[p.verdict]} Site ${p.region_id ?? p.id}${flightName(p.flight_id) ? ` of ${flightName(p.flight_id)}` : ''}`),
-      el('small', {}, p.new_look.sentence)),
+      el('strong', {}, `${verdictSign[p.verdict]} ${p.verdict}`),
+      el('small', {}, p.new_look.sentence), flightName(p.flight_id) ? el('small', {}, flightName(p.flight_id)) : null),
     el('span', { class: 'look-age' }, el('strong', {}, ageText(p)), el('small', {}, 'old'))));
 }
 

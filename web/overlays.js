@@ -2,7 +2,7 @@
 /* global L */
 
 import { gradeColor } from './colors.js';
-import { svg } from './dom.js';
+import { el, svg } from './dom.js';
 import { noReturnOf } from './go_around.js';
 import { courseTo, isKnown, verdictSign } from './units.js';
 
@@ -109,8 +109,7 @@ function pointOfNoReturn({ coordinates }, distance_m) {
     { longitude_deg: end[0], latitude_deg: end[1] });
   const share = Math.min(1, distance_m / length_m);
   const at = [end[1] + share * (start[1] - end[1]), end[0] + share * (start[0] - end[0])];
-  const sign = document.createElement('span');
-  sign.textContent = 'R';
+  const sign = el('span', {}, el('b', {}, 'R'));
   return L.marker(at, {
     icon: L.divIcon({ className: 'no-return', html: sign, iconSize: [24, 24] }), title: 'Point of no return',
     alt: 'Point of no return', interactive: false, keyboard: false,
@@ -136,7 +135,9 @@ export function createApproach(map) {
       group.clearLayers();
       if (!collection) return;
       const suffix = (isReplanned ? ' replanned' : '') + (collection.verdict === 'rejected' ? ' refused-path' : '');
-      for (const { properties, geometry } of collection.features) {
+      // The go-around lies below the final, whose line it continues.
+      const goesBelow = ({ properties }) => (properties.kind === 'go_around' ? 0 : 1);
+      for (const { properties, geometry } of collection.features.toSorted((a, b) => goesBelow(a) - goesBelow(b))) {
         if (properties.kind === 'touchdown') {
           const [lon, lat] = geometry.coordinates;
           group.addLayer(L.circle([lat, lon], {
@@ -171,7 +172,7 @@ export function createMarks(map) {
     draw(marks) {
       group.clearLayers();
       for (const { place, sign, className, title } of marks) {
-        group.addLayer(discMarker([place.latitude_deg, place.longitude_deg], className, sign, { title, alt: title }));
+        group.addLayer(discMarker([place.latitude_deg, place.longitude_deg], className, sign, { title, alt: title, zIndexOffset: 1500 }));
       }
     },
   };

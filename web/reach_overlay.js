@@ -4,7 +4,12 @@
 import { el } from './dom.js';
 import { margin } from './units.js';
 
-const kLabel = { width: 66, height: 26, right: 20 };  // px, beside the disc of a site
+const kLabel = { width: 72, height: 28 };  // px
+const kDisc = 34;  // px, of a site
+// Where a label may stand: the centre of it, in px from the site. The first free side is taken.
+const kSides = {
+  right: [20 + kLabel.width / 2, 0], left: [-20 - kLabel.width / 2, 0], below: [0, 20 + kLabel.height / 2], above: [0, -20 - kLabel.height / 2],
+};
 
 const ringsOf = ({ type, coordinates }) => (type === 'MultiPolygon' ? coordinates.flat() : coordinates);
 const latLngs = (ring) => ring.map(([lon, lat]) => [lat, lon]);
@@ -12,23 +17,41 @@ const ringsOfKind = (collection, kind) => collection.features
   .filter(({ properties, geometry }) => properties.kind === kind && geometry)
   .flatMap(({ geometry }) => ringsOf(geometry).map(latLngs));
 
-function labelOf({ properties, geometry: { coordinates: [lon, lat] } }) {
-  const value_m = properties.arrival_margin_m;
-  const text = el('span', { class: value_m >= 0 ? 'enough' : 'short' }, margin(value_m));
-  return L.marker([lat, lon], {
-    icon: L.divIcon({ className: 'arrival', html: text, iconSize: [0, 0] }), interactive: false, keyboard: false, zIndexOffset: 500,
+// {id, place, margin_m} of each site. The answer that the cards show comes first: its numbers win.
+function sitesOf(collection, cards) {
+  const shown = cards.filter(({ arrival_margin_m }) => Number.isFinite(arrival_margin_m)).map((card) => ({
+    id: card.site_id, place: [card.touchdown.latitude_deg, card.touchdown.longitude_deg], margin_m: card.arrival_margin_m }));
+  const others = (collection?.features ?? [])
+    .filter(({ properties: p, geometry }) => p.kind === 'site' && geometry && Number.isFinite(p.arrival_margin_m))
+    .map(({ properties: p, geometry: { coordinates: [lon, lat] } }) => ({ id: p.site_id ?? p.id, place: [lat, lon], margin_m: p.arrival_margin_m }))
+    .filter(({ id }) => !shown.some((card) => card.id === id));
+  return [...shown, ...others];
+}
+
+function labelOf({ place, margin_m }) {
+  const text = el('span', { class: margin_m >= 0 ? 'enough' : 'short' }, margin(margin_m));
+  return L.marker(place, {
+    icon: L.divIcon({ className: 'arrival', html: text, iconSize: [0, 0] }), interactive: false, keyboard: false, zIndexOffset: 1200,
   });
 }
 
-// Hides each label that would cover an earlier one.
+// Puts each label beside its site where it covers no other site and no earlier label; hides it if there is no such side.
 function keepApart(map, labels) {
+  const places = labels.map((label) => map.latLngToContainerPoint(label.getLatLng()));
   const taken = [];
-  for (const label of labels) {
-    const at = map.latLngToContainerPoint(label.getLatLng());
-    const isFree = taken.every((other) => Math.abs(other.x - at.x) > kLabel.width || Math.abs(other.y - at.y) > kLabel.height);
-    if (isFree) taken.push(at);
-    label.getElement().hidden = !isFree;
-  }
+  labels.forEach((label, i) => {
+    const { x, y } = places[i];
+    const isFree = ([right, down]) => {
+      const [cx, cy] = [x + right, y + down];
+      return places.every((disc, k) => k === i || Math.abs(disc.x - cx) > (kLabel.width + kDisc) / 2 || Math.abs(disc.y - cy) > (kLabel.height + kDisc) / 2) &&
+        taken.every((other) => Math.abs(other.x - cx) > kLabel.width || Math.abs(other.y - cy) > kLabel.height);
+    };
+    const side = Object.keys(kSides).find((name) => isFree(kSides[name]));
+    if (side) taken.push({ x: x + kSides[side][0], y: y + kSides[side][1] });
+    const text = label.getElement().firstElementChild;
+    text.hidden = !side;
+    text.style.translate = side ? `${kSides[side][0]}px ${kSides[side][1]}px` : '';
+  });
 }
 
 // Fills lie below the layers of a site, so that they do not change the layers' colours; outlines lie above.
@@ -44,10 +67,12 @@ export function createReachOverlay(map) {
   };
 
   return {
-    // collection: GeoJSON of the server, or null.
-    draw(collection) {
+    // collection: GeoJSON of the server, or null. cards: sites of an emergency answer.
+    draw(collection, cards = []) {
       group.clearLayers();
-      labels = [];
+      labels = sitesOf(collection, cards).map(labelOf);
+      for (const label of labels) group.addLayer(label);
+      keepApart(map, labels);
       if (!collection) return;
       const reach = ringsOfKind(collection, 'reach');
       const unknown = ringsOfKind(collection, 'unknown_terrain');
@@ -56,11 +81,6 @@ export function createReachOverlay(map) {
       add(unknown, { pane: 'reach', className: 'reach-unknown', stroke: false, fillColor: 'url(#unknown-terrain)' });
       for (const className of ['reach-casing', 'reach']) add(reach, { pane: 'reach-outline', className, fill: false });
       add(unknown, { pane: 'reach-outline', className: 'unknown-terrain', fill: false });
-      labels = collection.features
-        .filter(({ properties: p, geometry }) => p.kind === 'site' && geometry && Number.isFinite(p.arrival_margin_m))
-        .map(labelOf);
-      for (const label of labels) group.addLayer(label);
-      keepApart(map, labels);
     },
     bounds() {
       const bounds = L.latLngBounds([]);

@@ -53,7 +53,7 @@ async function playObstacles(request, response, path, obstacles) {
   return answer(response, index >= 0 ? 200 : 201, feature, kGeoJson);
 }
 
-// Closes after the test t. emergency: the answer of /v1/emergency, or null for 404. reach (a function of the query's
+// Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
 // parameters), obstacles (an array of features), newLook (a collection): undefined passes the request on, null is a
 // server without this part. rewrite(path, json): changes an answer of the real server.
 export async function startStandIn(t, target, {
@@ -101,7 +101,7 @@ export async function startStandIn(t, target, {
       answer(response, 404, problem(404, 'no events here'));
       return true;
     }
-    if (path === '/v1/emergency') {
+    if (path === '/v1/emergency' && emergency !== 'real') {
       state.asked.push(new URL(request.url, target).searchParams);
       answer(response, emergency ? 200 : 404, emergency ?? problem(404, 'nothing here'));
       return true;
