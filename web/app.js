@@ -89,7 +89,7 @@ async function loadSite(siteId) {
 const shownSite = () => state.planned ?? state.site;
 
 function drawShownSite() {
-  drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind, obstacle: obstacles });
+  drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind, obstacles });
   drawLists();
 }
 
@@ -292,7 +292,8 @@ async function refreshFlight(flight) {
   drawFlight(flightJson, jobs.filter((job) => !job.flight_id || job.flight_id === flight), live.now);
   await refreshTrack(flight, flightJson.frames.processed);
   if (state.flight !== flight) return;
-  const drawn = JSON.stringify([regions, sites, flightJson.state]);
+  // An age counts on: only its minutes are compared.
+  const drawn = JSON.stringify([regions, sites, flightJson.state], (key, value) => (key === 'age_s' ? Math.floor(value / 60) : value));
   if (drawn === state.drawn) return;
   const isFirst = state.drawn === '';
   Object.assign(state, { drawn, regions, sites });

@@ -13,12 +13,12 @@ export function noReturnOf(collection) {
   return stated.length === 0 ? undefined : stated.find(isKnown) ?? null;
 }
 
-// One line of the site panel, or null. approach: of the site or plan; collection: its GeoJSON, or null.
+// One line of the site panel, or null. approach: of the site or plan; collection: its GeoJSON.
 export function goAroundText(approach, collection) {
-  const distance_m = approach?.no_return_distance_m ?? noReturnOf(collection);
-  if (distance_m === undefined) return null;
-  if (!isKnown(distance_m)) return 'No go-around: no climb from the final clears everything known.';
+  const distance_m = approach?.no_return_distance_m === undefined ? noReturnOf(collection) : approach.no_return_distance_m;
+  if (distance_m === undefined || collection.verdict === 'rejected') return null;
+  if (!isKnown(distance_m)) return 'No go-around: no climb from the final clears all seen ground.';
+  const until = distance_m < 1 ? 'touchdown' : `${fixed(distance_m, 0, 'm')} before touchdown`;
   const unseen = goAroundOf(collection)?.unseen_ratio;
-  return `Go-around possible until ${fixed(distance_m, 0, 'm')} before touchdown.` +
-    (unseen > 0 ? ` ${fixed(100 * unseen, 0, '%')} of it is unseen.` : '');
+  return `Go-around clears all seen ground until ${until}.` + (unseen > 0 ? ` ${fixed(100 * unseen, 0, '%')} of the climb is over unseen ground.` : '');
 }

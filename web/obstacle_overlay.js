@@ -32,7 +32,10 @@ function placeOf({ geometry: { type, coordinates } }) {
   return L.latLngBounds(coordinates[0].map(latLng)).getCenter();
 }
 
-function shapesOf({ geometry: { type, coordinates }, properties: { kind, radius_m } }) {
+// The server keeps clear of two deviations around a position; its default deviations of a point, in metres.
+const kSd_m = { people: 20, mast: 5 };
+
+function shapesOf({ geometry: { type, coordinates }, properties: { kind, position_sd_m } }) {
   const sign = kinds[kind].sign;
   const options = { interactive: false, pane: 'obstacles' };
   if (type === 'LineString') {
@@ -44,12 +47,11 @@ function shapesOf({ geometry: { type, coordinates }, properties: { kind, radius_
     ];
   }
   const area = (className, more) => (type === 'Point'
-    ? L.circle(latLng(coordinates), { radius: radius_m, ...options, className, ...more })
+    ? L.circle(latLng(coordinates), { radius: 2 * (position_sd_m ?? kSd_m[kind] ?? 0), ...options, className, ...more })
     : L.polygon(coordinates.map((ring) => ring.map(latLng)), { ...options, className, ...more }));
-  if (type === 'Point' && !radius_m) return [];
   return [
     area(`${sign}-casing`, { fill: false }),
-    area(sign, { fillColor: `url(#${sign}-pattern)`, fillOpacity: 1 }),
+    area(sign, kind === 'mast' ? { fill: false } : { fillColor: `url(#${sign}-pattern)`, fillOpacity: 1 }),
   ];
 }
 

@@ -9,6 +9,8 @@ export const kinds = {
 };
 
 const kCircleCorners = 24;
+// The server's default for people at a point: it keeps clear of two deviations.
+const kPeopleSd_m = 20;
 const metresPerDegree = 111195;
 
 // A regular polygon whose sides touch the circle from outside: the whole circle lies in it.
@@ -85,7 +87,7 @@ export function draftOf({ geometry, properties: p, id }) {
   const points = type === 'Point' ? [coordinates] : type === 'Polygon' ? coordinates[0].slice(0, -1) : coordinates;
   return { id: p.id ?? id, isNew: false, kind: p.kind, points, values: {
     name: textOf(p.name), height_m: textOf(p.height_m), floor_m: textOf(p.floor_m), ceiling_m: textOf(p.ceiling_m),
-    radius_m: textOf(p.radius_m), altitude_datum: p.altitude_datum ?? 'unknown', position_sd_m: textOf(p.position_sd_m),
+    radius_m: p.kind === 'people' && type === 'Point' ? textOf(2 * (p.position_sd_m ?? kPeopleSd_m)) : '', altitude_datum: p.altitude_datum ?? 'unknown', position_sd_m: textOf(p.position_sd_m),
     expires_at: p.expires_at, expires_h: p.expires_at ? 'kept' : '1',
   } };
 }

@@ -45,6 +45,7 @@ class Obstacles {
   #chosenId = null;
   #loaded = { box: null, at_ms: -Infinity };
   #isLoading = false;
+  #isDrawn = false;
 
   constructor(map, on) {
     this.#map = map;
@@ -110,7 +111,8 @@ class Obstacles {
     for (const feature of features) feature.properties.id ??= feature.id;
     const shown = features.filter((feature) => !isExpired(feature));
     this.#loaded = { box: wide, at_ms: performance.now() };
-    if (JSON.stringify(shown) === JSON.stringify(this.#features)) return;
+    if (this.#isDrawn && JSON.stringify(shown) === JSON.stringify(this.#features)) return;
+    this.#isDrawn = true;
     this.#features = shown;
     this.#draw();
   }

@@ -5,7 +5,8 @@ import { el } from './dom.js';
 import { margin } from './units.js';
 
 const kLabel = { width: 72, height: 28 };  // px
-const kDisc = 34;  // px, of a site
+const kDisc = 34;  // px, of a site with a number
+const kDot = 12;  // px, of a site without one
 // Where a label may stand: the centre of it, in px from the site. The first free side is taken.
 const kSides = {
   right: [20 + kLabel.width / 2, 0], left: [-20 - kLabel.width / 2, 0], below: [0, 20 + kLabel.height / 2], above: [0, -20 - kLabel.height / 2],
@@ -17,13 +18,14 @@ const ringsOfKind = (collection, kind) => collection.features
   .filter(({ properties, geometry }) => properties.kind === kind && geometry)
   .flatMap(({ geometry }) => ringsOf(geometry).map(latLngs));
 
-// {id, place, margin_m} of each site. The answer that the cards show comes first: its numbers win.
+// {id, place, margin_m, disc} of each site; disc: px. The answer that the cards show comes first: its numbers win.
 function sitesOf(collection, cards) {
   const shown = cards.filter(({ arrival_margin_m }) => Number.isFinite(arrival_margin_m)).map((card) => ({
-    id: card.site_id, place: [card.touchdown.latitude_deg, card.touchdown.longitude_deg], margin_m: card.arrival_margin_m }));
+    id: card.site_id, place: [card.touchdown.latitude_deg, card.touchdown.longitude_deg], margin_m: card.arrival_margin_m, disc: kDisc }));
   const others = (collection?.features ?? [])
     .filter(({ properties: p, geometry }) => p.kind === 'site' && geometry && Number.isFinite(p.arrival_margin_m))
-    .map(({ properties: p, geometry: { coordinates: [lon, lat] } }) => ({ id: p.site_id ?? p.id, place: [lat, lon], margin_m: p.arrival_margin_m }))
+    .map(({ properties: p, geometry: { coordinates: [lon, lat] } }) => ({ id: p.site_id ?? p.id, place: [lat, lon], margin_m: p.arrival_margin_m,
+      disc: shown.length > 0 ? kDot : kDisc }))
     .filter(({ id }) => !shown.some((card) => card.id === id));
   return [...shown, ...others];
 }
@@ -35,15 +37,20 @@ function labelOf({ place, margin_m }) {
   });
 }
 
+const dotOf = (place) => L.marker(place, {
+  icon: L.divIcon({ className: 'site-dot', iconSize: [kDot, kDot] }), interactive: false, keyboard: false,
+});
+
 // Puts each label beside its site where it covers no other site and no earlier label; hides it if there is no such side.
-function keepApart(map, labels) {
+function keepApart(map, labels, sites) {
   const places = labels.map((label) => map.latLngToContainerPoint(label.getLatLng()));
   const taken = [];
   labels.forEach((label, i) => {
     const { x, y } = places[i];
     const isFree = ([right, down]) => {
       const [cx, cy] = [x + right, y + down];
-      return places.every((disc, k) => k === i || Math.abs(disc.x - cx) > (kLabel.width + kDisc) / 2 || Math.abs(disc.y - cy) > (kLabel.height + kDisc) / 2) &&
+      return places.every((disc, k) => k === i || Math.abs(disc.x - cx) > (kLabel.width + sites[k].disc) / 2 ||
+        Math.abs(disc.y - cy) > (kLabel.height + sites[k].disc) / 2) &&
         taken.every((other) => Math.abs(other.x - cx) > kLabel.width || Math.abs(other.y - cy) > kLabel.height);
     };
     const side = Object.keys(kSides).find((name) => isFree(kSides[name]));
@@ -60,7 +67,8 @@ export function createReachOverlay(map) {
   map.createPane('reach-outline').style.zIndex = 310;
   const group = L.featureGroup().addTo(map);
   let labels = [];
-  map.on('zoomend', () => keepApart(map, labels));
+  let sites = [];
+  map.on('zoomend', () => keepApart(map, labels, sites));
 
   const add = (rings, options) => {
     if (rings.length > 0) group.addLayer(L.polygon(rings, { interactive: false, ...options }));
@@ -70,9 +78,11 @@ export function createReachOverlay(map) {
     // collection: GeoJSON of the server, or null. cards: sites of an emergency answer.
     draw(collection, cards = []) {
       group.clearLayers();
-      labels = sitesOf(collection, cards).map(labelOf);
+      sites = sitesOf(collection, cards);
+      labels = sites.map(labelOf);
       for (const label of labels) group.addLayer(label);
-      keepApart(map, labels);
+      for (const { place } of sites.filter(({ disc }) => disc === kDot)) group.addLayer(dotOf(place));
+      keepApart(map, labels, sites);
       if (!collection) return;
       const reach = ringsOfKind(collection, 'reach');
       const unknown = ringsOfKind(collection, 'unknown_terrain');

@@ -116,11 +116,11 @@ export function drawSiteHead(p) {
   byId('site-curl').replaceChildren(curlButton('this site', () => curlOf(paths.site(p.id))));
 }
 
-// The obstacles that stand in the way. find(id): the obstacle as a feature, undefined if it is not loaded.
-function drawBlocked({ blocked_by: ids = [] }, { find, show }) {
+// The obstacles that stand in the way. obstacles.find(id): the obstacle as a feature, undefined if it is not loaded.
+function drawBlocked({ blocked_by: ids = [] }, obstacles) {
   byId('site-blocked').hidden = ids.length === 0;
   byId('site-blocked').replaceChildren(el('strong', {}, 'Blocked by an obstacle'), ...ids.map((id) => el('button',
-    { type: 'button', class: 'wide', 'data-obstacle': id, onclick: () => show(id) }, find(id) ? obstacleText(find(id)) : id)));
+    { type: 'button', class: 'wide', 'data-obstacle': id, onclick: () => obstacles.show(id) }, obstacles.find(id) ? obstacleText(obstacles.find(id)) : id)));
 }
 
 // The summaries of the open sections, null if no site was drawn: a redraw keeps what the user opened.
@@ -137,11 +137,11 @@ function keepOpen(node, titles) {
 }
 
 // feature: the site as stored, or with the plan for a trial wind (is_trial) in place of its own.
-// on: {place(index): shows a rejection, wind(): the trial wind or null, obstacle: {find(id), show(id)}}
+// on: {place(index): shows a rejection, wind(): the trial wind or null, obstacles: {find(id), show(id)}}
 export function drawSite(feature, on) {
   const { properties: p, geometry } = feature;
   drawSiteHead(p);
-  drawBlocked(p, on.obstacle);
+  drawBlocked(p, on.obstacles);
   byId('site-tiles').replaceChildren(...tiles(p));
   byId('approach-curl').replaceChildren(curlButton('this approach', () => curlOf(paths.approach(p.id, on.wind()))));
   const warnings = p.warnings ?? [];

@@ -9,7 +9,7 @@ const ringAround = (place, radius_m, sign = 1, [east_m, north_m] = [0, 0]) => Ar
   return offset(place, east_m + radius_m * Math.cos(turn), north_m + radius_m * Math.sin(turn));
 });
 
-const feature = (properties, geometry) => ({ type: 'Feature', properties, geometry });
+const feature = ({ id, ...properties }, geometry) => ({ type: 'Feature', ...(id ? { id } : {}), properties, geometry });
 const collection = (features) => ({ type: 'FeatureCollection', features });
 
 // sites: [{id, place, arrival_margin_m}]. A hole where a hill stands, and no map in the east.

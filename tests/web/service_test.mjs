@@ -5,7 +5,7 @@ import { after, before, test } from 'node:test';
 
 import { Validator } from '@seriousme/openapi-schema-validator';
 
-import { age, distance, heading } from '../../web/units.js';
+import { age, distance, heading, margin } from '../../web/units.js';
 import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
 import { startStandIn } from './stand_in.mjs';
 
@@ -160,7 +160,7 @@ test('emergency: the page shows the sites that the server reports in reach', asy
   assert.equal(cards.length, Math.min(3, high.sites.length));
   high.sites.slice(0, 3).forEach((reached, i) => {
     for (const part of [reached.verdict, heading(reached.bearing_deg), distance(reached.distance_m),
-      heading(reached.approach.heading_deg), `+${reached.arrival_margin_m.toFixed(0)} m`]) {
+      heading(reached.approach.heading_deg), margin(reached.arrival_margin_m)]) {
       assert.ok(cards[i].includes(part), `${part} in ${cards[i]}`);
     }
   });
@@ -170,7 +170,7 @@ test('emergency: the page shows the sites that the server reports in reach', asy
   assert.deepEqual(low.sites, []);
   await page.getByText('No site in reach').waitFor(kWait);
   if (low.nearest_miss) {
-    const missing = `−${Math.abs(low.nearest_miss.arrival_margin_m).toFixed(0)} m`;
+    const missing = margin(low.nearest_miss.arrival_margin_m);
     assert.ok((await page.locator('.em-card').textContent()).includes(missing), missing);
   }
   assert.deepEqual(seen.errors, []);

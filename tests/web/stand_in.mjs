@@ -36,7 +36,7 @@ function described(contract, { reach, obstacles, newLook }) {
 // GET, PUT and DELETE of obstacles in memory. A mast higher than 999 m is refused.
 async function playObstacles(request, response, path, obstacles) {
   const id = decodeURIComponent(path.split('/')[3] ?? '');
-  const index = obstacles.findIndex(({ properties }) => properties.id === id);
+  const index = obstacles.findIndex((obstacle) => obstacle.id === id);
   if (request.method === 'GET') return answer(response, 200, { type: 'FeatureCollection', features: obstacles }, kGeoJson);
   if (request.method === 'DELETE') {
     if (index >= 0) obstacles.splice(index, 1);
@@ -47,7 +47,7 @@ async function playObstacles(request, response, path, obstacles) {
     return answer(response, 422, problem(422, 'height_m = 1200: must be at most 1000',
       [{ pointer: '/properties/height_m', detail: 'must be at most 1000' }]));
   }
-  feature.properties.id = id;
+  feature.id = id;
   if (index >= 0) obstacles.splice(index, 1, feature);
   else obstacles.push(feature);
   return answer(response, index >= 0 ? 200 : 201, feature, kGeoJson);
