@@ -49,7 +49,8 @@ function keepApart(map, labels, sites) {
     const { x, y } = places[i];
     const isFree = ([right, down]) => {
       const [cx, cy] = [x + right, y + down];
-      return places.every((disc, k) => k === i || Math.abs(disc.x - cx) > (kLabel.width + sites[k].disc) / 2 ||
+      // The dot of a site without a number gives way to one with a number.
+      return places.every((disc, k) => k === i || sites[k].disc < sites[i].disc || Math.abs(disc.x - cx) > (kLabel.width + sites[k].disc) / 2 ||
         Math.abs(disc.y - cy) > (kLabel.height + sites[k].disc) / 2) &&
         taken.every((other) => Math.abs(other.x - cx) > kLabel.width || Math.abs(other.y - cy) > kLabel.height);
     };
