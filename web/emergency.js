@@ -37,11 +37,15 @@ function requestOfForm(flight) {
 
 const fill = (name, value, digits) => { input(name).value = isKnown(value) ? value.toFixed(digits) : ''; };
 
+function setSource(text, isDoubtful) {
+  byId('em-source').textContent = text;
+  byId('em-source').className = isDoubtful ? 'bad' : '';
+}
+
 function setPosition({ latitude_deg, longitude_deg }, source, isDoubtful = false) {
   fill('latitude_deg', latitude_deg, 6);
   fill('longitude_deg', longitude_deg, 6);
-  byId('em-source').textContent = source;
-  byId('em-source').className = isDoubtful ? 'bad' : '';
+  setSource(source, isDoubtful);
 }
 
 function keepForm() {
@@ -120,8 +124,9 @@ class Emergency {
   constructor(on) {
     this.#on = on;
     fillKept();
-    byId('em-form').addEventListener('input', () => { this.#isOwn = true; this.#ask(); });
+    byId('em-form').addEventListener('input', () => this.#takeOver());
     byId('em-form').addEventListener('submit', (event) => { event.preventDefault(); this.#ask(); });
+    byId('em-flight').addEventListener('click', () => { this.#isOwn = false; this.#ask(); });
     byId('em-center').addEventListener('click', () => {
       this.#isOwn = true;
       setPosition(on.center(), 'Position: centre of the map.', true);
@@ -146,9 +151,17 @@ class Emergency {
 
   #open() {
     if (this.#dialog.open) return;
+    byId('em-flight').hidden = !this.#on.flight();
     if (!this.#isOwn) setPosition(this.#on.center(), 'Position: centre of the map. Enter yours.', true);
     this.#dialog.showModal();
     this.#map.open();
+    this.#ask();
+  }
+
+  // The user has entered a value. An age of the flight's data would stand still from now on.
+  #takeOver() {
+    if (!this.#isOwn && this.#pose) setSource(`Values as entered. Position of flight ${this.#on.flightName()} at ${now()}.`, true);
+    this.#isOwn = true;
     this.#ask();
   }
 

@@ -29,7 +29,8 @@ function course(site) {
     el('div', {}, el('small', {}, 'Bearing'), el('strong', {}, heading(site.bearing_deg)), el('span', {}, distance(site.distance_m))),
     isKnown(site.arrival_margin_m)
       ? el('div', { class: site.arrival_margin_m < 0 ? 'bad' : '' }, el('small', {}, 'Arrival margin'),
-        el('strong', { class: 'em-margin' }, margin(site.arrival_margin_m))) : null);
+        el('strong', { class: 'em-margin' }, margin(site.arrival_margin_m)))
+      : el('small', { class: 'chip' }, 'reach unchecked'));
 }
 
 // site: of the emergency answer. flightName: of its flight, if known. onShow() opens the site on the map.
@@ -37,7 +38,6 @@ export function emergencyCard(site, index, { flightName, onShow }) {
   return el('article', { class: `em-card verdict-${site.verdict}`, 'aria-label': `Site ${index + 1}` },
     el('header', {}, el('span', { class: 'rank' }, index + 1),
       el('strong', {}, `Site ${index + 1} `, el('span', { class: 'em-verdict' }, `${verdictSign[site.verdict]} ${site.verdict}`)),
-      site.reach === 'unknown' ? el('span', { class: 'chip' }, 'reach unchecked') : null,
       el('button', { type: 'button', 'aria-label': `Show site ${index + 1} on the map`, onclick: onShow }, 'Show')),
     course(site), facts(site, flightName));
 }

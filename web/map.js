@@ -63,10 +63,16 @@ export function createMap(element, on) {
       if (!collection) isMoved = false;
     },
     drawRegions: regions.draw,
-    drawSites: sites.draw,
+    drawSites(collection, chosenId) {
+      sites.draw(collection, chosenId);
+      reach.nameSites(collection);
+    },
     drawLayer: picture.draw,
     setOpacity: picture.setOpacity,
-    drawApproach: approach.draw,
+    drawApproach(collection, options) {
+      approach.draw(collection, options);
+      reach.keepClear(approach.signs());
+    },
     drawMarks: marks.draw,
     drawWind: barb.draw,
     drawAnswer: answer.draw,

@@ -130,6 +130,9 @@ function climbArrow({ coordinates }, suffix) {
 export function createApproach(map) {
   const group = L.layerGroup().addTo(map);
   return {
+    // Where its small signs stand: the direction of flight, the point of no return.
+    signs: () => group.getLayers().filter((layer) => /flight-arrow|no-return/.test(layer.options.icon?.options.className))
+      .map((layer) => layer.getLatLng()),
     // collection: GeoJSON of the server; null removes the approach.
     draw(collection, { touchdownRadius_m, isReplanned } = {}) {
       group.clearLayers();

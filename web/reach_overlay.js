@@ -4,13 +4,15 @@
 import { el } from './dom.js';
 import { margin } from './units.js';
 
-const kLabel = { width: 72, height: 28 };  // px
+const kLabel = { width: 88, height: 28 };  // px
 const kDisc = 34;  // px, of a site with a number
+const kSign = 28;  // px, of an arrow or another sign
 const kDot = 12;  // px, of a site without one
 // Where a label may stand: the centre of it, in px from the site. The first free side is taken.
-const kSides = {
-  right: [20 + kLabel.width / 2, 0], left: [-20 - kLabel.width / 2, 0], below: [0, 20 + kLabel.height / 2], above: [0, -20 - kLabel.height / 2],
-};
+const kBeside = 20 + kLabel.width / 2;
+const kOver = 20 + kLabel.height / 2;
+const kSides = [[kBeside, 0], [-kBeside, 0], [0, kOver], [0, -kOver],
+  [kBeside - 10, kOver - 6], [kBeside - 10, 6 - kOver], [10 - kBeside, kOver - 6], [10 - kBeside, 6 - kOver]];
 
 const ringsOf = ({ type, coordinates }) => (type === 'MultiPolygon' ? coordinates.flat() : coordinates);
 const latLngs = (ring) => ring.map(([lon, lat]) => [lat, lon]);
@@ -18,20 +20,21 @@ const ringsOfKind = (collection, kind) => collection.features
   .filter(({ properties, geometry }) => properties.kind === kind && geometry)
   .flatMap(({ geometry }) => ringsOf(geometry).map(latLngs));
 
-// {id, place, margin_m, disc} of each site; disc: px. The answer that the cards show comes first: its numbers win.
-function sitesOf(collection, cards) {
-  const shown = cards.filter(({ arrival_margin_m }) => Number.isFinite(arrival_margin_m)).map((card) => ({
-    id: card.site_id, place: [card.touchdown.latitude_deg, card.touchdown.longitude_deg], margin_m: card.arrival_margin_m, disc: kDisc }));
+// {id, place, margin_m, disc, number} of each site; disc: px. The answer that the cards show comes first: its numbers win.
+function sitesOf(collection, cards, ranks) {
+  const shown = cards.map((card, i) => ({ ...card, number: i + 1 })).filter((card) => Number.isFinite(card.arrival_margin_m)).map((card) => ({
+    id: card.site_id, place: [card.touchdown.latitude_deg, card.touchdown.longitude_deg], margin_m: card.arrival_margin_m,
+    disc: kDisc, number: card.number }));
   const others = (collection?.features ?? [])
     .filter(({ properties: p, geometry }) => p.kind === 'site' && geometry && Number.isFinite(p.arrival_margin_m))
     .map(({ properties: p, geometry: { coordinates: [lon, lat] } }) => ({ id: p.site_id ?? p.id, place: [lat, lon], margin_m: p.arrival_margin_m,
-      disc: shown.length > 0 ? kDot : kDisc }))
+      disc: shown.length > 0 ? kDot : kDisc, number: shown.length > 0 ? '' : ranks.get(p.site_id ?? p.id) ?? '' }))
     .filter(({ id }) => !shown.some((card) => card.id === id));
   return [...shown, ...others];
 }
 
-function labelOf({ place, margin_m }) {
-  const text = el('span', { class: margin_m >= 0 ? 'enough' : 'short' }, margin(margin_m));
+function labelOf({ place, margin_m, number }) {
+  const text = el('span', { class: margin_m >= 0 ? 'enough' : 'short', 'data-number': number }, margin(margin_m));
   return L.marker(place, {
     icon: L.divIcon({ className: 'arrival', html: text, iconSize: [0, 0] }), interactive: false, keyboard: false, zIndexOffset: 1200,
   });
@@ -41,24 +44,29 @@ const dotOf = (place) => L.marker(place, {
   icon: L.divIcon({ className: 'site-dot', iconSize: [kDot, kDot] }), interactive: false, keyboard: false,
 });
 
-// Puts each label beside its site where it covers no other site and no earlier label; hides it if there is no such side.
-function keepApart(map, labels, sites) {
+// Puts each label beside its site where it covers no other site, no sign and no earlier label; hides it if there is no
+// such side. signs: their places.
+function keepApart(map, labels, sites, signs) {
   const places = labels.map((label) => map.latLngToContainerPoint(label.getLatLng()));
   const taken = [];
+  const standing = signs.map((place) => map.latLngToContainerPoint(place));
+  const covers = (disc, size, cx, cy) => Math.abs(disc.x - cx) <= (kLabel.width + size) / 2 && Math.abs(disc.y - cy) <= (kLabel.height + size) / 2;
   labels.forEach((label, i) => {
     const { x, y } = places[i];
     const isFree = ([right, down]) => {
       const [cx, cy] = [x + right, y + down];
       // The dot of a site without a number gives way to one with a number.
-      return places.every((disc, k) => k === i || sites[k].disc < sites[i].disc || Math.abs(disc.x - cx) > (kLabel.width + sites[k].disc) / 2 ||
-        Math.abs(disc.y - cy) > (kLabel.height + sites[k].disc) / 2) &&
+      return places.every((disc, k) => k === i || sites[k].disc < sites[i].disc || !covers(disc, sites[k].disc, cx, cy)) &&
+        !standing.some((sign) => covers(sign, kSign, cx, cy)) &&
         taken.every((other) => Math.abs(other.x - cx) > kLabel.width || Math.abs(other.y - cy) > kLabel.height);
     };
-    const side = Object.keys(kSides).find((name) => isFree(kSides[name]));
-    if (side) taken.push({ x: x + kSides[side][0], y: y + kSides[side][1] });
+    const side = kSides.find(isFree);
+    if (side) taken.push({ x: x + side[0], y: y + side[1] });
     const text = label.getElement().firstElementChild;
     text.hidden = !side;
-    text.style.translate = side ? `${kSides[side][0]}px ${kSides[side][1]}px` : '';
+    // Beside another site a label names its own.
+    text.classList.toggle('aside', side !== kSides[0]);
+    text.style.translate = side ? `${side[0]}px ${side[1]}px` : '';
   });
 }
 
@@ -69,7 +77,10 @@ export function createReachOverlay(map) {
   const group = L.featureGroup().addTo(map);
   let labels = [];
   let sites = [];
-  map.on('zoomend', () => keepApart(map, labels, sites));
+  let signs = [];
+  let ranks = new Map();
+  const arrange = () => keepApart(map, labels, sites, signs);
+  map.on('zoomend', arrange);
 
   const add = (rings, options) => {
     if (rings.length > 0) group.addLayer(L.polygon(rings, { interactive: false, ...options }));
@@ -79,11 +90,11 @@ export function createReachOverlay(map) {
     // collection: GeoJSON of the server, or null. cards: sites of an emergency answer.
     draw(collection, cards = []) {
       group.clearLayers();
-      sites = sitesOf(collection, cards);
+      sites = sitesOf(collection, cards, ranks);
       labels = sites.map(labelOf);
       for (const label of labels) group.addLayer(label);
       for (const { place } of sites.filter(({ disc }) => disc === kDot)) group.addLayer(dotOf(place));
-      keepApart(map, labels, sites);
+      arrange();
       if (!collection) return;
       const reach = ringsOfKind(collection, 'reach');
       const unknown = ringsOfKind(collection, 'unknown_terrain');
@@ -92,6 +103,13 @@ export function createReachOverlay(map) {
       add(unknown, { pane: 'reach', className: 'reach-unknown', stroke: false, fillColor: 'url(#unknown-terrain)' });
       for (const className of ['reach-casing', 'reach']) add(reach, { pane: 'reach-outline', className, fill: false });
       add(unknown, { pane: 'reach-outline', className: 'unknown-terrain', fill: false });
+    },
+    // collection: the sites whose ranks stand on the map, from the next draw on.
+    nameSites({ features }) { ranks = new Map(features.map(({ properties: p }) => [p.id, p.rank])); },
+    // places: of signs that no label may cover.
+    keepClear(places) {
+      signs = places;
+      arrange();
     },
     bounds() {
       const bounds = L.latLngBounds([]);

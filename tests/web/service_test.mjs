@@ -237,6 +237,12 @@ test('emergency: position and altitude are those of the selected flight, and say
   await page.locator('#em-message', { hasText: /4321|reach/i }).waitFor(kWait);
   await page.waitForTimeout(5500);
   assert.equal(await page.locator('#em-altitude_m').inputValue(), '4321');
+  assert.match(await page.locator('#em-source').textContent(), /^Values as entered\. Position of flight .* at /, 'no age that stands still');
+  await page.locator('#em-more summary').click();
+  await page.locator('#em-flight').click();
+  await page.locator('#em-source', { hasText: /^Position and altitude of flight/ }).waitFor(kWait);
+  assert.equal(await page.locator('#em-altitude_m').inputValue(), pose.altitude_m.toFixed(0), 'the flight is followed again');
+  await page.locator('#em-altitude_m').fill('4321');
   await page.reload();
   await page.locator('#sites button').first().waitFor(kWait);
   await page.keyboard.press('e');
