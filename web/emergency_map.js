@@ -53,7 +53,7 @@ class EmergencyMap {
     if (this.#isMoved) return;
     const bounds = L.latLngBounds(places.map(({ latitude_deg, longitude_deg }) => [latitude_deg, longitude_deg]));
     this.#map.fitBounds(places.length > 1 ? bounds : this.#reach.bounds().extend(bounds), {
-      paddingTopLeft: [40, 40], paddingBottomRight: [70, 40], maxZoom: 16, animate: false });
+      paddingTopLeft: [40, 40], paddingBottomRight: [110, 40], maxZoom: 16, animate: false });
   }
 }
 

@@ -5,7 +5,7 @@ import { el, svg } from './dom.js';
 import { extentOf, kinds, obstacleText } from './obstacle_shape.js';
 
 const kMarker = 44;  // px
-const kLabelZoom = 14;  // below it the texts would cover each other
+const kLabelZoom = 15;  // below it the texts would cover each other
 
 const signs = {
   wire: ['M4 21V5M20 21V5M1 8H7M17 8H23', 'M4 8Q12 17 20 8'],

@@ -12,10 +12,11 @@ const ringAround = (place, radius_m, sign = 1, [east_m, north_m] = [0, 0]) => Ar
 const feature = ({ id, ...properties }, geometry) => ({ type: 'Feature', ...(id ? { id } : {}), properties, geometry });
 const collection = (features) => ({ type: 'FeatureCollection', features });
 
-// sites: [{id, place, arrival_margin_m}]. A hole where a hill stands, and no map in the east.
-export const sampleReach = (place, sites) => collection([
-  feature({ kind: 'reach' }, { type: 'Polygon', coordinates: [ringAround(place, 900), ringAround(place, 180, -1, [-480, 300])] }),
-  feature({ kind: 'unknown_terrain' }, { type: 'Polygon', coordinates: [ringAround(place, 300, 1, [520, 0])] }),
+// sites: [{id, place, arrival_margin_m}]; radius_m: of the reach. A hole where a hill stands, and no map in the west.
+export const sampleReach = (place, sites, radius_m = 900) => collection([
+  feature({ kind: 'reach' }, { type: 'Polygon', coordinates: [
+    ringAround(place, radius_m), ringAround(place, 0.2 * radius_m, -1, [0.53 * radius_m, 0.33 * radius_m])] }),
+  feature({ kind: 'unknown_terrain' }, { type: 'Polygon', coordinates: [ringAround(place, 0.33 * radius_m, 1, [-0.58 * radius_m, 0])] }),
   ...sites.map(({ id, place: at, arrival_margin_m }) => feature({ kind: 'site', site_id: id, arrival_margin_m }, { type: 'Point', coordinates: at })),
 ]);
 
