@@ -372,8 +372,7 @@ const reach = createReach({
 const obstacles = createObstacles(map, {
   draw(features, chosen) {
     map.drawObstacles(features, chosen);
-    setKey('obstacles', obstacleKey(features));
-    emergency.showObstacles(features);
+    setKey('obstacles', obstacleKey(features), chosen.note);
   },
   changed: () => { live.now(); reach.look(); },
 });

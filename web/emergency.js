@@ -170,9 +170,6 @@ class Emergency {
   // shown: see reach.js
   showReach(shown) { this.#map.show({ reach: shown?.collection ?? null, reachText: shown?.text }); }
 
-  // features: of the part of the map in view
-  showObstacles(obstacles) { this.#map.show({ obstacles }); }
-
   // The selected flight's last position, altitude and wind, unless the user has entered others.
   async #follow(signal) {
     const flight = this.#on.flight();

@@ -2,8 +2,9 @@
 /* global L */
 
 import { byId } from './dom.js';
-import { createBase } from './map.js';
+import { boxOf, createBase } from './map.js';
 import { createObstacleOverlay, obstacleKey } from './obstacle_overlay.js';
+import { createObstacleSource } from './obstacle_source.js';
 import { createBearings, discMarker } from './overlays.js';
 import { createReachOverlay, reachKey } from './reach_overlay.js';
 
@@ -11,7 +12,8 @@ class EmergencyMap {
   #map = null; // made when the dialog first opens: a hidden map has no size
   #reach; #obstacles; #bearings; #sites;
   #isMoved = false;
-  #shown = { reach: null, obstacles: [], from: null, sites: [] };
+  #source = createObstacleSource(() => this.#drawObstacles());
+  #shown = { reach: null, from: null, sites: [] };
 
   open() {
     this.#isMoved = false;
@@ -25,27 +27,37 @@ class EmergencyMap {
     for (const type of ['pointerdown', 'wheel', 'keydown']) {
       element.addEventListener(type, () => { this.#isMoved = true; }, { passive: true });
     }
+    this.#map.on('moveend', () => this.#source.look(boxOf(this.#map)));
     this.#draw();
   }
 
-  // changes: some of {reach: GeoJSON or null, reachText, obstacles: features, from: place, sites: of the cards}
+  // changes: some of {reach: GeoJSON or null, reachText, from: place, sites: of the cards}
   show(changes) {
     Object.assign(this.#shown, changes);
     if (this.#map) this.#draw();
   }
 
   #draw() {
-    const { reach, reachText, obstacles, from, sites } = this.#shown;
+    const { reach, from, sites } = this.#shown;
     this.#reach.draw(reach, sites);
-    this.#obstacles.draw(obstacles);
-    byId('em-key').replaceChildren(...reachKey(reach), ...obstacleKey(obstacles));
-    byId('em-reach').textContent = reachText ?? '';
+    this.#drawKey();
     if (!from) return;
     this.#bearings.draw(from, sites);
     this.#sites.clearLayers();
     sites.forEach(({ touchdown: { latitude_deg, longitude_deg }, verdict }, i) => this.#sites.addLayer(discMarker(
       [latitude_deg, longitude_deg], `verdict-${verdict}`, i + 1, { interactive: false, keyboard: false, zIndexOffset: 1000 - i })));
     this.#fit([from, ...sites.map(({ touchdown }) => touchdown)]);
+    this.#source.look(boxOf(this.#map));
+  }
+
+  #drawObstacles() {
+    this.#obstacles.draw(this.#source.features);
+    this.#drawKey();
+  }
+
+  #drawKey() {
+    byId('em-key').replaceChildren(...reachKey(this.#shown.reach), ...obstacleKey(this.#source.features));
+    byId('em-reach').textContent = [this.#shown.reachText, this.#source.note].filter(Boolean).join(' ');
   }
 
   // The aircraft and its sites matter; the rim of the reach may lie outside.

@@ -25,6 +25,12 @@ export function createBase(element) {
   return map;
 }
 
+// The part of a map in view, in degrees.
+export function boxOf(map) {
+  const bounds = map.getBounds();
+  return { west: bounds.getWest(), south: bounds.getSouth(), east: bounds.getEast(), north: bounds.getNorth() };
+}
+
 // Keeps bounds beside the open layer box, or above the closed one, if the map is wide enough for both.
 function fitTo(map, bounds) {
   if (!bounds.isValid()) return;
@@ -83,10 +89,7 @@ export function createMap(element, on) {
     drawObstacles: obstacles.draw,
     drawDraft: draft.draw,
     onMove: (listener) => map.on('moveend', listener),
-    box() {
-      const bounds = map.getBounds();
-      return { west: bounds.getWest(), south: bounds.getSouth(), east: bounds.getEast(), north: bounds.getNorth() };
-    },
+    box: () => boxOf(map),
     centerPoint: () => map.getCenter(),
     // feature: GeoJSON
     panToFeature: (feature) => map.panTo(L.geoJSON(feature).getBounds().getCenter()),

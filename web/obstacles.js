@@ -1,4 +1,4 @@
-// The obstacles of the part of the map in view: loads them, lists them, deletes them.
+// The obstacles of the part of the map in view: lists them, draws new ones, deletes them.
 
 import * as api from './api.js';
 import { curlButton, curlOf } from './curl.js';
@@ -6,24 +6,8 @@ import { byId, el, notify } from './dom.js';
 import { createObstacleForm } from './obstacle_form.js';
 import { nameOf, signOf } from './obstacle_overlay.js';
 import { extentOf, kinds } from './obstacle_shape.js';
-import { offers } from './offers.js';
+import { boxText, createObstacleSource } from './obstacle_source.js';
 import { isVisible, showView } from './views.js';
-
-const kRefresh_ms = 5000;
-// A larger box would hold obstacles of half a continent.
-const kWidest_deg = 5;
-
-const isWithin = (inner, outer) => inner.west >= outer.west && inner.east <= outer.east &&
-  inner.south >= outer.south && inner.north <= outer.north;
-
-// Half a screen more on each side, so that a small move needs no request.
-function widened({ west, south, east, north }) {
-  const [x, y] = [(east - west) / 2, (north - south) / 2];
-  return { west: Math.max(-180, west - x), south: Math.max(-90, south - y), east: Math.min(180, east + x), north: Math.min(90, north + y) };
-}
-
-const textOf = ({ west, south, east, north }) => [west, south, east, north].map((side) => side.toFixed(6)).join(',');
-const isExpired = ({ properties: p }) => p.expires_at !== undefined && p.expires_at !== null && Date.parse(p.expires_at) <= Date.now();
 
 // Asks for a yes. Resolves to whether the user gave it.
 function confirmed(question, yes) {
@@ -41,11 +25,8 @@ class Obstacles {
   #map;
   #on;
   #form;
-  #features = [];
+  #source = createObstacleSource(() => this.#draw());
   #chosenId = null;
-  #loaded = { box: null, at_ms: -Infinity };
-  #isLoading = false;
-  #isDrawn = false;
 
   constructor(map, on) {
     this.#map = map;
@@ -53,14 +34,12 @@ class Obstacles {
     this.#form = createObstacleForm(map, { changed: () => this.#draw(), saved: (id) => { this.#chosenId = id; this.#reload(); } });
     byId('obstacle-kinds').append(...Object.entries(kinds).map(([kind, { name }]) => el('button',
       { type: 'button', class: 'wide', 'data-kind': kind, onclick: () => this.#form.start(kind) }, signOf(kind), ` ${name}`)));
-    byId('obstacles-curl').append(curlButton('the obstacles in view', () => curlOf(api.paths.obstacles(textOf(map.box())))));
+    byId('obstacles-curl').append(curlButton('the obstacles in view', () => curlOf(api.paths.obstacles(boxText(map.box())))));
     byId('open-obstacles').addEventListener('click', () => { showView('obstacles'); byId('obstacles-title').focus(); });
     map.onMove(() => this.look());
     // A hidden form must not keep taking clicks on the map.
     addEventListener('freelsd-view', ({ detail }) => { if (detail !== 'obstacles' && this.#form.draft) this.#form.close(); });
   }
-
-  get features() { return this.#features; }
 
   // Returns whether the place became a point of the obstacle that is being drawn.
   takePlace(latlng) {
@@ -84,41 +63,12 @@ class Obstacles {
     byId('obstacles').querySelector(`[data-obstacle="${CSS.escape(id)}"] button`)?.focus();
   }
 
-  find(id) { return this.#features.find(({ properties }) => properties.id === id); }
+  find(id) { return this.#source.features.find(({ properties }) => properties.id === id); }
 
-  // Loads again if the map shows a part that is not loaded, or if the list is old.
-  async look() {
-    const box = this.#map.box();
-    const isOld = performance.now() - this.#loaded.at_ms > kRefresh_ms;
-    if (this.#isLoading || (!isOld && this.#loaded.box && isWithin(box, this.#loaded.box))) return;
-    this.#isLoading = true;
-    try {
-      await this.#load(box);
-    } catch (error) {
-      // Obstacles that were loaded stay: an old one is better than none.
-      if (error.status === 404) byId('open-obstacles').hidden = true;
-    } finally {
-      this.#isLoading = false;
-    }
-  }
-
-  async #load(box) {
-    if (!(await offers()).obstacles) return;
-    byId('open-obstacles').hidden = false;
-    const wide = widened(box);
-    const isTooWide = wide.east - wide.west > kWidest_deg;
-    const { features } = isTooWide ? { features: [] } : await api.getObstacles(textOf(wide));
-    for (const feature of features) feature.properties.id ??= feature.id;
-    const shown = features.filter((feature) => !isExpired(feature));
-    this.#loaded = { box: wide, at_ms: performance.now() };
-    if (this.#isDrawn && JSON.stringify(shown) === JSON.stringify(this.#features)) return;
-    this.#isDrawn = true;
-    this.#features = shown;
-    this.#draw();
-  }
+  look() { this.#source.look(this.#map.box()); }
 
   #reload() {
-    this.#loaded.at_ms = -Infinity;
+    this.#source.forget();
     this.look();
     this.#on.changed();
   }
@@ -127,10 +77,13 @@ class Obstacles {
     const isDrawing = Boolean(this.#form.draft);
     byId('obstacle-form').hidden = !isDrawing;
     byId('obstacle-list').hidden = isDrawing;
-    byId('num-obstacles').textContent = this.#features.length;
-    byId('no-obstacles').hidden = this.#features.length > 0;
-    byId('obstacles').replaceChildren(...this.#features.map((feature) => this.#row(feature)));
-    this.#on.draw(this.#features, { chosenId: isVisible('obstacles') ? this.#chosenId : null, editedId: this.#form.draft?.id ?? null });
+    const { features, note, isOffered } = this.#source;
+    byId('open-obstacles').hidden = !isOffered;
+    byId('num-obstacles').textContent = features.length;
+    byId('no-obstacles').hidden = features.length > 0;
+    byId('no-obstacles').textContent = note || 'No obstacles in this part of the map.';
+    byId('obstacles').replaceChildren(...features.map((feature) => this.#row(feature)));
+    this.#on.draw(features, { note, chosenId: isVisible('obstacles') ? this.#chosenId : null, editedId: this.#form.draft?.id ?? null });
   }
 
   #row(feature) {
@@ -150,7 +103,7 @@ class Obstacles {
     if (!await confirmed(`Delete ${what}? Approaches may then cross this place.`, 'Delete')) return;
     try {
       await api.deleteObstacle(id);
-      this.#features = this.#features.filter(({ properties }) => properties.id !== id);
+      this.#source.features = this.#source.features.filter(({ properties }) => properties.id !== id);
       notify(`${what} deleted`);
     } catch (error) {
       notify(`Not deleted: ${error.message}`);
@@ -162,5 +115,5 @@ class Obstacles {
 }
 
 // map: {box(), onMove(f), panToFeature(feature), drawDraft, centerPoint}
-// on: {draw(features, {chosenId, editedId}), changed(): an obstacle was saved or deleted}
+// on: {draw(features, {chosenId, editedId, note}), changed(): an obstacle was saved or deleted}
 export const createObstacles = (map, on) => new Obstacles(map, on);

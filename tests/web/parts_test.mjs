@@ -100,8 +100,8 @@ test('reach: the emergency view has a map of it, also for an entered position, a
   await page.locator('#em-reach', { hasText: 'Reach, from the entered position' }).waitFor(kWait);
   const onCard = await page.locator('.em-card .em-margin').first().textContent();
   await page.locator('#em-map .arrival', { hasText: onCard }).first().waitFor({ state: 'attached', ...kWait });
-  assert.ok(await page.locator('#em-map path.wire').count() > 0, 'obstacles are drawn');
-  assert.match(await page.locator('#em-key').textContent(), /in reach, terrain unknown.*wire/);
+  await page.locator('#em-map path.wire').waitFor({ state: 'attached', ...kWait });
+  await page.locator('#em-key', { hasText: /in reach, terrain unknown.*wire/ }).waitFor(kWait);
   const sent = new URL(asksFor(server, '/v1/reach').at(-1), url).searchParams;
   assert.equal(sent.get('latitude_deg'), String(Number(site.place[1])));
   assert.equal(sent.get('limit'), null);
@@ -227,6 +227,14 @@ test('obstacles: by keyboard alone and on a phone: people in a circle that expir
   assert.ok(await overflow_px(page) <= 0);
   assert.deepEqual(await smallTargets(page), []);
   assert.deepEqual(seen.errors, []);
+});
+
+test('obstacles: a failed request is stated, and obstacles that were loaded stay', async (t) => {
+  const { page } = await open(t, { obstacles: sampleObstacles(site.place) });
+  await page.locator('path.wire').waitFor({ state: 'attached', ...kWait });
+  await page.route('**/v1/obstacles?**', (route) => route.fulfill({ status: 503, contentType: 'application/problem+json', body: '{"detail":"busy"}' }));
+  await page.locator('#key', { hasText: 'Obstacles not loaded: busy' }).waitFor(kWait);
+  assert.ok(await page.locator('path.wire').count() > 0);
 });
 
 test('obstacles: a blocked site names what blocks it', async (t) => {
