@@ -82,6 +82,10 @@ export const paths = {
   legend: (site, layer) => `/v1/sites/${part(site)}/layers/${part(layer)}/legend.png`,
   emergency: (request) => `/v1/emergency${query(request)}`,
   events: (flight) => `/v1/events${query({ flight })}`,
+  reach: (request) => `/v1/reach${query(request)}`,
+  obstacles: (bbox) => `/v1/obstacles${query({ bbox })}`,
+  obstacle: (id) => `/v1/obstacles/${part(id)}`,
+  newLook: (limit) => `/v1/sites${query({ order: 'new_look', limit })}`,
 };
 
 // --- Reading ---
@@ -100,6 +104,11 @@ export const getFrames = async (flight) => (await getJson(paths.frames(flight)))
 export const getLayers = async (site) => (await getJson(paths.layers(site))).layers;
 export const getAlternates = (flight, signal) => getJson(paths.alternates(flight), { signal });
 export const getEmergency = (request, signal) => getJson(paths.emergency(request), { signal });
+
+export const getReach = (request, signal) => getJson(paths.reach(request), { signal });
+export const getObstacles = (bbox, signal) => getJson(paths.obstacles(bbox), { signal });
+export const getNewLook = (limit) => getJson(paths.newLook(limit));
+export const getOpenApi = () => getJson('/openapi.json');
 
 export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });
 
@@ -141,6 +150,10 @@ const postJson = async (path, object) => (await call(path, {
 })).json();
 export const createFlight = (request) => postJson('/v1/flights', request);
 export const finishFlight = async (flight) => (await call(paths.finish(flight), { method: 'POST' })).json();
+export const putObstacle = (id, feature) => call(paths.obstacle(id), {
+  method: 'PUT', body: JSON.stringify(feature), headers: { 'Content-Type': 'application/geo+json' },
+});
+export const deleteObstacle = (id) => call(paths.obstacle(id), { method: 'DELETE' });
 export const cancelJob = (job) => call(`/v1/jobs/${part(job)}`, { method: 'DELETE' });
 
 // XMLHttpRequest, because fetch reports no upload progress.

@@ -7,15 +7,23 @@ import { createEmergency } from './emergency.js';
 import { drawFlight } from './flight.js';
 import { drawHistory } from './history.js';
 import { createLayers } from './layers.js';
+import { goAroundText, noReturnOf } from './go_around.js';
+import { setKey } from './key.js';
 import { createLive } from './live.js';
 import { createMap } from './map.js';
+import { createNewLook } from './new_look.js';
+import { obstacleKey } from './obstacle_overlay.js';
+import { createObstacles } from './obstacles.js';
+import { movedBy, siteWithPlan } from './plan.js';
 import { drawProfile } from './profile.js';
+import { createReach } from './reach.js';
+import { reachKey } from './reach_overlay.js';
 import { drawSite } from './site.js';
 import { drawSiteList } from './sites.js';
 import { askToken } from './token.js';
 import { createUpload } from './upload.js';
+import { connectViews, showView } from './views.js';
 import { answerNodeOf, whyNot } from './why.js';
-import { courseTo } from './units.js';
 import { createWind, replanNode } from './wind.js';
 import { createWindRose } from './wind_rose.js';
 import { findRegion } from './places.js';
@@ -26,7 +34,7 @@ const state = {
   drawn: '', drawnSite: '', numTracked: null,
 };
 
-const map = createMap(byId('map'), { site: (id) => openSite(id), place: answerPlace });
+const map = createMap(byId('map'), { site: (id) => openSite(id), place: answerPlace, obstacle: (id) => obstacles.show(id) });
 const layers = createLayers(map);
 const rose = createWindRose((speed_mps, from_deg) => wind.take(speed_mps, from_deg));
 const wind = createWind(replan, (barb, isTried, now) => {
@@ -38,15 +46,6 @@ const live = createLive(refresh, (transport) => {
 });
 
 // --- Panel views ---
-
-function showView(name) {
-  for (const view of document.querySelectorAll('[data-view]')) view.hidden = view.dataset.view !== name;
-  const tab = { site: 'sites', region: 'sites' }[name] ?? name;
-  for (const button of document.querySelectorAll('[data-tab]')) {
-    button.setAttribute('aria-selected', String(button.dataset.tab === tab));
-  }
-  byId('panel').scrollTop = 0;
-}
 
 function keepInAddress() {
   const parts = new URLSearchParams();
@@ -90,7 +89,7 @@ async function loadSite(siteId) {
 const shownSite = () => state.planned ?? state.site;
 
 function drawShownSite() {
-  drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind });
+  drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind, obstacles });
   drawLists();
 }
 
@@ -120,7 +119,11 @@ function drawApproach({ collection, refusal }, isReplanned) {
   map.drawApproach(collection, { touchdownRadius_m: aircraft?.touchdown_uncertainty_m, isReplanned });
   byId('no-profile').hidden = Boolean(collection);
   byId('no-profile').textContent = refusal ? `No approach: ${refusal}` : 'This site has no approach.';
-  drawProfile(byId('profile'), collection?.profile, aircraft);
+  drawProfile(byId('profile'), collection?.profile, aircraft, noReturnOf(collection));
+  state.noReturn_m = noReturnOf(collection);
+  const goAround = collection ? goAroundText(shownSite().properties.approach, collection) : null;
+  byId('go-around').hidden = !goAround;
+  byId('go-around').textContent = goAround ?? '';
 }
 
 // The plan of the emergency answer, and no other: same wind, same aircraft without power.
@@ -145,35 +148,6 @@ async function replan(tried, signal) {
   drawApproach({ collection: state.approach }, false);
 }
 
-function placeOf({ coordinates: [longitude_deg, latitude_deg] }) {
-  return { latitude_deg, longitude_deg };
-}
-
-// How far the plan's touchdown lies from the stored one; 0 if one of them is unknown.
-function movedBy(collection) {
-  const touchdown = collection?.features.find((f) => f.properties.kind === 'touchdown')?.geometry;
-  const stored = state.site.geometry;
-  return touchdown && stored ? courseTo(placeOf(stored), placeOf(touchdown)).distance_m : 0;
-}
-
-// Numbers of a path that was not found.
-const kNoPath = {
-  verdict: 'rejected', reject_reason: 'no_approach', approach: null, unseen_ratio: null, usable_length_m: null,
-  usable_width_m: null, score_terms: [], rejections: [], why: '',
-};
-
-const isOfUnknownWind = (warning) => warning.startsWith('the wind is unknown');
-
-// The site as it would be with the plan of an answer ({collection} or {refusal}) for the tried wind.
-function siteWithPlan({ properties, geometry }, { collection, refusal }, tried) {
-  const plan = collection?.plan ?? { ...kNoPath, reject_detail: refusal, summary: `Rejected: ${refusal}` };
-  const stored = (properties.warnings ?? []).filter((warning) => tried === 'unknown' || !isOfUnknownWind(warning));
-  const warnings = [...new Set([...stored, ...(plan.warnings ?? [])])];
-  const touchdown = collection?.features.find((f) => f.properties.kind === 'touchdown')?.geometry;
-  return { type: 'Feature', geometry: touchdown ?? geometry, properties: { ...properties, reject_reason: undefined,
-    reject_detail: undefined, ...plan, wind: tried === 'unknown' ? null : tried, warnings, is_trial: true } };
-}
-
 async function drawPlan(tried, signal, aircraft) {
   const siteId = state.siteId;
   Object.assign(state, { triedWind: tried, triedAircraft: aircraft ?? null });
@@ -183,7 +157,7 @@ async function drawPlan(tried, signal, aircraft) {
     if (siteId !== state.siteId || signal.aborted) return;
     map.closeAnswer();
     const { properties } = state.site;
-    byId('replan').replaceChildren(replanNode(answer, properties.approach, movedBy(answer.collection)));
+    byId('replan').replaceChildren(replanNode(answer, properties.approach, movedBy(state.site, answer.collection)));
     state.planned = siteWithPlan(state.site, answer, tried);
     map.drawMarks([]);
     drawShownSite();
@@ -217,6 +191,7 @@ function showRejection(index) {
 let asking = new AbortController();
 
 async function answerPlace(latlng) {
+  if (obstacles.takePlace(latlng)) return;
   asking.abort();
   asking = new AbortController();
   const { signal } = asking;
@@ -270,6 +245,7 @@ function chooseFlight(id) {
   map.drawAnswer(null);
   layers.show(null, []);
   rose.show(null);
+  reach.follow(id);
   live.follow(id);
 }
 
@@ -316,7 +292,8 @@ async function refreshFlight(flight) {
   drawFlight(flightJson, jobs.filter((job) => !job.flight_id || job.flight_id === flight), live.now);
   await refreshTrack(flight, flightJson.frames.processed);
   if (state.flight !== flight) return;
-  const drawn = JSON.stringify([regions, sites, flightJson.state]);
+  // An age counts on: only its minutes are compared.
+  const drawn = JSON.stringify([regions, sites, flightJson.state], (key, value) => (key === 'age_s' ? Math.floor(value / 60) : value));
   if (drawn === state.drawn) return;
   const isFirst = state.drawn === '';
   Object.assign(state, { drawn, regions, sites });
@@ -333,6 +310,7 @@ async function refresh() {
     drawFlightChoice();
     if (state.flight) await refreshFlight(state.flight);
     else drawLists();
+    for (const part of [reach, obstacles, newLook]) part.look();
     byId('connection').hidden = true;
   } catch (error) {
     byId('connection').hidden = false;
@@ -343,16 +321,7 @@ async function refresh() {
 
 // --- Start ---
 
-for (const tab of document.querySelectorAll('[data-tab]')) {
-  tab.addEventListener('click', () => { showView(tab.dataset.tab); keepInAddress(); });
-}
-for (const back of document.querySelectorAll('[data-back]')) back.addEventListener('click', backToSites);
-// The browser closes an open dialog on Escape.
-addEventListener('keydown', (event) => {
-  if (event.key !== 'Escape' || document.querySelector('dialog[open]')) return;
-  if (map.closeAnswer()) return;
-  if (document.querySelector('[data-view="site"]:not([hidden]), [data-view="region"]:not([hidden])')) backToSites();
-});
+connectViews({ changed: keepInAddress, back: backToSites, escape: () => obstacles.cancel() || map.closeAnswer() });
 byId('flight').addEventListener('change', (event) => {
   chooseFlight(event.target.value);
   showView('sites');
@@ -361,7 +330,7 @@ byId('flight').addEventListener('change', (event) => {
 });
 byId('sites-curl').replaceChildren(curlButton('the list of sites', () => curlOf(api.paths.flightSites(state.flight))));
 addEventListener('freelsd-theme', () => {
-  if (state.site) drawProfile(byId('profile'), state.drawnProfile, state.site.properties.aircraft);
+  if (state.site) drawProfile(byId('profile'), state.drawnProfile, state.site.properties.aircraft, state.noReturn_m);
 });
 
 const upload = createUpload({
@@ -370,19 +339,45 @@ const upload = createUpload({
   changed: live.now,
   open: () => showView('upload'),
 });
-createEmergency({
+// A site of any flight.
+function openSiteOf(flightId, siteId) {
+  if (flightId && flightId !== state.flight && state.flights.some(({ id }) => id === flightId)) {
+    chooseFlight(flightId);
+    location.hash = `flight=${flightId}&site=${encodeURIComponent(siteId)}`;
+    live.now();
+  } else openSite(siteId);
+}
+
+const flightName = (id) => state.flights.find((flight) => flight.id === id)?.name;
+const emergency = createEmergency({
   show: ({ site_id, flight_id, aircraft }, planned) => {
     state.recalled = planned === undefined ? null : { siteId: site_id, wind: planned, aircraft };
-    if (flight_id && flight_id !== state.flight) {
-      chooseFlight(flight_id);
-      location.hash = `flight=${flight_id}&site=${encodeURIComponent(site_id)}`;
-      live.now();
-    } else openSite(site_id);
+    openSiteOf(flight_id, site_id);
   },
   center: map.center,
   drawBearings: map.drawBearings,
   flight: () => state.flight,
   flightName: () => state.flightJson?.name ?? state.flight,
+  nameOf: flightName,
+  useReach: (own) => reach.use(own),
+});
+const reach = createReach({
+  draw(shown) {
+    map.drawReach(shown?.collection ?? null);
+    setKey('reach', reachKey(shown?.collection), shown?.text);
+    emergency.showReach(shown);
+  },
+  glideRatio: () => emergency.glideRatio(),
+});
+const obstacles = createObstacles(map, {
+  draw(features, chosen) {
+    map.drawObstacles(features, chosen);
+    setKey('obstacles', obstacleKey(features), chosen.note);
+  },
+  changed: () => { live.now(); reach.look(); },
+});
+const newLook = createNewLook({
+  open: ({ flight_id, id }) => openSiteOf(flight_id, id), mark: map.drawNewLook, fit: map.fitFeatures, flightName,
 });
 api.whenUnauthorized(() => askToken(live.now));
 live.start();

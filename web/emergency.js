@@ -4,10 +4,13 @@ import * as api from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
 import { emergencyCard } from './emergency_card.js';
+import { createEmergencyMap } from './emergency_map.js';
 import { nearestSites } from './nearest.js';
+import { isLive } from './reach.js';
 import { age, groundAge_s, isKnown, windFrom, windTo } from './units.js';
 
 const kRefresh_ms = 5000;
+const kRefreshLive_ms = 2000;
 const kShown = 3;
 const kept = 'freelsd.emergency';
 const kOld_s = 60;
@@ -34,11 +37,15 @@ function requestOfForm(flight) {
 
 const fill = (name, value, digits) => { input(name).value = isKnown(value) ? value.toFixed(digits) : ''; };
 
+function setSource(text, isDoubtful) {
+  byId('em-source').textContent = text;
+  byId('em-source').className = isDoubtful ? 'bad' : '';
+}
+
 function setPosition({ latitude_deg, longitude_deg }, source, isDoubtful = false) {
   fill('latitude_deg', latitude_deg, 6);
   fill('longitude_deg', longitude_deg, 6);
-  byId('em-source').textContent = source;
-  byId('em-source').className = isDoubtful ? 'bad' : '';
+  setSource(source, isDoubtful);
 }
 
 function keepForm() {
@@ -108,14 +115,18 @@ class Emergency {
   #flight = null; // id of the flight whose position is filled in, null for any other position
   #isOwn = false; // the user has entered or chosen something: nothing is filled in any more
   #wind = null; // of the answer shown
+  #pose = null; // of the followed flight
+  #map = createEmergencyMap();
   #dialog = byId('emergency');
   #timer = 0;
   #running = new AbortController();
 
   constructor(on) {
     this.#on = on;
-    byId('em-form').addEventListener('input', () => { this.#isOwn = true; this.#ask(); });
+    fillKept();
+    byId('em-form').addEventListener('input', () => this.#takeOver());
     byId('em-form').addEventListener('submit', (event) => { event.preventDefault(); this.#ask(); });
+    byId('em-flight').addEventListener('click', () => { this.#isOwn = false; this.#ask(); });
     byId('em-center').addEventListener('click', () => {
       this.#isOwn = true;
       setPosition(on.center(), 'Position: centre of the map.', true);
@@ -124,7 +135,10 @@ class Emergency {
     byId('em-locate').addEventListener('click', () => this.#locate());
     byId('em-locate').hidden = !('geolocation' in navigator) || !isSecureContext;
     byId('em-close').addEventListener('click', () => this.#dialog.close());
-    this.#dialog.addEventListener('close', () => this.#stop());
+    this.#dialog.addEventListener('close', () => {
+      this.#stop();
+      this.#on.useReach(null);
+    });
     byId('em-curl').append(curlButton('the emergency sites', () => curlOf(api.paths.emergency(requestOfForm(this.#flight)))));
     for (const button of document.querySelectorAll('[data-emergency]')) {
       button.addEventListener('click', () => this.#open());
@@ -137,21 +151,45 @@ class Emergency {
 
   #open() {
     if (this.#dialog.open) return;
-    fillKept();
+    byId('em-flight').hidden = !this.#on.flight();
     if (!this.#isOwn) setPosition(this.#on.center(), 'Position: centre of the map. Enter yours.', true);
     this.#dialog.showModal();
+    this.#map.open();
     this.#ask();
   }
+
+  // The user has entered a value. An age of the flight's data would stand still from now on.
+  #takeOver() {
+    if (!this.#isOwn && this.#pose) setSource(`Values as entered. Position of flight ${this.#on.flightName()} at ${now()}.`, true);
+    this.#isOwn = true;
+    this.#ask();
+  }
+
+  glideRatio() { return number('glide_ratio'); }
+
+  // shown: see reach.js
+  showReach(shown) { this.#map.show({ reach: shown?.collection ?? null, reachText: shown?.text }); }
 
   // The selected flight's last position, altitude and wind, unless the user has entered others.
   async #follow(signal) {
     const flight = this.#on.flight();
     this.#flight = null;
+    this.#pose = null;
     if (this.#isOwn || !flight) return;
     const answer = await api.getAlternates(flight, signal).catch(() => null);
     if (!answer?.pose || this.#isOwn || signal.aborted) return;
     fillFromFlight(answer, this.#on.flightName());
     this.#flight = flight;
+    this.#pose = answer.pose;
+  }
+
+  // A live flight's own reach is always shown. Else the reach of the position in the form, if its altitude is known.
+  #useReach({ limit, ...request }) {
+    if (isLive(this.#pose)) this.#on.useReach(null);
+    else {
+      const text = this.#pose ? `position ${since(this.#pose.age_s)}` : 'from the entered position';
+      this.#on.useReach({ request: request.altitude_m === null ? null : request, text });
+    }
   }
 
   #stop() {
@@ -168,8 +206,12 @@ class Emergency {
   #draw({ sites, nearest_miss: miss, warnings = [] }, from) {
     const shown = sites.slice(0, kShown);
     const cards = shown.length === 0 && miss ? [miss] : shown;
-    byId('em-cards').replaceChildren(...cards.map((site, i) => emergencyCard(site, i, () => this.#show(site))));
+    const focused = [...byId('em-cards').querySelectorAll('button')].indexOf(document.activeElement);
+    byId('em-cards').replaceChildren(...cards.map((site, i) =>
+      emergencyCard(site, i, { flightName: this.#on.nameOf(site.flight_id), onShow: () => this.#show(site) })));
+    byId('em-cards').querySelectorAll('button')[focused]?.focus();
     byId('em-warnings').replaceChildren(...warnings.map((w) => el('li', {}, typeof w === 'string' ? w : w.detail)));
+    this.#map.show({ from, sites: cards });
     this.#on.drawBearings(from, shown);
   }
 
@@ -198,6 +240,7 @@ class Emergency {
       return;
     }
     keepForm();
+    this.#useReach(request);
     try {
       await this.#refresh(request, signal);
     } catch (error) {
@@ -205,7 +248,7 @@ class Emergency {
       // An old answer is better than none, but must be marked as old.
       say(`Update failed: ${error.message}. Sites below may be outdated.`, 'bad');
     }
-    if (this.#dialog.open && !signal.aborted) this.#timer = setTimeout(() => this.#ask(), kRefresh_ms);
+    if (this.#dialog.open && !signal.aborted) this.#timer = setTimeout(() => this.#ask(), isLive(this.#pose) ? kRefreshLive_ms : kRefresh_ms);
   }
 
   #locate() {
@@ -221,5 +264,5 @@ class Emergency {
 }
 
 // on: {show(site, wind of its plan; null if unknown, undefined if it was not planned), center(): place,
-// drawBearings(from, sites), flight(): id or null, flightName()}
+// drawBearings(from, sites), flight(): id or null, flightName(), nameOf(flight id), useReach: as of reach.js}
 export const createEmergency = (on) => new Emergency(on);

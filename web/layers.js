@@ -4,6 +4,7 @@ import * as api from './api.js';
 import { gradeColor, safetyColor } from './colors.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
+import { showLayerBox } from './key.js';
 import { words } from './units.js';
 
 const unitText = { deg: '°', class: '' };
@@ -82,7 +83,7 @@ class Layers {
   }
 
   #drawBox(layer) {
-    byId('layer-box').hidden = this.#layers.length === 0;
+    showLayerBox();
     byId('layer-name').textContent = this.#select.selectedOptions[0]?.text ?? '';
     URL.revokeObjectURL(this.#legendUrl);
     this.#legendUrl = null;

@@ -1,13 +1,17 @@
 // The map with all its overlays.
 /* global L */
 
+import { byId } from './dom.js';
 import { Graticule } from './graticule.js';
+import { createDraftOverlay, createObstacleOverlay } from './obstacle_overlay.js';
 import {
   createAnswer, createApproach, createBarb, createBearings, createMarks, createPicture, createRegions, createSites,
 } from './overlays.js';
+import { createReachOverlay } from './reach_overlay.js';
 import { createTrack } from './track.js';
 
-function createBase(element) {
+// A map without overlays.
+export function createBase(element) {
   const isCalm = matchMedia('(prefers-reduced-motion: reduce)').matches;
   const map = L.map(element, {
     maxZoom: 23, zoomSnap: 0.25, attributionControl: false, zoomControl: false,
@@ -21,23 +25,34 @@ function createBase(element) {
   return map;
 }
 
-// The lower padding keeps bounds above the layer box.
-function fitTo(map, bounds) {
-  if (bounds.isValid()) {
-    map.fitBounds(bounds, { paddingTopLeft: [28, 28], paddingBottomRight: [28, 64], maxZoom: 20 });
-  }
+// The part of a map in view, in degrees.
+export function boxOf(map) {
+  const bounds = map.getBounds();
+  return { west: bounds.getWest(), south: bounds.getSouth(), east: bounds.getEast(), north: bounds.getNorth() };
 }
 
-// on: {site(id), place(latlng)}
+// Keeps bounds beside the open layer box, or above the closed one, if the map is wide enough for both.
+function fitTo(map, bounds) {
+  if (!bounds.isValid()) return;
+  const box = byId('layer-box');
+  const left = box.open && !box.hidden && map.getSize().x > 2 * box.offsetWidth ? box.offsetWidth + 40 : 28;
+  map.fitBounds(bounds, { paddingTopLeft: [left, 28], paddingBottomRight: [28, left > 28 ? 28 : 64], maxZoom: 20 });
+}
+
+// on: {site(id), place(latlng), obstacle(id)}
 export function createMap(element, on) {
   const map = createBase(element);
   const barb = createBarb(map);
   const picture = createPicture(map);
+  const reach = createReachOverlay(map);
   const track = createTrack(map);
   const regions = createRegions(map);
   const approach = createApproach(map);
   const sites = createSites(map, on.site);
   const marks = createMarks(map);
+  const looks = createMarks(map);
+  const obstacles = createObstacleOverlay(map, ({ properties }) => on.obstacle(properties.id));
+  const draft = createDraftOverlay(map);
   const answer = createAnswer(map);
   const bearings = createBearings(map);
   // Once the user has moved the map, it no longer follows the track.
@@ -54,15 +69,31 @@ export function createMap(element, on) {
       if (!collection) isMoved = false;
     },
     drawRegions: regions.draw,
-    drawSites: sites.draw,
+    drawSites(collection, chosenId) {
+      sites.draw(collection, chosenId);
+      reach.nameSites(collection);
+    },
     drawLayer: picture.draw,
     setOpacity: picture.setOpacity,
-    drawApproach: approach.draw,
+    drawApproach(collection, options) {
+      approach.draw(collection, options);
+      reach.keepClear(approach.signs());
+    },
     drawMarks: marks.draw,
     drawWind: barb.draw,
     drawAnswer: answer.draw,
     closeAnswer: answer.close,
     drawBearings: bearings.draw,
+    drawReach: reach.draw,
+    drawNewLook: (shown) => looks.draw(shown.map((mark) => ({ ...mark, className: 'new-look' }))),
+    drawObstacles: obstacles.draw,
+    drawDraft: draft.draw,
+    onMove: (listener) => map.on('moveend', listener),
+    box: () => boxOf(map),
+    centerPoint: () => map.getCenter(),
+    // feature: GeoJSON
+    panToFeature: (feature) => map.panTo(L.geoJSON(feature).getBounds().getCenter()),
+    fitFeatures: (features) => fitTo(map, L.geoJSON(features).getBounds()),
     fit,
     fitUnlessMoved() { if (!isMoved) fit(); },
     fitApproach() {

@@ -2,8 +2,9 @@
 /* global L */
 
 import { gradeColor } from './colors.js';
-import { svg } from './dom.js';
-import { verdictSign } from './units.js';
+import { el, svg } from './dom.js';
+import { noReturnOf } from './go_around.js';
+import { courseTo, isKnown, verdictSign } from './units.js';
 
 const kWideMap = 600;  // px; there a popup leaves the wind barb free
 const kMarker = 44;  // px, a touch target for gloves; the disc in it is smaller
@@ -18,7 +19,7 @@ function casedLine(places, kind, suffix) {
 
 const latLngs = (line) => line.coordinates.map(([lon, lat]) => [lat, lon]);
 
-function discMarker(place, className, text, options = {}) {
+export function discMarker(place, className, text, options = {}) {
   const disc = document.createElement('span');
   disc.textContent = text;
   return L.marker(place, {
@@ -101,16 +102,45 @@ function flightArrow({ coordinates: [from, to] }, heading_deg, suffix) {
   });
 }
 
+// The point of the final from which a go-around last clears everything known. distance_m: before the touchdown.
+function pointOfNoReturn({ coordinates }, distance_m) {
+  const [start, end] = [coordinates[0], coordinates.at(-1)];
+  const { distance_m: length_m } = courseTo({ longitude_deg: start[0], latitude_deg: start[1] },
+    { longitude_deg: end[0], latitude_deg: end[1] });
+  const share = Math.min(1, distance_m / length_m);
+  const at = [end[1] + share * (start[1] - end[1]), end[0] + share * (start[0] - end[0])];
+  const sign = el('span', {}, el('b', {}, 'R'));
+  return L.marker(at, {
+    icon: L.divIcon({ className: 'no-return', html: sign, iconSize: [24, 24] }), title: 'Point of no return',
+    alt: 'Point of no return', interactive: false, keyboard: false,
+  });
+}
+
+// An arrow head at the end of the climb.
+function climbArrow({ coordinates }, suffix) {
+  const [from, to] = coordinates.slice(-2).map(([longitude_deg, latitude_deg]) => ({ longitude_deg, latitude_deg }));
+  const head = svg('svg', { viewBox: '-12 -12 24 24', width: 24, height: 24, 'aria-hidden': 'true' },
+    svg('path', { d: 'M0 -9L8 7H-8Z', transform: `rotate(${courseTo(from, to).bearing_deg.toFixed(1)})` }));
+  return L.marker([to.latitude_deg, to.longitude_deg], {
+    icon: L.divIcon({ className: `climb-arrow${suffix}`, html: head, iconSize: [24, 24] }), interactive: false, keyboard: false,
+  });
+}
+
 // Final, loiter circle, touchdown disc, ground roll and direction of flight. A replanned path differs in colour, a rejected one is dotted.
 export function createApproach(map) {
   const group = L.layerGroup().addTo(map);
   return {
+    // Where its small signs stand: the direction of flight, the point of no return.
+    signs: () => group.getLayers().filter((layer) => /flight-arrow|no-return/.test(layer.options.icon?.options.className))
+      .map((layer) => layer.getLatLng()),
     // collection: GeoJSON of the server; null removes the approach.
     draw(collection, { touchdownRadius_m, isReplanned } = {}) {
       group.clearLayers();
       if (!collection) return;
       const suffix = (isReplanned ? ' replanned' : '') + (collection.verdict === 'rejected' ? ' refused-path' : '');
-      for (const { properties, geometry } of collection.features) {
+      // The go-around lies below the final, whose line it continues.
+      const goesBelow = ({ properties }) => (properties.kind === 'go_around' ? 0 : 1);
+      for (const { properties, geometry } of collection.features.toSorted((a, b) => goesBelow(a) - goesBelow(b))) {
         if (properties.kind === 'touchdown') {
           const [lon, lat] = geometry.coordinates;
           group.addLayer(L.circle([lat, lon], {
@@ -121,9 +151,13 @@ export function createApproach(map) {
           group.addLayer(L.polygon(latLngs({ coordinates: ring }), { className: `ground-roll${suffix}`, interactive: false }));
         } else {
           if (properties.kind === 'approach') group.addLayer(flightArrow(geometry, properties.heading_deg, suffix));
-          casedLine(latLngs(geometry), properties.kind, suffix).forEach((line) => group.addLayer(line));
+          if (properties.kind === 'go_around') group.addLayer(climbArrow(geometry, suffix));
+          casedLine(latLngs(geometry), properties.kind.replace('_', '-'), suffix).forEach((line) => group.addLayer(line));
         }
       }
+      const final = collection.features.find(({ properties }) => properties.kind === 'approach')?.geometry;
+      const noReturn_m = noReturnOf(collection);
+      if (final && isKnown(noReturn_m)) group.addLayer(pointOfNoReturn(final, noReturn_m));
     },
     bounds() {
       const bounds = L.latLngBounds([]);
@@ -141,7 +175,7 @@ export function createMarks(map) {
     draw(marks) {
       group.clearLayers();
       for (const { place, sign, className, title } of marks) {
-        group.addLayer(discMarker([place.latitude_deg, place.longitude_deg], className, sign, { title, alt: title }));
+        group.addLayer(discMarker([place.latitude_deg, place.longitude_deg], className, sign, { title, alt: title, zIndexOffset: 1500 }));
       }
     },
   };

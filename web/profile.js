@@ -65,6 +65,25 @@ function drawLimit(plot, limit) {
   ctx.restore();
 }
 
+// A vertical line at the point of no return, with its name beside it on the side towards the touchdown.
+function drawNoReturn(plot, distance_m) {
+  const { ctx, bbox } = plot;
+  const x = plot.valToPos(distance_m, 'x', true);
+  const isRight = x < bbox.left + bbox.width / 2;
+  ctx.save();
+  ctx.strokeStyle = ctx.fillStyle = cssColor('--no-return');
+  ctx.lineWidth = 2 * devicePixelRatio;
+  ctx.setLineDash([6 * devicePixelRatio, 3 * devicePixelRatio]);
+  ctx.beginPath();
+  ctx.moveTo(x, bbox.top);
+  ctx.lineTo(x, bbox.top + bbox.height);
+  ctx.stroke();
+  ctx.font = `700 ${13 * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = isRight ? 'left' : 'right';
+  ctx.fillText('no return', x + (isRight ? 5 : -5) * devicePixelRatio, bbox.top + 14 * devicePixelRatio);
+  ctx.restore();
+}
+
 const legendItem = (className, text) =>
   el('span', { class: 'swatch' }, el('i', { class: `line ${className}` }), text);
 
@@ -81,12 +100,14 @@ export const axis = (label, extra = {}) => ({
 
 let plot = null;
 
-export function drawProfile(element, profile, aircraft) {
+// noReturn_m: distance of the point of no return before the touchdown, or nothing.
+export function drawProfile(element, profile, aircraft, noReturn_m) {
   plot?.destroy();
   plot = null;
   element.replaceChildren();
   if (!profile) return;
   const limit = limitOf(profile, aircraft);
+  const hasNoReturn = isKnown(noReturn_m) && noReturn_m <= profile.distance_m[0];
   const touchdown_m = profile.path_m.at(-1);
   const margin_m = aircraft?.safety_margin_m ?? 0;
   // uPlot requires ascending x. The aircraft comes from the left: the axis is reversed.
@@ -111,7 +132,7 @@ export function drawProfile(element, profile, aircraft) {
       ],
       hooks: {
         drawClear: [(u) => drawUnseen(u, distance, terrain)],
-        draw: [(u) => drawLimit(u, limit)],
+        draw: [(u) => drawLimit(u, limit), (u) => { if (hasNoReturn) drawNoReturn(u, noReturn_m); }],
       },
     },
     [distance, path, lowest, terrain],
@@ -119,6 +140,7 @@ export function drawProfile(element, profile, aircraft) {
   );
   element.append(
     el('div', { class: 'legend-line' }, legendItem('path', 'final'), legendItem('wanted', 'terrain limit'),
-      legendItem('terrain', 'highest terrain'), legendItem('unseen', 'unseen')),
+      legendItem('terrain', 'highest terrain'), legendItem('unseen', 'unseen'),
+      hasNoReturn ? legendItem('no-return', 'point of no return') : null),
     el('p', { class: 'limit' }, limitText(limit, profile)));
 }

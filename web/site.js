@@ -4,7 +4,8 @@ import { paths } from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
 import { drawDownloads } from './downloads.js';
-import { age, area, distance, fixed, groundAge_s, heading, isKnown, strip, verdictSign, windText, words } from './units.js';
+import { obstacleText } from './obstacle_shape.js';
+import { age, area, distance, fixed, groundAge_s, heading, isKnown, photographed, strip, verdictSign, windText, words } from './units.js';
 
 const tile = (name, value, note) => el('div', { class: 'tile' },
   el('span', {}, name), el('strong', {}, value), note ? el('small', {}, note) : null);
@@ -64,7 +65,7 @@ function numbersTable(p, [lon, lat]) {
     ['Rectangle of the region', `${area(p.area_m2)}, hazards included`],
     ['Grade', `${p.grade.toFixed(2)} (${evidence})`],
     [p.is_trial ? 'Wind of this plan' : 'Wind of the flight', windText(p.wind)],
-    ['Ground photographed', `${age(groundAge_s(p))} ago`],
+    ['Ground photographed', isKnown(groundAge_s(p)) ? `${age(groundAge_s(p))} ago` : 'at an unknown time'],
     ['Site ID', p.id],
   ];
   return el('table', { class: 'numbers' }, el('tbody', {}, rows.map(([name, value]) =>
@@ -111,8 +112,15 @@ export function drawSiteHead(p) {
   byId('site-rank').textContent = p.rank ?? '';
   byId('site-title').textContent = `${verdictSign[p.verdict]} ${p.verdict[0].toUpperCase()}${p.verdict.slice(1)}`;
   byId('site-score').textContent = p.verdict === 'rejected' ? '' : `score ${p.score.toFixed(2)}`;
-  byId('site-summary').textContent = p.summary;
+  byId('site-summary').replaceChildren(p.summary, ' ', el('span', { class: 'faint' }, `Ground ${photographed(p)}.`));
   byId('site-curl').replaceChildren(curlButton('this site', () => curlOf(paths.site(p.id))));
+}
+
+// The obstacles that stand in the way. obstacles.find(id): the obstacle as a feature, undefined if it is not loaded.
+function drawBlocked({ blocked_by: ids = [] }, obstacles) {
+  byId('site-blocked').hidden = ids.length === 0;
+  byId('site-blocked').replaceChildren(el('strong', {}, 'Blocked by an obstacle'), ...ids.map((id) => el('button',
+    { type: 'button', class: 'wide', 'data-obstacle': id, onclick: () => obstacles.show(id) }, obstacles.find(id) ? obstacleText(obstacles.find(id)) : id)));
 }
 
 // The summaries of the open sections, null if no site was drawn: a redraw keeps what the user opened.
@@ -129,10 +137,11 @@ function keepOpen(node, titles) {
 }
 
 // feature: the site as stored, or with the plan for a trial wind (is_trial) in place of its own.
-// on: {place(index): shows a rejection, wind(): the trial wind or null}
+// on: {place(index): shows a rejection, wind(): the trial wind or null, obstacles: {find(id), show(id)}}
 export function drawSite(feature, on) {
   const { properties: p, geometry } = feature;
   drawSiteHead(p);
+  drawBlocked(p, on.obstacles);
   byId('site-tiles').replaceChildren(...tiles(p));
   byId('approach-curl').replaceChildren(curlButton('this approach', () => curlOf(paths.approach(p.id, on.wind()))));
   const warnings = p.warnings ?? [];

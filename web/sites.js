@@ -1,7 +1,7 @@
 // The list of ranked sites.
 
 import { byId, el } from './dom.js';
-import { fixed, heading, strip, verdictSign, words } from './units.js';
+import { fixed, heading, photographed, strip, verdictSign, words } from './units.js';
 
 const kinds = { landable: 'Landable', unverified: 'Unverified', rejected: 'Rejected' };
 
@@ -25,7 +25,7 @@ function row(p, isChosen, onSite) {
   el('span', { class: 'rank', 'aria-hidden': 'true' }, p.rank),
   el('span', { class: 'site-text' },
     el('strong', {}, el('span', { class: 'sign', 'aria-hidden': 'true' }, verdictSign[p.verdict]), ` ${kinds[p.verdict]}`),
-    el('small', {}, numbersOf(p))),
+    el('small', {}, `${numbersOf(p)}, ${photographed(p)}`)),
   el('span', { class: 'score', title: 'Score, 0 to 1' }, p.verdict === 'rejected' ? '–' : p.score.toFixed(2))));
 }
 

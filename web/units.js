@@ -5,6 +5,10 @@ export const isKnown = (value) => value !== null && value !== undefined && Numbe
 export const fixed = (value, digits, unit = '') =>
   isKnown(value) ? `${value.toFixed(digits)}${unit && unit !== '°' ? ' ' : ''}${unit}` : 'unknown';
 
+// "+86 m", "−12 m": a height above or below the needed one. Rounded down, so that it never promises more.
+export const margin = (value_m) => (isKnown(value_m)
+  ? `${Math.floor(value_m) >= 0 ? '+' : '−'}${Math.abs(Math.floor(value_m))} m` : 'unknown');
+
 export const words = (name) => name.replaceAll('_', ' ');
 
 export function area(value_m2) {
@@ -35,8 +39,12 @@ export function age(seconds) {
   return `${Math.max(0, Math.round(seconds))} s`;
 }
 
-// Since the ground of a site was last photographed. p: properties of the site.
-export const groundAge_s = (p) => (Date.now() - Date.parse(p.last_seen_at ?? p.updated_at)) / 1000;
+// Since the ground of a site was last photographed; NaN if unknown. p: properties of the site.
+export const groundAge_s = (p) => p.new_look?.age_s ?? p.age_s ?? (Date.now() - Date.parse(p.last_seen_at)) / 1000;
+export const photographed = (p) => {
+  const age_s = groundAge_s(p);
+  return isKnown(age_s) ? `photographed ${age(age_s)} ago` : 'photographed at an unknown time';
+};
 
 export function bytes(count) {
   return count >= 1 << 20 ? `${(count / (1 << 20)).toFixed(1)} MiB` : `${Math.ceil(count / 1024)} KiB`;

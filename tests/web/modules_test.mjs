@@ -4,9 +4,12 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import { nearestSites } from '../../web/nearest.js';
+import { circleAround, draftOf, faultOf, featureOf, fieldOf } from '../../web/obstacle_shape.js';
+import { offersOf } from '../../web/offers.js';
 import { findRegion } from '../../web/places.js';
+import { requestOf } from '../../web/reach.js';
 import { lastCourse } from '../../web/track.js';
-import { age, area, courseTo, heading, strip, windFrom, windTo } from '../../web/units.js';
+import { age, area, courseTo, heading, margin, strip, windFrom, windTo } from '../../web/units.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
 import { headlineOf } from '../../web/why.js';
 import { bestDirections, radiusOf, roseText } from '../../web/wind_rose_shape.js';
@@ -171,4 +174,56 @@ test('nearest sites: across the antimeridian, at the poles, and where there are 
   assert.deepEqual(await idsNear({ latitude_deg: -17, longitude_deg: 179.99 }, sites), ['fiji', 'pole']);
   assert.deepEqual(await idsNear({ latitude_deg: 89.99, longitude_deg: -80 }, sites), ['pole', 'fiji']);
   assert.deepEqual(await idsNear({ latitude_deg: 10, longitude_deg: 20 }, []), []);
+});
+
+test('margin: rounded down, so that it never promises more height than there is', () => {
+  assert.deepEqual([86.9, 0.4, -0.4, -11.2, null].map(margin), ['+86 m', '+0 m', '−1 m', '−12 m', 'unknown']);
+});
+
+test('obstacles: the circle of people lies wholly in its polygon, within 1 % of the radius', () => {
+  const centre = [8, 47];
+  const place = ([longitude_deg, latitude_deg]) => ({ longitude_deg, latitude_deg });
+  const ring = circleAround(centre, 100);
+  ring.slice(1).forEach((corner, i) => {
+    const middle = corner.map((value, k) => (value + ring[i][k]) / 2);
+    const { distance_m } = courseTo(place(centre), place(middle));
+    assert.ok(distance_m >= 99.9 && distance_m < 101, `a side passes at ${distance_m} m`);
+  });
+});
+
+test('obstacles: a clockwise area is turned, and the server gets only what belongs to its kind', () => {
+  const draft = { id: 'o', kind: 'no_fly', points: [[0, 0], [0, 1], [1, 1]], values: { name: ' Zone ', height_m: '12', floor_m: '', ceiling_m: '900', altitude_datum: 'amsl' } };
+  const { geometry, properties } = featureOf(draft, 0);
+  assert.deepEqual(geometry.coordinates, [[[1, 1], [0, 1], [0, 0], [1, 1]]]);
+  assert.deepEqual(properties, { kind: 'no_fly', name: 'Zone', ceiling_m: 900, altitude_datum: 'amsl' });
+});
+
+test('obstacles: altitudes of a stored wire survive an edit; a new point without one asks for the height', () => {
+  const stored = { type: 'Feature', id: 'w', properties: { kind: 'wire', altitude_datum: 'amsl' }, geometry: { type: 'LineString', coordinates: [[8, 47, 520], [8.1, 47, 530]] } };
+  const draft = draftOf(stored);
+  assert.equal(faultOf(draft), null);
+  assert.deepEqual(featureOf(draft, 0), { type: 'Feature', geometry: stored.geometry, properties: stored.properties });
+  draft.points.push([8.2, 47]);
+  assert.equal(faultOf(draft).field, 'height_m');
+  draft.values.height_m = '30';
+  assert.deepEqual(featureOf(draft, 0).geometry.coordinates, [[8, 47], [8.1, 47], [8.2, 47]]);
+});
+
+test('obstacles: the pointer of a problem names the field of the form', () => {
+  assert.equal(fieldOf('/properties/height_m'), 'height_m');
+  assert.equal(fieldOf('/properties/expires_at'), 'expires_h');
+  assert.equal(fieldOf('/geometry/coordinates/0/1'), 'points');
+  assert.equal(fieldOf(''), null);
+});
+
+test('offers: a part counts only if the API description has it', () => {
+  assert.deepEqual(offersOf({ paths: { '/v1/sites': { get: { parameters: [{ name: 'bbox' }] } } } }), { reach: false, obstacles: false, newLook: false });
+  assert.deepEqual(offersOf({ paths: { '/v1/reach': {}, '/v1/obstacles': {}, '/v1/sites': { get: { parameters: [{ $ref: '#/components/parameters/order' }] } } } }),
+    { reach: true, obstacles: true, newLook: true });
+});
+
+test('reach: the request has the position, the wind and the flight, and nothing unknown', () => {
+  const request = requestOf('f-1', { pose: { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, altitude_datum: 'amsl', age_s: 1 } }, null);
+  assert.deepEqual(JSON.parse(JSON.stringify(request)),
+    { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, altitude_datum: 'amsl', glide_ratio: null, flight: 'f-1' });
 });

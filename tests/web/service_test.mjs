@@ -5,8 +5,9 @@ import { after, before, test } from 'node:test';
 
 import { Validator } from '@seriousme/openapi-schema-validator';
 
-import { age, distance, heading } from '../../web/units.js';
+import { age, distance, heading, margin } from '../../web/units.js';
 import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
+import { offset, sampleObstacles, sampleReach } from './sample_parts.mjs';
 import { startStandIn } from './stand_in.mjs';
 
 const kWait = { timeout: 15000 };
@@ -136,11 +137,11 @@ test('track: asked for once, and again only when more photographs are through', 
   await page.unrouteAll({ behavior: 'ignoreErrors' });
 });
 
-// The server's answer to the request that the page sends after ask().
+// The server's answer to the request that the page sends after ask(). Under load another one may evaluate fewer sites.
 async function emergencyAnswer(page, ask) {
-  const [request] = await Promise.all([
-    page.waitForRequest((r) => r.url().includes('/v1/emergency?') && r.url().includes('altitude_m='), kWait), ask()]);
-  return getJson(request.url().slice(url.length));
+  const [response] = await Promise.all([
+    page.waitForResponse((r) => r.url().includes('/v1/emergency?') && r.url().includes('altitude_m='), kWait), ask()]);
+  return response.json();
 }
 
 test('emergency: the page shows the sites that the server reports in reach', async (t) => {
@@ -160,7 +161,7 @@ test('emergency: the page shows the sites that the server reports in reach', asy
   assert.equal(cards.length, Math.min(3, high.sites.length));
   high.sites.slice(0, 3).forEach((reached, i) => {
     for (const part of [reached.verdict, heading(reached.bearing_deg), distance(reached.distance_m),
-      heading(reached.approach.heading_deg), `+${reached.arrival_margin_m.toFixed(0)} m`]) {
+      heading(reached.approach.heading_deg), margin(reached.arrival_margin_m)]) {
       assert.ok(cards[i].includes(part), `${part} in ${cards[i]}`);
     }
   });
@@ -170,24 +171,32 @@ test('emergency: the page shows the sites that the server reports in reach', asy
   assert.deepEqual(low.sites, []);
   await page.getByText('No site in reach').waitFor(kWait);
   if (low.nearest_miss) {
-    const missing = `−${Math.abs(low.nearest_miss.arrival_margin_m).toFixed(0)} m`;
+    const missing = margin(low.nearest_miss.arrival_margin_m);
     assert.ok((await page.locator('.em-card').textContent()).includes(missing), missing);
   }
   assert.deepEqual(seen.errors, []);
 });
 
-const inReach = (rank, verdict, distance_m, arrival_margin_m) => ({
+const rad = (deg) => deg * Math.PI / 180;
+const touchdownAt = ([longitude_deg, latitude_deg]) => ({ latitude_deg, longitude_deg, altitude_m: 450 });
+
+// from: [lon, lat] of the aircraft, or nothing: then the touchdown is that of the site.
+const inReach = (rank, verdict, distance_m, arrival_margin_m, from) => ({
   site_id: site.properties.id, flight_id: site.flight, rank, reachable: true, verdict, unseen_ratio: verdict === 'landable' ? 0 : 0.4,
   distance_m, bearing_deg: 41 * rank, arrival_margin_m, time_s: 65 * rank, score: 0.8, age_s: 86400 * rank,
-  touchdown: { latitude_deg: site.place[1], longitude_deg: site.place[0], altitude_m: 450 }, approach: site.properties.approach,
+  touchdown: touchdownAt(from ? offset(from, distance_m * Math.sin(rad(41 * rank)), distance_m * Math.cos(rad(41 * rank))) : site.place),
+  approach: site.properties.approach,
 });
 
 test('emergency: three sites, big, with bearing, distance, heading and age', async (t) => {
+  const { pose } = await getJson(`/v1/flights/${site.flight}/alternates`);
+  const from = [pose.longitude_deg, pose.latitude_deg];
   const emergency = {
-    sites: [inReach(1, 'landable', 840, 34), inReach(2, 'landable', 1260, 12), inReach(3, 'unverified', 2310, 5), inReach(4, 'unverified', 9000, 1)],
+    sites: [inReach(1, 'landable', 840, 34, from), inReach(2, 'landable', 1260, 12, from), inReach(3, 'unverified', 2310, 5, from),
+      inReach(4, 'unverified', 9000, 1, from)],
     warnings: ['the altitude’s datum is unknown'],
   };
-  const server = await startStandIn(t, url, { emergency });
+  const server = await startStandIn(t, url, { emergency, reach: () => sampleReach(from, [], 2700), obstacles: sampleObstacles(offset(from, 900, -300)) });
   const { page } = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}` });
   await page.locator('#sites button').first().waitFor(kWait);
   await page.locator('.bar [data-emergency]').click();
@@ -199,6 +208,7 @@ test('emergency: three sites, big, with bearing, distance, heading and age', asy
   const asked = server.asked.filter((entry) => entry instanceof URLSearchParams).at(-1);
   assert.equal(asked.get('altitude_m'), '700');
   assert.equal(asked.get('limit'), '3');
+  await page.locator('#em-map path.reach').waitFor({ state: 'attached', ...kWait });
   if (folder) await page.screenshot({ path: `${folder}/emergency.jpg`, type: 'jpeg', quality: 65 });
   assert.deepEqual(await smallTargets(page), []);
   assert.deepEqual(await accessibilityFaults(page), []);
@@ -237,6 +247,12 @@ test('emergency: position and altitude are those of the selected flight, and say
   await page.locator('#em-message', { hasText: /4321|reach/i }).waitFor(kWait);
   await page.waitForTimeout(5500);
   assert.equal(await page.locator('#em-altitude_m').inputValue(), '4321');
+  assert.match(await page.locator('#em-source').textContent(), /^Values as entered\. Position of flight .* at /, 'no age that stands still');
+  await page.locator('#em-more summary').click();
+  await page.locator('#em-flight').click();
+  await page.locator('#em-source', { hasText: /^Position and altitude of flight/ }).waitFor(kWait);
+  assert.equal(await page.locator('#em-altitude_m').inputValue(), pose.altitude_m.toFixed(0), 'the flight is followed again');
+  await page.locator('#em-altitude_m').fill('4321');
   await page.reload();
   await page.locator('#sites button').first().waitFor(kWait);
   await page.keyboard.press('e');

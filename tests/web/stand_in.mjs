@@ -1,11 +1,86 @@
-// A proxy in front of a real server. It simulates a token, events and emergency answers.
+// A proxy in front of a real server. It simulates a token, events, emergency answers, and parts of the API that the
+// server may lack.
 
 import http from 'node:http';
 
-// Closes after the test t. emergency: the answer of /v1/emergency, or null for 404.
-export async function startStandIn(t, target, { token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0 } = {}) {
-  const state = { streams: new Set(), asked: [] };
+const kGeoJson = { 'Content-Type': 'application/geo+json' };
+
+function answer(response, status, body, headers = { 'Content-Type': 'application/json' }) {
+  response.writeHead(status, status >= 400 ? { 'Content-Type': 'application/problem+json' } : headers);
+  response.end(body === undefined ? undefined : JSON.stringify(body));
+}
+
+const problem = (status, detail, errors = []) =>
+  ({ type: 'about:blank', title: 'Refused', status, code: status === 404 ? 'NotFound' : 'Invalid', detail, errors, retryable: false });
+
+async function bodyOf(request) {
+  let text = '';
+  for await (const chunk of request) text += chunk;
+  return text;
+}
+
+// The API description with and without the optional parts.
+function described(contract, { reach, obstacles, newLook }) {
+  const set = (path, part) => {
+    if (part === null) delete contract.paths[path];
+    else if (part !== undefined) contract.paths[path] ??= { get: {} };
+  };
+  set('/v1/reach', reach);
+  set('/v1/obstacles', obstacles);
+  const list = contract.paths['/v1/sites'].get;
+  if (newLook !== undefined) list.parameters = list.parameters.filter(({ name }) => name !== 'order');
+  if (newLook) list.parameters.push({ name: 'order', in: 'query' });
+  return contract;
+}
+
+// GET, PUT and DELETE of obstacles in memory. A mast higher than 999 m is refused.
+async function playObstacles(request, response, path, obstacles) {
+  const id = decodeURIComponent(path.split('/')[3] ?? '');
+  const index = obstacles.findIndex((obstacle) => obstacle.id === id);
+  if (request.method === 'GET') return answer(response, 200, { type: 'FeatureCollection', features: obstacles }, kGeoJson);
+  if (request.method === 'DELETE') {
+    if (index >= 0) obstacles.splice(index, 1);
+    return answer(response, index >= 0 ? 204 : 404, index >= 0 ? undefined : problem(404, 'no such obstacle'));
+  }
+  const feature = JSON.parse(await bodyOf(request));
+  if (feature.properties.height_m > 999) {
+    return answer(response, 422, problem(422, 'height_m = 1200: must be at most 1000',
+      [{ pointer: '/properties/height_m', detail: 'must be at most 1000' }]));
+  }
+  feature.id = id;
+  if (index >= 0) obstacles.splice(index, 1, feature);
+  else obstacles.push(feature);
+  return answer(response, index >= 0 ? 200 : 201, feature, kGeoJson);
+}
+
+// Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
+// parameters), obstacles (an array of features), newLook (a collection): undefined passes the request on, null is a
+// server without this part. rewrite(path, json): changes an answer of the real server.
+export async function startStandIn(t, target, {
+  token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
+} = {}) {
+  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0 };
   const to = new URL(target);
+
+  async function playReach(request, response) {
+    state.mostReach = Math.max(state.mostReach, ++state.numReach);
+    await new Promise((resolve) => { setTimeout(resolve, 200); });
+    --state.numReach;
+    answer(response, 200, parts.reach(new URL(request.url, target).searchParams), kGeoJson);
+  }
+
+  // Returns whether the optional part answered.
+  function playPart(request, response, path) {
+    const isNewLook = path === '/v1/sites' && request.url.includes('order=new_look');
+    const part = path === '/v1/reach' ? parts.reach : path.startsWith('/v1/obstacles') ? parts.obstacles
+      : isNewLook ? parts.newLook : undefined;
+    if (part === undefined) return false;
+    if (part === null) answer(response, 404, problem(404, 'nothing here'));
+    else if (part === parts.reach) playReach(request, response);
+    else if (part === parts.obstacles) playObstacles(request, response, path, part);
+    else answer(response, 200, part, kGeoJson);
+    return true;
+  }
 
   function play(request, response) {
     const path = request.url.split('?')[0];
@@ -23,17 +98,29 @@ export async function startStandIn(t, target, { token = null, hasEvents = false,
       return true;
     }
     if (path === '/v1/events') {
-      response.writeHead(404, { 'Content-Type': 'application/problem+json' });
-      response.end(JSON.stringify({ title: 'Not Found', status: 404, code: 'NotFound', detail: 'no events here' }));
+      answer(response, 404, problem(404, 'no events here'));
       return true;
     }
-    if (path === '/v1/emergency') {
+    if (path === '/v1/emergency' && emergency !== 'real') {
       state.asked.push(new URL(request.url, target).searchParams);
-      response.writeHead(emergency ? 200 : 404, { 'Content-Type': emergency ? 'application/json' : 'application/problem+json' });
-      response.end(JSON.stringify(emergency ?? { title: 'Not Found', status: 404, code: 'NotFound', detail: 'nothing here' }));
+      answer(response, emergency ? 200 : 404, emergency ?? problem(404, 'nothing here'));
       return true;
     }
-    return false;
+    return playPart(request, response, path);
+  }
+
+  async function passOn(asked, request, response) {
+    const path = request.url.split('?')[0];
+    const isDescription = path === '/openapi.json';
+    const isJson = /json/.test(asked.headers['content-type'] ?? '') && asked.statusCode === 200;
+    if (!isJson || !(isDescription || rewrite)) {
+      response.writeHead(asked.statusCode, asked.headers);
+      asked.pipe(response);
+      return;
+    }
+    const json = JSON.parse(await bodyOf(asked));
+    const changed = isDescription ? described(json, parts) : rewrite(path, json) ?? json;
+    answer(response, 200, changed, { 'Content-Type': asked.headers['content-type'] });
   }
 
   const server = http.createServer(async (request, response) => {
@@ -44,10 +131,7 @@ export async function startStandIn(t, target, { token = null, hasEvents = false,
     delete headers.origin;
     delete headers.authorization;
     const asked = http.request({ host: to.hostname, port: to.port, path: request.url, method: request.method, headers },
-      (answer) => {
-        response.writeHead(answer.statusCode, answer.headers);
-        answer.pipe(response);
-      }).on('error', () => response.destroy());
+      (found) => passOn(found, request, response)).on('error', () => response.destroy());
     response.on('close', () => asked.destroy());
     request.pipe(asked);
   });
@@ -59,6 +143,7 @@ export async function startStandIn(t, target, { token = null, hasEvents = false,
   return {
     url: `http://127.0.0.1:${server.address().port}`,
     asked: state.asked,
+    mostReach: () => state.mostReach,
     emit(event, data) {
       for (const stream of state.streams) stream.write(`event: ${event}\ndata: ${JSON.stringify(data)}\n\n`);
     },

@@ -1,0 +1,46 @@
+// Sample answers for parts of the API, around a place [lon, lat]: ground in reach, obstacles, sites worth a new look.
+
+const metresPerDegree = 111195;
+export const offset = ([lon, lat], east_m, north_m) =>
+  [lon + east_m / metresPerDegree / Math.cos(lat * Math.PI / 180), lat + north_m / metresPerDegree];
+
+const ringAround = (place, radius_m, sign = 1, [east_m, north_m] = [0, 0]) => Array.from({ length: 25 }, (_, i) => {
+  const turn = sign * 2 * Math.PI * (i % 24) / 24;
+  return offset(place, east_m + radius_m * Math.cos(turn), north_m + radius_m * Math.sin(turn));
+});
+
+const feature = ({ id, ...properties }, geometry) => ({ type: 'Feature', ...(id ? { id } : {}), properties, geometry });
+const collection = (features) => ({ type: 'FeatureCollection', features });
+
+// sites: [{id, place, arrival_margin_m}]; radius_m: of the reach. A hole where a hill stands, and no map in the west.
+export const sampleReach = (place, sites, radius_m = 900) => collection([
+  feature({ kind: 'reach' }, { type: 'Polygon', coordinates: [
+    ringAround(place, radius_m), ringAround(place, 0.2 * radius_m, -1, [0.53 * radius_m, 0.33 * radius_m])] }),
+  feature({ kind: 'unknown_terrain' }, { type: 'Polygon', coordinates: [ringAround(place, 0.33 * radius_m, 1, [-0.58 * radius_m, 0])] }),
+  ...sites.map(({ id, place: at, arrival_margin_m }) => feature({ kind: 'site', site_id: id, arrival_margin_m }, { type: 'Point', coordinates: at })),
+]);
+
+export const sampleObstacles = (place) => [
+  feature({ id: 'wire-1', kind: 'wire', name: 'Valley line', height_m: 32, altitude_datum: 'amsl' },
+    { type: 'LineString', coordinates: [offset(place, -260, -140), offset(place, -40, -200), offset(place, 240, -190)] }),
+  feature({ id: 'mast-1', kind: 'mast', name: 'Radio mast', height_m: 85 }, { type: 'Point', coordinates: offset(place, 170, 120) }),
+  feature({ id: 'zone-1', kind: 'no_fly', name: 'Hospital', floor_m: 300, ceiling_m: 900, altitude_datum: 'amsl' },
+    { type: 'Polygon', coordinates: [[offset(place, -330, 40), offset(place, -190, 40), offset(place, -190, 190), offset(place, -330, 190), offset(place, -330, 40)]] }),
+  feature({ id: 'people-1', kind: 'people', name: 'Fair', expires_at: new Date(Date.now() + 7200000).toISOString() },
+    { type: 'Polygon', coordinates: [ringAround(place, 60, 1, [40, 190])] }),
+];
+
+// sites: features of the server.
+export const sampleNewLook = (sites) => collection(sites.map((site, i) => ({ ...site, properties: { ...site.properties, new_look: {
+  value: 0.9 - 0.1 * i, age_s: 86400 * (40 - 9 * i), gain: 0.4 - 0.05 * i,
+  sentence: `The loiter circle is ${60 - 10 * i} % unseen; a flight along the south side may make it landable.` } } })));
+
+// Adds a go-around to an answer of /approach, from noReturn_m before the touchdown.
+export function withGoAround(approach, noReturn_m) {
+  const final = approach.features.find(({ properties }) => properties.kind === 'approach').geometry.coordinates;
+  const [start, end] = [final[0], final.at(-1)];
+  const share = noReturn_m / approach.features.find(({ properties }) => properties.kind === 'approach').properties.distance_m;
+  const at = (s, up_m) => [end[0] + s * (start[0] - end[0]), end[1] + s * (start[1] - end[1]), end[2] + up_m];
+  return { ...approach, features: [...approach.features, feature({ kind: 'go_around', no_return_distance_m: noReturn_m, unseen_ratio: 0.12 },
+    { type: 'LineString', coordinates: [at(share, 8), at(-0.6, 25), at(-1.8, 60)] })] };
+}

@@ -1,0 +1,26 @@
+// Which optional parts this server answers, by its own API description. A part that it lacks is never
+// asked for: the page then shows no trace of it.
+
+import { getOpenApi } from './api.js';
+
+const hasParameter = (operation, name) => (operation?.parameters ?? []).some((parameter) =>
+  parameter.name === name || parameter.$ref?.split('/').at(-1) === name);
+
+export function offersOf({ paths = {} }) {
+  return {
+    reach: '/v1/reach' in paths,
+    obstacles: '/v1/obstacles' in paths,
+    newLook: hasParameter(paths['/v1/sites']?.get, 'order'),
+  };
+}
+
+let asked = null;
+
+// {reach, obstacles, newLook}: booleans. Asks the server once; a failed request is repeated at the next call.
+export function offers() {
+  asked ??= getOpenApi().then(offersOf).catch((error) => {
+    asked = null;
+    throw error;
+  });
+  return asked;
+}

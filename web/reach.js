@@ -1,0 +1,109 @@
+// Asks for the ground in reach: of the selected flight while it is live, or of a position that the user entered.
+// Never two requests at once, and at most one a second.
+
+import * as api from './api.js';
+import { offers } from './offers.js';
+import { age, isKnown } from './units.js';
+
+const kPeriod_ms = 1000;
+// A flight without a position for longer is not live: it may be anywhere.
+const kLive_s = 60;
+// The same position is asked for again after this time: stored sites and obstacles change.
+const kSame_ms = 10000;
+
+export const isLive = (pose) => isKnown(pose?.age_s) && pose.age_s <= kLive_s;
+
+// The request for a flight's last position. glide_ratio: null for the aircraft's own.
+export function requestOf(flight, { pose, wind }, glide_ratio) {
+  return {
+    latitude_deg: pose.latitude_deg, longitude_deg: pose.longitude_deg, altitude_m: pose.altitude_m,
+    altitude_datum: pose.altitude_datum, heading_deg: pose.heading_deg, glide_ratio,
+    wind_east_mps: wind?.east_mps, wind_north_mps: wind?.north_mps, flight,
+  };
+}
+
+const placeOf = ({ latitude_deg, longitude_deg }) => ({ latitude_deg, longitude_deg });
+
+class Reach {
+  #on;
+  #flight = null;
+  #own = null; // {request, text} of a position in a form; it comes before the flight's
+  #isRunning = false;
+  #timer = 0;
+  #started_ms = -Infinity;
+  #asked = { key: '', at_ms: 0 };
+  #shown = null;
+
+  constructor(on) { this.#on = on; }
+
+  // id: of the selected flight, or null.
+  follow(flight) {
+    if (flight === this.#flight) return;
+    this.#flight = flight;
+    this.#show(null);
+    this.look();
+  }
+
+  // own: {request, text} of a position in a form, request null if it is incomplete; null returns to the flight.
+  use(own) {
+    if (JSON.stringify(own) === JSON.stringify(this.#own)) return;
+    this.#own = own;
+    this.look();
+  }
+
+  // Asks now, or a second after the last request began.
+  look() {
+    clearTimeout(this.#timer);
+    if (this.#isRunning) return;
+    const wait_ms = Math.max(0, this.#started_ms + kPeriod_ms - performance.now());
+    this.#timer = setTimeout(() => this.#run(), wait_ms);
+  }
+
+  async #run() {
+    this.#isRunning = true;
+    this.#started_ms = performance.now();
+    const [flight, own] = [this.#flight, this.#own];
+    const isOurs = () => flight === this.#flight && own === this.#own;
+    let isFollowed = false;
+    try {
+      if (!(await offers()).reach) return;
+      const source = own ?? await this.#liveSource(flight);
+      isFollowed = Boolean(source) && !own;
+      const shown = source?.request ? await this.#ask(source) : null;
+      if (isOurs()) this.#show(shown);
+    } catch (error) {
+      // The aircraft moves on: an old answer would mislead.
+      if (isOurs()) this.#show(error.status === 404 ? null : { collection: null, text: `Reach unknown: ${error.message}` });
+    } finally {
+      this.#isRunning = false;
+      if (isFollowed || !isOurs()) this.look();
+    }
+  }
+
+  async #liveSource(flight) {
+    if (!flight) return null;
+    const answer = await api.getAlternates(flight);
+    if (!isLive(answer.pose)) return null;
+    return { request: requestOf(flight, answer, this.#on.glideRatio()), text: `position received ${age(answer.pose.age_s)} ago` };
+  }
+
+  async #ask({ request, text }) {
+    const key = JSON.stringify(request);
+    const now_ms = performance.now();
+    if (this.#shown?.collection && key === this.#asked.key && now_ms - this.#asked.at_ms < kSame_ms) {
+      return { ...this.#shown, text: `Reach, ${text}` };
+    }
+    const collection = await api.getReach(request);
+    this.#asked = { key, at_ms: now_ms };
+    return { collection, from: placeOf(request), text: `Reach, ${text}` };
+  }
+
+  #show(shown) {
+    if (!shown && !this.#shown) return;
+    this.#shown = shown;
+    this.#on.draw(shown);
+  }
+}
+
+// on: {draw(shown), glideRatio()}. shown: {collection: GeoJSON or null, from, text}, or null if nothing is known.
+export const createReach = (on) => new Reach(on);
