@@ -49,27 +49,24 @@ BoundingBox BoxOf(const std::vector<GeoPoint>& path) {
   return box;
 }
 
-bool IsInBox(const GeoPoint& place, const BoundingBox& box) {
-  const double east_deg = box.west_deg + std::remainder(place.longitude_deg - box.west_deg, 360.0);
-  const bool is_between = east_deg >= box.west_deg - 1e-9 && east_deg <= box.east_deg;
-  return is_between && place.latitude_deg >= box.south_deg && place.latitude_deg <= box.north_deg;
-}
-
-// Calls for points of the path at most a step apart, within the box.
+// Calls `visit` along the path. It returns how far the path surely meets nothing new, metres; the
+// next call is at most that far away, and at least a step.
 template <typename Visit>
-void AlongIn(const std::vector<GeoPoint>& path,
-             const BoundingBox& box,
-             double step_m,
-             const Visit& visit) {
+void March(const std::vector<GeoPoint>& path, double step_m, const Visit& visit) {
+  // Distances in a plane are exact to a few percent over hundreds of kilometres.
+  constexpr double kShareOfFree = 0.8;
+  double skipped_m = 0.0;
   for (size_t i = 0; i < path.size(); ++i) {
     const GeoPoint& begin = path[i > 0 ? i - 1 : 0];
     const double length_m = Plane(begin).At(path[i]).norm();
-    const int num_steps = std::max(1, static_cast<int>(std::ceil(length_m / step_m)));
-    for (int step = 1; step <= num_steps; ++step) {
-      const GeoPoint place = Between(begin, path[i], static_cast<double>(step) / num_steps);
-      if (IsInBox(place, box)) visit(place);
+    double along_m = skipped_m;
+    while (along_m < length_m) {
+      const double free_m = visit(Between(begin, path[i], along_m / length_m));
+      along_m += std::max(step_m, kShareOfFree * free_m);
     }
+    skipped_m = along_m - length_m;
   }
+  visit(path.back());
 }
 
 // What a place of the path is nearest to: its distance, and the altitude of the top there.
@@ -119,16 +116,17 @@ void CheckHard(const StoredSites& stored,
   const double reach_m =
       ObstacleOptions{}.position_sigma * given.position_sd_m + path.half_width_m + 0.5 * kStepM;
   bool is_top_unknown = false;
-  AlongIn(path.transit, obstacle.box, kStepM, [&](const GeoPoint& place) {
+  March(path.transit, kStepM, [&](const GeoPoint& place) {
     const Nearest nearest = NearestOf(given, place);
-    if (nearest.distance_m > reach_m) return;
+    if (nearest.distance_m > reach_m) return nearest.distance_m - reach_m;
     if (std::isnan(nearest.top_m)) {
       is_top_unknown = is_top_unknown || !IsMapped(stored, place);
-      return;
+      return 0.0;
     }
     const double top_m = AltitudeIn(given, nearest.top_m, ReferenceOf(request));
     const double margin_m = place.altitude_m - top_m - request.terrain_clearance_m;
     if (!found.least || margin_m < found.least->margin_m) found.least = {margin_m, given.id};
+    return 0.0;
   });
   if (is_top_unknown) found.of_unknown_top.push_back(given.id);
 }
@@ -156,12 +154,12 @@ bool Enters(const std::vector<GeoPoint>& path,
             const KnownObstacle& airspace,
             const AltitudeReference& request) {
   bool is_inside = false;
-  AlongIn(path, airspace.box, kAirspaceStepM, [&](const GeoPoint& place) {
-    if (is_inside || !IsWithinHeights(airspace.given, place.altitude_m, request)) return;
-    const Plane plane(place);
-    Polygon ring;
-    for (const GeoPoint& point : airspace.given.points) ring.push_back(plane.At(point));
-    is_inside = WindingNumber(ring, Eigen::Vector2d::Zero()) != 0;
+  March(path, kAirspaceStepM, [&](const GeoPoint& place) {
+    const double distance_m = NearestOf(airspace.given, place).distance_m;
+    if (distance_m == 0.0 && IsWithinHeights(airspace.given, place.altitude_m, request)) {
+      is_inside = true;
+    }
+    return is_inside ? HUGE_VAL : distance_m;
   });
   return is_inside;
 }
