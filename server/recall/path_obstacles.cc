@@ -123,7 +123,10 @@ void CheckHard(const StoredSites& stored,
       is_top_unknown = is_top_unknown || !IsMapped(stored, place);
       return 0.0;
     }
-    const double top_m = AltitudeIn(given, nearest.top_m, ReferenceOf(request));
+    // The altitude of people is that of their ground.
+    const double height_m =
+        given.kind == ObstacleKind::kPeople ? ObstacleOptions{}.people_height_m : 0.0;
+    const double top_m = AltitudeIn(given, nearest.top_m, ReferenceOf(request)) + height_m;
     const double margin_m = place.altitude_m - top_m - request.terrain_clearance_m;
     if (!found.least || margin_m < found.least->margin_m) found.least = {margin_m, given.id};
     return 0.0;

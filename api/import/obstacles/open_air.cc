@@ -197,6 +197,7 @@ void Reader::End() {
   const Airspace& airspace = *airspace_;
   if (!airspace.floor) Refuse(airspace.line, "AL (the floor) is missing");
   if (!airspace.ceiling) Refuse(airspace.line, "AH (the ceiling) is missing");
+  if (airspace.ring.size() < 3) Refuse(airspace.line, "at least three points are needed");
   GivenObstacle made;
   made.kind = ObstacleKind::kNoFly;
   made.name = airspace.name;

@@ -46,9 +46,8 @@ nlohmann::json SquareAround(const GeoPoint& middle,
                             double half_m,
                             const nlohmann::json& properties) {
   nlohmann::json ring = nlohmann::json::array();
-  for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}, {-1, -1}}) {
-    ring.push_back(PositionAt(x * half_m, y * half_m, middle));
-  }
+  const std::vector<std::pair<int, int>> corners{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}};
+  for (const auto& [x, y] : corners) ring.push_back(PositionAt(x * half_m, y * half_m, middle));
   nlohmann::json rings = nlohmann::json::array();
   rings.push_back(ring);
   return FeatureOf("Polygon", rings, properties);
