@@ -1,6 +1,7 @@
 #include "api/import/obstacles/air_values.h"
 
 #include <cctype>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,30 @@ std::vector<std::string> WordsOf(const std::string& text) {
   return words;
 }
 
+struct AltitudeWords {
+  std::optional<double> number;
+  double unit_m = kMetresPerFoot;
+  bool is_above_ground = false;
+  // The ground, or unlimited.
+  bool is_limit = false;
+};
+
+// False if the word has no meaning here.
+bool Take(const std::string& word, AltitudeWords& words) {
+  if (IsDigit(word.front())) {
+    const bool is_first = !words.number;
+    words.number = NumberFromText(word);
+    return is_first && words.number;
+  }
+  if (word == "FL") words.unit_m = 100.0 * kMetresPerFoot;
+  if (word == "M") words.unit_m = 1.0;
+  words.is_above_ground |= word == "AGL" || word == "ASFC";
+  words.is_limit |= word == "GND" || word == "SFC" || word.starts_with("UNL");
+  static const std::set<std::string> kKnown{
+      "FL", "M", "AGL", "ASFC", "GND", "SFC", "FT", "F", "MSL", "AMSL", "ALT", "STD"};
+  return kKnown.contains(word) || word.starts_with("UNL");
+}
+
 }  // namespace
 
 std::optional<GeoPoint> CoordinatesFromText(std::string_view text) {
@@ -93,39 +118,16 @@ std::optional<GeoPoint> CoordinatesFromText(std::string_view text) {
 }
 
 std::optional<AirAltitude> AirAltitudeFromText(std::string_view text) {
-  std::optional<double> number;
-  double unit_m = kMetresPerFoot;
-  AirAltitude altitude;
-  bool is_limit = false;
+  AltitudeWords words;
   for (const std::string& word : WordsOf(Upper(text))) {
-    if (IsDigit(word.front())) {
-      if (number) return std::nullopt;
-      number = NumberFromText(word);
-      if (!number) return std::nullopt;
-    } else if (word == "FL") {
-      unit_m = 100.0 * kMetresPerFoot;
-    } else if (word == "M") {
-      unit_m = 1.0;
-    } else if (word == "AGL" || word == "ASFC") {
-      altitude.is_above_ground = true;
-    } else if (word == "GND" || word == "SFC" || word.starts_with("UNL")) {
-      is_limit = true;
-    } else if (word != "FT" && word != "F" && word != "MSL" && word != "AMSL" && word != "ALT" &&
-               word != "STD") {
-      return std::nullopt;
-    }
+    if (!Take(word, words)) return std::nullopt;
   }
-  if (is_limit && number && !altitude.is_above_ground) {
-    // "1000 GND": above ground.
-    altitude.is_above_ground = true;
-  }
-  if (!number && !is_limit) return std::nullopt;
-  if (number && *number == 0.0 && altitude.is_above_ground) return AirAltitude{};
-  if (number && !altitude.is_above_ground) {
-    altitude.altitude_m = *number * unit_m;
-    if (*altitude.altitude_m > kMaxAltitudeM) altitude.altitude_m.reset();
-  }
-  return altitude;
+  if (!words.number) return words.is_limit ? std::optional(AirAltitude{}) : std::nullopt;
+  // "1000 GND" is above ground too.
+  if (words.is_above_ground || words.is_limit) return AirAltitude{{}, *words.number > 0.0};
+  const double altitude_m = *words.number * words.unit_m;
+  if (altitude_m > kMaxAltitudeM) return AirAltitude{};
+  return AirAltitude{altitude_m, false};
 }
 
 }  // namespace freelsd
