@@ -130,7 +130,7 @@ std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
   if (!site) return nullptr;
   const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
   if (found && KeyOf(obstacles) == found->obstacles_key) return found;
-  const std::shared_ptr<const KeptSite> current = Obstructed(*site, obstacles);
+  std::shared_ptr<const KeptSite> current = Obstructed(*site, obstacles);
   const std::lock_guard lock(mutex_);
   // Another thread may have cached it in the meantime, with plans that refer to its object.
   if (const Planned* planned = sites_.Find(site_id, updated_at_us);

@@ -10,8 +10,7 @@
 
 #include "api/export/layers/layers.h"
 #include "api/stored/stored.h"
-#include "server/recall/known_obstacles.h"
-#include "server/recall/obstruction.h"
+#include "server/recall/obstacles/obstacles.h"
 #include "server/recall/replan.h"
 #include "server/recall/site_lru.h"
 #include "storage/storage.h"

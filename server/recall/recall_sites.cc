@@ -10,7 +10,7 @@
 #include "api/api.h"
 #include "server/http/http.h"
 #include "server/recall/descent_path.h"
-#include "server/recall/path_obstacles.h"
+#include "server/recall/obstacles/obstacles.h"
 #include "server/recall/recall_candidates.h"
 #include "server/recall/same_place.h"
 #include "server/recall/terrain_margin.h"

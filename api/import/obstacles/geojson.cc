@@ -237,7 +237,7 @@ void RequireTops(const GivenObstacle& read, const std::string& pointer) {
 }
 
 std::string ReadId(const nlohmann::json& value, const std::string& pointer) {
-  const std::string id = ReadString(value, pointer);
+  std::string id = ReadString(value, pointer);
   if (!IsValidId(id))
     throw ApiError(
         "InvalidId", "id: must match [A-Za-z0-9._-]{1,128}", {{pointer, "is not valid"}});

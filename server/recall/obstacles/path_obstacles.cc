@@ -1,10 +1,11 @@
-#include "server/recall/path_obstacles.h"
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "engine/obstacles/obstacles.h"
+#include "server/recall/emergency_request.h"
+#include "server/recall/obstacles/obstacles.h"
+#include "server/recall/recall_sites.h"
 
 namespace freelsd {
 namespace {

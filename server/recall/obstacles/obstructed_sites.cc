@@ -1,11 +1,11 @@
-#include "server/recall/obstructed_sites.h"
-
 #include <set>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "server/recall/obstacles/obstacles.h"
 #include "server/recall/plan_check.h"
+#include "server/recall/recall_sites.h"
 
 namespace freelsd {
 namespace {

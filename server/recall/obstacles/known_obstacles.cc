@@ -1,11 +1,11 @@
-#include "server/recall/known_obstacles.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
+
+#include "server/recall/obstacles/obstacles.h"
 
 namespace freelsd {
 namespace {

@@ -1,11 +1,10 @@
 // What obstacles make of stored sites: of lists, of exports and of recall.
-#include "server/recall/obstructed_sites.h"
-
 #include <algorithm>
 
 #include <doctest/doctest.h>
 
 #include "server/http/stamps.h"
+#include "server/recall/obstacles/obstacles.h"
 #include "tests/server/meadow.h"
 #include "tests/server/openapi_check.h"
 #include "tests/server/recall/emergency_query.h"
