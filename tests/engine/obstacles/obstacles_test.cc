@@ -97,8 +97,8 @@ TEST_CASE("obstacles: their seen cells are hazards for any limits of the aircraf
   const ObstructedGround ground = WithObstacles(meadow.map, meadow.hazards, {low}, {});
   const HazardLayers layers = WithLimits(ground.map, ground.layers, {80.0, 900.0}, {});
   CHECK(layers.hazard(49, 50) == kHazard);
-  CHECK(layers.hazard(20, 50) == kFree);
-  CHECK(layers.distance(20, 50) < meadow.hazards.distance(20, 50));
+  CHECK(layers.hazard(40, 50) == kFree);
+  CHECK(layers.distance(40, 50) < meadow.hazards.distance(40, 50));
 }
 
 TEST_CASE("obstacles: a wire across the final blocks it, low or high above the path") {
@@ -141,26 +141,31 @@ TEST_CASE("obstacles: a mast in one circle leaves the other, masts in both block
 TEST_CASE("obstacles: nobody lands among people, nor passes low over them") {
   const Scene meadow = FlatMeadow(240, 240);
   const double people_height = ObstacleOptions{}.people_height_m;
-  HardObstacle people{"people", HardObstacle::Shape::kArea, {}, people_height, 0.0};
-  people.points_in_world = {
-      {-20, -20, kUnknown}, {20, -20, kUnknown}, {20, 20, kUnknown}, {-20, 20, kUnknown}};
-  const Plan among = PlanAmong(meadow, {people});
+  const auto people = [&](double half, double north) {
+    HardObstacle made{"people", HardObstacle::Shape::kArea, {}, people_height, 0.0};
+    made.points_in_world = {{-half, north - half, kUnknown},
+                            {half, north - half, kUnknown},
+                            {half, north + half, kUnknown},
+                            {-half, north + half, kUnknown}};
+    return made;
+  };
+  const Plan among = PlanAmong(meadow, {people(3.0, 0.0)});
   CHECK(among.verdict == Verdict::kRejected);
   CHECK(among.reject_reason == RejectReason::kNoSafeTouchdown);
-  for (Eigen::Vector3d& point : people.points_in_world) point.y() -= 50.0;
-  CHECK(PlanAmong(meadow, {people}).reject_reason == RejectReason::kApproachBlocked);
+  CHECK(PlanAmong(meadow, {people(40.0, 0.0)}).verdict == Verdict::kRejected);
+  CHECK(PlanAmong(meadow, {people(8.0, -32.0)}).reject_reason == RejectReason::kApproachBlocked);
 }
 
 TEST_CASE("obstacles: a circle that reaches beyond the map meets an obstacle there") {
   // The final lies on the map, the circles reach beyond its southern edge.
-  const Scene meadow = FlatMeadow(130, 240);
+  const Scene meadow = FlatMeadow(116, 240);
   ApproachOptions options = OneWay();
   const Plan free = PlanAmong(meadow, {}, options);
   REQUIRE(free.verdict == Verdict::kUnverified);
   REQUIRE(free.approach);
   const Eigen::Vector3d& center = free.approach->loiter_center_in_world;
   const double south = center.y() - free.approach->loiter_radius;
-  REQUIRE(south < -66.0);
+  REQUIRE(south < -60.0);
   const HardObstacle mast = Mast({center.x(), south, kUnknown}, 12.0);
   CHECK(PlanAmong(meadow, {mast}, options).verdict == Verdict::kRejected);
   const HardObstacle low = Mast({center.x(), south, kUnknown}, 1.0);
