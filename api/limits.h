@@ -149,6 +149,22 @@ struct AnswerLimits {
   size_t max_num_listed_rejections = 100;
 };
 
+// Obstacles that photographs do not show.
+struct ObstacleLimits {
+  // The body of one obstacle, and of an import of many.
+  size_t max_bytes = size_t{256} << 10;
+  size_t max_import_bytes = size_t{8} << 20;
+  // Positions of one line or ring.
+  size_t max_num_points = 1000;
+  // All stored ones are held in memory, and each recall looks at all of them.
+  size_t max_num_stored = 20000;
+  // Between two positions of a line or ring. A map's plane lies 50 m beside the ground at the ends
+  // of a leg twice as long.
+  double max_leg_m = 50000.0;
+  // The same for an airspace, which is held against places on the ellipsoid.
+  double max_airspace_leg_m = 500000.0;
+};
+
 struct Limits {
   HeadLimits head;
   ConnectionLimits connection;
@@ -162,6 +178,7 @@ struct Limits {
   StreamLimits stream;
   ConcurrencyLimits concurrency;
   AnswerLimits answer;
+  ObstacleLimits obstacles;
   // The metadata part sent with one image, also in a stream.
   size_t max_frame_meta_bytes = size_t{64} << 10;
   // The body of an emergency request.

@@ -64,6 +64,12 @@ nlohmann::json LimitsJson(const Limits& limits) {
           {"max_num_track_positions", limits.answer.max_num_track_positions},
           {"max_num_listed_errors", limits.answer.max_num_listed_errors},
           {"max_num_listed_rejections", limits.answer.max_num_listed_rejections},
+          {"max_obstacle_bytes", limits.obstacles.max_bytes},
+          {"max_obstacle_import_bytes", limits.obstacles.max_import_bytes},
+          {"max_num_obstacle_points", limits.obstacles.max_num_points},
+          {"max_num_obstacles", limits.obstacles.max_num_stored},
+          {"max_obstacle_leg_m", limits.obstacles.max_leg_m},
+          {"max_airspace_leg_m", limits.obstacles.max_airspace_leg_m},
           {"max_num_map_cells", limits.max_num_map_cells}};
 }
 

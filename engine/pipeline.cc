@@ -121,22 +121,9 @@ Plan NoTerrain(const Region& region, const std::string& why) {
   return plan;
 }
 
-PlanRequest RequestOf(const Candidate& candidate, int min_num_observations) {
-  const Region& region = candidate.region;
-  PlanRequest request;
-  request.footprint = region.Footprint();
-  request.area_m2 = region.area_m2;
-  request.ground_height = region.Center().z();
-  request.grade = region.grade;
-  request.num_observations = region.num_observations;
-  request.min_num_observations = min_num_observations;
-  if (candidate.wind) request.wind_in_world = candidate.wind->wind_in_world;
-  if (candidate.wind) request.wind_spread_mps = candidate.wind->spread_mps;
-  return request;
-}
-
 Site PlanSite(const Candidate& candidate,
               int min_num_observations,
+              const PlannableGround& ground,
               Evaluation& evaluation,
               const Aircraft& aircraft,
               const ApproachOptions& options) {
@@ -146,9 +133,11 @@ Site PlanSite(const Candidate& candidate,
     return site;
   }
   const PlanRequest request = RequestOf(candidate, min_num_observations);
-  site.plan = Timed(evaluation.reports, "approach", [&] {
-    return PlanApproach(evaluation.map, evaluation.hazards, request, aircraft, options);
-  });
+  site.plan = Timed(
+      evaluation.reports, "approach", [&] { return ground.PlanFor(request, aircraft, options); });
+  if (site.plan.verdict == Verdict::kRejected) {
+    site.plan_without_obstacles = ground.PlanWithoutObstacles(request, aircraft, options);
+  }
   return site;
 }
 
@@ -312,7 +301,8 @@ Snapshot Frontend::TakeSnapshot() const {
           grass_masks_,
           RankedRegions(),
           regions_.MinNumObservations(),
-          RecentWind()};
+          RecentWind(),
+          {}};
 }
 
 std::vector<StageReport> Frontend::TakeReports() { return std::exchange(reports_, {}); }
@@ -352,17 +342,19 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                  evaluation);  // Sec. III-G
   }
   cancellable.Tell(kLayersDone, "approach");
+  const PlannableGround ground(
+      evaluation.map, evaluation.hazards, snapshot.obstacles, aircraft, options.hazard);
   const auto plan = [&](const Candidate& candidate) {
     return PlanSite(
-        candidate, snapshot.min_num_observations, evaluation, aircraft, options.approach);
+        candidate, snapshot.min_num_observations, ground, evaluation, aircraft, options.approach);
   };
   for (const Candidate& candidate : regions) {
     evaluation.sites.push_back(plan(candidate));  // Sec. III-H
   }
   evaluation.sites =
       WithFurtherSites(evaluation.sites,
-                       evaluation.map,
-                       evaluation.hazards,
+                       ground.with_obstacles().map,
+                       ground.with_obstacles().layers,
                        aircraft,
                        options,
                        [&](const Region& field) {

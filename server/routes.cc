@@ -38,7 +38,9 @@ Scope ScopeOf(const Route& route) {
   if (path == "/healthz") return Scope::kNone;
   const std::string_view method = route.method;
   if (method == "GET" || path == "/v1/emergency") return Scope::kRead;
-  return method == "DELETE" ? Scope::kAdmin : Scope::kIngest;
+  // Whoever may add obstacles could hide every site.
+  if (method == "DELETE" || path.starts_with("/v1/obstacles")) return Scope::kAdmin;
+  return Scope::kIngest;
 }
 
 constexpr char kAircraft[] =
@@ -100,6 +102,11 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/sites/{site}/layers/{layer}.pgw", GetLayerWorldFile},
     {"GET", "/v1/sites/{site}/layers/{layer}.tif", GetLayerGeoTiff},
     {"GET", "/v1/sites/{site}/layers/{layer}/legend.png", GetLayerLegend},
+    {"PUT", "/v1/obstacles/{obstacle}", PutObstacle},
+    {"GET", "/v1/obstacles/{obstacle}", GetObstacle},
+    {"DELETE", "/v1/obstacles/{obstacle}", DeleteObstacle},
+    {"POST", "/v1/obstacles", PostObstacles},
+    {"GET", "/v1/obstacles", GetObstacles, "bbox"},
     {"GET", "/v1/emergency", GetEmergency, kEmergency, Listeners::kBoth},
     {"POST", "/v1/emergency", PostEmergency, kEmergency, Listeners::kBoth},
     {"GET",

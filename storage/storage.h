@@ -1,5 +1,6 @@
-// Durable storage of flights, frames, images, jobs, telemetry, sites and their maps, as rows, JSON
-// text and blobs. Does not depend on engine types. This is the only public header of storage/.
+// Durable storage of flights, frames, images, jobs, telemetry, sites, their maps and obstacles, as
+// rows, JSON text and blobs. Does not depend on engine types. This is the only public header of
+// storage/.
 //
 // When a call returns, its data are on disk (WAL, synchronous=FULL). An image file and its folder
 // are synced before a row that refers to the image is committed. There is one writer; readers never
@@ -16,6 +17,7 @@
 #include "storage/frame_store.h"
 #include "storage/image_store.h"
 #include "storage/job_store.h"
+#include "storage/obstacle_store.h"
 #include "storage/site_store.h"
 #include "storage/storage_error.h"
 #include "storage/telemetry_store.h"
@@ -28,10 +30,10 @@ class Storage {
 
  public:
   // Opens the folder, or creates it with the database. Removes image files that no frame refers to.
-  // Sites are stored in the main database and, as a second copy, in a database of their own. A
-  // damaged main database is moved aside together with its images; a new one then starts with the
-  // sites of the second copy. Throws StorageError and changes nothing if another process uses the
-  // folder or a newer program wrote it.
+  // Sites and obstacles are stored in the main database and, as a second copy, in a database of
+  // their own. A damaged main database is moved aside together with its images; a new one then
+  // starts with the sites of the second copy. Throws StorageError and changes nothing if another
+  // process uses the folder or a newer program wrote it.
   explicit Storage(const std::filesystem::path& folder);
   ~Storage();
 
@@ -41,6 +43,7 @@ class Storage {
   JobStore jobs;
   TelemetryStore telemetry;
   SiteStore sites;
+  ObstacleStore obstacles;
 
   // Folder for uploads that are not acknowledged yet. Opening the storage empties it.
   std::filesystem::path SpoolFolder() const;

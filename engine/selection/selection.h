@@ -14,6 +14,7 @@
 #include "engine/classification/classification.h"
 #include "engine/flight/flight.h"
 #include "engine/hazard/hazard.h"
+#include "engine/obstacles/obstacles.h"
 #include "engine/regions/regions.h"
 #include "engine/segmentation/segmentation.h"
 #include "engine/stereo/stereo.h"
@@ -86,6 +87,9 @@ struct Candidate {
   std::optional<WindEstimate> wind;
 };
 
+// What the plan of the region depends on.
+PlanRequest RequestOf(const Candidate& candidate, int min_num_observations);
+
 // Copy of the frontend's state for the backend, so that both can run concurrently.
 struct Snapshot {
   Rig rig;
@@ -96,6 +100,8 @@ struct Snapshot {
   std::vector<Candidate> regions;
   int min_num_observations = 2;
   std::vector<WindSample> wind_samples;
+  // What photographs do not show; the caller sets them.
+  std::vector<HardObstacle> obstacles;
 };
 
 // An evaluated region.
@@ -106,6 +112,8 @@ struct Site {
   int field_number = 1;
   std::optional<WindEstimate> wind;
   Plan plan;
+  // Set if the plan was rejected because of obstacles alone: the plan without them, accepted.
+  std::optional<Plan> plan_without_obstacles = std::nullopt;
 };
 
 // Horizontal rectangle along the axes of world, metres. A new box is empty.

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -173,6 +174,11 @@ void GetApproach(Service& service, const Call& call, httplib::Response& response
       const std::string summary = feature.at("properties").value("summary", "none was found");
       throw ApiError("NoApproach", "the site has no approach: " + summary);
     }
+    if (const auto obstruction = ObstructionOf({service.storage, service.maps}, site)) {
+      throw ApiError("SiteRejected",
+                     "an obstacle blocks the stored approach: " + obstruction->detail +
+                         "; with a wind it is planned anew");
+    }
     response.set_content(site.approach_json, kGeoJson);
     return;
   }
@@ -205,7 +211,12 @@ void GetWindRose(Service& service, const Call& call, httplib::Response& response
   const Aircraft aircraft = AircraftOf(call, kept->replan.flight.aircraft);
   const RosePlannerSlot slot(service);
   const auto on_map = service.maps.PlannerFor(kept, aircraft);
-  nlohmann::json answer = WindRoseJson(PlanWindRose(on_map->planner, options), ContextOf(*kept));
+  WindRose rose = PlanWindRose(on_map->planner, options);
+  for (Plan& plan : rose.plans) {
+    plan =
+        CheckedBeyondMap(std::move(plan), kept->obstructed_map.map, aircraft, kept->obstacles, {});
+  }
+  nlohmann::json answer = WindRoseJson(rose, ContextOf(*kept));
   answer["aircraft"] = AircraftJson(aircraft);
   answer["warnings"] = LimitsWarnings(aircraft);
   response.set_content(answer.dump(), "application/json");

@@ -1,5 +1,6 @@
 // All stored sites of an area that recall may name, to preload an aircraft.
 #include <set>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -19,7 +20,8 @@ std::vector<SiteRow> RowsIn(const Service& service, const BoundingBox& box) {
   std::vector<SiteRow> rows;
   for (const auto& recall : service.storage.sites.ListRecallable(box)) {
     std::optional<SiteRow> row = service.storage.sites.Find(recall->site_id);
-    if (row && ids.insert(row->id).second) rows.push_back(std::move(*row));
+    if (!row || !ids.insert(row->id).second) continue;
+    rows.push_back(AsObstructed({service.storage, service.maps}, std::move(*row)));
   }
   return rows;
 }
@@ -85,7 +87,8 @@ void GetEmergencyExport(Service& service, const Call& call, httplib::Response& r
   std::vector<StoredSite> sites = SitesOf(rows);
   RequireHome(options, sites);
   // A file to fly by has only what has a way down.
-  std::erase_if(sites, [](const StoredSite& site) { return !site.final_places; });
+  std::erase_if(sites,
+                [](const StoredSite& site) { return !site.final_places || site.IsRejected(); });
   const std::string text = ExportSites(format, sites, options);
   if (format == "plan") return AnswerFile(text, "application/json", "emergency.plan", response);
   AnswerFile(text, "text/plain", "emergency-rally.txt", response);

@@ -120,8 +120,7 @@ void GetSiteAs(Service& service, const Call& call, httplib::Response& response) 
                        (row.superseded_detail.empty() ? "its plan fails" : row.superseded_detail) +
                        "; include=superseded exports it nevertheless");
   }
-  for (const StoredSite& site :
-       RankedSitesOf(service.storage.sites.List(row.flight_id, std::nullopt))) {
+  for (const StoredSite& site : RankedSitesOf(SitesOfFlight(service, row.flight_id))) {
     if (site.id != row.id) continue;
     if (std::string_view(format.name) == kReport.name)
       return AnswerReport(service, row, site, response);

@@ -59,6 +59,13 @@ void GetEmergency(Service& service, const Call& call, httplib::Response& respons
 void PostEmergency(Service& service, const Call& call, httplib::Response& response);
 void GetEmergencyExport(Service& service, const Call& call, httplib::Response& response);
 
+// obstacle_handlers.cc
+void PutObstacle(Service& service, const Call& call, httplib::Response& response);
+void PostObstacles(Service& service, const Call& call, httplib::Response& response);
+void GetObstacles(Service& service, const Call& call, httplib::Response& response);
+void GetObstacle(Service& service, const Call& call, httplib::Response& response);
+void DeleteObstacle(Service& service, const Call& call, httplib::Response& response);
+
 // alternates_handler.cc
 void GetAlternates(Service& service, const Call& call, httplib::Response& response);
 

@@ -1,6 +1,7 @@
 #include "server/handlers/lookups.h"
 
 #include <cmath>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -17,15 +18,30 @@ FlightRow ExistingFlight(const Service& service, const Call& call) {
 }
 
 SiteRow ExistingSite(const Service& service, const Call& call) {
-  const std::optional<SiteRow> site = service.storage.sites.Find(call.Id("site"));
+  std::optional<SiteRow> site = service.storage.sites.Find(call.Id("site"));
   if (!site) throw ApiError("NoSuchSite", "there is no such site");
-  return *site;
+  return AsObstructed({service.storage, service.maps}, std::move(*site));
 }
 
 JobRow ExistingJob(const Service& service, const Call& call) {
   const std::optional<JobRow> job = service.storage.jobs.Find(call.Id("job"));
   if (!job) throw ApiError("NoSuchJob", "there is no such job");
   return *job;
+}
+
+namespace {
+
+std::vector<SiteRow> Obstructed(const Service& service, std::vector<SiteRow> sites) {
+  for (SiteRow& site : sites) {
+    site = AsObstructed({service.storage, service.maps}, std::move(site));
+  }
+  return sites;
+}
+
+}  // namespace
+
+std::vector<SiteRow> SitesOfFlight(const Service& service, const std::string& flight_id) {
+  return Obstructed(service, service.storage.sites.List(flight_id, std::nullopt));
 }
 
 std::vector<SiteRow> ListedSites(const Service& service,
@@ -39,7 +55,7 @@ std::vector<SiteRow> ListedSites(const Service& service,
   }
   std::vector<SiteRow> sites = service.storage.sites.List(flight_id, box);
   if (!include) std::erase_if(sites, [](const SiteRow& site) { return site.superseded_by; });
-  return sites;
+  return Obstructed(service, std::move(sites));
 }
 
 nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us) {

@@ -12,12 +12,15 @@ namespace freelsd {
 
 // Throws ApiError NoSuchFlight.
 FlightRow ExistingFlight(const Service& service, const Call& call);
-// Throws ApiError NoSuchSite.
+// Throws ApiError NoSuchSite. As obstacles leave it (AsObstructed).
 SiteRow ExistingSite(const Service& service, const Call& call);
 // Throws ApiError NoSuchJob.
 JobRow ExistingJob(const Service& service, const Call& call);
 
-// Stored sites, without superseded ones unless the query says include=superseded. Throws ApiError.
+// The flight's sites, superseded ones included, as obstacles leave them.
+std::vector<SiteRow> SitesOfFlight(const Service& service, const std::string& flight_id);
+// Stored sites as obstacles leave them, without superseded ones unless the query says
+// include=superseded. Throws ApiError.
 std::vector<SiteRow> ListedSites(const Service& service,
                                  const Call& call,
                                  const std::optional<std::string>& flight_id,

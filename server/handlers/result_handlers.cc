@@ -101,8 +101,7 @@ void GetSites(Service& service, const Call& call, httplib::Response& response) {
 // Answers the site with its rank in its flight.
 void GetSite(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow site = ExistingSite(service, call);
-  const auto ranked =
-      RankedSites(FeaturesOf(service.storage.sites.List(site.flight_id, std::nullopt)));
+  const auto ranked = RankedSites(FeaturesOf(SitesOfFlight(service, site.flight_id)));
   for (const nlohmann::json& feature : ranked["features"]) {
     if (feature["properties"]["id"] == site.id) response.set_content(feature.dump(), kGeoJson);
   }

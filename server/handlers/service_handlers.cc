@@ -4,6 +4,7 @@
 
 #include "api/api.h"
 #include "engine/glide/glide.h"
+#include "engine/obstacles/obstacles.h"
 #include "server/handlers/handlers.h"
 #include "server/http/http.h"
 #include "server/recall/recall.h"
@@ -92,6 +93,13 @@ nlohmann::json EmergencyInfo() {
           {"terrain_clearance_m", options.terrain_clearance_m}};
 }
 
+nlohmann::json ObstaclesInfo() {
+  const ObstacleOptions options;
+  return {{"position_sigma", options.position_sigma},
+          {"min_height_m", options.min_height_m},
+          {"people_height_m", options.people_height_m}};
+}
+
 }  // namespace
 
 void GetInfo(Service& service, const Call&, httplib::Response& response) {
@@ -100,6 +108,7 @@ void GetInfo(Service& service, const Call&, httplib::Response& response) {
   info["version"] = FREELSD_VERSION;
   info["limits"] = LimitsOf(service);
   info["emergency"] = EmergencyInfo();
+  info["obstacles"] = ObstaclesInfo();
   response.set_content(info.dump(), "application/json");
 }
 

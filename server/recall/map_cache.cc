@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
+#include "server/http/http.h"
+
 namespace freelsd {
 namespace {
 
@@ -14,6 +16,12 @@ namespace {
 constexpr size_t kMaxNumPlannersKept = 2;
 constexpr size_t kBytesPerCell = 33 + (5 + 11) * kMaxNumPlannersKept;
 constexpr size_t kMaxNumPlansKept = 8;
+// With obstacles, two more layers of float.
+constexpr size_t kBytesPerObstructedCell = 8;
+// From the edge of a map to the far side of a circle that begins on it.
+constexpr double kSurroundingsM = 1000.0;
+// Of one entry, with the ids of its obstacles.
+constexpr size_t kBytesOfObstruction = 256;
 
 size_t NumCells(const Grid& grid) {
   return static_cast<size_t>(grid.num_rows) * static_cast<size_t>(grid.num_cols);
@@ -25,13 +33,44 @@ std::string WindKey(const std::optional<Eigen::Vector2d>& wind) {
   return {reinterpret_cast<const char*>(wind->data()), 2 * sizeof(double)};
 }
 
+// The box of the map, widened.
+BoundingBox SurroundingsOf(const GeoPoint& origin, const Grid& grid) {
+  const Eigen::Vector2d half_size =
+      0.5 * grid.cell_size_m * Eigen::Vector2d(grid.num_cols, -grid.num_rows);
+  const Eigen::Vector2d middle = grid.north_west_in_world + half_size;
+  const GeoPoint place = LocalFrame(origin).GeoFromWorld({middle.x(), middle.y(), 0.0});
+  return BoxAroundPlace(place, half_size.norm() + kSurroundingsM);
+}
+
+AltitudeReference ReferenceOf(const KeptSite& site) {
+  const std::optional<std::string>& datum = site.replan.flight.altitude_datum;
+  return {datum ? std::string_view(*datum) : "unknown",
+          site.replan.origin.latitude_deg,
+          site.replan.origin.longitude_deg,
+          site.row.flight_id};
+}
+
+std::shared_ptr<const KeptSite> Obstructed(const KeptSite& site, const KnownObstacles& obstacles) {
+  auto kept = std::make_shared<KeptSite>(site);
+  kept->obstacles_key = KeyOf(obstacles);
+  kept->obstacles = InWorld(obstacles, LocalFrame(site.replan.origin), ReferenceOf(site));
+  ObstructedGround ground =
+      WithObstacles(site.site_map.map, site.site_map.layers, kept->obstacles, {});
+  kept->obstructed_map = {std::move(ground.map), std::move(ground.layers)};
+  return kept;
+}
+
 // Nothing if the site cannot be used: one damaged site must not fail the whole answer.
 std::shared_ptr<const KeptSite> ReadSite(const Storage& storage, const std::string& site_id) {
   const std::optional<SiteRow> row = storage.sites.Find(site_id);
   const std::optional<std::string> blob = storage.sites.ReadMap(site_id);
   if (!row || !blob) return nullptr;
-  return std::make_shared<const KeptSite>(
-      KeptSite{*row, ParseReplan(row->replan_json), DeserializeSiteMap(*blob)});
+  auto kept = std::make_shared<KeptSite>();
+  kept->row = *row;
+  kept->replan = ParseReplan(row->replan_json);
+  kept->site_map = DeserializeSiteMap(*blob);
+  kept->surroundings = SurroundingsOf(kept->replan.origin, kept->site_map.map.grid);
+  return kept;
 }
 
 std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage, const std::string& site_id) {
@@ -82,38 +121,75 @@ MapCache::Planner* MapCache::FindPlanner(const std::shared_ptr<const KeptSite>& 
 std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
                                               const std::string& site_id,
                                               int64_t updated_at_us) {
+  std::shared_ptr<const KeptSite> found;
   {
     const std::lock_guard lock(mutex_);
-    if (const Planned* planned = sites_.Find(site_id, updated_at_us)) return planned->site;
+    if (const Planned* planned = sites_.Find(site_id, updated_at_us)) found = planned->site;
   }
-  std::shared_ptr<const KeptSite> site = ReadSiteSafely(storage, site_id);
+  const std::shared_ptr<const KeptSite> site = found ? found : ReadSiteSafely(storage, site_id);
   if (!site) return nullptr;
+  const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
+  if (found && KeyOf(obstacles) == found->obstacles_key) return found;
+  std::shared_ptr<const KeptSite> current = Obstructed(*site, obstacles);
   const std::lock_guard lock(mutex_);
   // Another thread may have cached it in the meantime, with plans that refer to its object.
-  if (const Planned* planned = sites_.Find(site_id, updated_at_us)) return planned->site;
-  const size_t num_bytes = kBytesPerCell * NumCells(site->site_map.map.grid);
-  sites_.Keep(site_id, updated_at_us, num_bytes, {site, {}});
-  return site;
+  if (const Planned* planned = sites_.Find(site_id, updated_at_us);
+      planned != nullptr && planned->site->obstacles_key == current->obstacles_key) {
+    return planned->site;
+  }
+  const size_t bytes_per_cell =
+      kBytesPerCell + (current->obstacles.empty() ? 0 : kBytesPerObstructedCell);
+  const size_t num_bytes = bytes_per_cell * NumCells(current->site_map.map.grid);
+  sites_.Keep(site_id, updated_at_us, num_bytes, {current, {}});
+  return current;
 }
 
 std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
                                                        const std::string& site_id,
                                                        int64_t updated_at_us) {
   std::shared_ptr<const KeptSite> site;
+  std::shared_ptr<const KeptTerrain> found;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto* terrain = terrains_.Find(site_id, updated_at_us)) return *terrain;
+    if (const auto* terrain = terrains_.Find(site_id, updated_at_us)) found = *terrain;
     if (const Planned* planned = sites_.Find(site_id, updated_at_us)) site = planned->site;
+  }
+  if (found && KeyOf(ObstaclesNear(storage, found->surroundings)) == found->obstacles_key) {
+    return found;
   }
   if (!site) site = ReadSiteSafely(storage, site_id);
   if (!site) return nullptr;
+  const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
+  const std::shared_ptr<const KeptSite> current = Obstructed(*site, obstacles);
   const auto terrain = std::make_shared<KeptTerrain>();
-  terrain->origin = site->replan.origin;
-  terrain->grid = site->site_map.map.grid;
-  terrain->upper = site->site_map.map.upper.clone();
+  terrain->origin = current->replan.origin;
+  terrain->grid = current->obstructed_map.map.grid;
+  terrain->upper = current->obstructed_map.map.upper.clone();
+  terrain->surroundings = current->surroundings;
+  terrain->obstacles_key = current->obstacles_key;
   const std::lock_guard lock(mutex_);
   terrains_.Keep(site_id, updated_at_us, sizeof(float) * NumCells(terrain->grid), terrain);
   return terrain;
+}
+
+KnownObstacles MapCache::ObstaclesNear(const Storage& storage, const BoundingBox& box) {
+  return obstacles_.Near(storage, box, NowUs());
+}
+
+std::optional<std::optional<Obstruction>> MapCache::KeptObstruction(
+    const SiteRow& site, const std::string& obstacles_key) {
+  const std::lock_guard lock(mutex_);
+  const KnownObstruction* const known = obstructions_.Find(site.id, site.updated_at_us);
+  if (known == nullptr || known->obstacles_key != obstacles_key) return std::nullopt;
+  return known->obstruction;
+}
+
+void MapCache::KeepObstruction(const SiteRow& site,
+                               const std::string& obstacles_key,
+                               const std::optional<Obstruction>& obstruction) {
+  const std::lock_guard lock(mutex_);
+  obstructions_.Keep(
+      site.id, site.updated_at_us, kBytesOfObstruction, {obstacles_key, obstruction});
 }
 
 void MapCache::DropPlans(const std::string& site_id) {
@@ -128,7 +204,8 @@ std::shared_ptr<const StoredMapPlanner> MapCache::PlannerFor(
     const std::lock_guard lock(mutex_);
     if (const Planner* const planner = FindPlanner(site, aircraft_key)) return planner->on_map;
   }
-  auto on_map = std::make_shared<const StoredMapPlanner>(site->replan, aircraft, site->site_map);
+  auto on_map =
+      std::make_shared<const StoredMapPlanner>(site->replan, aircraft, site->obstructed_map);
   const std::lock_guard lock(mutex_);
   Planned* const planned = FindSame(site);
   if (planned == nullptr || FindPlanner(site, aircraft_key) != nullptr) return on_map;
@@ -151,7 +228,11 @@ std::shared_ptr<const Plan> MapCache::PlanFor(const std::shared_ptr<const KeptSi
     }
   }
   const auto on_map = PlannerFor(site, aircraft);
-  auto plan = std::make_shared<const Plan>(on_map->planner.PlanFor(wind_in_world));
+  auto plan = std::make_shared<const Plan>(CheckedBeyondMap(on_map->planner.PlanFor(wind_in_world),
+                                                            site->obstructed_map.map,
+                                                            aircraft,
+                                                            site->obstacles,
+                                                            {}));
   const std::lock_guard lock(mutex_);
   Planner* const planner = FindPlanner(site, aircraft_key);
   if (planner == nullptr) return plan;

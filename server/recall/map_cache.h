@@ -10,25 +10,38 @@
 
 #include "api/export/layers/layers.h"
 #include "api/stored/stored.h"
+#include "server/recall/obstacles/obstacles.h"
 #include "server/recall/replan.h"
 #include "server/recall/site_lru.h"
 #include "storage/storage.h"
 
 namespace freelsd {
 
-// A cached site with its map.
+// A cached site with its map, and with the obstacles that were near when it was asked for.
 struct KeptSite {
   SiteRow row;
   Replan replan;
+  // As photographed.
   SiteMap site_map;
+  // The map and all that its circles may reach.
+  BoundingBox surroundings{};
+  // Of all obstacles there.
+  std::string obstacles_key = {};
+  std::vector<HardObstacle> obstacles = {};
+  // Plans are made on it; equals site_map where no obstacle is near.
+  SiteMap obstructed_map = {};
 };
 
 // The part of a site's map that is needed to check a flight over it.
 struct KeptTerrain {
   GeoPoint origin;
   Grid grid;
-  // Height of the highest object in each cell, or of the ground (ElevationMap::upper).
+  // Height of the highest object in each cell, or of the ground (ElevationMap::upper), with
+  // obstacles.
   cv::Mat1f upper;
+  // As of KeptSite.
+  BoundingBox surroundings{};
+  std::string obstacles_key = {};
 };
 
 // Thread-safe. Returned objects stay valid and never change. The constructor's arguments limit the
@@ -36,10 +49,14 @@ struct KeptTerrain {
 class MapCache {
  public:
   MapCache(size_t max_bytes_of_sites, size_t max_bytes_of_terrain)
-      : sites_(max_bytes_of_sites), terrains_(max_bytes_of_terrain) {}
+      : sites_(max_bytes_of_sites),
+        terrains_(max_bytes_of_terrain),
+        obstructions_(kMaxBytesOfObstructions) {}
 
-  // The site as of the update at updated_at_us, or as stored now if that version is gone. Nothing
-  // if the site has no map or its map cannot be read.
+  // The obstacles that are in force now and may meet the box.
+  KnownObstacles ObstaclesNear(const Storage& storage, const BoundingBox& box);
+  // The site as of the update at updated_at_us, or as stored now if that version is gone; with the
+  // obstacles in force now. Nothing if the site has no map or its map cannot be read.
   std::shared_ptr<const KeptSite> Get(const Storage& storage,
                                       const std::string& site_id,
                                       int64_t updated_at_us);
@@ -54,6 +71,13 @@ class MapCache {
   std::shared_ptr<const Plan> PlanFor(const std::shared_ptr<const KeptSite>& site,
                                       const Aircraft& aircraft,
                                       const std::optional<Eigen::Vector2d>& wind_in_world);
+  // What KeepObstruction kept for this update of the site and for these obstacles; nothing if
+  // nothing was kept.
+  std::optional<std::optional<Obstruction>> KeptObstruction(const SiteRow& site,
+                                                            const std::string& obstacles_key);
+  void KeepObstruction(const SiteRow& site,
+                       const std::string& obstacles_key,
+                       const std::optional<Obstruction>& obstruction);
   // Drops the site, its map and its plans, but not its terrain. Call it for a site that is no
   // longer a landing site.
   void DropPlans(const std::string& site_id);
@@ -76,10 +100,18 @@ class MapCache {
   Planner* FindPlanner(const std::shared_ptr<const KeptSite>& site,
                        const std::string& aircraft_key);
 
-  // Guards sites_ and terrains_.
+  struct KnownObstruction {
+    std::string obstacles_key;
+    std::optional<Obstruction> obstruction;
+  };
+  static constexpr size_t kMaxBytesOfObstructions = size_t{1} << 20;
+
+  ObstacleCache obstacles_;
+  // Guards sites_, terrains_ and obstructions_.
   std::mutex mutex_;
   SiteLru<Planned> sites_;
   SiteLru<std::shared_ptr<const KeptTerrain>> terrains_;
+  SiteLru<KnownObstruction> obstructions_;
 };
 
 }  // namespace freelsd

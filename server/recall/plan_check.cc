@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <spdlog/spdlog.h>
 
@@ -102,7 +103,52 @@ SiteMap CroppedTo(const StoredPlan& plan, const Approach& approach, const SiteMa
                     0.0);
 }
 
+SiteMap With(const SiteMap& site_map, const std::vector<HardObstacle>& obstacles) {
+  ObstructedGround ground = WithObstacles(site_map.map, site_map.layers, obstacles, {});
+  return {std::move(ground.map), std::move(ground.layers)};
+}
+
+// Of the circle, which may reach beyond the map.
+std::optional<PlanCheck> BrokenBeyondMap(const StoredPlan& plan,
+                                         const Approach& approach,
+                                         const SiteMap& own_map,
+                                         const std::vector<HardObstacle>& obstacles) {
+  const LocalFrame frame(plan.replan.origin);
+  Plan flown;
+  flown.verdict = Verdict::kLandable;
+  flown.approach = approach;
+  // The heights of `approach` count from the touchdown.
+  flown.approach->loiter_center_in_world.z() += frame.WorldFromGeo(plan.site.touchdown).z();
+  flown =
+      CheckedBeyondMap(std::move(flown), own_map.map, plan.replan.flight.aircraft, obstacles, {});
+  if (flown.verdict != Verdict::kRejected) return std::nullopt;
+  return PlanCheck{PlanVerdict::kFails, NameOf(*flown.reject_reason), flown.reject_detail};
+}
+
+bool IsSame(const std::optional<Rejection>& a, const std::optional<Rejection>& b) {
+  return a.has_value() == b.has_value() &&
+         (!a || (a->reason == b->reason && a->detail == b->detail));
+}
+
 }  // namespace
+
+std::optional<PlanCheck> BrokenByObstacles(const StoredPlan& plan,
+                                           const SiteMap& own_map,
+                                           const std::vector<HardObstacle>& obstacles) {
+  if (obstacles.empty()) return std::nullopt;
+  const Approach approach = ApproachIn(LocalFrame(plan.replan.origin), plan);
+  const SiteMap around = CroppedTo(plan, approach, own_map);
+  if (around.map.elevation.empty()) return std::nullopt;
+  const SiteMap obstructed = With(around, obstacles);
+  std::optional<Rejection> broken = CheckOn(Strict(plan, obstructed), approach, plan).rejection;
+  // The stored numbers are rounded, so the check may refuse what the planner just accepted. This
+  // refusal would hide what an obstacle breaks later on the way.
+  if (broken && IsSame(broken, CheckOn(Strict(plan, around), approach, plan).rejection)) {
+    broken = CheckOn(Lenient(plan, obstructed), approach, plan).rejection;
+  }
+  if (broken) return PlanCheck{PlanVerdict::kFails, NameOf(broken->reason), broken->detail};
+  return BrokenBeyondMap(plan, approach, around, obstacles);
+}
 
 std::optional<StoredPlan> ReadStoredPlan(const SiteRow& row) {
   if (row.approach_json.empty()) return std::nullopt;

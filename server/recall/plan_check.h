@@ -3,9 +3,11 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "api/api.h"
 #include "api/stored/stored.h"
+#include "engine/obstacles/obstacles.h"
 #include "server/recall/replan.h"
 #include "storage/storage.h"
 
@@ -36,5 +38,10 @@ struct PlanCheck {
 // The check uses the plan's own aircraft, wind and options: what another flight asks for does not
 // change the ground.
 PlanCheck CheckPlan(const StoredPlan& plan, const GeoPoint& map_origin, const SiteMap& site_map);
+// What obstacles break of the plan, on its own map; nothing if it holds with them. What is unsure
+// counts against the plan.
+std::optional<PlanCheck> BrokenByObstacles(const StoredPlan& plan,
+                                           const SiteMap& own_map,
+                                           const std::vector<HardObstacle>& obstacles);
 
 }  // namespace freelsd

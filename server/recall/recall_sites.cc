@@ -10,6 +10,7 @@
 #include "api/api.h"
 #include "server/http/http.h"
 #include "server/recall/descent_path.h"
+#include "server/recall/obstacles/obstacles.h"
 #include "server/recall/recall_candidates.h"
 #include "server/recall/same_place.h"
 #include "server/recall/terrain_margin.h"
@@ -27,6 +28,8 @@ constexpr std::chrono::milliseconds kTimeBudget{1500};
 struct Reached {
   double margin_m = 0.0;
   bool is_landable = false;
+  // The way enters an airspace: the site ranks last.
+  bool is_in_airspace = false;
   Landing landing;
   // Of the site's datum, and of the terrain's on the way.
   std::set<DatumBasis> datum_bases;
@@ -97,6 +100,49 @@ nlohmann::json AnswerOf(const RecallCandidate& candidate,
   return answer;
 }
 
+// Altitudes of the transit and of the plan are in the site's datum, those of the path in the
+// request's.
+CheckedPath PathOf(std::vector<GeoPoint> transit,
+                   const Plan& plan,
+                   const FlightContext& context,
+                   const Aircraft& aircraft,
+                   double datum_m) {
+  constexpr int kNumCirclePoints = 24;
+  CheckedPath path{std::move(transit), {}, aircraft.path_half_width_m};
+  for (const Eigen::Vector3d& point : LoiterPolyline(*plan.approach, kNumCirclePoints)) {
+    path.landing.push_back(context.local_frame.GeoFromWorld(point));
+  }
+  path.landing.push_back(context.local_frame.GeoFromWorld(plan.touchdown_in_world));
+  for (std::vector<GeoPoint>* const part : {&path.transit, &path.landing}) {
+    for (GeoPoint& point : *part) point.altitude_m += datum_m;
+  }
+  return path;
+}
+
+std::string ListOf(const std::vector<std::string>& ids) {
+  std::string list;
+  for (const std::string& id : ids) list += (list.empty() ? "" : ", ") + id;
+  return list;
+}
+
+void AddObstacles(const PathObstacles& found, Reached& reached) {
+  nlohmann::json& answer = reached.answer;
+  if (found.least) {
+    answer["obstacle_margin_m"] = found.least->margin_m;
+    answer["nearest_obstacle"] = found.least->obstacle_id;
+    reached.margin_m = std::min(reached.margin_m, found.least->margin_m);
+  }
+  if (!found.of_unknown_top.empty()) {
+    answer["warnings"].push_back("the way crosses " + ListOf(found.of_unknown_top) +
+                                 ", of unknown altitude: only the height above ground is known, "
+                                 "and no map shows the ground there");
+  }
+  if (found.airspaces.empty()) return;
+  reached.is_in_airspace = true;
+  answer["airspaces"] = found.airspaces;
+  answer["warnings"].push_back("the way enters the airspace " + ListOf(found.airspaces));
+}
+
 // Nothing if the map has no approach in this wind, or if the wind is too strong to get there.
 std::optional<Reached> Reach(const StoredSites& stored,
                              const EmergencyRequest& request,
@@ -137,7 +183,9 @@ std::optional<Reached> Reach(const StoredSites& stored,
     unchecked = UncheckedPath(*descent, *glide, context.local_frame);
     AddDescent(*descent, context.local_frame, reached.answer);
   }
-  for (GeoPoint& point : unchecked) point.altitude_m += candidate.datum.subtracted_m;
+  const CheckedPath path = PathOf(unchecked, plan, context, aircraft, candidate.datum.subtracted_m);
+  AddObstacles(ObstaclesAlong(stored, request, path), reached);
+  unchecked = path.transit;
   if (const auto terrain = TerrainMarginOf(stored, request, unchecked)) {
     reached.answer["terrain_margin_m"] = terrain->margin_m;
     reached.answer["terrain_datum_penalty_m"] = terrain->datum.subtracted_m;
@@ -188,6 +236,7 @@ struct Ranked {
 };
 
 bool IsBefore(const Ranked& a, const Ranked& b) {
+  if (a.reached.is_in_airspace != b.reached.is_in_airspace) return b.reached.is_in_airspace;
   return IsBetter(a.reached.margin_m,
                   a.reached.is_landable,
                   *a.candidate,
@@ -228,6 +277,8 @@ bool IsSettled(const std::vector<Ranked>& reachable,
   const std::vector<const Ranked*> answer = DifferentPlaces(reachable, limit);
   if (answer.size() < limit) return false;
   const Ranked& last = *answer.back();
+  // Any site outside of airspaces ranks before it.
+  if (last.reached.is_in_airspace) return false;
   return std::all_of(
       candidates.begin() + static_cast<std::ptrdiff_t>(next),
       candidates.end(),

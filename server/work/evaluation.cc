@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 #include <tuple>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -74,6 +75,25 @@ EvaluatedFlight FlightOf(const Service& service,
   return flight;
 }
 
+// Those near the flight's regions.
+std::vector<HardObstacle> ObstaclesOf(Service& service,
+                                      const EvaluatedFlight& flight,
+                                      const Snapshot& snapshot) {
+  constexpr double kSurroundingsM = 2000.0;
+  double reach_m = 0.0;
+  for (const Candidate& candidate : snapshot.regions) {
+    for (const Eigen::Vector2d& corner : candidate.region.Footprint()) {
+      reach_m = std::max(reach_m, corner.norm());
+    }
+  }
+  const std::string& datum = flight.context.altitude_datum;
+  return InWorld(
+      service.maps.ObstaclesNear(service.storage,
+                                 BoxAroundPlace(flight.origin, reach_m + kSurroundingsM)),
+      flight.context.local_frame,
+      {datum, flight.origin.latitude_deg, flight.origin.longitude_deg, flight.context.flight_id});
+}
+
 Replan ReplanOf(const Site& site, const EvaluatedFlight& flight) {
   Replan replan;
   replan.flight = flight.request;
@@ -127,6 +147,14 @@ int64_t SeenAt(const Region& region, int64_t now_us) {
   const bool is_plausible =
       region.last_seen_us >= kEarliestCaptureUs && region.last_seen_us <= now_us;
   return is_plausible ? region.last_seen_us : now_us;
+}
+
+// A site that only obstacles reject is stored with its plan without them. Whoever reads the site
+// checks the plan against the obstacles of that time (AsObstructed), so that it is rejected for as
+// long as they are there.
+Site AsStored(Site site) {
+  if (site.plan_without_obstacles) site.plan = *std::exchange(site.plan_without_obstacles, {});
+  return site;
 }
 
 NewSite SiteOf(const Site& site, const Evaluation& evaluation, const EvaluatedFlight& flight) {
@@ -262,7 +290,7 @@ size_t EvaluateFlight(Service& service,
                       FlightSession& session,
                       EvaluationScope scope,
                       const Progress& progress) {
-  const Snapshot snapshot = session.TakeSnapshot();
+  Snapshot snapshot = session.TakeSnapshot();
   const FlightRequest& request = session.request();
   const std::vector<std::vector<Candidate>> groups =
       GroupRegions(snapshot,
@@ -270,6 +298,7 @@ size_t EvaluateFlight(Service& service,
                    request.aircraft,
                    request.options);
   const EvaluatedFlight flight = FlightOf(service, flight_id, session, snapshot);
+  snapshot.obstacles = ObstaclesOf(service, flight, snapshot);
   std::vector<NewSite> sites;
   std::vector<std::string> warnings;
   for (size_t i = 0; i < groups.size(); ++i) {
@@ -280,7 +309,7 @@ size_t EvaluateFlight(Service& service,
                                                 request.options,
                                                 ShareOf(progress, i, groups.size()));
     for (const Site& site : evaluation.sites) {
-      sites.push_back(SiteOf(site, evaluation, flight));
+      sites.push_back(SiteOf(AsStored(site), evaluation, flight));
     }
     session.AddReports(evaluation.reports);
     for (const std::string& warning : evaluation.warnings) {

@@ -34,6 +34,8 @@ struct Service {
   // Guards the rows in storage.sites: held while a flight or a site is deleted, and while the
   // worker stores a flight's sites.
   std::mutex sites_mutex;
+  // Guards the number of stored obstacles, from its check until they are stored.
+  std::mutex obstacles_mutex;
   // Limits the number of wind roses computed at the same time; other requests wait. One wind rose
   // can take seconds if many paths are obstructed.
   std::counting_semaphore<> rose_planners{kLimits.concurrency.max_num_rose_planners};

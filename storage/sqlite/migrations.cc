@@ -106,6 +106,20 @@ SET arrived_at_us = max(0, min(9000000000000000, timestamp_us)) - 90000000000000
 CREATE INDEX telemetry_by_arrival ON telemetry (flight_id, kind, arrived_at_us);
 )sql";
 
+constexpr char kFrom6To7[] = R"sql(
+CREATE TABLE obstacles (
+  id TEXT PRIMARY KEY,
+  feature_json TEXT NOT NULL,
+  west_deg REAL NOT NULL,
+  south_deg REAL NOT NULL,
+  east_deg REAL NOT NULL,
+  north_deg REAL NOT NULL,
+  expires_at_us INTEGER,
+  updated_at_us INTEGER NOT NULL,
+  checksum INTEGER NOT NULL
+) STRICT;
+)sql";
+
 }  // namespace
 
 void Migrate(const Connection& writer, int64_t version) {
@@ -114,6 +128,7 @@ void Migrate(const Connection& writer, int64_t version) {
   if (version < 4) writer.Execute(kFrom3To4);
   if (version < 5) writer.Execute(kFrom4To5);
   if (version < 6) writer.Execute(kFrom5To6);
+  if (version < 7) writer.Execute(kFrom6To7);
 }
 
 }  // namespace freelsd

@@ -1,6 +1,7 @@
--- All durable data except the image files. This is user_version 4; application_id holds the version
+-- All durable data except the image files. This is user_version 7; application_id holds the version
 -- too (migrations.h). migrations.cc migrates older versions.
--- A second file, recall.db, has the same schema and holds a second copy of the tables of sites. It is
+-- A second file, recall.db, has the same schema and holds a second copy of the tables of sites
+-- and obstacles. It is
 -- read if this file is damaged.
 -- Times are microseconds since 1970 (UTC). Storage does not parse the text of JSON columns.
 
@@ -124,3 +125,16 @@ CREATE VIRTUAL TABLE site_boxes USING rtree (
   number,                                    -- of site_numbers
   west_deg, east_deg, south_deg, north_deg   -- WGS84: area of the site's map, touchdown included
 );
+
+-- What photographs do not show: wires, masts, airspaces, people.
+CREATE TABLE obstacles (
+  id TEXT PRIMARY KEY,                       -- [A-Za-z0-9._-]{1,128}
+  feature_json TEXT NOT NULL,                -- GeoJSON feature (deg, m), canonical form
+  west_deg REAL NOT NULL,                    -- WGS84 box of its geometry; never crosses the antimeridian
+  south_deg REAL NOT NULL,                   -- WGS84 degrees
+  east_deg REAL NOT NULL,                    -- WGS84 degrees
+  north_deg REAL NOT NULL,                   -- WGS84 degrees
+  expires_at_us INTEGER,                     -- microseconds since 1970; it counts no longer then; NULL: never
+  updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
+  checksum INTEGER NOT NULL                  -- of the row
+) STRICT;

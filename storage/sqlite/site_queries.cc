@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "storage/sqlite/checksum.h"
+#include "storage/sqlite/obstacle_rows.h"
 #include "storage/sqlite/site_standings.h"
 #include "storage/storage_error.h"
 
@@ -327,7 +328,6 @@ SiteStamps StampsOf(const Connection& connection) {
 void CopySites(const Connection& from, const Connection& to) {
   const SiteStamps wanted = StampsOf(from);
   const SiteStamps present = StampsOf(to);
-  if (wanted == present) return;
   Transaction transaction(to);
   for (const auto& [id, stamp] : present) {
     if (!wanted.contains(id)) DeleteSiteRows(to, id);
@@ -337,6 +337,7 @@ void CopySites(const Connection& from, const Connection& to) {
     if (found != present.end() && found->second == stamp) continue;
     PutSiteRows(to, WholeSite(from, id), ReadMapBlob(from, id).value_or(""));
   }
+  CopyObstacles(from, to);
   transaction.Commit();
 }
 

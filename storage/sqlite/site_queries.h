@@ -44,7 +44,7 @@ struct SiteStamp {
 };
 using SiteStamps = std::map<std::string, SiteStamp>;
 SiteStamps StampsOf(const Connection& connection);
-// Makes the sites in `to` equal to the sites in `from`.
+// Makes the sites and obstacles in `to` equal to those in `from`.
 void CopySites(const Connection& from, const Connection& to);
 
 }  // namespace freelsd

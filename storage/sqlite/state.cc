@@ -5,6 +5,7 @@
 
 #include "storage/sqlite/damage.h"
 #include "storage/sqlite/migrations.h"
+#include "storage/sqlite/obstacle_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/storage_error.h"
 
@@ -81,9 +82,10 @@ void ExpectOk(const Connection& connection, const char* sql) {
 // Throws StorageError kDamaged if a site is damaged. It leaves out maps: they are many times
 // larger, and each map has a checksum that is compared when the map is read.
 void CheckSites(const Connection& connection) {
-  for (const char* table : {"sites", "site_numbers"}) {
+  for (const char* table : {"sites", "site_numbers", "obstacles"}) {
     ExpectOk(connection, (std::string("PRAGMA integrity_check(") + table + ")").c_str());
   }
+  ListObstacleRows(connection);
   ExpectOk(connection, "SELECT rtreecheck('site_boxes')");
   CheckSiteRows(connection);
 }
@@ -184,8 +186,11 @@ void StorageState::BringTogether() {
   if (is_new) return on_copy([&] { CopySites(copy_writer, writer); });
   // The databases differ after a kill between two commits, but also after damage. The main database
   // is checked before its sites replace the copy's.
-  const SiteStamps stamps = StampsOf(writer);
-  if (on_copy([&] { return StampsOf(copy_writer); }) == stamps) return;
+  const bool is_same = on_copy([&] {
+    return StampsOf(copy_writer) == StampsOf(writer) &&
+           ObstacleStampsOf(copy_writer) == ObstacleStampsOf(writer);
+  });
+  if (is_same) return;
   CheckSites(writer);
   on_copy([&] { CopySites(writer, copy_writer); });
 }

@@ -29,6 +29,18 @@ struct CopyDamaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Increases a version when it goes out of scope, however the change ended.
+class VersionStep {
+ public:
+  explicit VersionStep(std::atomic<uint64_t>& version) : version_(version) {}
+  ~VersionStep() { ++version_; }
+  VersionStep(const VersionStep&) = delete;
+  VersionStep& operator=(const VersionStep&) = delete;
+
+ private:
+  std::atomic<uint64_t>& version_;
+};
+
 // The open data folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
 struct StorageState {
   // Opens or creates both databases. Then both contain the same sites.
@@ -104,6 +116,13 @@ struct StorageState {
     WriteCopy(write);
   }
 
+  // The same for obstacles. A failed copy counts as a change too.
+  template <typename Write>
+  void WriteObstacles(Write write) {
+    const VersionStep step(obstacles_version);
+    WriteSites(write);
+  }
+
   std::filesystem::path folder;
   FolderLock lock;
   // Guards notices.
@@ -122,6 +141,8 @@ struct StorageState {
   std::atomic<bool> is_copy_whole{true};
   // Increases when any site changes.
   std::atomic<uint64_t> sites_version{1};
+  // Increases when any obstacle changes.
+  std::atomic<uint64_t> obstacles_version{1};
   BoxCache<RecallRow> recall_rows;
   BoxCache<MapRow> map_rows;
   // Guards bounds_version and bounds.

@@ -17,7 +17,8 @@ Storage::Storage(const std::filesystem::path& folder)
       images(*state_),
       jobs(*state_),
       telemetry(*state_),
-      sites(*state_) {
+      sites(*state_),
+      obstacles(*state_) {
   std::error_code error;
   std::filesystem::remove_all(SpoolFolder(), error);
   std::filesystem::create_directories(SpoolFolder(), error);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <mutex>
 #include <set>
 #include <sstream>
@@ -78,6 +79,7 @@ Json SettingsOf(const CampaignOptions& options) {
       {"image_size", std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px)},
       {"threads", scenario.num_threads}};
   if (!scenario.takes_photographs) settings["on_truth"] = true;
+  if (scenario.gives_wires) settings["gives_wires"] = true;
   if (!options.engine_options.empty()) settings["options"] = options.engine_options;
   if (!scenario.ground.empty()) settings["ground"] = scenario.ground;
   if (scenario.camera != "paper") settings["camera"] = scenario.camera;
@@ -92,17 +94,35 @@ PipelineOptions OptionsFor(const CampaignOptions& campaign, const Aircraft& airc
   return options;
 }
 
+// As a client would give them: the poles' places, the height above ground.
+std::vector<HardObstacle> WiresOf(const World& world) {
+  constexpr double kPositionSdM = 2.0;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  std::vector<HardObstacle> wires;
+  for (const PowerLine& line : world.power_lines) {
+    wires.push_back(
+        {"wire-" + std::to_string(wires.size() + 1),
+         HardObstacle::Shape::kLine,
+         {{line.start.x(), line.start.y(), kUnknown}, {line.end.x(), line.end.y(), kUnknown}},
+         line.height_m,
+         kPositionSdM});
+  }
+  return wires;
+}
+
 EngineRun RunOf(const CampaignOptions& campaign,
                 const Classifier& classifier,
                 const Scenario& scenario,
                 const Progress& progress) {
   if (!campaign.url.empty()) return RunOverHttp(campaign.url, scenario, progress);
-  return RunEngine(scenario.rig,
-                   scenario.frames,
-                   scenario.aircraft,
-                   OptionsFor(campaign, scenario.aircraft),
-                   classifier,
-                   progress);
+  return RunEngine(
+      {scenario.rig,
+       scenario.frames,
+       scenario.aircraft,
+       campaign.scenario.gives_wires ? WiresOf(scenario.world) : std::vector<HardObstacle>()},
+      OptionsFor(campaign, scenario.aircraft),
+      classifier,
+      progress);
 }
 
 Json EvaluateWorld(const CampaignOptions& campaign,

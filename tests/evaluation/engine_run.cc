@@ -29,32 +29,32 @@ int CountProcessed(const std::vector<FrameResult>& results) {
 
 }  // namespace
 
-EngineRun RunEngine(const Rig& rig,
-                    const std::vector<Frame>& frames,
-                    const Aircraft& aircraft,
+EngineRun RunEngine(const EngineInput& input,
                     const PipelineOptions& options,
                     const Classifier& classifier,
                     const Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   EngineRun run;
-  Frontend frontend(rig, options, classifier);
+  Frontend frontend(input.rig, options, classifier);
   std::map<std::string, cv::Mat> images;
-  for (const Frame& frame : frames) {
+  for (const Frame& frame : input.frames) {
     images[frame.id] = frame.image;
     run.num_processed += CountProcessed(frontend.Process(frame));
-    const double done = static_cast<double>(images.size()) / static_cast<double>(frames.size());
+    const double done =
+        static_cast<double>(images.size()) / static_cast<double>(input.frames.size());
     progress(kFrontendShare * done, "frontend");
   }
   run.num_processed += CountProcessed(frontend.Flush());
   run.frontend_seconds = SecondsSince(start);
   run.snapshot = frontend.TakeSnapshot();
+  run.snapshot.obstacles = input.obstacles;
   for (const Candidate& each : run.snapshot.regions) run.regions.push_back(each.region);
   const ImageSource source = [&images](const std::string& id) { return images.at(id); };
   run.evaluation =
       EvaluateSites(run.snapshot,
                     Graded(run.snapshot.regions),
                     source,
-                    aircraft,
+                    input.aircraft,
                     options,
                     [&](double done, const std::string& stage) {
                       return progress(kFrontendShare + (1.0 - kFrontendShare) * done, stage);

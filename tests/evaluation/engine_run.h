@@ -19,10 +19,17 @@ struct EngineRun {
   double total_seconds = 0.0;
 };
 
+// What the engine gets of a flight. All must outlive it.
+struct EngineInput {
+  const Rig& rig;
+  const std::vector<Frame>& frames;
+  const Aircraft& aircraft;
+  // What photographs do not show.
+  std::vector<HardObstacle> obstacles = {};
+};
+
 // As Detect does, stage by stage, so that nothing of what lies between is lost.
-EngineRun RunEngine(const Rig& rig,
-                    const std::vector<Frame>& frames,
-                    const Aircraft& aircraft,
+EngineRun RunEngine(const EngineInput& input,
                     const PipelineOptions& options,
                     const Classifier& classifier,
                     const Progress& progress);

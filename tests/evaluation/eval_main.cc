@@ -87,6 +87,9 @@ void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
   app.add_flag("--on-truth{false}",
                scenario.takes_photographs,
                "plan on maps without error instead: what the rules allow");
+  app.add_flag("--give-wires",
+               scenario.gives_wires,
+               "give the planner the power lines, 2 m exact, as obstacles");
   app.add_option("--frames", scenario.num_frames, "photographs per world")
       ->check(CLI::Range(3, 300));
   app.add_option("--size", scenario.world_size_m, "side of a world in metres")

@@ -27,9 +27,7 @@ nlohmann::json AnswersOf(const Scenario& scenario,
   PipelineOptions options;
   options.regions.min_area_m2 = scenario.aircraft.min_area_m2;
   options.adjustment.num_threads = num_threads;
-  const EngineRun run = RunEngine(scenario.rig,
-                                  scenario.frames,
-                                  scenario.aircraft,
+  const EngineRun run = RunEngine({scenario.rig, scenario.frames, scenario.aircraft},
                                   options,
                                   classifier,
                                   [](double, const std::string&) { return true; });

@@ -29,6 +29,8 @@ struct ScenarioOptions {
   double noise_scale = 1.0;
   // Share of the photographs that are damaged: half black, burnt out, smeared, or another's.
   double damaged_ratio = 0.0;
+  // The planner is given the world's power lines as obstacles.
+  bool gives_wires = false;
   // Without, the flight is planned and nothing is photographed.
   bool takes_photographs = true;
   // "techpod", "small"; "both" takes one after the other from seed to seed.

@@ -22,6 +22,8 @@ const std::vector<FuzzTarget>& FuzzTargets() {
                                                 {"poses", FuzzPoses},
                                                 {"side_files", FuzzSideFiles},
                                                 {"telemetry", FuzzTelemetry},
+                                                {"obstacles", FuzzObstacles},
+                                                {"open_air", FuzzOpenAir},
                                                 {"query", FuzzQuery, 512},
                                                 {"request_head", FuzzRequestHead},
                                                 {"multipart", FuzzMultipart},

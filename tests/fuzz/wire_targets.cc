@@ -7,6 +7,7 @@
 
 #include "api/api.h"
 #include "api/import/import.h"
+#include "api/import/obstacles/obstacles.h"
 #include "api/import/poses/poses.h"
 #include "api/stored/stored.h"
 #include "server/http/call.h"
@@ -95,6 +96,39 @@ void FuzzTelemetry(std::string_view bytes) {
     } catch (const ApiError&) {
       continue;
     }
+  }
+}
+
+namespace {
+
+void DemandObstacle(const GivenObstacle& obstacle) {
+  Demand(!obstacle.points.empty());
+  for (const GeoPoint& point : obstacle.points) {
+    Demand(std::abs(point.latitude_deg) <= 90.0 && std::abs(point.longitude_deg) <= 180.0);
+    Demand(!std::isinf(point.altitude_m));
+  }
+  Demand(std::isfinite(obstacle.position_sd_m));
+  const nlohmann::json feature = ObstacleFeature(obstacle);
+  Demand(ObstacleFeature(ParseObstacle(feature, "")) == feature);
+}
+
+}  // namespace
+
+// A feature or a collection.
+void FuzzObstacles(std::string_view bytes) {
+  const std::string text(bytes);
+  if (text.find("\"FeatureCollection\"") == std::string::npos) {
+    DemandObstacle(ParseObstacle(ParseJson(text), ""));
+    return;
+  }
+  for (const GivenObstacle& obstacle : ParseObstacles(text).obstacles) DemandObstacle(obstacle);
+}
+
+void FuzzOpenAir(std::string_view bytes) {
+  IsOpenAir(bytes);
+  for (const GivenObstacle& obstacle : ParseOpenAir(bytes).obstacles) {
+    Demand(IsValidId(obstacle.id));
+    DemandObstacle(obstacle);
   }
 }
 

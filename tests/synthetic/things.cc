@@ -100,6 +100,7 @@ void World::Build(const Fence& fence) {
 }
 
 void World::Build(const PowerLine& line) {
+  power_lines.push_back(line);
   if (overhead.empty()) overhead = surface.clone();
   constexpr double kPoleHalfWidthM = 0.15;
   constexpr double kWireHalfWidthM = 0.6;

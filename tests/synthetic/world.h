@@ -150,6 +150,8 @@ struct World {
   Eigen::Vector3d sun_in_world = Eigen::Vector3d::UnitZ();
   std::vector<Parcel> parcels;
   std::vector<Mover> movers;
+  // Those that were built.
+  std::vector<PowerLine> power_lines;
 
   cv::Mat1f ground;   // bare ground, world z
   cv::Mat1f surface;  // highest thing, world z: tufts, crowns, roofs

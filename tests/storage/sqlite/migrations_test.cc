@@ -250,5 +250,24 @@ TEST_CASE("migrations: samples of 0.1.0 keep their order, and what arrives now i
   CHECK(latitudes() == std::vector<double>{45.0, 48.0, 47.0, 46.0});
 }
 
+TEST_CASE("migrations: a database of version 6 gets obstacles in both files and keeps its sites") {
+  const TemporaryFolder folder;
+  { Storage(folder.path()).sites.Put(SomeSite("f-r3", 50.0, 8.0), "map"); }
+  for (const char* const name : {"freelsd.db", "recall.db"}) {
+    const std::string sql =
+        "DROP TABLE obstacles; PRAGMA user_version = 6; PRAGMA application_id = " +
+        std::to_string(ApplicationId(6));
+    Execute(folder.path() / name, sql.c_str());
+  }
+  {
+    Storage storage(folder.path());
+    CHECK(storage.Notices().empty());
+    CHECK(storage.sites.ReadMap("f-r3") == "map");
+    storage.obstacles.Put({{"wire", "{}", {}, std::nullopt, 5}}, 5);
+  }
+  std::filesystem::remove(folder.path() / "freelsd.db");
+  CHECK(Storage(folder.path()).obstacles.Find("wire"));
+}
+
 }  // namespace
 }  // namespace freelsd

@@ -1,0 +1,59 @@
+// Bytes -> obstacles that photographs do not show, and back. Every function here treats its input
+// as hostile.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "api/api.h"
+
+namespace freelsd {
+
+enum class ObstacleKind { kWire, kMast, kNoFly, kPeople };
+
+// Names and units as in openapi.yaml.
+struct GivenObstacle {
+  // Empty if a feature of a collection has none.
+  std::string id;
+  ObstacleKind kind = ObstacleKind::kWire;
+  std::string name;
+  // Of a line or ring in order, a ring without its last point; one of a Point. The altitude is that
+  // of the top, in altitude_datum, or NaN if it is not given.
+  std::vector<GeoPoint> points;
+  bool is_area = false;
+  // Of the top above ground, for a wire or a mast.
+  std::optional<double> height_m;
+  // Of an airspace, in altitude_datum; nothing: the ground, or unlimited.
+  std::optional<double> floor_m;
+  std::optional<double> ceiling_m;
+  std::string altitude_datum = "unknown";
+  // Standard deviation of the horizontal position.
+  double position_sd_m = 0.0;
+  // When it stops to count.
+  std::optional<int64_t> expires_at_us;
+};
+
+// A GeoJSON feature. `pointer` is its place in the body. Throws ApiError.
+GivenObstacle ParseObstacle(const nlohmann::json& feature, const std::string& pointer);
+// The feature as answers and storage have it; ParseObstacle reads the same obstacle back.
+nlohmann::json ObstacleFeature(const GivenObstacle& obstacle);
+
+struct ImportedObstacles {
+  std::vector<GivenObstacle> obstacles;
+  std::vector<std::string> warnings;
+};
+// A GeoJSON FeatureCollection. Throws ApiError.
+ImportedObstacles ParseObstacles(const std::string& text);
+// True if the text begins as OpenAir does: a comment, or a command that begins an airspace.
+bool IsOpenAir(std::string_view text);
+// OpenAir: airspaces as no_fly. What is above ground only, counts from the ground, or without a
+// ceiling, with a warning. A flight level counts as its altitude above mean sea level in the
+// standard atmosphere. Throws ApiError with the number of the line.
+ImportedObstacles ParseOpenAir(std::string_view text);
+
+}  // namespace freelsd

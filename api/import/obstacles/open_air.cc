@@ -1,0 +1,297 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+#include "api/import/import.h"
+#include "api/import/number_text.h"
+#include "api/import/obstacles/air_values.h"
+#include "api/import/obstacles/obstacles.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kMetresPerNauticalMile = 1852.0;
+constexpr double kMaxRadiusNm = 500.0;
+// Of the polygons that stand for circles and arcs.
+constexpr double kMaxStepDeg = 5.0;
+// Of airspaces whose borders come from charts.
+constexpr double kPositionSdM = 50.0;
+constexpr size_t kMaxIdBytes = 100;
+
+[[noreturn]] void Refuse(size_t line, const std::string& why) {
+  const std::string detail = "line " + std::to_string(line) + ": " + why;
+  throw ApiError("InvalidAirspace", detail, {{"line " + std::to_string(line), why}});
+}
+
+struct Airspace {
+  size_t line = 0;
+  std::string name;
+  std::optional<AirAltitude> floor;
+  std::optional<AirAltitude> ceiling;
+  std::vector<GeoPoint> ring;
+  std::optional<GeoPoint> center;
+  bool is_clockwise = true;
+};
+
+GeoPoint On(const GeoPoint& center, double radius_m, double bearing_deg) {
+  const double bearing = RadFromDeg(bearing_deg);
+  const GeoPoint place = LocalFrame(center).GeoFromWorld(
+      {radius_m * std::sin(bearing), radius_m * std::cos(bearing), 0.0});
+  return {place.latitude_deg, place.longitude_deg, 0.0};
+}
+
+// Distance and bearing of a place from the centre.
+struct Polar {
+  double radius_m = 0.0;
+  double bearing_deg = 0.0;
+};
+
+Polar PolarOf(const GeoPoint& center, const GeoPoint& place) {
+  const Eigen::Vector2d way = LocalFrame(center).WorldFromGeo(place).head<2>();
+  return {way.norm(), DegFromRad(std::atan2(way.x(), way.y()))};
+}
+
+// Points around the arc, so that its inside is covered.
+void AddArc(Airspace& airspace, double radius_m, double from_deg, double sweep_deg) {
+  const int num_steps = std::max(1, static_cast<int>(std::ceil(std::abs(sweep_deg) / kMaxStepDeg)));
+  const double step_deg = sweep_deg / num_steps;
+  const double outside_m = radius_m / std::cos(RadFromDeg(0.5 * step_deg));
+  for (int i = 0; i <= num_steps; ++i) {
+    airspace.ring.push_back(On(*airspace.center, outside_m, from_deg + i * step_deg));
+  }
+}
+
+// In (0, 360], in the direction of the arc.
+double SweepDeg(double from_deg, double to_deg, bool is_clockwise) {
+  double sweep_deg = std::fmod(is_clockwise ? to_deg - from_deg : from_deg - to_deg, 360.0);
+  if (sweep_deg <= 0.0) sweep_deg += 360.0;
+  return is_clockwise ? sweep_deg : -sweep_deg;
+}
+
+std::vector<std::string_view> SplitAtCommas(std::string_view text) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const size_t comma = text.find(',');
+    parts.push_back(Trimmed(text.substr(0, comma)));
+    if (comma == std::string_view::npos) return parts;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+// What one file says, line by line.
+class Reader {
+ public:
+  void Read(size_t line, std::string_view text);
+  ImportedObstacles Finish();
+
+ private:
+  void ReadGeometry(size_t line, const std::string& command, std::string_view value);
+  void ReadVariable(size_t line, std::string_view value);
+  void ReadArc(size_t line, std::string_view value);
+  void ReadArcBetween(size_t line, std::string_view value);
+  double RadiusM(size_t line, std::string_view text) const;
+  GeoPoint PointOf(size_t line, std::string_view text) const;
+  void End();
+  std::string NewId(const std::string& name);
+
+  std::optional<Airspace> airspace_;
+  std::set<std::string> ids_;
+  ImportedObstacles imported_;
+};
+
+GeoPoint Reader::PointOf(size_t line, std::string_view text) const {
+  const std::optional<GeoPoint> point = CoordinatesFromText(text);
+  if (!point) Refuse(line, "must be coordinates as 47:35:24 N 007:31:12 E");
+  return *point;
+}
+
+double Reader::RadiusM(size_t line, std::string_view text) const {
+  const std::optional<double> radius_nm = NumberFromText(text);
+  if (!airspace_->center) Refuse(line, "a centre (V X=) is needed before");
+  if (!radius_nm || *radius_nm <= 0.0 || *radius_nm > kMaxRadiusNm) {
+    Refuse(line, "the radius must be a number of nautical miles in (0, 500]");
+  }
+  return *radius_nm * kMetresPerNauticalMile;
+}
+
+void Reader::ReadVariable(size_t line, std::string_view value) {
+  const size_t equals = value.find('=');
+  const std::string_view name = Trimmed(value.substr(0, equals));
+  const std::string_view content =
+      equals == std::string_view::npos ? std::string_view() : Trimmed(value.substr(equals + 1));
+  if (name == "X" || name == "x") {
+    airspace_->center = PointOf(line, content);
+  } else if (name == "D" || name == "d") {
+    if (content != "+" && content != "-") Refuse(line, "D must be + or -");
+    airspace_->is_clockwise = content == "+";
+  }
+  // Z (zoom) and W (width of an airway) do not change a place.
+}
+
+void Reader::ReadArc(size_t line, std::string_view value) {
+  const std::vector<std::string_view> parts = SplitAtCommas(value);
+  if (parts.size() != 3) Refuse(line, "DA must have radius, start and end");
+  const double radius_m = RadiusM(line, parts[0]);
+  const std::optional<double> from_deg = NumberFromText(parts[1]),
+                              to_deg = NumberFromText(parts[2]);
+  const auto is_angle = [](const std::optional<double>& angle_deg) {
+    return angle_deg && std::abs(*angle_deg) <= 360.0;
+  };
+  if (!is_angle(from_deg) || !is_angle(to_deg)) Refuse(line, "start and end must be degrees");
+  AddArc(*airspace_, radius_m, *from_deg, SweepDeg(*from_deg, *to_deg, airspace_->is_clockwise));
+}
+
+void Reader::ReadArcBetween(size_t line, std::string_view value) {
+  const std::vector<std::string_view> parts = SplitAtCommas(value);
+  if (parts.size() != 2) Refuse(line, "DB must have two coordinates");
+  if (!airspace_->center) Refuse(line, "a centre (V X=) is needed before");
+  const Polar from = PolarOf(*airspace_->center, PointOf(line, parts[0]));
+  const Polar to = PolarOf(*airspace_->center, PointOf(line, parts[1]));
+  const double radius_m = std::max(from.radius_m, to.radius_m);
+  if (radius_m <= 0.0 || radius_m > kMaxRadiusNm * kMetresPerNauticalMile) {
+    Refuse(line, "the arc must be within 500 nautical miles of its centre");
+  }
+  AddArc(*airspace_,
+         radius_m,
+         from.bearing_deg,
+         SweepDeg(from.bearing_deg, to.bearing_deg, airspace_->is_clockwise));
+}
+
+void Reader::ReadGeometry(size_t line, const std::string& command, std::string_view value) {
+  if (command == "DP") {
+    airspace_->ring.push_back(PointOf(line, value));
+  } else if (command == "V") {
+    ReadVariable(line, value);
+  } else if (command == "DA") {
+    ReadArc(line, value);
+  } else if (command == "DB") {
+    ReadArcBetween(line, value);
+  } else if (command == "DC") {
+    AddArc(*airspace_, RadiusM(line, value), 0.0, 360.0);
+  } else {
+    Refuse(line, "the command " + ShownPath(command.substr(0, 8)) + " is not supported");
+  }
+  if (airspace_->ring.size() > kLimits.obstacles.max_num_points) {
+    Refuse(line,
+           "at most " + std::to_string(kLimits.obstacles.max_num_points) +
+               " points of an airspace are allowed");
+  }
+}
+
+std::string Reader::NewId(const std::string& name) {
+  std::string word = name.substr(0, kMaxIdBytes);
+  std::replace(word.begin(), word.end(), '/', '_');
+  const std::string base = "airspace-" + IdFromFileName(word);
+  std::string id = base;
+  for (int number = 2; !ids_.insert(id).second; ++number) {
+    id = base + "-" + std::to_string(number);
+  }
+  return id;
+}
+
+void Reader::End() {
+  if (!airspace_) return;
+  const Airspace& airspace = *airspace_;
+  if (!airspace.floor) Refuse(airspace.line, "AL (the floor) is missing");
+  if (!airspace.ceiling) Refuse(airspace.line, "AH (the ceiling) is missing");
+  if (airspace.ring.size() < 3) Refuse(airspace.line, "at least three points are needed");
+  GivenObstacle made;
+  made.kind = ObstacleKind::kNoFly;
+  made.name = airspace.name;
+  made.id = NewId(airspace.name);
+  made.altitude_datum = "amsl";
+  made.position_sd_m = kPositionSdM;
+  made.is_area = true;
+  made.points = airspace.ring;
+  if (made.points.size() > 1 &&
+      made.points.front().latitude_deg == made.points.back().latitude_deg &&
+      made.points.front().longitude_deg == made.points.back().longitude_deg) {
+    made.points.pop_back();
+  }
+  made.floor_m = airspace.floor->altitude_m;
+  made.ceiling_m = airspace.ceiling->altitude_m;
+  for (GeoPoint& point : made.points) point.altitude_m = std::nan("");
+  if (airspace.floor->is_above_ground) {
+    imported_.warnings.push_back(made.id + ": its floor above ground counts as the ground");
+  }
+  if (airspace.ceiling->is_above_ground) {
+    imported_.warnings.push_back(made.id + ": its ceiling above ground counts as unlimited");
+  }
+  try {
+    imported_.obstacles.push_back(ParseObstacle(ObstacleFeature(made), ""));
+  } catch (const ApiError& error) {
+    Refuse(airspace.line, error.what());
+  }
+  if (imported_.obstacles.size() > kLimits.obstacles.max_num_stored) {
+    Refuse(
+        airspace.line,
+        "at most " + std::to_string(kLimits.obstacles.max_num_stored) + " airspaces are allowed");
+  }
+  airspace_.reset();
+}
+
+void Reader::Read(size_t line, std::string_view text) {
+  const size_t comment = text.find('*');
+  text = Trimmed(text.substr(0, comment));
+  if (text.empty()) return;
+  const size_t blank = text.find_first_of(" \t=");
+  std::string command(text.substr(0, blank));
+  std::string_view value =
+      blank == std::string_view::npos ? std::string_view() : Trimmed(text.substr(blank));
+  if (command == "AC") {
+    End();
+    airspace_.emplace();
+    airspace_->line = line;
+    return;
+  }
+  // Labels, frequencies, times and colours.
+  static const std::set<std::string> kIgnored{
+      "AT", "AY", "AI", "AF", "AG", "AX", "AA", "TO", "TC", "SP", "SB"};
+  if (kIgnored.contains(command)) return;
+  if (!airspace_) Refuse(line, "an airspace must begin with AC");
+  if (command == "AN") {
+    airspace_->name = ShownPath(std::string(value.substr(0, kMaxIdBytes)));
+  } else if (command == "AL" || command == "AH") {
+    const std::optional<AirAltitude> altitude = AirAltitudeFromText(value);
+    if (!altitude) Refuse(line, command + " must be an altitude as 4500 FT MSL, FL 95, GND or UNL");
+    (command == "AL" ? airspace_->floor : airspace_->ceiling) = altitude;
+  } else {
+    ReadGeometry(line, command, value);
+  }
+}
+
+ImportedObstacles Reader::Finish() {
+  End();
+  if (imported_.obstacles.empty()) Refuse(1, "there is no airspace");
+  return std::move(imported_);
+}
+
+}  // namespace
+
+bool IsOpenAir(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  text = Trimmed(text);
+  return text.starts_with("*") || text.starts_with("AC ");
+}
+
+ImportedObstacles ParseOpenAir(std::string_view text) {
+  if (text.size() > kLimits.obstacles.max_import_bytes) {
+    ApiError error("BodyTooLarge", "the airspace file is too large");
+    error.limit = static_cast<double>(kLimits.obstacles.max_import_bytes);
+    error.observed = static_cast<double>(text.size());
+    throw error;
+  }
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  Reader reader;
+  for (size_t line = 1; !text.empty(); ++line) {
+    const size_t end = text.find('\n');
+    reader.Read(line, text.substr(0, end));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  return reader.Finish();
+}
+
+}  // namespace freelsd

@@ -1,0 +1,74 @@
+#include <set>
+#include <utility>
+
+#include <nlohmann/json.hpp>
+
+#include "server/recall/obstacles/obstacles.h"
+#include "server/recall/plan_check.h"
+#include "server/recall/recall_sites.h"
+
+namespace freelsd {
+namespace {
+
+// Plans reach less far from their touchdown.
+constexpr double kPlanReachM = 2500.0;
+
+std::vector<std::string> IdsOf(const std::vector<HardObstacle>& obstacles) {
+  std::set<std::string> ids;
+  for (const HardObstacle& obstacle : obstacles) ids.insert(obstacle.id);
+  return {ids.begin(), ids.end()};
+}
+
+// Those that break the plan each alone; all where only several together do.
+std::vector<std::string> BlockingIds(const StoredPlan& plan,
+                                     const SiteMap& own_map,
+                                     const std::vector<HardObstacle>& obstacles) {
+  std::vector<HardObstacle> blocking;
+  for (const HardObstacle& obstacle : obstacles) {
+    if (BrokenByObstacles(plan, own_map, {obstacle})) blocking.push_back(obstacle);
+  }
+  return IdsOf(blocking.empty() ? obstacles : blocking);
+}
+
+std::optional<Obstruction> Computed(const StoredSites& stored, const SiteRow& site) {
+  const std::optional<StoredPlan> plan = ReadStoredPlan(site);
+  if (!plan) return std::nullopt;
+  const auto kept = stored.maps.Get(stored.storage, site.id, site.updated_at_us);
+  if (!kept) return std::nullopt;
+  const std::optional<PlanCheck> check = BrokenByObstacles(*plan, kept->site_map, kept->obstacles);
+  if (!check) return std::nullopt;
+  return Obstruction{
+      check->reason, check->detail, BlockingIds(*plan, kept->site_map, kept->obstacles)};
+}
+
+}  // namespace
+
+std::optional<Obstruction> ObstructionOf(const StoredSites& stored, const SiteRow& site) {
+  if (site.approach_json.empty()) return std::nullopt;
+  const GeoPoint touchdown{site.latitude_deg, site.longitude_deg, 0.0};
+  const std::string key =
+      KeyOf(stored.maps.ObstaclesNear(stored.storage, BoxAroundPlace(touchdown, kPlanReachM)));
+  if (key.empty()) return std::nullopt;
+  if (auto known = stored.maps.KeptObstruction(site, key)) return *known;
+  std::optional<Obstruction> obstruction = Computed(stored, site);
+  stored.maps.KeepObstruction(site, key, obstruction);
+  return obstruction;
+}
+
+SiteRow AsObstructed(const StoredSites& stored, SiteRow site) {
+  const std::optional<Obstruction> obstruction = ObstructionOf(stored, site);
+  if (!obstruction) return site;
+  nlohmann::json feature = nlohmann::json::parse(site.feature_json);
+  nlohmann::json& properties = feature["properties"];
+  properties["verdict"] = "rejected";
+  properties["reject_reason"] = obstruction->reason;
+  properties["reject_detail"] = obstruction->detail;
+  properties["blocked_by"] = obstruction->obstacle_ids;
+  std::string ids;
+  for (const std::string& id : obstruction->obstacle_ids) ids += (ids.empty() ? "" : ", ") + id;
+  properties["summary"] = "Rejected: blocked by " + ids + ": " + obstruction->detail + ".";
+  site.feature_json = feature.dump();
+  return site;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/obstacles/obstacles.h"
+#include "server/recall/emergency_request.h"
+#include "server/recall/obstacles/obstacles.h"
+#include "server/recall/recall_sites.h"
+
+namespace freelsd {
+namespace {
+
+constexpr double kStepM = 5.0;
+constexpr double kAirspaceStepM = 25.0;
+constexpr double kMetresPerDegree = 111195.0;  // of latitude, on a sphere
+
+// A plane around one point, metres east and north; exact enough within some kilometres.
+class Plane {
+ public:
+  explicit Plane(const GeoPoint& middle)
+      : middle_(middle), shrink_(std::cos(RadFromDeg(middle.latitude_deg))) {}
+  Eigen::Vector2d At(const GeoPoint& place) const {
+    const double dlon_deg = std::remainder(place.longitude_deg - middle_.longitude_deg, 360.0);
+    return kMetresPerDegree *
+           Eigen::Vector2d(dlon_deg * shrink_, place.latitude_deg - middle_.latitude_deg);
+  }
+
+ private:
+  GeoPoint middle_;
+  double shrink_;
+};
+
+GeoPoint Between(const GeoPoint& a, const GeoPoint& b, double ratio) {
+  const double dlon_deg = std::remainder(b.longitude_deg - a.longitude_deg, 360.0);
+  return {a.latitude_deg + ratio * (b.latitude_deg - a.latitude_deg),
+          a.longitude_deg + ratio * dlon_deg,
+          a.altitude_m + ratio * (b.altitude_m - a.altitude_m)};
+}
+
+BoundingBox BoxOf(const std::vector<GeoPoint>& path) {
+  BoundingBox box = BoxAroundPlace(path.front(), 0.0);
+  for (const GeoPoint& point : path) {
+    const double longitude_deg =
+        box.west_deg + std::remainder(point.longitude_deg - box.west_deg, 360.0);
+    box = {std::min(box.west_deg, longitude_deg),
+           std::min(box.south_deg, point.latitude_deg),
+           std::max(box.east_deg, longitude_deg),
+           std::max(box.north_deg, point.latitude_deg)};
+  }
+  return box;
+}
+
+// Calls `visit` along the path. It returns how far the path surely meets nothing new, metres; the
+// next call is at most that far away, and at least a step.
+template <typename Visit>
+void March(const std::vector<GeoPoint>& path, double step_m, const Visit& visit) {
+  // Distances in a plane are exact to a few percent over hundreds of kilometres.
+  constexpr double kShareOfFree = 0.8;
+  double skipped_m = 0.0;
+  for (size_t i = 0; i < path.size(); ++i) {
+    const GeoPoint& begin = path[i > 0 ? i - 1 : 0];
+    const double length_m = Plane(begin).At(path[i]).norm();
+    double along_m = skipped_m;
+    while (along_m < length_m) {
+      const double free_m = visit(Between(begin, path[i], along_m / length_m));
+      along_m += std::max(step_m, kShareOfFree * free_m);
+    }
+    skipped_m = along_m - length_m;
+  }
+  visit(path.back());
+}
+
+// What a place of the path is nearest to: its distance, and the altitude of the top there.
+struct Nearest {
+  double distance_m = HUGE_VAL;
+  double top_m = std::nan("");
+};
+
+Nearest NearestOf(const GivenObstacle& given, const GeoPoint& place) {
+  const Plane plane(place);
+  const std::vector<GeoPoint>& points = given.points;
+  Polygon ring;
+  double highest_m = std::nan("");
+  for (const GeoPoint& point : points) {
+    ring.push_back(plane.At(point));
+    highest_m = std::fmax(highest_m, point.altitude_m);
+  }
+  if (given.is_area && WindingNumber(ring, Eigen::Vector2d::Zero()) != 0) return {0.0, highest_m};
+  Nearest nearest;
+  const size_t num_legs = given.is_area || points.size() == 1 ? points.size() : points.size() - 1;
+  for (size_t i = 0; i < num_legs; ++i) {
+    const size_t next = (i + 1) % points.size();
+    const Eigen::Vector2d way = ring[next] - ring[i];
+    const double squared_length = way.squaredNorm();
+    const double along =
+        squared_length > 0.0 ? std::clamp(-ring[i].dot(way) / squared_length, 0.0, 1.0) : 0.0;
+    const double distance_m = (ring[i] + along * way).norm();
+    if (distance_m >= nearest.distance_m) continue;
+    const double top_m =
+        points[i].altitude_m + along * (points[next].altitude_m - points[i].altitude_m);
+    nearest = {distance_m, given.is_area ? highest_m : top_m};
+  }
+  return nearest;
+}
+
+// Maps hold the obstacles above their ground (TerrainMarginOf).
+bool IsMapped(const StoredSites& stored, const GeoPoint& place) {
+  return !stored.storage.sites.ListMaps(BoxAroundPlace(place, 0.0)).empty();
+}
+
+void CheckHard(const StoredSites& stored,
+               const EmergencyRequest& request,
+               const CheckedPath& path,
+               const KnownObstacle& obstacle,
+               PathObstacles& found) {
+  const GivenObstacle& given = obstacle.given;
+  const double reach_m =
+      ObstacleOptions{}.position_sigma * given.position_sd_m + path.half_width_m + 0.5 * kStepM;
+  bool is_top_unknown = false;
+  March(path.transit, kStepM, [&](const GeoPoint& place) {
+    const Nearest nearest = NearestOf(given, place);
+    if (nearest.distance_m > reach_m) return nearest.distance_m - reach_m;
+    if (std::isnan(nearest.top_m)) {
+      is_top_unknown = is_top_unknown || !IsMapped(stored, place);
+      return 0.0;
+    }
+    // The altitude of people is that of their ground.
+    const double height_m =
+        given.kind == ObstacleKind::kPeople ? ObstacleOptions{}.people_height_m : 0.0;
+    const double top_m = AltitudeIn(given, nearest.top_m, ReferenceOf(request)) + height_m;
+    const double margin_m = place.altitude_m - top_m - request.terrain_clearance_m;
+    if (!found.least || margin_m < found.least->margin_m) found.least = {margin_m, given.id};
+    return 0.0;
+  });
+  if (is_top_unknown) found.of_unknown_top.push_back(given.id);
+}
+
+// Bounds in the request's datum, widened by what the datums leave unknown.
+bool IsWithinHeights(const GivenObstacle& airspace,
+                     double altitude_m,
+                     const AltitudeReference& request) {
+  if (airspace.ceiling_m && altitude_m > AltitudeIn(airspace, *airspace.ceiling_m, request)) {
+    return false;
+  }
+  if (!airspace.floor_m) return true;
+  const double higher_m = AltitudeIn(airspace, *airspace.floor_m, request);
+  const GeoPoint& place = airspace.points.front();
+  const DatumDifference difference = DatumDifferenceOf(
+      {airspace.altitude_datum, place.latitude_deg, place.longitude_deg, {}}, request);
+  const bool is_exact =
+      difference.basis == DatumBasis::kSame || difference.basis == DatumBasis::kGeoid;
+  const double floor_m =
+      is_exact ? higher_m : *airspace.floor_m - std::abs(difference.subtracted_m);
+  return altitude_m >= floor_m;
+}
+
+bool Enters(const std::vector<GeoPoint>& path,
+            const KnownObstacle& airspace,
+            const AltitudeReference& request) {
+  bool is_inside = false;
+  March(path, kAirspaceStepM, [&](const GeoPoint& place) {
+    const double distance_m = NearestOf(airspace.given, place).distance_m;
+    if (distance_m == 0.0 && IsWithinHeights(airspace.given, place.altitude_m, request)) {
+      is_inside = true;
+    }
+    return is_inside ? HUGE_VAL : distance_m;
+  });
+  return is_inside;
+}
+
+}  // namespace
+
+PathObstacles ObstaclesAlong(const StoredSites& stored,
+                             const EmergencyRequest& request,
+                             const CheckedPath& path) {
+  std::vector<GeoPoint> whole = path.transit;
+  whole.insert(whole.end(), path.landing.begin(), path.landing.end());
+  PathObstacles found;
+  for (const auto& obstacle : stored.maps.ObstaclesNear(stored.storage, BoxOf(whole))) {
+    if (obstacle->IsHard()) {
+      CheckHard(stored, request, path, *obstacle, found);
+    } else if (Enters(whole, *obstacle, ReferenceOf(request))) {
+      found.airspaces.push_back(obstacle->given.id);
+    }
+  }
+  return found;
+}
+
+}  // namespace freelsd

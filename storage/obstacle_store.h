@@ -1,0 +1,49 @@
+// Obstacles that photographs do not show: wires, masts, airspaces, people.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "storage/site_store.h"
+
+namespace freelsd {
+
+// Columns and units are those of schema.sql.
+struct ObstacleRow {
+  std::string id;
+  // GeoJSON feature as the parser wrote it.
+  std::string feature_json;
+  // WGS84; never crosses the antimeridian.
+  BoundingBox box{};
+  // When it stops to count; nothing: never.
+  std::optional<int64_t> expires_at_us;
+  int64_t updated_at_us = 0;
+};
+
+// Invariant: each obstacle is stored in two databases, as sites are: a lost obstacle would make a
+// place look safe.
+class ObstacleStore {
+ public:
+  explicit ObstacleStore(StorageState& state) : state_(state) {}
+  ObstacleStore(const ObstacleStore&) = delete;
+  ObstacleStore& operator=(const ObstacleStore&) = delete;
+
+  // Inserts or replaces all, in one commit, and removes those that expired before now_us.
+  void Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us);
+  // False if there is no such obstacle.
+  bool Delete(const std::string& id);
+
+  // Expired ones included, if no write has removed them yet.
+  std::optional<ObstacleRow> Find(const std::string& id) const;
+  // Ordered by id.
+  std::vector<ObstacleRow> List() const;
+  // Increases with every change of any obstacle, before the change returns.
+  uint64_t Version() const;
+
+ private:
+  StorageState& state_;
+};
+
+}  // namespace freelsd

@@ -1,0 +1,26 @@
+// SQL for rows of obstacles, on a connection to the main database or to the second copy.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "storage/obstacle_store.h"
+#include "storage/sqlite/sqlite.h"
+
+namespace freelsd {
+
+void PutObstacleRow(const Connection& writer, const ObstacleRow& obstacle);
+// True if it existed.
+bool DeleteObstacleRow(const Connection& writer, const std::string& id);
+void DeleteExpiredObstacleRows(const Connection& writer, int64_t now_us);
+// Throws StorageError kDamaged if a checksum is wrong.
+std::vector<ObstacleRow> ListObstacleRows(const Connection& connection);
+
+// Checksums by id.
+using ObstacleStamps = std::map<std::string, int64_t>;
+ObstacleStamps ObstacleStampsOf(const Connection& connection);
+// Makes the obstacles in `to` equal to those in `from`, in the caller's transaction.
+void CopyObstacles(const Connection& from, const Connection& to);
+
+}  // namespace freelsd

@@ -1,0 +1,41 @@
+#include "storage/obstacle_store.h"
+
+#include <algorithm>
+
+#include "storage/sqlite/obstacle_rows.h"
+#include "storage/sqlite/state.h"
+
+namespace freelsd {
+
+uint64_t ObstacleStore::Version() const { return state_.obstacles_version; }
+
+void ObstacleStore::Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) {
+  const auto lock = state_.LockForWriting();
+  state_.WriteObstacles([&](const Connection& connection) {
+    DeleteExpiredObstacleRows(connection, now_us);
+    for (const ObstacleRow& obstacle : obstacles) PutObstacleRow(connection, obstacle);
+  });
+}
+
+bool ObstacleStore::Delete(const std::string& id) {
+  const auto lock = state_.LockForWriting();
+  bool was_there = false;
+  state_.WriteObstacles([&](const Connection& connection) {
+    was_there = DeleteObstacleRow(connection, id) || was_there;
+  });
+  return was_there;
+}
+
+std::optional<ObstacleRow> ObstacleStore::Find(const std::string& id) const {
+  for (ObstacleRow& obstacle : List()) {
+    if (obstacle.id == id) return std::move(obstacle);
+  }
+  return std::nullopt;
+}
+
+// As recall reads sites: damage can remove rows from the main database undetected.
+std::vector<ObstacleRow> ObstacleStore::List() const {
+  return state_.ReadForRecall(ListObstacleRows);
+}
+
+}  // namespace freelsd

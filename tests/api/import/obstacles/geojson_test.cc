@@ -1,0 +1,157 @@
+#include <cmath>
+
+#include <doctest/doctest.h>
+#include <nlohmann/json.hpp>
+
+#include "api/import/obstacles/obstacles.h"
+#include "tests/api/errors.h"
+
+namespace freelsd {
+namespace {
+
+nlohmann::json Feature(const char* kind, const char* type, const std::string& coordinates) {
+  return {{"type", "Feature"},
+          {"geometry", {{"type", type}, {"coordinates", nlohmann::json::parse(coordinates)}}},
+          {"properties", {{"kind", kind}}}};
+}
+
+nlohmann::json Wire() {
+  nlohmann::json wire = Feature("wire", "LineString", "[[8.0, 47.0, 450.5], [8.01, 47.0, 460]]");
+  wire["properties"]["altitude_datum"] = "amsl";
+  wire["properties"]["position_sd_m"] = 2.0;
+  wire["properties"]["name"] = "110 kV";
+  return wire;
+}
+
+nlohmann::json Square(const char* kind) {
+  return Feature(kind, "Polygon", "[[[8, 47], [8.01, 47], [8.01, 47.01], [8, 47.01], [8, 47]]]");
+}
+
+std::string FaultOf(const nlohmann::json& feature) {
+  return ErrorOf([&] { ParseObstacle(feature, ""); });
+}
+
+// With one property or member set.
+nlohmann::json With(nlohmann::json feature, const char* pointer, const nlohmann::json& value) {
+  feature[nlohmann::json::json_pointer(pointer)] = value;
+  return feature;
+}
+
+TEST_CASE("obstacle features: each kind is read, with its defaults") {
+  const GivenObstacle wire = ParseObstacle(Wire(), "");
+  CHECK(wire.kind == ObstacleKind::kWire);
+  REQUIRE(wire.points.size() == 2);
+  CHECK(wire.points[0].longitude_deg == 8.0);
+  CHECK(wire.points[0].latitude_deg == 47.0);
+  CHECK(wire.points[0].altitude_m == 450.5);
+  CHECK(wire.altitude_datum == "amsl");
+  CHECK(wire.position_sd_m == 2.0);
+  CHECK_FALSE(wire.is_area);
+  const GivenObstacle mast =
+      ParseObstacle(With(Feature("mast", "Point", "[8, 47]"), "/properties/height_m", 80), "");
+  CHECK(mast.height_m == 80.0);
+  CHECK(std::isnan(mast.points.at(0).altitude_m));
+  CHECK(mast.altitude_datum == "unknown");
+  CHECK(mast.position_sd_m == 5.0);
+  const GivenObstacle airspace =
+      ParseObstacle(With(Square("no_fly"), "/properties/ceiling_m", 1500), "");
+  CHECK(airspace.is_area);
+  CHECK(airspace.points.size() == 4);
+  CHECK_FALSE(airspace.floor_m);
+  CHECK(airspace.ceiling_m == 1500.0);
+  const GivenObstacle people =
+      ParseObstacle(With(Square("people"), "/properties/expires_at", "2026-07-01T12:00:00.5Z"), "");
+  CHECK(people.position_sd_m == 20.0);
+  // It never expires early.
+  CHECK(people.expires_at_us == 1782907201000000);
+}
+
+TEST_CASE("obstacle features: what is written reads back the same") {
+  nlohmann::json people = With(Square("people"), "/properties/expires_at", "2026-07-01T12:00:00Z");
+  people["id"] = "fair-1";
+  for (const nlohmann::json& feature :
+       {Wire(),
+        people,
+        With(Square("no_fly"), "/properties/floor_m", 300),
+        With(Feature("mast", "Point", "[8, 47]"), "/properties/height_m", 80)}) {
+    const nlohmann::json written = ObstacleFeature(ParseObstacle(feature, ""));
+    CHECK(ObstacleFeature(ParseObstacle(written, "")) == written);
+    CHECK(written["geometry"] == feature["geometry"]);
+  }
+}
+
+TEST_CASE("obstacle features: each bad field is refused and named") {
+  const nlohmann::json wire = Wire();
+  const std::string invalid = "422 InvalidValue ";
+  CHECK(FaultOf(nlohmann::json::array()) == invalid);
+  CHECK(FaultOf(With(wire, "/type", "Wire")) == invalid + "/type");
+  CHECK(FaultOf(With(wire, "/id", "a b")) == "422 InvalidId /id");
+  CHECK(FaultOf(With(wire, "/colour", "red")) == "422 UnknownKey /colour");
+  CHECK(FaultOf(With(wire, "/properties/heigth_m", 5)) == "422 UnknownKey /properties/heigth_m");
+  CHECK(FaultOf(With(wire, "/properties/kind", "cable")) == invalid + "/properties/kind");
+  CHECK(FaultOf(With(wire, "/properties/name", 5)) == invalid + "/properties/name");
+  CHECK(FaultOf(With(wire, "/properties/name", std::string(300, 'x'))) ==
+        invalid + "/properties/name");
+  CHECK(FaultOf(With(wire, "/properties/altitude_datum", "msl")) ==
+        invalid + "/properties/altitude_datum");
+  CHECK(FaultOf(With(wire, "/properties/position_sd_m", -1)) ==
+        invalid + "/properties/position_sd_m");
+  CHECK(FaultOf(With(wire, "/properties/height_m", 0)) == invalid + "/properties/height_m");
+  CHECK(FaultOf(With(wire, "/properties/height_m", "5 m")) == invalid + "/properties/height_m");
+  CHECK(FaultOf(With(wire, "/properties/floor_m", 5)) == invalid + "/properties/floor_m");
+  CHECK(FaultOf(With(wire, "/properties/expires_at", "soon")) ==
+        invalid + "/properties/expires_at");
+  CHECK(FaultOf(With(wire, "/geometry/type", "Point")) == invalid + "/geometry/type");
+  CHECK(FaultOf(With(wire, "/geometry/coordinates", {})) != "nothing");
+  CHECK(FaultOf(With(wire, "/geometry/coordinates/1/0", 181)) ==
+        invalid + "/geometry/coordinates/1/0");
+  CHECK(FaultOf(With(wire, "/geometry/coordinates/1/1", 91)) ==
+        invalid + "/geometry/coordinates/1/1");
+  CHECK(FaultOf(With(wire, "/geometry/coordinates/1/2", 30000)) ==
+        invalid + "/geometry/coordinates/1/2");
+  CHECK(FaultOf(With(wire, "/geometry/coordinates/1", {8.0})) ==
+        invalid + "/geometry/coordinates/1");
+  CHECK(FaultOf(Feature("wire", "LineString", "[[8, 47, 5], [8.01, 47]]")) ==
+        invalid + "/geometry/coordinates");
+  CHECK(FaultOf(Feature("wire", "LineString", "[[8, 47, 5], [9, 47, 5]]")) ==
+        invalid + "/geometry/coordinates");
+  CHECK(FaultOf(Feature("wire", "LineString", "[[179.99, 0, 5], [-179.99, 0, 5]]")) ==
+        invalid + "/geometry/coordinates");
+  CHECK(FaultOf(Feature("mast", "Point", "[8, 47]")) == invalid + "/geometry/coordinates");
+  CHECK(
+      FaultOf(Feature("no_fly", "Polygon", "[[[8, 47], [8.01, 47], [8.01, 47.01], [8, 47.01]]]")) ==
+      invalid + "/geometry/coordinates/0");
+  CHECK(FaultOf(Square("people")) == invalid + "/properties/expires_at");
+  CHECK(FaultOf(With(
+            With(Square("no_fly"), "/properties/floor_m", 500), "/properties/ceiling_m", 500)) ==
+        invalid + "/properties/floor_m");
+  nlohmann::json holes = Square("no_fly");
+  holes["geometry"]["coordinates"].push_back(holes["geometry"]["coordinates"][0]);
+  CHECK(FaultOf(holes) == invalid + "/geometry/coordinates");
+}
+
+TEST_CASE("obstacle features: a line of too many positions is refused with the limit") {
+  nlohmann::json wire = Wire();
+  nlohmann::json& line = wire["geometry"]["coordinates"];
+  while (line.size() <= kLimits.obstacles.max_num_points) line.push_back(line.back());
+  try {
+    ParseObstacle(wire, "");
+    FAIL("it was read");
+  } catch (const ApiError& error) {
+    CHECK(error.limit == kLimits.obstacles.max_num_points);
+    CHECK(error.observed == kLimits.obstacles.max_num_points + 1);
+  }
+}
+
+TEST_CASE("obstacle features: a fault of a collection names the feature") {
+  nlohmann::json second = Wire();
+  second["properties"]["kind"] = "cable";
+  const nlohmann::json collection{{"type", "FeatureCollection"}, {"features", {Wire(), second}}};
+  CHECK(ErrorOf([&] { ParseObstacles(collection.dump()); }) ==
+        "422 InvalidValue /features/1/properties/kind");
+  CHECK(ErrorOf([&] { ParseObstacles(Wire().dump()); }) == "422 InvalidValue /type");
+  CHECK(ErrorOf([&] { ParseObstacles("{"); }) == "400 InvalidJson");
+}
+
+}  // namespace
+}  // namespace freelsd
