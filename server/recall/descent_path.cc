@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -11,13 +12,141 @@ namespace {
 
 // Surplus height that needs no warning.
 constexpr double kMinSurplusM = 2.0;
+// Height that the worst case may cost a longer path where its rest can no longer be left out.
+constexpr double kMaxShortfallM = 2.0;
 // About a centimetre.
 constexpr double kPlacesPerDegree = 1e7;
 constexpr double kStepsPerMetre = 100.0;
 
 double Rounded(double value, double steps) { return std::round(value * steps) / steps; }
 
+// How much of a path's height terrain must leave free.
+struct Lowering {
+  // Below the path: grows by this each second.
+  double per_s = 0.0;
+  double clearance_m = 0.0;
+  // World z. The path is not lowered below it.
+  double least_height_m = -std::numeric_limits<double>::infinity();
+
+  double HeightOf(const DescentPoint& point) const {
+    return point.position_in_world.z() - per_s * point.time_s - clearance_m;
+  }
+};
+
+double LoweringPerSecond(const Descent& shortest, const Glide& worst) {
+  const DescentPoint& arrival = shortest.points[shortest.arrival];
+  const double lower = std::max(0.0, arrival.position_in_world.z() - worst.arrival_height_m);
+  return arrival.time_s > 0.0 ? lower / arrival.time_s : 0.0;
+}
+
+DescentPoint Between(const DescentPoint& a, const DescentPoint& b, double ratio) {
+  return {a.position_in_world + ratio * (b.position_in_world - a.position_in_world),
+          a.time_s + ratio * (b.time_s - a.time_s)};
+}
+
+// The lowered path to the start of the final, straight between neighbours.
+std::vector<Eigen::Vector3d> Lowered(const Descent& descent, const Lowering& lowering) {
+  std::vector<Eigen::Vector3d> path;
+  const auto add = [&](const DescentPoint& point) {
+    path.push_back(point.position_in_world);
+    path.back().z() = std::max(lowering.HeightOf(point), lowering.least_height_m);
+  };
+  for (size_t i = 0; i <= descent.arrival; ++i) {
+    const DescentPoint& point = descent.points[i];
+    const double above = lowering.HeightOf(point) - lowering.least_height_m;
+    const double above_before =
+        i == 0 ? above : lowering.HeightOf(descent.points[i - 1]) - lowering.least_height_m;
+    if (above < 0.0 && above_before > 0.0) {
+      add(Between(descent.points[i - 1], point, above_before / (above_before - above)));
+    }
+    add(point);
+  }
+  return path;
+}
+
+// In the datum of the request.
+std::vector<GeoPoint> GeoPath(const std::vector<Eigen::Vector3d>& path, const DescentTask& task) {
+  std::vector<GeoPoint> geo_path;
+  geo_path.reserve(path.size());
+  for (const Eigen::Vector3d& point_in_world : path) {
+    geo_path.push_back(task.local_frame.GeoFromWorld(point_in_world));
+    geo_path.back().altitude_m += task.subtracted_m;
+  }
+  return geo_path;
+}
+
+// Trees that the map may miss are assumed to be lower than the planner's allowance for them.
+double MarginBelowStart(const EmergencyRequest& request, const Aircraft& aircraft) {
+  return std::min(request.terrain_clearance_m,
+                  aircraft.safety_margin_m + ApproachOptions{}.unclear_height_allowance_m);
+}
+
+// How far below the start of the final the worst case leads, if its effect shows only after the
+// decision to fly the longer path to its end.
+double ShortfallM(const Descent& longer, double lowering_per_s, double start_height) {
+  const DescentPoint& arrival = longer.points[longer.arrival];
+  const double committed_s = arrival.time_s - longer.points[longer.decision].time_s;
+  return lowering_per_s * committed_s - (arrival.position_in_world.z() - start_height);
+}
+
+// The end of a longer path, with less than the whole clearance, over ground that is all seen.
+bool IsEndSeen(const Descent& descent, double full_clearance_height, const KeptTerrain& terrain) {
+  for (size_t i = descent.arrival; i > 0; --i) {
+    const DescentPoint& begin = descent.points[i - 1];
+    const DescentPoint& end = descent.points[i];
+    if (end.position_in_world.z() >= full_clearance_height) return true;
+    const double lost = begin.position_in_world.z() - end.position_in_world.z();
+    const double low = full_clearance_height - end.position_in_world.z();
+    const double ratio = lost > low ? 1.0 - low / lost : 0.0;
+    const Eigen::Vector3d from = Between(begin, end, ratio).position_in_world;
+    if (!IsSeenBelow(terrain, from, end.position_in_world)) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+std::optional<TerrainMargin> ShortestTerrainMargin(const StoredSites& stored,
+                                                   const EmergencyRequest& request,
+                                                   const DescentTask& task,
+                                                   const std::optional<Descent>& shortest) {
+  const double clearance_m = request.terrain_clearance_m;
+  std::vector<Eigen::Vector3d> path;
+  if (shortest) {
+    path = Lowered(*shortest, {LoweringPerSecond(*shortest, task.worst), clearance_m});
+  } else {
+    path = {task.start.position_in_world, task.plan->approach->approach_start_in_world};
+    path.back().z() = task.worst.arrival_height_m;
+    for (Eigen::Vector3d& point : path) point.z() -= clearance_m;
+  }
+  return TerrainMarginOf(stored, request, GeoPath(path, task));
+}
+
+ToldPath PathToTell(const StoredSites& stored,
+                    const EmergencyRequest& request,
+                    const RecallCandidate& candidate,
+                    const DescentTask& task,
+                    const ToldPath& shortest) {
+  if (shortest.descent.surplus_height_m <= kMinSurplusM) return shortest;
+  const Approach& approach = *task.plan->approach;
+  const double margin_m = MarginBelowStart(request, task.aircraft);
+  const double start_height = approach.approach_start_in_world.z();
+  const Lowering lowering{LoweringPerSecond(shortest.descent, task.worst),
+                          request.terrain_clearance_m,
+                          start_height - kMaxShortfallM - margin_m};
+  const double full_clearance_height = lowering.least_height_m + lowering.clearance_m;
+  const auto terrain =
+      stored.maps.TerrainOf(stored.storage, candidate.row->site_id, candidate.row->updated_at_us);
+  if (!terrain) return shortest;
+  for (Descent& longer : PlanLongerDescents(task.start, approach, task.aircraft, {})) {
+    if (ShortfallM(longer, lowering.per_s, start_height) > kMaxShortfallM) continue;
+    if (!IsEndSeen(longer, full_clearance_height, *terrain)) continue;
+    const std::vector<GeoPoint> path = GeoPath(Lowered(longer, lowering), task);
+    const std::optional<TerrainMargin> margin = TerrainMarginOf(stored, request, path);
+    if (!margin || margin->margin_m >= 0.0) return {std::move(longer), margin};
+  }
+  return shortest;
+}
 
 void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann::json& answer) {
   nlohmann::json coordinates = nlohmann::json::array();
@@ -36,22 +165,6 @@ void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann:
                                  " m of surplus height are left at the start of the final, too "
                                  "little for a circle: lose them on the final");
   }
-}
-
-std::vector<GeoPoint> UncheckedPath(const Descent& descent,
-                                    const Glide& worst,
-                                    const LocalFrame& local_frame) {
-  const DescentPoint& arrival = descent.points[descent.arrival];
-  const double lower = std::max(0.0, arrival.position_in_world.z() - worst.arrival_height_m);
-  std::vector<GeoPoint> path;
-  for (size_t i = 0; i <= descent.arrival; ++i) {
-    Eigen::Vector3d position_in_world = descent.points[i].position_in_world;
-    if (arrival.time_s > 0.0) {
-      position_in_world.z() -= lower * descent.points[i].time_s / arrival.time_s;
-    }
-    path.push_back(local_frame.GeoFromWorld(position_in_world));
-  }
-  return path;
 }
 
 }  // namespace freelsd

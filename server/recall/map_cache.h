@@ -5,6 +5,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -23,12 +24,22 @@ struct KeptSite {
   SiteMap site_map;
 };
 
-// The part of a site's map that is needed to check a flight over it.
+// A plan on a site's map.
+struct KeptPlan {
+  // Of the plan's world frame.
+  GeoPoint origin;
+  std::shared_ptr<const Plan> plan;
+};
+
+// The part of a site's map that is needed to check a flight over it. Its cells are blocks of the
+// map's cells, about 2 m wide.
 struct KeptTerrain {
   GeoPoint origin;
   Grid grid;
-  // Height of the highest object in each cell, or of the ground (ElevationMap::upper).
+  // Greatest height of an object, or of the ground, in each block (ElevationMap::upper).
   cv::Mat1f upper;
+  // 1 where the whole block is seen.
+  cv::Mat1b is_seen;
 };
 
 // Thread-safe. Returned objects stay valid and never change. The constructor's arguments limit the
@@ -36,7 +47,7 @@ struct KeptTerrain {
 class MapCache {
  public:
   MapCache(size_t max_bytes_of_sites, size_t max_bytes_of_terrain)
-      : sites_(max_bytes_of_sites), terrains_(max_bytes_of_terrain) {}
+      : sites_(max_bytes_of_sites), plans_(kMaxBytesOfPlans), terrains_(max_bytes_of_terrain) {}
 
   // The site as of the update at updated_at_us, or as stored now if that version is gone. Nothing
   // if the site has no map or its map cannot be read.
@@ -54,11 +65,20 @@ class MapCache {
   std::shared_ptr<const Plan> PlanFor(const std::shared_ptr<const KeptSite>& site,
                                       const Aircraft& aircraft,
                                       const std::optional<Eigen::Vector2d>& wind_in_world);
+  // The same for the site as of the update at updated_at_us. `aircraft_key` differs from aircraft
+  // to aircraft. The plan stays when the cache drops the map, which needs far more memory. Nothing
+  // as in Get.
+  std::optional<KeptPlan> PlanOf(const Storage& storage,
+                                 const RecallRow& row,
+                                 const Aircraft& aircraft,
+                                 const std::string& aircraft_key,
+                                 const std::optional<Eigen::Vector2d>& wind_in_world);
   // Drops the site, its map and its plans, but not its terrain. Call it for a site that is no
   // longer a landing site.
   void DropPlans(const std::string& site_id);
 
  private:
+  static constexpr size_t kMaxBytesOfPlans = size_t{64} << 20;
   struct Planner {
     std::string aircraft_key;
     std::shared_ptr<const StoredMapPlanner> on_map;
@@ -76,9 +96,13 @@ class MapCache {
   Planner* FindPlanner(const std::shared_ptr<const KeptSite>& site,
                        const std::string& aircraft_key);
 
-  // Guards sites_ and terrains_.
+  // By aircraft and wind, the latest first.
+  using PlansOfSite = std::list<std::pair<std::string, KeptPlan>>;
+
+  // Guards sites_, plans_ and terrains_.
   std::mutex mutex_;
   SiteLru<Planned> sites_;
+  SiteLru<PlansOfSite> plans_;
   SiteLru<std::shared_ptr<const KeptTerrain>> terrains_;
 };
 
