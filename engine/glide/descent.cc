@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "engine/approach/approach.h"
 #include "engine/glide/detour.h"
@@ -194,22 +196,27 @@ std::optional<Descent> PlanDescent(const GlideStart& start,
   return Flown(*task, WayOf(task->shortest), task->MaxNumCircles(), start, approach, aircraft);
 }
 
-std::vector<Descent> PlanLongerDescents(const GlideStart& start,
-                                        const Approach& approach,
-                                        const Aircraft& aircraft,
-                                        const GlideOptions& options) {
+std::optional<Descent> PlanLongerDescent(const GlideStart& start,
+                                         const Approach& approach,
+                                         const Aircraft& aircraft,
+                                         const GlideOptions& options,
+                                         const std::function<bool(const Descent&)>& takes) {
   const std::optional<Task> task = TaskOf(start, approach, aircraft, options);
-  if (!task) return {};
-  std::vector<Descent> descents;
+  if (!task) return std::nullopt;
+  std::optional<Descent> taken;
   const int most = task->MaxNumCircles();
   // One circle less leaves more height for a way that can lose no less than a whole turn.
   for (int num_circles = most; num_circles >= std::max(0, most - 1); --num_circles) {
     const double in_circles = num_circles > 0 ? num_circles * task->circle->HeightLost() : 0.0;
-    for (const Way& way : WaysLosing(task->transit, task->shortest, task->height - in_circles)) {
-      descents.push_back(Flown(*task, way, num_circles, start, approach, aircraft));
+    const auto is_taken = [&](const Way& way) {
+      taken = Flown(*task, way, num_circles, start, approach, aircraft);
+      return takes(*taken);
+    };
+    if (WayLosing(task->transit, task->shortest, task->height - in_circles, is_taken)) {
+      return taken;
     }
   }
-  return descents;
+  return std::nullopt;
 }
 
 }  // namespace freelsd

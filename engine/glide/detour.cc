@@ -144,7 +144,7 @@ using Kind = std::function<Detour(double)>;
 
 // The way of this kind that loses the height. The height lost jumps where the shortest turns change
 // their kind: a jump over the wanted height gives no way there.
-std::optional<Way> WayLosing(const Detours& detours,
+std::optional<Way> WayOfKind(const Detours& detours,
                              const Kind& kind,
                              const Transit& shortest,
                              double height_lost) {
@@ -205,14 +205,16 @@ Way WayOf(const Transit& transit) {
           transit.height_lost};
 }
 
-std::vector<Way> WaysLosing(const TransitTask& task, const Transit& shortest, double height_lost) {
+std::optional<Way> WayLosing(const TransitTask& task,
+                             const Transit& shortest,
+                             double height_lost,
+                             const std::function<bool(const Way&)>& takes) {
   const Detours detours(task, shortest);
-  std::vector<Way> ways;
   for (const Kind& kind : KindsFor(shortest, height_lost)) {
-    auto way = WayLosing(detours, kind, shortest, height_lost);
-    if (way) ways.push_back(std::move(*way));
+    auto way = WayOfKind(detours, kind, shortest, height_lost);
+    if (way && takes(*way)) return way;
   }
-  return ways;
+  return std::nullopt;
 }
 
 }  // namespace freelsd

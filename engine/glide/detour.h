@@ -2,6 +2,8 @@
 // they lose a given height.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "engine/glide/transit.h"
@@ -31,15 +33,18 @@ inline constexpr double kWayHeightTolerance = 0.5;
 // The shortest way, as it is.
 Way WayOf(const Transit& transit);
 
-// Ways that lose `height_lost`, one of each kind that can. First those that are longer near their
-// end, because they can be cut short for long:
+// The first way that loses `height_lost` and is taken by `takes`, of one of each kind. First those
+// that are longer near their end, because they can be cut short for long:
 // - a longer straight piece before the final;
 // - wider turns;
 // - a bend to one side of the straight piece, or to the other;
 // - straight on before the first turn;
 // - a whole turn, as wide as needed, before the first turn;
 // - turned away first, then straight on.
-// Empty if no kind can. `shortest` is the shortest transit of this task.
-std::vector<Way> WaysLosing(const TransitTask& task, const Transit& shortest, double height_lost);
+// `shortest` is the shortest transit of this task.
+std::optional<Way> WayLosing(const TransitTask& task,
+                             const Transit& shortest,
+                             double height_lost,
+                             const std::function<bool(const Way&)>& takes);
 
 }  // namespace freelsd

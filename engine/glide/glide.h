@@ -6,6 +6,7 @@
 // the approach's start moves against the wind. For unknown values the worst case is assumed.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -93,13 +94,15 @@ std::optional<Descent> PlanDescent(const GlideStart& start,
                                    const Aircraft& aircraft,
                                    const GlideOptions& options);
 
-// Longer ways to the start of the final, so that hardly any surplus height is left there (0.5 m at
-// most): a longer straight piece, wider turns, a bend, a wider circle. Ways that can be cut short
-// for long come first. Empty where PlanDescent gives nothing, and where no such way is found.
-std::vector<Descent> PlanLongerDescents(const GlideStart& start,
-                                        const Approach& approach,
-                                        const Aircraft& aircraft,
-                                        const GlideOptions& options);
+// The first longer way to the start of the final that `takes` takes, of those that leave hardly any
+// surplus height there (0.5 m at most): a longer straight piece, wider turns, a bend, a wider
+// circle. Ways that can be cut short for long come first. Nothing where PlanDescent gives nothing,
+// and where no such way is found or taken.
+std::optional<Descent> PlanLongerDescent(const GlideStart& start,
+                                         const Approach& approach,
+                                         const Aircraft& aircraft,
+                                         const GlideOptions& options,
+                                         const std::function<bool(const Descent&)>& takes);
 
 // Speeds of an aircraft without power in still air, flying straight.
 struct StraightGlide {

@@ -138,14 +138,15 @@ ToldPath PathToTell(const StoredSites& stored,
   const auto terrain =
       stored.maps.TerrainOf(stored.storage, candidate.row->site_id, candidate.row->updated_at_us);
   if (!terrain) return shortest;
-  for (Descent& longer : PlanLongerDescents(task.start, approach, task.aircraft, {})) {
-    if (ShortfallM(longer, lowering.per_s, start_height) > kMaxShortfallM) continue;
-    if (!IsEndSeen(longer, full_clearance_height, *terrain)) continue;
-    const std::vector<GeoPoint> path = GeoPath(Lowered(longer, lowering), task);
-    const std::optional<TerrainMargin> margin = TerrainMarginOf(stored, request, path);
-    if (!margin || margin->margin_m >= 0.0) return {std::move(longer), margin};
-  }
-  return shortest;
+  std::optional<TerrainMargin> margin;
+  const auto is_safe = [&](const Descent& longer) {
+    if (ShortfallM(longer, lowering.per_s, start_height) > kMaxShortfallM) return false;
+    if (!IsEndSeen(longer, full_clearance_height, *terrain)) return false;
+    margin = TerrainMarginOf(stored, request, GeoPath(Lowered(longer, lowering), task));
+    return !margin || margin->margin_m >= 0.0;
+  };
+  auto longer = PlanLongerDescent(task.start, approach, task.aircraft, {}, is_safe);
+  return longer ? ToldPath{*std::move(longer), margin} : shortest;
 }
 
 void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann::json& answer) {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -16,6 +17,10 @@ namespace {
 // What a recall may differ from the flight: of the height at the start of the final.
 constexpr double kMaxHeightErrorM = 5.0;
 constexpr double kMaxHeightErrorRatio = 0.05;
+// Of the told paths, in a simulation of 1000.
+constexpr double kWorstHeightErrorM = 0.7;
+constexpr double kWorstTrackErrorM = 2.2;
+constexpr int kMaxNumWithSurplus = 10;
 // The simulated aircraft follows the path with a delay.
 constexpr double kMaxTrackErrorM = 15.0;
 
@@ -101,6 +106,17 @@ std::pair<double, double> CheckFlown(const Descent& descent, const Case& made) {
   return {height_error, aircraft.max_track_error_m()};
 }
 
+// All longer ways, the preferred one first.
+std::vector<Descent> LongerDescents(const Case& made) {
+  std::vector<Descent> longer;
+  const auto collect = [&longer](const Descent& descent) {
+    longer.push_back(descent);
+    return false;
+  };
+  CHECK_FALSE(PlanLongerDescent(made.start, made.approach, made.aircraft, {}, collect));
+  return longer;
+}
+
 struct Surpluses {
   int above_2_m = 0;
   int above_5_m = 0;
@@ -128,7 +144,7 @@ TEST_CASE("descent: 1000 random paths are flown with the heights that they promi
                                 shortest->points[shortest->final_start].position_in_world.z();
       CHECK(shortest->surplus_height_m < in_circles / shortest->num_circles);
     }
-    const auto longer = PlanLongerDescents(made.start, made.approach, made.aircraft, {});
+    const auto longer = LongerDescents(made);
     const Descent& told = longer.empty() ? *shortest : longer.front();
     of_longer.Count(told.surplus_height_m);
     for (const Descent* descent : {&*shortest, &told}) {
@@ -137,6 +153,9 @@ TEST_CASE("descent: 1000 random paths are flown with the heights that they promi
       worst_track_error = std::max(worst_track_error, track_error);
     }
   }
+  CHECK(worst_height_error <= kWorstHeightErrorM);
+  CHECK(worst_track_error <= kWorstTrackErrorM);
+  CHECK(of_longer.above_2_m <= kMaxNumWithSurplus);
   MESSAGE("worst height error " << worst_height_error << " m, worst track error "
                                 << worst_track_error << " m");
   MESSAGE("surplus above 2 m: " << of_shortest.above_2_m << " of the shortest, "
@@ -165,6 +184,30 @@ TEST_CASE("descent: begins at the aircraft, passes the start of the final, ends 
     num_with_circles += descent->num_circles > 0;
   }
   CHECK(num_with_circles > 20);
+}
+
+TEST_CASE("descent: a longer way keeps its promises up to the start of the final") {
+  std::mt19937 random(7);
+  int num_longer = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Case made = RandomCase(random);
+    const auto shortest = PlanDescent(made.start, made.approach, made.aircraft, {});
+    const auto longer = LongerDescents(made);
+    CHECK((shortest || longer.empty()));
+    for (const Descent& descent : longer) {
+      ++num_longer;
+      const auto& points = descent.points;
+      CHECK(descent.surplus_height_m <= 0.5);
+      CHECK(descent.decision <= descent.arrival);
+      CHECK(points.front().position_in_world == made.start.position_in_world);
+      CHECK(points.back().position_in_world == made.approach.touchdown_in_world);
+      CHECK(points[descent.final_start].position_in_world.z() >=
+            made.approach.approach_start_in_world.z() - 1e-6);
+      CHECK(points[descent.arrival].time_s >= shortest->points[shortest->arrival].time_s - 0.1);
+      CheckFlown(descent, made);
+    }
+  }
+  CHECK(num_longer > 300);
 }
 
 TEST_CASE("descent: never arrives lower than the glide's worst case") {
