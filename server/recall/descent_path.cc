@@ -10,10 +10,11 @@
 namespace freelsd {
 namespace {
 
-// Surplus height that needs no warning.
+// Surplus height that needs no warning, and so for a height that may be missing.
 constexpr double kMinSurplusM = 2.0;
-// Height that the worst case may cost a longer path where its rest can no longer be left out.
-constexpr double kMaxShortfallM = 2.0;
+// Height that the worst case may cost a longer path where its rest can no longer be left out. A
+// path that loses its surplus height where the wind is as given is worth that.
+constexpr double kMaxShortfallM = 5.0;
 // About a centimetre.
 constexpr double kPlacesPerDegree = 1e7;
 constexpr double kStepsPerMetre = 100.0;
@@ -86,7 +87,8 @@ double MarginBelowStart(const EmergencyRequest& request, const Aircraft& aircraf
 double ShortfallM(const Descent& longer, double lowering_per_s, double start_height) {
   const DescentPoint& arrival = longer.points[longer.arrival];
   const double committed_s = arrival.time_s - longer.points[longer.decision].time_s;
-  return lowering_per_s * committed_s - (arrival.position_in_world.z() - start_height);
+  const double above = arrival.position_in_world.z() - start_height;
+  return std::max(0.0, lowering_per_s * committed_s - above);
 }
 
 // The end of a longer path, with less than the whole clearance, over ground that is all seen.
@@ -129,27 +131,32 @@ ToldPath PathToTell(const StoredSites& stored,
                     const ToldPath& shortest) {
   if (shortest.descent.surplus_height_m <= kMinSurplusM) return shortest;
   const Approach& approach = *task.plan->approach;
-  const double margin_m = MarginBelowStart(request, task.aircraft);
   const double start_height = approach.approach_start_in_world.z();
-  const Lowering lowering{LoweringPerSecond(shortest.descent, task.worst),
-                          request.terrain_clearance_m,
-                          start_height - kMaxShortfallM - margin_m};
-  const double full_clearance_height = lowering.least_height_m + lowering.clearance_m;
+  const double lowering_per_s = LoweringPerSecond(shortest.descent, task.worst);
   const auto terrain =
       stored.maps.TerrainOf(stored.storage, candidate.row->site_id, candidate.row->updated_at_us);
   if (!terrain) return shortest;
-  std::optional<TerrainMargin> margin;
+  ToldPath told = shortest;
   const auto is_safe = [&](const Descent& longer) {
-    if (ShortfallM(longer, lowering.per_s, start_height) > kMaxShortfallM) return false;
+    told.shortfall_m = ShortfallM(longer, lowering_per_s, start_height);
+    if (told.shortfall_m > kMaxShortfallM) return false;
+    const Lowering lowering{
+        lowering_per_s,
+        request.terrain_clearance_m,
+        start_height - told.shortfall_m - MarginBelowStart(request, task.aircraft)};
+    const double full_clearance_height = lowering.least_height_m + lowering.clearance_m;
     if (!IsEndSeen(longer, full_clearance_height, *terrain)) return false;
-    margin = TerrainMarginOf(stored, request, GeoPath(Lowered(longer, lowering), task));
-    return !margin || margin->margin_m >= 0.0;
+    told.terrain = TerrainMarginOf(stored, request, GeoPath(Lowered(longer, lowering), task));
+    return !told.terrain || told.terrain->margin_m >= 0.0;
   };
   auto longer = PlanLongerDescent(task.start, approach, task.aircraft, {}, is_safe);
-  return longer ? ToldPath{*std::move(longer), margin} : shortest;
+  if (!longer) return shortest;
+  told.descent = *std::move(longer);
+  return told;
 }
 
-void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann::json& answer) {
+void AddPath(const ToldPath& told, const LocalFrame& local_frame, nlohmann::json& answer) {
+  const Descent& descent = told.descent;
   nlohmann::json coordinates = nlohmann::json::array();
   nlohmann::json times_s = nlohmann::json::array();
   for (const DescentPoint& point : descent.points) {
@@ -165,6 +172,12 @@ void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann:
     answer["warnings"].push_back(std::to_string(std::lround(descent.surplus_height_m)) +
                                  " m of surplus height are left at the start of the final, too "
                                  "little for a circle: lose them on the final");
+  }
+  if (told.shortfall_m > kMinSurplusM) {
+    answer["warnings"].push_back(
+        "the path loses all surplus height; the uncertainty of the wind may cost up to " +
+        std::to_string(std::lround(told.shortfall_m)) +
+        " m of it: cut the path short when below its altitudes");
   }
 }
 

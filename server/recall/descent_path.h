@@ -41,16 +41,19 @@ std::optional<TerrainMargin> ShortestTerrainMargin(const StoredSites& stored,
 struct ToldPath {
   Descent descent;
   std::optional<TerrainMargin> terrain;
+  // How far below the start of the final the worst case leads a pilot who flies a longer path to
+  // its end, metres.
+  double shortfall_m = 0.0;
 };
 
 // The first longer path that is as safe, or `shortest`, which keeps its surplus height. A longer
 // path comes down to the start of the final. So it is checked more strictly:
 // - The pilot may find in time that the aircraft is lower than told, as in the worst case, and
 //   leaves out the rest of the longer way. After the last point where this helps, the worst case
-//   may cost 2 m at most, circles at the start of the final aside.
-// - Its terrain is checked as above, but not below these 2 m. Near the start of the final, terrain
-//   must stay below that height by the aircraft's safety margin and by the planner's allowance for
-//   trees that the map misses.
+//   may cost 5 m at most (shortfall_m), circles at the start of the final aside.
+// - Its terrain is checked as above, but not below that shortfall. Near the start of the final,
+//   terrain must stay below that height by the aircraft's safety margin and by the planner's
+//   allowance for trees that the map misses.
 // - Where less than the whole clearance is left, the site's own map must have seen the ground.
 ToldPath PathToTell(const StoredSites& stored,
                     const EmergencyRequest& request,
@@ -59,7 +62,8 @@ ToldPath PathToTell(const StoredSites& stored,
                     const ToldPath& shortest);
 
 // Adds `path` (a LineString with altitudes), `times_s` (one for each vertex), and a warning if
-// surplus height is left at the start of the final. `local_frame` is the approach's.
-void AddDescent(const Descent& descent, const LocalFrame& local_frame, nlohmann::json& answer);
+// surplus height is left at the start of the final or may be missing there. `local_frame` is the
+// approach's.
+void AddPath(const ToldPath& told, const LocalFrame& local_frame, nlohmann::json& answer);
 
 }  // namespace freelsd

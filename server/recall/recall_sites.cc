@@ -156,9 +156,9 @@ ToldSite Tell(const StoredSites& stored,
   told.answer["reachable"] = reached.margin_m >= 0.0;
   std::optional<TerrainMargin> terrain = reached.terrain;
   if (reached.shortest) {
-    const ToldPath path =
-        PathToTell(stored, request, candidate, reached.task, {*reached.shortest, reached.terrain});
-    AddDescent(path.descent, reached.task.local_frame, told.answer);
+    const ToldPath path = PathToTell(
+        stored, request, candidate, reached.task, {*reached.shortest, reached.terrain, 0.0});
+    AddPath(path, reached.task.local_frame, told.answer);
     terrain = path.terrain;
   }
   if (terrain) {
