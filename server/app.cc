@@ -35,7 +35,7 @@ Page ReadPageFiles(const Config& config) {
 
 // Memory of recall's caches: sites with their maps, and terrain below the way to a site.
 constexpr size_t kMaxBytesOfSites = size_t{192} << 20;
-constexpr size_t kMaxBytesOfTerrain = size_t{64} << 20;
+constexpr size_t kMaxBytesOfTerrain = size_t{128} << 20;
 
 // Emergency answers take milliseconds, and whole requests alone reach these threads.
 constexpr int kNumEmergencyThreads = 32;

@@ -1,6 +1,7 @@
 // A cache of rows with bounding boxes. It answers from memory if no site has changed and the
 // requested box lies within the box read last. This is usual, because an aircraft that asks for its
-// surroundings moves little between two requests. Rows are shared, not copied.
+// surroundings moves little between two requests, and because the box grows to hold those of
+// several aircraft near each other. Rows are shared, not copied.
 #pragma once
 
 #include <algorithm>
@@ -38,7 +39,7 @@ class BoxCache {
   SharedRows<Row> Within(const BoundingBox& box, uint64_t version, const Read& read) {
     std::shared_ptr<const FromSouth> kept = Kept(box, version);
     if (!kept) {
-      const BoundingBox wide = Grown(box);
+      const BoundingBox wide = Grown(WithKept(box, version));
       kept = std::make_shared<const FromSouth>(read(wide));
       const std::lock_guard lock(mutex_);
       box_ = wide;
@@ -82,6 +83,21 @@ class BoxCache {
                        box.east_deg <= box_.east_deg && box.south_deg >= box_.south_deg &&
                        box.north_deg <= box_.north_deg;
     return holds ? kept_ : nullptr;
+  }
+
+  // The box, or one that also holds the kept one, if that costs little.
+  BoundingBox WithKept(const BoundingBox& box, uint64_t version) {
+    constexpr size_t kMaxNumRows = 5000;
+    constexpr double kMaxDeg = 1.0;
+    const std::lock_guard lock(mutex_);
+    if (!kept_ || version_ != version || kept_->rows.size() > kMaxNumRows) return box;
+    const BoundingBox both{std::min(box.west_deg, box_.west_deg),
+                           std::min(box.south_deg, box_.south_deg),
+                           std::max(box.east_deg, box_.east_deg),
+                           std::max(box.north_deg, box_.north_deg)};
+    const bool is_small =
+        both.east_deg - both.west_deg <= kMaxDeg && both.north_deg - both.south_deg <= kMaxDeg;
+    return is_small ? both : box;
   }
 
   // Enlarges the box by a quarter of its size, but at least 0.02 degrees, on each side.

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <utility>
 
 #include "engine/approach/approach.h"
+#include "engine/glide/detour.h"
 #include "engine/glide/glide.h"
 #include "engine/glide/performance.h"
 #include "engine/glide/transit.h"
@@ -9,7 +12,9 @@
 namespace freelsd {
 namespace {
 
-constexpr double kTurnStep = 10.0 * kPi / 180.0;  // between points of a turn
+// Between points of a turn, at most; and how far its chords may be from the arc.
+constexpr double kTurnStep = 10.0 * kPi / 180.0;
+constexpr double kMaxSagitta = 0.35;
 constexpr int kNumCirclePoints = 36;
 
 // A circle over ground about a fixed centre: points relative to its start, time and height lost.
@@ -48,40 +53,54 @@ std::optional<Circle> CircleOf(const Approach& approach,
   return circle;
 }
 
-// What all paths to one approach share.
-struct Task {
-  TransitTask transit;
-  // Height above the start of the final.
-  double height = 0.0;
-};
-
 // The planner's circle is for the speed of landing.
 StraightGlide AtLandingSpeed(Aircraft aircraft) {
   aircraft.glide_airspeed_mps = aircraft.landing_airspeed_mps;
   return StraightGlideOf(aircraft);
 }
 
-// How the height above the start of the final is lost.
-struct Choice {
-  Transit transit;
+// What all paths to one approach share.
+struct Task {
+  TransitTask transit;
+  Transit shortest;
+  // Height above the start of the final.
+  double height = 0.0;
+  // Nothing if the wind is too strong to fly the circle.
   std::optional<Circle> circle;
-  int num_circles = 0;
-  double surplus_height = 0.0;
+
+  // Circles that the shortest path has height for.
+  int MaxNumCircles() const {
+    if (!circle) return 0;
+    return static_cast<int>((height - shortest.height_lost) / circle->HeightLost());
+  }
 };
 
-std::optional<Choice> Choose(const Task& task,
-                             const Approach& approach,
-                             const Aircraft& aircraft,
-                             const Performance& tightest) {
-  const std::optional<Transit> shortest = TightestTransit(task.transit, tightest);
-  if (!shortest || shortest->height_lost > task.height) return std::nullopt;
-  Choice choice{*shortest, CircleOf(approach, task.transit.wind, AtLandingSpeed(aircraft))};
-  choice.surplus_height = task.height - shortest->height_lost;
-  if (!choice.circle) return choice;
-  const double lost_in_circle = choice.circle->HeightLost();
-  choice.num_circles = static_cast<int>(choice.surplus_height / lost_in_circle);
-  choice.surplus_height -= choice.num_circles * lost_in_circle;
-  return choice;
+// The heading that loses most height counts. Nothing if the aircraft arrives below the start of the
+// final, or if the wind is too strong.
+std::optional<Task> TaskOf(const GlideStart& start,
+                           const Approach& approach,
+                           const Aircraft& aircraft,
+                           const GlideOptions& options) {
+  const Performance tightest = PerformanceOf(aircraft);
+  const Eigen::Vector2d wind = start.wind_in_world.value_or(Eigen::Vector2d::Zero());
+  std::optional<Task> worst;
+  for (const double heading : HeadingsToReckonWith(start, options)) {
+    const TransitTask transit_task = TransitTaskOf(start.position_in_world.head<2>(),
+                                                   heading,
+                                                   approach.approach_start_in_world.head<2>(),
+                                                   approach.heading,
+                                                   wind,
+                                                   tightest);
+    const auto transit = TightestTransit(transit_task, tightest);
+    if (!transit) return std::nullopt;
+    if (!worst || transit->height_lost > worst->shortest.height_lost) {
+      worst = Task{transit_task, *transit, 0.0, std::nullopt};
+    }
+  }
+  worst->height = start.position_in_world.z() - approach.approach_start_in_world.z();
+  if (worst->shortest.height_lost > worst->height) return std::nullopt;
+  worst->circle = CircleOf(approach, wind, AtLandingSpeed(aircraft));
+  return worst;
 }
 
 // Appends points as the aircraft flies.
@@ -93,7 +112,9 @@ class Flight {
   }
 
   void Turn(double angle, const Performance& performance) {
-    const int num_steps = static_cast<int>(std::ceil(std::abs(angle) / kTurnStep));
+    const double off = std::min(1.0, kMaxSagitta / performance.turn_radius);
+    const double most = std::min(kTurnStep, 2.0 * std::acos(1.0 - off));
+    const int num_steps = static_cast<int>(std::ceil(std::abs(angle) / most));
     for (int i = 0; i < num_steps; ++i) {
       const double step = angle / num_steps;
       const double chord = 2.0 * performance.turn_radius * std::sin(0.5 * std::abs(step));
@@ -135,31 +156,32 @@ class Flight {
   double height_;
 };
 
-Descent Flown(const TransitTask& task,
-              const Choice& choice,
-              const Eigen::Vector3d& position_in_world,
+Descent Flown(const Task& task,
+              const Way& way,
+              int num_circles,
+              const GlideStart& start,
               const Approach& approach,
               const Aircraft& aircraft) {
-  Flight flight(task, position_in_world);
-  const TurnPath& path = choice.transit.path;
-  const Performance& performance = choice.transit.performance;
-  flight.Turn(path.first_turn, performance);
-  flight.Straight(path.straight_m, performance);
-  flight.Turn(path.middle_turn, performance);
-  flight.Turn(path.last_turn, performance);
+  Flight flight(task.transit, start.position_in_world);
   Descent descent;
+  for (size_t i = 0; i < way.legs.size(); ++i) {
+    if (i == way.num_legs_to_decision) descent.decision = flight.points.size() - 1;
+    flight.Turn(way.legs[i].turn, way.performance);
+    flight.Straight(way.legs[i].straight_m, way.performance);
+  }
   descent.arrival = flight.points.size() - 1;
   // The iteration for the drift leaves a few centimetres.
   flight.points.back().position_in_world.head<2>() = approach.approach_start_in_world.head<2>();
-  for (int i = 0; i < choice.num_circles; ++i) flight.Around(*choice.circle);
+  for (int i = 0; i < num_circles; ++i) flight.Around(*task.circle);
   descent.final_start = flight.points.size() - 1;
   const double landing_speed =
       aircraft.landing_airspeed_mps * std::cos(RadFromDeg(aircraft.flight_path_angle_deg));
   const double time = approach.approach_distance / approach.ground_speed.value_or(landing_speed);
   flight.points.push_back({approach.touchdown_in_world, flight.points.back().time_s + time});
   descent.points = std::move(flight.points);
-  descent.num_circles = choice.num_circles;
-  descent.surplus_height_m = std::max(0.0, choice.surplus_height);
+  descent.num_circles = num_circles;
+  const double lost_in_circles = num_circles > 0 ? num_circles * task.circle->HeightLost() : 0.0;
+  descent.surplus_height_m = std::max(0.0, task.height - lost_in_circles - way.height_lost);
   return descent;
 }
 
@@ -169,26 +191,32 @@ std::optional<Descent> PlanDescent(const GlideStart& start,
                                    const Approach& approach,
                                    const Aircraft& aircraft,
                                    const GlideOptions& options) {
-  const Performance tightest = PerformanceOf(aircraft);
-  const Eigen::Vector2d wind = start.wind_in_world.value_or(Eigen::Vector2d::Zero());
-  std::optional<TransitTask> worst;
-  double most_lost = -1.0;
-  for (const double heading : HeadingsToReckonWith(start, options)) {
-    const TransitTask task = TransitTaskOf(start.position_in_world.head<2>(),
-                                           heading,
-                                           approach.approach_start_in_world.head<2>(),
-                                           approach.heading,
-                                           wind,
-                                           tightest);
-    const auto transit = TightestTransit(task, tightest);
-    if (!transit) return std::nullopt;
-    if (transit->height_lost > most_lost) worst = task;
-    most_lost = std::max(most_lost, transit->height_lost);
+  const std::optional<Task> task = TaskOf(start, approach, aircraft, options);
+  if (!task) return std::nullopt;
+  return Flown(*task, WayOf(task->shortest), task->MaxNumCircles(), start, approach, aircraft);
+}
+
+std::optional<Descent> PlanLongerDescent(const GlideStart& start,
+                                         const Approach& approach,
+                                         const Aircraft& aircraft,
+                                         const GlideOptions& options,
+                                         const std::function<bool(const Descent&)>& takes) {
+  const std::optional<Task> task = TaskOf(start, approach, aircraft, options);
+  if (!task) return std::nullopt;
+  std::optional<Descent> taken;
+  const int most = task->MaxNumCircles();
+  // One circle less leaves more height for a way that can lose no less than a whole turn.
+  for (int num_circles = most; num_circles >= std::max(0, most - 1); --num_circles) {
+    const double in_circles = num_circles > 0 ? num_circles * task->circle->HeightLost() : 0.0;
+    const auto is_taken = [&](const Way& way) {
+      taken = Flown(*task, way, num_circles, start, approach, aircraft);
+      return takes(*taken);
+    };
+    if (WayLosing(task->transit, task->shortest, task->height - in_circles, is_taken)) {
+      return taken;
+    }
   }
-  const Task task{*worst, start.position_in_world.z() - approach.approach_start_in_world.z()};
-  const std::optional<Choice> choice = Choose(task, approach, aircraft, tightest);
-  if (!choice) return std::nullopt;
-  return Flown(task.transit, *choice, start.position_in_world, approach, aircraft);
+  return std::nullopt;
 }
 
 }  // namespace freelsd

@@ -6,6 +6,7 @@
 // the approach's start moves against the wind. For unknown values the worst case is assumed.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -72,24 +73,36 @@ struct DescentPoint {
 struct Descent {
   // From the aircraft to the touchdown, straight between neighbours.
   std::vector<DescentPoint> points;
+  // Index of the point up to which the pilot can still leave out the rest of a longer way.
+  size_t decision = 0;
   // Index of the point at which the path first reaches the start of the final.
   size_t arrival = 0;
   // Index of the point at which the final begins: `arrival` if no circle is flown.
   size_t final_start = 0;
   int num_circles = 0;
-  // Height above the planned final at its start: the rest that is too small for a circle. The pilot
-  // loses it on the final.
+  // Height above the planned final at its start. The pilot must lose it on the final.
   double surplus_height_m = 0.0;
 };
 
-// The path in the wind of `start`. An unknown wind counts as calm. For an unknown heading, the one
-// that loses the most height is assumed. The circles are the approach's own, flown at landing
-// speed, because the planner has checked these. Nothing if the aircraft arrives below the start of
-// the final, or if the wind is too strong. `aircraft` must be Unpowered.
+// The shortest path in the wind of `start`. An unknown wind counts as calm. For an unknown heading,
+// the one that loses the most height is assumed. The circles are the approach's own, flown at
+// landing speed, because the planner has checked these. The rest that is too small for a circle is
+// the surplus height. Nothing if the aircraft arrives below the start of the final, or if the wind
+// is too strong. `aircraft` must be Unpowered.
 std::optional<Descent> PlanDescent(const GlideStart& start,
                                    const Approach& approach,
                                    const Aircraft& aircraft,
                                    const GlideOptions& options);
+
+// The first longer way to the start of the final that `takes` takes, of those that leave hardly any
+// surplus height there (0.5 m at most): a longer straight piece, wider turns, a bend, a wider
+// circle. Ways that can be cut short for long come first. Nothing where PlanDescent gives nothing,
+// and where no such way is found or taken.
+std::optional<Descent> PlanLongerDescent(const GlideStart& start,
+                                         const Approach& approach,
+                                         const Aircraft& aircraft,
+                                         const GlideOptions& options,
+                                         const std::function<bool(const Descent&)>& takes);
 
 // Speeds of an aircraft without power in still air, flying straight.
 struct StraightGlide {

@@ -16,6 +16,10 @@ namespace {
 
 // Of one flight: its poses may arrive 50 times a second.
 constexpr std::chrono::milliseconds kMinPeriod{100};
+constexpr std::chrono::milliseconds kPollPeriod{10};
+// Plans hold for a wind that has changed by less, until there is time for new ones. A measured wind
+// is hardly better known.
+constexpr double kMaxPlannedChangeMps = 1.0;
 // A flight that was not woken for that long has landed, or only asked.
 constexpr std::chrono::seconds kLiveFor{60};
 
@@ -124,6 +128,8 @@ void Alternates::WakeAll() {
     std::erase_if(woken_at_, [&](const auto& woken) { return now - woken.second > kLiveFor; });
     std::erase_if(lists_, [&](const auto& kept) { return !woken_at_.contains(kept.first); });
     std::erase_if(updated_at_, [&](const auto& kept) { return !woken_at_.contains(kept.first); });
+    std::erase_if(planned_winds_,
+                  [&](const auto& kept) { return !woken_at_.contains(kept.first); });
     for (const auto& [flight_id, woken_at] : woken_at_) Enqueue(flight_id);
   }
   changed_.notify_all();
@@ -141,6 +147,7 @@ void Alternates::Forget(const std::string& flight_id) {
   lists_.erase(flight_id);
   woken_at_.erase(flight_id);
   updated_at_.erase(flight_id);
+  planned_winds_.erase(flight_id);
   std::erase(due_, flight_id);
 }
 
@@ -158,7 +165,7 @@ std::string Alternates::Answer(const std::string& flight_id, std::optional<size_
     list.reset();
   }
   if (!list) {
-    list = Compute(flight_id, std::max(num_sites, num_sites_));
+    list = Compute(flight_id, std::max(num_sites, num_sites_), WindToPlanFor::kPlanned);
     if (!list) return {};
     if (num_sites <= num_sites_) Keep(flight_id, *list);
   }
@@ -166,7 +173,30 @@ std::string Alternates::Answer(const std::string& flight_id, std::optional<size_
   return AfterSeconds(std::move(list->answer), seconds, num_sites).dump();
 }
 
-std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id, size_t limit) {
+void Alternates::ChooseWind(const std::string& flight_id,
+                            WindToPlanFor choice,
+                            int64_t now_us,
+                            LivePose& pose) {
+  const std::lock_guard lock(mutex_);
+  const auto found = planned_winds_.find(flight_id);
+  if (found != planned_winds_.end() && found->second.wind && pose.wind) {
+    PlannedWind& planned = found->second;
+    planned.change_mps = (pose.wind->wind_in_world - planned.wind->wind_in_world).norm();
+    if (choice == WindToPlanFor::kPlanned && planned.change_mps <= kMaxPlannedChangeMps) {
+      // The same wind measured again is as good as new.
+      if (planned.change_mps == 0.0) planned = {pose.wind, now_us, 0.0};
+      pose.wind = planned.wind;
+      const double seconds = static_cast<double>(now_us - planned.taken_at_us) * 1e-6;
+      if (pose.wind->age_s) *pose.wind->age_s += seconds;
+      return;
+    }
+  }
+  planned_winds_[flight_id] = {pose.wind, now_us, 0.0};
+}
+
+std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id,
+                                                    size_t limit,
+                                                    WindToPlanFor wind) {
   List list;
   {
     const std::lock_guard lock(mutex_);
@@ -176,7 +206,8 @@ std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id
   list.computed_at_us = ArrivalNowUs();
   const std::optional<FlightRow> flight = storage_.flights.Find(flight_id);
   if (!flight) return std::nullopt;
-  const std::optional<LivePose> pose = LivePoseOf(storage_, flight_id, list.computed_at_us);
+  std::optional<LivePose> pose = LivePoseOf(storage_, flight_id, list.computed_at_us);
+  if (pose) ChooseWind(flight_id, wind, list.computed_at_us, *pose);
   if (pose && pose->heading_deg) {
     const double seconds = kMaxCourseAgeS - pose->age_s.value_or(0.0);
     list.holds_until_us = list.computed_at_us + static_cast<int64_t>(seconds * 1e6);
@@ -195,32 +226,72 @@ void Alternates::Keep(const std::string& flight_id, const List& list) {
   events_.Publish("alternates", flight_id, list.answer.dump());
 }
 
+bool Alternates::IsDue(const std::string& flight_id) const {
+  if (flight_id.empty()) return false;
+  const auto updated = updated_at_.find(flight_id);
+  return updated == updated_at_.end() || Clock::now() >= updated->second + kMinPeriod;
+}
+
+std::string Alternates::NextToPlan() const {
+  std::string next;
+  double most_mps = 0.0;
+  for (const std::string& flight_id : due_) {
+    if (!lists_.contains(flight_id)) return flight_id;
+  }
+  for (const auto& [flight_id, planned] : planned_winds_) {
+    if (planned.change_mps <= most_mps || !woken_at_.contains(flight_id)) continue;
+    most_mps = planned.change_mps;
+    next = flight_id;
+  }
+  return next;
+}
+
+void Alternates::Update(const std::string& flight_id, WindToPlanFor wind) {
+  try {
+    if (const auto list = Compute(flight_id, num_sites_, wind)) {
+      Keep(flight_id, *list);
+      return;
+    }
+    const std::lock_guard lock(mutex_);
+    planned_winds_.erase(flight_id);
+  } catch (const std::exception& error) {
+    spdlog::error("alternates of flight {}: {}", flight_id, error.what());
+    const std::lock_guard lock(mutex_);
+    // An outdated list must not stay: the next pose or the next request computes it.
+    lists_.erase(flight_id);
+    planned_winds_.erase(flight_id);
+  }
+}
+
 void Alternates::Run() {
   std::unique_lock lock(mutex_);
   while (true) {
-    changed_.wait(lock, [this] { return is_stopping_ || !due_.empty(); });
+    changed_.wait(lock, [this] { return is_stopping_ || !due_.empty() || !NextToPlan().empty(); });
     if (is_stopping_) return;
     // The flight that waits longest. All have the same period, so none behind it is due earlier.
-    const std::string flight_id = due_.front();
-    if (const auto updated = updated_at_.find(flight_id); updated != updated_at_.end()) {
-      const Clock::time_point next = updated->second + kMinPeriod;
-      if (Clock::now() < next) {
-        changed_.wait_until(lock, next, [this] { return is_stopping_; });
-        continue;
-      }
+    const std::string to_update = due_.empty() ? std::string() : due_.front();
+    // A flight alone is always planned.
+    const std::string to_plan = due_.size() == 1 ? to_update : NextToPlan();
+    const bool can_update = IsDue(to_update);
+    const bool can_plan = IsDue(to_plan);
+    if (!can_update && !can_plan) {
+      changed_.wait_for(lock, kPollPeriod, [this] { return is_stopping_; });
+      continue;
     }
-    due_.pop_front();
+    // Once all others were updated, one is planned.
+    const bool is_turn = due_.size() <= 1 || num_updated_since_planned_ >= due_.size();
+    const bool plans = can_plan && (is_turn || !can_update);
+    const std::string flight_id = plans ? to_plan : to_update;
+    std::erase(due_, flight_id);
+    num_updated_since_planned_ = plans ? 0 : num_updated_since_planned_ + 1;
+    if (!plans && !lists_.contains(flight_id)) {
+      due_.push_back(flight_id);
+      continue;
+    }
     updated_at_[flight_id] = Clock::now();
     lock.unlock();
-    try {
-      if (const std::optional<List> list = Compute(flight_id, num_sites_)) Keep(flight_id, *list);
-      lock.lock();
-    } catch (const std::exception& error) {
-      spdlog::error("alternates of flight {}: {}", flight_id, error.what());
-      lock.lock();
-      // An outdated list must not stay: the next pose or the next request computes it.
-      lists_.erase(flight_id);
-    }
+    Update(flight_id, plans ? WindToPlanFor::kLatest : WindToPlanFor::kPlanned);
+    lock.lock();
   }
 }
 

@@ -1,5 +1,9 @@
 // Alternates: for each flight that sends data, a list of the best sites in reach from its latest
 // pose. A thread keeps the lists up to date, so that a request finds its answer ready.
+//
+// Plans depend on the wind, not on the pose, and take most of the time. So the thread updates all
+// lists for the latest poses with the plans that it has, and in between plans for the latest wind
+// of one flight at a time. A list tells the wind that it is planned for, and the age of this wind.
 #pragma once
 
 #include <chrono>
@@ -13,6 +17,8 @@
 #include <thread>
 
 #include <nlohmann/json.hpp>
+
+#include "server/recall/live_pose.h"
 
 namespace freelsd {
 
@@ -61,11 +67,32 @@ class Alternates {
     // When the course that it counts on becomes unknown.
     std::optional<int64_t> holds_until_us;
   };
+  // The wind that a flight's list is planned for.
+  struct PlannedWind {
+    std::optional<LiveWind> wind;
+    // When it was the latest, on the clock of ArrivalNowUs.
+    int64_t taken_at_us = 0;
+    // How much the latest wind differs from it, m/s.
+    double change_mps = 0.0;
+  };
+  enum class WindToPlanFor { kPlanned, kLatest };
 
   void Enqueue(const std::string& flight_id);
   void Run();
-  // Nothing if there is no such flight.
-  std::optional<List> Compute(const std::string& flight_id, size_t limit);
+  // The caller holds mutex_. True if there is a flight and its period is over.
+  bool IsDue(const std::string& flight_id) const;
+  // The caller holds mutex_. The flight to plan for its latest wind: one without a list, or the one
+  // whose wind has changed most. Empty if no flight needs it.
+  std::string NextToPlan() const;
+  // Computes and keeps the list, and logs errors. The caller does not hold mutex_.
+  void Update(const std::string& flight_id, WindToPlanFor wind);
+  // Nothing if there is no such flight. A wind that has changed much is always the latest.
+  std::optional<List> Compute(const std::string& flight_id, size_t limit, WindToPlanFor wind);
+  // Replaces the wind of the pose by the planned one, if that is to be taken and similar.
+  void ChooseWind(const std::string& flight_id,
+                  WindToPlanFor choice,
+                  int64_t now_us,
+                  LivePose& pose);
   // Keeps the list unless a later one is kept, and publishes an event.
   void Keep(const std::string& flight_id, const List& list);
 
@@ -81,6 +108,9 @@ class Alternates {
   std::map<std::string, Clock::time_point> woken_at_;
   std::map<std::string, Clock::time_point> updated_at_;
   std::map<std::string, List> lists_;
+  std::map<std::string, PlannedWind> planned_winds_;
+  // Lists updated since the last one that was planned for a new wind.
+  size_t num_updated_since_planned_ = 0;
   uint64_t num_lists_ = 0;
   bool is_stopping_ = false;
   std::thread thread_;

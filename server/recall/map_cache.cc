@@ -1,7 +1,9 @@
 #include "server/recall/map_cache.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
@@ -22,6 +24,11 @@ constexpr size_t kBytesPerObstructedCell = 8;
 constexpr double kSurroundingsM = 1000.0;
 // Of one entry, with the ids of its obstacles.
 constexpr size_t kBytesOfObstruction = 256;
+// Plans that stay without their map: of one site, and the size of one.
+constexpr size_t kMaxNumPlansOfSite = 64;
+constexpr size_t kBytesPerPlan = size_t{16} << 10;
+// Blocks of terrain are at most so wide: a margin over terrain counts in metres.
+constexpr double kMaxBlockM = 2.0;
 
 size_t NumCells(const Grid& grid) {
   return static_cast<size_t>(grid.num_rows) * static_cast<size_t>(grid.num_cols);
@@ -58,6 +65,30 @@ std::shared_ptr<const KeptSite> Obstructed(const KeptSite& site, const KnownObst
       WithObstacles(site.site_map.map, site.site_map.layers, kept->obstacles, {});
   kept->obstructed_map = {std::move(ground.map), std::move(ground.layers)};
   return kept;
+}
+
+// Never lower than the map.
+KeptTerrain TerrainOn(const KeptSite& site) {
+  const ElevationMap& map = site.obstructed_map.map;
+  const int side = std::max(1, static_cast<int>(std::floor(kMaxBlockM / map.grid.cell_size_m)));
+  KeptTerrain terrain{site.replan.origin, map.grid, {}, {}, site.surroundings, site.obstacles_key};
+  terrain.grid.cell_size_m *= side;
+  terrain.grid.num_rows = (map.grid.num_rows + side - 1) / side;
+  terrain.grid.num_cols = (map.grid.num_cols + side - 1) / side;
+  const cv::Size size(terrain.grid.num_cols, terrain.grid.num_rows);
+  terrain.upper = cv::Mat1f(size, std::numeric_limits<float>::quiet_NaN());
+  cv::Mat1i num_seen(size, 0);
+  for (int row = 0; row < map.grid.num_rows; ++row) {
+    for (int col = 0; col < map.grid.num_cols; ++col) {
+      const float height = map.upper(row, col);
+      if (std::isnan(height)) continue;
+      ++num_seen(row / side, col / side);
+      float& highest = terrain.upper(row / side, col / side);
+      if (!(highest >= height)) highest = height;
+    }
+  }
+  terrain.is_seen = (num_seen == side * side) / 255;
+  return terrain;
 }
 
 // Nothing if the site cannot be used: one damaged site must not fail the whole answer.
@@ -161,14 +192,10 @@ std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
   if (!site) return nullptr;
   const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
   const std::shared_ptr<const KeptSite> current = Obstructed(*site, obstacles);
-  const auto terrain = std::make_shared<KeptTerrain>();
-  terrain->origin = current->replan.origin;
-  terrain->grid = current->obstructed_map.map.grid;
-  terrain->upper = current->obstructed_map.map.upper.clone();
-  terrain->surroundings = current->surroundings;
-  terrain->obstacles_key = current->obstacles_key;
+  const auto terrain = std::make_shared<const KeptTerrain>(TerrainOn(*current));
+  const size_t num_bytes = (sizeof(float) + sizeof(uchar)) * NumCells(terrain->grid);
   const std::lock_guard lock(mutex_);
-  terrains_.Keep(site_id, updated_at_us, sizeof(float) * NumCells(terrain->grid), terrain);
+  terrains_.Keep(site_id, updated_at_us, num_bytes, terrain);
   return terrain;
 }
 
@@ -195,6 +222,47 @@ void MapCache::KeepObstruction(const SiteRow& site,
 void MapCache::DropPlans(const std::string& site_id) {
   const std::lock_guard lock(mutex_);
   sites_.Erase(site_id);
+  plans_.Erase(site_id);
+}
+
+std::optional<KeptPlan> MapCache::PlanOf(const Storage& storage,
+                                         const RecallRow& row,
+                                         const Aircraft& aircraft,
+                                         const std::string& aircraft_key,
+                                         const std::optional<Eigen::Vector2d>& wind_in_world) {
+  const std::string key = WindKey(wind_in_world) + aircraft_key;
+  std::optional<KeptPlan> kept_plan;
+  {
+    const std::lock_guard lock(mutex_);
+    if (PlansOfSite* const plans = plans_.Find(row.site_id, row.updated_at_us)) {
+      const auto found = std::find_if(
+          plans->begin(), plans->end(), [&key](const auto& each) { return each.first == key; });
+      if (found != plans->end()) {
+        plans->splice(plans->begin(), *plans, found);
+        kept_plan = found->second;
+      }
+    }
+  }
+  if (kept_plan &&
+      KeyOf(ObstaclesNear(storage, kept_plan->surroundings)) == kept_plan->obstacles_key) {
+    return kept_plan;
+  }
+  const auto site = Get(storage, row.site_id, row.updated_at_us);
+  if (!site) return std::nullopt;
+  const KeptPlan made{site->replan.origin,
+                      PlanFor(site, aircraft, wind_in_world),
+                      site->surroundings,
+                      site->obstacles_key};
+  const std::lock_guard lock(mutex_);
+  PlansOfSite plans;
+  if (PlansOfSite* const kept = plans_.Find(row.site_id, row.updated_at_us)) plans.swap(*kept);
+  // A plan among other obstacles.
+  plans.remove_if([&key](const auto& each) { return each.first == key; });
+  plans.emplace_front(key, made);
+  if (plans.size() > kMaxNumPlansOfSite) plans.pop_back();
+  const size_t num_bytes = kBytesPerPlan * plans.size();
+  plans_.Keep(row.site_id, row.updated_at_us, num_bytes, std::move(plans));
+  return made;
 }
 
 std::shared_ptr<const StoredMapPlanner> MapCache::PlannerFor(

@@ -5,6 +5,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -32,13 +33,26 @@ struct KeptSite {
   SiteMap obstructed_map = {};
 };
 
-// The part of a site's map that is needed to check a flight over it.
+// A plan on a site's map.
+struct KeptPlan {
+  // Of the plan's world frame.
+  GeoPoint origin;
+  std::shared_ptr<const Plan> plan;
+  // As of KeptSite.
+  BoundingBox surroundings{};
+  std::string obstacles_key = {};
+};
+
+// The part of a site's map that is needed to check a flight over it. Its cells are blocks of the
+// map's cells, about 2 m wide.
 struct KeptTerrain {
   GeoPoint origin;
   Grid grid;
-  // Height of the highest object in each cell, or of the ground (ElevationMap::upper), with
-  // obstacles.
+  // Greatest height of an object, of the ground, or of an obstacle in each block
+  // (ElevationMap::upper).
   cv::Mat1f upper;
+  // 1 where the whole block is seen.
+  cv::Mat1b is_seen;
   // As of KeptSite.
   BoundingBox surroundings{};
   std::string obstacles_key = {};
@@ -50,6 +64,7 @@ class MapCache {
  public:
   MapCache(size_t max_bytes_of_sites, size_t max_bytes_of_terrain)
       : sites_(max_bytes_of_sites),
+        plans_(kMaxBytesOfPlans),
         terrains_(max_bytes_of_terrain),
         obstructions_(kMaxBytesOfObstructions) {}
 
@@ -78,11 +93,20 @@ class MapCache {
   void KeepObstruction(const SiteRow& site,
                        const std::string& obstacles_key,
                        const std::optional<Obstruction>& obstruction);
+  // The same for the site as of the update at updated_at_us. `aircraft_key` differs from aircraft
+  // to aircraft. The plan stays when the cache drops the map, which needs far more memory. Nothing
+  // as in Get.
+  std::optional<KeptPlan> PlanOf(const Storage& storage,
+                                 const RecallRow& row,
+                                 const Aircraft& aircraft,
+                                 const std::string& aircraft_key,
+                                 const std::optional<Eigen::Vector2d>& wind_in_world);
   // Drops the site, its map and its plans, but not its terrain. Call it for a site that is no
   // longer a landing site.
   void DropPlans(const std::string& site_id);
 
  private:
+  static constexpr size_t kMaxBytesOfPlans = size_t{64} << 20;
   struct Planner {
     std::string aircraft_key;
     std::shared_ptr<const StoredMapPlanner> on_map;
@@ -107,9 +131,13 @@ class MapCache {
   static constexpr size_t kMaxBytesOfObstructions = size_t{1} << 20;
 
   ObstacleCache obstacles_;
-  // Guards sites_, terrains_ and obstructions_.
+  // By aircraft and wind, the latest first.
+  using PlansOfSite = std::list<std::pair<std::string, KeptPlan>>;
+
+  // Guards sites_, plans_, terrains_ and obstructions_.
   std::mutex mutex_;
   SiteLru<Planned> sites_;
+  SiteLru<PlansOfSite> plans_;
   SiteLru<std::shared_ptr<const KeptTerrain>> terrains_;
   SiteLru<KnownObstruction> obstructions_;
 };

@@ -26,8 +26,6 @@ constexpr double kMapHalfSizeM = 500.0;
 constexpr double kPlentyMarginM = 60.0;
 // Margins are compared in steps of this size.
 constexpr double kMarginStepM = 15.0;
-// Scores are compared in steps of this size.
-constexpr double kScoreStep = 0.05;
 
 Eigen::Vector2d WayTo(const RecallRow& row, const GeoPoint& place) {
   const double dlon_deg = std::remainder(row.longitude_deg - place.longitude_deg, 360.0);
@@ -36,46 +34,46 @@ Eigen::Vector2d WayTo(const RecallRow& row, const GeoPoint& place) {
           (row.latitude_deg - place.latitude_deg) * kMetresPerDegree};
 }
 
+// The aircraft without power. Aircraft and glide ratio of the request override those of the site.
 // Nothing if the stored aircraft is invalid by current rules.
 std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
                                    const std::string& aircraft_json) {
   try {
-    return AircraftOf(request, ParseAircraft(ParseJson(aircraft_json), "/aircraft"));
+    const Aircraft stored = ParseAircraft(ParseJson(aircraft_json), "/aircraft");
+    return Unpowered(request.aircraft.value_or(stored), request.glide_ratio);
   } catch (const ApiError& error) {
     spdlog::error("a stored aircraft cannot be used: {}", error.what());
     return std::nullopt;
   }
 }
 
-// Values that all sites of one aircraft share.
-struct Glider {
-  StraightGlide glide;
-  double approach_height_m = 0.0;
-};
-
 double StraightMargin(const EmergencyRequest& request,
                       const RecallCandidate& candidate,
-                      double within_m,
-                      const Glider& glider) {
+                      double within_m) {
+  const GlidingAircraft& gliding = *candidate.gliding;
   const GlideStart start = StartOf(request, {0.0, 0.0, request.place.altitude_m});
-  const auto lost = LeastHeightLost(start, candidate.way_m, within_m, glider.glide);
+  const auto lost = LeastHeightLost(start, candidate.way_m, within_m, gliding.glide);
   if (!lost) return -std::numeric_limits<double>::infinity();
   return request.place.altitude_m - candidate.datum.subtracted_m - *lost -
-         candidate.row->data.altitude_m - glider.approach_height_m - request.arrival_height_m;
+         candidate.row->data.altitude_m - gliding.aircraft.approach_height_m -
+         request.arrival_height_m;
 }
 
-std::optional<Glider> GliderOf(const EmergencyRequest& request, const std::string& aircraft_json) {
+std::shared_ptr<const GlidingAircraft> GlidingOf(const EmergencyRequest& request,
+                                                 const std::string& aircraft_json) {
   const std::optional<Aircraft> aircraft = AircraftOf(request, aircraft_json);
-  if (!aircraft) return std::nullopt;
-  return Glider{StraightGlideOf(*aircraft), aircraft->approach_height_m};
+  if (!aircraft) return nullptr;
+  return std::make_shared<const GlidingAircraft>(
+      GlidingAircraft{*aircraft, AircraftJson(*aircraft).dump(), StraightGlideOf(*aircraft)});
 }
 
 RecallCandidate CandidateOf(const EmergencyRequest& request,
                             const RecallRow& row,
-                            const Glider& glider,
+                            const std::shared_ptr<const GlidingAircraft>& gliding,
                             int64_t now_us) {
   RecallCandidate candidate;
   candidate.row = &row;
+  candidate.gliding = gliding;
   candidate.way_m = WayTo(row, request.place);
   candidate.distance_m = candidate.way_m.norm();
   candidate.datum = DatumDifferenceOf(
@@ -83,8 +81,8 @@ RecallCandidate CandidateOf(const EmergencyRequest& request,
       {row.data.altitude_datum, row.latitude_deg, row.longitude_deg, row.flight_id});
   candidate.age_s = GroundAgeS(row.seen_at_us, now_us);
   candidate.score = row.data.score * ScoreLeft(candidate.age_s);
-  candidate.best_margin_m = StraightMargin(request, candidate, kPlanShiftM, glider);
-  candidate.expected_margin_m = StraightMargin(request, candidate, 0.0, glider);
+  candidate.best_margin_m = StraightMargin(request, candidate, kPlanShiftM);
+  candidate.expected_margin_m = StraightMargin(request, candidate, 0.0);
   return candidate;
 }
 
@@ -92,8 +90,8 @@ int MarginStep(double margin_m) {
   return static_cast<int>(std::floor(std::clamp(margin_m, -1e6, kPlentyMarginM) / kMarginStepM));
 }
 
-// The order in which candidates are evaluated: the most promising first, and the nearest first
-// among equals. Candidates out of reach come last, the smallest shortfall first.
+// The order in which candidates are evaluated: that of the answer (IsBetter), as far as it is known
+// without a plan. Candidates out of reach come last, the smallest shortfall first.
 bool IsMorePromising(const RecallCandidate& a, const RecallCandidate& b) {
   const bool is_a_in_reach = a.best_margin_m >= 0.0;
   if (is_a_in_reach != (b.best_margin_m >= 0.0)) return is_a_in_reach;
@@ -103,7 +101,8 @@ bool IsMorePromising(const RecallCandidate& a, const RecallCandidate& b) {
   const auto rank = [](const RecallCandidate& candidate) {
     return std::tuple(-MarginStep(candidate.expected_margin_m),
                       !candidate.row->data.is_landable,
-                      -std::floor(candidate.score / kScoreStep),
+                      -candidate.score,
+                      candidate.age_s,
                       candidate.distance_m,
                       std::string_view(candidate.row->site_id));
   };
@@ -131,10 +130,6 @@ BoundingBox BoxAround(const GeoPoint& place, double reach_m) {
           south,
           wrapped(place.longitude_deg + dlon_deg),
           north};
-}
-
-Aircraft AircraftOf(const EmergencyRequest& request, const Aircraft& site_aircraft) {
-  return Unpowered(request.aircraft.value_or(site_aircraft), request.glide_ratio);
 }
 
 GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& position_in_world) {
@@ -173,6 +168,7 @@ bool IsBetter(double margin_a,
   if (landable_a != landable_b) return landable_a;
   if (a.score != b.score) return a.score > b.score;
   if (a.age_s != b.age_s) return a.age_s < b.age_s;
+  if (a.distance_m != b.distance_m) return a.distance_m < b.distance_m;
   return a.row->site_id < b.row->site_id;
 }
 
@@ -185,27 +181,28 @@ bool IsSurelyNotBetter(const RecallCandidate& candidate,
 }
 
 std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
-                                        const SharedRows<RecallRow>& rows,
-                                        size_t num_first) {
+                                        const SharedRows<RecallRow>& rows) {
   std::vector<RecallCandidate> candidates;
   candidates.reserve(rows.size());
-  std::map<std::string_view, std::optional<Glider>> glider_by_json;
+  std::map<std::string_view, std::shared_ptr<const GlidingAircraft>> gliding_by_json;
   const int64_t now_us = NowUs();
   for (const auto& row : rows) {
     const std::string& aircraft_json = row->data.aircraft_json;
-    auto glider = glider_by_json.find(aircraft_json);
-    if (glider == glider_by_json.end()) {
-      glider = glider_by_json.emplace(aircraft_json, GliderOf(request, aircraft_json)).first;
+    auto gliding = gliding_by_json.find(aircraft_json);
+    if (gliding == gliding_by_json.end()) {
+      gliding = gliding_by_json.emplace(aircraft_json, GlidingOf(request, aircraft_json)).first;
     }
-    if (!glider->second) continue;
-    candidates.push_back(CandidateOf(request, *row, *glider->second, now_us));
+    if (!gliding->second) continue;
+    candidates.push_back(CandidateOf(request, *row, gliding->second, now_us));
   }
-  num_first = std::min(candidates.size(), num_first);
-  std::partial_sort(candidates.begin(),
-                    candidates.begin() + static_cast<std::ptrdiff_t>(num_first),
-                    candidates.end(),
-                    IsMorePromising);
   return candidates;
+}
+
+void SortNext(std::vector<RecallCandidate>& candidates, size_t begin, size_t num) {
+  const auto at = [&](size_t i) {
+    return candidates.begin() + static_cast<std::ptrdiff_t>(std::min(candidates.size(), i));
+  };
+  std::partial_sort(at(begin), at(begin + num), candidates.end(), IsMorePromising);
 }
 
 }  // namespace freelsd

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "engine/glide/glide.h"
@@ -21,9 +23,18 @@ double GroundAgeS(int64_t seen_at_us, int64_t now_us);
 // The share of a score that is left at this age of the ground.
 double ScoreLeft(double age_s);
 
+// An aircraft without power, and a text that differs from aircraft to aircraft.
+struct GlidingAircraft {
+  Aircraft aircraft;
+  std::string key;
+  StraightGlide glide;
+};
+
 // A stored site as seen from the aircraft. Lengths and margins are in metres.
 struct RecallCandidate {
   const RecallRow* row = nullptr;
+  // The request's aircraft, or the one that the site was planned for.
+  std::shared_ptr<const GlidingAircraft> gliding;
   // From the aircraft to the site: east, north.
   Eigen::Vector2d way_m = Eigen::Vector2d::Zero();
   double distance_m = 0.0;
@@ -37,18 +48,17 @@ struct RecallCandidate {
 };
 
 BoundingBox BoxAround(const GeoPoint& place, double reach_m);
-// The aircraft without power. Aircraft and glide ratio of the request override those of the site.
-Aircraft AircraftOf(const EmergencyRequest& request, const Aircraft& site_aircraft);
 GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& position_in_world);
 // Upper bound of the gliding distance: down to the lowest site, with the aircraft that glides
 // farthest.
 double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds);
 
-// The `num_first` most promising candidates come first, in order; the rest has no order. Candidates
-// point into `rows`. Sites whose stored aircraft is invalid are left out.
+// In no order. Candidates point into `rows`. Sites whose stored aircraft is invalid are left out.
 std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
-                                        const SharedRows<RecallRow>& rows,
-                                        size_t num_first);
+                                        const SharedRows<RecallRow>& rows);
+// Moves the `num` most promising candidates from `begin` on to `begin`, in order. Only those behind
+// are moved. Candidates out of reach come last.
+void SortNext(std::vector<RecallCandidate>& candidates, size_t begin, size_t num);
 
 // True if the candidate cannot rank before `reached`, an evaluated site in reach, even if the
 // candidate's plan is landable and has its best_margin_m.
@@ -58,7 +68,7 @@ bool IsSurelyNotBetter(const RecallCandidate& candidate,
                        const RecallCandidate& reached);
 
 // True if site `a` ranks before site `b` in an answer. The order is by arrival margin (in steps),
-// then verdict, then score (reduced with age), then age.
+// then verdict, then score (reduced with age), then age, then distance.
 bool IsBetter(double margin_a,
               bool landable_a,
               const RecallCandidate& a,

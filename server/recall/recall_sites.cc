@@ -13,27 +13,28 @@
 #include "server/recall/obstacles/obstacles.h"
 #include "server/recall/recall_candidates.h"
 #include "server/recall/same_place.h"
-#include "server/recall/terrain_margin.h"
 
 namespace freelsd {
 namespace {
 
 // Limits of one answer: the number of sites to plan on, and the time after which no plan is begun.
 constexpr size_t kMaxNumPlanned = 40;
-// One more than is planned on shows that there are more.
-constexpr size_t kNumRanked = kMaxNumPlanned + 1;
+// Candidates that are put in order at a time.
+constexpr size_t kNumSorted = kMaxNumPlanned + 1;
 constexpr std::chrono::milliseconds kTimeBudget{1500};
 
-// NOLINTNEXTLINE(bugprone-exception-escape): an empty json throws nothing.
 struct Reached {
   double margin_m = 0.0;
   bool is_landable = false;
-  // The way enters an airspace: the site ranks last.
-  bool is_in_airspace = false;
   Landing landing;
   // Of the site's datum, and of the terrain's on the way.
   std::set<DatumBasis> datum_bases;
-  nlohmann::json answer;
+  DescentTask task;
+  // Nothing if the final is out of reach.
+  std::optional<Descent> shortest;
+  // Along the shortest path.
+  std::optional<TerrainMargin> terrain;
+  PathObstacles obstacles;
 };
 
 // Removes duplicates: a box that crosses the antimeridian is read in two parts.
@@ -71,12 +72,12 @@ double BearingDeg(const Eigen::Vector2d& way) {
 }
 
 nlohmann::json AnswerOf(const RecallCandidate& candidate,
-                        const Plan& plan,
-                        const Aircraft& aircraft,
-                        const Glide& glide,
-                        const FlightContext& context,
+                        const DescentTask& task,
                         const GeoPoint& place) {
-  const GeoPoint touchdown = context.local_frame.GeoFromWorld(plan.touchdown_in_world);
+  const Plan& plan = *task.plan;
+  const FlightContext context{
+      candidate.row->flight_id, candidate.row->data.altitude_datum, task.local_frame};
+  const GeoPoint touchdown = task.local_frame.GeoFromWorld(plan.touchdown_in_world);
   const Eigen::Vector2d way = LocalFrame(place).WorldFromGeo(touchdown).head<2>();
   nlohmann::json answer{{"site_id", candidate.row->site_id},
                         {"flight_id", candidate.row->flight_id},
@@ -85,116 +86,101 @@ nlohmann::json AnswerOf(const RecallCandidate& candidate,
                         {"distance_m", way.norm()},
                         {"bearing_deg", BearingDeg(way)},
                         {"datum_penalty_m", candidate.datum.subtracted_m},
-                        {"time_s", glide.time_s},
+                        {"time_s", task.worst.time_s},
                         {"score", candidate.score},
                         {"score_when_stored", candidate.row->data.score},
                         {"age_s", candidate.age_s},
                         {"updated_at", Rfc3339(candidate.row->updated_at_us)},
                         {"last_seen_at", Rfc3339(candidate.row->seen_at_us)},
                         {"altitude_datum", candidate.row->data.altitude_datum},
-                        {"aircraft", AircraftJson(aircraft)},
-                        {"warnings", LimitsWarnings(aircraft)},
+                        {"aircraft", AircraftJson(task.aircraft)},
+                        {"warnings", LimitsWarnings(task.aircraft)},
                         {"touchdown", PlaceOf(touchdown)},
                         {"approach", ApproachOf(plan, context)}};
   if (plan.approach->ground_speed) answer["ground_speed_mps"] = *plan.approach->ground_speed;
   return answer;
 }
 
-// Altitudes of the transit and of the plan are in the site's datum, those of the path in the
-// request's.
-CheckedPath PathOf(std::vector<GeoPoint> transit,
-                   const Plan& plan,
-                   const FlightContext& context,
-                   const Aircraft& aircraft,
-                   double datum_m) {
-  constexpr int kNumCirclePoints = 24;
-  CheckedPath path{std::move(transit), {}, aircraft.path_half_width_m};
-  for (const Eigen::Vector3d& point : LoiterPolyline(*plan.approach, kNumCirclePoints)) {
-    path.landing.push_back(context.local_frame.GeoFromWorld(point));
-  }
-  path.landing.push_back(context.local_frame.GeoFromWorld(plan.touchdown_in_world));
-  for (std::vector<GeoPoint>* const part : {&path.transit, &path.landing}) {
-    for (GeoPoint& point : *part) point.altitude_m += datum_m;
-  }
-  return path;
-}
-
-std::string ListOf(const std::vector<std::string>& ids) {
-  std::string list;
-  for (const std::string& id : ids) list += (list.empty() ? "" : ", ") + id;
-  return list;
-}
-
-void AddObstacles(const PathObstacles& found, Reached& reached) {
-  nlohmann::json& answer = reached.answer;
-  if (found.least) {
-    answer["obstacle_margin_m"] = found.least->margin_m;
-    answer["nearest_obstacle"] = found.least->obstacle_id;
-    reached.margin_m = std::min(reached.margin_m, found.least->margin_m);
-  }
-  if (!found.of_unknown_top.empty()) {
-    answer["warnings"].push_back("the way crosses " + ListOf(found.of_unknown_top) +
-                                 ", of unknown altitude: only the height above ground is known, "
-                                 "and no map shows the ground there");
-  }
-  if (found.airspaces.empty()) return;
-  reached.is_in_airspace = true;
-  answer["airspaces"] = found.airspaces;
-  answer["warnings"].push_back("the way enters the airspace " + ListOf(found.airspaces));
-}
-
-// Nothing if the map has no approach in this wind, or if the wind is too strong to get there.
-std::optional<Reached> Reach(const StoredSites& stored,
-                             const EmergencyRequest& request,
-                             const RecallCandidate& candidate) {
-  const auto site =
-      stored.maps.Get(stored.storage, candidate.row->site_id, candidate.row->updated_at_us);
-  if (!site) return std::nullopt;
-  const FlightRequest& flight = site->replan.flight;
-  const Aircraft aircraft = AircraftOf(request, flight.aircraft);
-  const auto kept_plan = stored.maps.PlanFor(site, aircraft, request.wind_in_world);
-  const Plan& plan = *kept_plan;
-  if (plan.verdict == Verdict::kRejected || !plan.approach) return std::nullopt;
-  const FlightContext context{site->row.flight_id,
-                              flight.altitude_datum.value_or("unknown"),
-                              LocalFrame(site->replan.origin)};
-  const Eigen::Vector3d& approach_start = plan.approach->approach_start_in_world;
+// Without the terrain on the way, which can only make it worse. Nothing if the map has no approach
+// in this wind, or if the wind is too strong to get there.
+std::optional<Reached> ReachIgnoringTerrain(const StoredSites& stored,
+                                            const EmergencyRequest& request,
+                                            const RecallCandidate& candidate) {
+  const Aircraft& aircraft = candidate.gliding->aircraft;
+  const auto kept = stored.maps.PlanOf(
+      stored.storage, *candidate.row, aircraft, candidate.gliding->key, request.wind_in_world);
+  if (!kept) return std::nullopt;
+  const auto& plan = kept->plan;
+  if (plan->verdict == Verdict::kRejected || !plan->approach) return std::nullopt;
+  const Approach& approach = *plan->approach;
+  const LocalFrame local_frame(kept->origin);
   GeoPoint place_in_site_datum = request.place;
   place_in_site_datum.altitude_m -= candidate.datum.subtracted_m;
-  const Eigen::Vector3d here = context.local_frame.WorldFromGeo(place_in_site_datum);
-  const GlideStart start = StartOf(request, here);
-  const GlideOptions options;
-  const auto glide = GlideTo(start, approach_start, plan.approach->heading, aircraft, options);
+  const GlideStart start = StartOf(request, local_frame.WorldFromGeo(place_in_site_datum));
+  const auto glide =
+      GlideTo(start, approach.approach_start_in_world, approach.heading, aircraft, {});
   if (!glide) return std::nullopt;
-  const auto descent = PlanDescent(start, *plan.approach, aircraft, options);
-  Reached reached;
-  reached.is_landable = plan.verdict == Verdict::kLandable;
-  reached.landing = LandingOf(context.local_frame.GeoFromWorld(plan.touchdown_in_world),
-                              plan.approach->heading,
-                              request.wind_in_world);
-  reached.margin_m = glide->arrival_height_m - approach_start.z() - request.arrival_height_m;
-  reached.answer = AnswerOf(candidate, plan, aircraft, *glide, context, request.place);
-  reached.datum_bases = {candidate.datum.basis};
-  std::vector<GeoPoint> unchecked{
-      place_in_site_datum,
-      context.local_frame.GeoFromWorld(
-          {approach_start.x(), approach_start.y(), glide->arrival_height_m})};
-  if (descent) {
-    unchecked = UncheckedPath(*descent, *glide, context.local_frame);
-    AddDescent(*descent, context.local_frame, reached.answer);
+  const double margin_m =
+      glide->arrival_height_m - approach.approach_start_in_world.z() - request.arrival_height_m;
+  return Reached{.margin_m = margin_m,
+                 .is_landable = plan->verdict == Verdict::kLandable,
+                 .landing = LandingOf(local_frame.GeoFromWorld(plan->touchdown_in_world),
+                                      approach.heading,
+                                      request.wind_in_world),
+                 .datum_bases = {candidate.datum.basis},
+                 .task = {start, plan, aircraft, *glide, local_frame, candidate.datum.subtracted_m},
+                 .shortest = std::nullopt,
+                 .terrain = std::nullopt,
+                 .obstacles = {}};
+}
+
+// Terrain and obstacles on the shortest path.
+void CheckPath(const StoredSites& stored, const EmergencyRequest& request, Reached& reached) {
+  const DescentTask& task = reached.task;
+  reached.shortest = PlanDescent(task.start, *task.plan->approach, task.aircraft, {});
+  reached.obstacles = ShortestPathObstacles(stored, request, task, reached.shortest);
+  if (const auto& obstacle = reached.obstacles.least) {
+    reached.margin_m = std::min(reached.margin_m, obstacle->margin_m);
   }
-  const CheckedPath path = PathOf(unchecked, plan, context, aircraft, candidate.datum.subtracted_m);
-  AddObstacles(ObstaclesAlong(stored, request, path), reached);
-  unchecked = path.transit;
-  if (const auto terrain = TerrainMarginOf(stored, request, unchecked)) {
-    reached.answer["terrain_margin_m"] = terrain->margin_m;
-    reached.answer["terrain_datum_penalty_m"] = terrain->datum.subtracted_m;
-    reached.margin_m = std::min(reached.margin_m, terrain->margin_m);
-    reached.datum_bases.insert(terrain->datum.basis);
+  reached.terrain = ShortestTerrainMargin(stored, request, task, reached.shortest);
+  if (!reached.terrain) return;
+  reached.margin_m = std::min(reached.margin_m, reached.terrain->margin_m);
+  reached.datum_bases.insert(reached.terrain->datum.basis);
+}
+
+// A site of the answer, and the datums that it depends on.
+struct ToldSite {
+  nlohmann::json answer;
+  std::set<DatumBasis> datum_bases;
+};
+
+// Planning its path takes longer than choosing the site: sites that are not told need none.
+ToldSite Tell(const StoredSites& stored,
+              const EmergencyRequest& request,
+              const RecallCandidate& candidate,
+              const Reached& reached) {
+  ToldSite told{AnswerOf(candidate, reached.task, request.place), reached.datum_bases};
+  told.answer["arrival_margin_m"] = reached.margin_m;
+  told.answer["reachable"] = reached.margin_m >= 0.0;
+  std::optional<TerrainMargin> terrain = reached.terrain;
+  PathObstacles obstacles = reached.obstacles;
+  if (reached.shortest) {
+    const ToldPath path = PathToTell(stored,
+                                     request,
+                                     candidate,
+                                     reached.task,
+                                     {*reached.shortest, reached.terrain, reached.obstacles, 0.0});
+    AddPath(path, reached.task.local_frame, told.answer);
+    terrain = path.terrain;
+    obstacles = path.obstacles;
   }
-  reached.answer["arrival_margin_m"] = reached.margin_m;
-  reached.answer["reachable"] = reached.margin_m >= 0.0;
-  return reached;
+  AddObstacles(obstacles, told.answer);
+  if (terrain) {
+    told.answer["terrain_margin_m"] = terrain->margin_m;
+    told.answer["terrain_datum_penalty_m"] = terrain->datum.subtracted_m;
+    told.datum_bases.insert(terrain->datum.basis);
+  }
+  return told;
 }
 
 std::vector<std::string> DatumWarnings(const EmergencyRequest& request,
@@ -235,8 +221,11 @@ struct Ranked {
   Reached reached;
 };
 
+// Airspaces rank a site last. They never hide it.
+bool IsInAirspace(const Ranked& ranked) { return !ranked.reached.obstacles.airspaces.empty(); }
+
 bool IsBefore(const Ranked& a, const Ranked& b) {
-  if (a.reached.is_in_airspace != b.reached.is_in_airspace) return b.reached.is_in_airspace;
+  if (IsInAirspace(a) != IsInAirspace(b)) return IsInAirspace(b);
   return IsBetter(a.reached.margin_m,
                   a.reached.is_landable,
                   *a.candidate,
@@ -245,15 +234,14 @@ bool IsBefore(const Ranked& a, const Ranked& b) {
                   *b.candidate);
 }
 
-// The best `limit` of different places, best first. `ranked` is sorted.
-std::vector<const Ranked*> DifferentPlaces(const std::vector<Ranked>& ranked, size_t limit) {
-  std::vector<const Ranked*> different;
-  for (const Ranked& each : ranked) {
-    if (different.size() >= limit) break;
-    const bool is_known = std::any_of(different.begin(), different.end(), [&](const Ranked* other) {
-      return IsSamePlace(each.reached.landing, other->reached.landing);
+// Indices of the best `limit` of different places, best first. `ranked` is sorted.
+std::vector<size_t> DifferentPlaces(const std::vector<Ranked>& ranked, size_t limit) {
+  std::vector<size_t> different;
+  for (size_t i = 0; i < ranked.size() && different.size() < limit; ++i) {
+    const bool is_known = std::any_of(different.begin(), different.end(), [&](size_t other) {
+      return IsSamePlace(ranked[i].reached.landing, ranked[other].reached.landing);
     });
-    if (!is_known) different.push_back(&each);
+    if (!is_known) different.push_back(i);
   }
   return different;
 }
@@ -268,29 +256,53 @@ struct Search {
   bool is_cut_short = false;
 };
 
-// True if no candidate from `next` on can change the answer: a smaller limit gives the beginning of
-// what a larger one gives.
-bool IsSettled(const std::vector<Ranked>& reachable,
-               size_t limit,
-               const std::vector<RecallCandidate>& candidates,
-               size_t next) {
-  const std::vector<const Ranked*> answer = DifferentPlaces(reachable, limit);
-  if (answer.size() < limit) return false;
-  const Ranked& last = *answer.back();
-  // Any site outside of airspaces ranks before it.
-  if (last.reached.is_in_airspace) return false;
-  return std::all_of(
-      candidates.begin() + static_cast<std::ptrdiff_t>(next),
-      candidates.end(),
-      [&last](const RecallCandidate& candidate) {
-        return IsSurelyNotBetter(
-            candidate, last.reached.margin_m, last.reached.is_landable, *last.candidate);
-      });
+// The last site of the answer so far; nothing if there is room for more. A candidate that does not
+// rank before it cannot change the answer: a smaller limit gives the beginning of what a larger one
+// gives.
+const Ranked* LastOf(const std::vector<Ranked>& reachable, size_t limit) {
+  const std::vector<size_t> answer = DifferentPlaces(reachable, limit);
+  return answer.size() < limit ? nullptr : &reachable[answer.back()];
 }
 
+bool CanChange(const Ranked* last, const RecallCandidate& candidate) {
+  return last == nullptr || IsInAirspace(*last) ||
+         !IsSurelyNotBetter(
+             candidate, last->reached.margin_m, last->reached.is_landable, *last->candidate);
+}
+
+void Add(Ranked ranked, Search& search) {
+  std::optional<Ranked>& miss = search.nearest_miss;
+  if (ranked.reached.margin_m >= 0.0) {
+    const auto place =
+        std::upper_bound(search.reachable.begin(), search.reachable.end(), ranked, IsBefore);
+    search.reachable.insert(place, std::move(ranked));
+  } else if (!miss || ranked.reached.margin_m > miss->reached.margin_m) {
+    miss = std::move(ranked);
+  }
+}
+
+// Plans on the candidate's map, which costs most of the time of an answer.
+void Evaluate(const StoredSites& stored,
+              const EmergencyRequest& request,
+              const RecallCandidate& candidate,
+              const Ranked* last,
+              Search& search) {
+  std::optional<Reached> reached = ReachIgnoringTerrain(stored, request, candidate);
+  if (!reached) {
+    ++search.num_without_approach;
+    return;
+  }
+  Ranked ranked{&candidate, std::move(*reached)};
+  if (last != nullptr && !IsBefore(ranked, *last)) return;
+  CheckPath(stored, request, ranked.reached);
+  search.datum_bases.merge(std::set(ranked.reached.datum_bases));
+  Add(std::move(ranked), search);
+}
+
+// Puts `candidates` in order as far as needed. The result points to them.
 Search SearchAmong(const StoredSites& stored,
                    const EmergencyRequest& request,
-                   const std::vector<RecallCandidate>& candidates) {
+                   std::vector<RecallCandidate>& candidates) {
   const auto begin = std::chrono::steady_clock::now();
   Search search;
   for (const RecallCandidate& candidate : candidates) {
@@ -298,8 +310,17 @@ Search SearchAmong(const StoredSites& stored,
   }
   size_t num_planned = 0;
   for (size_t i = 0; i < candidates.size(); ++i) {
+    const Ranked* const last = LastOf(search.reachable, request.limit);
+    if (i % kNumSorted == 0) {
+      const bool is_settled = std::none_of(
+          candidates.begin() + static_cast<std::ptrdiff_t>(i),
+          candidates.end(),
+          [&](const RecallCandidate& candidate) { return CanChange(last, candidate); });
+      if (is_settled) break;
+      SortNext(candidates, i, kNumSorted);
+    }
     const RecallCandidate& candidate = candidates[i];
-    if (IsSettled(search.reachable, request.limit, candidates, i)) break;
+    if (!CanChange(last, candidate)) continue;
     // All later candidates are out of reach too. The first of them may be the nearest miss.
     const bool is_out_of_reach = candidate.best_margin_m < 0.0;
     if (is_out_of_reach && (search.nearest_miss || !search.reachable.empty())) break;
@@ -308,18 +329,7 @@ Search SearchAmong(const StoredSites& stored,
         (num_planned > 0 && std::chrono::steady_clock::now() - begin > kTimeBudget);
     if (search.is_cut_short) break;
     ++num_planned;
-    std::optional<Reached> reached = Reach(stored, request, candidate);
-    if (reached) search.datum_bases.merge(reached->datum_bases);
-    if (!reached) {
-      ++search.num_without_approach;
-    } else if (reached->margin_m >= 0.0) {
-      Ranked ranked{&candidate, std::move(*reached)};
-      const auto place =
-          std::upper_bound(search.reachable.begin(), search.reachable.end(), ranked, IsBefore);
-      search.reachable.insert(place, std::move(ranked));
-    } else if (!search.nearest_miss || reached->margin_m > search.nearest_miss->reached.margin_m) {
-      search.nearest_miss = Ranked{&candidate, std::move(*reached)};
-    }
+    Evaluate(stored, request, candidate, last, search);
   }
   return search;
 }
@@ -329,23 +339,28 @@ Search SearchAmong(const StoredSites& stored,
 nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& request) {
   double reach_m = GreatestReach(request, stored.storage.sites.BoundsOfRecallable());
   SharedRows<RecallRow> rows = RowsWithin(stored, request, reach_m);
-  std::vector<RecallCandidate> candidates = Candidates(request, rows, kNumRanked);
+  std::vector<RecallCandidate> candidates = Candidates(request, rows);
   Search search = SearchAmong(stored, request, candidates);
   // If nothing is in reach, the box grows until it contains a nearest miss.
   while (search.reachable.empty() && !search.nearest_miss && !search.is_cut_short &&
          reach_m < kMaxReachM) {
     reach_m = std::min(kMaxReachM, 3.0 * reach_m);
     rows = RowsWithin(stored, request, reach_m);
-    candidates = Candidates(request, rows, kNumRanked);
+    candidates = Candidates(request, rows);
     search = SearchAmong(stored, request, candidates);
   }
   nlohmann::json answer{{"sites", nlohmann::json::array()}};
-  for (const Ranked* ranked : DifferentPlaces(search.reachable, request.limit)) {
-    answer["sites"].push_back(ranked->reached.answer);
+  const auto tell = [&](const Ranked& ranked) {
+    ToldSite told = Tell(stored, request, *ranked.candidate, ranked.reached);
+    search.datum_bases.merge(told.datum_bases);
+    return std::move(told.answer);
+  };
+  for (const size_t index : DifferentPlaces(search.reachable, request.limit)) {
+    answer["sites"].push_back(tell(search.reachable[index]));
     answer["sites"].back()["rank"] = answer["sites"].size();
   }
   if (search.reachable.empty() && search.nearest_miss) {
-    answer["nearest_miss"] = search.nearest_miss->reached.answer;
+    answer["nearest_miss"] = tell(*search.nearest_miss);
     answer["nearest_miss"]["missing_m"] = -search.nearest_miss->reached.margin_m;
   }
   std::vector<std::string> warnings = WarningsOf(request, search.datum_bases);

@@ -1,12 +1,12 @@
 // A least-recently-used cache with one value for each site, limited in bytes.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <list>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <utility>
 
 namespace freelsd {
@@ -21,12 +21,12 @@ class SiteLru {
   // pointer is valid until the next change. Updates are compared only for equality, because clocks
   // can be set back.
   Value* Find(const std::string& site_id, std::optional<int64_t> updated_at_us = std::nullopt) {
-    const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& each) {
-      return each.site_id == site_id && (!updated_at_us || each.updated_at_us == *updated_at_us);
-    });
-    if (found == entries_.end()) return nullptr;
-    entries_.splice(entries_.begin(), entries_, found);
-    return &found->value;
+    const auto found = entry_of_.find(site_id);
+    if (found == entry_of_.end()) return nullptr;
+    const auto entry = found->second;
+    if (updated_at_us && entry->updated_at_us != *updated_at_us) return nullptr;
+    entries_.splice(entries_.begin(), entries_, entry);
+    return &entry->value;
   }
 
   // Replaces any value of the site. Then removes the least recently used values until the limit
@@ -35,18 +35,20 @@ class SiteLru {
     Erase(site_id);
     num_bytes_ += num_bytes;
     entries_.push_front({site_id, updated_at_us, num_bytes, std::move(value)});
+    entry_of_[site_id] = entries_.begin();
     while (num_bytes_ > max_bytes_ && entries_.size() > 1) {
       num_bytes_ -= entries_.back().num_bytes;
+      entry_of_.erase(entries_.back().site_id);
       entries_.pop_back();
     }
   }
 
   void Erase(const std::string& site_id) {
-    std::erase_if(entries_, [&](const Entry& each) {
-      if (each.site_id != site_id) return false;
-      num_bytes_ -= each.num_bytes;
-      return true;
-    });
+    const auto found = entry_of_.find(site_id);
+    if (found == entry_of_.end()) return;
+    num_bytes_ -= found->second->num_bytes;
+    entries_.erase(found->second);
+    entry_of_.erase(found);
   }
 
  private:
@@ -61,6 +63,7 @@ class SiteLru {
   size_t num_bytes_ = 0;
   // The most recently used entry is first.
   std::list<Entry> entries_;
+  std::unordered_map<std::string, typename std::list<Entry>::iterator> entry_of_;
 };
 
 }  // namespace freelsd

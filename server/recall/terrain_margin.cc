@@ -120,10 +120,25 @@ std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
     if (!height) continue;
     const DatumDifference datum =
         DatumDifferenceOf(ReferenceOf(request), ReferenceOf(*row, *terrain));
-    const double margin_m = *height - request.terrain_clearance_m - datum.subtracted_m;
+    const double margin_m = *height - datum.subtracted_m;
     if (!least || margin_m < least->margin_m) least = TerrainMargin{margin_m, datum};
   }
   return least;
+}
+
+bool IsSeenBelow(const KeptTerrain& terrain,
+                 const Eigen::Vector3d& begin_in_world,
+                 const Eigen::Vector3d& end_in_world) {
+  const double length = (end_in_world - begin_in_world).head<2>().norm();
+  const int num_steps =
+      std::max(1, static_cast<int>(std::ceil(length / (0.5 * terrain.grid.cell_size_m))));
+  for (int i = 0; i <= num_steps; ++i) {
+    const Eigen::Vector3d point =
+        begin_in_world + static_cast<double>(i) / num_steps * (end_in_world - begin_in_world);
+    const auto cell = terrain.grid.CellAt(point.head<2>());
+    if (!cell || terrain.is_seen(*cell) == 0) return false;
+  }
+  return true;
 }
 
 }  // namespace freelsd

@@ -12,16 +12,22 @@ namespace freelsd {
 
 // The way where it is nearest to the stored maps below it.
 struct TerrainMargin {
-  // Height above the map, minus the clearance and what the datum costs, in metres.
+  // Height above the map, minus what the datum costs, in metres.
   double margin_m = 0.0;
   // Between the datums of the request's altitude and of that map.
   DatumDifference datum;
 };
 
-// Nothing if no stored map lies below the path. The path has at least one point; altitudes are in
-// the request's datum.
+// Nothing if no stored map lies below the path. The path has at least one point. Altitudes are in
+// the request's datum, and less by the clearance that is to be kept.
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
                                              const EmergencyRequest& request,
                                              const std::vector<GeoPoint>& path);
+
+// True if the map has seen all ground below a line, sampled every half cell. Both ends are in the
+// world frame of the map.
+bool IsSeenBelow(const KeptTerrain& terrain,
+                 const Eigen::Vector3d& begin_in_world,
+                 const Eigen::Vector3d& end_in_world);
 
 }  // namespace freelsd

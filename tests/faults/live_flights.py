@@ -11,7 +11,8 @@ from recalls import store_sites
 
 RATE_HZ = 10
 NUM_SITES = 1000
-NUM_SENDERS = 10
+# As many streams as a server takes at the same time.
+NUM_SENDERS = 8
 READ_PERIOD_S = 0.4
 SPEED_DEG_PER_S = 15.0 / 111195
 

@@ -47,6 +47,52 @@ TEST_CASE("emergency: the path leads from the aircraft to the touchdown of the s
   }
 }
 
+// Told height above the planned start of the final.
+double SurplusM(const nlohmann::json& site) {
+  const nlohmann::json& path = site["path"]["coordinates"];
+  return path[path.size() - 2][2].get<double>() -
+         site["approach"]["start"]["altitude_m"].get<double>();
+}
+
+bool WarnsOfSurplus(const nlohmann::json& site) {
+  return site["warnings"].dump().find("of surplus height are left") != std::string::npos;
+}
+
+TEST_CASE("emergency: the told path loses the surplus height before the final") {
+  constexpr double kMaxSurplusM = 2.0;
+  const MeadowServer meadow(StoreAmslMeadow);
+  int num_told = 0;
+  for (int altitude_m = 560; altitude_m <= 700; altitude_m += 7) {
+    for (const char* wind : {kCalmNorth,
+                             "&wind_east_mps=3&wind_north_mps=2&heading_deg=200&altitude_datum="
+                             "amsl"}) {
+      const nlohmann::json answer = GetJson(*meadow.client, Query(altitude_m, wind));
+      if (answer["sites"].empty()) continue;
+      const nlohmann::json& site = answer["sites"][0];
+      INFO(site.dump());
+      CHECK(SurplusM(site) <= kMaxSurplusM);
+      CHECK_FALSE(WarnsOfSurplus(site));
+      CHECK(site["terrain_margin_m"].get<double>() >= 0.0);
+      ++num_told;
+    }
+  }
+  CHECK(num_told > 20);
+}
+
+TEST_CASE("emergency: where the wind may cost more, the shortest path is told, with a warning") {
+  const MeadowServer meadow(StoreAmslMeadow);
+  int num_warnings = 0;
+  for (int altitude_m = 600; altitude_m <= 700; altitude_m += 10) {
+    const nlohmann::json answer =
+        GetJson(*meadow.client, Query(altitude_m, "&altitude_datum=amsl"));
+    if (answer["sites"].empty()) continue;
+    const nlohmann::json& site = answer["sites"][0];
+    CHECK((SurplusM(site) > 2.0) == WarnsOfSurplus(site));
+    num_warnings += WarnsOfSurplus(site);
+  }
+  CHECK(num_warnings > 0);
+}
+
 TEST_CASE("emergency: terrain is checked along the turn, not along the straight line") {
   const MeadowServer meadow([](Storage& storage) {
     StoreAmslMeadow(storage);
