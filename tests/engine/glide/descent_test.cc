@@ -18,7 +18,7 @@ namespace {
 constexpr double kMaxHeightErrorM = 5.0;
 constexpr double kMaxHeightErrorRatio = 0.05;
 // Of the told paths, in a simulation of 1000.
-constexpr double kWorstHeightErrorM = 0.7;
+constexpr double kWorstHeightErrorM = 1.1;
 constexpr double kWorstTrackErrorM = 2.2;
 constexpr int kMaxNumWithSurplus = 10;
 // The simulated aircraft follows the path with a delay.
