@@ -68,7 +68,11 @@ run_sanitized_tests() {
   local folder
   for folder in "$@"; do
     echo "-- ${folder}_tests with address and undefined-behaviour sanitizers"
-    "build/asan/tests/${folder}_tests" --no-intro 2>&1 | tee "$work/asan.log" | tail -n 4
+    "build/asan/tests/${folder}_tests" --no-intro >"$work/asan.log" 2>&1 || {
+      cat "$work/asan.log" >&2
+      fail "a test failed under the sanitizers"
+    }
+    tail -n 4 "$work/asan.log"
     if grep -qE 'AddressSanitizer|LeakSanitizer|runtime error:' "$work/asan.log"; then
       cat "$work/asan.log" >&2
       fail "a sanitizer reported"

@@ -79,7 +79,9 @@ Case RandomCase(std::mt19937& random) {
   std::uniform_real_distribution<double> angle(-kPi, kPi);
   std::uniform_real_distribution<double> speed(0.0, 6.0);
   Case made{{}, {}, Glider()};
-  const Eigen::Vector2d wind = speed(random) * DirectionOf(angle(random));
+  // One draw a statement: compilers order the operands of a product differently.
+  const double wind_speed = speed(random);
+  const Eigen::Vector2d wind = wind_speed * DirectionOf(angle(random));
   made.start = {{place(random), place(random), height(random)}, angle(random), wind};
   const bool is_left = angle(random) < 0.0;
   made.approach = ApproachAt({place(random), place(random)},
