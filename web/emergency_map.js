@@ -57,7 +57,7 @@ class EmergencyMap {
 
   #drawKey() {
     byId('em-key').replaceChildren(...reachKey(this.#shown.reach), ...obstacleKey(this.#source.features));
-    byId('em-reach').textContent = [this.#shown.reachText, this.#source.note].filter(Boolean).join(' ');
+    byId('em-reach').textContent = [this.#shown.reachText, this.#source.note].filter(Boolean).join('. ');
   }
 
   // The aircraft and its sites matter; the rim of the reach may lie outside.
@@ -65,7 +65,7 @@ class EmergencyMap {
     if (this.#isMoved) return;
     const bounds = L.latLngBounds(places.map(({ latitude_deg, longitude_deg }) => [latitude_deg, longitude_deg]));
     this.#map.fitBounds(places.length > 1 ? bounds : this.#reach.bounds().extend(bounds), {
-      paddingTopLeft: [40, 40], paddingBottomRight: [110, 40], maxZoom: 16, animate: false });
+      paddingTopLeft: [40, 40], paddingBottomRight: [110, 40], maxZoom: 18, animate: false });
   }
 }
 

@@ -36,12 +36,12 @@ class ObstacleSource {
   async look(box) {
     this.#wanted = box;
     const isOld = performance.now() - this.#loaded.at_ms > kRefresh_ms;
-    if (this.#isLoading || (!isOld && this.#loaded.box && isWithin(box, this.#loaded.box))) return;
+    if (this.#isLoading || (!isOld && this.#has(box))) return;
     this.#isLoading = true;
     try {
       await this.#load(box);
       // The map has moved on meanwhile.
-      if (this.isOffered && !isWithin(this.#wanted, this.#loaded.box)) await this.#load(this.#wanted);
+      if (this.isOffered && this.#wanted !== box && !this.#has(this.#wanted)) await this.#load(this.#wanted);
     } catch (error) {
       // Obstacles that were loaded stay: an old one is better than none.
       if (error.status === 404) this.isOffered = false;
@@ -51,6 +51,8 @@ class ObstacleSource {
       this.#tell();
     }
   }
+
+  #has(box) { return this.#loaded.box !== null && isWithin(box, this.#loaded.box); }
 
   // The next look loads in any case.
   forget() { this.#loaded.at_ms = -Infinity; }
@@ -64,7 +66,7 @@ class ObstacleSource {
     for (const feature of features) feature.properties.id ??= feature.id;
     this.features = features.filter((feature) => !isExpired(feature));
     this.note = isTooWide ? 'Zoom in to see obstacles.' : '';
-    this.#loaded = { box: wide, at_ms: performance.now() };
+    this.#loaded = { box: isTooWide ? null : wide, at_ms: performance.now() };
   }
 
   #tell() {

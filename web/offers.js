@@ -9,6 +9,7 @@ const hasParameter = (operation, name) => (operation?.parameters ?? []).some((pa
 export function offersOf({ paths = {} }) {
   return {
     reach: '/v1/reach' in paths,
+    reachLimit: hasParameter(paths['/v1/reach']?.get, 'limit'),
     obstacles: '/v1/obstacles' in paths,
     newLook: hasParameter(paths['/v1/sites']?.get, 'order'),
   };
@@ -16,7 +17,7 @@ export function offersOf({ paths = {} }) {
 
 let asked = null;
 
-// {reach, obstacles, newLook}: booleans. Asks the server once; a failed request is repeated at the next call.
+// {reach, reachLimit, obstacles, newLook}: booleans. reachLimit: the number of sites of a reach can be set. Asks the server once; a failed request is repeated at the next call.
 export function offers() {
   asked ??= getOpenApi().then(offersOf).catch((error) => {
     asked = null;

@@ -11,6 +11,9 @@ const kLive_s = 60;
 // The same position is asked for again after this time: stored sites and obstacles change.
 const kSame_ms = 10000;
 
+// Sites with an arrival margin.
+const kSites = 20;
+
 export const isLive = (pose) => isKnown(pose?.age_s) && pose.age_s <= kLive_s;
 
 // The request for a flight's last position. glide_ratio: null for the aircraft's own.
@@ -66,10 +69,11 @@ class Reach {
     const isOurs = () => flight === this.#flight && own === this.#own;
     let isFollowed = false;
     try {
-      if (!(await offers()).reach) return;
+      const offered = await offers();
+      if (!offered.reach) return;
       const source = own ?? await this.#liveSource(flight);
       isFollowed = Boolean(source) && !own;
-      const shown = source?.request ? await this.#ask(source) : null;
+      const shown = source?.request ? await this.#ask(source, offered.reachLimit ? kSites : undefined) : null;
       if (isOurs()) this.#show(shown);
     } catch (error) {
       // The aircraft moves on: an old answer would mislead.
@@ -87,13 +91,13 @@ class Reach {
     return { request: requestOf(flight, answer, this.#on.glideRatio()), text: `position received ${age(answer.pose.age_s)} ago` };
   }
 
-  async #ask({ request, text }) {
+  async #ask({ request, text }, limit) {
     const key = JSON.stringify(request);
     const now_ms = performance.now();
     if (this.#shown?.collection && key === this.#asked.key && now_ms - this.#asked.at_ms < kSame_ms) {
       return { ...this.#shown, text: `Reach, ${text}` };
     }
-    const collection = await api.getReach(request);
+    const collection = await api.getReach({ ...request, limit });
     this.#asked = { key, at_ms: now_ms };
     return { collection, from: placeOf(request), text: `Reach, ${text}` };
   }

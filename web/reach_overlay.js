@@ -98,8 +98,8 @@ export function createReachOverlay(map) {
       if (!collection) return;
       const reach = ringsOfKind(collection, 'reach');
       const unknown = ringsOfKind(collection, 'unknown_terrain');
-      // The unknown part is cut out of the fill (even-odd rule): it never looks like ground that was checked.
-      add([...reach, ...unknown], { pane: 'reach', className: 'reach-fill', stroke: false });
+      // The pattern of the unknown part is opaque: it never looks like ground that was checked, in or beside the reach.
+      add(reach, { pane: 'reach', className: 'reach-fill', stroke: false });
       add(unknown, { pane: 'reach', className: 'reach-unknown', stroke: false, fillColor: 'url(#unknown-terrain)' });
       for (const className of ['reach-casing', 'reach']) add(reach, { pane: 'reach-outline', className, fill: false });
       add(unknown, { pane: 'reach-outline', className: 'unknown-terrain', fill: false });

@@ -217,9 +217,9 @@ test('obstacles: the pointer of a problem names the field of the form', () => {
 });
 
 test('offers: a part counts only if the API description has it', () => {
-  assert.deepEqual(offersOf({ paths: { '/v1/sites': { get: { parameters: [{ name: 'bbox' }] } } } }), { reach: false, obstacles: false, newLook: false });
-  assert.deepEqual(offersOf({ paths: { '/v1/reach': {}, '/v1/obstacles': {}, '/v1/sites': { get: { parameters: [{ $ref: '#/components/parameters/order' }] } } } }),
-    { reach: true, obstacles: true, newLook: true });
+  assert.deepEqual(offersOf({ paths: { '/v1/sites': { get: { parameters: [{ name: 'bbox' }] } } } }), { reach: false, reachLimit: false, obstacles: false, newLook: false });
+  assert.deepEqual(offersOf({ paths: { '/v1/reach': { get: { parameters: [{ name: 'limit' }] } }, '/v1/obstacles': {}, '/v1/sites': { get: { parameters: [{ $ref: '#/components/parameters/order' }] } } } }),
+    { reach: true, reachLimit: true, obstacles: true, newLook: true });
 });
 
 test('reach: the request has the position, the wind and the flight, and nothing unknown', () => {
