@@ -79,20 +79,6 @@ TEST_CASE("emergency: the told path loses the surplus height before the final") 
   CHECK(num_told > 20);
 }
 
-TEST_CASE("emergency: where the wind may cost more, the shortest path is told, with a warning") {
-  const MeadowServer meadow(StoreAmslMeadow);
-  int num_warnings = 0;
-  for (int altitude_m = 600; altitude_m <= 700; altitude_m += 10) {
-    const nlohmann::json answer =
-        GetJson(*meadow.client, Query(altitude_m, "&altitude_datum=amsl"));
-    if (answer["sites"].empty()) continue;
-    const nlohmann::json& site = answer["sites"][0];
-    CHECK((SurplusM(site) > 2.0) == WarnsOfSurplus(site));
-    num_warnings += WarnsOfSurplus(site);
-  }
-  CHECK(num_warnings > 0);
-}
-
 TEST_CASE("emergency: terrain is checked along the turn, not along the straight line") {
   const MeadowServer meadow([](Storage& storage) {
     StoreAmslMeadow(storage);
