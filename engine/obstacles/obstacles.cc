@@ -83,7 +83,11 @@ std::vector<Touched> CellsOf(const HardObstacle& obstacle, double reach, const G
 
 // Elevation of each cell, or of the nearest cell that has one; NaN where none has.
 cv::Mat1f NearestElevation(const cv::Mat1f& elevation) {
-  const cv::Mat1b is_unknown = elevation != elevation;
+  // OpenCV takes a matrix for equal to itself, NaN included.
+  cv::Mat1b is_unknown(elevation.size());
+  std::transform(elevation.begin(), elevation.end(), is_unknown.begin(), [](float height) {
+    return std::isnan(height) ? uchar{255} : uchar{0};
+  });
   const int num_unknown = cv::countNonZero(is_unknown);
   if (num_unknown == 0 || num_unknown == static_cast<int>(elevation.total())) return elevation;
   cv::Mat1f distance;
