@@ -186,10 +186,10 @@ void StorageState::BringTogether() {
   if (is_new) return on_copy([&] { CopySites(copy_writer, writer); });
   // The databases differ after a kill between two commits, but also after damage. The main database
   // is checked before its sites replace the copy's.
-  const bool is_same = on_copy([&] {
-    return StampsOf(copy_writer) == StampsOf(writer) &&
-           ObstacleStampsOf(copy_writer) == ObstacleStampsOf(writer);
-  });
+  const SiteStamps sites = StampsOf(writer);
+  const auto obstacles = ObstacleStampsOf(writer);
+  const bool is_same = on_copy(
+      [&] { return StampsOf(copy_writer) == sites && ObstacleStampsOf(copy_writer) == obstacles; });
   if (is_same) return;
   CheckSites(writer);
   on_copy([&] { CopySites(writer, copy_writer); });

@@ -32,7 +32,7 @@ SiteRow RowOf(const Kept& kept) {
   feature["properties"]["score"] = kept.score;
   feature["geometry"]["coordinates"][1] = site.latitude_deg;
   site.feature_json = feature.dump();
-  if (kept.is_superseded) static_cast<Standing&>(site) = SupersededBy("other");
+  if (kept.is_superseded) static_cast<Standing&>(site) = SupersededBy("new-good");
   site.seen_at_us = NowUs() - kept.age_days * kDayUs;
   // Evaluated again today: this is no new look.
   site.updated_at_us = NowUs();

@@ -33,7 +33,8 @@ httplib::Result Put(httplib::Client& client, const std::string& id, const nlohma
 
 std::vector<std::string> Listed(httplib::Client& client, const std::string& query = "") {
   std::vector<std::string> ids;
-  for (const auto& feature : GetJson(client, "/v1/obstacles" + query)["features"]) {
+  const nlohmann::json collection = GetJson(client, "/v1/obstacles" + query);
+  for (const nlohmann::json& feature : collection["features"]) {
     ids.push_back(feature["id"]);
   }
   return ids;
