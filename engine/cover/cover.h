@@ -21,14 +21,14 @@ struct PhotoOptions {
   // max_photo_disagreement = 0: no comparison.
   double min_crossing_ratio = 0.2;
   double max_photo_disagreement = 0.06;
-  // Disagreement and ground that is not shown are joined to one area. Disagreement counts only in
-  // those parts of the area into which a disc of min_open_cover_radius_m fits. Such disagreement is
-  // then widened by open_cover_margin_m. Tree crowns are large enough to count; the edges of hedges
-  // are not.
+  // Cells where the photographs disagree are joined with neighbouring cells that fewer than two
+  // photographs show. Disagreement counts only where a disc of radius min_open_cover_radius_m fits
+  // into the joined area. The cells that count are then widened by open_cover_margin_m. Tree crowns
+  // are large enough to count; the edges of hedges are not.
   double min_open_cover_radius_m = 2.0;
   double open_cover_margin_m = 1.0;
-  // Narrow cover is disagreement into which no such disc fits, but a square of side
-  // min_narrow_cover_m. It is a small crown or an edge, and the two cannot be distinguished.
+  // Narrow cover is disagreement where no such disc fits, but a square of side min_narrow_cover_m
+  // fits. Narrow cover is a small crown or an edge, and the two cannot be distinguished.
   // narrow_cover_allowance_m is added to its upper height. Saplings may grow in hedges (decision
   // 0014).
   double min_narrow_cover_m = 2.0;
@@ -131,7 +131,7 @@ struct CoverOptions {
   double overreach_surroundings_m = 30.0;
   // Boulders, animals and cars differ from their surroundings in colour or brightness. An object is
   // a patch of at least min_object_area_m2 that differs by min_object_deviations deviations. The
-  // surroundings are the ground within object_surroundings_m. 0: no search.
+  // surroundings are a square of side object_surroundings_m. min_object_deviations = 0: no search.
   double min_object_deviations = 7.0;
   double object_surroundings_m = 10.0;
   double min_object_area_m2 = 0.4;

@@ -32,8 +32,8 @@ BoundingBox BoxAround(const GeoPoint& place, double reach_m);
 // The aircraft without power. Aircraft and glide ratio of the request override those of the site.
 Aircraft AircraftOf(const EmergencyRequest& request, const Aircraft& site_aircraft);
 GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& position_in_world);
-// Upper bound of the gliding distance: down to the lowest site, with the aircraft that glides
-// farthest.
+// Upper bound of the gliding distance: the distance to the altitude of the lowest site, with the
+// aircraft that glides farthest.
 double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds);
 
 // The `num_first` most promising candidates come first, in order; the rest has no order. Candidates
@@ -42,8 +42,8 @@ std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
                                         const SharedRows<RecallRow>& rows,
                                         size_t num_first);
 
-// True if the candidate cannot rank before `reached`, an evaluated site in reach, even if the
-// candidate's plan is landable and has its best_margin_m.
+// True if the candidate cannot rank before `reached`, which is an evaluated site in reach. For the
+// candidate the best case is assumed: its plan is landable, and its margin is best_margin_m.
 bool IsSurelyNotBetter(const RecallCandidate& candidate,
                        double margin_of_reached,
                        bool is_reached_landable,

@@ -10,15 +10,16 @@
 
 namespace freelsd {
 
-// The way where it is nearest to the stored maps below it.
+// The point of the path with the least height above the stored maps.
 struct TerrainMargin {
-  // Height above the map, minus the clearance and what the datum costs, in metres.
+  // Height above the map, minus the request's terrain clearance and minus datum.subtracted_m;
+  // metres.
   double margin_m = 0.0;
-  // Between the datums of the request's altitude and of that map.
+  // Difference between the datum of the request's altitude and the datum of the map.
   DatumDifference datum;
 };
 
-// Nothing if no stored map lies below the path. The path has at least one point; altitudes are in
+// Nothing if no stored map lies below the path. `path` has at least one point. Its altitudes are in
 // the request's datum.
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
                                              const EmergencyRequest& request,
