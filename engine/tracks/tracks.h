@@ -138,14 +138,15 @@ class Tracks {
   // Adds one frame. A frame waits for its neighbours if its attitude or its height is unknown. The
   // result contains zero, one or several frames.
   std::vector<ReadyFrame> Add(Frame frame);
-  // Turns the waiting frames into views as well as possible; drops the others.
+  // Ends the waiting of all frames. Frames whose attitude and height can be computed become views.
+  // The others are dropped.
   std::vector<ReadyFrame> Flush();
 
   // In the order in which the frames became views.
   const std::vector<View>& views() const;
   const Camera& camera() const;
-  // Sets the pose of a view (by index) from an adjustment. The camera never changes: a lens that
-  // an adjustment refined belongs to that adjustment's views alone.
+  // Sets the pose of a view (by index) from an adjustment. Trap: the refined lens of an adjustment
+  // is not taken over. It is valid only for the views of that adjustment.
   void SetPose(size_t view, const Rigid3d& world_from_camera, const Readout& readout);
 
   // Where the ray through a pixel meets the ground. The height of the ground is the
