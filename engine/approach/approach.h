@@ -13,9 +13,9 @@ namespace freelsd {
 
 struct ApproachOptions {
   // --- What counts as safe ---
-  // Lower bound for the standard deviation of the map's position. The edge of the touchdown disc
-  // stays disc_margin_sigma such deviations away from hazard. Paper: no margin. Differs: even a
-  // margin of one deviation is too small (decision 0018).
+  // Lower bound for the standard deviation of the map's position. The least distance between the
+  // edge of the touchdown disc and a hazard is disc_margin_sigma times this deviation. Paper: no
+  // margin. Differs: even a margin of one deviation is too small (decision 0018).
   double min_map_position_sd_m = 1.0;
   double disc_margin_sigma = 2.0;
   // Margin for a shift of the map, in deviations of the map's position. It widens the ground roll
@@ -121,7 +121,8 @@ struct ApproachProfile {
 // All cells that reach into the rectangle are kFree. Two steps give its size:
 // 1. Length: the planner's corridor is extended ahead and behind while all its cells are kFree. The
 //    half-width of the corridor is path_half_width_m plus the margin for the map's position.
-// 2. Width: this length is widened to each side while all cells are kFree.
+// 2. Width: the rectangle is widened to each side, at its full length, while all its cells are
+//    kFree.
 // All 0 if the ground at the touchdown is not free.
 struct LandingStrip {
   double ahead = 0.0;
@@ -137,8 +138,8 @@ enum class PathPart { kFinal, kCircle };
 
 // The obstacle below a path with the least spare clearance (clearance minus wanted). An obstacle is
 // a cell whose top is higher above the touchdown than a limit. The limit is max_roughness_m in a
-// cell that is not kFree, else the safety margin. Lower cells are no obstacles, because the end of
-// every final is low above the ground on which the aircraft lands.
+// cell that is not kFree, else the safety margin. Lower cells do not count, because every final
+// ends low above the ground.
 struct PathObstacle {
   PathPart part = PathPart::kFinal;
   // Centre of the cell. z is the top of the obstacle, including the height allowance.
@@ -320,8 +321,9 @@ Polygon CheckedGround(const Approach& approach,
 // must outlive the planner. Thread-safe.
 class ApproachPlanner {
  public:
-  // The wind in `request` is not planned for. Its spread (wind_spread_mps) is used in plans for
-  // exactly this wind. Throws std::invalid_argument when map and hazards have different grids.
+  // The planner ignores request.wind_in_world, with one exception: a plan for exactly this wind
+  // allows for request.wind_spread_mps. Throws std::invalid_argument when map and hazards have
+  // different grids.
   ApproachPlanner(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,

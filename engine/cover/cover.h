@@ -123,10 +123,10 @@ struct CoverOptions {
   double max_even_slope_deg = 10.0;
   double max_even_roughness_m = 0.5;
   // Image segments may extend across soft borders into other ground. Therefore two mean colours are
-  // measured within overreach_surroundings_m of a grass cell: that of grass and that of other
-  // ground. If the two differ by less than min_overreach_deviations deviations, the cell stays
-  // grass. Otherwise it is dropped if its own colour is nearer to that of other ground. 0: no
-  // search.
+  // measured within overreach_surroundings_m of a grass cell: the colour of grass, and the colour
+  // of other ground. If these colours differ by less than min_overreach_deviations deviations, the
+  // cell stays grass. Otherwise the cell loses its class if its colour is nearer to the colour of
+  // other ground. min_overreach_deviations = 0: no search.
   double min_overreach_deviations = 2.0;
   double overreach_surroundings_m = 30.0;
   // Boulders, animals and cars differ from their surroundings in colour or brightness. An object is
@@ -139,9 +139,9 @@ struct CoverOptions {
   double max_surroundings_deviations = 3.5;
   // A fence is a dark line of length fence_filter_length_m that contains min_num_posts posts. The
   // line must be darker than the ground on both sides by min_fence_deviations. The unit is the
-  // deviation of the darkness of arbitrary lines. A post is a cell that is darker than its
-  // surroundings by min_post_deviations. The unit is the deviation of the darkness of single cells.
-  // 0: no search.
+  // standard deviation of the darkness of lines at arbitrary places. A post is a cell that is
+  // darker than its surroundings by min_post_deviations. The unit is the standard deviation of the
+  // darkness of single cells. min_fence_deviations = 0: no search.
   double min_fence_deviations = 3.0;
   double fence_filter_length_m = 16.0;
   double min_post_deviations = 4.0;

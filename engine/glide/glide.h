@@ -23,8 +23,9 @@ struct GlideOptions {
   int num_unknown_headings = 16;
   // Clearance to keep above the terrain of stored maps on the way to the approach's start.
   double terrain_clearance_m = 10.0;
-  // Subtracted from the arrival height if the datums of two altitudes differ, or one of them is
-  // unknown, and the geoid's grid is not installed. The geoid lies up to 106 m from the ellipsoid.
+  // Subtracted from the arrival height if two altitudes cannot be compared exactly, and the geoid's
+  // grid is not installed. Two altitudes cannot be compared exactly if their datums differ or if a
+  // datum is unknown. The geoid lies up to 106 m from the ellipsoid.
   double datum_penalty_m = 110.0;
 
   // Throws std::invalid_argument: "glide.unknown_wind_mps = -1: must be in [0, 50]".
@@ -45,8 +46,9 @@ struct Glide {
   double arrival_height_m = 0.0;
 };
 
-// The same aircraft without power: its final is at least as steep as its glide. A given glide_ratio
-// replaces that of the aircraft. Throws std::invalid_argument if it is outside its bounds.
+// The same aircraft without power: its final is at least as steep as its glide. If `glide_ratio` is
+// given, it replaces the glide ratio of the aircraft. Throws std::invalid_argument if the ratio is
+// outside its bounds.
 Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio);
 
 // The result with the lowest arrival, over all combinations of these values:
