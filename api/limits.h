@@ -73,7 +73,8 @@ struct HeadLimits {
 // Connections of one listener. None of these limits holds a thread: a poll loop waits for heads,
 // small bodies and slow readers.
 struct ConnectionLimits {
-  // If this number is reached, a new connection replaces the connection that is idle for longest.
+  // If this number is reached, a new connection replaces another one, preferably the one that has
+  // been idle for longest.
   size_t max_num_connections = 1000;
   // A head, and a body up to max_small_body_bytes, must arrive whole within this time.
   int max_request_ms = 1000;

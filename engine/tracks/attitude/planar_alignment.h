@@ -24,7 +24,7 @@ namespace freelsd {
 struct AlignmentFrame {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   double position_sd_m = 2.0;
-  // A held frame has a known pose, which stays unchanged. The poses of the others are computed.
+  // A held frame has a known pose, which stays unchanged. The poses of other frames are computed.
   bool is_held = false;
   Eigen::Quaterniond world_from_camera = Eigen::Quaterniond::Identity();
   double height_above_ground = 0.0;
