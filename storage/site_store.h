@@ -54,7 +54,7 @@ struct Standing {
   int64_t superseded_at_us = 0;
   std::string superseded_reason;
   std::string superseded_detail;
-  // When the ground was last photographed on another map on which the plan holds.
+  // Time of the latest photographs of another map on which the plan holds.
   std::optional<int64_t> confirmed_at_us;
   // False if an older program stored the site. Its plan was then never checked on later maps.
   bool is_checked = false;
@@ -82,7 +82,7 @@ struct SiteRow : Standing {
   std::optional<RecallData> recall;
   // Datum of the map's altitudes if `recall` is empty. Otherwise recall->altitude_datum is used.
   std::string map_datum = "unknown";
-  // Area of the map; empty: the box is the touchdown point.
+  // Area of the map. If empty, the site's box is its touchdown point.
   std::optional<BoundingBox> map_box;
 
   // When the ground was last photographed: on its own map, or on a later one that confirms the
@@ -147,8 +147,8 @@ class SiteStore {
   SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const;
   int64_t CountRecallable() const;
   RecallBounds BoundsOfRecallable() const;
-  // Number of accepted sites with a map in the box that recall leaves out because they are
-  // superseded.
+  // Number of accepted sites that recall leaves out because they are superseded. Only sites with a
+  // map in the box are counted.
   int64_t CountOverruled(const BoundingBox& box) const;
 
  private:

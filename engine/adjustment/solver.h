@@ -25,10 +25,10 @@ struct SolvedBlock {
   int num_residuals = 0;
 };
 
-// Finds the poses, the points and, if refine_exif_intrinsics allows it, the lens that fit the
-// inliers and the priors best. Initial values are `start` and the points in `tracks`. `camera`
-// holds the prior intrinsics. Writes the result's points to `tracks`. Nothing if the solver fails
-// or a value is not finite. The points in `tracks` are then invalid.
+// Finds the poses and the points that fit the inliers and the priors best. If
+// refine_exif_intrinsics allows it, also finds the best lens. Initial values are `start` and the
+// points in `tracks`. `camera` holds the prior intrinsics. Writes the result's points to `tracks`.
+// Nothing if the solver fails or a value is not finite. The points in `tracks` are then invalid.
 std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
                                       const Camera& camera,
                                       const BlockState& start,

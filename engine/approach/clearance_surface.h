@@ -34,8 +34,8 @@ struct ClearanceSurface {
   // Used to check circles, and for a quick test of finals.
   cv::Mat1f corridor_height;
   cv::Mat1b corridor_is_unseen;
-  // Metres. A corridor whose middle line passes through a cell touches only cells within this
-  // distance of that cell's centre.
+  // Metres. If the middle of a corridor lies in a cell, the corridor reaches only cells within this
+  // distance of the cell's centre.
   double corridor_radius = 0.0;
   // Additional clearance per metre of distance from touchdown, because the map may be tilted.
   double lean = 0.0;

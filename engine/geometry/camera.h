@@ -20,9 +20,9 @@ enum class CameraSource { kCalibrated, kExif };
 // Motion of the camera while the rows of one image are read (rolling shutter).
 struct Readout {
   // Rotation vectors, camera frame, radians. `turn`: the uniform part, from the first row to the
-  // last row. `bend`: the quadratic part, caused by gusts. It is four times the additional rotation
-  // at the first row, which equals that at the last row. Translation along the ground has nearly
-  // the same effect on the image and is included in `turn`.
+  // last row. `bend`: the quadratic part, caused by gusts. Its effect is zero at the middle row,
+  // and a quarter of `bend` at the first row and at the last row. Translation along the ground has
+  // nearly the same effect on the image and is included in `turn`.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
 

@@ -52,7 +52,7 @@ struct ClientConnection {
     kServing,    // the serving thread
     kWriting,    // a client that reads its answer
     kLive,       // events, or a client that reads them
-    kLingering,  // the end of a client whose request was not read to its end
+    kLingering,  // the client's disconnection, because its request was not read completely
   };
 
   ClientConnection(int descriptor, const RequestRules& rules)
@@ -74,7 +74,7 @@ struct ClientConnection {
   std::optional<LiveAnswer> live;
   // True if the connection ends after the answer.
   bool is_last = false;
-  // True if the request was not read to its end. The connection is then closed later, because
+  // True if the request was not read completely. The connection is then closed later, because
   // closing it at once could discard an answer that the client has not read yet.
   bool must_linger = false;
 };
