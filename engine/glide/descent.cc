@@ -55,7 +55,7 @@ struct Task {
   double height = 0.0;
 };
 
-// The planner's circle is for the speed of landing.
+// The planner computes its circle for the landing speed.
 StraightGlide AtLandingSpeed(Aircraft aircraft) {
   aircraft.glide_airspeed_mps = aircraft.landing_airspeed_mps;
   return StraightGlideOf(aircraft);

@@ -47,7 +47,7 @@ nlohmann::json FeatureOf(const SiteRow& row) {
   if (row.confirmed_at_us) properties["last_seen_at"] = Rfc3339(row.LastSeenUs());
   if (!row.superseded_by) return feature;
   properties["superseded_by"] = *row.superseded_by;
-  // A row of an older program has no more than the id, until it is checked.
+  // The row of an older program has only the id of the later site, until the site is checked.
   if (row.superseded_at_us == 0) return feature;
   properties["superseded_at"] = Rfc3339(row.superseded_at_us);
   properties["superseded_reason"] = row.superseded_reason;

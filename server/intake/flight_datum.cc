@@ -13,7 +13,8 @@ std::optional<std::string> DatumOfFrames(const FlightRow& flight) {
   return ParseStoredFlightRig(flight.rig_json).altitude_datum;
 }
 
-// What the frames tell against the client, or against each other; empty: nothing.
+// Contradictions between the datums of the frames and the client's, or among the frames. Empty if
+// there are none.
 std::vector<std::string> Contradictions(const std::optional<std::string>& given,
                                         const std::optional<std::string>& before,
                                         const std::string& told) {

@@ -19,7 +19,7 @@ namespace {
 
 // Limits of one answer: the number of sites to plan on, and the time after which no plan is begun.
 constexpr size_t kMaxNumPlanned = 40;
-// One more than is planned on shows that there are more.
+// One more candidate is ranked than is planned for. It shows whether there are more.
 constexpr size_t kNumRanked = kMaxNumPlanned + 1;
 constexpr std::chrono::milliseconds kTimeBudget{1500};
 
@@ -28,7 +28,7 @@ struct Reached {
   double margin_m = 0.0;
   bool is_landable = false;
   Landing landing;
-  // Of the site's datum, and of the terrain's on the way.
+  // How the datums of the site and of the terrain below the way were compared.
   std::set<DatumBasis> datum_bases;
   nlohmann::json answer;
 };
@@ -210,7 +210,8 @@ std::vector<const Ranked*> DifferentPlaces(const std::vector<Ranked>& ranked, si
 }
 
 struct Search {
-  // Of all candidates, and of the ways to those that were evaluated.
+  // How the datums were compared: for all candidates, and for the terrain below the ways that were
+  // evaluated.
   std::set<DatumBasis> datum_bases;
   // Best first.
   std::vector<Ranked> reachable;
@@ -219,8 +220,8 @@ struct Search {
   bool is_cut_short = false;
 };
 
-// True if no candidate from `next` on can change the answer: a smaller limit gives the beginning of
-// what a larger one gives.
+// True if no candidate from `next` on can change the answer. An answer with a smaller limit is
+// therefore always the beginning of an answer with a larger limit.
 bool IsSettled(const std::vector<Ranked>& reachable,
                size_t limit,
                const std::vector<RecallCandidate>& candidates,
