@@ -98,7 +98,7 @@ nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& lo
                             {"loiter_radius_m", Rounded(approach.loiter_radius)},
                             {"loiter_direction", DirectionName(approach.loiter_direction)},
                             {"min_clearance_m", Rounded(approach.min_clearance)}};
-  // The obstacle was searched for if the strip is known.
+  // The obstacle is known where the strip is.
   if (approach.strip) {
     properties["tightest_obstacle"] = ObstacleJson(approach.obstacle, local_frame);
   }

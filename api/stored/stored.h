@@ -125,8 +125,7 @@ struct StoredSite {
   std::optional<StoredClearance> approach;
   std::vector<StoredRejection> rejections;
   std::vector<std::string> warnings;
-  // True if the site's plan fails on a later map. The caller sets this field, because it may change
-  // after the site is stored.
+  // Its plan fails on a later map. The caller sets it: a later flight changes it.
   bool is_superseded = false;
   std::optional<FinalPlaces> final_places;
   std::vector<ProfilePoint> profile;

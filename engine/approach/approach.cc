@@ -129,7 +129,7 @@ Plan Explained(Plan plan,
   return plan;
 }
 
-// Adds a rejection with the reason why the first search failed.
+// Adds the reason why the first way was not taken.
 Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_rejections);
   plan.rejections.insert(

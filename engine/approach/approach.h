@@ -170,12 +170,11 @@ struct Approach {
   double min_clearance = 0.0;
   // Unseen share of the chosen circle.
   double unseen_ratio = 0.0;
-  // Corners of the strip that must be free for the ground roll, including its margins. Empty if the
-  // aircraft needs no ground roll.
+  // Corners of the ground roll that must be free, with its margins; empty where none is needed.
   std::vector<Eigen::Vector3d> ground_roll_in_world;
-  // Explanation::kNone leaves strip, obstacle and profile empty.
+  // The next three are left empty without explanation.
   std::optional<LandingStrip> strip;
-  // The tightest obstacle in all scenarios of the wind. Empty if there is no obstacle.
+  // Over all scenarios of the wind. Empty: there is none.
   std::optional<PathObstacle> obstacle;
   ApproachProfile profile;
 };
@@ -284,8 +283,8 @@ Plan PlanApproach(const ElevationMap& map,
                   const Aircraft& aircraft,
                   const ApproachOptions& options);
 
-// Whether a plan includes what people need to understand it: rejections, rules, strip, tightest
-// obstacle and profile.
+// Whether a plan includes its rejections, its rules, its strip, its tightest obstacle and the
+// profile below its final.
 enum class Explanation { kFull, kNone };
 
 // Result of checking an approach on another map than the one on which it was planned.

@@ -39,10 +39,10 @@ Attempt Try(const Touchdown& touchdown,
 
 Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context);
 
-// Includes clearances, but not the strip, obstacle and profile of Explanation::kFull.
+// Includes clearances, but nothing that an explanation adds.
 Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context);
 
-// The tightest obstacle on one part of the path, in all scenarios of the attempt's heading.
+// On one part of the path, over all scenarios of its heading.
 std::optional<PathObstacle> TightestOf(const Attempt& attempt,
                                        const AttemptContext& context,
                                        PathPart part);
