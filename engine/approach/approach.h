@@ -41,16 +41,15 @@ struct ApproachOptions {
   // error of the wind's direction. Differs: the speed is uncertain too.
   double wind_sigma = 1.0;
   // Bare ground gets no height allowance. Ground is bare if all cells within this radius are seen
-  // and no rougher than max_bare_roughness_m. The map is rougher where branches hang over the
-  // ground.
+  // and no rougher than max_bare_roughness_m. Below branches they are rougher.
   double bare_ground_radius_m = 2.0;
   double max_bare_roughness_m = 0.5;
   // --- Search ---
   // Largest number of touchdown candidates per region.
   int max_num_candidates = 60;
   // Largest number of reserve candidates, which are more densely spaced. They are tried if all
-  // other candidates are rejected. Some fields have room for only one final, and a coarse search
-  // may miss it.
+  // other candidates are rejected. A coarse search may miss the only possible final of a small
+  // field.
   int max_num_reserve_candidates = 500;
   // Least distance between touchdown candidates. The distance is greater in a large region, so that
   // the candidates cover all free ground.
@@ -198,8 +197,7 @@ struct PlaceRule {
   // final, final_seen, circle, circle_seen, wind_known; in this order.
   std::string name;
   bool passed = false;
-  // Measured value, and the limit for this value. Empty if unknown, or if the rule compares no
-  // numbers.
+  // Measured value and its limit. Empty if unknown, or if the rule compares no numbers.
   std::optional<double> value = std::nullopt;
   std::optional<double> limit = std::nullopt;
   // "m", "deg", "m/s" or "ratio"; empty if the rule compares no numbers.
@@ -210,11 +208,9 @@ struct PlaceRule {
 
 // The planner's judgement of a touchdown at one place.
 struct PlaceJudgement {
-  // Verdict of PlanFor if the place were the only one in the region. kRejected if a rule of the
-  // ground fails.
+  // Verdict of PlanFor for this place alone. kRejected if a rule of the ground fails.
   Verdict verdict = Verdict::kRejected;
-  // Rules that cannot be checked are left out. Example: without a ground height, no path can be
-  // checked.
+  // Rules that cannot be checked are left out: without a ground height there is no path.
   std::vector<PlaceRule> rules;
   // Values of the map there: world z of the ground, deviation of this height, posterior of grass.
   std::optional<double> height, height_sd, grass_probability;
@@ -260,8 +256,8 @@ struct PlanRequest {
   std::optional<Eigen::Vector2d> wind_in_world;
   // Deviation of the wind per axis (WindEstimate). 0 for a wind that was not measured.
   double wind_spread_mps = 0.0;
-  // World z of the region, from coarse depth. Used only as the touchdown's height if the map shows
-  // no ground of the region.
+  // World z of the region, from coarse depth. Used as the touchdown's height if the map shows no
+  // ground.
   double ground_height = 0.0;
 };
 
@@ -301,8 +297,7 @@ struct ApproachCheck {
 // compared, because the altitudes of two flights differ by metres, or by tens of metres if their
 // datums differ. Instead, the approach is shifted vertically until its touchdown lies on the ground
 // of this map. If the map shows no ground in the touchdown disc, the shift is computed from the
-// ground below the final and the stored profile. Throws std::invalid_argument when map and hazards
-// have different grids.
+// ground below the final and the stored profile. Throws like PlanApproach.
 ApproachCheck CheckApproach(const Approach& approach,
                             const ElevationMap& map,
                             const HazardLayers& hazards,
@@ -321,8 +316,7 @@ Polygon CheckedGround(const Approach& approach,
 class ApproachPlanner {
  public:
   // The planner ignores request.wind_in_world, with one exception: a plan for exactly this wind
-  // allows for request.wind_spread_mps. Throws std::invalid_argument when map and hazards have
-  // different grids.
+  // allows for request.wind_spread_mps. Throws like PlanApproach.
   ApproachPlanner(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,
