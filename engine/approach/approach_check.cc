@@ -175,7 +175,7 @@ std::optional<Rejection> BrokenBelow(const Approach& approach,
     return Rejection{touchdown,
                      RejectReason::kNoSafeTouchdown,
                      "the ground roll meets a hazard " + Metres(roll.hazard->distance) +
-                         " behind the touchdown point",
+                         " beyond the touchdown point",
                      std::nullopt};
   }
   return std::nullopt;

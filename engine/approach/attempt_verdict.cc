@@ -70,7 +70,7 @@ std::string Percent(double ratio) {
 
 std::string WhyRollFails(const RollHazard& hazard) {
   return "the ground roll meets " + std::string(hazard.is_unseen ? "unseen ground " : "a hazard ") +
-         Metres(hazard.distance) + " behind the touchdown point";
+         Metres(hazard.distance) + " beyond the touchdown point";
 }
 
 std::string WhyFinalFails(const Attempt& attempt, const Obstacle& obstacle) {

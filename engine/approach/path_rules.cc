@@ -23,7 +23,7 @@ PlaceRule RollRule(const Attempt& attempt,
     // roll that was checked.
     rule.value = std::max(strip.ahead, needed);
     rule.sentence = "The ground roll is free for " + Metres(*rule.value) +
-                    " behind the touchdown point; " + Metres(needed) + " must be free.";
+                    " beyond the touchdown point; " + Metres(needed) + " must be free.";
   }
   return rule;
 }

@@ -306,7 +306,7 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
   if (const int64_t count =
           stored.storage.sites.CountOverruled(BoxAround(request.place, reach_m))) {
     warnings.push_back(std::to_string(count) +
-                       " sites nearby are left out: their way down fails on a later map");
+                       " sites nearby are left out: their stored approach fails on a later map");
   }
   if (search.is_cut_short) warnings.push_back("not every stored site in reach was evaluated");
   answer["warnings"] = warnings;
