@@ -70,8 +70,8 @@ struct HeadLimits {
   size_t max_target_bytes = 2 << 10;
 };
 
-// Connections of one listener. None of these limits holds a thread: a poll loop waits for heads,
-// small bodies and slow readers.
+// Connections of one listener. A poll loop waits for heads, small bodies and slow readers, so that
+// these hold no thread.
 struct ConnectionLimits {
   // If this number is reached, a new connection replaces another one, preferably the one that has
   // been idle for longest.

@@ -22,7 +22,7 @@ struct LiveWind {
 
 struct LivePose {
   GeoPoint place;
-  // Datum that the position was sent with; nothing if it was sent without.
+  // Datum of the position's altitude; nothing if the position was sent without a datum.
   std::optional<std::string> altitude_datum;
   // The position's own time, as the aircraft gave it.
   std::optional<int64_t> timestamp_us;
