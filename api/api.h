@@ -59,7 +59,7 @@ struct FlightRequest {
   std::optional<Camera> camera;
   std::optional<Rigid3d> body_from_camera;
   std::optional<GeoPoint> origin;
-  // "amsl", "ellipsoid" or "unknown". Empty: the flight's own input tells the datum.
+  // "amsl", "ellipsoid" or "unknown". Empty: the datum is taken from the flight's frames.
   std::optional<std::string> altitude_datum;
   Aircraft aircraft;
   PipelineOptions options;
@@ -83,7 +83,7 @@ nlohmann::json GeoPointJson(const GeoPoint& point);
 struct FrameMeta {
   std::optional<int64_t> timestamp_us;
   std::optional<GeoPoint> position;
-  // Datum of the position's altitude, "amsl" or "ellipsoid"; empty: the source does not tell it.
+  // Datum of the position's altitude, "amsl" or "ellipsoid". Empty if the source does not state it.
   std::optional<std::string> altitude_datum;
   // NED is north-east-down; the body is forward-right-down.
   std::optional<Eigen::Quaterniond> ned_from_body;
@@ -95,8 +95,9 @@ struct FrameMeta {
   std::optional<double> attitude_sd_deg;
 };
 FrameMeta ParseFrameMeta(const std::string& json_text);
-// Each field is taken from `first` if set there, else from `second`. A standard deviation and a
-// datum are taken from the source of their position or attitude, never from the other one.
+// Each field is taken from `first` if set there, else from `second`. Exception: a standard
+// deviation or datum is taken from the same source as its position or attitude, never from the
+// other source.
 FrameMeta Merged(const FrameMeta& first, const FrameMeta& second);
 // Engine frame from an image and its meta. Throws ApiError NoPosition if `meta` has no position,
 // ImageSizeMismatch if the image and the camera differ in size.

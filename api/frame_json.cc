@@ -35,7 +35,7 @@ Eigen::Vector2d ReadWind(const nlohmann::json& value) {
   return wind;
 }
 
-// A datum that is "unknown" says no more than none.
+// The datum "unknown" is the same as no datum.
 std::optional<std::string> ReadDatum(const nlohmann::json& value, bool has_position) {
   const std::string datum = ReadString(value, "/altitude_datum");
   if (datum != "amsl" && datum != "ellipsoid" && datum != "unknown") {

@@ -1,4 +1,4 @@
-// Reading of a frame's meta: the parts that the API's JSON and the stored JSON have in common.
+// Reads the fields of a frame's meta that have the same form in the API's JSON and in stored JSON.
 #pragma once
 
 #include "api/json_reader.h"

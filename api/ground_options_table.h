@@ -145,7 +145,7 @@ void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
         "upper bound of a single view's probability");
   visit("max_num_independent_views",
         o.max_num_independent_views,
-        "views beyond this number do not change the posterior");
+        "largest number of views that count as independent");
   visit("min_vote_ratio", o.min_vote_ratio, "least share of a cell's views that classified it");
   visit("upper_margin_m", o.upper_margin_m, "margin for noise in a cell's upper height");
   VisitCropFields(o, visit);

@@ -49,8 +49,8 @@ class ObjectReader {
   // Throws ApiError unless `value` is an object. Keeps a reference to `value`.
   ObjectReader(const nlohmann::json& value, std::string pointer);
 
-  // Throws ApiError UnknownKey if the object has a key besides these. Call it before reading, if
-  // some key is needed: a misspelt key explains more than the missing one.
+  // Throws ApiError UnknownKey if the object has any other key. Call it first if a key is required.
+  // The error then names the misspelt key instead of the missing one.
   void RefuseKeysExcept(const std::set<std::string>& known) const;
   // Null counts as absent.
   const nlohmann::json* Find(const std::string& key);

@@ -18,7 +18,7 @@ struct ImageLimits {
 };
 
 struct ZipLimits {
-  // Far more images than one flight has. The name of every entry is held in memory.
+  // A flight has far fewer images. The name of every entry is held in memory.
   int max_entries = 20000;
   // Ratio of unpacked to packed bytes. Images and text stay far below it. Zip bombs exceed it by
   // far.
@@ -53,7 +53,7 @@ struct PoseLimits {
 struct TagLimits {
   // A JPEG segment holds 64 KiB; a PNG chunk could hold anything.
   size_t max_block_bytes = size_t{256} << 10;
-  // Photographs have a few dozen. A hostile file may consist of tiny segments only.
+  // Photographs have a few dozen segments. A hostile file may consist only of tiny segments.
   size_t max_num_segments = 4096;
   // XMP packets nest about 5 levels deep. The XMP library recurses.
   int max_xmp_depth = 32;
@@ -70,21 +70,23 @@ struct HeadLimits {
   size_t max_target_bytes = 2 << 10;
 };
 
-// Connections of one listener. None of these limits holds a thread: a poll loop waits for heads,
-// small bodies and slow readers.
+// Connections of one listener. A poll loop waits for heads, small bodies and slow readers, so that
+// these hold no thread.
 struct ConnectionLimits {
-  // Beyond it the longest idle connection is closed for a new one.
+  // If this number is reached, a new connection replaces another one, preferably the one that has
+  // been idle for longest.
   size_t max_num_connections = 1000;
   // A head, and a body up to max_small_body_bytes, must arrive whole within this time.
   int max_request_ms = 1000;
   size_t max_small_body_bytes = size_t{64} << 10;
-  // Larger and chunked bodies arrive in threads of their own, one each. Beyond the limit the answer
-  // is 429. The emergency listener takes none.
+  // Each larger or chunked body has a thread of its own. If there are more such bodies, the answer
+  // is 429. The emergency listener accepts no such body.
   int max_num_large_bodies = 24;
   int max_idle_s = 60;
   // A client that reads nothing of its answer for that long is disconnected.
   int max_write_pause_s = 10;
-  // Answers that clients have not read yet, together. Beyond it the longest waiting is dropped.
+  // Total size of the answers that clients have not read yet. If it is exceeded, the answer that
+  // waits longest is dropped.
   size_t max_unsent_bytes = size_t{256} << 20;
 };
 
@@ -95,7 +97,7 @@ struct EventLimits {
   size_t max_event_bytes = size_t{256} << 10;
   // Text that waits in memory for one client. Events beyond it wait in the log.
   size_t max_unsent_bytes = size_t{256} << 10;
-  // All events that are kept for clients that are behind or come back.
+  // Total size of the events that are kept for slow and for returning clients.
   size_t max_log_bytes = size_t{8} << 20;
 };
 
@@ -117,7 +119,7 @@ struct StreamLimits {
 };
 
 // Largest numbers of requests of one kind that are served at the same time. A request beyond a
-// limit is answered with 429. Requests for decoders and rose planners wait instead.
+// limit is answered with 429. Exception: requests that need a decoder or a rose planner wait.
 struct ConcurrencyLimits {
   // Each upload holds an encoded image in memory, and a thread.
   int max_num_uploads = 8;
@@ -133,13 +135,15 @@ struct ConcurrencyLimits {
 struct AnswerLimits {
   // Flights, jobs or sites of one page.
   size_t max_num_listed = 10000;
-  // A page of jobs ends early beyond it: each lists the verdicts of its images.
+  // Total size of the jobs on one page. A longer page ends early. A job can be large, because it
+  // lists the result of each image.
   size_t max_list_bytes = size_t{32} << 20;
   size_t max_num_exported_sites = 1000;
   size_t max_num_emergency_sites = 50;
   // Sites that a flight's list of alternates may have.
   size_t max_num_alternates = 20;
-  // Planning takes 0.2 ms per wind over an open field, 20 ms if most of the field is obstructed.
+  // Planning for one wind takes 0.2 ms over an open field, and 20 ms if most of the field is
+  // obstructed.
   size_t max_num_rose_winds = 180;
   // Enough for a line on a map. Longer tracks are thinned.
   int64_t max_num_track_positions = 2000;

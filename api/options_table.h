@@ -250,7 +250,7 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
         "least horizontal standard deviation assumed for the map");
   visit("unclear_height_allowance_m",
         o.unclear_height_allowance_m,
-        "height added to trees and unclear cells under the path");
+        "height added to cells under the path without a clear class");
   visit("bare_ground_radius_m",
         o.bare_ground_radius_m,
         "unclear ground is bare if all ground within this radius is seen and even");
@@ -284,7 +284,7 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
         "largest crosswind where no final into the wind is good, share of the landing airspeed");
   visit("heading_step_deg",
         o.heading_step_deg,
-        "step of the headings tried where the wind is calm or unknown");
+        "step of the headings tried in crosswind, in calm and in unknown wind");
   visit("wind_sigma", o.wind_sigma, "standard deviations of the measured wind to allow for");
   visit("calm_wind_mps", o.calm_wind_mps, "in weaker wind every heading is allowed");
   visit("path_step_m", o.path_step_m, "sampling step along path and circle");

@@ -9,7 +9,7 @@ namespace freelsd {
 // The emergency listener has its own threads. It serves only emergency recall and /healthz.
 enum class Listener { kMain, kEmergency };
 
-// Answers the request; every failure with problem+json. Does not throw. Thread-safe.
+// Answers the request. Answers every failure with problem+json, and does not throw. Thread-safe.
 void Serve(Service& service,
            Listener listener,
            const httplib::Request& request,

@@ -35,7 +35,8 @@ class BoxCache {
   using Read = std::function<Rows(const BoundingBox& box)>;
 
   // Returns the rows whose boxes overlap `box`, which must not cross the antimeridian. The caller
-  // gets `version` before this call. If rows change in between, they are at worst read once more.
+  // gets `version` before this call. If rows change between the two calls, the next call reads them
+  // again.
   SharedRows<Row> Within(const BoundingBox& box, uint64_t version, const Read& read) {
     std::shared_ptr<const FromSouth> kept = Kept(box, version);
     if (!kept) {

@@ -15,7 +15,8 @@ struct FlightRow {
   std::string id;
   std::string name;
   std::string request_json;
-  // JSON text of camera, body_from_camera, origin and told datum; empty until a frame settles them.
+  // JSON text of camera, body_from_camera, origin and the datum of the frames. Empty until a frame
+  // determines them.
   std::string rig_json;
   std::string warnings_json = "[]";
   std::string stages_json = "{}";
@@ -43,7 +44,7 @@ struct FlightSummary {
 
 struct FlightPage {
   std::vector<FlightSummary> flights;
-  // Flights follow after the last of them.
+  // True if more flights follow after the last one of this page.
   bool has_more = false;
 };
 
@@ -69,13 +70,13 @@ class FlightStore {
   std::optional<FlightRow> Find(const std::string& flight_id) const;
   std::optional<FlightSummary> FindSummary(const std::string& flight_id) const;
   std::vector<FlightRow> List() const;  // newest first
-  // In reverse order of creation, from the flight before `before_number`, or from the last. The
-  // time that it takes depends on `limit`, not on the number of flights.
+  // Newest first. The page begins with the flight before `before_number`, or with the newest
+  // flight. The duration depends on `limit`, not on the number of flights.
   FlightPage ListPage(size_t limit, std::optional<int64_t> before_number) const;
   int64_t Count() const;
   std::vector<std::string> ListWithQueuedFrames() const;  // ids, oldest first
-  // Deletes the flight and the images that no other flight needs; with forget_sites also its sites.
-  // False if there is no such flight.
+  // Deletes the flight, and the images that no other flight needs. If forget_sites is true, also
+  // deletes its sites. False if there is no such flight.
   bool Delete(const std::string& flight_id, bool forget_sites);
   // Removes the images that no other flight needs, and sets has_retired_images.
   void RetireImages(const std::string& flight_id);

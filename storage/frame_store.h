@@ -30,8 +30,8 @@ struct FrameRow {
   std::string reason;
   // Frames of batches do not count against the limit of the frame queue.
   bool is_from_batch = false;
-  // When the server received it, as TelemetryRow::arrived_at_us. Insert raises it as Put does
-  // there.
+  // When the server received the frame, as in TelemetryRow. Insert increases the value as
+  // TelemetryStore::Put does.
   int64_t arrived_at_us = 0;
 };
 

@@ -27,7 +27,7 @@ struct JobRow {
 
 struct JobPage {
   std::vector<JobRow> jobs;
-  // Jobs follow after the last of them.
+  // True if more jobs follow after the last one of this page.
   bool has_more = false;
 };
 
@@ -42,8 +42,8 @@ class JobStore {
   // Writes state, progress, stage and detail. Does nothing if the stored job has ended.
   void Update(const JobRow& job);
   std::optional<JobRow> Find(const std::string& job_id) const;
-  // Newest first, from the job before `before_number`, or from the newest. The page ends with the
-  // job whose details exceed `max_bytes` together.
+  // Newest first. The page begins with the job before `before_number`, or with the newest job. It
+  // ends early with the job at which the total size of detail_json exceeds `max_bytes`.
   JobPage ListPage(size_t limit, std::optional<int64_t> before_number, size_t max_bytes) const;
   std::vector<JobRow> ListOf(const std::string& flight_id) const;  // newest first, all
   std::vector<JobRow> ListUnfinished() const;  // queued or running, oldest first

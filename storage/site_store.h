@@ -35,7 +35,7 @@ struct RecallRow {
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
   int64_t updated_at_us = 0;
-  // When the ground was last photographed, later maps that confirm the plan included.
+  // When the ground was last photographed. Later maps on which the plan holds count too.
   int64_t seen_at_us = 0;
   RecallData data;
 };
@@ -44,17 +44,19 @@ struct RecallRow {
 template <typename Row>
 using SharedRows = std::vector<std::shared_ptr<const Row>>;
 
-// What later maps say of a site: whether its stored plan still holds on them.
+// Result of checking a site's stored plan on later maps.
 struct Standing {
-  // Id of the site on whose map the plan fails; of several, the one photographed last.
+  // Id of the site on whose map the plan fails. If there are several, the one whose map was
+  // photographed last.
   std::optional<std::string> superseded_by;
-  // When the ground of that map was photographed; the broken rule, and a sentence with numbers.
+  // The time at which the ground of that map was last photographed, the broken rule, and a sentence
+  // with numbers.
   int64_t superseded_at_us = 0;
   std::string superseded_reason;
   std::string superseded_detail;
-  // When the ground was last photographed on another map on which the plan holds.
+  // Time of the latest photographs of another map on which the plan holds.
   std::optional<int64_t> confirmed_at_us;
-  // False: an older program stored the site, and its plan was never checked on later maps.
+  // False if an older program stored the site. Its plan was then never checked on later maps.
   bool is_checked = false;
 
   bool operator==(const Standing&) const = default;
@@ -78,9 +80,9 @@ struct SiteRow : Standing {
   int64_t seen_at_us = 0;
   // Empty: recall never returns the site, because it was rejected or no terrain was seen.
   std::optional<RecallData> recall;
-  // Datum of the map's altitudes, for a site without `recall`; else it is that of `recall`.
+  // Datum of the map's altitudes if `recall` is empty. Otherwise recall->altitude_datum is used.
   std::string map_datum = "unknown";
-  // Area of the map; empty: the box is the touchdown point.
+  // Area of the map. If empty, the site's box is its touchdown point.
   std::optional<BoundingBox> map_box;
 
   // When the ground was last photographed: on its own map, or on a later one that confirms the
@@ -96,14 +98,14 @@ struct MapRow {
   std::string altitude_datum;
   // When the ground of this map was last photographed.
   int64_t seen_at_us = 0;
-  // The site was accepted.
+  // True if the site was accepted.
   bool is_recallable = false;
 };
 
 // Standings to write, by site id.
 using Standings = std::vector<std::pair<std::string, Standing>>;
 
-// Bounds that hold for all recallable sites; the greatest reach of a glide follows from them.
+// Bounds that hold for all recallable sites. They limit how far away a reachable site can be.
 struct RecallBounds {
   double min_altitude_m = 0.0;
   // Each distinct aircraft for which a recallable site was planned.
@@ -118,11 +120,11 @@ class SiteStore {
   SiteStore(const SiteStore&) = delete;
   SiteStore& operator=(const SiteStore&) = delete;
 
-  // Inserts or replaces the site and its map (empty: no map), and writes what that changes for
-  // other sites, in one commit.
+  // Inserts or replaces the site and its map. An empty map_blob means no map. Writes the standings
+  // of other sites in the same commit.
   void Put(const SiteRow& site, std::string_view map_blob, const Standings& others = {});
-  // Deletes the site, and writes what that changes for other sites, in one commit. False if there
-  // is no such site; then nothing is written.
+  // Deletes the site, and writes the standings of other sites in the same commit. If there is no
+  // such site, writes nothing and returns false.
   bool Delete(const std::string& site_id, const Standings& others = {});
   void SetStandings(const Standings& standings);
 
@@ -130,7 +132,8 @@ class SiteStore {
   std::optional<SiteRow> Find(const std::string& site_id) const;
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const;
-  // Increases with every change of any site, before the change returns.
+  // A number that increases with every change of a site. It has increased before the changing call
+  // returns.
   uint64_t Version() const;
   std::optional<std::string> ReadMap(const std::string& site_id) const;
   // Ids of sites whose standing depends on this site's map.
@@ -144,7 +147,8 @@ class SiteStore {
   SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const;
   int64_t CountRecallable() const;
   RecallBounds BoundsOfRecallable() const;
-  // Accepted sites that recall leaves out because they are superseded, with a map in the box.
+  // Number of accepted sites that recall leaves out because they are superseded. Only sites with a
+  // map in the box are counted.
   int64_t CountOverruled(const BoundingBox& box) const;
 
  private:

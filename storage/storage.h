@@ -47,8 +47,8 @@ class Storage {
 
   // Folder for uploads that are not acknowledged yet. Opening the storage empties it.
   std::filesystem::path SpoolFolder() const;
-  // Why the storage should not be written to now (damage, little free disk space, or a failing
-  // write); nothing if it can.
+  // The reason why the storage cannot be written to now: damage, little free disk space, or a
+  // failing write. Nothing if it can be written to.
   std::optional<std::string> WhyNotWritable() const;
   // Reports that the main database is damaged. After this call nothing is written, sites are read
   // from the second copy, and the next start moves the database aside.

@@ -14,14 +14,14 @@ struct StorageState;
 enum class TelemetryKind { kPosition, kAttitude, kWind };
 
 // Values by kind. Position: latitude, longitude (deg), altitude (m), and the altitude's datum: 0
-// not told, 1 amsl, 2 ellipsoid. Attitude: quaternion ned_from_body w, x, y, z. Wind: east, north
+// not given, 1 amsl, 2 ellipsoid. Attitude: quaternion ned_from_body w, x, y, z. Wind: east, north
 // (m/s), the direction in which the air moves.
 struct TelemetryRow {
   TelemetryKind kind = TelemetryKind::kPosition;
   int64_t timestamp_us = 0;
   std::array<double, 4> values{};
-  // When the server received it, microseconds since 1970. Not above 0: unknown, because an older
-  // version stored it; then it only gives the order of arrival.
+  // When the server received the row, microseconds since 1970. If it is 0 or negative, the time is
+  // unknown, because an older version stored the row. It then gives only the order of arrival.
   int64_t arrived_at_us = 0;
 };
 
@@ -37,10 +37,10 @@ class TelemetryStore {
   TelemetryStore(const TelemetryStore&) = delete;
   TelemetryStore& operator=(const TelemetryStore&) = delete;
 
-  // Writes all rows in one commit. A row replaces the row of the same kind and timestamp. Raises
-  // each arrived_at_us above those of all rows and frames that the flight already has: the order of
-  // arrival is right even if the clock was set back. False, and writes nothing, if there is no such
-  // flight.
+  // Writes all rows in one commit. A row replaces the row of the same kind and timestamp. Increases
+  // arrived_at_us until it exceeds that of every row and frame that the flight already has. The
+  // order of arrival is therefore correct even if the clock was set back. If there is no such
+  // flight, writes nothing and returns false.
   bool Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows);
   // The rows of a kind that arrived last, the latest first.
   std::vector<TelemetryRow> LastArrived(const std::string& flight_id,

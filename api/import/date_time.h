@@ -8,7 +8,7 @@
 namespace freelsd {
 
 // Reads "YYYY:MM:DD HH:MM:SS[.f]" (EXIF) or "YYYY-MM-DD[T ]HH:MM:SS[.f][Z|+hh:mm]". Microseconds
-// since 1970; UTC is assumed without an offset. Nothing for any other text.
+// since 1970; UTC is assumed if there is no offset. Nothing for any other text.
 std::optional<int64_t> TimestampFromText(std::string_view text);
 // Reads "+hh:mm" or "Z". Microseconds.
 std::optional<int64_t> OffsetFromText(std::string_view text);

@@ -5,9 +5,9 @@
 
 namespace freelsd {
 
-// `gimbal` has DJI's convention: yaw, pitch and roll of a body whose nose is the optical axis, from
-// north-east-down, Z-Y-X, radians. At pitch -90 deg the camera looks straight down, and yaw is the
-// heading of the image's top.
+// `gimbal` has DJI's convention: Euler angles Z-Y-X from north-east-down, in radians, of a body
+// whose nose points along the optical axis. At pitch -90 deg the camera looks straight down, and
+// yaw is the heading of the image's top.
 inline Eigen::Quaterniond NedFromGimbalCamera(const EulerAngles& gimbal) {
   // Camera x (right) is gimbal y, camera y (down) is gimbal z, camera z (ahead) is gimbal x.
   Eigen::Matrix3d gimbal_from_camera;
@@ -15,7 +15,8 @@ inline Eigen::Quaterniond NedFromGimbalCamera(const EulerAngles& gimbal) {
   return (NedFromBody(gimbal) * Eigen::Quaterniond(gimbal_from_camera)).normalized();
 }
 
-// A camera fixed to a body in this attitude. It looks down, with the image's top to the nose.
+// Attitude of a camera that is fixed to a body with this attitude. The camera looks down, and the
+// top of the image is at the nose.
 inline Eigen::Quaterniond NedFromDownCamera(const EulerAngles& body) {
   const Eigen::Quaterniond body_from_camera(Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitZ()));
   return (NedFromBody(body) * body_from_camera).normalized();

@@ -18,8 +18,8 @@ namespace freelsd {
 struct FlightRig {
   Rig rig;
   GeoPoint origin;
-  // Datum that the positions of all frames so far tell: "amsl" or "ellipsoid"; "unknown" if one
-  // tells none, or if two differ. Empty: no frame has been settled.
+  // Common datum of the positions of all resolved frames: "amsl" or "ellipsoid". It is "unknown" if
+  // a position has no datum, or if two datums differ. Empty if no frame is resolved yet.
   std::optional<std::string> altitude_datum;
 };
 std::string FlightRigJson(const FlightRig& flight_rig);
@@ -79,7 +79,7 @@ struct ProfilePoint {
   std::optional<double> terrain_m;
 };
 
-// Direction the air moves towards.
+// Velocity of the air; points to where the air moves.
 struct StoredWind {
   std::optional<double> east_mps;
   std::optional<double> north_mps;
@@ -87,10 +87,10 @@ struct StoredWind {
 
 // Clearance of the approach path above ground and trees.
 struct StoredClearance {
-  // Includes the end of the final, which is low above the ground it lands on.
+  // Least clearance of the whole path. This value is small, because every final ends at the ground.
   std::optional<double> min_clearance_m;
-  // Of the tightest obstacle, and its distance to touchdown; empty where there is none, or where
-  // an older program stored the site.
+  // Clearance above the tightest obstacle, and the obstacle's distance to touchdown. Empty if there
+  // is no obstacle, or if an older program stored the site.
   std::optional<double> obstacle_clearance_m;
   std::optional<double> obstacle_distance_m;
 };
@@ -103,7 +103,7 @@ struct StoredRejection {
 // A site as stored in its row. Absent values are unknown. Names and units as in openapi.yaml.
 struct StoredSite {
   std::string id;
-  // Empty if unknown. A row does not hold it: the caller sets it.
+  // Empty if unknown. The caller sets this field, because the site's row does not contain it.
   std::string flight_name;
   // "landable", "unverified" or "rejected". Any other verdict counts as rejected.
   std::string verdict = "rejected";
@@ -119,7 +119,7 @@ struct StoredSite {
   std::optional<int64_t> num_observations;
   std::optional<int64_t> num_grass_observations;
   std::optional<double> area_m2;
-  // Of the usable strip; empty where an older program stored the site.
+  // Length and width of the usable strip. Empty if an older program stored the site.
   std::optional<double> usable_length_m;
   std::optional<double> usable_width_m;
   std::optional<double> hazard_distance_m;
@@ -146,8 +146,9 @@ struct StoredSite {
   std::optional<StoredGoAround> go_around;
 
   bool IsRejected() const { return verdict != "landable" && verdict != "unverified"; }
-  // For people: the flight's name and the rank, marked if the site is superseded or not landable:
-  // "north field 2 UNVERIFIED". The id if one of the two is unknown.
+  // The name shown to people: the flight's name and the rank, with a mark if the site is superseded
+  // or not landable. Example: "north field 2 UNVERIFIED". If the flight's name or the rank is
+  // unknown, returns the id.
   std::string Name() const;
 };
 // `feature_json` is the site's GeoJSON feature. `approach_json` is the FeatureCollection of the

@@ -34,10 +34,11 @@ struct AdjustmentOptions {
   double radial_sd = 0.1;
   double tangential_sd = 0.01;
   double principal_point_sd_ratio = 0.03;
-  // Prior deviation of the camera's angular rate while a rolling shutter reads one image. The rate
-  // includes the effect of flying past the ground. The image of a survey camera may shift by a
-  // hundred pixels during readout. Differs: the paper's shutters are global. Trap: a larger
-  // deviation may stretch the block if all views look straight down on flat ground.
+  // Prior deviation of the camera's angular rate while a rolling shutter reads one image. The
+  // estimated rate also contains the shift of the image that the forward flight causes. In a survey
+  // photograph this shift may be a hundred pixels during readout. Differs: the paper's shutters are
+  // global. Trap: a larger deviation may stretch the block if all views look straight down on flat
+  // ground.
   double readout_rate_sd_deg_s = 8.0;
   // Prior deviation of the change of that rate during readout. Gusts cause such changes.
   double readout_change_sd_deg_s2 = 400.0;
@@ -102,7 +103,8 @@ struct AdjustedView {
   // Number of the view's group. Landmarks connect the views of one group. Only the priors relate
   // two groups. Negative if the view is not connected.
   int group = -1;
-  // Approximate deviation of the absolute position, along one axis. It is the sum of two variances:
+  // Approximate deviation of the absolute position, along one axis. Its square is the sum of two
+  // variances:
   // - the variance of the group's mean position;
   // - the variance of the view's own position with landmarks held fixed.
   // The first variance is estimated in two ways, and the larger estimate is used:

@@ -29,8 +29,8 @@ constexpr std::array<Round, 4> kRounds{
 // A start is poor if, in some view, half of the sightings have a larger error: the gate of the
 // second round would drop that view for good.
 constexpr double kPoorStartPx = 40.0;
-// Early rounds are skipped if, in every view, half of the sightings are within this many widths of
-// the final loss.
+// Early rounds are skipped if, in every view, the error of half of the sightings is at most this
+// multiple of robust_loss_px.
 constexpr double kGoodStartFactor = 1.0;
 // Assumed pixel noise for the deviation of landmarks.
 constexpr double kPixelSd = 0.7;
@@ -66,9 +66,8 @@ std::optional<SolvedBlock> WithReadoutsIfShown(const std::vector<View>& views,
   return without;
 }
 
-// Solves in rounds with ever tighter gates, from tracks triangulated within the first
-// gate. Skips rounds that are wider than the start needs. Empty if the block falls
-// apart.
+// Solves in rounds, each with a narrower outlier gate than the last. Skips wide gates that the
+// start does not need. Empty if a round finds no solution.
 std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
                                         const BlockState& start,
                                         const AdjustmentOptions& options,

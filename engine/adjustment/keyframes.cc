@@ -23,7 +23,8 @@ double Baseline(const View& a, const View& b) {
   return (a.world_from_camera.translation - b.world_from_camera.translation).norm();
 }
 
-// Whether the view is too far from the key-frame, in matches or in place, to be skipped.
+// True if the view must not be skipped, because it shares too few matches with the key-frame or is
+// too far from it.
 bool IsDue(const View& keyframe,
            const std::set<int64_t>& ids,
            const View& view,

@@ -35,15 +35,16 @@ struct BlockState {
 // Tracks with at least two sightings, in order of track id.
 std::vector<BlockTrack> CollectTracks(const std::vector<View>& views);
 
-// Sets initial points that are usable even with poor poses: the mean of the places where a track's
-// rays meet the ground below their views. A track whose rays are all too flat gets no point.
+// Sets initial points that are usable even with poor poses. Each ray of a track is intersected with
+// the level ground below its view. The point is the mean of these intersections. A track whose rays
+// are all too close to horizontal gets no point.
 void InitialiseOnGround(const std::vector<View>& views,
                         const BlockState& state,
                         std::vector<BlockTrack>& tracks);
-// Triangulates points. Repeatedly drops the worst sighting of a track, until the others are within
-// max_error_px. A track with fewer than two sightings left, or with too little parallax, loses its
-// point. Sightings that an earlier call dropped are tried again, because the poses may have
-// improved.
+// Triangulates points. Drops the worst sighting of a track, and repeats this until the error of
+// every other sighting is at most max_error_px. A track with fewer than two sightings left, or with
+// too little parallax, loses its point. Sightings that an earlier call dropped are tried again,
+// because the poses may have improved.
 void TriangulateTracks(const BlockState& state,
                        double min_parallax_deg,
                        double max_error_px,

@@ -1,5 +1,6 @@
-// The reprojection residual with analytic derivatives: same numbers as automatic differentiation,
-// at a fraction of the cost. Computes only the derivatives that the solver requests.
+// The reprojection residual with analytic derivatives. They equal those of automatic
+// differentiation, and take a fraction of the time. Computes only the derivatives that the solver
+// requests.
 #pragma once
 
 #include <ceres/sized_cost_function.h>
@@ -13,7 +14,7 @@ class ReprojectionCost final
     : public ceres::
           SizedCostFunction<2, kNumPoseParameters, 3, kNumLensParameters, kNumReadoutParameters> {
  public:
-  // The camera must outlive this.
+  // The camera must outlive this object.
   ReprojectionCost(const Camera* calibrated_camera, const Eigen::Vector2d& sighting)
       : residual_(calibrated_camera, sighting) {}
 

@@ -19,8 +19,8 @@
 
 namespace freelsd {
 
-// Refined parameters of the lens. The focal parameter is a factor. The others are changes: of the
-// radial and tangential coefficients, and of the principal point as a share of the focal length.
+// Refined parameters of the lens. The focal parameter is a factor. The other parameters are added
+// to the given values. Those of the principal point are shares of the focal length.
 enum LensParameter {
   kFocalFactor,
   kRadial1,

@@ -39,9 +39,9 @@ std::array<double, kNumLensParameters> LensChange(const Camera& given, const Cam
           (start.cy_px - given.cy_px) / given.fy_px};
 }
 
-// Lens, then the pose of each view, then the readout of each: everything but the
-// points, in one piece of memory: Ceres orders parameter blocks by address, and
-// sums, hence last digits, follow that order.
+// All parameters except the points, in one piece of memory: lens, then the pose of each view, then
+// the readout of each view. Ceres orders parameter blocks by address. One piece of memory keeps
+// this order, and so the last digits of sums, the same in every run.
 class Parameters {
  public:
   Parameters(const BlockState& start, const Camera& camera) {

@@ -19,15 +19,16 @@ struct SolverSettings {
 
 struct SolvedBlock {
   BlockState state;
-  // Half of the robust sum, including priors.
+  // Half of the sum of all squared residuals after the robust loss function, including priors.
   double cost = 0.0;
-  // Residuals of sightings only.
+  // Number of residuals of sightings, without those of priors.
   int num_residuals = 0;
 };
 
-// Poses, points and, where allowed, the lens that best fit inliers and priors. Starts at `start`
-// and the tracks' points. `camera` holds the given intrinsics, which are the prior. Nothing if the
-// solver fails or a value is not finite; the points are then invalid.
+// Finds the poses and the points that fit the inliers and the priors best. If
+// refine_exif_intrinsics allows it, also finds the best lens. Initial values are `start` and the
+// points in `tracks`. `camera` holds the prior intrinsics. Writes the result's points to `tracks`.
+// Nothing if the solver fails or a value is not finite. The points in `tracks` are then invalid.
 std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
                                       const Camera& camera,
                                       const BlockState& start,

@@ -96,12 +96,12 @@ Group WithoutLooseViews(Group group, const TracksOfViews& seen, int min_num_obse
 // Per axis; means over the views.
 struct PositionVariance {
   double claimed = 0.0;  // by the priors themselves
-  double shown = 0.0;    // by the solved block, about what they have in common
+  double shown = 0.0;    // by the solved block, relative to their common error
 
-  // Of one view's position relative to the others. A geotag that lags the shutter by a second is 13
-  // m off, whatever deviation its GPS states.
+  // Variance of one view's position relative to the others. A geotag that lags the shutter by a
+  // second is 13 m off, whatever deviation its GPS states.
   double OfOne() const { return std::max(claimed, shown); }
-  // Of the mean position of all views.
+  // Variance of the mean position of all views.
   double OfMean(size_t num_views) const {
     const auto num = static_cast<double>(num_views);
     return std::max(claimed / std::min(kNumIndependentFixes, num),
@@ -164,7 +164,7 @@ double TiltDeviation(const std::vector<View>& views,
   return 1.0 / std::sqrt(eigen.eigenvalues()[0]);
 }
 
-// Why the group cannot carry a map; empty if it can.
+// Reason why the group is not accurate enough for a map; empty if it is.
 std::string Objection(double spread_sigma, double tilt_sd_deg, const AdjustmentOptions& options) {
   char text[160];
   if (spread_sigma < options.min_position_spread_sigma) {

@@ -16,8 +16,8 @@ struct BlockVerdict {
   std::vector<double> position_sd_m;
   // As AdjustedBlock::tilt_sd_deg: the largest value of all groups of connected views.
   double tilt_sd_deg = 0.0;
-  // Why a group of views was rejected (the last one, if several were); empty if none was. A group
-  // that is too small is rejected without a note.
+  // Reason why a group of views was rejected. If several groups were rejected, the reason for the
+  // last one. Empty if no group was rejected. A group that is too small is rejected without a note.
   std::string note;
 };
 

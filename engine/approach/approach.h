@@ -13,17 +13,17 @@ namespace freelsd {
 
 struct ApproachOptions {
   // --- What counts as safe ---
-  // Lower bound for the standard deviation of the map's position. The edge of the touchdown disc
-  // stays disc_margin_sigma such deviations away from hazard. Paper: no margin. Differs: even a
-  // margin of one deviation is too small (decision 0018).
+  // Lower bound for the standard deviation of the map's position. The least distance between the
+  // edge of the touchdown disc and a hazard is disc_margin_sigma times this deviation. Paper: no
+  // margin. Differs: even a margin of one deviation is too small (decision 0018).
   double min_map_position_sd_m = 1.0;
   double disc_margin_sigma = 2.0;
   // Margin for a shift of the map, in deviations of the map's position. It widens the ground roll
   // and the corridors on both sides, and it lengthens the ground roll.
   double path_margin_sigma = 3.0;
   // Height added to the cells under the path that have no clear class, because the map misses
-  // leafless trees. A cell has no clear class if its posterior of grass is unknown or too low.
-  // Nothing is added if photographs were compared: the comparison finds such trees and marks their
+  // leafless trees. A cell has no clear class if its posterior of grass is unknown or too low. If
+  // photographs were compared, nothing is added: the comparison finds these trees and marks their
   // height as unknown.
   double unclear_height_allowance_m = 2.0;
   // A cell under the path counts as unseen if its height deviation is larger. Such a cell still
@@ -35,34 +35,36 @@ struct ApproachOptions {
   // If the wind is unknown, the path must be clear in calm and also with a tail wind of this speed.
   // Paper: 5.5 m/s in the last experiment.
   double unknown_wind_mps = 5.5;
-  // Spread of the measured wind to allow for, in its deviations: that much less wind counts in the
-  // length of the final, that much more in circle and ground speed. Paper: Eq. 1 allows for the
-  // wind's direction alone. Differs: its speed is uncertain too.
+  // Error of the measured wind speed to allow for, in deviations of the measured wind. The length
+  // of the final is computed for a wind that is weaker by this error. The circle and the least
+  // ground speed are computed for a wind that is stronger by it. Paper: Eq. 1 allows only for an
+  // error of the wind's direction. Differs: the speed is uncertain too.
   double wind_sigma = 1.0;
-  // Bare ground gets no allowance. All cells within this radius must be seen and no rougher than
-  // the limit: below branches they are rougher.
+  // Bare ground gets no height allowance. Ground is bare if all cells within this radius are seen
+  // and no rougher than max_bare_roughness_m. Below branches they are rougher.
   double bare_ground_radius_m = 2.0;
   double max_bare_roughness_m = 0.5;
   // --- Search ---
   // Largest number of touchdown candidates per region.
   int max_num_candidates = 60;
   // Largest number of reserve candidates, which are more densely spaced. They are tried if all
-  // other candidates are rejected. A field may have room for only one final, which a coarse search
-  // misses.
+  // other candidates are rejected. A coarse search may miss the only possible final of a small
+  // field.
   int max_num_reserve_candidates = 500;
-  // Least distance between touchdown candidates. It is increased in a large region, so that the
-  // candidates cover all free ground.
+  // Least distance between touchdown candidates. The distance is greater in a large region, so that
+  // the candidates cover all free ground.
   double candidate_spacing_m = 4.0;
-  // Heights of the start of the final, in units of the aircraft's approach height, ascending. The
-  // next height is tried if all lower heights fail and one of their circles is blocked. The length
-  // of the final is proportional to the height. Paper: only 1.
+  // Heights of the start of the final, in units of the aircraft's approach height, ascending. A
+  // greater height is tried if all lower heights fail and an obstacle blocks a circle at one of
+  // them. The length of the final is proportional to the height. Paper: only 1.
   std::vector<double> start_height_ratios{1.0, 1.5, 2.0, 3.0};
-  // Largest crosswind, as a share of the landing airspeed. Headings with crosswind are tried if
-  // every final into the wind fails. Paper: 0, only into the wind.
+  // Largest crosswind, as a share of the landing airspeed. Headings with crosswind are tried if no
+  // final into the wind is accepted. Paper: 0, only into the wind.
   double max_crosswind_ratio = 0.15;
   // Step between headings where several are tried: with crosswind, in calm, and in unknown wind.
   double heading_step_deg = 10.0;
-  // Below this wind speed every heading is tried. The wind still counts in final and circle.
+  // If the wind is weaker than this, all headings are tried. Final and circle are still computed
+  // for the actual wind.
   double calm_wind_mps = 0.5;
   // Step along the final and the circle. On the final, the step is at most half a cell.
   double path_step_m = 0.5;
@@ -76,7 +78,7 @@ struct ApproachOptions {
 
 enum class Verdict { kLandable, kUnverified, kRejected };
 
-// As in api/openapi.yaml.
+// api/openapi.yaml explains each reason.
 enum class RejectReason {
   kNoSafeTouchdown,
   kApproachBlocked,
@@ -91,16 +93,17 @@ enum class RejectReason {
 
 enum class LoiterDirection { kLeft, kRight };  // direction of the turn
 
-// Eq. 1: length of the final over ground, into the wind. Zero or negative where the wind is too
-// strong. `wind_margin`, m/s: how much weaker the wind may be than estimated.
+// Eq. 1: length of the final over ground, into the wind. Zero or negative if the wind is too
+// strong. `wind_margin`, m/s: the true wind may be weaker than wind_speed by this value.
 double ApproachDistance(const Aircraft& aircraft, double wind_speed, double wind_margin = 0.0);
-// Eq. 1 with a tail wind, for wind that is unknown. No final is planned downwind.
+// Eq. 1 with a tail wind. Used only if the wind is unknown: no final is planned with a known tail
+// wind.
 double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed);
 double LoiterRadius(const Aircraft& aircraft, double wind_speed);
 
-// Least distance of a touchdown from hazard. It is the sum of the disc's radius, the margin for the
-// map's position, and half the diagonal of a cell (decision 0019). NaN if the deviation of the
-// map's position is unknown: then no distance suffices.
+// Least distance of a touchdown from hazard. It is the sum of the radius of the touchdown disc, the
+// margin for the map's position, and half the diagonal of a cell (decision 0019). NaN if the
+// deviation of the map's position is unknown. No distance suffices then.
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options);
@@ -114,10 +117,12 @@ struct ApproachProfile {
 };
 
 // Free ground around a touchdown: a rectangle along the landing heading, in metres from touchdown.
-// It is as long as the planner's corridor (path_half_width_m and the margin of the map's position
-// on both sides) meets only cells that are kFree, ahead and behind. It is then as wide as this
-// whole length stays free. No cell that is not kFree reaches into it. All 0: the touchdown's own
-// ground is not free.
+// All cells that reach into the rectangle are kFree. Two steps give its size:
+// 1. Length: the planner's corridor is extended ahead and behind while all its cells are kFree. The
+//    half-width of the corridor is path_half_width_m plus the margin for the map's position.
+// 2. Width: the rectangle is widened to each side, at its full length, while all its cells are
+//    kFree.
+// All 0 if the ground at the touchdown is not free.
 struct LandingStrip {
   double ahead = 0.0;
   double behind = 0.0;
@@ -130,14 +135,15 @@ struct LandingStrip {
 
 enum class PathPart { kFinal, kCircle };
 
-// What a path passes over with the least spare clearance, of all that is higher above touchdown
-// than the safety margin, or than max_roughness_m in cells that are not kFree. The ground on which
-// the aircraft lands is no obstacle: the end of every final is low above it.
+// The obstacle below a path with the least spare clearance (clearance minus wanted). An obstacle is
+// a cell whose top is higher above the touchdown than a limit. The limit is max_roughness_m in a
+// cell that is not kFree, else the safety margin. Lower cells do not count, because every final
+// ends low above the ground.
 struct PathObstacle {
   PathPart part = PathPart::kFinal;
-  // Its top, with the allowance of its cell.
+  // Centre of the cell. z is the top of the obstacle, including the height allowance.
   Eigen::Vector3d place_in_world = Eigen::Vector3d::Zero();
-  // Distance to touchdown; on the final, measured along it.
+  // Distance from the path above the obstacle to touchdown. On the final: along the final.
   double distance = 0.0;
   double clearance = 0.0;
   // Clearance that the planner needs there.
@@ -168,7 +174,7 @@ struct Approach {
   double heading = 0.0;
   double approach_distance = 0.0;
   double approach_height = 0.0;
-  // Crosswind of the planned wind; 0 where the wind is unknown or calm.
+  // Crosswind on final in the planned wind, m/s. 0 if the wind is unknown or calm.
   double crosswind = 0.0;
   // Ground speed on final in the planned wind, m/s. Empty if the wind is unknown.
   std::optional<double> ground_speed;
@@ -176,7 +182,7 @@ struct Approach {
   Eigen::Vector3d loiter_center_in_world = Eigen::Vector3d::Zero();
   LoiterDirection loiter_direction = LoiterDirection::kLeft;
   // Least clearance along the seen parts of the final and of the circle. The touchdown disc is left
-  // out. NaN if neither has a seen part.
+  // out. NaN if no part was seen.
   double min_clearance = 0.0;
   // Unseen share of the chosen circle.
   double unseen_ratio = 0.0;
@@ -192,40 +198,40 @@ struct Approach {
 };
 
 // Points of the loiter circle in the order of flight, beginning at the start of the final. The
-// polyline is closed: it has num_points + 1 points, and the last equals the first. A num_points
-// below 4 counts as 4.
+// polyline is closed: it has num_points + 1 points, and the last point equals the first. If
+// num_points is below 4, 4 is used.
 std::vector<Eigen::Vector3d> LoiterPolyline(const Approach& approach, int num_points);
 
 struct Rejection {
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   RejectReason reason = RejectReason::kNoSafeTouchdown;
-  // One sentence with numbers.
+  // One sentence with numbers, for people.
   std::string detail;
   std::optional<Eigen::Vector3d> obstacle_in_world;
 };
 
-// One rule of the planner for one place.
+// Result of one rule of the planner at one place.
 struct PlaceRule {
   // seen, grass, slope, roughness, object, hazard_distance, outline, region, wind, ground_roll,
   // final, final_seen, circle, circle_seen, wind_known; in this order.
   std::string name;
   bool passed = false;
-  // Measured value and the limit that it is compared with, if known and if they are numbers.
+  // Measured value and its limit. Empty if unknown, or if the rule compares no numbers.
   std::optional<double> value = std::nullopt;
   std::optional<double> limit = std::nullopt;
-  // "m", "deg", "m/s" or "ratio"; empty where there is no number.
+  // "m", "deg", "m/s" or "ratio"; empty if the rule compares no numbers.
   std::string unit = {};
-  // For people, with numbers.
+  // One sentence with numbers, for people.
   std::string sentence = {};
 };
 
-// What the planner says about a touchdown at one place.
+// The planner's judgement of a touchdown at one place.
 struct PlaceJudgement {
-  // As PlanFor, if this were the region's only place. kRejected where a rule of the ground fails.
+  // Verdict of PlanFor for this place alone. kRejected if a rule of the ground fails.
   Verdict verdict = Verdict::kRejected;
-  // Rules that could not be tried are left out: without a height there is no path.
+  // Rules that cannot be checked are left out: without a ground height there is no path.
   std::vector<PlaceRule> rules;
-  // What the map holds there: world z of the ground, its deviation, posterior of grass.
+  // Values of the map there: world z of the ground, deviation of this height, posterior of grass.
   std::optional<double> height, height_sd, grass_probability;
 
   // The first rule that fails; null if all pass.
@@ -244,41 +250,42 @@ struct Plan {
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reject_reason;
   std::string reject_detail;
-  // If rejected, the least bad place. If no ground of the region was seen, the footprint's centroid
+  // If rejected: the least bad place. If no ground of the region was seen: the footprint's centroid
   // at ground_height.
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   double hazard_distance = 0.0;
-  // Largest within the touchdown disc; NaN if unseen. Slope in radians.
+  // Largest slope (radians) and largest roughness within the touchdown disc; NaN if unseen.
   double slope = 0.0;
   double roughness = 0.0;
   std::optional<Approach> approach;
   std::vector<Rejection> rejections;
-  // Rules of the path to the touchdown; empty without a path, or without explanation.
+  // Rules of the path to the touchdown. Empty if there is no path, and with Explanation::kNone.
   std::vector<PlaceRule> path_rules;
   double score = 0.0;
   std::vector<ScoreTerm> score_terms;
 };
 
-// Data of a region that its plan depends on.
+// The data of a region that are needed to plan for it.
 struct PlanRequest {
-  Polygon footprint;  // where the touchdown may lie, world
+  Polygon footprint;  // the touchdown lies in it; world
   double area_m2 = 0.0;
   double grade = 0.0;
   int num_observations = 0;
   int min_num_observations = 2;
   std::optional<Eigen::Vector2d> wind_in_world;
-  // Deviation of the wind per axis (WindEstimate), m/s; 0 for a wind that was not measured.
+  // Deviation of the wind per axis (WindEstimate). 0 for a wind that was not measured.
   double wind_spread_mps = 0.0;
-  // World z of the region by coarse depth. Reported only if the map has no height there.
+  // World z of the region, from coarse depth. Used as the touchdown's height if the map shows no
+  // ground.
   double ground_height = 0.0;
 };
 
-// Plans the approach to one region. Several searches follow one another:
+// Plans the approach to one region. It tries several searches in this order:
 // 1. headings into the wind;
 // 2. headings with crosswind;
-// 3. both again from each greater start height.
-// The first search that accepts a place ends the planning. Each search tries the candidates
-// farthest from hazard first:
+// 3. both again from each greater start height, if an obstacle blocked a circle.
+// Planning ends with the first search that accepts a place. Each search tries the candidates that
+// are farthest from hazard first:
 // - The first landable candidate is accepted.
 // - If none is landable, the first unverified candidate is accepted.
 // - If all candidates are rejected, the reserve is tried. Its first place that is landable or
@@ -295,40 +302,40 @@ Plan PlanApproach(const ElevationMap& map,
 // go-around and the profile below its final.
 enum class Explanation { kFull, kNone };
 
-// What a map says of an approach that was planned on another map.
+// Result of checking an approach on another map than the one on which it was planned.
 struct ApproachCheck {
-  // The first rule that seen ground breaks: disc, ground roll, final, circle. Unseen ground breaks
-  // none.
+  // The first rule that seen ground breaks. Order of the rules: disc, ground roll, final, circle.
+  // Unseen ground breaks no rule.
   std::optional<Rejection> rejection;
-  // Disc, ground roll and final are wholly seen.
+  // True if disc, ground roll and final are wholly seen.
   bool is_covered = false;
 };
 
-// Checks an approach again, as it stands, on another map: same touchdown, heading and sizes, in the
-// frame of that map. `wind_in_world` is the wind that it was planned for. Only differences of
-// height count: the approach is set on the ground of its touchdown on this map, because altitudes
-// of two flights differ by metres, and by tens of metres where their datums differ. If the map
-// shows no ground in the disc, the ground below the stored profile of the final takes its place.
-// Throws as PlanApproach does.
+// Checks an unchanged approach on another map. The approach must be given in the frame of that map.
+// `wind_in_world` is the wind for which the approach was planned. Absolute heights are not
+// compared, because the altitudes of two flights differ by metres, or by tens of metres if their
+// datums differ. Instead, the approach is shifted vertically until its touchdown lies on the ground
+// of this map. If the map shows no ground in the touchdown disc, the shift is computed from the
+// ground below the final and the stored profile. Throws like PlanApproach.
 ApproachCheck CheckApproach(const Approach& approach,
                             const ElevationMap& map,
                             const HazardLayers& hazards,
                             const Aircraft& aircraft,
                             const std::optional<Eigen::Vector2d>& wind_in_world,
                             const ApproachOptions& options);
-// Corners of a box, in world, around everything that CheckApproach reads.
+// Corners of a box, in world. CheckApproach reads only cells in this box.
 Polygon CheckedGround(const Approach& approach,
                       const ElevationMap& map,
                       const Aircraft& aircraft,
                       const std::optional<Eigen::Vector2d>& wind_in_world,
                       const ApproachOptions& options);
 
-// Plans for many winds. Work that does not depend on wind is done once. Map and hazards must
-// outlive the planner. Thread-safe.
+// Plans for many winds. Work that does not depend on the wind is done only once. Map and hazards
+// must outlive the planner. Thread-safe.
 class ApproachPlanner {
  public:
-  // Of the request's own wind, only its spread counts, and only in a plan for that very wind.
-  // Throws as PlanApproach does.
+  // The planner ignores request.wind_in_world, with one exception: a plan for exactly this wind
+  // allows for request.wind_spread_mps. Throws like PlanApproach.
   ApproachPlanner(const ElevationMap& map,
                   const HazardLayers& hazards,
                   const PlanRequest& request,
@@ -338,12 +345,12 @@ class ApproachPlanner {
   ApproachPlanner(ApproachPlanner&&) noexcept;
   ApproachPlanner& operator=(ApproachPlanner&&) noexcept;
 
-  // Without explanation planning is faster. Everything else is identical.
+  // With Explanation::kNone planning is faster. The other parts of the plan are identical.
   Plan PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world,
                Explanation explanation = Explanation::kFull) const;
 
-  // Judges the cell at a place by the rules that PlanFor uses, over the ways of this wind. Off the
-  // map nothing is seen. `options` are those of the hazard layers.
+  // Applies the rules of PlanFor to the cell at a place, for this wind. A place outside the map
+  // counts as unseen. `options` must be those that the hazard layers were computed with.
   PlaceJudgement Judge(const Eigen::Vector2d& place_in_world,
                        const std::optional<Eigen::Vector2d>& wind_in_world,
                        const HazardOptions& options) const;
@@ -352,7 +359,7 @@ class ApproachPlanner {
   std::unique_ptr<const struct ApproachGround> ground_;
 };
 
-// The winds of a wind rose: each speed from each direction.
+// The winds of a wind rose: every combination of a speed and a direction.
 struct WindRoseOptions {
   // The directions are evenly spaced, and the first is north. 36 directions are 10 degrees apart.
   int num_directions = 36;
@@ -370,13 +377,13 @@ struct WindRose {
   // Ordered by speed, then by direction.
   std::vector<Plan> plans;
 
-  // Velocity of the air; points to where the air moves.
+  // Velocity of the air, m/s; points to where the air moves.
   Eigen::Vector2d WindInWorld(size_t speed, size_t direction) const;
   const Plan& At(size_t speed, size_t direction) const;
 };
 
 // Each plan equals planner.PlanFor(wind, Explanation::kNone) for its wind. Throws
-// std::invalid_argument on bad options.
+// std::invalid_argument if the options are invalid.
 WindRose PlanWindRose(const ApproachPlanner& planner, const WindRoseOptions& options);
 
 }  // namespace freelsd

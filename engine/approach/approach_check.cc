@@ -9,7 +9,8 @@
 namespace freelsd {
 namespace {
 
-// The stored way, and with unknown wind the same way with the tail wind that it must be clear in.
+// The stored approach. If the wind is unknown, also the same approach in the tail wind in which it
+// must be clear.
 std::vector<Approach> FlownWays(const Approach& approach,
                                 const Aircraft& aircraft,
                                 const std::optional<Eigen::Vector2d>& wind_in_world,
@@ -36,8 +37,8 @@ struct DiscCheck {
   // Distance of the nearest cell that is a hazard.
   std::optional<double> hazard_distance;
   bool is_seen = true;
-  // At the touchdown; where that is unseen, the highest in the disc: the least that things beside
-  // it stand out.
+  // Height of the ground at the touchdown. If the touchdown is unseen, the greatest height in the
+  // disc, so that no obstacle seems higher than it is.
   std::optional<double> ground_height;
 };
 
@@ -50,7 +51,7 @@ DiscCheck CheckDisc(const Eigen::Vector2d& touchdown,
   DiscCheck check;
   const auto middle = grid.CellAt(touchdown);
   const int half = static_cast<int>(std::ceil(radius / cell)) + 1;
-  // Of the touchdown's cell, which may lie outside the grid.
+  // Computed without CellAt, because the cell of the touchdown may lie outside the grid.
   const Eigen::Vector2d from_corner = (touchdown - grid.north_west_in_world) / cell;
   const int middle_row = static_cast<int>(std::floor(-from_corner.y()));
   const int middle_col = static_cast<int>(std::floor(from_corner.x()));
@@ -91,8 +92,9 @@ RollCheck CheckRoll(const Approach& approach,
   return check;
 }
 
-// Height of the touchdown's ground by the ground below the final: the lower quartile of its
-// differences to the stored profile, because what is new on the ground stands up.
+// Height of the ground at the touchdown, estimated from the ground below the final. The ground is
+// compared with the stored profile. The lower quartile of the differences is used, because new
+// objects only raise the ground.
 std::optional<double> GroundByProfile(const Approach& approach,
                                       const ClearanceSurface& surface,
                                       const Aircraft& aircraft,
@@ -101,7 +103,7 @@ std::optional<double> GroundByProfile(const Approach& approach,
   const ApproachProfile here = MakeProfile(approach, surface, aircraft, options);
   std::vector<double> heights;
   for (size_t i = 0; i < here.distance.size(); ++i) {
-    // Descending.
+    // stored.distance is descending.
     const auto same = std::lower_bound(
         stored.distance.begin(), stored.distance.end(), here.distance[i], std::greater<>());
     if (same == stored.distance.end()) continue;
@@ -173,7 +175,7 @@ std::optional<Rejection> BrokenBelow(const Approach& approach,
     return Rejection{touchdown,
                      RejectReason::kNoSafeTouchdown,
                      "the ground roll meets a hazard " + Metres(roll.hazard->distance) +
-                         " behind the touchdown point",
+                         " beyond the touchdown point",
                      std::nullopt};
   }
   return std::nullopt;
@@ -189,7 +191,7 @@ ApproachCheck CheckApproach(const Approach& approach,
                             const ApproachOptions& options) {
   RequireOneGrid(map, hazards);
   const double required = RequiredHazardDistance(map, profile, options);
-  // The map's deviation is unknown: it shows nothing for sure.
+  // The deviation of the map's position is unknown, so no place on it is certain.
   if (!std::isfinite(required)) return {};
   const Aircraft aircraft = WithPositionMargin(FromHeightOf(approach, profile), map, options);
   const ClearanceSurface surface = MakeClearanceSurfaceOfMap(map, hazards, aircraft, options);

@@ -34,7 +34,7 @@ double FinalLength(const Aircraft& aircraft, double headwind) {
   return (GroundSpeed(aircraft) - headwind) / SinkRate(aircraft) * aircraft.approach_height_m;
 }
 
-// The headwind that Eq. 1 counts on, with the wind at this angle to the heading.
+// The headwind that Eq. 1 assumes, with the wind at this angle to the heading.
 double SureHeadwind(const Aircraft& aircraft, double wind_speed, double off_deg) {
   constexpr double kBehindDeg = 180.0;
   const double turned_deg = std::min(kBehindDeg, aircraft.crosswind_uncertainty_deg + off_deg);
@@ -64,7 +64,8 @@ WindCase AgainstWind(const Eigen::Vector2d& wind_in_world,
                               0.0,
                               GroundSpeedAgainst(aircraft, wind_speed, 0.0)};
   wind.headings = {{HeadingOf(-wind_in_world), {scenario}}};  // downwind start, into the wind
-  // The length of the final counts on only a part of the wind, so it is no measure of headway.
+  // The length of the final assumes only a part of the wind, so it does not show whether the
+  // aircraft makes headway.
   wind.is_too_strong =
       scenario.approach_distance <= 0.0 || wind.ground_speed < aircraft.min_ground_speed_mps;
   return wind;
@@ -103,8 +104,9 @@ double DegreesBetween(double heading, double other) {
   return std::abs(DegFromRad(std::remainder(heading - other, 2.0 * kPi)));
 }
 
-// A wind too weak to choose the heading. It counts in both lengths: the circle as in Eq. 1, the
-// final as far as it blows from behind. A headwind that may turn at any time shortens no final.
+// Case of a wind that is too weak to determine the heading. The circle is computed for the wind as
+// in Eq. 1. The final is longer if the wind blows from behind. It is not shorter in a headwind,
+// because so weak a wind may turn at any time.
 WindCase InCalm(const Eigen::Vector2d& wind_in_world,
                 const Aircraft& aircraft,
                 const ApproachOptions& options,
@@ -132,8 +134,7 @@ Aircraft WithStartHeight(Aircraft aircraft, double ratio) {
   return aircraft;
 }
 
-// The result of `cases` for each height of the start, in its order, without cases that have no
-// heading.
+// Calls `cases` for each start height, in order. Leaves out results without a heading.
 template <class Cases>
 std::vector<Way> FromEachHeight(const Aircraft& aircraft,
                                 const ApproachOptions& options,

@@ -29,32 +29,36 @@ struct WindCase {
   std::vector<HeadingCase> headings;
   bool is_known = false;
   bool is_too_strong = false;
-  // The strongest that is allowed for.
+  // Strongest wind speed that is allowed for, m/s: the wind plus wind_margin.
   double wind_speed = 0.0;
-  // Straight into that wind, m/s; negative where the aircraft would fly backwards.
+  // Ground speed straight into a wind of wind_speed, m/s. Negative if the aircraft would fly
+  // backwards.
   double ground_speed = 0.0;
 };
 
-// Known: into the wind. Calm: all headings. Unknown: all headings, in calm and with tail wind.
-// `wind_margin`, m/s: how much weaker or stronger than estimated a known wind may be.
+// Headings by wind:
+// - known wind: into the wind;
+// - calm: all headings;
+// - unknown wind: all headings, each with a scenario in calm and one with tail wind.
+// `wind_margin`, m/s: a known wind may be weaker or stronger than estimated by this value.
 WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       const Aircraft& aircraft,
                       const ApproachOptions& options,
                       double wind_margin = 0.0);
 
-// One start height with the headings of one wind case. Planning needs the map below all paths.
+// One start height with the headings of one wind case.
 struct Way {
   // Index in options.start_height_ratios.
   size_t start_height = 0;
-  // With approach_height_m scaled by that ratio.
+  // The aircraft, with approach_height_m multiplied by the ratio at that index.
   Aircraft aircraft;
   WindCase wind;
 
   std::vector<WindScenario> Scenarios() const;
 };
 
-// In the order in which they are tried: headings of the wind case, headings with crosswind, then
-// both from greater start heights, where the circle may clear obstacles that block a lower one.
+// Ways in the order in which they are tried: headings of the wind case, headings with crosswind,
+// then both from greater start heights. A higher circle may clear obstacles that block a lower one.
 std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
                           const Aircraft& aircraft,
                           const ApproachOptions& options,

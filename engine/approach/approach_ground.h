@@ -18,11 +18,12 @@ struct ApproachGround {
   double required_hazard_distance = 0.0;
   // The place farthest from hazard.
   std::optional<Touchdown> safest;
-  // Against the region as a whole, and against that or every place in it.
+  // refusal_of_region: a reason against the region as a whole. refusal: the same reason, or else a
+  // reason against every place in the region.
   std::optional<Refusal> refusal_of_region;
   std::optional<Refusal> refusal;
   TouchdownCandidates candidates;
-  // Covers the whole map; used where several winds are planned for.
+  // Covers the whole map. Set only if several winds are planned for.
   std::optional<ClearanceSurface> surface;
 
   ApproachGround(const ElevationMap& the_map,
@@ -30,7 +31,7 @@ struct ApproachGround {
                  const PlanRequest& the_request,
                  const Aircraft& profile,
                  const ApproachOptions& the_options);
-  // Without a path if ground or wind exclude every path.
+  // The plan has no approach if the ground or the wind excludes every path.
   Plan PlanWay(const Way& way, Explanation explanation) const;
   Plan PlanWind(const std::optional<Eigen::Vector2d>& wind_in_world, Explanation explanation) const;
 };

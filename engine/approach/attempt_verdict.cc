@@ -70,7 +70,7 @@ std::string Percent(double ratio) {
 
 std::string WhyRollFails(const RollHazard& hazard) {
   return "the ground roll meets " + std::string(hazard.is_unseen ? "unseen ground " : "a hazard ") +
-         Metres(hazard.distance) + " behind the touchdown point";
+         Metres(hazard.distance) + " beyond the touchdown point";
 }
 
 std::string WhyFinalFails(const Attempt& attempt, const Obstacle& obstacle) {
@@ -95,7 +95,7 @@ std::string WhyCircleIsUnseen(const Attempt& attempt) {
 Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
   Rejection rejection;
   rejection.touchdown_in_world = attempt.touchdown.place_in_world;
-  // An attempt without a reason lost against one that is fully seen.
+  // An attempt without a reason was unverified, and a fully seen attempt was preferred.
   rejection.reason = attempt.reason.value_or(RejectReason::kApproachUnseen);
   if (attempt.roll_hazard) {
     const Eigen::Vector2d& place = attempt.roll_hazard->place_in_world;

@@ -1,5 +1,5 @@
-// Private to approach/: what a tried path means: its verdict, the rule that rejects it, the order
-// of attempts, and the sentence for people.
+// Private to approach/: judges an attempt. Gives its verdict, the rule that rejects it, and a
+// sentence for people, and compares two attempts.
 #pragma once
 
 #include <optional>
@@ -24,7 +24,7 @@ Verdict VerdictOf(const Attempt& attempt, const WindCase& wind);
 // 4. least clearance of final and circle, more is better.
 bool IsBetter(const Attempt& a, const Attempt& b);
 
-// "41 m" from 10 m on, "6.3 m" below.
+// "41 m" if at least 10 m, else with one decimal: "6.3 m".
 std::string Metres(double metres);
 // "by something 4.0 m above the touchdown point, …".
 std::string DescribeObstacle(const Obstacle& obstacle, double touchdown_height);

@@ -12,7 +12,7 @@ namespace {
 constexpr double kMaxNumCircleSteps = 20000.0;
 // A disc is dilated in passes of at most this radius, because the cost grows with its area.
 constexpr double kMaxPassRadiusCells = 7.0;
-// A map that may lean more clears nothing anyway. Keeps the tangent finite.
+// Keeps the tangent finite. With a larger assumed tilt, no path is clear in any case.
 constexpr double kMaxLeanDeg = 80.0;
 
 double LargestRadius(const std::vector<WindScenario>& scenarios) {
@@ -84,7 +84,8 @@ CellHeight HeightOf(const ElevationMap& map,
 // Maximum over the disc around each cell; cells outside have the value `outside`.
 cv::Mat MaxOverDisc(const cv::Mat& raster, double radius_cells, double outside) {
   const double num_passes = std::ceil(radius_cells / kMaxPassRadiusCells);
-  // Discs of whole cells are smaller than their radius. From the second pass on this adds up.
+  // A disc of whole cells is smaller than its radius. With two or more passes, this error
+  // accumulates.
   const double pass_radius = radius_cells / num_passes + (num_passes > 1.0 ? std::sqrt(0.5) : 0.0);
   const int half = static_cast<int>(std::floor(pass_radius));
   cv::Mat1b disc(2 * half + 1, 2 * half + 1, uchar{0});

@@ -30,11 +30,12 @@ struct ClearanceSurface {
   cv::Mat1b is_unseen;
   // Values of Hazard.
   cv::Mat1b hazard;
-  // Maximum of height and of is_unseen over all cells that a corridor through the cell can touch.
+  // For each cell: the maximum of height, and of is_unseen, over all cells within corridor_radius.
   // Used to check circles, and for a quick test of finals.
   cv::Mat1f corridor_height;
   cv::Mat1b corridor_is_unseen;
-  // All those cells lie within this distance of the cell's centre, metres.
+  // Metres. If the middle of a corridor lies in a cell, the corridor reaches only cells within this
+  // distance of the cell's centre.
   double corridor_radius = 0.0;
   // Additional clearance per metre of distance from touchdown, because the map may be tilted.
   double lean = 0.0;
@@ -63,8 +64,8 @@ ClearanceSurface MakeClearanceSurface(const ElevationMap& map,
                                       const Aircraft& aircraft,
                                       const ApproachOptions& options);
 
-// Covers the whole map. Its circle_step is path_step_m. It is usable only for scenarios whose
-// CircleStep is equal to that.
+// Covers the whole map. Its circle_step is path_step_m. It can be used only for scenarios whose
+// CircleStep equals path_step_m.
 ClearanceSurface MakeClearanceSurfaceOfMap(const ElevationMap& map,
                                            const HazardLayers& hazards,
                                            const Aircraft& aircraft,

@@ -12,7 +12,8 @@ namespace freelsd {
 inline constexpr double kAlongSpacing = 0.5;
 inline constexpr double kAcrossSpacing = 0.86;
 
-// Samples across a corridor. Cells that reach into it have their centre within the half-width.
+// Samples across a corridor. They reach half a cell diagonal beyond the half-width, so that they
+// also find cells of which only a corner lies in the corridor.
 struct Corridor {
   // To the right of the heading; unit length.
   Eigen::Vector2d across = Eigen::Vector2d::Zero();

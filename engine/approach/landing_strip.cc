@@ -8,7 +8,7 @@
 namespace freelsd {
 namespace {
 
-// Free ground by its place along the heading and to the right of it, from touchdown on.
+// Looks up free ground by distances from touchdown: along the heading and to the right.
 class GroundAlong {
  public:
   GroundAlong(const Eigen::Vector2d& touchdown, double heading, const HazardLayers& hazards)
@@ -28,7 +28,8 @@ class GroundAlong {
   Eigen::Vector2d touchdown_, forward_, right_;
 };
 
-// The last of the multiples 0, step, ... up to which all are free; nothing if the first is not.
+// Tests 0, step, 2 step, ... Returns the last value before the first one that is not free. Nothing
+// if 0 is not free.
 template <class Test>
 std::optional<double> LastFree(double step, const Test& is_free) {
   int num_free = 0;
@@ -44,7 +45,8 @@ bool IsSliceFree(const GroundAlong& ground, double along, const Corridor& corrid
   return true;
 }
 
-// Of a line beside the strip, from -behind to ahead.
+// Tests a line beside the strip, from `behind` metres behind the touchdown to `ahead` metres ahead
+// of it.
 bool IsLineFree(const GroundAlong& ground, double to_right, double behind, double ahead) {
   for (const double along : Steps(-behind, ahead, ground.step())) {
     if (!ground.IsFree(along, to_right)) return false;

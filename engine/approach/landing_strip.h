@@ -1,4 +1,4 @@
-// Private to approach/: the ground that an aircraft has on both sides of its touchdown.
+// Private to approach/: the free ground around a touchdown.
 #pragma once
 
 #include <vector>
@@ -7,14 +7,14 @@
 
 namespace freelsd {
 
-// `aircraft` with its margins (WithPositionMargin).
+// `aircraft` must include its margins (WithPositionMargin).
 LandingStrip MeasureStrip(const Eigen::Vector3d& touchdown_in_world,
                           double heading,
                           const HazardLayers& hazards,
                           const Aircraft& aircraft);
 
-// The corners of the strip that the ground roll needs free, at the touchdown's height. Empty
-// without a ground roll.
+// Corners of the strip that must be free for the ground roll, at the touchdown's height. Empty if
+// the aircraft needs no ground roll.
 std::vector<Eigen::Vector3d> GroundRollCorners(const Eigen::Vector3d& touchdown_in_world,
                                                double heading,
                                                const Aircraft& aircraft);

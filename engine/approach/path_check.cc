@@ -166,7 +166,7 @@ PathCheck CheckFinal(const Approach& approach,
     if (!HasFailed(check)) continue;
     check.clear_ratio = std::min(check.clear_ratio, distance / approach.approach_distance);
     if (depth == Depth::kUntilFailure) break;
-    if (was_on_map && !slice.is_on_map) break;  // the map is convex: the rest is off it too
+    if (was_on_map && !slice.is_on_map) break;  // convex map: the rest is outside too
   }
   return check;
 }

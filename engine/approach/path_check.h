@@ -86,7 +86,7 @@ PathCheck WithObstacle(PathCheck check, const Obstacle& nearest);
 PathCheck Worse(const PathCheck& a, const PathCheck& b);
 
 // With kUntilFailure the verdict is the same, but the clearance is only a lower bound. The check
-// starts at the edge of the touchdown disc; the corridor's half-width is path_half_width_m. The
+// starts at the edge of the touchdown disc. The corridor's half-width is path_half_width_m. The
 // needed clearance is the lesser of the safety margin and half the path's height, plus an amount
 // for the tilt of the map (decision 0019).
 PathCheck CheckFinal(const Approach& approach,

@@ -19,10 +19,11 @@ PlaceRule RollRule(const Attempt& attempt,
     rule.sentence =
         Sentence(WhyRollFails(*attempt.roll_hazard) + "; " + Metres(needed) + " must be free");
   } else {
-    // The strip is measured in steps: it may end a part of a cell before the roll that was checked.
+    // The strip is measured in steps. It may therefore end a fraction of a cell before the ground
+    // roll that was checked.
     rule.value = std::max(strip.ahead, needed);
     rule.sentence = "The ground roll is free for " + Metres(*rule.value) +
-                    " behind the touchdown point; " + Metres(needed) + " must be free.";
+                    " beyond the touchdown point; " + Metres(needed) + " must be free.";
   }
   return rule;
 }

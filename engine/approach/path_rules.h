@@ -13,8 +13,8 @@ struct PathObstacles {
   std::optional<PathObstacle> on_final, on_circle;
 };
 
-// From ground_roll to wind_known (PlaceRule). They agree with ReasonOf and VerdictOf. The attempt
-// must be thorough (Depth::kEverything).
+// The rules ground_roll to wind_known of PlaceRule::name. They agree with ReasonOf and VerdictOf.
+// The attempt must be thorough (Depth::kEverything).
 std::vector<PlaceRule> PathRules(const Attempt& attempt,
                                  const AttemptContext& context,
                                  const LandingStrip& strip,

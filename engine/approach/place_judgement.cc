@@ -27,7 +27,7 @@ std::string Known(double value, int num_decimals, const std::string& unit) {
   return std::isfinite(value) ? Fixed(value, num_decimals) + unit : "unknown";
 }
 
-// What the rule of a cell is called, and how its numbers read.
+// Name of a cell's rule, and the words and the format of its numbers.
 struct Wording {
   const char* name;
   const char* unit;

@@ -9,8 +9,9 @@ namespace freelsd {
 
 struct SearchResult {
   Attempt best;
-  // Attempts at first candidates before the best one, in the order tried. All first candidates are
-  // included if the best attempt is rejected or is at a reserve candidate.
+  // Attempts that were tried before the best one, in that order. Only attempts at candidates of
+  // TouchdownCandidates::first are included. All of these are included if the best attempt is
+  // rejected, or if it is at a reserve candidate.
   std::vector<Attempt> passed_over;
 };
 

@@ -10,7 +10,7 @@ struct Step {
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   // World z.
   double height = 0.0;
-  // To touchdown, and the clearance needed there.
+  // Distance to touchdown, and the clearance that is needed at this step.
   double distance = 0.0;
   double wanted = 0.0;
 };
@@ -91,7 +91,7 @@ std::optional<PathObstacle> TightestOnCircle(const Approach& approach,
   const Eigen::Vector2d center = approach.loiter_center_in_world.head<2>();
   const Eigen::Matrix2d rotation = Eigen::Rotation2Dd(2.0 * kPi / num_steps).toRotationMatrix();
   Eigen::Vector2d arm = approach.approach_start_in_world.head<2>() - center;
-  // As wide as the check of the circle looks.
+  // As wide as in the check of the circle.
   Corridor corridor =
       MakeCorridor(0.0, surface.corridor_radius - surface.HalfDiagonal(), surface.cell_size);
   std::optional<PathObstacle> tightest;

@@ -7,7 +7,8 @@
 
 namespace freelsd {
 
-// Both as PathObstacle defines it; nothing where there is no obstacle. `aircraft` with its margins.
+// The obstacle that PathObstacle defines, on the final or on the circle. Nothing if there is no
+// obstacle. `aircraft` must include its margins (WithPositionMargin).
 std::optional<PathObstacle> TightestOnFinal(const Approach& approach,
                                             const ClearanceSurface& surface,
                                             const Aircraft& aircraft,
@@ -16,7 +17,7 @@ std::optional<PathObstacle> TightestOnCircle(const Approach& approach,
                                              const ClearanceSurface& surface,
                                              const Aircraft& aircraft);
 
-// The one with less spare clearance.
+// The obstacle with less spare clearance; the other one if one of them is empty.
 std::optional<PathObstacle> Tighter(const std::optional<PathObstacle>& a,
                                     const std::optional<PathObstacle>& b);
 

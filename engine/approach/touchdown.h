@@ -29,7 +29,8 @@ Touchdown TouchdownAt(const ElevationMap& map, const HazardLayers& hazards, cons
 
 // The cells within the footprint.
 struct FootprintContent {
-  // Seen cells, farthest from hazard first. Equal distances: nearer to the middle first.
+  // Seen cells, farthest from hazard first. Of cells at equal distance, the one nearer to the
+  // middle is first.
   std::vector<Touchdown> touchdowns;
   bool has_grass = false;
 };
@@ -37,13 +38,13 @@ FootprintContent ReadFootprint(const ElevationMap& map,
                                const HazardLayers& hazards,
                                const Polygon& footprint);
 
-// Whether a touchdown is far enough from hazard; never where one of the distances is unknown.
+// True if a touchdown is far enough from hazard. False if one of the two distances is NaN.
 inline bool IsFarEnough(double hazard_distance, double required_distance) {
   return hazard_distance >= required_distance;
 }
 
-// Places far enough from hazard, safest first. Each list covers all usable ground: if all
-// candidates lay around the safest place, one house on its final would reject the whole field.
+// Places far enough from hazard, safest first. Each list covers all usable ground. If all
+// candidates were near the safest place, one house below their finals would reject the whole field.
 struct TouchdownCandidates {
   // At most max_num_candidates.
   std::vector<Touchdown> first;

@@ -155,11 +155,12 @@ constexpr NamedSet kSets[] = {{FeatureSet::kRgb, "rgb", 6, 6},
                               {FeatureSet::kRobust, "robust", 6, 4}};
 
 constexpr RangeMargin kRangeMargin{0.15f, 0.15f};
-// Fern in sun has -0.2 and less, of 144 pastures one. Not learnt: small tiles of grass scatter
-// more.
+// Fern in the sun has -0.2 or less; of 144 pastures, only one has. The bound is not learnt, because
+// the values of small tiles of grass scatter more.
 constexpr float kLeastGrassSkewness = -0.19f;
-// More vivid green is another camera or season, bluer or greyer is another material. Less texture
-// is a softer lens, more of it is no meadow.
+// The margins differ. A more vivid green may be due to the camera or the season, but a bluer or
+// greyer colour is another material. Less texture may be due to a softer lens, but more texture is
+// no meadow.
 constexpr std::array<RangeMargin, 6> kRobustMargins{{{0.15f, 0.5f},
                                                      {0.3f, 0.15f},
                                                      {0.3f, 0.15f},

@@ -10,12 +10,13 @@ namespace freelsd {
 // Length of a feature row.
 size_t NumFeatures(FeatureSet feature_set);
 
-// How far a feature may lie outside its range over the training grass, as shares of that range. A
-// region with a feature farther outside is unsure.
+// A region is unsure if one of its features lies too far outside the range of this feature in the
+// training grass. The allowed distances are shares of that range.
 struct RangeMargin {
   float below = 0.0f;
   float above = 0.0f;
-  // A region with a smaller value is unsure, whatever the range of the training grass.
+  // A region with a value below this bound is unsure. The bound does not depend on the training
+  // grass.
   float least = std::numeric_limits<float>::lowest();
 };
 RangeMargin MarginOf(FeatureSet feature_set, size_t feature);

@@ -12,9 +12,9 @@ constexpr size_t kNumGaborWavelengths = 3;
 constexpr int kGaborRadiusPx = 15;
 
 // One filter per wavelength: the mean over the four directions. The paper does not specify how to
-// combine the directions, nor the size of the filters. Here, the mean of the responses is taken for
-// each pixel, which is one linear filter. A radius of 15 px is 3.75 sigma of the envelope across
-// the wave.
+// combine the directions, nor the size of the filters. Here, the responses to the four directions
+// are averaged for each pixel. This equals filtering once with the mean of the four filters. A
+// radius of 15 px is 3.75 sigma of the envelope across the wave.
 std::array<cv::Mat1f, kNumGaborWavelengths> MeanGaborKernels();
 
 // Responses to grey levels 0..255. Only pixels with mask != 0 are sure to be computed; others may

@@ -1,4 +1,4 @@
-// A trained forest, its calibration, and the feature ranges of the grass it was trained on.
+// A trained forest, its calibration, and the ranges of the features in the training grass.
 #pragma once
 
 #include <memory>

@@ -15,9 +15,9 @@ class WindowSums {
   // No window may be wider than max_side_px.
   WindowSums(const cv::Mat1b& grey, const cv::Mat1b& mask, int max_side_px);
 
-  // Writes the means of the given columns of a row to means[col]. Each is over the part of the
-  // pixel's window that lies in the region; 0 if no part does. Request rows in ascending order. In
-  // a window of even side, the pixel is right of and below the middle.
+  // Writes the means of the given columns of a row to means[col]. Each mean is over the part of the
+  // pixel's window that lies in the region. It is 0 if no part lies in the region. Request rows in
+  // ascending order. In a window of even side, the pixel is right of the middle and below it.
   void MeansOfRow(int row, const cv::Range& cols, int side_px, float* means);
 
  private:
@@ -37,7 +37,8 @@ class WindowSums {
 
 struct Texture {
   // Logarithm of the standard deviation of a difference: mean log brightness over a small window
-  // minus that over a large one. Leaf: windows of 0.6 and 1.8 m. Tuft: 1.8 and 4.2 m.
+  // minus mean log brightness over a large window. Leaf: windows of 0.6 and 1.8 m. Tuft: 1.8 and
+  // 4.2 m.
   float leaf_log_deviation = 0.0f;
   float tuft_log_deviation = 0.0f;
   // Skewness of the same difference for windows of 0.3 and 0.9 m: (upper + lower - 2 median) /

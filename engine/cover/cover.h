@@ -21,14 +21,14 @@ struct PhotoOptions {
   // max_photo_disagreement = 0: no comparison.
   double min_crossing_ratio = 0.2;
   double max_photo_disagreement = 0.06;
-  // Disagreement and ground that is not shown are joined to one area. Disagreement counts only in
-  // those parts of the area into which a disc of min_open_cover_radius_m fits. Such disagreement is
-  // then widened by open_cover_margin_m. Tree crowns are large enough to count; the edges of hedges
-  // are not.
+  // Cells where the photographs disagree are joined with neighbouring cells that fewer than two
+  // photographs show. Disagreement counts only where a disc of radius min_open_cover_radius_m fits
+  // into the joined area. The cells that count are then widened by open_cover_margin_m. Tree crowns
+  // are large enough to count; the edges of hedges are not.
   double min_open_cover_radius_m = 2.0;
   double open_cover_margin_m = 1.0;
-  // Narrow cover is disagreement into which no such disc fits, but a square of side
-  // min_narrow_cover_m. It is a small crown or an edge, and the two cannot be distinguished.
+  // Narrow cover is disagreement where no such disc fits, but a square of side min_narrow_cover_m
+  // fits. Narrow cover is a small crown or an edge, and the two cannot be distinguished.
   // narrow_cover_allowance_m is added to its upper height. Saplings may grow in hedges (decision
   // 0014).
   double min_narrow_cover_m = 2.0;
@@ -123,15 +123,15 @@ struct CoverOptions {
   double max_even_slope_deg = 10.0;
   double max_even_roughness_m = 0.5;
   // Image segments may extend across soft borders into other ground. Therefore two mean colours are
-  // measured within overreach_surroundings_m of a grass cell: that of grass and that of other
-  // ground. If the two differ by less than min_overreach_deviations deviations, the cell stays
-  // grass. Otherwise it is dropped if its own colour is nearer to that of other ground. 0: no
-  // search.
+  // measured within overreach_surroundings_m of a grass cell: the colour of grass, and the colour
+  // of other ground. If these colours differ by less than min_overreach_deviations deviations, the
+  // cell stays grass. Otherwise the cell loses its class if its colour is nearer to the colour of
+  // other ground. min_overreach_deviations = 0: no search.
   double min_overreach_deviations = 2.0;
   double overreach_surroundings_m = 30.0;
   // Boulders, animals and cars differ from their surroundings in colour or brightness. An object is
   // a patch of at least min_object_area_m2 that differs by min_object_deviations deviations. The
-  // surroundings are the ground within object_surroundings_m. 0: no search.
+  // surroundings are a square of side object_surroundings_m. min_object_deviations = 0: no search.
   double min_object_deviations = 7.0;
   double object_surroundings_m = 10.0;
   double min_object_area_m2 = 0.4;
@@ -139,9 +139,9 @@ struct CoverOptions {
   double max_surroundings_deviations = 3.5;
   // A fence is a dark line of length fence_filter_length_m that contains min_num_posts posts. The
   // line must be darker than the ground on both sides by min_fence_deviations. The unit is the
-  // deviation of the darkness of arbitrary lines. A post is a cell that is darker than its
-  // surroundings by min_post_deviations. The unit is the deviation of the darkness of single cells.
-  // 0: no search.
+  // standard deviation of the darkness of lines at arbitrary places. A post is a cell that is
+  // darker than its surroundings by min_post_deviations. The unit is the standard deviation of the
+  // darkness of single cells. min_fence_deviations = 0: no search.
   double min_fence_deviations = 3.0;
   double fence_filter_length_m = 16.0;
   double min_post_deviations = 4.0;

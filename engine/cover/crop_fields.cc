@@ -20,7 +20,7 @@ struct FieldColor {
   std::array<float, 3> deviation{};
 };
 
-// Without the border, which mixes in the neighbour's colour.
+// Leaves out the border, whose colour is mixed with that of the neighbour.
 std::optional<FieldColor> ColorOfField(const cv::Mat1b& field,
                                        const ColorPlanes& colors,
                                        const cv::Mat1b& is_seen) {

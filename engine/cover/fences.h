@@ -6,8 +6,8 @@
 
 namespace freelsd {
 
-// Cells of `grid` that such a line crosses: 255, else 0. `is_meadow`: the cells of `grid` to
-// search.
+// One value per cell of `grid`: 255 where a fence crosses the cell, else 0. `is_meadow`: the cells
+// of `grid` that are searched.
 cv::Mat1b FindFences(const Orthophoto& photo,
                      const cv::Mat1b& is_meadow,
                      const Grid& grid,

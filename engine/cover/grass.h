@@ -5,8 +5,8 @@
 
 namespace freelsd {
 
-// Posterior probability (or the paper's OR as 0 and 1); NaN where the elevation is unknown or too
-// small a share of the views classified the cell.
+// Posterior probability of each cell. With kPaperOr: 1 or 0. NaN if the elevation is unknown, or if
+// too small a share of the views classified the cell.
 cv::Mat1f FuseGrass(const ElevationMap& map,
                     const std::vector<GrassView>& grass_views,
                     const CoverOptions& options);

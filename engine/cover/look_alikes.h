@@ -6,16 +6,16 @@
 
 namespace freelsd {
 
-// Cells of `grid` with sprayed crops (wheel_tracks.h), crops in rows or still water: 255, else 0.
-// Empty without an orthophoto.
+// One value per cell of `grid`: 255 if the cell contains sprayed crops (wheel_tracks.h), crops in
+// rows or still water, else 0. Empty if the orthophoto is empty.
 cv::Mat1b FindLookAlikes(const Orthophoto& photo, const Grid& grid, const CoverOptions& options);
 
 // Crops in rows (maize, beets, potatoes, vines): one direction and one spacing dominate the
-// spectrum across the whole field. Cells of the orthophoto: 255, else 0.
+// spectrum across the whole field. One value per cell of the orthophoto: 255 or 0.
 cv::Mat1b RowCrops(const Orthophoto& photo, const CoverOptions& options);
 
-// Water covered with algae is green and even, but lacks detail as fine as a tuft of grass. Cells of
-// the orthophoto: 255, else 0.
+// Water covered with algae is green and even, but lacks detail as fine as a tuft of grass. One
+// value per cell of the orthophoto: 255 or 0.
 cv::Mat1b StillWater(const Orthophoto& photo, const CoverOptions& options);
 
 }  // namespace freelsd

@@ -34,7 +34,7 @@ cv::Mat1f LogBrightness(const cv::Mat3b& image, double blur_px) {
   return brightness;
 }
 
-// Means over squares, of the pixels that count.
+// Means over squares. Only pixels with counts = 1 are included.
 class WindowMean {
  public:
   WindowMean(const cv::Mat1f& counts, double side_cells)

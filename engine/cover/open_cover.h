@@ -5,7 +5,8 @@
 
 namespace freelsd {
 
-// Cover that is known before photographs are compared. Cells of the map: 255, else 0.
+// Cover that is known before photographs are compared. One value per map cell: 255 for true, 0 for
+// false.
 struct MeadowCells {
   cv::Mat1b is_clear_class;
   // Counts as meadow in the surroundings of a lone object, even if other rules exclude the cell.

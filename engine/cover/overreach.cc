@@ -124,7 +124,7 @@ cv::Mat1b OverreachingGrass(const cv::Mat1f& grass,
   const Surroundings surroundings{BoxSide(2.0 * options.overreach_surroundings_m / cell_m),
                                   kMinAreaM2 / (cell_m * cell_m)};
   const cv::Mat1b is_grass = (grass >= options.min_grass_posterior) & on_map.is_seen;
-  // Narrow things in a meadow are not other ground beside it.
+  // Narrow objects in a meadow do not count as other ground.
   const cv::Mat1b told = Opened((grass < kMaxOtherPosterior) & on_map.is_seen, kMinWidthM, cell_m);
   cv::Mat1b moved = cv::Mat1b::zeros(grass.size());
   for (int round = 0; round < kNumRounds; ++round) {

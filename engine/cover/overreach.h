@@ -5,10 +5,10 @@
 
 namespace freelsd {
 
-// Grass cells whose colour is nearer to that of the surrounding non-grass than to that of the
-// surrounding grass, where these two colours differ (Fisher's discriminant of two classes).
-// `grass`: posterior as in HazardLayers, 0 where a rule found a crop or water. Result in cells of
-// `grid`: 255, else 0.
+// Finds grass cells whose colour is nearer to the surrounding other ground than to the surrounding
+// grass (Fisher's discriminant of two classes). Cells where the two surroundings have nearly the
+// same colour are left out. `grass`: posterior as in HazardLayers, 0 where a rule found a crop or
+// water. The result has one value per cell of `grid`: 255 for a found cell, else 0.
 cv::Mat1b OverreachingGrass(const cv::Mat1f& grass,
                             const Orthophoto& photo,
                             const Grid& grid,

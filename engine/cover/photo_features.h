@@ -12,7 +12,7 @@ namespace freelsd {
 // Greenness, red minus blue (both as shares of the brightness), log brightness.
 using ColorPlanes = std::array<cv::Mat1f, 3>;
 
-// Lower bound of each plane's standard deviation: no ground is more even.
+// Lower bound of each plane's standard deviation, because no ground is more even.
 inline constexpr std::array<float, 3> kLeastColorDeviation{0.006f, 0.006f, 0.02f};
 
 // Blurs seen pixels only. `share`: seen share of each pixel, 0..1. Unseen pixels of `image` must be

@@ -5,9 +5,9 @@
 
 namespace freelsd {
 
-// Connected even cells (nonzero in `is_even`) that stand above their surroundings like a table:
-// 255, else 0. A closed crop shows neither rows nor tracks; only its border reveals it.
-// `elevation`: NaN where unseen.
+// Finds connected even cells (nonzero in `is_even`) that stand above their surroundings like a
+// table. A closed crop shows neither rows nor tracks, so that only its border reveals it. One value
+// per cell: 255 in such a field, else 0. `elevation`: NaN where unseen.
 cv::Mat1b RaisedFields(const cv::Mat1b& is_even,
                        const cv::Mat1f& elevation,
                        double cell_size_m,

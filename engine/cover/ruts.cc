@@ -28,8 +28,8 @@ constexpr double kSampleStepM = 0.5;
 // Only places with greener surroundings are searched: others are soil, straw or road.
 constexpr float kMinGreen = 0.05f;
 
-// How much less green each cell is than its surroundings: excess green (Woebbecke et al. 1995) as a
-// share of the brightness, so that shade cancels. 0 where unseen.
+// Excess green (Woebbecke et al. 1995) of the surroundings minus that of the cell. It is a share of
+// the brightness, so that shade has no influence. 0 where unseen.
 cv::Mat1f LackOfGreen(const Orthophoto& photo) {
   cv::Mat1f green(photo.image.size(), 0.0f), seen(photo.image.size(), 0.0f);
   for (int row = 0; row < green.rows; ++row) {

@@ -14,8 +14,8 @@ struct TrackPlace {
   double contrast = 0.0;
 };
 
-// One place for every rut cell that has a second rut beside it, in the direction of highest
-// contrast. The rut cells are in row-major order.
+// One place for every cell in a rut that has a second rut beside it. If several directions are
+// possible, the one with the highest contrast is taken. The order is that of the cells, row-major.
 std::vector<TrackPlace> RutPairs(const Orthophoto& photo, const CoverOptions& options);
 
 }  // namespace freelsd

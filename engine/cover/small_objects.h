@@ -6,12 +6,12 @@
 
 namespace freelsd {
 
-// Patches whose colour or brightness differs from their surroundings. Cells of the orthophoto: 255,
-// else 0.
+// Patches whose colour or brightness differs from their surroundings. One value per cell of the
+// orthophoto: 255 in a patch, 0 elsewhere.
 cv::Mat1b SmallObjects(const Orthophoto& photo, const CoverOptions& options);
 
-// Cells of `grid` with such a patch: 255, else 0. Empty if the orthophoto is empty or the search is
-// off.
+// One value per cell of `grid`: 255 if the cell contains such a patch, else 0. Empty if the
+// orthophoto is empty or the search is off.
 cv::Mat1b FindSmallObjects(const Orthophoto& photo, const Grid& grid, const CoverOptions& options);
 
 }  // namespace freelsd

@@ -272,8 +272,9 @@ std::array<bool, 2> HasCloseOnes(const WheelTrack& track,
   return has_close;
 }
 
-// Mowers and tedders drive to and fro, so their tracks have close neighbours on both sides, and so
-// have the outermost tracks' neighbours. A sprayer's tracks lie close only near the headland.
+// Mowers and tedders drive to and fro. Their tracks therefore have close neighbours on both sides.
+// An outermost track has only one neighbour, but that neighbour has two. A sprayer's tracks lie
+// close only near the headland.
 std::vector<WheelTrack> WithoutMowing(const std::vector<WheelTrack>& tracks,
                                       const CoverOptions& options) {
   std::vector<WheelTrack> between;

@@ -18,7 +18,8 @@ struct WheelTrack {
 // All tracks of at least min_track_length_m, in a deterministic order.
 std::vector<WheelTrack> FindWheelTracks(const Orthophoto& photo, const CoverOptions& options);
 
-// Cells of `grid` around tracks that have a parallel neighbour: 255, else 0.
+// Ground around tracks that have a parallel neighbour. One value per cell of `grid`: 255 for such
+// ground, else 0.
 cv::Mat1b SprayedGround(const std::vector<WheelTrack>& tracks,
                         const Grid& grid,
                         const CoverOptions& options);

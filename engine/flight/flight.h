@@ -29,7 +29,8 @@ struct PosePrior {
 
 struct Frame {
   std::string id;
-  // Microseconds since 1970. If the time is unknown, the frame's number in order of arrival.
+  // Microseconds since 1970. If the time is unknown, it is the frame's number in the order of
+  // arrival.
   int64_t timestamp_us = 0;
   // 8 bit, BGR or grey, as the sensor delivered it: EXIF orientation is not applied, because the
   // intrinsics refer to the sensor's axes.
@@ -53,7 +54,8 @@ struct Rig {
                            Eigen::Vector3d::Zero()};
 };
 
-// Capabilities and needs of the aircraft. Fields as in api/openapi.yaml; paper: Eq. 1, Sec. III-H.
+// Capabilities and needs of the aircraft. The fields are those of api/openapi.yaml. Paper: Eq. 1,
+// Sec. III-H.
 struct Aircraft {
   std::string profile = "techpod";
   // Airspeed on final. Paper: v_land, 13 m/s.
@@ -70,13 +72,13 @@ struct Aircraft {
   double touchdown_uncertainty_m = 10.0;
   // Distance per height lost without power, in still air, at glide_airspeed_mps.
   double glide_ratio = 12.0;
-  // Airspeed of the glide. If empty, the landing airspeed.
+  // Airspeed of the glide. If empty, the aircraft glides at the landing airspeed.
   std::optional<double> glide_airspeed_mps;
-  // Ground above these limits is a hazard.
+  // Ground that exceeds one of these limits is a hazard.
   double max_slope_deg = 8.0;
   double max_roughness_m = 0.5;
-  // Clearance to keep above the map's upper surface, and half the width of the corridor that is
-  // checked.
+  // The path must have this clearance above the map's upper surface. It is checked in a corridor
+  // with this half-width.
   double safety_margin_m = 2.0;
   double path_half_width_m = 5.0;
   // Least ground speed on a final straight into the wind. Below it, gusts could stop the aircraft.
@@ -96,7 +98,7 @@ struct Aircraft {
 // "techpod", "atlantiksolar" or "small"; nothing for another name.
 std::optional<Aircraft> AircraftProfile(std::string_view name);
 std::vector<std::string> AircraftProfileNames();
-// Describes those limits of the aircraft that are looser than in every profile. Example:
+// Describes each limit of the aircraft that is looser than in every profile. Example:
 // "max_slope_deg = 60 (profiles: at most 8)".
 std::vector<std::string> LimitsLooserThanProfiles(const Aircraft& aircraft);
 

@@ -20,15 +20,15 @@ enum class CameraSource { kCalibrated, kExif };
 // Motion of the camera while the rows of one image are read (rolling shutter).
 struct Readout {
   // Rotation vectors, camera frame, radians. `turn`: the uniform part, from the first row to the
-  // last. `bend`: the quadratic part, four times the additional rotation at the first and at the
-  // last row; gusts turn a light plane unevenly. Translation along the ground has nearly the same
-  // effect on the image and is included in `turn`.
+  // last row. `bend`: the quadratic part, caused by gusts. Its effect is zero at the middle row,
+  // and a quarter of `bend` at the first row and at the last row. Translation along the ground has
+  // nearly the same effect on the image and is included in `turn`.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   Eigen::Vector3d bend = Eigen::Vector3d::Zero();
 
   bool IsGlobal() const { return turn.isZero(0.0) && bend.isZero(0.0); }
-  // Rotation from the camera pose at the middle row to that at the row with share = (row - cy) /
-  // height.
+  // Rotation of the camera from the middle row to another row. share = (row - cy) / height of the
+  // image.
   Eigen::Vector3d TurnAt(double share) const { return share * (turn + share * bend); }
 };
 

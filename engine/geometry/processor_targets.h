@@ -2,7 +2,8 @@
 // No version uses fused multiply-add, so every processor rounds alike.
 #pragma once
 
-// Off with sanitizers: they instrument the resolver, which runs before they are initialised.
+// Switched off in builds with a sanitizer. The function that chooses the version runs before the
+// sanitizer is initialised, but the sanitizer instruments it.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define FREELSD_SEVERAL_TARGETS __attribute__((target_clones("avx2", "default")))

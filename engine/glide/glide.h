@@ -1,9 +1,9 @@
 // Input: position without power, wind, a stored approach and map. Output: height on arrival at the
 // approach's start. Not part of the pipeline; emergency recall uses it.
 //
-// The aircraft turns towards the approach's start, flies straight, and turns onto the final: a
-// shortest path of bounded curvature (Dubins 1957) in the frame of the moving air. In this frame,
-// the approach's start moves against the wind. For unknown values the worst case is assumed.
+// The aircraft turns towards the approach's start, flies straight, and turns onto the final. This
+// is the shortest path of bounded curvature (Dubins 1957) in the frame of the moving air. In this
+// frame, the approach's start moves against the wind.
 #pragma once
 
 #include <functional>
@@ -15,8 +15,8 @@
 namespace freelsd {
 
 struct GlideOptions {
-  // Wind speed assumed if the wind is unknown. The worst direction is assumed. Same value as
-  // approach.unknown_wind_mps.
+  // Wind speed assumed by GlideTo if the wind is unknown. The worst direction is assumed. The
+  // default is that of approach.unknown_wind_mps.
   double unknown_wind_mps = 5.5;
   // Number of directions tried for an unknown wind, and for an unknown heading. The worst one
   // counts.
@@ -24,8 +24,9 @@ struct GlideOptions {
   int num_unknown_headings = 16;
   // Clearance to keep above the terrain of stored maps on the way to the approach's start.
   double terrain_clearance_m = 10.0;
-  // Subtracted from the arrival height if two datums differ or one is unknown, and the height of
-  // the geoid is not known either: the geoid lies up to 106 m from the ellipsoid.
+  // Subtracted from the arrival height if two altitudes cannot be compared exactly, and the geoid's
+  // grid is not installed. Two altitudes cannot be compared exactly if their datums differ or if a
+  // datum is unknown. The geoid lies up to 106 m from the ellipsoid.
   double datum_penalty_m = 110.0;
 
   // Throws std::invalid_argument: "glide.unknown_wind_mps = -1: must be in [0, 50]".
@@ -46,11 +47,12 @@ struct Glide {
   double arrival_height_m = 0.0;
 };
 
-// The same aircraft without power: its final is at least as steep as its glide. A given glide_ratio
-// replaces that of the aircraft. Throws std::invalid_argument if it is outside its bounds.
+// The same aircraft without power: its final is at least as steep as its glide. If `glide_ratio` is
+// given, it replaces the glide ratio of the aircraft. Throws std::invalid_argument if the ratio is
+// outside its bounds.
 Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio);
 
-// The worst case over all combinations of these values:
+// The result with the lowest arrival, over all combinations of these values:
 // - Known wind: the wind itself, and turned by the crosswind uncertainty to either side.
 // - Unknown wind: calm, and unknown_wind_mps from every direction.
 // - Unknown heading: every heading.
@@ -77,7 +79,7 @@ struct Descent {
   size_t decision = 0;
   // Index of the point at which the path first reaches the start of the final.
   size_t arrival = 0;
-  // Index of the point at which the final begins: `arrival` if no circle is flown.
+  // Index of the point at which the final begins. Equals `arrival` if no circle is flown.
   size_t final_start = 0;
   int num_circles = 0;
   // Height above the planned final at its start. The pilot must lose it on the final.

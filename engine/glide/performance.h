@@ -15,18 +15,20 @@ struct Performance {
   double Airspeed() const { return straight.airspeed_mps; }
 };
 
-// At the aircraft's greatest bank.
+// Performance in turns at max_bank_deg.
 Performance PerformanceOf(const Aircraft& aircraft);
-// With wider turns: at least turn_radius. Less bank sinks less.
+// The same aircraft in wider turns. `turn_radius` must be at least performance.turn_radius. The
+// sink rate in turns is smaller, because the bank is smaller.
 Performance WithTurnRadius(Performance performance, double turn_radius);
 // Sink rate in a turn with this acceleration towards its centre, m/s^2.
 double SinkRateTurning(const StraightGlide& straight, double acceleration);
 
-// Ground speed along a unit vector over ground; nothing if the wind is too strong to hold it.
+// Ground speed in a direction over ground (unit vector). Nothing if the wind is too strong to fly
+// in this direction.
 std::optional<double> GroundSpeed(const Eigen::Vector2d& direction,
                                   const Eigen::Vector2d& wind,
                                   double airspeed);
-// Heading relative to the air that gives this direction of travel over ground.
+// Heading relative to the air with which the aircraft travels in this direction over ground.
 double AirHeading(double travel_heading, const Eigen::Vector2d& wind, double airspeed);
 
 }  // namespace freelsd

@@ -11,15 +11,15 @@ struct Stance {
   double heading = 0.0;
 };
 
-// Flown in the order of the fields. Turns are in radians, positive to the right. The path has a
-// straight piece or a middle turn, never both.
+// The parts of a path, in the order in which they are flown. Turns are in radians, positive to the
+// right. The path has a straight piece or a middle turn, never both.
 struct TurnPath {
   double first_turn = 0.0;
   double straight_m = 0.0;
   double middle_turn = 0.0;
   double last_turn = 0.0;
 
-  // Sum of the turns without their sign.
+  // Sum of the absolute values of the turns.
   double Turned() const;
 };
 

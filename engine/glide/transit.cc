@@ -41,7 +41,8 @@ TransitTask TransitTaskOf(const Eigen::Vector2d& from,
 }
 
 std::optional<Transit> TransitOf(const TransitTask& task, const Performance& performance) {
-  // In the air's frame the place drifts against the wind: the time of flight decides where it is.
+  // In the frame of the moving air, the destination moves against the wind. Its place depends on
+  // the time of flight.
   double time = 0.0;
   for (int i = 0; i < kMaxIterations && time < kMaxTime; ++i) {
     const Stance to{task.to.place - task.wind * time, task.to.heading};

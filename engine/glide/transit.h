@@ -9,7 +9,7 @@
 
 namespace freelsd {
 
-// The widest turns that are tried, in radii of the tightest.
+// Largest turn radius that is tried, as a multiple of the smallest turn radius.
 inline constexpr double kMaxRadiusRatio = 6.0;
 
 // Tracks over ground: the known one, or evenly spaced ones.
@@ -22,7 +22,7 @@ struct TransitTask {
   Eigen::Vector2d wind;
 };
 
-// From headings over ground.
+// `from_heading` and `to_heading` are directions of travel over ground.
 TransitTask TransitTaskOf(const Eigen::Vector2d& from,
                           double from_heading,
                           const Eigen::Vector2d& to,
@@ -38,15 +38,16 @@ struct Transit {
   double height_lost = 0.0;
 };
 
-// With the performance's turn radius. Nothing if no path is found: the wind is too strong, or the
-// shortest path changes its kind at the time of arrival.
+// The shortest path with performance.turn_radius. Nothing if no path is found: the wind is too
+// strong, or the shortest path changes its kind at the time of arrival.
 std::optional<Transit> TransitOf(const TransitTask& task, const Performance& performance);
 
-// Time and height lost where no path is found, at most: any time that is long enough works, because
-// surplus time is spent in turns. Its path is empty. Nothing if the wind is too strong.
+// Upper bound of time and height lost, for the case that no path is found. The aircraft can spend
+// surplus time in turns, so any time that is long enough for the shortest path is possible. The
+// path of the result is empty. Nothing if the wind is too strong.
 std::optional<Transit> LongestTransit(const TransitTask& task, const Performance& performance);
 
-// With the tightest turns for which a path is found.
+// The shortest path with the smallest turn radius for which a path is found.
 std::optional<Transit> TightestTransit(const TransitTask& task, const Performance& tightest);
 
 }  // namespace freelsd

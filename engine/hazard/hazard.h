@@ -16,7 +16,7 @@ struct HazardOptions {
   void Check() const;
 };
 
-// Limits of the aircraft. A cell that exceeds one of them is a hazard.
+// Limits of the aircraft. A cell that exceeds one of these limits is a hazard.
 struct HazardLimits {
   // Reduced by the deviation of the map's tilt (ElevationMap), because the whole map may be tilted.
   double max_slope_deg = 8.0;
@@ -24,7 +24,7 @@ struct HazardLimits {
 };
 
 // - kUnseen: elevation, slope or roughness is unknown or too uncertain.
-// - kHazard: seen, but not grass or without a class, too steep, too rough, or with an object on it.
+// - kHazard: seen, and one of these: not grass, without a class, too steep, too rough, an object.
 // - kFree: all others.
 enum Hazard : uint8_t { kFree = 0, kHazard = 1, kUnseen = 2 };
 
@@ -48,20 +48,21 @@ struct HazardLayers {
   double min_grass_posterior = CoverOptions{}.min_grass_posterior;
 };
 
-// What a cell must be. kSeen: elevation, slope and roughness are known well enough.
+// The conditions that a free cell meets. kSeen: elevation, slope and roughness are known well
+// enough.
 enum class CellCondition { kSeen, kGrass, kNotSteep, kNotRough, kNoObject };
 
-// One rule of the class of a cell.
+// Result of checking one condition in one cell.
 struct CellRule {
   CellCondition condition = CellCondition::kSeen;
   bool passed = false;
   // kSeen: standard deviation of elevation. kGrass: posterior. kNotSteep: slope, radians.
   // kNotRough: roughness. kNoObject: upper height above elevation, metres. NaN where unknown.
   double value = std::numeric_limits<double>::quiet_NaN();
-  // Least value for kGrass, else the largest.
+  // Least allowed value for kGrass, largest allowed value for the other conditions.
   double limit = 0.0;
 };
-// In the order of CellCondition. A cell is kUnseen where the first rule fails, kFree where all
+// In the order of CellCondition. A cell is kUnseen if the first rule fails, and kFree if all rules
 // pass.
 using CellRules = std::array<CellRule, 5>;
 CellRules CellRulesAt(const ElevationMap& map,

@@ -87,8 +87,8 @@ class Regions {
   Regions& operator=(Regions&&) noexcept;
   // `segments` and `labels` belong to tracks.views()[view].
   void Update(size_t view, const Segments& segments, const Labels& labels, const Tracks& tracks);
-  // Best grade first; at equal grades, more observations first, then the older id. At most
-  // max_num_regions. Regions with too few observations come last and never displace graded ones.
+  // Order: higher grade, then more observations, then older id. At most max_num_regions. Regions
+  // with too few observations come last and never displace graded ones.
   std::vector<Region> Ranked() const;
   // n_obs,min, derived from the views so far.
   int MinNumObservations() const;

@@ -1,4 +1,5 @@
-// Private to segmentation/. Shrinks an image: each pixel is the mean of the area it covers.
+// Private to segmentation/. Shrinks an image. Each new pixel is the mean of the area that it
+// covers.
 #pragma once
 
 #include <opencv2/core.hpp>

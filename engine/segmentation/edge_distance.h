@@ -5,9 +5,9 @@
 
 namespace freelsd {
 
-// 255 where the nearest edge (255, elsewhere 0) is farther than distance_px, else 0. Distances are
-// those of cv::distanceTransform with DIST_L2 and DIST_MASK_5. This function is ten times as fast
-// on one core (freelsd-bench --filter kernel_edge_distance).
+// Returns 255 for pixels whose nearest edge is farther than distance_px, else 0. `edges`: 255 on an
+// edge, else 0. Distances are those of cv::distanceTransform with DIST_L2 and DIST_MASK_5. This
+// function is ten times as fast on one core (freelsd-bench --filter kernel_edge_distance).
 cv::Mat1b FarFromEdges(const cv::Mat1b& edges, double distance_px);
 
 }  // namespace freelsd

@@ -29,8 +29,7 @@ struct BackendOptions {
   // Paper: N = 150, n = 1.
   int backend_period_frames = 150;
   int num_backend_candidates = 1;
-  // Largest width of the mapped ground around the regions. The actual width is what final and
-  // circle need, but at most this.
+  // Ground is mapped up to this distance from the regions, or less if final and circle need less.
   double max_surroundings_m = 400.0;
   // Largest number of key-frames in one evaluation. Regions that need more are split into groups. A
   // single region that needs more uses the key-frames nearest to its middle.
@@ -128,7 +127,7 @@ struct Box {
   Box Intersection(const Box& other) const;
 };
 
-// The regions and the ground around them that finals and circles may need in any of these winds:
+// Box around the regions and around the ground that finals and circles need in any of these winds:
 // - calm;
 // - the strongest wind of the regions;
 // - a tail wind of unknown_wind_mps, if the wind of a region is unknown.

@@ -9,7 +9,7 @@
 
 namespace freelsd {
 
-// The columns of the left image in which every disparity leads to a column of the right image.
+// The columns of the left image whose match lies inside the right image for every disparity.
 struct MatchedColumns {
   int first = 0;
   int count = 0;
@@ -31,9 +31,11 @@ struct BlockOptions {
   int num_lost_bits = 0;
 };
 
-// Cost of Birchfield and Tomasi (1998): distance between a pixel's value and the range of values
-// within half a pixel in the other image; the smaller one of both directions. It is computed on the
-// clipped Sobel derivative along the row. A quarter of the same cost on grey levels is added.
+// Cost of Birchfield and Tomasi (1998). It is the distance between a pixel's value and the range of
+// values within half a pixel in the other image. The distance is computed for the left pixel in the
+// right image, and for the right pixel in the left image. The smaller one is used. It is computed
+// on the clipped Sobel derivative along the row. A quarter of the same cost on grey levels is
+// added.
 class BlockCosts {
  public:
   // The images must outlive this object. Treats first_row as the upper border of the image.
@@ -44,7 +46,7 @@ class BlockCosts {
              int first_row);
 
   // Advances one row; the first call gives first_row. Returns sums over the height of the block, in
-  // order of column, then disparity. Valid until the next call.
+  // order of column, then disparity. The pointer is valid until the next call.
   const int16_t* NextRow();
 
  private:

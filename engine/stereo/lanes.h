@@ -51,9 +51,9 @@ template <typename Lanes, typename Value>
       lanes, after, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23);
 }
 
-// OneBefore and OneAfter set `shifted` to the numbers one place before those of `lanes`, or one
-// place after. For OneBefore, `between` is Join() of the previous register and `lanes`; for
-// OneAfter, of `lanes` and the next register.
+// OneBefore sets each lane of `shifted` to the number before that of the same lane in `lanes`.
+// OneAfter sets it to the number after. For OneBefore, `between` is Join(previous register,
+// `lanes`). For OneAfter, it is Join(`lanes`, next register).
 [[gnu::always_inline]] inline void OneBefore(const Shorts& between,
                                              const Shorts& lanes,
                                              Shorts& shifted) {

@@ -106,8 +106,8 @@ cv::Mat1f MatchRectified(const RectifiedPair& pair,
             right_from_left,
             {},
             cv::INTER_NEAREST);
-  // Windows of both images that have contrast and look alike. Water, noise and burnt-out ground do
-  // not, whatever the matcher made of them.
+  // Windows of both images that have contrast and look alike. Windows of water, noise and burnt-out
+  // ground fail this test, even if the matcher found a disparity.
   const cv::Mat1b are_alike = AlikeWindows(pair.left,
                                            right_at_left,
                                            {options.correlation_window_px,

@@ -29,8 +29,8 @@ struct Winner {
   int16_t cost = 0;
   int16_t cost_before = 0;
   int16_t cost_after = 0;
-  // No other sum is within uniqueness_ratio_percent of the least one, except those of the
-  // neighbours.
+  // True if every other sum exceeds the least sum by more than uniqueness_ratio_percent. The sums
+  // of the two neighbours are not checked.
   bool is_unique = false;
 };
 

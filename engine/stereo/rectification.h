@@ -37,8 +37,9 @@ struct RectifiedPair {
   double DepthOf(double disparity_px) const;
 };
 
-// Depths along the rectified axis: those of the landmarks that both views see, without outliers, or
-// the height above ground if there are too few. The range is widened by the relief margin.
+// Depths along the rectified axis. They are those of the landmarks that both views see, without
+// outliers. If there are too few such landmarks, the height above ground is used. The range is
+// widened by relief_margin_m.
 DepthRange DepthsOf(const AdjustedBlock& block,
                     const StereoPair& pair,
                     const StereoOptions& options);

@@ -17,7 +17,7 @@ struct SemiGlobalOptions {
   int num_disparities = 16;
   int block_size_px = 7;
   // p1: penalty if the disparity differs by one from that of the previous pixel. p2: penalty if it
-  // differs by more. Values above the largest block cost are reduced to it.
+  // differs by more. A penalty above the largest block cost is reduced to the largest block cost.
   int p1 = 1;
   int p2 = 2;
   int max_left_right_difference_px = 1;
@@ -26,8 +26,8 @@ struct SemiGlobalOptions {
   int speckle_range_px = 2;
 };
 
-// Left column minus right column in sixteenths of a pixel; (min_disparity_px - 1) * 16 without a
-// match. Does not depend on the number of threads.
+// Left column minus right column, in sixteenths of a pixel. (min_disparity_px - 1) * 16 where there
+// is no match. The result does not depend on the number of threads.
 cv::Mat1s MatchSemiGlobally(const cv::Mat1b& left,
                             const cv::Mat1b& right,
                             const SemiGlobalOptions& options);

@@ -58,9 +58,9 @@ struct StereoPair {
   double cost = 0.0;
 };
 
-// The num_partners pairs of least cost for every connected view, each pair once. The cost combines
-// the baseline ratio, the baseline's component along the optical axes, the angle between these
-// axes, and missing overlap.
+// For each connected view, selects the num_partners pairs with the least cost. No pair is returned
+// twice. The cost combines the baseline ratio, the baseline's component along the optical axes, the
+// angle between these axes, and missing overlap.
 std::vector<StereoPair> SelectPairs(const AdjustedBlock& block, const StereoOptions& options);
 
 struct DensePoint {

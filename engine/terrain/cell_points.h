@@ -36,8 +36,9 @@ class CellSorter {
   void Locate(const Points& points, const Grid& grid, double max_relief_m);
   void CountPerCell();
 
-  // For each input point. After Locate: its row and column. After CountPerCell: row_ holds the
-  // index of its cell in `cells`, col_ the number of earlier points in that cell.
+  // One value per input point. After Locate: row and column of the point. After CountPerCell: row_
+  // is the index of the point's cell in `cells`, and col_ is the number of earlier points in this
+  // cell.
   std::vector<int> row_, col_;
   CellPoints sorted_;
 };

@@ -19,10 +19,10 @@ struct CellSummary {
   double mean = 0.0;
   // Standard deviation of the mean.
   float standard_deviation = 0.0f;
-  // Upper percentile of the points inside the cell, limited to a height that at least two of them
-  // reach; at least `mean`.
+  // Upper percentile (upper_percentile) of the points inside the cell. It is lowered until at least
+  // two of these points reach it, but not below `mean`.
   float upper = 0.0f;
-  // The same, limited to a height that at least min_num_points points reach.
+  // Like `upper`, but at least min_num_points points reach it.
   float firm_upper = 0.0f;
 };
 

@@ -53,8 +53,8 @@ struct TerrainOptions {
   // outlier among the landmarks could disturb dense ground.
   int min_num_points = 3;
   // A point is an outlier if it is farther than this many robust deviations from the median of its
-  // cell. A pair is an outlier if it is equally far from the median of the cell's pairs. Differs:
-  // the paper takes the plain mean.
+  // cell. A pair is an outlier if it is farther than this from the median of the cell's pairs.
+  // Differs: the paper takes the plain mean.
   double outlier_sigma = 4.0;
   // For each pair, this percentile of the pair's points in a cell is taken. The upper height of the
   // cell is the highest of these values. At least min_num_points points of one pair must reach it,
@@ -64,7 +64,7 @@ struct TerrainOptions {
   // Points farther than this from the median height of their pair are outliers. Like points outside
   // the grid, they are dropped before memory is allocated.
   double max_relief_m = 150.0;
-  // Largest number of cells of a grid; a larger area is refused.
+  // Largest number of cells of a grid. A larger grid is an error.
   int max_num_cells = 25000000;
 
   void Check() const;
@@ -124,8 +124,8 @@ struct SurfaceOptions {
   // slopes from 3x3 cells of 1 m are mostly noise.
   SlopeSupport slope_support = SlopeSupport::kPlane;
   double plane_support_m = 9.0;
-  // Share of the support's cells that must be seen. Cells outside the grid count as
-  // unseen.
+  // Least share of seen cells in the square of side plane_support_m. Cells outside the grid count
+  // as unseen.
   double min_support_ratio = 0.6;
   // Distance from a cell to the 8 neighbours that its roughness is computed from. Rounded to whole
   // cells, at least one. Differs: the paper's distance is one cell. max_roughness_m is meant for a

@@ -17,7 +17,7 @@ struct IndexPair {
 
 // Mutual nearest neighbours that pass Lowe's ratio test in both directions.
 std::vector<IndexPair> MatchDescriptors(const cv::Mat& a, const cv::Mat& b);
-// The same, among points within `radius` of each other.
+// Like MatchDescriptors, but matches only points that are within `radius` of each other.
 std::vector<IndexPair> MatchDescriptorsNear(const DescribedPoints& a,
                                             const DescribedPoints& b,
                                             double radius);

@@ -23,9 +23,9 @@ struct TracksOptions {
   // matcher.
   int max_num_corners = 250;
   int max_num_keypoints = 1500;
-  // Wider images are reduced to this width for matching; observations are still in full-size
-  // pixels. 752 is the width of the paper's video camera. At this width, survey photographs match
-  // as well as at 1000, and faster.
+  // Wider images are reduced to this width for matching. The unit of observations is still the
+  // pixel of the full-size image. 752 is the width of the paper's video camera. At this width,
+  // survey photographs match as well as at 1000, and faster.
   int matching_width_px = 752;
   // Largest distance between a corner and the result of tracking it forward and back again.
   double max_forward_backward_error_px = 1.0;
@@ -135,17 +135,18 @@ class Tracks {
   Tracks(Tracks&&) noexcept;
   Tracks& operator=(Tracks&&) noexcept;
 
-  // Adds one frame. A frame waits for its neighbours if its attitude is not given or its height is
-  // unknown. The result contains zero, one or several frames.
+  // Adds one frame. A frame waits for its neighbours if its attitude or its height is unknown. The
+  // result contains zero, one or several frames.
   std::vector<ReadyFrame> Add(Frame frame);
-  // Turns the waiting frames into views as well as possible; drops the others.
+  // Ends the waiting of all frames. Frames whose attitude and height can be computed become views.
+  // The others are dropped.
   std::vector<ReadyFrame> Flush();
 
   // In the order in which the frames became views.
   const std::vector<View>& views() const;
   const Camera& camera() const;
-  // Sets the pose of a view (by index) from an adjustment. The camera never changes: a lens that
-  // an adjustment refined belongs to that adjustment's views alone.
+  // Sets the pose of a view (by index) from an adjustment. Trap: the refined lens of an adjustment
+  // is not taken over. It is valid only for the views of that adjustment.
   void SetPose(size_t view, const Rigid3d& world_from_camera, const Readout& readout);
 
   // Where the ray through a pixel meets the ground. The height of the ground is the

@@ -26,7 +26,7 @@ struct Admission {
   std::vector<FrameRow> frames;
   nlohmann::json verdicts = nlohmann::json::array();
   std::string rig_json;
-  // Of the flight, with these frames.
+  // Datum of the flight's altitudes, including these frames.
   std::optional<std::string> altitude_datum;
   std::vector<std::string> warnings;
   int64_t num_rejected = 0;
@@ -184,7 +184,7 @@ JobRow NewBatchJob(const std::string& flight_id,
   job.stage = "frontend";
   job.created_at_us = NowUs();
   nlohmann::json detail = DetailJson(admission, upload);
-  // No frame will ever end such a job, so it ends now and says why.
+  // No frame will ever end such a job. It therefore ends now, with the reason.
   if (!admission.verdicts.empty() && detail["num_accepted"] == 0) {
     job.state = JobState::kDone;
     job.progress_ratio = 1.0;
@@ -264,7 +264,7 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
   const Admission admission = Admit(service.intake, ExistingFlight(service, call), upload);
   const JobRow job = NewBatchJob(flight_id, admission, upload);
   service.storage.frames.Insert(flight_id, admission.frames, job, [&](FlightRow& flight) {
-    // A stored rig may have learnt a datum since it was read.
+    // A stored rig is kept, because another request may have added a datum to it since it was read.
     if (flight.rig_json.empty()) flight.rig_json = admission.rig_json;
     flight.num_rejected_frames += admission.num_rejected;
     flight.warnings_json = AddWarnings(flight.warnings_json, "images", admission.warnings);

@@ -10,7 +10,7 @@
 namespace freelsd {
 namespace {
 
-// The form of the answer, not the request itself.
+// True for parameters that select the form of the answer. They are not part of the request.
 bool IsOfForm(const std::string& parameter) {
   return parameter == "f" || parameter == "home_altitude_m" || parameter == "firmware";
 }
@@ -57,7 +57,8 @@ nlohmann::json RecalledFor(Service& service, const EmergencyRequest& request) {
   try {
     if (request.flight_id) completed = CompletedFromFlight(service.storage, request);
   } catch (const StorageError& error) {
-    // Sites have a second copy, flights have none: a damaged flight must not cost the answer.
+    // Flights have no second copy. If the flight's row is damaged, the request is answered without
+    // the flight's data.
     spdlog::error("emergency recall for a flight: {}", error.what());
     is_flight_unread = true;
   }

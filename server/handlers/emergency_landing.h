@@ -1,4 +1,4 @@
-// The best site of an emergency answer as a file for an autopilot.
+// Writes the best site of an emergency answer as a file for an autopilot.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@
 
 namespace freelsd {
 
-// `answer` is that of RecallSites; its plan of the best site is written, not the stored one.
-// `format` is plan or waypoints. Throws ApiError NothingInReach, AltitudeUnknown.
+// `answer` is the result of RecallSites. The file contains the best site's plan from `answer`, not
+// the stored plan. `format` is plan or waypoints. Throws ApiError NothingInReach, AltitudeUnknown.
 void AnswerLanding(const Service& service,
                    const nlohmann::json& answer,
                    const std::string& format,

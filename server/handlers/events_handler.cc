@@ -33,7 +33,7 @@ std::string ResyncText(const EventLog& log, int64_t number) {
   return "id: " + log.IdOf(number) + "\nevent: resync\ndata: {}\n\n";
 }
 
-// What happened since the last call.
+// The events since the last call.
 LiveText NewsOf(EventClient& client) {
   const EventLog& log = client.service.events;
   const EventLog::Batch batch =

@@ -65,7 +65,7 @@ nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us) {
   properties["age_s"] = GroundAgeS(row.LastSeenUs(), now_us);
   if (!row.superseded_by) return feature;
   properties["superseded_by"] = *row.superseded_by;
-  // A row of an older program has no more than the id, until it is checked.
+  // The row of an older program has only the id of the later site, until the site is checked.
   if (row.superseded_at_us == 0) return feature;
   properties["superseded_at"] = Rfc3339(row.superseded_at_us);
   properties["superseded_reason"] = row.superseded_reason;

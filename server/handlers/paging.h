@@ -20,8 +20,8 @@ size_t ParseLimit(const Call& call);
 // InvalidQuery.
 std::optional<int64_t> ParseNumberCursor(const Call& call);
 
-// Answers {"<name>": [<items>], "next": …}. `items`: JSON, separated by commas. `next`: number of
-// the last item if others follow.
+// Answers {"<name>": [<items>], "next": …}. `items`: JSON texts, separated by commas. `next`:
+// number of the page's last item; nothing if no more items follow.
 void AnswerPage(const std::string& name,
                 const std::string& items,
                 std::optional<int64_t> next,

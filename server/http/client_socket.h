@@ -18,9 +18,10 @@ class ClientSocket {
   ClientSocket& operator=(const ClientSocket&) = delete;
 
   int descriptor() const { return descriptor_; }
-  // What arrived. 0: the client ended or the connection broke; nothing: nothing arrived.
+  // Number of bytes read. 0 if the client ended or the connection broke. Nothing if no byte has
+  // arrived.
   std::optional<size_t> ReadNow(char* bytes, size_t size) const;
-  // Number of bytes that the kernel accepted; nothing: the connection broke.
+  // Number of bytes that the kernel accepted. Nothing if the connection broke.
   std::optional<size_t> WriteNow(std::string_view bytes) const;
   // Number of bytes read; 0 if the client ended, the deadline passed, or the connection broke.
   size_t Read(char* bytes, size_t size, SteadyTime deadline) const;

@@ -23,8 +23,8 @@ class EventLog {
  public:
   EventLog();
 
-  // Data beyond kLimits.events.max_event_bytes become an event "resync": the client must fetch the
-  // state.
+  // If `data` is larger than kLimits.events.max_event_bytes, publishes an event "resync" instead.
+  // The client must then fetch the state.
   void Publish(const std::string& type, const std::string& flight_id, const std::string& data);
   // Marks the end of the log for all listeners.
   void Stop();
@@ -43,23 +43,23 @@ class EventLog {
     std::vector<Event> events;
     // True if events were dropped. The listener must then fetch the complete state.
     bool has_gap = false;
-    // Stop was called, and no event is left.
+    // True if Stop was called and no event is left.
     bool is_over = false;
-    // Number of the last event that was looked at.
+    // Number of the last event that was examined. It may be of another flight.
     int64_t last_number = 0;
   };
-  // The events after `number`; it ends with the event whose data exceed `max_bytes` together. An
-  // empty flight_id stands for all flights.
+  // The events after `number`. The batch ends with the event at which the total size of the data
+  // exceeds `max_bytes`. An empty flight_id means all flights.
   Batch After(int64_t number, const std::string& flight_id, size_t max_bytes) const;
 
  private:
   void DropOld();
 
   std::string epoch_;
-  // Guards all below.
+  // Guards all members below.
   mutable std::mutex mutex_;
   std::function<void()> on_news_ = [] {};
-  // Without a gap between their numbers.
+  // The numbers of these events have no gap.
   std::deque<Event> events_;
   size_t num_bytes_ = 0;
   int64_t last_number_ = 0;

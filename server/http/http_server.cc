@@ -11,13 +11,14 @@
 namespace freelsd {
 namespace {
 
-// Told to clients; the poll loop does not count.
+// This number is sent to clients. The poll loop does not enforce it.
 constexpr int kMaxRequestsPerConnection = 10000;
 // Most connections that wait to be accepted. The library's default of 5 refuses bursts.
 constexpr int kListenBacklog = 1024;
 constexpr size_t kWriteBufferBytes = 256 << 10;
 
-// The request that this thread serves. The library passes no argument of ours to handlers.
+// The request that this thread serves. A thread-local variable is needed, because the library
+// passes no argument of ours to handlers.
 thread_local BodyReader* body_of_this_thread = nullptr;
 thread_local ClientConnection* connection_of_this_thread = nullptr;
 
@@ -146,10 +147,10 @@ void HttpServer::Serve(ClientConnection& connection) {
     const bool is_whole = process_request(stream, is_stopping_, is_closed, nullptr);
     connection.is_last = is_closed || !is_whole || !body.IsAtEnd();
     connection.must_linger = !body.IsAtEnd();
-    // What the client takes at once need not wait for the poll loop.
+    // Sends what the client accepts at once, without waiting for the poll loop.
     connection.output.SendTo(connection.socket);
   } catch (const std::exception&) {
-    // Most likely out of memory: only this connection ends.
+    // The process is probably out of memory. Only this connection ends.
     connection.is_last = true;
   }
   loop_.GiveBack(connection);

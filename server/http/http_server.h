@@ -1,6 +1,6 @@
-// cpp-httplib's parsing and formatting behind our own poll loop. Heads are checked before the
-// library parses them, requests reach a thread only when they are whole, and every error is
-// answered as problem+json.
+// An HTTP server with our own poll loop. cpp-httplib only parses requests and formats answers.
+// Heads are checked before the library parses them. Requests reach a thread only when they are
+// whole. Every error is answered as problem+json.
 #pragma once
 
 #include <atomic>
@@ -35,8 +35,8 @@ class HttpServer : public httplib::Server {
   // Serves until another thread calls Stop.
   void Run();
   void Stop();
-  // A call that makes this server ask all live answers for text. Thread-safe; may outlive the
-  // server.
+  // Returns a function that makes this server ask all live answers for text. The function is
+  // thread-safe and may outlive the server.
   std::function<void()> NewsCall() const { return loop_.NewsCall(); }
 
  private:
@@ -50,8 +50,8 @@ class HttpServer : public httplib::Server {
   std::atomic<bool> is_stopping_{false};
 };
 
-// Answers with a text that begins now and continues after the handler has returned: the poll loop
-// sends it, so the client holds no thread. Call it only while serving a request.
+// Answers with a text that begins now and continues after the handler has returned. The poll loop
+// sends the rest, so that the client holds no thread. Call it only while serving a request.
 void AnswerLive(httplib::Response& response,
                 const std::string& content_type,
                 const std::string& begin,

@@ -43,7 +43,8 @@ class MultipartReader {
   std::string ReadLine();
 
   Source source_;
-  // CR LF "--" boundary. `window_` starts with CR LF, so that the first boundary matches too.
+  // CR LF "--", followed by the boundary. `window_` starts with CR LF, so that the first boundary
+  // matches too.
   std::string delimiter_;
   std::string window_ = "\r\n";
   bool is_in_part_ = true;

@@ -26,7 +26,7 @@ struct CheckedImage {
 CheckedImage CheckImage(Intake& intake,
                         std::string_view bytes,
                         const std::optional<Camera>& camera = std::nullopt);
-// The camera of the flight's images; nothing while it is unknown.
+// The camera of the flight; nothing while it is unknown.
 std::optional<Camera> CameraOf(const FlightRow& flight);
 
 // Determines a flight's rig (camera, mounting) and origin. The first admitted image fixes what the
@@ -37,14 +37,14 @@ class RigResolver {
   // camera, `side_camera`, the images' tags.
   explicit RigResolver(const FlightRow& flight,
                        const std::optional<Camera>& side_camera = std::nullopt);
-  // `meta`: already merged with the image's tags. Throws ApiError NoPosition, NoCamera or
-  // ImageSizeMismatch; the resolver is then unchanged.
+  // `meta` must be merged with the image's tags. Throws ApiError NoPosition, NoCamera or
+  // ImageSizeMismatch, and leaves the resolver unchanged.
   void Admit(const CheckedImage& image, const FrameMeta& meta);
-  // Only the check of the size, for a frame whose position will come from telemetry. Changes
-  // nothing.
+  // Checks only the size of the image. Used for a frame whose position will come from telemetry.
+  // Throws ApiError ImageSizeMismatch.
   void CheckSize(const CheckedImage& image) const;
-  // Warnings about the image's tags; none if the flight does not use the tags, because it has its
-  // own camera and the image has no geotag.
+  // Warnings about the image's tags. None if the flight has its own camera and the image has no
+  // geotag, because the tags are not used then.
   std::vector<std::string> RelevantWarnings(const CheckedImage& image) const;
   // The new value of FlightRow::rig_json; empty before the first admitted image.
   std::string RigJson() const;

@@ -13,17 +13,18 @@ std::optional<std::string> DatumOfFrames(const FlightRow& flight) {
   return ParseStoredFlightRig(flight.rig_json).altitude_datum;
 }
 
-// What the frames tell against the client, or against each other; empty: nothing.
+// Contradictions between the datums of the frames and the client's, or among the frames. Empty if
+// there are none.
 std::vector<std::string> Contradictions(const std::optional<std::string>& given,
                                         const std::optional<std::string>& before,
                                         const std::string& told) {
   if (given && *given != kUnknown && told != kUnknown && told != *given) {
-    return {"altitude_datum is given as " + *given + ", but photographs or poses tell " + told +
+    return {"altitude_datum is given as " + *given + ", but photographs or poses state " + told +
             ": the given one is used"};
   }
   if (!given && before && *before != told) {
     return {
-        "the altitudes of the frames tell different datums, or only some tell theirs: "
+        "the altitudes of the frames have different datums, or some have no known datum: "
         "altitude_datum is unknown"};
   }
   return {};

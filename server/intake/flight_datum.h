@@ -1,4 +1,5 @@
-// The datum of a flight's altitudes: the client's, else the one that the flight's own input tells.
+// The datum of a flight's altitudes: the datum that the client gave, else the common datum of the
+// resolved frames.
 #pragma once
 
 #include <optional>
@@ -9,15 +10,16 @@
 
 namespace freelsd {
 
-// "amsl", "ellipsoid" or "unknown"; nothing if neither the client nor a settled frame has told it.
+// "amsl", "ellipsoid" or "unknown". Nothing if the client gave none and no frame is resolved yet.
 std::optional<std::string> ToldDatumOf(const FlightRow& flight);
-// The same; "unknown" for nothing.
+// Like ToldDatumOf, with "unknown" instead of nothing.
 std::string AltitudeDatumOf(const FlightRow& flight);
 
-// The datum told by all positions so far and by this one. A position that tells none is not of the
-// others' datum: the answer is "unknown" then, as for two that differ.
+// The common datum of the positions so far and of this position. `so_far` is empty before the first
+// position. The result is "unknown" if two datums differ, or if a position has no datum.
 std::string CommonDatum(const std::optional<std::string>& so_far, const FrameMeta& meta);
-// The flight after a frame with this position was settled. A contradiction becomes a warning.
+// The flight with the datum of a newly resolved frame. If datums contradict each other, a warning
+// is added to the flight.
 FlightRow WithDatumOf(FlightRow flight, const FrameMeta& meta);
 
 }  // namespace freelsd

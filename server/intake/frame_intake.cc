@@ -40,7 +40,8 @@ void StoreFrame(Intake& intake,
   intake.storage.images.Write(image.sha256, upload.image);
   try {
     intake.storage.frames.Insert(frame.flight_id, {frame}, std::nullopt, [&](FlightRow& flight) {
-      // A stored rig may have learnt a datum since it was read.
+      // A stored rig is kept, because another request may have added a datum to it since it was
+      // read.
       if (flight.rig_json.empty()) flight.rig_json = resolver.RigJson();
       flight.warnings_json =
           AddWarnings(flight.warnings_json, "images", resolver.RelevantWarnings(image));

@@ -9,7 +9,7 @@
 
 namespace freelsd {
 
-// Merges the metadata: the client's override those from telemetry, which override the image's tags.
+// Merges the metadata. Precedence: the client's metadata, then telemetry, then the image's tags.
 FrameMeta KnownMeta(const Intake& intake,
                     const std::string& flight_id,
                     const FrameMeta& given,
@@ -28,8 +28,8 @@ struct PosedFrame {
 // State of a frame's metadata: final, waiting for telemetry, or unusable.
 enum class Resolution { kReady, kWaiting, kRejected };
 
-// Determines the metadata that the engine uses for a queued frame, and, with the first frame that
-// has a position, the flight's rig. Stores both, so that a replay uses the same values. A frame
+// Determines the metadata that the engine uses for a queued frame. The first frame with a position
+// also determines the flight's rig. Both are stored, so that a replay uses the same values. A frame
 // without a position is kWaiting while `may_wait` is true, else kRejected. A frame is also rejected
 // if it does not fit the flight's rig or is too far from its origin.
 Resolution ResolveFrame(Intake& intake, const FlightRow& flight, PosedFrame& posed, bool may_wait);

@@ -36,10 +36,10 @@ struct Intake {
   std::mutex intake_mutex;
   // Limits the number of images decoded at the same time: 64 megapixels take 192 MiB.
   std::counting_semaphore<> decoders{kLimits.concurrency.max_num_decoders};
-  // Limits the number of uploads at the same time: each holds an encoded image in memory, and a
-  // thread.
+  // Limits the number of uploads at the same time. Each upload holds a thread, and an encoded image
+  // in memory.
   std::counting_semaphore<> uploads{kLimits.concurrency.max_num_uploads};
-  // Limits the number of requests that last as long as a flight: each holds a thread.
+  // Limits the number of requests that last as long as a flight. Each of them holds a thread.
   std::counting_semaphore<> streams{kLimits.concurrency.max_num_streams};
   // Guards `receiving`.
   mutable std::mutex receiving_mutex;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMicrosecond = 1e-6;
 
-// By the number that a row of a position holds. The first is a datum that is not told.
+// Names by the number in a row of kind kPosition. 0 means that no datum was given.
 constexpr std::array<const char*, 3> kDatums{"", "amsl", "ellipsoid"};
 
 double NumberOfDatum(const std::optional<std::string>& datum) {
@@ -151,8 +151,8 @@ std::vector<MeasuredWind> WindsBetween(const Storage& storage,
                                        const std::string& flight_id,
                                        int64_t after_us,
                                        int64_t before_us) {
-  // A minute and a half at 20 Hz. The moving average has forgotten older ones, and after a long
-  // pause of the camera the frontend would read for seconds.
+  // A minute and a half at 20 Hz. Older winds have no influence on the moving average. Without a
+  // limit, the frontend would read for seconds after a long pause of the camera.
   constexpr size_t kMaxNumWinds = 2000;
   std::vector<MeasuredWind> winds;
   while (winds.size() < kMaxNumWinds && before_us > after_us + 1) {

@@ -11,8 +11,9 @@
 
 namespace freelsd {
 
-// Throws ApiError if the time is more than a day ahead of the server's clock. A clock before
-// kFirstPlausibleUs was never set and refuses nothing; past times are always legitimate.
+// Throws ApiError if the time is more than a day ahead of the server's clock. Past times are always
+// accepted. If the server's clock is before kFirstPlausibleUs, it was never set, and every time is
+// accepted.
 void RefuseFutureTime(int64_t timestamp_us, int64_t now_us);
 
 // Parses one line of NDJSON: {timestamp_us, position?, attitude?, wind?}. Throws ApiError.
@@ -35,15 +36,16 @@ struct MeasuredWind {
   Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
 };
 
-// Winds measured after one time and before another, where telemetry gives a position too; oldest
-// first. The latest ones if there are very many.
+// Winds measured after after_us and before before_us, oldest first. A wind without a position is
+// left out. If there are very many, only the latest ones are returned.
 std::vector<MeasuredWind> WindsBetween(const Storage& storage,
                                        const Config& config,
                                        const std::string& flight_id,
                                        int64_t after_us,
                                        int64_t before_us);
 
-// The datum of the altitude in a row of a position; nothing if it is not told.
+// Datum of the altitude in a row of kind kPosition; nothing if the position was sent without a
+// datum.
 std::optional<std::string> AltitudeDatumOf(const TelemetryRow& position);
 
 }  // namespace freelsd

@@ -14,7 +14,7 @@
 namespace freelsd {
 namespace {
 
-// Of one flight: its poses may arrive 50 times a second.
+// Least time between two updates of one flight, because its poses may arrive 50 times a second.
 constexpr std::chrono::milliseconds kMinPeriod{100};
 constexpr std::chrono::milliseconds kPollPeriod{10};
 // Plans hold for a wind that has changed by less, until there is time for new ones. A measured wind
@@ -65,7 +65,7 @@ nlohmann::json AnswerOf(const StoredSites& stored,
   request.altitude_datum = AltitudeDatumOf(flight);
   request.flight_id = flight.id;
   if (pose->wind) request.wind_in_world = pose->wind->wind_in_world;
-  // Where it is unknown, recall assumes the worst turn, and says so.
+  // If the heading is unknown, recall assumes the worst heading, and adds a warning.
   request.heading_deg = pose->heading_deg;
   request.aircraft = flight_request.aircraft;
   request.limit = limit;
@@ -158,8 +158,8 @@ std::string Alternates::Answer(const std::string& flight_id, std::optional<size_
     const std::lock_guard lock(mutex_);
     if (const auto found = lists_.find(flight_id); found != lists_.end()) list = found->second;
   }
-  // A site that was deleted or superseded must not be told once more, nor the turn from a course
-  // that the aircraft may have left.
+  // The list is invalid if a site was deleted or superseded, or if the aircraft may have left the
+  // course for which the list was computed.
   if (list && (list->sites_version != storage_.sites.Version() ||
                (list->holds_until_us && ArrivalNowUs() > *list->holds_until_us))) {
     list.reset();

@@ -47,8 +47,8 @@ class Alternates {
   void Forget(const std::string& flight_id);
 
   // The best `limit` sites (default: the length of the lists) as JSON text, with ages as of now.
-  // Takes the kept list if it is long enough and still holds, else computes one. Empty if there is
-  // no such flight.
+  // Uses the kept list if it is long enough and still valid. Otherwise computes a new list. Empty
+  // if there is no such flight.
   std::string Answer(const std::string& flight_id, std::optional<size_t> limit = std::nullopt);
   // The kept list, of any age; nothing if there is none.
   std::optional<nlohmann::json> Kept(const std::string& flight_id) const;
@@ -58,13 +58,14 @@ class Alternates {
   // NOLINTNEXTLINE(bugprone-exception-escape): an empty json throws nothing.
   struct List {
     nlohmann::json answer;
-    // Lists of one flight in the order in which their computation began.
+    // Greater for a list whose computation began later.
     uint64_t number = 0;
-    // Of the stored sites when it began.
+    // Version of the stored sites when the computation began.
     uint64_t sites_version = 0;
     // On the clock of ArrivalNowUs.
     int64_t computed_at_us = 0;
-    // When the course that it counts on becomes unknown.
+    // Time at which the course that the list was computed for becomes too old. Nothing if the list
+    // uses no course.
     std::optional<int64_t> holds_until_us;
   };
   // The wind that a flight's list is planned for.
@@ -100,7 +101,7 @@ class Alternates {
   MapCache& maps_;
   EventLog& events_;
   const size_t num_sites_;
-  // Guards all members below but thread_.
+  // Guards all members below except thread_.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   // Flights to update, in the order of their Wake calls, each at most once.

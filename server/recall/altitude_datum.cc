@@ -17,7 +17,7 @@ DatumDifference DatumDifferenceOf(const AltitudeReference& given, const Altitude
   const bool is_one_flight = !given.flight_id.empty() && given.flight_id == stored.flight_id;
   if (given.datum == stored.datum && (given.datum != kUnknown || is_one_flight)) return {};
   const bool is_given_ellipsoidal = given.datum == kEllipsoid;
-  // An ellipsoidal altitude becomes one above the sea where it was measured.
+  // The geoid's height is taken at the place where the ellipsoidal altitude was measured.
   const AltitudeReference& place = is_given_ellipsoidal ? given : stored;
   const auto height_m = Egm96().HeightAt(place.latitude_deg, place.longitude_deg);
   if (!height_m) return {GlideOptions{}.datum_penalty_m, DatumBasis::kNoGeoid};

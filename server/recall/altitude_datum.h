@@ -5,8 +5,8 @@
 
 namespace freelsd {
 
-// An altitude's datum, "amsl", "ellipsoid" or "unknown", its place, and the flight that measured it
-// (empty: none is known). The texts must outlive it.
+// Datum of an altitude ("amsl", "ellipsoid" or "unknown"), its place, and the id of the flight that
+// measured it (empty if unknown). The texts must outlive this object.
 struct AltitudeReference {
   std::string_view datum;
   double latitude_deg = 0.0;
@@ -14,23 +14,23 @@ struct AltitudeReference {
   std::string_view flight_id;
 };
 
-// What a difference of datums was computed from.
+// How the difference of two datums is computed.
 enum class DatumBasis {
-  kSame,     // one datum: nothing is subtracted
-  kGeoid,    // two known datums: the geoid's height, exactly
+  kSame,     // equal datums: nothing is subtracted
+  kGeoid,    // two known datums: the geoid's height
   kUnknown,  // a datum is unknown: the geoid's height as a penalty
-  kNoGeoid,  // the geoid is not installed: its greatest height as a penalty
+  kNoGeoid,  // the geoid's grid is not installed: its greatest height as a penalty
 };
 
 // What to subtract from an altitude before it is compared with a stored one.
 struct DatumDifference {
-  // Negative if the altitude gains: above mean sea level, over a stored altitude above an ellipsoid
-  // that lies below the sea there.
+  // Negative if the altitude must be increased. Example: the given altitude is above mean sea
+  // level, the stored one is above the ellipsoid, and the geoid lies above the ellipsoid there.
   double subtracted_m = 0.0;
   DatumBasis basis = DatumBasis::kSame;
 };
 
-// Unknown datums of one flight are the same datum.
+// Two unknown datums are equal if one flight measured both altitudes.
 DatumDifference DatumDifferenceOf(const AltitudeReference& given, const AltitudeReference& stored);
 
 }  // namespace freelsd

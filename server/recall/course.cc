@@ -8,18 +8,19 @@
 namespace freelsd {
 namespace {
 
-// Between positions that a GNSS receiver gives within seconds, a few metres are noise: the course
-// over this way is known to about 10 degrees.
+// Positions of a GNSS receiver within a few seconds have a noise of a few metres. Over this
+// distance, the error of the course is about 10 degrees.
 constexpr double kMinWayM = 20.0;
-// In a turn, the course over a way is that of its middle. So it is late by half the way at most,
-// which costs a few metres of height.
+// In a turn, the measured course is that at the middle of the way. It is late by at most half the
+// way, which costs a few metres of height.
 constexpr double kMaxSpanS = 4.0;
-// A link may deliver samples in bursts. Samples from farther back may be of another start of the
-// autopilot, whose clock began at the same time again.
+// A link may deliver samples in bursts. Older samples may be from before a restart of the
+// autopilot. After the restart, its clock may show the same times again.
 constexpr double kMaxArrivalSpanS = 10.0;
-// What is faster is a jump of the receiver, not a small aircraft.
+// A greater speed is an error of the receiver.
 constexpr double kMaxSpeedMps = 150.0;
-// A way by the position in its middle may be so much longer. More is a circle, or a jump.
+// Largest ratio of the way through the middle position to the direct way. A larger ratio is a
+// circle, or an error of the receiver.
 constexpr double kMaxDetourRatio = 1.2;
 
 double SecondsBetween(int64_t earlier_us, int64_t later_us) {
@@ -30,7 +31,7 @@ Eigen::Vector2d Way(const PassedPosition& from, const PassedPosition& to) {
   return LocalFrame(from.place).WorldFromGeo(to.place).head<2>();
 }
 
-// Of the positions between the first and the last, the one nearest to the middle in time.
+// The position nearest to the middle in time, without the first and the last position.
 const PassedPosition& MiddleOf(const std::vector<PassedPosition>& latest_first) {
   const double whole_s =
       SecondsBetween(latest_first.back().timestamp_us, latest_first.front().timestamp_us);
@@ -47,8 +48,8 @@ const PassedPosition& MiddleOf(const std::vector<PassedPosition>& latest_first) 
   return *middle;
 }
 
-// The end of the list that the course is taken from: in order of time, and as short as may be.
-// Empty if no three positions reach far enough.
+// The latest positions, from which the course is computed. They are in order of time, and as few as
+// possible. Empty if no three positions are far enough apart.
 std::vector<PassedPosition> LastWay(const std::vector<PassedPosition>& passed) {
   if (passed.empty()) return {};
   const PassedPosition& latest = passed.front();

@@ -1,4 +1,4 @@
-// The direction in which an aircraft moves over ground, from the positions that it passed.
+// Computes the direction in which an aircraft moves over ground from its last positions.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace freelsd {
 
 struct PassedPosition {
   GeoPoint place;
-  // The position's own time, and when the server received it.
+  // When the aircraft was there, and when the server received the position.
   int64_t timestamp_us = 0;
   int64_t arrived_at_us = 0;
 };
 
 // Degrees clockwise from north, in [0, 360). `passed`: in the order of arrival, the latest first.
-// Nothing unless three positions within a few seconds agree, and the way between them is long
-// against the noise of positions.
+// Three positions within a few seconds must agree, and the distance between them must be much
+// larger than the noise of positions. Otherwise returns nothing.
 std::optional<double> CourseDeg(const std::vector<PassedPosition>& passed);
 
 }  // namespace freelsd

@@ -17,9 +17,10 @@ namespace freelsd {
 // State of the aircraft, and the largest number of sites in the answer.
 struct EmergencyRequest {
   GeoPoint place;
-  // "amsl", "ellipsoid" or "unknown"; empty: not given, so unknown unless the flight tells it.
+  // "amsl", "ellipsoid" or "unknown"; empty: not given. It is then taken from the flight; without a
+  // flight it is unknown.
   std::optional<std::string> altitude_datum;
-  // The flight that measured the altitude. What is not given may be taken from it.
+  // The flight that measured the altitude. Values that are not given may be taken from this flight.
   std::optional<std::string> flight_id;
   // East and north, m/s: the direction in which the air moves. Empty: unknown.
   std::optional<Eigen::Vector2d> wind_in_world;
@@ -28,12 +29,13 @@ struct EmergencyRequest {
   // Safety heights: above the stored terrain below the path, and above the start of the final.
   double terrain_clearance_m = GlideOptions{}.terrain_clearance_m;
   double arrival_height_m = 0.0;
-  // Empty: for each site, the aircraft for which the site was planned.
+  // Empty: each site is evaluated for the aircraft for which it was planned.
   std::optional<Aircraft> aircraft;
   size_t limit = 5;
 };
 
-// The request's altitude, to compare it with stored ones. Refers to the request's texts.
+// The request's altitude, for comparison with stored altitudes. The result refers to texts in
+// `request`.
 AltitudeReference ReferenceOf(const EmergencyRequest& request);
 
 // `object` holds the query parameters or the keys of the body. Throws ApiError.

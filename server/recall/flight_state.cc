@@ -7,7 +7,8 @@
 namespace freelsd {
 namespace {
 
-// Farther from the flight's latest position the aircraft may have turned since.
+// If the request's place is farther from the flight's latest position, the aircraft may have turned
+// since.
 constexpr double kMaxAwayM = 300.0;
 
 // Nothing if the course is unknown or belongs to another place.

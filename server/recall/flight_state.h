@@ -1,4 +1,4 @@
-// What a flight's own data tell about its aircraft, for an emergency request that does not say it.
+// Completes an emergency request with the data of a flight.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,16 +8,17 @@
 
 namespace freelsd {
 
-// The request with what it leaves open: datum, wind, aircraft, and heading. The heading is the
-// track over ground, never the attitude's yaw; it is taken only near the flight's latest position,
-// because the track of another place is none.
+// The request, completed with datum, wind, aircraft and heading. The heading is the direction of
+// travel over ground, never the yaw of the attitude. It is taken only if the request's place is
+// near the flight's latest position, because the aircraft may have turned since.
 struct CompletedRequest {
   EmergencyRequest request;
-  // {flight_id, altitude_datum?, wind?, heading_deg?, aircraft?, timestamp_us?}: what was taken.
+  // The values that were taken from the flight: {flight_id, altitude_datum?, wind?, heading_deg?,
+  // aircraft?, timestamp_us?}.
   nlohmann::json taken;
 };
 
-// `request` names a flight. Throws ApiError NoSuchFlight.
+// request.flight_id must be set. Throws ApiError NoSuchFlight.
 CompletedRequest CompletedFromFlight(const Storage& storage, const EmergencyRequest& request);
 
 }  // namespace freelsd

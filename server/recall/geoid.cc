@@ -14,11 +14,12 @@ namespace freelsd {
 namespace {
 
 constexpr char kPipeline[] = "+proj=vgridshift +grids=egm96_15.gtx +multiplier=1";
-// The grid's own nodes: heights between them are what PROJ answers.
+// The nodes of the grid. PROJ interpolates linearly between them.
 constexpr int kNodesPerDegree = 4;
 constexpr int kNumRows = 180 * kNodesPerDegree;
 constexpr int kNumCols = 360 * kNodesPerDegree;
-// A flight needs a few cells; a client that asks for the whole earth must not fill the memory.
+// Largest number of cached cells. A flight needs only a few, but a client may request places all
+// over the earth.
 constexpr size_t kMaxNumCells = 20000;
 
 struct Destroy {
@@ -39,7 +40,7 @@ class Geoid::GridReader {
  public:
   GridReader() : context_(proj_context_create()) {
     proj_log_level(context_.get(), PJ_LOG_NONE);
-    // In an emergency nothing may wait for a server that distributes grids.
+    // PROJ must not download grids, because an emergency request must not wait for a server.
     proj_context_set_enable_network(context_.get(), 0);
     ellipsoid_from_geoid_.reset(proj_create(context_.get(), kPipeline));
     if (ellipsoid_from_geoid_) return;

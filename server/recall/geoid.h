@@ -9,12 +9,12 @@
 
 namespace freelsd {
 
-// The largest height of the geoid anywhere, in metres, above or below the ellipsoid.
+// Upper bound of the distance between geoid and ellipsoid anywhere on earth, metres.
 constexpr double kMaxGeoidHeightM = 110.0;
 
-// EGM96 as PROJ's grid egm96_15.gtx has it: nodes every 15 minutes, linear between them. Thread-
-// safe. It remembers the cells that were asked for, because PROJ is too slow for thousands of
-// sites.
+// EGM96, read from PROJ's grid egm96_15.gtx. The grid has a node every 15 minutes of arc. Heights
+// between the nodes are interpolated linearly. Cells are cached, because PROJ is too slow for
+// thousands of sites. Thread-safe.
 class Geoid {
  public:
   Geoid();
@@ -22,8 +22,8 @@ class Geoid {
   Geoid(const Geoid&) = delete;
   Geoid& operator=(const Geoid&) = delete;
 
-  // Metres: altitude above the ellipsoid = altitude above mean sea level + height. Nothing if the
-  // grid is not installed.
+  // Height in metres. Altitude above the ellipsoid = altitude above mean sea level + height.
+  // Nothing if the grid is not installed.
   std::optional<double> HeightAt(double latitude_deg, double longitude_deg);
 
  private:
@@ -33,15 +33,15 @@ class Geoid {
   // The caller holds mutex_.
   std::optional<Cell> CellAt(int row, int col);
 
-  // Guards the members below. PROJ forbids two threads in one context at once; the reader's is only
-  // used by the thread that holds this.
+  // Guards the members below, including the reader's PROJ context, which only one thread may use at
+  // a time.
   std::mutex mutex_;
-  // Nothing before the first question.
+  // Nothing before the first call of HeightAt.
   std::unique_ptr<GridReader> grid_;
   std::unordered_map<int, Cell> cells_;
 };
 
-// One for the whole process: the grid is a constant of nature.
+// The geoid of this process. All callers share it, because the grid never changes.
 Geoid& Egm96();
 
 }  // namespace freelsd

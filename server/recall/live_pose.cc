@@ -18,7 +18,7 @@ struct ArrivedWind {
   int64_t arrived_at_us = 0;
 };
 
-// Of one source: its positions and its last wind.
+// Positions and last wind from one source.
 struct Track {
   // In the order of arrival, the latest first.
   std::vector<PassedPosition> passed;
@@ -45,7 +45,8 @@ Track TrackOfTelemetry(const Storage& storage, const std::string& flight_id) {
   return track;
 }
 
-// Only what came with the frames themselves: what telemetry gave them arrived before.
+// Uses only the metadata that arrived with the frames. Their metadata from telemetry arrived
+// earlier.
 Track TrackOfFrames(const Storage& storage, const std::string& flight_id) {
   Track track;
   for (const FrameRow& frame : storage.frames.LastArrived(flight_id, kMaxNumFrames)) {

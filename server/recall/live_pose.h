@@ -1,5 +1,5 @@
-// What a flight's telemetry and frames say about its aircraft now. The order is that of arrival:
-// the aircraft's clock may be wrong or unset.
+// The latest position, course and wind of a flight's aircraft, from telemetry and frames. "Latest"
+// is by time of arrival, because the aircraft's clock may be wrong.
 #pragma once
 
 #include <cstdint>
@@ -22,22 +22,24 @@ struct LiveWind {
 
 struct LivePose {
   GeoPoint place;
-  // As told with the position; nothing: not told.
+  // Datum of the position's altitude; nothing if the position was sent without a datum.
   std::optional<std::string> altitude_datum;
   // The position's own time, as the aircraft gave it.
   std::optional<int64_t> timestamp_us;
   // Since the server received it; nothing: unknown.
   std::optional<double> age_s;
-  // Direction of travel over ground, while the last positions tell it. Never from an attitude:
-  // where the nose points is not where the aircraft goes.
+  // Direction of travel over ground, computed from the last positions. Nothing if they do not
+  // determine it. Trap: the attitude does not give it, because in wind the aircraft does not fly
+  // where its nose points.
   std::optional<double> heading_deg;
   std::optional<LiveWind> wind;
 };
 
-// A course is known for so long after the position arrived: it may have turned since.
+// An older course counts as unknown, because the aircraft may have turned since the position
+// arrived.
 constexpr double kMaxCourseAgeS = 3.0;
 
-// Nothing if no position is known. `now_us`: of ArrivalNowUs.
+// Nothing if no position is known. `now_us`: result of ArrivalNowUs.
 std::optional<LivePose> LivePoseOf(const Storage& storage,
                                    const std::string& flight_id,
                                    int64_t now_us);

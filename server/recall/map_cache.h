@@ -1,5 +1,5 @@
 // Caches stored sites with their maps, the terrain of maps, and plans on maps. Recall plans
-// approaches on these maps and checks the terrain below the straight line to a site.
+// approaches on these maps and checks the terrain below the path to a site.
 #pragma once
 
 #include <list>

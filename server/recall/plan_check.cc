@@ -12,14 +12,15 @@
 namespace freelsd {
 namespace {
 
-// On all sides of the plan, metres: more than the widest corridor and disc of the known aircraft.
+// Margin on all sides of the plan, metres. It is larger than the widest corridor and disc of the
+// known aircraft.
 constexpr double kBoxMarginM = 200.0;
 
 LoiterDirection TurnOf(const FinalPlaces& places) {
   return places.is_right_turn ? LoiterDirection::kRight : LoiterDirection::kLeft;
 }
 
-// In another map's frame. Heights are relative to the touchdown.
+// The approach in the frame of another map. Heights are relative to the touchdown.
 Approach ApproachIn(const LocalFrame& frame, const StoredPlan& plan) {
   const FinalPlaces& places = *plan.site.final_places;
   const auto at = [&frame](const GeoPoint& place, double height) {
@@ -53,14 +54,14 @@ struct Reading {
   ApproachOptions options;
 };
 
-// The map as the planner reads it: what is unsure counts against the plan.
+// The map as the planner uses it: uncertain ground counts against the plan.
 Reading Strict(const StoredPlan& plan, const SiteMap& site_map) {
   return {site_map, plan.replan.flight.options.approach};
 }
 
-// The map as if it lay exactly and its unclear cells were clear. A less exact map, or one that
-// could not tell what grows somewhere, shows no change of the ground: only what breaks a rule on
-// this reading too was seen.
+// The map as if its position were exact and all its cells had a clear class. A less accurate map,
+// or a map with unclear cells, does not prove that the ground has changed. A plan therefore fails
+// only if it also breaks a rule on this reading.
 Reading Lenient(const StoredPlan& plan, const SiteMap& site_map) {
   Reading reading = Strict(plan, site_map);
   reading.site_map.map.position_sd_m = 0.0;

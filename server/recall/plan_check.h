@@ -13,15 +13,15 @@
 
 namespace freelsd {
 
-// The way down that was stored with an accepted site, its aircraft and its wind.
+// The plan that was stored with an accepted site, and the aircraft and wind for which it was made.
 struct StoredPlan {
   Replan replan;
-  // With final_places.
+  // Always has final_places.
   StoredSite site;
 };
 // Nothing if the site was rejected, or if its row is invalid by current rules.
 std::optional<StoredPlan> ReadStoredPlan(const SiteRow& row);
-// A box around everything of the plan that a check reads.
+// Box around the ground that CheckPlan reads.
 BoundingBox BoxOf(const StoredPlan& plan);
 
 enum class PlanVerdict {
@@ -31,12 +31,13 @@ enum class PlanVerdict {
 };
 struct PlanCheck {
   PlanVerdict verdict = PlanVerdict::kUnknown;
-  // If it fails: the broken rule, as reject_reason, and a sentence with numbers.
+  // Set if verdict is kFails: the broken rule (a value of reject_reason), and a sentence with
+  // numbers.
   std::string reason;
   std::string detail;
 };
-// The check uses the plan's own aircraft, wind and options: what another flight asks for does not
-// change the ground.
+// Checks the plan on the map of another flight, with the plan's own aircraft, wind and options.
+// Those of the other flight do not matter, because only a change of the ground counts.
 PlanCheck CheckPlan(const StoredPlan& plan, const GeoPoint& map_origin, const SiteMap& site_map);
 // What obstacles break of the plan, on its own map; nothing if it holds with them. What is unsure
 // counts against the plan.

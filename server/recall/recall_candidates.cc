@@ -141,7 +141,7 @@ GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& posit
 }
 
 double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds) {
-  // The altitude may gain as much where the site's datum is another.
+  // If the site has another datum, the altitude may be higher by this value.
   const double height_m =
       std::max(0.0, request.place.altitude_m + kMaxGeoidHeightM - bounds.min_altitude_m);
   const double wind_mps = request.wind_in_world ? request.wind_in_world->norm() : 0.0;

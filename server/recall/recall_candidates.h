@@ -49,8 +49,8 @@ struct RecallCandidate {
 
 BoundingBox BoxAround(const GeoPoint& place, double reach_m);
 GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& position_in_world);
-// Upper bound of the gliding distance: down to the lowest site, with the aircraft that glides
-// farthest.
+// Upper bound of the gliding distance: the distance to the altitude of the lowest site, with the
+// aircraft that glides farthest.
 double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds);
 
 // In no order. Candidates point into `rows`. Sites whose stored aircraft is invalid are left out.
@@ -60,8 +60,8 @@ std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
 // are moved. Candidates out of reach come last.
 void SortNext(std::vector<RecallCandidate>& candidates, size_t begin, size_t num);
 
-// True if the candidate cannot rank before `reached`, an evaluated site in reach, even if the
-// candidate's plan is landable and has its best_margin_m.
+// True if the candidate cannot rank before `reached`, which is an evaluated site in reach. For the
+// candidate the best case is assumed: its plan is landable, and its margin is best_margin_m.
 bool IsSurelyNotBetter(const RecallCandidate& candidate,
                        double margin_of_reached,
                        bool is_reached_landable,

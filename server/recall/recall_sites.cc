@@ -27,7 +27,7 @@ struct Reached {
   double margin_m = 0.0;
   bool is_landable = false;
   Landing landing;
-  // Of the site's datum, and of the terrain's on the way.
+  // How the datums of the site and of the terrain below the way were compared.
   std::set<DatumBasis> datum_bases;
   DescentTask task;
   // Nothing if the final is out of reach.
@@ -247,7 +247,8 @@ std::vector<size_t> DifferentPlaces(const std::vector<Ranked>& ranked, size_t li
 }
 
 struct Search {
-  // Of all candidates, and of the ways to those that were evaluated.
+  // How the datums were compared: for all candidates, and for the terrain below the ways that were
+  // evaluated.
   std::set<DatumBasis> datum_bases;
   // Best first.
   std::vector<Ranked> reachable;
@@ -371,7 +372,7 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
   if (const int64_t count =
           stored.storage.sites.CountOverruled(BoxAround(request.place, reach_m))) {
     warnings.push_back(std::to_string(count) +
-                       " sites nearby are left out: their way down fails on a later map");
+                       " sites nearby are left out: their stored approach fails on a later map");
   }
   if (search.is_cut_short) warnings.push_back("not every stored site in reach was evaluated");
   answer["warnings"] = warnings;

@@ -14,7 +14,7 @@
 namespace freelsd {
 namespace {
 
-// Plans reach less far from their touchdown: about 2 km.
+// About 2 km. No plan reaches farther from its touchdown.
 constexpr double kReachDeg = 0.02;
 
 // The map of a site that is about to be stored, before storage has it.
@@ -31,8 +31,8 @@ BoundingBox Widened(const BoundingBox& box) {
           box.north_deg + kReachDeg};
 }
 
-// The newest map on which the plan fails supersedes, and the newest on which it holds refreshes, so
-// that the order of the checks does not matter.
+// Of the maps on which the plan fails, the newest one supersedes the site. Of the maps on which it
+// holds, the newest one confirms the site. The order of the checks therefore does not matter.
 Standing With(Standing standing,
               const PlanCheck& check,
               const std::string& site_id,
@@ -52,8 +52,8 @@ Standing With(Standing standing,
   return standing;
 }
 
-// Photographs of one time show one state of the ground: a flight that was sent twice changes
-// nothing.
+// Photographs from the same time show the same ground. A flight that was sent twice therefore
+// changes nothing.
 bool IsLater(const std::string& flight_id, int64_t seen_at_us, const SiteRow& site) {
   return flight_id != site.flight_id && seen_at_us > site.seen_at_us;
 }
@@ -70,7 +70,7 @@ Standing OnNewMap(Standing standing,
               newer.seen_at_us);
 }
 
-// On all stored maps but the one of `changed_id`, and on the new map.
+// Checks the site on all stored maps except that of `changed_id`, and on the new map.
 Standing StandingOf(const StoredSites& stored,
                     const SiteRow& site,
                     const std::string& changed_id,
@@ -91,7 +91,7 @@ Standing StandingOf(const StoredSites& stored,
   return added ? OnNewMap(std::move(standing), site, *plan, *added) : standing;
 }
 
-// Of the sites whose standing depended on the map of `changed_id` as it was.
+// New standings of the sites whose standing depended on the old map of `changed_id`.
 Standings OfDependents(const StoredSites& stored,
                        const std::string& changed_id,
                        const std::optional<NewMap>& added) {

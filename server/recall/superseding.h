@@ -1,8 +1,8 @@
-// Decides which stored sites later maps supersede. The plan of an accepted site, with its own
-// aircraft and wind, is checked on the map of every site of another flight that was photographed
-// later, in whatever order the flights arrived:
-// - It fails on one: the site is superseded, for as long as that map is stored.
-// - It holds on one: its ground was seen then too.
+// Decides which stored sites later maps supersede. The plan of an accepted site is checked on each
+// map of another flight whose ground was photographed later. The check uses the site's own aircraft
+// and wind. The order in which the flights arrived does not matter. Result:
+// - The plan fails on one of the maps: the site is superseded while that map is stored.
+// - The plan holds on one of the maps: the site counts as last seen when that map was photographed.
 // Nothing else supersedes. The caller holds Service::sites_mutex.
 #pragma once
 
@@ -14,15 +14,15 @@
 
 namespace freelsd {
 
-// Stores a site with its map (empty: no map), its standing, and the standings of the sites that the
-// map changes, in one commit.
+// Stores a site with its map and its standing. An empty map_blob means no map. The standings of
+// other sites that the map changes are stored in the same commit.
 void StoreSite(Storage& storage, MapCache& maps, SiteRow site, const std::string& map_blob);
 
-// Deletes a site. Sites whose standing depended on its map are checked again on the others, in the
-// same commit. False if there is no such site.
+// Deletes a site. The standings that depended on its map are computed again from the remaining
+// maps, and are stored in the same commit. False if there is no such site.
 bool ForgetSite(Storage& storage, MapCache& maps, const std::string& site_id);
 
-// Checks the site if an older program stored it and it was never checked.
+// Checks the site if it was never checked, because an older program stored it.
 void CheckUnchecked(Storage& storage, MapCache& maps, const std::string& site_id);
 
 }  // namespace freelsd

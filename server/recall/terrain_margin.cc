@@ -9,7 +9,8 @@
 namespace freelsd {
 namespace {
 
-// Maps are searched in one box per piece of the path: a box around a whole diagonal has too many.
+// Maps are searched in one box per piece of the path. A single box around a long diagonal path
+// would contain too many maps.
 constexpr double kMinPieceDeg = 0.004;
 constexpr int kMaxNumPieces = 16;
 
@@ -82,7 +83,7 @@ SharedRows<MapRow> MapsAlong(const StoredSites& stored, const std::vector<GeoPoi
   return rows;
 }
 
-// The map's altitudes, at its middle.
+// Reference of the map's altitudes, at the middle of the map.
 AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain) {
   const Grid& grid = terrain.grid;
   const Eigen::Vector2d middle =

@@ -10,11 +10,11 @@
 
 namespace freelsd {
 
-// The way where it is nearest to the stored maps below it.
+// The point of the path with the least height above the stored maps.
 struct TerrainMargin {
   // Height above the map, minus what the datum costs, in metres.
   double margin_m = 0.0;
-  // Between the datums of the request's altitude and of that map.
+  // Difference between the datum of the request's altitude and the datum of the map.
   DatumDifference datum;
 };
 

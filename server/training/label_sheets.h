@@ -17,8 +17,9 @@ constexpr const char* kLabelTableHeader = "photograph,region,class,rings";
 // The rows of one photograph's regions, all with class 0.
 std::string RegionRows(const LabelledPhotograph& photograph, const Segments& segments);
 
-// The photograph with outlined regions, width_px wide. Without labels all outlines are red. With
-// one label for each region, grass is green, unsure yellow and the rest red.
+// The photograph with outlined regions, width_px wide. `labels` is empty or has one label per
+// region. Outlines are green for grass, yellow for unsure, and red for other regions. Without
+// labels, all outlines are red.
 cv::Mat3b RegionSheet(const LabelledPhotograph& photograph,
                       const Segments& segments,
                       const Labels& labels,

@@ -43,8 +43,8 @@ struct LabelledPhotograph {
 using Photographs = std::vector<LabelledPhotograph>;
 
 // All photographs of the folder, sorted by name. Throws std::runtime_error if one has no mask of
-// the same size. A photograph whose name begins with no prefix in `cameras` belongs to the place
-// that its name up to "__" states, and has the mean scale of `cameras`.
+// the same size. If no prefix in `cameras` fits the name of a photograph, its place is its name up
+// to "__", and its scale is the mean scale of `cameras`.
 Photographs ReadLabelledPhotographs(const std::string& folder,
                                     const std::vector<LabelledCamera>& cameras);
 

@@ -34,7 +34,8 @@ std::vector<Variation> Variations(int num_copies, uint64_t seed);
 struct LabelledRegions {
   Segments segments;
   cv::Mat1b mask;
-  // For each segment the class of most of its labelled pixels; unlabelled if these are too few.
+  // For each segment, the class of most of its labelled pixels. Unlabelled if too few of its pixels
+  // are labelled.
   std::vector<int> classes;
 };
 LabelledRegions CutPhotograph(const LabelledPhotograph& photograph,
@@ -44,8 +45,9 @@ LabelledRegions CutVaried(const LabelledPhotograph& photograph,
                           const Variation& variation,
                           double min_labelled_ratio);
 
-// RegionSamples: one sample for each region labelled as grass or not grass. TileSamples: one for
-// each square tile, tile_m wide on the ground, in which nearly all pixels have one such class.
+// RegionSamples: one sample for each region labelled as grass or not grass. TileSamples: one sample
+// for each square tile in which nearly all pixels have one of these classes. A tile is tile_m wide
+// on the ground.
 std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions, FeatureSet feature_set);
 std::vector<TrainingSample> TileSamples(const LabelledRegions& regions,
                                         FeatureSet feature_set,

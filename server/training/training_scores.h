@@ -21,9 +21,9 @@ struct Answer {
 std::vector<Answer> AnswersOf(const Photographs& photographs, const Classifier& classifier);
 
 // Returns num_regions, error, auc, precision, recall, num_unsure, false_grass (share of the regions
-// without grass that are classified as grass), and by_class (numbers of regions, and of those
-// classified as grass). Unsure counts as not grass. Unlabelled regions are left out; dormant
-// grass counts only in by_class.
+// without grass that are classified as grass), and by_class (for each class, the number of regions,
+// and the number classified as grass). Unsure counts as not grass. Unlabelled regions are left out;
+// dormant grass counts only in by_class.
 nlohmann::ordered_json Scores(const std::vector<Answer>& answers);
 
 // Scores of all regions, and scores by place.
@@ -41,8 +41,8 @@ std::vector<Answer> AnswersOfUnseenPlaces(const Photographs& photographs,
 
 // Returns three numbers over all photographs, and by place. covered: share of labelled grass that
 // lies in a region, mean over the photographs with grass. purity: share of the labelled pixels in
-// regions that agree with their region's majority, grass or not. grass_purity: the same for regions
-// that are mostly grass.
+// regions that have the same class as most pixels of their region, with two classes: grass and not
+// grass. grass_purity: the same share in regions that are mostly grass.
 nlohmann::ordered_json SegmentationScores(const Photographs& photographs,
                                           const SegmentationOptions& options);
 

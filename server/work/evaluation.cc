@@ -24,7 +24,7 @@ constexpr int64_t kEarliestCaptureUs = 1262304000000000;  // 2010
 struct NewSite {
   SiteRow row;
   std::string map_blob;
-  // Of an accepted site.
+  // Empty if the site is rejected.
   std::optional<Landing> landing;
 };
 
@@ -195,7 +195,8 @@ NewSite SiteOf(const Site& site, const Evaluation& evaluation, const EvaluatedFl
   return made;
 }
 
-// Of accepted sites at one place, leaves the best: a landable one, then the better score.
+// Keeps only the best of several accepted sites at one place: landable before unverified, then the
+// better score.
 void DropDuplicates(std::vector<NewSite>& sites) {
   const auto key = [](const NewSite& site) {
     const bool is_landable = site.row.recall && site.row.recall->is_landable;
@@ -215,7 +216,7 @@ void DropDuplicates(std::vector<NewSite>& sites) {
   sites = std::move(kept);
 }
 
-// True if one of the new sites says what has become of this ground.
+// True if the ground of the site was evaluated again for one of the new sites.
 bool IsReplaced(const SiteRow& site, const std::vector<Replan>& replans) {
   return std::any_of(replans.begin(), replans.end(), [&site](const Replan& replan) {
     const GeoPoint place{site.latitude_deg, site.longitude_deg, replan.origin.altitude_m};
@@ -244,8 +245,8 @@ void StoreSites(Service& service,
   for (const SiteRow& site : service.storage.sites.List(flight_id, std::nullopt)) {
     const bool is_out_of_date =
         scope == EvaluationScope::kEveryGraded || region_ids.contains(site.region_id);
-    // An accepted site stays until its ground is judged anew, also if its region is not among the
-    // best any more.
+    // An accepted site stays until its ground is evaluated again, even if its region is no longer
+    // among the best.
     const bool is_accepted_elsewhere =
         site.recall && !region_ids.contains(site.region_id) && !IsReplaced(site, replans);
     if (is_out_of_date && !is_accepted_elsewhere && !ids.contains(site.id)) {

@@ -1,4 +1,4 @@
-// Whose turn it is to be evaluated.
+// The flights that wait for the backend.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace freelsd {
 
-// Flights in the order in which they began to wait. A flight waits at most once, so one that is due
-// again and again comes behind all others. Thread-safe.
+// Flights in the order in which they began to wait. A flight is in the queue at most once, so that
+// a flight with much work does not delay the others. Thread-safe.
 class EvaluationQueue {
  public:
   // Does nothing if the flight waits already.
@@ -19,7 +19,7 @@ class EvaluationQueue {
     const bool waits = std::find(waiting_.begin(), waiting_.end(), flight_id) != waiting_.end();
     if (!waits) waiting_.push_back(flight_id);
   }
-  // The flight that waits longest; nothing if none does.
+  // Removes and returns the flight that waits longest; nothing if no flight waits.
   std::optional<std::string> Take() {
     const std::lock_guard lock(mutex_);
     if (waiting_.empty()) return std::nullopt;

@@ -19,7 +19,7 @@ FlightContext FlightSession::Context() const {
   return {flight_id_, request_.altitude_datum.value_or("unknown"), local_frame_};
 }
 
-// A frame has the wind of its own time already.
+// The wind at the time of a frame is part of the frame.
 void FlightSession::GiveWinds(const Storage& storage, const Config& config, const FrameMeta& next) {
   if (!next.timestamp_us) return;
   if (last_frame_us_) {
@@ -37,7 +37,7 @@ void FlightSession::GiveWinds(const Storage& storage, const Config& config, cons
 std::vector<FrameResult> FlightSession::Give(const FrameRow& row,
                                              const FrameMeta& meta,
                                              const cv::Mat& image) {
-  // Frames without time are numbered in the order they came.
+  // A frame without a timestamp gets its sequence number instead.
   Frame frame = MakeFrame(row.id, image, meta, rig_.rig, local_frame_, row.sequence);
   const std::lock_guard lock(frontend_mutex_);
   std::vector<FrameResult> results = frontend_.Process(std::move(frame));

@@ -30,8 +30,8 @@ class FlightSession {
   FlightContext Context() const;
 
   // --- Frontend thread ---
-  // Gives what telemetry tells between the frame of that time, which comes next, and its
-  // predecessor.
+  // Passes the winds from telemetry between the previous frame and the next one to the frontend.
+  // `next` is the metadata of the next frame.
   void GiveWinds(const Storage& storage, const Config& config, const FrameMeta& next);
   std::vector<FrameResult> Give(const FrameRow& row, const FrameMeta& meta, const cv::Mat& image);
   // Skips a frame that cannot be passed to the frontend.
@@ -44,8 +44,8 @@ class FlightSession {
   void AddNotes(const std::vector<FrameResult>& results);
 
   // --- Both threads ---
-  // cursor: sequence number of the last frame passed in. flushed_through: that of the last frame
-  // before the latest flush; neither it nor any earlier frame waits in the engine.
+  // cursor: sequence number of the last frame passed in. flushed_through: sequence number of the
+  // last frame before the latest flush. No frame up to this number waits in the engine.
   int64_t cursor() const { return cursor_; }
   int64_t flushed_through() const { return flushed_through_; }
   // True if a flush before `sequence` processed or rejected frames that still waited for
@@ -77,7 +77,7 @@ class FlightSession {
   std::atomic<int64_t> flushed_through_{0};
   std::atomic<int64_t> first_settled_at_{std::numeric_limits<int64_t>::max()};
   std::set<int64_t> flush_points_;
-  // Latest time of a frame given; belongs to the frontend thread.
+  // Latest timestamp of a frame that was passed in. Only the frontend thread uses it.
   std::optional<int64_t> last_frame_us_;
 
   // Guards frontend_.

@@ -1,4 +1,4 @@
-// A job as JSON for clients, and values from its detail_json.
+// Converts a job to JSON for clients, and reads values from its detail_json.
 #pragma once
 
 #include <string>

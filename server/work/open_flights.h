@@ -25,20 +25,20 @@ class OpenFlights {
       : storage_(storage), max_num_open_(static_cast<size_t>(max_num_open)) {}
 
   SessionPointer Find(const std::string& flight_id) const;
-  // True if the flight is open, or if there is room for it and for all that wait longer. If not, it
-  // waits from now on.
+  // True if the flight is open, or if there is room for it and for all flights that wait longer. If
+  // false, the flight waits from now on.
   bool MayOpen(const std::string& flight_id);
   void Open(const std::string& flight_id, SessionPointer session);
   // Records that the flight was just processed.
   void Touch(const std::string& flight_id);
   // True if the flight was closed after all its frames were passed to the engine, and no frame has
-  // arrived since. It needs no processing, although some of its frames may still wait for
-  // neighbours.
+  // arrived since. Such a flight needs no processing, although some of its frames may still wait
+  // for neighbours.
   bool IsParked(const std::string& flight_id);
-  // Closes idle flights, the least recently used first, if another flight needs the room, if too
-  // many have been idle for long, or if the flight was deleted. Idle flights have no job and are
-  // not busy; a busy flight without progress for long counts as idle. Returns the ids of the closed
-  // flights.
+  // Closes idle flights, the least recently used first. A flight is closed if another flight needs
+  // the room, if too many flights have been idle for long, or if the flight was deleted. A flight
+  // is idle if it has no job and is not busy. A busy flight that makes no progress for long counts
+  // as idle. Returns the ids of the closed flights.
   std::vector<std::string> CloseIdle(const std::set<std::string>& busy_flights,
                                      const std::set<std::string>& flights_with_jobs);
   void Close(const std::string& flight_id);
@@ -63,7 +63,7 @@ class OpenFlights {
   std::map<std::string, OpenFlight> open_;
   // Key: id of a closed flight. Value: sequence number of the last frame that its session received.
   std::map<std::string, int64_t> parked_at_;
-  // Flights with work that found no room, the longest waiting first.
+  // Flights that have work and wait for room. The flight that waits longest is first.
   std::deque<std::string> waiting_;
 };
 

@@ -11,7 +11,7 @@
 
 namespace freelsd {
 
-// Refers to objects that the App owns. The mutex and the semaphores make the rest thread-safe.
+// Refers to objects that the App owns. Thread-safe, because of the mutex and the semaphores.
 struct Service {
   Service(Intake& in, MapCache& cache, Alternates& standing)
       : config(in.config),
@@ -31,7 +31,7 @@ struct Service {
   TokenList tokens;
   Metrics metrics;
 
-  // Guards the rows in storage.sites: held while a flight or a site is deleted, and while the
+  // Guards the rows in storage.sites. It is held while a flight or a site is deleted, and while the
   // worker stores a flight's sites.
   std::mutex sites_mutex;
   // Guards the number of stored obstacles, from its check until they are stored.

@@ -164,7 +164,7 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
   return true;
 }
 
-// The first frame with a position settles what the flight's request left open.
+// The first frame with a position determines what the flight's request left open.
 bool Worker::ResolveFirst(const FlightRow& flight) {
   const auto sequence = service_.storage.frames.NextQueuedSequence(flight.id, 0);
   std::optional<FrameRow> row;
@@ -178,7 +178,7 @@ bool Worker::ResolveFirst(const FlightRow& flight) {
   return true;
 }
 
-// Uses the steady clock, which nobody can set.
+// Uses the steady clock, which cannot be set.
 bool Worker::MayWait(const FrameRow& frame) {
   const auto now = std::chrono::steady_clock::now();
   auto& [sequence, since] = waiting_[frame.flight_id];
@@ -274,10 +274,10 @@ void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<Job
   }
 }
 
-// A flush decides frames that wait for their neighbours. The result of a finish must not depend on
-// how the frames were cut into batches, so all frames before it are decided together: no flush
-// comes before the last finish, and a session that had one is rebuilt. A replay repeats the same
-// flushes. Returns nullptr while too many other flights are open.
+// A flush ends the waiting of frames for their neighbours. The result of a finish must not depend
+// on the sizes of the batches. Therefore no flush may come before the last finish. A session that
+// had such a flush is rebuilt. A replay repeats the same flushes. Returns nullptr while too many
+// other flights are open.
 Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
   if (!open_flights_.MayOpen(flight.id)) return nullptr;
   SessionPointer session = open_flights_.Find(flight.id);

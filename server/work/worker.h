@@ -60,9 +60,10 @@ class Worker {
   // --- Backend thread ---
   void RunBackend();
   bool StepBackend();
-  // Checks one site that an older program stored on later maps; false if there is none.
+  // Takes one site that an older program stored, and checks it on later maps. False if no such site
+  // is left.
   bool CheckNextSite();
-  // Finishes whose frames the frontend has all processed, oldest first.
+  // Finish jobs that can run, because the frontend has processed all their frames. Oldest first.
   std::vector<JobRow> ReadyFinishes() const;
   void RunFinish(JobRow job, FlightSession& session);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
@@ -82,7 +83,7 @@ class Worker {
   std::condition_variable changed_;
   uint64_t num_wakes_ = 0;
   int num_running_threads_ = 2;
-  // Flights with a finish that can run, or whose best regions are due for an evaluation.
+  // Flights that have a finish job that can run, or whose best regions are due for an evaluation.
   EvaluationQueue due_;
 
   // Only the frontend thread uses the next five members.
@@ -95,7 +96,7 @@ class Worker {
 
   // The following two belong to the backend thread.
   std::chrono::steady_clock::time_point retired_at_{};
-  // Ids; nothing before the first step.
+  // Ids of the sites that CheckNextSite still has to check; nothing before its first call.
   std::optional<std::vector<std::string>> unchecked_sites_;
 
   std::thread frontend_thread_;

@@ -8,7 +8,8 @@
 
 namespace freelsd {
 
-// The least arrived_at_us of what arrives next: above all that the flight already has.
+// Least allowed arrived_at_us of the next row or frame. It is greater than that of every row and
+// frame that the flight already has.
 int64_t NextArrival(const Connection& connection, const std::string& flight_id);
 
 }  // namespace freelsd

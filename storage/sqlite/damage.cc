@@ -40,7 +40,7 @@ std::optional<int64_t> VersionOf(const std::filesystem::path& file) {
   return stamp ? std::optional(stamp->version) : std::nullopt;
 }
 
-// Nothing also if the copy cannot be read: it then says nothing about the database.
+// Also nothing if the copy cannot be read, because it then proves nothing about the database.
 std::optional<int64_t> VersionOfCopy(const std::filesystem::path& folder) {
   try {
     return VersionOf(folder / kCopyName);

@@ -97,7 +97,7 @@ RecallRow RecallRowOf(const Statement& statement) {
               statement.Real(9),
               statement.Text(10)};
   row = Checked(row, statement, 11);
-  // After the checksum, which covers what was stored with the site.
+  // Changed only after the checksum was compared, because the checksum covers the stored value.
   row.seen_at_us = std::max(row.seen_at_us, statement.OptionalInt(12).value_or(row.seen_at_us));
   return row;
 }

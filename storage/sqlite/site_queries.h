@@ -12,10 +12,10 @@
 
 namespace freelsd {
 
-// The box itself, or two boxes if it crosses the antimeridian.
+// Returns the box itself. If the box crosses the antimeridian, returns two boxes.
 std::vector<BoundingBox> PlainBoxes(const BoundingBox& box);
 
-// The site of SiteStore::Put on one connection, within the caller's transaction.
+// Writes the rows of one site and its map to one database, within the caller's transaction.
 void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view map_blob);
 
 // Rows have neither recall nor map_box. Throws StorageError kDamaged if a checksum is wrong.
@@ -28,14 +28,15 @@ std::optional<std::string> ReadMapBlob(const Connection& connection, const std::
 BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box);
 BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box);
 
-// True if the site existed. Deletes the R*Tree row explicitly: an R*Tree has no foreign keys.
+// Also deletes the site's R*Tree row, because an R*Tree has no foreign keys. True if the site
+// existed.
 bool DeleteSiteRows(const Connection& writer, const std::string& site_id);
 void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id);
 
 // Reads all rows once. Throws StorageError kDamaged if a checksum is wrong or a site has no box.
 void CheckSiteRows(const Connection& connection);
 
-// By site id: updated_at_us and the site's standing.
+// Values by which two copies of a site are compared.
 struct SiteStamp {
   int64_t updated_at_us = 0;
   Standing standing;

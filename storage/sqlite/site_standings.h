@@ -1,4 +1,4 @@
-// SQL for what later maps say of sites: the columns of Standing.
+// SQL for the columns of Standing.
 #pragma once
 
 #include "storage/site_store.h"
@@ -6,13 +6,13 @@
 
 namespace freelsd {
 
-// In the order in which StandingAt reads them.
+// The columns, in the order in which StandingAt reads them.
 constexpr char kStandingColumns[] =
     "superseded_by, superseded_at_us, superseded_reason, superseded_detail, confirmed_at_us, "
     "is_checked";
 
 Standing StandingAt(const Statement& statement, int first_column);
-// Within the caller's transaction. Ids without a site are ignored.
+// Writes standings within the caller's transaction. Ids without a site are ignored.
 void PutStandings(const Connection& writer, const Standings& standings);
 
 }  // namespace freelsd

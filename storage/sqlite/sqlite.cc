@@ -15,7 +15,8 @@ StorageFault FaultOf(sqlite3* database, int code) {
   if (code == SQLITE_FULL) return StorageFault::kFull;
   if (code == SQLITE_CORRUPT || code == SQLITE_NOTADB) return StorageFault::kDamaged;
   // Two kinds of damage have no error code of their own: an invalid file header, and a changed
-  // schema. The latter shows as "no such", because our statements name only what the schema has.
+  // schema. SQLite reports the second kind as "no such table" or "no such column", although our
+  // statements name only what the schema has.
   if (code == SQLITE_ERROR && database != nullptr) {
     const std::string_view message = sqlite3_errmsg(database);
     if (message == "unsupported file format" || message.starts_with("no such ")) {

@@ -68,7 +68,8 @@ class Connection {
   Statement Prepare(const char* sql) const { return Statement(database_, sql); }
   // Runs several statements that have neither parameters nor rows.
   void Execute(const char* sql) const;
-  // Makes the statement that another thread is running on this connection fail soon.
+  // Aborts the statement that another thread is running on this connection. The statement then
+  // fails soon.
   void Interrupt() const { sqlite3_interrupt(database_); }
   int NumChanges() const { return sqlite3_changes(database_); }
 

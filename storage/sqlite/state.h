@@ -43,7 +43,7 @@ class VersionStep {
 
 // The open data folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
 struct StorageState {
-  // Opens or creates both databases. Then both contain the same sites.
+  // Opens or creates both databases, and makes their sites equal.
   explicit StorageState(const std::filesystem::path& data_folder);
   ~StorageState();
 
@@ -82,8 +82,9 @@ struct StorageState {
     }
     return rows;
   }
-  // Reads from the copy, or from the main database if the copy is damaged. Recall uses this,
-  // because damage can remove rows from the main database undetected. The copy is a separate file.
+  // Reads from the copy, or from the main database if the copy is damaged. Recall uses this
+  // function, because damage can remove rows from the main database undetected, and the copy is a
+  // separate file.
   template <typename Read>
   auto ReadForRecall(Read read) {
     if (is_copy_whole) {

@@ -37,7 +37,7 @@ start_server() {
   fail "the server did not start: $(cat "$log")"
 }
 
-# A curl that writes down its arguments, and fails at the batch that is told.
+# A curl that writes down its arguments, and fails at the batch with the given number.
 watch_curl() {
   mkdir -p "$work/bin"
   cat >"$work/bin/curl" <<END

@@ -54,7 +54,8 @@ struct Scenario {
   Rigid3d TrueWorldFromCamera(size_t exposure) const;
 };
 
-// `progress` is told the share of the photographs that is done: 0 when the world stands.
+// `progress` is called with the share of the photographs that are rendered. 0 means that the world
+// is built.
 Scenario MakeScenario(uint64_t seed,
                       const ScenarioOptions& options,
                       const std::function<void(double)>& progress);

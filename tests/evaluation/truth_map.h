@@ -17,9 +17,9 @@ struct TruthMap {
   double size_m = 0.0;
   double cell_size_m = 1.0;
   cv::Mat1b fault;  // GroundFault
-  // Cover that stands highest within the cell, of those that are not meadow; kMeadow if none.
+  // Highest cover within the cell that is not meadow; kMeadow if the cell has only meadow.
   cv::Mat1b cover;
-  // Highest thing within the cell, world z.
+  // Height of the highest object within the cell, world z.
   cv::Mat1f top;
   // Metres to the nearest cell that is not landable.
   cv::Mat1f free_distance;

@@ -18,7 +18,8 @@ std::set<std::string> RecalledFlights(httplib::Client& client, const std::string
                            "&longitude_deg=" + place[0].dump() +
                            "&altitude_m=1500&altitude_datum=amsl&heading_deg=0&limit=50"
                            "&wind_east_mps=0&wind_north_mps=0";
-  // How many of a flight's sites are planned for hangs on the machine: recall has a time to keep.
+  // The number of sites that are planned for depends on the machine, because recall has a time
+  // limit.
   std::set<std::string> flights;
   const nlohmann::json answer = GetJson(client, path);
   for (const nlohmann::json& site : answer["sites"]) flights.insert(site["flight_id"]);

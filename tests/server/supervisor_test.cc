@@ -1,4 +1,4 @@
-// What systemd is told, over a socket of our own.
+// Checks the messages to systemd, received over a socket of our own.
 #include "server/supervisor.h"
 
 #include <array>

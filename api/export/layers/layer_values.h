@@ -7,12 +7,13 @@
 
 namespace freelsd {
 
-// The layer in its unit for people (slope in degrees); unseen cells are NaN. `hazard` has the
-// values of Hazard and no NaN. `grass` is 1 for grass cells, else 0. Elevation is world z.
+// Values of a layer in the unit of LayerInfo (slope in degrees). Unseen cells are NaN. `hazard` has
+// the values of Hazard and no NaN. `grass` is 1 for grass cells, else 0. Elevation is world z.
 // Throws std::invalid_argument if no layer has the name.
 cv::Mat1f LayerValues(const SiteMap& site_map, const std::string& name);
 
-// Altitude of world z = 0 at a place. It varies because this plane is tangent to the curved earth.
+// Altitude of the plane z = 0 of world at a place. It varies from place to place, because the plane
+// is tangent to the curved earth.
 double AltitudeOfPlane(const Eigen::Vector2d& place_in_world, const LocalFrame& local_frame);
 
 }  // namespace freelsd

@@ -36,10 +36,11 @@ LayerInfo DescribeLayer(const SiteMap& site_map, const std::string& name);
 // {layers: [...]} of openapi.yaml: units, ranges, size, bounds, corners. Elevation is an altitude.
 // An empty map gives {layers: []}.
 nlohmann::json LayersJson(const SiteMap& site_map, const LocalFrame& local_frame);
-// Picture for people: RGBA, north up, one pixel per cell. Unseen cells are transparent, but in
-// hazard and distance they have an opaque colour. Colour-blind people can distinguish the colours.
+// Picture for people: RGBA, north up, one pixel per cell. Unseen cells are transparent. Exception:
+// in the layers hazard and distance they have an opaque colour. Colour-blind people can distinguish
+// the colours.
 std::string LayerPng(const SiteMap& site_map, const std::string& name);
-// Legend of the picture with values and unit. `altitude_of_world_m` is the origin's altitude; it is
+// Legend of the picture with values and unit. `altitude_of_world_m` is the origin's altitude. It is
 // added to elevations.
 std::string LegendPng(const SiteMap& site_map,
                       const std::string& name,

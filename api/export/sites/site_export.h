@@ -24,14 +24,16 @@ struct AltitudeFrame {
   double zero_m = 0.0;
   double Of(double altitude_m) const { return altitude_m - zero_m; }
 };
-// Above home if home is given; this needs no datum. Else above mean sea level if that is the sites'
-// datum. Else throws ApiError AltitudeUnknown, because a wrong altitude may cause a crash.
+// Selects the reference: home if home is given, because this needs no datum; else mean sea level if
+// that is the sites' datum. Otherwise throws ApiError AltitudeUnknown, because a wrong altitude may
+// cause a crash.
 AltitudeFrame FrameOf(const std::vector<StoredSite>& sites, const ExportOptions& options);
-// Always above home. Throws ApiError AltitudeUnknown if home is not given.
+// Selects home. Throws ApiError AltitudeUnknown if home is not given.
 AltitudeFrame FrameAboveHome(const ExportOptions& options);
 
-// Height, above the touchdown, of the circle at a rally point. The circle's radius is set in the
-// autopilot, so the map cannot check its clearance. 100 m is also ArduPilot's default for return.
+// Height of the circle at a rally point, above the touchdown. The radius of this circle is set in
+// the autopilot. freelsd therefore cannot check the circle's clearance. 100 m is also ArduPilot's
+// default for return.
 constexpr double kRallyHeightM = 100.0;
 
 // One function per format. `sites` are sorted best first.

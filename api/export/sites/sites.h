@@ -9,7 +9,7 @@
 
 namespace freelsd {
 
-// The autopilot that a plan names.
+// The autopilot for which a QGroundControl plan (format "plan") is written.
 enum class Firmware { kPx4, kArduPilot };
 
 struct ExportOptions {

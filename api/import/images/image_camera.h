@@ -14,9 +14,10 @@ struct TaggedCamera {
   std::optional<Camera> camera;
   std::vector<std::string> warnings;
 };
-// A calibration in XMP gives kCalibrated: focal length, principal point and distortion, converted
-// from millimetres by the pixel pitch in EXIF. An EXIF focal length gives kExif, with no distortion
-// and with the principal point in the image's centre.
+// A calibration in XMP gives a camera of source kCalibrated, with focal length, principal point and
+// distortion. They are converted from millimetres by the pixel pitch in EXIF. A focal length in
+// EXIF gives a camera of source kExif, without distortion, and with the principal point in the
+// image's centre.
 TaggedCamera CameraFromTags(const TagSource& tags, const ImageHeader& header);
 
 }  // namespace freelsd

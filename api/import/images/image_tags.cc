@@ -69,7 +69,7 @@ struct DjiAltitude {
       : type(tags.XmpText("drone", "AltitudeType").value_or("")),
         rtk_flag(tags.XmpNumber("drone", "RtkFlag")) {}
 
-  // RtkFlag 0 is a receiver without a solution: the source of its altitude is not told.
+  // RtkFlag 0 is a receiver without a solution. The source of its altitude is unknown.
   bool IsFromRtk() const { return type == "RtkAlt" || (type.empty() && rtk_flag.value_or(0) > 0); }
   bool IsDoubtful() const {
     const bool is_from_barometer = type == "GpsFusionAlt" && rtk_flag.value_or(0) == 0;
@@ -93,7 +93,8 @@ std::optional<std::string> DatumOfVerticalSystem(const std::string& name) {
   return std::nullopt;
 }
 
-// The most specific tag that tells the datum decides. Tags that contradict each other tell nothing.
+// The most specific tag that states the datum is used. If tags contradict each other, the datum is
+// unknown.
 std::optional<std::string> AltitudeDatum(const TagSource& tags) {
   if (const auto system = tags.XmpText("Camera", "VertCS")) return DatumOfVerticalSystem(*system);
   const DjiAltitude dji(tags);

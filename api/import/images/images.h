@@ -35,7 +35,8 @@ struct ImageTags {
   std::optional<Camera> camera;
   std::vector<std::string> warnings;
 };
-// Never throws for malformed tags: they count as absent. Several threads may call it at once.
+// Malformed tags count as absent and cause no exception. Several threads may call this function at
+// once.
 ImageTags ReadImageTags(std::string_view bytes, const ImageHeader& header);
 
 // --- Kinds of files in a batch, before their content is read ---
@@ -45,7 +46,7 @@ enum class FileKind {
   kImage,     // jpg, jpeg, png
   kSideFile,  // csv, txt, json, jsonl, ndjson, yaml, yml
   kUnread,    // orthophotos, point clouds, films: tif, laz, mp4, ...
-  kUnknown,   // the first bytes decide
+  kUnknown,   // kind depends on the first bytes
 };
 FileKind KindByName(std::string_view path);
 // True if the kind is kSideFile.

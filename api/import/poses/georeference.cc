@@ -23,7 +23,7 @@ struct Georeferencing {
   double scale = 1.0;
   Rigid3d world_from_local;
   double residual_m = 0.0;
-  // Of the altitudes; empty: not told.
+  // Datum of the altitudes; empty if unknown.
   std::optional<std::string> altitude_datum;
 };
 
@@ -43,7 +43,8 @@ bool LieOnLine(const Eigen::Matrix3Xd& points) {
   return sizes[1] <= kMinBreadthRatio * sizes[0];
 }
 
-// The datum that all positions tell, of files and tags alike; nothing if one tells none or another.
+// The common datum of all positions in files and tags. Nothing if a position has no datum, or if
+// two datums differ.
 std::optional<std::string> CommonDatum(const SideContext& context, const PoseFile& file) {
   std::set<std::optional<std::string>> datums;
   for (const auto* metas : {&context.image_tags, &file.poses}) {

@@ -22,7 +22,7 @@ constexpr double kAttitudeSdDeg = 5.0;
 struct Projection {
   int utm_zone = 0;
   bool is_north = true;
-  // The third coordinate is a height above the ellipsoid; else its datum is not told.
+  // True if the third coordinate is a height above the ellipsoid. Otherwise its datum is unknown.
   bool is_ellipsoidal = false;
 };
 

@@ -67,7 +67,8 @@ struct PoseColumns {
 };
 // Number of cells that name a field.
 size_t NumKnownColumns(const std::vector<std::string>& cells);
-// The same for a line that need not be a header; it is split at every comma, semicolon and tab.
+// Like the function above, for any line of text. The line is split at every comma, semicolon and
+// tab.
 size_t NumKnownColumns(std::string_view line);
 // Names may have any order and case. An unknown name causes a warning. If several columns name one
 // field, the name listed first in pose_columns.cc is used. Throws ApiError InvalidPoses if a name

@@ -11,7 +11,7 @@
 
 namespace freelsd {
 
-// ApiError InvalidPoses that lists one error.
+// Makes an ApiError InvalidPoses with one entry in `errors`.
 ApiError InvalidPose(const std::string& pointer, const std::string& detail);
 // "/poses/<line>".
 std::string LinePointer(int line);

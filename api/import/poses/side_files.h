@@ -23,9 +23,9 @@ struct LocalPose {
 
 // Relation of a local frame to the earth.
 enum class LocalFrameKind {
-  kAnySimilarity,  // scale and attitude are arbitrary: a fit to the geotags gives them
+  kAnySimilarity,  // scale and attitude are arbitrary and must be fitted to the geotags
   kLevelMetric,    // metres, z up; the heading of x is unknown
-  kEastNorthUp,    // about `local_origin`
+  kEastNorthUp,    // metres, tangent at `local_origin`
 };
 
 struct BodyPose {
@@ -37,7 +37,7 @@ struct BodyPose {
 struct SideData {
   PoseFile file;
   std::vector<LocalPose> local_poses;
-  // The same poses if the quaternions are read with w last.
+  // The same poses, with each quaternion read in the order x, y, z, w.
   std::vector<LocalPose> local_poses_w_last;
   LocalFrameKind local_kind = LocalFrameKind::kAnySimilarity;
   std::optional<GeoPoint> local_origin;
@@ -48,7 +48,8 @@ struct SideData {
   std::optional<Rigid3d> body_from_camera;
 };
 
-// ApiError InvalidPoses at "/poses/<file>/<line>". Line 0 means the whole file.
+// Makes an ApiError InvalidPoses with the pointer "/poses/<file>/<line>". Line 0 means the whole
+// file.
 ApiError InvalidSideFile(const SideFile& file, int line, const std::string& detail);
 std::string NameWithoutFolders(const std::string& path);
 
@@ -88,8 +89,8 @@ void ReadReferenceLla(const SideFile& file, SideData& data);
 void JoinBodyPoses(const SideContext& context, SideData& data);
 // Converts local poses to poses on the earth.
 void Georeference(const SideContext& context, SideData& data);
-// Warnings about readable poses that are probably wrong. Each starts with its name, for example
-// "QuaternionOrder: ".
+// Warnings about readable poses that are probably wrong. Each warning starts with its name, for
+// example "QuaternionOrder: ".
 std::vector<std::string> SuspicionsOf(const PoseFile& file, const SideContext& context);
 // True if many cameras do not look down, but nearly all do if the quaternions are read with w last.
 bool IsWLastLikely(const std::vector<Eigen::Quaterniond>& ned_from_x,

@@ -10,12 +10,12 @@
 namespace freelsd {
 
 // Rotation about the vertical (radians, counter-clockwise from above) that corrects a waiting
-// frame's attitude; nothing if the attitude agrees with the matches or the rotation is
-// undetermined. An attitude that fits the directions of the frame's GPS baselines is kept, even if
-// neighbours disagree.
+// frame's attitude. Nothing if the attitude agrees with the matches, or if the matches do not
+// determine the rotation. An attitude that fits the directions of the frame's GPS baselines is
+// kept, even if neighbours disagree.
 std::optional<double> NeededTurn(const FrameMemory& memory, size_t frame);
-// Rotates the camera about the vertical. A rotation near 180 deg is replaced by 180 deg about the
-// optical axis, because photo viewers rotate photographs like this.
+// Rotates the camera about the vertical. If the rotation is near 180 deg, rotates by 180 deg about
+// the optical axis instead, because photo viewers rotate photographs in this way.
 void TurnFrame(FrameRecord& record, double turn);
 
 // Groups of waiting frames without attitude. The frames of a group are connected by matches,

@@ -29,7 +29,7 @@ std::optional<TurnEvidence> CompareAttitudes(const OrientedFrame& a,
                                              const OrientedFrame& b,
                                              const AlignmentPair& matches);
 
-// Rotation of a frame, given the rotations from its pairs: the one with the least sum of
+// Combines the rotations from all pairs of a frame. Returns the rotation with the least sum of
 // differences from the others. Nothing if `turns` is empty.
 std::optional<double> MedianTurn(const std::vector<double>& turns);
 

@@ -23,7 +23,8 @@ struct UnitPlace {
 
 inline UnitPlace UnitPlaceOf(const Eigen::Quaterniond& world_from_camera,
                              const Eigen::Vector2d& point_normalized) {
-  // Rays nearer to the horizon than this (sine) are not used: their place is too uncertain.
+  // Sine of the least angle below the horizon. Flatter rays are not used, because their place on
+  // the ground is too uncertain.
   constexpr double kMinDown = 0.2;
   const Eigen::Vector3d ray = world_from_camera * point_normalized.homogeneous();
   const double depth = -ray.z();

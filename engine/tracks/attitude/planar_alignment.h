@@ -5,10 +5,10 @@
 // written as the complex number z = x - i y (right and up in the image, seen from above). Its place
 // on the ground is
 //   place = p + c + a z     (east + i north)
-// where p is the camera's position, arg a the counter-clockwise rotation of the image's top from
-// north, |a| the height above ground, and c the offset of the optical axis due to tilt. Every match
-// gives the equation place_a = place_b, which is linear in a and c, so no initial heading is
-// needed. The solution is then refined with the exact projection.
+// p: position of the camera. arg a: rotation of the image's top from north, counter-clockwise. |a|:
+// height above ground. c: offset of the optical axis due to tilt. Every match gives one equation:
+// the places of its two points are equal. The equation is linear in a and c. Therefore no initial
+// heading is needed. The solution is then refined with the exact projection.
 #pragma once
 
 #include <optional>
@@ -24,7 +24,7 @@ namespace freelsd {
 struct AlignmentFrame {
   Eigen::Vector3d position_in_world = Eigen::Vector3d::Zero();
   double position_sd_m = 2.0;
-  // A held frame has a known pose, which stays unchanged. The poses of the others are computed.
+  // A held frame has a known pose, which stays unchanged. The poses of other frames are computed.
   bool is_held = false;
   Eigen::Quaterniond world_from_camera = Eigen::Quaterniond::Identity();
   double height_above_ground = 0.0;

@@ -21,7 +21,8 @@ struct LiveText {
 
 // The rest of an answer that continues as events happen. The poll loop sends it.
 struct LiveAnswer {
-  // The text since the last call; empty: none. Must not wait. One thread at a time calls it.
+  // Returns the text since the last call; empty if there is none. Must not wait. Only one thread
+  // calls it at a time.
   std::function<LiveText()> next;
   // Sent after a period without text.
   std::string heartbeat;
@@ -43,7 +44,7 @@ class UnsentBytes {
 };
 
 struct ClientConnection {
-  // What the poll loop waits for.
+  // What the poll loop waits for in this phase.
   enum class Phase {
     kIdle,       // the first byte of a request
     kHead,       // the rest of a head
@@ -51,7 +52,7 @@ struct ClientConnection {
     kServing,    // the serving thread
     kWriting,    // a client that reads its answer
     kLive,       // events, or a client that reads them
-    kLingering,  // the end of a client whose request was not read to its end
+    kLingering,  // the client's disconnection, because its request was not read completely
   };
 
   ClientConnection(int descriptor, const RequestRules& rules)
@@ -63,18 +64,18 @@ struct ClientConnection {
   std::string input;
   UnsentBytes output;
   Phase phase = Phase::kIdle;
-  // In kLive: when the last text was sent; else when the phase began.
+  // In kLive: when the last text was sent. In other phases: when the phase began.
   SteadyTime since{};
   SteadyTime deadline{};
-  // The request's body is read while it is served.
+  // True if the request's body is read while the request is served.
   bool has_large_body = false;
 
   // --- Set by the serving thread ---
   std::optional<LiveAnswer> live;
-  // The connection ends after the answer.
+  // True if the connection ends after the answer.
   bool is_last = false;
-  // The request was not read to its end. Closing at once could discard an answer that the client
-  // has not read yet.
+  // True if the request was not read completely. The connection is then closed later, because
+  // closing it at once could discard an answer that the client has not read yet.
   bool must_linger = false;
 };
 

@@ -19,14 +19,16 @@ constexpr const ConnectionLimits& kLimitsOfConnections = kLimits.connection;
 constexpr milliseconds kRequestTimeout{kLimitsOfConnections.max_request_ms};
 constexpr milliseconds kIdleTimeout{kLimitsOfConnections.max_idle_s * 1000};
 constexpr milliseconds kWritePause{kLimitsOfConnections.max_write_pause_s * 1000};
-// How long a refused client may go on sending.
+// For this time, a refused client may continue to send.
 constexpr milliseconds kLingerTime{2000};
-// Deadlines are checked that often.
+// Deadlines are checked in this period.
 constexpr milliseconds kSweepPeriod{50};
-// After Stop: when a large body that still arrives is cut off, and an answer that is still read.
+// After Stop, the server waits this long for large bodies that still arrive, and for answers that
+// clients still read.
 constexpr milliseconds kBodyPatience{1000};
 constexpr milliseconds kAnswerPatience{1500};
-// Turns of one connection or of the listening socket before the others have theirs.
+// Number of steps for one connection, or for the listening socket, before the others have their
+// turn.
 constexpr int kMaxNumAccepted = 64;
 constexpr int kMaxNumTexts = 4;
 constexpr size_t kReadBytes = 65536;
@@ -66,7 +68,7 @@ void ConnectionLoop::Run(int listening_socket, Serve serve) {
     try {
       Turn();
     } catch (const std::exception&) {
-      // Most likely out of memory. The next turn may have it.
+      // The process is probably out of memory. The next turn tries again.
       is_paused_ = true;
     }
   }
@@ -80,7 +82,8 @@ void ConnectionLoop::Turn() {
     if (descriptor == listening_socket_) {
       Accept();
     } else if (ClientConnection* const connection = connections_.Find(descriptor)) {
-      // It may be another connection by now: then there is nothing to read or to write.
+      // The descriptor may belong to another connection by now. Then there is nothing to read or to
+      // write.
       connections_.Do(*connection, [this](ClientConnection& ready) { OnReady(ready); });
     }
   }

@@ -1,6 +1,6 @@
 // The poll loop of a listener: accepts connections, reads heads and small bodies, sends answers and
-// live events. A request is served by another thread, and only once it is whole; therefore a slow
-// client holds no thread, except while its large body is read.
+// live events. Another thread serves a request when the request is whole. A slow client therefore
+// holds no thread, except while its large body is read.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,8 @@ namespace freelsd {
 
 class ConnectionLoop {
  public:
-  // Makes another thread serve the request, which then calls GiveBack. Must not wait or throw.
+  // Passes the request to another thread. That thread serves the request and then calls GiveBack.
+  // `Serve` must not wait or throw.
   using Serve = std::function<void(ClientConnection&)>;
 
   // `rules` must outlive the loop.
@@ -30,7 +31,8 @@ class ConnectionLoop {
   // Thread-safe.
   void Stop();
   void GiveBack(ClientConnection& connection);
-  // A call that makes the loop ask all live answers for text. Thread-safe; may outlive the loop.
+  // Returns a function that makes the loop ask all live answers for text. The function is
+  // thread-safe and may outlive the loop.
   std::function<void()> NewsCall() const;
 
  private:
@@ -71,10 +73,10 @@ class ConnectionLoop {
   Poller poller_;
   int listening_socket_ = -1;
   ConnectionTable connections_;
-  // The process has no descriptor left for a further connection; the next sweep tries again.
+  // True if the process has no descriptor left for another connection. The next sweep tries again.
   bool is_paused_ = false;
   SteadyTime next_sweep_{};
-  // When Run noticed the call of Stop.
+  // Time at which Run noticed the call of Stop.
   std::optional<SteadyTime> stopped_at_;
   // Guards served_.
   std::mutex mutex_;

@@ -8,7 +8,7 @@
 namespace freelsd {
 namespace {
 
-// Order in which connections are closed to make room; nothing: not at all.
+// Order in which connections are closed to make room. Nothing if the connection must not be closed.
 std::optional<int> OrderOfClosing(ClientConnection::Phase phase) {
   using Phase = ClientConnection::Phase;
   switch (phase) {

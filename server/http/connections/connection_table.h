@@ -1,5 +1,5 @@
-// The open connections of a listener, and which of them are closed to make room. Only the poll
-// loop's thread uses it.
+// The open connections of a listener. Chooses which of them are closed to make room. Only the
+// thread of the poll loop uses this class.
 #pragma once
 
 #include <functional>
@@ -15,20 +15,22 @@ class ConnectionTable {
   bool empty() const { return connections_.empty(); }
   size_t size() const { return connections_.size(); }
   void Add(std::unique_ptr<ClientConnection> connection);
-  // nullptr if it is closed.
+  // nullptr if the connection is closed.
   ClientConnection* Find(int descriptor) const;
   void Close(const ClientConnection& connection);
-  // Calls `act`, which may close the connection. If it fails, for example because memory is short,
-  // the connection is closed.
+  // Calls `act`, which may close the connection. If `act` throws, for example because memory is
+  // short, the connection is closed.
   void Do(ClientConnection& connection, const std::function<void(ClientConnection&)>& act);
-  // The same for each connection of that phase.
+  // Calls Do for each connection in that phase.
   void ForEach(ClientConnection::Phase phase, const std::function<void(ClientConnection&)>& act);
   int CountLargeBodies() const;
-  // Closes the connection that is missed least: the longest idle one. Connections that are being
-  // served stay. False if there is none to close.
+  // Closes one connection to make room: idle ones first, then lingering ones, then those that
+  // receive a request, a finished answer or live events. Of equals, closes the one that has waited
+  // for longest. Never closes a connection whose request is being served. False if none can be
+  // closed.
   bool CloseOne();
-  // Closes connections that have read their answers for longest, until the rest of all answers has
-  // at most that many bytes.
+  // Limits the total size of unsent answers to max_bytes. Closes connections until the limit holds,
+  // first those that have been reading their answer for longest.
   void LimitUnsent(size_t max_bytes);
 
  private:

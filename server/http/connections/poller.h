@@ -25,7 +25,7 @@ class Waker {
  public:
   Waker();
   void Wake() const;
-  // Forgets the calls of Wake so far.
+  // Cancels all calls of Wake so far.
   void Clear() const;
   int descriptor() const { return event_.value(); }
 
@@ -33,15 +33,15 @@ class Waker {
   OwnDescriptor event_;
 };
 
-// For one thread.
+// Only one thread may use it.
 class Poller {
  public:
   enum class Interest { kRead, kWrite, kReadAndWrite };
 
   explicit Poller(std::shared_ptr<Waker> waker);
 
-  // Waits for the descriptor once: after Ready has named it, it is ignored until it is armed again.
-  // Closing a descriptor removes it.
+  // Waits for the descriptor once. After Ready has returned it, the descriptor is ignored until Arm
+  // is called again. Closing a descriptor removes it.
   void Arm(int descriptor, Interest interest);
   // The armed descriptors that are ready; none if the waker or the timeout ended the wait.
   std::vector<int> Ready(std::chrono::milliseconds timeout);

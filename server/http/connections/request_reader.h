@@ -16,7 +16,7 @@ struct RequestRules {
   HeadLimits head;
   // Lower case, without port.
   std::vector<std::string> allowed_hosts;
-  // Larger bodies, and chunked ones, are large: they are read while the request is served.
+  // Larger bodies and chunked bodies count as large. They are read while the request is served.
   size_t max_small_body_bytes = kLimits.connection.max_small_body_bytes;
   // False: large bodies are refused.
   bool takes_large_bodies = true;
@@ -25,8 +25,8 @@ struct RequestRules {
 // Finds the end of a chunked body without taking it out of its buffer.
 class ChunkScanner {
  public:
-  // `bytes` begins with the body, and has grown since the last call. True if the whole body is
-  // there. Throws ApiError InvalidRequest.
+  // `bytes` begins with the body. Call it again when more bytes have arrived. True if the whole
+  // body has arrived. Throws ApiError InvalidRequest.
   bool IsWhole(std::string_view bytes);
 
  private:
@@ -53,7 +53,8 @@ class RequestReader {
   State Advance(std::string& buffered);
   // Valid from State::kBody on.
   const RequestHead& head() const { return *head_; }
-  // The client waits for "100 Continue" before it sends a small body. True once.
+  // True if the client waits for "100 Continue" before it sends a small body. True only in the
+  // first call.
   bool MustContinue();
   // Begins the next request of the connection.
   void Reset();
@@ -66,7 +67,7 @@ class RequestReader {
   const RequestRules& rules_;
   std::optional<RequestHead> head_;
   ChunkScanner chunks_;
-  // Number of bytes in which the end of the head was not found.
+  // Number of bytes that were searched for the end of the head.
   size_t num_searched_ = 0;
 };
 

@@ -71,7 +71,7 @@ TEST_CASE("approach: the spread of the wind lengthens the final and widens the c
   CHECK(std::abs(flown.approach_distance - (ApproachDistance(techpod, 5.5) + 12.0 / sink)) <
         kSameM);
   CHECK(flown.loiter_radius == LoiterRadius(techpod, 6.5));
-  // What is told is the ground speed in the wind itself; what is asked for must hold in a gust.
+  // ground_speed is reported for the wind itself. The least ground speed must also hold in a gust.
   CHECK(*flown.ground_speed == doctest::Approx(13.0 * std::cos(RadFromDeg(4.0)) - 5.5));
   CHECK_FALSE(wind.is_too_strong);
   CHECK(MakeWindCase(5.5 * kToTheNorth, techpod, ApproachOptions{}, 4.6).is_too_strong);

@@ -43,7 +43,8 @@ nlohmann::json PostTelemetry(httplib::Client& client,
   return nlohmann::json::parse(result->body);
 }
 
-// The first frame when all are through the engine, which may keep the last until it is told so.
+// The first frame, after the engine has processed all frames. Before `finish`, the engine may keep
+// the last one.
 nlohmann::json FinishedFrame(httplib::Client& client, const std::string& flight) {
   const auto finish = client.Post("/v1/flights/" + flight + "/finish");
   CHECK(AwaitJob(client, nlohmann::json::parse(finish->body)["id"])["state"] == "done");

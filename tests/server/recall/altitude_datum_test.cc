@@ -130,7 +130,7 @@ TEST_CASE("nothing in reach beside a field: a rejected site's map on the way tak
   CHECK(site["datum_penalty_m"] == 0.0);
   CHECK(site["terrain_datum_penalty_m"] == 0.0);
   CHECK(site["terrain_margin_m"] == site["arrival_margin_m"]);
-  // Where a penalty is taken, it is told, and its reason.
+  // If a penalty is subtracted, the answer contains it and the reason.
   const MeadowServer unknown(with_map_of("unknown"));
   const nlohmann::json answer = GetJson(*unknown.client, path);
   const nlohmann::json doubtful = BestOf(answer);
