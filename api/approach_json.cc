@@ -110,7 +110,7 @@ nlohmann::json ApproachProperties(const Approach& approach, const LocalFrame& lo
                             {"loiter_radius_m", Rounded(approach.loiter_radius)},
                             {"loiter_direction", DirectionName(approach.loiter_direction)},
                             {"min_clearance_m", Rounded(approach.min_clearance)}};
-  // Obstacle and go-around are known where the strip is.
+  // Obstacle and go-around were searched for if the strip is known.
   if (approach.strip) {
     properties["tightest_obstacle"] = ObstacleJson(approach.obstacle, local_frame);
     properties["no_return_distance_m"] = nullptr;

@@ -63,9 +63,9 @@ struct FinalPlaces {
   std::vector<GeoPoint> circle;
 };
 
-// The climb that breaks the approach off.
+// The climb of a go-around.
 struct StoredGoAround {
-  // Point of no return: distance of the start to the touchdown.
+  // Distance from the point of no return, where the climb starts, to the touchdown.
   double no_return_distance_m = 0.0;
   double unseen_ratio = 0.0;
   GeoPoint start;
@@ -134,15 +134,16 @@ struct StoredSite {
   std::optional<StoredClearance> approach;
   std::vector<StoredRejection> rejections;
   std::vector<std::string> warnings;
-  // When the ground was last photographed, RFC 3339, and the time since then. The caller sets them:
-  // a later flight changes them.
+  // When the ground was last photographed (RFC 3339), and the time since then. The caller sets both
+  // fields, because they change after the site is stored.
   std::optional<std::string> last_seen_at;
   std::optional<double> age_s;
-  // Its plan fails on a later map. The caller sets it: a later flight changes it.
+  // True if the site's plan fails on a later map. The caller sets this field, because it may change
+  // after the site is stored.
   bool is_superseded = false;
   std::optional<FinalPlaces> final_places;
   std::vector<ProfilePoint> profile;
-  // Empty: no climb clears the seen ground, or an older program stored the site.
+  // Empty if no climb clears the seen ground, or if an older program stored the site.
   std::optional<StoredGoAround> go_around;
 
   bool IsRejected() const { return verdict != "landable" && verdict != "unverified"; }

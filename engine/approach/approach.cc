@@ -148,7 +148,7 @@ std::optional<GoAround> GoAroundOf(const Attempt& attempt,
       context.options);
 }
 
-// Adds the reason why the first way was not taken.
+// Adds a rejection with the reason why the first search failed.
 Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_rejections);
   plan.rejections.insert(

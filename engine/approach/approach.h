@@ -150,20 +150,21 @@ struct PathObstacle {
   double wanted = 0.0;
 };
 
-// A straight climb with power along the landing heading that breaks the approach off. It clears all
-// seen ground ahead by the safety margin and the allowance for the map's tilt. Unseen ground does
-// not block it.
+// A go-around: a straight climb with power along the landing heading. It clears all seen ground
+// ahead by the safety margin, plus an amount for the tilt of the map. Unseen ground does not block
+// the climb.
 struct GoAround {
-  // Point of no return: the last place on the final from which the climb clears. Distance to
-  // touchdown. The path there is at least safety_margin_m above touchdown, and outside the disc.
+  // Distance from the point of no return to touchdown. This point is the last one on the final from
+  // which the climb is clear. It lies outside the touchdown disc, and the path there is at least
+  // safety_margin_m above the touchdown.
   double no_return_distance = 0.0;
-  // The climb begins on the final. It ends where it is as high as the start of the final and no
-  // seen ground lies ahead.
+  // The climb begins at the point of no return. It ends at the height of the start of the final,
+  // beyond all seen ground ahead.
   Eigen::Vector3d start_in_world = Eigen::Vector3d::Zero();
   Eigen::Vector3d end_in_world = Eigen::Vector3d::Zero();
-  // Angle over ground, radians. Tail wind makes it less than climb_gradient_deg.
+  // Climb angle over ground, radians. It is less than climb_gradient_deg in a tail wind.
   double climb_angle = 0.0;
-  // Share of the climb below which ground is unseen or lies off the map.
+  // Share of the climb with unseen ground below it. Ground outside the map counts as unseen.
   double unseen_ratio = 0.0;
 };
 
@@ -186,13 +187,15 @@ struct Approach {
   double min_clearance = 0.0;
   // Unseen share of the chosen circle.
   double unseen_ratio = 0.0;
-  // Corners of the ground roll that must be free, with its margins; empty where none is needed.
+  // Corners of the strip that must be free for the ground roll, including its margins. Empty if the
+  // aircraft needs no ground roll.
   std::vector<Eigen::Vector3d> ground_roll_in_world;
-  // The next four are left empty without explanation.
+  // Explanation::kNone leaves strip, obstacle, go_around and profile empty.
   std::optional<LandingStrip> strip;
-  // Over all scenarios of the wind. Empty: there is none.
+  // The tightest obstacle in all scenarios of the wind. Empty if there is no obstacle.
   std::optional<PathObstacle> obstacle;
-  // It clears in all scenarios of the wind. Empty: no climb clears, or the plan is rejected.
+  // A climb that is clear in all scenarios of the wind. Empty if there is none, or if the plan is
+  // rejected.
   std::optional<GoAround> go_around;
   ApproachProfile profile;
 };
@@ -298,8 +301,8 @@ Plan PlanApproach(const ElevationMap& map,
                   const Aircraft& aircraft,
                   const ApproachOptions& options);
 
-// Whether a plan includes its rejections, its rules, its strip, its tightest obstacle, its
-// go-around and the profile below its final.
+// Whether a plan includes what people need to understand it: rejections, rules, strip, tightest
+// obstacle, go-around and profile.
 enum class Explanation { kFull, kNone };
 
 // Result of checking an approach on another map than the one on which it was planned.

@@ -40,13 +40,14 @@ Attempt Try(const Touchdown& touchdown,
 
 Attempt BestHeading(const Touchdown& touchdown, const AttemptContext& context);
 
-// Includes clearances, but nothing that an explanation adds.
+// Includes clearances, but not the strip, obstacle and profile of Explanation::kFull.
 Approach DescribeApproach(const Attempt& attempt, const AttemptContext& context);
 
-// The path in each scenario of its heading, without clearances; the first is flown.
+// The approach in each wind scenario of the attempt's heading, without clearances. The first one is
+// flown.
 std::vector<Approach> ApproachesOf(const Attempt& attempt, const AttemptContext& context);
 
-// On one part of the path, over all scenarios of its heading.
+// The tightest obstacle on one part of the path, in all scenarios of the attempt's heading.
 std::optional<PathObstacle> TightestOf(const Attempt& attempt,
                                        const AttemptContext& context,
                                        PathPart part);

@@ -83,10 +83,10 @@ struct Aircraft {
   double path_half_width_m = 5.0;
   // Least ground speed on a final straight into the wind. Below it, gusts could stop the aircraft.
   double min_ground_speed_mps = 3.0;
-  // Angle of a full-power climb at the landing airspeed, in still air. It is used for the go-around.
+  // Angle of a full-power climb at the landing airspeed in still air, for the go-around.
   double climb_gradient_deg = 5.0;
-  // Length of the strip that must be free. It begins at the touchdown point and extends in landing
-  // direction. Paper: 0, only the disc.
+  // Length of the strip that must be free for the ground roll. It extends from the touchdown point
+  // in the landing direction. Paper: 0, only the disc.
   double ground_roll_m = 30.0;
   // Smallest region to evaluate. Paper: A_min.
   double min_area_m2 = 900.0;

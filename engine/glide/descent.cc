@@ -53,7 +53,7 @@ std::optional<Circle> CircleOf(const Approach& approach,
   return circle;
 }
 
-// The planner's circle is for the speed of landing.
+// The planner computes its circle for the landing speed.
 StraightGlide AtLandingSpeed(Aircraft aircraft) {
   aircraft.glide_airspeed_mps = aircraft.landing_airspeed_mps;
   return StraightGlideOf(aircraft);

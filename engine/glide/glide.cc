@@ -30,7 +30,8 @@ std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
   return winds;
 }
 
-// Height margin for headings between the tried ones: at most this turn, there and back.
+// Margin for headings between the tried ones. Such a heading costs at most this turn, there and
+// back.
 double TurnBetweenHeadings(const GlideStart& start, const GlideOptions& options) {
   return start.heading ? 0.0 : 2.0 * kPi / options.num_unknown_headings;
 }

@@ -86,11 +86,11 @@ struct Descent {
   double surplus_height_m = 0.0;
 };
 
-// The shortest path in the wind of `start`. An unknown wind counts as calm. For an unknown heading,
-// the one that loses the most height is assumed. The circles are the approach's own, flown at
-// landing speed, because the planner has checked these. The rest that is too small for a circle is
-// the surplus height. Nothing if the aircraft arrives below the start of the final, or if the wind
-// is too strong. `aircraft` must be Unpowered.
+// The shortest path in the wind of `start`. An unknown wind counts as calm. If the heading is
+// unknown, the heading that loses the most height is assumed. The circles are the loiter circles of
+// the approach, because the planner has checked them. They are flown at landing speed. The rest
+// that is too small for a circle is the surplus height. Nothing if the aircraft arrives below the
+// start of the final, or if the wind is too strong. `aircraft` must be Unpowered.
 std::optional<Descent> PlanDescent(const GlideStart& start,
                                    const Approach& approach,
                                    const Aircraft& aircraft,

@@ -12,10 +12,12 @@ namespace freelsd {
 // Largest turn radius that is tried, as a multiple of the smallest turn radius.
 inline constexpr double kMaxRadiusRatio = 6.0;
 
-// Tracks over ground: the known one, or evenly spaced ones.
+// Directions of travel over ground to compute with: the known one, or evenly spaced ones if it is
+// unknown.
 std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOptions& options);
 
-// Headings are relative to the air. At time 0 the frame of the moving air is the ground's.
+// Start and end of a path through the moving air. Headings are relative to the air. At time 0, the
+// frame of the moving air coincides with the frame of the ground.
 struct TransitTask {
   Stance from;
   Stance to;

@@ -86,7 +86,7 @@ void GetEmergencyExport(Service& service, const Call& call, httplib::Response& r
   }
   std::vector<StoredSite> sites = SitesOf(rows);
   RequireHome(options, sites);
-  // A file to fly by has only what has a way down.
+  // A file for navigation contains only sites with an approach.
   std::erase_if(sites,
                 [](const StoredSite& site) { return !site.final_places || site.IsRejected(); });
   const std::string text = ExportSites(format, sites, options);

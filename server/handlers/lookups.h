@@ -25,15 +25,15 @@ std::vector<SiteRow> ListedSites(const Service& service,
                                  const Call& call,
                                  const std::optional<std::string>& flight_id,
                                  const std::optional<BoundingBox>& box);
-// The stored feature, with the age of its ground at `now_us` and with what later maps say of the
-// site.
+// The stored feature, with the age of its ground at `now_us`, and with the site's standing on later
+// maps.
 nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us = NowUs());
 // The query's home_altitude_m and firmware. Throws ApiError InvalidQuery.
 ExportOptions ExportOptionsOf(const Call& call);
 // The row as a struct, without its rank.
 StoredSite SiteOf(const SiteRow& row);
-// The site's stored map, with the limit of grass of the flight's own settings. Nothing if the site
-// has no map.
+// The site's stored map. Its min_grass_posterior is that of the flight's options. Nothing if the
+// site has no map.
 std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site);
 
 }  // namespace freelsd

@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds kPollPeriod{10};
 // Plans hold for a wind that has changed by less, until there is time for new ones. A measured wind
 // is hardly better known.
 constexpr double kMaxPlannedChangeMps = 1.0;
-// A flight that was not woken for that long has landed, or only asked.
+// A flight that was not woken for this time has landed, or a client only requested its list.
 constexpr std::chrono::seconds kLiveFor{60};
 
 // Sets the two members that poses and winds share.

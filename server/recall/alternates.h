@@ -94,7 +94,7 @@ class Alternates {
                   WindToPlanFor choice,
                   int64_t now_us,
                   LivePose& pose);
-  // Keeps the list unless a later one is kept, and publishes an event.
+  // Keeps the list and publishes an event. Does nothing if a later list is kept already.
   void Keep(const std::string& flight_id, const List& list);
 
   const Storage& storage_;
