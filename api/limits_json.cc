@@ -3,28 +3,20 @@
 #include "api/api.h"
 
 namespace freelsd {
+namespace {
 
-nlohmann::json LimitsJson(const Limits& limits) {
-  return {{"max_head_bytes", limits.head.max_bytes},
-          {"max_num_head_lines", limits.head.max_num_lines},
-          {"max_head_line_bytes", limits.head.max_line_bytes},
-          {"max_url_bytes", limits.head.max_target_bytes},
-          {"max_num_connections", limits.connection.max_num_connections},
-          {"max_request_ms", limits.connection.max_request_ms},
-          {"max_small_body_bytes", limits.connection.max_small_body_bytes},
-          {"max_num_large_bodies", limits.connection.max_num_large_bodies},
-          {"max_idle_s", limits.connection.max_idle_s},
-          {"max_write_pause_s", limits.connection.max_write_pause_s},
-          {"max_unsent_bytes", limits.connection.max_unsent_bytes},
-          {"max_num_event_clients", limits.events.max_num_clients},
-          {"max_event_bytes", limits.events.max_event_bytes},
-          {"max_unsent_event_bytes", limits.events.max_unsent_bytes},
-          {"max_event_log_bytes", limits.events.max_log_bytes},
-          {"max_json_bytes", limits.json.max_bytes},
-          {"max_json_depth", limits.json.max_depth},
-          {"max_id_bytes", limits.max_id_bytes},
-          {"max_name_bytes", limits.max_name_bytes},
-          {"max_image_megapixels", limits.image.max_megapixels},
+nlohmann::json ObstacleLimitsJson(const ObstacleLimits& limits) {
+  return {{"max_obstacle_bytes", limits.max_bytes},
+          {"max_obstacle_import_bytes", limits.max_import_bytes},
+          {"max_num_obstacle_points", limits.max_num_points},
+          {"max_num_obstacles", limits.max_num_stored},
+          {"max_obstacle_leg_m", limits.max_leg_m},
+          {"max_airspace_leg_m", limits.max_airspace_leg_m}};
+}
+
+// Images, their tags, archives and pose files.
+nlohmann::json FileLimitsJson(const Limits& limits) {
+  return {{"max_image_megapixels", limits.image.max_megapixels},
           {"max_image_side_px", limits.image.max_side_px},
           {"max_image_bytes", limits.image.max_bytes},
           {"max_tag_block_bytes", limits.tags.max_block_bytes},
@@ -40,37 +32,58 @@ nlohmann::json LimitsJson(const Limits& limits) {
           {"max_pose_header_bytes", limits.poses.max_header_bytes},
           {"max_num_pose_columns", limits.poses.max_num_columns},
           {"max_yaml_bytes", limits.poses.max_yaml_bytes},
-          {"max_yaml_depth", limits.poses.max_yaml_depth},
-          {"max_frame_meta_bytes", limits.max_frame_meta_bytes},
-          {"max_emergency_bytes", limits.max_emergency_bytes},
-          {"max_num_batch_images", limits.batch.max_num_images},
-          {"max_num_side_files", limits.batch.max_num_side_files},
-          {"max_total_side_file_bytes", limits.batch.max_total_side_file_bytes},
-          {"max_frame_stream_bytes", limits.stream.max_frame_stream_bytes},
-          {"max_telemetry_bytes", limits.stream.max_telemetry_bytes},
-          {"max_telemetry_line_bytes", limits.stream.max_telemetry_line_bytes},
-          {"max_stream_pause_s", limits.stream.max_pause_s},
-          {"max_num_uploads", limits.concurrency.max_num_uploads},
-          {"max_num_streams", limits.concurrency.max_num_streams},
-          {"max_num_decoders", limits.concurrency.max_num_decoders},
-          {"max_num_rose_planners", limits.concurrency.max_num_rose_planners},
-          {"max_num_listed", limits.answer.max_num_listed},
-          {"max_num_listed_sites", limits.answer.max_num_listed},
-          {"max_list_bytes", limits.answer.max_list_bytes},
-          {"max_num_exported_sites", limits.answer.max_num_exported_sites},
-          {"max_num_emergency_sites", limits.answer.max_num_emergency_sites},
-          {"max_num_alternates", limits.answer.max_num_alternates},
-          {"max_num_rose_winds", limits.answer.max_num_rose_winds},
-          {"max_num_track_positions", limits.answer.max_num_track_positions},
-          {"max_num_listed_errors", limits.answer.max_num_listed_errors},
-          {"max_num_listed_rejections", limits.answer.max_num_listed_rejections},
-          {"max_obstacle_bytes", limits.obstacles.max_bytes},
-          {"max_obstacle_import_bytes", limits.obstacles.max_import_bytes},
-          {"max_num_obstacle_points", limits.obstacles.max_num_points},
-          {"max_num_obstacles", limits.obstacles.max_num_stored},
-          {"max_obstacle_leg_m", limits.obstacles.max_leg_m},
-          {"max_airspace_leg_m", limits.obstacles.max_airspace_leg_m},
-          {"max_num_map_cells", limits.max_num_map_cells}};
+          {"max_yaml_depth", limits.poses.max_yaml_depth}};
+}
+
+}  // namespace
+
+nlohmann::json LimitsJson(const Limits& limits) {
+  nlohmann::json object{{"max_head_bytes", limits.head.max_bytes},
+                        {"max_num_head_lines", limits.head.max_num_lines},
+                        {"max_head_line_bytes", limits.head.max_line_bytes},
+                        {"max_url_bytes", limits.head.max_target_bytes},
+                        {"max_num_connections", limits.connection.max_num_connections},
+                        {"max_request_ms", limits.connection.max_request_ms},
+                        {"max_small_body_bytes", limits.connection.max_small_body_bytes},
+                        {"max_num_large_bodies", limits.connection.max_num_large_bodies},
+                        {"max_idle_s", limits.connection.max_idle_s},
+                        {"max_write_pause_s", limits.connection.max_write_pause_s},
+                        {"max_unsent_bytes", limits.connection.max_unsent_bytes},
+                        {"max_num_event_clients", limits.events.max_num_clients},
+                        {"max_event_bytes", limits.events.max_event_bytes},
+                        {"max_unsent_event_bytes", limits.events.max_unsent_bytes},
+                        {"max_event_log_bytes", limits.events.max_log_bytes},
+                        {"max_json_bytes", limits.json.max_bytes},
+                        {"max_json_depth", limits.json.max_depth},
+                        {"max_id_bytes", limits.max_id_bytes},
+                        {"max_name_bytes", limits.max_name_bytes},
+                        {"max_frame_meta_bytes", limits.max_frame_meta_bytes},
+                        {"max_emergency_bytes", limits.max_emergency_bytes},
+                        {"max_num_batch_images", limits.batch.max_num_images},
+                        {"max_num_side_files", limits.batch.max_num_side_files},
+                        {"max_total_side_file_bytes", limits.batch.max_total_side_file_bytes},
+                        {"max_frame_stream_bytes", limits.stream.max_frame_stream_bytes},
+                        {"max_telemetry_bytes", limits.stream.max_telemetry_bytes},
+                        {"max_telemetry_line_bytes", limits.stream.max_telemetry_line_bytes},
+                        {"max_stream_pause_s", limits.stream.max_pause_s},
+                        {"max_num_uploads", limits.concurrency.max_num_uploads},
+                        {"max_num_streams", limits.concurrency.max_num_streams},
+                        {"max_num_decoders", limits.concurrency.max_num_decoders},
+                        {"max_num_rose_planners", limits.concurrency.max_num_rose_planners},
+                        {"max_num_listed", limits.answer.max_num_listed},
+                        {"max_num_listed_sites", limits.answer.max_num_listed},
+                        {"max_list_bytes", limits.answer.max_list_bytes},
+                        {"max_num_exported_sites", limits.answer.max_num_exported_sites},
+                        {"max_num_emergency_sites", limits.answer.max_num_emergency_sites},
+                        {"max_num_alternates", limits.answer.max_num_alternates},
+                        {"max_num_rose_winds", limits.answer.max_num_rose_winds},
+                        {"max_num_track_positions", limits.answer.max_num_track_positions},
+                        {"max_num_listed_errors", limits.answer.max_num_listed_errors},
+                        {"max_num_listed_rejections", limits.answer.max_num_listed_rejections},
+                        {"max_num_map_cells", limits.max_num_map_cells}};
+  object.update(FileLimitsJson(limits));
+  object.update(ObstacleLimitsJson(limits.obstacles));
+  return object;
 }
 
 }  // namespace freelsd
