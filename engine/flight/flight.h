@@ -81,7 +81,7 @@ struct Aircraft {
   double path_half_width_m = 5.0;
   // Least ground speed on a final straight into the wind. Below it, gusts could stop the aircraft.
   double min_ground_speed_mps = 3.0;
-  // Angle of a full-power climb at the landing airspeed, in still air. It is used for the go-around.
+  // Angle of a full-power climb at the landing airspeed, in still air. Used for the go-around.
   double climb_gradient_deg = 5.0;
   // Length of the strip that must be free. It begins at the touchdown point and extends in landing
   // direction. Paper: 0, only the disc.
