@@ -177,7 +177,7 @@ WindCase MakeWindCase(const std::optional<Eigen::Vector2d>& wind_in_world,
                       double wind_margin) {
   if (!wind_in_world) {
     const double worst = options.unknown_wind_mps;
-    const std::vector<WindScenario> scenarios{
+    std::vector<WindScenario> scenarios{
         {ApproachDistance(aircraft, 0.0), LoiterRadius(aircraft, 0.0)},
         {DownwindApproachDistance(aircraft, worst), LoiterRadius(aircraft, worst)}};
     WindCase wind;

@@ -192,7 +192,7 @@ std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
   if (!site) return nullptr;
   const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
   const std::shared_ptr<const KeptSite> current = Obstructed(*site, obstacles);
-  const auto terrain = std::make_shared<const KeptTerrain>(TerrainOn(*current));
+  auto terrain = std::make_shared<const KeptTerrain>(TerrainOn(*current));
   const size_t num_bytes = (sizeof(float) + sizeof(uchar)) * NumCells(terrain->grid);
   const std::lock_guard lock(mutex_);
   terrains_.Keep(site_id, updated_at_us, num_bytes, terrain);
