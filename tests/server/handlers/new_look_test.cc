@@ -109,6 +109,7 @@ TEST_CASE("new look: what is rejected or superseded is not worth one, a box cuts
 
 TEST_CASE("new look: a smaller limit is a prefix, pages are parts, ties are ordered by id") {
   std::vector<Kept> sites;
+  sites.reserve(12);
   for (int i = 0; i < 9; ++i) {
     sites.push_back({"s" + std::to_string(i), "landable", 0.1 * (1 + i % 3), 100 * (1 + i % 2)});
   }
