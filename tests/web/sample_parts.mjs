@@ -41,6 +41,6 @@ export function withGoAround(approach, noReturn_m) {
   const [start, end] = [final[0], final.at(-1)];
   const share = noReturn_m / approach.features.find(({ properties }) => properties.kind === 'approach').properties.distance_m;
   const at = (s, up_m) => [end[0] + s * (start[0] - end[0]), end[1] + s * (start[1] - end[1]), end[2] + up_m];
-  return { ...approach, features: [...approach.features, feature({ kind: 'go_around', no_return_distance_m: noReturn_m, unseen_ratio: 0.12 },
+  return { ...approach, features: [...approach.features.filter(({ properties }) => properties.kind !== 'go_around'), feature({ kind: 'go_around', no_return_distance_m: noReturn_m, unseen_ratio: 0.12 },
     { type: 'LineString', coordinates: [at(share, 8), at(-0.6, 25), at(-1.8, 60)] })] };
 }
