@@ -1,6 +1,6 @@
-// Durable storage of flights, frames, images, jobs, telemetry, sites, their maps and obstacles, as
-// rows, JSON text and blobs. Does not depend on engine types. This is the only public header of
-// storage/.
+// Durable storage of flights, frames, images, jobs, telemetry, obstacles, and sites with their
+// maps, as rows, JSON text and blobs. Does not depend on engine types. This is the only public
+// header of storage/.
 //
 // When a call returns, its data are on disk (WAL, synchronous=FULL). An image file and its folder
 // are synced before a row that refers to the image is committed. There is one writer; readers never

@@ -21,7 +21,7 @@ struct TelemetryRow {
   int64_t timestamp_us = 0;
   std::array<double, 4> values{};
   // When the server received the row, microseconds since 1970. If it is 0 or negative, the time is
-  // unknown, because an older version stored the row. It then gives only the order of arrival.
+  // unknown, because an older version stored the row. Such a value gives only the order of arrival.
   int64_t arrived_at_us = 0;
 };
 
@@ -37,10 +37,10 @@ class TelemetryStore {
   TelemetryStore(const TelemetryStore&) = delete;
   TelemetryStore& operator=(const TelemetryStore&) = delete;
 
-  // Writes all rows in one commit. A row replaces the row of the same kind and timestamp. Increases
-  // arrived_at_us until it exceeds that of every row and frame that the flight already has. The
-  // order of arrival is therefore correct even if the clock was set back. If there is no such
-  // flight, writes nothing and returns false.
+  // Writes all rows in one commit. A row replaces the row of the same kind and timestamp. If
+  // necessary, increases arrived_at_us: it must exceed arrived_at_us of all stored rows and frames
+  // of the flight. The order of arrival is therefore correct even if the clock was set back. If
+  // there is no such flight, writes nothing and returns false.
   bool Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows);
   // The rows of a kind that arrived last, the latest first.
   std::vector<TelemetryRow> LastArrived(const std::string& flight_id,

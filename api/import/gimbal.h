@@ -5,7 +5,7 @@
 
 namespace freelsd {
 
-// `gimbal` has DJI's convention: Euler angles Z-Y-X from north-east-down, in radians, of a body
+// `gimbal` has DJI's convention: Euler angles Z-Y-X in radians, from north-east-down to a body
 // whose nose points along the optical axis. At pitch -90 deg the camera looks straight down, and
 // yaw is the heading of the image's top.
 inline Eigen::Quaterniond NedFromGimbalCamera(const EulerAngles& gimbal) {
@@ -15,8 +15,8 @@ inline Eigen::Quaterniond NedFromGimbalCamera(const EulerAngles& gimbal) {
   return (NedFromBody(gimbal) * Eigen::Quaterniond(gimbal_from_camera)).normalized();
 }
 
-// Attitude of a camera that is fixed to a body with this attitude. The camera looks down, and the
-// top of the image is at the nose.
+// Attitude of a camera that is fixed to a body; `body` is the body's attitude. The camera looks
+// down, and the top of the image is at the nose.
 inline Eigen::Quaterniond NedFromDownCamera(const EulerAngles& body) {
   const Eigen::Quaterniond body_from_camera(Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitZ()));
   return (NedFromBody(body) * body_from_camera).normalized();

@@ -42,9 +42,9 @@ void InitialiseOnGround(const std::vector<View>& views,
                         const BlockState& state,
                         std::vector<BlockTrack>& tracks);
 // Triangulates points. Drops the worst sighting of a track, and repeats this until the error of
-// every other sighting is at most max_error_px. A track with fewer than two sightings left, or with
-// too little parallax, loses its point. Sightings that an earlier call dropped are tried again,
-// because the poses may have improved.
+// each remaining sighting is at most max_error_px. A track with fewer than two sightings left, or
+// with too little parallax, loses its point. Sightings that an earlier call dropped are tried
+// again, because the poses may have improved.
 void TriangulateTracks(const BlockState& state,
                        double min_parallax_deg,
                        double max_error_px,

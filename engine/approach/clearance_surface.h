@@ -11,7 +11,8 @@ namespace freelsd {
 // An unknown height. It is below every real height, so that a maximum over cells ignores it.
 constexpr float kNoHeight = -1e30f;
 
-// Replaces std::floor, which is a function call on baseline x86. Millions of cells are looked up.
+// Used instead of std::floor, because millions of cells are looked up. On baseline x86, std::floor
+// is a function call.
 inline int FloorOf(double value) {
   const int truncated = static_cast<int>(value);
   return truncated - (value < truncated ? 1 : 0);
@@ -23,8 +24,8 @@ struct ClearanceSurface {
   double cell_size = 1.0;
   int first_row = 0;
   int first_col = 0;
-  // Upper height of the cell, world z, or kNoHeight. Where the class of the cell is not clear, it
-  // includes unclear_height_allowance_m.
+  // Upper height of the cell, world z, or kNoHeight. Includes unclear_height_allowance_m if the
+  // cell has no clear class (ClearClassOptions).
   cv::Mat1f height;
   // 1 where the height is unknown or too uncertain.
   cv::Mat1b is_unseen;
@@ -34,8 +35,8 @@ struct ClearanceSurface {
   // Used to check circles, and for a quick test of finals.
   cv::Mat1f corridor_height;
   cv::Mat1b corridor_is_unseen;
-  // Metres. If the middle of a corridor lies in a cell, the corridor reaches only cells within this
-  // distance of the cell's centre.
+  // Metres. Take a point on the middle line of a corridor. All cells that the corridor reaches
+  // there are within this distance of the centre of the point's cell.
   double corridor_radius = 0.0;
   // Additional clearance per metre of distance from touchdown, because the map may be tilted.
   double lean = 0.0;
@@ -70,8 +71,8 @@ ClearanceSurface MakeClearanceSurfaceOfMap(const ElevationMap& map,
                                            const HazardLayers& hazards,
                                            const Aircraft& aircraft,
                                            const ApproachOptions& options);
-// Covers these cells of the map, for straight paths: without corridor_height and
-// corridor_is_unseen.
+// Covers `cells` of the map. Only for straight paths, because corridor_height and
+// corridor_is_unseen stay empty.
 ClearanceSurface MakeHeightSurface(const ElevationMap& map,
                                    const HazardLayers& hazards,
                                    const cv::Rect& cells,

@@ -7,8 +7,8 @@
 
 namespace freelsd {
 
-// Spacing of samples along and across a corridor, in cells. One sample lies within half a cell of
-// every cell's centre, so no cell is missed.
+// Spacing of samples along and across a corridor, in cells. The centre of each cell has a sample
+// within half a cell, so no cell is missed.
 inline constexpr double kAlongSpacing = 0.5;
 inline constexpr double kAcrossSpacing = 0.86;
 

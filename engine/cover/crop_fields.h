@@ -1,4 +1,4 @@
-// Private to cover/. Extends ground sprayed from wheel tracks to the whole crop field.
+// Private to cover/. Extends the sprayed ground around wheel tracks to the whole crop field.
 #pragma once
 
 #include "engine/cover/cover.h"

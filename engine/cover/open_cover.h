@@ -9,7 +9,7 @@ namespace freelsd {
 // false.
 struct MeadowCells {
   cv::Mat1b is_clear_class;
-  // Counts as meadow in the surroundings of a lone object, even if other rules exclude the cell.
+  // Cells that count as meadow around a lone object, even if other rules exclude them.
   cv::Mat1b is_meadow;
   // Objects that differ from the ground around them; the raster may be empty.
   cv::Mat1b objects;
@@ -17,9 +17,9 @@ struct MeadowCells {
 
 // Below a leafless crown the map has the height of the ground, but the twigs shift relative to the
 // ground from view to view. Where two photographs differ, or fewer than two show the place, the
-// deviation of the height is unknown. Narrow cover and lone objects get an allowance instead.
-// Differences in cells of a clear class are ignored: grass is not a tree. Nothing is compared if
-// the orthophoto has no second image.
+// height's standard deviation becomes unknown. Over narrow cover and lone objects, the upper height
+// is raised instead. Differences in cells with a clear class (ClearClassOptions) are ignored: no
+// tree stands there. Nothing is compared if the orthophoto has no second image.
 OpenCover FindOpenCover(const Orthophoto& photo,
                         const Grid& grid,
                         const MeadowCells& cells,

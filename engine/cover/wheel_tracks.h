@@ -1,6 +1,6 @@
-// Private to cover/. Finds green crops by the wheel tracks of sprayers: pairs of ruts that repeat
-// at every working width. Sprayed ground lies within half a working width of a track. Vehicles also
-// cross meadows, but rarely twice in the same tracks.
+// Private to cover/. Finds green crops by the wheel tracks of sprayers. A track is a pair of ruts;
+// the next track is one working width of the sprayer away. Sprayed ground lies within half a
+// working width of a track. Vehicles also cross meadows, but rarely twice in the same tracks.
 #pragma once
 
 #include <vector>

@@ -15,7 +15,7 @@ struct WindOptions {
   double radius_m = 300.0;
   // Measurements older than this, relative to the flight's newest image, are ignored.
   double max_age_s = 1800.0;
-  // Weight of a new measurement in the moving average, (0, 1]. Paper: EWMA, no number.
+  // Weight of a new measurement in the moving average, (0, 1]. Paper: EWMA without a number.
   double smoothing = 0.1;
 
   void Check() const;

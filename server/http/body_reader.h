@@ -1,5 +1,5 @@
-// Reads the body of one request, with Content-Length or chunked, up to a limit and only as far as
-// the handler asks. Only the thread that serves the request may use it.
+// Reads the body of one request, which has a Content-Length or is chunked. Reads up to a limit, and
+// only as much as the handler asks for. Only the thread that serves the request may use it.
 #pragma once
 
 #include <chrono>
@@ -30,8 +30,8 @@ class BodyReader {
   size_t Read(char* bytes, size_t size);
   std::string ReadAll(uint64_t max_bytes);
   bool IsAtEnd() const { return is_at_end_; }
-  // Reads and discards the rest of the body if it is short. Returns false if it is not: the
-  // connection must then be closed.
+  // Reads and discards the rest of the body if it is short. Returns false if a part of the body is
+  // left: the connection must then be closed.
   bool SkipRest();
 
  private:
@@ -50,7 +50,7 @@ class BodyReader {
   // Bytes left in the body, or in the current chunk.
   uint64_t num_left_ = 0;
   uint64_t num_read_ = 0;
-  // A handler sets it before it reads.
+  // The handler sets this limit before the first read.
   uint64_t max_bytes_ = 0;
   std::chrono::seconds idle_timeout_{10};
   bool is_live_ = false;

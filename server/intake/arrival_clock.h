@@ -9,9 +9,9 @@ namespace freelsd {
 // 2020-01-01, microseconds since 1970. A clock with an earlier time was never set.
 constexpr int64_t kFirstPlausibleUs = 1577836800000000;
 
-// Microseconds since 1970. The first call reads the wall clock. From then on, a monotonic clock
-// counts, which also runs while the machine sleeps. Ages therefore stay correct if the wall clock
-// is set.
+// Microseconds since 1970. The first call reads the wall clock. From then on, the time comes from a
+// monotonic clock that also runs while the machine sleeps. Ages therefore stay correct if the wall
+// clock is set.
 int64_t ArrivalNowUs();
 
 // Seconds since the arrival. Nothing if the time of arrival is unknown. Reasons: an older version

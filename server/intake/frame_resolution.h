@@ -21,7 +21,7 @@ struct PosedFrame {
   explicit PosedFrame(FrameRow frame_row);
 
   FrameRow row;
-  // Nothing before the frame is resolved, or if it was rejected before that.
+  // Nothing if the frame is not resolved yet, or if it was rejected and never resolved.
   std::optional<FrameMeta> meta;
 };
 
@@ -29,9 +29,9 @@ struct PosedFrame {
 enum class Resolution { kReady, kWaiting, kRejected };
 
 // Determines the metadata that the engine uses for a queued frame. The first frame with a position
-// also determines the flight's rig. Both are stored, so that a replay uses the same values. A frame
-// without a position is kWaiting while `may_wait` is true, else kRejected. A frame is also rejected
-// if it does not fit the flight's rig or is too far from its origin.
+// also determines the flight's rig. Metadata and rig are stored, so that a replay uses the same
+// values. A frame without a position is kWaiting while `may_wait` is true, else kRejected. A frame
+// is also rejected if it does not fit the flight's rig or is too far from the flight's origin.
 Resolution ResolveFrame(Intake& intake, const FlightRow& flight, PosedFrame& posed, bool may_wait);
 
 // Throws ApiError Conflict if the flight's images were removed.

@@ -1,4 +1,4 @@
-// Computes the direction in which an aircraft moves over ground from its last positions.
+// Computes from an aircraft's last positions the direction in which it moves over ground.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ struct PassedPosition {
 };
 
 // Degrees clockwise from north, in [0, 360). `passed`: in the order of arrival, the latest first.
-// Three positions within a few seconds must agree, and the distance between them must be much
-// larger than the noise of positions. Otherwise returns nothing.
+// Needs three positions within a few seconds, roughly on a line. The first and the last must be
+// much farther apart than the noise of positions. Otherwise returns nothing.
 std::optional<double> CourseDeg(const std::vector<PassedPosition>& passed);
 
 }  // namespace freelsd

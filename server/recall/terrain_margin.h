@@ -12,14 +12,14 @@ namespace freelsd {
 
 // The point of the path with the least height above the stored maps.
 struct TerrainMargin {
-  // Height above the map, minus what the datum costs, in metres.
+  // Height above the map in metres, minus datum.subtracted_m.
   double margin_m = 0.0;
   // Difference between the datum of the request's altitude and the datum of the map.
   DatumDifference datum;
 };
 
-// Nothing if no stored map lies below the path. The path has at least one point. Altitudes are in
-// the request's datum, and less by the clearance that is to be kept.
+// Nothing if no stored map lies below the path. The path has at least one point. Its altitudes are
+// in the request's datum. The caller has lowered them by the clearance that is to be kept.
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
                                              const EmergencyRequest& request,
                                              const std::vector<GeoPoint>& path);

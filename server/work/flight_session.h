@@ -19,7 +19,7 @@ namespace freelsd {
 
 // Holds a flight's Frontend, its statistics and its notes. The frontend thread passes frames to it;
 // the backend thread takes snapshots. After a restart, the session is rebuilt from the stored
-// frames, in the same order and with the same flushes.
+// frames, in the same order. It is flushed after the same frames (Frontend::Flush).
 class FlightSession {
  public:
   // The flight's rig must be known.
@@ -30,7 +30,7 @@ class FlightSession {
   FlightContext Context() const;
 
   // --- Frontend thread ---
-  // Passes the winds from telemetry between the previous frame and the next one to the frontend.
+  // Passes winds from telemetry to the frontend: those between the previous frame and the next one.
   // `next` is the metadata of the next frame.
   void GiveWinds(const Storage& storage, const Config& config, const FrameMeta& next);
   std::vector<FrameResult> Give(const FrameRow& row, const FrameMeta& meta, const cv::Mat& image);

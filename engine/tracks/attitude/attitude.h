@@ -18,8 +18,8 @@ std::optional<double> NeededTurn(const FrameMemory& memory, size_t frame);
 // the optical axis instead, because photo viewers rotate photographs in this way.
 void TurnFrame(FrameRecord& record, double turn);
 
-// Groups of waiting frames without attitude. The frames of a group are connected by matches,
-// directly or through frames with a pose.
+// Groups (components) of waiting frames without attitude. The frames of a group are connected by
+// matches, directly or through frames with a pose.
 std::vector<std::vector<size_t>> WaitingComponents(const FrameMemory& memory);
 // Whether a frame of the component is matched with a frame whose pose is known.
 bool HasPosedNeighbour(const FrameMemory& memory, const std::vector<size_t>& component);

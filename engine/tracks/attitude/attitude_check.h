@@ -19,7 +19,7 @@ struct OrientedFrame {
 // Rotation about the vertical, in radians counter-clockwise from above, that makes the matches of
 // two frames coincide on level ground.
 struct TurnEvidence {
-  // Rotation of b if the attitude of a is correct.
+  // Rotation of frame b if the attitude of frame a is correct.
   double turn_of_b_against_a = 0.0;
   // Rotation of each frame according to the GPS baseline; nothing if the baseline is too short.
   std::optional<double> turn_of_a;

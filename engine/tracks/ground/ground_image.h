@@ -1,4 +1,4 @@
-// Input: a photograph with a pose accurate to a few metres on the ground. Output: the photograph
+// Input: a photograph with a pose whose error is a few metres on the ground. Output: the photograph
 // projected onto the ground, north up, so that photographs of any heading and tilt are comparable.
 #pragma once
 
@@ -26,9 +26,9 @@ struct GroundImage {
   }
 };
 
-// Assumes level ground, height_above_ground below the view. `camera` is the view's own, with its
-// readout. The resolution is that of the photograph, after reduction to at most width_px columns.
-// `grey` is empty if the camera does not look down.
+// Assumes level ground, height_above_ground below the view. `camera` is the camera of this view,
+// with this view's readout. The resolution is that of the photograph, after reduction to at most
+// width_px columns. `grey` is empty if the camera does not look down.
 GroundImage SeenFromAbove(const View& view,
                           const Camera& camera,
                           const cv::Mat& image,
