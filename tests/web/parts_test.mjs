@@ -261,7 +261,8 @@ test('obstacles: a blocked site names what blocks it', async (t) => {
 });
 
 test('go-around: drawn with the point of no return on map and profile, and one line in the panel', async (t) => {
-  const { page, seen } = await open(t, { rewrite: (path, json) => (path.endsWith('/approach') ? withGoAround(json, kNoReturn_m) : json) });
+  const noReturn_m = site.properties.approach.no_return_distance_m ?? kNoReturn_m;
+  const { page, seen } = await open(t, { rewrite: (path, json) => (path.endsWith('/approach') ? withGoAround(json, noReturn_m) : json) });
   await page.locator(`#sites button[data-site="${site.properties.id}"]`).click();
   await page.locator('#profile canvas').waitFor(kWait);
   const line = page.locator('path.go-around');
@@ -271,7 +272,7 @@ test('go-around: drawn with the point of no return on map and profile, and one l
   assert.equal(await page.locator('#map .no-return').count(), 1);
   assert.match(await page.locator('#profile .legend-line').textContent(), /point of no return/);
   assert.equal(await page.locator('#go-around').textContent(),
-    `Go-around clears all seen ground until ${kNoReturn_m} m before touchdown. 12 % of the climb is over unseen ground.`);
+    `Go-around clears all seen ground until ${noReturn_m.toFixed(0)} m before touchdown. 12 % of the climb is over unseen ground.`);
   await page.locator('#go-around').scrollIntoViewIfNeeded();
   await shoot(page, 'go-around');
   assert.deepEqual(seen.errors, []);
