@@ -175,6 +175,10 @@ ToldSite Tell(const StoredSites& stored,
     obstacles = path.obstacles;
   }
   AddObstacles(obstacles, told.answer);
+  if (!reached.shortest && reached.margin_m >= 0.0) {
+    told.answer["warnings"].push_back(
+        "no path is given: the margin counts on the longest turns, but no single path was found");
+  }
   if (terrain) {
     told.answer["terrain_margin_m"] = terrain->margin_m;
     told.answer["terrain_datum_penalty_m"] = terrain->datum.subtracted_m;
@@ -367,7 +371,8 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
   std::vector<std::string> warnings = WarningsOf(request, search.datum_bases);
   if (search.num_without_approach > 0) {
     warnings.push_back(std::to_string(search.num_without_approach) +
-                       " nearer stored sites have no approach in this wind");
+                       " nearer stored sites have no approach in this wind that clears terrain "
+                       "and obstacles");
   }
   if (const int64_t count =
           stored.storage.sites.CountOverruled(BoxAround(request.place, reach_m))) {
