@@ -192,9 +192,12 @@ test_refusals() {
   echo "refusals: named"
 }
 
+# The hash of an answer without ages in seconds: the ground of the sample flight is years old, and ages go on.
+hash_without_ages() { sed -E 's/[0-9]{7,}(\.[0-9]+)?/N/g' | sha256sum; }
+
 test_sites() {
   run 0 sites "$flight" --json
-  equal "$(jq -S . "$work/out" | sha256sum)" "$(get "/v1/flights/$flight/sites" | jq -S . | sha256sum)" "sites --json"
+  equal "$(jq -S . "$work/out" | hash_without_ages)" "$(get "/v1/flights/$flight/sites" | jq -S . | hash_without_ages)" "sites --json"
   local num_shown num_all
   run 0 sites "$flight"
   num_shown="$(grep -Ec '^ +[0-9]+ +(landable|unverified) ' "$work/out")"
@@ -243,7 +246,7 @@ test_exports() {
       run 0 export "$id" --format "$format" --home-altitude 400
       said out "${mark#* }"
     done
-    equal "$(sha256sum <"$work/out")" "$(get "/v1/sites/$site?f=$format&home_altitude_m=400" | sha256sum)" "$format"
+    equal "$(hash_without_ages <"$work/out")" "$(get "/v1/sites/$site?f=$format&home_altitude_m=400" | hash_without_ages)" "$format"
   done
   run 0 export "$site" --format report -o "$work/a report.html"
   grep -qi '<html' "$work/a report.html" || fail "the report is no page"
