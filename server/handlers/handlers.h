@@ -59,6 +59,10 @@ void GetEmergency(Service& service, const Call& call, httplib::Response& respons
 void PostEmergency(Service& service, const Call& call, httplib::Response& response);
 void GetEmergencyExport(Service& service, const Call& call, httplib::Response& response);
 
+// reach_handler.cc
+void GetReach(Service& service, const Call& call, httplib::Response& response);
+void PostReach(Service& service, const Call& call, httplib::Response& response);
+
 // alternates_handler.cc
 void GetAlternates(Service& service, const Call& call, httplib::Response& response);
 

@@ -5,6 +5,8 @@
 #include "server/recall/emergency_request.h"
 #include "server/recall/flight_state.h"
 #include "server/recall/map_cache.h"
+#include "server/recall/reach.h"
+#include "server/recall/reach_ground.h"
 #include "server/recall/recall_sites.h"
 #include "server/recall/replan.h"
 #include "server/recall/same_place.h"
