@@ -15,11 +15,11 @@ constexpr double kPastEdge = 1e-3;
 cv::Mat1f BlockMaxima(const cv::Mat1f& finer) {
   constexpr int kSize = 1 << kShift;
   cv::Mat1f maxima((finer.rows + kSize - 1) / kSize, (finer.cols + kSize - 1) / kSize);
-  cv::Mat1f row(1, finer.cols);
+  cv::Mat row(1, finer.cols, CV_32F);
   for (int i = 0; i < maxima.rows; ++i) {
     const int end = std::min(finer.rows, (i + 1) * kSize);
     finer.row(i * kSize).copyTo(row);
-    for (int k = i * kSize + 1; k < end; ++k) cv::max(row, finer.row(k), row);
+    for (int k = i * kSize + 1; k < end; ++k) cv::max(row, cv::Mat(finer.row(k)), row);
     const float* const values = row.ptr<float>(0);
     for (int j = 0; j < maxima.cols; ++j) {
       maxima(i, j) =

@@ -206,7 +206,7 @@ std::shared_ptr<const GroundPatch> GroundPatches::PatchOf(
       return *kept;
     }
   }
-  const auto patch = std::make_shared<const GroundPatch>(MakePatch(terrain, frame));
+  auto patch = std::make_shared<const GroundPatch>(MakePatch(terrain, frame));
   if (!std::isfinite(patch->lowest)) return nullptr;
   const std::lock_guard lock(mutex_);
   patches_.Keep(row.site_id, row.updated_at_us, 5 * patch->top.total(), patch);

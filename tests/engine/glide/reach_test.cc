@@ -42,7 +42,7 @@ FineGround RandomGround(double half_m, std::mt19937& random) {
   for (int hill = 0; hill < 12; ++hill) {
     const Eigen::Vector2d middle(place(random), place(random));
     const double height = 10.0 + 70.0 * unit(random), width = 100.0 + 400.0 * unit(random);
-    ground.top.forEach<float>([&](float& top, const int* cell) {
+    ground.top.forEach([&](float& top, const int* cell) {
       const double squared = (ground.grid.CellCenter(cell[0], cell[1]) - middle).squaredNorm();
       top += static_cast<float>(height * std::exp(-squared / (2.0 * width * width)));
     });
