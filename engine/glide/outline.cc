@@ -195,8 +195,10 @@ std::vector<ReachArea> OutlinesOf(cv::Mat1b cells, const Grid& grid) {
   Cutter cutter(cells);
   std::vector<ReachArea> areas;
   for (const CornerRings& rings : RingsOf(cells)) {
-    if (EnclosedBy(rings.front()) < kMinArea) continue;
-    ReachArea area{InWorld(cutter.Cut(rings.front()), grid), {}};
+    // Cuts may leave nothing of a thin area.
+    const CornerRing outer = cutter.Cut(rings.front());
+    if (EnclosedBy(outer) < kMinArea) continue;
+    ReachArea area{InWorld(outer, grid), {}};
     for (size_t i = 1; i < rings.size(); ++i) {
       area.holes.push_back(InWorld(cutter.Cut(rings[i]), grid));
     }
