@@ -48,11 +48,11 @@ std::optional<double> ArrivalTime(const TransitTask& task,
     const auto path = PathIn(task, time, sense, performance);
     return path ? TimeOf(*path, performance) - time : 1e9;
   };
-  constexpr double kCoarseS = 0.5;
+  // Short, because a step over a jump and an arrival would miss the arrival.
+  constexpr double kCoarseS = 0.1;
   for (double time = 0.0; time < kMaxTimeS;) {
     const double now = excess(time);
-    // Within a piece, the excess falls by at most (1 + wind / airspeed) a second.
-    const double next = time + (now > 1e8 ? kCoarseS : std::max(kCoarseS, 0.45 * now));
+    const double next = time + kCoarseS;
     const double then = excess(next);
     if (now >= 0.0 && then < 0.0) {
       double low = time, high = next;
