@@ -15,13 +15,15 @@ void NodeMask::AddCrossings(const Eigen::Vector2d& begin, const Eigen::Vector2d&
   const double last = static_cast<double>(nodes_.rows) - 1.0;
   const int first_row = static_cast<int>(std::ceil(std::clamp(upper.y(), 0.0, last + 1.0)));
   const int end_row = static_cast<int>(std::ceil(std::clamp(lower.y(), 0.0, last + 1.0)));
+  const int winding = begin.y() < end.y() ? 1 : -1;
   const double slope = (lower.x() - upper.x()) / (lower.y() - upper.y());
   for (int row = first_row; row < end_row; ++row) {
-    crossings_[static_cast<size_t>(row)].push_back(upper.x() + slope * (row - upper.y()));
+    crossings_[static_cast<size_t>(row)].push_back(
+        {upper.x() + slope * (row - upper.y()), winding});
   }
 }
 
-void NodeMask::Fill(const std::vector<Eigen::Vector2d>& polygon, uchar value) {
+void NodeMask::Fill(const std::vector<Eigen::Vector2d>& polygon) {
   double north = nodes_.rows, south = 0.0;
   for (size_t i = 0; i < polygon.size(); ++i) {
     AddCrossings(polygon[i], polygon[(i + 1) % polygon.size()]);
@@ -30,17 +32,25 @@ void NodeMask::Fill(const std::vector<Eigen::Vector2d>& polygon, uchar value) {
   }
   const int end_row = static_cast<int>(std::ceil(std::min(south, nodes_.rows + 0.0)));
   for (int row = static_cast<int>(std::max(0.0, north)); row < end_row; ++row) {
-    std::vector<double>& cols = crossings_[static_cast<size_t>(row)];
-    if (cols.empty()) continue;
-    std::sort(cols.begin(), cols.end());
-    for (size_t i = 0; i + 1 < cols.size(); i += 2) {
-      const int first = static_cast<int>(std::ceil(std::max(cols[i], 0.0)));
-      const int last = static_cast<int>(std::floor(std::min(cols[i + 1], nodes_.cols - 1.0)));
-      if (last >= first) {
-        std::memset(nodes_.ptr(row) + first, value, static_cast<size_t>(last - first) + 1);
-      }
+    FillRow(row, crossings_[static_cast<size_t>(row)], value);
+    crossings_[static_cast<size_t>(row)].clear();
+  }
+}
+
+void NodeMask::FillRow(int row, std::vector<Crossing>& crossings, uchar value) {
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
+    return a.col < b.col;
+  });
+  int winding = 0;
+  for (size_t i = 0; i + 1 < crossings.size(); ++i) {
+    winding += crossings[i].winding;
+    if (winding == 0) continue;
+    const int first = static_cast<int>(std::ceil(std::max(crossings[i].col, 0.0)));
+    const int last =
+        static_cast<int>(std::floor(std::min(crossings[i + 1].col, nodes_.cols - 1.0)));
+    if (last >= first) {
+      std::memset(nodes_.ptr(row) + first, value, static_cast<size_t>(last - first) + 1);
     }
-    cols.clear();
   }
 }
 

@@ -13,8 +13,9 @@ class NodeMask {
  public:
   NodeMask(int num_rows, int num_cols);
 
-  // Sets the nodes inside the polygon, by the even-odd rule. Places are columns and rows.
-  void Fill(const std::vector<Eigen::Vector2d>& polygon, uchar value);
+  // Sets the nodes around which the polygon winds. Where it overlaps itself, it does so in the same
+  // sense, so the overlap is inside too. Places are columns and rows.
+  void Fill(const std::vector<Eigen::Vector2d>& polygon);
   void Clear() { nodes_.setTo(0); }
   // Keeps only what is inside both.
   void Intersect(const NodeMask& other) { nodes_ &= other.nodes_; }
@@ -22,11 +23,18 @@ class NodeMask {
   cv::Mat1b WholeCells() const;
 
  private:
+  struct Crossing {
+    double col = 0.0;
+    int winding = 0;
+  };
+
   void AddCrossings(const Eigen::Vector2d& begin, const Eigen::Vector2d& end);
 
   cv::Mat1b nodes_;
-  // Columns at which the polygon's edges cross each row; empty between calls.
-  std::vector<std::vector<double>> crossings_;
+  void FillRow(int row, std::vector<Crossing>& crossings, uchar value);
+
+  // Where the polygon's edges cross each row; empty between calls.
+  std::vector<std::vector<Crossing>> crossings_;
 };
 
 }  // namespace freelsd

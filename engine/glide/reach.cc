@@ -50,8 +50,7 @@ Search SearchOver(const ReachGround& ground,
 
 void FillFan(const FanTask& task, const Search& search, NodeMask& mask) {
   const Fan fan = FanOf(task, search.ground.grid, search.pyramid, search.limits);
-  for (const FanPolygon& polygon : fan.reached) mask.Fill(polygon, 255);
-  for (const FanPolygon& polygon : fan.too_high) mask.Fill(polygon, 0);
+  for (const FanPolygon& polygon : fan) mask.Fill(polygon);
 }
 
 // Cells that lie in the fans of all winds and headings, as a whole.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/glide/glide.h"
 
@@ -62,13 +63,13 @@ class Turns {
     const double radius = task_.performance.turn_radius;
     const double sine = std::min(std::sin(turn), -1e-9);
     const double to_heading_line = radius * (1.0 - std::cos(turn)) / -sine;
-    const double overlap = kOverlapCells * grid_.cell_size_m;
+    const double drift = task_.wind.norm() / task_.performance.Airspeed() * 4.0 * kPi * radius;
+    const double overlap = kOverlapCells * grid_.cell_size_m + drift;
     if (turn < 1.5 * kPi) return to_heading_line + overlap;
     const double chord = std::cos(turn) * (1.0 - std::cos(turn));
     const double out_of_circle =
         radius * (-2.0 * std::sin(turn) + 2.0 * std::sqrt(std::max(0.0, chord)));
-    const double drift = task_.wind.norm() / task_.performance.Airspeed() * 4.0 * kPi * radius;
-    return std::max(to_heading_line, out_of_circle) + drift + overlap;
+    return std::max(to_heading_line, out_of_circle) + overlap;
   }
 
   const FanTask& task_;
@@ -102,8 +103,29 @@ Sector SectorBetween(const Ray& first,
                                 std::max(limits.terrain_clearance_m, limits.arrival_height_m))};
 }
 
-// From the sectors' ends back along the turn.
-FanPolygon ReachedBy(const std::vector<Sector>& sectors) {
+// The part of a sector between two lengths of its rays.
+FanPolygon Between(const Sector& sector, double begin, double end) {
+  const Ray& first = sector.first;
+  const Ray& last = sector.last;
+  return {first.At(std::min(begin, first.length)),
+          first.At(std::min(end, first.length)),
+          last.At(std::min(end, last.length)),
+          last.At(std::min(begin, last.length))};
+}
+
+// Parts between the places of a sector that are too high to arrive there.
+void AddParts(const Sector& sector, Fan& fan) {
+  double begin = 0.0;
+  for (const auto& [low_begin, low_end] : sector.clear.low) {
+    if (low_begin > begin) fan.push_back(Between(sector, begin, low_begin));
+    begin = low_end;
+  }
+  if (sector.clear.length > begin) fan.push_back(Between(sector, begin, sector.clear.length));
+}
+
+// One polygon for neighbouring sectors: along their ends, and back along the turn. Its winding
+// number is the sum of theirs, so a place with an odd one lies in at least one of them.
+FanPolygon Strip(const std::vector<Sector>& sectors) {
   FanPolygon polygon;
   polygon.reserve(3 * sectors.size() + 1);
   for (const Sector& sector : sectors) {
@@ -117,12 +139,31 @@ FanPolygon ReachedBy(const std::vector<Sector>& sectors) {
   return polygon;
 }
 
-void AddTooHigh(const Sector& sector, std::vector<FanPolygon>& too_high) {
-  for (const auto& [begin, end] : sector.clear.low) {
-    too_high.push_back(
-        {sector.first.At(begin), sector.first.At(end), sector.last.At(end), sector.last.At(begin)});
+// Gathers sectors in the order of their turns.
+class FanBuilder {
+ public:
+  explicit FanBuilder(size_t max_num_in_strip) : max_num_in_strip_(max_num_in_strip) {}
+
+  void Add(Sector sector) {
+    if (!sector.clear.low.empty()) {
+      Flush();
+      AddParts(sector, fan_);
+      return;
+    }
+    strip_.push_back(std::move(sector));
+    if (strip_.size() >= max_num_in_strip_) Flush();
   }
-}
+  void Flush() {
+    if (!strip_.empty()) fan_.push_back(Strip(strip_));
+    strip_.clear();
+  }
+  const Fan& fan() const { return fan_; }
+
+ private:
+  size_t max_num_in_strip_;
+  std::vector<Sector> strip_;
+  Fan fan_;
+};
 
 }  // namespace
 
@@ -130,23 +171,23 @@ Fan FanOf(const FanTask& task,
           const Grid& grid,
           const HeightPyramid& pyramid,
           const ReachLimits& limits) {
-  Fan fan;
+  // Short strips: a strip that overlaps itself leaves out what is in it twice.
+  constexpr int kNumStrips = 16;
+  FanBuilder builder(static_cast<size_t>(task.num_sectors / kNumStrips + 1));
   const double step = 2.0 * kPi / task.num_sectors;
   for (const double sense : {1.0, -1.0}) {
     const Turns turns(task, grid, sense);
-    std::vector<Sector> sectors;
     Ray first = turns.RayAfter(0.0);
     for (int i = 0; i < task.num_sectors; ++i) {
       const Ray last = turns.RayAfter((i + 1) * step);
       // The turn itself must be clear too.
       if (!pyramid.IsClear(last.begin, last.height, limits.terrain_clearance_m)) break;
-      sectors.push_back(SectorBetween(first, last, task, pyramid, limits));
-      AddTooHigh(sectors.back(), fan.too_high);
+      builder.Add(SectorBetween(first, last, task, pyramid, limits));
       first = last;
     }
-    if (!sectors.empty()) fan.reached.push_back(ReachedBy(sectors));
+    builder.Flush();
   }
-  return fan;
+  return builder.fan();
 }
 
 }  // namespace freelsd

@@ -25,12 +25,8 @@ struct FanTask {
   double max_straight_m = 0.0;
 };
 
-struct Fan {
-  // Of turns to the right and to the left: the ground that is reached.
-  std::vector<FanPolygon> reached;
-  // Inside that: too high to arrive there.
-  std::vector<FanPolygon> too_high;
-};
+// Parts of sectors: the ground that is reached. They overlap.
+using Fan = std::vector<FanPolygon>;
 
 // Lines whose turn is longer than half a circle end where turning the other way is shorter. Near
 // the aircraft they do not: the circle beside it can be reached by no other turn.

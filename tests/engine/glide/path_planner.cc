@@ -7,7 +7,6 @@ namespace freelsd {
 namespace {
 
 constexpr double kStepM = 1.0;
-constexpr double kMaxTimeS = 3600.0;
 
 // Turn to one side (1 is right) that points at the place, and the straight way to it; nothing if
 // the place lies inside the circle of the turn.
@@ -40,32 +39,33 @@ std::optional<TurnPath> PathIn(const TransitTask& task,
   return TurnTowards(task.from, task.to.place - task.wind * time, sense, performance.turn_radius);
 }
 
-// The first time at which a path to this side takes exactly the time that passes.
-std::optional<double> ArrivalTime(const TransitTask& task,
-                                  double sense,
-                                  const Performance& performance) {
+// The times up to the last at which a path to this side takes exactly the time that passes.
+std::vector<double> ArrivalTimes(const TransitTask& task,
+                                 double sense,
+                                 const Performance& performance,
+                                 double last_time) {
   const auto excess = [&](double time) {
     const auto path = PathIn(task, time, sense, performance);
     return path ? TimeOf(*path, performance) - time : 1e9;
   };
   // Short, because a step over a jump and an arrival would miss the arrival.
   constexpr double kCoarseS = 0.1;
-  for (double time = 0.0; time < kMaxTimeS;) {
-    const double now = excess(time);
-    const double next = time + kCoarseS;
-    const double then = excess(next);
-    if (now >= 0.0 && then < 0.0) {
-      double low = time, high = next;
+  std::vector<double> times;
+  double now = excess(0.0);
+  for (double time = 0.0; time < last_time; time += kCoarseS) {
+    const double then = excess(time + kCoarseS);
+    if ((now >= 0.0) != (then >= 0.0)) {
+      double low = time, high = time + kCoarseS;
       for (int i = 0; i < 50; ++i) {
         const double middle = 0.5 * (low + high);
-        (excess(middle) >= 0.0 ? low : high) = middle;
+        ((excess(middle) >= 0.0) == (now >= 0.0) ? low : high) = middle;
       }
       // A jump is no arrival.
-      if (std::abs(excess(high)) < 0.01) return high;
+      if (std::abs(excess(high)) < 0.01) times.push_back(high);
     }
-    time = next;
+    now = then;
   }
-  return std::nullopt;
+  return times;
 }
 
 Transit TransitWith(const TurnPath& path, const Performance& performance) {
@@ -114,16 +114,16 @@ double FineGround::HeightAt(const Eigen::Vector2d& place) const {
   return static_cast<double>(top(*cell));
 }
 
-std::optional<Transit> ShortestTransit(const TransitTask& task, const Performance& performance) {
-  std::optional<Transit> best;
+std::vector<Transit> TransitsTo(const TransitTask& task,
+                                const Performance& performance,
+                                double last_time) {
+  std::vector<Transit> transits;
   for (const double sense : {1.0, -1.0}) {
-    const auto time = ArrivalTime(task, sense, performance);
-    if (!time) continue;
-    const auto path = PathIn(task, *time, sense, performance);
-    const Transit transit = TransitWith(*path, performance);
-    if (!best || transit.height_lost < best->height_lost) best = transit;
+    for (const double time : ArrivalTimes(task, sense, performance, last_time)) {
+      transits.push_back(TransitWith(*PathIn(task, time, sense, performance), performance));
+    }
   }
-  return best;
+  return transits;
 }
 
 bool IsReached(const GlideStart& start,
@@ -136,12 +136,27 @@ bool IsReached(const GlideStart& start,
   const double height =
       start.position_in_world.z() -
       TimeBetweenHeadings(start, performance, options) * performance.turning_sink_rate;
+  // Down to the lowest ground without a turn.
+  double lowest = ground.assumed_height;
+  for (const float top : ground.top) {
+    if (top < lowest) lowest = top;
+  }
+  const double last_time = (height - lowest) / performance.straight.sink_rate_mps;
   for (const Eigen::Vector2d& wind : WindsToReckonWith(start, aircraft, options)) {
+    // A straight line without a turn loses the least.
+    GlideStart in_wind = start;
+    in_wind.wind_in_world = wind;
+    const auto least = LeastHeightLost(in_wind, place, 0.0, performance.straight);
+    if (!least || height - *least < ground.HeightAt(place) + limits.arrival_height_m) return false;
     for (const double heading : HeadingsToReckonWith(start, options)) {
       const TransitTask task =
           TransitTaskOf(start.position_in_world.head<2>(), heading, place, 0.0, wind, performance);
-      const auto transit = ShortestTransit(task, performance);
-      if (!transit || !IsClear(task, *transit, height, ground, limits)) return false;
+      const auto transits = TransitsTo(task, performance, last_time);
+      if (std::none_of(transits.begin(), transits.end(), [&](const Transit& transit) {
+            return IsClear(task, transit, height, ground, limits);
+          })) {
+        return false;
+      }
     }
   }
   return true;

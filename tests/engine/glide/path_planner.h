@@ -1,4 +1,4 @@
-// The reference for the ground in reach: one path for one place, checked metre by metre.
+// The reference for the ground in reach: the paths to one place, checked metre by metre.
 #pragma once
 
 #include <optional>
@@ -20,11 +20,14 @@ struct FineGround {
   double HeightAt(const Eigen::Vector2d& place) const;
 };
 
-// A turn to one side and a straight flight that end over the place. Nothing if there is none. The
-// turn is the shortest that leads there (ShortestTurns, with the final heading left free).
-std::optional<Transit> ShortestTransit(const TransitTask& task, const Performance& performance);
+// Each turn to one side, of at most a whole circle, and straight flight that end over the place no
+// later than `last_time`.
+std::vector<Transit> TransitsTo(const TransitTask& task,
+                                const Performance& performance,
+                                double last_time);
 
-// Whether the path of every wind and heading clears the ground and arrives with enough height.
+// Whether, in every wind and from every heading, one of these paths clears the ground and arrives
+// with enough height.
 bool IsReached(const GlideStart& start,
                const Eigen::Vector2d& place,
                const FineGround& ground,
