@@ -217,11 +217,11 @@ TEST_CASE("altitude datum: what the client says of the flight overrides tags, wi
   httplib::Client& client = *meadow.client;
   REQUIRE(PutFrame(client, "f", "a", WithGeotag(NoiseImage(1), {}), AtSomeHeight())->status == 201);
   std::string warnings;
-  for (int i = 0; i < 600 && warnings.find("tell amsl") == std::string::npos; ++i) {
+  for (int i = 0; i < 600 && warnings.find("state amsl") == std::string::npos; ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     warnings = GetJson(client, "/v1/flights/f")["warnings"].dump();
   }
-  CHECK(warnings.find("tell amsl") != std::string::npos);
+  CHECK(warnings.find("state amsl") != std::string::npos);
   CHECK(GetJson(client, "/v1/flights/f")["altitude_datum"] == "ellipsoid");
 }
 
