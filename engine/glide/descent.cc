@@ -75,8 +75,8 @@ struct Task {
   }
 };
 
-// The heading that loses most height counts. Nothing if the aircraft arrives below the start of the
-// final, or if the wind is too strong.
+// The heading that loses most height counts, of those for which a path is found. Nothing if the
+// aircraft arrives below the start of the final, or if the wind is too strong.
 std::optional<Task> TaskOf(const GlideStart& start,
                            const Approach& approach,
                            const Aircraft& aircraft,
@@ -92,11 +92,13 @@ std::optional<Task> TaskOf(const GlideStart& start,
                                                    wind,
                                                    tightest);
     const auto transit = TightestTransit(transit_task, tightest);
-    if (!transit) return std::nullopt;
+    // Of one heading no path may be found (TightestTransit); the others still have theirs.
+    if (!transit) continue;
     if (!worst || transit->height_lost > worst->shortest.height_lost) {
       worst = Task{transit_task, *transit, 0.0, std::nullopt};
     }
   }
+  if (!worst) return std::nullopt;
   worst->height = start.position_in_world.z() - approach.approach_start_in_world.z();
   if (worst->shortest.height_lost > worst->height) return std::nullopt;
   worst->circle = CircleOf(approach, wind, AtLandingSpeed(aircraft));

@@ -74,6 +74,8 @@ void GlideOptions::Check() const {
   check.Inside("num_unknown_headings", num_unknown_headings, 8, 360);
   check.Inside("terrain_clearance_m", terrain_clearance_m, 0.0, 1000.0);
   check.Inside("datum_penalty_m", datum_penalty_m, 0.0, 1000.0);
+  check.Inside("max_surplus_m", max_surplus_m, 0.0, 100.0);
+  check.Inside("max_shortfall_m", max_shortfall_m, 0.0, 100.0);
 }
 
 Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio) {

@@ -28,6 +28,11 @@ struct GlideOptions {
   // grid is not installed. Two altitudes cannot be compared exactly if their datums differ or if a
   // datum is unknown. The geoid lies up to 106 m from the ellipsoid.
   double datum_penalty_m = 110.0;
+  // Surplus height at the start of the final that needs no longer path and no warning.
+  double max_surplus_m = 2.0;
+  // Height that the uncertainty of the wind may cost a longer path after the last point at which
+  // the path can be cut short (decision 0023).
+  double max_shortfall_m = 5.0;
 
   // Throws std::invalid_argument: "glide.unknown_wind_mps = -1: must be in [0, 50]".
   void Check() const;

@@ -1,5 +1,7 @@
 // All stored sites of an area that recall may name, to preload an aircraft.
+#include <algorithm>
 #include <set>
+#include <string>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -63,9 +65,9 @@ void RequireHome(const ExportOptions& options, const std::vector<StoredSite>& si
 
 void AnswerFile(const std::string& text,
                 const char* type,
-                const char* name,
+                const std::string& name,
                 httplib::Response& response) {
-  response.set_header("Content-Disposition", std::string("attachment; filename=\"") + name + '"');
+  response.set_header("Content-Disposition", "attachment; filename=\"" + name + '"');
   response.set_content(text, type);
 }
 
@@ -90,8 +92,14 @@ void GetEmergencyExport(Service& service, const Call& call, httplib::Response& r
   std::erase_if(sites,
                 [](const StoredSite& site) { return !site.final_places || site.IsRejected(); });
   const std::string text = ExportSites(format, sites, options);
-  if (format == "plan") return AnswerFile(text, "application/json", "emergency.plan", response);
-  AnswerFile(text, "text/plain", "emergency-rally.txt", response);
+  const bool is_unverified = std::any_of(sites.begin(), sites.end(), [](const StoredSite& site) {
+    return site.verdict == "unverified";
+  });
+  const std::string mark = is_unverified ? "-UNVERIFIED." : ".";
+  if (format == "plan") {
+    return AnswerFile(text, "application/json", "emergency" + mark + "plan", response);
+  }
+  AnswerFile(text, "text/plain", "emergency-rally" + mark + "txt", response);
 }
 
 }  // namespace freelsd

@@ -90,7 +90,9 @@ nlohmann::json EmergencyInfo() {
   const GlideOptions options;
   return {{"unknown_wind_mps", options.unknown_wind_mps},
           {"datum_penalty_m", options.datum_penalty_m},
-          {"terrain_clearance_m", options.terrain_clearance_m}};
+          {"terrain_clearance_m", options.terrain_clearance_m},
+          {"max_surplus_m", options.max_surplus_m},
+          {"max_shortfall_m", options.max_shortfall_m}};
 }
 
 nlohmann::json ObstaclesInfo() {

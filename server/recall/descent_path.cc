@@ -10,11 +10,6 @@
 namespace freelsd {
 namespace {
 
-// Surplus height that needs no warning, and so for a height that may be missing.
-constexpr double kMinSurplusM = 2.0;
-// Height that the worst case may cost a longer path where its rest can no longer be left out. A
-// path that loses its surplus height where the wind is as given is worth that.
-constexpr double kMaxShortfallM = 5.0;
 // About a centimetre.
 constexpr double kPlacesPerDegree = 1e7;
 constexpr double kStepsPerMetre = 100.0;
@@ -166,7 +161,7 @@ ToldPath PathToTell(const StoredSites& stored,
                     const RecallCandidate& candidate,
                     const DescentTask& task,
                     const ToldPath& shortest) {
-  if (shortest.descent.surplus_height_m <= kMinSurplusM) return shortest;
+  if (shortest.descent.surplus_height_m <= GlideOptions{}.max_surplus_m) return shortest;
   const Approach& approach = *task.plan->approach;
   const double start_height = approach.approach_start_in_world.z();
   const double lowering_per_s = LoweringPerSecond(shortest.descent, task.worst);
@@ -176,7 +171,7 @@ ToldPath PathToTell(const StoredSites& stored,
   ToldPath told = shortest;
   const auto is_safe = [&](const Descent& longer) {
     told.shortfall_m = ShortfallM(longer, lowering_per_s, start_height);
-    if (told.shortfall_m > kMaxShortfallM) return false;
+    if (told.shortfall_m > GlideOptions{}.max_shortfall_m) return false;
     const Lowering lowering{
         lowering_per_s,
         request.terrain_clearance_m,
@@ -208,12 +203,12 @@ void AddPath(const ToldPath& told, const LocalFrame& local_frame, nlohmann::json
   }
   answer["path"] = {{"type", "LineString"}, {"coordinates", std::move(coordinates)}};
   answer["times_s"] = std::move(times_s);
-  if (descent.surplus_height_m > kMinSurplusM) {
+  if (descent.surplus_height_m > GlideOptions{}.max_surplus_m) {
     answer["warnings"].push_back(std::to_string(std::lround(descent.surplus_height_m)) +
                                  " m of surplus height are left at the start of the final, too "
                                  "little for a circle: lose them on the final");
   }
-  if (told.shortfall_m > kMinSurplusM) {
+  if (told.shortfall_m > GlideOptions{}.max_surplus_m) {
     answer["warnings"].push_back(
         "the path loses all surplus height; the uncertainty of the wind may cost up to " +
         std::to_string(std::lround(told.shortfall_m)) +

@@ -34,7 +34,8 @@ std::optional<Obstruction> Computed(const StoredSites& stored, const SiteRow& si
   const std::optional<StoredPlan> plan = ReadStoredPlan(site);
   if (!plan) return std::nullopt;
   const auto kept = stored.maps.Get(stored.storage, site.id, site.updated_at_us);
-  if (!kept) return std::nullopt;
+  // Whether the obstacles nearby break the plan is then unknown, and unknown is not safe.
+  if (!kept) return Obstruction{"no_terrain", "the site's map cannot be read", {}};
   const std::optional<PlanCheck> check = BrokenByObstacles(*plan, kept->site_map, kept->obstacles);
   if (!check) return std::nullopt;
   return Obstruction{
@@ -66,7 +67,8 @@ SiteRow AsObstructed(const StoredSites& stored, SiteRow site) {
   properties["blocked_by"] = obstruction->obstacle_ids;
   std::string ids;
   for (const std::string& id : obstruction->obstacle_ids) ids += (ids.empty() ? "" : ", ") + id;
-  properties["summary"] = "Rejected: blocked by " + ids + ": " + obstruction->detail + ".";
+  properties["summary"] =
+      "Rejected: " + (ids.empty() ? "" : "blocked by " + ids + ": ") + obstruction->detail + ".";
   site.feature_json = feature.dump();
   return site;
 }
