@@ -116,7 +116,19 @@ function pointOfNoReturn({ coordinates }, distance_m) {
   });
 }
 
-// An arrow head at the end of the climb.
+// Lengths of the final that a climb is drawn over. It may be known to the end of the map, but its beginning is what
+// the pilot flies, and a long line would hide the final.
+const kDrawnFinals = 2;
+
+function drawnClimb({ coordinates }, final) {
+  const place = ([longitude_deg, latitude_deg]) => ({ longitude_deg, latitude_deg });
+  const length_m = (line) => courseTo(place(line[0]), place(line.at(-1))).distance_m;
+  const [from, to] = [coordinates[0], coordinates.at(-1)];
+  const share = Math.min(1, kDrawnFinals * length_m(final.coordinates) / length_m(coordinates));
+  return { coordinates: [from, from.map((value, i) => value + share * (to[i] - value))] };
+}
+
+// An arrow head at the end of the drawn climb.
 function climbArrow({ coordinates }, suffix) {
   const [from, to] = coordinates.slice(-2).map(([longitude_deg, latitude_deg]) => ({ longitude_deg, latitude_deg }));
   const head = svg('svg', { viewBox: '-12 -12 24 24', width: 24, height: 24, 'aria-hidden': 'true' },
@@ -139,6 +151,7 @@ export function createApproach(map) {
       if (!collection) return;
       const suffix = (isReplanned ? ' replanned' : '') + (collection.verdict === 'rejected' ? ' refused-path' : '');
       // The go-around lies below the final, whose line it continues.
+      const final = collection.features.find(({ properties }) => properties.kind === 'approach')?.geometry;
       const goesBelow = ({ properties }) => (properties.kind === 'go_around' ? 0 : 1);
       for (const { properties, geometry } of collection.features.toSorted((a, b) => goesBelow(a) - goesBelow(b))) {
         if (properties.kind === 'touchdown') {
@@ -151,11 +164,11 @@ export function createApproach(map) {
           group.addLayer(L.polygon(latLngs({ coordinates: ring }), { className: `ground-roll${suffix}`, interactive: false }));
         } else {
           if (properties.kind === 'approach') group.addLayer(flightArrow(geometry, properties.heading_deg, suffix));
-          if (properties.kind === 'go_around') group.addLayer(climbArrow(geometry, suffix));
-          casedLine(latLngs(geometry), properties.kind.replace('_', '-'), suffix).forEach((line) => group.addLayer(line));
+          const drawn = properties.kind === 'go_around' && final ? drawnClimb(geometry, final) : geometry;
+          if (properties.kind === 'go_around') group.addLayer(climbArrow(drawn, suffix));
+          casedLine(latLngs(drawn), properties.kind.replace('_', '-'), suffix).forEach((line) => group.addLayer(line));
         }
       }
-      const final = collection.features.find(({ properties }) => properties.kind === 'approach')?.geometry;
       const noReturn_m = noReturnOf(collection);
       if (final && isKnown(noReturn_m)) group.addLayer(pointOfNoReturn(final, noReturn_m));
     },
