@@ -140,6 +140,9 @@ struct AnswerLimits {
   size_t max_list_bytes = size_t{32} << 20;
   size_t max_num_exported_sites = 1000;
   size_t max_num_emergency_sites = 50;
+  // Of the polygons of one answer of reach, and stored maps that it reads.
+  size_t max_num_reach_vertices = 4000;
+  size_t max_num_reach_maps = 200;
   // Sites that a flight's list of alternates may have.
   size_t max_num_alternates = 20;
   // Planning for one wind takes 0.2 ms over an open field, and 20 ms if most of the field is

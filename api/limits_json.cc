@@ -75,6 +75,8 @@ nlohmann::json LimitsJson(const Limits& limits) {
                         {"max_list_bytes", limits.answer.max_list_bytes},
                         {"max_num_exported_sites", limits.answer.max_num_exported_sites},
                         {"max_num_emergency_sites", limits.answer.max_num_emergency_sites},
+                        {"max_num_reach_vertices", limits.answer.max_num_reach_vertices},
+                        {"max_num_reach_maps", limits.answer.max_num_reach_maps},
                         {"max_num_alternates", limits.answer.max_num_alternates},
                         {"max_num_rose_winds", limits.answer.max_num_rose_winds},
                         {"max_num_track_positions", limits.answer.max_num_track_positions},

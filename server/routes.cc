@@ -31,13 +31,13 @@ struct Route {
   const char* more_parameters = "";
 };
 
-// The scope that a token needs: read, ingest or admin. POST /v1/emergency needs only read, because
-// it changes nothing.
+// The scope that a token needs: read, ingest or admin. POST /v1/emergency and POST /v1/reach need
+// only read, because they change nothing.
 Scope ScopeOf(const Route& route) {
   const std::string_view path = route.path;
   if (path == "/healthz") return Scope::kNone;
   const std::string_view method = route.method;
-  if (method == "GET" || path == "/v1/emergency") return Scope::kRead;
+  if (method == "GET" || path == "/v1/emergency" || path == "/v1/reach") return Scope::kRead;
   // Whoever may add obstacles could hide every site.
   if (method == "DELETE" || path.starts_with("/v1/obstacles")) return Scope::kAdmin;
   return Scope::kIngest;
@@ -54,6 +54,10 @@ constexpr char kEmergency[] =
     "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps heading_deg "
     "glide_ratio terrain_clearance_m arrival_height_m aircraft limit flight f home_altitude_m "
     "firmware";
+
+constexpr char kReach[] =
+    "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps heading_deg "
+    "glide_ratio terrain_clearance_m arrival_height_m aircraft limit flight";
 
 constexpr Route kRoutes[] = {
     {"POST", "/v1/flights", PostFlight},
@@ -114,6 +118,8 @@ constexpr Route kRoutes[] = {
      GetEmergencyExport,
      "bbox f home_altitude_m firmware",
      Listeners::kBoth},
+    {"GET", "/v1/reach", GetReach, kReach, Listeners::kBoth},
+    {"POST", "/v1/reach", PostReach, kReach, Listeners::kBoth},
     {"GET", "/healthz", GetHealth, "", Listeners::kBoth},
     {"GET", "/readyz", GetReadiness},
     {"GET", "/metrics", GetMetrics},
@@ -215,7 +221,8 @@ void Dispatch(Service& service,
   }
   if (!allow.empty()) RefuseMethod(allow, response);
   if (listener == Listener::kEmergency) {
-    throw ApiError("NotFound", "this listener serves only /v1/emergency, its export and /healthz");
+    throw ApiError("NotFound",
+                   "this listener serves only /v1/emergency, its export, /v1/reach and /healthz");
   }
   if (ServePage(service, request, response)) return;
   if (service.page.contains(request.path)) RefuseMethod("GET, HEAD", response);

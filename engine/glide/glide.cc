@@ -11,31 +11,6 @@
 namespace freelsd {
 namespace {
 
-std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
-                                               const Aircraft& aircraft,
-                                               const GlideOptions& options) {
-  std::vector<Eigen::Vector2d> winds;
-  if (!start.wind_in_world) {
-    winds.push_back(Eigen::Vector2d::Zero());
-    for (int i = 0; i < options.num_unknown_winds; ++i) {
-      winds.push_back(options.unknown_wind_mps *
-                      DirectionOf(2.0 * kPi * i / options.num_unknown_winds));
-    }
-    return winds;
-  }
-  const double turned = RadFromDeg(aircraft.crosswind_uncertainty_deg);
-  for (const double angle : {0.0, turned, -turned}) {
-    winds.push_back(Eigen::Rotation2Dd(angle) * *start.wind_in_world);
-  }
-  return winds;
-}
-
-// Margin for headings between the tried ones. Such a heading costs at most this turn, there and
-// back.
-double TurnBetweenHeadings(const GlideStart& start, const GlideOptions& options) {
-  return start.heading ? 0.0 : 2.0 * kPi / options.num_unknown_headings;
-}
-
 // Least difference between line and upper surface within the grid, sampled every half cell.
 std::optional<double> LeastAt(const Grid& grid,
                               const cv::Mat1f& upper,
@@ -92,8 +67,7 @@ std::optional<Glide> GlideTo(const GlideStart& start,
                              const Aircraft& aircraft,
                              const GlideOptions& options) {
   const Performance performance = PerformanceOf(aircraft);
-  const double extra_time =
-      TurnBetweenHeadings(start, options) * performance.turn_radius / performance.Airspeed();
+  const double extra_time = TimeBetweenHeadings(start, performance, options);
   Glide worst;
   for (const Eigen::Vector2d& wind : WindsToReckonWith(start, aircraft, options)) {
     for (const double heading : HeadingsToReckonWith(start, options)) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/approach/approach.h"
+#include "engine/glide/reach.h"
 
 namespace freelsd {
 

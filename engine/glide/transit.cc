@@ -28,6 +28,32 @@ std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOpt
   return headings;
 }
 
+std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
+                                               const Aircraft& aircraft,
+                                               const GlideOptions& options) {
+  std::vector<Eigen::Vector2d> winds;
+  if (!start.wind_in_world) {
+    winds.push_back(Eigen::Vector2d::Zero());
+    for (int i = 0; i < options.num_unknown_winds; ++i) {
+      winds.push_back(options.unknown_wind_mps *
+                      DirectionOf(2.0 * kPi * i / options.num_unknown_winds));
+    }
+    return winds;
+  }
+  const double turned = RadFromDeg(aircraft.crosswind_uncertainty_deg);
+  for (const double angle : {0.0, turned, -turned}) {
+    winds.push_back(Eigen::Rotation2Dd(angle) * *start.wind_in_world);
+  }
+  return winds;
+}
+
+double TimeBetweenHeadings(const GlideStart& start,
+                           const Performance& performance,
+                           const GlideOptions& options) {
+  const double turn = start.heading ? 0.0 : 2.0 * kPi / options.num_unknown_headings;
+  return turn * performance.turn_radius / performance.Airspeed();
+}
+
 TransitTask TransitTaskOf(const Eigen::Vector2d& from,
                           double from_heading,
                           const Eigen::Vector2d& to,

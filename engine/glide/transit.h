@@ -16,6 +16,17 @@ inline constexpr double kMaxRadiusRatio = 6.0;
 // unknown.
 std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOptions& options);
 
+// The known wind, itself and turned by the aircraft's uncertainty; or calm and unknown winds.
+std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
+                                               const Aircraft& aircraft,
+                                               const GlideOptions& options);
+
+// Time margin for headings between the tried ones: at most this turn, there and back. 0 for a known
+// heading.
+double TimeBetweenHeadings(const GlideStart& start,
+                           const Performance& performance,
+                           const GlideOptions& options);
+
 // Start and end of a path through the moving air. Headings are relative to the air. At time 0, the
 // frame of the moving air coincides with the frame of the ground.
 struct TransitTask {

@@ -2,6 +2,7 @@
 #include <spdlog/spdlog.h>
 
 #include "api/api.h"
+#include "server/handlers/emergency_call.h"
 #include "server/handlers/emergency_landing.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
@@ -29,8 +30,30 @@ nlohmann::json QueryObject(const Call& call) {
   return object;
 }
 
+std::string FormatOf(const Call& call) {
+  std::string format = call.Query("f").value_or("json");
+  if (format == "json" || format == "plan" || format == "waypoints") return format;
+  const std::string detail = "f: must be json, plan or waypoints";
+  throw ApiError("InvalidQuery", detail, {{"f", detail}});
+}
+
+void AnswerEmergency(Service& service,
+                     const Call& call,
+                     const EmergencyRequest& request,
+                     httplib::Response& response) {
+  const std::string format = FormatOf(call);
+  const ExportOptions options = ExportOptionsOf(call);
+  const CompletedCall completed = CompletedFor(service, request);
+  nlohmann::json answer = RecallSites({service.storage, service.maps}, completed.request.request);
+  completed.AddTo(answer);
+  if (format != "json") return AnswerLanding(service, answer, format, options, response);
+  response.set_content(answer.dump(), "application/json");
+}
+
+}  // namespace
+
 // Errors name the query parameter instead of a JSON pointer into a body.
-EmergencyRequest ParseQuery(const Call& call) {
+EmergencyRequest EmergencyRequestOfQuery(const Call& call) {
   try {
     return ParseEmergencyRequest(QueryObject(call));
   } catch (const ApiError& error) {
@@ -42,59 +65,40 @@ EmergencyRequest ParseQuery(const Call& call) {
   }
 }
 
-std::string FormatOf(const Call& call) {
-  std::string format = call.Query("f").value_or("json");
-  if (format == "json" || format == "plan" || format == "waypoints") return format;
-  const std::string detail = "f: must be json, plan or waypoints";
-  throw ApiError("InvalidQuery", detail, {{"f", detail}});
+EmergencyRequest EmergencyRequestOf(const Call& call) {
+  const std::string body = call.body.ReadAll(kLimits.max_emergency_bytes);
+  if (body.empty()) return EmergencyRequestOfQuery(call);
+  if (!QueryObject(call).empty()) {
+    throw ApiError("InvalidQuery", "a request has either a body or query parameters, not both");
+  }
+  return ParseEmergencyRequest(ParseJson(body, kLimits.max_emergency_bytes));
 }
 
-// The answer for the request, completed from the flight that it names.
-nlohmann::json RecalledFor(Service& service, const EmergencyRequest& request) {
-  const StoredSites stored{service.storage, service.maps};
-  CompletedRequest completed{request, nullptr};
-  bool is_flight_unread = false;
+CompletedCall CompletedFor(const Service& service, const EmergencyRequest& request) {
+  CompletedCall completed{{request, nullptr}};
   try {
-    if (request.flight_id) completed = CompletedFromFlight(service.storage, request);
+    if (request.flight_id) completed.request = CompletedFromFlight(service.storage, request);
   } catch (const StorageError& error) {
     // Flights have no second copy. If the flight's row is damaged, the request is answered without
     // the flight's data.
     spdlog::error("emergency recall for a flight: {}", error.what());
-    is_flight_unread = true;
+    completed.is_flight_unread = true;
   }
-  nlohmann::json answer = RecallSites(stored, completed.request);
-  if (!completed.taken.is_null()) answer["taken_from_flight"] = std::move(completed.taken);
+  return completed;
+}
+
+void CompletedCall::AddTo(nlohmann::json& answer) const {
+  if (!request.taken.is_null()) answer["taken_from_flight"] = request.taken;
   if (is_flight_unread) answer["warnings"].push_back("the flight's data cannot be read");
-  return answer;
 }
-
-void AnswerEmergency(Service& service,
-                     const Call& call,
-                     const EmergencyRequest& request,
-                     httplib::Response& response) {
-  const std::string format = FormatOf(call);
-  const ExportOptions options = ExportOptionsOf(call);
-  const nlohmann::json answer = RecalledFor(service, request);
-  if (format != "json") return AnswerLanding(service, answer, format, options, response);
-  response.set_content(answer.dump(), "application/json");
-}
-
-}  // namespace
 
 void GetEmergency(Service& service, const Call& call, httplib::Response& response) {
-  AnswerEmergency(service, call, ParseQuery(call), response);
+  AnswerEmergency(service, call, EmergencyRequestOfQuery(call), response);
 }
 
 // Takes the request as JSON in the body. A POST without a body may use the query instead.
 void PostEmergency(Service& service, const Call& call, httplib::Response& response) {
-  const std::string body = call.body.ReadAll(kLimits.max_emergency_bytes);
-  if (!body.empty() && !QueryObject(call).empty()) {
-    throw ApiError("InvalidQuery", "a request has either a body or query parameters, not both");
-  }
-  const EmergencyRequest request =
-      body.empty() ? ParseQuery(call)
-                   : ParseEmergencyRequest(ParseJson(body, kLimits.max_emergency_bytes));
-  AnswerEmergency(service, call, request, response);
+  AnswerEmergency(service, call, EmergencyRequestOf(call), response);
 }
 
 }  // namespace freelsd

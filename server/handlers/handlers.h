@@ -66,6 +66,10 @@ void GetObstacles(Service& service, const Call& call, httplib::Response& respons
 void GetObstacle(Service& service, const Call& call, httplib::Response& response);
 void DeleteObstacle(Service& service, const Call& call, httplib::Response& response);
 
+// reach_handler.cc
+void GetReach(Service& service, const Call& call, httplib::Response& response);
+void PostReach(Service& service, const Call& call, httplib::Response& response);
+
 // alternates_handler.cc
 void GetAlternates(Service& service, const Call& call, httplib::Response& response);
 

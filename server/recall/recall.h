@@ -6,6 +6,7 @@
 #include "server/recall/flight_state.h"
 #include "server/recall/map_cache.h"
 #include "server/recall/obstacles/obstacles.h"
+#include "server/recall/reach/reach.h"
 #include "server/recall/recall_candidates.h"
 #include "server/recall/recall_sites.h"
 #include "server/recall/replan.h"

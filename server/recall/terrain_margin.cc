@@ -83,16 +83,6 @@ SharedRows<MapRow> MapsAlong(const StoredSites& stored, const std::vector<GeoPoi
   return rows;
 }
 
-// Reference of the map's altitudes, at the middle of the map.
-AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain) {
-  const Grid& grid = terrain.grid;
-  const Eigen::Vector2d middle =
-      grid.north_west_in_world +
-      0.5 * grid.cell_size_m * Eigen::Vector2d(grid.num_cols, -grid.num_rows);
-  const GeoPoint place = LocalFrame(terrain.origin).GeoFromWorld({middle.x(), middle.y(), 0.0});
-  return {row.altitude_datum, place.latitude_deg, place.longitude_deg, row.flight_id};
-}
-
 // Least height of the path above one map; nothing if no seen cell of it lies below the path.
 std::optional<double> LeastHeightAlong(const std::vector<GeoPoint>& path,
                                        const KeptTerrain& terrain) {
@@ -109,6 +99,15 @@ std::optional<double> LeastHeightAlong(const std::vector<GeoPoint>& path,
 }
 
 }  // namespace
+
+AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain) {
+  const Grid& grid = terrain.grid;
+  const Eigen::Vector2d middle =
+      grid.north_west_in_world +
+      0.5 * grid.cell_size_m * Eigen::Vector2d(grid.num_cols, -grid.num_rows);
+  const GeoPoint place = LocalFrame(terrain.origin).GeoFromWorld({middle.x(), middle.y(), 0.0});
+  return {row.altitude_datum, place.latitude_deg, place.longitude_deg, row.flight_id};
+}
 
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
                                              const EmergencyRequest& request,

@@ -18,6 +18,9 @@ struct TerrainMargin {
   DatumDifference datum;
 };
 
+// The map's altitudes, at its middle. Refers to the row's texts.
+AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain);
+
 // Nothing if no stored map lies below the path. The path has at least one point. Its altitudes are
 // in the request's datum. The caller has lowered them by the clearance that is to be kept.
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,

@@ -11,6 +11,9 @@
 
 namespace freelsd {
 
+// Memory of reach's cache: 5 bytes for each 4 square metres of stored maps.
+constexpr size_t kMaxBytesOfGroundPatches = size_t{64} << 20;
+
 // Refers to objects that the App owns. Thread-safe, because of the mutex and the semaphores.
 struct Service {
   Service(Intake& in, MapCache& cache, Alternates& standing)
@@ -27,6 +30,7 @@ struct Service {
   Intake& intake;
   MapCache& maps;
   Alternates& alternates;
+  GroundPatches ground_patches{kMaxBytesOfGroundPatches};
   Page page;
   TokenList tokens;
   Metrics metrics;

@@ -80,6 +80,7 @@ void Run(const Arguments& arguments) {
   std::vector<Entry> entries = FrontendEntries(model_text);
   for (Entry& entry : ReconstructionEntries(model_text)) entries.push_back(std::move(entry));
   for (Entry& entry : MapEntries()) entries.push_back(std::move(entry));
+  for (Entry& entry : ReachEntries()) entries.push_back(std::move(entry));
   for (Entry& entry : KernelEntries(model_text)) entries.push_back(std::move(entry));
   std::printf("%-18s %-28s %9s %9s %9s %9s  plain / engine, processor time\n",
               "milliseconds",

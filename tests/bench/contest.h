@@ -54,6 +54,7 @@ void Consume(double value);
 std::vector<Entry> FrontendEntries(const std::string& model_text);
 std::vector<Entry> ReconstructionEntries(const std::string& model_text);
 std::vector<Entry> MapEntries();
+std::vector<Entry> ReachEntries();
 std::vector<Entry> KernelEntries(const std::string& model_text);
 
 }  // namespace freelsd

@@ -13,8 +13,6 @@ namespace {
 constexpr double kMetresPerDegree = 111195.0;  // of latitude, on a sphere
 // Legs are split, because a line that is straight in degrees is not straight in a map's plane.
 constexpr double kMaxPieceM = 500.0;
-// Points farther than this from the origin of a frame are left out: no map reaches so far.
-constexpr double kFarM = 10000.0;
 // More than half the diagonal of any cell, and than a wingspan.
 constexpr double kLeastReachM = 20.0;
 
@@ -120,11 +118,12 @@ HardObstacle WithoutPoints(const GivenObstacle& given) {
 void AddInWorld(const GivenObstacle& given,
                 const LocalFrame& local_frame,
                 const AltitudeReference& map,
+                double far_m,
                 std::vector<HardObstacle>& made) {
   HardObstacle run = WithoutPoints(given);
   for (const GeoPoint& point : InPieces(given)) {
     const Eigen::Vector3d top = TopInWorld(given, point, local_frame, map);
-    if (given.is_area || top.head<2>().norm() <= kFarM) {
+    if (given.is_area || top.head<2>().norm() <= far_m) {
       run.points_in_world.push_back(top);
       continue;
     }
@@ -203,10 +202,11 @@ double AltitudeIn(const GivenObstacle& obstacle,
 
 std::vector<HardObstacle> InWorld(const KnownObstacles& obstacles,
                                   const LocalFrame& local_frame,
-                                  const AltitudeReference& map) {
+                                  const AltitudeReference& map,
+                                  double far_m) {
   std::vector<HardObstacle> made;
   for (const auto& each : obstacles) {
-    if (each->IsHard()) AddInWorld(each->given, local_frame, map, made);
+    if (each->IsHard()) AddInWorld(each->given, local_frame, map, far_m, made);
   }
   return made;
 }

@@ -65,11 +65,15 @@ double AltitudeIn(const GivenObstacle& obstacle,
                   double altitude_m,
                   const AltitudeReference& stored);
 
-// The hard ones near the origin of a map's frame, in that frame. `map` has the datum of the frame's
-// altitudes. Legs are straight in longitude and latitude.
+// No map reaches farther from the origin of its frame.
+constexpr double kFarFromMapM = 10000.0;
+
+// The hard ones in a frame, without points that are farther than `far_m` from its origin. `map` has
+// the datum of the frame's altitudes. Legs are straight in longitude and latitude.
 std::vector<HardObstacle> InWorld(const KnownObstacles& obstacles,
                                   const LocalFrame& local_frame,
-                                  const AltitudeReference& map);
+                                  const AltitudeReference& map,
+                                  double far_m = kFarFromMapM);
 
 // --- Stored plans ---
 

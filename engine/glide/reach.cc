@@ -1,0 +1,149 @@
+#include "engine/glide/reach.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/glide/glide.h"
+#include "engine/glide/height_pyramid.h"
+#include "engine/glide/node_mask.h"
+#include "engine/glide/outline.h"
+#include "engine/glide/reach_fan.h"
+#include "engine/glide/transit.h"
+
+namespace freelsd {
+namespace {
+
+// Greatest width of a sector, in cells. The pyramid allows one cell to each side of the middle.
+constexpr double kSectorWidthCells = 1.8;
+constexpr int kMinNumSectors = 360;
+
+// What all fans share.
+struct Search {
+  const ReachGround& ground;
+  const ReachLimits& limits;
+  HeightPyramid pyramid;
+  // Straight flight down to the lowest ground, metres in the frame of the air.
+  double max_straight_m = 0.0;
+  int num_sectors = kMinNumSectors;
+};
+
+double LowestTop(const ReachGround& ground) {
+  double lowest = 0.0;
+  cv::minMaxLoc(ground.top, &lowest);
+  return lowest;
+}
+
+Search SearchOver(const ReachGround& ground,
+                  const ReachLimits& limits,
+                  double height,
+                  const Performance& performance) {
+  Search search{ground, limits, HeightPyramid(ground.top)};
+  const double above_m = std::max(0.0, height - LowestTop(ground) - limits.terrain_clearance_m);
+  search.max_straight_m =
+      above_m * performance.straight.airspeed_mps / performance.straight.sink_rate_mps;
+  const double around_m = 2.0 * kPi * (search.max_straight_m + 2.0 * performance.turn_radius);
+  search.num_sectors =
+      std::max(kMinNumSectors,
+               static_cast<int>(around_m / (kSectorWidthCells * ground.grid.cell_size_m)) + 1);
+  return search;
+}
+
+void FillFan(const FanTask& task, const Search& search, NodeMask& mask) {
+  const Fan fan = FanOf(task, search.ground.grid, search.pyramid, search.limits);
+  for (const FanPolygon& polygon : fan) mask.Fill(polygon);
+}
+
+// Cells that lie in the fans of all winds and headings, as a whole.
+cv::Mat1b CellsInReach(const GlideStart& start,
+                       const Search& search,
+                       const std::vector<Eigen::Vector2d>& winds,
+                       const std::vector<double>& headings,
+                       const Performance& performance) {
+  const Grid& grid = search.ground.grid;
+  NodeMask common(grid.num_rows, grid.num_cols);
+  NodeMask mask(grid.num_rows, grid.num_cols);
+  bool is_first = true;
+  for (const Eigen::Vector2d& wind : winds) {
+    for (const double heading : headings) {
+      const FanTask task{start.position_in_world,
+                         AirHeading(heading, wind, performance.Airspeed()),
+                         wind,
+                         performance,
+                         search.num_sectors,
+                         search.max_straight_m};
+      NodeMask& filled = is_first ? common : mask;
+      if (!is_first) mask.Clear();
+      FillFan(task, search, filled);
+      if (!is_first) common.Intersect(mask);
+      is_first = false;
+    }
+  }
+  return common.WholeCells();
+}
+
+// Cells of twice the size, set where all four are.
+cv::Mat1b Halved(const cv::Mat1b& cells) {
+  cv::Mat1b halved(cells.rows / 2, cells.cols / 2);
+  for (int row = 0; row < halved.rows; ++row) {
+    const uchar* const upper = cells.ptr(2 * row);
+    const uchar* const lower = cells.ptr(2 * row + 1);
+    for (int col = 0; col < halved.cols; ++col) {
+      halved(row, col) = static_cast<uchar>(upper[2 * col] & upper[2 * col + 1] & lower[2 * col] &
+                                            lower[2 * col + 1]);
+    }
+  }
+  return halved;
+}
+
+size_t NumVertices(const std::vector<ReachArea>& areas) {
+  size_t count = 0;
+  for (const ReachArea& area : areas) {
+    count += area.outer.size();
+    for (const Polygon& hole : area.holes) count += hole.size();
+  }
+  return count;
+}
+
+Reach OutlinesOf(cv::Mat1b known, cv::Mat1b unknown, Grid grid, const ReachLimits& limits) {
+  while (true) {
+    Reach reach{OutlinesOf(known.clone(), grid), OutlinesOf(unknown.clone(), grid)};
+    const size_t count = NumVertices(reach.known) + NumVertices(reach.unknown);
+    if (count <= static_cast<size_t>(std::max(0, limits.max_num_vertices))) return reach;
+    if (known.rows < 2 || known.cols < 2) return {};
+    known = Halved(known);
+    unknown = Halved(unknown);
+    grid.cell_size_m *= 2.0;
+  }
+}
+
+}  // namespace
+
+Reach ReachOf(const GlideStart& start,
+              const ReachGround& ground,
+              const Aircraft& aircraft,
+              const GlideOptions& options,
+              const ReachLimits& limits) {
+  const Performance performance = PerformanceOf(aircraft);
+  const std::vector<Eigen::Vector2d> winds = WindsToReckonWith(start, aircraft, options);
+  for (const Eigen::Vector2d& wind : winds) {
+    if (wind.norm() >= performance.Airspeed()) return {};
+  }
+  GlideStart lower = start;
+  lower.position_in_world.z() -=
+      TimeBetweenHeadings(start, performance, options) * performance.turning_sink_rate;
+  const Search search = SearchOver(ground, limits, lower.position_in_world.z(), performance);
+  const cv::Mat1b cells =
+      CellsInReach(lower, search, winds, HeadingsToReckonWith(start, options), performance);
+  return OutlinesOf(cells & ground.is_known, cells & ~ground.is_known, ground.grid, limits);
+}
+
+double GreatestGlideDistance(const GlideStart& start,
+                             double height_m,
+                             const Aircraft& aircraft,
+                             const GlideOptions& options) {
+  const StraightGlide glide = StraightGlideOf(aircraft);
+  const double wind = start.wind_in_world ? start.wind_in_world->norm() : options.unknown_wind_mps;
+  return std::max(0.0, height_m) / glide.sink_rate_mps * (glide.airspeed_mps + wind);
+}
+
+}  // namespace freelsd
