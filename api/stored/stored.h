@@ -55,7 +55,8 @@ struct FinalPlaces {
   bool is_right_turn = false;
   // Direction of travel at the touchdown, from true north there, 0 to 360.
   double heading_deg = 0.0;
-  // Horizontal distance at the altitude of flight. It exceeds the distance on the ellipsoid.
+  // Horizontal distance from the start to the touchdown, at the altitude of flight. It exceeds the
+  // distance on the ellipsoid.
   double distance_m = 0.0;
   // Height of the start above the touchdown.
   double height_m = 0.0;
@@ -126,8 +127,9 @@ struct StoredSite {
   std::optional<double> slope_deg;
   std::optional<double> roughness_m;
   std::optional<double> unseen_ratio;
-  // Length of the strip along the final that is free: from the near edge of the touchdown disc to
-  // the end of the ground roll.
+  // Length of the free strip: usable_length_m. If that is empty, the least length that the planner
+  // required: from the near edge of the touchdown disc to the disc's far edge or to the end of the
+  // ground roll, whichever is farther.
   std::optional<double> free_length_m;
   std::optional<double> landing_airspeed_mps;
   std::optional<StoredWind> wind;

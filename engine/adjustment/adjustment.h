@@ -15,9 +15,9 @@ struct AdjustmentOptions {
   int min_num_track_connections = 30;
   // Least baseline between key-frames. Paper: "larger than a minimal baseline", no number.
   double min_baseline_m = 8.0;
-  // Frames with a larger baseline from the last key-frame, as a share of the height above ground,
-  // are not skipped. Differs: our corners are spread evenly over the image. With the paper's rule
-  // alone, neighbouring key-frames overlap by only an eighth, which is too little for stereo.
+  // A frame is not skipped if its baseline from the last key-frame is more than this share of its
+  // height above ground. Differs: our corners are spread evenly over the image. With the paper's
+  // rule alone, neighbouring key-frames overlap by only an eighth, which is too little for stereo.
   double max_baseline_ratio = 0.3;
   // Width of the robust loss function (Cauchy).
   double robust_loss_px = 1.5;

@@ -64,12 +64,13 @@ std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
                           const ApproachOptions& options,
                           double wind_margin = 0.0);
 
-// Height gained for each metre over ground by the aircraft's climb along the landing heading. A
-// tail wind that the final's length allows for flattens the climb; a headwind does not count,
-// because it may drop.
+// Height gained for each metre over ground by the aircraft's climb along the landing heading. If
+// the final's length allows for a tail wind, this tail wind flattens the climb. A headwind does not
+// count, because it may drop.
 double ClimbSlope(const Approach& approach, const Aircraft& aircraft);
 
-// Fills the start of the final, the circle's centre and sizes; fields that need a map stay empty.
+// Fills the start of the final, the circle, and the values of the scenario. Fields that need a map
+// stay empty.
 Approach MakeApproach(const Eigen::Vector3d& touchdown_in_world,
                       double heading,
                       const WindScenario& scenario,

@@ -19,7 +19,7 @@ Verdict VerdictOf(const Attempt& attempt, const WindCase& wind);
 
 // Whether `a` is better than `b`. The first of these values that differs decides:
 // 1. verdict: landable, then unverified, then rejected;
-// 2. progress, more is better: ground roll, share of the final, circle;
+// 2. first failure, worst to best: ground roll, final (by its clear share), circle, none;
 // 3. unseen share of the circle, less is better;
 // 4. least clearance of final and circle, more is better.
 bool IsBetter(const Attempt& a, const Attempt& b);
@@ -30,7 +30,7 @@ std::string Metres(double metres);
 std::string DescribeObstacle(const Obstacle& obstacle, double touchdown_height);
 std::string Percent(double ratio);
 
-// One sentence part per rule that the attempt breaks.
+// Each returns a part of a sentence: why the attempt breaks this one rule.
 std::string WhyRollFails(const RollHazard& hazard);
 std::string WhyFinalFails(const Attempt& attempt, const Obstacle& obstacle);
 std::string WhyFinalIsUnseen(const Attempt& attempt);

@@ -35,8 +35,8 @@ struct ClearanceSurface {
   // Used to check circles, and for a quick test of finals.
   cv::Mat1f corridor_height;
   cv::Mat1b corridor_is_unseen;
-  // Metres. Take a point on the middle line of a corridor. All cells that the corridor reaches
-  // there are within this distance of the centre of the point's cell.
+  // Metres, from cell centre to cell centre. From the cell below a point of the path, no cell that
+  // the corridor reaches at this point is farther away than this.
   double corridor_radius = 0.0;
   // Additional clearance per metre of distance from touchdown, because the map may be tilted.
   double lean = 0.0;

@@ -18,7 +18,8 @@ struct Refusal {
 std::optional<Refusal> RefuseRegion(const PlanRequest& request,
                                     const FootprintContent& content,
                                     const Aircraft& aircraft);
-// Reason against the region, or against every place in it, in the order of the paper's stages.
+// The first reason against the region or against every place in it. Reasons are checked in the
+// order of the paper's stages.
 // `required_distance`: least distance of a touchdown from hazard, metres.
 std::optional<Refusal> RefuseGround(const PlanRequest& request,
                                     const FootprintContent& content,

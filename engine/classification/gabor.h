@@ -14,7 +14,7 @@ constexpr int kGaborRadiusPx = 15;
 // One filter per wavelength: the mean over the four directions. The paper does not specify how to
 // combine the directions, nor the size of the filters. Here, the responses to the four directions
 // are averaged for each pixel. This equals filtering once with the mean of the four filters. A
-// radius of 15 px is 3.75 sigma of the envelope across the wave.
+// radius of 15 px is 3.75 sigma of the envelope, measured at right angles to the stripes.
 std::array<cv::Mat1f, kNumGaborWavelengths> MeanGaborKernels();
 
 // Responses to grey levels 0..255. Only pixels with mask != 0 are sure to be computed; others may

@@ -1,8 +1,7 @@
 -- All durable data except the image files. This is user_version 7; application_id holds the version
 -- too (migrations.h). migrations.cc migrates older versions.
--- A second file, recall.db, has the same schema and holds a second copy of the tables of sites
--- and obstacles. It is
--- read if this file is damaged.
+-- A second file, recall.db, has the same schema and holds a second copy of the tables of sites and
+-- obstacles. It is read if this file is damaged.
 -- Times are microseconds since 1970 (UTC). Storage does not parse the text of JSON columns.
 
 CREATE TABLE flights (

@@ -29,7 +29,7 @@ struct CopyDamaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Increases a version when it goes out of scope, however the change ended.
+// Its destructor increases the version, whether the change succeeded or failed.
 class VersionStep {
  public:
   explicit VersionStep(std::atomic<uint64_t>& version) : version_(version) {}
@@ -43,7 +43,7 @@ class VersionStep {
 
 // The open data folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
 struct StorageState {
-  // Opens or creates both databases, and makes their sites equal.
+  // Opens or creates both databases, and makes their sites and obstacles equal.
   explicit StorageState(const std::filesystem::path& data_folder);
   ~StorageState();
 
@@ -117,7 +117,7 @@ struct StorageState {
     WriteCopy(write);
   }
 
-  // The same for obstacles. A failed copy counts as a change too.
+  // The same for obstacles. obstacles_version increases even if a write fails.
   template <typename Write>
   void WriteObstacles(Write write) {
     const VersionStep step(obstacles_version);
@@ -134,13 +134,13 @@ struct StorageState {
   std::mutex write_mutex;
   Connection writer;
   ReaderPool readers;
-  // The second copy, which holds sites only.
+  // The second copy, which holds only sites and obstacles.
   Connection copy_writer;
   ReaderPool copy_readers;
   std::atomic<bool> is_damaged{false};
   // True while the copy is undamaged and has every site of the main database.
   std::atomic<bool> is_copy_whole{true};
-  // Increases when any site changes.
+  // Increases when any site or obstacle changes.
   std::atomic<uint64_t> sites_version{1};
   // Increases when any obstacle changes.
   std::atomic<uint64_t> obstacles_version{1};
@@ -154,8 +154,8 @@ struct StorageState {
  private:
   void WriteCopy(const std::function<void(const Connection&)>& write);
   void MarkCopyDamaged(const std::string& why);
-  // Makes the sites of both databases equal. Throws StorageError kDamaged if the main database is
-  // damaged, CopyDamaged if the copy is.
+  // Makes the sites and obstacles of both databases equal. Throws StorageError kDamaged if the main
+  // database is damaged, CopyDamaged if the copy is.
   void BringTogether();
   void CheckWholeFiles();
 

@@ -15,9 +15,9 @@ struct TaggedCamera {
   std::vector<std::string> warnings;
 };
 // A calibration in XMP gives a camera of source kCalibrated, with focal length, principal point and
-// distortion. They are converted from millimetres by the pixel pitch in EXIF. A focal length in
-// EXIF gives a camera of source kExif, without distortion, and with the principal point in the
-// image's centre.
+// distortion. Focal length and principal point are converted from millimetres by the pixel pitch in
+// EXIF. A focal length in EXIF gives a camera of source kExif, without distortion, and with the
+// principal point in the image's centre.
 TaggedCamera CameraFromTags(const TagSource& tags, const ImageHeader& header);
 
 }  // namespace freelsd

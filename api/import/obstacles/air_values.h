@@ -8,8 +8,8 @@
 
 namespace freelsd {
 
-// "47:35:24 N 007:31:12 E", "47:35.4N 7:31.2E" or "47.59 N, 7.52 E"; altitude 0. Nothing for any
-// other text.
+// Reads "47:35:24 N 007:31:12 E", "47:35.4N 7:31.2E" or "47.59 N, 7.52 E". The result's altitude is
+// 0. Nothing for any other text.
 std::optional<GeoPoint> CoordinatesFromText(std::string_view text);
 
 // A floor or ceiling.

@@ -22,25 +22,28 @@ struct GivenObstacle {
   std::string id;
   ObstacleKind kind = ObstacleKind::kWire;
   std::string name;
-  // Of a line or ring in order, a ring without its last point; one of a Point. The altitude is that
-  // of the top, in altitude_datum, or NaN if it is not given.
+  // A Point has one. Those of a line or ring are in order, and a ring does not repeat its first
+  // point. The altitude is that of the top (people: of their ground), in altitude_datum, or NaN if
+  // it is not given.
   std::vector<GeoPoint> points;
   bool is_area = false;
   // Of the top above ground, for a wire or a mast.
   std::optional<double> height_m;
-  // Of an airspace, in altitude_datum; nothing: the ground, or unlimited.
+  // Of an airspace, in altitude_datum. No floor: it begins at the ground. No ceiling: it is
+  // unlimited.
   std::optional<double> floor_m;
   std::optional<double> ceiling_m;
   std::string altitude_datum = "unknown";
   // Standard deviation of the horizontal position.
   double position_sd_m = 0.0;
-  // When it stops to count.
+  // From this time on, the obstacle does not count.
   std::optional<int64_t> expires_at_us;
 };
 
 // A GeoJSON feature. `pointer` is its place in the body. Throws ApiError.
 GivenObstacle ParseObstacle(const nlohmann::json& feature, const std::string& pointer);
-// The feature as answers and storage have it; ParseObstacle reads the same obstacle back.
+// The obstacle as a GeoJSON feature, for answers and storage. ParseObstacle reads the same obstacle
+// back.
 nlohmann::json ObstacleFeature(const GivenObstacle& obstacle);
 
 struct ImportedObstacles {
@@ -51,9 +54,9 @@ struct ImportedObstacles {
 ImportedObstacles ParseObstacles(const std::string& text);
 // True if the text begins as OpenAir does: a comment, or a command that begins an airspace.
 bool IsOpenAir(std::string_view text);
-// OpenAir: airspaces as no_fly. What is above ground only, counts from the ground, or without a
-// ceiling, with a warning. A flight level counts as its altitude above mean sea level in the
-// standard atmosphere. Throws ApiError with the number of the line.
+// OpenAir: airspaces as no_fly. A floor given above ground counts as the ground, and a ceiling
+// given above ground as unlimited; each causes a warning. A flight level counts as its altitude
+// above mean sea level in the standard atmosphere. Throws ApiError with the number of the line.
 ImportedObstacles ParseOpenAir(std::string_view text);
 
 }  // namespace freelsd

@@ -62,7 +62,7 @@ struct PoseColumns {
   std::vector<size_t> unnamed;
   std::vector<std::string> warnings;
 
-  // The datum that the altitude's column names: "amsl" or "ellipsoid".
+  // Datum of the altitude, "amsl" or "ellipsoid", if the name of its column tells it.
   std::optional<std::string> AltitudeDatum() const;
 };
 // Number of cells that name a field.

@@ -9,12 +9,13 @@
 
 namespace freelsd {
 
-// As GoAround defines it. `scenarios`: the same approach in each wind that it must be safe in; the
-// first is flown. They must not be empty. `surface` covers all ground of the map below final and
-// climb (MakeClimbSurface); `aircraft` with its margins.
+// Finds the go-around that GoAround describes; nothing if it is clear from no point of the final.
+// `scenarios`: the same approach in each wind that it must be safe in; the first is flown. They
+// must not be empty. `surface` must cover all ground of the map below final and climb, as that of
+// MakeClimbSurface does. `aircraft` must include its margins (WithPositionMargin).
 //
-// The climb needs the whole safety margin everywhere. The lesser clearance of the final's end is
-// for ground on which the aircraft lands.
+// The climb needs the whole safety margin everywhere. The end of a final may have less clearance,
+// but only because the aircraft lands on the ground below it.
 std::optional<GoAround> FindGoAround(const std::vector<Approach>& scenarios,
                                      const ClearanceSurface& surface,
                                      const Aircraft& aircraft,
