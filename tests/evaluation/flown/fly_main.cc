@@ -13,7 +13,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/evaluation/flown_recall.h"
+#include "tests/evaluation/flown/flown_recall.h"
 #include "tests/evaluation/synthetic_flight.h"
 
 namespace freelsd {

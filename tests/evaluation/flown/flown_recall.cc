@@ -1,4 +1,4 @@
-#include "tests/evaluation/flown_recall.h"
+#include "tests/evaluation/flown/flown_recall.h"
 
 #include <algorithm>
 #include <cmath>
