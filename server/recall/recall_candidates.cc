@@ -34,19 +34,6 @@ Eigen::Vector2d WayTo(const RecallRow& row, const GeoPoint& place) {
           (row.latitude_deg - place.latitude_deg) * kMetresPerDegree};
 }
 
-// The aircraft without power. Aircraft and glide ratio of the request override those of the site.
-// Nothing if the stored aircraft is invalid by current rules.
-std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
-                                   const std::string& aircraft_json) {
-  try {
-    const Aircraft stored = ParseAircraft(ParseJson(aircraft_json), "/aircraft");
-    return Unpowered(request.aircraft.value_or(stored), request.glide_ratio);
-  } catch (const ApiError& error) {
-    spdlog::error("a stored aircraft cannot be used: {}", error.what());
-    return std::nullopt;
-  }
-}
-
 double StraightMargin(const EmergencyRequest& request,
                       const RecallCandidate& candidate,
                       double within_m) {
@@ -110,6 +97,17 @@ bool IsMorePromising(const RecallCandidate& a, const RecallCandidate& b) {
 }
 
 }  // namespace
+
+std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
+                                   const std::string& aircraft_json) {
+  try {
+    const Aircraft stored = ParseAircraft(ParseJson(aircraft_json), "/aircraft");
+    return Unpowered(request.aircraft.value_or(stored), request.glide_ratio);
+  } catch (const ApiError& error) {
+    spdlog::error("a stored aircraft cannot be used: {}", error.what());
+    return std::nullopt;
+  }
+}
 
 double GroundAgeS(int64_t seen_at_us, int64_t now_us) {
   return std::max(0.0, static_cast<double>(now_us - seen_at_us) * 1e-6);

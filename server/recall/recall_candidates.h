@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,10 @@ struct RecallCandidate {
 
 BoundingBox BoxAround(const GeoPoint& place, double reach_m);
 GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& position_in_world);
+// The aircraft without power. Aircraft and glide ratio of the request override those of the site.
+// Nothing if the stored aircraft is invalid by current rules.
+std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
+                                   const std::string& aircraft_json);
 // Upper bound of the gliding distance: the distance to the altitude of the lowest site, with the
 // aircraft that glides farthest.
 double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds);

@@ -36,18 +36,14 @@ double LeastGlide(const EmergencyRequest& request, const Aircraft& aircraft) {
 // The request's; else, of the aircraft that stored sites were planned for, the one that glides
 // least far.
 Aircraft AircraftFor(const EmergencyRequest& request, const RecallBounds& bounds) {
-  if (request.aircraft) return AircraftOf(request, *request.aircraft);
+  if (request.aircraft) return Unpowered(*request.aircraft, request.glide_ratio);
   std::optional<Aircraft> least;
   for (const std::string& json : bounds.aircraft_jsons) {
-    try {
-      const Aircraft aircraft = AircraftOf(request, ParseAircraft(ParseJson(json), "/aircraft"));
-      if (!least || LeastGlide(request, aircraft) < LeastGlide(request, *least)) least = aircraft;
-    } catch (const ApiError&) {
-      // An older program stored it, and recall leaves its sites out too.
-      continue;
-    }
+    const std::optional<Aircraft> aircraft = AircraftOf(request, json);
+    if (!aircraft) continue;
+    if (!least || LeastGlide(request, *aircraft) < LeastGlide(request, *least)) least = aircraft;
   }
-  return least ? *least : AircraftOf(request, Aircraft{});
+  return least.value_or(Unpowered(Aircraft{}, request.glide_ratio));
 }
 
 // Stored maps near the aircraft, and the radius around it in which all of them are.
