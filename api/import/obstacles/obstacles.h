@@ -38,10 +38,13 @@ struct GivenObstacle {
   std::optional<int64_t> expires_at_us;
 };
 
-// A GeoJSON feature. `pointer` is its place in the body. Throws ApiError.
+// A GeoJSON feature of a request. `pointer` is its place in the body. Throws ApiError.
 GivenObstacle ParseObstacle(const nlohmann::json& feature, const std::string& pointer);
-// The feature as answers and storage have it; ParseObstacle reads the same obstacle back.
+// The feature as answers and storage have it.
 nlohmann::json ObstacleFeature(const GivenObstacle& obstacle);
+// Reads the same obstacle back, also if a request may not have its shape or name: an earlier
+// version may have stored it, and recall fails if it cannot read an obstacle. Throws ApiError.
+GivenObstacle ParseStoredObstacle(const nlohmann::json& feature);
 
 struct ImportedObstacles {
   std::vector<GivenObstacle> obstacles;
@@ -53,7 +56,9 @@ ImportedObstacles ParseObstacles(const std::string& text);
 bool IsOpenAir(std::string_view text);
 // OpenAir: airspaces as no_fly. What is above ground only, counts from the ground, or without a
 // ceiling, with a warning. A flight level counts as its altitude above mean sea level in the
-// standard atmosphere. Throws ApiError with the number of the line.
+// standard atmosphere. A border that crosses itself has a warning too: a part of a file of a whole
+// country, or an arc drawn around its inside, may do so. Throws ApiError with the number of the
+// line.
 ImportedObstacles ParseOpenAir(std::string_view text);
 
 }  // namespace freelsd
