@@ -88,7 +88,12 @@ TEST_CASE("obstacles: the list is that of the box, over the antimeridian too") {
   CHECK(Listed(client, "?bbox=7.5,46.5,8.005,47.5") == Ids{"line-1"});
   CHECK(Listed(client, "?bbox=7.5,46.5,7.9,47.5").empty());
   CHECK(Listed(client, "?bbox=170,0,-170,20") == Ids{"far"});
-  CheckProblem(client.Get("/v1/obstacles?bbox=1,2"), 400, "InvalidQuery");
+  for (const std::string box : {"1,2", "", "7,46,9,48,", "7,46,9,48,5", "7,46,,48", ",7,46,9,48"}) {
+    CAPTURE(box);
+    const auto refused = client.Get("/v1/obstacles?bbox=" + box);
+    CheckProblem(refused, 400, "InvalidQuery");
+    CHECK(nlohmann::json::parse(refused->body)["errors"][0]["pointer"] == "bbox");
+  }
 }
 
 TEST_CASE("obstacles: a collection is stored as a whole or not at all") {
