@@ -46,9 +46,7 @@ Camera WithDistortion(Camera camera, ObjectReader& reader) {
 
 std::string ReadName(ObjectReader& reader) {
   std::string name = ReadString(reader.Required("name"), "/name");
-  const bool has_control = std::any_of(
-      name.begin(), name.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
-  if (name.empty() || name.size() > kLimits.max_name_bytes || has_control) {
+  if (name.empty() || name.size() > kLimits.max_name_bytes || HasControlCharacter(name)) {
     throw InvalidValue("/name",
                        "name: must have 1 to " + std::to_string(kLimits.max_name_bytes) +
                            " bytes and no control characters");

@@ -156,6 +156,11 @@ std::string ReadString(const nlohmann::json& value, const std::string& pointer) 
   return value.get<std::string>();
 }
 
+bool HasControlCharacter(std::string_view text) {
+  return std::any_of(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+}
+
 bool ReadBoolean(const nlohmann::json& value, const std::string& pointer) {
   if (!value.is_boolean()) {
     throw InvalidValue(pointer, LastToken(pointer) + ": must be true or false");

@@ -8,6 +8,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include <nlohmann/json.hpp>
 
@@ -34,6 +35,8 @@ double ReadNumber(const nlohmann::json& value,
                   const NumberRange& range);
 int64_t ReadInteger(const nlohmann::json& value, const std::string& pointer);
 std::string ReadString(const nlohmann::json& value, const std::string& pointer);
+// True if the text cannot be shown on one line.
+bool HasControlCharacter(std::string_view text);
 bool ReadBoolean(const nlohmann::json& value, const std::string& pointer);
 // Array of finite numbers; exactly `size` of them, if given.
 std::vector<double> ReadNumbers(const nlohmann::json& value,

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "api/api.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
@@ -8,10 +6,10 @@ namespace freelsd {
 namespace {
 
 std::optional<size_t> ParseLimit(const Call& call) {
-  constexpr auto kMax = static_cast<double>(kLimits.answer.max_num_alternates);
-  const std::optional<double> limit = call.QueryNumber("limit");
+  constexpr auto kMax = static_cast<int64_t>(kLimits.answer.max_num_alternates);
+  const std::optional<int64_t> limit = call.QueryInteger("limit");
   if (!limit) return std::nullopt;
-  if (*limit < 1 || *limit > kMax || *limit != std::floor(*limit)) {
+  if (*limit < 1 || *limit > kMax) {
     const std::string rule =
         "must be a whole number, 1 to " + std::to_string(kLimits.answer.max_num_alternates);
     throw ApiError("InvalidValue", "limit: " + rule, {{"limit", rule}});

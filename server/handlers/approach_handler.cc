@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -118,9 +117,7 @@ double NeededDegrees(const Call& call, const std::string& name, double most) {
 
 std::vector<double> SpeedsOf(const std::string& text) {
   std::vector<double> speeds_mps;
-  std::istringstream list(text + ",");
-  for (std::string word; std::getline(list, word, ',');) {
-    const double speed_mps = ParseQueryNumber(word, "speeds_mps");
+  for (const double speed_mps : ParseQueryNumbers(text, "speeds_mps")) {
     if (speed_mps < 0.0 || speed_mps > kMaxWindMps) Refuse("speeds_mps", "must be in [0, 100]");
     if (!speeds_mps.empty() && speed_mps <= speeds_mps.back()) {
       Refuse("speeds_mps", "must be ascending");
@@ -132,11 +129,10 @@ std::vector<double> SpeedsOf(const std::string& text) {
 
 WindRoseOptions RoseOf(const Call& call) {
   WindRoseOptions rose;
-  const double num_directions = call.QueryNumber("directions").value_or(rose.num_directions);
-  if (num_directions < 1 || num_directions > kLimits.answer.max_num_rose_winds ||
-      num_directions != std::floor(num_directions)) {
-    Refuse("directions",
-           "must be a whole number, 1 to " + std::to_string(kLimits.answer.max_num_rose_winds));
+  constexpr auto kMax = static_cast<int64_t>(kLimits.answer.max_num_rose_winds);
+  const int64_t num_directions = call.QueryInteger("directions").value_or(rose.num_directions);
+  if (num_directions < 1 || num_directions > kMax) {
+    Refuse("directions", "must be a whole number, 1 to " + std::to_string(kMax));
   }
   rose.num_directions = static_cast<int>(num_directions);
   if (const auto speeds_mps = call.Query("speeds_mps")) rose.speeds_mps = SpeedsOf(*speeds_mps);

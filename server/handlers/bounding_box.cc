@@ -1,7 +1,6 @@
 #include "server/handlers/bounding_box.h"
 
 #include <cmath>
-#include <sstream>
 #include <vector>
 
 #include "api/api.h"
@@ -10,11 +9,7 @@ namespace freelsd {
 namespace {
 
 BoundingBox ParseBox(const std::string& text) {
-  std::vector<double> sides;
-  std::istringstream stream(text);
-  for (std::string side; std::getline(stream, side, ',');) {
-    sides.push_back(ParseQueryNumber(side, "bbox"));
-  }
+  const std::vector<double> sides = ParseQueryNumbers(text, "bbox");
   const bool is_box = sides.size() == 4 && std::abs(sides[0]) <= 180 && std::abs(sides[2]) <= 180 &&
                       sides[1] >= -90 && sides[1] <= sides[3] && sides[3] <= 90;
   if (!is_box) {

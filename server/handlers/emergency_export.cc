@@ -1,4 +1,5 @@
-// All stored sites of an area that recall may name, to preload an aircraft.
+// All stored sites of an area that recall may name, to preload an aircraft. Sites whose plan meets
+// an obstacle are left out.
 #include <algorithm>
 #include <set>
 #include <string>
@@ -23,7 +24,8 @@ std::vector<SiteRow> RowsIn(const Service& service, const BoundingBox& box) {
   for (const auto& recall : service.storage.sites.ListRecallable(box)) {
     std::optional<SiteRow> row = service.storage.sites.Find(recall->site_id);
     if (!row || !ids.insert(row->id).second) continue;
-    rows.push_back(AsObstructed({service.storage, service.maps}, std::move(*row)));
+    if (ObstructionOf({service.storage, service.maps}, *row)) continue;
+    rows.push_back(std::move(*row));
   }
   return rows;
 }

@@ -23,6 +23,8 @@ nlohmann::json QueryObject(const Call& call) {
     if (IsOfForm(name)) continue;
     if (name == "altitude_datum" || name == "aircraft" || name == "flight") {
       object[name] = *call.Query(name);
+    } else if (name == "limit") {
+      object[name] = *call.QueryInteger(name);
     } else {
       object[name] = *call.QueryNumber(name);
     }

@@ -12,6 +12,7 @@
 #include "server/handlers/bounding_box.h"
 #include "server/handlers/handlers.h"
 #include "server/http/http.h"
+#include "server/http/lower_case.h"
 
 namespace freelsd {
 namespace {
@@ -106,6 +107,26 @@ std::vector<ObstacleRow> RowsOf(ImportedObstacles imported) {
   return rows;
 }
 
+// Lower case, without parameters. Empty if the request has none.
+std::string MediaTypeOf(const Call& call) {
+  const std::string type = LowerCase(call.request.get_header_value("Content-Type"));
+  return type.substr(0, type.find_first_of("; \t"));
+}
+
+// False for OpenAir. The first bytes decide; where they are those of neither, the media type does.
+bool IsJson(const std::string& body, const std::string& media_type) {
+  static const std::set<std::string> kOfAnyText{
+      "", "text/plain", "application/octet-stream", "application/x-www-form-urlencoded"};
+  if (IsOpenAir(body)) return false;
+  // A byte order mark may come first.
+  const size_t first = body.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+  const bool is_object = first != std::string::npos && body[first] == '{';
+  if (is_object || media_type.ends_with("json")) return true;
+  if (kOfAnyText.contains(media_type)) return false;
+  throw ApiError("UnsupportedMediaType",
+                 "obstacles must be a GeoJSON FeatureCollection or OpenAir text");
+}
+
 double WrappedDeg(double longitude_deg) { return std::remainder(longitude_deg, 360.0); }
 
 bool Meets(const BoundingBox& a, const BoundingBox& box) {
@@ -136,10 +157,10 @@ void PutObstacle(Service& service, const Call& call, httplib::Response& response
   response.set_content(FeatureOf(row).dump(), kGeoJson);
 }
 
-// The body tells what it is: JSON or OpenAir.
 void PostObstacles(Service& service, const Call& call, httplib::Response& response) {
   const std::string body = call.body.ReadAll(kLimits.obstacles.max_import_bytes);
-  ImportedObstacles imported = IsOpenAir(body) ? ParseOpenAir(body) : ParseObstacles(body);
+  ImportedObstacles imported =
+      IsJson(body, MediaTypeOf(call)) ? ParseObstacles(body) : ParseOpenAir(body);
   const std::vector<std::string> warnings = imported.warnings;
   const std::vector<ObstacleRow> rows = RowsOf(std::move(imported));
   Store(service, rows);

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <charconv>
-#include <cmath>
 
 #include <nlohmann/json.hpp>
 
@@ -51,9 +50,9 @@ std::string ShortestText(double number) {
 }  // namespace
 
 size_t ParseLimit(const Call& call) {
-  constexpr auto kMax = static_cast<double>(kLimits.answer.max_num_listed);
-  const double limit = call.QueryNumber("limit").value_or(kMax);
-  if (limit < 1 || limit > kMax || limit != std::floor(limit)) {
+  constexpr auto kMax = static_cast<int64_t>(kLimits.answer.max_num_listed);
+  const int64_t limit = call.QueryInteger("limit").value_or(kMax);
+  if (limit < 1 || limit > kMax) {
     const std::string rule =
         "must be an integer from 1 to " + std::to_string(kLimits.answer.max_num_listed);
     throw ApiError("InvalidValue", "limit: " + rule, {{"limit", rule}});

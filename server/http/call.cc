@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <sstream>
 
 #include "api/api.h"
 
@@ -18,6 +19,16 @@ double ParseQueryNumber(const std::string& text, const std::string& parameter) {
   return value;
 }
 
+std::vector<double> ParseQueryNumbers(const std::string& text, const std::string& parameter) {
+  std::vector<double> numbers;
+  // getline leaves out an empty last part, unless a comma follows it.
+  std::istringstream list(text + ",");
+  for (std::string part; std::getline(list, part, ',');) {
+    numbers.push_back(ParseQueryNumber(part, parameter));
+  }
+  return numbers;
+}
+
 std::optional<std::string> Call::Query(const std::string& name) const {
   const size_t count = request.get_param_value_count(name);
   if (count == 0) return std::nullopt;
@@ -31,6 +42,17 @@ std::optional<double> Call::QueryNumber(const std::string& name) const {
   const std::optional<std::string> text = Query(name);
   if (!text) return std::nullopt;
   return ParseQueryNumber(*text, name);
+}
+
+std::optional<int64_t> Call::QueryInteger(const std::string& name) const {
+  const std::optional<std::string> text = Query(name);
+  if (!text) return std::nullopt;
+  ParseQueryNumber(*text, name);
+  int64_t value = 0;
+  const char* const end = text->data() + text->size();
+  const auto [stopped_at, error] = std::from_chars(text->data(), end, value);
+  if (error == std::errc() && stopped_at == end) return value;
+  throw ApiError("InvalidValue", name + ": must be an integer", {{name, "must be an integer"}});
 }
 
 bool Call::QueryFlag(const std::string& name) const {

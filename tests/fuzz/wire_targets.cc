@@ -109,7 +109,7 @@ void DemandObstacle(const GivenObstacle& obstacle) {
   }
   Demand(std::isfinite(obstacle.position_sd_m));
   const nlohmann::json feature = ObstacleFeature(obstacle);
-  Demand(ObstacleFeature(ParseObstacle(feature, "")) == feature);
+  Demand(ObstacleFeature(ParseStoredObstacle(feature)) == feature);
 }
 
 }  // namespace

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kMetresPerFoot = 0.3048;
 constexpr double kMaxAltitudeM = 20000.0;
+// Flight levels have at most three digits.
+constexpr double kMaxFlightLevel = 999.0;
 
 bool IsDigit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
@@ -83,6 +85,7 @@ std::vector<std::string> WordsOf(const std::string& text) {
 struct AltitudeWords {
   std::optional<double> number;
   double unit_m = kMetresPerFoot;
+  bool is_flight_level = false;
   bool is_above_ground = false;
   // The ground, or unlimited.
   bool is_limit = false;
@@ -97,6 +100,7 @@ bool Take(const std::string& word, AltitudeWords& words) {
   }
   if (word == "FL") words.unit_m = 100.0 * kMetresPerFoot;
   if (word == "M") words.unit_m = 1.0;
+  words.is_flight_level |= word == "FL";
   words.is_above_ground |= word == "AGL" || word == "ASFC";
   words.is_limit |= word == "GND" || word == "SFC" || word.starts_with("UNL");
   static const std::set<std::string> kKnown{
@@ -123,6 +127,7 @@ std::optional<AirAltitude> AirAltitudeFromText(std::string_view text) {
     if (!Take(word, words)) return std::nullopt;
   }
   if (!words.number) return words.is_limit ? std::optional(AirAltitude{}) : std::nullopt;
+  if (words.is_flight_level && *words.number > kMaxFlightLevel) return std::nullopt;
   // "1000 GND" is above ground too.
   if (words.is_above_ground || words.is_limit) return AirAltitude{{}, *words.number > 0.0};
   const double altitude_m = *words.number * words.unit_m;

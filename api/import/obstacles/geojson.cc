@@ -8,6 +8,7 @@
 #include "api/import/date_time.h"
 #include "api/import/import.h"
 #include "api/import/obstacles/obstacles.h"
+#include "api/import/obstacles/shape.h"
 #include "api/json_reader.h"
 
 namespace freelsd {
@@ -263,9 +264,7 @@ nlohmann::json GeometryOf(const GivenObstacle& obstacle) {
   return {{"type", "Polygon"}, {"coordinates", std::move(rings)}};
 }
 
-}  // namespace
-
-GivenObstacle ParseObstacle(const nlohmann::json& feature, const std::string& pointer) {
+GivenObstacle ReadFeature(const nlohmann::json& feature, const std::string& pointer) {
   ObjectReader reader(feature, pointer);
   reader.RefuseKeysExcept({"type", "id", "geometry", "properties", "bbox"});
   if (ReadString(reader.Required("type"), reader.PointerTo("type")) != "Feature") {
@@ -291,6 +290,35 @@ GivenObstacle ParseObstacle(const nlohmann::json& feature, const std::string& po
   ReadGeometry(reader.Required("geometry"), reader.PointerTo("geometry"), read);
   RequireTops(read, pointer);
   return read;
+}
+
+void RefuseMeaninglessShape(const GivenObstacle& read, const std::string& pointer) {
+  const std::string at = pointer + "/geometry/coordinates";
+  if (read.kind == ObstacleKind::kWire && IsOnePlace(read.points)) {
+    throw InvalidValue(at, "coordinates: a wire needs two different places; one place is a mast");
+  }
+  if (!read.is_area) return;
+  if (IsFlat(read.points)) {
+    throw InvalidValue(at, "coordinates: three different positions not on one line are needed");
+  }
+  if (CrossesItself(read.points)) {
+    throw InvalidValue(at, "coordinates: the ring crosses itself");
+  }
+}
+
+}  // namespace
+
+GivenObstacle ParseObstacle(const nlohmann::json& feature, const std::string& pointer) {
+  GivenObstacle read = ReadFeature(feature, pointer);
+  if (HasControlCharacter(read.name)) {
+    throw InvalidValue(pointer + "/properties/name", "name: must have no control characters");
+  }
+  RefuseMeaninglessShape(read, pointer);
+  return read;
+}
+
+GivenObstacle ParseStoredObstacle(const nlohmann::json& feature) {
+  return ReadFeature(feature, "");
 }
 
 nlohmann::json ObstacleFeature(const GivenObstacle& obstacle) {

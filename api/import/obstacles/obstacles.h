@@ -40,11 +40,14 @@ struct GivenObstacle {
   std::optional<int64_t> expires_at_us;
 };
 
-// A GeoJSON feature. `pointer` is its place in the body. Throws ApiError.
+// A GeoJSON feature of a request. `pointer` is its place in the body. Throws ApiError.
 GivenObstacle ParseObstacle(const nlohmann::json& feature, const std::string& pointer);
-// The obstacle as a GeoJSON feature, for answers and storage. ParseObstacle reads the same obstacle
-// back.
+// The obstacle as a GeoJSON feature, for answers and storage.
 nlohmann::json ObstacleFeature(const GivenObstacle& obstacle);
+// Reads the same obstacle back. It accepts shapes and names that a request may no longer have: an
+// earlier version may have stored them, and recall fails if it cannot read an obstacle. Throws
+// ApiError.
+GivenObstacle ParseStoredObstacle(const nlohmann::json& feature);
 
 struct ImportedObstacles {
   std::vector<GivenObstacle> obstacles;
@@ -56,7 +59,9 @@ ImportedObstacles ParseObstacles(const std::string& text);
 bool IsOpenAir(std::string_view text);
 // OpenAir: airspaces as no_fly. A floor given above ground counts as the ground, and a ceiling
 // given above ground as unlimited; each causes a warning. A flight level counts as its altitude
-// above mean sea level in the standard atmosphere. Throws ApiError with the number of the line.
+// above mean sea level in the standard atmosphere. A border that crosses itself causes a warning
+// too; in the file of a whole country, an arc around the inside may do so. Throws ApiError with the
+// number of the line.
 ImportedObstacles ParseOpenAir(std::string_view text);
 
 }  // namespace freelsd

@@ -9,6 +9,8 @@
 #include "api/import/number_text.h"
 #include "api/import/obstacles/air_values.h"
 #include "api/import/obstacles/obstacles.h"
+#include "api/import/obstacles/shape.h"
+#include "api/json_reader.h"
 
 namespace freelsd {
 namespace {
@@ -197,7 +199,9 @@ void Reader::End() {
   const Airspace& airspace = *airspace_;
   if (!airspace.floor) Refuse(airspace.line, "AL (the floor) is missing");
   if (!airspace.ceiling) Refuse(airspace.line, "AH (the ceiling) is missing");
-  if (airspace.ring.size() < 3) Refuse(airspace.line, "at least three points are needed");
+  if (IsFlat(airspace.ring)) {
+    Refuse(airspace.line, "at least three points that are not on one line are needed");
+  }
   GivenObstacle made;
   made.kind = ObstacleKind::kNoFly;
   made.name = airspace.name;
@@ -220,8 +224,11 @@ void Reader::End() {
   if (airspace.ceiling->is_above_ground) {
     imported_.warnings.push_back(made.id + ": its ceiling above ground counts as unlimited");
   }
+  if (CrossesItself(made.points)) {
+    imported_.warnings.push_back(made.id + ": its border crosses itself");
+  }
   try {
-    imported_.obstacles.push_back(ParseObstacle(ObstacleFeature(made), ""));
+    imported_.obstacles.push_back(ParseStoredObstacle(ObstacleFeature(made)));
   } catch (const ApiError& error) {
     Refuse(airspace.line, error.what());
   }
@@ -253,10 +260,14 @@ void Reader::Read(size_t line, std::string_view text) {
   if (kIgnored.contains(command)) return;
   if (!airspace_) Refuse(line, "an airspace must begin with AC");
   if (command == "AN") {
+    if (HasControlCharacter(value)) Refuse(line, "the name has a control character");
     airspace_->name = ShownPath(std::string(value.substr(0, kMaxIdBytes)));
   } else if (command == "AL" || command == "AH") {
     const std::optional<AirAltitude> altitude = AirAltitudeFromText(value);
-    if (!altitude) Refuse(line, command + " must be an altitude as 4500 FT MSL, FL 95, GND or UNL");
+    if (!altitude) {
+      Refuse(line,
+             command + " must be an altitude as 4500 FT MSL, FL 95 (at most FL 999), GND or UNL");
+    }
     (command == "AL" ? airspace_->floor : airspace_->ceiling) = altitude;
   } else {
     ReadGeometry(line, command, value);

@@ -45,7 +45,7 @@ bool MeetsBox(const BoundingBox& a, const BoundingBox& b) {
 std::shared_ptr<const KnownObstacle> Known(const ObstacleRow& row) {
   auto known = std::make_shared<KnownObstacle>();
   try {
-    known->given = ParseObstacle(nlohmann::json::parse(row.feature_json), "");
+    known->given = ParseStoredObstacle(nlohmann::json::parse(row.feature_json));
   } catch (const std::exception& error) {
     // What cannot be read must not be left out: it may be a wire.
     throw StorageError("read the obstacle " + row.id, error.what());

@@ -88,7 +88,12 @@ TEST_CASE("obstacles: the list is that of the box, over the antimeridian too") {
   CHECK(Listed(client, "?bbox=7.5,46.5,8.005,47.5") == Ids{"line-1"});
   CHECK(Listed(client, "?bbox=7.5,46.5,7.9,47.5").empty());
   CHECK(Listed(client, "?bbox=170,0,-170,20") == Ids{"far"});
-  CheckProblem(client.Get("/v1/obstacles?bbox=1,2"), 400, "InvalidQuery");
+  for (const std::string box : {"1,2", "", "7,46,9,48,", "7,46,9,48,5", "7,46,,48", ",7,46,9,48"}) {
+    CAPTURE(box);
+    const auto refused = client.Get("/v1/obstacles?bbox=" + box);
+    CheckProblem(refused, 400, "InvalidQuery");
+    CHECK(nlohmann::json::parse(refused->body)["errors"][0]["pointer"] == "bbox");
+  }
 }
 
 TEST_CASE("obstacles: a collection is stored as a whole or not at all") {
@@ -137,12 +142,44 @@ TEST_CASE("obstacles: airspaces come as OpenAir") {
   CheckProblem(client.Post("/v1/obstacles", "AC D\nAL x\n", "text/plain"), 422, "InvalidAirspace");
 }
 
+TEST_CASE("obstacles: a body that is neither GeoJSON nor OpenAir is refused for what it is") {
+  FreshServer fresh;
+  httplib::Client& client = fresh.client;
+  HoldAgainstContract(client);
+  const auto post = [&client](const std::string& body, const std::string& type) {
+    return client.Post("/v1/obstacles", body, type);
+  };
+  for (const std::string body : {"", "junk", "<xml/>", "[8, 47]"}) {
+    CAPTURE(body);
+    for (const std::string type : {"text/plain; charset=utf-8", "application/octet-stream"}) {
+      const auto refused = post(body, type);
+      CheckProblem(refused, 422, "InvalidAirspace");
+      CHECK(nlohmann::json::parse(refused->body)["errors"][0]["pointer"] == "line 1");
+    }
+    CheckProblem(post(body, "application/xml"), 415, "UnsupportedMediaType");
+    CheckProblem(post(body, "text/html"), 415, "UnsupportedMediaType");
+  }
+  CheckProblem(post("junk", kJson), 400, "InvalidJson");
+  CheckProblem(post("", "application/json"), 400, "InvalidJson");
+  CheckProblem(post("{", "text/plain"), 400, "InvalidJson");
+  CheckProblem(post("[8, 47]", kJson), 422, "InvalidValue");
+  CHECK(Listed(client).empty());
+  // The first bytes tell what it is, whatever the type.
+  const nlohmann::json collection{{"type", "FeatureCollection"}, {"features", {Wire()}}};
+  CHECK(post("\n" + collection.dump(), "application/x-www-form-urlencoded")->status == 200);
+  CHECK(post("\xEF\xBB\xBF" + collection.dump(), "text/plain")->status == 200);
+}
+
 TEST_CASE("obstacles: bad requests are refused and change nothing") {
   FreshServer fresh;
   httplib::Client& client = fresh.client;
   HoldAgainstContract(client);
   CheckProblem(client.Put("/v1/obstacles/a", "{", kJson), 400, "InvalidJson");
   CheckProblem(Put(client, "a%20b", Wire()), 422, "InvalidId");
+  CheckProblem(Put(client, "a%00b", Wire()), 422, "InvalidId");
+  nlohmann::json one_place = Wire();
+  one_place["geometry"]["coordinates"][1] = one_place["geometry"]["coordinates"][0];
+  CheckProblem(Put(client, "a", one_place), 422, "InvalidValue");
   nlohmann::json wire = Wire();
   wire["id"] = "other";
   CheckProblem(Put(client, "a", wire), 422, "InvalidValue");

@@ -114,6 +114,7 @@ TEST_CASE("paging: limits out of range and made-up cursors are refused by name")
     CheckProblem(meadow.client->Get(path + "?limit=0"), 422, "InvalidValue");
     CheckProblem(meadow.client->Get(path + "?limit=10001"), 422, "InvalidValue");
     CheckProblem(meadow.client->Get(path + "?limit=2.5"), 422, "InvalidValue");
+    CheckProblem(meadow.client->Get(path + "?limit=1e3"), 422, "InvalidValue");
     CheckProblem(meadow.client->Get(path + "?limit=x"), 400, "InvalidQuery");
     for (const std::string cursor : {"x", "", "1~x", "0~1", "99999999999999999999"}) {
       CAPTURE(cursor);

@@ -189,6 +189,7 @@ TEST_CASE("results: a wind rose of winds that make no sense, or of too many, is 
   CHECK(refused("directions=x", 400, "InvalidQuery")["errors"][0]["pointer"] == "directions");
   CHECK(refused("directions=0", 422, "InvalidValue")["errors"][0]["pointer"] == "directions");
   refused("directions=7.5", 422, "InvalidValue");
+  refused("directions=1e1", 422, "InvalidValue");
   refused("directions=181", 422, "InvalidValue");
   CHECK(refused("speeds_mps=", 400, "InvalidQuery")["errors"][0]["pointer"] == "speeds_mps");
   refused("speeds_mps=1,,2", 400, "InvalidQuery");

@@ -234,7 +234,7 @@ TEST_CASE("alternates: their number is the configured one, or the query's") {
   CHECK(ids("") == std::vector<std::string>(all.begin(), all.begin() + 2));
   CHECK(ids("?limit=1") == std::vector<std::string>{all[0]});
   CHECK(ids("?limit=20") == all);
-  for (const char* const limit : {"0", "21", "1.5", "-1"}) {
+  for (const char* const limit : {"0", "21", "1.5", "-1", "1e1"}) {
     CheckProblem(client.Get(PathOf(flight) + "?limit=" + limit), 422, "InvalidValue");
   }
   CheckProblem(client.Get(PathOf(flight) + "?limit=all"), 400, "InvalidQuery");

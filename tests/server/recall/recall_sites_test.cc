@@ -188,6 +188,7 @@ TEST_CASE("emergency: bad parameters are named, with 400 or 422") {
   CheckProblem(client.Get(Query(500.0, "&aircraft=jumbo")), 422, "InvalidValue");
   CheckProblem(client.Get(Query(500.0, "&glide_ratio=0")), 422, "InvalidValue");
   CheckProblem(client.Get(Query(500.0, "&limit=0")), 422, "InvalidValue");
+  CheckProblem(client.Get(Query(500.0, "&limit=1e1")), 422, "InvalidValue");
   CheckProblem(client.Get(Query(500.0, "&altitude_datum=msl")), 422, "InvalidValue");
   CheckProblem(client.Get(Query(1e300)), 422, "InvalidValue");
   CheckProblem(client.Post("/v1/emergency", R"({"latitude_deg":NaN})", ""), 400, "InvalidJson");

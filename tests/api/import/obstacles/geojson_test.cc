@@ -130,6 +130,58 @@ TEST_CASE("obstacle features: each bad field is refused and named") {
   CHECK(FaultOf(holes) == invalid + "/geometry/coordinates");
 }
 
+TEST_CASE(
+    "obstacle features: a ring that crosses itself is refused, one that touches itself is not") {
+  const std::string crossed = "422 InvalidValue /geometry/coordinates";
+  const auto people = [](const std::string& coordinates) {
+    return With(Feature("people", "Polygon", coordinates),
+                "/properties/expires_at",
+                "2026-07-01T12:00:00Z");
+  };
+  const std::string bow_tie = "[[[8, 47], [8.01, 47.01], [8.01, 47], [8, 47.01], [8, 47]]]";
+  CHECK(FaultOf(Feature("no_fly", "Polygon", bow_tie)) == crossed);
+  CHECK(FaultOf(people(bow_tie)) == crossed);
+  // Only one pair of sides crosses.
+  CHECK(FaultOf(people("[[[8, 47], [8.02, 47], [8.02, 47.01], [8.01, 46.99], [8, 47]]]")) ==
+        crossed);
+  // A corner on another side, a side there and back, and a corner given twice.
+  CHECK(
+      FaultOf(people("[[[8, 47], [8.02, 47], [8.01, 47.01], [8.01, 47], [8, 47.01], [8, 47]]]")) ==
+      "nothing");
+  CHECK(FaultOf(people("[[[8, 47], [8.02, 47], [8.01, 47.01], [8.01, 47.02], [8.01, 47.01], "
+                       "[8, 47.01], [8, 47]]]")) == "nothing");
+  CHECK(FaultOf(people("[[[8, 47], [8.01, 47], [8.01, 47], [8, 47.01], [8, 47]]]")) == "nothing");
+  // Not convex.
+  CHECK(FaultOf(people("[[[8, 47], [8.02, 47], [8.01, 47.005], [8.02, 47.01], [8, 47]]]")) ==
+        "nothing");
+}
+
+TEST_CASE("obstacle features: shapes without an extent are refused") {
+  const std::string flat = "422 InvalidValue /geometry/coordinates";
+  CHECK(FaultOf(Feature("no_fly", "Polygon", "[[[8, 47], [8.01, 47], [8, 47], [8, 47]]]")) == flat);
+  CHECK(FaultOf(Feature("no_fly", "Polygon", "[[[8, 47], [8, 47], [8, 47], [8, 47]]]")) == flat);
+  CHECK(FaultOf(Feature("no_fly", "Polygon", "[[[8, 47], [8.01, 47], [8.02, 47], [8, 47]]]")) ==
+        flat);
+  CHECK(FaultOf(Feature("wire", "LineString", "[[8, 47, 450], [8, 47, 450]]")) == flat);
+  CHECK(FaultOf(Feature("wire", "LineString", "[[8, 47, 450], [8, 47, 460]]")) == flat);
+}
+
+TEST_CASE("obstacle features: control characters are refused in names and ids") {
+  for (const std::string& text : {std::string("a\0b", 3), std::string("a\nb")}) {
+    CHECK(FaultOf(With(Wire(), "/properties/name", text)) == "422 InvalidValue /properties/name");
+    CHECK(FaultOf(With(Wire(), "/id", text)) == "422 InvalidId /id");
+  }
+  CHECK(FaultOf(With(Wire(), "/properties/name", "Möhlin–Basel")) == "nothing");
+}
+
+TEST_CASE("obstacle features: what is stored is read, also where a request would be refused") {
+  const nlohmann::json stored = ObstacleFeature(ParseObstacle(Square("no_fly"), ""));
+  nlohmann::json crossed = With(stored, "/properties/name", "a\nb");
+  std::swap(crossed["geometry"]["coordinates"][0][1], crossed["geometry"]["coordinates"][0][2]);
+  CHECK(FaultOf(crossed) != "nothing");
+  CHECK(ObstacleFeature(ParseStoredObstacle(crossed)) == crossed);
+}
+
 TEST_CASE("obstacle features: a line of too many positions is refused with the limit") {
   nlohmann::json wire = Wire();
   nlohmann::json& line = wire["geometry"]["coordinates"];
@@ -149,6 +201,11 @@ TEST_CASE("obstacle features: a fault of a collection names the feature") {
   const nlohmann::json collection{{"type", "FeatureCollection"}, {"features", {Wire(), second}}};
   CHECK(ErrorOf([&] { ParseObstacles(collection.dump()); }) ==
         "422 InvalidValue /features/1/properties/kind");
+  nlohmann::json one_place = Wire();
+  one_place["geometry"]["coordinates"][1] = one_place["geometry"]["coordinates"][0];
+  const nlohmann::json wires{{"type", "FeatureCollection"}, {"features", {Wire(), one_place}}};
+  CHECK(ErrorOf([&] { ParseObstacles(wires.dump()); }) ==
+        "422 InvalidValue /features/1/geometry/coordinates");
   CHECK(ErrorOf([&] { ParseObstacles(Wire().dump()); }) == "422 InvalidValue /type");
   CHECK(ErrorOf([&] { ParseObstacles("{"); }) == "400 InvalidJson");
 }

@@ -114,6 +114,24 @@ TEST_CASE("open air: a fault names its line") {
   CHECK(FaultOf("AC D\nAL GND\nV X=47:30 N 7:30 E\nDC 5\n") == invalid + "1");
   CHECK(FaultOf("AC D\nAL FL 100\nAH FL 50\nV X=47:30 N 7:30 E\nDC 5\n") == invalid + "1");
   CHECK(FaultOf("AC D\nAL GND\nAH FL 50\nDP 47:30 N 7:30 E\n") == invalid + "1");
+  const std::string line = "DP 47:00 N 8:00 E\nDP 47:00 N 8:06 E\n";
+  CHECK(FaultOf("AC D\nAL GND\nAH FL 50\n" + line + "DP 47:00 N 8:00 E\n") == invalid + "1");
+  CHECK(FaultOf("AC D\nAL GND\nAH FL 50\n" + line + "DP 47:00 N 8:12 E\n") == invalid + "1");
+  CHECK(FaultOf("AC D\nAN x\nAL GND\nAH FL 1000\n") == invalid + "4");
+  CHECK(FaultOf("AC D\nAL FL 1000\n") == invalid + "2");
+  CHECK(FaultOf(std::string("AC D\nAN a\0b\n", 12)) == invalid + "2");
+  CHECK(FaultOf("<airspace/>\n") == invalid + "1");
+}
+
+TEST_CASE("open air: a border that crosses itself counts, with a warning") {
+  const std::string head = "AC D\nAN zone\nAL GND\nAH FL 50\n";
+  const ImportedObstacles imported =
+      ParseOpenAir(head +
+                   "DP 47:00 N 8:00 E\nDP 47:06 N 8:06 E\nDP 47:00 N 8:06 E\n"
+                   "DP 47:06 N 8:00 E\n");
+  CHECK(imported.obstacles.at(0).points.size() == 4);
+  CHECK(imported.warnings == std::vector<std::string>{"airspace-zone: its border crosses itself"});
+  CHECK(ParseOpenAir(Circle("DC 5\n")).warnings.empty());
 }
 
 TEST_CASE("open air: coordinates and altitudes as files write them") {
@@ -132,7 +150,9 @@ TEST_CASE("open air: coordinates and altitudes as files write them") {
   CHECK_FALSE(AirAltitudeFromText("UNLIMITED")->altitude_m);
   CHECK_FALSE(AirAltitudeFromText("0 AGL")->is_above_ground);
   CHECK(AirAltitudeFromText("1000 GND")->is_above_ground);
-  for (const char* const text : {"", "ask tower", "FL", "1000 2000", "FT"}) {
+  CHECK_FALSE(AirAltitudeFromText("FL 999")->altitude_m);
+  CHECK_FALSE(AirAltitudeFromText("99999 FT")->altitude_m);
+  for (const char* const text : {"", "ask tower", "FL", "FL 1000", "1000 2000", "FT"}) {
     CAPTURE(text);
     CHECK_FALSE(AirAltitudeFromText(text));
   }

@@ -107,7 +107,10 @@ TEST_CASE("obstructed: a wire across the stored final rejects the site until it 
       field.client->Get("/v1/emergency/export?f=rally&home_altitude_m=300&bbox=7.9,47.03,8.1,47.05")
           ->body;
   CHECK(preload.find("field of first") == std::string::npos);
+  const std::string area = "/v1/emergency/export?bbox=7.9,47.03,8.1,47.05";
+  CHECK(GetJson(*field.client, area)["features"].empty());
   field.Delete("line");
+  CHECK(GetJson(*field.client, area)["features"].size() == 1);
   CHECK(field.Site()["verdict"] == "landable");
   CHECK_FALSE(field.Site().contains("blocked_by"));
   CHECK(field.ListedVerdict() == "landable");
