@@ -211,7 +211,9 @@ TEST_CASE("reach: the sites and their margins are those of emergency") {
       CHECK(sites[0]["properties"][key] == site[key]);
     }
     CHECK(sites[0]["geometry"]["coordinates"][1] == site["touchdown"]["latitude_deg"]);
-    CHECK(reach["warnings"] == recalled["warnings"]);
+    for (const nlohmann::json& warning : recalled["warnings"]) {
+      CHECK(reach["warnings"].dump().find(warning.dump()) != std::string::npos);
+    }
   }
 }
 
@@ -232,7 +234,7 @@ TEST_CASE("reach: without stored maps nearby there is no area, and no assumed gr
   CHECK(answer["assumed_ground_altitude_m"].is_null());
   CHECK(OfKind(answer, "reach").empty());
   CHECK(OfKind(answer, "unknown_terrain").empty());
-  CHECK(answer["warnings"].dump().find("no stored map") != std::string::npos);
+  CHECK(answer["warnings"].dump().find("no stored map is within gliding distance") != std::string::npos);
 }
 
 TEST_CASE("reach: POST with the same JSON answers the same") {
