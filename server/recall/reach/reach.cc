@@ -282,7 +282,8 @@ nlohmann::json ReachFrom(const StoredSites& stored,
     answer["features"].push_back(SiteFeature(recalled["nearest_miss"]));
   }
   answer["warnings"] = std::move(recalled["warnings"]);
-  if (answer["num_maps"] == 0) answer["warnings"].push_back("no stored map is within gliding distance");
+  if (answer["num_maps"] == 0)
+    answer["warnings"].push_back("no stored map is within gliding distance");
   if (maps.is_cut_short) {
     answer["warnings"].push_back("there are too many stored maps: farther ones are left out");
   }

@@ -136,12 +136,7 @@ bool IsReached(const GlideStart& start,
   const double height =
       start.position_in_world.z() -
       TimeBetweenHeadings(start, performance, options) * performance.turning_sink_rate;
-  // Down to the lowest ground without a turn.
-  double lowest = ground.assumed_height;
-  for (const float top : ground.top) {
-    if (top < lowest) lowest = top;
-  }
-  const double last_time = (height - lowest) / performance.straight.sink_rate_mps;
+  const double last_time = (height - ground.lowest_height) / performance.straight.sink_rate_mps;
   for (const Eigen::Vector2d& wind : WindsToReckonWith(start, aircraft, options)) {
     // A straight line without a turn loses the least.
     GlideStart in_wind = start;

@@ -15,6 +15,8 @@ struct FineGround {
   cv::Mat1f top;
   // Taken for unseen ground.
   double assumed_height = 0.0;
+  // No ground is lower.
+  double lowest_height = 0.0;
 
   // The assumed height where nothing is known.
   double HeightAt(const Eigen::Vector2d& place) const;

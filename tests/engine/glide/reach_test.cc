@@ -14,8 +14,11 @@ namespace {
 constexpr double kFineCellM = 2.0;
 constexpr int kFinePerCell = 2;
 // Of the places that the planner reaches.
-// Few cells are in reach there, and most of them lie at its edge, whose cells are left out.
+// Where few cells are in reach, more of them lie at its edge, whose cells are left out: 0.032 of
+// 823 places. Where many winds and headings count, the edges of all their fans are left out: 0.056
+// of 2131 places.
 constexpr double kMaxDifferingRatioOfFew = 0.06;
+constexpr double kMaxDifferingRatioOfMany = 0.08;
 constexpr double kMaxDifferingRatio = 0.02;
 constexpr double kMaxTimeErrorS = 0.02;
 
@@ -26,6 +29,7 @@ FineGround FlatGround(double half_m) {
   const int num_cells = static_cast<int>(2.0 * half_m / kFineCellM);
   return {{{-half_m, half_m}, kFineCellM, num_cells, num_cells},
           cv::Mat1f(num_cells, num_cells, 0.0f),
+          0.0,
           0.0};
 }
 
@@ -60,7 +64,7 @@ FineGround RandomGround(double half_m, std::mt19937& random) {
     ground.top(cv::Rect(cell(random), cell(random), 3 + tower, 3)) += 60.0f;
   }
   double highest = 0.0;
-  cv::minMaxLoc(ground.top, nullptr, &highest);
+  cv::minMaxLoc(ground.top, &ground.lowest_height, &highest);
   ground.assumed_height = highest;
   for (int hole = 0; hole < 4; ++hole) {
     ground.top(cv::Rect(cell(random), cell(random), 150, 100)) =
@@ -203,7 +207,7 @@ TEST_CASE("reach: random ground, winds and headings: nothing more than the plann
     std::mt19937 random(seed);
     const double height = 150.0 + 10.0 * seed;
     const FineGround ground = RandomGround(3000.0, random);
-    all = all + Compare(RandomStart(height, random), ground, {}, 150, random);
+    all = all + Compare(RandomStart(height, random), ground, {}, 400, random);
   }
   CheckAgreement(all, kMaxDifferingRatio);
 }
@@ -213,7 +217,7 @@ TEST_CASE("reach: low above the ground, the turns count") {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     std::mt19937 random(100 + seed);
     const FineGround ground = FlatGround(900.0);
-    all = all + Compare(RandomStart(50.0 + 5.0 * seed, random), ground, {}, 300, random);
+    all = all + Compare(RandomStart(50.0 + 5.0 * seed, random), ground, {}, 500, random);
   }
   CheckAgreement(all, kMaxDifferingRatioOfFew);
 }
@@ -223,7 +227,7 @@ TEST_CASE("reach: an arrival higher than the clearance leaves holes on hills") {
   const FineGround ground = RandomGround(3000.0, random);
   ReachLimits limits;
   limits.arrival_height_m = 60.0;
-  CheckAgreement(Compare(RandomStart(250.0, random), ground, limits, 300, random),
+  CheckAgreement(Compare(RandomStart(250.0, random), ground, limits, 600, random),
                  kMaxDifferingRatio);
 }
 
@@ -232,9 +236,9 @@ TEST_CASE("reach: unknown heading and wind") {
   const FineGround ground = RandomGround(2500.0, random);
   GlideStart start = RandomStart(220.0, random);
   start.heading.reset();
-  CheckAgreement(Compare(start, ground, {}, 150, random, 1500.0), kMaxDifferingRatioOfFew);
+  CheckAgreement(Compare(start, ground, {}, 300, random, 1500.0), kMaxDifferingRatioOfFew);
   start.wind_in_world.reset();
-  CheckAgreement(Compare(start, ground, {}, 150, random, 1000.0), kMaxDifferingRatioOfFew);
+  CheckAgreement(Compare(start, ground, {}, 300, random, 1000.0), kMaxDifferingRatioOfMany);
 }
 
 // Edges that cross or touch, of all rings of an area, other than neighbours in a ring.
