@@ -124,7 +124,7 @@ class Emergency {
   constructor(on) {
     this.#on = on;
     fillKept();
-    byId('em-form').addEventListener('input', () => this.#takeOver());
+    byId('em-form').addEventListener('input', (event) => this.#takeOver(event.target));
     byId('em-form').addEventListener('submit', (event) => { event.preventDefault(); this.#ask(); });
     byId('em-flight').addEventListener('click', () => { this.#isOwn = false; this.#ask(); });
     byId('em-center').addEventListener('click', () => {
@@ -159,8 +159,9 @@ class Emergency {
   }
 
   // The user has entered a value. An age of the flight's data would stand still from now on.
-  #takeOver() {
-    if (!this.#isOwn && this.#pose) setSource(`Values as entered. Position of flight ${this.#on.flightName()} at ${now()}.`, true);
+  #takeOver(changed) {
+    if (changed === input('latitude_deg') || changed === input('longitude_deg')) setSource('Position as entered.', false);
+    else if (!this.#isOwn && this.#pose) setSource(`Values as entered. Position of flight ${this.#on.flightName()} at ${now()}.`, true);
     this.#isOwn = true;
     this.#ask();
   }
