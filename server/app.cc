@@ -73,7 +73,6 @@ App::App(const Config& config)
   events_.CallOnNews(http_.NewsCall());
   intake_.wake_worker = [this] { worker_.Wake(); };
   intake_.on_new_pose = [this](const std::string& flight_id) { alternates_.Wake(flight_id); };
-  alternates_.Start();
   if (!config_.emergency) return;
   emergency_http_ = std::make_unique<HttpServer>(OptionsOf(config_, Listener::kEmergency),
                                                  HandlerFor(service_, Listener::kEmergency));
@@ -86,6 +85,7 @@ void App::Run() {
     emergency = std::thread([this] { emergency_http_->Run(); });
     GiveWay();
   }
+  alternates_.Start();
   http_.Run();
   if (emergency.joinable()) emergency.join();
 }

@@ -12,7 +12,6 @@
 #include "server/handlers/bounding_box.h"
 #include "server/handlers/handlers.h"
 #include "server/http/http.h"
-#include "server/http/lower_case.h"
 
 namespace freelsd {
 namespace {

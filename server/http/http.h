@@ -7,6 +7,7 @@
 #include "server/http/events.h"
 #include "server/http/http_library.h"
 #include "server/http/http_server.h"
+#include "server/http/lower_case.h"
 #include "server/http/metrics.h"
 #include "server/http/multipart.h"
 #include "server/http/page.h"

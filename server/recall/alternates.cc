@@ -14,11 +14,13 @@
 namespace freelsd {
 namespace {
 
-// Least time between two updates of one flight, because its poses may arrive 50 times a second.
+// Least time between two updates or two plans of one flight, because its poses may arrive 50 times
+// a second.
 constexpr std::chrono::milliseconds kMinPeriod{100};
 constexpr std::chrono::milliseconds kPollPeriod{10};
-// Plans hold for a wind that has changed by less, until there is time for new ones. A measured wind
-// is hardly better known.
+// A wind that has changed by no more is the same as far as anyone can measure it: its plans hold.
+constexpr double kSameWindMps = 0.25;
+// Plans hold for a wind that has changed by no more, until there is time for new ones.
 constexpr double kMaxPlannedChangeMps = 1.0;
 // A flight that was not woken for this time has landed, or a client only requested its list.
 constexpr std::chrono::seconds kLiveFor{60};
@@ -96,7 +98,8 @@ nlohmann::json AfterSeconds(nlohmann::json answer, double seconds, size_t limit)
 Alternates::~Alternates() { Stop(); }
 
 void Alternates::Start() {
-  thread_ = std::thread([this] { Run(); });
+  update_thread_ = std::thread([this] { RunUpdates(); });
+  plan_thread_ = std::thread([this] { RunPlans(); });
 }
 
 void Alternates::Stop() {
@@ -105,7 +108,8 @@ void Alternates::Stop() {
     is_stopping_ = true;
   }
   changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  if (update_thread_.joinable()) update_thread_.join();
+  if (plan_thread_.joinable()) plan_thread_.join();
 }
 
 void Alternates::Enqueue(const std::string& flight_id) {
@@ -173,25 +177,27 @@ std::string Alternates::Answer(const std::string& flight_id, std::optional<size_
   return AfterSeconds(std::move(list->answer), seconds, num_sites).dump();
 }
 
-void Alternates::ChooseWind(const std::string& flight_id,
-                            WindToPlanFor choice,
-                            int64_t now_us,
-                            LivePose& pose) {
+Alternates::PlannedWind Alternates::ChooseWind(const std::string& flight_id,
+                                               WindToPlanFor choice,
+                                               int64_t now_us,
+                                               LivePose& pose) {
+  const PlannedWind latest{pose.wind, now_us, 0.0};
   const std::lock_guard lock(mutex_);
   const auto found = planned_winds_.find(flight_id);
-  if (found != planned_winds_.end() && found->second.wind && pose.wind) {
-    PlannedWind& planned = found->second;
-    planned.change_mps = (pose.wind->wind_in_world - planned.wind->wind_in_world).norm();
-    if (choice == WindToPlanFor::kPlanned && planned.change_mps <= kMaxPlannedChangeMps) {
-      // The same wind measured again is as good as new.
-      if (planned.change_mps == 0.0) planned = {pose.wind, now_us, 0.0};
-      pose.wind = planned.wind;
-      const double seconds = static_cast<double>(now_us - planned.taken_at_us) * 1e-6;
-      if (pose.wind->age_s) *pose.wind->age_s += seconds;
-      return;
-    }
+  if (choice == WindToPlanFor::kLatest || found == planned_winds_.end()) return latest;
+  PlannedWind planned = found->second;
+  if (!planned.wind || !pose.wind) return latest;
+  planned.change_mps = (pose.wind->wind_in_world - planned.wind->wind_in_world).norm();
+  if (planned.change_mps > kMaxPlannedChangeMps) return latest;
+  if (planned.change_mps <= kSameWindMps) {
+    // Measured again, it is as young as the latest.
+    pose.wind->wind_in_world = planned.wind->wind_in_world;
+    return {pose.wind, now_us, 0.0};
   }
-  planned_winds_[flight_id] = {pose.wind, now_us, 0.0};
+  pose.wind = planned.wind;
+  const double seconds = static_cast<double>(now_us - planned.taken_at_us) * 1e-6;
+  if (pose.wind->age_s) *pose.wind->age_s += seconds;
+  return planned;
 }
 
 std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id,
@@ -207,7 +213,7 @@ std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id
   const std::optional<FlightRow> flight = storage_.flights.Find(flight_id);
   if (!flight) return std::nullopt;
   std::optional<LivePose> pose = LivePoseOf(storage_, flight_id, list.computed_at_us);
-  if (pose) ChooseWind(flight_id, wind, list.computed_at_us, *pose);
+  if (pose) list.planned_wind = ChooseWind(flight_id, wind, list.computed_at_us, *pose);
   if (pose && pose->heading_deg) {
     const double seconds = kMaxCourseAgeS - pose->age_s.value_or(0.0);
     list.holds_until_us = list.computed_at_us + static_cast<int64_t>(seconds * 1e6);
@@ -219,6 +225,8 @@ std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id
 void Alternates::Keep(const std::string& flight_id, const List& list) {
   {
     const std::lock_guard lock(mutex_);
+    PlannedWind& planned = planned_winds_[flight_id];
+    if (list.planned_wind.taken_at_us >= planned.taken_at_us) planned = list.planned_wind;
     List& kept = lists_[flight_id];
     if (kept.number > list.number) return;
     kept = list;
@@ -226,10 +234,11 @@ void Alternates::Keep(const std::string& flight_id, const List& list) {
   events_.Publish("alternates", flight_id, list.answer.dump());
 }
 
-bool Alternates::IsDue(const std::string& flight_id) const {
-  if (flight_id.empty()) return false;
-  const auto updated = updated_at_.find(flight_id);
-  return updated == updated_at_.end() || Clock::now() >= updated->second + kMinPeriod;
+std::string Alternates::NextToUpdate() const {
+  const auto next = std::find_if(due_.begin(), due_.end(), [this](const std::string& flight_id) {
+    return lists_.contains(flight_id);
+  });
+  return next == due_.end() ? std::string() : *next;
 }
 
 std::string Alternates::NextToPlan() const {
@@ -244,6 +253,17 @@ std::string Alternates::NextToPlan() const {
     next = flight_id;
   }
   return next;
+}
+
+bool Alternates::IsTimeToUpdate(const std::string& flight_id) const {
+  const auto updated = updated_at_.find(flight_id);
+  return updated == updated_at_.end() || Clock::now() >= updated->second + kMinPeriod;
+}
+
+bool Alternates::IsTimeToPlan(const std::string& flight_id) const {
+  const auto planned = planned_winds_.find(flight_id);
+  return planned == planned_winds_.end() ||
+         std::chrono::microseconds(ArrivalNowUs() - planned->second.taken_at_us) >= kMinPeriod;
 }
 
 void Alternates::Update(const std::string& flight_id, WindToPlanFor wind) {
@@ -263,35 +283,41 @@ void Alternates::Update(const std::string& flight_id, WindToPlanFor wind) {
   }
 }
 
-void Alternates::Run() {
+void Alternates::RunUpdates() {
   std::unique_lock lock(mutex_);
   while (true) {
-    changed_.wait(lock, [this] { return is_stopping_ || !due_.empty() || !NextToPlan().empty(); });
+    changed_.wait(lock, [this] { return is_stopping_ || !NextToUpdate().empty(); });
     if (is_stopping_) return;
-    // The flight that waits longest. All have the same period, so none behind it is due earlier.
-    const std::string to_update = due_.empty() ? std::string() : due_.front();
-    // A flight alone is always planned.
-    const std::string to_plan = due_.size() == 1 ? to_update : NextToPlan();
-    const bool can_update = IsDue(to_update);
-    const bool can_plan = IsDue(to_plan);
-    if (!can_update && !can_plan) {
+    // All flights have the same period, so none behind the first is due earlier.
+    const std::string flight_id = NextToUpdate();
+    if (!IsTimeToUpdate(flight_id)) {
       changed_.wait_for(lock, kPollPeriod, [this] { return is_stopping_; });
       continue;
     }
-    // Once all others were updated, one is planned.
-    const bool is_turn = due_.size() <= 1 || num_updated_since_planned_ >= due_.size();
-    const bool plans = can_plan && (is_turn || !can_update);
-    const std::string flight_id = plans ? to_plan : to_update;
     std::erase(due_, flight_id);
-    num_updated_since_planned_ = plans ? 0 : num_updated_since_planned_ + 1;
-    if (!plans && !lists_.contains(flight_id)) {
-      due_.push_back(flight_id);
-      continue;
-    }
     updated_at_[flight_id] = Clock::now();
     lock.unlock();
-    Update(flight_id, plans ? WindToPlanFor::kLatest : WindToPlanFor::kPlanned);
+    Update(flight_id, WindToPlanFor::kPlanned);
     lock.lock();
+  }
+}
+
+void Alternates::RunPlans() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return is_stopping_ || !NextToPlan().empty(); });
+    if (is_stopping_) return;
+    const std::string flight_id = NextToPlan();
+    if (!IsTimeToPlan(flight_id)) {
+      changed_.wait_for(lock, kPollPeriod, [this] { return is_stopping_; });
+      continue;
+    }
+    if (!lists_.contains(flight_id)) std::erase(due_, flight_id);
+    lock.unlock();
+    Update(flight_id, WindToPlanFor::kLatest);
+    lock.lock();
+    // A list that has come can be updated; a wind that has changed meanwhile is planned next.
+    changed_.notify_all();
   }
 }
 

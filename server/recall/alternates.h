@@ -1,9 +1,9 @@
 // Alternates: for each flight that sends data, a list of the best sites in reach from its latest
-// pose. A thread keeps the lists up to date, so that a request finds its answer ready.
+// pose. Two threads keep the lists up to date, so that a request finds its answer ready.
 //
-// Plans depend on the wind, not on the pose, and take most of the time. So the thread updates all
-// lists for the latest poses with the plans that it has, and in between plans for the latest wind
-// of one flight at a time. A list tells the wind that it is planned for, and the age of this wind.
+// Plans depend on the wind, not on the pose, and take most of the time. So one thread updates all
+// lists for the latest poses with the plans that exist. The other plans for the latest wind of one
+// flight at a time. A list tells the wind that it is planned for, and the age of this wind.
 #pragma once
 
 #include <chrono>
@@ -38,7 +38,7 @@ class Alternates {
 
   void Start();
   void Stop();
-  // Call it when the flight's pose or wind changed. Returns at once; the thread updates the flights
+  // Call it when the flight's pose or wind changed. Returns at once; the threads update the flights
   // in turn.
   void Wake(const std::string& flight_id);
   // Call it when stored sites changed. The lists of recently woken flights are computed again. All
@@ -55,9 +55,18 @@ class Alternates {
 
  private:
   using Clock = std::chrono::steady_clock;
+  // The wind that a flight's list is planned for.
+  struct PlannedWind {
+    std::optional<LiveWind> wind;
+    // When it was the latest, on the clock of ArrivalNowUs.
+    int64_t taken_at_us = 0;
+    // How much the latest wind differs from it, m/s.
+    double change_mps = 0.0;
+  };
   // NOLINTNEXTLINE(bugprone-exception-escape): an empty json throws nothing.
   struct List {
     nlohmann::json answer;
+    PlannedWind planned_wind;
     // Greater for a list whose computation began later.
     uint64_t number = 0;
     // Version of the stored sites when the computation began.
@@ -68,40 +77,38 @@ class Alternates {
     // uses no course.
     std::optional<int64_t> holds_until_us;
   };
-  // The wind that a flight's list is planned for.
-  struct PlannedWind {
-    std::optional<LiveWind> wind;
-    // When it was the latest, on the clock of ArrivalNowUs.
-    int64_t taken_at_us = 0;
-    // How much the latest wind differs from it, m/s.
-    double change_mps = 0.0;
-  };
   enum class WindToPlanFor { kPlanned, kLatest };
 
   void Enqueue(const std::string& flight_id);
-  void Run();
-  // The caller holds mutex_. True if there is a flight and its period is over.
-  bool IsDue(const std::string& flight_id) const;
-  // The caller holds mutex_. The flight to plan for its latest wind: one without a list, or the one
-  // whose wind has changed most. Empty if no flight needs it.
+  void RunUpdates();
+  void RunPlans();
+  // The caller holds mutex_, also for the next three. The flight that waits longest, of those that
+  // have a list; empty if there is none.
+  std::string NextToUpdate() const;
+  // A flight without a list, or the one whose wind has changed most. Empty if no flight needs a
+  // plan.
   std::string NextToPlan() const;
+  // True if the period since the flight's last update, or since its last plan, is over.
+  bool IsTimeToUpdate(const std::string& flight_id) const;
+  bool IsTimeToPlan(const std::string& flight_id) const;
   // Computes and keeps the list, and logs errors. The caller does not hold mutex_.
   void Update(const std::string& flight_id, WindToPlanFor wind);
   // Nothing if there is no such flight. A wind that has changed much is always the latest.
   std::optional<List> Compute(const std::string& flight_id, size_t limit, WindToPlanFor wind);
   // Replaces the wind of the pose by the planned one, if that is to be taken and similar.
-  void ChooseWind(const std::string& flight_id,
-                  WindToPlanFor choice,
-                  int64_t now_us,
-                  LivePose& pose);
-  // Keeps the list and publishes an event. Does nothing if a later list is kept already.
+  PlannedWind ChooseWind(const std::string& flight_id,
+                         WindToPlanFor choice,
+                         int64_t now_us,
+                         LivePose& pose);
+  // Keeps the list and publishes an event. If a later list is kept already, only the wind is kept:
+  // it has plans now.
   void Keep(const std::string& flight_id, const List& list);
 
   const Storage& storage_;
   MapCache& maps_;
   EventLog& events_;
   const size_t num_sites_;
-  // Guards all members below except thread_.
+  // Guards all members below except the threads.
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   // Flights to update, in the order of their Wake calls, each at most once.
@@ -110,11 +117,10 @@ class Alternates {
   std::map<std::string, Clock::time_point> updated_at_;
   std::map<std::string, List> lists_;
   std::map<std::string, PlannedWind> planned_winds_;
-  // Lists updated since the last one that was planned for a new wind.
-  size_t num_updated_since_planned_ = 0;
   uint64_t num_lists_ = 0;
   bool is_stopping_ = false;
-  std::thread thread_;
+  std::thread update_thread_;
+  std::thread plan_thread_;
 };
 
 }  // namespace freelsd
