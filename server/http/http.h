@@ -11,6 +11,7 @@
 #include "server/http/metrics.h"
 #include "server/http/multipart.h"
 #include "server/http/page.h"
+#include "server/http/priority.h"
 #include "server/http/problem.h"
 #include "server/http/request_head.h"
 #include "server/http/stamps.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include <spdlog/spdlog.h>
 
@@ -222,16 +223,17 @@ std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id
   return list;
 }
 
-void Alternates::Keep(const std::string& flight_id, const List& list) {
+void Alternates::Keep(const std::string& flight_id, List list) {
+  const std::string text = list.answer.dump();
   {
     const std::lock_guard lock(mutex_);
     PlannedWind& planned = planned_winds_[flight_id];
     if (list.planned_wind.taken_at_us >= planned.taken_at_us) planned = list.planned_wind;
     List& kept = lists_[flight_id];
     if (kept.number > list.number) return;
-    kept = list;
+    std::swap(kept, list);
   }
-  events_.Publish("alternates", flight_id, list.answer.dump());
+  events_.Publish("alternates", flight_id, text);
 }
 
 std::string Alternates::NextToUpdate() const {
@@ -268,8 +270,8 @@ bool Alternates::IsTimeToPlan(const std::string& flight_id) const {
 
 void Alternates::Update(const std::string& flight_id, WindToPlanFor wind) {
   try {
-    if (const auto list = Compute(flight_id, num_sites_, wind)) {
-      Keep(flight_id, *list);
+    if (auto list = Compute(flight_id, num_sites_, wind)) {
+      Keep(flight_id, *std::move(list));
       return;
     }
     const std::lock_guard lock(mutex_);
@@ -303,6 +305,8 @@ void Alternates::RunUpdates() {
 }
 
 void Alternates::RunPlans() {
+  // Updates must not wait for plans.
+  GiveWay();
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return is_stopping_ || !NextToPlan().empty(); });

@@ -102,7 +102,7 @@ class Alternates {
                          LivePose& pose);
   // Keeps the list and publishes an event. If a later list is kept already, only the wind is kept:
   // it has plans now.
-  void Keep(const std::string& flight_id, const List& list);
+  void Keep(const std::string& flight_id, List list);
 
   const Storage& storage_;
   MapCache& maps_;

@@ -4,6 +4,5 @@
 #include "server/work/failure.h"
 #include "server/work/heap.h"
 #include "server/work/job_json.h"
-#include "server/work/priority.h"
 #include "server/work/service.h"
 #include "server/work/worker.h"

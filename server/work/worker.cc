@@ -12,7 +12,6 @@
 #include "server/work/evaluation.h"
 #include "server/work/failure.h"
 #include "server/work/job_json.h"
-#include "server/work/priority.h"
 
 namespace freelsd {
 namespace {

@@ -1,5 +1,5 @@
 // Which threads leave the processor to an emergency's answer.
-#include "server/work/priority.h"
+#include "server/http/priority.h"
 
 #include <thread>
 

@@ -1,4 +1,4 @@
-#include "server/work/priority.h"
+#include "server/http/priority.h"
 
 #if defined(__linux__)
 #include <sys/resource.h>
