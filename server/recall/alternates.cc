@@ -182,7 +182,7 @@ Alternates::PlannedWind Alternates::ChooseWind(const std::string& flight_id,
                                                WindToPlanFor choice,
                                                int64_t now_us,
                                                LivePose& pose) {
-  const PlannedWind latest{pose.wind, now_us, 0.0};
+  PlannedWind latest{pose.wind, now_us, 0.0};
   const std::lock_guard lock(mutex_);
   const auto found = planned_winds_.find(flight_id);
   if (choice == WindToPlanFor::kLatest || found == planned_winds_.end()) return latest;

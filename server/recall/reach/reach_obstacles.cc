@@ -47,6 +47,7 @@ class Raiser {
 
   void AddInside(const std::vector<Top>& ring, double top_m) {
     std::vector<cv::Point> corners;
+    corners.reserve(ring.size());
     for (const Top& corner : ring) {
       corners.emplace_back(static_cast<int>(std::floor(corner.x())),
                            static_cast<int>(std::floor(corner.y())));

@@ -234,7 +234,8 @@ TEST_CASE("reach: without stored maps nearby there is no area, and no assumed gr
   CHECK(answer["assumed_ground_altitude_m"].is_null());
   CHECK(OfKind(answer, "reach").empty());
   CHECK(OfKind(answer, "unknown_terrain").empty());
-  CHECK(answer["warnings"].dump().find("no stored map is within gliding distance") != std::string::npos);
+  CHECK(answer["warnings"].dump().find("no stored map is within gliding distance") !=
+        std::string::npos);
 }
 
 TEST_CASE("reach: POST with the same JSON answers the same") {
