@@ -119,7 +119,8 @@ struct StreamLimits {
 };
 
 // Largest numbers of requests of one kind that are served at the same time. A request beyond a
-// limit is answered with 429. Exception: requests that need a decoder or a rose planner wait.
+// limit is answered with 429. Exception: requests that need a decoder or a
+// planner wait.
 struct ConcurrencyLimits {
   // Each upload holds an encoded image in memory, and a thread.
   int max_num_uploads = 8;
@@ -129,6 +130,8 @@ struct ConcurrencyLimits {
   int max_num_decoders = 2;
   // Wind roses take seconds.
   int max_num_rose_planners = 2;
+  // The ground in reach takes up to a tenth of a second, and megabytes of memory.
+  int max_num_reach_planners = 1;
 };
 
 // Length of answers.

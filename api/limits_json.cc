@@ -70,6 +70,7 @@ nlohmann::json LimitsJson(const Limits& limits) {
                         {"max_num_streams", limits.concurrency.max_num_streams},
                         {"max_num_decoders", limits.concurrency.max_num_decoders},
                         {"max_num_rose_planners", limits.concurrency.max_num_rose_planners},
+                        {"max_num_reach_planners", limits.concurrency.max_num_reach_planners},
                         {"max_num_listed", limits.answer.max_num_listed},
                         {"max_num_listed_sites", limits.answer.max_num_listed},
                         {"max_list_bytes", limits.answer.max_list_bytes},

@@ -137,10 +137,9 @@ std::optional<Config> ReadConfig(int argc, const char* const* argv) {
   std::string data, listen, emergency_listen, config_file, model, page, token_file;
   app.add_option("--data", data, "Folder for the database and the images");
   app.add_option("--listen", listen, "ADDRESS:PORT, default 127.0.0.1:8080");
-  app.add_option(
-      "--emergency-listen",
-      emergency_listen,
-      "ADDRESS:PORT of a second listener, for /v1/emergency and /v1/reach, with its own threads");
+  app.add_option("--emergency-listen",
+                 emergency_listen,
+                 "ADDRESS:PORT of a second listener, for /v1/emergency, with its own threads");
   app.add_option("--token-file", token_file, "JSON list of token hashes and their scopes");
   app.add_option("--config", config_file, "JSON file with these and further settings");
   app.add_option("--model", model, "Grass classifier, default: beside the program");

@@ -118,8 +118,8 @@ constexpr Route kRoutes[] = {
      GetEmergencyExport,
      "bbox f home_altitude_m firmware",
      Listeners::kBoth},
-    {"GET", "/v1/reach", GetReach, kReach, Listeners::kBoth},
-    {"POST", "/v1/reach", PostReach, kReach, Listeners::kBoth},
+    {"GET", "/v1/reach", GetReach, kReach},
+    {"POST", "/v1/reach", PostReach, kReach},
     {"GET", "/healthz", GetHealth, "", Listeners::kBoth},
     {"GET", "/readyz", GetReadiness},
     {"GET", "/metrics", GetMetrics},
@@ -221,8 +221,7 @@ void Dispatch(Service& service,
   }
   if (!allow.empty()) RefuseMethod(allow, response);
   if (listener == Listener::kEmergency) {
-    throw ApiError("NotFound",
-                   "this listener serves only /v1/emergency, its export, /v1/reach and /healthz");
+    throw ApiError("NotFound", "this listener serves only /v1/emergency, its export and /healthz");
   }
   if (ServePage(service, request, response)) return;
   if (service.page.contains(request.path)) RefuseMethod("GET, HEAD", response);

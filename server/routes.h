@@ -6,8 +6,7 @@
 
 namespace freelsd {
 
-// The emergency listener has its own threads. It serves only emergency recall, reach
-// and /healthz.
+// The emergency listener has its own threads. It serves only emergency recall and /healthz.
 enum class Listener { kMain, kEmergency };
 
 // Answers the request. Answers every failure with problem+json, and does not throw. Thread-safe.

@@ -147,19 +147,6 @@ WindRoseOptions RoseOf(const Call& call) {
   throw error;
 }
 
-class RosePlannerSlot {
- public:
-  explicit RosePlannerSlot(Service& service) : service_(service) {
-    service_.rose_planners.acquire();
-  }
-  ~RosePlannerSlot() { service_.rose_planners.release(); }
-  RosePlannerSlot(const RosePlannerSlot&) = delete;
-  RosePlannerSlot& operator=(const RosePlannerSlot&) = delete;
-
- private:
-  Service& service_;
-};
-
 }  // namespace
 
 void GetApproach(Service& service, const Call& call, httplib::Response& response) {
@@ -205,7 +192,7 @@ void GetWindRose(Service& service, const Call& call, httplib::Response& response
   const WindRoseOptions options = RoseOf(call);
   const auto kept = SiteWithMap(service, site);
   const Aircraft aircraft = AircraftOf(call, kept->replan.flight.aircraft);
-  const RosePlannerSlot slot(service);
+  const SemaphoreSlot slot(service.rose_planners);
   const auto on_map = service.maps.PlannerFor(kept, aircraft);
   WindRose rose = PlanWindRose(on_map->planner, options);
   for (Plan& plan : rose.plans) {

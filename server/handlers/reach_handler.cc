@@ -10,6 +10,7 @@ namespace freelsd {
 namespace {
 
 void AnswerReach(Service& service, const EmergencyRequest& request, httplib::Response& response) {
+  const SemaphoreSlot slot(service.reach_planners);
   const CompletedCall completed = CompletedFor(service, request);
   nlohmann::json answer =
       ReachFrom({service.storage, service.maps}, service.ground_patches, completed.request.request);

@@ -14,6 +14,20 @@ namespace freelsd {
 // Memory of reach's cache: 5 bytes for each 4 square metres of stored maps.
 constexpr size_t kMaxBytesOfGroundPatches = size_t{64} << 20;
 
+// Holds one place of a semaphore. The constructor waits for it.
+class SemaphoreSlot {
+ public:
+  explicit SemaphoreSlot(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
+    semaphore_.acquire();
+  }
+  ~SemaphoreSlot() { semaphore_.release(); }
+  SemaphoreSlot(const SemaphoreSlot&) = delete;
+  SemaphoreSlot& operator=(const SemaphoreSlot&) = delete;
+
+ private:
+  std::counting_semaphore<>& semaphore_;
+};
+
 // Refers to objects that the App owns. Thread-safe, because of the mutex and the semaphores.
 struct Service {
   Service(Intake& in, MapCache& cache, Alternates& standing)
@@ -43,6 +57,8 @@ struct Service {
   // Limits the number of wind roses computed at the same time; other requests wait. One wind rose
   // can take seconds if many paths are obstructed.
   std::counting_semaphore<> rose_planners{kLimits.concurrency.max_num_rose_planners};
+  // The same for the ground in reach.
+  std::counting_semaphore<> reach_planners{kLimits.concurrency.max_num_reach_planners};
   // Limits clients that listen to events.
   std::counting_semaphore<> event_clients{kLimits.events.max_num_clients};
 };
