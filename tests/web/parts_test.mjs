@@ -76,7 +76,7 @@ test('reach: a live flight shows it, unknown terrain looks different, margins st
   const [asked] = asksFor(server, '/v1/reach');
   const sent = new URL(asked, url).searchParams;
   assert.deepEqual([sent.get('flight'), Number(sent.get('altitude_m')), sent.get('wind_east_mps'), sent.get('limit')],
-    [site.flight, pose.altitude_m, '3', null]);
+    [site.flight, pose.altitude_m, '3', '20']);
   // Each new position is asked for, at most one a second, never two at once.
   const before = asksFor(server, '/v1/reach').length;
   const moving = setInterval(() => { pose.longitude_deg += 1e-5; }, 100);
@@ -112,7 +112,7 @@ test('reach: the emergency view has a map of it, also for an entered position, a
   await page.locator('#em-key', { hasText: /in reach, terrain unknown.*wire/ }).waitFor(kWait);
   const sent = new URL(asksFor(server, '/v1/reach').at(-1), url).searchParams;
   assert.equal(sent.get('latitude_deg'), String(Number(site.place[1])));
-  assert.equal(sent.get('limit'), null);
+  assert.equal(sent.get('limit'), '20');
   await shoot(page, 'emergency-reach');
   assert.deepEqual(await accessibilityFaults(page), []);
   await page.setViewportSize(phone);
