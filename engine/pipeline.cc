@@ -126,7 +126,7 @@ Site PlanSite(const Candidate& candidate,
               const PlannableGround& ground,
               Evaluation& evaluation,
               const Aircraft& aircraft,
-              const ApproachOptions& options) {
+              const PlanOptions& options) {
   Site site{.region = candidate.region, .wind = candidate.wind, .plan = {}};
   if (evaluation.map.grid.num_rows == 0) {
     site.plan = NoTerrain(candidate.region, evaluation.block.note);
@@ -183,11 +183,12 @@ void AssessGround(const ElevationMap& map,
   const GroundCover cover = Timed(reports, "cover", [&] {
     return AssessCover(map, surface, grass_views, options.cover, photo);
   });
-  evaluation.map = WithCover(map, cover.open);
-  evaluation.hazards = Timed(reports, "hazard_layers", [&] {
+  AssessedMap finished = Timed(reports, "hazard_layers", [&] {
     return AssessHazards(
         map, surface, cover, {aircraft.max_slope_deg, aircraft.max_roughness_m}, options);
   });
+  evaluation.map = std::move(finished.map);
+  evaluation.hazards = std::move(finished.layers);
 }
 
 }  // namespace
@@ -314,24 +315,26 @@ std::optional<double> Frontend::GroundHeight() const {
 }
 
 Evaluation EvaluateSites(const Snapshot& snapshot,
-                         const std::vector<Candidate>& regions,
+                         const RegionGroup& group,
                          const ImageSource& images,
                          const Aircraft& aircraft,
                          const PipelineOptions& options,
                          const Progress& progress) {
   const Cancellable cancellable(progress);
   Evaluation evaluation;
-  if (regions.empty()) return evaluation;
   cancellable.Tell(0.0, "adjustment");
-  const Box area = AreaOfInterest(regions, aircraft, options.approach, options.backend);
   const Selection selection =
-      SelectViews(snapshot, area, options.adjustment, options.backend);  // Sec. III-F
+      SelectViews(snapshot, group.area, options.adjustment, options.backend);  // Sec. III-F
   evaluation.block =
       AdjustSelection(selection, snapshot.rig.camera, images, options, evaluation.reports);
   WarnOfViews(selection, evaluation);
   if (evaluation.block.is_usable) {
-    const ElevationMap map = ReconstructMap(
-        evaluation.block, area, images, options, cancellable, evaluation.reports);  // III-F, G
+    const ElevationMap map = ReconstructMap(evaluation.block,
+                                            group.area,
+                                            images,
+                                            options,
+                                            cancellable,
+                                            evaluation.reports);  // III-F, G
     cancellable.Tell(kStereoDone, "hazards");
     WarnOfCoarseImages(evaluation, options);
     AssessGround(map,
@@ -341,14 +344,17 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                  options.hazard,
                  evaluation);  // Sec. III-G
   }
+  evaluation.wind = WindAt(
+      0.5 * (group.area.min + group.area.max), snapshot.wind_samples, options.wind);
   cancellable.Tell(kLayersDone, "approach");
   const PlannableGround ground(
       evaluation.map, evaluation.hazards, snapshot.obstacles, aircraft, options.hazard);
+  const PlanOptions plan_options{options.approach, options.backend.max_surroundings_m};
   const auto plan = [&](const Candidate& candidate) {
     return PlanSite(
-        candidate, snapshot.min_num_observations, ground, evaluation, aircraft, options.approach);
+        candidate, snapshot.min_num_observations, ground, evaluation, aircraft, plan_options);
   };
-  for (const Candidate& candidate : regions) {
+  for (const Candidate& candidate : group.regions) {
     evaluation.sites.push_back(plan(candidate));  // Sec. III-H
   }
   evaluation.sites =
@@ -381,8 +387,9 @@ Evaluation Detect(const Rig& rig,
     if (candidate.region.grade > 0.0) graded.push_back(candidate);
   }
   const ImageSource source = [&images](const std::string& id) { return images.at(id); };
-  Evaluation evaluation =
-      EvaluateSites(frontend.TakeSnapshot(), graded, source, aircraft, options, {});
+  const Snapshot snapshot = frontend.TakeSnapshot();
+  const RegionGroup group{graded, PhotographedArea(snapshot)};
+  Evaluation evaluation = EvaluateSites(snapshot, group, source, aircraft, options, {});
   std::vector<StageReport> reports = frontend.TakeReports();
   evaluation.reports.insert(evaluation.reports.begin(), reports.begin(), reports.end());
   return evaluation;

@@ -66,16 +66,21 @@ struct Evaluation {
   // reconstructed. The map includes its cover (WithCover).
   ElevationMap map;
   HazardLayers hazards;
+  // Number of photographs that see the cell, at most 255.
+  cv::Mat1b coverage;
+  // At the middle of the map.
+  std::optional<WindEstimate> wind;
   AdjustedBlock block;
   std::vector<StageReport> reports;
   std::vector<std::string> warnings;
 };
 
-// Evaluates regions on one shared map. Calls `progress` with the completed share 0..1 and the
+// Evaluates a group of regions on one shared map. The map does not depend on the aircraft. Calls
+// `progress` with the completed share 0..1 and the
 // current stage. If `progress` returns false, throws std::runtime_error("cancelled").
 using Progress = std::function<bool(double done_ratio, const std::string& stage)>;
 Evaluation EvaluateSites(const Snapshot& snapshot,
-                         const std::vector<Candidate>& regions,
+                         const RegionGroup& group,
                          const ImageSource& images,
                          const Aircraft& aircraft,
                          const PipelineOptions& options,

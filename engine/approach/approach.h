@@ -283,6 +283,16 @@ struct PlanRequest {
   double ground_height = 0.0;
 };
 
+// Distance from a touchdown within which plans of this aircraft in this wind read the map, rounded
+// up to 100 m: below finals and circles from the lowest start height. Those from greater heights,
+// and climbs of a go-around, are covered up to `least`, which is a lower bound of the result.
+// `wind_spread_mps` is that of PlanRequest.
+double PlanReach(const Aircraft& aircraft,
+                 const std::optional<Eigen::Vector2d>& wind_in_world,
+                 double wind_spread_mps,
+                 double least,
+                 const ApproachOptions& options);
+
 // Plans the approach to one region. It tries several searches in this order:
 // 1. headings into the wind;
 // 2. headings with crosswind;

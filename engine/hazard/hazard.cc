@@ -68,17 +68,19 @@ void HazardOptions::Check() const {
   cover.Check();
 }
 
-HazardLayers AssessHazards(const ElevationMap& map,
-                           const GroundSurface& surface,
-                           const GroundCover& cover,
-                           const HazardLimits& limits,
-                           const HazardOptions& options) {
+AssessedMap AssessHazards(const ElevationMap& map,
+                          const GroundSurface& surface,
+                          const GroundCover& cover,
+                          const HazardLimits& limits,
+                          const HazardOptions& options) {
   HazardLayers layers;
   layers.grid = map.grid;
   layers.slope = surface.slope;
   layers.roughness = surface.roughness;
   layers.grass = cover.grass;
-  return WithLimits(WithCover(map, cover.open), layers, limits, options);
+  AssessedMap finished = Rounded(WithCover(map, cover.open), layers);
+  finished.layers = WithLimits(finished.map, finished.layers, limits, options);
+  return finished;
 }
 
 HazardLayers WithLimits(const ElevationMap& map,

@@ -71,11 +71,40 @@ CellRules CellRulesAt(const ElevationMap& map,
                       const HazardLimits& limits,
                       const HazardOptions& options);
 
-HazardLayers AssessHazards(const ElevationMap& map,
-                           const GroundSurface& surface,
-                           const GroundCover& cover,
-                           const HazardLimits& limits,
-                           const HazardOptions& options);
+// A map and its layers, on the same grid.
+struct AssessedMap {
+  ElevationMap map;
+  HazardLayers layers;
+};
+
+// Steps of the values of a finished map. A map is rounded before anything is planned on it, so that
+// a plan on the stored map equals the plan made at once.
+struct MapSteps {
+  // Heights and deviations, metres. All are multiples of 2^-7, which a float holds exactly.
+  static constexpr float kHeightM = 1.0f / 128.0f;
+  static constexpr float kSlope = 1.0f / 4096.0f;  // radians
+  static constexpr float kRoughnessM = 1.0f / 512.0f;
+  // Posterior of grass.
+  static constexpr float kGrass = 1.0f / 254.0f;
+  // Values in units of these steps are at most this, in a tile or above the elevation.
+  static constexpr int kMaxNumSteps = 65000;
+};
+
+// Elevation is rounded to the nearest step. All other values are rounded to the unsafe side: upper
+// height, deviation, slope and roughness up, number of points and posterior of grass down. A value
+// that needs more than kMaxNumSteps becomes unknown, or, if it counts from the elevation, the
+// largest one. Hazard and distance stay: apply WithLimits.
+AssessedMap Rounded(const ElevationMap& map, const HazardLayers& layers);
+
+// A copy of a part of a map. `cells` lie in its grid.
+AssessedMap WindowOf(const ElevationMap& map, const HazardLayers& layers, const cv::Rect& cells);
+
+// The finished map: with its cover, rounded, and with its layers.
+AssessedMap AssessHazards(const ElevationMap& map,
+                          const GroundSurface& surface,
+                          const GroundCover& cover,
+                          const HazardLimits& limits,
+                          const HazardOptions& options);
 
 // Computes hazard and distance again for other limits; the other layers do not depend on limits.
 HazardLayers WithLimits(const ElevationMap& map,

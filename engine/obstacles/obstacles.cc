@@ -206,15 +206,15 @@ double ReachOf(const HardObstacle& obstacle, const ObstacleOptions& options) {
   return options.position_sigma * obstacle.position_sd_m;
 }
 
-ObstructedGround WithObstacles(const ElevationMap& map,
-                               const HazardLayers& layers,
-                               const std::vector<HardObstacle>& obstacles,
-                               const ObstacleOptions& options) {
+AssessedMap WithObstacles(const ElevationMap& map,
+                          const HazardLayers& layers,
+                          const std::vector<HardObstacle>& obstacles,
+                          const ObstacleOptions& options) {
   options.Check();
   if (!(layers.grid == map.grid)) {
     throw std::invalid_argument("obstacles.grid: layers and map are not of the same grid");
   }
-  ObstructedGround ground{map, layers};
+  AssessedMap ground{map, layers};
   if (map.elevation.empty()) return ground;
   cv::Mat1f nearest_elevation;
   for (const HardObstacle& obstacle : obstacles) {

@@ -46,21 +46,16 @@ struct ObstacleOptions {
 // How far an obstacle reaches beyond its line or ring, metres, without the share of a cell.
 double ReachOf(const HardObstacle& obstacle, const ObstacleOptions& options);
 
-struct ObstructedGround {
-  ElevationMap map;
-  // Hazard and distance are those from before: apply WithLimits with the aircraft's limits. Every
-  // seen cell of an obstacle is then a kHazard, for any limits.
-  HazardLayers layers;
-};
-
 // In the cells of an obstacle the upper height is at least its top, and nothing is grass. A height
 // above ground counts from the cell's elevation, else from the nearest known one. Unseen cells stay
-// unseen. Rasters without a change are those of the input. Throws std::invalid_argument if map and
+// unseen. Rasters without a change are those of the input. Hazard and distance are those of the
+// input too: apply WithLimits with the aircraft's limits. Every seen cell of an obstacle is then a
+// kHazard, for any limits. Throws std::invalid_argument if map and
 // layers have different grids.
-ObstructedGround WithObstacles(const ElevationMap& map,
-                               const HazardLayers& layers,
-                               const std::vector<HardObstacle>& obstacles,
-                               const ObstacleOptions& options);
+AssessedMap WithObstacles(const ElevationMap& map,
+                          const HazardLayers& layers,
+                          const std::vector<HardObstacle>& obstacles,
+                          const ObstacleOptions& options);
 
 // The plan, rejected if its circle meets an obstacle beyond the edge of the map, where the planner
 // sees nothing. An obstacle inside the circle counts too: in another wind the circle is smaller.
@@ -69,6 +64,13 @@ Plan CheckedBeyondMap(Plan plan,
                       const Aircraft& aircraft,
                       const std::vector<HardObstacle>& obstacles,
                       const ObstacleOptions& options);
+
+// Options of a plan on a part of a map.
+struct PlanOptions {
+  ApproachOptions approach;
+  // The plan reads the map within PlanReach of the region, with this value of `least`.
+  double least_reach = 0.0;
+};
 
 // A reconstructed map to plan regions on. All references must outlive it. Not movable, because they
 // may refer to its own map.
@@ -83,20 +85,20 @@ class PlannableGround {
   PlannableGround& operator=(const PlannableGround&) = delete;
 
   // With hazards for the aircraft's limits.
-  const ObstructedGround& with_obstacles() const { return with_obstacles_; }
+  const AssessedMap& with_obstacles() const { return with_obstacles_; }
   Plan PlanFor(const PlanRequest& request,
                const Aircraft& aircraft,
-               const ApproachOptions& options) const;
+               const PlanOptions& options) const;
   // Nothing if there are no obstacles, or if the region is rejected without them too.
   std::optional<Plan> PlanWithoutObstacles(const PlanRequest& request,
                                            const Aircraft& aircraft,
-                                           const ApproachOptions& options) const;
+                                           const PlanOptions& options) const;
 
  private:
   const ElevationMap& map_;
   const HazardLayers& hazards_;
   const std::vector<HardObstacle>& obstacles_;
-  ObstructedGround with_obstacles_;
+  AssessedMap with_obstacles_;
 };
 
 }  // namespace freelsd

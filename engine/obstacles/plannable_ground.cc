@@ -1,6 +1,23 @@
 #include "engine/obstacles/obstacles.h"
 
 namespace freelsd {
+namespace {
+
+// A plan on a stored map reads the same part of it.
+AssessedMap WindowFor(const AssessedMap& whole,
+                      const PlanRequest& request,
+                      const Aircraft& aircraft,
+                      const PlanOptions& options) {
+  const double reach = PlanReach(aircraft,
+                                 request.wind_in_world,
+                                 request.wind_spread_mps,
+                                 options.least_reach,
+                                 options.approach);
+  const cv::Rect cells = whole.map.grid.CellsAround(request.footprint, reach);
+  return WindowOf(whole.map, whole.layers, cells);
+}
+
+}  // namespace
 
 PlannableGround::PlannableGround(const ElevationMap& map,
                                  const HazardLayers& hazards,
@@ -18,10 +35,11 @@ PlannableGround::PlannableGround(const ElevationMap& map,
 
 Plan PlannableGround::PlanFor(const PlanRequest& request,
                               const Aircraft& aircraft,
-                              const ApproachOptions& options) const {
+                              const PlanOptions& options) const {
+  const AssessedMap window = WindowFor(with_obstacles_, request, aircraft, options);
   return CheckedBeyondMap(
-      PlanApproach(with_obstacles_.map, with_obstacles_.layers, request, aircraft, options),
-      with_obstacles_.map,
+      PlanApproach(window.map, window.layers, request, aircraft, options.approach),
+      window.map,
       aircraft,
       obstacles_,
       {});
@@ -29,9 +47,10 @@ Plan PlannableGround::PlanFor(const PlanRequest& request,
 
 std::optional<Plan> PlannableGround::PlanWithoutObstacles(const PlanRequest& request,
                                                           const Aircraft& aircraft,
-                                                          const ApproachOptions& options) const {
+                                                          const PlanOptions& options) const {
   if (obstacles_.empty()) return std::nullopt;
-  Plan plan = PlanApproach(map_, hazards_, request, aircraft, options);
+  const AssessedMap window = WindowFor({map_, hazards_}, request, aircraft, options);
+  Plan plan = PlanApproach(window.map, window.layers, request, aircraft, options.approach);
   if (plan.verdict == Verdict::kRejected) return std::nullopt;
   return plan;
 }

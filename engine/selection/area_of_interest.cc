@@ -45,35 +45,23 @@ Box Box::Intersection(const Box& other) const {
   return {min.cwiseMax(other.min), max.cwiseMin(other.max)};
 }
 
-Box AreaOfInterest(const std::vector<Candidate>& regions,
-                   const Aircraft& aircraft,
-                   const ApproachOptions& approach,
-                   const BackendOptions& options) {
+Box AreaAround(const std::vector<Candidate>& regions, const BackendOptions& options) {
   Box area;
-  double strongest_wind = 0.0;
-  double widest_margin = 0.0;
-  bool is_wind_known = true;
   for (const auto& [region, wind] : regions) {
     for (const Eigen::Vector2d& corner : region.Footprint()) area.Add(corner);
-    if (wind) strongest_wind = std::max(strongest_wind, wind->wind_in_world.norm());
-    if (wind) widest_margin = std::max(widest_margin, approach.wind_sigma * wind->spread_mps);
-    is_wind_known = is_wind_known && wind;
   }
-  double wanted = 0.0;
-  for (const double wind_speed : {0.0, strongest_wind}) {
-    const double final = std::max(0.0, ApproachDistance(aircraft, wind_speed, widest_margin));
-    wanted = std::max(wanted, final + 2.0 * LoiterRadius(aircraft, wind_speed + widest_margin));
+  area.Grow(options.max_surroundings_m);
+  return area;
+}
+
+Box PhotographedArea(const Snapshot& snapshot) {
+  Box area;
+  for (const View& view : snapshot.views) {
+    const Footprint footprint = FootprintOf(view, snapshot.rig.camera);
+    const Eigen::Vector2d radius = Eigen::Vector2d::Constant(footprint.radius);
+    area.Add(footprint.center - radius);
+    area.Add(footprint.center + radius);
   }
-  if (strongest_wind < approach.calm_wind_mps) {
-    const double final = DownwindApproachDistance(aircraft, strongest_wind + widest_margin);
-    wanted = std::max(wanted, final + 2.0 * LoiterRadius(aircraft, strongest_wind + widest_margin));
-  }
-  if (!is_wind_known) {
-    const double wind_speed = approach.unknown_wind_mps;
-    const double final = DownwindApproachDistance(aircraft, wind_speed);
-    wanted = std::max(wanted, final + 2.0 * LoiterRadius(aircraft, wind_speed));
-  }
-  area.Grow(std::min(wanted, options.max_surroundings_m));
   return area;
 }
 

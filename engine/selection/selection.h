@@ -29,7 +29,8 @@ struct BackendOptions {
   // Paper: N = 150, n = 1.
   int backend_period_frames = 150;
   int num_backend_candidates = 1;
-  // Ground is mapped up to this distance from the regions, or less if final and circle need less.
+  // If a flight needs several maps, each shows the ground up to this distance from its regions. It
+  // does not depend on the aircraft: any aircraft can be planned on the map later.
   double max_surroundings_m = 400.0;
   // Largest number of key-frames in one evaluation. Regions that need more are split into groups. A
   // single region that needs more uses the key-frames nearest to its middle.
@@ -127,14 +128,11 @@ struct Box {
   Box Intersection(const Box& other) const;
 };
 
-// Box around the regions and around the ground that finals and circles need in any of these winds:
-// - calm;
-// - the strongest wind of the regions;
-// - a tail wind of unknown_wind_mps, if the wind of a region is unknown.
-Box AreaOfInterest(const std::vector<Candidate>& regions,
-                   const Aircraft& aircraft,
-                   const ApproachOptions& approach,
-                   const BackendOptions& options);
+// Box around the regions, grown by max_surroundings_m.
+Box AreaAround(const std::vector<Candidate>& regions, const BackendOptions& options);
+
+// Box around the ground that the views see. Empty without views.
+Box PhotographedArea(const Snapshot& snapshot);
 
 // The key-frames that see an area.
 struct Selection {
@@ -152,12 +150,18 @@ Selection SelectViews(const Snapshot& snapshot,
 // Bounding box of an adjusted block's landmarks, with a margin.
 Box SeenArea(const AdjustedBlock& block);
 
+// Regions that are evaluated on one map, best first, and the ground of this map.
+struct RegionGroup {
+  std::vector<Candidate> regions;
+  Box area;
+};
+
 // Splits regions into groups, each small enough for one map. The order within a group is kept. A
-// farm survey is one group; a cross-country flight has many.
-std::vector<std::vector<Candidate>> GroupRegions(const Snapshot& snapshot,
-                                                 const std::vector<Candidate>& regions,
-                                                 const Aircraft& aircraft,
-                                                 const PipelineOptions& options);
+// farm survey is one group, and its map shows all photographed ground, even if there is no region.
+// A cross-country flight has many groups.
+std::vector<RegionGroup> GroupRegions(const Snapshot& snapshot,
+                                      const std::vector<Candidate>& regions,
+                                      const PipelineOptions& options);
 
 // Like AdjustPoses. If the largest group does not contain all views, the photographs are projected
 // onto the ground and matched again. The poses are then adjusted with the additional matches.

@@ -62,6 +62,14 @@ std::vector<cv::Point> Grid::CellsIn(const Polygon& polygon) const {
   return cells;
 }
 
+Grid Grid::Part(const cv::Rect& cells) const {
+  Grid part = *this;
+  part.north_west_in_world += Eigen::Vector2d(cells.x, -cells.y) * cell_size_m;
+  part.num_rows = cells.height;
+  part.num_cols = cells.width;
+  return part;
+}
+
 Grid GridAround(const Eigen::Vector2d& min_in_world,
                 const Eigen::Vector2d& max_in_world,
                 double cell_size_m) {

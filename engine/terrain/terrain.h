@@ -29,6 +29,8 @@ struct Grid {
   cv::Rect CellsAround(const Polygon& polygon, double reach) const;
   // Cells whose centre lies in the polygon, row by row.
   std::vector<cv::Point> CellsIn(const Polygon& polygon) const;
+  // The grid of some of its cells.
+  Grid Part(const cv::Rect& cells) const;
   bool operator==(const Grid&) const = default;
 };
 

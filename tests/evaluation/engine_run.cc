@@ -52,7 +52,7 @@ EngineRun RunEngine(const EngineInput& input,
   const ImageSource source = [&images](const std::string& id) { return images.at(id); };
   run.evaluation =
       EvaluateSites(run.snapshot,
-                    Graded(run.snapshot.regions),
+                    {Graded(run.snapshot.regions), PhotographedArea(run.snapshot)},
                     source,
                     input.aircraft,
                     options,

@@ -14,7 +14,7 @@ inline HazardLayers AssessHazards(const ElevationMap& map,
                                   const Orthophoto& photo = {}) {
   const GroundSurface surface = MeasureSurface(map, options.surface);
   const GroundCover cover = AssessCover(map, surface, grass_views, options.cover, photo);
-  return AssessHazards(map, surface, cover, limits, options);
+  return AssessHazards(map, surface, cover, limits, options).layers;
 }
 
 }  // namespace freelsd

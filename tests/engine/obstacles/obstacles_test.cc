@@ -39,13 +39,13 @@ Plan PlanAmong(const Scene& on,
                const ApproachOptions& options = OneWay()) {
   const Aircraft aircraft = Nimble();
   const PlannableGround ground(on.map, on.hazards, obstacles, aircraft, HazardOptions{});
-  return ground.PlanFor(Request(Box({-5, -5}, {5, 5}), kNorthWind), aircraft, options);
+  return ground.PlanFor(Request(Box({-5, -5}, {5, 5}), kNorthWind), aircraft, {options, 400.0});
 }
 
 TEST_CASE("obstacles: a wire raises the cells within its deviation and half a cell, no others") {
   const Scene meadow = FlatMeadow(100, 100);
   const HardObstacle wire = Wire({-200, 0.5, 20}, {200, 0.5, 20}, std::nullopt, 2.0);
-  const ObstructedGround ground = WithObstacles(meadow.map, meadow.hazards, {wire}, {});
+  const AssessedMap ground = WithObstacles(meadow.map, meadow.hazards, {wire}, {});
   for (int row = 0; row < 100; ++row) {
     const double distance = std::abs(meadow.CellCenter(row, 50).y() - 0.5);
     const bool is_wire = distance <= 2.0 * 2.0 + std::sqrt(0.5);
@@ -62,10 +62,10 @@ TEST_CASE("obstacles: a wire raises the cells within its deviation and half a ce
 TEST_CASE("obstacles: the top follows a wire that climbs, and a height above ground the ground") {
   const Scene slope =
       scene::Meadow(100, 100, 1.0, [](const Eigen::Vector2d& place) { return 0.1 * place.x(); });
-  const ObstructedGround climbing =
+  const AssessedMap climbing =
       WithObstacles(slope.map, slope.hazards, {Wire({-50, 0.5, 10}, {50, 0.5, 60})}, {});
   CHECK(climbing.map.upper(49, 50) == doctest::Approx(10.0 + 0.5 * 50.5).epsilon(0.01));
-  const ObstructedGround hung = WithObstacles(
+  const AssessedMap hung = WithObstacles(
       slope.map, slope.hazards, {Wire({-50, 0.5, kUnknown}, {50, 0.5, kUnknown}, 12.0)}, {});
   CHECK(hung.map.upper(49, 20) == doctest::Approx(slope.map.elevation(49, 20) + 12.0));
   CHECK(hung.map.upper(49, 80) == doctest::Approx(slope.map.elevation(49, 80) + 12.0));
@@ -74,7 +74,7 @@ TEST_CASE("obstacles: the top follows a wire that climbs, and a height above gro
 TEST_CASE("obstacles: a top that seems to lie in the ground counts as low above it") {
   const Scene meadow = FlatMeadow(100, 100);
   const ObstacleOptions options;
-  const ObstructedGround ground =
+  const AssessedMap ground =
       WithObstacles(meadow.map, meadow.hazards, {Wire({-200, 0.5, -15}, {200, 0.5, -15})}, options);
   CHECK(ground.map.upper(49, 50) == options.min_height_m);
 }
@@ -84,7 +84,7 @@ TEST_CASE("obstacles: unseen cells get the top over the nearest known ground and
   meadow.map.elevation += 5.0f;
   AddUnseen(meadow, {-50, -20}, {50, 20});
   const HardObstacle wire = Wire({-200, 0.5, kUnknown}, {200, 0.5, kUnknown}, 12.0);
-  const ObstructedGround ground = WithObstacles(meadow.map, meadow.hazards, {wire}, {});
+  const AssessedMap ground = WithObstacles(meadow.map, meadow.hazards, {wire}, {});
   CHECK(ground.map.upper(49, 50) == 17.0f);
   CHECK_FALSE(ground.map.IsSeen(49, 50));
   const HazardLayers layers = WithLimits(ground.map, ground.layers, {8.0, 0.5}, {});
@@ -94,7 +94,7 @@ TEST_CASE("obstacles: unseen cells get the top over the nearest known ground and
 TEST_CASE("obstacles: their seen cells are hazards for any limits of the aircraft") {
   const Scene meadow = FlatMeadow(100, 100);
   const HardObstacle low = Wire({-200, 0.5, kUnknown}, {200, 0.5, kUnknown}, 0.3);
-  const ObstructedGround ground = WithObstacles(meadow.map, meadow.hazards, {low}, {});
+  const AssessedMap ground = WithObstacles(meadow.map, meadow.hazards, {low}, {});
   const HazardLayers layers = WithLimits(ground.map, ground.layers, {80.0, 900.0}, {});
   CHECK(layers.hazard(49, 50) == kHazard);
   CHECK(layers.hazard(40, 50) == kFree);
@@ -180,13 +180,13 @@ TEST_CASE("obstacles: the plan without them is kept where they alone reject a re
   const PlanRequest request = Request(Box({-5, -5}, {5, 5}), kNorthWind);
   const std::vector<HardObstacle> on_field{Mast({0, 0, 30.0})};
   const PlannableGround ground(meadow.map, meadow.hazards, on_field, aircraft, HazardOptions{});
-  CHECK(ground.PlanFor(request, aircraft, OneWay()).verdict == Verdict::kRejected);
-  const auto without = ground.PlanWithoutObstacles(request, aircraft, OneWay());
+  CHECK(ground.PlanFor(request, aircraft, {OneWay(), 400.0}).verdict == Verdict::kRejected);
+  const auto without = ground.PlanWithoutObstacles(request, aircraft, {OneWay(), 400.0});
   REQUIRE(without);
   CHECK(without->verdict == Verdict::kLandable);
   const std::vector<HardObstacle> none;
   const PlannableGround bare(meadow.map, meadow.hazards, none, aircraft, HazardOptions{});
-  CHECK_FALSE(bare.PlanWithoutObstacles(request, aircraft, OneWay()));
+  CHECK_FALSE(bare.PlanWithoutObstacles(request, aircraft, {OneWay(), 400.0}));
 }
 
 TEST_CASE("obstacles: options and grids are checked") {

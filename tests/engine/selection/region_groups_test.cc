@@ -1,4 +1,6 @@
 // Which regions share a map, and which views take part.
+#include <algorithm>
+
 #include <doctest/doctest.h>
 
 #include "engine/selection/selection.h"
@@ -45,27 +47,44 @@ Snapshot LineFlight(int num_views, double spacing) {
   return snapshot;
 }
 
-size_t NumRegions(const std::vector<std::vector<Candidate>>& groups) {
+size_t NumRegions(const std::vector<RegionGroup>& groups) {
   size_t count = 0;
-  for (const auto& group : groups) count += group.size();
+  for (const RegionGroup& group : groups) count += group.regions.size();
   return count;
 }
 
-TEST_CASE("region groups: near ones share a map, best first, far ones do not") {
+TEST_CASE("region groups: a small flight has one map of all photographed ground") {
   const Snapshot snapshot = LineFlight(10, 30.0);
-  const Aircraft aircraft = *AircraftProfile("small");
-  const std::vector<Candidate> near{RegionAt(7, 200, 0), RegionAt(3, 0, 0), RegionAt(5, 100, 0)};
-  const auto one = GroupRegions(snapshot, near, aircraft, {});
-  REQUIRE(one.size() == 1);
-  CHECK(one[0][0].region.id == 7);
-  CHECK(one[0][1].region.id == 3);
-  std::vector<Candidate> all = near;
-  all.push_back(RegionAt(1, 9000, 0));
-  all.push_back(RegionAt(2, 0, 20000));
-  const auto groups = GroupRegions(snapshot, all, aircraft, {});
-  CHECK(groups.size() == 3);
-  CHECK(NumRegions(groups) == all.size());
-  CHECK(GroupRegions(snapshot, {}, aircraft, {}).empty());
+  const std::vector<Candidate> regions{RegionAt(7, 200, 0), RegionAt(3, 0, 0), RegionAt(5, 100, 0)};
+  const auto groups = GroupRegions(snapshot, regions, {});
+  REQUIRE(groups.size() == 1);
+  CHECK(groups[0].regions[0].region.id == 7);
+  CHECK(groups[0].regions[1].region.id == 3);
+  // Half the diagonal of an image at 100 m is about 99 m.
+  CHECK(groups[0].area.min.x() == doctest::Approx(-99.0).epsilon(0.02));
+  CHECK(groups[0].area.max.x() == doctest::Approx(270.0 + 99.0).epsilon(0.02));
+  const auto without_regions = GroupRegions(snapshot, {}, {});
+  REQUIRE(without_regions.size() == 1);
+  CHECK(without_regions[0].regions.empty());
+  CHECK(without_regions[0].area.min == groups[0].area.min);
+  CHECK(GroupRegions({}, {}, {}).empty());
+}
+
+TEST_CASE("region groups: in a long flight near ones share a map, best first, far ones do not") {
+  const Snapshot snapshot = LineFlight(310, 30.0);
+  std::vector<Candidate> regions{RegionAt(7, 200, 0), RegionAt(3, 0, 0), RegionAt(5, 100, 0)};
+  regions.push_back(RegionAt(1, 9000, 0));
+  regions.push_back(RegionAt(2, 0, 20000));
+  const auto groups = GroupRegions(snapshot, regions, {});
+  REQUIRE(groups.size() == 3);
+  CHECK(NumRegions(groups) == regions.size());
+  const auto near = std::find_if(groups.begin(), groups.end(), [](const RegionGroup& group) {
+    return group.regions.size() == 3;
+  });
+  REQUIRE(near != groups.end());
+  CHECK(near->regions[0].region.id == 7);
+  CHECK(near->area.max.x() == doctest::Approx(220.0 + 400.0));
+  CHECK(GroupRegions(snapshot, {}, {}).empty());
 }
 
 TEST_CASE("region groups: those that need too many views are split, and none is lost") {
@@ -76,13 +95,12 @@ TEST_CASE("region groups: those that need too many views are split, and none is 
   std::vector<Candidate> regions;
   regions.reserve(8);
   for (int i = 0; i < 8; ++i) regions.push_back(RegionAt(i, 200.0 * i, 0.0));
-  const auto groups = GroupRegions(snapshot, regions, *AircraftProfile("small"), options);
+  const auto groups = GroupRegions(snapshot, regions, options);
   CHECK(groups.size() > 1);
   CHECK(NumRegions(groups) == regions.size());
-  for (const auto& group : groups) {
-    const Box area =
-        AreaOfInterest(group, *AircraftProfile("small"), options.approach, options.backend);
-    const Selection selection = SelectViews(snapshot, area, options.adjustment, options.backend);
+  for (const RegionGroup& group : groups) {
+    const Selection selection =
+        SelectViews(snapshot, group.area, options.adjustment, options.backend);
     CHECK(selection.num_seeing == selection.views.size());
     CHECK(selection.views.size() >= 2);
   }
@@ -92,8 +110,8 @@ TEST_CASE("region groups: of too many views those about the region's middle are 
   const Snapshot snapshot = LineFlight(60, 30.0);
   PipelineOptions options;
   options.backend.max_num_views = 10;
-  const Box area = AreaOfInterest(
-      {RegionAt(1, 900, 0)}, *AircraftProfile("small"), options.approach, options.backend);
+  options.backend.max_surroundings_m = 200.0;
+  const Box area = AreaAround({RegionAt(1, 900, 0)}, options.backend);
   const Selection selection = SelectViews(snapshot, area, options.adjustment, options.backend);
   CHECK(selection.views.size() == 10);
   CHECK(selection.num_seeing > 10);
@@ -101,18 +119,6 @@ TEST_CASE("region groups: of too many views those about the region's middle are 
   for (const View& view : selection.views) {
     CHECK(std::abs(view.world_from_camera.translation.x() - 900.0) < 300.0);
   }
-}
-
-TEST_CASE("area of interest: where no wind is known the wind from behind has to fit in") {
-  std::vector<Candidate> regions{RegionAt(1, 0, 0)};
-  const Aircraft aircraft = *AircraftProfile("small");
-  const Box unknown = AreaOfInterest(regions, aircraft, {}, {});
-  const double behind = DownwindApproachDistance(aircraft, ApproachOptions{}.unknown_wind_mps) +
-                        2.0 * LoiterRadius(aircraft, ApproachOptions{}.unknown_wind_mps);
-  CHECK(unknown.max.x() == doctest::Approx(20.0 + behind));
-  regions[0].wind = WindEstimate{.wind_in_world = {0.0, 1.0}};
-  const Box known = AreaOfInterest(regions, aircraft, {}, {});
-  CHECK(known.max.x() < unknown.max.x());
 }
 
 }  // namespace
