@@ -10,8 +10,8 @@ namespace freelsd {
 
 struct StorageState;
 
-// Invariants: a stored image is complete, and it stays while a frame refers to it, unless
-// FlightStore::RetireImages removes it.
+// Invariants: a stored image is complete, and it stays while a frame or a photo tile refers to it,
+// unless FlightStore::RetireImages removes it.
 class ImageStore {
  public:
   explicit ImageStore(StorageState& state) : state_(state) {}
@@ -22,7 +22,7 @@ class ImageStore {
   // stored.
   void Write(const std::string& sha256, std::string_view bytes);
   std::optional<std::string> Read(const std::string& sha256) const;
-  // Removes the image unless a frame refers to it.
+  // Removes the image unless a frame or a photo tile refers to it.
   void RemoveUnused(const std::string& sha256);
   // Total size of all images.
   uint64_t NumBytes() const;

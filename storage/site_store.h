@@ -32,6 +32,8 @@ struct RecallData {
 struct RecallRow {
   std::string site_id;
   std::string flight_id;
+  // As in SiteRow.
+  std::string map_id;
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
   int64_t updated_at_us = 0;
@@ -47,8 +49,10 @@ using SharedRows = std::vector<std::shared_ptr<const Row>>;
 // Result of checking a site's stored plan on later maps.
 struct Standing {
   // Id of the site on whose map the plan fails. If there are several, the one whose map was
-  // photographed last.
+  // photographed last. On a flight's map: the nearest of its sites, or the flight if it has none.
   std::optional<std::string> superseded_by;
+  // Id of that map, if it is the map of a flight; else empty.
+  std::string superseded_by_map;
   // The time at which the ground of that map was last photographed, the broken rule, and a sentence
   // with numbers.
   int64_t superseded_at_us = 0;
@@ -67,6 +71,8 @@ struct SiteRow : Standing {
   std::string id;
   std::string flight_id;
   int64_t region_id = 0;
+  // The flight's map that the site lies on. Empty: the site has a map of its own, or none.
+  std::string map_id;
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
   // GeoJSON feature; has no rank, because the rank depends on the flight's other sites.
@@ -82,7 +88,7 @@ struct SiteRow : Standing {
   std::optional<RecallData> recall;
   // Datum of the map's altitudes if `recall` is empty. Otherwise recall->altitude_datum is used.
   std::string map_datum = "unknown";
-  // Area of the map. If empty, the site's box is its touchdown point.
+  // Area of the map around the site. If empty, the site's box is its touchdown point.
   std::optional<BoundingBox> map_box;
 
   // When the ground was last photographed: on its own map, or on a later one that confirms the
@@ -90,16 +96,27 @@ struct SiteRow : Standing {
   int64_t LastSeenUs() const { return std::max(seen_at_us, confirmed_at_us.value_or(seen_at_us)); }
 };
 
-// Identifies one version of a site's map.
+// Identifies one version of a map.
 struct MapRow {
-  std::string site_id;
+  // Of the flight's map, or of the site whose own map it is.
+  std::string id;
   std::string flight_id;
+  // 0 for the map of a flight, which never changes.
   int64_t updated_at_us = 0;
   std::string altitude_datum;
   // When the ground of this map was last photographed.
   int64_t seen_at_us = 0;
-  // True if the site was accepted.
-  bool is_recallable = false;
+  // False: the site's own map.
+  bool is_of_flight = false;
+};
+
+// The result of an evaluation: what one commit changes.
+struct EvaluationRows {
+  std::vector<SiteRow> sites;
+  std::vector<std::string> forgotten_sites;
+  // Staged maps that come in force.
+  std::vector<std::string> new_maps;
+  std::vector<std::string> forgotten_maps;
 };
 
 // Standings to write, by site id.
@@ -123,6 +140,8 @@ class SiteStore {
   // Inserts or replaces the site and its map. An empty map_blob means no map. Writes the standings
   // of other sites in the same commit.
   void Put(const SiteRow& site, std::string_view map_blob, const Standings& others = {});
+  // Applies the result of an evaluation and the standings of other sites in one commit.
+  void PutEvaluation(const EvaluationRows& rows, const Standings& others);
   // Deletes the site, and writes the standings of other sites in the same commit. If there is no
   // such site, writes nothing and returns false.
   bool Delete(const std::string& site_id, const Standings& others = {});
@@ -136,12 +155,16 @@ class SiteStore {
   // returns.
   uint64_t Version() const;
   std::optional<std::string> ReadMap(const std::string& site_id) const;
-  // Ids of sites whose standing depends on this site's map.
+  // Ids of sites whose standing depends on this site's own map.
   std::vector<std::string> ListDependents(const std::string& site_id) const;
+  // The same for a flight's map.
+  std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const;
   // Ids of accepted sites that were never checked on later maps.
   std::vector<std::string> ListUnchecked() const;
-  // All sites, rejected ones included, whose map may meet the box.
+  // Maps of flights, and sites' own maps (of rejected sites too), that may meet the box.
   SharedRows<MapRow> ListMaps(const BoundingBox& box) const;
+  // Ids of accepted sites, superseded ones included, whose map or touchdown may meet the box.
+  std::vector<std::string> ListAccepted(const BoundingBox& box) const;
 
   // Recallable sites whose map or touchdown intersects the box.
   SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const;

@@ -1,6 +1,5 @@
-// Durable storage of flights, frames, images, jobs, telemetry, obstacles, and sites with their
-// maps, as rows, JSON text and blobs. Does not depend on engine types. This is the only public
-// header of storage/.
+// Durable storage of flights, frames, images, jobs, telemetry, obstacles, sites and maps, as rows,
+// JSON text and blobs. Does not depend on engine types. This is the only public header of storage/.
 //
 // When a call returns, its data are on disk (WAL, synchronous=FULL). An image file and its folder
 // are synced before a row that refers to the image is committed. There is one writer; readers never
@@ -17,6 +16,7 @@
 #include "storage/frame_store.h"
 #include "storage/image_store.h"
 #include "storage/job_store.h"
+#include "storage/map_store.h"
 #include "storage/obstacle_store.h"
 #include "storage/site_store.h"
 #include "storage/storage_error.h"
@@ -43,6 +43,7 @@ class Storage {
   JobStore jobs;
   TelemetryStore telemetry;
   SiteStore sites;
+  MapStore maps;
   ObstacleStore obstacles;
 
   // Folder for uploads that are not acknowledged yet. Opening the storage empties it.

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "storage/sqlite/flight_rows.h"
+#include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/state.h"
 
@@ -72,7 +73,8 @@ std::vector<std::string> OwnImages(const Connection& writer, const std::string& 
   std::vector<std::string> images;
   Statement statement = writer.Prepare(
       "SELECT DISTINCT sha256 FROM frames AS mine WHERE flight_id = ?1 AND NOT EXISTS ("
-      "SELECT 1 FROM frames WHERE sha256 = mine.sha256 AND flight_id <> ?1)");
+      "SELECT 1 FROM frames WHERE sha256 = mine.sha256 AND flight_id <> ?1) AND NOT EXISTS ("
+      "SELECT 1 FROM photo_tiles WHERE sha256 = mine.sha256)");
   statement.Bind(flight_id);
   while (statement.Step()) images.push_back(statement.Text(0));
   return images;
@@ -203,8 +205,14 @@ bool FlightStore::Delete(const std::string& flight_id, bool forget_sites) {
     transaction.Commit();
   }
   if (was_there && forget_sites) {
-    state_.WriteSites(
-        [&](const Connection& connection) { DeleteSiteRowsOf(connection, flight_id); });
+    std::vector<std::string> maps;
+    for (const FlightMapRow& map : ListMapRowsOf(state_.writer, flight_id)) maps.push_back(map.id);
+    const std::vector<std::string> photos = OwnPhotoFiles(state_.writer, maps);
+    images.insert(images.end(), photos.begin(), photos.end());
+    state_.WriteSites([&](const Connection& connection) {
+      DeleteSiteRowsOf(connection, flight_id);
+      DeleteMapRowsOf(connection, flight_id);
+    });
   }
   for (const std::string& sha256 : images) state_.images.Remove(sha256);
   return was_there;

@@ -1,5 +1,6 @@
 #include "storage/image_store.h"
 
+#include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/state.h"
 
 namespace freelsd {
@@ -14,8 +15,7 @@ std::optional<std::string> ImageStore::Read(const std::string& sha256) const {
 
 void ImageStore::RemoveUnused(const std::string& sha256) {
   const auto lock = state_.LockForWriting();
-  Statement statement = state_.writer.Prepare("SELECT 1 FROM frames WHERE sha256 = ?1 LIMIT 1");
-  if (!statement.Bind(sha256).Step()) state_.images.Remove(sha256);
+  if (!IsImageNeeded(state_.writer, sha256)) state_.images.Remove(sha256);
 }
 
 uint64_t ImageStore::NumBytes() const { return state_.images.NumBytes(); }

@@ -120,6 +120,83 @@ CREATE TABLE obstacles (
 ) STRICT;
 )sql";
 
+// A site may be superseded by a map without sites, so superseded_by refers to no row any more.
+// SQLite cannot drop a foreign key, so the table is written anew, while foreign keys are off.
+constexpr char kFrom7To8[] = R"sql(
+CREATE TABLE new_sites (
+  id TEXT PRIMARY KEY,
+  flight_id TEXT NOT NULL,
+  region_id INTEGER NOT NULL,
+  latitude_deg REAL NOT NULL,
+  longitude_deg REAL NOT NULL,
+  feature_json TEXT NOT NULL,
+  approach_json TEXT NOT NULL,
+  replan_json TEXT NOT NULL,
+  updated_at_us INTEGER NOT NULL,
+  checksum INTEGER,
+  superseded_by TEXT,
+  seen_at_us INTEGER NOT NULL DEFAULT 0,
+  superseded_at_us INTEGER,
+  superseded_reason TEXT NOT NULL DEFAULT '',
+  superseded_detail TEXT NOT NULL DEFAULT '',
+  confirmed_at_us INTEGER,
+  is_checked INTEGER NOT NULL DEFAULT 0,
+  map_id TEXT NOT NULL DEFAULT '',
+  superseded_by_map TEXT NOT NULL DEFAULT ''
+) STRICT;
+INSERT INTO new_sites (id, flight_id, region_id, latitude_deg, longitude_deg, feature_json,
+  approach_json, replan_json, updated_at_us, checksum, superseded_by, seen_at_us, superseded_at_us,
+  superseded_reason, superseded_detail, confirmed_at_us, is_checked)
+SELECT id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json,
+  replan_json, updated_at_us, checksum, superseded_by, seen_at_us, superseded_at_us,
+  superseded_reason, superseded_detail, confirmed_at_us, is_checked FROM sites;
+DROP TABLE sites;
+ALTER TABLE new_sites RENAME TO sites;
+CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
+CREATE INDEX sites_confirmed ON sites (confirmed_at_us) WHERE confirmed_at_us IS NOT NULL;
+CREATE INDEX sites_unchecked ON sites (id) WHERE is_checked = 0;
+CREATE INDEX sites_by_flight ON sites (flight_id);
+CREATE INDEX sites_by_place ON sites (latitude_deg, longitude_deg);
+CREATE INDEX sites_by_map ON sites (map_id) WHERE map_id <> '';
+CREATE INDEX sites_superseded_by_map ON sites (superseded_by_map) WHERE superseded_by_map <> '';
+CREATE TABLE maps (
+  id TEXT PRIMARY KEY,
+  flight_id TEXT NOT NULL,
+  number INTEGER NOT NULL,
+  head_json TEXT NOT NULL,
+  altitude_datum TEXT NOT NULL,
+  west_deg REAL NOT NULL,
+  south_deg REAL NOT NULL,
+  east_deg REAL NOT NULL,
+  north_deg REAL NOT NULL,
+  updated_at_us INTEGER NOT NULL,
+  seen_at_us INTEGER NOT NULL,
+  is_in_force INTEGER NOT NULL,
+  checksum INTEGER NOT NULL
+) STRICT;
+CREATE UNIQUE INDEX maps_by_flight ON maps (flight_id, number);
+CREATE INDEX maps_by_latitude ON maps (south_deg, north_deg) WHERE is_in_force = 1;
+
+CREATE TABLE map_tiles (
+  map_id TEXT NOT NULL REFERENCES maps (id) ON DELETE CASCADE,
+  level INTEGER NOT NULL,
+  row INTEGER NOT NULL,
+  col INTEGER NOT NULL,
+  tile BLOB NOT NULL,
+  PRIMARY KEY (map_id, level, row, col)
+) STRICT;
+
+CREATE TABLE photo_tiles (
+  map_id TEXT NOT NULL REFERENCES maps (id) ON DELETE CASCADE,
+  level INTEGER NOT NULL,
+  row INTEGER NOT NULL,
+  col INTEGER NOT NULL,
+  sha256 TEXT NOT NULL,
+  PRIMARY KEY (map_id, level, row, col)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX photo_tiles_by_image ON photo_tiles (sha256);
+)sql";
+
 }  // namespace
 
 void Migrate(const Connection& writer, int64_t version) {
@@ -129,6 +206,7 @@ void Migrate(const Connection& writer, int64_t version) {
   if (version < 5) writer.Execute(kFrom4To5);
   if (version < 6) writer.Execute(kFrom5To6);
   if (version < 7) writer.Execute(kFrom6To7);
+  if (version < 8) writer.Execute(kFrom7To8);
 }
 
 }  // namespace freelsd

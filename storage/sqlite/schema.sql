@@ -1,7 +1,7 @@
--- All durable data except the image files. This is user_version 7; application_id holds the version
+-- All durable data except the image files. This is user_version 8; application_id holds the version
 -- too (migrations.h). migrations.cc migrates older versions.
--- A second file, recall.db, has the same schema and holds a second copy of the tables of sites and
--- obstacles. It is read if this file is damaged.
+-- A second file, recall.db, has the same schema and holds a second copy of the tables of sites,
+-- obstacles and maps. It is read if this file is damaged.
 -- Times are microseconds since 1970 (UTC). Storage does not parse the text of JSON columns.
 
 CREATE TABLE flights (
@@ -87,21 +87,25 @@ CREATE TABLE sites (
   replan_json TEXT NOT NULL,                 -- region, aircraft, origin, datum
   updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
   checksum INTEGER,                          -- of the row; NULL: not computed
-  superseded_by TEXT                         -- id of the site on whose later map the stored plan fails
-    REFERENCES sites (id) ON DELETE SET NULL DEFERRABLE INITIALLY DEFERRED,
+  superseded_by TEXT,                        -- id of the site on whose later map the stored plan fails, else of the flight
   seen_at_us INTEGER NOT NULL DEFAULT 0,     -- when the ground of its map was last photographed, microseconds since 1970
   superseded_at_us INTEGER,                  -- when the ground of superseded_by was photographed; NULL: not superseded
   superseded_reason TEXT NOT NULL DEFAULT '',  -- the rule that the plan breaks there, as reject_reason; '' for none
   superseded_detail TEXT NOT NULL DEFAULT '',  -- a sentence with numbers; '' for none
   confirmed_at_us INTEGER,                   -- when the ground was photographed of the last later map where the plan holds
-  is_checked INTEGER NOT NULL DEFAULT 0      -- 0: the plan was never checked on later maps
+  is_checked INTEGER NOT NULL DEFAULT 0,     -- 0: the plan was never checked on later maps
+  map_id TEXT NOT NULL DEFAULT '',           -- of maps; '': the site's own map in site_maps, or none
+  superseded_by_map TEXT NOT NULL DEFAULT ''  -- the later map, if it is one of maps
 ) STRICT;
+CREATE INDEX sites_by_map ON sites (map_id) WHERE map_id <> '';
+CREATE INDEX sites_superseded_by_map ON sites (superseded_by_map) WHERE superseded_by_map <> '';
 CREATE INDEX sites_superseded ON sites (superseded_by) WHERE superseded_by IS NOT NULL;
 CREATE INDEX sites_confirmed ON sites (confirmed_at_us) WHERE confirmed_at_us IS NOT NULL;
 CREATE INDEX sites_unchecked ON sites (id) WHERE is_checked = 0;
 CREATE INDEX sites_by_flight ON sites (flight_id);
 CREATE INDEX sites_by_place ON sites (latitude_deg, longitude_deg);
 
+-- The site's own map. Older programs stored one for each site.
 CREATE TABLE site_maps (
   site_id TEXT PRIMARY KEY REFERENCES sites (id) ON DELETE CASCADE,
   map BLOB NOT NULL                          -- compressed layers (m, rad, 0..1), versioned inside
@@ -124,6 +128,44 @@ CREATE VIRTUAL TABLE site_boxes USING rtree (
   number,                                    -- of site_numbers
   west_deg, east_deg, south_deg, north_deg   -- WGS84: area of the site's map, touchdown included
 );
+
+-- A map of a flight. It stays when the flight is deleted, so there is no foreign key to flights.
+CREATE TABLE maps (
+  id TEXT PRIMARY KEY,                       -- '<flight>/<number>'
+  flight_id TEXT NOT NULL,
+  number INTEGER NOT NULL,                   -- within the flight; a later map has a higher one
+  head_json TEXT NOT NULL,                   -- grid, origin, photographs, deviations, quality
+  altitude_datum TEXT NOT NULL,              -- 'amsl', 'ellipsoid' or 'unknown'
+  west_deg REAL NOT NULL,                    -- WGS84 box of its grid
+  south_deg REAL NOT NULL,                   -- WGS84 degrees
+  east_deg REAL NOT NULL,                    -- WGS84 degrees
+  north_deg REAL NOT NULL,                   -- WGS84 degrees
+  updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
+  seen_at_us INTEGER NOT NULL,               -- when the ground was last photographed, microseconds since 1970
+  is_in_force INTEGER NOT NULL,              -- 0: an unfinished evaluation writes it
+  checksum INTEGER NOT NULL                  -- of the row, without is_in_force
+) STRICT;
+CREATE UNIQUE INDEX maps_by_flight ON maps (flight_id, number);
+CREATE INDEX maps_by_latitude ON maps (south_deg, north_deg) WHERE is_in_force = 1;
+
+CREATE TABLE map_tiles (
+  map_id TEXT NOT NULL REFERENCES maps (id) ON DELETE CASCADE,
+  level INTEGER NOT NULL,                    -- cells are 2^level cells of the map wide
+  row INTEGER NOT NULL,                      -- from the world's origin to the south
+  col INTEGER NOT NULL,                      -- from the world's origin to the east
+  tile BLOB NOT NULL,                        -- compressed layers (m, rad, 0..1), versioned inside
+  PRIMARY KEY (map_id, level, row, col)
+) STRICT;
+
+CREATE TABLE photo_tiles (
+  map_id TEXT NOT NULL REFERENCES maps (id) ON DELETE CASCADE,
+  level INTEGER NOT NULL,                    -- pixels are 2^level pixels of level 0 wide
+  row INTEGER NOT NULL,                      -- from the world's origin to the south
+  col INTEGER NOT NULL,                      -- from the world's origin to the east
+  sha256 TEXT NOT NULL,                      -- of the image file, lower-case hex; also the file's name
+  PRIMARY KEY (map_id, level, row, col)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX photo_tiles_by_image ON photo_tiles (sha256);
 
 -- What photographs do not show: wires, masts, airspaces, people.
 CREATE TABLE obstacles (

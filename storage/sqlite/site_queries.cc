@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "storage/sqlite/checksum.h"
+#include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/obstacle_rows.h"
 #include "storage/sqlite/site_standings.h"
 #include "storage/storage_error.h"
@@ -13,8 +14,10 @@ namespace {
 constexpr BoundingBox kWholeEarth{-180.0, -90.0, 180.0, 90.0};
 
 int64_t ChecksumOf(const SiteRow& site) {
-  return Checksum()
-      .Add(site.id)
+  Checksum checksum;
+  // Rows of older programs have no map's id.
+  if (!site.map_id.empty()) checksum.Add(site.map_id);
+  return checksum.Add(site.id)
       .Add(site.flight_id)
       .Add(site.region_id)
       .Add(site.latitude_deg)
@@ -28,8 +31,9 @@ int64_t ChecksumOf(const SiteRow& site) {
 }
 
 int64_t ChecksumOf(const RecallRow& row) {
-  return Checksum()
-      .Add(row.site_id)
+  Checksum checksum;
+  if (!row.map_id.empty()) checksum.Add(row.map_id);
+  return checksum.Add(row.site_id)
       .Add(row.latitude_deg)
       .Add(row.longitude_deg)
       .Add(row.updated_at_us)
@@ -64,14 +68,15 @@ SiteRow RowOf(const Statement& statement) {
   site.replan_json = statement.Text(7);
   site.updated_at_us = statement.Int(8);
   site.seen_at_us = statement.Int(10);
-  static_cast<Standing&>(site) = StandingAt(statement, 11);
+  site.map_id = statement.Text(11);
+  static_cast<Standing&>(site) = StandingAt(statement, 12);
   return Checked(site, statement, 9);
 }
 
 Statement SelectSites(const Connection& connection, const std::string& which) {
   const std::string select =
       "SELECT id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
-      "replan_json, updated_at_us, checksum, seen_at_us, " +
+      "replan_json, updated_at_us, checksum, seen_at_us, map_id, " +
       std::string(kStandingColumns) + " FROM sites ";
   return connection.Prepare((select + which).c_str());
 }
@@ -96,6 +101,7 @@ RecallRow RecallRowOf(const Statement& statement) {
               statement.Text(8),
               statement.Real(9),
               statement.Text(10)};
+  row.map_id = statement.Text(13);
   row = Checked(row, statement, 11);
   // Changed only after the checksum was compared, because the checksum covers the stored value.
   row.seen_at_us = std::max(row.seen_at_us, statement.OptionalInt(12).value_or(row.seen_at_us));
@@ -106,10 +112,10 @@ void PutSiteRow(const Connection& writer, const SiteRow& site) {
   writer
       .Prepare(
           "INSERT INTO sites (id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, "
-          "approach_json, replan_json, updated_at_us, checksum, seen_at_us) VALUES (?1, ?2, ?3, "
-          "?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11) ON CONFLICT (id) DO UPDATE SET latitude_deg = ?4, "
-          "longitude_deg = ?5, feature_json = ?6, approach_json = ?7, replan_json = ?8, "
-          "updated_at_us = ?9, checksum = ?10, seen_at_us = ?11")
+          "approach_json, replan_json, updated_at_us, checksum, seen_at_us, map_id) VALUES (?1, "
+          "?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12) ON CONFLICT (id) DO UPDATE SET "
+          "latitude_deg = ?4, longitude_deg = ?5, feature_json = ?6, approach_json = ?7, "
+          "replan_json = ?8, updated_at_us = ?9, checksum = ?10, seen_at_us = ?11, map_id = ?12")
       .Bind(site.id,
             site.flight_id,
             site.region_id,
@@ -120,7 +126,8 @@ void PutSiteRow(const Connection& writer, const SiteRow& site) {
             site.replan_json,
             site.updated_at_us,
             ChecksumOf(site),
-            site.seen_at_us)
+            site.seen_at_us,
+            site.map_id)
       .Run();
 }
 
@@ -144,6 +151,7 @@ void PutRecall(const Connection& writer, const SiteRow& site) {
   if (!site.recall) data.altitude_datum = site.map_datum;
   const RecallRow row{site.id,
                       site.flight_id,
+                      site.map_id,
                       site.latitude_deg,
                       site.longitude_deg,
                       site.updated_at_us,
@@ -177,14 +185,15 @@ SiteRow WholeSite(const Connection& connection, const std::string& site_id) {
   Statement recall = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "confirmed_at_us, is_recallable, west_deg, south_deg, east_deg, north_deg FROM site_numbers "
+      "confirmed_at_us, map_id, is_recallable, west_deg, south_deg, east_deg, north_deg "
+      "FROM site_numbers "
       "JOIN sites ON sites.id = site_id "
       "JOIN site_boxes USING (number) WHERE site_id = ?1");
   if (!recall.Bind(site_id).Step()) return site;
   const RecallData data = RecallRowOf(recall).data;
   site.map_datum = data.altitude_datum;
-  if (recall.Int(13) != 0) site.recall = data;
-  site.map_box = BoundingBox{recall.Real(14), recall.Real(15), recall.Real(16), recall.Real(17)};
+  if (recall.Int(14) != 0) site.recall = data;
+  site.map_box = BoxOf(recall, 15);
   return site;
 }
 
@@ -247,7 +256,7 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
   Statement statement = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "confirmed_at_us, west_deg, south_deg, east_deg, north_deg FROM site_boxes "
+      "confirmed_at_us, map_id, west_deg, south_deg, east_deg, north_deg FROM site_boxes "
       "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
       "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
       "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1 AND "
@@ -255,28 +264,28 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
   statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
   while (statement.Step()) {
     rows.push_back(
-        {BoxOf(statement, 13), std::make_shared<const RecallRow>(RecallRowOf(statement))});
+        {BoxOf(statement, 14), std::make_shared<const RecallRow>(RecallRowOf(statement))});
   }
   return rows;
 }
 
 BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
-  BoxCache<MapRow>::Rows rows;
+  BoxCache<MapRow>::Rows rows = ListFlightMapRows(connection, box);
   Statement statement = connection.Prepare(
-      "SELECT sites.id, flight_id, updated_at_us, altitude_datum, seen_at_us, is_recallable, "
-      "west_deg, south_deg, east_deg, north_deg FROM site_boxes JOIN site_numbers USING (number) "
+      "SELECT sites.id, flight_id, updated_at_us, altitude_datum, seen_at_us, west_deg, south_deg, "
+      "east_deg, north_deg FROM site_boxes JOIN site_numbers USING (number) "
       "JOIN sites ON sites.id = site_id "
       "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
-      "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2");
+      "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND map_id = ''");
   statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
   while (statement.Step()) {
-    rows.push_back({BoxOf(statement, 6),
+    rows.push_back({BoxOf(statement, 5),
                     std::make_shared<const MapRow>(MapRow{statement.Text(0),
                                                           statement.Text(1),
                                                           statement.Int(2),
                                                           statement.Text(3),
                                                           statement.Int(4),
-                                                          statement.Int(5) != 0})});
+                                                          false})});
   }
   return rows;
 }
@@ -304,10 +313,11 @@ void CheckSiteRows(const Connection& connection) {
   Statement recall = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "confirmed_at_us, site_boxes.number FROM sites LEFT JOIN site_numbers ON site_id = sites.id "
+      "confirmed_at_us, map_id, site_boxes.number FROM sites LEFT JOIN site_numbers ON site_id = "
+      "sites.id "
       "LEFT JOIN site_boxes USING (number)");
   while (recall.Step()) {
-    if (!recall.OptionalInt(13)) {
+    if (!recall.OptionalInt(14)) {
       throw StorageError("read a site", "it has no bounding box", StorageFault::kDamaged);
     }
     RecallRowOf(recall);
@@ -338,6 +348,7 @@ void CopySites(const Connection& from, const Connection& to) {
     PutSiteRows(to, WholeSite(from, id), ReadMapBlob(from, id).value_or(""));
   }
   CopyObstacles(from, to);
+  CopyMaps(from, to);
   transaction.Commit();
 }
 

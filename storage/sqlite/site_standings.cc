@@ -12,6 +12,7 @@ Standing StandingAt(const Statement& statement, int first_column) {
   standing.superseded_detail = statement.Text(first_column + 3);
   standing.confirmed_at_us = statement.OptionalInt(first_column + 4);
   standing.is_checked = statement.Int(first_column + 5) != 0;
+  standing.superseded_by_map = statement.Text(first_column + 6);
   return standing;
 }
 
@@ -21,14 +22,15 @@ void PutStandings(const Connection& writer, const Standings& standings) {
         .Prepare(
             "UPDATE sites SET superseded_by = nullif(?2, ''), superseded_at_us = nullif(?3, 0), "
             "superseded_reason = ?4, superseded_detail = ?5, confirmed_at_us = nullif(?6, 0), "
-            "is_checked = ?7 WHERE id = ?1")
+            "is_checked = ?7, superseded_by_map = ?8 WHERE id = ?1")
         .Bind(id,
               standing.superseded_by.value_or(""),
               standing.superseded_at_us,
               standing.superseded_reason,
               standing.superseded_detail,
               standing.confirmed_at_us.value_or(0),
-              static_cast<int>(standing.is_checked))
+              static_cast<int>(standing.is_checked),
+              standing.superseded_by_map)
         .Run();
   }
 }

@@ -1,5 +1,6 @@
 #include "storage/site_store.h"
 
+#include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/site_standings.h"
 #include "storage/sqlite/state.h"
@@ -23,6 +24,19 @@ void SiteStore::Put(const SiteRow& site, std::string_view map_blob, const Standi
     PutSiteRows(connection, site, map_blob);
     PutStandings(connection, others);
   });
+}
+
+void SiteStore::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
+  const auto lock = state_.LockForWriting();
+  const std::vector<std::string> files = OwnPhotoFiles(state_.writer, rows.forgotten_maps);
+  state_.WriteSites([&](const Connection& connection) {
+    for (const std::string& id : rows.forgotten_sites) DeleteSiteRows(connection, id);
+    for (const std::string& id : rows.forgotten_maps) DeleteMapRow(connection, id);
+    for (const std::string& id : rows.new_maps) PutMapInForce(connection, id);
+    for (const SiteRow& site : rows.sites) PutSiteRows(connection, site, {});
+    PutStandings(connection, others);
+  });
+  for (const std::string& sha256 : files) state_.images.Remove(sha256);
 }
 
 std::optional<SiteRow> SiteStore::Find(const std::string& site_id) const {
@@ -110,6 +124,15 @@ std::vector<std::string> SiteStore::ListDependents(const std::string& site_id) c
   });
 }
 
+std::vector<std::string> SiteStore::ListDependentsOfMap(const std::string& map_id) const {
+  return state_.ReadSites([&](const Connection& connection) {
+    Statement statement = connection.Prepare(
+        "SELECT id FROM sites WHERE superseded_by_map = ?1 UNION SELECT id FROM sites "
+        "WHERE confirmed_at_us = (SELECT seen_at_us FROM maps WHERE id = ?1) ORDER BY id");
+    return IdsOf(statement.Bind(map_id));
+  });
+}
+
 std::vector<std::string> SiteStore::ListUnchecked() const {
   return state_.ReadSites([](const Connection& connection) {
     Statement statement = connection.Prepare(
@@ -121,6 +144,23 @@ std::vector<std::string> SiteStore::ListUnchecked() const {
 
 SharedRows<MapRow> SiteStore::ListMaps(const BoundingBox& box) const {
   return state_.RowsWithin(state_.map_rows, box, ListMapRows);
+}
+
+std::vector<std::string> SiteStore::ListAccepted(const BoundingBox& box) const {
+  return state_.ReadSites([&](const Connection& connection) {
+    std::vector<std::string> ids;
+    for (const BoundingBox& part : PlainBoxes(box)) {
+      Statement statement = connection.Prepare(
+          "SELECT site_id FROM site_boxes JOIN site_numbers USING (number) "
+          "WHERE west_deg <= ?3 AND east_deg >= ?1 AND south_deg <= ?4 AND north_deg >= ?2 AND "
+          "is_recallable = 1 ORDER BY site_id");
+      for (std::string& id :
+           IdsOf(statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg))) {
+        ids.push_back(std::move(id));
+      }
+    }
+    return ids;
+  });
 }
 
 bool SiteStore::Delete(const std::string& site_id, const Standings& others) {

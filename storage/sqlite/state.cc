@@ -4,6 +4,7 @@
 #include <set>
 
 #include "storage/sqlite/damage.h"
+#include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/migrations.h"
 #include "storage/sqlite/obstacle_rows.h"
 #include "storage/sqlite/site_queries.h"
@@ -24,6 +25,26 @@ std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
   return folder;
 }
 
+// Foreign keys are off while it lives. Must not begin or end within a transaction.
+class WithoutForeignKeys {
+ public:
+  explicit WithoutForeignKeys(const Connection& connection) : connection_(connection) {
+    connection_.Execute("PRAGMA foreign_keys = OFF");
+  }
+  ~WithoutForeignKeys() {
+    try {
+      connection_.Execute("PRAGMA foreign_keys = ON");
+    } catch (const StorageError&) {
+      // The connection is closed: opening the storage has failed.
+    }
+  }
+  WithoutForeignKeys(const WithoutForeignKeys&) = delete;
+  WithoutForeignKeys& operator=(const WithoutForeignKeys&) = delete;
+
+ private:
+  const Connection& connection_;
+};
+
 // Creates the schema or migrates an older one, in one transaction. True if it was created.
 bool OpenSchema(const Connection& writer) {
   Statement statement = writer.Prepare("PRAGMA user_version");
@@ -37,6 +58,7 @@ bool OpenSchema(const Connection& writer) {
                            std::to_string(kSchemaVersion),
                        StorageFault::kNewer);
   }
+  const WithoutForeignKeys without_foreign_keys(writer);
   Transaction transaction(writer);
   if (version == 0) {
     writer.Execute(kSchemaSql);
@@ -82,10 +104,11 @@ void ExpectOk(const Connection& connection, const char* sql) {
 // Throws StorageError kDamaged if a site is damaged. It leaves out maps: they are many times
 // larger, and each map has a checksum that is compared when the map is read.
 void CheckSites(const Connection& connection) {
-  for (const char* table : {"sites", "site_numbers", "obstacles"}) {
+  for (const char* table : {"sites", "site_numbers", "obstacles", "maps"}) {
     ExpectOk(connection, (std::string("PRAGMA integrity_check(") + table + ")").c_str());
   }
   ListObstacleRows(connection);
+  CheckMapRows(connection);
   ExpectOk(connection, "SELECT rtreecheck('site_boxes')");
   CheckSiteRows(connection);
 }
@@ -97,7 +120,8 @@ void CheckWhole(const Connection& connection) {
 
 std::set<std::string> ImagesInUse(const Connection& writer) {
   std::set<std::string> images;
-  Statement statement = writer.Prepare("SELECT DISTINCT sha256 FROM frames");
+  Statement statement =
+      writer.Prepare("SELECT sha256 FROM frames UNION SELECT sha256 FROM photo_tiles");
   while (statement.Step()) images.insert(statement.Text(0));
   return images;
 }
@@ -161,13 +185,11 @@ void StorageState::WriteCopy(const std::function<void(const Connection&)>& write
     Transaction transaction(copy_writer);
     write(copy_writer);
     transaction.Commit();
-    ++sites_version;
   } catch (const StorageError& error) {
     const bool is_damage = error.fault == StorageFault::kDamaged;
     if (is_damage) MarkCopyDamaged(error.what());
     // The main database now has a change that the copy lacks.
     is_copy_whole = false;
-    ++sites_version;
     if (!is_damage) throw;
   }
 }
@@ -183,13 +205,18 @@ void StorageState::BringTogether() {
     }
   };
   on_copy([&] { OpenSchema(copy_writer); });
+  DeleteUnfinishedMaps(writer);
+  on_copy([&] { DeleteUnfinishedMaps(copy_writer); });
   if (is_new) return on_copy([&] { CopySites(copy_writer, writer); });
   // The databases differ after a kill between two commits, but also after damage. The main database
   // is checked before its sites replace the copy's.
   const SiteStamps sites = StampsOf(writer);
   const auto obstacles = ObstacleStampsOf(writer);
-  const bool is_same = on_copy(
-      [&] { return StampsOf(copy_writer) == sites && ObstacleStampsOf(copy_writer) == obstacles; });
+  const MapStamps maps = MapStampsOf(writer);
+  const bool is_same = on_copy([&] {
+    return StampsOf(copy_writer) == sites && ObstacleStampsOf(copy_writer) == obstacles &&
+           MapStampsOf(copy_writer) == maps;
+  });
   if (is_same) return;
   CheckSites(writer);
   on_copy([&] { CopySites(writer, copy_writer); });

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <stdexcept>
@@ -105,10 +106,17 @@ struct StorageState {
     auto found = ReadSites(find);
     return found ? found : ReadForRecall(find);
   }
-  // Applies the same change to both databases, each in its own transaction. The caller holds
-  // LockForWriting.
+  // Applies the same change of sites or maps to both databases, each in its own transaction. The
+  // caller holds LockForWriting.
   template <typename Write>
   void WriteSites(Write write) {
+    const VersionStep step(sites_version);
+    WriteUnseen(write);
+  }
+
+  // The same for a change that no reader sees: of maps that are not in force.
+  template <typename Write>
+  void WriteUnseen(Write write) {
     {
       Transaction transaction(writer);
       write(writer);
@@ -134,7 +142,7 @@ struct StorageState {
   std::mutex write_mutex;
   Connection writer;
   ReaderPool readers;
-  // The second copy, which holds only sites and obstacles.
+  // The second copy, which holds only sites, obstacles and maps.
   Connection copy_writer;
   ReaderPool copy_readers;
   std::atomic<bool> is_damaged{false};
@@ -150,6 +158,8 @@ struct StorageState {
   std::mutex bounds_mutex;
   uint64_t bounds_version = 0;
   RecallBounds bounds;
+  // By flight. Guarded by write_mutex.
+  std::map<std::string, int64_t> last_map_numbers;
 
  private:
   void WriteCopy(const std::function<void(const Connection&)>& write);

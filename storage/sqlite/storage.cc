@@ -18,6 +18,7 @@ Storage::Storage(const std::filesystem::path& folder)
       jobs(*state_),
       telemetry(*state_),
       sites(*state_),
+      maps(*state_),
       obstacles(*state_) {
   std::error_code error;
   std::filesystem::remove_all(SpoolFolder(), error);

@@ -205,7 +205,7 @@ INSERT INTO site_boxes SELECT number, 8.0, 8.0, 51.0, 51.0 FROM site_numbers WHE
   const Storage storage(folder.path());
   std::map<std::string, std::string> datums;
   for (const auto& map : storage.sites.ListMaps({7.0, 50.5, 9.0, 51.5})) {
-    datums[map->site_id] = map->altitude_datum;
+    datums[map->id] = map->altitude_datum;
     CHECK(map->flight_id == "f");
   }
   CHECK((datums == std::map<std::string, std::string>{{"a", "amsl"},
