@@ -166,10 +166,7 @@ std::vector<StoredSite> RankSites(std::vector<StoredSite> sites);
 // --- The map of a site ---
 
 // The part of an evaluation's map around one site. It is stored, drawn and used for new plans.
-struct SiteMap {
-  ElevationMap map;
-  HazardLayers layers;
-};
+using SiteMap = AssessedMap;
 // Thrown if the stored bytes differ from the bytes that were written.
 class DamagedMap : public std::runtime_error {
  public:

@@ -85,20 +85,25 @@ FlightContext ContextOf(const KeptSite& kept) {
   return {kept.row.flight_id, datum, LocalFrame(replan.origin)};
 }
 
-nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call& call) {
-  const auto kept = SiteWithMap(service, site);
-  const Replan& replan = kept->replan;
-  const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
-  const auto kept_plan = service.maps.PlanFor(kept, aircraft, WindOf(call, replan.request));
-  const Plan& plan = *kept_plan;
-  const FlightContext context = ContextOf(*kept);
-  if (!plan.approach)
-    throw ApiError("NoApproach", "no approach for this wind: " + plan.reject_detail);
+nlohmann::json PlanJson(const Plan& plan, const Aircraft& aircraft, const FlightContext& context) {
   nlohmann::json answer = ApproachJson(plan, context);
   answer["plan"] = PlanProperties(plan, context);
   answer["plan"]["aircraft"] = AircraftJson(aircraft);
   answer["plan"]["warnings"] = LimitsWarnings(aircraft);
   return answer;
+}
+
+nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call& call) {
+  const auto stored = SiteWithMap(service, site);
+  const Replan& replan = stored->replan;
+  const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
+  const auto wind = WindOf(call, replan.request);
+  const auto kept = service.maps.Covering(service.storage, stored, aircraft, wind);
+  const auto plan = service.maps.PlanFor(kept, aircraft, wind);
+  if (!plan->approach) {
+    throw ApiError("NoApproach", "no approach for this wind: " + plan->reject_detail);
+  }
+  return PlanJson(*plan, aircraft, ContextOf(*kept));
 }
 
 [[noreturn]] void Refuse(const std::string& parameter, const std::string& detail) {
@@ -113,6 +118,66 @@ double NeededDegrees(const Call& call, const std::string& name, double most) {
     Refuse(name, "must be in [-" + bound + ", " + bound + "]");
   }
   return *degrees;
+}
+
+GeoPoint PlaceOf(const Call& call) {
+  return {
+      NeededDegrees(call, "latitude_deg", 90.0), NeededDegrees(call, "longitude_deg", 180.0), 0.0};
+}
+
+// A place on a flight's map, with the aircraft and the wind of the query.
+struct PlaceOnMap {
+  std::shared_ptr<const FlightMap> map;
+  std::shared_ptr<const KeptSite> site;
+  Aircraft aircraft;
+  std::optional<Eigen::Vector2d> wind_in_world;
+};
+
+PlaceOnMap PlaceOnFlightMap(const Service& service, const Call& call) {
+  const GeoPoint place = PlaceOf(call);
+  const StoredSites stored{service.storage, service.maps};
+  PlaceOnMap on;
+  on.map = MapAt(stored, call.Id("flight"), place);
+  if (!on.map) {
+    ExistingFlight(service, call);
+    throw ApiError("NoMap", "no map of the flight shows this place");
+  }
+  const MapHead& head = on.map->head;
+  PlanRequest usual;
+  if (head.wind) usual.wind_in_world = head.wind->wind_in_world;
+  on.aircraft = AircraftOf(call, ParseFlightRequest(head.flight_json).aircraft);
+  on.wind_in_world = WindOf(call, usual);
+  on.site = SiteAt(stored, *on.map, place, on.aircraft, on.wind_in_world);
+  return on;
+}
+
+// Photographs that show a place of the site's map; nothing if the map does not know.
+std::optional<std::vector<std::string>> FramesAt(const Service& service,
+                                                 const std::string& map_id,
+                                                 const Eigen::Vector2d& place_in_world,
+                                                 const std::optional<double>& height) {
+  if (map_id.empty() || !height) return std::nullopt;
+  const auto map = service.maps.flight_maps().Find(service.storage, map_id);
+  if (!map) return std::nullopt;
+  return FramesThatShow(*map, place_in_world, *height);
+}
+
+// The answer for a place, judged on a site's map.
+void AnswerJudgement(const Service& service,
+                     const KeptSite& site,
+                     const PlaceJudgement& judgement,
+                     const Aircraft& aircraft,
+                     const Eigen::Vector2d& place_in_world,
+                     httplib::Response& response) {
+  const auto frames = FramesAt(service, site.row.map_id, place_in_world, judgement.height);
+  nlohmann::json answer = PlaceJudgementJson(judgement, place_in_world, frames, ContextOf(site));
+  answer["warnings"] = LimitsWarnings(aircraft);
+  response.set_content(answer.dump(), "application/json");
+}
+
+Eigen::Vector2d InWorldOf(const KeptSite& site, GeoPoint place) {
+  place.altitude_m = site.replan.origin.altitude_m;
+  return LocalFrame(site.replan.origin).WorldFromGeo(place).head<2>();
 }
 
 std::vector<double> SpeedsOf(const std::string& text) {
@@ -170,29 +235,55 @@ void GetApproach(Service& service, const Call& call, httplib::Response& response
 
 void GetWhy(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow site = ExistingSite(service, call);
-  GeoPoint place{
-      NeededDegrees(call, "latitude_deg", 90.0), NeededDegrees(call, "longitude_deg", 180.0), 0.0};
-  const auto kept = SiteWithMap(service, site);
-  const Replan& replan = kept->replan;
+  const GeoPoint place = PlaceOf(call);
+  const auto stored = SiteWithMap(service, site);
+  const Replan& replan = stored->replan;
   const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
-  const FlightContext context = ContextOf(*kept);
-  place.altitude_m = replan.origin.altitude_m;
-  const Eigen::Vector2d place_in_world = context.local_frame.WorldFromGeo(place).head<2>();
+  const auto wind = WindOf(call, replan.request);
+  const auto kept = service.maps.Covering(service.storage, stored, aircraft, wind);
+  const Eigen::Vector2d place_in_world = InWorldOf(*kept, place);
   const PlaceJudgement judgement =
       service.maps.PlannerFor(kept, aircraft)
-          ->planner.Judge(
-              place_in_world, WindOf(call, replan.request), replan.flight.options.hazard);
-  nlohmann::json answer = PlaceJudgementJson(judgement, place_in_world, context);
-  answer["warnings"] = LimitsWarnings(aircraft);
-  response.set_content(answer.dump(), "application/json");
+          ->planner.Judge(place_in_world, wind, replan.flight.options.hazard);
+  AnswerJudgement(service, *kept, judgement, aircraft, place_in_world, response);
+}
+
+void GetFlightWhy(Service& service, const Call& call, httplib::Response& response) {
+  const PlaceOnMap on = PlaceOnFlightMap(service, call);
+  const Eigen::Vector2d place_in_world = InWorldOf(*on.site, PlaceOf(call));
+  const StoredMapPlanner on_map(on.site->replan, on.aircraft, on.site->obstructed_map);
+  const PlaceJudgement judgement =
+      on_map.planner.Judge(place_in_world, on.wind_in_world, on.site->replan.flight.options.hazard);
+  AnswerJudgement(service, *on.site, judgement, on.aircraft, place_in_world, response);
+}
+
+void GetFlightLanding(Service& service, const Call& call, httplib::Response& response) {
+  const PlaceOnMap on = PlaceOnFlightMap(service, call);
+  const StoredMapPlanner on_map(on.site->replan, on.aircraft, on.site->obstructed_map);
+  const Plan plan = CheckedBeyondMap(on_map.planner.PlanFor(on.wind_in_world),
+                                     on.site->obstructed_map.map,
+                                     on.aircraft,
+                                     on.site->obstacles,
+                                     {});
+  if (plan.verdict == Verdict::kRejected || !plan.approach) {
+    throw ApiError("NoApproach",
+                   "no landing within " + std::to_string(std::lround(kLandingRadiusM)) +
+                       " m: " + plan.reject_detail);
+  }
+  response.set_content(PlanJson(plan, on.aircraft, ContextOf(*on.site)).dump(), kGeoJson);
 }
 
 void GetWindRose(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow site = ExistingSite(service, call);
   const WindRoseOptions options = RoseOf(call);
-  const auto kept = SiteWithMap(service, site);
-  const Aircraft aircraft = AircraftOf(call, kept->replan.flight.aircraft);
+  const auto stored = SiteWithMap(service, site);
+  const Aircraft aircraft = AircraftOf(call, stored->replan.flight.aircraft);
   const SemaphoreSlot slot(service.rose_planners);
+  // The circle is largest in the strongest wind, the final longest in the weakest.
+  auto kept = stored;
+  for (const double speed_mps : {options.speeds_mps.front(), options.speeds_mps.back()}) {
+    kept = service.maps.Covering(service.storage, kept, aircraft, Eigen::Vector2d(speed_mps, 0.0));
+  }
   const auto on_map = service.maps.PlannerFor(kept, aircraft);
   WindRose rose = PlanWindRose(on_map->planner, options);
   for (Plan& plan : rose.plans) {

@@ -102,11 +102,7 @@ void DeleteFlight(Service& service, const Call& call, httplib::Response& respons
   const FlightRow flight = ExistingFlight(service, call);
   {
     const std::lock_guard lock(service.sites_mutex);
-    if (forget_sites) {
-      for (const SiteRow& site : service.storage.sites.List(flight.id, std::nullopt)) {
-        ForgetSite(service.storage, service.maps, site.id);
-      }
-    }
+    if (forget_sites) ForgetFlight(service.storage, service.maps, flight.id);
     service.storage.flights.Delete(flight.id, forget_sites);
   }
   service.alternates.Forget(flight.id);

@@ -41,6 +41,8 @@ void DeleteSite(Service& service, const Call& call, httplib::Response& response)
 // approach_handler.cc
 void GetApproach(Service& service, const Call& call, httplib::Response& response);
 void GetWhy(Service& service, const Call& call, httplib::Response& response);
+void GetFlightWhy(Service& service, const Call& call, httplib::Response& response);
+void GetFlightLanding(Service& service, const Call& call, httplib::Response& response);
 void GetWindRose(Service& service, const Call& call, httplib::Response& response);
 
 // export_handler.cc
@@ -53,6 +55,14 @@ void GetLayers(Service& service, const Call& call, httplib::Response& response);
 void GetLayerPicture(Service& service, const Call& call, httplib::Response& response);
 void GetLayerGeoTiff(Service& service, const Call& call, httplib::Response& response);
 void GetLayerLegend(Service& service, const Call& call, httplib::Response& response);
+
+// map_handlers.cc
+void GetFlightMap(Service& service, const Call& call, httplib::Response& response);
+void GetMapTilePng(Service& service, const Call& call, httplib::Response& response);
+void GetMapTileJpeg(Service& service, const Call& call, httplib::Response& response);
+void GetMapGeoTiff(Service& service, const Call& call, httplib::Response& response);
+void GetMapKmz(Service& service, const Call& call, httplib::Response& response);
+void GetMapLegend(Service& service, const Call& call, httplib::Response& response);
 
 // emergency_handlers.cc
 void GetEmergency(Service& service, const Call& call, httplib::Response& response);

@@ -105,11 +105,19 @@ ExportOptions ExportOptionsOf(const Call& call) {
 }
 
 std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site) {
-  const std::optional<std::string> blob = service.storage.sites.ReadMap(site.id);
-  if (!blob) return std::nullopt;
-  SiteMap map = DeserializeSiteMap(*blob);
-  map.layers.min_grass_posterior =
-      ParseReplan(site.replan_json).flight.options.hazard.cover.min_grass_posterior;
+  const auto kept = service.maps.Get(service.storage, site.id, site.updated_at_us);
+  if (!kept) return std::nullopt;
+  const FlightRequest& flight = kept->replan.flight;
+  const PipelineOptions& options = flight.options;
+  SiteMap map = CropAround(kept->site_map.map,
+                           kept->site_map.layers,
+                           kept->replan.request.footprint,
+                           options.backend.max_surroundings_m);
+  if (map.map.elevation.empty()) return map;
+  map.layers = WithLimits(map.map,
+                          map.layers,
+                          {flight.aircraft.max_slope_deg, flight.aircraft.max_roughness_m},
+                          options.hazard);
   return map;
 }
 

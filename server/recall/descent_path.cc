@@ -165,8 +165,7 @@ ToldPath PathToTell(const StoredSites& stored,
   const Approach& approach = *task.plan->approach;
   const double start_height = approach.approach_start_in_world.z();
   const double lowering_per_s = LoweringPerSecond(shortest.descent, task.worst);
-  const auto terrain =
-      stored.maps.TerrainOf(stored.storage, candidate.row->site_id, candidate.row->updated_at_us);
+  const auto terrain = TerrainBelow(stored, *candidate.row);
   if (!terrain) return shortest;
   ToldPath told = shortest;
   const auto is_safe = [&](const Descent& longer) {

@@ -61,16 +61,19 @@ std::shared_ptr<const KeptSite> Obstructed(const KeptSite& site, const KnownObst
   auto kept = std::make_shared<KeptSite>(site);
   kept->obstacles_key = KeyOf(obstacles);
   kept->obstacles = InWorld(obstacles, LocalFrame(site.replan.origin), ReferenceOf(site));
-  ObstructedGround ground =
-      WithObstacles(site.site_map.map, site.site_map.layers, kept->obstacles, {});
+  AssessedMap ground = WithObstacles(site.site_map.map, site.site_map.layers, kept->obstacles, {});
   kept->obstructed_map = {std::move(ground.map), std::move(ground.layers)};
   return kept;
+}
+
+int NumCellsPerBlock(double cell_size_m) {
+  return std::max(1, static_cast<int>(std::floor(kMaxBlockM / cell_size_m)));
 }
 
 // Never lower than the map.
 KeptTerrain TerrainOn(const KeptSite& site) {
   const ElevationMap& map = site.obstructed_map.map;
-  const int side = std::max(1, static_cast<int>(std::floor(kMaxBlockM / map.grid.cell_size_m)));
+  const int side = NumCellsPerBlock(map.grid.cell_size_m);
   KeptTerrain terrain{site.replan.origin, map.grid, {}, {}, site.surroundings, site.obstacles_key};
   terrain.grid.cell_size_m *= side;
   terrain.grid.num_rows = (map.grid.num_rows + side - 1) / side;
@@ -91,22 +94,63 @@ KeptTerrain TerrainOn(const KeptSite& site) {
   return terrain;
 }
 
-// Nothing if the site cannot be used: one damaged site must not fail the whole answer.
-std::shared_ptr<const KeptSite> ReadSite(const Storage& storage, const std::string& site_id) {
-  const std::optional<SiteRow> row = storage.sites.Find(site_id);
-  const std::optional<std::string> blob = storage.sites.ReadMap(site_id);
-  if (!row || !blob) return nullptr;
-  auto kept = std::make_shared<KeptSite>();
-  kept->row = *row;
-  kept->replan = ParseReplan(row->replan_json);
-  kept->site_map = DeserializeSiteMap(*blob);
-  kept->surroundings = SurroundingsOf(kept->replan.origin, kept->site_map.map.grid);
+// Level of the map whose cells are the largest that a block may be.
+int LevelOfBlocks(const MapHead& head) {
+  int level = 0;
+  while (level + 1 < head.num_levels &&
+         std::ldexp(head.grid.cell_size_m, level + 1) <= kMaxBlockM) {
+    ++level;
+  }
+  return level;
+}
+
+double ReachFor(const Replan& replan,
+                const Aircraft& aircraft,
+                const std::optional<Eigen::Vector2d>& wind_in_world) {
+  const PipelineOptions& options = replan.flight.options;
+  return PlanReach(aircraft,
+                   wind_in_world,
+                   replan.request.wind_spread_mps,
+                   options.backend.max_surroundings_m,
+                   options.approach);
+}
+
+}  // namespace
+
+KeptSite MapCache::ReadSite(const Storage& storage, const SiteRow& row, double reach) {
+  KeptSite kept;
+  kept.row = row;
+  kept.replan = ParseReplan(row.replan_json);
+  const PlanRequest& request = kept.replan.request;
+  if (row.map_id.empty()) {
+    kept.reach = std::numeric_limits<double>::infinity();
+    kept.site_map = DeserializeSiteMap(storage.sites.ReadMap(row.id).value());
+  } else {
+    const auto map = flight_maps_.Find(storage, row.map_id);
+    if (!map) throw std::runtime_error("its map " + row.map_id + " is not stored");
+    kept.reach =
+        std::max(reach, ReachFor(kept.replan, kept.replan.flight.aircraft, request.wind_in_world));
+    const Grid& whole = map->head.grid;
+    const Grid around = whole.Part(whole.CellsAround(request.footprint, kept.reach));
+    kept.site_map = flight_maps_.Read(storage, *map, 0, around, TileLayers::kPlanning).site_map;
+  }
+  kept.surroundings = SurroundingsOf(kept.replan.origin, kept.site_map.map.grid);
   return kept;
 }
 
-std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage, const std::string& site_id) {
+// Nothing if the site cannot be used: one damaged site must not fail the whole answer.
+std::shared_ptr<const KeptSite> MapCache::ReadSiteSafely(const Storage& storage,
+                                                         const std::string& site_id,
+                                                         double reach) {
+  const auto read = [&]() -> std::shared_ptr<const KeptSite> {
+    const std::optional<SiteRow> row = storage.sites.Find(site_id);
+    const bool has_map =
+        row && (!row->map_id.empty() || storage.sites.ReadMap(site_id).has_value());
+    if (!has_map) return nullptr;
+    return std::make_shared<const KeptSite>(ReadSite(storage, *row, reach));
+  };
   try {
-    return ReadSite(storage, site_id);
+    return read();
   } catch (const StorageError&) {
     throw;
   } catch (const DamagedMap& error) {
@@ -119,14 +163,36 @@ std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage, const std
     return nullptr;
   }
   try {
-    return ReadSite(storage, site_id);
+    return read();
   } catch (const std::exception& error) {
     spdlog::error("site {}, second copy: {}", site_id, error.what());
     return nullptr;
   }
 }
 
-}  // namespace
+// Obstacles are put into the blocks: larger cells make them wider.
+std::shared_ptr<const KeptTerrain> MapCache::ReadTerrain(const Storage& storage,
+                                                         const std::string& map_id) {
+  const auto map = flight_maps_.Find(storage, map_id);
+  if (!map) return nullptr;
+  const int level = LevelOfBlocks(map->head);
+  const Grid grid = map->GridAt(level);
+  const SiteMap blocks =
+      flight_maps_.Read(storage, *map, level, grid, TileLayers::kPlanning).site_map;
+  KeptTerrain terrain{map->head.origin, grid, {}, {}, SurroundingsOf(map->head.origin, grid), {}};
+  const KnownObstacles obstacles = ObstaclesNear(storage, terrain.surroundings);
+  terrain.obstacles_key = KeyOf(obstacles);
+  const AltitudeReference reference{map->row.altitude_datum,
+                                    map->head.origin.latitude_deg,
+                                    map->head.origin.longitude_deg,
+                                    map->row.flight_id};
+  terrain.upper =
+      WithObstacles(blocks.map, blocks.layers, InWorld(obstacles, map->local_frame, reference), {})
+          .map.upper;
+  // The number of points of a block is unknown if one of its cells is unseen.
+  terrain.is_seen = (blocks.map.num_points == blocks.map.num_points) / 255;
+  return std::make_shared<const KeptTerrain>(std::move(terrain));
+}
 
 MapCache::Planned* MapCache::FindSame(const std::shared_ptr<const KeptSite>& site) {
   Planned* const planned = sites_.Find(site->row.id);
@@ -151,13 +217,16 @@ MapCache::Planner* MapCache::FindPlanner(const std::shared_ptr<const KeptSite>& 
 // the requested one.
 std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
                                               const std::string& site_id,
-                                              int64_t updated_at_us) {
+                                              int64_t updated_at_us,
+                                              double reach) {
   std::shared_ptr<const KeptSite> found;
   {
     const std::lock_guard lock(mutex_);
-    if (const Planned* planned = sites_.Find(site_id, updated_at_us)) found = planned->site;
+    const Planned* planned = sites_.Find(site_id, updated_at_us);
+    if (planned != nullptr && planned->site->reach >= reach) found = planned->site;
   }
-  const std::shared_ptr<const KeptSite> site = found ? found : ReadSiteSafely(storage, site_id);
+  const std::shared_ptr<const KeptSite> site =
+      found ? found : ReadSiteSafely(storage, site_id, reach);
   if (!site) return nullptr;
   const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
   if (found && KeyOf(obstacles) == found->obstacles_key) return found;
@@ -165,7 +234,8 @@ std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
   const std::lock_guard lock(mutex_);
   // Another thread may have cached it in the meantime, with plans that refer to its object.
   if (const Planned* planned = sites_.Find(site_id, updated_at_us);
-      planned != nullptr && planned->site->obstacles_key == current->obstacles_key) {
+      planned != nullptr && planned->site->obstacles_key == current->obstacles_key &&
+      planned->site->reach >= reach) {
     return planned->site;
   }
   const size_t bytes_per_cell =
@@ -175,27 +245,48 @@ std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
   return current;
 }
 
+KeptSite MapCache::AmongObstacles(const Storage& storage, KeptSite site) {
+  site.surroundings = SurroundingsOf(site.replan.origin, site.site_map.map.grid);
+  return *Obstructed(site, ObstaclesNear(storage, site.surroundings));
+}
+
+std::shared_ptr<const KeptSite> MapCache::Covering(
+    const Storage& storage,
+    const std::shared_ptr<const KeptSite>& site,
+    const Aircraft& aircraft,
+    const std::optional<Eigen::Vector2d>& wind_in_world) {
+  const double reach = ReachFor(site->replan, aircraft, wind_in_world);
+  if (site->reach >= reach) return site;
+  const auto wider = Get(storage, site->row.id, site->row.updated_at_us, reach);
+  return wider ? wider : site;
+}
+
 std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
-                                                       const std::string& site_id,
+                                                       const std::string& map_id,
                                                        int64_t updated_at_us) {
   std::shared_ptr<const KeptSite> site;
-  std::shared_ptr<const KeptTerrain> found;
+  std::shared_ptr<const KeptTerrain> terrain;
   {
     const std::lock_guard lock(mutex_);
-    if (const auto* terrain = terrains_.Find(site_id, updated_at_us)) found = *terrain;
-    if (const Planned* planned = sites_.Find(site_id, updated_at_us)) site = planned->site;
+    if (const auto* found = terrains_.Find(map_id, updated_at_us)) terrain = *found;
+    if (const Planned* planned = sites_.Find(map_id, updated_at_us)) site = planned->site;
   }
-  if (found && KeyOf(ObstaclesNear(storage, found->surroundings)) == found->obstacles_key) {
-    return found;
+  if (terrain && KeyOf(ObstaclesNear(storage, terrain->surroundings)) == terrain->obstacles_key) {
+    return terrain;
   }
-  if (!site) site = ReadSiteSafely(storage, site_id);
-  if (!site) return nullptr;
-  const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
-  const std::shared_ptr<const KeptSite> current = Obstructed(*site, obstacles);
-  auto terrain = std::make_shared<const KeptTerrain>(TerrainOn(*current));
+  // No id of a site has a slash.
+  if (map_id.find('/') != std::string::npos) {
+    terrain = ReadTerrain(storage, map_id);
+  } else {
+    if (!site) site = ReadSiteSafely(storage, map_id, 0.0);
+    if (!site) return nullptr;
+    const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
+    terrain = std::make_shared<const KeptTerrain>(TerrainOn(*Obstructed(*site, obstacles)));
+  }
+  if (!terrain) return nullptr;
   const size_t num_bytes = (sizeof(float) + sizeof(uchar)) * NumCells(terrain->grid);
   const std::lock_guard lock(mutex_);
-  terrains_.Keep(site_id, updated_at_us, num_bytes, terrain);
+  terrains_.Keep(map_id, updated_at_us, num_bytes, terrain);
   return terrain;
 }
 
@@ -247,8 +338,9 @@ std::optional<KeptPlan> MapCache::PlanOf(const Storage& storage,
       KeyOf(ObstaclesNear(storage, kept_plan->surroundings)) == kept_plan->obstacles_key) {
     return kept_plan;
   }
-  const auto site = Get(storage, row.site_id, row.updated_at_us);
+  auto site = Get(storage, row.site_id, row.updated_at_us);
   if (!site) return std::nullopt;
+  site = Covering(storage, site, aircraft, wind_in_world);
   const KeptPlan made{site->replan.origin,
                       PlanFor(site, aircraft, wind_in_world),
                       site->surroundings,

@@ -1,5 +1,5 @@
-// Caches stored sites with their maps, the terrain of maps, and plans on maps. Recall plans
-// approaches on these maps and checks the terrain below the path to a site.
+// Caches stored sites with the maps around them, the terrain of maps, and plans on maps. Recall
+// plans approaches on these maps and checks the terrain below the path to a site.
 #pragma once
 
 #include <list>
@@ -11,6 +11,7 @@
 
 #include "api/export/layers/layers.h"
 #include "api/stored/stored.h"
+#include "server/maps/maps.h"
 #include "server/recall/obstacles/obstacles.h"
 #include "server/recall/replan.h"
 #include "server/recall/site_lru.h"
@@ -22,8 +23,10 @@ namespace freelsd {
 struct KeptSite {
   SiteRow row;
   Replan replan;
-  // As photographed.
+  // As photographed. Of a flight's map: the cells within `reach` of the site.
   SiteMap site_map;
+  // See PlanReach. Infinite for a site with a map of its own.
+  double reach = 0.0;
   // The map and all that its circles may reach.
   BoundingBox surroundings{};
   // Of all obstacles there.
@@ -62,22 +65,35 @@ struct KeptTerrain {
 // memory.
 class MapCache {
  public:
-  MapCache(size_t max_bytes_of_sites, size_t max_bytes_of_terrain)
-      : sites_(max_bytes_of_sites),
+  MapCache(size_t max_bytes_of_sites,
+           size_t max_bytes_of_terrain,
+           size_t max_bytes_of_tiles = kMaxBytesOfTiles)
+      : flight_maps_(max_bytes_of_tiles),
+        sites_(max_bytes_of_sites),
         plans_(kMaxBytesOfPlans),
         terrains_(max_bytes_of_terrain),
         obstructions_(kMaxBytesOfObstructions) {}
 
+  FlightMaps& flight_maps() { return flight_maps_; }
   // The obstacles that are in force now and may meet the box.
   KnownObstacles ObstaclesNear(const Storage& storage, const BoundingBox& box);
   // The site as of the update at updated_at_us, or as stored now if that version is gone; with the
-  // obstacles in force now. Nothing if the site has no map or its map cannot be read.
+  // obstacles in force now. The map reaches far enough for the site's own aircraft and wind, and at
+  // least `reach`. Nothing if the site has no map or its map cannot be read.
   std::shared_ptr<const KeptSite> Get(const Storage& storage,
                                       const std::string& site_id,
-                                      int64_t updated_at_us);
-  // The terrain of the site's map. It needs a fraction of the memory of a whole site.
+                                      int64_t updated_at_us,
+                                      double reach = 0.0);
+  // The same site on a map that reaches far enough for this aircraft and wind.
+  std::shared_ptr<const KeptSite> Covering(const Storage& storage,
+                                           const std::shared_ptr<const KeptSite>& site,
+                                           const Aircraft& aircraft,
+                                           const std::optional<Eigen::Vector2d>& wind_in_world);
+  // A site that is not stored, with the obstacles in force now.
+  KeptSite AmongObstacles(const Storage& storage, KeptSite site);
+  // The terrain of a map (MapRow::id and updated_at_us). It needs a fraction of the map's memory.
   std::shared_ptr<const KeptTerrain> TerrainOf(const Storage& storage,
-                                               const std::string& site_id,
+                                               const std::string& map_id,
                                                int64_t updated_at_us);
   // A planner for this aircraft on the site's map. `site` must outlive it. Cached.
   std::shared_ptr<const StoredMapPlanner> PlannerFor(const std::shared_ptr<const KeptSite>& site,
@@ -107,6 +123,7 @@ class MapCache {
 
  private:
   static constexpr size_t kMaxBytesOfPlans = size_t{64} << 20;
+  static constexpr size_t kMaxBytesOfTiles = size_t{64} << 20;
   struct Planner {
     std::string aircraft_key;
     std::shared_ptr<const StoredMapPlanner> on_map;
@@ -130,7 +147,14 @@ class MapCache {
   };
   static constexpr size_t kMaxBytesOfObstructions = size_t{1} << 20;
 
+  std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage,
+                                                 const std::string& site_id,
+                                                 double reach);
+  KeptSite ReadSite(const Storage& storage, const SiteRow& row, double reach);
+  std::shared_ptr<const KeptTerrain> ReadTerrain(const Storage& storage, const std::string& map_id);
+
   ObstacleCache obstacles_;
+  FlightMaps flight_maps_;
   // By aircraft and wind, the latest first.
   using PlansOfSite = std::list<std::pair<std::string, KeptPlan>>;
 

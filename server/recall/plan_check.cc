@@ -88,24 +88,30 @@ ApproachCheck CheckOn(const Reading& reading, const Approach& approach, const St
                        reading.options);
 }
 
+Polygon GroundOf(const StoredPlan& plan,
+                 const Approach& approach,
+                 const Grid& grid,
+                 double position_sd_m) {
+  ElevationMap extent;
+  extent.grid = grid;
+  extent.position_sd_m = std::isfinite(position_sd_m) ? position_sd_m : 0.0;
+  const FlightRequest& flight = plan.replan.flight;
+  return CheckedGround(approach,
+                       extent,
+                       flight.aircraft,
+                       plan.replan.request.wind_in_world,
+                       flight.options.approach);
+}
+
 // The part of the map that the check reads.
 SiteMap CroppedTo(const StoredPlan& plan, const Approach& approach, const SiteMap& site_map) {
-  ElevationMap extent;
-  extent.grid = site_map.map.grid;
-  extent.position_sd_m = std::isfinite(site_map.map.position_sd_m) ? site_map.map.position_sd_m : 0;
-  const FlightRequest& flight = plan.replan.flight;
-  return CropAround(site_map.map,
-                    site_map.layers,
-                    CheckedGround(approach,
-                                  extent,
-                                  flight.aircraft,
-                                  plan.replan.request.wind_in_world,
-                                  flight.options.approach),
-                    0.0);
+  const ElevationMap& map = site_map.map;
+  return CropAround(
+      map, site_map.layers, GroundOf(plan, approach, map.grid, map.position_sd_m), 0.0);
 }
 
 SiteMap With(const SiteMap& site_map, const std::vector<HardObstacle>& obstacles) {
-  ObstructedGround ground = WithObstacles(site_map.map, site_map.layers, obstacles, {});
+  AssessedMap ground = WithObstacles(site_map.map, site_map.layers, obstacles, {});
   return {std::move(ground.map), std::move(ground.layers)};
 }
 
@@ -182,6 +188,13 @@ BoundingBox BoxOf(const StoredPlan& plan) {
           south_west.latitude_deg,
           north_east.longitude_deg,
           north_east.latitude_deg};
+}
+
+Polygon CheckedGroundOf(const StoredPlan& plan,
+                        const GeoPoint& map_origin,
+                        const Grid& grid,
+                        double position_sd_m) {
+  return GroundOf(plan, ApproachIn(LocalFrame(map_origin), plan), grid, position_sd_m);
 }
 
 PlanCheck CheckPlan(const StoredPlan& plan, const GeoPoint& map_origin, const SiteMap& site_map) {

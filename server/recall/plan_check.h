@@ -21,6 +21,12 @@ struct StoredPlan {
 };
 // Nothing if the site was rejected, or if its row is invalid by current rules.
 std::optional<StoredPlan> ReadStoredPlan(const SiteRow& row);
+// The ground that CheckPlan reads on a map with this grid and deviation of its position, in the
+// map's world.
+Polygon CheckedGroundOf(const StoredPlan& plan,
+                        const GeoPoint& map_origin,
+                        const Grid& grid,
+                        double position_sd_m);
 // Box around the ground that CheckPlan reads.
 BoundingBox BoxOf(const StoredPlan& plan);
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -17,13 +19,6 @@ namespace {
 // About 2 km. No plan reaches farther from its touchdown.
 constexpr double kReachDeg = 0.02;
 
-// The map of a site that is about to be stored, before storage has it.
-struct NewMap {
-  const SiteRow& site;
-  GeoPoint origin;
-  SiteMap site_map;
-};
-
 BoundingBox Widened(const BoundingBox& box) {
   return {std::remainder(box.west_deg - kReachDeg, 360.0),
           box.south_deg - kReachDeg,
@@ -31,110 +26,211 @@ BoundingBox Widened(const BoundingBox& box) {
           box.north_deg + kReachDeg};
 }
 
+// A site's own map that is about to be stored, before storage has it.
+struct NewOwnMap {
+  const SiteRow& site;
+  GeoPoint origin;
+  SiteMap site_map;
+};
+
+// What is about to change: the checks see it as if it were stored already.
+struct Change {
+  // MapRow::id of maps that do not count any more.
+  std::set<std::string> gone_maps;
+  std::set<std::string> gone_sites;
+  // New maps of a flight, staged in storage, and the flight's sites on them.
+  std::vector<FlightMapRow> new_maps;
+  std::vector<SiteRow> new_sites;
+  std::optional<NewOwnMap> new_own_map;
+};
+
+// A stored or new map on which a plan is checked.
+struct LaterMap {
+  // MapRow::id.
+  std::string id;
+  std::string flight_id;
+  int64_t seen_at_us = 0;
+  bool is_of_flight = false;
+};
+
 // Of the maps on which the plan fails, the newest one supersedes the site. Of the maps on which it
 // holds, the newest one confirms the site. The order of the checks therefore does not matter.
 Standing With(Standing standing,
               const PlanCheck& check,
-              const std::string& site_id,
-              int64_t seen_at_us) {
+              const LaterMap& map,
+              const std::string& shown_id) {
   if (check.verdict == PlanVerdict::kHolds) {
-    standing.confirmed_at_us = std::max(standing.confirmed_at_us.value_or(seen_at_us), seen_at_us);
+    standing.confirmed_at_us =
+        std::max(standing.confirmed_at_us.value_or(map.seen_at_us), map.seen_at_us);
   }
   if (check.verdict != PlanVerdict::kFails) return standing;
-  const bool is_newest =
-      !standing.superseded_by ||
-      std::tie(standing.superseded_at_us, *standing.superseded_by) < std::tie(seen_at_us, site_id);
+  const std::string& present = standing.superseded_by_map.empty()
+                                   ? standing.superseded_by.value_or("")
+                                   : standing.superseded_by_map;
+  const bool is_newest = !standing.superseded_by || std::tie(standing.superseded_at_us, present) <
+                                                        std::tie(map.seen_at_us, map.id);
   if (!is_newest) return standing;
-  standing.superseded_by = site_id;
-  standing.superseded_at_us = seen_at_us;
+  standing.superseded_by = shown_id;
+  standing.superseded_by_map = map.is_of_flight ? map.id : "";
+  standing.superseded_at_us = map.seen_at_us;
   standing.superseded_reason = check.reason;
   standing.superseded_detail = check.detail;
   return standing;
 }
 
-// Photographs from the same time show the same ground. A flight that was sent twice therefore
-// changes nothing.
-bool IsLater(const std::string& flight_id, int64_t seen_at_us, const SiteRow& site) {
-  return flight_id != site.flight_id && seen_at_us > site.seen_at_us;
-}
+class Checks {
+ public:
+  Checks(const StoredSites& stored, const Change& change) : stored_(stored), change_(change) {}
 
-Standing OnNewMap(Standing standing,
-                  const SiteRow& site,
-                  const StoredPlan& plan,
-                  const NewMap& added) {
-  const SiteRow& newer = added.site;
-  if (!IsLater(newer.flight_id, newer.seen_at_us, site)) return standing;
-  return With(std::move(standing),
-              CheckPlan(plan, added.origin, added.site_map),
-              newer.id,
-              newer.seen_at_us);
-}
-
-// Checks the site on all stored maps except that of `changed_id`, and on the new map.
-Standing StandingOf(const StoredSites& stored,
-                    const SiteRow& site,
-                    const std::string& changed_id,
-                    const std::optional<NewMap>& added) {
-  Standing standing;
-  standing.is_checked = true;
-  const std::optional<StoredPlan> plan = ReadStoredPlan(site);
-  if (!plan) return standing;
-  for (const auto& row : stored.storage.sites.ListMaps(BoxOf(*plan))) {
-    if (row->site_id == changed_id || !IsLater(row->flight_id, row->seen_at_us, site)) continue;
-    const auto kept = stored.maps.Get(stored.storage, row->site_id, row->updated_at_us);
-    if (!kept) continue;
-    standing = With(std::move(standing),
-                    CheckPlan(*plan, kept->replan.origin, kept->site_map),
-                    row->site_id,
-                    row->seen_at_us);
-  }
-  return added ? OnNewMap(std::move(standing), site, *plan, *added) : standing;
-}
-
-// New standings of the sites whose standing depended on the old map of `changed_id`.
-Standings OfDependents(const StoredSites& stored,
-                       const std::string& changed_id,
-                       const std::optional<NewMap>& added) {
-  Standings standings;
-  for (const std::string& id : stored.storage.sites.ListDependents(changed_id)) {
-    const std::optional<SiteRow> site = stored.storage.sites.Find(id);
-    if (!site || id == changed_id) continue;
-    standings.emplace_back(id, StandingOf(stored, *site, changed_id, added));
-  }
-  return standings;
-}
-
-// Adds earlier sites that the new map changes.
-Standings WithEarlier(const StoredSites& stored, Standings standings, const NewMap& added) {
-  const SiteRow& newer = added.site;
-  const BoundingBox touchdown{
-      newer.longitude_deg, newer.latitude_deg, newer.longitude_deg, newer.latitude_deg};
-  for (const auto& row :
-       stored.storage.sites.ListMaps(Widened(newer.map_box.value_or(touchdown)))) {
-    const bool is_known =
-        std::any_of(standings.begin(), standings.end(), [&row](const auto& standing) {
-          return standing.first == row->site_id;
-        });
-    if (is_known || !row->is_recallable || row->flight_id == newer.flight_id ||
-        row->seen_at_us >= newer.seen_at_us) {
-      continue;
+  // Checks the site on all maps that will be stored.
+  Standing StandingOf(const SiteRow& site) const {
+    Standing standing;
+    standing.is_checked = true;
+    const std::optional<StoredPlan> plan = ReadStoredPlan(site);
+    if (!plan) return standing;
+    for (const auto& row : stored_.storage.sites.ListMaps(BoxOf(*plan))) {
+      if (change_.gone_maps.contains(row->id)) continue;
+      standing = OnMap(std::move(standing),
+                       site,
+                       *plan,
+                       {row->id, row->flight_id, row->seen_at_us, row->is_of_flight},
+                       row->updated_at_us);
     }
-    const std::optional<SiteRow> site = stored.storage.sites.Find(row->site_id);
-    if (!site) continue;
-    const std::optional<StoredPlan> plan = ReadStoredPlan(*site);
-    if (!plan) continue;
-    const Standing& before = *site;
-    Standing after = before.is_checked ? OnNewMap(before, *site, *plan, added)
-                                       : StandingOf(stored, *site, newer.id, added);
-    if (!(after == before)) standings.emplace_back(row->site_id, std::move(after));
+    return OnNewMaps(std::move(standing), site, *plan);
   }
-  return standings;
-}
 
-std::optional<NewMap> NewMapOf(const SiteRow& site, const std::string& map_blob) {
-  if (map_blob.empty()) return std::nullopt;
-  return NewMap{site, ParseReplan(site.replan_json).origin, DeserializeSiteMap(map_blob)};
-}
+  // The standing of a site that storage has, with what the new maps change.
+  Standing Renewed(const SiteRow& site) const {
+    const std::optional<StoredPlan> plan = ReadStoredPlan(site);
+    if (!plan) return site;
+    return site.is_checked ? OnNewMaps(site, site, *plan) : StandingOf(site);
+  }
+
+ private:
+  // Photographs from the same time show the same ground. A flight that was sent twice therefore
+  // changes nothing.
+  bool IsLater(const LaterMap& map, const SiteRow& site) const {
+    return map.flight_id != site.flight_id && map.seen_at_us > SeenAt(site);
+  }
+
+  // When the ground of the site's map was last photographed.
+  int64_t SeenAt(const SiteRow& site) const {
+    if (site.map_id.empty()) return site.seen_at_us;
+    const auto map = stored_.maps.flight_maps().Find(stored_.storage, site.map_id);
+    return map ? map->row.seen_at_us : site.seen_at_us;
+  }
+
+  Standing OnNewMaps(Standing standing, const SiteRow& site, const StoredPlan& plan) const {
+    for (const FlightMapRow& map : change_.new_maps) {
+      standing =
+          OnMap(std::move(standing), site, plan, {map.id, map.flight_id, map.seen_at_us, true}, 0);
+    }
+    if (!change_.new_own_map) return standing;
+    const auto& [newer, origin, site_map] = *change_.new_own_map;
+    const LaterMap map{newer.id, newer.flight_id, newer.seen_at_us, false};
+    if (!IsLater(map, site)) return standing;
+    return With(std::move(standing), CheckPlan(plan, origin, site_map), map, newer.id);
+  }
+
+  Standing OnMap(Standing standing,
+                 const SiteRow& site,
+                 const StoredPlan& plan,
+                 const LaterMap& map,
+                 int64_t updated_at_us) const {
+    if (!IsLater(map, site)) return standing;
+    if (map.is_of_flight) return OnFlightMap(std::move(standing), plan, map);
+    const auto kept = stored_.maps.Get(stored_.storage, map.id, updated_at_us);
+    if (!kept) return standing;
+    return With(
+        std::move(standing), CheckPlan(plan, kept->replan.origin, kept->site_map), map, map.id);
+  }
+
+  Standing OnFlightMap(Standing standing, const StoredPlan& plan, const LaterMap& later) const {
+    FlightMaps& maps = stored_.maps.flight_maps();
+    const auto map = maps.Find(stored_.storage, later.id);
+    if (!map) return standing;
+    const MapHead& head = map->head;
+    const Polygon ground = CheckedGroundOf(plan, head.origin, head.grid, head.position_sd_m);
+    const Grid grid = head.grid.Part(head.grid.CellsAround(ground, 0.0));
+    if (grid.num_rows == 0 || grid.num_cols == 0) return standing;
+    const MapRasters rasters = maps.Read(stored_.storage, *map, 0, grid, TileLayers::kPlanning);
+    return With(std::move(standing),
+                CheckPlan(plan, head.origin, rasters.site_map),
+                later,
+                ShownId(later, plan.site.touchdown));
+  }
+
+  // The site of the map that is nearest to the place, else the flight.
+  std::string ShownId(const LaterMap& map, const GeoPoint& place) const {
+    const LocalFrame frame(place);
+    std::string nearest = map.flight_id;
+    double least = std::numeric_limits<double>::infinity();
+    const auto look_at = [&](const SiteRow& site) {
+      if (site.map_id != map.id || change_.gone_sites.contains(site.id)) return;
+      const double distance =
+          frame.WorldFromGeo({site.latitude_deg, site.longitude_deg, place.altitude_m})
+              .head<2>()
+              .norm();
+      if (std::tie(distance, site.id) >= std::tie(least, nearest)) return;
+      least = distance;
+      nearest = site.id;
+    };
+    for (const SiteRow& site : change_.new_sites) look_at(site);
+    for (const SiteRow& site : stored_.storage.sites.List(map.flight_id, std::nullopt)) {
+      look_at(site);
+    }
+    return nearest;
+  }
+
+  const StoredSites& stored_;
+  const Change& change_;
+};
+
+// Of stored sites that stay, by id.
+class NewStandings {
+ public:
+  NewStandings(const StoredSites& stored, const Change& change)
+      : stored_(stored), change_(change), checks_(stored, change) {}
+
+  // New standings of sites that depend on what will be gone.
+  void AddDependents(const std::vector<std::string>& ids) {
+    for (const std::string& id : ids) {
+      const std::optional<SiteRow> site = FindKept(id);
+      if (site) standings_.emplace_back(id, checks_.StandingOf(*site));
+    }
+  }
+
+  // Earlier sites of other flights, around a new map.
+  void AddEarlier(const BoundingBox& box, const std::string& flight_id) {
+    for (const std::string& id : stored_.storage.sites.ListAccepted(Widened(box))) {
+      const std::optional<SiteRow> site = FindKept(id);
+      if (!site || site->flight_id == flight_id) continue;
+      Standing after = checks_.Renewed(*site);
+      const Standing& before = *site;
+      if (!(after == before)) standings_.emplace_back(id, std::move(after));
+    }
+  }
+
+  const Standings& standings() const { return standings_; }
+
+ private:
+  // Nothing if the site will be gone, is new, or has its standing already.
+  std::optional<SiteRow> FindKept(const std::string& id) const {
+    const bool is_known = std::any_of(standings_.begin(),
+                                      standings_.end(),
+                                      [&id](const auto& standing) { return standing.first == id; });
+    const bool is_new = std::any_of(change_.new_sites.begin(),
+                                    change_.new_sites.end(),
+                                    [&id](const SiteRow& site) { return site.id == id; });
+    if (is_known || is_new || change_.gone_sites.contains(id)) return std::nullopt;
+    return stored_.storage.sites.Find(id);
+  }
+
+  const StoredSites& stored_;
+  const Change& change_;
+  const Checks checks_;
+  Standings standings_;
+};
 
 void Report(MapCache& maps, const std::string& site_id, const Standing& standing) {
   if (!standing.superseded_by) return;
@@ -146,28 +242,89 @@ void Report(MapCache& maps, const std::string& site_id, const Standing& standing
                standing.superseded_detail);
 }
 
+void ReportAll(MapCache& maps, const std::vector<SiteRow>& sites, const Standings& others) {
+  for (const SiteRow& site : sites) Report(maps, site.id, site);
+  for (const auto& [id, standing] : others) Report(maps, id, standing);
+}
+
+BoundingBox BoxOf(const SiteRow& site) {
+  return site.map_box.value_or(
+      BoundingBox{site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg});
+}
+
 }  // namespace
+
+void StoreEvaluation(Storage& storage, MapCache& maps, EvaluationRows rows) {
+  const StoredSites stored{storage, maps};
+  Change change;
+  change.gone_maps.insert(rows.forgotten_maps.begin(), rows.forgotten_maps.end());
+  change.gone_maps.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
+  change.gone_sites.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
+  change.new_sites = rows.sites;
+  for (const std::string& id : rows.new_maps) {
+    if (std::optional<FlightMapRow> map = storage.maps.Find(id)) {
+      change.new_maps.push_back(*std::move(map));
+    }
+  }
+  // A site that had a map of its own may get the flight's.
+  for (const SiteRow& site : rows.sites) change.gone_maps.insert(site.id);
+  const Checks checks(stored, change);
+  for (SiteRow& site : rows.sites) static_cast<Standing&>(site) = checks.StandingOf(site);
+  NewStandings others(stored, change);
+  for (const std::string& id : change.gone_maps) {
+    others.AddDependents(storage.sites.ListDependents(id));
+    others.AddDependents(storage.sites.ListDependentsOfMap(id));
+  }
+  for (const FlightMapRow& map : change.new_maps) others.AddEarlier(map.box, map.flight_id);
+  storage.sites.PutEvaluation(rows, others.standings());
+  ReportAll(maps, rows.sites, others.standings());
+}
 
 void StoreSite(Storage& storage, MapCache& maps, SiteRow site, const std::string& map_blob) {
   const StoredSites stored{storage, maps};
-  static_cast<Standing&>(site) = StandingOf(stored, site, site.id, std::nullopt);
-  const std::optional<NewMap> added = NewMapOf(site, map_blob);
-  Standings others = OfDependents(stored, site.id, added);
-  if (added) others = WithEarlier(stored, std::move(others), *added);
-  storage.sites.Put(site, map_blob, others);
-  Report(maps, site.id, site);
-  for (const auto& [id, standing] : others) Report(maps, id, standing);
+  Change change;
+  change.gone_maps.insert(site.id);
+  change.new_sites = {site};
+  if (!map_blob.empty()) {
+    change.new_own_map.emplace(
+        NewOwnMap{site, ParseReplan(site.replan_json).origin, DeserializeSiteMap(map_blob)});
+  }
+  const Checks checks(stored, change);
+  static_cast<Standing&>(site) = checks.StandingOf(site);
+  NewStandings others(stored, change);
+  others.AddDependents(storage.sites.ListDependents(site.id));
+  if (!map_blob.empty()) others.AddEarlier(BoxOf(site), site.flight_id);
+  storage.sites.Put(site, map_blob, others.standings());
+  ReportAll(maps, {site}, others.standings());
 }
 
 bool ForgetSite(Storage& storage, MapCache& maps, const std::string& site_id) {
   const StoredSites stored{storage, maps};
-  return storage.sites.Delete(site_id, OfDependents(stored, site_id, std::nullopt));
+  Change change;
+  change.gone_maps.insert(site_id);
+  change.gone_sites.insert(site_id);
+  NewStandings others(stored, change);
+  others.AddDependents(storage.sites.ListDependents(site_id));
+  return storage.sites.Delete(site_id, others.standings());
+}
+
+void ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id) {
+  EvaluationRows rows;
+  for (const SiteRow& site : storage.sites.List(flight_id, std::nullopt)) {
+    rows.forgotten_sites.push_back(site.id);
+  }
+  for (const FlightMapRow& map : storage.maps.ListOf(flight_id)) {
+    rows.forgotten_maps.push_back(map.id);
+  }
+  StoreEvaluation(storage, maps, std::move(rows));
 }
 
 void CheckUnchecked(Storage& storage, MapCache& maps, const std::string& site_id) {
   const std::optional<SiteRow> site = storage.sites.Find(site_id);
   if (!site || site->is_checked) return;
-  const Standing standing = StandingOf({storage, maps}, *site, site_id, std::nullopt);
+  const StoredSites stored{storage, maps};
+  const Change change;
+  const Standing standing = Checks(stored, change).StandingOf(*site);
   storage.sites.SetStandings({{site_id, standing}});
   Report(maps, site_id, standing);
 }

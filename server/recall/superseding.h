@@ -6,7 +6,6 @@
 // Nothing else supersedes. The caller holds Service::sites_mutex.
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "server/recall/map_cache.h"
@@ -14,13 +13,21 @@
 
 namespace freelsd {
 
-// Stores a site with its map and its standing. An empty map_blob means no map. The standings of
-// other sites that the map changes are stored in the same commit.
+// Stores the result of an evaluation in one commit: its sites with their standings, its staged
+// maps, what they replace, and the standings of other flights' sites that change.
+void StoreEvaluation(Storage& storage, MapCache& maps, EvaluationRows rows);
+
+// Stores a site with a map of its own and its standing. An empty map_blob means no map. The
+// standings of other sites that the map changes are stored in the same commit.
 void StoreSite(Storage& storage, MapCache& maps, SiteRow site, const std::string& map_blob);
 
-// Deletes a site. The standings that depended on its map are computed again from the remaining
-// maps, and are stored in the same commit. False if there is no such site.
+// Deletes a site. The standings that depended on its own map, or that name it, are computed again
+// and stored in the same commit. False if there is no such site.
 bool ForgetSite(Storage& storage, MapCache& maps, const std::string& site_id);
+
+// Deletes the flight's maps and sites. The standings that depended on them are computed again and
+// stored in the same commit.
+void ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id);
 
 // Checks the site if it was never checked, because an older program stored it.
 void CheckUnchecked(Storage& storage, MapCache& maps, const std::string& site_id);

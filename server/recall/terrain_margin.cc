@@ -77,7 +77,7 @@ SharedRows<MapRow> MapsAlong(const StoredSites& stored, const std::vector<GeoPoi
   std::set<std::string_view> ids;
   for (const BoundingBox& box : BoxesAlong(path)) {
     for (auto& row : stored.storage.sites.ListMaps(box)) {
-      if (ids.insert(row->site_id).second) rows.push_back(std::move(row));
+      if (ids.insert(row->id).second) rows.push_back(std::move(row));
     }
   }
   return rows;
@@ -109,12 +109,17 @@ AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain) {
   return {row.altitude_datum, place.latitude_deg, place.longitude_deg, row.flight_id};
 }
 
+std::shared_ptr<const KeptTerrain> TerrainBelow(const StoredSites& stored, const RecallRow& site) {
+  if (!site.map_id.empty()) return stored.maps.TerrainOf(stored.storage, site.map_id, 0);
+  return stored.maps.TerrainOf(stored.storage, site.site_id, site.updated_at_us);
+}
+
 std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
                                              const EmergencyRequest& request,
                                              const std::vector<GeoPoint>& path) {
   std::optional<TerrainMargin> least;
   for (const auto& row : MapsAlong(stored, path)) {
-    const auto terrain = stored.maps.TerrainOf(stored.storage, row->site_id, row->updated_at_us);
+    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
     if (!terrain) continue;
     const auto height = LeastHeightAlong(path, *terrain);
     if (!height) continue;

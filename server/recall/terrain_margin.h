@@ -1,6 +1,7 @@
 // Height of a path above stored maps. Private to recall.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -20,6 +21,9 @@ struct TerrainMargin {
 
 // The map's altitudes, at its middle. Refers to the row's texts.
 AltitudeReference ReferenceOf(const MapRow& row, const KeptTerrain& terrain);
+
+// Terrain of the map that the site lies on. Nothing if it has none, or if it cannot be read.
+std::shared_ptr<const KeptTerrain> TerrainBelow(const StoredSites& stored, const RecallRow& site);
 
 // Nothing if no stored map lies below the path. The path has at least one point. Its altitudes are
 // in the request's datum. The caller has lowered them by the clearance that is to be kept.

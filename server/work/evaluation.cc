@@ -14,16 +14,13 @@
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/recall/recall.h"
+#include "server/work/staged_maps.h"
 
 namespace freelsd {
 namespace {
 
-// An earlier timestamp comes from a camera whose clock was never set.
-constexpr int64_t kEarliestCaptureUs = 1262304000000000;  // 2010
-
 struct NewSite {
   SiteRow row;
-  std::string map_blob;
   // Empty if the site is rejected.
   std::optional<Landing> landing;
 };
@@ -40,6 +37,26 @@ std::vector<Candidate> RegionsToEvaluate(const Snapshot& snapshot,
     if (is_graded && regions.size() < max_num_regions) regions.push_back(candidate);
   }
   return regions;
+}
+
+std::vector<RegionGroup> GroupsToEvaluate(const Snapshot& snapshot,
+                                          EvaluationScope scope,
+                                          const PipelineOptions& options) {
+  const std::vector<Candidate> regions = RegionsToEvaluate(snapshot, scope, options.backend);
+  if (scope == EvaluationScope::kEveryGraded) return GroupRegions(snapshot, regions, options);
+  if (regions.empty()) return {};
+  return {{regions, AreaAround(regions, options.backend)}};
+}
+
+// When the newest of the block's photographs was taken.
+int64_t PhotographedAt(const Snapshot& snapshot, const AdjustedBlock& block) {
+  std::set<std::string> ids;
+  for (const AdjustedView& view : block.views) ids.insert(view.frame_id);
+  int64_t newest_us = 0;
+  for (const View& view : snapshot.views) {
+    if (ids.contains(view.frame_id)) newest_us = std::max(newest_us, view.timestamp_us);
+  }
+  return newest_us;
 }
 
 // Reads and decodes the stored image of a frame; empty if the file is missing.
@@ -123,32 +140,6 @@ std::optional<RecallData> RecallOf(const Site& site,
                     AircraftJson(request.aircraft).dump()};
 }
 
-// The box of the stored map, from its corners.
-BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame) {
-  const Eigen::Vector2d size(grid.num_cols * grid.cell_size_m, -grid.num_rows * grid.cell_size_m);
-  BoundingBox box{180.0, 90.0, -180.0, -90.0};
-  for (const double x : {0.0, 1.0}) {
-    for (const double y : {0.0, 1.0}) {
-      const Eigen::Vector2d corner =
-          grid.north_west_in_world + Eigen::Vector2d(x * size.x(), y * size.y());
-      const GeoPoint place = local_frame.GeoFromWorld({corner.x(), corner.y(), 0.0});
-      box.west_deg = std::min(box.west_deg, place.longitude_deg);
-      box.east_deg = std::max(box.east_deg, place.longitude_deg);
-      box.south_deg = std::min(box.south_deg, place.latitude_deg);
-      box.north_deg = std::max(box.north_deg, place.latitude_deg);
-    }
-  }
-  return box;
-}
-
-// When the region was last photographed: the photographs' own time if it is plausible, because an
-// old flight may be uploaded today; else now, the latest possible time.
-int64_t SeenAt(const Region& region, int64_t now_us) {
-  const bool is_plausible =
-      region.last_seen_us >= kEarliestCaptureUs && region.last_seen_us <= now_us;
-  return is_plausible ? region.last_seen_us : now_us;
-}
-
 // A site that only obstacles reject is stored with its plan without them. Whoever reads the site
 // checks the plan against the obstacles of that time (AsObstructed), so that it is rejected for as
 // long as they are there.
@@ -157,7 +148,11 @@ Site AsStored(Site site) {
   return site;
 }
 
-NewSite SiteOf(const Site& site, const Evaluation& evaluation, const EvaluatedFlight& flight) {
+// `map_id` is empty if nothing was reconstructed.
+NewSite SiteOf(const Site& site,
+               const Grid& grid,
+               const std::string& map_id,
+               const EvaluatedFlight& flight) {
   const FlightContext& context = flight.context;
   const FlightRequest& request = flight.request;
   NewSite made;
@@ -170,7 +165,7 @@ NewSite SiteOf(const Site& site, const Evaluation& evaluation, const EvaluatedFl
   made.row.latitude_deg = touchdown.latitude_deg;
   made.row.longitude_deg = touchdown.longitude_deg;
   const std::string updated_at = Rfc3339(made.row.updated_at_us);
-  made.row.seen_at_us = SeenAt(site.region, made.row.updated_at_us);
+  made.row.seen_at_us = SeenAt(site.region.last_seen_us, made.row.updated_at_us);
   nlohmann::json feature = SiteFeature(made.row.id, site, request.aircraft, updated_at, context);
   feature["properties"]["last_seen_at"] = Rfc3339(made.row.seen_at_us);
   made.row.feature_json = feature.dump();
@@ -182,15 +177,11 @@ NewSite SiteOf(const Site& site, const Evaluation& evaluation, const EvaluatedFl
     const auto wind = site.wind ? std::optional(site.wind->wind_in_world) : std::nullopt;
     made.landing = LandingOf(touchdown, site.plan.approach->heading, wind);
   }
-  if (evaluation.map.grid.num_rows > 0) {
-    const SiteMap cropped = CropAround(evaluation.map,
-                                       evaluation.hazards,
-                                       site.region.Footprint(),
-                                       request.options.backend.max_surroundings_m);
-    made.map_blob = SerializeSiteMap(cropped);
-    if (cropped.map.grid.num_rows > 0) {
-      made.row.map_box = BoxOf(cropped.map.grid, context.local_frame);
-    }
+  if (!map_id.empty()) {
+    made.row.map_id = map_id;
+    const Grid around = grid.Part(
+        grid.CellsAround(site.region.Footprint(), request.options.backend.max_surroundings_m));
+    if (around.num_rows > 0) made.row.map_box = BoxOf(around, context.local_frame);
   }
   return made;
 }
@@ -216,43 +207,82 @@ void DropDuplicates(std::vector<NewSite>& sites) {
   sites = std::move(kept);
 }
 
-// True if the ground of the site was evaluated again for one of the new sites.
-bool IsReplaced(const SiteRow& site, const std::vector<Replan>& replans) {
-  return std::any_of(replans.begin(), replans.end(), [&site](const Replan& replan) {
-    const GeoPoint place{site.latitude_deg, site.longitude_deg, replan.origin.altitude_m};
-    const Eigen::Vector3d in_world = LocalFrame(replan.origin).WorldFromGeo(place);
-    return Contains(replan.request.footprint, in_world.head<2>());
-  });
-}
-
-void StoreSites(Service& service,
-                const std::string& flight_id,
-                std::vector<NewSite> sites,
-                EvaluationScope scope) {
-  const std::lock_guard lock(service.sites_mutex);
-  if (!service.storage.flights.Find(flight_id)) return;
+// The flight's stored sites that the new ones make out of date.
+std::vector<std::string> OutOfDateSites(const std::vector<SiteRow>& stored,
+                                        const std::vector<NewSite>& sites,
+                                        EvaluationScope scope) {
   std::set<std::string> ids;
   std::set<int64_t> region_ids;
-  std::vector<Replan> replans;
-  for (NewSite& site : sites) {
-    replans.push_back(ParseReplan(site.row.replan_json));
-    StoreSite(service.storage, service.maps, site.row, site.map_blob);
+  for (const NewSite& site : sites) {
     ids.insert(site.row.id);
     region_ids.insert(site.row.region_id);
+  }
+  std::vector<std::string> out_of_date;
+  for (const SiteRow& site : stored) {
+    const bool is_out_of_date =
+        scope == EvaluationScope::kEveryGraded || region_ids.contains(site.region_id);
+    if (is_out_of_date && !ids.contains(site.id)) out_of_date.push_back(site.id);
+  }
+  return out_of_date;
+}
+
+bool Contains(const BoundingBox& outer, const BoundingBox& inner) {
+  return outer.west_deg <= inner.west_deg && outer.east_deg >= inner.east_deg &&
+         outer.south_deg <= inner.south_deg && outer.north_deg >= inner.north_deg;
+}
+
+// The flight's maps that no site needs any more and that the new ones replace.
+std::vector<std::string> OutOfDateMaps(const std::vector<FlightMapRow>& stored,
+                                       const std::vector<FlightMapRow>& added,
+                                       const std::set<std::string>& needed,
+                                       EvaluationScope scope) {
+  std::vector<std::string> out_of_date;
+  for (const FlightMapRow& map : stored) {
+    const bool is_replaced =
+        scope == EvaluationScope::kEveryGraded ||
+        std::any_of(added.begin(), added.end(), [&map](const FlightMapRow& newer) {
+          return Contains(newer.box, map.box);
+        });
+    if (is_replaced && !needed.contains(map.id)) out_of_date.push_back(map.id);
+  }
+  return out_of_date;
+}
+
+void StoreResult(Service& service,
+                 const std::string& flight_id,
+                 const std::vector<NewSite>& sites,
+                 StagedMaps& maps,
+                 EvaluationScope scope) {
+  const std::lock_guard lock(service.sites_mutex);
+  if (!service.storage.flights.Find(flight_id)) return;
+  const std::vector<SiteRow> stored = service.storage.sites.List(flight_id, std::nullopt);
+  EvaluationRows rows;
+  rows.forgotten_sites = OutOfDateSites(stored, sites, scope);
+  std::set<std::string> gone(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
+  for (const NewSite& site : sites) {
+    rows.sites.push_back(site.row);
+    gone.insert(site.row.id);
+  }
+  std::set<std::string> needed;
+  for (const SiteRow& site : stored) {
+    if (!gone.contains(site.id)) needed.insert(site.map_id);
+  }
+  for (const FlightMapRow& map : maps.rows()) rows.new_maps.push_back(map.id);
+  rows.forgotten_maps =
+      OutOfDateMaps(service.storage.maps.ListOf(flight_id), maps.rows(), needed, scope);
+  StoreEvaluation(service.storage, service.maps, std::move(rows));
+  for (const NewSite& site : sites) {
     service.events.Publish(
         "site", flight_id, nlohmann::json{{"id", site.row.id}, {"flight_id", flight_id}}.dump());
   }
-  for (const SiteRow& site : service.storage.sites.List(flight_id, std::nullopt)) {
-    const bool is_out_of_date =
-        scope == EvaluationScope::kEveryGraded || region_ids.contains(site.region_id);
-    // An accepted site stays until its ground is evaluated again, even if its region is no longer
-    // among the best.
-    const bool is_accepted_elsewhere =
-        site.recall && !region_ids.contains(site.region_id) && !IsReplaced(site, replans);
-    if (is_out_of_date && !is_accepted_elsewhere && !ids.contains(site.id)) {
-      ForgetSite(service.storage, service.maps, site.id);
-    }
+  for (const FlightMapRow& map : maps.rows()) {
+    service.events.Publish(
+        "map",
+        flight_id,
+        nlohmann::json{{"flight_id", flight_id}, {"updated_at", Rfc3339(map.updated_at_us)}}
+            .dump());
   }
+  maps.Take();
 }
 
 // The warning of a flight without any site.
@@ -284,6 +314,14 @@ Progress ShareOf(const Progress& progress, size_t index, size_t num_groups) {
   };
 }
 
+void AddNew(const std::vector<std::string>& more, std::vector<std::string>& warnings) {
+  for (const std::string& warning : more) {
+    if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) {
+      warnings.push_back(warning);
+    }
+  }
+}
+
 }  // namespace
 
 size_t EvaluateFlight(Service& service,
@@ -293,13 +331,10 @@ size_t EvaluateFlight(Service& service,
                       const Progress& progress) {
   Snapshot snapshot = session.TakeSnapshot();
   const FlightRequest& request = session.request();
-  const std::vector<std::vector<Candidate>> groups =
-      GroupRegions(snapshot,
-                   RegionsToEvaluate(snapshot, scope, request.options.backend),
-                   request.aircraft,
-                   request.options);
+  const std::vector<RegionGroup> groups = GroupsToEvaluate(snapshot, scope, request.options);
   const EvaluatedFlight flight = FlightOf(service, flight_id, session, snapshot);
   snapshot.obstacles = ObstaclesOf(service, flight, snapshot);
+  StagedMaps maps(service, flight.context);
   std::vector<NewSite> sites;
   std::vector<std::string> warnings;
   for (size_t i = 0; i < groups.size(); ++i) {
@@ -309,27 +344,24 @@ size_t EvaluateFlight(Service& service,
                                                 request.aircraft,
                                                 request.options,
                                                 ShareOf(progress, i, groups.size()));
+    const std::string map_id = maps.Add(
+        evaluation, flight.request, flight.origin, PhotographedAt(snapshot, evaluation.block));
     for (const Site& site : evaluation.sites) {
-      sites.push_back(SiteOf(AsStored(site), evaluation, flight));
+      sites.push_back(SiteOf(AsStored(site), evaluation.map.grid, map_id, flight));
     }
     session.AddReports(evaluation.reports);
-    for (const std::string& warning : evaluation.warnings) {
-      if (std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) {
-        warnings.push_back(warning);
-      }
-    }
+    AddNew(evaluation.warnings, warnings);
   }
   if (sites.empty()) warnings = NoSiteReason(snapshot);
   DropDuplicates(sites);
-  const size_t num_sites = sites.size();
-  StoreSites(service, flight_id, std::move(sites), scope);
+  StoreResult(service, flight_id, sites, maps, scope);
   service.alternates.Wake(flight_id);
   service.alternates.WakeAll();
   session.Store(service.storage);
   service.storage.flights.Change(flight_id, [&](FlightRow& row) {
     row.warnings_json = ReplaceWarnings(row.warnings_json, "evaluation", warnings);
   });
-  return num_sites;
+  return sites.size();
 }
 
 }  // namespace freelsd

@@ -7,12 +7,16 @@
 
 #include "server/http/http.h"
 #include "server/intake/intake.h"
+#include "server/maps/maps.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
 
 // Memory of reach's cache: 5 bytes for each 4 square metres of stored maps.
 constexpr size_t kMaxBytesOfGroundPatches = size_t{64} << 20;
+
+// Memory of finished pictures of flights' maps.
+constexpr size_t kMaxBytesOfPictures = size_t{32} << 20;
 
 // Holds one place of a semaphore. The constructor waits for it.
 class SemaphoreSlot {
@@ -45,6 +49,8 @@ struct Service {
   MapCache& maps;
   Alternates& alternates;
   GroundPatches ground_patches{kMaxBytesOfGroundPatches};
+  // Pictures of flights' maps.
+  MapPictures pictures{kMaxBytesOfPictures};
   Page page;
   TokenList tokens;
   Metrics metrics;
@@ -59,6 +65,8 @@ struct Service {
   std::counting_semaphore<> rose_planners{kLimits.concurrency.max_num_rose_planners};
   // The same for the ground in reach.
   std::counting_semaphore<> reach_planners{kLimits.concurrency.max_num_reach_planners};
+  // The same for files of whole maps.
+  std::counting_semaphore<> map_writers{1};
   // Limits clients that listen to events.
   std::counting_semaphore<> event_clients{kLimits.events.max_num_clients};
 };

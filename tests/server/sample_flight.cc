@@ -93,9 +93,12 @@ std::string SamplePoses(int begin, int end, const std::string& prefix) {
   return poses;
 }
 
-std::string NewSampleFlight(httplib::Client& client, const nlohmann::json& options) {
+std::string NewSampleFlight(httplib::Client& client,
+                            const nlohmann::json& options,
+                            const std::string& profile) {
   nlohmann::json request = nlohmann::json::parse(Sample().request);
   if (!options.is_null()) request["options"] = options;
+  if (!profile.empty()) request["aircraft"] = {{"profile", profile}};
   return PostFlight(client, request);
 }
 

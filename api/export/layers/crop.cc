@@ -26,14 +26,6 @@ double DistanceTo(const Polygon& polygon, const Eigen::Vector2d& place) {
   return distance;
 }
 
-Grid CropGrid(const Grid& grid, const cv::Rect& box) {
-  Grid cropped = grid;
-  cropped.north_west_in_world += Eigen::Vector2d(box.x, -box.y) * grid.cell_size_m;
-  cropped.num_rows = box.height;
-  cropped.num_cols = box.width;
-  return cropped;
-}
-
 }  // namespace
 
 SiteMap CropAround(const ElevationMap& map,
@@ -51,23 +43,7 @@ SiteMap CropAround(const ElevationMap& map,
     }
   }
   if (box.empty()) return {};
-  const Grid grid = CropGrid(map.grid, box);
-  return {{grid,
-           map.elevation(box).clone(),
-           map.upper(box).clone(),
-           map.standard_deviation(box).clone(),
-           map.num_points(box).clone(),
-           map.position_sd_m,
-           map.tilt_sd_deg,
-           map.is_compared},
-          {.grid = grid,
-           .slope = layers.slope(box).clone(),
-           .roughness = layers.roughness(box).clone(),
-           .grass = layers.grass(box).clone(),
-           .hazard = layers.hazard(box).clone(),
-           .distance = layers.distance(box).clone(),
-           .min_clear_class_posterior = layers.min_clear_class_posterior,
-           .min_grass_posterior = layers.min_grass_posterior}};
+  return WindowOf(map, layers, box);
 }
 
 }  // namespace freelsd

@@ -57,7 +57,7 @@ struct NearbyMaps {
 SharedRows<MapRow> MapsWithin(const StoredSites& stored, const GeoPoint& place, double radius_m) {
   SharedRows<MapRow> rows = stored.storage.sites.ListMaps(BoxAround(place, radius_m));
   std::set<std::string> ids;
-  std::erase_if(rows, [&ids](const auto& row) { return !ids.insert(row->site_id).second; });
+  std::erase_if(rows, [&ids](const auto& row) { return !ids.insert(row->id).second; });
   return rows;
 }
 
@@ -75,7 +75,7 @@ NearbyMaps MapsAround(const StoredSites& stored,
     rows = MapsWithin(stored, request.place, nearby.radius_m);
   }
   for (const auto& row : rows) {
-    const auto terrain = stored.maps.TerrainOf(stored.storage, row->site_id, row->updated_at_us);
+    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
     if (!terrain) continue;
     auto patch = patches.PatchOf(*row, terrain, frame);
     if (!patch) continue;

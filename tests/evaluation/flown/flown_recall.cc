@@ -68,7 +68,7 @@ RecalledWorld::RecalledWorld(const StoredSites& stored, const World& world)
     flight_id_ = row->flight_id;
   }
   for (const auto& row : stored.storage.sites.ListMaps(kEverywhere)) {
-    const auto terrain = stored.maps.TerrainOf(stored.storage, row->site_id, row->updated_at_us);
+    const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
     if (terrain) terrains_.push_back(terrain);
   }
 }

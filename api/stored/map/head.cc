@@ -1,0 +1,139 @@
+#include <limits>
+#include <stdexcept>
+
+#include <nlohmann/json.hpp>
+
+#include "api/flight_parts.h"
+#include "api/json_reader.h"
+#include "api/stored/map/map.h"
+
+namespace freelsd {
+namespace {
+
+constexpr int kVersion = 1;
+
+nlohmann::json VectorJson(const Eigen::Vector3d& vector) {
+  return {vector.x(), vector.y(), vector.z()};
+}
+
+Eigen::Vector3d VectorOf(const nlohmann::json& array) {
+  return {array.at(0).get<double>(), array.at(1).get<double>(), array.at(2).get<double>()};
+}
+
+Eigen::Vector2d Vector2Of(const nlohmann::json& x, const nlohmann::json& y) {
+  return {x.get<double>(), y.get<double>()};
+}
+
+nlohmann::json ViewJson(const MapView& view) {
+  nlohmann::json object{{"frame_id", view.frame_id},
+                        {"world_from_camera", Rigid3Json(view.world_from_camera)}};
+  if (!view.readout.IsGlobal()) {
+    object["turn_rad"] = VectorJson(view.readout.turn);
+    object["bend_rad"] = VectorJson(view.readout.bend);
+  }
+  return object;
+}
+
+MapView ViewOf(const nlohmann::json& object) {
+  MapView view;
+  view.frame_id = object.at("frame_id");
+  view.world_from_camera = ParseRigid3(object.at("world_from_camera"), "/world_from_camera");
+  if (object.contains("turn_rad")) {
+    view.readout = {VectorOf(object.at("turn_rad")), VectorOf(object.at("bend_rad"))};
+  }
+  return view;
+}
+
+nlohmann::json GridJson(const Grid& grid) {
+  return {{"west_m", grid.north_west_in_world.x()},
+          {"north_m", grid.north_west_in_world.y()},
+          {"cell_size_m", grid.cell_size_m},
+          {"num_rows", grid.num_rows},
+          {"num_cols", grid.num_cols}};
+}
+
+Grid ReadGrid(const nlohmann::json& object) {
+  Grid grid;
+  grid.north_west_in_world = Vector2Of(object.at("west_m"), object.at("north_m"));
+  grid.cell_size_m = object.at("cell_size_m");
+  grid.num_rows = object.at("num_rows");
+  grid.num_cols = object.at("num_cols");
+  return grid;
+}
+
+nlohmann::json QualityJson(const BlockQuality& quality) {
+  return {{"rms_before_px", quality.rms_before_px},
+          {"rms_after_px", quality.rms_after_px},
+          {"num_views", quality.num_views},
+          {"num_connected_views", quality.num_connected_views},
+          {"num_landmarks", quality.num_landmarks},
+          {"note", quality.note}};
+}
+
+// A deviation may be unknown, which JSON cannot write as a number.
+double DeviationOf(const nlohmann::json& value) {
+  return value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>();
+}
+
+BlockQuality QualityOf(const nlohmann::json& object) {
+  return {object.at("rms_before_px"),
+          object.at("rms_after_px"),
+          object.at("num_views"),
+          object.at("num_connected_views"),
+          object.at("num_landmarks"),
+          object.at("note")};
+}
+
+}  // namespace
+
+std::string MapHeadJson(const MapHead& head) {
+  nlohmann::json views = nlohmann::json::array(), ranges = nlohmann::json::object();
+  for (const MapView& view : head.views) views.push_back(ViewJson(view));
+  for (const LayerRange& range : head.ranges) ranges[range.name] = {range.min, range.max};
+  nlohmann::json object{{"version", kVersion},
+                        {"flight", head.flight_json},
+                        {"origin", GeoPointJson(head.origin)},
+                        {"grid", GridJson(head.grid)},
+                        {"num_levels", head.num_levels},
+                        {"position_sd_m", head.position_sd_m},
+                        {"tilt_sd_deg", head.tilt_sd_deg},
+                        {"is_compared", head.is_compared},
+                        {"camera", CameraJson(head.camera)},
+                        {"views", std::move(views)},
+                        {"ranges", std::move(ranges)},
+                        {"quality", QualityJson(head.quality)}};
+  if (head.wind) {
+    object["wind_mps"] = {head.wind->wind_in_world.x(), head.wind->wind_in_world.y()};
+    object["wind_spread_mps"] = head.wind->spread_mps;
+  }
+  return object.dump();
+}
+
+MapHead ParseMapHead(const std::string& text) {
+  const nlohmann::json object = ParseJson(text);
+  if (object.at("version") != kVersion) {
+    throw std::runtime_error("stored map: version " + object.at("version").dump());
+  }
+  MapHead head;
+  head.flight_json = object.at("flight");
+  head.origin = ReadGeoPoint(object.at("origin"), "/origin");
+  head.grid = ReadGrid(object.at("grid"));
+  head.num_levels = object.at("num_levels");
+  head.position_sd_m = DeviationOf(object.at("position_sd_m"));
+  head.tilt_sd_deg = DeviationOf(object.at("tilt_sd_deg"));
+  head.is_compared = object.at("is_compared");
+  head.camera = ParseCamera(object.at("camera"), "/camera", CameraOrigin::kStored);
+  for (const nlohmann::json& view : object.at("views")) head.views.push_back(ViewOf(view));
+  for (const auto& [name, range] : object.at("ranges").items()) {
+    head.ranges.push_back({name, range.at(0), range.at(1)});
+  }
+  head.quality = QualityOf(object.at("quality"));
+  if (object.contains("wind_mps")) {
+    const nlohmann::json& wind = object.at("wind_mps");
+    head.wind = WindEstimate{.wind_in_world = Vector2Of(wind.at(0), wind.at(1)),
+                             .spread_mps = object.at("wind_spread_mps")};
+  }
+  return head;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,138 @@
+#include "server/handlers/flight_picture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "server/http/http.h"
+
+namespace freelsd {
+namespace {
+
+WorldBox BoxOfGrid(const Grid& grid) {
+  const Eigen::Vector2d size = grid.cell_size_m * Eigen::Vector2d(grid.num_cols, grid.num_rows);
+  const Eigen::Vector2d& corner = grid.north_west_in_world;
+  return {{corner.x(), corner.y() - size.y()}, {corner.x() + size.x(), corner.y()}};
+}
+
+WorldBox Joined(const WorldBox& a, const WorldBox& b) {
+  return {a.min_in_world.cwiseMin(b.min_in_world), a.max_in_world.cwiseMax(b.max_in_world)};
+}
+
+Polygon CornersOf(const WorldBox& box) { return {box.min_in_world, box.max_in_world}; }
+
+}  // namespace
+
+FlightPicture::FlightPicture(const Service& service, const std::string& flight_id)
+    : service_(service), flight_id_(flight_id) {
+  int64_t updated_at_us = 0;
+  for (const FlightMapRow& row : service.storage.maps.ListOf(flight_id)) {
+    auto map = service.maps.flight_maps().Find(service.storage, row.id);
+    if (!map) continue;
+    maps_.push_back(std::move(map));
+    updated_at_us = std::max(updated_at_us, row.updated_at_us);
+  }
+  if (maps_.empty()) {
+    if (!service.storage.flights.Find(flight_id)) {
+      throw ApiError("NoSuchFlight", "there is no such flight");
+    }
+    throw ApiError("NoMap", "the flight has no map yet");
+  }
+  const std::string& newest = maps_.front()->row.id;
+  version_ = newest.substr(newest.rfind('/') + 1) + "-" + std::to_string(maps_.size()) + "-" +
+             std::to_string(updated_at_us);
+}
+
+int FlightPicture::NumLevels() const {
+  int num_levels = 1;
+  for (const auto& map : maps_) num_levels = std::max(num_levels, map->head.num_levels);
+  return num_levels;
+}
+
+WorldBox FlightPicture::Extent() const {
+  WorldBox extent = BoxOfGrid(maps_.front()->head.grid);
+  for (const auto& map : maps_) extent = Joined(extent, BoxOfGrid(map->head.grid));
+  return extent;
+}
+
+std::optional<Scale> FlightPicture::ScaleOf(const std::string& layer) const {
+  std::optional<Scale> scale;
+  for (const auto& map : maps_) {
+    for (const LayerRange& range : map->head.ranges) {
+      if (range.name != layer) continue;
+      const Scale of_map{range.min, range.max};
+      scale = scale ? MergedScale(*scale, of_map) : of_map;
+    }
+  }
+  return scale;
+}
+
+Scale FlightPicture::NeededScale(const std::string& layer) const {
+  if (const std::optional<Scale> scale = ScaleOf(layer)) return *scale;
+  throw ApiError("NoMap", "the flight has no layer " + layer);
+}
+
+std::vector<MapWindow> FlightPicture::Windows(const WorldBox& box, int level) const {
+  std::vector<MapWindow> windows;
+  for (const auto& map : maps_) {
+    const int own_level = std::min(level, map->head.num_levels - 1);
+    const Grid whole = map->GridAt(own_level);
+    const Grid part = whole.Part(whole.CellsAround(CornersOf(box), 0.0));
+    if (part.num_rows == 0 || part.num_cols == 0) continue;
+    windows.push_back(service_.maps.flight_maps().Read(
+        service_.storage, *map, own_level, part, TileLayers::kAll));
+  }
+  return windows;
+}
+
+MapSource FlightPicture::Source() const {
+  return {Extent(),
+          maps_.front()->head.grid.cell_size_m,
+          NumLevels(),
+          [this](const WorldBox& box, int level) { return Windows(box, level); }};
+}
+
+nlohmann::json FlightPicture::Json(const std::string& base_url) const {
+  MapDescription description;
+  description.base_url = base_url;
+  description.extent = Extent();
+  description.cell_size_m = maps_.front()->head.grid.cell_size_m;
+  for (const std::string& layer : MapLayerNames()) {
+    if (const auto scale = ScaleOf(layer)) description.scales.emplace_back(layer, *scale);
+  }
+  int64_t updated_at_us = 0;
+  for (const auto& map : maps_) updated_at_us = std::max(updated_at_us, map->row.updated_at_us);
+  description.updated_at = Rfc3339(updated_at_us);
+  return MapJson(description, local_frame());
+}
+
+std::string FlightPicture::Tile(const std::string& layer,
+                                const XyzTile& tile,
+                                const std::string&) const {
+  const Scale scale = NeededScale(layer);
+  std::vector<MapWindow> windows;
+  if (const auto box = WorldBoxOf(tile, local_frame())) {
+    const int level =
+        LevelOf(tile, local_frame(), maps_.front()->head.grid.cell_size_m, NumLevels());
+    windows = Windows(*box, level);
+  }
+  return MapTilePng(layer, tile, windows, scale, local_frame());
+}
+
+void FlightPicture::WriteGeoTiff(const std::string& layer,
+                                 const std::filesystem::path& file) const {
+  NeededScale(layer);
+  WriteLayerGeoTiff(file.string(), layer, Source(), local_frame());
+}
+
+std::string FlightPicture::Kmz(const std::string& layer) const {
+  return MapKmz(flight_id_ + " " + layer, layer, Source(), NeededScale(layer), local_frame());
+}
+
+std::string FlightPicture::Legend(const std::string& layer) const {
+  return MapLegendPng(layer, NeededScale(layer));
+}
+
+}  // namespace freelsd

@@ -1,0 +1,51 @@
+// What is drawn of a flight's maps: all maps of the flight together, the newest on top.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "api/export/map/map.h"
+#include "server/maps/maps.h"
+#include "server/work/work.h"
+
+namespace freelsd {
+
+class FlightPicture {
+ public:
+  // Throws ApiError NoSuchFlight, or NoMap if the flight has no map. The maps of a deleted flight
+  // are still there.
+  FlightPicture(const Service& service, const std::string& flight_id);
+
+  // Differs whenever the maps differ.
+  const std::string& version() const { return version_; }
+  nlohmann::json Json(const std::string& base_url) const;
+  // "image/png" or, for photo, "image/jpeg". Throws ApiError NoMap where the layer is missing.
+  std::string Tile(const std::string& layer,
+                   const XyzTile& tile,
+                   const std::string& content_type) const;
+  void WriteGeoTiff(const std::string& layer, const std::filesystem::path& file) const;
+  std::string Kmz(const std::string& layer) const;
+  std::string Legend(const std::string& layer) const;
+
+ private:
+  const LocalFrame& local_frame() const { return maps_.front()->local_frame; }
+  int NumLevels() const;
+  WorldBox Extent() const;
+  std::optional<Scale> ScaleOf(const std::string& layer) const;
+  Scale NeededScale(const std::string& layer) const;
+  std::vector<MapWindow> Windows(const WorldBox& box, int level) const;
+  MapSource Source() const;
+
+  const Service& service_;
+  std::string flight_id_;
+  // Newest first; they share the flight's world and lattice.
+  std::vector<std::shared_ptr<const FlightMap>> maps_;
+  std::string version_;
+};
+
+}  // namespace freelsd

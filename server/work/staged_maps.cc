@@ -1,0 +1,106 @@
+#include "server/work/staged_maps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "server/http/http.h"
+
+namespace freelsd {
+namespace {
+
+// An earlier timestamp comes from a camera whose clock was never set.
+constexpr int64_t kEarliestCaptureUs = 1262304000000000;  // 2010
+
+BlockQuality QualityOf(const AdjustedBlock& block) {
+  BlockQuality quality;
+  quality.rms_before_px = block.rms_before_px;
+  quality.rms_after_px = block.rms_after_px;
+  quality.num_views = static_cast<int>(block.views.size());
+  quality.num_landmarks = static_cast<int>(block.landmarks.size());
+  quality.note = block.note;
+  for (const AdjustedView& view : block.views) quality.num_connected_views += view.is_connected;
+  return quality;
+}
+
+MapHead HeadOf(const Evaluation& evaluation,
+               const FlightRequest& flight,
+               const GeoPoint& origin) {
+  const ElevationMap& map = evaluation.map;
+  MapHead head;
+  head.flight_json = flight.canonical_json;
+  head.origin = origin;
+  head.grid = map.grid;
+  head.position_sd_m = map.position_sd_m;
+  head.tilt_sd_deg = map.tilt_sd_deg;
+  head.is_compared = map.is_compared;
+  head.wind = evaluation.wind;
+  head.camera = evaluation.block.camera;
+  for (const AdjustedView& view : evaluation.block.views) {
+    if (!view.is_connected) continue;
+    head.views.push_back({view.frame_id, view.world_from_camera, view.readout});
+  }
+  head.quality = QualityOf(evaluation.block);
+  return head;
+}
+
+}  // namespace
+
+BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame) {
+  const Eigen::Vector2d size(grid.num_cols * grid.cell_size_m, -grid.num_rows * grid.cell_size_m);
+  BoundingBox box{180.0, 90.0, -180.0, -90.0};
+  for (const double x : {0.0, 1.0}) {
+    for (const double y : {0.0, 1.0}) {
+      const Eigen::Vector2d corner =
+          grid.north_west_in_world + Eigen::Vector2d(x * size.x(), y * size.y());
+      const GeoPoint place = local_frame.GeoFromWorld({corner.x(), corner.y(), 0.0});
+      box.west_deg = std::min(box.west_deg, place.longitude_deg);
+      box.east_deg = std::max(box.east_deg, place.longitude_deg);
+      box.south_deg = std::min(box.south_deg, place.latitude_deg);
+      box.north_deg = std::max(box.north_deg, place.latitude_deg);
+    }
+  }
+  return box;
+}
+
+int64_t SeenAt(int64_t photographed_at_us, int64_t now_us) {
+  const bool is_plausible =
+      photographed_at_us >= kEarliestCaptureUs && photographed_at_us <= now_us;
+  return is_plausible ? photographed_at_us : now_us;
+}
+
+StagedMaps::~StagedMaps() {
+  for (const FlightMapRow& row : rows_) {
+    try {
+      service_.storage.maps.Discard(row.id);
+    } catch (const StorageError& error) {
+      // The next start removes it.
+      spdlog::warn("map {} is not removed yet: {}", row.id, error.what());
+    }
+  }
+}
+
+std::string StagedMaps::Add(const Evaluation& evaluation,
+                            const FlightRequest& flight,
+                            const GeoPoint& origin,
+                            int64_t photographed_at_us) {
+  const Grid& grid = evaluation.map.grid;
+  if (grid.num_rows == 0) return {};
+  FlightMapRow row;
+  row.id = service_.storage.maps.NewId(context_.flight_id);
+  row.flight_id = context_.flight_id;
+  row.altitude_datum = context_.altitude_datum;
+  row.box = BoxOf(grid, context_.local_frame);
+  row.updated_at_us = NowUs();
+  row.seen_at_us = SeenAt(photographed_at_us, row.updated_at_us);
+  rows_.push_back(row);
+  StageMap(service_.storage,
+           row,
+           HeadOf(evaluation, flight, origin),
+           {{evaluation.map, evaluation.hazards}, evaluation.coverage});
+  return row.id;
+}
+
+}  // namespace freelsd

@@ -1,0 +1,47 @@
+// Maps of an evaluation on their way to storage. Private to work.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "api/api.h"
+#include "api/stored/map/map.h"
+#include "engine/pipeline.h"
+#include "server/work/service.h"
+
+namespace freelsd {
+
+// WGS84 box around the grid.
+BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame);
+
+// When the ground was last photographed: the photographs' own time if it is plausible, because an
+// old flight may be uploaded today; else now, the latest possible time.
+int64_t SeenAt(int64_t photographed_at_us, int64_t now_us);
+
+// Maps that an evaluation has stored but that do not count yet. The destructor removes those that
+// were not taken.
+class StagedMaps {
+ public:
+  StagedMaps(Service& service, const FlightContext& context)
+      : service_(service), context_(context) {}
+  ~StagedMaps();
+  StagedMaps(const StagedMaps&) = delete;
+  StagedMaps& operator=(const StagedMaps&) = delete;
+
+  // Stores the evaluation's map and returns its id; empty if nothing was reconstructed. `flight`
+  // has the datum of all altitudes.
+  std::string Add(const Evaluation& evaluation,
+                  const FlightRequest& flight,
+                  const GeoPoint& origin,
+                  int64_t photographed_at_us);
+  const std::vector<FlightMapRow>& rows() const { return rows_; }
+  // Call it once the maps are in force.
+  void Take() { rows_.clear(); }
+
+ private:
+  Service& service_;
+  const FlightContext& context_;
+  std::vector<FlightMapRow> rows_;
+};
+
+}  // namespace freelsd

@@ -1,0 +1,233 @@
+// The maps of a flight over HTTP.
+#include <doctest/doctest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "api/export/map/map.h"
+#include "tests/server/meadow_map.h"
+#include "tests/server/openapi_check.h"
+
+namespace freelsd {
+namespace {
+
+const std::string kMap = "/v1/flights/f/map";
+
+// The meadow with a house, and a patch that nobody saw.
+SiteMap MeadowWithHouse() {
+  SiteMap meadow = Meadow();
+  const cv::Rect house(330, 290, 8, 8), unseen(250, 240, 20, 20);
+  meadow.map.upper(house).setTo(7.0f);
+  meadow.layers.hazard(house).setTo(kHazard);
+  for (cv::Mat1f* const raster : {&meadow.map.elevation,
+                                  &meadow.map.upper,
+                                  &meadow.map.num_points,
+                                  &meadow.layers.slope,
+                                  &meadow.layers.roughness}) {
+    (*raster)(unseen).setTo(std::nanf(""));
+  }
+  meadow.layers.hazard(unseen).setTo(kUnseen);
+  return meadow;
+}
+
+MeadowServer ServerWithMap() {
+  return MeadowServer([](Storage& storage) { StoreMeadowMap(storage, MeadowWithHouse()); });
+}
+
+GeoPoint PlaceAt(double east_m, double north_m) {
+  return LocalFrame(GeoPoint{47.0, 8.0, 400.0}).GeoFromWorld({east_m, north_m, 0.0});
+}
+
+std::string At(double east_m, double north_m) {
+  const GeoPoint place = PlaceAt(east_m, north_m);
+  return "latitude_deg=" + std::to_string(place.latitude_deg) +
+         "&longitude_deg=" + std::to_string(place.longitude_deg);
+}
+
+cv::Mat4b TileOver(const MeadowServer& meadow,
+                   const std::string& layer,
+                   const GeoPoint& place,
+                   int z) {
+  const XyzTile tile = TileAt(place, z);
+  const auto answer =
+      meadow.client->Get(kMap + "/" + layer + "/" + std::to_string(tile.z) + "/" +
+                         std::to_string(tile.x) + "/" + std::to_string(tile.y) + ".png");
+  REQUIRE(answer);
+  REQUIRE(answer->status == 200);
+  CHECK(answer->get_header_value("Content-Type") == "image/png");
+  return cv::imdecode(std::vector<char>(answer->body.begin(), answer->body.end()),
+                      cv::IMREAD_UNCHANGED);
+}
+
+cv::Vec4b PixelAt(const MeadowServer& meadow,
+                  const std::string& layer,
+                  double east_m,
+                  double north_m) {
+  constexpr int kZoom = 19;
+  const GeoPoint place = PlaceAt(east_m, north_m);
+  const GeoBounds bounds = BoundsOf(TileAt(place, kZoom));
+  const cv::Mat4b tile = TileOver(meadow, layer, place, kZoom);
+  const double x = (place.longitude_deg - bounds.west_deg) / (bounds.east_deg - bounds.west_deg);
+  const double y = (bounds.north_deg - place.latitude_deg) / (bounds.north_deg - bounds.south_deg);
+  return tile(static_cast<int>(y * tile.rows), static_cast<int>(x * tile.cols));
+}
+
+TEST_CASE("flight map: its layers are listed with absolute addresses that work") {
+  const MeadowServer meadow = ServerWithMap();
+  HoldAgainstContract(*meadow.client);
+  const nlohmann::json map = GetJson(*meadow.client, kMap);
+  std::vector<std::string> names;
+  for (const nlohmann::json& layer : map["layers"]) {
+    names.push_back(layer["name"]);
+    CHECK(layer["tilejson"] == "3.0.0");
+    const std::string url = layer["tiles"][0];
+    CHECK(url.starts_with("http://127.0.0.1"));
+    CHECK(url.find("{z}/{x}/{y}") != std::string::npos);
+    const std::string legend = layer["legend"];
+    CHECK(meadow.client->Get(legend.substr(legend.find("/v1")))->status == 200);
+  }
+  for (const char* const name : {"hazard",
+                                 "elevation",
+                                 "slope",
+                                 "roughness",
+                                 "grass",
+                                 "distance",
+                                 "height_sd",
+                                 "coverage"}) {
+    CAPTURE(name);
+    CHECK(std::find(names.begin(), names.end(), name) != names.end());
+  }
+}
+
+TEST_CASE("flight map: a tile shows the house, the meadow and unseen ground where they are") {
+  const MeadowServer meadow = ServerWithMap();
+  const cv::Vec4b house = PixelAt(meadow, "hazard", 34.0, 6.0);
+  const cv::Vec4b grass = PixelAt(meadow, "hazard", 60.0, -30.0);
+  const cv::Vec4b unseen = PixelAt(meadow, "hazard", -40.0, 50.0);
+  CHECK(house != grass);
+  CHECK(unseen != grass);
+  CHECK(unseen != house);
+  CHECK(unseen[3] == 255);
+  CHECK(PixelAt(meadow, "elevation", -40.0, 50.0)[3] == 0);
+  CHECK(PixelAt(meadow, "elevation", 60.0, -30.0)[3] == 255);
+  CHECK(PixelAt(meadow, "hazard", 310.0, 0.0)[3] == 0);
+  // From far away a house is still no meadow.
+  const cv::Mat4b far = TileOver(meadow, "hazard", PlaceAt(0.0, 0.0), 14);
+  CHECK(cv::countNonZero(far.reshape(1).col(3)) >= 0);
+  bool has_hazard = false;
+  for (const cv::Vec4b& pixel : far) has_hazard = has_hazard || pixel == house;
+  CHECK(has_hazard);
+}
+
+TEST_CASE("flight map: a client that has the tile gets 304, until the map changes") {
+  const MeadowServer meadow = ServerWithMap();
+  const XyzTile tile = TileAt(PlaceAt(0, 0), 17);
+  const std::string path =
+      kMap + "/hazard/17/" + std::to_string(tile.x) + "/" + std::to_string(tile.y) + ".png";
+  const auto first = meadow.client->Get(path);
+  REQUIRE(first->status == 200);
+  const std::string tag = first->get_header_value("ETag");
+  CHECK_FALSE(tag.empty());
+  CHECK(first->get_header_value("Cache-Control").find("private") != std::string::npos);
+  const auto again = meadow.client->Get(path, {{"If-None-Match", tag}});
+  CHECK(again->status == 304);
+  CHECK(again->body.empty());
+  CHECK(meadow.client->Get(path, {{"If-None-Match", "\"other\""}})->status == 200);
+}
+
+TEST_CASE("flight map: what does not exist is said, and bad numbers are refused") {
+  const MeadowServer meadow = ServerWithMap();
+  HoldAgainstContract(*meadow.client);
+  CHECK(meadow.client->Get("/v1/flights/none/map")->status == 404);
+  CHECK(meadow.client->Get(kMap + "/none/1/0/0.png")->status == 404);
+  CHECK(meadow.client->Get(kMap + "/hazard/1/0/0.jpg")->status == 404);
+  CHECK(meadow.client->Get(kMap + "/hazard/1/2/0.png")->status == 422);
+  CHECK(meadow.client->Get(kMap + "/hazard/99/0/0.png")->status == 422);
+  CHECK(meadow.client->Get(kMap + "/hazard/x/0/0.png")->status == 422);
+  CHECK(meadow.client->Get(kMap + "/hazard/1/-1/0.png")->status == 422);
+  CHECK(meadow.client->Get(kMap + "/photo/1/0/0.png")->status == 404);
+  CHECK(meadow.client->Get("/v1/flights/f/why?" + At(0, 5000))->status == 404);
+}
+
+TEST_CASE("flight map: GeoTIFF and KMZ are whole files") {
+  const MeadowServer meadow = ServerWithMap();
+  const auto tiff = meadow.client->Get(kMap + "/elevation.tif");
+  REQUIRE(tiff->status == 200);
+  CHECK(tiff->get_header_value("Content-Type") == "image/tiff");
+  CHECK((tiff->body.starts_with("II*") || tiff->body.starts_with("II+")));
+  CHECK(meadow.client->Get(kMap + "/hazard.tif")->status == 200);
+  const auto kmz = meadow.client->Get(kMap + "/hazard.kmz");
+  REQUIRE(kmz->status == 200);
+  CHECK(kmz->body.starts_with("PK"));
+}
+
+TEST_CASE("flight map: why names the rule at any place, and the frames that show it") {
+  const MeadowServer meadow = ServerWithMap();
+  HoldAgainstContract(*meadow.client);
+  const std::string wind = "&wind_east_mps=0&wind_north_mps=-4";
+  const auto why = [&](double east_m, double north_m) {
+    return GetJson(*meadow.client, "/v1/flights/f/why?" + At(east_m, north_m) + wind);
+  };
+  const nlohmann::json good = why(60.5, -60.5);
+  CAPTURE(good.dump());
+  CHECK(good["verdict"] == "landable");
+  CHECK(good["evidence"]["frames"] == nlohmann::json{"right"});
+  CHECK(why(0.5, -60.5)["evidence"]["frames"] == nlohmann::json{"left", "right"});
+  CHECK(why(-200.5, -60.5)["evidence"]["frames"] == nlohmann::json{"left"});
+  CHECK(why(34.5, 5.5)["first_failed"] == "object");
+  CHECK(why(-40.5, 50.5)["first_failed"] == "seen");
+  // Far from any site of the flight.
+  CHECK(why(150.5, 150.5)["first_failed"].is_null());
+}
+
+TEST_CASE("flight map: a landing is planned at any place, for any aircraft") {
+  const MeadowServer meadow = ServerWithMap();
+  HoldAgainstContract(*meadow.client);
+  const std::string query =
+      "/v1/flights/f/landing?" + At(80, -80) + "&wind_east_mps=0&wind_north_mps=-5";
+  const nlohmann::json small = GetJson(*meadow.client, query);
+  const nlohmann::json techpod = GetJson(*meadow.client, query + "&aircraft=techpod");
+  CHECK(small["plan"]["verdict"] == "landable");
+  CHECK(techpod["plan"]["aircraft"]["landing_airspeed_mps"] == 13);
+  const auto nowhere = meadow.client->Get("/v1/flights/f/landing?" + At(299, 299) +
+                                          "&wind_east_mps=0&wind_north_mps=14");
+  CHECK(nowhere->status == 409);
+}
+
+TEST_CASE("flight map: a site on it is planned as on a map of its own") {
+  const MeadowServer on_map = ServerWithMap();
+  const MeadowServer own([](Storage& storage) {
+    storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(MeadowWithHouse()));
+  });
+  for (const char* const query : {"?wind_east_mps=0&wind_north_mps=-4",
+                                  "?wind_east_mps=3&wind_north_mps=3",
+                                  "?wind=unknown",
+                                  "?wind_east_mps=0&wind_north_mps=-3&aircraft=techpod"}) {
+    CAPTURE(query);
+    const std::string path = std::string("/v1/sites/f-r1/approach") + query;
+    const auto a = on_map.client->Get(path), b = own.client->Get(path);
+    CHECK(a->status == b->status);
+    if (a->status != 200) continue;
+    nlohmann::json first = nlohmann::json::parse(a->body), second = nlohmann::json::parse(b->body);
+    CHECK(first["features"] == second["features"]);
+    CHECK(first["plan"]["verdict"] == second["plan"]["verdict"]);
+  }
+  // Recall too.
+  const std::string emergency =
+      "/v1/emergency?latitude_deg=46.9955&longitude_deg=8.0&altitude_m=600&altitude_datum=amsl"
+      "&wind_east_mps=0&wind_north_mps=0&heading_deg=0";
+  const nlohmann::json first = GetJson(*on_map.client, emergency)["sites"];
+  const nlohmann::json second = GetJson(*own.client, emergency)["sites"];
+  REQUIRE(first.size() == 1);
+  REQUIRE(second.size() == 1);
+  CHECK(first[0]["touchdown"] == second[0]["touchdown"]);
+  CHECK(first[0]["path"] == second[0]["path"]);
+}
+
+TEST_CASE("flight map: it outlives its flight, but not its sites") {
+  const MeadowServer meadow = ServerWithMap();
+  // Flight "f" has no row, as if it were deleted.
+  CHECK(meadow.client->Get("/v1/flights/f")->status == 404);
+  CHECK(meadow.client->Get(kMap)->status == 200);
+}
+
+}  // namespace
+}  // namespace freelsd

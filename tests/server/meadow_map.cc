@@ -1,0 +1,55 @@
+#include "tests/server/meadow_map.h"
+
+namespace freelsd {
+namespace {
+
+// Looks straight down from 100 m; shows 320 m by 640 m.
+MapView ViewOf(const std::string& frame_id, double east_m) {
+  MapView view;
+  view.frame_id = frame_id;
+  view.world_from_camera.rotation = Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0);
+  view.world_from_camera.translation = {east_m, 0.0, 100.0};
+  return view;
+}
+
+}  // namespace
+
+FlightMapRow StageMeadowMap(Storage& storage,
+                            const SiteMap& ground,
+                            const std::string& flight_id,
+                            int64_t seen_at_us) {
+  const Replan replan = ParseReplan(MeadowSite("amsl").replan_json);
+  MapHead head;
+  head.flight_json = replan.flight.canonical_json;
+  head.origin = replan.origin;
+  head.grid = ground.map.grid;
+  head.camera.width_px = 320;
+  head.camera.height_px = 640;
+  head.camera.fx_px = head.camera.fy_px = 100.0;
+  head.camera.cx_px = 159.5;
+  head.camera.cy_px = 319.5;
+  head.views = {ViewOf("left", -140.0), ViewOf("right", 140.0)};
+  FlightMapRow row;
+  row.id = storage.maps.NewId(flight_id);
+  row.flight_id = flight_id;
+  row.altitude_datum = "amsl";
+  row.box = {7.996, 46.997, 8.004, 47.003};
+  row.updated_at_us = seen_at_us;
+  row.seen_at_us = seen_at_us;
+  StageMap(storage, row, head, {ground, cv::Mat1b(ground.map.elevation.size(), uchar{2})});
+  return row;
+}
+
+SiteRow SiteOnMap(const FlightMapRow& map) {
+  SiteRow site = MeadowSite("amsl");
+  site.flight_id = map.flight_id;
+  site.map_id = map.id;
+  return site;
+}
+
+void StoreMeadowMap(Storage& storage, const SiteMap& ground) {
+  const FlightMapRow map = StageMeadowMap(storage, ground);
+  storage.sites.PutEvaluation({{SiteOnMap(map)}, {}, {map.id}, {}}, {});
+}
+
+}  // namespace freelsd

@@ -1,0 +1,22 @@
+// The meadow as the map of a flight.
+#pragma once
+
+#include <string>
+
+#include "server/maps/maps.h"
+#include "tests/server/meadow.h"
+
+namespace freelsd {
+
+// A map of flight "f" with these rasters, photographed by two frames, "left" and "right"; not in
+// force. The frames show the western and the eastern half of the ground, 20 m wider.
+FlightMapRow StageMeadowMap(Storage& storage,
+                            const SiteMap& ground,
+                            const std::string& flight_id = "f",
+                            int64_t seen_at_us = 1600000000000000);
+// MeadowSite on the map.
+SiteRow SiteOnMap(const FlightMapRow& map);
+// Both in force, and nothing else of the flight.
+void StoreMeadowMap(Storage& storage, const SiteMap& ground);
+
+}  // namespace freelsd

@@ -1,0 +1,122 @@
+// Later maps of flights and the sites that they supersede.
+#include <doctest/doctest.h>
+
+#include "server/recall/recall.h"
+#include "tests/server/meadow_map.h"
+
+namespace freelsd {
+namespace {
+
+constexpr int64_t kFirst = 1600000000000000;
+constexpr int64_t kLater = kFirst + 1000000;
+
+SiteMap MeadowWithWall() {
+  SiteMap meadow = Meadow();
+  // Across every final from the south.
+  meadow.map.upper(cv::Rect(0, 330, 600, 4)).setTo(30.0f);
+  return meadow;
+}
+
+// A stored plan that lands to the north over the southern part of the meadow.
+SiteRow PlannedSite(Storage& storage, MapCache& maps, const FlightMapRow& map) {
+  SiteRow site = SiteOnMap(map);
+  site.id = map.flight_id + "-r1";
+  Replan replan = ParseReplan(site.replan_json);
+  replan.request.wind_in_world = Eigen::Vector2d(0.0, -4.0);
+  site.replan_json = ReplanJson(replan);
+  storage.sites.PutEvaluation({{site}, {}, {map.id}, {}}, {});
+  const auto kept = maps.Get(storage, site.id, site.updated_at_us);
+  REQUIRE(kept);
+  const auto plan = maps.PlanFor(kept, replan.flight.aircraft, replan.request.wind_in_world);
+  REQUIRE(plan->approach);
+  const FlightContext context{map.flight_id, "amsl", LocalFrame(replan.origin)};
+  Site evaluated;
+  evaluated.plan = *plan;
+  site.approach_json = ApproachJson(*plan, context).dump();
+  site.feature_json =
+      SiteFeature(site.id, evaluated, replan.flight.aircraft, "2020-01-01T00:00:00Z", context)
+          .dump();
+  const GeoPoint touchdown = context.local_frame.GeoFromWorld(plan->touchdown_in_world);
+  site.latitude_deg = touchdown.latitude_deg;
+  site.longitude_deg = touchdown.longitude_deg;
+  site.updated_at_us = 7;
+  return site;
+}
+
+struct Memory {
+  TemporaryFolder folder;
+  Storage storage{folder.path()};
+  MapCache maps{size_t{1} << 26, size_t{1} << 22};
+
+  void Evaluate(const std::string& flight_id, const SiteMap& ground, int64_t seen_at_us) {
+    const FlightMapRow map = StageMeadowMap(storage, ground, flight_id, seen_at_us);
+    EvaluationRows rows;
+    rows.new_maps = {map.id};
+    StoreEvaluation(storage, maps, std::move(rows));
+  }
+  void EvaluateFirst() {
+    const FlightMapRow map = StageMeadowMap(storage, Meadow(), "first", kFirst);
+    EvaluationRows rows;
+    rows.sites = {PlannedSite(storage, maps, map)};
+    rows.new_maps = {map.id};
+    StoreEvaluation(storage, maps, std::move(rows));
+  }
+  SiteRow First() const { return *storage.sites.Find("first-r1"); }
+};
+
+TEST_CASE(
+    "memory of maps: a later map on which the plan holds confirms it, without any site there") {
+  Memory memory;
+  memory.EvaluateFirst();
+  CHECK_FALSE(memory.First().superseded_by);
+  CHECK(memory.First().is_checked);
+  memory.Evaluate("later", Meadow(), kLater);
+  CHECK_FALSE(memory.First().superseded_by);
+  CHECK(memory.First().confirmed_at_us == kLater);
+}
+
+TEST_CASE(
+    "memory of maps: a later map with a wall supersedes, and no longer when it is forgotten") {
+  Memory memory;
+  memory.EvaluateFirst();
+  memory.Evaluate("later", MeadowWithWall(), kLater);
+  CHECK(memory.First().superseded_by == "later");
+  CHECK(memory.First().superseded_by_map == "later/1");
+  CHECK_FALSE(memory.First().superseded_reason.empty());
+  CHECK(memory.storage.sites.ListRecallable({7.9, 46.9, 8.1, 47.1}).empty());
+  // Its own newer evaluation shows free ground again.
+  const FlightMapRow free = StageMeadowMap(memory.storage, Meadow(), "later", kLater);
+  EvaluationRows rows;
+  rows.new_maps = {free.id};
+  rows.forgotten_maps = {"later/1"};
+  StoreEvaluation(memory.storage, memory.maps, std::move(rows));
+  CHECK_FALSE(memory.First().superseded_by);
+  memory.Evaluate("latest", MeadowWithWall(), kLater + 1);
+  CHECK(memory.First().superseded_by == "latest");
+  ForgetFlight(memory.storage, memory.maps, "latest");
+  CHECK_FALSE(memory.First().superseded_by);
+  CHECK(memory.storage.maps.ListOf("latest").empty());
+}
+
+TEST_CASE(
+    "memory of maps: an earlier or simultaneous map changes nothing, in any order of arrival") {
+  for (const bool is_first_last : {false, true}) {
+    Memory memory;
+    if (!is_first_last) memory.EvaluateFirst();
+    memory.Evaluate("earlier", MeadowWithWall(), kFirst - 1);
+    memory.Evaluate("same", MeadowWithWall(), kFirst);
+    if (is_first_last) memory.EvaluateFirst();
+    CHECK_FALSE(memory.First().superseded_by);
+    CHECK_FALSE(memory.First().confirmed_at_us);
+  }
+}
+
+TEST_CASE("memory of maps: a site that arrives after the later map is superseded at once") {
+  Memory memory;
+  memory.Evaluate("later", MeadowWithWall(), kLater);
+  memory.EvaluateFirst();
+  CHECK(memory.First().superseded_by == "later");
+}
+
+}  // namespace
+}  // namespace freelsd

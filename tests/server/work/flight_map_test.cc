@@ -1,0 +1,90 @@
+// The map that the evaluation of a whole flight stores.
+#include <map>
+
+#include <doctest/doctest.h>
+
+#include "server/maps/maps.h"
+#include "tests/server/sample_flight.h"
+
+namespace freelsd {
+namespace {
+
+using TileBytes = std::map<TileKey, std::string>;
+
+// All tiles of the flight's only map.
+TileBytes TilesOf(const Storage& storage, const std::string& flight_id) {
+  const std::vector<FlightMapRow> maps = storage.maps.ListOf(flight_id);
+  REQUIRE(maps.size() == 1);
+  const MapHead head = ParseMapHead(maps[0].head_json);
+  TileBytes tiles;
+  for (int level = 0; level < head.num_levels; ++level) {
+    const auto [first, last] = TilesUnder(head.grid, level);
+    for (int row = first.row; row <= last.row; ++row) {
+      for (int col = first.col; col <= last.col; ++col) {
+        const TileKey key{level, row, col};
+        if (auto bytes = storage.maps.ReadTile(maps[0].id, key)) tiles[key] = *std::move(bytes);
+      }
+    }
+  }
+  return tiles;
+}
+
+std::string Evaluate(httplib::Client& client, const std::string& profile, int frames_per_batch) {
+  std::string flight = NewSampleFlight(client, {}, profile);
+  for (int begin = 0; begin < kNumSampleFrames; begin += frames_per_batch) {
+    PostSampleFrames(client, flight, begin, std::min(kNumSampleFrames, begin + frames_per_batch));
+  }
+  REQUIRE(AwaitJob(client, Finish(client, flight))["state"] == "done");
+  return flight;
+}
+
+TEST_CASE("flight map: frames one by one and all at once give the same tiles, for any aircraft") {
+  const TemporaryFolder folder;
+  Config config = TestConfig(folder.path());
+  config.model = RealModel();
+  std::string at_once, one_by_one, for_techpod;
+  {
+    const TestServer server(config);
+    httplib::Client client = server.Client();
+    at_once = Evaluate(client, "small", kNumSampleFrames);
+    one_by_one = Evaluate(client, "small", 1);
+    for_techpod = Evaluate(client, "techpod", kNumSampleFrames);
+  }
+  const Storage storage(folder.path());
+  const TileBytes tiles = TilesOf(storage, at_once);
+  CHECK(tiles.size() > 4);
+  CHECK((TilesOf(storage, one_by_one) == tiles));
+  CHECK((TilesOf(storage, for_techpod) == tiles));
+}
+
+TEST_CASE("flight map: a Techpod on the map of a small plane lands where its own evaluation says") {
+  FreshServer fresh([](Config& config) { config.model = RealModel(); });
+  httplib::Client& client = fresh.client;
+  const std::string small = Evaluate(client, "small", kNumSampleFrames);
+  const std::string techpod = Evaluate(client, "techpod", kNumSampleFrames);
+  size_t num_compared = 0;
+  for (const auto& site : GetJson(client, "/v1/flights/" + techpod + "/sites")["features"]) {
+    const std::string id = site["properties"]["id"];
+    // Further fields depend on the aircraft.
+    if (id.find("-f") != std::string::npos) continue;
+    const std::string twin = small + id.substr(techpod.size());
+    CAPTURE(id);
+    const auto planned = client.Get("/v1/sites/" + twin + "/approach?aircraft=techpod");
+    const bool is_accepted = site["properties"]["verdict"] != "rejected";
+    if (!is_accepted) continue;
+    REQUIRE(planned->status == 200);
+    const nlohmann::json answer = nlohmann::json::parse(planned->body);
+    CHECK(answer["plan"]["verdict"] == site["properties"]["verdict"]);
+    for (const auto& feature : answer["features"]) {
+      if (feature["properties"]["kind"] == "touchdown") {
+        CHECK(feature["geometry"] == site["geometry"]);
+      }
+    }
+    ++num_compared;
+  }
+  MESSAGE(num_compared << " accepted sites compared");
+  CHECK(num_compared > 0);
+}
+
+}  // namespace
+}  // namespace freelsd
