@@ -2,19 +2,15 @@
 #include <memory>
 #include <stdexcept>
 
-#include <geotiff/geotiff.h>
-#include <geotiff/geotiffio.h>
 #include <geotiff/xtiffio.h>
-#include <tiffio.h>
 
+#include "api/export/geotiff_tags.h"
 #include "api/export/layers/layer_values.h"
-#include "api/export/layers/utm.h"
+#include "api/export/utm.h"
 
 namespace freelsd {
 namespace {
 
-// Tag 42113 of GDAL: the value that means "no data", as text.
-constexpr ttag_t kNoDataTag = 42113;
 constexpr int kRowsPerStrip = 64;
 
 // File in memory with the callbacks that libtiff needs.
@@ -55,9 +51,6 @@ toff_t SizeOfStream(thandle_t handle) { return static_cast<Stream*>(handle)->byt
 struct TiffCloser {
   void operator()(TIFF* tiff) const { XTIFFClose(tiff); }
 };
-struct GeoKeysFreer {
-  void operator()(GTIF* keys) const { GTIFFree(keys); }
-};
 
 void WriteTags(TIFF* tiff, const cv::Mat1f& values) {
   TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, values.cols);
@@ -69,11 +62,7 @@ void WriteTags(TIFF* tiff, const cv::Mat1f& values) {
   TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
   TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, kRowsPerStrip);
   TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
-  char name[] = "GDALNoDataValue";
-  const TIFFFieldInfo no_data{
-      kNoDataTag, TIFF_VARIABLE, TIFF_VARIABLE, TIFF_ASCII, FIELD_CUSTOM, 1, 0, name};
-  TIFFMergeFieldInfo(tiff, &no_data, 1);
-  TIFFSetField(tiff, kNoDataTag, "nan");
+  WriteNoDataTag(tiff);
 }
 
 void WriteGeoreference(TIFF* tiff, const Eigen::Matrix<double, 2, 3>& m, const Utm& utm) {
@@ -94,13 +83,7 @@ void WriteGeoreference(TIFF* tiff, const Eigen::Matrix<double, 2, 3>& m, const U
                              0.0,
                              1.0};
   TIFFSetField(tiff, TIFFTAG_GEOTRANSMATRIX, 16, matrix);
-  const std::unique_ptr<GTIF, GeoKeysFreer> keys(GTIFNew(tiff));
-  if (!keys) throw std::runtime_error("GeoTIFF: keys cannot be written");
-  GTIFKeySet(keys.get(), GTModelTypeGeoKey, TYPE_SHORT, 1, ModelTypeProjected);
-  GTIFKeySet(keys.get(), GTRasterTypeGeoKey, TYPE_SHORT, 1, RasterPixelIsArea);
-  GTIFKeySet(keys.get(), ProjectedCSTypeGeoKey, TYPE_SHORT, 1, utm.Epsg());
-  GTIFKeySet(keys.get(), ProjLinearUnitsGeoKey, TYPE_SHORT, 1, Linear_Meter);
-  GTIFWriteKeys(keys.get());
+  WriteGeoKeys(tiff, utm.Epsg());
 }
 
 void AddAltitude(const Grid& grid, const LocalFrame& frame, cv::Mat1f& elevation) {

@@ -12,8 +12,4 @@ namespace freelsd {
 // Throws std::invalid_argument if no layer has the name.
 cv::Mat1f LayerValues(const SiteMap& site_map, const std::string& name);
 
-// Altitude of the plane z = 0 of world at a place. It varies from place to place, because the plane
-// is tangent to the curved earth.
-double AltitudeOfPlane(const Eigen::Vector2d& place_in_world, const LocalFrame& local_frame);
-
 }  // namespace freelsd

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/export/layers/layer_values.h"
-#include "api/export/layers/utm.h"
+#include "api/export/utm.h"
 
 namespace freelsd {
 namespace {

@@ -21,6 +21,16 @@ SiteMap CropAround(const ElevationMap& map,
 // Outer corners of the grid in world, clockwise from the north-west.
 std::vector<Eigen::Vector2d> OuterCorners(const Grid& grid);
 
+// Altitude of the plane z = 0 of world at a place. It varies from place to place, because the plane
+// is tangent to the curved earth.
+double AltitudeOfPlane(const Eigen::Vector2d& place_in_world, const LocalFrame& local_frame);
+
+// Values of a layer at the two ends of the ramp of colours of its picture.
+struct Scale {
+  double min = 0.0;
+  double max = 1.0;
+};
+
 // "elevation", "slope", "roughness", "grass", "hazard", "distance".
 std::vector<std::string> LayerNames();
 struct LayerInfo {

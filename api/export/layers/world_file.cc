@@ -1,8 +1,8 @@
 #include <stdexcept>
 
 #include "api/export/layers/layers.h"
-#include "api/export/layers/utm.h"
 #include "api/export/text.h"
+#include "api/export/utm.h"
 
 namespace freelsd {
 

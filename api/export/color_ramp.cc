@@ -1,11 +1,8 @@
-#include "api/export/layers/color_ramp.h"
+#include "api/export/color_ramp.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <vector>
-
-#include "api/export/layers/layer_values.h"
 
 namespace freelsd {
 namespace {
@@ -26,12 +23,6 @@ constexpr std::array<std::array<uint8_t, 3>, 5> kBrownTeal{
     {{140, 81, 10}, {216, 179, 101}, {245, 245, 245}, {90, 180, 172}, {1, 102, 94}}};
 // Start of the distance ramp. Free ground beside a hazard must be brighter than unseen ground.
 constexpr double kDistanceRampStart = 0.35;
-// Twice the usual limits, so that the limits are at the middle of the ramp.
-constexpr double kMaxSlopeDeg = 16.0;
-constexpr double kMaxRoughnessM = 1.0;
-// Share of the heights beyond each end of the ramp. Else a few trees would hide the relief.
-constexpr double kTailShare = 0.01;
-
 template <size_t n>
 Color Interpolate(const std::array<std::array<uint8_t, 3>, n>& colors, double share) {
   const double position = std::clamp(share, 0.0, 1.0) * (n - 1);
@@ -45,27 +36,11 @@ Color Interpolate(const std::array<std::array<uint8_t, 3>, n>& colors, double sh
   return color;
 }
 
-Scale ScaleOfHeights(const cv::Mat1f& elevation) {
-  std::vector<float> heights;
-  std::copy_if(elevation.begin(), elevation.end(), std::back_inserter(heights), [](float height) {
-    return std::isfinite(height);
-  });
-  if (heights.empty()) return {};
-  std::sort(heights.begin(), heights.end());
-  const auto tail = static_cast<size_t>(kTailShare * static_cast<double>(heights.size()));
-  const double low = heights[tail], high = heights[heights.size() - 1 - tail];
-  return {low, std::max(high, low + 1.0)};
-}
-
 }  // namespace
 
-Scale ScaleOf(const SiteMap& site_map, const std::string& name) {
-  if (name == "elevation") return ScaleOfHeights(site_map.map.elevation);
-  if (name == "slope") return {0.0, kMaxSlopeDeg};
-  if (name == "roughness") return {0.0, kMaxRoughnessM};
-  if (name == "distance")
-    return {0.0, std::max(1.0, DescribeLayer(site_map, name).max.value_or(1.0))};
-  return {};
+cv::Vec4b Bgra(const Color& color) {
+  constexpr uint8_t kOpaque = 255;
+  return {color[2], color[1], color[0], kOpaque};
 }
 
 Color RampColor(const std::string& name, double share) {

@@ -1,4 +1,4 @@
-#include "api/export/layers/png.h"
+#include "api/export/png.h"
 
 #include <doctest/doctest.h>
 #include <opencv2/imgcodecs.hpp>

@@ -1,6 +1,7 @@
 // Pictures as PNG.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include <opencv2/core.hpp>
@@ -9,5 +10,7 @@ namespace freelsd {
 
 // `image` is 8 bit BGR or BGRA with at least one pixel; else std::invalid_argument is thrown.
 std::string EncodePng(const cv::Mat& image);
+// `indices` are positions in the palette, which is BGRA. At least one pixel, as above.
+std::string EncodePalettePng(const cv::Mat1b& indices, const std::array<cv::Vec4b, 256>& palette);
 
 }  // namespace freelsd

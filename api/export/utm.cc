@@ -1,4 +1,4 @@
-#include "api/export/layers/utm.h"
+#include "api/export/utm.h"
 
 #include <array>
 #include <vector>
@@ -6,7 +6,7 @@
 #include <Eigen/QR>
 #include <GeographicLib/UTMUPS.hpp>
 
-#include "api/export/layers/layer_values.h"
+#include "api/export/layers/layers.h"
 
 namespace freelsd {
 namespace {
@@ -16,19 +16,6 @@ constexpr int kEpsgUtmNorth = 32600;
 constexpr int kEpsgUtmSouth = 32700;
 constexpr int kEpsgUpsNorth = 32661;
 constexpr int kEpsgUpsSouth = 32761;
-
-// Uses the origin's zone and hemisphere, also for places beyond their borders.
-Eigen::Vector2d Project(const Utm& utm, const GeoPoint& place) {
-  int zone;
-  bool is_north;
-  double easting, northing;
-  GeographicLib::UTMUPS::Forward(
-      place.latitude_deg, place.longitude_deg, zone, is_north, easting, northing, utm.zone);
-  if (is_north != utm.is_north) {
-    northing += GeographicLib::UTMUPS::UTMShift() * (is_north ? 1.0 : -1.0);
-  }
-  return {easting, northing};
-}
 
 }  // namespace
 
@@ -45,6 +32,29 @@ Utm ZoneOf(const GeoPoint& origin) {
   return utm;
 }
 
+Eigen::Vector2d UtmFromGeo(const Utm& utm, const GeoPoint& place) {
+  int zone;
+  bool is_north;
+  double easting, northing;
+  GeographicLib::UTMUPS::Forward(
+      place.latitude_deg, place.longitude_deg, zone, is_north, easting, northing, utm.zone);
+  if (is_north != utm.is_north) {
+    northing += GeographicLib::UTMUPS::UTMShift() * (is_north ? 1.0 : -1.0);
+  }
+  return {easting, northing};
+}
+
+GeoPoint GeoFromUtm(const Utm& utm, const Eigen::Vector2d& place_in_utm) {
+  GeoPoint place;
+  GeographicLib::UTMUPS::Reverse(utm.zone,
+                                 utm.is_north,
+                                 place_in_utm.x(),
+                                 place_in_utm.y(),
+                                 place.latitude_deg,
+                                 place.longitude_deg);
+  return place;
+}
+
 Eigen::Matrix<double, 2, 3> UtmFromPixel(const Grid& grid,
                                          const Utm& utm,
                                          const LocalFrame& frame) {
@@ -56,11 +66,11 @@ Eigen::Matrix<double, 2, 3> UtmFromPixel(const Grid& grid,
                                               Eigen::Vector3d(0, height, 1)};
   Eigen::Matrix<double, 4, 3> pixel_rows;
   Eigen::Matrix<double, 4, 2> places;
-  const Eigen::Vector2d base = Project(utm, frame.origin());
+  const Eigen::Vector2d base = UtmFromGeo(utm, frame.origin());
   for (int i = 0; i < 4; ++i) {
     pixel_rows.row(i) = pixels[i].transpose();
     const GeoPoint corner = frame.GeoFromWorld({corners[i].x(), corners[i].y(), 0.0});
-    places.row(i) = (Project(utm, corner) - base).transpose();
+    places.row(i) = (UtmFromGeo(utm, corner) - base).transpose();
   }
   const Eigen::Matrix<double, 3, 2> solution = pixel_rows.colPivHouseholderQr().solve(places);
   Eigen::Matrix<double, 2, 3> utm_from_pixel = solution.transpose();
