@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <nlohmann/json.hpp>
 
@@ -94,11 +95,65 @@ MapSource FlightPicture::Source() const {
           [this](const WorldBox& box, int level) { return Windows(box, level); }};
 }
 
+std::optional<double> FlightPicture::PhotoPixelSize() const {
+  std::optional<double> finest;
+  for (const auto& map : maps_) {
+    if (!map->head.photo) continue;
+    const double pixel_size_m = map->head.photo->pixel_size_m;
+    finest = std::min(finest.value_or(pixel_size_m), pixel_size_m);
+  }
+  return finest;
+}
+
+double FlightPicture::NeededPixelSize() const {
+  if (const auto pixel_size_m = PhotoPixelSize()) return *pixel_size_m;
+  throw ApiError("NoMap", "the flight has no layer photo");
+}
+
+// Maps may differ in their finest pixels: of each map, the level with pixels of this size.
+std::vector<PhotoWindow> FlightPicture::PhotoWindows(const WorldBox& box,
+                                                     double pixel_size_m) const {
+  std::vector<PhotoWindow> windows;
+  for (const auto& map : maps_) {
+    if (!map->head.photo) continue;
+    const double ratio = pixel_size_m / map->head.photo->pixel_size_m;
+    const int level = std::clamp(
+        static_cast<int>(std::floor(std::log2(ratio) + 0.01)), 0, map->head.photo->num_levels - 1);
+    std::vector<PhotoWindow> some =
+        service_.maps.flight_maps().ReadPhoto(service_.storage, *map, level, box);
+    std::move(some.begin(), some.end(), std::back_inserter(windows));
+  }
+  return windows;
+}
+
+PhotoSource FlightPicture::SourceOfPhoto() const {
+  const double finest_m = NeededPixelSize();
+  int num_levels = 1;
+  for (const auto& map : maps_) {
+    if (map->head.photo) num_levels = std::max(num_levels, map->head.photo->num_levels);
+  }
+  return {Extent(), finest_m, num_levels, [this, finest_m](const WorldBox& box, int level) {
+            return PhotoWindows(box, std::ldexp(finest_m, level));
+          }};
+}
+
+std::string FlightPicture::PhotoTile(const XyzTile& tile, const std::string& content_type) const {
+  const PhotoSource source = SourceOfPhoto();
+  std::vector<PhotoWindow> windows;
+  if (const auto box = WorldBoxOf(tile, local_frame())) {
+    const int level = LevelOf(tile, local_frame(), source.finest_pixel_size_m, source.num_levels);
+    windows = source.windows_of(*box, level);
+  }
+  return content_type == "image/jpeg" ? PhotoTileJpeg(tile, windows, local_frame())
+                                      : PhotoTilePng(tile, windows, local_frame());
+}
+
 nlohmann::json FlightPicture::Json(const std::string& base_url) const {
   MapDescription description;
   description.base_url = base_url;
   description.extent = Extent();
   description.cell_size_m = maps_.front()->head.grid.cell_size_m;
+  description.photo_pixel_size_m = PhotoPixelSize();
   for (const std::string& layer : MapLayerNames()) {
     if (const auto scale = ScaleOf(layer)) description.scales.emplace_back(layer, *scale);
   }
@@ -110,7 +165,8 @@ nlohmann::json FlightPicture::Json(const std::string& base_url) const {
 
 std::string FlightPicture::Tile(const std::string& layer,
                                 const XyzTile& tile,
-                                const std::string&) const {
+                                const std::string& content_type) const {
+  if (layer == "photo") return PhotoTile(tile, content_type);
   const Scale scale = NeededScale(layer);
   std::vector<MapWindow> windows;
   if (const auto box = WorldBoxOf(tile, local_frame())) {
@@ -123,11 +179,15 @@ std::string FlightPicture::Tile(const std::string& layer,
 
 void FlightPicture::WriteGeoTiff(const std::string& layer,
                                  const std::filesystem::path& file) const {
+  if (layer == "photo") return WritePhotoGeoTiff(file.string(), SourceOfPhoto(), local_frame());
   NeededScale(layer);
   WriteLayerGeoTiff(file.string(), layer, Source(), local_frame());
 }
 
 std::string FlightPicture::Kmz(const std::string& layer) const {
+  if (layer == "photo") {
+    return PhotoKmz(flight_id_ + " photo", SourceOfPhoto(), local_frame());
+  }
   return MapKmz(flight_id_ + " " + layer, layer, Source(), NeededScale(layer), local_frame());
 }
 

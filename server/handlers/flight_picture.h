@@ -40,6 +40,13 @@ class FlightPicture {
   Scale NeededScale(const std::string& layer) const;
   std::vector<MapWindow> Windows(const WorldBox& box, int level) const;
   MapSource Source() const;
+  // Of the finest picture; nothing if no map has one.
+  std::optional<double> PhotoPixelSize() const;
+  // The same; throws ApiError NoMap.
+  double NeededPixelSize() const;
+  std::vector<PhotoWindow> PhotoWindows(const WorldBox& box, double pixel_size_m) const;
+  PhotoSource SourceOfPhoto() const;
+  std::string PhotoTile(const XyzTile& tile, const std::string& content_type) const;
 
   const Service& service_;
   std::string flight_id_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "api/export/map/map.h"
 #include "api/stored/map/map.h"
 #include "server/maps/recent.h"
 #include "storage/storage.h"
@@ -29,10 +30,14 @@ struct FlightMap {
 // levels, ranges) and writes it into the row.
 void StageMap(Storage& storage, FlightMapRow row, MapHead head, MapRasters rasters);
 
-// Thread-safe. The constructor's argument limits the memory of the tiles.
+// JPEG, or WebP if the picture has transparent pixels.
+std::string EncodePhotoTile(const cv::Mat4b& picture);
+
+// Thread-safe. The constructor's argument limits the memory of the tiles, and
+// that of the pictures.
 class FlightMaps {
  public:
-  explicit FlightMaps(size_t max_bytes) : tiles_(max_bytes) {}
+  explicit FlightMaps(size_t max_bytes) : tiles_(max_bytes), photos_(max_bytes) {}
   FlightMaps(const FlightMaps&) = delete;
   FlightMaps& operator=(const FlightMaps&) = delete;
 
@@ -42,6 +47,12 @@ class FlightMaps {
   // has none. A tile that cannot be read from either copy counts as unseen, and is reported.
   MapRasters Read(
       const Storage& storage, const FlightMap& map, int level, const Grid& grid, TileLayers layers);
+  // Tiles of the map's picture at a level that meet the box, in world. Tiles that cannot be read
+  // are left out and reported.
+  std::vector<PhotoWindow> ReadPhoto(const Storage& storage,
+                                     const FlightMap& map,
+                                     int level,
+                                     const WorldBox& box);
 
  private:
   // Places of tiles over all maps.
@@ -63,10 +74,14 @@ class FlightMaps {
                                            const MapTileIndex& index,
                                            TileLayers layers);
 
-  // Guards heads_ and tiles_.
+  cv::Mat4b PhotoAt(const Storage& storage, const FlightMap& map, const MapTileIndex& index);
+
+  // Guards heads_, tiles_ and photos_.
   std::mutex mutex_;
   std::map<std::string, std::shared_ptr<const FlightMap>> heads_;
   Recent<Key, Entry> tiles_;
+  // Empty where the picture has no tile.
+  Recent<Key, cv::Mat4b> photos_;
 };
 
 // Finished pictures of maps, by a text that says everything they depend on. Thread-safe.

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "api/import/images/images.h"
+#include "api/stored/map/map.h"
 #include "api/stored/stored.h"
 #include "tests/fuzz/targets.h"
 
@@ -81,6 +82,13 @@ void FuzzModel(std::string_view bytes) {
 void FuzzSiteMap(std::string_view bytes) {
   const SiteMap site_map = DeserializeSiteMap(std::string(bytes));
   DeserializeSiteMap(SerializeSiteMap(site_map));
+}
+
+void FuzzMapTile(std::string_view bytes) {
+  const Grid grid = GridOf(MapTileIndex{}, 1.0);
+  const MapRasters tile = DeserializeTile(std::string(bytes), grid, TileLayers::kAll);
+  const std::string again = SerializeTile(tile);
+  if (!again.empty()) DeserializeTile(again, grid, TileLayers::kAll);
 }
 
 }  // namespace freelsd

@@ -37,5 +37,6 @@ void FuzzImageDecoding(std::string_view bytes);
 void FuzzZip(std::string_view bytes);
 void FuzzModel(std::string_view bytes);
 void FuzzSiteMap(std::string_view bytes);
+void FuzzMapTile(std::string_view bytes);
 
 }  // namespace freelsd

@@ -76,6 +76,14 @@ float Largest(const std::array<float, 4>& four) {
   return HasUnknown(four) ? kNaN : *std::max_element(four.begin(), four.end());
 }
 
+float LargestKnown(const std::array<float, 4>& four) {
+  float largest = kNaN;
+  for (const float value : four) {
+    if (!(largest >= value) && !std::isnan(value)) largest = value;
+  }
+  return largest;
+}
+
 float MeanOfKnown(const std::array<float, 4>& four) {
   double sum = 0.0;
   int count = 0;
@@ -121,7 +129,7 @@ MapWindow Coarser(const MapWindow& window) {
   auto& [map, layers] = result.site_map;
   map.grid = layers.grid = coarse.grid;
   map.elevation = JoinFours(map.elevation, coarse, kNaN, MeanOfKnown);
-  map.upper = JoinFours(map.upper, coarse, kNaN, Largest);
+  map.upper = JoinFours(map.upper, coarse, kNaN, LargestKnown);
   map.standard_deviation = JoinFours(map.standard_deviation, coarse, kNaN, Largest);
   map.num_points = JoinFours(map.num_points, coarse, kNaN, Least);
   layers.slope = JoinFours(layers.slope, coarse, kNaN, Largest);

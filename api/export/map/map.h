@@ -20,6 +20,7 @@
 #include <opencv2/core.hpp>
 
 #include "api/export/layers/layers.h"
+#include "api/stored/map/map.h"
 #include "api/stored/stored.h"
 
 namespace freelsd {
@@ -27,11 +28,7 @@ namespace freelsd {
 // --- Windows ---
 
 // Every raster has the size of the grid or is empty. `elevation` and `hazard` are never empty.
-struct MapWindow {
-  SiteMap site_map;
-  // Number of photographs that see the cell.
-  cv::Mat1b coverage;
-};
+using MapWindow = MapRasters;
 
 // The ground from straight above.
 struct PhotoWindow {
@@ -50,10 +47,10 @@ struct WorldBox {
 // The next level: cells of twice the size, each made of four cells. Cells outside the window count
 // as unseen. `hazard` is kHazard if one of the four is, else kUnseen if one is, else kFree: no
 // choice of windows makes a coarse cell free if one of its cells is not. `elevation` is the mean of
-// its known cells. Of the other rasters the least favourable value is taken (least: grass,
-// distance, num_points, coverage; largest: upper, standard_deviation, slope, roughness); NaN if one
-// is NaN. Coarse windows are for pictures, not for plans. Throws std::invalid_argument if the grid
-// is not aligned to its cell size.
+// its known cells, `upper` their largest. Of the other rasters the least favourable value is taken
+// (least: grass, distance, num_points, coverage; largest: standard_deviation, slope, roughness);
+// NaN if one is NaN. Coarse windows are for pictures and for the terrain on a way, not for
+// landings. Throws std::invalid_argument if the grid is not aligned to its cell size.
 MapWindow Coarser(const MapWindow& window);
 // Mean colour of the seen pixels; the largest alpha.
 PhotoWindow Coarser(const PhotoWindow& window);

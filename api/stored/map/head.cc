@@ -102,6 +102,11 @@ std::string MapHeadJson(const MapHead& head) {
                         {"views", std::move(views)},
                         {"ranges", std::move(ranges)},
                         {"quality", QualityJson(head.quality)}};
+  if (head.photo) {
+    object["photo"] = {{"pixel_size_m", head.photo->pixel_size_m},
+                       {"tile_size_px", head.photo->tile_size_px},
+                       {"num_levels", head.photo->num_levels}};
+  }
   if (head.wind) {
     object["wind_mps"] = {head.wind->wind_in_world.x(), head.wind->wind_in_world.y()};
     object["wind_spread_mps"] = head.wind->spread_mps;
@@ -128,6 +133,11 @@ MapHead ParseMapHead(const std::string& text) {
     head.ranges.push_back({name, range.at(0), range.at(1)});
   }
   head.quality = QualityOf(object.at("quality"));
+  if (object.contains("photo")) {
+    const nlohmann::json& photo = object.at("photo");
+    head.photo =
+        PhotoLattice{photo.at("pixel_size_m"), photo.at("tile_size_px"), photo.at("num_levels")};
+  }
   if (object.contains("wind_mps")) {
     const nlohmann::json& wind = object.at("wind_mps");
     head.wind = WindEstimate{.wind_in_world = Vector2Of(wind.at(0), wind.at(1)),

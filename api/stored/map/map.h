@@ -77,6 +77,16 @@ struct BlockQuality {
   std::string note;
 };
 
+// Where the tiles of the map's picture lie, as in MosaicLattice.
+struct PhotoLattice {
+  double pixel_size_m = 0.1;
+  int tile_size_px = 512;
+  int num_levels = 1;
+
+  // Tile (row, col) of a level. Rows count to the south from the world's origin.
+  Grid GridOf(const MapTileIndex& index) const;
+};
+
 // One map of a flight, without its tiles. A long flight has several maps.
 struct MapHead {
   // FlightRequest::canonical_json, with the datum of all altitudes.
@@ -94,6 +104,8 @@ struct MapHead {
   // Connected views only.
   std::vector<MapView> views;
   std::vector<LayerRange> ranges;
+  // Nothing if the map has no picture.
+  std::optional<PhotoLattice> photo;
   BlockQuality quality;
 };
 std::string MapHeadJson(const MapHead& head);

@@ -36,6 +36,15 @@ Grid GridOf(const MapTileIndex& index, double cell_size_m) {
   return grid;
 }
 
+Grid PhotoLattice::GridOf(const MapTileIndex& index) const {
+  Grid grid;
+  grid.cell_size_m = std::ldexp(pixel_size_m, index.level);
+  grid.north_west_in_world =
+      tile_size_px * grid.cell_size_m * Eigen::Vector2d(index.col, -index.row);
+  grid.num_rows = grid.num_cols = tile_size_px;
+  return grid;
+}
+
 std::pair<MapTileIndex, MapTileIndex> TilesUnder(const Grid& grid, int level) {
   const cv::Rect cells = CellsOf(grid);
   const int side = kTileCells << level;

@@ -28,6 +28,7 @@ MapHead SomeHead() {
                         {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {1.0 / 7.0, 2.0, 100.1}},
                         {{0.1, 0.2, 0.3}, {0.0, 0.0, 0.01}}});
   head.ranges = {{"elevation", -1.0, 12.5}};
+  head.photo = PhotoLattice{1.0 / 19.0, 256, 5};
   head.quality = {2.5, 0.25, 3, 2, 100, "one is not connected"};
   return head;
 }
@@ -40,6 +41,8 @@ TEST_CASE("map head: what was stored comes back, every number exactly") {
   CHECK(back.grid == head.grid);
   CHECK(back.position_sd_m == head.position_sd_m);
   CHECK(back.is_compared);
+  CHECK(back.photo->pixel_size_m == head.photo->pixel_size_m);
+  CHECK(back.photo->num_levels == 5);
   REQUIRE(back.views.size() == 2);
   CHECK(back.views[1].frame_id == "b.jpg");
   CHECK(back.views[1].world_from_camera.translation == head.views[1].world_from_camera.translation);
