@@ -66,8 +66,6 @@ struct Evaluation {
   // reconstructed. The map includes its cover (WithCover).
   ElevationMap map;
   HazardLayers hazards;
-  // Number of photographs that see the cell, at most 255.
-  cv::Mat1b coverage;
   // At the middle of the map.
   std::optional<WindEstimate> wind;
   AdjustedBlock block;

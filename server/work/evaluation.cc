@@ -305,13 +305,22 @@ std::vector<std::string> NoSiteReason(const Snapshot& snapshot) {
           std::to_string(num_grass_at_most) + " times)"};
 }
 
-// Progress of one of several groups of equal size, scaled to progress of the whole.
-Progress ShareOf(const Progress& progress, size_t index, size_t num_groups) {
+// Share of a group's evaluation after which only its picture is left.
+constexpr double kSitesDone = 0.75;
+
+// Progress of a part, from one share of the whole to another.
+Progress Within(const Progress& progress, double from, double to) {
   if (!progress) return progress;
-  return [&progress, index, num_groups](double done_ratio, const std::string& stage) {
-    return progress((static_cast<double>(index) + done_ratio) / static_cast<double>(num_groups),
-                    stage);
+  return [progress, from, to](double done_ratio, const std::string& stage) {
+    return progress(from + (to - from) * done_ratio, stage);
   };
+}
+
+// Progress of one of several groups of equal size.
+Progress ShareOf(const Progress& progress, size_t index, size_t num_groups) {
+  const auto count = static_cast<double>(num_groups);
+  return Within(
+      progress, static_cast<double>(index) / count, static_cast<double>(index + 1) / count);
 }
 
 void AddNew(const std::vector<std::string>& more, std::vector<std::string>& warnings) {
@@ -337,15 +346,19 @@ size_t EvaluateFlight(Service& service,
   StagedMaps maps(service, flight.context);
   std::vector<NewSite> sites;
   std::vector<std::string> warnings;
+  const ImageSource images = StoredImages(service, flight_id);
   for (size_t i = 0; i < groups.size(); ++i) {
+    const Progress of_group = ShareOf(progress, i, groups.size());
     const Evaluation evaluation = EvaluateSites(snapshot,
                                                 groups[i],
-                                                StoredImages(service, flight_id),
+                                                images,
                                                 request.aircraft,
                                                 request.options,
-                                                ShareOf(progress, i, groups.size()));
+                                                Within(of_group, 0.0, kSitesDone));
     const std::string map_id = maps.Add(
-        evaluation, flight.request, flight.origin, PhotographedAt(snapshot, evaluation.block));
+        evaluation,
+        {flight.request, flight.origin, images, PhotographedAt(snapshot, evaluation.block)},
+        Within(of_group, kSitesDone, 1.0));
     for (const Site& site : evaluation.sites) {
       sites.push_back(SiteOf(AsStored(site), evaluation.map.grid, map_id, flight));
     }

@@ -6,6 +6,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "api/import/import.h"
+#include "engine/mosaic/mosaic.h"
 #include "server/http/http.h"
 
 namespace freelsd {
@@ -25,9 +27,31 @@ BlockQuality QualityOf(const AdjustedBlock& block) {
   return quality;
 }
 
-MapHead HeadOf(const Evaluation& evaluation,
-               const FlightRequest& flight,
-               const GeoPoint& origin) {
+// Median of the connected views; 0 if there is none.
+double GroundSamplingOf(const AdjustedBlock& block) {
+  std::vector<double> samplings_m;
+  for (const AdjustedView& view : block.views) {
+    if (view.is_connected) {
+      samplings_m.push_back(view.height_above_ground / block.camera.MeanFocalPx());
+    }
+  }
+  if (samplings_m.empty()) return 0.0;
+  const auto middle = samplings_m.begin() + static_cast<std::ptrdiff_t>(samplings_m.size() / 2);
+  std::nth_element(samplings_m.begin(), middle, samplings_m.end());
+  return *middle;
+}
+
+// Picking views for smaller cells takes more memory than the picture gains.
+MosaicOptions OptionsOf(const AdjustedBlock& block) {
+  constexpr double kPixelsPerSeamCell = 8.0;
+  MosaicOptions options;
+  options.max_cache_mb = 120.0;
+  options.seam_cell_size_m =
+      std::max(options.seam_cell_size_m, kPixelsPerSeamCell * GroundSamplingOf(block));
+  return options;
+}
+
+MapHead HeadOf(const Evaluation& evaluation, const FlightRequest& flight, const GeoPoint& origin) {
   const ElevationMap& map = evaluation.map;
   MapHead head;
   head.flight_json = flight.canonical_json;
@@ -41,6 +65,10 @@ MapHead HeadOf(const Evaluation& evaluation,
   for (const AdjustedView& view : evaluation.block.views) {
     if (!view.is_connected) continue;
     head.views.push_back({view.frame_id, view.world_from_camera, view.readout});
+  }
+  const MosaicLattice lattice = PlanMosaic(map, evaluation.block, OptionsOf(evaluation.block));
+  if (lattice.num_levels > 0) {
+    head.photo = PhotoLattice{lattice.pixel_size_m, lattice.tile_size_px, lattice.num_levels};
   }
   head.quality = QualityOf(evaluation.block);
   return head;
@@ -83,9 +111,8 @@ StagedMaps::~StagedMaps() {
 }
 
 std::string StagedMaps::Add(const Evaluation& evaluation,
-                            const FlightRequest& flight,
-                            const GeoPoint& origin,
-                            int64_t photographed_at_us) {
+                            const Source& source,
+                            const Progress& progress) {
   const Grid& grid = evaluation.map.grid;
   if (grid.num_rows == 0) return {};
   FlightMapRow row;
@@ -94,13 +121,40 @@ std::string StagedMaps::Add(const Evaluation& evaluation,
   row.altitude_datum = context_.altitude_datum;
   row.box = BoxOf(grid, context_.local_frame);
   row.updated_at_us = NowUs();
-  row.seen_at_us = SeenAt(photographed_at_us, row.updated_at_us);
+  row.seen_at_us = SeenAt(source.photographed_at_us, row.updated_at_us);
   rows_.push_back(row);
   StageMap(service_.storage,
            row,
-           HeadOf(evaluation, flight, origin),
-           {{evaluation.map, evaluation.hazards}, evaluation.coverage});
+           HeadOf(evaluation, source.flight, source.origin),
+           {{evaluation.map, evaluation.hazards}, NumViewsOf(evaluation.map, evaluation.block)});
+  AddPicture(evaluation, row.id, source.images, progress);
   return row.id;
+}
+
+void StagedMaps::AddPicture(const Evaluation& evaluation,
+                            const std::string& map_id,
+                            const ImageSource& images,
+                            const Progress& progress) {
+  const MosaicLattice lattice =
+      PlanMosaic(evaluation.map, evaluation.block, OptionsOf(evaluation.block));
+  const double num_tiles = std::max(1, lattice.tiles.area());
+  PhotoTiles tiles;
+  double num_kept = 0.0;
+  MakeMosaic(evaluation.map,
+             evaluation.block,
+             images,
+             OptionsOf(evaluation.block),
+             [&](const MosaicTile& tile) {
+               if (progress && !progress(std::min(1.0, num_kept / num_tiles), "picture")) {
+                 throw std::runtime_error("cancelled");
+               }
+               num_kept += tile.level == 0 ? 1.0 : 0.0;
+               const std::string bytes = EncodePhotoTile(tile.image);
+               const std::string sha256 = Sha256Hex(bytes);
+               service_.storage.images.Write(sha256, bytes);
+               tiles.push_back({{tile.level, tile.row, tile.col}, sha256});
+             });
+  service_.storage.maps.StageTiles(map_id, {}, tiles);
 }
 
 }  // namespace freelsd

@@ -28,17 +28,28 @@ class StagedMaps {
   StagedMaps(const StagedMaps&) = delete;
   StagedMaps& operator=(const StagedMaps&) = delete;
 
-  // Stores the evaluation's map and returns its id; empty if nothing was reconstructed. `flight`
-  // has the datum of all altitudes.
-  std::string Add(const Evaluation& evaluation,
-                  const FlightRequest& flight,
-                  const GeoPoint& origin,
-                  int64_t photographed_at_us);
+  // What the map is made of.
+  struct Source {
+    // With the datum of all altitudes.
+    const FlightRequest& flight;
+    const GeoPoint& origin;
+    const ImageSource& images;
+    // When the newest photograph was taken.
+    int64_t photographed_at_us = 0;
+  };
+  // Stores the evaluation's map with its picture and returns its id; empty if nothing was
+  // reconstructed. Throws std::runtime_error("cancelled") if `progress` returned false.
+  std::string Add(const Evaluation& evaluation, const Source& source, const Progress& progress);
   const std::vector<FlightMapRow>& rows() const { return rows_; }
   // Call it once the maps are in force.
   void Take() { rows_.clear(); }
 
  private:
+  void AddPicture(const Evaluation& evaluation,
+                  const std::string& map_id,
+                  const ImageSource& images,
+                  const Progress& progress);
+
   Service& service_;
   const FlightContext& context_;
   std::vector<FlightMapRow> rows_;

@@ -42,23 +42,12 @@ struct Correspondences {
 Correspondences TriangulateTargets(const AdjustedBlock& block,
                                    const Targets& targets,
                                    const std::vector<Sighting>& sightings) {
-  std::map<std::string, std::vector<PosedRay>> rays;
-  for (const Sighting& sighting : sightings) {
-    for (const size_t i : block.LargestGroup()) {
-      const AdjustedView& view = block.views[i];
-      if (view.frame_id != sighting.frame_id) continue;
-      rays[sighting.target].push_back(
-          {view.world_from_camera, block.CameraOf(i).NormalizedFromImage(sighting.point_in_image)});
-    }
-  }
   Correspondences result;
-  for (const auto& [name, rays_of_target] : rays) {
-    const auto point = Triangulate(rays_of_target);
-    if (!point) continue;
+  for (const auto& [name, point_in_world] : PlacesOfTargets(block, sightings)) {
     const Eigen::Index i = result.in_world.cols();
     result.in_world.conservativeResize(3, i + 1);
     result.in_grid.conservativeResize(3, i + 1);
-    result.in_world.col(i) = point->point_in_world;
+    result.in_world.col(i) = point_in_world;
     result.in_grid.col(i) = targets.at(name);
     result.names.push_back(name);
   }
@@ -134,6 +123,25 @@ std::vector<Sighting> ReadSightings(const std::string& path) {
     sightings.push_back({row[0], row[1], {std::stod(row[2]), std::stod(row[3])}});
   }
   return sightings;
+}
+
+std::map<std::string, Eigen::Vector3d> PlacesOfTargets(const AdjustedBlock& block,
+                                                       const std::vector<Sighting>& sightings) {
+  std::map<std::string, std::vector<PosedRay>> rays;
+  for (const Sighting& sighting : sightings) {
+    for (const size_t i : block.LargestGroup()) {
+      const AdjustedView& view = block.views[i];
+      if (view.frame_id != sighting.frame_id) continue;
+      rays[sighting.target].push_back(
+          {view.world_from_camera, block.CameraOf(i).NormalizedFromImage(sighting.point_in_image)});
+    }
+  }
+  std::map<std::string, Eigen::Vector3d> places;
+  for (const auto& [name, rays_of_target] : rays) {
+    const auto point = Triangulate(rays_of_target);
+    if (point) places[name] = point->point_in_world;
+  }
+  return places;
 }
 
 GeoPoint GeoFromBritishGrid(const Eigen::Vector3d& target) {

@@ -23,6 +23,10 @@ struct Sighting {
 Targets ReadTargets(const std::string& path);
 std::vector<Sighting> ReadSightings(const std::string& path);
 
+// Where the views of the largest group triangulate the targets that two or more of them show.
+std::map<std::string, Eigen::Vector3d> PlacesOfTargets(const AdjustedBlock& block,
+                                                       const std::vector<Sighting>& sightings);
+
 // WGS84 from the grid by the seven parameters of the Ordnance Survey: within about 2 m.
 GeoPoint GeoFromBritishGrid(const Eigen::Vector3d& target);
 

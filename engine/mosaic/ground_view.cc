@@ -1,0 +1,150 @@
+#include "engine/mosaic/ground_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace freelsd {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr int kNumBorderSamples = 16;
+// Lenses bend the border between its samples by less than this share of the footprint.
+constexpr double kFootprintMargin = 0.02;
+// Rays that are flatter than this show the horizon, or nearly.
+constexpr double kMinDescent = 0.02;
+
+// Cells of the lattice's columns (or rows) between nodes.
+struct Axis {
+  // Node before each cell centre, and the centre's place between that node and the next, 0..1.
+  std::vector<int> node;
+  std::vector<float> share;
+  double first_node = 0.0;
+  int num_nodes = 0;
+};
+
+// `origin`: any node. Coordinates of cell centres are (first + i + 0.5) * size.
+Axis AxisOf(int first, int count, double size, double origin, double spacing) {
+  Axis axis;
+  const double start = std::floor(((first + 0.5) * size - origin) / spacing);
+  axis.first_node = origin + start * spacing;
+  for (int i = 0; i < count; ++i) {
+    const double at = ((first + i + 0.5) * size - origin) / spacing - start;
+    const int node = static_cast<int>(at);
+    axis.node.push_back(node);
+    axis.share.push_back(static_cast<float>(at - node));
+    axis.num_nodes = node + 2;
+  }
+  return axis;
+}
+
+cv::Mat2f Interpolated(const cv::Mat2f& nodes, const Axis& east, const Axis& south) {
+  cv::Mat2f table(static_cast<int>(south.node.size()), static_cast<int>(east.node.size()));
+  std::vector<cv::Vec2f> along(static_cast<size_t>(nodes.cols));
+  for (int row = 0; row < table.rows; ++row) {
+    const auto i = static_cast<size_t>(row);
+    const float down = south.share[i];
+    const cv::Vec2f* upper = nodes[south.node[i]];
+    const cv::Vec2f* lower = nodes[south.node[i] + 1];
+    for (int col = 0; col < nodes.cols; ++col) {
+      along[static_cast<size_t>(col)] = upper[col] * (1.0f - down) + lower[col] * down;
+    }
+    cv::Vec2f* out = table[row];
+    for (int col = 0; col < table.cols; ++col) {
+      const auto j = static_cast<size_t>(col);
+      const auto node = static_cast<size_t>(east.node[j]);
+      const float right = east.share[j];
+      const cv::Vec2f at = along[node] * (1.0f - right) + along[node + 1] * right;
+      out[col] = std::isfinite(at[0] + at[1]) ? at : cv::Vec2f(kNoPixel, kNoPixel);
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+Footprint FootprintOf(const Camera& camera,
+                      const Rigid3d& world_from_camera,
+                      double lowest_m,
+                      double highest_m) {
+  const Eigen::Vector3d& eye = world_from_camera.translation;
+  const Footprint everything{Eigen::Vector2d::Constant(-kInfinity),
+                             Eigen::Vector2d::Constant(kInfinity)};
+  if (eye.z() <= highest_m) return everything;
+  Footprint footprint{everything.max_in_world, everything.min_in_world};
+  for (int i = 0; i < 4 * kNumBorderSamples; ++i) {
+    const double along = double(i % kNumBorderSamples) / kNumBorderSamples;
+    const double right = camera.width_px - 1.0, bottom = camera.height_px - 1.0;
+    const Eigen::Vector2d corners[] = {{0.0, 0.0}, {right, 0.0}, {right, bottom}, {0.0, bottom}};
+    const int side = i / kNumBorderSamples;
+    const Eigen::Vector2d pixel = (1.0 - along) * corners[side] + along * corners[(side + 1) % 4];
+    const Eigen::Vector3d ray = world_from_camera.rotation * camera.RayFromImage(pixel);
+    if (!(ray.z() < -kMinDescent)) return everything;
+    for (const double height : {lowest_m, highest_m}) {
+      const Eigen::Vector2d place = (eye + ray * ((height - eye.z()) / ray.z())).head<2>();
+      footprint.min_in_world = footprint.min_in_world.cwiseMin(place);
+      footprint.max_in_world = footprint.max_in_world.cwiseMax(place);
+    }
+  }
+  const Eigen::Vector2d margin =
+      kFootprintMargin * (footprint.max_in_world - footprint.min_in_world);
+  return {footprint.min_in_world - margin, footprint.max_in_world + margin};
+}
+
+cv::Rect CellsOf(const Footprint& footprint, const LatticeRect& within) {
+  const cv::Rect& cells = within.cells;
+  const auto clamp = [&](double coordinate, int first, int count) {
+    return static_cast<int>(
+        std::clamp(coordinate / within.size_m, double(first), double(first + count)));
+  };
+  // Rounded outwards by one cell at least.
+  const int west = clamp(footprint.min_in_world.x() - 2 * within.size_m, cells.x, cells.width);
+  const int east = clamp(footprint.max_in_world.x() + 2 * within.size_m, cells.x, cells.width);
+  const int north = clamp(-footprint.max_in_world.y() - 2 * within.size_m, cells.y, cells.height);
+  const int south = clamp(-footprint.min_in_world.y() + 2 * within.size_m, cells.y, cells.height);
+  return {cv::Point(west, north), cv::Point(east, south)};
+}
+
+GroundView::GroundView(const PictureGround& ground, const AdjustedBlock& block, size_t view)
+    : ground_(ground),
+      camera_(block.CameraOf(view)),
+      position_in_world_(block.views[view].world_from_camera.translation),
+      camera_from_world_(Inverse(block.views[view].world_from_camera)),
+      footprint_(FootprintOf(camera_,
+                             block.views[view].world_from_camera,
+                             ground.LowestHeight(),
+                             ground.HighestHeight())),
+      sampling_m_(block.views[view].height_above_ground / block.camera.MeanFocalPx()) {}
+
+cv::Rect GroundView::CellsWithin(const LatticeRect& within) const {
+  return CellsOf(footprint_, within);
+}
+
+cv::Vec2f GroundView::ImageOfNode(const Eigen::Vector2d& place_in_world) const {
+  const float height = ground_.HeightAt(place_in_world);
+  if (std::isnan(height)) return {kNaN, kNaN};
+  Eigen::Vector3d point_in_world;
+  point_in_world << place_in_world, height;
+  const auto pixel = camera_.ImageFromCamera(camera_from_world_ * point_in_world);
+  if (!pixel) return {kNaN, kNaN};
+  return {static_cast<float>(pixel->x()), static_cast<float>(pixel->y())};
+}
+
+cv::Mat2f GroundView::ImageOf(const LatticeRect& rect, double node_spacing_m) const {
+  const Eigen::Vector2d center = ground_.grid().CellCenter(0, 0);
+  const Axis east = AxisOf(rect.cells.x, rect.cells.width, rect.size_m, center.x(), node_spacing_m);
+  const Axis south =
+      AxisOf(rect.cells.y, rect.cells.height, rect.size_m, -center.y(), node_spacing_m);
+  cv::Mat2f nodes(south.num_nodes, east.num_nodes);
+  for (int row = 0; row < nodes.rows; ++row) {
+    for (int col = 0; col < nodes.cols; ++col) {
+      nodes(row, col) = ImageOfNode(
+          {east.first_node + col * node_spacing_m, -(south.first_node + row * node_spacing_m)});
+    }
+  }
+  return Interpolated(nodes, east, south);
+}
+
+}  // namespace freelsd
