@@ -80,7 +80,7 @@ cv::Mat4b FlightMaps::PhotoAt(const Storage& storage,
     if (bytes) picture = Decoded(*bytes);
     if (picture.size() != cv::Size(side_px, side_px)) {
       spdlog::error("picture {} of map {} cannot be read", *sha256, map.row.id);
-      picture = {};
+      picture = cv::Mat4b();
     }
   }
   const std::lock_guard lock(mutex_);

@@ -150,6 +150,10 @@ void Worker::RetireImages() {
     spdlog::info("removed the images of flight {} to free disk space", id);
     service_.storage.flights.RetireImages(id);
   }
+  for (const std::string& id : FlightsToRetirePicturesOf(service_)) {
+    spdlog::info("removed the picture of the ground of flight {} to free disk space", id);
+    service_.storage.maps.RemovePhotoTiles(id);
+  }
 }
 
 }  // namespace freelsd

@@ -24,20 +24,41 @@ std::vector<FlightRow> IdleFlights(const Service& service) {
   return flights;
 }
 
+bool IsOld(const Config& config, int64_t time_us) {
+  const double age_days = static_cast<double>(NowUs() - time_us) / kMicrosecondsPerDay;
+  return config.max_image_age_days > 0.0 && age_days > config.max_image_age_days;
+}
+
+bool IsTooMuch(const Service& service) {
+  const uint64_t max_bytes = service.config.max_stored_image_bytes;
+  return max_bytes > 0 && service.storage.images.NumBytes() > max_bytes;
+}
+
 }  // namespace
 
 std::vector<std::string> FlightsToRetire(const Service& service) {
   const Config& config = service.config;
   std::vector<std::string> ids;
   if (config.max_image_age_days <= 0.0 && config.max_stored_image_bytes == 0) return ids;
-  const uint64_t max_bytes = config.max_stored_image_bytes;
-  const bool is_too_much = max_bytes > 0 && service.storage.images.NumBytes() > max_bytes;
+  const bool is_too_much = IsTooMuch(service);
   for (const FlightRow& flight : IdleFlights(service)) {
-    const double age_days =
-        static_cast<double>(NowUs() - flight.created_at_us) / kMicrosecondsPerDay;
-    const bool is_old = config.max_image_age_days > 0.0 && age_days > config.max_image_age_days;
     // For size, one flight at a time: the space that it frees is known only afterwards.
-    if (is_old || (is_too_much && ids.empty())) ids.push_back(flight.id);
+    const bool is_next = is_too_much && ids.empty();
+    if (IsOld(config, flight.created_at_us) || is_next) ids.push_back(flight.id);
+  }
+  return ids;
+}
+
+std::vector<std::string> FlightsToRetirePicturesOf(const Service& service) {
+  const Config& config = service.config;
+  std::vector<std::string> ids;
+  if (config.max_image_age_days <= 0.0 && config.max_stored_image_bytes == 0) return ids;
+  // The photographs of a flight are larger than its picture, and nobody looks at them again.
+  const bool is_too_much = IsTooMuch(service) && FlightsToRetire(service).empty();
+  for (const std::string& id : service.storage.maps.ListFlightsWithPhotoTiles()) {
+    const std::vector<FlightMapRow> maps = service.storage.maps.ListOf(id);
+    const bool is_old = !maps.empty() && IsOld(config, maps.front().updated_at_us);
+    if (is_old || (is_too_much && ids.empty())) ids.push_back(id);
   }
   return ids;
 }

@@ -12,4 +12,8 @@ namespace freelsd {
 // configured size, the oldest idle flight is always included.
 std::vector<std::string> FlightsToRetire(const Service& service);
 
+// Flights whose picture of the ground is to be removed, under the same limits. For size, a picture
+// goes only when no photographs are left to remove. The map stays.
+std::vector<std::string> FlightsToRetirePicturesOf(const Service& service);
+
 }  // namespace freelsd

@@ -21,6 +21,7 @@ import harness
 import hostile_images
 import kills
 import live_flights
+import maps
 import numbers_in_fields
 import recalls
 import slow_clients
@@ -43,6 +44,8 @@ ROWS = [
      "twice, start <= 1 s", 4, 200, run_kills),
     ("clock", "the same, with the wall clock set back and forward by up to 400 days", "the same",
      2, 40, run_kills_with_clock),
+    ("maps", "SIGKILL while an evaluation of a whole flight stores its map", "the old map or the "
+     "new one, never a mixture", 2, 134, maps.run),
     ("disk", "full disk, filled and emptied", "507, reads and recall go on, no restart", 1, 10,
      disks.run),
     ("database", "spoilt databases, half of them below the running server", "0 crashes, each "
