@@ -163,11 +163,12 @@ struct PhotoSource {
 
 // Tiled GeoTIFF with an overview per level, in the UTM zone of the flight's origin (WGS84; UPS near
 // the poles). Its rows are lines of equal northing: programs that ignore a rotation in the file, of
-// which there are many, would else shift a hazard by up to 50 m per km (meridian convergence). Pixels
-// have the size of the cells. float32, NaN unseen and outside; elevation is an altitude; `hazard`
-// is 0 free, 1 hazard, 2 unseen; `grass` is 1 at or above the window's min_grass_posterior, else 0.
-// Uses memory for some tiles only, however large the map is. An overview is made of the windows of
-// its level. Throws std::runtime_error if the file cannot be written.
+// which there are many, would else shift a hazard by up to 50 m per km (meridian convergence).
+// Pixels have the size of the cells. float32, NaN unseen and outside; elevation is an altitude;
+// `hazard` is 0 free, 1 hazard, 2 unseen; `grass` is 1 at or above the window's
+// min_grass_posterior, else 0. Uses memory for some tiles only, however large the map is. An
+// overview is made of the windows of its level. Throws std::runtime_error if the file cannot be
+// written.
 void WriteLayerGeoTiff(const std::string& path,
                        const std::string& layer,
                        const MapSource& source,

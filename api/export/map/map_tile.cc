@@ -136,14 +136,14 @@ std::string MapTilePng(const std::string& layer,
       IndicesOf(map_layer, places, windows, scale).copyTo(indices(box));
     }
   }
-  if (map_layer == MapLayer::kElevation) return EncodePng(pixels);
+  if (map_layer == MapLayer::kElevation) return EncodePngQuickly(pixels);
   return EncodePalettePng(indices, PaletteOf(layer));
 }
 
 std::string PhotoTilePng(const XyzTile& tile,
                          const std::vector<PhotoWindow>& windows,
                          const LocalFrame& local_frame) {
-  return EncodePng(PhotoTile(tile, windows, local_frame));
+  return EncodePngQuickly(PhotoTile(tile, windows, local_frame));
 }
 
 std::string PhotoTileJpeg(const XyzTile& tile,

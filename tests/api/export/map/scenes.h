@@ -86,4 +86,19 @@ inline WorldBox BoxOf(const Grid& grid) {
   return {corners[3], corners[1]};
 }
 
+constexpr int kNumLevels = 4;
+template <typename Window>
+auto SourceOf(const std::vector<std::vector<Window>>& levels) {
+  return [levels](const WorldBox&, int level) { return levels[level]; };
+}
+
+// Two random windows that overlap, with their levels.
+inline MapSource TwoWindows() {
+  const std::vector<MapWindow> windows{
+      RandomWindow({{-310.0, 290.0}, 1.0, 520, 400}, {1, 0.002, 0.002}),
+      RandomWindow({{50.0, 310.0}, 1.0, 450, 300}, {2, 0.002, 0.01})};
+  return {
+      {{-310.0, -230.0}, {350.0, 310.0}}, 1.0, kNumLevels, SourceOf(LevelsOf(windows, kNumLevels))};
+}
+
 }  // namespace freelsd

@@ -1,7 +1,10 @@
 #include <cmath>
+#include <map>
+#include <tuple>
 
 #include <doctest/doctest.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "api/export/color_ramp.h"
 #include "api/export/map/map_layer.h"
@@ -13,7 +16,10 @@ namespace {
 
 cv::Mat4b DecodePng(const std::string& bytes) {
   const std::vector<uint8_t> buffer(bytes.begin(), bytes.end());
-  const cv::Mat4b picture = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+  cv::Mat picture = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+  // An opaque picture has no alpha.
+  if (picture.channels() == 3) cv::cvtColor(picture, picture, cv::COLOR_BGR2BGRA);
+  REQUIRE(picture.type() == CV_8UC4);
   REQUIRE(picture.size() == cv::Size(kTileSizePx, kTileSizePx));
   return picture;
 }
