@@ -16,6 +16,11 @@ constexpr int kCellStep = 2;
 constexpr int kMinNumCells = 20;
 // Deviation of a median from the truth: light and reflection change with the direction.
 constexpr double kComparisonSd = 0.03;
+constexpr double kHalfWeightCells = 100.0;
+// Prior deviation of the trend: logarithm per distance. As good as unknown, or none.
+constexpr double kTrendUnitM = 100.0;
+constexpr double kTrendSd = 0.5;
+constexpr double kNoTrend = 1e12;
 
 bool IsMeasurable(const cv::Vec3b& color) {
   for (int c = 0; c < 3; ++c) {
@@ -71,38 +76,71 @@ std::vector<Comparison> Compare(const std::vector<ViewLayer>& layers) {
   return comparisons;
 }
 
-std::vector<cv::Vec4d> LogGains(size_t num_layers,
-                                const std::vector<Comparison>& comparisons,
-                                double gain_sd) {
-  using Index = Eigen::Index;
-  std::vector<cv::Vec4d> gains(num_layers, cv::Vec4d::all(0.0));
-  if (num_layers == 0) return gains;
-  const double prior = kComparisonSd * kComparisonSd / (gain_sd * gain_sd);
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto count = static_cast<Index>(num_layers);
-  for (Index i = 0; i < count; ++i) entries.emplace_back(i, i, prior);
-  Eigen::MatrixX4d right = Eigen::MatrixX4d::Zero(count, 4);
-  for (const Comparison& comparison : comparisons) {
-    const auto a = static_cast<Index>(comparison.first), b = static_cast<Index>(comparison.second);
-    const double weight = comparison.num_cells / (comparison.num_cells + 100.0);
-    entries.emplace_back(a, a, weight);
-    entries.emplace_back(b, b, weight);
-    entries.emplace_back(a, b, -weight);
-    entries.emplace_back(b, a, -weight);
-    for (int c = 0; c < 4; ++c) {
-      right(a, c) += weight * comparison.log_ratio[c];
-      right(b, c) -= weight * comparison.log_ratio[c];
+cv::Vec3d Tone::Gain() const {
+  return {std::exp(log_gain[0]), std::exp(log_gain[1]), std::exp(log_gain[2])};
+}
+
+cv::Vec3f Tone::FactorAt(const Eigen::Vector2d& place_in_world) const {
+  const Eigen::Vector2d offset = place_in_world - camera_in_world;
+  cv::Vec3f factor;
+  for (int c = 0; c < 3; ++c) {
+    const double trend = east[c] * offset.x() + north[c] * offset.y();
+    factor[c] = static_cast<float>(std::exp(log_gain[c] + trend));
+  }
+  return factor;
+}
+
+std::vector<Tone> Balance(const std::vector<Eigen::Vector2d>& cameras_in_world,
+                          const std::vector<Comparison>& comparisons,
+                          double gain_sd) {
+  std::vector<Tone> tones(cameras_in_world.size());
+  if (tones.empty()) return tones;
+  const auto count = static_cast<Eigen::Index>(tones.size());
+  // Unknowns: the gains, then the trend per kTrendUnitM. A comparison says that the second layer's
+  // gain is the first one's, less the ratio of their values and the trend between their cameras.
+  const auto solve = [&](bool has_trend) {
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::MatrixX4d right = Eigen::MatrixX4d::Zero(count + 2, 4);
+    const double prior = kComparisonSd * kComparisonSd / (gain_sd * gain_sd);
+    for (Eigen::Index i = 0; i < count; ++i) entries.emplace_back(i, i, prior);
+    const double trend_prior =
+        has_trend ? kComparisonSd * kComparisonSd / (kTrendSd * kTrendSd) : kNoTrend;
+    for (Eigen::Index i = count; i < count + 2; ++i) entries.emplace_back(i, i, trend_prior);
+    for (const Comparison& comparison : comparisons) {
+      const Eigen::Vector2d baseline =
+          (cameras_in_world[comparison.first] - cameras_in_world[comparison.second]) / kTrendUnitM;
+      const Eigen::Index index[] = {static_cast<Eigen::Index>(comparison.first),
+                                    static_cast<Eigen::Index>(comparison.second),
+                                    count,
+                                    count + 1};
+      const double factor[] = {1.0, -1.0, -baseline.x(), -baseline.y()};
+      const double weight = comparison.num_cells / (comparison.num_cells + kHalfWeightCells);
+      for (int i = 0; i < 4; ++i) {
+        for (int j = 0; j < 4; ++j) {
+          entries.emplace_back(index[i], index[j], weight * factor[i] * factor[j]);
+        }
+        for (int c = 0; c < 4; ++c) {
+          right(index[i], c) += weight * factor[i] * comparison.log_ratio[c];
+        }
+      }
     }
+    Eigen::SparseMatrix<double> normal(count + 2, count + 2);
+    normal.setFromTriplets(entries.begin(), entries.end());
+    return Eigen::MatrixX4d(
+        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(normal).solve(right));
+  };
+  const Eigen::MatrixX4d colors = solve(true), details = solve(false);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    Tone& tone = tones[static_cast<size_t>(i)];
+    for (int c = 0; c < 3; ++c) {
+      tone.log_gain[c] = colors(i, c) - colors.col(c).head(count).mean();
+      tone.east[c] = colors(count, c) / kTrendUnitM;
+      tone.north[c] = colors(count + 1, c) / kTrendUnitM;
+    }
+    tone.log_gain[3] = details(i, 3) - details.col(3).head(count).mean();
+    tone.camera_in_world = cameras_in_world[static_cast<size_t>(i)];
   }
-  Eigen::SparseMatrix<double> normal(count, count);
-  normal.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
-  Eigen::MatrixX4d solution = solver.solve(right);
-  solution.rowwise() -= solution.colwise().mean().eval();
-  for (Index i = 0; i < count; ++i) {
-    for (int c = 0; c < 4; ++c) gains[static_cast<size_t>(i)][c] = solution(i, c);
-  }
-  return gains;
+  return tones;
 }
 
 }  // namespace freelsd

@@ -135,18 +135,10 @@ std::vector<BlendFactors> BlendLayers(const std::vector<ViewLayer>& layers,
   return factors;
 }
 
-std::vector<ViewLayer> Blended(std::vector<ViewLayer> layers,
-                               const std::vector<BlendFactors>& factors) {
-  for (size_t i = 0; i < layers.size(); ++i) {
-    const cv::Mat3f fine =
-        Refined(factors[i].factors, factors[i].cells, kSeamCellsPerBandCell, layers[i].cells);
-    cv::Mat3f picture;
-    layers[i].picture.convertTo(picture, CV_32F);
-    cv::Mat3b blended;
-    cv::Mat3f(picture.mul(fine)).convertTo(blended, CV_8U);
-    layers[i].picture = blended;
-  }
-  return layers;
+cv::Vec3f FactorAt(const BlendFactors& factors, const cv::Point& seam_cell) {
+  const cv::Point at(FloorDivide(seam_cell.x, kSeamCellsPerBandCell),
+                     FloorDivide(seam_cell.y, kSeamCellsPerBandCell));
+  return factors.factors(at - factors.cells.tl());
 }
 
 }  // namespace freelsd

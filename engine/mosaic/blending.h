@@ -12,7 +12,7 @@ namespace freelsd {
 // Seam cells along the side of a cell of the band rasters.
 constexpr int kSeamCellsPerBandCell = 4;
 
-// Of one layer: the blended slow part of the mosaic divided by the slow part of the layer.
+// Factors of one layer's colours.
 struct BlendFactors {
   // Band cells of the raster.
   cv::Rect cells;
@@ -22,14 +22,14 @@ struct BlendFactors {
 
 // The slow part of a raster is its Gaussian mean. The blended slow part is the mean of the layers'
 // slow parts, weighted by the Gaussian mean of where each layer is chosen (a two-band form of Burt
-// and Adelson 1983). The pictures of the layers have their gains.
+// and Adelson 1983). A factor is the blended slow part divided by the layer's. The pictures of the
+// layers have their gains.
 std::vector<BlendFactors> BlendLayers(const std::vector<ViewLayer>& layers,
                                       const cv::Mat1s& chosen,
                                       const LatticeRect& seam_cells,
                                       double blend_radius_m);
 
-// Multiplies the layers' pictures by their factors.
-std::vector<ViewLayer> Blended(std::vector<ViewLayer> layers,
-                               const std::vector<BlendFactors>& factors);
+// The factor at a seam cell, by the nearest band cell.
+cv::Vec3f FactorAt(const BlendFactors& factors, const cv::Point& seam_cell);
 
 }  // namespace freelsd

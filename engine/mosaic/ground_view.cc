@@ -21,21 +21,22 @@ struct Axis {
   // Node before each cell centre, and the centre's place between that node and the next, 0..1.
   std::vector<int> node;
   std::vector<float> share;
+  // Number of the first node, counted from the origin.
   double first_node = 0.0;
   int num_nodes = 0;
 };
 
-// `origin`: any node. Coordinates of cell centres are (first + i + 0.5) * size.
+// `origin`: any node. Coordinates of cell centres are (first + i + 0.5) * size. Nodes and shares of
+// a place are the same in every rectangle that holds it, to the last bit.
 Axis AxisOf(int first, int count, double size, double origin, double spacing) {
+  const auto place_at = [&](int i) { return ((first + i + 0.5) * size - origin) / spacing; };
   Axis axis;
-  const double start = std::floor(((first + 0.5) * size - origin) / spacing);
-  axis.first_node = origin + start * spacing;
+  axis.first_node = std::floor(place_at(0));
   for (int i = 0; i < count; ++i) {
-    const double at = ((first + i + 0.5) * size - origin) / spacing - start;
-    const int node = static_cast<int>(at);
-    axis.node.push_back(node);
-    axis.share.push_back(static_cast<float>(at - node));
-    axis.num_nodes = node + 2;
+    const double node = std::floor(place_at(i));
+    axis.node.push_back(static_cast<int>(node - axis.first_node));
+    axis.share.push_back(static_cast<float>(place_at(i) - node));
+    axis.num_nodes = axis.node.back() + 2;
   }
   return axis;
 }
@@ -140,8 +141,8 @@ cv::Mat2f GroundView::ImageOf(const LatticeRect& rect, double node_spacing_m) co
   cv::Mat2f nodes(south.num_nodes, east.num_nodes);
   for (int row = 0; row < nodes.rows; ++row) {
     for (int col = 0; col < nodes.cols; ++col) {
-      nodes(row, col) = ImageOfNode(
-          {east.first_node + col * node_spacing_m, -(south.first_node + row * node_spacing_m)});
+      nodes(row, col) = ImageOfNode({center.x() + (east.first_node + col) * node_spacing_m,
+                                     center.y() - (south.first_node + row) * node_spacing_m});
     }
   }
   return Interpolated(nodes, east, south);

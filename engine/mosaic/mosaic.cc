@@ -56,19 +56,74 @@ std::vector<ViewLayer> LoadLayers(const PictureGround& ground,
   }
 }
 
-// Applies the gains to the layers' pictures.
-std::vector<cv::Vec3d> Balance(const MosaicOptions& options, std::vector<ViewLayer>& layers) {
-  const std::vector<cv::Vec4d> log_gains =
-      LogGains(layers.size(), Compare(layers), options.gain_sd);
-  std::vector<cv::Vec3d> gains;
-  for (size_t i = 0; i < layers.size(); ++i) {
-    const cv::Vec4d& log_gain = log_gains[i];
-    gains.emplace_back(std::exp(log_gain[0]), std::exp(log_gain[1]), std::exp(log_gain[2]));
-    cv::multiply(layers[i].picture, cv::Scalar(gains.back()), layers[i].picture);
-    const double lack = std::max(0.0, log_gain[3] - kUsualLackOfDetail);
-    layers[i].blur_cost = static_cast<int>(std::lround(options.blur_cost * lack));
+std::vector<Tone> TonesOf(const std::vector<ViewLayer>& layers,
+                          const AdjustedBlock& block,
+                          const MosaicOptions& options) {
+  std::vector<Eigen::Vector2d> cameras;
+  for (const ViewLayer& layer : layers) {
+    cameras.push_back(block.views[layer.view].world_from_camera.translation.head<2>());
   }
-  return gains;
+  return Balance(cameras, Compare(layers), options.gain_sd);
+}
+
+// Applies the tones to the layers' pictures.
+void ApplyTones(const std::vector<Tone>& tones,
+                double seam_cell_size_m,
+                const MosaicOptions& options,
+                std::vector<ViewLayer>& layers) {
+  for (size_t i = 0; i < layers.size(); ++i) {
+    ViewLayer& layer = layers[i];
+    const LatticeRect rect{seam_cell_size_m, layer.cells};
+    for (int row = 0; row < layer.picture.rows; ++row) {
+      for (int col = 0; col < layer.picture.cols; ++col) {
+        const cv::Vec3f factor = tones[i].FactorAt(rect.CellCenter(row, col));
+        cv::Vec3b& color = layer.picture(row, col);
+        for (int c = 0; c < 3; ++c) color[c] = cv::saturate_cast<uint8_t>(color[c] * factor[c]);
+      }
+    }
+    const double lack = std::max(0.0, tones[i].log_gain[3] - kUsualLackOfDetail);
+    layer.blur_cost = static_cast<int>(std::lround(options.blur_cost * lack));
+  }
+}
+
+// Steps of brightness at seams: as photographed, with tones, and blended.
+void MeasureSteps(const std::vector<ViewLayer>& layers,
+                  const std::vector<Tone>& tones,
+                  const MosaicDesign& design,
+                  MosaicReport& report) {
+  const auto color_of = [&](size_t layer, const cv::Point& cell) {
+    return cv::Vec3d(layers[layer].picture(cell - layers[layer].cells.tl()));
+  };
+  const auto tone_of = [&](size_t layer, const cv::Point& cell) {
+    const LatticeRect rect{design.seam_cells.size_m, {cell, cv::Size(1, 1)}};
+    return cv::Vec3d(tones[layer].FactorAt(rect.CellCenter(0, 0)));
+  };
+  const auto step_of = [&](const auto& color) {
+    return MeanStep(layers, design.chosen, design.seam_cells, color);
+  };
+  report.step_photographed = step_of([&](size_t layer, const cv::Point& cell) {
+    const cv::Vec3d color = color_of(layer, cell), tone = tone_of(layer, cell);
+    return cv::Vec3d(color[0] / tone[0], color[1] / tone[1], color[2] / tone[2]);
+  });
+  report.step_with_gains = step_of(color_of);
+  report.step_blended = step_of([&](size_t layer, const cv::Point& cell) {
+    return color_of(layer, cell).mul(cv::Vec3d(FactorAt(design.factors[layer], cell)));
+  });
+}
+
+// Multiplies the factors by the tones.
+void AddTones(const std::vector<Tone>& tones,
+              double band_cell_size_m,
+              std::vector<BlendFactors>& factors) {
+  for (size_t i = 0; i < factors.size(); ++i) {
+    const LatticeRect rect{band_cell_size_m, factors[i].cells};
+    for (int row = 0; row < rect.cells.height; ++row) {
+      for (int col = 0; col < rect.cells.width; ++col) {
+        cv::Vec3f& factor = factors[i].factors(row, col);
+        factor = factor.mul(tones[i].FactorAt(rect.CellCenter(row, col)));
+      }
+    }
+  }
 }
 
 Grid GridOf(const LatticeRect& rect) {
@@ -93,15 +148,16 @@ MosaicDesign DesignMosaic(const PictureGround& ground,
                        Coarser(PixelsOf(ground.grid(), pixel_size_m), design.pixels_per_seam_cell)};
   std::vector<ViewLayer> layers =
       LoadLayers(ground, block, images, design.seam_cells, options, report);
-  design.gains = Balance(options, layers);
+  const std::vector<Tone> tones = TonesOf(layers, block, options);
+  ApplyTones(tones, design.seam_cells.size_m, options, layers);
   design.chosen = ChooseLayers(layers, design.seam_cells, options);
-  design.blending = BlendLayers(layers, design.chosen, design.seam_cells, options.blend_radius_m);
-  for (const ViewLayer& layer : layers) design.views.push_back(layer.view);
-  const std::vector<cv::Vec3d> ones(layers.size(), cv::Vec3d::all(1.0));
-  report.step_photographed = MeanStep(layers, design.gains, design.chosen, design.seam_cells);
-  report.step_with_gains = MeanStep(layers, ones, design.chosen, design.seam_cells);
-  report.step_blended =
-      MeanStep(Blended(std::move(layers), design.blending), ones, design.chosen, design.seam_cells);
+  design.factors = BlendLayers(layers, design.chosen, design.seam_cells, options.blend_radius_m);
+  MeasureSteps(layers, tones, design, report);
+  AddTones(tones, design.seam_cells.size_m * kSeamCellsPerBandCell, design.factors);
+  for (size_t i = 0; i < layers.size(); ++i) {
+    design.views.push_back(layers[i].view);
+    report.gains[layers[i].view] = tones[i].Gain();
+  }
   return design;
 }
 
@@ -113,7 +169,6 @@ void Describe(const MosaicDesign& design, MosaicReport& report) {
         return layer < 0 ? int16_t{-1}
                          : static_cast<int16_t>(design.views[static_cast<size_t>(layer)]);
       });
-  for (size_t i = 0; i < design.views.size(); ++i) report.gains[design.views[i]] = design.gains[i];
 }
 
 }  // namespace
@@ -127,7 +182,7 @@ MosaicReport MakeMosaic(const ElevationMap& map,
   report.lattice = PlanMosaic(map, block, options);
   report.gains.assign(block.views.size(), cv::Vec3d::all(1.0));
   if (report.lattice.num_levels == 0) return report;
-  const PictureGround ground(map, options.max_hole_m);
+  const PictureGround ground(map, options);
   const MosaicDesign design = DesignMosaic(ground, block, images, options, report);
   Describe(design, report);
   TilePainter painter(design, ground, block, images, options.max_cache_mb);

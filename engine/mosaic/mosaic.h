@@ -23,6 +23,9 @@ struct MosaicOptions {
   // Gaps of the map up to this width get heights from their surroundings. Wider gaps stay
   // transparent.
   double max_hole_m = 5.0;
+  // Standard deviation of the Gaussian that smooths heights for the picture. Noise and the steps at
+  // crowns bend straight lines and mix up leaves.
+  double height_smoothing_m = 1.5;
 
   // --- Which view shows a place ---
   // Approximate side of the cells for which a view is chosen. The size is rounded to a power of two
@@ -49,9 +52,9 @@ struct MosaicOptions {
   int max_num_rounds = 3;
 
   // --- Brightness and colour ---
-  // Prior deviation of the logarithm of a view's gain. It only matters for views that hardly
-  // overlap others.
-  double gain_sd = 0.5;
+  // Prior deviation of the logarithm of a view's gain. A larger value lets brightness drift along a
+  // long flight.
+  double gain_sd = 0.15;
   // Brightness and colour that are left after the gains are blended across seams over about twice
   // this distance. Details are not blended: an object never appears twice.
   double blend_radius_m = 4.0;

@@ -12,6 +12,7 @@ void MosaicOptions::Check() const {
                 tile_size_px,
                 "must be a power of two");
   check.Inside("max_hole_m", max_hole_m, 0.0, 50.0);
+  check.Inside("height_smoothing_m", height_smoothing_m, 0.0, 50.0);
   check.Inside("seam_cell_size_m", seam_cell_size_m, 0.01, 100.0);
   check.Inside("max_num_candidates", max_num_candidates, 1.0, 8.0);
   check.Inside("border_ratio", border_ratio, 0.0, 0.5);

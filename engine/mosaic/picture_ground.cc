@@ -54,18 +54,33 @@ cv::Mat1b Closed(const cv::Mat1b& seen, int width) {
   return closed(cv::Rect(cv::Point(side, side), seen.size())).clone();
 }
 
+// Gaussian mean of the known heights; unknown ones stay unknown.
+cv::Mat1f Smoothed(const cv::Mat1f& height, double sigma_cells) {
+  if (sigma_cells < 0.1) return height;
+  const cv::Mat1b known = Seen(height);
+  cv::Mat1f sum(height.size(), 0.0f), weight(height.size(), 0.0f);
+  height.copyTo(sum, known);
+  weight.setTo(1.0f, known);
+  cv::GaussianBlur(sum, sum, {}, sigma_cells, sigma_cells, cv::BORDER_CONSTANT);
+  cv::GaussianBlur(weight, weight, {}, sigma_cells, sigma_cells, cv::BORDER_CONSTANT);
+  cv::Mat1f smoothed(height.size(), kNaN);
+  cv::Mat1f(sum / weight).copyTo(smoothed, known);
+  return smoothed;
+}
+
 }  // namespace
 
-PictureGround::PictureGround(const ElevationMap& map, double max_hole_m)
+PictureGround::PictureGround(const ElevationMap& map, const MosaicOptions& options)
     : grid_(map.grid), height_(map.elevation.clone()) {
   const cv::Mat1b seen = Seen(map.elevation);
-  cv::minMaxLoc(map.elevation, &lowest_, &highest_, nullptr, nullptr, seen);
-  const int width = static_cast<int>(max_hole_m / grid_.cell_size_m);
+  const int width = static_cast<int>(options.max_hole_m / grid_.cell_size_m);
   is_shown_ = Closed(seen, width);
   for (int i = 0; i <= width; ++i) GrowOnce(is_shown_, height_);
   is_shown_ &= Seen(height_);
+  height_ = Smoothed(height_, options.height_smoothing_m / grid_.cell_size_m);
   const cv::Mat1b everywhere(height_.size(), uint8_t{255});
   for (int i = 0; i < kNumOuterRings; ++i) GrowOnce(everywhere, height_);
+  cv::minMaxLoc(height_, &lowest_, &highest_, nullptr, nullptr, Seen(height_));
 }
 
 float PictureGround::HeightAt(const Eigen::Vector2d& place_in_world) const {

@@ -1,4 +1,4 @@
-// Heights of the ground for the picture: the map's, and those of its small holes.
+// Heights of the ground for the picture: the map's, smoothed, and those of its small holes.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -10,7 +10,7 @@ namespace freelsd {
 
 class PictureGround {
  public:
-  PictureGround(const ElevationMap& map, double max_hole_m);
+  PictureGround(const ElevationMap& map, const MosaicOptions& options);
 
   const Grid& grid() const { return grid_; }
   double LowestHeight() const { return lowest_; }

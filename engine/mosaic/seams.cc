@@ -187,11 +187,6 @@ cv::Mat1s CheapestLayers(const std::vector<ViewLayer>& layers,
   return chosen;
 }
 
-double Brightness(const ViewLayer& layer, const cv::Vec3d& divisor, const cv::Point& cell) {
-  const cv::Vec3b& color = layer.picture(cell - layer.cells.tl());
-  return (color[0] / divisor[0] + color[1] / divisor[1] + color[2] / divisor[2]) / 3.0;
-}
-
 }  // namespace
 
 cv::Mat1s ChooseLayers(const std::vector<ViewLayer>& layers,
@@ -211,9 +206,9 @@ cv::Mat1s ChooseLayers(const std::vector<ViewLayer>& layers,
 }
 
 double MeanStep(const std::vector<ViewLayer>& layers,
-                const std::vector<cv::Vec3d>& divisors,
                 const cv::Mat1s& chosen,
-                const LatticeRect& seam_cells) {
+                const LatticeRect& seam_cells,
+                const std::function<cv::Vec3d(size_t layer, const cv::Point& cell)>& color_of) {
   // Length of each seam, and the sum of its differences.
   std::map<std::pair<size_t, size_t>, std::pair<int, double>> seams;
   const auto measure = [&](const cv::Point& at, const cv::Point& next) {
@@ -226,8 +221,8 @@ double MeanStep(const std::vector<ViewLayer>& layers,
     if (!layers[a].Shows(cell) || !layers[b].Shows(cell)) return;
     auto& [length, difference] = seams[{a, b}];
     ++length;
-    difference +=
-        Brightness(layers[a], divisors[a], cell) - Brightness(layers[b], divisors[b], cell);
+    const cv::Vec3d step = color_of(a, cell) - color_of(b, cell);
+    difference += (step[0] + step[1] + step[2]) / 3.0;
   };
   for (int row = 0; row < chosen.rows; ++row) {
     for (int col = 0; col < chosen.cols; ++col) {

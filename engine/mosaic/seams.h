@@ -1,6 +1,7 @@
 // Which view shows which seam cell.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -17,11 +18,10 @@ cv::Mat1s ChooseLayers(const std::vector<ViewLayer>& layers,
                        const MosaicOptions& options);
 
 // Mean absolute difference between the mean brightness of both sides of a seam, over all pairs of
-// views and weighted by the length of their seam, grey levels. The layers' colours are divided by
-// `divisors`.
+// views and weighted by the length of their seam, grey levels.
 double MeanStep(const std::vector<ViewLayer>& layers,
-                const std::vector<cv::Vec3d>& divisors,
                 const cv::Mat1s& chosen,
-                const LatticeRect& seam_cells);
+                const LatticeRect& seam_cells,
+                const std::function<cv::Vec3d(size_t layer, const cv::Point& cell)>& color_of);
 
 }  // namespace freelsd

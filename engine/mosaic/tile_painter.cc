@@ -89,7 +89,10 @@ cv::Mat1f WeightsOf(int layer, const cv::Mat1s& chosen, int factor, int margin_p
       cv::Rect(margin_px, margin_px, weights.cols - 2 * margin_px, weights.rows - 2 * margin_px));
   // The fourth power makes the transition narrower than a seam cell.
   weights = weights.mul(weights);
-  return weights.mul(weights);
+  weights = weights.mul(weights);
+  // Which pixels lie in the bounding box of the rest depends on the tile.
+  cv::threshold(weights, weights, kMinWeight, 0.0, cv::THRESH_TOZERO);
+  return weights;
 }
 
 // Sum of weighted colours, and sum of weights.
@@ -206,7 +209,7 @@ void TilePainter::AddLayer(size_t layer,
   const int factor = design_.pixels_per_seam_cell;
   const cv::Mat1f weights =
       WeightsOf(static_cast<int>(layer), chosen, factor, kFeatherCells * factor);
-  const cv::Rect part = cv::boundingRect(cv::Mat1b(weights > kMinWeight));
+  const cv::Rect part = cv::boundingRect(cv::Mat1b(weights > 0.0f));
   if (part.area() == 0) return;
   const LoadedPart loaded = cache_.Fetch(layer);
   if (loaded.image.empty()) return;
@@ -217,10 +220,9 @@ void TilePainter::AddLayer(size_t layer,
   MoveIntoPart(loaded, ground_view.camera(), pixels, weights_of_part);
   cv::Mat3b colors;
   cv::remap(loaded.image, colors, pixels, {}, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
-  const BlendFactors& blending = design_.blending[layer];
-  cv::Mat3f factors =
-      Refined(blending.factors, blending.cells, factor * kSeamCellsPerBandCell, rect.cells);
-  cv::multiply(factors, cv::Scalar(design_.gains[layer]), factors);
+  const BlendFactors& coarse = design_.factors[layer];
+  const cv::Mat3f factors =
+      Refined(coarse.factors, coarse.cells, factor * kSeamCellsPerBandCell, rect.cells);
   Accumulate(colors, factors, weights_of_part, sum(part), sum_of_weights(part));
 }
 

@@ -18,10 +18,9 @@ struct MosaicDesign {
   int pixels_per_seam_cell = 1;
   // Index of a layer per seam cell; -1 for none.
   cv::Mat1s chosen;
-  // Of each layer: its view, the factors of its colours, and its blending.
+  // Of each layer: its view, and the factors of its colours.
   std::vector<size_t> views;
-  std::vector<cv::Vec3d> gains;
-  std::vector<BlendFactors> blending;
+  std::vector<BlendFactors> factors;
 };
 
 class TilePainter {

@@ -9,6 +9,7 @@
 namespace freelsd {
 
 struct MosaicFigures {
+  // Of the processor, with decoding, without writing the tiles.
   double seconds = 0.0;
   // Memory at its peak, above what was in use before.
   double peak_mb = 0.0;
@@ -28,7 +29,7 @@ struct MosaicFigures {
 };
 
 // Makes the mosaic from the files in the flight's folder `images/`. Writes into `output`: tiles,
-// `overview.png`, and `seams.jpg`: 20 places on seams, beside each the same place with its seams.
+// `overview.png`, and `seams.png`: 20 places on seams, beside each the same place with its seams.
 MosaicFigures WriteMosaic(const RecordedFlight& flight,
                           const std::string& images,
                           const ElevationMap& map,
