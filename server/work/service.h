@@ -5,6 +5,7 @@
 #include <mutex>
 #include <semaphore>
 
+#include "server/base_map/base_map.h"
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/recall/recall.h"
@@ -30,13 +31,14 @@ class SemaphoreSlot {
 
 // Refers to objects that the App owns. Thread-safe, because of the mutex and the semaphores.
 struct Service {
-  Service(Intake& in, MapCache& cache, Alternates& standing)
+  Service(Intake& in, MapCache& cache, Alternates& standing, const BaseMap& base)
       : config(in.config),
         storage(in.storage),
         events(in.events),
         intake(in),
         maps(cache),
-        alternates(standing) {}
+        alternates(standing),
+        base_map(base) {}
 
   const Config& config;
   Storage& storage;
@@ -44,6 +46,7 @@ struct Service {
   Intake& intake;
   MapCache& maps;
   Alternates& alternates;
+  const BaseMap& base_map;
   GroundPatches ground_patches{kMaxBytesOfGroundPatches};
   Page page;
   TokenList tokens;
