@@ -14,6 +14,7 @@
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/recall/recall.h"
+#include "server/work/evaluated_area.h"
 
 namespace freelsd {
 namespace {
@@ -303,6 +304,7 @@ size_t EvaluateFlight(Service& service,
   std::vector<NewSite> sites;
   std::vector<std::string> warnings;
   for (size_t i = 0; i < groups.size(); ++i) {
+    service.progress.SetArea(AreaJson(groups[i], flight.context.local_frame));
     const Evaluation evaluation = EvaluateSites(snapshot,
                                                 groups[i],
                                                 StoredImages(service, flight_id),

@@ -9,6 +9,7 @@
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/recall/recall.h"
+#include "server/work/progress_board.h"
 
 namespace freelsd {
 
@@ -51,6 +52,7 @@ struct Service {
   Page page;
   TokenList tokens;
   Metrics metrics;
+  ProgressBoard progress;
 
   // Guards the rows in storage.sites. It is held while a flight or a site is deleted, and while the
   // worker stores a flight's sites.
