@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -115,17 +116,14 @@ JobView::Outlook JobView::OutlookOfRunning(const JobRow& job,
 
 JobView::Outlook JobView::OutlookOfWaiting(const JobRow& job) {
   Outlook outlook{"Waiting", "Waiting for its turn", std::nullopt, false};
-  if (job.kind != "finish") {
-    outlook.time_left_s = FramesLeftS();
-    return outlook;
-  }
+  // The frames of a batch would have to be searched one by one.
+  if (job.kind != "finish") return outlook;
   const int64_t last_sequence = LastSequenceOf(job, service_.storage);
+  const std::optional<double> frames_s = FramesLeftS(job.flight_id, last_sequence);
   const std::optional<double> ahead_s = EvaluationsAheadS(job);
   const std::optional<double> own_s =
       service_.progress.ExpectedEvaluationS(EvaluationKind::kFinish, last_sequence);
-  const auto next = service_.storage.frames.NextQueuedSequence(job.flight_id, 0);
-  if (next && *next <= last_sequence) {
-    const std::optional<double> frames_s = FramesLeftS();
+  if (frames_s != 0.0) {
     outlook.summary = WithTime("Waiting until the photographs are processed", frames_s);
     // Photographs are processed while other flights are evaluated.
     if (frames_s && ahead_s) outlook.time_left_s = Sum(std::max(*frames_s, *ahead_s), own_s);
@@ -140,17 +138,27 @@ JobView::Outlook JobView::OutlookOfWaiting(const JobRow& job) {
   return outlook;
 }
 
-std::optional<double> JobView::FramesLeftS() {
-  if (!num_queued_frames_) num_queued_frames_ = service_.storage.frames.CountQueued();
+std::optional<double> JobView::FramesLeftS(const std::string& flight_id, int64_t last_sequence) {
+  const auto next = service_.storage.frames.NextQueuedSequence(flight_id, 0);
+  if (!next || *next > last_sequence) return 0.0;
+  std::set<std::string> flights{flight_id};
+  for (const JobRow& job : Unfinished()) {
+    if (job.kind == "batch") flights.insert(job.flight_id);
+  }
   const std::optional<double> frame_s = service_.progress.FrameTimeS();
   if (!frame_s) return std::nullopt;
-  return *frame_s * static_cast<double>(*num_queued_frames_);
+  return *frame_s * static_cast<double>(last_sequence - *next + 1) *
+         static_cast<double>(flights.size());
+}
+
+const std::vector<JobRow>& JobView::Unfinished() {
+  if (!unfinished_) unfinished_ = service_.storage.jobs.ListUnfinished();
+  return *unfinished_;
 }
 
 std::optional<double> JobView::EvaluationsAheadS(const JobRow& job) {
   std::optional<double> ahead_s = evaluation_ ? evaluation_->time_left_s : 0.0;
-  if (!unfinished_) unfinished_ = service_.storage.jobs.ListUnfinished();
-  for (const JobRow& other : *unfinished_) {
+  for (const JobRow& other : Unfinished()) {
     // Oldest first. A job that was just created has no number yet.
     if (job.number > 0 && other.number >= job.number) break;
     if (other.id == job.id || !ahead_s) break;

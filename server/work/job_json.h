@@ -31,18 +31,20 @@ class JobView {
   Outlook OutlookOf(const JobRow& job);
   Outlook OutlookOfRunning(const JobRow& job, std::optional<double> time_left_s) const;
   Outlook OutlookOfWaiting(const JobRow& job);
-  // Time until all queued frames of all flights, which take turns, are processed.
-  std::optional<double> FramesLeftS();
+  // Time until the frontend has processed the flight's frames up to this one, if all flights with
+  // photographs, which take turns, have as many; 0 if it has.
+  std::optional<double> FramesLeftS(const std::string& flight_id, int64_t last_sequence);
   // Time until the evaluations before this job's are done: the one that runs, and those of older
   // jobs.
   std::optional<double> EvaluationsAheadS(const JobRow& job);
   const std::string& NameOfEvaluated();
+  // Oldest first.
+  const std::vector<JobRow>& Unfinished();
 
   const Service& service_;
   std::optional<EvaluationNow> evaluation_;
-  // The following three are read when they are first needed.
+  // The following two are read when they are first needed.
   std::optional<std::vector<JobRow>> unfinished_;
-  std::optional<int64_t> num_queued_frames_;
   std::optional<std::string> name_of_evaluated_;
 };
 

@@ -17,6 +17,8 @@ constexpr double kMinSmoothingS = 2.0;
 constexpr double kSmoothingShare = 0.1;
 // Work that takes longer than expected is expected to take another share of it.
 constexpr double kMinExpectedShare = 0.1;
+// The same for a step.
+constexpr double kMinLeftShare = 0.2;
 
 }  // namespace
 
@@ -24,10 +26,14 @@ void TimeLeft::Add(double time_s, double done_ratio) {
   const double growth = std::min(done_ratio, 1.0) - ratio_;
   if (!(growth > 0.0)) return;
   const double s_per_ratio = std::max(time_s - grew_at_s_, 0.0) / growth;
-  const double weight = recent_s_per_ratio_ ? 1.0 - std::exp(-growth / kMemoryRatio) : 1.0;
+  const double done = ratio_ + growth - begin_ratio_;
+  // The mean of all at first, then of the latest.
+  const double weight =
+      (1.0 - std::exp(-growth / kMemoryRatio)) / (1.0 - std::exp(-done / kMemoryRatio));
   const double before = recent_s_per_ratio_.value_or(0.0);
   recent_s_per_ratio_ = before + weight * (s_per_ratio - before);
   ratio_ += growth;
+  last_step_s_ = std::max(time_s - grew_at_s_, 0.0);
   grew_at_s_ = time_s;
 }
 
@@ -39,9 +45,12 @@ std::optional<double> TimeLeft::Measured(double time_s) const {
     expected_left_s = std::max(*expected_s_ - elapsed_s, kMinExpectedShare * *expected_s_);
   }
   if (done < kMinRatio || elapsed_s < kMinTimeS) return expected_left_s;
-  // The mean includes the time since the last growth, so it grows while nothing proceeds.
-  const double mean = elapsed_s / done;
-  const double measured_s = (1.0 - ratio_) * 0.5 * (mean + recent_s_per_ratio_.value_or(mean));
+  // What of the step that runs is not in the progress yet. A step that lasts longer than the last
+  // one makes the mean grow.
+  const double open_s = std::clamp(time_s - grew_at_s_, 0.0, last_step_s_);
+  const double mean = (elapsed_s - open_s) / done;
+  const double whole_s = (1.0 - ratio_) * 0.5 * (mean + recent_s_per_ratio_.value_or(mean));
+  const double measured_s = std::max(whole_s - open_s, kMinLeftShare * whole_s);
   if (!expected_left_s) return measured_s;
   const double trust = std::min(done / kMemoryRatio, 1.0);
   return trust * measured_s + (1.0 - trust) * *expected_left_s;

@@ -8,8 +8,9 @@ namespace freelsd {
 // Work whose progress grows from 0 to 1. Times are seconds on any clock that never goes back.
 //
 // The estimate is (1 - progress) times the measured time per progress: half of it is the mean since
-// the work began, half the mean of about the last fifth of the progress. It is smoothed: between
-// two measurements it counts down with the clock, and it approaches new measurements over a few
+// the work began, half the mean of about the last fifth of the progress. Work in steps is assumed
+// to proceed within a step for as long as the last one took. The estimate is smoothed: between two
+// measurements it counts down with the clock, and it approaches new measurements over a few
 // seconds. It is never negative, and while the work is not done never less than half nor more than
 // twice of what was measured.
 class TimeLeft {
@@ -36,6 +37,8 @@ class TimeLeft {
   double begin_s_;
   double begin_ratio_;
   double grew_at_s_;
+  // Time between the last two growths: of work in steps, the duration of a step.
+  double last_step_s_ = 0.0;
   double ratio_;
   // Of the last fifth of the progress; nothing before the first growth.
   std::optional<double> recent_s_per_ratio_;

@@ -100,6 +100,24 @@ TEST_CASE("job progress: the second evaluation of a kind knows its time from the
   CHECK(running["summary"].get<std::string>().ends_with(" left"));
 }
 
+TEST_CASE("job progress: a finish waits for its photographs first, for a time that was measured") {
+  FreshServer fresh([](Config& config) { config.model = RealModel(); });
+  const std::string flight = PostSampleFlight(fresh.client, 0, kNumSampleFrames);
+  int num_waiting = 0;
+  int num_with_time = 0;
+  for (const nlohmann::json& job : Watch(fresh.client, Finish(fresh.client, flight))) {
+    if (!Begins(job["summary"], "Waiting until the photographs are processed")) continue;
+    INFO(job.dump());
+    ++num_waiting;
+    if (job["summary"] != "Waiting until the photographs are processed") ++num_with_time;
+    CHECK(job["waiting_for"].is_null());
+    // How long the evaluation itself takes is not known yet.
+    CHECK(job["time_left_s"].is_null());
+  }
+  CHECK(num_waiting > 0);
+  CHECK(num_with_time > 0);
+}
+
 TEST_CASE("job progress: a job that ran before a restart waits, and does not tell old times") {
   const TemporaryFolder folder;
   {
