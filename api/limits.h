@@ -175,6 +175,13 @@ struct ObstacleLimits {
   double max_airspace_leg_m = 500000.0;
 };
 
+// The operator's base map.
+struct BaseMapLimits {
+  size_t max_tile_bytes = size_t{2} << 20;
+  int max_zoom = 24;
+  size_t max_url_bytes = 1000;
+};
+
 struct Limits {
   HeadLimits head;
   ConnectionLimits connection;
@@ -189,6 +196,7 @@ struct Limits {
   ConcurrencyLimits concurrency;
   AnswerLimits answer;
   ObstacleLimits obstacles;
+  BaseMapLimits base_map;
   // The metadata part sent with one image, also in a stream.
   size_t max_frame_meta_bytes = size_t{64} << 10;
   // The body of an emergency request.

@@ -60,11 +60,12 @@ HttpServer::Handler HandlerFor(Service& service, Listener listener) {
 
 App::App(const Config& config)
     : config_(config),
+      base_map_(config_),
       storage_(config_.data),
       maps_(kMaxBytesOfSites, kMaxBytesOfTerrain),
       intake_(config_, storage_, events_),
       alternates_(storage_, maps_, events_, static_cast<size_t>(config_.num_alternates)),
-      service_(intake_, maps_, alternates_),
+      service_(intake_, maps_, alternates_, base_map_),
       http_(OptionsOf(config_, Listener::kMain), HandlerFor(service_, Listener::kMain)),
       port_(http_.Bind(config_.host, config_.port)),
       worker_(service_, ReadModel(config_)) {

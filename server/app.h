@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "server/base_map/base_map.h"
 #include "server/config.h"
 #include "server/http/http.h"
 #include "server/work/work.h"
@@ -29,6 +30,7 @@ class App {
 
  private:
   Config config_;
+  BaseMap base_map_;
   Storage storage_;
   EventLog events_;
   MapCache maps_;

@@ -65,6 +65,15 @@ void SetListen(const std::string& listen, Config& config) {
   config.port = address.port;
 }
 
+void TakeBaseMap(nlohmann::json& object, Config& config) {
+  Take(object, "base_map_url", config.base_map_url);
+  TakePath(object, "base_map_file", config.base_map_file);
+  Take(object, "base_map_attribution", config.base_map_attribution);
+  if (!object.contains("base_map_max_zoom")) return;
+  config.base_map_max_zoom = 0;
+  Take(object, "base_map_max_zoom", *config.base_map_max_zoom);
+}
+
 void ReadConfigFile(const std::string& path, Config& config) {
   nlohmann::json object = ReadFile(path);
   TakePath(object, "data", config.data);
@@ -88,6 +97,7 @@ void ReadConfigFile(const std::string& path, Config& config) {
   Take(object, "telemetry_wait_s", config.telemetry_wait_s);
   Take(object, "max_telemetry_gap_s", config.max_telemetry_gap_s);
   Take(object, "max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s);
+  TakeBaseMap(object, config);
   if (!object.empty()) throw ConfigError("config file: unknown key " + object.begin().key());
 }
 

@@ -51,6 +51,14 @@ struct Config {
   double max_telemetry_gap_s = 2.0;
   // Longest time between a frame and a single telemetry sample that gives its pose.
   double max_telemetry_extrapolation_s = 0.2;
+  // The page's base map: at most one of a URL template of tiles with {z}, {x} and {y}, which
+  // browsers fetch from elsewhere, and an MBTiles file, which this server reads. Empty: none.
+  std::string base_map_url;
+  std::filesystem::path base_map_file;
+  // Whom the map is from. Empty: as the file's metadata says.
+  std::string base_map_attribution;
+  // Largest zoom level that the page may ask for. Nothing: 19, or the file's.
+  std::optional<int> base_map_max_zoom;
 };
 
 // Thrown if a setting is invalid. what() is a sentence for the operator.

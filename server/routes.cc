@@ -138,6 +138,8 @@ constexpr Route kRoutes[] = {
      Listeners::kBoth},
     {"GET", "/v1/reach", GetReach, kReach},
     {"POST", "/v1/reach", PostReach, kReach},
+    {"GET", "/v1/base-map", GetBaseMap},
+    {"GET", "/v1/base-map/{z}/{x}/{y}", GetBaseMapTile},
     {"GET", "/healthz", GetHealth, "", Listeners::kBoth},
     {"GET", "/readyz", GetReadiness},
     {"GET", "/metrics", GetMetrics},
@@ -198,6 +200,13 @@ void RefuseUnknownParameters(const Route& route, const httplib::Request& request
   }
 }
 
+// The page loads nothing from elsewhere, except the pictures of a base map that the operator chose.
+std::string PagePolicy(const BaseMap& base_map) {
+  const std::string& origin = base_map.outside_origin();
+  return "default-src 'self'; img-src 'self' data: blob:" + (origin.empty() ? "" : " " + origin) +
+         "; style-src 'self' 'unsafe-inline'; frame-ancestors 'none'";
+}
+
 bool ServePage(const Service& service,
                const httplib::Request& request,
                httplib::Response& response) {
@@ -207,9 +216,7 @@ bool ServePage(const Service& service,
   }
   response.set_content(file->second.content, file->second.content_type);
   response.set_header("Cache-Control", "no-cache");
-  response.set_header("Content-Security-Policy",
-                      "default-src 'self'; img-src 'self' data: blob:; style-src 'self' "
-                      "'unsafe-inline'; frame-ancestors 'none'");
+  response.set_header("Content-Security-Policy", PagePolicy(service.base_map));
   return true;
 }
 

@@ -1,5 +1,6 @@
 // Durable storage of flights, frames, images, jobs, telemetry, obstacles, sites and maps, as rows,
-// JSON text and blobs. Does not depend on engine types. This is the only public header of storage/.
+// JSON text and blobs. Does not depend on engine types. This is the only public header of storage/;
+// it also gives MbTiles, which reads map tiles of others.
 //
 // When a call returns, its data are on disk (WAL, synchronous=FULL). An image file and its folder
 // are synced before a row that refers to the image is committed. There is one writer; readers never
@@ -17,6 +18,7 @@
 #include "storage/image_store.h"
 #include "storage/job_store.h"
 #include "storage/map_store.h"
+#include "storage/mbtiles.h"
 #include "storage/obstacle_store.h"
 #include "storage/site_store.h"
 #include "storage/storage_error.h"

@@ -269,10 +269,10 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
     flight.num_rejected_frames += admission.num_rejected;
     flight.warnings_json = AddWarnings(flight.warnings_json, "images", admission.warnings);
   });
-  service.events.Publish("job", flight_id, JobJson(job).dump());
+  service.events.Publish("job", flight_id, JobJson(service, job).dump());
   service.intake.wake_worker();
   service.intake.on_new_pose(flight_id);
-  AnswerJob(job, response);
+  AnswerJob(service, job, response);
 }
 
 }  // namespace freelsd

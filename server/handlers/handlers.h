@@ -80,6 +80,10 @@ void DeleteObstacle(Service& service, const Call& call, httplib::Response& respo
 void GetReach(Service& service, const Call& call, httplib::Response& response);
 void PostReach(Service& service, const Call& call, httplib::Response& response);
 
+// base_map_handlers.cc
+void GetBaseMap(Service& service, const Call& call, httplib::Response& response);
+void GetBaseMapTile(Service& service, const Call& call, httplib::Response& response);
+
 // alternates_handler.cc
 void GetAlternates(Service& service, const Call& call, httplib::Response& response);
 

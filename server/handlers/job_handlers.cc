@@ -12,10 +12,6 @@
 namespace freelsd {
 namespace {
 
-bool IsUnfinished(const JobRow& job) {
-  return job.state == JobState::kQueued || job.state == JobState::kRunning;
-}
-
 // The flight's finish jobs, newest first.
 std::vector<JobRow> FinishJobs(const Service& service, const std::string& flight_id) {
   std::vector<JobRow> jobs = service.storage.jobs.ListOf(flight_id);
@@ -50,7 +46,7 @@ JobRow FinishJob(Service& service, const std::string& flight_id, bool is_over) {
     job.progress_ratio = 1.0;
   }
   service.storage.jobs.Insert(job);
-  service.events.Publish("job", flight_id, JobJson(job).dump());
+  service.events.Publish("job", flight_id, JobJson(service, job).dump());
   return job;
 }
 
@@ -60,14 +56,15 @@ void PostFinish(Service& service, const Call& call, httplib::Response& response)
   const FlightRow flight = ExistingFlight(service, call);
   const JobRow job = FinishJob(service, flight.id, flight.has_retired_images);
   service.intake.wake_worker();
-  AnswerJob(job, response);
+  AnswerJob(service, job, response);
 }
 
 void GetJobs(Service& service, const Call& call, httplib::Response& response) {
   const JobPage page = service.storage.jobs.ListPage(
       ParseLimit(call), ParseNumberCursor(call), kLimits.answer.max_list_bytes);
+  JobView view(service);
   std::string jobs;
-  for (const JobRow& job : page.jobs) jobs += (jobs.empty() ? "" : ",") + JobJson(job).dump();
+  for (const JobRow& job : page.jobs) jobs += (jobs.empty() ? "" : ",") + view.Json(job).dump();
   AnswerPage("jobs",
              jobs,
              page.has_more ? std::optional(page.jobs.back().number) : std::nullopt,
@@ -75,7 +72,7 @@ void GetJobs(Service& service, const Call& call, httplib::Response& response) {
 }
 
 void GetJob(Service& service, const Call& call, httplib::Response& response) {
-  response.set_content(JobJson(ExistingJob(service, call)).dump(), "application/json");
+  response.set_content(JobJson(service, ExistingJob(service, call)).dump(), "application/json");
 }
 
 // Cancels an unfinished job and answers it; deletes a finished job.
@@ -85,7 +82,7 @@ void DeleteJob(Service& service, const Call& call, httplib::Response& response) 
     job.state = JobState::kCancelled;
     UpdateJob(service, job);
     service.intake.wake_worker();
-    response.set_content(JobJson(ExistingJob(service, call)).dump(), "application/json");
+    response.set_content(JobJson(service, ExistingJob(service, call)).dump(), "application/json");
     return;
   }
   service.storage.jobs.Delete(job.id);

@@ -111,6 +111,7 @@ void GetInfo(Service& service, const Call&, httplib::Response& response) {
   info["limits"] = LimitsOf(service);
   info["emergency"] = EmergencyInfo();
   info["obstacles"] = ObstaclesInfo();
+  info["has_base_map"] = !service.base_map.TileJson().is_null();
   response.set_content(info.dump(), "application/json");
 }
 

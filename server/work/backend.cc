@@ -17,6 +17,10 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressPeriod{300};
 constexpr std::chrono::seconds kRetirePeriod{30};
+// Time between two events of a finish that waits, and the largest number of such jobs that have
+// events.
+constexpr std::chrono::seconds kWaitingPeriod{2};
+constexpr int kMaxNumWaitingTold = 20;
 
 // Stores a job's progress. is_wanted() is false once the job is cancelled or deleted.
 class JobProgress {
@@ -94,6 +98,8 @@ bool Worker::CheckNextSite() {
 }
 
 void Worker::RunFinish(JobRow job, FlightSession& session) {
+  EvaluationMark mark(
+      service_.progress, EvaluationKind::kFinish, job.flight_id, job.id, session.flushed_through());
   job.state = JobState::kRunning;
   UpdateJob(service_, job);
   JobProgress progress(service_, job);
@@ -103,8 +109,10 @@ void Worker::RunFinish(JobRow job, FlightSession& session) {
                                             session,
                                             EvaluationScope::kEveryGraded,
                                             [&](double ratio, const std::string& stage) {
+                                              TellProgress(ratio);
                                               return !is_stopping_ && progress.Tell(ratio, stage);
                                             });
+    mark.is_complete = true;
     nlohmann::json detail = nlohmann::json::parse(job.detail_json);
     detail["num_sites"] = num_sites;
     job.detail_json = detail.dump();
@@ -123,11 +131,18 @@ void Worker::RunFinish(JobRow job, FlightSession& session) {
 }
 
 void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
+  EvaluationMark mark(
+      service_.progress, EvaluationKind::kPeriodic, flight_id, "", session.flushed_through());
   try {
-    EvaluateFlight(
-        service_, flight_id, session, EvaluationScope::kBest, [this](double, const std::string&) {
-          return !is_stopping_;
-        });
+    EvaluateFlight(service_,
+                   flight_id,
+                   session,
+                   EvaluationScope::kBest,
+                   [this](double ratio, const std::string&) {
+                     TellProgress(ratio);
+                     return !is_stopping_;
+                   });
+    mark.is_complete = true;
   } catch (const StorageError&) {
     throw;
   } catch (const std::exception& error) {
@@ -136,6 +151,21 @@ void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
     service_.storage.flights.Change(flight_id, [&error](FlightRow& flight) {
       flight.warnings_json = AddWarnings(flight.warnings_json, "evaluation", {Sentence(error)});
     });
+  }
+}
+
+// Also tells the clients of finishes that wait, because their times depend on this evaluation.
+void Worker::TellProgress(double done_ratio) {
+  service_.progress.TellEvaluation(done_ratio);
+  const auto now = std::chrono::steady_clock::now();
+  if (now - told_waiting_at_ < kWaitingPeriod) return;
+  told_waiting_at_ = now;
+  JobView view(service_);
+  int num_told = 0;
+  for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
+    if (job.kind != "finish" || job.state != JobState::kQueued) continue;
+    service_.events.Publish("job", job.flight_id, view.Json(job).dump());
+    if (++num_told == kMaxNumWaitingTold) break;
   }
 }
 

@@ -14,6 +14,7 @@
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/recall/recall.h"
+#include "server/work/evaluated_area.h"
 #include "server/work/staged_maps.h"
 
 namespace freelsd {
@@ -349,6 +350,7 @@ size_t EvaluateFlight(Service& service,
   const ImageSource images = StoredImages(service, flight_id);
   for (size_t i = 0; i < groups.size(); ++i) {
     const Progress of_group = ShareOf(progress, i, groups.size());
+    service.progress.SetArea(AreaJson(groups[i].area, flight.context.local_frame));
     const Evaluation evaluation = EvaluateSites(snapshot,
                                                 groups[i],
                                                 images,

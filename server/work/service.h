@@ -5,10 +5,12 @@
 #include <mutex>
 #include <semaphore>
 
+#include "server/base_map/base_map.h"
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/maps/maps.h"
 #include "server/recall/recall.h"
+#include "server/work/progress_board.h"
 
 namespace freelsd {
 
@@ -34,13 +36,14 @@ class SemaphoreSlot {
 
 // Refers to objects that the App owns. Thread-safe, because of the mutex and the semaphores.
 struct Service {
-  Service(Intake& in, MapCache& cache, Alternates& standing)
+  Service(Intake& in, MapCache& cache, Alternates& standing, const BaseMap& base)
       : config(in.config),
         storage(in.storage),
         events(in.events),
         intake(in),
         maps(cache),
-        alternates(standing) {}
+        alternates(standing),
+        base_map(base) {}
 
   const Config& config;
   Storage& storage;
@@ -48,12 +51,14 @@ struct Service {
   Intake& intake;
   MapCache& maps;
   Alternates& alternates;
+  const BaseMap& base_map;
   GroundPatches ground_patches{kMaxBytesOfGroundPatches};
   // Pictures of flights' maps.
   MapPictures pictures{kMaxBytesOfPictures};
   Page page;
   TokenList tokens;
   Metrics metrics;
+  ProgressBoard progress;
 
   // Guards the rows in storage.sites. It is held while a flight or a site is deleted, and while the
   // worker stores a flight's sites.

@@ -155,7 +155,10 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
     }
     TellOfFrame(service_, frame.row);
   }
+  const auto begin = std::chrono::steady_clock::now();
   TakeFrame(flight_id, *session, frame);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
+  service_.progress.AddFrameTime(elapsed.count());
   const bool is_last = !service_.storage.frames.Next(flight_id, session->cursor());
   if (is_last || std::chrono::steady_clock::now() - stored_at_[flight_id] > kStorePeriod) {
     StoreProgress(flight_id, *session, jobs);
@@ -269,6 +272,7 @@ void Worker::UpdateBatchJobs(const std::string& flight_id, const std::vector<Job
     job.progress_ratio = std::clamp(1.0 - num_left / num_frames, 0.0, 1.0);
     job.state = is_done ? JobState::kDone : JobState::kRunning;
     job.stage = is_done ? "" : "frontend";
+    service_.progress.TellBatch(job.id, job.progress_ratio);
     UpdateJob(service_, job);
   }
 }

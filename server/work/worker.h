@@ -67,6 +67,7 @@ class Worker {
   std::vector<JobRow> ReadyFinishes() const;
   void RunFinish(JobRow job, FlightSession& session);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
+  void TellProgress(double done_ratio);
   // Removes images of idle flights as the settings require.
   void RetireImages();
 
@@ -94,8 +95,9 @@ class Worker {
   std::map<std::string, std::pair<int64_t, std::chrono::steady_clock::time_point>> waiting_;
   std::map<std::string, std::chrono::steady_clock::time_point> stored_at_;
 
-  // The following two belong to the backend thread.
+  // The following three belong to the backend thread.
   std::chrono::steady_clock::time_point retired_at_{};
+  std::chrono::steady_clock::time_point told_waiting_at_{};
   // Ids of the sites that CheckNextSite still has to check; nothing before its first call.
   std::optional<std::vector<std::string>> unchecked_sites_;
 

@@ -33,6 +33,24 @@ TEST_CASE("config: the command line wins over the file") {
   CHECK(config->allowed_hosts == std::vector<std::string>{"base"});
 }
 
+TEST_CASE("config: there is no base map unless the file names one") {
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "config.json";
+  std::ofstream(file) << R"({"data": "/tmp/y"})";
+  CHECK(Read({"--config", file.c_str()})->base_map_url.empty());
+  CHECK(Read({"--config", file.c_str()})->base_map_file.empty());
+  std::ofstream(file) << R"({"data": "/tmp/y", "base_map_url": "https://a.org/{z}/{x}/{y}",
+      "base_map_file": "/map", "base_map_attribution": "us", "base_map_max_zoom": 12})";
+  const auto config = Read({"--config", file.c_str()});
+  CHECK(config->base_map_url == "https://a.org/{z}/{x}/{y}");
+  CHECK(config->base_map_file == "/map");
+  CHECK(config->base_map_attribution == "us");
+  CHECK(config->base_map_max_zoom == 12);
+  std::ofstream(file) << R"({"data": "/tmp/y", "base_map_max_zoom": "far"})";
+  CHECK_THROWS_WITH_AS(
+      Read({"--config", file.c_str()}), doctest::Contains("base_map_max_zoom"), ConfigError);
+}
+
 TEST_CASE("config: an address that is not loopback is refused without a token") {
   for (const char* listen : {"0.0.0.0:80", "[::]:80", "192.168.1.2:80"}) {
     CHECK_THROWS_WITH_AS(
