@@ -1,13 +1,11 @@
 // The ground on the map, as tiles: the user's base map, the photograph of the flight, and one data layer over it.
 /* global L */
 
+import { plainText } from './dom.js';
 import { createTileLayer } from './tile_layer.js';
 
-// From below to above: they lie below the track and all lines. `layers` is shared with the pictures of a single site.
+// From below to above. They lie below the track and all lines. `layers` is shared with the pictures of a single site.
 const panes = { base: { name: 'base-map', zIndex: 205 }, photo: { name: 'photo', zIndex: 210 }, data: { name: 'layers', zIndex: 250 } };
-
-// The credit of a map file may hold markup: only its text is shown.
-const plainText = (markup) => new DOMParser().parseFromString(markup, 'text/html').body.textContent.trim();
 
 function createCredit(map) {
   const control = L.control({ position: 'bottomright' });
@@ -53,8 +51,8 @@ class Ground {
     const former = this.#shown[kind];
     if (!former) return;
     delete this.#shown[kind];
-    former.tiles.off();
     former.tiles.remove();
+    former.tiles.off();
     if (kind === 'base') this.#credit(null);
     if (kind === 'photo') this.#map.getContainer().classList.remove('has-photo');
   }

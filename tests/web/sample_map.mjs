@@ -93,8 +93,9 @@ export function sampleTileJson(base, flight, map) {
   };
 }
 
-// Answers GET of the map and its files. Returns whether the path is one of them. counts: of tile answers, by status.
-export function playMap(request, response, path, { map, base, counts }) {
+// Answers GET of the map and its files. Returns whether the path is one of them. tiles: {asked: [{path, status}], numNow, mostAtOnce}.
+// map.failing: a pattern of paths that fail; map.delay_ms: until a tile is answered.
+export function playMap(request, response, path, { map, base, tiles }) {
   const [, flight, rest] = /^\/v1\/flights\/([^/]+)\/map(\/.*)?$/.exec(path) ?? [];
   if (!flight) return false;
   if (!rest) {
@@ -103,14 +104,43 @@ export function playMap(request, response, path, { map, base, counts }) {
     response.end(JSON.stringify(sampleTileJson(base, flight, map)));
     return true;
   }
+  playFile(request, response, rest, { map, tiles, path });
+  return true;
+}
+
+async function playFile(request, response, rest, { map, tiles, path }) {
   const [, name, ...zxy] = /^\/(\w+)\/(\d+)\/(\d+)\/(\d+)\.png$/.exec(rest) ?? [];
+  if (name) {
+    tiles.mostAtOnce = Math.max(tiles.mostAtOnce, ++tiles.numNow);
+    await new Promise((resolve) => { setTimeout(resolve, map.delay_ms ?? 0); });
+    --tiles.numNow;
+  }
   const isFile = /\.(tif|kmz)$/.test(rest);
   const body = name ? tile(name, map, zxy.map(Number)) : isFile ? Buffer.from('a file') : png(280, 24, (px) => ramp(px / 280));
   const etag = body && `"${createHash('sha1').update(body).digest('hex').slice(0, 12)}"`;
-  const status = body === null ? 404 : map.failing?.test(path) ? 503 : request.headers['if-none-match'] === etag ? 304 : 200;
-  if (name) counts[status] = (counts[status] ?? 0) + 1;
+  const status = map.failing?.test(path) ? 503 : body === null ? 404 : request.headers['if-none-match'] === etag ? 304 : 200;
+  if (name) tiles.asked.push({ path, status });
   const type = status >= 400 ? 'application/problem+json' : isFile ? 'application/octet-stream' : 'image/png';
   response.writeHead(status, { 'Content-Type': type, ...(etag ? { ETag: etag } : {}), 'Cache-Control': 'private, max-age=0' });
   response.end(status === 200 ? body : status >= 400 ? '{"detail":"no tile"}' : undefined);
-  return true;
 }
+
+const square = ([lon, lat], east_m, north_m, side_m) => {
+  const at = (east, north) => [lon + east / metresPerDegree / Math.cos(lat * Math.PI / 180), lat + north / metresPerDegree];
+  return { type: 'Polygon', coordinates: [[at(east_m, north_m), at(east_m + side_m, north_m), at(east_m + side_m, north_m + side_m),
+    at(east_m, north_m + side_m), at(east_m, north_m)]] };
+};
+
+// A job that tells what it does.
+export const sampleJob = (flight, place) => ({
+  id: 'j-map', kind: 'finish', state: 'running', progress: 0.42, stage: 'stereo', stage_title: 'Measuring the ground', flight_id: flight,
+  summary: 'Measuring the shape of the ground from 14 pairs of photographs in the north-east.', time_left_s: 95, area: square(place, 30, 0, 70),
+});
+
+export const sampleWhy = {
+  verdict: 'rejected', first_failed: 'slope',
+  rules: [{ rule: 'seen', passed: true, sentence: 'The ground is seen in 9 photographs.' },
+    { rule: 'slope', passed: false, sentence: 'The slope is 11.2°; at most 8° is allowed.' },
+    { rule: 'grass', passed: true, sentence: 'The ground is grass.' }],
+  evidence: { height_m: 460.2, height_sd_m: 0.12, grass_probability: 0.93 }, warnings: [],
+};

@@ -65,7 +65,7 @@ async function playObstacles(request, response, path, obstacles) {
 export async function startStandIn(t, target, {
   token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
 } = {}) {
-  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: {} };
+  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [], numNow: 0, mostAtOnce: 0 } };
   const to = new URL(target);
 
   async function playReach(request, response) {
@@ -93,7 +93,7 @@ export async function startStandIn(t, target, {
       answer(response, 200, map.why);
       return true;
     }
-    if (map && playMap(request, response, path, { map, base, counts: state.tiles })) return true;
+    if (map && playMap(request, response, path, { map, base, tiles: state.tiles })) return true;
     if (/^\/v1\/flights\/[^/]+\/map$/.test(path) && map !== undefined) {
       answer(response, 404, problem(404, 'no map yet'));
       return true;
