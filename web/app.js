@@ -264,7 +264,7 @@ function chooseFlight(id) {
 function drawFlightChoice() {
   const select = byId('flight');
   const shown = [...select.options].map((option) => option.value + option.text).join();
-  const options = state.flights.map((f) => new Option(f.name || f.id, f.id));
+  const options = state.flights.length ? state.flights.map((f) => new Option(f.name || f.id, f.id)) : [new Option('none', '')];
   if (shown !== options.map((option) => option.value + option.text).join()) {
     select.replaceChildren(...options);
   }

@@ -41,7 +41,7 @@ class ClickedPlace {
       if (signal.aborted) return;
       const region = findRegion(regions, latlng);
       const buttons = [
-        flight && can.landing ? wide('Plan a landing here', () => this.#land(latlng)) : null,
+        flight && can.landing ? wide('Plan a landing here', ({ currentTarget }) => this.#land(latlng, currentTarget)) : null,
         region ? wide(`Region ${region.properties.id}: grade ${region.properties.grade.toFixed(2)}`, () => this.#openRegion(region)) : null,
       ].filter(Boolean);
       // Above what is long: a popup on a phone shows its beginning.
@@ -56,11 +56,12 @@ class ClickedPlace {
     }
   }
 
-  async #land(latlng) {
+  async #land(latlng, button) {
     const signal = this.#ask();
     const { flight, plan, aircraft } = this.#shown();
     const path = landingPath(flight, latlng, plan);
-    notify('Planning a landing');
+    button.setAttribute('aria-busy', 'true');
+    button.textContent = 'Planning …';
     try {
       const answer = await api.getLanding(path, signal);
       if (signal.aborted) return;
@@ -69,7 +70,10 @@ class ClickedPlace {
       drawLanding(answer, latlng, aircraft, curlButton('this landing', () => curlOf(path)));
       this.#map.drawLanding(answer.collection ?? null, { touchdownRadius_m: aircraft?.touchdown_uncertainty_m, isReplanned: true });
     } catch (error) {
-      if (error.name !== 'AbortError') notify(`Landing not planned: ${error.message}`);
+      if (error.name === 'AbortError') return;
+      notify(`Landing not planned: ${error.message}`);
+      button.removeAttribute('aria-busy');
+      button.textContent = 'Plan a landing here';
     }
   }
 }

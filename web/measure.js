@@ -104,12 +104,15 @@ class Measure {
     if (!this.isOn) return;
     for (const className of ['measure-casing', 'measure-line']) this.#group.addLayer(L.polyline(points, { className, interactive: false }));
     this.#group.addLayer(this.#band);
-    points.forEach((point, i) => this.#mark(point, i === 0 ? '' : legText(legOf(points[i - 1], point))));
+    points.forEach((point, i) => this.#mark(point, i === 0 ? '' : legText(legOf(points[i - 1], point)), i === points.length - 1));
   }
 
-  #mark(point, text) {
+  // The text stands towards the middle of the map.
+  #mark(point, text, isLast) {
+    const isRight = this.#map.latLngToContainerPoint(point).x > 0.6 * this.#map.getSize().x;
     const label = el('span', {}, el('i'), text ? el('b', {}, text) : null);
-    this.#group.addLayer(L.marker(point, { icon: L.divIcon({ className: 'measure-point', html: label, iconSize: [12, 12] }),
+    const className = `measure-point${isLast ? ' last' : ''}${isRight ? ' on-right' : ''}`;
+    this.#group.addLayer(L.marker(point, { icon: L.divIcon({ className, html: label, iconSize: [12, 12] }),
       interactive: false, keyboard: false, zIndexOffset: 1800 }));
   }
 }

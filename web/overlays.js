@@ -235,7 +235,7 @@ export function createAnswer(map) {
   const element = map.getContainer();
   function leftPadding_px() {
     const box = byId('layer-box');
-    if (map.getSize().x <= kWideMap) return 16;
+    if (map.getSize().x <= kWideMap) return 12;
     return box.open && !box.hidden && map.getSize().x > 2.3 * box.offsetWidth ? box.offsetWidth + 24 : 2 * kMarker;
   }
   return {
@@ -245,7 +245,7 @@ export function createAnswer(map) {
       if (!latlng) return;
       group.addLayer(L.popup({
         maxWidth: 300, minWidth: 230, maxHeight: Math.max(160, map.getContainer().clientHeight - 90),
-        autoPanPaddingTopLeft: [leftPadding_px(), 16], autoPanPaddingBottomRight: [kMarker + 28, 16],
+        autoPanPaddingTopLeft: [leftPadding_px(), 16], autoPanPaddingBottomRight: [map.getSize().x > kWideMap ? kMarker + 28 : 12, 16],
       }).setLatLng(latlng).setContent(content));
       content.tabIndex = -1;
       if (document.activeElement === element) content.focus({ preventScroll: true });

@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
-import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
+import { accessibilityFaults, flownSite, getJson, isOptional, launch, openPage, smallTargets, url } from './browser.mjs';
 import { offset, sampleNewLook, sampleObstacles, sampleReach, withGoAround } from './sample_parts.mjs';
 import { kWait, shoot } from './site_page.mjs';
 import { startStandIn } from './stand_in.mjs';
@@ -40,7 +40,7 @@ async function open(t, parts, options = {}) {
   const server = await startStandIn(t, url, { reach: null, obstacles: null, newLook: null, emergency: 'real', ...parts });
   const opened = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}`, ...options });
   opened.page.on('console', (message) => {
-    if (message.type() === 'error' && !message.location().url.includes('/v1/events')) opened.seen.errors.push(message.text());
+    if (message.type() === 'error' && !isOptional(message.location().url)) opened.seen.errors.push(message.text());
   });
   await opened.page.locator('#sites button').first().waitFor(kWait);
   return { server, ...opened };
