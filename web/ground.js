@@ -11,7 +11,7 @@ function createCredit(map) {
   const control = L.control({ position: 'bottomright' });
   control.onAdd = () => L.DomUtil.create('div', 'map-credit');
   control.addTo(map);
-  return (markup) => { control.getContainer().textContent = plainText(markup ?? ''); };
+  return (credits) => { control.getContainer().textContent = [...credits].map(plainText).join(' · '); };
 }
 
 class Ground {
@@ -33,17 +33,18 @@ class Ground {
       former.layer = layer;
       former.tiles.refresh(layer);
     } else this.#add(kind, layer, opacity);
+    this.#credit(new Set(Object.values(this.#shown).map(({ layer: { attribution } }) => attribution).filter(Boolean)));
     this.#onChange();
   }
 
   #add(kind, layer, opacity) {
     this.#remove(kind);
-    const tiles = createTileLayer(layer, { pane: panes[kind].name, className: `ground-tiles ${kind}-tiles`, opacity });
+    const tiles = createTileLayer(layer, { pane: panes[kind].name, className: `ground-tiles ${kind}-tiles`, opacity },
+      { canBeElsewhere: kind === 'base' });
     tiles.on('loading load tilesettled', this.#onChange);
     tiles.addTo(this.#map);
     tiles.getContainer().dataset.layer = layer.name;
     this.#shown[kind] = { layer, tiles };
-    if (kind === 'base') this.#credit(layer.attribution);
     if (kind === 'photo') this.#map.getContainer().classList.add('has-photo');
   }
 
@@ -53,7 +54,6 @@ class Ground {
     delete this.#shown[kind];
     former.tiles.remove();
     former.tiles.off();
-    if (kind === 'base') this.#credit(null);
     if (kind === 'photo') this.#map.getContainer().classList.remove('has-photo');
   }
 

@@ -3,7 +3,7 @@
 /* global L */
 
 import { getTile } from './api.js';
-import { createQueue, tilePath } from './tile_queue.js';
+import { createQueue, isElsewhere, tilePath } from './tile_queue.js';
 
 // A browser opens six connections to a server; two remain for other requests and for events.
 const kTilesAtOnce = 4;
@@ -27,15 +27,18 @@ async function setPicture(image, blob, signal) {
 
 const boundsOf = ([west, south, east, north]) => L.latLngBounds([south, west], [north, east]);
 
+// minzoom and maxzoom of a TileJSON as options of Leaflet.
+const optionsOf = ({ bounds, minzoom = 0, maxzoom = 22 }) => ({
+  bounds: bounds ? boundsOf(bounds) : undefined, minNativeZoom: minzoom, maxNativeZoom: maxzoom,
+  minZoom: Math.max(0, minzoom - kZoomsBelow), maxZoom: 24, updateWhenIdle: true, keepBuffer: 1,
+});
+
 // Fires `tilesettled` after each tile that arrived or failed.
 const TileLayer = L.GridLayer.extend({
   initialize(layer, options) {
     this._template = layer.tiles[0];
     this._loads = new WeakMap();  // image -> {loading: AbortController, etag}
-    L.GridLayer.prototype.initialize.call(this, {
-      bounds: layer.bounds ? boundsOf(layer.bounds) : undefined, minNativeZoom: layer.minzoom ?? 0, maxNativeZoom: layer.maxzoom ?? 22,
-      minZoom: Math.max(0, (layer.minzoom ?? 0) - kZoomsBelow), maxZoom: 24, updateWhenIdle: true, keepBuffer: 1, ...options,
-    });
+    L.GridLayer.prototype.initialize.call(this, { ...optionsOf(layer), ...options });
     this.on('tileunload', ({ tile }) => this._loads.get(tile)?.loading.abort());
   },
 
@@ -81,10 +84,18 @@ const TileLayer = L.GridLayer.extend({
   },
 
   // Whether the layer has the zoom levels of this one: else the tiles must be laid out anew.
-  isSame: function isSame({ minzoom, maxzoom }) {
-    return this.options.minNativeZoom === (minzoom ?? 0) && this.options.maxNativeZoom === (maxzoom ?? 22);
+  isSame(layer) {
+    const { minNativeZoom, maxNativeZoom } = optionsOf(layer);
+    return this.options.minNativeZoom === minNativeZoom && this.options.maxNativeZoom === maxNativeZoom;
   },
 });
 
-// layer: TileJSON. options: of Leaflet's GridLayer.
-export const createTileLayer = (layer, options) => new TileLayer(layer, options);
+// Tiles of another server, for the base map that the operator chose: plain pictures, so that the token stays here.
+const OutsideLayer = L.TileLayer.extend({ numMissing: () => 0, refresh() {}, isSame: () => true });
+
+// layer: TileJSON. options: of Leaflet's GridLayer. canBeElsewhere: the tiles may come from another server.
+export function createTileLayer(layer, options, { canBeElsewhere = false } = {}) {
+  const [template] = layer.tiles;
+  return canBeElsewhere && isElsewhere(template, location.origin)
+    ? new OutsideLayer(template, { ...optionsOf(layer), ...options }) : new TileLayer(layer, options);
+}

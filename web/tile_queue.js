@@ -28,7 +28,10 @@ export function createQueue(numAtOnce) {
   });
 }
 
-// The path of a tile on this server. template: URL of a TileJSON. Its host is left out: the page asks no other server,
-// and the token goes to no other server.
+// Whether a TileJSON's URL names another server than the page's own. origin: of the page.
+export const isElsewhere = (template, origin) => /^[a-z]+:\/\//i.test(template) && !template.toLowerCase().startsWith(`${origin.toLowerCase()}/`);
+
+// The path of a tile on this server. template: URL of a TileJSON. Its host is left out: a proxy may have changed
+// it, and the token goes to no other server.
 export const tilePath = (template, { x, y, z }) =>
   template.replace(/^[a-z]+:\/\/[^/]*/i, '').replace('{z}', z).replace('{x}', x).replace('{y}', y);

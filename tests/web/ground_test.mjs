@@ -2,10 +2,11 @@
 // in front of a running server that holds a finished flight; see page_test.mjs.
 
 import assert from 'node:assert/strict';
+import http from 'node:http';
 import { after, before, test } from 'node:test';
 
 import { accessibilityFaults, flownSite, getJson, isOptional, launch, openPage, outside, smallTargets, url } from './browser.mjs';
-import { sampleJob, sampleWhy } from './sample_map.mjs';
+import { png, sampleJob, sampleWhy } from './sample_map.mjs';
 import { kWait, shoot } from './site_page.mjs';
 import { startStandIn } from './stand_in.mjs';
 
@@ -229,6 +230,34 @@ test('base map: below the photograph, with its credit as text and a switch that 
   assert.deepEqual(seen.errors.filter((error) => !error.includes('/v1/events')), []);
 });
 
+test('base map: of another server it is loaded as plain pictures, without the token; it is the only other server', async (t) => {
+  const asked = [];
+  const elsewhere = http.createServer((request, response) => {
+    asked.push(request.headers);
+    response.writeHead(200, { 'Content-Type': 'image/png' });
+    response.end(png(256, 256, (x, y) => [220, 230 - (x >> 3), 240 - (y >> 3), 255]));
+  });
+  await new Promise((resolve) => { elsewhere.listen(0, '127.0.0.1', resolve); });
+  t.after(() => {
+    elsewhere.close();
+    elsewhere.closeAllConnections();
+  });
+  const origin = `http://127.0.0.1:${elsewhere.address().port}`;
+  const { page, seen, server } = await open(t, { token: 's3cret', outside: origin,
+    baseMap: { tiles: [`${origin}/{z}/{x}/{y}.png`], attribution: '© Elsewhere', minzoom: 0, maxzoom: 19 } });
+  await groundIsDrawn(page);
+  await tilesOf(page, 'base').first().waitFor(kWait);
+  assert.equal(await page.locator('.map-credit').textContent(), '© Elsewhere');
+  assert.ok(asked.length > 0 && asked.every(({ authorization }) => authorization === undefined));
+  assert.ok(outside(seen, server.url).every((request) => request.startsWith(`${origin}/`)));
+  const before = asked.length;
+  await page.locator('#show-base').uncheck();
+  await page.locator('#map').press('-');
+  await page.waitForTimeout(500);
+  assert.equal(asked.length, before, 'switched off, it asks nobody');
+  assert.deepEqual(seen.errors, []);
+});
+
 test('cursor: coordinates under the pointer, copied with C; by keyboard those of the crosshair', async (t) => {
   const { page } = await open(t, {});
   await groundIsDrawn(page);
@@ -341,9 +370,10 @@ test('export: the layers of the map as GeoTIFF, photograph and hazard as KMZ', a
 test('no flight: the map shows where stored sites are, and they can be opened', async (t) => {
   const { page, seen } = await open(t, { rewrite: (path, json) => (path === '/v1/flights' ? { flights: [] } : json) });
   assert.ok(await page.locator('#map .disc-marker').count() > 0);
-  const shown = await page.locator('.place-button').textContent();
-  const [lat, lon] = shown.split(',').map(Number);
-  assert.ok(Math.abs(lat - site.place[1]) < 0.1 && Math.abs(lon - site.place[0]) < 0.1, shown);
+  await page.waitForFunction(([lon, lat]) => {
+    const shown = document.querySelector('.place-button').textContent.split(',').map(Number);
+    return Math.abs(shown[0] - lat) < 0.1 && Math.abs(shown[1] - lon) < 0.1;
+  }, site.place, kWait);
   await shoot(page, 'no-flight');
   await page.locator('#sites button').first().click();
   await page.locator('#profile canvas').waitFor(kWait);

@@ -10,7 +10,7 @@ import { offersOf } from '../../web/offers.js';
 import { findRegion } from '../../web/places.js';
 import { progressOf, waitText } from '../../web/progress.js';
 import { requestOf } from '../../web/reach.js';
-import { createQueue, tilePath } from '../../web/tile_queue.js';
+import { createQueue, isElsewhere, tilePath } from '../../web/tile_queue.js';
 import { lastCourse } from '../../web/track.js';
 import { age, area, courseTo, heading, margin, strip, windFrom, windTo } from '../../web/units.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
@@ -260,6 +260,12 @@ test('tiles: their path is on this server, whatever host the address names', () 
   const place = { z: 17, x: 5, y: 6 };
   assert.equal(tilePath('https://other.example:8443/v1/flights/f/map/photo/{z}/{x}/{y}.png', place), '/v1/flights/f/map/photo/17/5/6.png');
   assert.equal(tilePath('/v1/base-map/{z}/{x}/{y}', place), '/v1/base-map/17/5/6');
+});
+
+test('tiles: another server is one of another scheme, host or port', () => {
+  const isOther = (template) => isElsewhere(template, 'https://plane.example');
+  assert.deepEqual(['/v1/base-map/{z}/{x}/{y}', 'https://plane.example/{z}', 'HTTPS://Plane.example/{z}'].map(isOther), [false, false, false]);
+  assert.deepEqual(['http://plane.example/{z}', 'https://plane.example:8443/{z}', 'https://plane.example.org/{z}'].map(isOther), [true, true, true]);
 });
 
 test('tiles: few at once, in order; a task that is not wanted any more never starts', async () => {

@@ -60,7 +60,7 @@ async function playObstacles(request, response, path, obstacles) {
 
 // Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
 // parameters), obstacles (an array of features), newLook (a collection), map (see sample_map.mjs; also `why`), landing (a collection, or a
-// text: the refusal), baseMap (a TileJSON): undefined passes the request on, null is a
+// text: the refusal), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
 // server without this part. rewrite(path, json): changes an answer of the real server.
 export async function startStandIn(t, target, {
   token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
@@ -147,7 +147,10 @@ export async function startStandIn(t, target, {
     const isDescription = path === '/openapi.json';
     const isJson = /json/.test(asked.headers['content-type'] ?? '') && asked.statusCode === 200;
     if (!isJson || !(isDescription || rewrite)) {
-      response.writeHead(asked.statusCode, asked.headers);
+      const headers = { ...asked.headers };
+      const policy = headers['content-security-policy'];
+      if (policy && parts.outside) headers['content-security-policy'] = policy.replace('blob:', `blob: ${parts.outside}`);
+      response.writeHead(asked.statusCode, headers);
       asked.pipe(response);
       return;
     }
