@@ -1,7 +1,7 @@
 // Connects the parts of the page: holds the selection and redraws on changes.
 
 import * as api from './api.js';
-import { showBaseMap } from './base_map.js';
+import { createBaseMap } from './base_map.js';
 import { createClickedPlace } from './clicked_place.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, notify } from './dom.js';
@@ -46,6 +46,7 @@ const map = createMap(byId('map'), {
   ground: () => layers.setNote(map.ground.state()),
 });
 const layers = createLayers();
+const baseMap = createBaseMap(map.ground);
 const flightMap = createFlightMap(map.ground, showFlightMap);
 const clickedPlace = createClickedPlace(map, () => ({
   flight: flightMap.isThere ? state.flight : null, site: state.site, regions: state.regions,
@@ -324,7 +325,7 @@ async function refresh() {
     drawFlightChoice();
     if (state.flight) await refreshFlight(state.flight);
     else await storedSites.look();
-    for (const part of [reach, obstacles, newLook]) part.look();
+    for (const part of [baseMap, reach, obstacles, newLook]) part.look();
     byId('connection').hidden = true;
   } catch (error) {
     byId('connection').hidden = false;
@@ -396,5 +397,4 @@ const newLook = createNewLook({
 });
 api.whenUnauthorized(() => askToken(live.now));
 live.start();
-showBaseMap(map.ground).catch(() => {});
 api.getInfo().then((info) => upload.showProfiles(info.aircraft_profiles ?? {})).catch(() => {});

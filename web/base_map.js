@@ -2,23 +2,36 @@
 
 import { getBaseMap } from './api.js';
 import { byId } from './dom.js';
+import { showLayerBox } from './key.js';
 import { offers } from './offers.js';
 
 const key = 'freelsd.base-map';
 
-// A server without a base map is asked once, and the switch stays hidden.
-export async function showBaseMap(ground) {
-  if (!(await offers()).baseMap) return;
-  const layer = await getBaseMap();
-  if (!layer) return;
+// look() asks the server until it has answered, once. Without a base map the switch stays hidden.
+export function createBaseMap(ground) {
   const toggle = byId('show-base');
+  let layer;
+  let isAsking = false;
   const draw = () => ground.draw('base', toggle.checked ? { name: 'base map', ...layer } : null);
   toggle.checked = localStorage.getItem(key) !== 'off';
   toggle.addEventListener('change', () => {
     localStorage.setItem(key, toggle.checked ? 'on' : 'off');
     draw();
   });
-  toggle.closest('label').hidden = false;
-  dispatchEvent(new Event('freelsd-layers'));
-  draw();
+
+  async function ask() {
+    layer = (await offers()).baseMap ? await getBaseMap() : null;
+    if (!layer) return;
+    toggle.closest('label').hidden = false;
+    showLayerBox();
+    draw();
+  }
+
+  return {
+    look() {
+      if (layer !== undefined || isAsking) return;
+      isAsking = true;
+      ask().catch(() => {}).finally(() => { isAsking = false; });
+    },
+  };
 }

@@ -33,6 +33,7 @@ class FlightMap {
   #answer = null;
   #looked_ms = 0;
   #isLooking = false;
+  #isStale = false;  // it changed while it was read
 
   constructor(ground, onChange) {
     this.#ground = ground;
@@ -48,20 +49,34 @@ class FlightMap {
     this.#looked_ms = 0;
   }
 
-  // event: the map changed at event.updated_at, or undefined.
+  // event: {flight_id, updated_at} of a map that changed, or undefined.
   async look(event) {
     const isNews = event ? event.updated_at !== this.#answer?.updated_at : performance.now() - this.#looked_ms >= kLook_ms;
-    if (!this.#flight || this.#isLooking || (this.#looked_ms > 0 && !isNews) || !(await offers()).flightMap) return;
-    const flight = this.#flight;
+    const isOther = event?.flight_id !== undefined && event.flight_id !== this.#flight;
+    if (!this.#flight || isOther || (this.#looked_ms > 0 && !isNews) || !(await offers()).flightMap) return;
+    if (this.#isLooking) {
+      this.#isStale ||= event !== undefined;
+      return;
+    }
     this.#isLooking = true;
     try {
-      const answer = await api.getMap(flight);
-      if (flight !== this.#flight) return;
-      this.#looked_ms = performance.now();
-      if (answer?.updated_at !== this.#answer?.updated_at || this.#ground.state().numMissing > 0) this.#take(answer);
+      do {
+        this.#isStale = false;
+        await this.#read(this.#flight);
+      } while (this.#isStale);
     } finally {
       this.#isLooking = false;
     }
+  }
+
+  async #read(flight) {
+    const answer = await api.getMap(flight);
+    if (flight !== this.#flight) {
+      this.#isStale = this.#flight !== null;
+      return;
+    }
+    this.#looked_ms = performance.now();
+    if (answer?.updated_at !== this.#answer?.updated_at || this.#ground.state().numMissing > 0) this.#take(answer);
   }
 
   showPhoto(isShown) {

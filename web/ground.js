@@ -1,17 +1,16 @@
 // The ground on the map, as tiles: the user's base map, the photograph of the flight, and one data layer over it.
 /* global L */
 
-import { plainText } from './dom.js';
+import { el, plainText } from './dom.js';
 import { createTileLayer } from './tile_layer.js';
 
 // From below to above. They lie below the track and all lines. `layers` is shared with the pictures of a single site.
 const panes = { base: { name: 'base-map', zIndex: 205 }, photo: { name: 'photo', zIndex: 210 }, data: { name: 'layers', zIndex: 250 } };
 
 function createCredit(map) {
-  const control = L.control({ position: 'bottomright' });
-  control.onAdd = () => L.DomUtil.create('div', 'map-credit');
-  control.addTo(map);
-  return (credits) => { control.getContainer().textContent = [...credits].map(plainText).join(' · '); };
+  const node = el('div', { class: 'map-credit' });
+  map.getContainer().append(node);
+  return (credits) => { node.textContent = [...credits].map(plainText).join(' · '); };
 }
 
 class Ground {

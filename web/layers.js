@@ -32,7 +32,7 @@ function optionOf({ name, unit }) {
   return new Option(words(name) + (shown ? ` (${shown})` : ''), name);
 }
 
-const isSameList = (a, b) => JSON.stringify(a?.map(({ name, unit }) => [name, unit])) === JSON.stringify(b?.map(({ name, unit }) => [name, unit]));
+const isSameList = (a, b) => JSON.stringify(a.map(({ name, unit }) => [name, unit])) === JSON.stringify(b.map(({ name, unit }) => [name, unit]));
 
 class Layers {
   #select = byId('layer');
@@ -52,20 +52,21 @@ class Layers {
       this.#isOpacityChosen = true;
       this.#source?.setOpacity(Number(this.#opacity.value));
     });
-    addEventListener('freelsd-layers', showLayerBox);
   }
 
   // Shows the layers of another source, or of the same one after it changed. The selected layer stays selected.
   show(source) {
     const list = source?.list ?? [];
-    const isSame = this.#source && source && isSameList(this.#source.list, list) && this.#source.of === source.of;
+    const isSame = this.#source !== null && this.#source.of === source?.of;
     if (!isSame) {
       this.#source?.hide();
       this.#drawnName = undefined;
-      const wanted = this.#select.value || 'hazard';
-      this.#select.replaceChildren(...list.map(optionOf), new Option('none', ''));
-      this.#select.value = list.some((layer) => layer.name === wanted) ? wanted : list[0]?.name ?? '';
       if (source && !this.#isOpacityChosen) this.#opacity.value = source.opacity;
+    }
+    if (!isSame || !isSameList(this.#source.list, list)) {
+      const wanted = this.#select.value || (isSame ? '' : 'hazard');
+      this.#select.replaceChildren(...list.map(optionOf), new Option('none', ''));
+      this.#select.value = list.some((layer) => layer.name === wanted) || isSame ? wanted : list[0]?.name ?? '';
     }
     this.#source = source;
     return this.#draw();

@@ -68,6 +68,10 @@ test('reach: a live flight shows it, unknown terrain looks different, margins st
     return isAbove && /^rgb\(/.test(base) && fillOpacity === '1' && getComputedStyle(unknown).fillOpacity === '1';
   });
   assert.ok(isOpaque, 'unknown terrain hides the fill of the reach');
+  const levels = await page.evaluate(() => ['path.reach-fill', 'path.reach-unknown'].map((selector) =>
+    Number(getComputedStyle(document.querySelector(selector).closest('.leaflet-pane')).zIndex)));
+  const layers = await page.evaluate(() => Number(getComputedStyle(document.querySelector('.leaflet-layers-pane')).zIndex));
+  assert.ok(levels[0] < layers && layers < levels[1], 'no layer of the ground tints unknown terrain');
   // Rounded down: a margin never promises more than it is.
   assert.deepEqual((await page.locator('#map .arrival').allTextContents()).sort(), ['+86 m', '−12 m'].sort());
   await page.locator('#key', { hasText: 'in reach, terrain unknown' }).waitFor(kWait);
