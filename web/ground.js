@@ -38,7 +38,7 @@ class Ground {
 
   #add(kind, layer, opacity) {
     this.#remove(kind);
-    const tiles = createTileLayer(layer, { pane: panes[kind].name, className: `ground-tiles ${kind}-tiles`, opacity },
+    const tiles = createTileLayer(layer, { pane: panes[kind].name, className: `ground-tiles ${kind}-tiles`, opacity, dropsOld: kind === 'data' },
       { canBeElsewhere: kind === 'base' });
     tiles.on('loading load tilesettled', this.#onChange);
     tiles.addTo(this.#map);

@@ -65,6 +65,8 @@ const TileLayer = L.GridLayer.extend({
     } catch (error) {
       if (signal.aborted) return;
       image.classList.add('missing');
+      // An old photograph is still the ground; an old hazard may be wrong by now.
+      if (this.options.dropsOld) image.removeAttribute('src');
       load.etag = undefined;
     }
     this.fire('tilesettled');
@@ -93,7 +95,7 @@ const TileLayer = L.GridLayer.extend({
 // Tiles of another server, for the base map that the operator chose: plain pictures, so that the token stays here.
 const OutsideLayer = L.TileLayer.extend({ numMissing: () => 0, refresh() {}, isSame: () => true });
 
-// layer: TileJSON. options: of Leaflet's GridLayer. canBeElsewhere: the tiles may come from another server.
+// layer: TileJSON. options: of Leaflet's GridLayer; dropsOld: a tile that cannot be loaded again is emptied. canBeElsewhere: the tiles may come from another server.
 export function createTileLayer(layer, options, { canBeElsewhere = false } = {}) {
   const [template] = layer.tiles;
   return canBeElsewhere && isElsewhere(template, location.origin)

@@ -155,7 +155,7 @@ test('ground: a growing map is repainted where it changed, and never empties', a
 });
 
 test('ground: a tile that does not come is hatched and counted, never bare, and asked for again', async (t) => {
-  const { page, map, seen } = await open(t, { map: sampleMap({ failing: /\/hazard\// }) });
+  const { page, map, server, seen } = await open(t, { map: sampleMap({ failing: /\/hazard\// }) });
   await page.locator('#layer-note', { hasText: /^\d+ tiles not loaded$/ }).waitFor(kWait);
   const backgrounds = await page.locator('.data-tiles img').evaluateAll((all) => all.map((tile) => getComputedStyle(tile).backgroundImage));
   assert.ok(backgrounds.length > 0 && backgrounds.every((image) => /repeating-linear-gradient/.test(image)));
@@ -164,6 +164,13 @@ test('ground: a tile that does not come is hatched and counted, never bare, and 
   map.failing = null;
   await page.waitForFunction(() => document.getElementById('layer-note').textContent === '', null, { timeout: 30000 });
   assert.equal(await page.locator('.ground-tiles img.missing').count(), 0);
+  // A tile that changed and does not come is not shown as it was; an old photograph is.
+  Object.assign(map, { failing: /\/(hazard|photo)\//, version: 2 });
+  server.emit('map', { flight_id: site.flight, updated_at: 'later' });
+  await page.locator('.data-tiles img.missing').first().waitFor(kWait);
+  await page.waitForTimeout(1000);
+  assert.equal(await page.locator('.data-tiles img.missing[src]').count(), 0);
+  assert.ok(await page.locator('.photo-tiles img.missing[src]').count() > 0);
   assert.ok(seen.errors.every((error) => /503/.test(error)), String(seen.errors));
 });
 
