@@ -4,7 +4,7 @@ import { cancelJob, finishFlight, paths } from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el, notify } from './dom.js';
 import { drawDownloads } from './downloads.js';
-import { drawProgress, isOpen, jobText, progressOf, setBar, waitText } from './progress.js';
+import { drawProgress, isOpen, progressOf, setBar, toldBy } from './progress.js';
 import { words } from './units.js';
 
 const stateText = {
@@ -36,7 +36,7 @@ function jobRow(job, onChange) {
       onChange();
     },
   }, 'Cancel') : null;
-  const told = isOpen(job) ? [jobText(job), waitText(job.time_left_s)].filter(Boolean).join(' ') : '';
+  const told = isOpen(job) ? Object.values(toldBy(job)).filter(Boolean).join(', ') : '';
   const detail = typeof job.detail === 'string' ? job.detail : job.detail?.detail;
   return el('li', { class: `job job-${job.state}` },
     el('span', {}, el('strong', {}, words(job.kind ?? 'job')),

@@ -14,15 +14,18 @@ export function waitText(seconds) {
   return `about ${Math.floor(minutes / 60)} h ${minutes % 60} min left`;
 }
 
-// Why a job does not run yet; null if it waits for nothing.
+// What a job waits for; null if it waits for nothing.
 function waitingText({ waiting_for: other }) {
   if (!other) return null;
   const left = waitText(other.time_left_s);
-  return `Waiting for ${other.flight_name || other.flight_id || 'another flight'}${left ? `, ${left}` : ''}.`;
+  return `Waiting for ${other.flight_name || other.flight_id || 'another flight'}${left ? `, ${left}` : ''}`;
 }
 
-// What a job tells about itself; null if the server tells nothing.
-export const jobText = (job) => waitingText(job) ?? job.summary ?? null;
+// What a job tells about itself: {summary, left}. A summary that ends with the time left says it already.
+export function toldBy(job) {
+  const summary = job.summary ?? waitingText(job);
+  return { summary, left: / left\.?$/.test(summary ?? '') ? '' : waitText(job.time_left_s) };
+}
 
 const shareOf = ({ progress }) => (isKnown(progress) && progress > 0 ? progress : null);
 
@@ -30,18 +33,17 @@ const shareOf = ({ progress }) => (isKnown(progress) && progress > 0 ? progress 
 export function progressOf(flight, jobs) {
   if (flight.state === 'failed') return null;
   const running = jobs.find((job) => job.state === 'running');
-  const queued = jobs.find(isOpen);
+  const job = running ?? jobs.find(isOpen);
   const { received, processed } = flight.frames;
-  const job = running ?? queued;
-  const told = job && (jobText(job) || isKnown(job.time_left_s) || job.area)
-    ? { summary: jobText(job), left: waitText(job.time_left_s), area: job.area ?? null } : {};
-  if (running?.stage_title) return { value: shareOf(running), text: running.stage_title, ...told };
+  const told = job ? toldBy(job) : {};
+  const more = told.summary || told.left || job?.area ? { ...told, area: job.area ?? null } : {};
   if (running?.kind === 'finish') {
-    return { value: shareOf(running), text: `Evaluating regions${running.stage ? `: ${words(running.stage)}` : ''}`, ...told };
+    const text = running.stage_title ?? `Evaluating regions${running.stage ? `: ${words(running.stage)}` : ''}`;
+    return { value: shareOf(running), text, ...more };
   }
-  if (processed < received) return { value: processed / received, text: `Photographs ${processed} of ${received}`, ...told };
-  if (running) return { value: running.progress, text: words(running.stage || running.kind || 'working'), ...told };
-  return queued ? { value: null, text: queued.waiting_for ? 'Waiting' : 'Queued', ...told } : null;
+  if (processed < received) return { value: processed / received, text: `Photographs ${processed} of ${received}`, ...more };
+  if (running) return { value: running.progress, text: running.stage_title ?? words(running.stage || running.kind || 'working'), ...more };
+  return job ? { value: null, text: job.waiting_for ? 'Waiting' : 'Queued', ...more } : null;
 }
 
 export function setBar(bar, value) {

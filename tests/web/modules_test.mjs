@@ -245,10 +245,18 @@ test('progress: an older server is worded as before; a summary, the time left an
     { value: 0.5, text: 'Measuring', summary: 'Measuring 3 of 6.', left: 'about 2 min left', area });
 });
 
+test('progress: the time left is stated once', () => {
+  const flight = { state: 'processing', frames: { received: 9, processed: 9 } };
+  const job = { state: 'running', kind: 'finish', progress: 0.5, stage_title: 'Judging the ground', time_left_s: 40 };
+  const { summary, left } = progressOf(flight, [{ ...job, summary: 'Judging the ground, about 40 s left' }]);
+  assert.deepEqual([summary, left], ['Judging the ground, about 40 s left', '']);
+  assert.equal(progressOf(flight, [{ ...job, summary: 'Judging the ground' }]).left, 'about 40 s left');
+});
+
 test('progress: a waiting job names what it waits for', () => {
   const waiting = { state: 'queued', kind: 'finish', waiting_for: { flight_id: 'f-2', flight_name: 'North field', time_left_s: 30 } };
   const progress = progressOf({ state: 'processing', frames: { received: 1, processed: 1 } }, [waiting]);
-  assert.deepEqual([progress.text, progress.summary, progress.value], ['Waiting', 'Waiting for North field, about 30 s left.', null]);
+  assert.deepEqual([progress.text, progress.summary, progress.value], ['Waiting', 'Waiting for North field, about 30 s left', null]);
 });
 
 test('progress: the time left is rounded up, and an unknown one is not stated', () => {
