@@ -33,10 +33,12 @@ const shareOf = ({ progress }) => (isKnown(progress) && progress > 0 ? progress 
 export function progressOf(flight, jobs) {
   if (flight.state === 'failed') return null;
   const running = jobs.find((job) => job.state === 'running');
-  const job = running ?? jobs.find(isOpen);
+  // A batch that waits tells less than the photographs that are counted meanwhile.
+  const job = running ?? jobs.find((other) => isOpen(other) && other.kind !== 'batch') ?? jobs.find(isOpen);
   const { received, processed } = flight.frames;
   const told = job ? toldBy(job) : {};
-  const more = told.summary || told.left || job?.area ? { ...told, area: job.area ?? null } : {};
+  const isTold = job && (job === running || job.kind !== 'batch' || processed >= received);
+  const more = isTold && (told.summary || told.left || job.area) ? { ...told, area: job.area ?? null } : {};
   if (running?.kind === 'finish') {
     const text = running.stage_title ?? `Evaluating regions${running.stage ? `: ${words(running.stage)}` : ''}`;
     return { value: shareOf(running), text, ...more };

@@ -253,6 +253,14 @@ test('progress: the time left is stated once', () => {
   assert.equal(progressOf(flight, [{ ...job, summary: 'Judging the ground' }]).left, 'about 40 s left');
 });
 
+test('progress: while photographs are counted, a batch that waits says nothing', () => {
+  const flight = { state: 'processing', frames: { received: 9, processed: 3 } };
+  const batch = { state: 'queued', kind: 'batch', summary: 'Waiting for its turn' };
+  assert.deepEqual(progressOf(flight, [batch]), { value: 1 / 3, text: 'Photographs 3 of 9' });
+  const finish = { state: 'queued', kind: 'finish', summary: 'Waiting until the photographs are processed' };
+  assert.equal(progressOf(flight, [batch, finish]).summary, finish.summary);
+});
+
 test('progress: a waiting job names what it waits for', () => {
   const waiting = { state: 'queued', kind: 'finish', waiting_for: { flight_id: 'f-2', flight_name: 'North field', time_left_s: 30 } };
   const progress = progressOf({ state: 'processing', frames: { received: 1, processed: 1 } }, [waiting]);
