@@ -121,12 +121,12 @@ export const getOpenApi = () => getJson('/openapi.json');
 
 export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });
 
-// {[name]: answer}, or {refusal} if the server answers 409.
+// {[name]: answer}, or {refusal} if the server answers 409, or that no map shows the place.
 async function getUnlessRefused(name, path, signal) {
   try {
     return { [name]: await getJson(path, { signal }) };
   } catch (error) {
-    if (error.status === 409) return { refusal: error.message };
+    if (error.status === 409 || error.code === 'NoMap') return { refusal: error.message };
     throw error;
   }
 }

@@ -58,13 +58,14 @@ class ClickedPlace {
 
   async #land(latlng, button) {
     const signal = this.#ask();
-    const { flight, plan, aircraft } = this.#shown();
+    const { flight, plan, aircraft: own } = this.#shown();
     const path = landingPath(flight, latlng, plan);
     button.setAttribute('aria-busy', 'true');
     button.textContent = 'Planning …';
     try {
       const answer = await api.getLanding(path, signal);
       if (signal.aborted) return;
+      const aircraft = answer.collection?.plan?.aircraft ?? own;
       this.#map.drawAnswer(null);
       showView('landing');
       drawLanding(answer, latlng, aircraft, curlButton('this landing', () => curlOf(path)));

@@ -359,6 +359,15 @@ test('landing: a refusal is shown in place of a path', async (t) => {
   assert.equal(await page.locator('#landing-profile canvas').count(), 0);
 });
 
+test('why: a place that no map shows is unseen, never safe', async (t) => {
+  const { page, map } = await open(t, {});
+  await groundIsDrawn(page);
+  map.why = null;
+  await clickMap(page, 0.1, 0.3);
+  await page.locator('.answer h3', { hasText: 'Not landable: unseen' }).waitFor(kWait);
+  assert.match(await page.locator('.answer').textContent(), /no map of the flight shows this place\. Unseen ground is never safe\./);
+});
+
 test('export: the layers of the map as GeoTIFF, photograph and hazard as KMZ', async (t) => {
   const { page, seen } = await open(t, { token: 's3cret' });
   await groundIsDrawn(page);

@@ -90,7 +90,7 @@ export async function startStandIn(t, target, {
       return true;
     }
     if (/^\/v1\/flights\/[^/]+\/why$/.test(path) && map) {
-      answer(response, 200, map.why);
+      answer(response, map.why ? 200 : 404, map.why ?? { ...problem(404, 'no map of the flight shows this place'), code: 'NoMap' });
       return true;
     }
     if (map && playMap(request, response, path, { map, base, tiles: state.tiles })) return true;
