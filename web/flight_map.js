@@ -16,7 +16,7 @@ function sourceOf(flight, ground, layers) {
   return {
     of: `map of ${flight}`,
     list: layers.filter(({ name }) => name !== 'photo'),
-    opacity: kOverPhoto,
+    opacity: layers.some(({ name }) => name === 'photo') ? kOverPhoto : 1,
     async show(layer, opacity) { ground.draw('data', layer, opacity); },
     hide: () => ground.draw('data', null),
     setOpacity: (value) => ground.setOpacity('data', value),

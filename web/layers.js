@@ -61,7 +61,10 @@ class Layers {
     if (!isSame) {
       this.#source?.hide();
       this.#drawnName = undefined;
-      if (source && !this.#isOpacityChosen) this.#opacity.value = source.opacity;
+    }
+    if (source && source.opacity !== this.#source?.opacity && !this.#isOpacityChosen) {
+      this.#opacity.value = source.opacity;
+      source.setOpacity(source.opacity);
     }
     if (!isSame || !isSameList(this.#source.list, list)) {
       const wanted = this.#select.value || (isSame ? '' : 'hazard');
