@@ -32,9 +32,9 @@ function problemOf(status, text, retryAfter) {
   return new Problem(status, body, Number(retryAfter) || null);
 }
 
-export async function call(path, { method = 'GET', headers = {}, body, signal } = {}) {
+export async function call(path, { method = 'GET', headers = {}, body, signal, cache = 'no-store' } = {}) {
   const response = await fetch(path, {
-    method, body, signal, headers: { ...authorization(), ...headers }, cache: 'no-store',
+    method, body, signal, headers: { ...authorization(), ...headers }, cache,
   });
   if (!response.ok) {
     throw problemOf(response.status, await response.text(), response.headers.get('Retry-After'));
@@ -62,6 +62,14 @@ function windQuery(wind) {
 export const paths = {
   jobs: '/v1/jobs',
   flight: (flight) => `/v1/flights/${part(flight)}`,
+  map: (flight) => `/v1/flights/${part(flight)}/map`,
+  mapFile: (flight, layer, ending) => `/v1/flights/${part(flight)}/map/${part(layer)}.${ending}`,
+  // What the planner says about any place of the flight's map, and the best landing there.
+  flightWhy: (flight, place, wind, aircraft = {}) =>
+    `/v1/flights/${part(flight)}/why${query({ ...place, ...windQuery(wind), ...aircraft })}`,
+  landing: (flight, place, wind, aircraft = {}) =>
+    `/v1/flights/${part(flight)}/landing${query({ ...place, ...windQuery(wind), ...aircraft })}`,
+  baseMap: '/v1/base-map',
   track: (flight) => `/v1/flights/${part(flight)}/track`,
   regions: (flight) => `/v1/flights/${part(flight)}/regions`,
   history: (flight, region) => `/v1/flights/${part(flight)}/regions/${part(region)}/history`,
@@ -98,6 +106,7 @@ export const getTrack = (flight) => getJson(paths.track(flight));
 export const getRegions = (flight) => getJson(paths.regions(flight));
 export const getSites = (flight) => getJson(paths.flightSites(flight));
 export const getSitesIn = (bbox, signal) => getJson(`/v1/sites${query({ bbox })}`, { signal });
+export const getAllSites = (limit) => getJson(`/v1/sites${query({ limit })}`);
 export const getSite = (site) => getJson(paths.site(site));
 export const getHistory = async (flight, region) => (await getJson(paths.history(flight, region))).history;
 export const getFrames = async (flight) => (await getJson(paths.frames(flight))).frames;
@@ -112,22 +121,47 @@ export const getOpenApi = () => getJson('/openapi.json');
 
 export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });
 
-// {collection}, or {refusal} if the site has no approach for this wind (409).
-export async function getApproach(site, wind, signal, aircraft) {
+// {[name]: answer}, or {refusal} if the server answers 409, or that no map shows the place.
+async function getUnlessRefused(name, path, signal) {
   try {
-    return { collection: await getJson(paths.approach(site, wind, aircraft), { signal }) };
+    return { [name]: await getJson(path, { signal }) };
   } catch (error) {
-    if (error.status === 409) return { refusal: error.message };
+    if (error.status === 409 || error.code === 'NoMap') return { refusal: error.message };
     throw error;
   }
 }
 
-// {judgement}, or {refusal} if the site has no map (409). path: of paths.why.
-export async function getWhy(path, signal) {
+// {collection}, or {refusal} if the site has no approach for this wind.
+export const getApproach = (site, wind, signal, aircraft) =>
+  getUnlessRefused('collection', paths.approach(site, wind, aircraft), signal);
+// {collection}, or {refusal} if there is no landing near the place. path: of paths.landing.
+export const getLanding = (path, signal) => getUnlessRefused('collection', path, signal);
+// {judgement}, or {refusal} if there is no map. path: of paths.why or paths.flightWhy.
+export const getWhy = (path, signal) => getUnlessRefused('judgement', path, signal);
+
+// The answer, or null where the server has none (404).
+async function getIfThere(path, options) {
   try {
-    return { judgement: await getJson(path, { signal }) };
+    return await getJson(path, options);
   } catch (error) {
-    if (error.status === 409) return { refusal: error.message };
+    if (error.status === 404) return null;
+    throw error;
+  }
+}
+
+// {layers: TileJSON of each, updated_at}; null while the flight has no map.
+export const getMap = (flight) => getIfThere(paths.map(flight));
+// TileJSON; null if the user installed no base map.
+export const getBaseMap = () => getIfThere(paths.baseMap);
+
+// {blob, etag}, or null where the map has no tile. The browser keeps tiles and asks whether they changed.
+export async function getTile(path, signal) {
+  try {
+    const response = await call(path, { signal, cache: 'no-cache' });
+    const blob = await response.blob();
+    return blob.size > 0 ? { blob, etag: response.headers.get('ETag') } : null;
+  } catch (error) {
+    if (error.status === 404) return null;
     throw error;
   }
 }

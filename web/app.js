@@ -1,10 +1,14 @@
 // Connects the parts of the page: holds the selection and redraws on changes.
 
 import * as api from './api.js';
+import { createBaseMap } from './base_map.js';
+import { createClickedPlace } from './clicked_place.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, notify } from './dom.js';
 import { createEmergency } from './emergency.js';
+import { drawMapDownloads } from './downloads.js';
 import { drawFlight } from './flight.js';
+import { createFlightMap } from './flight_map.js';
 import { drawHistory } from './history.js';
 import { createLayers } from './layers.js';
 import { goAroundText, noReturnOf } from './go_around.js';
@@ -14,19 +18,20 @@ import { createMap } from './map.js';
 import { createNewLook } from './new_look.js';
 import { obstacleKey } from './obstacle_overlay.js';
 import { createObstacles } from './obstacles.js';
-import { movedBy, siteWithPlan } from './plan.js';
+import { marksOf, movedBy, siteWithPlan } from './plan.js';
 import { drawProfile } from './profile.js';
+import { drawProgress } from './progress.js';
 import { createReach } from './reach.js';
 import { reachKey } from './reach_overlay.js';
 import { drawSite } from './site.js';
+import { createSiteLayers } from './site_layers.js';
 import { drawSiteList } from './sites.js';
+import { createStoredSites } from './stored_sites.js';
 import { askToken } from './token.js';
 import { createUpload } from './upload.js';
 import { connectViews, showView } from './views.js';
-import { answerNodeOf, whyNot } from './why.js';
 import { createWind, replanNode } from './wind.js';
 import { createWindRose } from './wind_rose.js';
-import { findRegion } from './places.js';
 
 const state = {
   flight: null, flightJson: null, flights: [], sites: { features: [] }, regions: { features: [] },
@@ -34,16 +39,32 @@ const state = {
   drawn: '', drawnSite: '', numTracked: null,
 };
 
-const map = createMap(byId('map'), { site: (id) => openSite(id), place: answerPlace, obstacle: (id) => obstacles.show(id) });
-const layers = createLayers(map);
+const map = createMap(byId('map'), {
+  site: (id) => openSite(id),
+  place: (latlng) => obstacles.takePlace(latlng) || clickedPlace.check(latlng),
+  obstacle: (id) => obstacles.show(id),
+  ground: () => layers.setNote(map.ground.state()),
+});
+const layers = createLayers();
+const baseMap = createBaseMap(map.ground);
+const flightMap = createFlightMap(map.ground, showFlightMap);
+const clickedPlace = createClickedPlace(map, () => ({
+  flight: flightMap.isThere ? state.flight : null, site: state.site, regions: state.regions,
+  plan: { wind: state.triedWind, aircraft: state.triedAircraft ?? undefined }, aircraft: state.flightJson?.aircraft,
+}), openRegion);
 const rose = createWindRose((speed_mps, from_deg) => wind.take(speed_mps, from_deg));
 const wind = createWind(replan, (barb, isTried, now) => {
   map.drawWind(barb, isTried);
   rose.mark(now);
 });
+const storedSites = createStoredSites((sites, isFirst) => {
+  state.sites = sites;
+  drawLists();
+  return isFirst ? drawFirst() : null;
+});
 const live = createLive(refresh, (transport) => {
   byId('transport').textContent = transport === 'events' ? 'live' : 'updated every 2 s';
-});
+}, (event) => lookAtMap(event));
 
 // --- Panel views ---
 
@@ -69,12 +90,12 @@ const rankOf = (id) => state.sites.features.find((f) => f.properties.id === id)?
 // Drops the answer if another site was selected in the meantime. Returns whether it was drawn.
 async function loadSite(siteId) {
   const [feature, list, approach] = await Promise.all(
-    [api.getSite(siteId), api.getLayers(siteId), api.getApproach(siteId)]);
+    [api.getSite(siteId), flightMap.isThere ? null : api.getLayers(siteId), api.getApproach(siteId)]);
   if (state.siteId !== siteId) return false;
   feature.properties.rank = rankOf(siteId) ?? feature.properties.rank;
   Object.assign(state, { site: feature, approach: approach.collection ?? null, triedWind: null, triedAircraft: null, planned: null });
   state.drawnSite = feature.properties.updated_at;
-  layers.show(siteId, list);
+  if (list && !flightMap.isThere) layers.show(createSiteLayers(map, siteId, list));
   drawShownSite();
   wind.show(feature.properties.wind);
   byId('replan').replaceChildren();
@@ -177,35 +198,24 @@ async function drawPlan(tried, signal, aircraft) {
 
 function showRejection(index) {
   const rejection = shownSite().properties.rejections[index];
-  const letter = String.fromCharCode(97 + index % 26);
-  const marks = [{ place: rejection.touchdown, sign: letter, className: 'refused', title: `Rejected touchdown: ${rejection.detail}` }];
-  if (rejection.obstacle) {
-    marks.push({ place: rejection.obstacle, sign: '!', className: 'obstacle', title: 'Obstacle' });
-  }
-  map.drawMarks(marks);
+  map.drawMarks(marksOf(rejection, index));
   map.panTo(rejection.touchdown);
 }
 
-// --- A clicked place ---
+// --- The ground ---
 
-let asking = new AbortController();
-
-async function answerPlace(latlng) {
-  if (obstacles.takePlace(latlng)) return;
-  asking.abort();
-  asking = new AbortController();
-  const { signal } = asking;
-  const region = findRegion(state.regions, latlng);
-  const openHistory = region ? () => openRegion(region) : null;
-  try {
-    const plan = { wind: state.triedWind, aircraft: state.triedAircraft ?? undefined };
-    const answer = await whyNot(latlng, state.site, plan, signal);
-    if (!signal.aborted) map.drawAnswer(latlng, answerNodeOf(answer, region, openHistory));
-  } catch (error) {
-    if (error.name === 'AbortError') return;
-    notify(`Place not checked: ${error.message}`);
-  }
+// source: of the flight's map, or null. all: its layers, with the photograph.
+function showFlightMap(source, all) {
+  layers.show(source);
+  const hasPhoto = all.some(({ name }) => name === 'photo');
+  byId('show-photo').closest('label').hidden = !hasPhoto;
+  flightMap.showPhoto(byId('show-photo').checked);
+  drawMapDownloads(byId('map-downloads'), state.flight, all);
+  byId('map-card').hidden = all.length === 0;
 }
+
+// A map that cannot be read must not stop the rest: what is drawn stays, and the next look repeats it.
+const lookAtMap = (event) => flightMap.look(event).catch(() => {});
 
 async function openRegion({ properties }) {
   map.drawAnswer(null);
@@ -243,7 +253,10 @@ function chooseFlight(id) {
   map.drawWind(null, false);
   map.drawMarks([]);
   map.drawAnswer(null);
-  layers.show(null, []);
+  map.drawArea(null);
+  drawProgress(null);
+  layers.show(null);
+  flightMap.follow(id);
   rose.show(null);
   reach.follow(id);
   live.follow(id);
@@ -252,13 +265,14 @@ function chooseFlight(id) {
 function drawFlightChoice() {
   const select = byId('flight');
   const shown = [...select.options].map((option) => option.value + option.text).join();
-  const options = state.flights.map((f) => new Option(f.name || f.id, f.id));
+  const options = state.flights.length ? state.flights.map((f) => new Option(f.name || f.id, f.id)) : [new Option('none', '')];
   if (shown !== options.map((option) => option.value + option.text).join()) {
     select.replaceChildren(...options);
   }
   if (!state.flights.some((f) => f.id === state.flight)) {
     const wanted = new URLSearchParams(location.hash.slice(1)).get('flight');
-    chooseFlight(state.flights.find((f) => f.id === wanted)?.id ?? state.flights[0]?.id ?? null);
+    const chosen = state.flights.find((f) => f.id === wanted)?.id ?? state.flights[0]?.id ?? null;
+    if (chosen !== state.flight) chooseFlight(chosen);
   }
   select.value = state.flight ?? '';
   for (const node of document.querySelectorAll('[data-needs-flight]')) node.hidden = !state.flight;
@@ -286,10 +300,11 @@ async function refreshTrack(flight, numProcessed) {
 
 async function refreshFlight(flight) {
   const [flightJson, regions, sites, jobs] = await Promise.all([
-    api.getFlight(flight), api.getRegions(flight), api.getSites(flight), api.listJobs()]);
+    api.getFlight(flight), api.getRegions(flight), api.getSites(flight), api.listJobs(), lookAtMap()]);
   if (state.flight !== flight) return;
   state.flightJson = flightJson;
-  drawFlight(flightJson, jobs.filter((job) => !job.flight_id || job.flight_id === flight), live.now);
+  const progress = drawFlight(flightJson, jobs.filter((job) => !job.flight_id || job.flight_id === flight), live.now);
+  map.drawArea(progress?.area ?? null);
   await refreshTrack(flight, flightJson.frames.processed);
   if (state.flight !== flight) return;
   // An age counts on: only its minutes are compared.
@@ -309,8 +324,8 @@ async function refresh() {
     state.flights = await api.listFlights();
     drawFlightChoice();
     if (state.flight) await refreshFlight(state.flight);
-    else drawLists();
-    for (const part of [reach, obstacles, newLook]) part.look();
+    else await storedSites.look();
+    for (const part of [baseMap, reach, obstacles, newLook]) part.look();
     byId('connection').hidden = true;
   } catch (error) {
     byId('connection').hidden = false;
@@ -321,7 +336,7 @@ async function refresh() {
 
 // --- Start ---
 
-connectViews({ changed: keepInAddress, back: backToSites, escape: () => obstacles.cancel() || map.closeAnswer() });
+connectViews({ changed: keepInAddress, back: backToSites, escape: () => obstacles.cancel() || map.endMeasure() || map.closeAnswer() });
 byId('flight').addEventListener('change', (event) => {
   chooseFlight(event.target.value);
   showView('sites');
@@ -329,6 +344,7 @@ byId('flight').addEventListener('change', (event) => {
   live.now();
 });
 byId('sites-curl').replaceChildren(curlButton('the list of sites', () => curlOf(api.paths.flightSites(state.flight))));
+byId('show-photo').addEventListener('change', () => flightMap.showPhoto(byId('show-photo').checked));
 addEventListener('freelsd-theme', () => {
   if (state.site) drawProfile(byId('profile'), state.drawnProfile, state.site.properties.aircraft, state.noReturn_m);
 });

@@ -1,4 +1,4 @@
-// "Copy as curl": the request behind a panel as a command. The command never contains the token.
+// Copies texts. "Copy as curl": the request behind a panel as a command, which never contains the token.
 
 import { token } from './api.js';
 import { byId, el, notify } from './dom.js';
@@ -10,7 +10,7 @@ export function curlOf(path, extra = '') {
   return `curl -sS${header}${extra ? ` ${extra}` : ''} ${quoted(location.origin + path)}`;
 }
 
-async function copy(text) {
+export async function copy(text) {
   try {
     await navigator.clipboard.writeText(text);
     notify('Copied');

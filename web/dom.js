@@ -33,6 +33,12 @@ export function notify(text) {
   noticeTimer = setTimeout(() => { notice.hidden = true; }, 4000);
 }
 
+// The text of markup that somebody else wrote, such as the credit of a map file.
+const entities = { amp: '&', lt: '<', gt: '>', quot: '"', apos: "'", nbsp: ' ', copy: '©' };
+export const plainText = (markup) => markup.replace(/<[^>]*>/g, '')
+  .replace(/&(?:#(\d{1,6})|(\w+));/g, (all, code, name) => (code ? String.fromCodePoint(code) : entities[name] ?? all))
+  .replace(/\s+/g, ' ').trim();
+
 // A colour of the style sheet, for canvases.
 export const cssColor = (name) =>
   getComputedStyle(document.documentElement).getPropertyValue(name).trim();

@@ -1,8 +1,9 @@
 // Buttons that export a site or a flight for other programs.
 
-import { getFile, query } from './api.js';
+import { getFile, paths, query } from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { el } from './dom.js';
+import { words } from './units.js';
 
 const formats = {
   html: ['Report', 'one printable page', 'html'],
@@ -61,4 +62,33 @@ export function drawDownloads(path, kind, { id, altitude_datum }) {
     el('p', { class: 'faint' }, 'Rally points require it. Plan and waypoints require it unless altitudes are above mean sea level.'),
     message,
     el('div', { class: 'card-foot' }, curlButton('a download', () => curlOf(urlOf('plan'), '-OJ'))));
+}
+
+const hasKmz = new Set(['photo', 'hazard']);
+
+// Buttons for the files of a flight's map. layers: of its TileJSON.
+export function drawMapDownloads(box, flight, layers) {
+  const key = JSON.stringify([flight, layers.map(({ name }) => name)]);
+  if (box.dataset.shown === key) return;
+  box.dataset.shown = key;
+  const message = el('p', { class: 'bad', role: 'alert', hidden: true });
+  const button = (name, ending, reader) => {
+    const node = el('button', { type: 'button', class: 'download', 'data-file': `${name}.${ending}`, onclick: async () => {
+      message.hidden = true;
+      node.setAttribute('aria-busy', 'true');
+      try {
+        save(await getFile(paths.mapFile(flight, name, ending), `${flight}-${name}.${ending}`));
+      } catch (error) {
+        message.hidden = false;
+        message.textContent = `${words(name)}: ${error.message}`;
+      } finally {
+        node.removeAttribute('aria-busy');
+      }
+    } }, el('strong', {}, words(name)), el('small', {}, reader));
+    return node;
+  };
+  const files = layers.flatMap(({ name }) => [button(name, 'tif', 'GeoTIFF, for QGIS'),
+    ...(hasKmz.has(name) ? [button(name, 'kmz', 'KMZ, for Google Earth')] : [])]);
+  box.replaceChildren(el('div', { class: 'download-grid' }, files), message,
+    el('div', { class: 'card-foot' }, curlButton('a file of the map', () => curlOf(paths.mapFile(flight, layers[0].name, 'tif'), '-OJ'))));
 }

@@ -4,35 +4,21 @@ import { cancelJob, finishFlight, paths } from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el, notify } from './dom.js';
 import { drawDownloads } from './downloads.js';
+import { drawProgress, isOpen, progressOf, setBar, toldBy } from './progress.js';
 import { words } from './units.js';
 
 const stateText = {
   receiving: 'Receiving photographs', processing: 'Processing', idle: 'Up to date', failed: 'Failed',
 };
-const isOpen = (job) => job.state === 'running' || job.state === 'queued';
 
-// {value: 0 to 1, or null if unknown, text}; null if nothing runs.
-function progressOf(flight, jobs) {
-  const running = jobs.find((job) => job.state === 'running');
-  const { received, processed } = flight.frames;
-  if (flight.state === 'failed') return null;
-  if (running?.kind === 'finish') {
-    return { value: running.progress || null, text: `Evaluating regions${running.stage ? `: ${words(running.stage)}` : ''}` };
-  }
-  if (processed < received) return { value: processed / received, text: `Photographs ${processed} of ${received}` };
-  if (running) return { value: running.progress, text: words(running.stage || running.kind || 'working') };
-  return jobs.some(isOpen) ? { value: null, text: 'Queued' } : null;
-}
-
-function drawStatus(flight, jobs) {
-  const progress = progressOf(flight, jobs);
+function drawStatus(flight, progress) {
   const chip = byId('flight-state');
   chip.className = `chip state-${flight.state}`;
   chip.textContent = progress ? progress.text : stateText[flight.state] ?? flight.state;
   const bar = byId('flight-progress');
   bar.hidden = !progress;
-  if (progress && progress.value !== null) bar.value = progress.value;
-  else bar.removeAttribute('value');
+  setBar(bar, progress?.value);
+  drawProgress(progress);
 }
 
 function counts(flight) {
@@ -50,10 +36,12 @@ function jobRow(job, onChange) {
       onChange();
     },
   }, 'Cancel') : null;
+  const told = isOpen(job) ? Object.values(toldBy(job)).filter(Boolean).join(', ') : '';
   const detail = typeof job.detail === 'string' ? job.detail : job.detail?.detail;
   return el('li', { class: `job job-${job.state}` },
     el('span', {}, el('strong', {}, words(job.kind ?? 'job')),
       ` ${job.state}${job.state === 'running' ? ` ${Math.round(100 * job.progress)} %` : ''}`,
+      told ? el('small', {}, told) : null,
       job.state === 'failed' && detail ? el('small', {}, detail) : null),
     cancel);
 }
@@ -69,9 +57,10 @@ function stagesTable(stages) {
 
 let drawnDownloads = null;
 
-// onChange() triggers a refresh.
+// onChange() triggers a refresh. Returns the progress, as progressOf does.
 export function drawFlight(flight, jobs, onChange) {
-  drawStatus(flight, jobs);
+  const progress = progressOf(flight, jobs);
+  drawStatus(flight, progress);
   byId('flight-title').textContent = flight.name || flight.id;
   byId('flight-curl').replaceChildren(curlButton('this flight', () => curlOf(paths.flight(flight.id))));
   byId('jobs-curl').replaceChildren(curlButton('the jobs', () => curlOf(paths.jobs)));
@@ -101,4 +90,5 @@ export function drawFlight(flight, jobs, onChange) {
     drawnDownloads = flight.id;
     byId('flight-downloads').replaceChildren(drawDownloads(paths.flightSites(flight.id), 'flight', flight));
   }
+  return progress;
 }

@@ -1,10 +1,11 @@
 // Lines of latitude and longitude at a round spacing. They replace map tiles, which need a network.
 /* global L */
 
-const style = { weight: 1, interactive: false, className: 'graticule' };
+const style = { weight: 1, interactive: false, className: 'graticule', pane: 'graticule' };
 
 export const Graticule = L.LayerGroup.extend({
   onAdd(map) {
+    (map.getPane('graticule') ?? map.createPane('graticule')).style.zIndex = 190;  // below the ground
     L.LayerGroup.prototype.onAdd.call(this, map);
     map.on('moveend', this.redraw, this);
     this.redraw();

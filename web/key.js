@@ -7,7 +7,8 @@ const parts = new Map();
 // The box is visible while it has a layer or a legend.
 export function showLayerBox() {
   const hasLayer = byId('layer').options.length > 1;
-  byId('layer-box').hidden = !hasLayer && byId('key').childElementCount === 0;
+  const hasGround = document.querySelector('.ground-row > :not([hidden])') !== null;
+  byId('layer-box').hidden = !hasLayer && !hasGround && byId('key').childElementCount === 0;
   byId('layer-box').classList.toggle('only-key', !hasLayer);
 }
 

@@ -1,6 +1,5 @@
-// The layer box: shows one layer of the selected site on the map, with legend and opacity.
+// The layer box: shows one layer on the map, of the flight's map or else of the selected site, with legend and opacity.
 
-import * as api from './api.js';
 import { gradeColor, safetyColor } from './colors.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el } from './dom.js';
@@ -15,12 +14,12 @@ function swatch(color, text) {
 
 const safetyLegend = (names) => names.map((name) => swatch(safetyColor[name], name));
 
-// The parts of the legend that need no request. layer: undefined if none is shown.
-function legendNodes(layer) {
-  const note = layer && !['hazard', 'distance'].includes(layer.name) ? 'unseen' : 'outside map';
+// The parts of the legend that need no request. layer: undefined if none is shown. note: of the source.
+function legendNodes(layer, note) {
   return [
     ...(layer?.name === 'hazard' ? safetyLegend(['free', 'hazard', 'unseen']) : []),
-    layer ? el('span', { class: 'swatch' }, el('i', { class: 'hatch' }), note) : null,
+    note ? el('span', { class: 'swatch' }, el('i', { class: note.isBlank ? 'blank' : 'hatch' }),
+      note.isBlank ? `no colour: ${note.text}` : note.text) : null,
     el('span', { class: 'swatch', title: 'Region outline. Dashed: outline incomplete.' },
       el('i', { class: 'ramp', style: { background: `linear-gradient(90deg, ${[0, 0.25, 0.5, 0.75, 1].map(gradeColor)})` } }),
       'region grade, 0 to 1'),
@@ -33,80 +32,94 @@ function optionOf({ name, unit }) {
   return new Option(words(name) + (shown ? ` (${shown})` : ''), name);
 }
 
+const isSameList = (a, b) => JSON.stringify(a.map(({ name, unit }) => [name, unit])) === JSON.stringify(b.map(({ name, unit }) => [name, unit]));
+
 class Layers {
-  #map;
   #select = byId('layer');
+  #opacity = byId('opacity');
   #legend = byId('legend');
-  #site = null;
-  #layers = [];
+  #source = null;  // see site_layers.js
+  #isOpacityChosen = false;
   #loading = new AbortController();
   #drawnName;
-  #pictureUrl = null;
   #legendUrl = null;
 
-  constructor(map) {
-    this.#map = map;
+  constructor() {
     // On a phone the open box would cover the small map.
     byId('layer-box').open = innerWidth > 760;
     this.#select.addEventListener('change', () => this.#draw());
-    byId('opacity').addEventListener('input', () => map.setOpacity(Number(byId('opacity').value)));
+    this.#opacity.addEventListener('input', () => {
+      this.#isOpacityChosen = true;
+      this.#source?.setOpacity(Number(this.#opacity.value));
+    });
   }
 
-  // Shows the layers of another site. The selected layer stays selected.
-  show(siteId, list) {
-    this.#site = siteId;
-    this.#layers = list;
-    const wanted = this.#select.value || 'hazard';
-    this.#select.replaceChildren(...list.map(optionOf), new Option('none', ''));
-    this.#select.value = list.some((layer) => layer.name === wanted) ? wanted : list[0]?.name ?? '';
+  // Shows the layers of another source, or of the same one after it changed. The selected layer stays selected.
+  show(source) {
+    const list = source?.list ?? [];
+    const isSame = this.#source !== null && this.#source.of === source?.of;
+    if (!isSame) {
+      this.#source?.hide();
+      this.#drawnName = undefined;
+    }
+    if (source && source.opacity !== this.#source?.opacity && !this.#isOpacityChosen) {
+      this.#opacity.value = source.opacity;
+      source.setOpacity(source.opacity);
+    }
+    if (!isSame || !isSameList(this.#source.list, list)) {
+      const wanted = this.#select.value || (isSame ? '' : 'hazard');
+      this.#select.replaceChildren(...list.map(optionOf), new Option('none', ''));
+      this.#select.value = list.some((layer) => layer.name === wanted) || isSame ? wanted : list[0]?.name ?? '';
+    }
+    this.#source = source;
     return this.#draw();
+  }
+
+  // What of the tiles on the map is not complete: see Ground.state.
+  setNote({ isLoading, numMissing }) {
+    byId('layer-note').textContent = numMissing > 0 ? `${numMissing} tiles not loaded` : isLoading ? 'loading …' : '';
   }
 
   async #draw() {
     this.#loading.abort();
     this.#loading = new AbortController();
     const { signal } = this.#loading;
-    const layer = this.#layers.find((l) => l.name === this.#select.value);
-    this.#drawBox(layer);
+    const layer = this.#source?.list.find((l) => l.name === this.#select.value);
+    const isOther = this.#drawnName !== layer?.name;
+    this.#drawBox(layer, isOther);
     // A picture must never stand beside the name or the legend of another layer.
-    if (this.#drawnName !== layer?.name) this.#map.drawLayer(null);
+    if (isOther) this.#source?.hide();
     this.#drawnName = layer?.name;
     if (!layer) return;
     try {
-      await this.#drawPicture(layer, signal);
+      await this.#source.show(layer, Number(this.#opacity.value), signal);
       await this.#drawScale(layer, signal);
     } catch (error) {
       if (error.name === 'AbortError') return;
-      this.#map.drawLayer(null);
+      this.#source.hide();
       this.#legend.replaceChildren(el('span', { class: 'bad' }, `Layer not loaded: ${error.message}`));
     }
   }
 
-  #drawBox(layer) {
+  #drawBox(layer, isOther) {
     showLayerBox();
     byId('layer-name').textContent = this.#select.selectedOptions[0]?.text ?? '';
-    URL.revokeObjectURL(this.#legendUrl);
-    this.#legendUrl = null;
-    this.#legend.replaceChildren(...legendNodes(layer));
+    const scale = isOther ? null : this.#legend.querySelector('img');
+    this.#legend.replaceChildren(...(scale ? [scale] : []), ...legendNodes(layer, layer ? this.#source.note(layer) : null));
+    const source = this.#source;
     byId('layer-curl').replaceChildren(...(layer ? [curlButton(`the layer ${layer.name}`,
-      () => curlOf(api.paths.layerPicture(this.#site, layer.name), `-o ${layer.name}.png`))] : []));
-  }
-
-  async #drawPicture(layer, signal) {
-    const blob = await api.getBlob(api.paths.layerPicture(this.#site, layer.name), signal);
-    const former = this.#pictureUrl;
-    this.#pictureUrl = URL.createObjectURL(blob);
-    this.#map.drawLayer(this.#pictureUrl, layer, Number(byId('opacity').value));
-    URL.revokeObjectURL(former);
+      () => curlOf(source.picturePath(layer), `-o ${layer.name}.${source.pictureEnding}`))] : []));
   }
 
   // The server draws the scale: it always matches the layer.
   async #drawScale(layer, signal) {
-    if (layer.name === 'hazard') return;
-    const blob = await api.getBlob(api.paths.legend(this.#site, layer.name), signal);
-    this.#legendUrl = URL.createObjectURL(blob);
-    this.#legend.prepend(el('img', { src: this.#legendUrl, alt: `Scale of ${layer.name} in ${layer.unit}` }));
+    const blob = layer.name === 'hazard' ? null : await this.#source.legend(layer, signal);
+    const former = this.#legendUrl;
+    this.#legendUrl = blob && URL.createObjectURL(blob);
+    this.#legend.querySelector('img')?.remove();
+    if (blob) this.#legend.prepend(el('img', { src: this.#legendUrl, alt: `Scale of ${layer.name} in ${layer.unit}` }));
+    URL.revokeObjectURL(former);
   }
 }
 
-export const createLayers = (map) => new Layers(map);
+export const createLayers = () => new Layers();

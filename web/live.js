@@ -11,7 +11,7 @@ const GATHER_MS = 250;
 
 const pause = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
 
-// Calls onEvent(name) for every event of the stream until it ends.
+// Calls onEvent(name, data: text) for every event of the stream until it ends.
 async function readEvents(response, onEvent) {
   const reader = response.body.pipeThrough(new TextDecoderStream()).getReader();
   let rest = '';
@@ -22,13 +22,15 @@ async function readEvents(response, onEvent) {
     rest = blocks.pop();
     for (const block of blocks) {
       const name = /^event: ?(.*)$/m.exec(block);
-      if (name || /^data:/m.test(block)) onEvent(name?.[1] ?? 'message');
+      const data = /^data: ?(.*)$/m.exec(block);
+      if (name || data) onEvent(name?.[1] ?? 'message', data?.[1] ?? '');
     }
   }
 }
 
-// Never runs refresh() twice at once. follow(flight) selects the flight of the events.
-export function createLive(refresh, onTransport) {
+// Never runs refresh() twice at once. follow(flight) selects the flight of the events. onMap(data) receives the events of
+// its map, which change nothing else.
+export function createLive(refresh, onTransport, onMap) {
   let flight = null;
   let stop = new AbortController();
   let hasEvents = false;
@@ -64,7 +66,10 @@ export function createLive(refresh, onTransport) {
         const response = await call(paths.events(flight), { signal, headers: { Accept: 'text/event-stream' } });
         if (!response.headers.get('Content-Type')?.startsWith('text/event-stream')) throw new Problem(501, {});
         report(true);
-        await readEvents(response, now);
+        await readEvents(response, (name, data) => {
+          if (name === 'map') onMap(JSON.parse(data));
+          else now();
+        });
       } catch (error) {
         // This server has no events: polling continues.
         if ([404, 405, 501].includes(error.status)) canListen = false;

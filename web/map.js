@@ -1,11 +1,14 @@
 // The map with all its overlays.
 /* global L */
 
+import { createCursor } from './cursor.js';
 import { byId } from './dom.js';
 import { Graticule } from './graticule.js';
+import { createGround } from './ground.js';
+import { createMeasure } from './measure.js';
 import { createDraftOverlay, createObstacleOverlay } from './obstacle_overlay.js';
 import {
-  createAnswer, createApproach, createBarb, createBearings, createMarks, createPicture, createRegions, createSites,
+  createAnswer, createApproach, createArea, createBarb, createBearings, createMarks, createPicture, createRegions, createSites,
 } from './overlays.js';
 import { createReachOverlay } from './reach_overlay.js';
 import { createTrack } from './track.js';
@@ -14,7 +17,7 @@ import { createTrack } from './track.js';
 export function createBase(element) {
   const isCalm = matchMedia('(prefers-reduced-motion: reduce)').matches;
   const map = L.map(element, {
-    maxZoom: 23, zoomSnap: 0.25, attributionControl: false, zoomControl: false,
+    maxZoom: 24, zoomSnap: 0.25, attributionControl: false, zoomControl: false,
     zoomAnimation: !isCalm, fadeAnimation: !isCalm, markerZoomAnimation: !isCalm,
   });
   map.setView([0, 0], 2);
@@ -39,13 +42,15 @@ function fitTo(map, bounds) {
   map.fitBounds(bounds, { paddingTopLeft: [left, 28], paddingBottomRight: [28, left > 28 ? 28 : 64], maxZoom: 20 });
 }
 
-// on: {site(id), place(latlng), obstacle(id)}
+// on: {site(id), place(latlng), obstacle(id), ground(): tiles began to load, arrived or failed}
 export function createMap(element, on) {
   const map = createBase(element);
   const barb = createBarb(map);
+  const ground = createGround(map, () => on.ground());
   const picture = createPicture(map);
   const reach = createReachOverlay(map);
   const track = createTrack(map);
+  const area = createArea(map);
   const regions = createRegions(map);
   const approach = createApproach(map);
   const sites = createSites(map, on.site);
@@ -55,13 +60,32 @@ export function createMap(element, on) {
   const draft = createDraftOverlay(map);
   const answer = createAnswer(map);
   const bearings = createBearings(map);
+  const measure = createMeasure(map);
   // Once the user has moved the map, it no longer follows the track.
   let isMoved = false;
   for (const type of ['pointerdown', 'wheel', 'keydown']) {
     element.addEventListener(type, () => { isMoved = true; }, { passive: true });
   }
-  map.on('click', (event) => on.place(event.latlng));
-  const fit = () => fitTo(map, L.latLngBounds([]).extend(regions.bounds()).extend(sites.bounds()).extend(track.bounds()));
+  const place = (latlng) => {
+    if (!measure.take(latlng)) on.place(latlng);
+  };
+  map.on('click', (event) => place(event.latlng));
+  createCursor(map, { place, moved: (latlng) => measure.follow(latlng), key: (event, latlng) => measure.key(event, latlng) });
+  const fit = () => {
+    const bounds = L.latLngBounds([]).extend(regions.bounds()).extend(sites.bounds()).extend(track.bounds());
+    fitTo(map, bounds.isValid() ? bounds : ground.bounds());
+  };
+  // The path of the site, which a landing that is planned elsewhere replaces while it is shown: [collection, options].
+  let path = [null, {}];
+  let landing = null;
+  const drawPath = () => {
+    approach.draw(...(landing ?? path));
+    reach.keepClear(approach.signs());
+  };
+  const fitPath = () => {
+    const bounds = approach.bounds();
+    fitTo(map, bounds.isValid() ? bounds.pad(0.1) : bounds);
+  };
 
   return {
     drawTrack(collection) {
@@ -75,9 +99,18 @@ export function createMap(element, on) {
     },
     drawLayer: picture.draw,
     setOpacity: picture.setOpacity,
+    ground,
+    drawArea: area.draw,
     drawApproach(collection, options) {
-      approach.draw(collection, options);
-      reach.keepClear(approach.signs());
+      path = [collection, options];
+      drawPath();
+    },
+    // collection: GeoJSON; null shows the path of the site again.
+    drawLanding(collection, options) {
+      if (!collection && !landing) return;
+      landing = collection ? [collection, options] : null;
+      drawPath();
+      if (landing) fitPath();
     },
     drawMarks: marks.draw,
     drawWind: barb.draw,
@@ -87,7 +120,11 @@ export function createMap(element, on) {
     drawReach: reach.draw,
     drawNewLook: (shown) => looks.draw(shown.map((mark) => ({ ...mark, className: 'new-look' }))),
     drawObstacles: obstacles.draw,
-    drawDraft: draft.draw,
+    drawDraft(points, ...rest) {
+      if (points) measure.end();
+      draft.draw(points, ...rest);
+    },
+    endMeasure: () => measure.end(),
     onMove: (listener) => map.on('moveend', listener),
     box: () => boxOf(map),
     centerPoint: () => map.getCenter(),
@@ -96,10 +133,7 @@ export function createMap(element, on) {
     fitFeatures: (features) => fitTo(map, L.geoJSON(features).getBounds()),
     fit,
     fitUnlessMoved() { if (!isMoved) fit(); },
-    fitApproach() {
-      const bounds = approach.bounds();
-      fitTo(map, bounds.isValid() ? bounds.pad(0.1) : bounds);
-    },
+    fitApproach: fitPath,
     panTo: ({ latitude_deg, longitude_deg }) => map.panTo([latitude_deg, longitude_deg]),
     center() {
       const { lat, lng } = map.getCenter();

@@ -7,7 +7,12 @@ const hasParameter = (operation, name) => (operation?.parameters ?? []).some((pa
   parameter.name === name || parameter.$ref?.split('/').at(-1) === name);
 
 export function offersOf({ paths = {} }) {
+  const ofFlight = (name) => Object.keys(paths).some((path) => new RegExp(`^/v1/flights/\\{[^}]+\\}/${name}$`).test(path));
   return {
+    flightMap: ofFlight('map'),
+    flightWhy: ofFlight('why'),
+    landing: ofFlight('landing'),
+    baseMap: '/v1/base-map' in paths,
     reach: '/v1/reach' in paths,
     reachLimit: hasParameter(paths['/v1/reach']?.get, 'limit'),
     obstacles: '/v1/obstacles' in paths,
@@ -17,7 +22,8 @@ export function offersOf({ paths = {} }) {
 
 let asked = null;
 
-// {reach, reachLimit, obstacles, newLook}: booleans. reachLimit: the number of sites of a reach can be set. Asks the server once; a failed request is repeated at the next call.
+// Booleans, as offersOf names them. reachLimit: the number of sites of a reach can be set.
+// Asks the server once; a failed request is repeated at the next call.
 export function offers() {
   asked ??= getOpenApi().then(offersOf).catch((error) => {
     asked = null;

@@ -2,11 +2,11 @@
 /* global L */
 
 import { gradeColor } from './colors.js';
-import { el, svg } from './dom.js';
+import { byId, el, svg } from './dom.js';
 import { noReturnOf } from './go_around.js';
 import { courseTo, isKnown, verdictSign } from './units.js';
 
-const kWideMap = 600;  // px; there a popup leaves the wind barb free
+const kWideMap = 600;  // px; there a popup leaves the wind barb free, and the open layer box
 const kMarker = 44;  // px, a touch target for gloves; the disc in it is smaller
 
 // A light line below the dark one keeps it legible on any layer.
@@ -26,6 +26,27 @@ export function discMarker(place, className, text, options = {}) {
     icon: L.divIcon({ className: `disc-marker ${className}`, html: disc, iconSize: [kMarker, kMarker] }),
     ...options,
   });
+}
+
+// What the server looks at now: a dashed outline, dark on bright ground and bright on dark ground.
+export function createArea(map) {
+  map.createPane('area').style.zIndex = 305;
+  const group = L.featureGroup().addTo(map);
+  let drawn = 'null';
+  return {
+    // area: GeoJSON, or null.
+    draw(area) {
+      const wanted = JSON.stringify(area);
+      if (wanted === drawn) return;
+      drawn = wanted;
+      group.clearLayers();
+      if (!area) return;
+      for (const className of ['area-casing', 'area']) {
+        L.geoJSON(area, { interactive: false, pane: 'area', style: { className, fill: false }, pointToLayer: (_, at) => L.circleMarker(at, { pane: 'area' }) })
+          .addTo(group);
+      }
+    },
+  };
 }
 
 export function createRegions(map) {
@@ -73,9 +94,8 @@ export function createSites(map, onSite) {
   };
 }
 
-// The picture of a layer.
+// The picture of a layer, in a pane of the ground.
 export function createPicture(map) {
-  map.createPane('layers').style.zIndex = 250;
   let overlay = null;
   return {
     // url: of a picture in memory; null removes the layer.
@@ -209,9 +229,15 @@ export function createBarb(map) {
   };
 }
 
-// The popup at a clicked place.
+// The popup at a clicked place. Opened by keyboard it takes the focus, and the map gets it back.
 export function createAnswer(map) {
   const group = L.layerGroup().addTo(map);
+  const element = map.getContainer();
+  function leftPadding_px() {
+    const box = byId('layer-box');
+    if (map.getSize().x <= kWideMap) return 12;
+    return box.open && !box.hidden && map.getSize().x > 2.3 * box.offsetWidth ? box.offsetWidth + 24 : 2 * kMarker;
+  }
   return {
     // content: a DOM node. latlng: null removes the popup.
     draw(latlng, content) {
@@ -219,13 +245,17 @@ export function createAnswer(map) {
       if (!latlng) return;
       group.addLayer(L.popup({
         maxWidth: 300, minWidth: 230, maxHeight: Math.max(160, map.getContainer().clientHeight - 90),
-        autoPanPaddingTopLeft: [map.getSize().x > kWideMap ? 2 * kMarker : 16, 16], autoPanPaddingBottomRight: [kMarker + 28, 16],
+        autoPanPaddingTopLeft: [leftPadding_px(), 16], autoPanPaddingBottomRight: [map.getSize().x > kWideMap ? kMarker + 28 : 12, 16],
       }).setLatLng(latlng).setContent(content));
+      content.tabIndex = -1;
+      if (document.activeElement === element) content.focus({ preventScroll: true });
     },
     // Returns whether a popup was open.
     close() {
       const isOpen = group.getLayers().some((popup) => popup.isOpen());
+      const hadFocus = document.activeElement?.closest('.leaflet-popup');
       group.clearLayers();
+      if (hadFocus) element.focus({ preventScroll: true });
       return isOpen;
     },
   };
@@ -243,7 +273,7 @@ export function createBearings(map) {
       for (const { touchdown, path } of sites) {
         const line = path?.coordinates.map(([longitude, latitude]) => [latitude, longitude])
           ?? [here, [touchdown.latitude_deg, touchdown.longitude_deg]];
-        group.addLayer(L.polyline(line, { className: 'bearing', interactive: false }));
+        casedLine(line, 'bearing', '').forEach((layer) => group.addLayer(layer));
       }
       group.addLayer(discMarker(here, 'here', '✈', { title: 'Your position', alt: 'Your position' }));
     },

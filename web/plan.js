@@ -30,3 +30,10 @@ export function siteWithPlan({ properties, geometry }, { collection, refusal }, 
   return { type: 'Feature', geometry: touchdownOf(collection) ?? geometry, properties: { ...properties, reject_reason: undefined,
     reject_detail: undefined, ...plan, wind: tried === 'unknown' ? null : tried, warnings, is_trial: true } };
 }
+
+// Marks on the map for the index-th rejected touchdown and its obstacle.
+export function marksOf(rejection, index) {
+  const letter = String.fromCharCode(97 + index % 26);
+  const touchdown = { place: rejection.touchdown, sign: letter, className: 'refused', title: `Rejected touchdown: ${rejection.detail}` };
+  return rejection.obstacle ? [touchdown, { place: rejection.obstacle, sign: '!', className: 'obstacle', title: 'Obstacle' }] : [touchdown];
+}

@@ -98,12 +98,12 @@ export const axis = (label, extra = {}) => ({
   ...extra,
 });
 
-let plot = null;
+const plots = new WeakMap();  // by element
 
 // noReturn_m: distance of the point of no return before the touchdown, or nothing.
 export function drawProfile(element, profile, aircraft, noReturn_m) {
-  plot?.destroy();
-  plot = null;
+  plots.get(element)?.destroy();
+  plots.delete(element);
   element.replaceChildren();
   if (!profile) return;
   const limit = limitOf(profile, aircraft);
@@ -116,7 +116,7 @@ export function drawProfile(element, profile, aircraft, noReturn_m) {
   const terrain = ascending(profile.terrain_m);
   const path = ascending(profile.path_m);
   const lowest = path.map((z) => z - wantedAt(z - touchdown_m, margin_m));
-  plot = new uPlot(
+  plots.set(element, new uPlot(
     {
       width: Math.max(element.clientWidth, 260),
       height: 200,
@@ -137,7 +137,7 @@ export function drawProfile(element, profile, aircraft, noReturn_m) {
     },
     [distance, path, lowest, terrain],
     element,
-  );
+  ));
   element.append(
     el('div', { class: 'legend-line' }, legendItem('path', 'final'), legendItem('wanted', 'terrain limit'),
       legendItem('terrain', 'highest terrain'), legendItem('unseen', 'unseen'),

@@ -70,9 +70,11 @@ function keepApart(map, labels, sites, signs) {
   });
 }
 
-// Fills lie below the layers of a site, so that they do not change the layers' colours; outlines lie above.
+// Fills lie below the layers of the ground, so that they do not change the layers' colours; outlines lie above. So does
+// unknown terrain: no layer's colour may tint it.
 export function createReachOverlay(map) {
   map.createPane('reach').style.zIndex = 240;
+  map.createPane('reach-unknown').style.zIndex = 255;
   map.createPane('reach-outline').style.zIndex = 310;
   const group = L.featureGroup().addTo(map);
   let labels = [];
@@ -100,7 +102,7 @@ export function createReachOverlay(map) {
       const unknown = ringsOfKind(collection, 'unknown_terrain');
       // The pattern of the unknown part is opaque: it never looks like ground that was checked, in or beside the reach.
       add(reach, { pane: 'reach', className: 'reach-fill', stroke: false });
-      add(unknown, { pane: 'reach', className: 'reach-unknown', stroke: false, fillColor: 'url(#unknown-terrain)' });
+      add(unknown, { pane: 'reach-unknown', className: 'reach-unknown', stroke: false, fillColor: 'url(#unknown-terrain)' });
       for (const className of ['reach-casing', 'reach']) add(reach, { pane: 'reach-outline', className, fill: false });
       add(unknown, { pane: 'reach-outline', className: 'unknown-terrain', fill: false });
     },

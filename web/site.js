@@ -21,7 +21,7 @@ function obstacleTile({ tightest_obstacle: obstacle }) {
     `below the ${obstacle.part === 'final' ? 'final' : 'loiter circle'}, ${distance(obstacle.distance_m)} from touchdown`);
 }
 
-function tiles(p) {
+export function tiles(p) {
   const { approach } = p;
   if (!approach) {
     return [tile('Nearest hazard', distance(p.hazard_distance_m)), tile('Usable strip', strip(p)),

@@ -38,9 +38,9 @@ function evidenceText({ height_m, height_sd_m, grass_probability }) {
 
 // "14 other rules: 3 failed", or "15 rules passed".
 function summaryOf(others, hasFailed) {
-  if (!hasFailed) return `${others.length} rules passed`;
+  if (!hasFailed) return `${others.length} rule${others.length === 1 ? '' : 's'} passed`;
   const numFailed = others.filter((rule) => !rule.passed).length;
-  return `${others.length} other rules: ${numFailed || 'none'} failed`;
+  return `${others.length} other rule${others.length === 1 ? '' : 's'}: ${numFailed || 'none'} failed`;
 }
 
 export function answerNode(judgement) {
@@ -51,27 +51,19 @@ export function answerNode(judgement) {
     first ? ruleList([first]) : null,
     others.length ? el('details', { class: 'other-rules' },
       el('summary', {}, summaryOf(others, Boolean(first))), ruleList(others)) : null,
-    el('p', { class: 'faint' }, evidenceText(judgement.evidence)),
+    el('p', { class: 'faint evidence' }, evidenceText(judgement.evidence)),
     (judgement.warnings ?? []).map((warning) => el('p', { class: 'faint' }, `Warning: ${warning}`)));
-}
-
-// Adds a button to the region at this place. region: null if none.
-export function answerNodeOf(answer, region, openHistory) {
-  if (region) {
-    answer.append(el('button', { type: 'button', class: 'wide', onclick: openHistory },
-      `Region ${region.properties.id}: grade ${region.properties.grade.toFixed(2)}`));
-  }
-  return answer;
 }
 
 const nothing = (text) => el('div', { class: 'answer' }, el('h3', {}, headlineOf({ verdict: 'rejected', first_failed: 'seen' })),
   el('p', {}, `${text} Unseen ground is never safe.`));
 
-// Returns the answer as a DOM node. site: the selected site or null; plan: {wind, aircraft} where the page
-// shows another plan than the stored one.
-export async function whyNot({ lat, lng }, site, { wind, aircraft } = {}, signal = undefined) {
-  if (!site) return nothing('No map covers this place.');
-  const path = api.paths.why(site.properties.id, { latitude_deg: lat, longitude_deg: lng }, wind, aircraft);
+// Returns the answer as a DOM node. from: {flight: whose map covers the place, or null, site: the selected site or null}.
+// plan: {wind, aircraft} where the page shows another plan than the stored one.
+export async function whyNot({ lat, lng }, { flight, site }, { wind, aircraft } = {}, signal = undefined) {
+  if (!flight && !site) return nothing('No map covers this place.');
+  const place = { latitude_deg: lat, longitude_deg: lng };
+  const path = flight ? api.paths.flightWhy(flight, place, wind, aircraft) : api.paths.why(site.properties.id, place, wind, aircraft);
   const { judgement, refusal } = await api.getWhy(path, signal);
   if (refusal) return nothing(`Not checked: ${refusal}.`);
   const answer = answerNode(judgement);

@@ -8,6 +8,7 @@
 
 #include "api/api.h"
 #include "api/export/map/map.h"
+#include "api/import/import.h"
 #include "server/handlers/flight_picture.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
@@ -42,9 +43,9 @@ void CheckLayer(const std::string& layer) {
   throw ApiError("NoSuchLayer", "there is no such layer");
 }
 
-// A picture depends on the stored maps alone, so it may be kept as long as the tag is the same.
-bool AnswerUnchanged(const FlightPicture& maps, const Call& call, httplib::Response& response) {
-  const std::string tag = "\"" + maps.version() + "\"";
+// Answers 304 if the client has what the tag names.
+bool AnswerUnchanged(const std::string& version, const Call& call, httplib::Response& response) {
+  const std::string tag = "\"" + version + "\"";
   response.set_header("ETag", tag);
   response.set_header("Cache-Control", "private, no-cache");
   const std::string known = call.request.get_header_value("If-None-Match");
@@ -67,13 +68,14 @@ void AnswerTile(Service& service,
                 httplib::Response& response) {
   const XyzTile tile = TileOf(call);
   const FlightPicture maps(service, call.Id("flight"));
-  if (AnswerUnchanged(maps, call, response)) return;
   const std::string key = call.request.path + " " + maps.version();
   std::shared_ptr<const std::string> picture = service.pictures.Find(key);
   if (!picture) {
     picture = std::make_shared<const std::string>(maps.Tile(layer, tile, content_type));
     service.pictures.Keep(key, picture);
   }
+  // Where a map grows, most tiles stay the same.
+  if (AnswerUnchanged(Sha256Hex(*picture), call, response)) return;
   response.set_content(*picture, content_type);
 }
 
@@ -99,7 +101,7 @@ void GetMapTileJpeg(Service& service, const Call& call, httplib::Response& respo
 void GetMapGeoTiff(Service& service, const Call& call, httplib::Response& response) {
   CheckLayer(call.Id("layer"));
   const FlightPicture maps(service, call.Id("flight"));
-  if (AnswerUnchanged(maps, call, response)) return;
+  if (AnswerUnchanged(maps.version(), call, response)) return;
   const TemporaryFile file(service.storage.SpoolFolder());
   {
     const SemaphoreSlot slot(service.map_writers);
@@ -112,7 +114,7 @@ void GetMapKmz(Service& service, const Call& call, httplib::Response& response) 
   const std::string& layer = call.Id("layer");
   CheckLayer(layer);
   const FlightPicture maps(service, call.Id("flight"));
-  if (AnswerUnchanged(maps, call, response)) return;
+  if (AnswerUnchanged(maps.version(), call, response)) return;
   const SemaphoreSlot slot(service.map_writers);
   response.set_content(maps.Kmz(layer), "application/vnd.google-earth.kmz");
 }
@@ -120,7 +122,7 @@ void GetMapKmz(Service& service, const Call& call, httplib::Response& response) 
 void GetMapLegend(Service& service, const Call& call, httplib::Response& response) {
   CheckLayer(call.Id("layer"));
   const FlightPicture maps(service, call.Id("flight"));
-  if (AnswerUnchanged(maps, call, response)) return;
+  if (AnswerUnchanged(maps.version(), call, response)) return;
   response.set_content(maps.Legend(call.Id("layer")), "image/png");
 }
 

@@ -13,9 +13,9 @@ export const launch = () => chromium.launch({
     '--disable-background-networking', '--disable-component-update', '--disable-sync'],
 });
 
-// Expected errors: a site without an approach (409), a server without events (404).
-const isExpected = (response) => response.status() === 409 ||
-  (response.status() === 404 && response.url().includes('/v1/events'));
+// Expected errors: a site without an approach (409), a server without events, a flight without a map, a place or a tile outside of it, no base map (404).
+export const isOptional = (address) => /\/v1\/(events|base-map|flights\/[^/]+\/(map|why|landing))\b/.test(address);
+const isExpected = (response) => response.status() === 409 || (response.status() === 404 && isOptional(response.url()));
 
 // {page, seen}; the page closes after the test t. seen.errors lists all faults.
 export async function openPage(t, browser, { width = 1280, height = 800, colorScheme = 'light', address = `${url}/` } = {}) {

@@ -3,11 +3,14 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import { plainText } from '../../web/dom.js';
 import { nearestSites } from '../../web/nearest.js';
 import { circleAround, draftOf, faultOf, featureOf, fieldOf } from '../../web/obstacle_shape.js';
 import { offersOf } from '../../web/offers.js';
 import { findRegion } from '../../web/places.js';
+import { progressOf, waitText } from '../../web/progress.js';
 import { requestOf } from '../../web/reach.js';
+import { createQueue, isElsewhere, tilePath } from '../../web/tile_queue.js';
 import { lastCourse } from '../../web/track.js';
 import { age, area, courseTo, heading, margin, strip, windFrom, windTo } from '../../web/units.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
@@ -217,13 +220,90 @@ test('obstacles: the pointer of a problem names the field of the form', () => {
 });
 
 test('offers: a part counts only if the API description has it', () => {
-  assert.deepEqual(offersOf({ paths: { '/v1/sites': { get: { parameters: [{ name: 'bbox' }] } } } }), { reach: false, reachLimit: false, obstacles: false, newLook: false });
+  assert.deepEqual(offersOf({ paths: { '/v1/sites': { get: { parameters: [{ name: 'bbox' }] } } } }), { flightMap: false, flightWhy: false, landing: false, baseMap: false, reach: false, reachLimit: false, obstacles: false, newLook: false });
   assert.deepEqual(offersOf({ paths: { '/v1/reach': { get: { parameters: [{ name: 'limit' }] } }, '/v1/obstacles': {}, '/v1/sites': { get: { parameters: [{ $ref: '#/components/parameters/order' }] } } } }),
-    { reach: true, reachLimit: true, obstacles: true, newLook: true });
+    { flightMap: false, flightWhy: false, landing: false, baseMap: false, reach: true, reachLimit: true, obstacles: true, newLook: true });
+  const { flightMap, flightWhy, landing, baseMap } = offersOf({ paths: { '/v1/flights/{flight}/map': {}, '/v1/flights/{flight}/map/{layer}.tif': {}, '/v1/base-map': {} } });
+  assert.deepEqual([flightMap, flightWhy, landing, baseMap], [true, false, false, true]);
 });
 
 test('reach: the request has the position, the wind and the flight, and nothing unknown', () => {
   const request = requestOf('f-1', { pose: { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, altitude_datum: 'amsl', age_s: 1 } }, null);
   assert.deepEqual(JSON.parse(JSON.stringify(request)),
     { latitude_deg: 47, longitude_deg: 8, altitude_m: 600, altitude_datum: 'amsl', glide_ratio: null, flight: 'f-1' });
+});
+
+test('progress: an older server is worded as before; a summary, the time left and the area are taken as told', () => {
+  const flight = { state: 'processing', frames: { received: 9, processed: 9 } };
+  const job = { state: 'running', kind: 'finish', progress: 0, stage: 'dense_stereo' };
+  assert.deepEqual(progressOf(flight, [job]), { value: null, text: 'Evaluating regions: dense stereo' });
+  assert.deepEqual(progressOf({ ...flight, frames: { received: 9, processed: 3 } }, []), { value: 1 / 3, text: 'Photographs 3 of 9' });
+  assert.equal(progressOf({ ...flight, state: 'failed' }, [job]), null);
+  assert.equal(progressOf(flight, []), null);
+  const area = { type: 'Point', coordinates: [8, 47] };
+  assert.deepEqual(progressOf(flight, [{ ...job, progress: 0.5, stage_title: 'Measuring', summary: 'Measuring 3 of 6.', time_left_s: 61, area }]),
+    { value: 0.5, text: 'Measuring', summary: 'Measuring 3 of 6.', left: 'about 2 min left', area });
+});
+
+test('progress: the time left is stated once', () => {
+  const flight = { state: 'processing', frames: { received: 9, processed: 9 } };
+  const job = { state: 'running', kind: 'finish', progress: 0.5, stage_title: 'Judging the ground', time_left_s: 40 };
+  const { summary, left } = progressOf(flight, [{ ...job, summary: 'Judging the ground, about 40 s left' }]);
+  assert.deepEqual([summary, left], ['Judging the ground, about 40 s left', '']);
+  assert.equal(progressOf(flight, [{ ...job, summary: 'Judging the ground' }]).left, 'about 40 s left');
+});
+
+test('progress: while photographs are counted, a batch that waits says nothing', () => {
+  const flight = { state: 'processing', frames: { received: 9, processed: 3 } };
+  const batch = { state: 'queued', kind: 'batch', summary: 'Waiting for its turn' };
+  assert.deepEqual(progressOf(flight, [batch]), { value: 1 / 3, text: 'Photographs 3 of 9' });
+  const finish = { state: 'queued', kind: 'finish', summary: 'Waiting until the photographs are processed' };
+  assert.equal(progressOf(flight, [batch, finish]).summary, finish.summary);
+});
+
+test('progress: a waiting job names what it waits for', () => {
+  const waiting = { state: 'queued', kind: 'finish', waiting_for: { flight_id: 'f-2', flight_name: 'North field', time_left_s: 30 } };
+  const progress = progressOf({ state: 'processing', frames: { received: 1, processed: 1 } }, [waiting]);
+  assert.deepEqual([progress.text, progress.summary, progress.value], ['Waiting', 'Waiting for North field, about 30 s left', null]);
+});
+
+test('progress: the time left is rounded up, and an unknown one is not stated', () => {
+  assert.deepEqual([1, 31, 60, 61, 3600, 7260, null, undefined, -1].map(waitText), ['about 10 s left', 'about 40 s left', 'about 1 min left',
+    'about 2 min left', 'about 1 h 0 min left', 'about 2 h 1 min left', '', '', '']);
+});
+
+test('tiles: their path is on this server, whatever host the address names', () => {
+  const place = { z: 17, x: 5, y: 6 };
+  assert.equal(tilePath('https://other.example:8443/v1/flights/f/map/photo/{z}/{x}/{y}.png', place), '/v1/flights/f/map/photo/17/5/6.png');
+  assert.equal(tilePath('/v1/base-map/{z}/{x}/{y}', place), '/v1/base-map/17/5/6');
+});
+
+test('tiles: another server is one of another scheme, host or port', () => {
+  const isOther = (template) => isElsewhere(template, 'https://plane.example');
+  assert.deepEqual(['/v1/base-map/{z}/{x}/{y}', 'https://plane.example/{z}', 'HTTPS://Plane.example/{z}'].map(isOther), [false, false, false]);
+  assert.deepEqual(['http://plane.example/{z}', 'https://plane.example:8443/{z}', 'https://plane.example.org/{z}'].map(isOther), [true, true, true]);
+});
+
+test('tiles: few at once, in order; a task that is not wanted any more never starts', async () => {
+  const inTurn = createQueue(2);
+  const started = [];
+  const ends = [];
+  const task = (name) => () => {
+    started.push(name);
+    return new Promise((resolve) => { ends.push(() => resolve(name)); });
+  };
+  const left = new AbortController();
+  const { signal } = new AbortController();
+  const results = ['a', 'b', 'c', 'd'].map((name) => inTurn(task(name), name === 'c' ? left.signal : signal));
+  results[2].catch(() => {});
+  assert.deepEqual(started, ['a', 'b']);
+  left.abort();
+  ends[0]();
+  assert.equal(await results[0], 'a');
+  await assert.rejects(results[2], { name: 'AbortError' });
+  assert.deepEqual(started, ['a', 'b', 'd']);
+});
+
+test('credit: markup of a map file becomes text', () => {
+  assert.equal(plainText('<a href="x">&copy; Survey</a> 2026 <img src=x onerror=alert(1)>&#169;'), '© Survey 2026 ©');
 });

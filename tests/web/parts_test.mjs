@@ -4,7 +4,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
-import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
+import { accessibilityFaults, flownSite, getJson, isOptional, launch, openPage, smallTargets, url } from './browser.mjs';
 import { offset, sampleNewLook, sampleObstacles, sampleReach, withGoAround } from './sample_parts.mjs';
 import { kWait, shoot } from './site_page.mjs';
 import { startStandIn } from './stand_in.mjs';
@@ -40,7 +40,7 @@ async function open(t, parts, options = {}) {
   const server = await startStandIn(t, url, { reach: null, obstacles: null, newLook: null, emergency: 'real', ...parts });
   const opened = await openPage(t, browser, { address: `${server.url}/#flight=${site.flight}`, ...options });
   opened.page.on('console', (message) => {
-    if (message.type() === 'error' && !message.location().url.includes('/v1/events')) opened.seen.errors.push(message.text());
+    if (message.type() === 'error' && !isOptional(message.location().url)) opened.seen.errors.push(message.text());
   });
   await opened.page.locator('#sites button').first().waitFor(kWait);
   return { server, ...opened };
@@ -68,6 +68,10 @@ test('reach: a live flight shows it, unknown terrain looks different, margins st
     return isAbove && /^rgb\(/.test(base) && fillOpacity === '1' && getComputedStyle(unknown).fillOpacity === '1';
   });
   assert.ok(isOpaque, 'unknown terrain hides the fill of the reach');
+  const levels = await page.evaluate(() => ['path.reach-fill', 'path.reach-unknown'].map((selector) =>
+    Number(getComputedStyle(document.querySelector(selector).closest('.leaflet-pane')).zIndex)));
+  const layers = await page.evaluate(() => Number(getComputedStyle(document.querySelector('.leaflet-layers-pane')).zIndex));
+  assert.ok(levels[0] < layers && layers < levels[1], 'no layer of the ground tints unknown terrain');
   // Rounded down: a margin never promises more than it is.
   assert.deepEqual((await page.locator('#map .arrival').allTextContents()).sort(), ['+86 m', '−12 m'].sort());
   await page.locator('#key', { hasText: 'in reach, terrain unknown' }).waitFor(kWait);

@@ -8,6 +8,7 @@ import { Validator } from '@seriousme/openapi-schema-validator';
 import { age, distance, heading, margin } from '../../web/units.js';
 import { accessibilityFaults, flownSite, getJson, launch, openPage, smallTargets, url } from './browser.mjs';
 import { offset, sampleObstacles, sampleReach } from './sample_parts.mjs';
+import { pictureIsDrawn } from './site_page.mjs';
 import { startStandIn } from './stand_in.mjs';
 
 const kWait = { timeout: 15000 };
@@ -86,7 +87,7 @@ test('token: the page asks for it, keeps it out of curl, and gets pictures with 
   await page.locator('#token-refused').waitFor(kWait);
   await page.locator('#token-value').fill('secret-7');
   await page.locator('#token-form button').click();
-  await page.waitForFunction(() => document.querySelector('img.site-layer')?.naturalWidth > 10, null, kWait);
+  await pictureIsDrawn(page, 'hazard');
   await page.evaluate(() => { navigator.clipboard.writeText = async (text) => { globalThis.copied = text; }; });
   await page.locator('#sites-curl button').click();
   const copied = await page.waitForFunction(() => globalThis.copied);

@@ -12,10 +12,10 @@ export const shoot = async (page, name) => {
   await page.screenshot({ path: `${folder}/${name}.jpg`, type: 'jpeg', quality: 65 });
 };
 
-export const pictureIsDrawn = (page, layer) => page.waitForFunction((name) => {
-  const image = document.querySelector('img.site-layer');
-  return image && image.dataset.layer === name && image.complete && image.naturalWidth > 10;
-}, layer, kWait);
+// A layer: tiles of the flight's map, or else the picture of the selected site.
+export const pictureIsDrawn = (page, layer) => page.waitForFunction((name) =>
+  [...document.querySelectorAll('img.site-layer, .data-tiles img.leaflet-tile-loaded[src]')].some((image) =>
+    image.closest('[data-layer]').dataset.layer === name && image.complete && image.naturalWidth > 10), layer, kWait);
 
 // Clicks the map at an offset, in pixels, from the selected site.
 export async function clickPlace(page, [lon, lat], [right, down]) {

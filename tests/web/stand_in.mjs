@@ -3,6 +3,8 @@
 
 import http from 'node:http';
 
+import { playMap } from './sample_map.mjs';
+
 const kGeoJson = { 'Content-Type': 'application/geo+json' };
 
 function answer(response, status, body, headers = { 'Content-Type': 'application/json' }) {
@@ -20,13 +22,16 @@ async function bodyOf(request) {
 }
 
 // The API description with and without the optional parts.
-function described(contract, { reach, obstacles, newLook }) {
+function described(contract, { reach, obstacles, newLook, map, baseMap, landing }) {
   const set = (path, part) => {
     if (part === null) delete contract.paths[path];
     else if (part !== undefined) contract.paths[path] ??= { get: {} };
   };
   set('/v1/reach', reach);
   set('/v1/obstacles', obstacles);
+  for (const name of ['map', 'why']) set(`/v1/flights/{flight}/${name}`, map);
+  set('/v1/flights/{flight}/landing', landing);
+  set('/v1/base-map', baseMap);
   const list = contract.paths['/v1/sites'].get;
   if (newLook !== undefined) list.parameters = list.parameters.filter(({ name }) => name !== 'order');
   if (newLook) list.parameters.push({ name: 'order', in: 'query' });
@@ -54,12 +59,13 @@ async function playObstacles(request, response, path, obstacles) {
 }
 
 // Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
-// parameters), obstacles (an array of features), newLook (a collection): undefined passes the request on, null is a
+// parameters), obstacles (an array of features), newLook (a collection), map (see sample_map.mjs; also `why`), landing (a collection, or a
+// text: the refusal), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
 // server without this part. rewrite(path, json): changes an answer of the real server.
 export async function startStandIn(t, target, {
   token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
 } = {}) {
-  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0 };
+  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [], numNow: 0, mostAtOnce: 0 } };
   const to = new URL(target);
 
   async function playReach(request, response) {
@@ -69,8 +75,35 @@ export async function startStandIn(t, target, {
     answer(response, 200, parts.reach(new URL(request.url, target).searchParams), kGeoJson);
   }
 
+  // Why and landing of the flight's map; its tiles; the base map, whose tiles are those of the photograph.
+  function playGround(request, response, path) {
+    const { map, landing, baseMap } = parts;
+    const base = `http://${request.headers.host}`;
+    if (path === '/v1/base-map' && baseMap !== undefined) {
+      const tiles = [`${base}/v1/flights/base/map/photo/{z}/{x}/{y}.png`];
+      answer(response, baseMap ? 200 : 404, baseMap ? { tilejson: '3.0.0', tiles, ...baseMap } : problem(404, 'no base map'));
+      return true;
+    }
+    if (/^\/v1\/flights\/[^/]+\/landing$/.test(path) && landing) {
+      if (typeof landing === 'string') answer(response, 409, problem(409, landing));
+      else answer(response, 200, landing, kGeoJson);
+      return true;
+    }
+    if (/^\/v1\/flights\/[^/]+\/why$/.test(path) && map) {
+      answer(response, map.why ? 200 : 404, map.why ?? { ...problem(404, 'no map of the flight shows this place'), code: 'NoMap' });
+      return true;
+    }
+    if (map && playMap(request, response, path, { map, base, tiles: state.tiles })) return true;
+    if (/^\/v1\/flights\/[^/]+\/map$/.test(path) && map !== undefined) {
+      answer(response, 404, problem(404, 'no map yet'));
+      return true;
+    }
+    return false;
+  }
+
   // Returns whether the optional part answered.
   function playPart(request, response, path) {
+    if (playGround(request, response, path)) return true;
     const isNewLook = path === '/v1/sites' && request.url.includes('order=new_look');
     const part = path === '/v1/reach' ? parts.reach : path.startsWith('/v1/obstacles') ? parts.obstacles
       : isNewLook ? parts.newLook : undefined;
@@ -114,7 +147,10 @@ export async function startStandIn(t, target, {
     const isDescription = path === '/openapi.json';
     const isJson = /json/.test(asked.headers['content-type'] ?? '') && asked.statusCode === 200;
     if (!isJson || !(isDescription || rewrite)) {
-      response.writeHead(asked.statusCode, asked.headers);
+      const headers = { ...asked.headers };
+      const policy = headers['content-security-policy'];
+      if (policy && parts.outside) headers['content-security-policy'] = policy.replace('blob:', `blob: ${parts.outside}`);
+      response.writeHead(asked.statusCode, headers);
       asked.pipe(response);
       return;
     }
@@ -144,6 +180,7 @@ export async function startStandIn(t, target, {
     url: `http://127.0.0.1:${server.address().port}`,
     asked: state.asked,
     mostReach: () => state.mostReach,
+    tiles: state.tiles,
     emit(event, data) {
       for (const stream of state.streams) stream.write(`event: ${event}\ndata: ${JSON.stringify(data)}\n\n`);
     },
