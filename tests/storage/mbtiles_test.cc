@@ -116,6 +116,10 @@ TEST_CASE("mbtiles: tiles may be a view, as many programs write them") {
   CHECK(tiles.Find(1, 1, 0));
 }
 
+void WriteWith(const std::filesystem::path& path, const char* sql) {
+  const MbTilesFile file(path, sql);
+}
+
 void CheckRefused(const std::filesystem::path& path, const char* why) {
   CHECK_THROWS_WITH_AS(MbTiles{path}, doctest::Contains(why), StorageError);
 }
@@ -129,22 +133,22 @@ TEST_CASE("mbtiles: what is no MBTiles file with pictures is refused with the re
   CheckRefused(path, "not a database");
   std::ofstream(path, std::ios::trunc).flush();
   CheckRefused(path, "no table metadata");
-  MbTilesFile(path, "CREATE TABLE metadata (name, value)");
+  WriteWith(path, "CREATE TABLE metadata (name, value)");
   CheckRefused(path, "no table tiles");
-  MbTilesFile(path, "CREATE TABLE tiles (zoom_level, tile_column, tile_row, tile_data)");
+  WriteWith(path, "CREATE TABLE tiles (zoom_level, tile_column, tile_row, tile_data)");
   CheckRefused(path, "has no tiles");
   MbTilesFile(path, "").AddTile(0, 0, 0, "\x1f\x8b\x08 gzip");
   CheckRefused(path, "vector tile");
-  MbTilesFile(path, "INSERT INTO metadata VALUES ('format', 'pbf')");
+  WriteWith(path, "INSERT INTO metadata VALUES ('format', 'pbf')");
   CheckRefused(path, "vector tiles (pbf)");
   MbTilesFile(path, "DELETE FROM metadata; DELETE FROM tiles").AddTile(0, 0, 0, "<html>");
   CheckRefused(path, "not a picture");
   MbTilesFile(path, "DELETE FROM tiles").AddTile(-5, 0, 0, kPngTile);
   CheckRefused(path, "zoom level");
-  MbTilesFile(path, "INSERT INTO metadata VALUES ('minzoom', 'far')");
+  WriteWith(path, "INSERT INTO metadata VALUES ('minzoom', 'far')");
   CheckRefused(path, "minzoom");
   std::filesystem::remove(path);
-  MbTilesFile(path, "CREATE TABLE metadata (a, b); CREATE TABLE tiles (a, b)");
+  WriteWith(path, "CREATE TABLE metadata (a, b); CREATE TABLE tiles (a, b)");
   CheckRefused(path, "no such column");
 }
 
@@ -173,22 +177,21 @@ TEST_CASE("mbtiles: one bad tile is refused, and the others are still found") {
 TEST_CASE("mbtiles: a view that never ends, calls programs or reads other files does no harm") {
   const TemporaryFolder folder;
   const auto path = folder.path() / "map";
-  MbTilesFile(
+  WriteWith(
       path,
       "CREATE TABLE metadata (name, value);"
       "CREATE VIEW tiles AS WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) "
       "SELECT i AS zoom_level, i AS tile_column, i AS tile_row, X'FFD8FF' AS tile_data FROM n");
   CheckRefused(path, "not authorized");
   // A product of tables takes longer than any clock.
-  MbTilesFile(
-      path,
-      "DROP VIEW tiles; CREATE TABLE a (i); INSERT INTO a VALUES (1), (2), (3), (4), (5);"
-      "INSERT INTO a SELECT b.i FROM a, a AS b, a AS c, a AS d;"
-      "CREATE TABLE one (zoom_level, tile_column, tile_row, tile_data);"
-      "INSERT INTO one VALUES (0, 0, 0, X'FFD8FF');"
-      "CREATE VIEW tiles AS SELECT * FROM one UNION ALL SELECT 1, b.i, c.i + d.i, X'FFD8FF' "
-      "FROM a, a AS b, a AS c, a AS d WHERE a.i + b.i + c.i + d.i > 100;"
-      "INSERT INTO metadata VALUES ('minzoom', '0'), ('maxzoom', '1');");
+  WriteWith(path,
+            "DROP VIEW tiles; CREATE TABLE a (i); INSERT INTO a VALUES (1), (2), (3), (4), (5);"
+            "INSERT INTO a SELECT b.i FROM a, a AS b, a AS c, a AS d;"
+            "CREATE TABLE one (zoom_level, tile_column, tile_row, tile_data);"
+            "INSERT INTO one VALUES (0, 0, 0, X'FFD8FF');"
+            "CREATE VIEW tiles AS SELECT * FROM one UNION ALL SELECT 1, b.i, c.i + d.i, X'FFD8FF' "
+            "FROM a, a AS b, a AS c, a AS d WHERE a.i + b.i + c.i + d.i > 100;"
+            "INSERT INTO metadata VALUES ('minzoom', '0'), ('maxzoom', '1');");
   MbTilesOptions options;
   options.max_search = std::chrono::milliseconds(50);
   const MbTiles tiles(path, options);

@@ -31,6 +31,7 @@ void Play(double duration_s,
 std::vector<double> EndsOfSteps(double duration_s, int num_steps, std::mt19937& random) {
   std::uniform_real_distribution<double> share(0.8, 1.2);
   std::vector<double> ends;
+  ends.reserve(static_cast<size_t>(num_steps));
   double sum = 0.0;
   for (int i = 0; i < num_steps; ++i) ends.push_back(sum += share(random));
   for (double& end : ends) end *= duration_s / sum;
