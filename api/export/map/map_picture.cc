@@ -41,6 +41,7 @@ void ForEachCenter(const PixelPlaces& places, const CellFinder& finder, Draw dra
 // Rasters of the layer, one per window; an empty one draws nothing.
 std::vector<LayerRaster> RastersOf(MapLayer layer, const std::vector<MapWindow>& windows) {
   std::vector<LayerRaster> rasters;
+  rasters.reserve(windows.size());
   for (const MapWindow& window : windows) rasters.push_back(RasterOf(window, layer));
   return rasters;
 }

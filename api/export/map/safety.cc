@@ -29,6 +29,7 @@ int NumSteps(const PixelPlaces& places, const std::vector<MapWindow>& windows) {
 
 std::vector<MapWindow> AllCoarser(const std::vector<MapWindow>& windows) {
   std::vector<MapWindow> coarser;
+  coarser.reserve(windows.size());
   for (const MapWindow& window : windows) coarser.push_back(Coarser(window));
   return coarser;
 }

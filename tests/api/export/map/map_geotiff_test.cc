@@ -85,7 +85,7 @@ GeoTiff WrittenAndRead(const std::string& layer, const Source& source, const Loc
   } else {
     WritePhotoGeoTiff(path, source, frame);
   }
-  const GeoTiff read = ReadBack(path);
+  GeoTiff read = ReadBack(path);
   std::filesystem::remove(path);
   return read;
 }
