@@ -60,6 +60,45 @@ Comparison CompareLayers(const ViewLayer& first, const ViewLayer& second) {
   return comparison;
 }
 
+// Weight of a prior beside that of a comparison.
+double PriorOf(double sd) { return kComparisonSd * kComparisonSd / (sd * sd); }
+
+// Rows: the gains, then the trend per kTrendUnitM east and north. A comparison says that the second
+// layer's gain is the first one's, less the ratio of their values and the trend between their
+// cameras.
+Eigen::MatrixX4d Solve(const std::vector<Eigen::Vector2d>& cameras_in_world,
+                       const std::vector<Comparison>& comparisons,
+                       double gain_prior,
+                       double trend_prior) {
+  const auto count = static_cast<Eigen::Index>(cameras_in_world.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::MatrixX4d right = Eigen::MatrixX4d::Zero(count + 2, 4);
+  for (Eigen::Index i = 0; i < count + 2; ++i) {
+    entries.emplace_back(i, i, i < count ? gain_prior : trend_prior);
+  }
+  for (const Comparison& comparison : comparisons) {
+    const Eigen::Vector2d baseline =
+        (cameras_in_world[comparison.first] - cameras_in_world[comparison.second]) / kTrendUnitM;
+    const Eigen::Index index[] = {static_cast<Eigen::Index>(comparison.first),
+                                  static_cast<Eigen::Index>(comparison.second),
+                                  count,
+                                  count + 1};
+    const double factor[] = {1.0, -1.0, -baseline.x(), -baseline.y()};
+    const double weight = comparison.num_cells / (comparison.num_cells + kHalfWeightCells);
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        entries.emplace_back(index[i], index[j], weight * factor[i] * factor[j]);
+      }
+      for (int c = 0; c < 4; ++c) {
+        right(index[i], c) += weight * factor[i] * comparison.log_ratio[c];
+      }
+    }
+  }
+  Eigen::SparseMatrix<double> normal(count + 2, count + 2);
+  normal.setFromTriplets(entries.begin(), entries.end());
+  return Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(normal).solve(right);
+}
+
 }  // namespace
 
 std::vector<Comparison> Compare(const std::vector<ViewLayer>& layers) {
@@ -96,40 +135,10 @@ std::vector<Tone> Balance(const std::vector<Eigen::Vector2d>& cameras_in_world,
   std::vector<Tone> tones(cameras_in_world.size());
   if (tones.empty()) return tones;
   const auto count = static_cast<Eigen::Index>(tones.size());
-  // Unknowns: the gains, then the trend per kTrendUnitM. A comparison says that the second layer's
-  // gain is the first one's, less the ratio of their values and the trend between their cameras.
-  const auto solve = [&](bool has_trend) {
-    std::vector<Eigen::Triplet<double>> entries;
-    Eigen::MatrixX4d right = Eigen::MatrixX4d::Zero(count + 2, 4);
-    const double prior = kComparisonSd * kComparisonSd / (gain_sd * gain_sd);
-    for (Eigen::Index i = 0; i < count; ++i) entries.emplace_back(i, i, prior);
-    const double trend_prior =
-        has_trend ? kComparisonSd * kComparisonSd / (kTrendSd * kTrendSd) : kNoTrend;
-    for (Eigen::Index i = count; i < count + 2; ++i) entries.emplace_back(i, i, trend_prior);
-    for (const Comparison& comparison : comparisons) {
-      const Eigen::Vector2d baseline =
-          (cameras_in_world[comparison.first] - cameras_in_world[comparison.second]) / kTrendUnitM;
-      const Eigen::Index index[] = {static_cast<Eigen::Index>(comparison.first),
-                                    static_cast<Eigen::Index>(comparison.second),
-                                    count,
-                                    count + 1};
-      const double factor[] = {1.0, -1.0, -baseline.x(), -baseline.y()};
-      const double weight = comparison.num_cells / (comparison.num_cells + kHalfWeightCells);
-      for (int i = 0; i < 4; ++i) {
-        for (int j = 0; j < 4; ++j) {
-          entries.emplace_back(index[i], index[j], weight * factor[i] * factor[j]);
-        }
-        for (int c = 0; c < 4; ++c) {
-          right(index[i], c) += weight * factor[i] * comparison.log_ratio[c];
-        }
-      }
-    }
-    Eigen::SparseMatrix<double> normal(count + 2, count + 2);
-    normal.setFromTriplets(entries.begin(), entries.end());
-    return Eigen::MatrixX4d(
-        Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(normal).solve(right));
-  };
-  const Eigen::MatrixX4d colors = solve(true), details = solve(false);
+  const double gain_prior = PriorOf(gain_sd);
+  const Eigen::MatrixX4d colors =
+      Solve(cameras_in_world, comparisons, gain_prior, PriorOf(kTrendSd));
+  const Eigen::MatrixX4d details = Solve(cameras_in_world, comparisons, gain_prior, kNoTrend);
   for (Eigen::Index i = 0; i < count; ++i) {
     Tone& tone = tones[static_cast<size_t>(i)];
     for (int c = 0; c < 3; ++c) {

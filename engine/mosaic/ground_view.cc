@@ -71,8 +71,7 @@ Footprint FootprintOf(const Camera& camera,
                       double lowest_m,
                       double highest_m) {
   const Eigen::Vector3d& eye = world_from_camera.translation;
-  const Footprint everything{Eigen::Vector2d::Constant(-kInfinity),
-                             Eigen::Vector2d::Constant(kInfinity)};
+  Footprint everything{Eigen::Vector2d::Constant(-kInfinity), Eigen::Vector2d::Constant(kInfinity)};
   if (eye.z() <= highest_m) return everything;
   Footprint footprint{everything.max_in_world, everything.min_in_world};
   for (int i = 0; i < 4 * kNumBorderSamples; ++i) {

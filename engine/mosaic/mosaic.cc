@@ -60,6 +60,7 @@ std::vector<Tone> TonesOf(const std::vector<ViewLayer>& layers,
                           const AdjustedBlock& block,
                           const MosaicOptions& options) {
   std::vector<Eigen::Vector2d> cameras;
+  cameras.reserve(layers.size());
   for (const ViewLayer& layer : layers) {
     cameras.push_back(block.views[layer.view].world_from_camera.translation.head<2>());
   }

@@ -204,8 +204,8 @@ cv::Mat4b TilePainter::Paint(int row, int col) {
 void TilePainter::AddLayer(size_t layer,
                            const cv::Mat1s& chosen,
                            const LatticeRect& tile,
-                           cv::Mat3f sum,
-                           cv::Mat1f sum_of_weights) {
+                           cv::Mat3f& sum,
+                           cv::Mat1f& sum_of_weights) {
   const int factor = design_.pixels_per_seam_cell;
   const cv::Mat1f weights =
       WeightsOf(static_cast<int>(layer), chosen, factor, kFeatherCells * factor);

@@ -39,8 +39,8 @@ class TilePainter {
   void AddLayer(size_t layer,
                 const cv::Mat1s& chosen,
                 const LatticeRect& tile,
-                cv::Mat3f sum,
-                cv::Mat1f sum_of_weights);
+                cv::Mat3f& sum,
+                cv::Mat1f& sum_of_weights);
 
   const MosaicDesign& design_;
   const PictureGround& ground_;
