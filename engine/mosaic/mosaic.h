@@ -25,7 +25,7 @@ struct MosaicOptions {
   double max_hole_m = 5.0;
   // Standard deviation of the Gaussian that smooths heights for the picture. Noise and the steps at
   // crowns bend straight lines and mix up leaves.
-  double height_smoothing_m = 1.5;
+  double height_smoothing_m = 1.0;
 
   // --- Which view shows a place ---
   // Approximate side of the cells for which a view is chosen. The size is rounded to a power of two

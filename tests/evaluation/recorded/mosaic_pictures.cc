@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/mosaic/mosaic.h"
+#include "engine/mosaic/picture_ground.h"
 
 namespace freelsd {
 namespace {
@@ -192,7 +193,7 @@ double SharpnessRatio(const RecordedFlight& flight,
 }
 
 // Where the mosaic shows what a view shows at a pixel: the ray meets the ground.
-Eigen::Vector2d PlaceInMosaic(const ElevationMap& map,
+Eigen::Vector2d PlaceInMosaic(const PictureGround& ground,
                               const AdjustedBlock& block,
                               size_t view,
                               const Eigen::Vector2d& pixel,
@@ -201,7 +202,7 @@ Eigen::Vector2d PlaceInMosaic(const ElevationMap& map,
   const Eigen::Vector3d ray = world_from_camera.rotation * block.CameraOf(view).RayFromImage(pixel);
   const Eigen::Vector3d& eye = world_from_camera.translation;
   for (int i = 0; i < 10; ++i) {
-    place = (eye + ray * ((HeightAt(map, place) - eye.z()) / ray.z())).head<2>();
+    place = (eye + ray * ((ground.HeightAt(place) - eye.z()) / ray.z())).head<2>();
   }
   return place;
 }
@@ -211,6 +212,7 @@ void MeasureTargets(const RecordedFlight& flight,
                     const std::vector<Sighting>& sightings,
                     const MosaicReport& report,
                     MosaicFigures& figures) {
+  const PictureGround ground(map, {});
   double sum = 0.0;
   const auto targets = PlacesOfTargets(flight.block, sightings);
   for (const Sighting& sighting : sightings) {
@@ -222,7 +224,8 @@ void MeasureTargets(const RecordedFlight& flight,
     const auto number = static_cast<size_t>(view);
     if (flight.block.views[number].frame_id != sighting.frame_id) continue;
     const double error_px =
-        (PlaceInMosaic(map, flight.block, number, sighting.point_in_image, truth) - truth).norm() /
+        (PlaceInMosaic(ground, flight.block, number, sighting.point_in_image, truth) - truth)
+            .norm() /
         report.lattice.pixel_size_m;
     if (std::isnan(error_px)) continue;
     ++figures.num_targets;
