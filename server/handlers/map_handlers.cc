@@ -102,7 +102,7 @@ void GetMapGeoTiff(Service& service, const Call& call, httplib::Response& respon
   CheckLayer(call.Id("layer"));
   const FlightPicture maps(service, call.Id("flight"));
   if (AnswerUnchanged(maps.version(), call, response)) return;
-  const TemporaryFile file(service.storage.SpoolFolder());
+  const SpooledFile file(service.storage.SpoolFolder());
   {
     const SemaphoreSlot slot(service.map_writers);
     maps.WriteGeoTiff(call.Id("layer"), file.path());

@@ -25,9 +25,9 @@ LiveText NextPiece(std::ifstream& file) {
 
 }  // namespace
 
-TemporaryFile::TemporaryFile(const std::filesystem::path& folder) : path_(folder / NewId("file")) {}
+SpooledFile::SpooledFile(const std::filesystem::path& folder) : path_(folder / NewId("file")) {}
 
-TemporaryFile::~TemporaryFile() {
+SpooledFile::~SpooledFile() {
   std::error_code ignored;
   std::filesystem::remove(path_, ignored);
 }

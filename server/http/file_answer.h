@@ -9,12 +9,12 @@
 namespace freelsd {
 
 // A file that is removed at the end. Its folder is SpoolFolder.
-class TemporaryFile {
+class SpooledFile {
  public:
-  explicit TemporaryFile(const std::filesystem::path& folder);
-  ~TemporaryFile();
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  explicit SpooledFile(const std::filesystem::path& folder);
+  ~SpooledFile();
+  SpooledFile(const SpooledFile&) = delete;
+  SpooledFile& operator=(const SpooledFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
 

@@ -30,9 +30,6 @@ struct FlightMap {
 // levels, ranges) and writes it into the row.
 void StageMap(Storage& storage, FlightMapRow row, MapHead head, MapRasters rasters);
 
-// JPEG, or WebP if the picture has transparent pixels.
-std::string EncodePhotoTile(const cv::Mat4b& picture);
-
 // Thread-safe. The constructor's argument limits the memory of the tiles, and
 // that of the pictures.
 class FlightMaps {

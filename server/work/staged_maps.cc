@@ -149,7 +149,7 @@ void StagedMaps::AddPicture(const Evaluation& evaluation,
                  throw std::runtime_error("cancelled");
                }
                num_kept += tile.level == 0 ? 1.0 : 0.0;
-               const std::string bytes = EncodePhotoTile(tile.image);
+               const std::string bytes = SerializePhotoTile(tile.image);
                const std::string sha256 = Sha256Hex(bytes);
                service_.storage.images.Write(sha256, bytes);
                tiles.push_back({{tile.level, tile.row, tile.col}, sha256});

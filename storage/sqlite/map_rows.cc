@@ -123,6 +123,11 @@ void DeleteMapRowsOf(const Connection& writer, const std::string& flight_id) {
 }
 
 void DeleteUnfinishedMaps(const Connection& writer) {
+  {
+    // Usually there is none, and nothing is written.
+    Statement unfinished = writer.Prepare("SELECT 1 FROM maps WHERE is_in_force = 0 LIMIT 1");
+    if (!unfinished.Step()) return;
+  }
   writer.Execute("DELETE FROM maps WHERE is_in_force = 0");
 }
 

@@ -45,11 +45,15 @@ class WithoutForeignKeys {
   const Connection& connection_;
 };
 
+int64_t VersionOf(const Connection& connection) {
+  Statement statement = connection.Prepare("PRAGMA user_version");
+  statement.Step();
+  return statement.Int(0);
+}
+
 // Creates the schema or migrates an older one, in one transaction. True if it was created.
 bool OpenSchema(const Connection& writer) {
-  Statement statement = writer.Prepare("PRAGMA user_version");
-  statement.Step();
-  const int64_t version = statement.Int(0);
+  const int64_t version = VersionOf(writer);
   if (version == kSchemaVersion) return false;
   if (version < 0 || version > kSchemaVersion) {
     throw StorageError("open the database",

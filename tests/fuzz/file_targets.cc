@@ -84,6 +84,8 @@ void FuzzSiteMap(std::string_view bytes) {
   DeserializeSiteMap(SerializeSiteMap(site_map));
 }
 
+void FuzzPhotoTile(std::string_view bytes) { DeserializePhotoTile(std::string(bytes)); }
+
 void FuzzMapTile(std::string_view bytes) {
   const Grid grid = GridOf(MapTileIndex{}, 1.0);
   const MapRasters tile = DeserializeTile(std::string(bytes), grid, TileLayers::kAll);

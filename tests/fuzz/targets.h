@@ -38,5 +38,6 @@ void FuzzZip(std::string_view bytes);
 void FuzzModel(std::string_view bytes);
 void FuzzSiteMap(std::string_view bytes);
 void FuzzMapTile(std::string_view bytes);
+void FuzzPhotoTile(std::string_view bytes);
 
 }  // namespace freelsd

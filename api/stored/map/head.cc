@@ -25,8 +25,11 @@ Eigen::Vector2d Vector2Of(const nlohmann::json& x, const nlohmann::json& y) {
 }
 
 nlohmann::json ViewJson(const MapView& view) {
-  nlohmann::json object{{"frame_id", view.frame_id},
-                        {"world_from_camera", Rigid3Json(view.world_from_camera)}};
+  const Eigen::Quaterniond& rotation = view.world_from_camera.rotation;
+  nlohmann::json object{
+      {"frame_id", view.frame_id},
+      {"position_in_world_m", VectorJson(view.world_from_camera.translation)},
+      {"world_from_camera_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}}};
   if (!view.readout.IsGlobal()) {
     object["turn_rad"] = VectorJson(view.readout.turn);
     object["bend_rad"] = VectorJson(view.readout.bend);
@@ -37,7 +40,12 @@ nlohmann::json ViewJson(const MapView& view) {
 MapView ViewOf(const nlohmann::json& object) {
   MapView view;
   view.frame_id = object.at("frame_id");
-  view.world_from_camera = ParseRigid3(object.at("world_from_camera"), "/world_from_camera");
+  view.world_from_camera.translation = VectorOf(object.at("position_in_world_m"));
+  const nlohmann::json& wxyz = object.at("world_from_camera_wxyz");
+  view.world_from_camera.rotation = {wxyz.at(0).get<double>(),
+                                     wxyz.at(1).get<double>(),
+                                     wxyz.at(2).get<double>(),
+                                     wxyz.at(3).get<double>()};
   if (object.contains("turn_rad")) {
     view.readout = {VectorOf(object.at("turn_rad")), VectorOf(object.at("bend_rad"))};
   }

@@ -52,6 +52,11 @@ std::string SerializeTile(const MapRasters& tile);
 // Throws DamagedMap on damage and std::runtime_error on another version.
 MapRasters DeserializeTile(const std::string& bytes, const Grid& grid, TileLayers layers);
 
+// A tile of the picture, BGRA. JPEG, so the colours come back nearly, alpha exactly.
+// DeserializePhotoTile throws DamagedMap on damage that it can see.
+std::string SerializePhotoTile(const cv::Mat4b& picture);
+cv::Mat4b DeserializePhotoTile(const std::string& bytes);
+
 // A photograph of the map, as it was adjusted.
 struct MapView {
   std::string frame_id;

@@ -25,7 +25,7 @@ MapHead SomeHead() {
   head.camera.cy_px = 240.0;
   head.views.push_back({"a.jpg", {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {1.0, 2.0, 100.1}}, {}});
   head.views.push_back({"b.jpg",
-                        {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {1.0 / 7.0, 2.0, 100.1}},
+                        {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {-1234.0 / 7.0, 2.0, 100.1}},
                         {{0.1, 0.2, 0.3}, {0.0, 0.0, 0.01}}});
   head.ranges = {{"elevation", -1.0, 12.5}};
   head.photo = PhotoLattice{1.0 / 19.0, 256, 5};
