@@ -1,6 +1,7 @@
 // The maps of a flight over HTTP.
 #include <doctest/doctest.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "api/export/map/map.h"
 #include "tests/server/meadow_map.h"
@@ -53,8 +54,12 @@ cv::Mat4b TileOver(const MeadowServer& meadow,
   REQUIRE(answer);
   REQUIRE(answer->status == 200);
   CHECK(answer->get_header_value("Content-Type") == "image/png");
-  return cv::imdecode(std::vector<char>(answer->body.begin(), answer->body.end()),
-                      cv::IMREAD_UNCHANGED);
+  const cv::Mat decoded = cv::imdecode(std::vector<char>(answer->body.begin(), answer->body.end()),
+                                       cv::IMREAD_UNCHANGED);
+  cv::Mat4b picture;
+  if (decoded.channels() == 4) return decoded;
+  cv::cvtColor(decoded, picture, cv::COLOR_BGR2BGRA);
+  return picture;
 }
 
 cv::Vec4b PixelAt(const MeadowServer& meadow,
@@ -195,7 +200,8 @@ TEST_CASE("flight map: a landing is planned at any place, for any aircraft") {
 TEST_CASE("flight map: a site on it is planned as on a map of its own") {
   const MeadowServer on_map = ServerWithMap();
   const MeadowServer own([](Storage& storage) {
-    storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(MeadowWithHouse()));
+    const SiteMap meadow = MeadowWithHouse();
+    storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Rounded(meadow.map, meadow.layers)));
   });
   for (const char* const query : {"?wind_east_mps=0&wind_north_mps=-4",
                                   "?wind_east_mps=3&wind_north_mps=3",

@@ -255,7 +255,8 @@ TEST_CASE("migrations: a database of version 6 gets obstacles in both files and 
   { Storage(folder.path()).sites.Put(SomeSite("f-r3", 50.0, 8.0), "map"); }
   for (const char* const name : {"freelsd.db", "recall.db"}) {
     const std::string sql =
-        "DROP TABLE obstacles; PRAGMA user_version = 6; PRAGMA application_id = " +
+        "DROP TABLE obstacles; DROP TABLE photo_tiles; DROP TABLE map_tiles; DROP TABLE maps; "
+        "PRAGMA user_version = 6; PRAGMA application_id = " +
         std::to_string(ApplicationId(6));
     Execute(folder.path() / name, sql.c_str());
   }
