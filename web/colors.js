@@ -2,6 +2,8 @@
 
 // The same values as in the server's pictures of the layers `hazard` and `distance`.
 export const safetyColor = { free: '#7ed396', hazard: '#c84600', unseen: '#1a1a1a' };
+// Layers in which unseen cells have a colour.
+export const marksUnseen = (name) => ['hazard', 'distance'].includes(name);
 
 // Cividis colour map, dark to bright, for 0 to 1.
 const cividis = [

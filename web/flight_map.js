@@ -2,6 +2,7 @@
 // flight is evaluated.
 
 import * as api from './api.js';
+import { marksUnseen } from './colors.js';
 import { offers } from './offers.js';
 import { tilePath } from './tile_queue.js';
 
@@ -20,7 +21,7 @@ function sourceOf(flight, ground, layers) {
     async show(layer, opacity) { ground.draw('data', layer, opacity); },
     hide: () => ground.draw('data', null),
     setOpacity: (value) => ground.setOpacity('data', value),
-    note: ({ name }) => ({ text: ['hazard', 'distance'].includes(name) ? 'outside map' : 'unseen', isBlank: true }),
+    note: ({ name }) => ({ text: marksUnseen(name) ? 'outside map' : 'unseen', isBlank: true, hatchesUnseen: marksUnseen(name) }),
     legend: ({ legend }, signal) => (typeof legend === 'string' ? api.getBlob(pathOf(legend), signal) : null),
     picturePath: ({ name }) => api.paths.mapFile(flight, name, 'tif'),
     pictureEnding: 'tif',

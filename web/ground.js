@@ -1,6 +1,7 @@
 // The ground on the map, as tiles: the user's base map, the photograph of the flight, and one data layer over it.
 /* global L */
 
+import { marksUnseen } from './colors.js';
 import { el, plainText } from './dom.js';
 import { createTileLayer } from './tile_layer.js';
 
@@ -38,8 +39,9 @@ class Ground {
 
   #add(kind, layer, opacity) {
     this.#remove(kind);
-    const tiles = createTileLayer(layer, { pane: panes[kind].name, className: `ground-tiles ${kind}-tiles`, opacity, dropsOld: kind === 'data' },
-      { canBeElsewhere: kind === 'base' });
+    const isData = kind === 'data';
+    const tiles = createTileLayer(layer, { pane: panes[kind].name, className: `ground-tiles ${kind}-tiles`, opacity, dropsOld: isData,
+      hatchesUnseen: isData && marksUnseen(layer.name) }, { canBeElsewhere: kind === 'base' });
     tiles.on('loading load tilesettled', this.#onChange);
     tiles.addTo(this.#map);
     tiles.getContainer().dataset.layer = layer.name;

@@ -17,7 +17,8 @@ const safetyLegend = (names) => names.map((name) => swatch(safetyColor[name], na
 // The parts of the legend that need no request. layer: undefined if none is shown. note: of the source.
 function legendNodes(layer, note) {
   return [
-    ...(layer?.name === 'hazard' ? safetyLegend(['free', 'hazard', 'unseen']) : []),
+    ...(layer?.name === 'hazard' ? safetyLegend(note?.hatchesUnseen ? ['free', 'hazard'] : ['free', 'hazard', 'unseen']) : []),
+    note?.hatchesUnseen ? el('span', { class: 'swatch' }, el('i', { class: 'unseen-hatch' }), 'unseen') : null,
     note ? el('span', { class: 'swatch' }, el('i', { class: note.isBlank ? 'blank' : 'hatch' }),
       note.isBlank ? `no colour: ${note.text}` : note.text) : null,
     el('span', { class: 'swatch', title: 'Region outline. Dashed: outline incomplete.' },

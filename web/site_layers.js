@@ -1,6 +1,7 @@
 // The layers of one site as pictures, for the layer box: for flights and servers without a map of the whole flight.
 
 import * as api from './api.js';
+import { marksUnseen } from './colors.js';
 
 // map.drawLayer(url or null, layer, opacity) draws a picture.
 export function createSiteLayers(map, site, list) {
@@ -22,8 +23,8 @@ export function createSiteLayers(map, site, list) {
       url = null;
     },
     setOpacity: map.setOpacity,
-    // Colours that no legend of the server has: {isBlank: a place without colour shows the ground below}
-    note: ({ name }) => ({ text: ['hazard', 'distance'].includes(name) ? 'outside map' : 'unseen', isBlank: false }),
+    // Colours that no legend of the server has: {isBlank: a place without colour shows the ground below, hatchesUnseen: unseen cells are hatched}
+    note: ({ name }) => ({ text: marksUnseen(name) ? 'outside map' : 'unseen', isBlank: false }),
     legend: ({ name }, signal) => api.getBlob(api.paths.legend(site, name), signal),
     picturePath: ({ name }) => api.paths.layerPicture(site, name),
     pictureEnding: 'png',

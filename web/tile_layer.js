@@ -4,21 +4,36 @@
 
 import { getTile } from './api.js';
 import { createQueue, isElsewhere, tilePath } from './tile_queue.js';
+import { withoutUnseen } from './unseen_hatch.js';
 
 // A browser opens six connections to a server; two remain for other requests and for events.
 const kTilesAtOnce = 4;
 const kZoomsBelow = 3;  // zoom levels below the first one at which tiles are still drawn, smaller
+const kHatch_px = 16;  // divides a tile, so that the hatches of tiles fit together
 const inTurn = createQueue(kTilesAtOnce);
 
+// mask: URL of a picture that has a colour where the hatch may be; null for the whole tile.
+function setHatch(image, hasUnseen, mask) {
+  image.classList.toggle('unseen-hatch', hasUnseen);
+  image.style.maskImage = mask ? `url(${mask})` : '';
+}
+
+function clearPicture(image) {
+  image.removeAttribute('src');
+  setHatch(image, false, null);
+}
+
 // Sets the picture of a tile without a moment in which it is empty.
-async function setPicture(image, blob, signal) {
-  const url = URL.createObjectURL(blob);
+async function setPicture(image, blob, signal, isHatched) {
+  const { picture: shown, hasUnseen, mask } = isHatched ? await withoutUnseen(blob) : { picture: blob, hasUnseen: false, mask: null };
+  const url = URL.createObjectURL(shown);
   try {
     const picture = new Image();
     picture.src = url;
     await picture.decode();
     signal.throwIfAborted();
     image.src = url;
+    setHatch(image, hasUnseen, mask);
     await image.decode();
   } finally {
     URL.revokeObjectURL(url);
@@ -42,6 +57,19 @@ const TileLayer = L.GridLayer.extend({
     this.on('tileunload', ({ tile }) => this._loads.get(tile)?.loading.abort());
   },
 
+  getEvents() { return { ...L.GridLayer.prototype.getEvents.call(this), zoomend: this._fitHatch }; },
+
+  onAdd(map) {
+    L.GridLayer.prototype.onAdd.call(this, map);
+    this._fitHatch();
+  },
+
+  // Enlarged tiles keep a hatch of the same size.
+  _fitHatch() {
+    const zoom = Math.round(this._map.getZoom());
+    this.getContainer().style.setProperty('--hatch-size', `${kHatch_px * 2 ** (this._clampZoom(zoom) - zoom)}px`);
+  },
+
   createTile(coords, done) {
     const image = document.createElement('img');
     image.alt = '';
@@ -58,15 +86,15 @@ const TileLayer = L.GridLayer.extend({
     const { signal } = load.loading;
     try {
       const answer = await inTurn(() => getTile(tilePath(this._template, coords), signal), signal);
-      if (answer === null) image.removeAttribute('src');
-      else if (!answer.etag || answer.etag !== load.etag) await setPicture(image, answer.blob, signal);
+      if (answer === null) clearPicture(image);
+      else if (!answer.etag || answer.etag !== load.etag) await setPicture(image, answer.blob, signal, this.options.hatchesUnseen);
       load.etag = answer?.etag;
       image.classList.remove('missing');
     } catch (error) {
       if (signal.aborted) return;
       image.classList.add('missing');
       // An old photograph is still the ground; an old hazard may be wrong by now.
-      if (this.options.dropsOld) image.removeAttribute('src');
+      if (this.options.dropsOld) clearPicture(image);
       load.etag = undefined;
     }
     this.fire('tilesettled');
@@ -95,7 +123,7 @@ const TileLayer = L.GridLayer.extend({
 // Tiles of another server, for the base map that the operator chose: plain pictures, so that the token stays here.
 const OutsideLayer = L.TileLayer.extend({ numMissing: () => 0, refresh() {}, isSame: () => true });
 
-// layer: TileJSON. options: of Leaflet's GridLayer; dropsOld: a tile that cannot be loaded again is emptied. canBeElsewhere: the tiles may come from another server.
+// layer: TileJSON. options: of Leaflet's GridLayer; dropsOld: a tile that cannot be loaded again is emptied; hatchesUnseen. canBeElsewhere: the tiles may come from another server.
 export function createTileLayer(layer, options, { canBeElsewhere = false } = {}) {
   const [template] = layer.tiles;
   return canBeElsewhere && isElsewhere(template, location.origin)

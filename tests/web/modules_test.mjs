@@ -13,6 +13,7 @@ import { requestOf } from '../../web/reach.js';
 import { createQueue, isElsewhere, tilePath } from '../../web/tile_queue.js';
 import { lastCourse } from '../../web/track.js';
 import { age, area, courseTo, heading, margin, strip, windFrom, windTo } from '../../web/units.js';
+import { clearUnseen } from '../../web/unseen_hatch.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
 import { headlineOf } from '../../web/why.js';
 import { bestDirections, radiusOf, roseText } from '../../web/wind_rose_shape.js';
@@ -306,4 +307,11 @@ test('tiles: few at once, in order; a task that is not wanted any more never sta
 
 test('credit: markup of a map file becomes text', () => {
   assert.equal(plainText('<a href="x">&copy; Survey</a> 2026 <img src=x onerror=alert(1)>&#169;'), '© Survey 2026 ©');
+});
+
+test('unseen cells lose their black, all else stays; blank places are told apart', () => {
+  const data = [126, 211, 150, 255, 26, 26, 26, 255, 200, 70, 0, 255];
+  assert.deepEqual(clearUnseen(data), { hasUnseen: true, hasBlank: false });
+  assert.deepEqual(data, [126, 211, 150, 255, 26, 26, 26, 0, 200, 70, 0, 255]);
+  assert.deepEqual(clearUnseen([0, 0, 0, 0, 27, 26, 26, 255]), { hasUnseen: false, hasBlank: true });
 });

@@ -154,7 +154,7 @@ test('page: a click answers why not here; off the map the ground is unseen', asy
   assert.match(await page.locator('.answer h3').textContent(), /^✕ Not landable: /);
   await shoot(page, 'why-not-here');
   assert.deepEqual(await accessibilityFaults(page), []);
-  const history = page.locator('.answer button.wide');
+  const history = page.locator('.answer button.wide', { hasText: /^Region/ });
   if (await history.count()) {
     await history.click();
     await page.locator('#region-plots canvas').first().waitFor(kWait);

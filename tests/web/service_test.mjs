@@ -138,10 +138,11 @@ test('track: asked for once, and again only when more photographs are through', 
   await page.unrouteAll({ behavior: 'ignoreErrors' });
 });
 
-// The server's answer to the request that the page sends after ask(). Under load another one may evaluate fewer sites.
-async function emergencyAnswer(page, ask) {
+// The server's answer for this altitude. Answers to earlier inputs may still be on their way, and under load have fewer sites.
+async function emergencyAnswer(page, altitude_m) {
+  const isAsked = (address) => address.includes('/v1/emergency?') && Number(new URL(address).searchParams.get('altitude_m')) === altitude_m;
   const [response] = await Promise.all([
-    page.waitForResponse((r) => r.url().includes('/v1/emergency?') && r.url().includes('altitude_m='), kWait), ask()]);
+    page.waitForResponse((r) => isAsked(r.url()), kWait), page.locator('#em-altitude_m').fill(String(altitude_m))]);
   return response.json();
 }
 
@@ -155,7 +156,7 @@ test('emergency: the page shows the sites that the server reports in reach', asy
   await page.locator('#em-latitude_deg').fill(String(lat));
   await page.locator('#em-longitude_deg').fill(String(lon));
   await page.selectOption('#em-altitude_datum', altitude_datum);
-  const high = await emergencyAnswer(page, () => page.locator('#em-altitude_m').fill((elevation_m + 250).toFixed(0)));
+  const high = await emergencyAnswer(page, Math.round(elevation_m + 250));
   assert.ok(high.sites.length > 0, 'over the site, high enough, something is in reach');
   await page.locator('#em-message', { hasText: /^In reach/ }).waitFor(kWait);
   const cards = await page.locator('.em-card').allTextContents();
@@ -168,7 +169,7 @@ test('emergency: the page shows the sites that the server reports in reach', asy
   });
   assert.deepEqual(await page.locator('#em-warnings li').allTextContents(), high.warnings);
   // Below the site: no glide reaches the start of a final.
-  const low = await emergencyAnswer(page, () => page.locator('#em-altitude_m').fill((elevation_m - 20).toFixed(0)));
+  const low = await emergencyAnswer(page, Math.round(elevation_m - 20));
   assert.deepEqual(low.sites, []);
   await page.getByText('No site in reach').waitFor(kWait);
   if (low.nearest_miss) {
@@ -318,8 +319,7 @@ test('emergency: a site has one age everywhere, since its ground was photographe
   await page.locator('.em-card .chip').first().waitFor(kWait);
   const aged = (text) => /Photographed(\d+ \w+) ago/.exec(text)?.[1];
   const unchecked = aged(await page.locator('.em-card').first().textContent());
-  const answer = await emergencyAnswer(page, () =>
-    page.locator('#em-altitude_m').fill((site.properties.elevation_m + 250).toFixed(0)));
+  const answer = await emergencyAnswer(page, Math.round(site.properties.elevation_m + 250));
   await page.locator('#em-message', { hasText: /^In reach/ }).waitFor(kWait);
   const expected = age((Date.now() - Date.parse(site.properties.last_seen_at)) / 1000);
   assert.equal(unchecked, expected);
@@ -342,8 +342,7 @@ test('emergency: the map shows the plan of the answer, not the stored one', asyn
   await page.selectOption('#em-altitude_datum', site.properties.altitude_datum);
   await page.locator('#em-wind_speed_mps').fill('4');
   await page.locator('#em-wind_from_deg').fill('200');
-  const answer = await emergencyAnswer(page, () =>
-    page.locator('#em-altitude_m').fill((site.properties.elevation_m + 300).toFixed(0)));
+  const answer = await emergencyAnswer(page, Math.round(site.properties.elevation_m + 300));
   assert.ok(answer.sites.length > 0, 'something is in reach');
   await page.locator('#em-message', { hasText: /^In reach/ }).waitFor(kWait);
   const planned = page.waitForRequest((r) => r.url().includes('/approach?wind_east_mps='), kWait);
