@@ -344,8 +344,8 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                  options.hazard,
                  evaluation);  // Sec. III-G
   }
-  evaluation.wind = WindAt(
-      0.5 * (group.area.min + group.area.max), snapshot.wind_samples, options.wind);
+  evaluation.wind =
+      WindAt(0.5 * (group.area.min + group.area.max), snapshot.wind_samples, options.wind);
   cancellable.Tell(kLayersDone, "approach");
   const PlannableGround ground(
       evaluation.map, evaluation.hazards, snapshot.obstacles, aircraft, options.hazard);

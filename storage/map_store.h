@@ -2,10 +2,10 @@
 // flight is deleted.
 #pragma once
 
-#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -19,7 +19,10 @@ struct TileKey {
   int64_t row = 0;
   int64_t col = 0;
 
-  auto operator<=>(const TileKey&) const = default;
+  bool operator==(const TileKey&) const = default;
+  bool operator<(const TileKey& other) const {
+    return std::tie(level, row, col) < std::tie(other.level, other.row, other.col);
+  }
 };
 
 // One map of a flight. A stored map never changes: a new evaluation stores a new map.
@@ -61,6 +64,7 @@ class MapStore {
 
   // Maps in force. Newest first.
   std::vector<FlightMapRow> ListOf(const std::string& flight_id) const;
+  // Also a map that is not in force yet.
   std::optional<FlightMapRow> Find(const std::string& map_id) const;
   std::optional<std::string> ReadTile(const std::string& map_id, const TileKey& key) const;
   // The same from the second copy.

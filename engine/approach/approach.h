@@ -101,9 +101,9 @@ double ApproachDistance(const Aircraft& aircraft, double wind_speed, double wind
 double DownwindApproachDistance(const Aircraft& aircraft, double wind_speed);
 double LoiterRadius(const Aircraft& aircraft, double wind_speed);
 
-// Least distance of a touchdown from hazard. It is the sum of the radius of the touchdown disc, the
-// margin for the map's position, and half the diagonal of a cell (decision 0019). NaN if the
-// deviation of the map's position is unknown. No distance suffices then.
+// Least distance of a touchdown from hazard: the radius of the touchdown disc, the margin for the
+// map's position, and half the diagonal of a cell (decision 0019). NaN: no distance suffices,
+// because the deviation of the map's position is unknown.
 double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options);
@@ -283,10 +283,8 @@ struct PlanRequest {
   double ground_height = 0.0;
 };
 
-// Distance from a touchdown within which plans of this aircraft in this wind read the map, rounded
-// up to 100 m: below finals and circles from the lowest start height. Those from greater heights,
-// and climbs of a go-around, are covered up to `least`, which is a lower bound of the result.
-// `wind_spread_mps` is that of PlanRequest.
+// Within this distance of a touchdown, rounded up to 100 m, a plan reads the map: below finals and
+// circles from the lowest start height, and at least `least`. wind_spread_mps: as in PlanRequest.
 double PlanReach(const Aircraft& aircraft,
                  const std::optional<Eigen::Vector2d>& wind_in_world,
                  double wind_spread_mps,
@@ -343,8 +341,8 @@ Polygon CheckedGround(const Approach& approach,
                       const std::optional<Eigen::Vector2d>& wind_in_world,
                       const ApproachOptions& options);
 
-// Plans for many winds. Work that does not depend on the wind is done only once. Map and hazards
-// must outlive the planner. Thread-safe.
+// Plans for many winds. Work that does not depend on the wind is done once. Thread-safe. Map and
+// hazards must outlive the planner.
 class ApproachPlanner {
  public:
   // The planner ignores request.wind_in_world, with one exception: a plan for exactly this wind

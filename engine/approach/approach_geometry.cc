@@ -156,6 +156,11 @@ Eigen::Vector2d TowardsCenter(double heading, LoiterDirection direction) {
   return direction == LoiterDirection::kLeft ? left : Eigen::Vector2d(-left);
 }
 
+// Corridor, ground roll and position margin beside and behind the path.
+constexpr double kReachMarginM = 60.0;
+// Near winds then need the same part of a map.
+constexpr double kReachStepM = 100.0;
+
 }  // namespace
 
 double ApproachDistance(const Aircraft& aircraft, double wind_speed, double wind_margin) {
@@ -212,6 +217,23 @@ std::vector<Way> WaysDown(const std::optional<Eigen::Vector2d>& wind_in_world,
     }
     return cases;
   });
+}
+
+double PlanReach(const Aircraft& aircraft,
+                 const std::optional<Eigen::Vector2d>& wind_in_world,
+                 double wind_spread_mps,
+                 double least,
+                 const ApproachOptions& options) {
+  double reach = least;
+  const double wind_margin = options.wind_sigma * wind_spread_mps;
+  for (const Way& way : WaysDown(wind_in_world, aircraft, options, wind_margin)) {
+    if (way.start_height > 0) break;
+    for (const WindScenario& scenario : way.Scenarios()) {
+      const double path = std::max(scenario.approach_distance, 0.0) + 2.0 * scenario.loiter_radius;
+      reach = std::max(reach, path + kReachMarginM);
+    }
+  }
+  return kReachStepM * std::ceil(reach / kReachStepM);
 }
 
 double ClimbSlope(const Approach& approach, const Aircraft& aircraft) {

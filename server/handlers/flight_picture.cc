@@ -140,12 +140,12 @@ PhotoSource FlightPicture::SourceOfPhoto() const {
 std::string FlightPicture::PhotoTile(const XyzTile& tile, const std::string& content_type) const {
   const PhotoSource source = SourceOfPhoto();
   std::vector<PhotoWindow> windows;
-  if (const auto box = WorldBoxOf(tile, local_frame())) {
-    const int level = LevelOf(tile, local_frame(), source.finest_pixel_size_m, source.num_levels);
+  if (const auto box = WorldBoxOf(tile, Frame())) {
+    const int level = LevelOf(tile, Frame(), source.finest_pixel_size_m, source.num_levels);
     windows = source.windows_of(*box, level);
   }
-  return content_type == "image/jpeg" ? PhotoTileJpeg(tile, windows, local_frame())
-                                      : PhotoTilePng(tile, windows, local_frame());
+  return content_type == "image/jpeg" ? PhotoTileJpeg(tile, windows, Frame())
+                                      : PhotoTilePng(tile, windows, Frame());
 }
 
 nlohmann::json FlightPicture::Json(const std::string& base_url) const {
@@ -160,7 +160,7 @@ nlohmann::json FlightPicture::Json(const std::string& base_url) const {
   int64_t updated_at_us = 0;
   for (const auto& map : maps_) updated_at_us = std::max(updated_at_us, map->row.updated_at_us);
   description.updated_at = Rfc3339(updated_at_us);
-  return MapJson(description, local_frame());
+  return MapJson(description, Frame());
 }
 
 std::string FlightPicture::Tile(const std::string& layer,
@@ -169,26 +169,25 @@ std::string FlightPicture::Tile(const std::string& layer,
   if (layer == "photo") return PhotoTile(tile, content_type);
   const Scale scale = NeededScale(layer);
   std::vector<MapWindow> windows;
-  if (const auto box = WorldBoxOf(tile, local_frame())) {
-    const int level =
-        LevelOf(tile, local_frame(), maps_.front()->head.grid.cell_size_m, NumLevels());
+  if (const auto box = WorldBoxOf(tile, Frame())) {
+    const int level = LevelOf(tile, Frame(), maps_.front()->head.grid.cell_size_m, NumLevels());
     windows = Windows(*box, level);
   }
-  return MapTilePng(layer, tile, windows, scale, local_frame());
+  return MapTilePng(layer, tile, windows, scale, Frame());
 }
 
 void FlightPicture::WriteGeoTiff(const std::string& layer,
                                  const std::filesystem::path& file) const {
-  if (layer == "photo") return WritePhotoGeoTiff(file.string(), SourceOfPhoto(), local_frame());
+  if (layer == "photo") return WritePhotoGeoTiff(file.string(), SourceOfPhoto(), Frame());
   NeededScale(layer);
-  WriteLayerGeoTiff(file.string(), layer, Source(), local_frame());
+  WriteLayerGeoTiff(file.string(), layer, Source(), Frame());
 }
 
 std::string FlightPicture::Kmz(const std::string& layer) const {
   if (layer == "photo") {
-    return PhotoKmz(flight_id_ + " photo", SourceOfPhoto(), local_frame());
+    return PhotoKmz(flight_id_ + " photo", SourceOfPhoto(), Frame());
   }
-  return MapKmz(flight_id_ + " " + layer, layer, Source(), NeededScale(layer), local_frame());
+  return MapKmz(flight_id_ + " " + layer, layer, Source(), NeededScale(layer), Frame());
 }
 
 std::string FlightPicture::Legend(const std::string& layer) const {

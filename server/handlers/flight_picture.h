@@ -33,7 +33,7 @@ class FlightPicture {
   std::string Legend(const std::string& layer) const;
 
  private:
-  const LocalFrame& local_frame() const { return maps_.front()->local_frame; }
+  const LocalFrame& Frame() const { return maps_.front()->local_frame; }
   int NumLevels() const;
   WorldBox Extent() const;
   std::optional<Scale> ScaleOf(const std::string& layer) const;

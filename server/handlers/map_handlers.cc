@@ -1,8 +1,10 @@
 // The maps of a flight: pictures in tiles, files, and any place on them.
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <memory>
+#include <semaphore>
 
 #include <nlohmann/json.hpp>
 
@@ -15,6 +17,23 @@
 
 namespace freelsd {
 namespace {
+
+// The right to write a file of a whole map, which takes seconds. Whoever waits holds a thread, so
+// nobody waits long.
+class WriterSlot {
+ public:
+  explicit WriterSlot(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
+    if (semaphore_.try_acquire_for(kMaxWait)) return;
+    throw ApiError("Unavailable", "files of other maps are being written; try again");
+  }
+  ~WriterSlot() { semaphore_.release(); }
+  WriterSlot(const WriterSlot&) = delete;
+  WriterSlot& operator=(const WriterSlot&) = delete;
+
+ private:
+  static constexpr std::chrono::seconds kMaxWait{20};
+  std::counting_semaphore<>& semaphore_;
+};
 
 // Of a tile's number in a path.
 int TileNumber(const Call& call, const std::string& name) {
@@ -104,7 +123,7 @@ void GetMapGeoTiff(Service& service, const Call& call, httplib::Response& respon
   if (AnswerUnchanged(maps.version(), call, response)) return;
   const SpooledFile file(service.storage.SpoolFolder());
   {
-    const SemaphoreSlot slot(service.map_writers);
+    const WriterSlot slot(service.map_writers);
     maps.WriteGeoTiff(call.Id("layer"), file.path());
   }
   AnswerFile(response, "image/tiff", file.path());
@@ -115,7 +134,7 @@ void GetMapKmz(Service& service, const Call& call, httplib::Response& response) 
   CheckLayer(layer);
   const FlightPicture maps(service, call.Id("flight"));
   if (AnswerUnchanged(maps.version(), call, response)) return;
-  const SemaphoreSlot slot(service.map_writers);
+  const WriterSlot slot(service.map_writers);
   response.set_content(maps.Kmz(layer), "application/vnd.google-earth.kmz");
 }
 

@@ -1,5 +1,3 @@
-#include "server/http/file_answer.h"
-
 #include <fstream>
 #include <memory>
 #include <stdexcept>

@@ -5,7 +5,6 @@
 #include "server/http/call.h"
 #include "server/http/digest.h"
 #include "server/http/events.h"
-#include "server/http/file_answer.h"
 #include "server/http/http_library.h"
 #include "server/http/http_server.h"
 #include "server/http/lower_case.h"

@@ -84,7 +84,7 @@ std::shared_ptr<const FlightMap> FlightMaps::Find(const Storage& storage,
     const LocalFrame local_frame(head.origin);
     HazardOptions options = ParseFlightRequest(head.flight_json).options.hazard;
     made = std::make_shared<const FlightMap>(
-        FlightMap{*std::move(row), std::move(head), local_frame, std::move(options)});
+        FlightMap{*std::move(row), std::move(head), local_frame, options});
   } catch (const std::exception& error) {
     spdlog::error("map {} cannot be used: {}", map_id, error.what());
     return nullptr;
@@ -126,7 +126,7 @@ std::shared_ptr<const MapRasters> FlightMaps::TileAt(const Storage& storage,
     const Entry* const found = tiles_.Find(key);
     if (found != nullptr && Holds(found->layers, layers)) return found->tile;
   }
-  const auto tile =
+  auto tile =
       ReadTile(storage, map.row.id, index, GridOf(index, map.head.grid.cell_size_m), layers);
   const std::lock_guard lock(mutex_);
   tiles_.Keep(key, {layers, tile}, tile ? kBytesPerTile : kBytesPerUnseenTile);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "api/export/map/map.h"
@@ -57,7 +58,9 @@ class FlightMaps {
     std::string map_id;
     MapTileIndex index;
 
-    auto operator<=>(const Key&) const = default;
+    bool operator<(const Key& other) const {
+      return std::tie(map_id, index) < std::tie(other.map_id, other.index);
+    }
   };
   // A tile; nullptr where the map has no seen cell.
   struct Entry {
@@ -91,6 +94,7 @@ class MapPictures {
   void Keep(const std::string& key, const std::shared_ptr<const std::string>& picture);
 
  private:
+  // Guards pictures_.
   std::mutex mutex_;
   Recent<std::string, std::shared_ptr<const std::string>> pictures_;
 };

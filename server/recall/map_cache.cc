@@ -66,14 +66,10 @@ std::shared_ptr<const KeptSite> Obstructed(const KeptSite& site, const KnownObst
   return kept;
 }
 
-int NumCellsPerBlock(double cell_size_m) {
-  return std::max(1, static_cast<int>(std::floor(kMaxBlockM / cell_size_m)));
-}
-
 // Never lower than the map.
 KeptTerrain TerrainOn(const KeptSite& site) {
   const ElevationMap& map = site.obstructed_map.map;
-  const int side = NumCellsPerBlock(map.grid.cell_size_m);
+  const int side = std::max(1, static_cast<int>(std::floor(kMaxBlockM / map.grid.cell_size_m)));
   KeptTerrain terrain{site.replan.origin, map.grid, {}, {}, site.surroundings, site.obstacles_key};
   terrain.grid.cell_size_m *= side;
   terrain.grid.num_rows = (map.grid.num_rows + side - 1) / side;
@@ -170,7 +166,6 @@ std::shared_ptr<const KeptSite> MapCache::ReadSiteSafely(const Storage& storage,
   }
 }
 
-// Obstacles are put into the blocks: larger cells make them wider.
 std::shared_ptr<const KeptTerrain> MapCache::ReadTerrain(const Storage& storage,
                                                          const std::string& map_id) {
   const auto map = flight_maps_.Find(storage, map_id);

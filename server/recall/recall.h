@@ -5,7 +5,7 @@
 #include "server/recall/emergency_request.h"
 #include "server/recall/flight_state.h"
 #include "server/recall/map_cache.h"
-#include "server/recall/map_place.h"
+#include "server/recall/map_place/map_place.h"
 #include "server/recall/obstacles/obstacles.h"
 #include "server/recall/reach/reach.h"
 #include "server/recall/recall_candidates.h"

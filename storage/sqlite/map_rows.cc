@@ -149,7 +149,7 @@ std::vector<FlightMapRow> ListMapRowsOf(const Connection& connection,
 }
 
 std::optional<FlightMapRow> FindMapRow(const Connection& connection, const std::string& map_id) {
-  Statement statement = SelectMaps(connection, "WHERE id = ?1 AND is_in_force = 1");
+  Statement statement = SelectMaps(connection, "WHERE id = ?1");
   if (!statement.Bind(map_id).Step()) return std::nullopt;
   return RowOf(statement);
 }

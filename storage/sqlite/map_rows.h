@@ -27,6 +27,7 @@ void DeletePhotoTileRowsOf(const Connection& writer, const std::string& flight_i
 
 // Maps in force, newest first. Throws StorageError kDamaged if a checksum is wrong.
 std::vector<FlightMapRow> ListMapRowsOf(const Connection& connection, const std::string& flight_id);
+// Also a map that is not in force.
 std::optional<FlightMapRow> FindMapRow(const Connection& connection, const std::string& map_id);
 std::optional<std::string> ReadTileRow(const Connection& connection,
                                        const std::string& map_id,

@@ -30,7 +30,6 @@ TEST_CASE("maps: a staged map counts only once an evaluation puts it in force, w
   storage.maps.StageTiles("f/1", {{{1, 0, 0}, "coarse"}}, {});
   CHECK(storage.sites.Version() == before);
   CHECK(storage.maps.ListOf("f").empty());
-  CHECK_FALSE(storage.maps.Find("f/1"));
   CHECK(storage.sites.ListMaps(kAround).empty());
   SiteRow site = SomeSite("f-r1", 50.0, 8.0);
   site.map_id = "f/1";

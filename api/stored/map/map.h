@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,10 @@ struct MapTileIndex {
   int row = 0;
   int col = 0;
 
-  auto operator<=>(const MapTileIndex&) const = default;
+  bool operator==(const MapTileIndex&) const = default;
+  bool operator<(const MapTileIndex& other) const {
+    return std::tie(level, row, col) < std::tie(other.level, other.row, other.col);
+  }
 };
 Grid GridOf(const MapTileIndex& index, double cell_size_m);
 // Tiles of a level that the grid touches: first and last, inclusive. The grid is of level 0 and

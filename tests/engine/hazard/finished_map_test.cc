@@ -41,7 +41,8 @@ bool IsSame(const cv::Mat1f& a, const cv::Mat1f& b) {
   });
 }
 
-TEST_CASE("finished map: no value is rounded to the safe side, and rounding twice changes nothing") {
+TEST_CASE(
+    "finished map: no value is rounded to the safe side, and rounding twice changes nothing") {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const AssessedMap made = RandomMap(seed);
     const AssessedMap rounded = Rounded(made.map, made.layers);

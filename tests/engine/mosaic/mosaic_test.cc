@@ -206,7 +206,7 @@ TEST_CASE("mosaic: nothing comes of an empty map or without views") {
   CHECK(Kept(unseen, block, images).images.empty());
 }
 
-TEST_CASE("mosaic: one view alone is shown as it is; grey images give a grey picture") {
+TEST_CASE("mosaic: one view alone is shown as it is, grey images give a grey picture") {
   const AdjustedBlock block = BlockOf({SceneView({0.0, 0.0, kHeightM}, 0.0)});
   const auto images = [&](const std::string&) -> cv::Mat {
     return cv::Mat1b(block.camera.height_px, block.camera.width_px, uint8_t{77});

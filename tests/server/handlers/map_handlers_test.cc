@@ -54,8 +54,8 @@ cv::Mat4b TileOver(const MeadowServer& meadow,
   REQUIRE(answer);
   REQUIRE(answer->status == 200);
   CHECK(answer->get_header_value("Content-Type") == "image/png");
-  const cv::Mat decoded = cv::imdecode(std::vector<char>(answer->body.begin(), answer->body.end()),
-                                       cv::IMREAD_UNCHANGED);
+  cv::Mat decoded = cv::imdecode(std::vector<char>(answer->body.begin(), answer->body.end()),
+                                 cv::IMREAD_UNCHANGED);
   cv::Mat4b picture;
   if (decoded.channels() == 4) return decoded;
   cv::cvtColor(decoded, picture, cv::COLOR_BGR2BGRA);

@@ -73,7 +73,7 @@ TEST_CASE("flight maps: a coarse level keeps the highest, and is free only if al
 }
 
 TEST_CASE(
-    "flight maps: a damaged tile is read from the copy; without one only its ground is lost") {
+    "flight maps: a damaged tile is read from the copy, and without one only its ground is lost") {
   for (const bool is_copy_damaged : {false, true}) {
     const TemporaryFolder folder;
     const std::filesystem::path copy = folder.path() / "data/recall.db",

@@ -70,19 +70,22 @@ TEST_CASE("flight map: a Techpod on the map of a small plane lands where its own
     const std::string twin = small + id.substr(techpod.size());
     CAPTURE(id);
     const auto planned = client.Get("/v1/sites/" + twin + "/approach?aircraft=techpod");
-    const bool is_accepted = site["properties"]["verdict"] != "rejected";
-    if (!is_accepted) continue;
+    const std::string verdict = site["properties"]["verdict"];
+    if (planned->status == 409) {
+      CHECK(verdict == "rejected");
+      continue;
+    }
     REQUIRE(planned->status == 200);
     const nlohmann::json answer = nlohmann::json::parse(planned->body);
-    CHECK(answer["plan"]["verdict"] == site["properties"]["verdict"]);
+    CHECK(answer["plan"]["verdict"] == verdict);
     for (const auto& feature : answer["features"]) {
       if (feature["properties"]["kind"] == "touchdown") {
         CHECK(feature["geometry"] == site["geometry"]);
+        ++num_compared;
       }
     }
-    ++num_compared;
   }
-  MESSAGE(num_compared << " accepted sites compared");
+  MESSAGE(num_compared << " touchdowns compared");
   CHECK(num_compared > 0);
 }
 

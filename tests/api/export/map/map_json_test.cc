@@ -45,7 +45,7 @@ TEST_CASE("map: the list of layers is TileJSON with our members") {
   CHECK(elevation["minzoom"] == 11);
 }
 
-TEST_CASE("map: bounds across the antimeridian go around the earth; bad descriptions are refused") {
+TEST_CASE("map: bounds across the antimeridian go around the earth, bad descriptions are refused") {
   MapDescription map;
   map.base_url = "http://h/map";
   map.extent = {{-500.0, -400.0}, {500.0, 400.0}};

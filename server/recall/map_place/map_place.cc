@@ -1,4 +1,4 @@
-#include "server/recall/map_place.h"
+#include "server/recall/map_place/map_place.h"
 
 #include <cmath>
 #include <numbers>
@@ -83,8 +83,8 @@ std::shared_ptr<const KeptSite> SiteAt(const StoredSites& stored,
     request.wind_spread_mps = map.head.wind->spread_mps;
   }
   const double least = flight.options.backend.max_surroundings_m;
-  site.reach = PlanReach(
-      used, wind_in_world, request.wind_spread_mps, least, flight.options.approach);
+  site.reach =
+      PlanReach(used, wind_in_world, request.wind_spread_mps, least, flight.options.approach);
   const Grid& whole = map.head.grid;
   const Grid around = whole.Part(whole.CellsAround(request.footprint, site.reach));
   MapRasters rasters =
@@ -93,7 +93,8 @@ std::shared_ptr<const KeptSite> SiteAt(const StoredSites& stored,
     request.num_observations = rasters.coverage(*cell);
   }
   site.site_map = std::move(rasters.site_map);
-  auto kept = std::make_shared<KeptSite>(stored.maps.AmongObstacles(stored.storage, std::move(site)));
+  auto kept =
+      std::make_shared<KeptSite>(stored.maps.AmongObstacles(stored.storage, std::move(site)));
   kept->replan.request.area_m2 = FreeArea(*kept, used);
   return kept;
 }
