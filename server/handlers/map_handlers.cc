@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <semaphore>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -23,15 +24,21 @@ namespace {
 class WriterSlot {
  public:
   explicit WriterSlot(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
-    if (semaphore_.try_acquire_for(kMaxWait)) return;
-    throw ApiError("Unavailable", "files of other maps are being written; try again");
+    // Not try_acquire_for: that of libstdc++ 12 may miss a release.
+    for (auto waited = kStep; !semaphore_.try_acquire(); waited += kStep) {
+      if (waited > kMaxWait) {
+        throw ApiError("Unavailable", "files of other maps are being written; try again");
+      }
+      std::this_thread::sleep_for(kStep);
+    }
   }
   ~WriterSlot() { semaphore_.release(); }
   WriterSlot(const WriterSlot&) = delete;
   WriterSlot& operator=(const WriterSlot&) = delete;
 
  private:
-  static constexpr std::chrono::seconds kMaxWait{20};
+  static constexpr std::chrono::milliseconds kStep{50};
+  static constexpr std::chrono::milliseconds kMaxWait{20000};
   std::counting_semaphore<>& semaphore_;
 };
 

@@ -95,10 +95,10 @@ std::string SamplePoses(int begin, int end, const std::string& prefix) {
 
 std::string NewSampleFlight(httplib::Client& client,
                             const nlohmann::json& options,
-                            const std::string& profile) {
+                            const nlohmann::json& aircraft) {
   nlohmann::json request = nlohmann::json::parse(Sample().request);
   if (!options.is_null()) request["options"] = options;
-  if (!profile.empty()) request["aircraft"] = {{"profile", profile}};
+  if (!aircraft.is_null()) request["aircraft"] = aircraft;
   return PostFlight(client, request);
 }
 

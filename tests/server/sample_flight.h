@@ -9,10 +9,10 @@ constexpr int kNumSampleFrames = 24;
 
 // The model that is delivered.
 std::filesystem::path RealModel();
-// Flight without frames, `options` and the aircraft's profile added to its request; its id.
+// Flight without frames, `options` and `aircraft` added to its request; its id.
 std::string NewSampleFlight(httplib::Client& client,
                             const nlohmann::json& options = {},
-                            const std::string& profile = "");
+                            const nlohmann::json& aircraft = {});
 // Flight with its frames [begin, end) as one batch; its id.
 std::string PostSampleFlight(httplib::Client& client, int begin, int end);
 // `prefix`: of the frames' ids, to send the same frames again.
