@@ -113,19 +113,21 @@ double ReachFor(const Replan& replan,
 
 }  // namespace
 
-KeptSite MapCache::ReadSite(const Storage& storage, const SiteRow& row, double reach) {
+KeptSite MapCache::ReadSite(const Storage& storage,
+                            const SiteRow& row,
+                            const std::optional<std::string>& own_map,
+                            double reach) {
   KeptSite kept;
   kept.row = row;
   kept.replan = ParseReplan(row.replan_json);
-  const PlanRequest& request = kept.replan.request;
-  if (row.map_id.empty()) {
+  if (own_map) {
     kept.reach = std::numeric_limits<double>::infinity();
-    kept.site_map = DeserializeSiteMap(storage.sites.ReadMap(row.id).value());
+    kept.site_map = DeserializeSiteMap(*own_map);
   } else {
     const auto map = flight_maps_.Find(storage, row.map_id);
     if (!map) throw std::runtime_error("its map " + row.map_id + " is not stored");
-    kept.reach =
-        std::max(reach, ReachFor(kept.replan, kept.replan.flight.aircraft, request.wind_in_world));
+    const auto& [flight, origin, request] = kept.replan;
+    kept.reach = std::max(reach, ReachFor(kept.replan, flight.aircraft, request.wind_in_world));
     const Grid& whole = map->head.grid;
     const Grid around = whole.Part(whole.CellsAround(request.footprint, kept.reach));
     kept.site_map = flight_maps_.Read(storage, *map, 0, around, TileLayers::kPlanning).site_map;
@@ -140,10 +142,10 @@ std::shared_ptr<const KeptSite> MapCache::ReadSiteSafely(const Storage& storage,
                                                          double reach) {
   const auto read = [&]() -> std::shared_ptr<const KeptSite> {
     const std::optional<SiteRow> row = storage.sites.Find(site_id);
-    const bool has_map =
-        row && (!row->map_id.empty() || storage.sites.ReadMap(site_id).has_value());
-    if (!has_map) return nullptr;
-    return std::make_shared<const KeptSite>(ReadSite(storage, *row, reach));
+    if (!row) return nullptr;
+    const auto own_map = row->map_id.empty() ? storage.sites.ReadMap(site_id) : std::nullopt;
+    if (row->map_id.empty() && !own_map) return nullptr;
+    return std::make_shared<const KeptSite>(ReadSite(storage, *row, own_map, reach));
   };
   try {
     return read();
@@ -207,9 +209,8 @@ MapCache::Planner* MapCache::FindPlanner(const std::shared_ptr<const KeptSite>& 
   return &planners.front();
 }
 
-// Storage may hold another update than the requested one: a newer one that was just stored, or an
-// older one from the second copy of a damaged database. No other is available, so it is cached as
-// the requested one.
+// Storage may hold another update than the requested one: a newer one, or an older one from the
+// second copy of a damaged database. No other is available, so it is cached as the requested one.
 std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
                                               const std::string& site_id,
                                               int64_t updated_at_us,

@@ -150,7 +150,11 @@ class MapCache {
   std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage,
                                                  const std::string& site_id,
                                                  double reach);
-  KeptSite ReadSite(const Storage& storage, const SiteRow& row, double reach);
+  // `own_map`: of a site that lies on no map of a flight.
+  KeptSite ReadSite(const Storage& storage,
+                    const SiteRow& row,
+                    const std::optional<std::string>& own_map,
+                    double reach);
   std::shared_ptr<const KeptTerrain> ReadTerrain(const Storage& storage, const std::string& map_id);
 
   ObstacleCache obstacles_;
