@@ -3,6 +3,7 @@
 import ctypes
 import json
 import os
+import sqlite3
 
 from harness import Server, check
 from pictures import noise_png
@@ -52,6 +53,16 @@ def fill(server, flight, cycle):
     check(False, "the disk does not fill")
 
 
+def unnamed_files(data):
+    """Image files that neither a frame nor a picture's tile names: all frames are gone by then."""
+    database = sqlite3.connect(f"file:{data / 'freelsd.db'}?mode=ro", uri=True)
+    named = {row[0] for row in database.execute("SELECT DISTINCT sha256 FROM photo_tiles")}
+    named |= {row[0] for row in database.execute("SELECT DISTINCT sha256 FROM frames")}
+    database.close()
+    return [file for file in (data / "images").rglob("*")
+            if file.is_file() and file.name not in named]
+
+
 def run(tools, folder, flight_files, num_cycles):
     with SmallDisk(folder / "disk"):
         server = Server(tools, folder / "disk" / "data")
@@ -74,8 +85,8 @@ def run(tools, folder, flight_files, num_cycles):
             status, body = server.request("DELETE", f"/v1/flights/{flight}")
             check(status in (200, 204), f"DELETE on a full disk: {status} {body[:200]!r}")
         check(server.process.pid == process and server.is_alive(), "the server was restarted")
-        left = [file for file in (server.data / "images").rglob("*") if file.is_file()]
         server.kill()
+        left = unnamed_files(server.data)
         check(not left, f"{len(left)} image files left that no frame names")
     return (f"{num_cycles} of {num_cycles} recovered without restart, {num_taken} frames taken and "
             f"listed, 507 retryable each time, recall and reads all along"), True
