@@ -10,6 +10,7 @@
 #include "api/stored/stored.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/recall/other_maps/other_maps.h"
 
 namespace freelsd {
 namespace {
@@ -99,7 +100,7 @@ nlohmann::json PlanAnew(const Service& service, const SiteRow& site, const Call&
   const Aircraft aircraft = AircraftOf(call, replan.flight.aircraft);
   const auto wind = WindOf(call, replan.request);
   const auto kept = service.maps.Covering(service.storage, stored, aircraft, wind);
-  const auto plan = service.maps.PlanFor(kept, aircraft, wind);
+  const auto plan = service.maps.PlanFor(service.storage, kept, aircraft, wind);
   if (!plan->approach) {
     throw ApiError("NoApproach", "no approach for this wind: " + plan->reject_detail);
   }
@@ -260,11 +261,11 @@ void GetFlightWhy(Service& service, const Call& call, httplib::Response& respons
 void GetFlightLanding(Service& service, const Call& call, httplib::Response& response) {
   const PlaceOnMap on = PlaceOnFlightMap(service, call);
   const StoredMapPlanner on_map(on.site->replan, on.aircraft, on.site->obstructed_map);
-  const Plan plan = CheckedBeyondMap(on_map.planner.PlanFor(on.wind_in_world),
-                                     on.site->obstructed_map.map,
-                                     on.aircraft,
-                                     on.site->obstacles,
-                                     {});
+  const Plan plan = CheckedAround(on_map.planner.PlanFor(on.wind_in_world),
+                                  {service.storage, service.maps},
+                                  *on.site,
+                                  on.aircraft,
+                                  on.wind_in_world);
   if (plan.verdict == Verdict::kRejected || !plan.approach) {
     throw ApiError("NoApproach",
                    "no landing within " + std::to_string(std::lround(kLandingRadiusM)) +
@@ -286,9 +287,13 @@ void GetWindRose(Service& service, const Call& call, httplib::Response& response
   }
   const auto on_map = service.maps.PlannerFor(kept, aircraft);
   WindRose rose = PlanWindRose(on_map->planner, options);
-  for (Plan& plan : rose.plans) {
-    plan =
-        CheckedBeyondMap(std::move(plan), kept->obstructed_map.map, aircraft, kept->obstacles, {});
+  const size_t num_directions = static_cast<size_t>(rose.num_directions);
+  for (size_t i = 0; i < rose.plans.size(); ++i) {
+    rose.plans[i] = CheckedAround(std::move(rose.plans[i]),
+                                  {service.storage, service.maps},
+                                  *kept,
+                                  aircraft,
+                                  rose.WindInWorld(i / num_directions, i % num_directions));
   }
   nlohmann::json answer = WindRoseJson(rose, ContextOf(*kept));
   answer["aircraft"] = AircraftJson(aircraft);

@@ -9,24 +9,19 @@
 #include <spdlog/spdlog.h>
 
 #include "server/http/http.h"
+#include "server/recall/other_maps/other_maps.h"
+#include "server/recall/terrain_margin.h"
 
 namespace freelsd {
 namespace {
 
 // A map has eight layers of float and one of bytes. Each planner adds one layer of float and one of
 // bytes, and the surface that it clears: two layers of float and three of bytes.
-constexpr size_t kMaxNumPlannersKept = 2;
-constexpr size_t kBytesPerCell = 33 + (5 + 11) * kMaxNumPlannersKept;
-constexpr size_t kMaxNumPlansKept = 8;
+constexpr size_t kBytesPerCell = 33 + (5 + 11) * MapCache::kMaxNumPlannersKept;
 // With obstacles, two more layers of float.
 constexpr size_t kBytesPerObstructedCell = 8;
 // From the edge of a map to the far side of a circle that begins on it.
-constexpr double kSurroundingsM = 1000.0;
-// Of one entry, with the ids of its obstacles.
-constexpr size_t kBytesOfObstruction = 256;
-// Plans that stay without their map: of one site, and the size of one.
-constexpr size_t kMaxNumPlansOfSite = 64;
-constexpr size_t kBytesPerPlan = size_t{16} << 10;
+constexpr double kCirclesM = 1000.0;
 // Blocks of terrain are at most so wide: a margin over terrain counts in metres.
 constexpr double kMaxBlockM = 2.0;
 
@@ -34,19 +29,13 @@ size_t NumCells(const Grid& grid) {
   return static_cast<size_t>(grid.num_rows) * static_cast<size_t>(grid.num_cols);
 }
 
-// The exact bytes: any other wind needs another plan.
-std::string WindKey(const std::optional<Eigen::Vector2d>& wind) {
-  if (!wind) return {};
-  return {reinterpret_cast<const char*>(wind->data()), 2 * sizeof(double)};
-}
-
 // The box of the map, widened.
-BoundingBox SurroundingsOf(const GeoPoint& origin, const Grid& grid) {
+BoundingBox BoxAround(const GeoPoint& origin, const Grid& grid, double margin_m) {
   const Eigen::Vector2d half_size =
       0.5 * grid.cell_size_m * Eigen::Vector2d(grid.num_cols, -grid.num_rows);
   const Eigen::Vector2d middle = grid.north_west_in_world + half_size;
   const GeoPoint place = LocalFrame(origin).GeoFromWorld({middle.x(), middle.y(), 0.0});
-  return BoxAroundPlace(place, half_size.norm() + kSurroundingsM);
+  return BoxAroundPlace(place, half_size.norm() + margin_m);
 }
 
 AltitudeReference ReferenceOf(const KeptSite& site) {
@@ -57,20 +46,23 @@ AltitudeReference ReferenceOf(const KeptSite& site) {
           site.row.flight_id};
 }
 
-std::shared_ptr<const KeptSite> Obstructed(const KeptSite& site, const KnownObstacles& obstacles) {
-  auto kept = std::make_shared<KeptSite>(site);
-  kept->obstacles_key = KeyOf(obstacles);
-  kept->obstacles = InWorld(obstacles, LocalFrame(site.replan.origin), ReferenceOf(site));
-  AssessedMap ground = WithObstacles(site.site_map.map, site.site_map.layers, kept->obstacles, {});
-  kept->obstructed_map = {std::move(ground.map), std::move(ground.layers)};
-  return kept;
+SiteMap WithObstaclesOn(const SiteMap& site_map, const std::vector<HardObstacle>& obstacles) {
+  AssessedMap ground = WithObstacles(site_map.map, site_map.layers, obstacles, {});
+  return {std::move(ground.map), std::move(ground.layers)};
 }
 
-// Never lower than the map.
-KeptTerrain TerrainOn(const KeptSite& site) {
-  const ElevationMap& map = site.obstructed_map.map;
+// Never lower than the site's map with its obstacles.
+KeptTerrain TerrainOn(const KeptSite& site, const KnownObstacles& obstacles) {
+  const LocalFrame frame(site.replan.origin);
+  const ElevationMap map =
+      WithObstaclesOn(site.site_map, InWorld(obstacles, frame, ReferenceOf(site))).map;
   const int side = std::max(1, static_cast<int>(std::floor(kMaxBlockM / map.grid.cell_size_m)));
-  KeptTerrain terrain{site.replan.origin, map.grid, {}, {}, site.surroundings, site.obstacles_key};
+  KeptTerrain terrain;
+  terrain.origin = site.replan.origin;
+  terrain.grid = map.grid;
+  terrain.position_sd_m = map.position_sd_m;
+  terrain.surroundings = site.surroundings;
+  terrain.obstacles_key = KeyOf(obstacles);
   terrain.grid.cell_size_m *= side;
   terrain.grid.num_rows = (map.grid.num_rows + side - 1) / side;
   terrain.grid.num_cols = (map.grid.num_cols + side - 1) / side;
@@ -132,7 +124,9 @@ KeptSite MapCache::ReadSite(const Storage& storage,
     const Grid around = whole.Part(whole.CellsAround(request.footprint, kept.reach));
     kept.site_map = flight_maps_.Read(storage, *map, 0, around, TileLayers::kPlanning).site_map;
   }
-  kept.surroundings = SurroundingsOf(kept.replan.origin, kept.site_map.map.grid);
+  const Grid& grid = kept.site_map.map.grid;
+  kept.box = BoxAround(kept.replan.origin, grid, 0.0);
+  kept.surroundings = BoxAround(kept.replan.origin, grid, kCirclesM);
   return kept;
 }
 
@@ -176,7 +170,11 @@ std::shared_ptr<const KeptTerrain> MapCache::ReadTerrain(const Storage& storage,
   const Grid grid = map->GridAt(level);
   const SiteMap blocks =
       flight_maps_.Read(storage, *map, level, grid, TileLayers::kPlanning).site_map;
-  KeptTerrain terrain{map->head.origin, grid, {}, {}, SurroundingsOf(map->head.origin, grid), {}};
+  KeptTerrain terrain;
+  terrain.origin = map->head.origin;
+  terrain.grid = grid;
+  terrain.position_sd_m = map->head.position_sd_m;
+  terrain.surroundings = BoxAround(map->head.origin, grid, kCirclesM);
   const KnownObstacles obstacles = ObstaclesNear(storage, terrain.surroundings);
   terrain.obstacles_key = KeyOf(obstacles);
   const AltitudeReference reference{map->row.altitude_datum,
@@ -189,24 +187,6 @@ std::shared_ptr<const KeptTerrain> MapCache::ReadTerrain(const Storage& storage,
   // The number of points of a block is unknown if one of its cells is unseen.
   terrain.is_seen = (blocks.map.num_points == blocks.map.num_points) / 255;
   return std::make_shared<const KeptTerrain>(std::move(terrain));
-}
-
-MapCache::Planned* MapCache::FindSame(const std::shared_ptr<const KeptSite>& site) {
-  Planned* const planned = sites_.Find(site->row.id);
-  return planned != nullptr && planned->site == site ? planned : nullptr;
-}
-
-MapCache::Planner* MapCache::FindPlanner(const std::shared_ptr<const KeptSite>& site,
-                                         const std::string& aircraft_key) {
-  Planned* const planned = FindSame(site);
-  if (planned == nullptr) return nullptr;
-  std::list<Planner>& planners = planned->planners;
-  const auto found = std::find_if(planners.begin(), planners.end(), [&](const Planner& each) {
-    return each.aircraft_key == aircraft_key;
-  });
-  if (found == planners.end()) return nullptr;
-  planners.splice(planners.begin(), planners, found);
-  return &planners.front();
 }
 
 // Storage may hold another update than the requested one: a newer one, or an older one from the
@@ -224,26 +204,75 @@ std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
   const std::shared_ptr<const KeptSite> site =
       found ? found : ReadSiteSafely(storage, site_id, reach);
   if (!site) return nullptr;
-  const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
-  if (found && KeyOf(obstacles) == found->obstacles_key) return found;
-  std::shared_ptr<const KeptSite> current = Obstructed(*site, obstacles);
+  const Surroundings surroundings =
+      SurroundingsOf(storage, site->row.flight_id, site->box, site->surroundings);
+  if (found && surroundings.Key() == found->surroundings_key) return found;
+  const std::shared_ptr<const KeptSite> current = Among(storage, *site, surroundings);
   const std::lock_guard lock(mutex_);
   // Another thread may have cached it in the meantime, with plans that refer to its object.
   if (const Planned* planned = sites_.Find(site_id, updated_at_us);
-      planned != nullptr && planned->site->obstacles_key == current->obstacles_key &&
+      planned != nullptr && planned->site->surroundings_key == current->surroundings_key &&
       planned->site->reach >= reach) {
     return planned->site;
   }
   const size_t bytes_per_cell =
-      kBytesPerCell + (current->obstacles.empty() ? 0 : kBytesPerObstructedCell);
+      kBytesPerCell + (current->surroundings_key.empty() ? 0 : kBytesPerObstructedCell);
   const size_t num_bytes = bytes_per_cell * NumCells(current->site_map.map.grid);
   sites_.Keep(site_id, updated_at_us, num_bytes, {current, {}});
   return current;
 }
 
-KeptSite MapCache::AmongObstacles(const Storage& storage, KeptSite site) {
-  site.surroundings = SurroundingsOf(site.replan.origin, site.site_map.map.grid);
-  return *Obstructed(site, ObstaclesNear(storage, site.surroundings));
+KeptSite MapCache::InSurroundings(const Storage& storage, KeptSite site) {
+  const Grid& grid = site.site_map.map.grid;
+  site.box = BoxAround(site.replan.origin, grid, 0.0);
+  site.surroundings = BoxAround(site.replan.origin, grid, kCirclesM);
+  return *Among(
+      storage, site, SurroundingsOf(storage, site.row.flight_id, site.box, site.surroundings));
+}
+
+std::string MapCache::Surroundings::Key() const {
+  std::string key = KeyOf(obstacles);
+  for (const auto& map : other_maps) {
+    key.append(map->id).append("@").append(std::to_string(map->updated_at_us)).append(";");
+  }
+  return key;
+}
+
+MapCache::Surroundings MapCache::SurroundingsOf(const Storage& storage,
+                                                const std::string& flight_id,
+                                                const BoundingBox& box,
+                                                const BoundingBox& surroundings) {
+  return {ObstaclesNear(storage, surroundings), MapsOfOthers(storage, flight_id, box)};
+}
+
+std::vector<OtherGround> MapCache::GroundsOf(const Storage& storage,
+                                             const SharedRows<MapRow>& maps) {
+  std::vector<OtherGround> grounds;
+  for (const auto& map : maps) {
+    auto terrain = TerrainOf(storage, map->id, map->updated_at_us);
+    if (!terrain) continue;
+    const AltitudeReference reference = freelsd::ReferenceOf(*map, *terrain);
+    grounds.push_back({std::move(terrain), reference});
+  }
+  return grounds;
+}
+
+std::shared_ptr<const KeptSite> MapCache::Among(const Storage& storage,
+                                                const KeptSite& site,
+                                                const Surroundings& surroundings) {
+  auto kept = std::make_shared<KeptSite>(site);
+  const AltitudeReference reference = ReferenceOf(*kept);
+  kept->surroundings_key = surroundings.Key();
+  kept->obstacles = InWorld(surroundings.obstacles, LocalFrame(site.replan.origin), reference);
+  kept->other_maps = surroundings.other_maps;
+  SiteMap ground = site.site_map;
+  ground.map.upper = WithGroundOfOthers(ground.map,
+                                        site.replan.origin,
+                                        reference,
+                                        GroundsOf(storage, kept->other_maps),
+                                        site.replan.flight.options.approach.path_margin_sigma);
+  kept->obstructed_map = WithObstaclesOn(ground, kept->obstacles);
+  return kept;
 }
 
 std::shared_ptr<const KeptSite> MapCache::Covering(
@@ -276,8 +305,8 @@ std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
   } else {
     if (!site) site = ReadSiteSafely(storage, map_id, 0.0);
     if (!site) return nullptr;
-    const KnownObstacles obstacles = ObstaclesNear(storage, site->surroundings);
-    terrain = std::make_shared<const KeptTerrain>(TerrainOn(*Obstructed(*site, obstacles)));
+    terrain = std::make_shared<const KeptTerrain>(
+        TerrainOn(*site, ObstaclesNear(storage, site->surroundings)));
   }
   if (!terrain) return nullptr;
   const size_t num_bytes = (sizeof(float) + sizeof(uchar)) * NumCells(terrain->grid);
@@ -288,113 +317,6 @@ std::shared_ptr<const KeptTerrain> MapCache::TerrainOf(const Storage& storage,
 
 KnownObstacles MapCache::ObstaclesNear(const Storage& storage, const BoundingBox& box) {
   return obstacles_.Near(storage, box, NowUs());
-}
-
-std::optional<std::optional<Obstruction>> MapCache::KeptObstruction(
-    const SiteRow& site, const std::string& obstacles_key) {
-  const std::lock_guard lock(mutex_);
-  const KnownObstruction* const known = obstructions_.Find(site.id, site.updated_at_us);
-  if (known == nullptr || known->obstacles_key != obstacles_key) return std::nullopt;
-  return known->obstruction;
-}
-
-void MapCache::KeepObstruction(const SiteRow& site,
-                               const std::string& obstacles_key,
-                               const std::optional<Obstruction>& obstruction) {
-  const std::lock_guard lock(mutex_);
-  obstructions_.Keep(
-      site.id, site.updated_at_us, kBytesOfObstruction, {obstacles_key, obstruction});
-}
-
-void MapCache::DropPlans(const std::string& site_id) {
-  const std::lock_guard lock(mutex_);
-  sites_.Erase(site_id);
-  plans_.Erase(site_id);
-}
-
-std::optional<KeptPlan> MapCache::PlanOf(const Storage& storage,
-                                         const RecallRow& row,
-                                         const Aircraft& aircraft,
-                                         const std::string& aircraft_key,
-                                         const std::optional<Eigen::Vector2d>& wind_in_world) {
-  const std::string key = WindKey(wind_in_world) + aircraft_key;
-  std::optional<KeptPlan> kept_plan;
-  {
-    const std::lock_guard lock(mutex_);
-    if (PlansOfSite* const plans = plans_.Find(row.site_id, row.updated_at_us)) {
-      const auto found = std::find_if(
-          plans->begin(), plans->end(), [&key](const auto& each) { return each.first == key; });
-      if (found != plans->end()) {
-        plans->splice(plans->begin(), *plans, found);
-        kept_plan = found->second;
-      }
-    }
-  }
-  if (kept_plan &&
-      KeyOf(ObstaclesNear(storage, kept_plan->surroundings)) == kept_plan->obstacles_key) {
-    return kept_plan;
-  }
-  auto site = Get(storage, row.site_id, row.updated_at_us);
-  if (!site) return std::nullopt;
-  site = Covering(storage, site, aircraft, wind_in_world);
-  const KeptPlan made{site->replan.origin,
-                      PlanFor(site, aircraft, wind_in_world),
-                      site->surroundings,
-                      site->obstacles_key};
-  const std::lock_guard lock(mutex_);
-  PlansOfSite plans;
-  if (PlansOfSite* const kept = plans_.Find(row.site_id, row.updated_at_us)) plans.swap(*kept);
-  // A plan among other obstacles.
-  plans.remove_if([&key](const auto& each) { return each.first == key; });
-  plans.emplace_front(key, made);
-  if (plans.size() > kMaxNumPlansOfSite) plans.pop_back();
-  const size_t num_bytes = kBytesPerPlan * plans.size();
-  plans_.Keep(row.site_id, row.updated_at_us, num_bytes, std::move(plans));
-  return made;
-}
-
-std::shared_ptr<const StoredMapPlanner> MapCache::PlannerFor(
-    const std::shared_ptr<const KeptSite>& site, const Aircraft& aircraft) {
-  const std::string aircraft_key = AircraftJson(aircraft).dump();
-  {
-    const std::lock_guard lock(mutex_);
-    if (const Planner* const planner = FindPlanner(site, aircraft_key)) return planner->on_map;
-  }
-  auto on_map =
-      std::make_shared<const StoredMapPlanner>(site->replan, aircraft, site->obstructed_map);
-  const std::lock_guard lock(mutex_);
-  Planned* const planned = FindSame(site);
-  if (planned == nullptr || FindPlanner(site, aircraft_key) != nullptr) return on_map;
-  planned->planners.push_front({aircraft_key, on_map, {}});
-  if (planned->planners.size() > kMaxNumPlannersKept) planned->planners.pop_back();
-  return on_map;
-}
-
-std::shared_ptr<const Plan> MapCache::PlanFor(const std::shared_ptr<const KeptSite>& site,
-                                              const Aircraft& aircraft,
-                                              const std::optional<Eigen::Vector2d>& wind_in_world) {
-  const std::string aircraft_key = AircraftJson(aircraft).dump();
-  const std::string wind_key = WindKey(wind_in_world);
-  {
-    const std::lock_guard lock(mutex_);
-    if (const Planner* const planner = FindPlanner(site, aircraft_key)) {
-      for (const auto& [kept_key, plan] : planner->plans) {
-        if (kept_key == wind_key) return plan;
-      }
-    }
-  }
-  const auto on_map = PlannerFor(site, aircraft);
-  auto plan = std::make_shared<const Plan>(CheckedBeyondMap(on_map->planner.PlanFor(wind_in_world),
-                                                            site->obstructed_map.map,
-                                                            aircraft,
-                                                            site->obstacles,
-                                                            {}));
-  const std::lock_guard lock(mutex_);
-  Planner* const planner = FindPlanner(site, aircraft_key);
-  if (planner == nullptr) return plan;
-  planner->plans.emplace_front(wind_key, plan);
-  if (planner->plans.size() > kMaxNumPlansKept) planner->plans.pop_back();
-  return plan;
 }
 
 }  // namespace freelsd

@@ -12,6 +12,7 @@
 #include "api/export/layers/layers.h"
 #include "api/stored/stored.h"
 #include "server/maps/maps.h"
+#include "server/recall/kept_terrain.h"
 #include "server/recall/obstacles/obstacles.h"
 #include "server/recall/replan.h"
 #include "server/recall/site_lru.h"
@@ -19,7 +20,9 @@
 
 namespace freelsd {
 
-// A cached site with its map, and with the obstacles that were near when it was asked for.
+struct OtherGround;
+
+// A cached site with its map, and with what was near when it was asked for.
 struct KeptSite {
   SiteRow row;
   Replan replan;
@@ -27,12 +30,14 @@ struct KeptSite {
   SiteMap site_map;
   // See PlanReach. Infinite for a site with a map of its own.
   double reach = 0.0;
-  // The map and all that its circles may reach.
-  BoundingBox surroundings{};
-  // Of all obstacles there.
-  std::string obstacles_key = {};
+  // The map, and the map with all that its circles may reach.
+  BoundingBox box{}, surroundings{};
+  // Of the obstacles in `surroundings`, and of the maps of other flights in `box`.
+  std::string surroundings_key = {};
   std::vector<HardObstacle> obstacles = {};
-  // Plans are made on it; equals site_map where no obstacle is near.
+  SharedRows<MapRow> other_maps = {};
+  // Plans are made on it: site_map with the obstacles, and with the ground of other maps where it
+  // is unseen.
   SiteMap obstructed_map = {};
 };
 
@@ -42,23 +47,8 @@ struct KeptPlan {
   GeoPoint origin;
   std::shared_ptr<const Plan> plan;
   // As of KeptSite.
-  BoundingBox surroundings{};
-  std::string obstacles_key = {};
-};
-
-// The part of a site's map that is needed to check a flight over it. Its cells are blocks of the
-// map's cells, about 2 m wide.
-struct KeptTerrain {
-  GeoPoint origin;
-  Grid grid;
-  // Greatest height of an object, of the ground, or of an obstacle in each block
-  // (ElevationMap::upper).
-  cv::Mat1f upper;
-  // 1 where the whole block is seen.
-  cv::Mat1b is_seen;
-  // As of KeptSite.
-  BoundingBox surroundings{};
-  std::string obstacles_key = {};
+  BoundingBox box{}, surroundings{};
+  std::string surroundings_key = {};
 };
 
 // Thread-safe. Returned objects stay valid and never change. The constructor's arguments limit the
@@ -77,8 +67,8 @@ class MapCache {
   FlightMaps& flight_maps() { return flight_maps_; }
   // The obstacles that are in force now and may meet the box.
   KnownObstacles ObstaclesNear(const Storage& storage, const BoundingBox& box);
-  // The site as of the update at updated_at_us, or as stored now if that version is gone; with the
-  // obstacles in force now. The map reaches far enough for the site's own aircraft and wind, and at
+  // The site as of the update at updated_at_us, or as stored now if that version is gone; with what
+  // is near it now. The map reaches far enough for the site's own aircraft and wind, and at
   // least `reach`. Nothing if the site has no map or its map cannot be read.
   std::shared_ptr<const KeptSite> Get(const Storage& storage,
                                       const std::string& site_id,
@@ -89,8 +79,8 @@ class MapCache {
                                            const std::shared_ptr<const KeptSite>& site,
                                            const Aircraft& aircraft,
                                            const std::optional<Eigen::Vector2d>& wind_in_world);
-  // A site that is not stored, with the obstacles in force now.
-  KeptSite AmongObstacles(const Storage& storage, KeptSite site);
+  // A site that is not stored, with what is near it now.
+  KeptSite InSurroundings(const Storage& storage, KeptSite site);
   // The terrain of a map (MapRow::id and updated_at_us). It needs a fraction of the map's memory.
   std::shared_ptr<const KeptTerrain> TerrainOf(const Storage& storage,
                                                const std::string& map_id,
@@ -98,8 +88,9 @@ class MapCache {
   // A planner for this aircraft on the site's map. `site` must outlive it. Cached.
   std::shared_ptr<const StoredMapPlanner> PlannerFor(const std::shared_ptr<const KeptSite>& site,
                                                      const Aircraft& aircraft);
-  // The plan for this aircraft and wind on the site's map. Cached.
-  std::shared_ptr<const Plan> PlanFor(const std::shared_ptr<const KeptSite>& site,
+  // The plan for this aircraft and wind on the site's map, checked on later maps. Cached.
+  std::shared_ptr<const Plan> PlanFor(const Storage& storage,
+                                      const std::shared_ptr<const KeptSite>& site,
                                       const Aircraft& aircraft,
                                       const std::optional<Eigen::Vector2d>& wind_in_world);
   // What KeepObstruction kept for this update of the site and for these obstacles; nothing if
@@ -120,6 +111,8 @@ class MapCache {
   // Drops the site, its map and its plans, but not its terrain. Call it for a site that is no
   // longer a landing site.
   void DropPlans(const std::string& site_id);
+
+  static constexpr size_t kMaxNumPlannersKept = 2;
 
  private:
   static constexpr size_t kMaxBytesOfPlans = size_t{64} << 20;
@@ -147,6 +140,21 @@ class MapCache {
   };
   static constexpr size_t kMaxBytesOfObstructions = size_t{1} << 20;
 
+  // What counts in a plan besides its own map.
+  struct Surroundings {
+    KnownObstacles obstacles;
+    SharedRows<MapRow> other_maps;
+
+    std::string Key() const;
+  };
+  Surroundings SurroundingsOf(const Storage& storage,
+                              const std::string& flight_id,
+                              const BoundingBox& box,
+                              const BoundingBox& surroundings);
+  std::vector<OtherGround> GroundsOf(const Storage& storage, const SharedRows<MapRow>& maps);
+  std::shared_ptr<const KeptSite> Among(const Storage& storage,
+                                        const KeptSite& site,
+                                        const Surroundings& surroundings);
   std::shared_ptr<const KeptSite> ReadSiteSafely(const Storage& storage,
                                                  const std::string& site_id,
                                                  double reach);

@@ -129,7 +129,7 @@ std::optional<PlanCheck> BrokenBeyondMap(const StoredPlan& plan,
   flown =
       CheckedBeyondMap(std::move(flown), own_map.map, plan.replan.flight.aircraft, obstacles, {});
   if (flown.verdict != Verdict::kRejected) return std::nullopt;
-  return PlanCheck{PlanVerdict::kFails, NameOf(*flown.reject_reason), flown.reject_detail};
+  return PlanCheck{PlanVerdict::kFails, flown.reject_reason, flown.reject_detail};
 }
 
 bool IsSame(const std::optional<Rejection>& a, const std::optional<Rejection>& b) {
@@ -153,7 +153,7 @@ std::optional<PlanCheck> BrokenByObstacles(const StoredPlan& plan,
   if (broken && IsSame(broken, CheckOn(Strict(plan, around), approach, plan).rejection)) {
     broken = CheckOn(Lenient(plan, obstructed), approach, plan).rejection;
   }
-  if (broken) return PlanCheck{PlanVerdict::kFails, NameOf(broken->reason), broken->detail};
+  if (broken) return PlanCheck{PlanVerdict::kFails, broken->reason, broken->detail};
   return BrokenBeyondMap(plan, approach, around, obstacles);
 }
 
@@ -169,6 +169,31 @@ std::optional<StoredPlan> ReadStoredPlan(const SiteRow& row) {
     spdlog::error("site {} cannot be checked on later maps: {}", row.id, error.what());
     return std::nullopt;
   }
+}
+
+StoredPlan AsStoredPlan(const Plan& plan, Replan replan) {
+  const LocalFrame frame(replan.origin);
+  const Approach& approach = *plan.approach;
+  StoredPlan stored{std::move(replan), {}};
+  StoredSite& site = stored.site;
+  site.touchdown = frame.GeoFromWorld(plan.touchdown_in_world);
+  FinalPlaces places;
+  places.start = frame.GeoFromWorld(approach.approach_start_in_world);
+  places.loiter_center = frame.GeoFromWorld(approach.loiter_center_in_world);
+  places.loiter_radius_m = approach.loiter_radius;
+  places.is_right_turn = approach.loiter_direction == LoiterDirection::kRight;
+  places.height_m = approach.approach_height;
+  site.final_places = places;
+  const double lift_m = site.touchdown.altitude_m - plan.touchdown_in_world.z();
+  const ApproachProfile& profile = approach.profile;
+  for (size_t i = 0; i < profile.distance.size(); ++i) {
+    ProfilePoint point{profile.distance[i], profile.path_height[i] + lift_m, std::nullopt};
+    if (std::isfinite(profile.terrain_height[i])) {
+      point.terrain_m = profile.terrain_height[i] + lift_m;
+    }
+    site.profile.push_back(point);
+  }
+  return stored;
 }
 
 BoundingBox BoxOf(const StoredPlan& plan) {
@@ -202,10 +227,10 @@ PlanCheck CheckPlan(const StoredPlan& plan, const GeoPoint& map_origin, const Si
   const SiteMap around = CroppedTo(plan, approach, site_map);
   if (around.map.elevation.empty()) return {};
   const ApproachCheck strict = CheckOn(Strict(plan, around), approach, plan);
-  if (strict.is_covered && !strict.rejection) return {PlanVerdict::kHolds, {}, {}};
+  if (strict.is_covered && !strict.rejection) return {PlanVerdict::kHolds, std::nullopt, {}};
   const ApproachCheck lenient = CheckOn(Lenient(plan, around), approach, plan);
   if (!lenient.rejection) return {};
-  return {PlanVerdict::kFails, NameOf(lenient.rejection->reason), lenient.rejection->detail};
+  return {PlanVerdict::kFails, lenient.rejection->reason, lenient.rejection->detail};
 }
 
 }  // namespace freelsd

@@ -21,6 +21,9 @@ struct StoredPlan {
 };
 // Nothing if the site was rejected, or if its row is invalid by current rules.
 std::optional<StoredPlan> ReadStoredPlan(const SiteRow& row);
+// A plan that is not stored, made with the request's aircraft and wind in the world of its origin.
+// The plan has an approach.
+StoredPlan AsStoredPlan(const Plan& plan, Replan replan);
 // The ground that CheckPlan reads on a map with this grid and deviation of its position, in the
 // map's world.
 Polygon CheckedGroundOf(const StoredPlan& plan,
@@ -37,9 +40,8 @@ enum class PlanVerdict {
 };
 struct PlanCheck {
   PlanVerdict verdict = PlanVerdict::kUnknown;
-  // Set if verdict is kFails: the broken rule (a value of reject_reason), and a sentence with
-  // numbers.
-  std::string reason;
+  // Set if verdict is kFails: the broken rule, and a sentence with numbers.
+  std::optional<RejectReason> reason;
   std::string detail;
 };
 // Checks the plan on the map of another flight, with the plan's own aircraft, wind and options.

@@ -10,6 +10,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/recall/other_maps/other_maps.h"
 #include "server/recall/plan_check.h"
 #include "server/recall/recall_sites.h"
 
@@ -44,20 +45,15 @@ struct Change {
   std::optional<NewOwnMap> new_own_map;
 };
 
-// A stored or new map on which a plan is checked.
-struct LaterMap {
-  // MapRow::id.
-  std::string id;
-  std::string flight_id;
-  int64_t seen_at_us = 0;
-  bool is_of_flight = false;
-};
+MapRow RowOf(const FlightMapRow& map) {
+  return {map.id, map.flight_id, 0, map.altitude_datum, map.seen_at_us, true};
+}
 
 // Of the maps on which the plan fails, the newest one supersedes the site. Of the maps on which it
 // holds, the newest one confirms the site. The order of the checks therefore does not matter.
 Standing With(Standing standing,
               const PlanCheck& check,
-              const LaterMap& map,
+              const MapRow& map,
               const std::string& shown_id) {
   if (check.verdict == PlanVerdict::kHolds) {
     standing.confirmed_at_us =
@@ -73,7 +69,7 @@ Standing With(Standing standing,
   standing.superseded_by = shown_id;
   standing.superseded_by_map = map.is_of_flight ? map.id : "";
   standing.superseded_at_us = map.seen_at_us;
-  standing.superseded_reason = check.reason;
+  standing.superseded_reason = NameOf(*check.reason);
   standing.superseded_detail = check.detail;
   return standing;
 }
@@ -90,11 +86,7 @@ class Checks {
     if (!plan) return standing;
     for (const auto& row : stored_.storage.sites.ListMaps(BoxOf(*plan))) {
       if (change_.gone_maps.contains(row->id)) continue;
-      standing = OnMap(std::move(standing),
-                       site,
-                       *plan,
-                       {row->id, row->flight_id, row->seen_at_us, row->is_of_flight},
-                       row->updated_at_us);
+      standing = OnMap(std::move(standing), site, *plan, *row);
     }
     return OnNewMaps(std::move(standing), site, *plan);
   }
@@ -107,61 +99,30 @@ class Checks {
   }
 
  private:
-  // Photographs from the same time show the same ground. A flight that was sent twice therefore
-  // changes nothing.
-  bool IsLater(const LaterMap& map, const SiteRow& site) const {
-    return map.flight_id != site.flight_id && map.seen_at_us > SeenAt(site);
-  }
-
-  // When the ground of the site's map was last photographed.
-  int64_t SeenAt(const SiteRow& site) const {
-    if (site.map_id.empty()) return site.seen_at_us;
-    const auto map = stored_.maps.flight_maps().Find(stored_.storage, site.map_id);
-    return map ? map->row.seen_at_us : site.seen_at_us;
-  }
-
   Standing OnNewMaps(Standing standing, const SiteRow& site, const StoredPlan& plan) const {
     for (const FlightMapRow& map : change_.new_maps) {
-      standing =
-          OnMap(std::move(standing), site, plan, {map.id, map.flight_id, map.seen_at_us, true}, 0);
+      standing = OnMap(std::move(standing), site, plan, RowOf(map));
     }
     if (!change_.new_own_map) return standing;
     const auto& [newer, origin, site_map] = *change_.new_own_map;
-    const LaterMap map{newer.id, newer.flight_id, newer.seen_at_us, false};
-    if (!IsLater(map, site)) return standing;
+    const MapRow map{newer.id, newer.flight_id, newer.updated_at_us, {}, newer.seen_at_us, false};
+    if (!IsLater(stored_, map, site)) return standing;
     return With(std::move(standing), CheckPlan(plan, origin, site_map), map, newer.id);
   }
 
   Standing OnMap(Standing standing,
                  const SiteRow& site,
                  const StoredPlan& plan,
-                 const LaterMap& map,
-                 int64_t updated_at_us) const {
-    if (!IsLater(map, site)) return standing;
-    if (map.is_of_flight) return OnFlightMap(std::move(standing), plan, map);
-    const auto kept = stored_.maps.Get(stored_.storage, map.id, updated_at_us);
-    if (!kept) return standing;
-    return With(
-        std::move(standing), CheckPlan(plan, kept->replan.origin, kept->site_map), map, map.id);
-  }
-
-  Standing OnFlightMap(Standing standing, const StoredPlan& plan, const LaterMap& later) const {
-    FlightMaps& maps = stored_.maps.flight_maps();
-    const auto map = maps.Find(stored_.storage, later.id);
-    if (!map) return standing;
-    const MapHead& head = map->head;
-    const Polygon ground = CheckedGroundOf(plan, head.origin, head.grid, head.position_sd_m);
-    const Grid grid = head.grid.Part(head.grid.CellsAround(ground, 0.0));
-    if (grid.num_rows == 0 || grid.num_cols == 0) return standing;
-    const MapRasters rasters = maps.Read(stored_.storage, *map, 0, grid, TileLayers::kPlanning);
-    return With(std::move(standing),
-                CheckPlan(plan, head.origin, rasters.site_map),
-                later,
-                ShownId(later, plan.site.touchdown));
+                 const MapRow& map) const {
+    if (!IsLater(stored_, map, site)) return standing;
+    const auto check = CheckPlanOn(stored_, plan, map);
+    if (!check) return standing;
+    const std::string shown_id = map.is_of_flight ? ShownId(map, plan.site.touchdown) : map.id;
+    return With(std::move(standing), *check, map, shown_id);
   }
 
   // The site of the map that is nearest to the place, else the flight.
-  std::string ShownId(const LaterMap& map, const GeoPoint& place) const {
+  std::string ShownId(const MapRow& map, const GeoPoint& place) const {
     const LocalFrame frame(place);
     std::string nearest = map.flight_id;
     double least = std::numeric_limits<double>::infinity();

@@ -28,6 +28,7 @@ struct Arguments {
   std::string aircraft = "small";
   double noise_scale = 1.0;
   double wind_speed_mps = 4.0;
+  double size_m = WorldOptions{}.size_m;
 };
 
 FlightPattern PatternFrom(const std::string& name) {
@@ -80,6 +81,7 @@ void Run(const Arguments& arguments) {
   WorldOptions world_options;
   world_options.seed = arguments.seed;
   world_options.wind_speed_mps = arguments.wind_speed_mps;
+  world_options.size_m = arguments.size_m;
   FlightOptions flight_options;
   flight_options.seed = arguments.seed;
   flight_options.num_frames = arguments.num_frames;
@@ -127,6 +129,8 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(0.0, 2.0));
     app.add_option("--wind", arguments.wind_speed_mps, "wind speed in m/s")
         ->check(CLI::Range(0.0, 9.0));
+    app.add_option("--size", arguments.size_m, "side of the world in metres")
+        ->check(CLI::Range(300.0, 2000.0));
     CLI11_PARSE(app, argc, argv);
     freelsd::Run(arguments);
   } catch (const std::exception& error) {

@@ -94,7 +94,7 @@ std::shared_ptr<const KeptSite> SiteAt(const StoredSites& stored,
   }
   site.site_map = std::move(rasters.site_map);
   auto kept =
-      std::make_shared<KeptSite>(stored.maps.AmongObstacles(stored.storage, std::move(site)));
+      std::make_shared<KeptSite>(stored.maps.InSurroundings(stored.storage, std::move(site)));
   kept->replan.request.area_m2 = FreeArea(*kept, used);
   return kept;
 }

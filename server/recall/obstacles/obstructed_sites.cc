@@ -39,7 +39,7 @@ std::optional<Obstruction> Computed(const StoredSites& stored, const SiteRow& si
   const std::optional<PlanCheck> check = BrokenByObstacles(*plan, kept->site_map, kept->obstacles);
   if (!check) return std::nullopt;
   return Obstruction{
-      check->reason, check->detail, BlockingIds(*plan, kept->site_map, kept->obstacles)};
+      NameOf(*check->reason), check->detail, BlockingIds(*plan, kept->site_map, kept->obstacles)};
 }
 
 }  // namespace

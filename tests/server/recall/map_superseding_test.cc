@@ -27,16 +27,18 @@ SiteRow PlannedSite(Storage& storage, MapCache& maps, const FlightMapRow& map) {
   storage.sites.PutEvaluation({{site}, {}, {map.id}, {}}, {});
   const auto kept = maps.Get(storage, site.id, site.updated_at_us);
   REQUIRE(kept);
-  const auto plan = maps.PlanFor(kept, replan.flight.aircraft, replan.request.wind_in_world);
-  REQUIRE(plan->approach);
+  // As an evaluation does, which knows no other flights.
+  const auto on_map = maps.PlannerFor(kept, replan.flight.aircraft);
+  const Plan plan = on_map->planner.PlanFor(replan.request.wind_in_world);
+  REQUIRE(plan.approach);
   const FlightContext context{map.flight_id, "amsl", LocalFrame(replan.origin)};
   Site evaluated;
-  evaluated.plan = *plan;
-  site.approach_json = ApproachJson(*plan, context).dump();
+  evaluated.plan = plan;
+  site.approach_json = ApproachJson(plan, context).dump();
   site.feature_json =
       SiteFeature(site.id, evaluated, replan.flight.aircraft, "2020-01-01T00:00:00Z", context)
           .dump();
-  const GeoPoint touchdown = context.local_frame.GeoFromWorld(plan->touchdown_in_world);
+  const GeoPoint touchdown = context.local_frame.GeoFromWorld(plan.touchdown_in_world);
   site.latitude_deg = touchdown.latitude_deg;
   site.longitude_deg = touchdown.longitude_deg;
   site.updated_at_us = 7;

@@ -1,0 +1,60 @@
+// What maps of other flights say about a landing that is planned on one map. They add obstacles,
+// never free ground:
+// - Where the own map has seen nothing, the heights of the others stand as obstacles. The ground
+//   there stays unseen.
+// - A plan must hold on every later map that shows its ground.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/recall/altitude_datum.h"
+#include "server/recall/kept_terrain.h"
+#include "server/recall/map_cache.h"
+#include "server/recall/plan_check.h"
+#include "server/recall/recall_sites.h"
+
+namespace freelsd {
+
+// Those of other flights that may meet the box, ordered by id.
+SharedRows<MapRow> MapsOfOthers(const Storage& storage,
+                                const std::string& flight_id,
+                                const BoundingBox& box);
+
+// Heights of another map, and the datum of its altitudes.
+struct OtherGround {
+  std::shared_ptr<const KeptTerrain> terrain;
+  AltitudeReference reference;
+};
+// The upper heights of cells that no photograph of the own map saw become those of the other map,
+// which is widened by both maps' deviations of position. The two maps are levelled by the ground
+// that both have seen. If that is too little, their altitudes are compared, with both deviations;
+// if their datums cannot be compared, nothing is added. `own` is the reference of the map's
+// altitudes, `sigma` the number of deviations.
+cv::Mat1f WithGroundOfOthers(const ElevationMap& map,
+                             const GeoPoint& origin,
+                             const AltitudeReference& own,
+                             const std::vector<OtherGround>& others,
+                             double sigma);
+
+// True if another flight photographed the map's ground later than that of the site's own map.
+// Photographs from the same time show the same ground: a flight that was sent twice changes
+// nothing.
+bool IsLater(const StoredSites& stored, const MapRow& map, const SiteRow& site);
+
+// Checks the plan on a map that is stored or staged. Nothing if the map cannot be read.
+std::optional<PlanCheck> CheckPlanOn(const StoredSites& stored,
+                                     const StoredPlan& plan,
+                                     const MapRow& map);
+
+// The plan, rejected if its circle meets an obstacle beyond the edge of the site's map, or if it
+// fails on a later map. It was made on the site's map for this aircraft and wind.
+Plan CheckedAround(Plan plan,
+                   const StoredSites& stored,
+                   const KeptSite& site,
+                   const Aircraft& aircraft,
+                   const std::optional<Eigen::Vector2d>& wind_in_world);
+
+}  // namespace freelsd
