@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/approach/clearance_surface.h"
 #include "engine/approach/corridor.h"
 
 namespace freelsd {
@@ -17,9 +18,14 @@ class GroundAlong {
         forward_(DirectionOf(heading)),
         right_(forward_.y(), -forward_.x()) {}
 
+  // A large field needs hundreds of thousands of lookups: Grid::CellAt takes six times as long.
   bool IsFree(double along, double to_right) const {
-    const auto cell = hazards_.grid.CellAt(touchdown_ + along * forward_ + to_right * right_);
-    return cell && hazards_.hazard(*cell) == kFree;
+    const Grid& grid = hazards_.grid;
+    const Eigen::Vector2d place = touchdown_ + along * forward_ + to_right * right_;
+    const int col = FloorOf((place.x() - grid.north_west_in_world.x()) / grid.cell_size_m);
+    const int row = FloorOf((grid.north_west_in_world.y() - place.y()) / grid.cell_size_m);
+    const bool is_inside = row >= 0 && col >= 0 && row < grid.num_rows && col < grid.num_cols;
+    return is_inside && hazards_.hazard(row, col) == kFree;
   }
   double step() const { return kAlongSpacing * hazards_.grid.cell_size_m; }
 
@@ -45,13 +51,11 @@ bool IsSliceFree(const GroundAlong& ground, double along, const Corridor& corrid
   return true;
 }
 
-// Tests a line beside the strip, from `behind` metres behind the touchdown to `ahead` metres ahead
-// of it.
-bool IsLineFree(const GroundAlong& ground, double to_right, double behind, double ahead) {
-  for (const double along : Steps(-behind, ahead, ground.step())) {
-    if (!ground.IsFree(along, to_right)) return false;
-  }
-  return true;
+// Tests a line beside the strip at these distances ahead of the touchdown.
+bool IsLineFree(const GroundAlong& ground, double to_right, const std::vector<double>& distances) {
+  return std::all_of(distances.begin(), distances.end(), [&](double along) {
+    return ground.IsFree(along, to_right);
+  });
 }
 
 }  // namespace
@@ -71,10 +75,11 @@ LandingStrip MeasureStrip(const Eigen::Vector3d& touchdown_in_world,
   };
   const std::optional<double> ahead = run(1.0), behind = run(-1.0);
   if (!ahead || !behind || std::min(*ahead, *behind) < margin) return {};
+  const std::vector<double> distances = Steps(-*behind, *ahead, ground.step());
   const auto beside = [&](double sign) {
     const double reach = corridor.Reach();
     const std::optional<double> wider = LastFree(ground.step(), [&](double beyond) {
-      return IsLineFree(ground, sign * (reach + beyond), *behind, *ahead);
+      return IsLineFree(ground, sign * (reach + beyond), distances);
     });
     return reach + wider.value_or(0.0) - margin;
   };
