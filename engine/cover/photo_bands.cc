@@ -8,8 +8,9 @@
 namespace freelsd {
 namespace {
 
-// Cells of a band: a square kilometre at 0.25 m.
-constexpr int kMaxNumCells = 16000000;
+// Cells of a band: a quarter of a square kilometre at 0.25 m. Some rules need 20 rasters of floats
+// for a band.
+constexpr int kMaxNumCells = 4000000;
 
 }  // namespace
 
