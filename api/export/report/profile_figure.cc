@@ -96,7 +96,7 @@ std::string ProfileFigure(const StoredSite& site) {
   const Profile& profile = site.profile;
   if (profile.empty()) return "";
   const Scales scales = ScalesOf(profile);
-  return "<h2>Profile of the final</h2>\n<figure><svg role=\"img\" aria-label=\"path and ground "
+  return "<figure class=\"profile\"><svg role=\"img\" aria-label=\"path and ground "
          "along the final\" viewBox=\"0 0 " +
          Number(kWidth) + " " + Number(kHeight) + "\">" + UnseenColumns(profile, scales) +
          Axes(scales) + Path(profile, &ProfilePoint::terrain_m, "terrain", scales) +
