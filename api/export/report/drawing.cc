@@ -27,7 +27,7 @@ std::string Base64(const std::string& bytes) {
 std::string Points(const Polygon& line) {
   std::string points;
   for (const Eigen::Vector2d& point : line) {
-    points += Metres(point.x()) + "," + Metres(-point.y()) + " ";
+    points += SvgNumber(point.x()) + "," + SvgNumber(-point.y()) + " ";
   }
   return points;
 }
@@ -81,14 +81,14 @@ std::string DataUri(const std::string& media_type, const std::string& bytes) {
   return "data:" + media_type + ";base64," + Base64(bytes);
 }
 
-std::string Metres(double number) { return FixedText(number, 2); }
+std::string SvgNumber(double number) { return FixedText(number, 2); }
 
 std::string Svg(const std::string& label,
                 const Eigen::AlignedBox2d& box,
                 const std::string& content) {
   return "<svg role=\"img\" aria-label=\"" + EscapeXml(label) + "\" viewBox=\"" +
-         Metres(box.min().x()) + " " + Metres(-box.max().y()) + " " + Metres(box.sizes().x()) +
-         " " + Metres(box.sizes().y()) + "\">" + content + "</svg>";
+         SvgNumber(box.min().x()) + " " + SvgNumber(-box.max().y()) + " " +
+         SvgNumber(box.sizes().x()) + " " + SvgNumber(box.sizes().y()) + "\">" + content + "</svg>";
 }
 
 std::string ImageIn(const Eigen::AlignedBox2d& box,
@@ -97,9 +97,9 @@ std::string ImageIn(const Eigen::AlignedBox2d& box,
   if (bytes.empty()) return "";
   // A photograph is smoothed when it is enlarged, a layer keeps its cells.
   const std::string css_class = media_type == "image/jpeg" ? "class=\"photo\" " : "";
-  return "<image " + css_class + "preserveAspectRatio=\"none\" x=\"" + Metres(box.min().x()) +
-         "\" y=\"" + Metres(-box.max().y()) + "\" width=\"" + Metres(box.sizes().x()) +
-         "\" height=\"" + Metres(box.sizes().y()) + "\" href=\"" + DataUri(media_type, bytes) +
+  return "<image " + css_class + "preserveAspectRatio=\"none\" x=\"" + SvgNumber(box.min().x()) +
+         "\" y=\"" + SvgNumber(-box.max().y()) + "\" width=\"" + SvgNumber(box.sizes().x()) +
+         "\" height=\"" + SvgNumber(box.sizes().y()) + "\" href=\"" + DataUri(media_type, bytes) +
          "\"/>";
 }
 
@@ -109,8 +109,8 @@ std::string PathOf(const SiteLines& lines) {
 }
 
 std::string TouchdownDot(const Eigen::Vector2d& place, const Eigen::AlignedBox2d& box) {
-  return "<circle class=\"touchdown\" cx=\"" + Metres(place.x()) + "\" cy=\"" + Metres(-place.y()) +
-         "\" r=\"" + Metres(0.008 * box.sizes().maxCoeff()) + "\"/>";
+  return "<circle class=\"touchdown\" cx=\"" + SvgNumber(place.x()) + "\" cy=\"" +
+         SvgNumber(-place.y()) + "\" r=\"" + SvgNumber(0.008 * box.sizes().maxCoeff()) + "\"/>";
 }
 
 // A bar of 10, 20, 50, 100, ... metres, about a fifth of the width, in the lower left corner.
@@ -121,11 +121,12 @@ std::string ScaleAndNorth(const Eigen::AlignedBox2d& box) {
   const double share = width / 5.0 / power;
   const double bar = power * (share >= 5.0 ? 5.0 : share >= 2.0 ? 2.0 : 1.0);
   const double x = box.min().x() + size, y = -box.min().y() - size;
-  const std::string font = " class=\"label\" font-size=\"" + Metres(size) + "\">";
-  const std::string line = "\" d=\"M" + Metres(x) + " " + Metres(y) + "h" + Metres(bar) + "\"/>";
-  return "<path class=\"casing" + line + "<path class=\"scale" + line + "<text x=\"" + Metres(x) +
-         "\" y=\"" + Metres(y - 0.5 * size) + "\"" + font + FixedText(bar, 0) +
-         " m</text><text x=\"" + Metres(x) + "\" y=\"" + Metres(-box.max().y() + 1.5 * size) +
+  const std::string font = " class=\"label\" font-size=\"" + SvgNumber(size) + "\">";
+  const std::string line =
+      "\" d=\"M" + SvgNumber(x) + " " + SvgNumber(y) + "h" + SvgNumber(bar) + "\"/>";
+  return "<path class=\"casing" + line + "<path class=\"scale" + line + "<text x=\"" +
+         SvgNumber(x) + "\" y=\"" + SvgNumber(y - 0.5 * size) + "\"" + font + FixedText(bar, 0) +
+         " m</text><text x=\"" + SvgNumber(x) + "\" y=\"" + SvgNumber(-box.max().y() + 1.5 * size) +
          "\"" + font + "N &#8593;</text>";
 }
 

@@ -29,8 +29,8 @@ SiteLines LinesOf(const StoredSite& site, const LocalFrame& local_frame);
 Eigen::AlignedBox2d Grown(const Eigen::AlignedBox2d& box, double margin_m);
 
 std::string DataUri(const std::string& media_type, const std::string& bytes);
-// Metres to the centimetre.
-std::string Metres(double number);
+// To the centimetre.
+std::string SvgNumber(double number);
 // `label` describes the drawing for people who do not see it. It is escaped.
 std::string Svg(const std::string& label,
                 const Eigen::AlignedBox2d& box,

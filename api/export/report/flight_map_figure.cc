@@ -22,10 +22,11 @@ std::string Mark(const Eigen::Vector2d& place, const StoredSite& site, double ra
   const std::string number = std::to_string(site.rank.value_or(0));
   // Three digits fit into the disc too.
   const double font = radius * (number.size() > 2 ? 1.0 : 1.3);
-  return "<g class=\"mark " + VerdictOf(site) + "\"><circle cx=\"" + Metres(place.x()) +
-         "\" cy=\"" + Metres(-place.y()) + "\" r=\"" + Metres(radius) + "\"/><text x=\"" +
-         Metres(place.x()) + "\" y=\"" + Metres(-place.y() + 0.36 * font) + "\" font-size=\"" +
-         Metres(font) + "\" text-anchor=\"middle\">" + number + "</text></g>";
+  return "<g class=\"mark " + VerdictOf(site) + "\"><circle cx=\"" + SvgNumber(place.x()) +
+         "\" cy=\"" + SvgNumber(-place.y()) + "\" r=\"" + SvgNumber(radius) + "\"/><text x=\"" +
+         SvgNumber(place.x()) + "\" y=\"" + SvgNumber(-place.y() + 0.36 * font) +
+         "\" font-size=\"" + SvgNumber(font) + "\" text-anchor=\"middle\">" + number +
+         "</text></g>";
 }
 
 struct DrawnSite {

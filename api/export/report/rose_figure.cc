@@ -66,7 +66,7 @@ std::string Text(const std::string& position, const std::string& text) {
 }
 
 // The speeds stand between two columns of cells.
-std::string Labels(const WindRose& rose) {
+std::string AxisLabels(const WindRose& rose) {
   const char* const kNames[] = {"N", "E", "S", "W"};
   std::string labels;
   for (int i = 0; i < 4; ++i) labels += Text(Point(kRimRadius + 12.0, 90.0 * i), kNames[i]);
@@ -119,7 +119,7 @@ std::string RoseFigure(const WindRose& rose) {
   const std::string corner = Number(-kHalfSize), side = Number(2.0 * kHalfSize);
   return "<figure class=\"rose\"><svg role=\"img\" aria-label=\"winds in which one can land\" "
          "viewBox=\"" +
-         corner + " " + corner + " " + side + " " + side + "\">" + cells + Labels(rose) +
+         corner + " " + corner + " " + side + " " + side + "\">" + cells + AxisLabels(rose) +
          "</svg><figcaption>Winds by where they come from; rings by speed in m/s, calm in the "
          "middle. " +
          InWords(rose) + "<ul class=\"legend\">\n" + LegendItem("landable") +
