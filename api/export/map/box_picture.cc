@@ -36,8 +36,8 @@ cv::Vec4b Translucent(const Color& color, uint8_t alpha) {
 Palette HazardPalette(Backdrop backdrop) {
   const bool is_alone = backdrop == Backdrop::kNone;
   Palette palette{};
-  palette[kHazardIndex] = Translucent(kHazardColor, is_alone ? 255 : 120);
-  palette[kLineIndex] = Translucent(kUnseenColor, is_alone ? 255 : 200);
+  palette[kHazardIndex] = Translucent(kHazardColor, is_alone ? 255 : 105);
+  palette[kLineIndex] = Translucent(Color(110, 110, 110), is_alone ? 255 : 200);
   palette[kGapIndex] = Translucent(Color(230, 230, 230), is_alone ? 255 : 110);
   palette[kFreeIndex] = Translucent(kFreeColor, is_alone ? 255 : 70);
   return palette;

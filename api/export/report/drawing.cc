@@ -108,18 +108,21 @@ std::string PathOf(const SiteLines& lines) {
          Line(lines.final_line, "final");
 }
 
-std::string TouchdownDot(const Eigen::Vector2d& place, const Eigen::AlignedBox2d& box) {
+std::string TouchdownDot(const Eigen::Vector2d& place,
+                         const Eigen::AlignedBox2d& box,
+                         double share) {
+  const double radius = 0.3 * share * box.sizes().maxCoeff();
   return "<circle class=\"touchdown\" cx=\"" + SvgNumber(place.x()) + "\" cy=\"" +
-         SvgNumber(-place.y()) + "\" r=\"" + SvgNumber(0.008 * box.sizes().maxCoeff()) + "\"/>";
+         SvgNumber(-place.y()) + "\" r=\"" + SvgNumber(radius) + "\"/>";
 }
 
 // A bar of 10, 20, 50, 100, ... metres, about a fifth of the width, in the lower left corner.
-std::string ScaleAndNorth(const Eigen::AlignedBox2d& box) {
+std::string ScaleAndNorth(const Eigen::AlignedBox2d& box, double share) {
   const double width = box.sizes().x();
-  const double size = 0.03 * box.sizes().maxCoeff();
+  const double size = share * box.sizes().maxCoeff();
   const double power = std::pow(10.0, std::floor(std::log10(width / 5.0)));
-  const double share = width / 5.0 / power;
-  const double bar = power * (share >= 5.0 ? 5.0 : share >= 2.0 ? 2.0 : 1.0);
+  const double factor = width / 5.0 / power;
+  const double bar = power * (factor >= 5.0 ? 5.0 : factor >= 2.0 ? 2.0 : 1.0);
   const double x = box.min().x() + size, y = -box.min().y() - size;
   const std::string font = " class=\"label\" font-size=\"" + SvgNumber(size) + "\">";
   const std::string line =

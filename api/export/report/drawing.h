@@ -41,8 +41,13 @@ std::string ImageIn(const Eigen::AlignedBox2d& box,
                     const std::string& bytes);
 // Strip, circle and final.
 std::string PathOf(const SiteLines& lines);
-// A dot whose size fits the drawing's box.
-std::string TouchdownDot(const Eigen::Vector2d& place, const Eigen::AlignedBox2d& box);
-std::string ScaleAndNorth(const Eigen::AlignedBox2d& box);
+// The size of letters and marks, as a share of the drawing's longer side. It is larger for a small
+// figure.
+constexpr double kUsualShare = 0.03;
+constexpr double kSmallFigureShare = 0.05;
+std::string TouchdownDot(const Eigen::Vector2d& place,
+                         const Eigen::AlignedBox2d& box,
+                         double share = kUsualShare);
+std::string ScaleAndNorth(const Eigen::AlignedBox2d& box, double share = kUsualShare);
 
 }  // namespace freelsd

@@ -47,6 +47,24 @@ std::vector<DrawnSite> SitesIn(const Eigen::AlignedBox2d& box, const FlightRepor
   return drawn;
 }
 
+// A cross at the least bad place of a rejected region.
+std::string Cross(const Eigen::Vector2d& place, double radius) {
+  const std::string side = SvgNumber(2.0 * radius);
+  const std::string line = "\" d=\"M" + SvgNumber(place.x() - radius) + " " +
+                           SvgNumber(-place.y() - radius) + "l" + side + " " + side + "m-" + side +
+                           " 0l" + side + " -" + side + "\"/>";
+  return "<path class=\"casing" + line + "<path class=\"cross" + line;
+}
+
+std::string CrossesIn(const Eigen::AlignedBox2d& box, const FlightReport& report, double radius) {
+  std::string crosses;
+  for (const StoredSite& site : report.rejected_sites) {
+    const Eigen::Vector2d place = LinesOf(site, report.local_frame).touchdown;
+    if (box.contains(place)) crosses += Cross(place, radius);
+  }
+  return crosses;
+}
+
 std::string Swatch(const std::string& content, const std::string& text) {
   return "<li><svg aria-hidden=\"true\" viewBox=\"0 0 28 18\">" + content + "</svg>" + text +
          "</li>\n";
@@ -77,8 +95,9 @@ std::string Legend(const ReportedMap& map) {
              "8L8 0M0 18L18 0M10 18L28 0M20 18L28 10\"/>",
              "unseen: no photograph shows it well enough") +
          Swatch("<rect width=\"28\" height=\"18\" class=\"beyond\"/>", "beyond the map") +
-         MarkSwatch("landable") + MarkSwatch("unverified") + LineSwatch("final", "final") +
-         LineSwatch("circle", "circle before the final") +
+         MarkSwatch("landable") + MarkSwatch("unverified") +
+         Swatch("<path class=\"cross\" d=\"M9 4l10 10m-10 0l10 -10\"/>", "rejected place") +
+         LineSwatch("final", "final") + LineSwatch("circle", "circle before the final") +
          LineSwatch("strip", "strip of the ground roll") + "</ul>\n" +
          (map.ground.photo_jpeg.empty() ? "<p>The map has no photograph of the ground.</p>\n" : "");
 }
@@ -107,10 +126,11 @@ std::string FlightMapFigure(const FlightReport& report,
   const Eigen::AlignedBox2d map_box = BoxOf(map.ground.box);
   const std::vector<DrawnSite> drawn = SitesIn(map_box, report);
   const Eigen::AlignedBox2d box = DrawnBox(map_box, drawn);
-  std::string paths, marks;
+  const double mark_radius = 0.016 * box.sizes().maxCoeff();
+  std::string paths, marks = CrossesIn(map_box, report, 0.5 * mark_radius);
   for (const DrawnSite& each : drawn) {
     paths += PathOf(each.lines);
-    marks += Mark(each.lines.touchdown, *each.site, 0.016 * box.sizes().maxCoeff());
+    marks += Mark(each.lines.touchdown, *each.site, mark_radius);
   }
   return "<figure class=\"flight-map\"><div>" +
          Svg(title, box, Pictures(map.ground) + paths + marks + ScaleAndNorth(box)) +
@@ -126,8 +146,9 @@ std::string CutOutFigure(const ReportedSite& site, const LocalFrame& local_frame
   return "<figure class=\"cut-out\">" +
          Svg("the landing from above",
              box,
-             Pictures(*site.ground) + PathOf(lines) + TouchdownDot(lines.touchdown, box) +
-                 ScaleAndNorth(box)) +
+             Pictures(*site.ground) + PathOf(lines) +
+                 TouchdownDot(lines.touchdown, box, kSmallFigureShare) +
+                 ScaleAndNorth(box, kSmallFigureShare)) +
          "<figcaption>" + what +
          " from above. Dot: touchdown. Thick line: final. Thin line: strip of the ground roll. "
          "Dashed: circle.</figcaption></figure>\n";
@@ -139,7 +160,7 @@ std::string CoverageFigure(const ReportedMap& map) {
   return "<figure class=\"coverage\">" +
          Svg("number of photographs that see each place",
              box,
-             ImageIn(box, "image/png", map.coverage_png) + ScaleAndNorth(box)) +
+             ImageIn(box, "image/png", map.coverage_png) + ScaleAndNorth(box, kSmallFigureShare)) +
          "<figcaption>Number of photographs that see each place. Grey: unseen." +
          "<img alt=\"legend of the coverage\" src=\"" +
          DataUri("image/png", map.coverage_legend_png) + "\"/></figcaption></figure>\n";

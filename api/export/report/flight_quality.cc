@@ -42,8 +42,8 @@ std::string AdjustmentRows(const BlockQuality& quality) {
 std::string GroundRows(const ReportedMap& map) {
   const Eigen::Vector2d size = map.ground.box.max_in_world - map.ground.box.min_in_world;
   const CellCounts& cells = map.cells;
-  return Row("Deviation of the map's position", Deviation(map.position_sd_m, " m")) +
-         Row("Deviation of the map's tilt", Deviation(map.tilt_sd_deg, "&#176;")) +
+  return Row("Standard deviation of the position", Deviation(map.position_sd_m, " m")) +
+         Row("Standard deviation of the tilt", Deviation(map.tilt_sd_deg, "&#176;")) +
          Row("Size of the map, east by north",
              FixedText(size.x(), 0) + " x " + FixedText(size.y(), 0) + " m") +
          Row("Cells of the map", FixedText(map.cell_size_m, 2) + " m") +
@@ -92,24 +92,30 @@ std::string Groups(const std::string& title,
   return "<h3>" + title + "</h3>\n" + Items(items);
 }
 
-std::string RejectedSites(const std::vector<StoredSite>& sites) {
-  if (sites.empty()) return "";
+// Within the flight: "r7" of "f-12-r7".
+std::string ShortId(const std::string& site_id, const std::string& flight_id) {
+  const bool is_of_flight = site_id.starts_with(flight_id + "-");
+  return EscapeXml(is_of_flight ? site_id.substr(flight_id.size() + 1) : site_id);
+}
+
+std::string RejectedSites(const FlightReport& report) {
+  if (report.rejected_sites.empty()) return "";
   std::vector<std::vector<std::string>> rows;
-  for (const StoredSite& site : sites) {
-    rows.push_back({EscapeXml(site.id),
+  for (const StoredSite& site : report.rejected_sites) {
+    rows.push_back({ShortId(site.id, report.flight_id),
                     PlaceText(site.touchdown),
                     EscapeXml(site.summary.value_or(site.reject_reason.value_or("unknown")))});
   }
   return "<h3>Regions rejected</h3>\n" + ColumnTable({"region", "least bad place", "why"}, rows);
 }
 
-std::string SupersededSites(const std::vector<ReportedSupersededSite>& sites) {
-  if (sites.empty()) return "";
+std::string SupersededSites(const FlightReport& report) {
+  if (report.superseded_sites.empty()) return "";
   std::vector<std::vector<std::string>> rows;
-  for (const ReportedSupersededSite& each : sites) {
-    rows.push_back({EscapeXml(each.site.id),
+  for (const ReportedSupersededSite& each : report.superseded_sites) {
+    rows.push_back({ShortId(each.site.id, report.flight_id),
                     EscapeXml(each.superseded_by),
-                    EscapeXml(each.superseded_at),
+                    TimeText(each.superseded_at),
                     EscapeXml(each.detail)});
   }
   return "<h3>Sites superseded by later flights</h3>\n" +
@@ -137,10 +143,9 @@ std::string QualitySection(const FlightReport& report) {
 }
 
 std::string LeftOutSection(const FlightReport& report) {
-  const std::string content = Groups("Photographs", "photograph", report.photographs_left_out) +
-                              RejectedSites(report.rejected_sites) +
-                              Groups("Regions not examined", "region", report.regions_left_out) +
-                              SupersededSites(report.superseded_sites);
+  const std::string content =
+      Groups("Photographs", "photograph", report.photographs_left_out) + RejectedSites(report) +
+      Groups("Regions not examined", "region", report.regions_left_out) + SupersededSites(report);
   return "<section>\n<h2>What was left out, and why</h2>\n" +
          (content.empty() ? "<p>Nothing.</p>\n" : content) + "</section>\n";
 }

@@ -35,23 +35,26 @@ constexpr char kFlightStyle[] =
     ".rose .legend{display:flex;gap:1.5em}.cell{stroke:#444;stroke-width:.7}"
     ".cell.landable{fill:#0072b2}.cell.unverified{fill:url(#unverified)}"
     ".cell.rejected{fill:url(#rejected)}.patterns{position:absolute}"
+    ".cross{stroke:#000;stroke-width:1.5}"
     ".profile svg{max-height:20em;background:#f4f4f4}.columns{columns:2;column-gap:2em}"
     ".columns table{width:100%}.columns tr{break-inside:avoid}footer{margin-top:2.5em;"
     "border-top:1px solid #999;font-size:.85em;color:#444}"
     "@media(max-width:45em){.flight-map,.pair{grid-template-columns:1fr}.columns{columns:1}}"
-    "@page{margin:14mm}@media print{body{font-size:9.5pt;max-width:none;margin:0;padding:0;"
+    "@page{margin:14mm 14mm 16mm;@bottom-right{content:counter(page) ' / ' counter(pages);"
+    "font:8pt sans-serif;color:#444}}@media "
+    "print{body{font-size:9.5pt;max-width:none;margin:0;padding:0;"
     "print-color-adjust:exact;-webkit-print-color-adjust:exact}"
     "h2,h3,h4,thead{break-after:avoid}figure,tr,li,p,article{break-inside:avoid}"
     ".flight-map{grid-template-columns:1fr 11em;break-inside:avoid}"
     ".flight-map>div>svg{max-height:165mm}.sites>.site{break-before:page;margin:0}"
     ".sites>h2+.site,.sites>.first{break-before:auto}.site h3{margin-top:0}"
-    ".cut-out svg,.rose>svg{max-height:76mm}.profile svg{max-height:52mm}"
-    ".columns{font-size:.92em}th,td{padding-top:.12em;padding-bottom:.12em}}";
+    ".cut-out svg,.rose>svg{max-height:72mm}.profile svg{max-height:48mm}"
+    ".columns{font-size:.88em}th,td{padding-top:.1em;padding-bottom:.1em}}";
 
 std::string PhotographedText(const FlightReport& report) {
   if (!report.first_photographed_at || !report.last_photographed_at) return "unknown";
-  const std::string first = EscapeXml(*report.first_photographed_at);
-  const std::string last = EscapeXml(*report.last_photographed_at);
+  const std::string first = TimeText(*report.first_photographed_at);
+  const std::string last = TimeText(*report.last_photographed_at);
   return first == last ? first : first + " to " + last;
 }
 
@@ -128,7 +131,7 @@ std::string FlightReportPage(const FlightReport& report) {
                     Table(HeadRows(report)) + MapsSection(report) + SitesSection(report) +
                     QualitySection(report) + LeftOutSection(report) + "<footer><p>freelsd " +
                     EscapeXml(report.software_version) + ", written at " +
-                    EscapeXml(report.written_at) +
+                    TimeText(report.written_at) +
                     ". Wires, thin poles and what moved later are not on the maps. An aircraft "
                     "must not rely on this report alone.</p></footer>\n");
 }

@@ -59,26 +59,33 @@ std::string NumberText(const std::optional<double>& number, int num_decimals, co
   return number ? FixedText(*number, num_decimals) + unit : "unknown";
 }
 
-std::string FurtherSites(const std::vector<StoredSite>& sites) {
-  if (sites.empty()) return "";
+std::vector<std::string> OverviewRow(const StoredSite& site) {
+  return {RankText(site),
+          VerdictOf(site),
+          PlaceText(site.touchdown),
+          HeadingText(site),
+          StripText(site),
+          NumberText(site.hazard_distance_m, 0, " m"),
+          NumberText(site.score, 2, "")};
+}
+
+std::string Overview(const FlightReport& report) {
   std::vector<std::vector<std::string>> rows;
-  for (const StoredSite& site : sites) {
-    rows.push_back({RankText(site),
-                    VerdictOf(site),
-                    PlaceText(site.touchdown),
-                    HeadingText(site),
-                    StripText(site),
-                    NumberText(site.hazard_distance_m, 0, " m"),
-                    NumberText(site.score, 2, "")});
-  }
-  return "<h3>Further sites</h3>\n" + ColumnTable({"site",
-                                                   "verdict",
-                                                   "touchdown",
-                                                   "heading, true",
-                                                   "usable strip",
-                                                   "to hazard",
-                                                   "score"},
-                                                  rows);
+  for (const ReportedSite& site : report.sites) rows.push_back(OverviewRow(site.site));
+  for (const StoredSite& site : report.further_sites) rows.push_back(OverviewRow(site));
+  const std::string more = report.further_sites.empty()
+                               ? ""
+                               : "<p>The first " + std::to_string(report.sites.size()) +
+                                     " of them follow in full.</p>\n";
+  return ColumnTable({"site",
+                      "verdict",
+                      "touchdown",
+                      "heading, true",
+                      "usable strip",
+                      "to hazard",
+                      "score"},
+                     rows) +
+         more;
 }
 
 }  // namespace
@@ -89,12 +96,12 @@ std::string SitesSection(const FlightReport& report) {
     return head + "<p>No place of this flight is accepted as a landing site.</p>\n</section>\n";
   }
   const std::vector<std::string> common = CommonWarnings(report.sites);
-  std::string text = head;
+  std::string text = head + Overview(report);
   if (!common.empty()) text += "<p>For every site:</p>\n" + Paragraphs(common, {});
   for (const ReportedSite& site : report.sites) {
     text += SiteArticle(site, common, report.local_frame);
   }
-  return text + FurtherSites(report.further_sites) + "</section>\n";
+  return text + "</section>\n";
 }
 
 }  // namespace freelsd

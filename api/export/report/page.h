@@ -30,6 +30,8 @@ std::string SiteRows(const StoredSite& site);
 std::string PlaceText(const GeoPoint& place);
 // "from 245&#176; true at 4.3 m/s": where the wind comes from, as pilots say it.
 std::string WindText(double east_mps, double north_mps);
+// "2026-05-01 10:00 UTC" of an RFC 3339 time in UTC; escaped.
+std::string TimeText(const std::string& rfc3339);
 std::string StripText(const StoredSite& site);
 std::string DatumSentence(const std::string& datum);
 

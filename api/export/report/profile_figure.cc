@@ -8,8 +8,8 @@
 namespace freelsd {
 namespace {
 
-constexpr double kWidth = 800.0, kHeight = 300.0;
-constexpr double kLeft = 60.0, kRight = 780.0, kTop = 20.0, kBottom = 260.0;
+constexpr double kWidth = 800.0, kHeight = 220.0;
+constexpr double kLeft = 60.0, kRight = 780.0, kTop = 20.0, kBottom = 185.0;
 
 // Altitudes along the final; the start is on the left, the touchdown on the right.
 struct Scales {

@@ -1,17 +1,29 @@
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "api/export/report/page.h"
 #include "api/export/text.h"
 
 namespace freelsd {
 namespace {
 
-// JSON writes the shortest text that parses to the same number.
-template <class Number>
-std::string Value(const std::optional<Number>& number, const std::string& unit) {
-  return number ? nlohmann::json(*number).dump() + unit : "unknown";
+std::string Value(const std::optional<double>& number, int num_decimals, const char* unit) {
+  return number ? FixedText(*number, num_decimals) + unit : "unknown";
+}
+
+std::string Count(const std::optional<int64_t>& number) {
+  return number ? std::to_string(*number) : "unknown";
+}
+
+// Rounded down: no hazard is nearer than told.
+std::string HazardText(const StoredSite& site) {
+  if (!site.hazard_distance_m) return "unknown";
+  return FixedText(std::floor(10.0 * *site.hazard_distance_m) / 10.0, 1) + " m";
+}
+
+// Rounded up: no more is unseen than told.
+std::string UnseenText(const StoredSite& site) {
+  if (!site.unseen_ratio) return "unknown";
+  return FixedText(std::ceil(100.0 * *site.unseen_ratio), 0) + " %";
 }
 
 std::string NoReturnRow(const StoredSite& site) {
@@ -52,21 +64,20 @@ std::string ObstacleRow(const StoredSite& site) {
 
 std::string PhotographedText(const StoredSite& site) {
   if (!site.last_seen_at) return "unknown";
-  return EscapeXml(*site.last_seen_at) + (site.age_s ? ", " + AgeText(*site.age_s) + " ago " : "");
+  return EscapeXml(*site.last_seen_at) + (site.age_s ? ", " + AgeText(*site.age_s) + " ago" : "");
 }
 
-// Each unit starts with its space. Numbers without unit have only the space.
 std::string SurfaceRows(const StoredSite& site) {
-  return Row("Score", Value(site.score, " ")) +
+  return Row("Score", Value(site.score, 2, "")) +
          Row("Usable strip, along the final", StripText(site)) +
-         Row("Touchdown to nearest hazard", Value(site.hazard_distance_m, " m")) +
-         Row("Slope", Value(site.slope_deg, " &#176;")) +
-         Row("Roughness", Value(site.roughness_m, " m")) +
-         Row("Grade (share of views seen as grass)", Value(site.grade, " ")) +
-         Row("Observations", Value(site.num_observations, " ")) +
-         Row("Unseen share of the circle", Value(site.unseen_ratio, " ")) +
+         Row("Touchdown to nearest hazard", HazardText(site)) +
+         Row("Slope", Value(site.slope_deg, 1, "&#176;")) +
+         Row("Roughness", Value(site.roughness_m, 2, " m")) +
+         Row("Grade (share of views seen as grass)", Value(site.grade, 2, "")) +
+         Row("Observations", Count(site.num_observations)) +
+         Row("Unseen share of the circle", UnseenText(site)) +
          Row("Ground photographed", PhotographedText(site)) +
-         Row("Evaluated", site.updated_at ? EscapeXml(*site.updated_at) + " " : "unknown");
+         Row("Evaluated", EscapeXml(site.updated_at.value_or("unknown")));
 }
 
 }  // namespace
@@ -85,6 +96,14 @@ std::string WindText(double east_mps, double north_mps) {
   return "from " + std::to_string(whole_deg) + "&#176; true at " + FixedText(speed_mps, 1) + " m/s";
 }
 
+std::string TimeText(const std::string& rfc3339) {
+  constexpr size_t kDate = 10, kMinutes = 16;
+  const bool is_utc = rfc3339.size() > kMinutes && rfc3339[kDate] == 'T' && rfc3339.back() == 'Z';
+  if (!is_utc) return EscapeXml(rfc3339);
+  const std::string clock = rfc3339.substr(kDate + 1, kMinutes - kDate - 1);
+  return EscapeXml(rfc3339.substr(0, kDate) + " " + clock + " UTC");
+}
+
 std::string StripText(const StoredSite& site) {
   if (!site.usable_length_m || !site.usable_width_m) return "unknown";
   return FixedText(std::floor(*site.usable_length_m), 0) + " x " +
@@ -93,6 +112,7 @@ std::string StripText(const StoredSite& site) {
 
 std::string DatumSentence(const std::string& datum) {
   if (datum == "amsl") return "above mean sea level";
+  if (datum == "unknown") return "datum unknown";
   return "datum \"" + EscapeXml(datum) + "\", not known to be above mean sea level";
 }
 

@@ -23,8 +23,9 @@ std::string ReasonOf(const FrameRow& frame) {
   if (frame.state == FrameState::kRejected) {
     return "rejected: " + (frame.reason.empty() ? "reason unknown" : frame.reason);
   }
-  if (!frame.reason.empty()) return "not part of a map: " + frame.reason;
-  return "not part of a map: it adds nothing to its neighbours, or too little in it matches them";
+  if (!frame.reason.empty()) return "on no map: " + frame.reason;
+  return "on no map: they add little to their neighbours, or too little in them matches the "
+         "neighbours";
 }
 
 std::string ReasonOf(const nlohmann::json& region) {

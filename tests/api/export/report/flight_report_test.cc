@@ -122,7 +122,7 @@ TEST_CASE("flight report: sections are in order, sites by rank") {
   CheckOrder(page,
              {"<h1>",
               "Of 4 evaluated places, 1 landable, 2 unverified and 1 rejected. 1 site superseded",
-              "2026-05-01T10:00:00Z to 2026-05-01T10:20:00Z",
+              "2026-05-01 10:00 UTC to 2026-05-01 10:20 UTC",
               "from 90&#176; true at 3.0 m/s, varying by 0.4 m/s",
               "above mean sea level",
               "<h2>Map of the flight",
@@ -130,13 +130,14 @@ TEST_CASE("flight report: sections are in order, sites by rank") {
               "data:image/png;base64,",
               "unseen",
               "<h2>Landing sites",
+              "<td>3</td><td>unverified</td>",
+              "The first 2 of them follow in full",
               "<h3>Site 1",
               "verdict landable",
               "f1-r4",
               "<h3>Site 2",
               "verdict unverified",
               "f1-r2",
-              "<h3>Further sites",
               "<h2>Quality",
               "28 of 30",
               "2.50 px",
@@ -149,11 +150,11 @@ TEST_CASE("flight report: sections are in order, sites by rank") {
               "<h2>What was left out",
               "8 photographs",
               "and 2 more",
-              "f1-r5",
+              "<td>r5</td>",
               "never seen as grass",
               "f9-r1",
               "1.2.3",
-              "2026-07-01T00:00:00Z"});
+              "2026-07-01 00:00 UTC"});
 }
 
 TEST_CASE("flight report: the rose shows each wind's verdict, the calm once") {
