@@ -151,7 +151,7 @@ std::string CutOutFigure(const ReportedSite& site, const LocalFrame& local_frame
                  ScaleAndNorth(box, kSmallFigureShare)) +
          "<figcaption>" + what +
          " from above. Dot: touchdown. Thick line: final. Thin line: strip of the ground roll. "
-         "Dashed: circle.</figcaption></figure>\n";
+         "Dashed: circle. White: unseen.</figcaption></figure>\n";
 }
 
 std::string CoverageFigure(const ReportedMap& map) {

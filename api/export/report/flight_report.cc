@@ -44,12 +44,14 @@ constexpr char kFlightStyle[] =
     "font:8pt sans-serif;color:#444}}@media "
     "print{body{font-size:9.5pt;max-width:none;margin:0;padding:0;"
     "print-color-adjust:exact;-webkit-print-color-adjust:exact}"
-    "h2,h3,h4,thead{break-after:avoid}figure,tr,li,p,article{break-inside:avoid}"
+    "h1{margin-top:0}h2{margin-top:1.3em}h2,h3,h4,thead{break-after:avoid}"
+    "figure,tr,li,p,article,.overview{break-inside:avoid}"
     ".flight-map{grid-template-columns:1fr 11em;break-inside:avoid}"
-    ".flight-map>div>svg{max-height:165mm}.sites>.site{break-before:page;margin:0}"
-    ".sites>h2+.site,.sites>.first{break-before:auto}.site h3{margin-top:0}"
-    ".cut-out svg,.rose>svg{max-height:72mm}.profile svg{max-height:48mm}"
-    ".columns{font-size:.88em}th,td{padding-top:.1em;padding-bottom:.1em}}";
+    ".flight-map>div>svg{max-height:102mm}.sites>.site{break-before:page;margin:0}"
+    ".site h3{margin-top:0}"
+    ".cut-out svg{width:68mm;height:68mm}.rose>svg{max-height:66mm}"
+    ".profile svg{max-height:44mm}.columns{font-size:.86em;line-height:1.3}"
+    "h4,.pair figure,.profile{margin:.2em 0}th,td{padding-top:.1em;padding-bottom:.1em}}";
 
 std::string PhotographedText(const FlightReport& report) {
   if (!report.first_photographed_at || !report.last_photographed_at) return "unknown";

@@ -33,6 +33,14 @@ std::string Paragraphs(const std::vector<std::string>& sentences,
   return text;
 }
 
+std::string ForEverySite(const std::vector<std::string>& warnings) {
+  std::string text;
+  for (const std::string& warning : warnings) {
+    text += (text.empty() ? "For every site: " : "; ") + EscapeXml(warning);
+  }
+  return text.empty() ? "" : "<p class=\"warning\">" + text + ".</p>\n";
+}
+
 std::string RankText(const StoredSite& site) { return std::to_string(site.rank.value_or(0)); }
 
 std::string SiteArticle(const ReportedSite& reported,
@@ -96,8 +104,8 @@ std::string SitesSection(const FlightReport& report) {
     return head + "<p>No place of this flight is accepted as a landing site.</p>\n</section>\n";
   }
   const std::vector<std::string> common = CommonWarnings(report.sites);
-  std::string text = head + Overview(report);
-  if (!common.empty()) text += "<p>For every site:</p>\n" + Paragraphs(common, {});
+  std::string text =
+      head + "<div class=\"overview\">\n" + Overview(report) + ForEverySite(common) + "</div>\n";
   for (const ReportedSite& site : report.sites) {
     text += SiteArticle(site, common, report.local_frame);
   }

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "api/export/report/page.h"
@@ -20,10 +21,11 @@ std::string HazardText(const StoredSite& site) {
   return FixedText(std::floor(10.0 * *site.hazard_distance_m) / 10.0, 1) + " m";
 }
 
-// Rounded up: no more is unseen than told.
+// As in the summary: the least share that is not zero is told as 1 %.
 std::string UnseenText(const StoredSite& site) {
   if (!site.unseen_ratio) return "unknown";
-  return FixedText(std::ceil(100.0 * *site.unseen_ratio), 0) + " %";
+  const long percent = std::lround(100.0 * *site.unseen_ratio);
+  return std::to_string(*site.unseen_ratio > 0.0 ? std::max(1L, percent) : 0L) + " %";
 }
 
 std::string NoReturnRow(const StoredSite& site) {
