@@ -27,7 +27,14 @@ PixelPlaces PlacesOf(const WorldBox& box, double pixel_size_m, const LocalFrame&
   return {{geo, step_m.maxCoeff()}, pixels, local_frame};
 }
 
-enum HazardIndex : uint8_t { kClearIndex, kHazardIndex, kLineIndex, kGapIndex, kFreeIndex };
+enum HazardIndex : uint8_t {
+  kClearIndex,
+  kFreeIndex,
+  kHazardIndex,
+  kHazardLineIndex,
+  kUnseenIndex,
+  kUnseenLineIndex,
+};
 
 cv::Vec4b Translucent(const Color& color, uint8_t alpha) {
   return {color[2], color[1], color[0], alpha};
@@ -36,11 +43,25 @@ cv::Vec4b Translucent(const Color& color, uint8_t alpha) {
 Palette HazardPalette(Backdrop backdrop) {
   const bool is_alone = backdrop == Backdrop::kNone;
   Palette palette{};
-  palette[kHazardIndex] = Translucent(kHazardColor, is_alone ? 255 : 105);
-  palette[kLineIndex] = Translucent(Color(110, 110, 110), is_alone ? 255 : 200);
-  palette[kGapIndex] = Translucent(Color(230, 230, 230), is_alone ? 255 : 110);
   palette[kFreeIndex] = Translucent(kFreeColor, is_alone ? 255 : 70);
+  palette[kHazardIndex] = Translucent(kHazardColor, is_alone ? 255 : 105);
+  palette[kHazardLineIndex] = Translucent(Color(110, 35, 0), is_alone ? 255 : 170);
+  palette[kUnseenIndex] = Translucent(Color(230, 230, 230), is_alone ? 255 : 110);
+  palette[kUnseenLineIndex] = Translucent(Color(110, 110, 110), is_alone ? 255 : 200);
   return palette;
+}
+
+// Lines rise to the east over unseen ground, and fall, less dense, over hazard.
+HazardIndex IndexAt(uint8_t state, int row, int col, int period_px) {
+  const int line_px = (period_px + 2) / 4;
+  if (state == kFree) return kFreeIndex;
+  if (state == Safety::kOutside) return kClearIndex;
+  if (state == kHazard) {
+    const int period = 2 * period_px;
+    const bool is_line = ((row - col) % period + period) % period < line_px;
+    return is_line ? kHazardLineIndex : kHazardIndex;
+  }
+  return (row + col) % period_px < line_px ? kUnseenLineIndex : kUnseenIndex;
 }
 
 }  // namespace
@@ -64,14 +85,7 @@ std::string HazardBoxPng(const WorldBox& box,
   cv::Mat1b indices(state.size(), kClearIndex);
   for (int row = 0; row < state.rows; ++row) {
     for (int col = 0; col < state.cols; ++col) {
-      const bool is_line = (row + col) % period_px < (period_px + 2) / 4;
-      if (state(row, col) == kHazard) {
-        indices(row, col) = kHazardIndex;
-      } else if (state(row, col) == kFree) {
-        indices(row, col) = kFreeIndex;
-      } else if (state(row, col) != Safety::kOutside) {
-        indices(row, col) = is_line ? kLineIndex : kGapIndex;
-      }
+      indices(row, col) = IndexAt(state(row, col), row, col, period_px);
     }
   }
   return EncodePalettePng(indices, HazardPalette(backdrop));

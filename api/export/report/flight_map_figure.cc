@@ -70,9 +70,9 @@ std::string Swatch(const std::string& content, const std::string& text) {
          "</li>\n";
 }
 
-std::string ColorSwatch(const Color& color, const std::string& text) {
+std::string ColorSwatch(const Color& color, const std::string& lines, const std::string& text) {
   return Swatch("<rect width=\"28\" height=\"18\" fill=\"rgb(" + std::to_string(color[0]) + "," +
-                    std::to_string(color[1]) + "," + std::to_string(color[2]) + ")\"/>",
+                    std::to_string(color[1]) + "," + std::to_string(color[2]) + ")\"/>" + lines,
                 text);
 }
 
@@ -88,8 +88,9 @@ std::string MarkSwatch(const std::string& verdict) {
 }
 
 std::string Legend(const ReportedMap& map) {
-  return "<ul class=\"legend\">\n" + ColorSwatch(kFreeColor, "free of hazard") +
-         ColorSwatch(kHazardColor, "hazard") +
+  return "<ul class=\"legend\">\n" + ColorSwatch(kFreeColor, "", "free of hazard") +
+         ColorSwatch(
+             kHazardColor, "<path class=\"hatch hazard\" d=\"M0 0L18 18M14 0L28 14\"/>", "hazard") +
          Swatch(
              "<rect width=\"28\" height=\"18\" fill=\"#e6e6e6\"/><path class=\"hatch\" d=\"M0 "
              "8L8 0M0 18L18 0M10 18L28 0M20 18L28 10\"/>",

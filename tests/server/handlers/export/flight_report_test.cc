@@ -54,7 +54,7 @@ TEST_CASE("flight report: is answered without a picture, with its site and wind 
   CHECK(page.find("Site 1") != std::string::npos);
   CHECK(page.find("class=\"cell landable\" d=") != std::string::npos);
   // The site without a map, which is rejected.
-  CHECK(page.find("f-r2") != std::string::npos);
+  CHECK(page.find("<td>r2</td>") != std::string::npos);
   CHECK(page.find("a warning") != std::string::npos);
   CHECK(page.find("100 % of the map") != std::string::npos);
 }
