@@ -51,6 +51,7 @@ constexpr char kFlightStyle[] =
     ".flight-map>div>svg{max-height:102mm}.sites>.site{break-before:page;margin:0}"
     ".site h3{margin-top:0}"
     ".cut-out svg{width:68mm;height:68mm}.rose>svg{max-height:66mm}"
+    ".coverage svg{max-height:80mm}"
     ".profile svg{max-height:44mm}.columns{font-size:.86em;line-height:1.3}"
     "h4,.pair figure,.profile{margin:.2em 0}th,td{padding-top:.1em;padding-bottom:.1em}}";
 
