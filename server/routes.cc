@@ -62,7 +62,7 @@ constexpr char kReach[] =
 constexpr Route kRoutes[] = {
     {"POST", "/v1/flights", PostFlight},
     {"GET", "/v1/flights", GetFlights, "limit cursor"},
-    {"GET", "/v1/flights/{flight}", GetFlight},
+    {"GET", "/v1/flights/{flight}", GetFlightAs, "f"},
     {"DELETE", "/v1/flights/{flight}", DeleteFlight, "forget_sites"},
     {"GET", "/v1/flights/{flight}/track", GetTrack},
     {"PUT", "/v1/flights/{flight}/frames/{frame}", PutFrame},

@@ -6,7 +6,7 @@ import { el } from './dom.js';
 import { words } from './units.js';
 
 const formats = {
-  html: ['Report', 'one printable page', 'html'],
+  html: ['Report', 'for paper, without a network', 'html'],
   plan: ['QGC plan', 'QGroundControl', 'plan'],
   waypoints: ['Waypoints', 'Mission Planner, MAVProxy', 'waypoints'],
   rally: ['Rally', 'ArduPilot rally points', 'rally'],
@@ -15,7 +15,6 @@ const formats = {
   geojson: ['GeoJSON', 'QGIS, web maps', 'geojson'],
   csv: ['CSV', 'spreadsheets', 'csv'],
 };
-const ofFlight = Object.keys(formats).filter((f) => f !== 'html');
 const needsHome = new Set(['plan', 'waypoints', 'rally']);
 const keptHome = 'freelsd.home_altitude_m';
 
@@ -27,14 +26,14 @@ function save({ blob, name }) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-// kind: 'site' or 'flight'.
-export function drawDownloads(path, kind, { id, altitude_datum }) {
+// path: of a site, or of the sites of a flight. reportPath: of what the report is about.
+export function drawDownloads(path, reportPath, { id, altitude_datum }) {
   const home = el('input', {
     type: 'number', step: '0.1', inputmode: 'decimal', class: 'short', value: sessionStorage.getItem(keptHome) ?? '',
     oninput: () => sessionStorage.setItem(keptHome, home.value),
   });
   const message = el('p', { class: 'bad', role: 'alert', hidden: true });
-  const urlOf = (f) => path + query({ f, home_altitude_m: needsHome.has(f) ? home.value : null });
+  const urlOf = (f) => (f === 'html' ? reportPath : path) + query({ f, home_altitude_m: needsHome.has(f) ? home.value : null });
 
   async function download(f, button) {
     message.hidden = true;
@@ -50,8 +49,7 @@ export function drawDownloads(path, kind, { id, altitude_datum }) {
     }
   }
 
-  const buttons = (kind === 'site' ? Object.keys(formats) : ofFlight).map((f) => {
-    const [name, reader] = formats[f];
+  const buttons = Object.entries(formats).map(([f, [name, reader]]) => {
     const button = el('button', { type: 'button', class: 'download', 'data-format': f, onclick: () => download(f, button) },
       el('strong', {}, name), el('small', {}, reader));
     return button;

@@ -88,7 +88,7 @@ export function drawFlight(flight, jobs, onChange) {
   };
   if (drawnDownloads !== flight.id) {
     drawnDownloads = flight.id;
-    byId('flight-downloads').replaceChildren(drawDownloads(paths.flightSites(flight.id), 'flight', flight));
+    byId('flight-downloads').replaceChildren(drawDownloads(paths.flightSites(flight.id), paths.flight(flight.id), flight));
   }
   return progress;
 }

@@ -153,7 +153,7 @@ export function drawSite(feature, on) {
     warnings.length ? section('Warnings', el('ul', { class: 'plain' }, warnings.map((w) => el('li', {}, w))),
       { what: 'the warnings', command: () => curlOfPart(p, 'warnings') }) : null,
     section('Export', [p.is_trial ? el('p', {}, 'Files hold the stored plan, not the plan shown.') : null,
-      drawDownloads(paths.site(p.id), 'site', p)].filter(Boolean), { id: 'site-downloads' }),
+      drawDownloads(paths.site(p.id), paths.site(p.id), p)].filter(Boolean), { id: 'site-downloads' }),
     section('All values', numbersTable(p, geometry.coordinates),
       { isOpen: false, what: 'all values', command: () => `${curlOf(paths.site(p.id))} | jq .` }),
     section('Aircraft', aircraftTable(p.aircraft),

@@ -97,6 +97,17 @@ std::vector<ProfilePoint> ReadProfile(const nlohmann::json& approach) {
   return points;
 }
 
+std::vector<GeoPoint> ReadGroundRoll(const nlohmann::json& approach) {
+  std::vector<GeoPoint> corners;
+  for (const nlohmann::json& feature : approach.at("features")) {
+    if (feature.at("properties").at("kind") != "ground_roll") continue;
+    const nlohmann::json& ring = feature.at("geometry").at("coordinates").at(0);
+    // The ring is closed: its last corner is the first one again.
+    for (size_t i = 0; i + 1 < ring.size(); ++i) corners.push_back(PlaceOf(ring[i]));
+  }
+  return corners;
+}
+
 std::optional<StoredGoAround> ReadGoAround(const nlohmann::json& approach) {
   for (const nlohmann::json& feature : approach.at("features")) {
     const nlohmann::json& properties = feature.at("properties");
@@ -194,6 +205,7 @@ StoredSite ReadStoredSite(const std::string& feature_json,
   if (approach_json.empty()) return site;
   const nlohmann::json approach = nlohmann::json::parse(approach_json);
   site.final_places = ReadFinal(approach, site.touchdown);
+  site.ground_roll = ReadGroundRoll(approach);
   site.profile = ReadProfile(approach);
   site.go_around = ReadGoAround(approach);
   return site;

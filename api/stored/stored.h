@@ -144,6 +144,8 @@ struct StoredSite {
   // after the site is stored.
   bool is_superseded = false;
   std::optional<FinalPlaces> final_places;
+  // Corners of the strip that must be free for the ground roll. Empty if the aircraft needs none.
+  std::vector<GeoPoint> ground_roll;
   std::vector<ProfilePoint> profile;
   // Empty if no climb clears the seen ground, or if an older program stored the site.
   std::optional<StoredGoAround> go_around;

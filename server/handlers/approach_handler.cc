@@ -10,6 +10,7 @@
 #include "api/stored/stored.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/handlers/site_rose.h"
 #include "server/recall/other_maps/other_maps.h"
 
 namespace freelsd {
@@ -274,11 +275,10 @@ void GetFlightLanding(Service& service, const Call& call, httplib::Response& res
   response.set_content(PlanJson(plan, on.aircraft, ContextOf(*on.site)).dump(), kGeoJson);
 }
 
-void GetWindRose(Service& service, const Call& call, httplib::Response& response) {
-  const SiteRow site = ExistingSite(service, call);
-  const WindRoseOptions options = RoseOf(call);
-  const auto stored = SiteWithMap(service, site);
-  const Aircraft aircraft = AircraftOf(call, stored->replan.flight.aircraft);
+SiteRose PlanSiteRose(Service& service,
+                      const std::shared_ptr<const KeptSite>& stored,
+                      const Aircraft& aircraft,
+                      const WindRoseOptions& options) {
   const SemaphoreSlot slot(service.rose_planners);
   // The circle is largest in the strongest wind, the final longest in the weakest.
   auto kept = stored;
@@ -295,7 +295,16 @@ void GetWindRose(Service& service, const Call& call, httplib::Response& response
                                   aircraft,
                                   rose.WindInWorld(i / num_directions, i % num_directions));
   }
-  nlohmann::json answer = WindRoseJson(rose, ContextOf(*kept));
+  return {std::move(kept), std::move(rose)};
+}
+
+void GetWindRose(Service& service, const Call& call, httplib::Response& response) {
+  const SiteRow site = ExistingSite(service, call);
+  const WindRoseOptions options = RoseOf(call);
+  const auto stored = SiteWithMap(service, site);
+  const Aircraft aircraft = AircraftOf(call, stored->replan.flight.aircraft);
+  const SiteRose planned = PlanSiteRose(service, stored, aircraft, options);
+  nlohmann::json answer = WindRoseJson(planned.rose, ContextOf(*planned.site));
   answer["aircraft"] = AircraftJson(aircraft);
   answer["warnings"] = LimitsWarnings(aircraft);
   response.set_content(answer.dump(), "application/json");

@@ -1,8 +1,10 @@
 #include "server/handlers/flight_picture.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <iterator>
+#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -12,35 +14,56 @@
 namespace freelsd {
 namespace {
 
-WorldBox BoxOfGrid(const Grid& grid) {
-  const Eigen::Vector2d size = grid.cell_size_m * Eigen::Vector2d(grid.num_cols, grid.num_rows);
-  const Eigen::Vector2d& corner = grid.north_west_in_world;
-  return {{corner.x(), corner.y() - size.y()}, {corner.x() + size.x(), corner.y()}};
-}
-
 WorldBox Joined(const WorldBox& a, const WorldBox& b) {
   return {a.min_in_world.cwiseMin(b.min_in_world), a.max_in_world.cwiseMax(b.max_in_world)};
 }
 
 Polygon CornersOf(const WorldBox& box) { return {box.min_in_world, box.max_in_world}; }
 
+double PixelSizeOf(const WorldBox& box, int longest_px) {
+  return (box.max_in_world - box.min_in_world).maxCoeff() / longest_px;
+}
+
 }  // namespace
 
-FlightPicture::FlightPicture(const Service& service, const std::string& flight_id)
-    : service_(service), flight_id_(flight_id) {
-  int64_t updated_at_us = 0;
+WorldBox BoxOfGrid(const Grid& grid) {
+  const Eigen::Vector2d size = grid.cell_size_m * Eigen::Vector2d(grid.num_cols, grid.num_rows);
+  const Eigen::Vector2d& corner = grid.north_west_in_world;
+  return {{corner.x(), corner.y() - size.y()}, {corner.x() + size.x(), corner.y()}};
+}
+
+WriterSlot::WriterSlot(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
+  constexpr std::chrono::milliseconds kStep{50};
+  constexpr std::chrono::milliseconds kMaxWait{20000};
+  // Not try_acquire_for: that of libstdc++ 12 may miss a release.
+  for (auto waited = kStep; !semaphore_.try_acquire(); waited += kStep) {
+    if (waited > kMaxWait) {
+      throw ApiError("Unavailable", "files of other maps are being written; try again");
+    }
+    std::this_thread::sleep_for(kStep);
+  }
+}
+
+std::vector<std::shared_ptr<const FlightMap>> ReadableMaps(const Service& service,
+                                                           const std::string& flight_id) {
+  std::vector<std::shared_ptr<const FlightMap>> maps;
   for (const FlightMapRow& row : service.storage.maps.ListOf(flight_id)) {
     auto map = service.maps.flight_maps().Find(service.storage, row.id);
-    if (!map) continue;
-    maps_.push_back(std::move(map));
-    updated_at_us = std::max(updated_at_us, row.updated_at_us);
+    if (map) maps.push_back(std::move(map));
   }
+  return maps;
+}
+
+FlightPicture::FlightPicture(const Service& service, const std::string& flight_id)
+    : service_(service), flight_id_(flight_id), maps_(ReadableMaps(service, flight_id)) {
   if (maps_.empty()) {
     if (!service.storage.flights.Find(flight_id)) {
       throw ApiError("NoSuchFlight", "there is no such flight");
     }
     throw ApiError("NoMap", "the flight has no map yet");
   }
+  int64_t updated_at_us = 0;
+  for (const auto& map : maps_) updated_at_us = std::max(updated_at_us, map->row.updated_at_us);
   const std::string& newest = maps_.front()->row.id;
   version_ = newest.substr(newest.rfind('/') + 1) + "-" + std::to_string(maps_.size()) + "-" +
              std::to_string(updated_at_us);
@@ -86,6 +109,13 @@ std::vector<MapWindow> FlightPicture::Windows(const WorldBox& box, int level) co
         service_.storage, *map, own_level, part, TileLayers::kAll));
   }
   return windows;
+}
+
+std::vector<MapWindow> FlightPicture::WindowsFor(const WorldBox& box, double pixel_size_m) const {
+  const double cell_size_m = maps_.front()->head.grid.cell_size_m;
+  int level = 0;
+  while (level + 1 < NumLevels() && std::ldexp(cell_size_m, level + 1) <= pixel_size_m) ++level;
+  return Windows(box, level);
 }
 
 MapSource FlightPicture::Source() const {
@@ -188,6 +218,30 @@ std::string FlightPicture::Kmz(const std::string& layer) const {
     return PhotoKmz(flight_id_ + " photo", SourceOfPhoto(), Frame());
   }
   return MapKmz(flight_id_ + " " + layer, layer, Source(), NeededScale(layer), Frame());
+}
+
+std::string FlightPicture::PhotoOf(const WorldBox& box, int longest_px) const {
+  const std::optional<double> finest_m = PhotoPixelSize();
+  if (!finest_m) return "";
+  // Pixels of one of the picture's levels.
+  double pixel_size_m = *finest_m;
+  while (pixel_size_m < PixelSizeOf(box, longest_px)) pixel_size_m *= 2.0;
+  const std::vector<PhotoWindow> windows = PhotoWindows(box, pixel_size_m);
+  return windows.empty() ? "" : PhotoBoxJpeg(box, pixel_size_m, windows, Frame());
+}
+
+std::string FlightPicture::HazardOf(const WorldBox& box, int longest_px, Backdrop backdrop) const {
+  const double pixel_size_m = PixelSizeOf(box, longest_px);
+  return HazardBoxPng(box, pixel_size_m, WindowsFor(box, pixel_size_m), backdrop, Frame());
+}
+
+std::string FlightPicture::LayerOf(const std::string& layer,
+                                   const WorldBox& box,
+                                   int longest_px) const {
+  const std::optional<Scale> scale = ScaleOf(layer);
+  if (!scale) return "";
+  const double pixel_size_m = PixelSizeOf(box, longest_px);
+  return LayerBoxPng(layer, box, pixel_size_m, WindowsFor(box, pixel_size_m), *scale, Frame());
 }
 
 std::string FlightPicture::Legend(const std::string& layer) const {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <semaphore>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,25 @@
 #include "server/work/work.h"
 
 namespace freelsd {
+
+// The right to draw a whole map, which takes seconds. Whoever waits holds a thread, so nobody waits
+// long. The constructor throws ApiError Unavailable.
+class WriterSlot {
+ public:
+  explicit WriterSlot(std::counting_semaphore<>& semaphore);
+  ~WriterSlot() { semaphore_.release(); }
+  WriterSlot(const WriterSlot&) = delete;
+  WriterSlot& operator=(const WriterSlot&) = delete;
+
+ private:
+  std::counting_semaphore<>& semaphore_;
+};
+
+WorldBox BoxOfGrid(const Grid& grid);
+
+// Maps of a flight that can be read, newest first. They share the flight's world and lattice.
+std::vector<std::shared_ptr<const FlightMap>> ReadableMaps(const Service& service,
+                                                           const std::string& flight_id);
 
 class FlightPicture {
  public:
@@ -32,13 +52,25 @@ class FlightPicture {
   std::string Kmz(const std::string& layer) const;
   std::string Legend(const std::string& layer) const;
 
- private:
+  // Pictures of a box in world, with about `longest_px` pixels along its longer side.
+  // JPEG; at most so many pixels. Empty if no photograph shows the box.
+  std::string PhotoOf(const WorldBox& box, int longest_px) const;
+  std::string HazardOf(const WorldBox& box, int longest_px, Backdrop backdrop) const;
+  // Empty where the layer is missing.
+  std::string LayerOf(const std::string& layer, const WorldBox& box, int longest_px) const;
+
+  // Newest first.
+  const std::vector<std::shared_ptr<const FlightMap>>& maps() const { return maps_; }
   const LocalFrame& Frame() const { return maps_.front()->local_frame; }
+
+ private:
   int NumLevels() const;
   WorldBox Extent() const;
   std::optional<Scale> ScaleOf(const std::string& layer) const;
   Scale NeededScale(const std::string& layer) const;
   std::vector<MapWindow> Windows(const WorldBox& box, int level) const;
+  // Those of the coarsest level whose cells are not larger than the pixels.
+  std::vector<MapWindow> WindowsFor(const WorldBox& box, double pixel_size_m) const;
   MapSource Source() const;
   // Of the finest picture; nothing if no map has one.
   std::optional<double> PhotoPixelSize() const;
@@ -50,7 +82,6 @@ class FlightPicture {
 
   const Service& service_;
   std::string flight_id_;
-  // Newest first; they share the flight's world and lattice.
   std::vector<std::shared_ptr<const FlightMap>> maps_;
   std::string version_;
 };

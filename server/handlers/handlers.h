@@ -45,7 +45,10 @@ void GetFlightWhy(Service& service, const Call& call, httplib::Response& respons
 void GetFlightLanding(Service& service, const Call& call, httplib::Response& response);
 void GetWindRose(Service& service, const Call& call, httplib::Response& response);
 
-// export_handler.cc
+// export/flight_report_handler.cc
+void GetFlightAs(Service& service, const Call& call, httplib::Response& response);
+
+// export/export_handler.cc
 void GetSiteAs(Service& service, const Call& call, httplib::Response& response);
 void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& response);
 void GetLayerWorldFile(Service& service, const Call& call, httplib::Response& response);

@@ -1,11 +1,8 @@
 // The maps of a flight: pictures in tiles, files, and any place on them.
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <memory>
-#include <semaphore>
-#include <thread>
 
 #include <nlohmann/json.hpp>
 
@@ -18,29 +15,6 @@
 
 namespace freelsd {
 namespace {
-
-// The right to write a file of a whole map, which takes seconds. Whoever waits holds a thread, so
-// nobody waits long.
-class WriterSlot {
- public:
-  explicit WriterSlot(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
-    // Not try_acquire_for: that of libstdc++ 12 may miss a release.
-    for (auto waited = kStep; !semaphore_.try_acquire(); waited += kStep) {
-      if (waited > kMaxWait) {
-        throw ApiError("Unavailable", "files of other maps are being written; try again");
-      }
-      std::this_thread::sleep_for(kStep);
-    }
-  }
-  ~WriterSlot() { semaphore_.release(); }
-  WriterSlot(const WriterSlot&) = delete;
-  WriterSlot& operator=(const WriterSlot&) = delete;
-
- private:
-  static constexpr std::chrono::milliseconds kStep{50};
-  static constexpr std::chrono::milliseconds kMaxWait{20000};
-  std::counting_semaphore<>& semaphore_;
-};
 
 // Of a tile's number in a path.
 int TileNumber(const Call& call, const std::string& name) {

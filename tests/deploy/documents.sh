@@ -111,7 +111,7 @@ run_block() {
     'curl -F images='*) play "$1" ;;
     'curl $U/v1/sites/$SITE'*)
       play "$1"
-      (cd "$work/clone" && gdalinfo slope.tif >/dev/null && xmllint --noout site.kml report.html &&
+      (cd "$work/clone" && gdalinfo slope.tif >/dev/null && xmllint --noout site.kml report.html flight.html &&
         compgen -G '*.plan' >/dev/null && compgen -G '*.rally' >/dev/null) || fail "$1: files that cannot be read"
       ;;
     'TOKEN='*) with_tokens "$1" ;;

@@ -250,7 +250,8 @@ test_exports() {
   done
   run 0 export "$site" --format report -o "$work/a report.html"
   grep -qi '<html' "$work/a report.html" || fail "the report is no page"
-  run 1 export "$flight" --format report
+  run 0 export "$flight" --format report -o "$work/flight.html"
+  grep -qi '<h2>Map of the flight' "$work/flight.html" || fail "the report of a flight is no page"
   said err 'about one site'
   run 1 export "$site" --format rally -o "$work/none.rally"
   said err '--home-altitude: is missing'

@@ -17,7 +17,8 @@ MapView ViewOf(const std::string& frame_id, double east_m) {
 FlightMapRow StageMeadowMap(Storage& storage,
                             const SiteMap& ground,
                             const std::string& flight_id,
-                            int64_t seen_at_us) {
+                            int64_t seen_at_us,
+                            const std::optional<PhotoLattice>& photo) {
   const Replan replan = ParseReplan(MeadowSite("amsl").replan_json);
   MapHead head;
   head.flight_json = replan.flight.canonical_json;
@@ -28,6 +29,7 @@ FlightMapRow StageMeadowMap(Storage& storage,
   head.camera.fx_px = head.camera.fy_px = 100.0;
   head.camera.cx_px = 159.5;
   head.camera.cy_px = 319.5;
+  head.photo = photo;
   head.views = {ViewOf("left", -140.0), ViewOf("right", 140.0)};
   FlightMapRow row;
   row.id = storage.maps.NewId(flight_id);

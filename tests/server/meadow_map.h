@@ -1,6 +1,7 @@
 // The meadow as the map of a flight.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "server/maps/maps.h"
@@ -9,11 +10,13 @@
 namespace freelsd {
 
 // A map of flight "f" with these rasters, photographed by two frames, "left" and "right"; not in
-// force. The frames show the western and the eastern half of the ground, 20 m wider.
+// force. The frames show the western and the eastern half of the ground, 20 m wider. `photo`: the
+// lattice of its picture, which has no tiles yet.
 FlightMapRow StageMeadowMap(Storage& storage,
                             const SiteMap& ground,
                             const std::string& flight_id = "f",
-                            int64_t seen_at_us = 1600000000000000);
+                            int64_t seen_at_us = 1600000000000000,
+                            const std::optional<PhotoLattice>& photo = std::nullopt);
 // MeadowSite on the map.
 SiteRow SiteOnMap(const FlightMapRow& map);
 // Both in force, and nothing else of the flight.

@@ -175,6 +175,9 @@ test('page: a site comes in the formats of other programs, a refusal is shown', 
       page.locator(`#site-downloads [data-format="${format}"]`).click()]);
     assert.match(download.suggestedFilename(), new RegExp(`\\.(${format}|json)$`));
   }
+  const [report] = await Promise.all([page.waitForEvent('download', kWait),
+    page.locator('#flight-downloads [data-format="html"]').evaluate((button) => button.click())]);
+  assert.match(report.suggestedFilename(), /\.html$/, 'the flight has a report too');
   await page.locator('#site-downloads [data-format="rally"]').click();
   await page.locator('#site-downloads .bad:not([hidden])').waitFor(kWait);
   assert.match(await page.locator('#site-downloads .bad').textContent(), /home_altitude_m|altitude/i);

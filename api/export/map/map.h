@@ -1,5 +1,5 @@
 // Input: parts ("windows") of a flight's map, and of its picture from above. Output: web map tiles,
-// TileJSON, GeoTIFF, KMZ, legends.
+// TileJSON, pictures of a box, GeoTIFF, KMZ, legends.
 //
 // Windows lie in world: the local east-north frame of the flight, metres. Row 0 is the northern
 // edge, column 0 the western. The cells of level l are 2^l times as large as the finest cells, and
@@ -121,6 +121,35 @@ std::string PhotoTilePng(const XyzTile& tile,
 std::string PhotoTileJpeg(const XyzTile& tile,
                           const std::vector<PhotoWindow>& windows,
                           const LocalFrame& local_frame);
+
+// --- Pictures of a box ---
+// North is up and rows are lines of equal north in world, so these pictures fit into drawings in
+// world. A whole number of pixels of about the given size fills the box. They throw
+// std::invalid_argument for an empty box.
+
+// White where nothing is seen.
+std::string PhotoBoxJpeg(const WorldBox& box,
+                         double pixel_size_m,
+                         const std::vector<PhotoWindow>& windows,
+                         const LocalFrame& local_frame);
+
+// What is seen through the picture of the hazard.
+enum class Backdrop { kNone, kPhoto };
+// PNG, transparent outside the windows. Unseen ground is hatched: it differs from hazard without
+// colour too.
+std::string HazardBoxPng(const WorldBox& box,
+                         double pixel_size_m,
+                         const std::vector<MapWindow>& windows,
+                         Backdrop backdrop,
+                         const LocalFrame& local_frame);
+// PNG with the colours of the scale: slope, roughness, grass, height_sd or coverage. Transparent
+// where nothing is seen.
+std::string LayerBoxPng(const std::string& layer,
+                        const WorldBox& box,
+                        double pixel_size_m,
+                        const std::vector<MapWindow>& windows,
+                        const Scale& scale,
+                        const LocalFrame& local_frame);
 
 // --- The list of layers ---
 

@@ -8,8 +8,8 @@
 namespace freelsd {
 namespace {
 
-constexpr double kWidth = 800.0, kHeight = 300.0;
-constexpr double kLeft = 60.0, kRight = 780.0, kTop = 20.0, kBottom = 260.0;
+constexpr double kWidth = 800.0, kHeight = 220.0;
+constexpr double kLeft = 60.0, kRight = 780.0, kTop = 20.0, kBottom = 185.0;
 
 // Altitudes along the final; the start is on the left, the touchdown on the right.
 struct Scales {
@@ -96,7 +96,7 @@ std::string ProfileFigure(const StoredSite& site) {
   const Profile& profile = site.profile;
   if (profile.empty()) return "";
   const Scales scales = ScalesOf(profile);
-  return "<h2>Profile of the final</h2>\n<figure><svg role=\"img\" aria-label=\"path and ground "
+  return "<figure class=\"profile\"><svg role=\"img\" aria-label=\"path and ground "
          "along the final\" viewBox=\"0 0 " +
          Number(kWidth) + " " + Number(kHeight) + "\">" + UnseenColumns(profile, scales) +
          Axes(scales) + Path(profile, &ProfilePoint::terrain_m, "terrain", scales) +

@@ -41,6 +41,20 @@ TEST_CASE("stored site: numbers, wind, final and profile are those of the featur
         doctest::Approx(200.0 * std::tan(RadFromDeg(5.0))).epsilon(1e-3));
 }
 
+TEST_CASE("stored site: the strip of the ground roll has its corners once, or none") {
+  const KnownSite known = MakeSite({});
+  CHECK(known.stored.ground_roll.empty());
+  nlohmann::json approach = nlohmann::json::parse(known.approach_json);
+  approach["features"].push_back(nlohmann::json::parse(
+      R"({"type":"Feature","properties":{"kind":"ground_roll"},"geometry":{"type":"Polygon",)"
+      R"("coordinates":[[[8,47,1],[8.1,47,2],[8.1,47.1,3],[8,47.1,4],[8,47,1]]]}})"));
+  const StoredSite site = ReadStoredSite(known.feature_json, approach.dump(), "amsl");
+  REQUIRE(site.ground_roll.size() == 4);
+  CHECK(site.ground_roll[1].longitude_deg == 8.1);
+  CHECK(site.ground_roll[2].latitude_deg == 47.1);
+  CHECK(site.ground_roll[3].altitude_m == 4.0);
+}
+
 TEST_CASE("stored site: an older program's approach has no go-around, and is read") {
   const KnownSite known = MakeSite({});
   nlohmann::json approach = nlohmann::json::parse(known.approach_json);

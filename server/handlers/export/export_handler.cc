@@ -1,12 +1,12 @@
 // Answers sites in the format that ?f= or the Accept header names; the default is GeoJSON.
 #include <algorithm>
-#include <sstream>
 
 #include "api/api.h"
 #include "api/export/layers/layers.h"
 #include "api/export/report/report.h"
 #include "api/export/sites/sites.h"
 #include "api/stored/stored.h"
+#include "server/handlers/export/answer_format.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
 
@@ -14,50 +14,6 @@ namespace freelsd {
 namespace {
 
 constexpr SiteFormat kGeoJson{"geojson", "application/geo+json", "geojson"};
-constexpr SiteFormat kReport{"html", "text/html", "html"};
-
-struct AcceptedType {
-  std::string media_type;
-  double quality = 1.0;
-};
-
-std::vector<AcceptedType> ParseAccept(const std::string& header) {
-  std::vector<AcceptedType> types;
-  std::istringstream ranges(header);
-  for (std::string range; std::getline(ranges, range, ',');) {
-    std::erase(range, ' ');
-    const size_t end = range.find(';');
-    AcceptedType type{range.substr(0, end)};
-    const size_t quality = range.find(";q=");
-    if (quality != std::string::npos) type.quality = std::atof(range.c_str() + quality + 3);
-    types.push_back(type);
-  }
-  std::stable_sort(types.begin(), types.end(), [](const auto& left, const auto& right) {
-    return left.quality > right.quality;
-  });
-  return types;
-}
-
-SiteFormat NamedFormat(const std::string& name, const std::vector<SiteFormat>& formats) {
-  std::string names;
-  for (const SiteFormat& format : formats) {
-    if (name == format.name) return format;
-    names += (names.empty() ? "" : ", ") + std::string(format.name);
-  }
-  throw ApiError("InvalidQuery", "f: must be one of " + names, {{"f", "must be one of " + names}});
-}
-
-// `formats` begins with GeoJSON, the answer if no format matches.
-SiteFormat FormatOf(const Call& call, const std::vector<SiteFormat>& formats) {
-  if (const auto name = call.Query("f")) return NamedFormat(*name, formats);
-  for (const AcceptedType& accepted : ParseAccept(call.request.get_header_value("Accept"))) {
-    if (accepted.media_type == "*/*" || accepted.media_type == "application/json") break;
-    for (const SiteFormat& format : formats) {
-      if (accepted.quality > 0.0 && accepted.media_type == format.media_type) return format;
-    }
-  }
-  return kGeoJson;
-}
 
 std::vector<SiteFormat> FormatsWith(std::initializer_list<SiteFormat> more) {
   std::vector<SiteFormat> formats = more;
@@ -89,32 +45,27 @@ void Answer(const std::string& body,
   response.set_content(body, format.media_type);
 }
 
-void AnswerReport(const Service& service,
-                  const SiteRow& row,
-                  const StoredSite& site,
-                  httplib::Response& response) {
+void AnswerSiteReport(const Service& service,
+                      const SiteRow& row,
+                      const StoredSite& site,
+                      httplib::Response& response) {
   const std::optional<SiteMap> map = MapOf(service, row);
   const LocalFrame local_frame(ParseReplan(row.replan_json).origin);
-  response.set_header("Vary", "Accept");
-  response.set_header("Content-Security-Policy",
-                      "default-src 'none'; img-src data:; style-src 'unsafe-inline'; "
-                      "frame-ancestors 'none'");
-  response.set_content(SiteReport(site, map.value_or(SiteMap()), local_frame),
-                       "text/html; charset=utf-8");
+  AnswerReport(SiteReport(site, map.value_or(SiteMap()), local_frame), response);
 }
 
 }  // namespace
 
 void GetSiteAs(Service& service, const Call& call, httplib::Response& response) {
   const SiteRow row = ExistingSite(service, call);
-  const SiteFormat format = FormatOf(call, FormatsWith({kGeoJson, kReport}));
+  const SiteFormat format = FormatOf(call, FormatsWith({kGeoJson, kReportFormat}));
   const ExportOptions options = ExportOptionsOf(call);
   if (std::string_view(format.name) == kGeoJson.name) {
     response.set_header("Vary", "Accept");
     return GetSite(service, call, response);
   }
   const bool is_superseded = row.superseded_by && call.Query("include") != "superseded";
-  if (is_superseded && std::string_view(format.name) != kReport.name) {
+  if (is_superseded && std::string_view(format.name) != kReportFormat.name) {
     throw ApiError("SiteRejected",
                    "superseded: on the later map of " + *row.superseded_by + " " +
                        (row.superseded_detail.empty() ? "its plan fails" : row.superseded_detail) +
@@ -122,8 +73,8 @@ void GetSiteAs(Service& service, const Call& call, httplib::Response& response) 
   }
   for (const StoredSite& site : RankedSitesOf(SitesOfFlight(service, row.flight_id))) {
     if (site.id != row.id) continue;
-    if (std::string_view(format.name) == kReport.name)
-      return AnswerReport(service, row, site, response);
+    if (std::string_view(format.name) == kReportFormat.name)
+      return AnswerSiteReport(service, row, site, response);
     const std::string body = ExportSites(format.name, {site}, options);
     Answer(body, format, FileName(row.id, format, IsUnverified(site)), response);
   }
