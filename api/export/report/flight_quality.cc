@@ -85,6 +85,7 @@ std::string Groups(const std::string& title,
                    const std::vector<LeftOutGroup>& groups) {
   if (groups.empty()) return "";
   std::vector<std::string> items;
+  items.reserve(groups.size());
   for (const LeftOutGroup& group : groups) {
     items.push_back("<b>" + CountText(static_cast<int64_t>(group.ids.size()), one) +
                     "</b>: " + EscapeXml(group.reason) + " (" + Ids(group.ids) + ")");

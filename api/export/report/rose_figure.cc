@@ -67,7 +67,7 @@ std::string Text(const std::string& position, const std::string& text) {
 
 // The speeds stand between two columns of cells.
 std::string AxisLabels(const WindRose& rose) {
-  const char* const kNames[] = {"N", "E", "S", "W"};
+  constexpr const char* kNames[] = {"N", "E", "S", "W"};
   std::string labels;
   for (int i = 0; i < 4; ++i) labels += Text(Point(kRimRadius + 12.0, 90.0 * i), kNames[i]);
   const double between_deg = 45.0 + 180.0 / rose.num_directions;

@@ -19,8 +19,7 @@ cv::Mat Decoded(const std::string& bytes) {
 }
 
 cv::Mat4b HazardOf(double pixel_size_m, Backdrop backdrop) {
-  const cv::Mat picture =
-      Decoded(HazardBoxPng(kBox, pixel_size_m, {{HillMap(), {}}}, backdrop, kFrame));
+  cv::Mat picture = Decoded(HazardBoxPng(kBox, pixel_size_m, {{HillMap(), {}}}, backdrop, kFrame));
   REQUIRE(picture.channels() == 4);
   return picture;
 }
