@@ -1,5 +1,6 @@
 #include "engine/cover/small_objects.h"
 
+#include <algorithm>
 #include <array>
 
 #include <opencv2/imgproc.hpp>
@@ -17,6 +18,8 @@ constexpr double kBlurM = 0.3;
 constexpr int kNumPasses = 3;
 // Least variance of surroundings: two shares of colour, log brightness.
 const Eigen::Vector3f kLeastVariance(1e-4f, 1e-4f, 4e-4f);
+// Rows of a strip, without the surroundings of its own cells.
+constexpr int kNumStripRows = 256;
 // Avoids a division by zero: the mean is 0 where nothing counts.
 constexpr double kNoWeight = 1e-6;
 
@@ -43,28 +46,40 @@ Surroundings SurroundingsOf(const ColorPlanes& colors, const cv::Mat1f& counts, 
   return around;
 }
 
-// Squared deviations (Mahalanobis) of each cell's colour from its surroundings.
-cv::Mat1f SquaredDeviations(const ColorPlanes& colors, const Surroundings& around) {
-  cv::Mat1f squares(around.weight.size());
-  for (int row = 0; row < squares.rows; ++row) {
-    for (int col = 0; col < squares.cols; ++col) {
-      const float share = 1.0f / around.weight(row, col);
-      Eigen::Vector3f mean, offset;
-      for (size_t i = 0; i < 3; ++i) {
-        mean[Eigen::Index(i)] = share * around.mean[i](row, col);
-        offset[Eigen::Index(i)] = colors[i](row, col) - mean[Eigen::Index(i)];
+// Squared deviation (Mahalanobis) of a cell's colour from its surroundings.
+float SquaredDeviation(const ColorPlanes& colors, const Surroundings& around, int row, int col) {
+  const float share = 1.0f / around.weight(row, col);
+  Eigen::Vector3f mean, offset;
+  for (size_t i = 0; i < 3; ++i) {
+    mean[Eigen::Index(i)] = share * around.mean[i](row, col);
+    offset[Eigen::Index(i)] = colors[i](row, col) - mean[Eigen::Index(i)];
+  }
+  Eigen::Matrix3f covariance;
+  size_t pair = 0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      const float moment = share * around.moments[pair++](row, col);
+      covariance(i, j) = covariance(j, i) = moment - mean[i] * mean[j];
+    }
+  }
+  // Rounding may make a variance negative.
+  covariance.diagonal() = covariance.diagonal().cwiseMax(0.0f) + kLeastVariance;
+  return offset.dot(covariance.inverse() * offset);
+}
+
+// Of all cells. Strip by strip, because the moments of a strip need ten rasters.
+cv::Mat1f SquaredDeviations(const ColorPlanes& colors, const cv::Mat1f& counts, int side) {
+  cv::Mat1f squares(counts.size());
+  for (int first = 0; first < squares.rows; first += kNumStripRows) {
+    const int end = std::min(squares.rows, first + kNumStripRows);
+    const cv::Range rows(std::max(0, first - side), std::min(squares.rows, end + side));
+    const ColorPlanes strip{
+        colors[0].rowRange(rows), colors[1].rowRange(rows), colors[2].rowRange(rows)};
+    const Surroundings around = SurroundingsOf(strip, counts.rowRange(rows), side);
+    for (int row = first; row < end; ++row) {
+      for (int col = 0; col < squares.cols; ++col) {
+        squares(row, col) = SquaredDeviation(strip, around, row - rows.start, col);
       }
-      Eigen::Matrix3f covariance;
-      size_t pair = 0;
-      for (int i = 0; i < 3; ++i) {
-        for (int j = i; j < 3; ++j) {
-          const float moment = share * around.moments[pair++](row, col);
-          covariance(i, j) = covariance(j, i) = moment - mean[i] * mean[j];
-        }
-      }
-      // Rounding may make a variance negative.
-      covariance.diagonal() = covariance.diagonal().cwiseMax(0.0f) + kLeastVariance;
-      squares(row, col) = offset.dot(covariance.inverse() * offset);
     }
   }
   return squares;
@@ -83,7 +98,7 @@ cv::Mat1b SmallObjects(const Orthophoto& photo, const CoverOptions& options) {
   cv::Mat1f counts = seen.clone();
   cv::Mat1f squares;
   for (int pass = 0; pass < kNumPasses; ++pass) {
-    squares = SquaredDeviations(colors, SurroundingsOf(colors, counts, side));
+    squares = SquaredDeviations(colors, counts, side);
     cv::Mat1b is_other;
     cv::dilate(squares > trim * trim, is_other, neighbours);
     counts = seen.clone();

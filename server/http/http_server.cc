@@ -161,6 +161,8 @@ void AnswerLive(httplib::Response& response,
                 const std::string& begin,
                 LiveAnswer rest) {
   connection_of_this_thread->live = std::move(rest);
+  // The connection ends with the answer: a client that does not know would lose its next request.
+  response.set_header("Connection", "close");
   // The library writes the head and the first chunk. The result false keeps it from ending the
   // answer.
   response.set_chunked_content_provider(content_type, [begin](size_t, httplib::DataSink& sink) {
