@@ -60,7 +60,8 @@ TEST_CASE("box picture: the photograph fills its part of the box, the rest is wh
   CHECK(cv::norm(picture(80, 100), cv::Vec3b(255, 255, 255)) < 12.0);
 }
 
-TEST_CASE("box picture: a layer is transparent where it has no value; an empty box is refused") {
+TEST_CASE(
+    "box picture: a layer is transparent where it has no value, and an empty box is refused") {
   MapWindow window{HillMap(), {}};
   window.coverage = cv::Mat1b(kHillRows, kHillCols, uchar{3});
   window.coverage(cv::Rect(0, 50, 10, 10)).setTo(0);
