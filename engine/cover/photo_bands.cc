@@ -8,9 +8,9 @@
 namespace freelsd {
 namespace {
 
-// Cells of a band: a quarter of a square kilometre at 0.25 m. Some rules need 20 rasters of floats
+// Cells of a band: an eighth of a square kilometre at 0.25 m. Some rules need 20 rasters of floats
 // for a band.
-constexpr int kMaxNumCells = 4000000;
+constexpr int kMaxNumCells = 2000000;
 
 }  // namespace
 

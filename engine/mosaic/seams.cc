@@ -101,10 +101,13 @@ class Expansion {
       const int common = std::min(keep_[i], take_[i]);
       graph.addTermWeights(static_cast<int>(i), take_[i] - common, keep_[i] - common);
     }
-    graph.maxFlow();
+    // The library refuses a graph without edges.
+    if (has_edges_) graph.maxFlow();
     bool has_changed = false;
     for (size_t i = 0; i < cells_.size(); ++i) {
-      if (graph.inSourceSegment(static_cast<int>(i))) continue;
+      const bool keeps =
+          has_edges_ ? graph.inSourceSegment(static_cast<int>(i)) : keep_[i] <= take_[i];
+      if (keeps) continue;
       chosen_(cells_[i] - first_) = static_cast<int16_t>(number_);
       has_changed = true;
     }
@@ -154,6 +157,7 @@ class Expansion {
     take_[i] += c - a;
     take_[j] -= c;
     graph.addEdges(static_cast<int>(i), static_cast<int>(j), b + c - a, 0);
+    has_edges_ = true;
   }
 
   const ViewLayer& layer_;
@@ -164,6 +168,7 @@ class Expansion {
   cv::Mat1i node_;
   std::vector<cv::Point> cells_;
   std::vector<int> keep_, take_;
+  bool has_edges_ = false;
 };
 
 cv::Mat1s CheapestLayers(const std::vector<ViewLayer>& layers,

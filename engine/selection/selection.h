@@ -34,7 +34,7 @@ struct BackendOptions {
   double max_surroundings_m = 400.0;
   // Largest number of key-frames in one evaluation. Regions that need more are split into groups. A
   // single region that needs more uses the key-frames nearest to its middle.
-  int max_num_views = 300;
+  int max_num_views = 600;
   // Largest extent of the regions in one evaluation. Regions farther apart are split into groups,
   // each with its own map.
   double max_group_extent_m = 1500.0;

@@ -59,7 +59,8 @@ def run(tools, folder, flight_files, num_rounds):
         job = json.loads(answer)["id"]
         if number % 4 == 0:
             # How long it takes, without a kill.
-            check(server.await_job(job)["state"] == "done", "the evaluation fails")
+            ended = server.await_job(job)
+            check(ended["state"] == "done", f"round {number}: the evaluation fails: {ended}")
             longest_s = time.monotonic() - begin
             before = state_of(server, flight)
             continue
@@ -68,7 +69,8 @@ def run(tools, folder, flight_files, num_rounds):
         server.kill()
         server.start()
         seen = state_of(server, flight)
-        check(server.await_job(job)["state"] == "done", "the evaluation does not go on")
+        ended = server.await_job(job)
+        check(ended["state"] == "done", f"round {number}: the evaluation does not go on: {ended}")
         after = state_of(server, flight)
         check(seen in (before, after), f"round {number}: a map that is neither the old nor the new")
         counts["old" if seen == before else "new"] += 1
