@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "engine/glide/glide.h"
-#include "server/recall/geoid.h"
+#include "server/recall/geoid/geoid.h"
 
 namespace freelsd {
 namespace {

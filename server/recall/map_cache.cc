@@ -207,7 +207,7 @@ std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
   const Surroundings surroundings =
       SurroundingsOf(storage, site->row.flight_id, site->box, site->surroundings);
   if (found && surroundings.Key() == found->surroundings_key) return found;
-  const std::shared_ptr<const KeptSite> current = Among(storage, *site, surroundings);
+  std::shared_ptr<const KeptSite> current = Among(storage, *site, surroundings);
   const std::lock_guard lock(mutex_);
   // Another thread may have cached it in the meantime, with plans that refer to its object.
   if (const Planned* planned = sites_.Find(site_id, updated_at_us);

@@ -139,7 +139,7 @@ std::shared_ptr<const Plan> MapCache::PlanFor(const Storage& storage,
     }
   }
   const auto on_map = PlannerFor(site, aircraft);
-  const auto plan = std::make_shared<const Plan>(CheckedAround(
+  auto plan = std::make_shared<const Plan>(CheckedAround(
       on_map->planner.PlanFor(wind_in_world), {storage, *this}, *site, aircraft, wind_in_world));
   const std::lock_guard lock(mutex_);
   Planner* const planner = FindPlanner(site, aircraft_key);

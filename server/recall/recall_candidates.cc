@@ -12,7 +12,7 @@
 
 #include "api/api.h"
 #include "server/http/http.h"
-#include "server/recall/geoid.h"
+#include "server/recall/geoid/geoid.h"
 
 namespace freelsd {
 namespace {

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
-#include "server/recall/geoid.h"
+#include "server/recall/geoid/geoid.h"
 #include "server/recall/reach/reach_obstacles.h"
 #include "server/recall/recall_candidates.h"
 #include "server/recall/terrain_margin.h"

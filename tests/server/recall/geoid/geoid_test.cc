@@ -1,4 +1,4 @@
-#include "server/recall/geoid.h"
+#include "server/recall/geoid/geoid.h"
 
 #include <cmath>
 #include <thread>
