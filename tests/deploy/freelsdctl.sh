@@ -252,7 +252,6 @@ test_exports() {
   grep -qi '<html' "$work/a report.html" || fail "the report is no page"
   run 0 export "$flight" --format report -o "$work/flight.html"
   grep -qi '<h2>Map of the flight' "$work/flight.html" || fail "the report of a flight is no page"
-  said err 'about one site'
   run 1 export "$site" --format rally -o "$work/none.rally"
   said err '--home-altitude: is missing'
   if grep -q home_altitude_m "$work/err"; then fail "the message names no option"; fi
