@@ -46,6 +46,11 @@ AltitudeReference ReferenceOf(const KeptSite& site) {
           site.row.flight_id};
 }
 
+// A matrix of floats equals itself but where it is NaN.
+bool IsAllSeen(const ElevationMap& map) {
+  return cv::countNonZero(map.upper == map.upper) == static_cast<int>(map.upper.total());
+}
+
 SiteMap WithObstaclesOn(const SiteMap& site_map, const std::vector<HardObstacle>& obstacles) {
   AssessedMap ground = WithObstacles(site_map.map, site_map.layers, obstacles, {});
   return {std::move(ground.map), std::move(ground.layers)};
@@ -266,11 +271,14 @@ std::shared_ptr<const KeptSite> MapCache::Among(const Storage& storage,
   kept->obstacles = InWorld(surroundings.obstacles, LocalFrame(site.replan.origin), reference);
   kept->other_maps = surroundings.other_maps;
   SiteMap ground = site.site_map;
-  ground.map.upper = WithGroundOfOthers(ground.map,
-                                        site.replan.origin,
-                                        reference,
-                                        GroundsOf(storage, kept->other_maps),
-                                        site.replan.flight.options.approach.path_margin_sigma);
+  // Other maps are read only where they count.
+  if (!IsAllSeen(ground.map)) {
+    ground.map.upper = WithGroundOfOthers(ground.map,
+                                          site.replan.origin,
+                                          reference,
+                                          GroundsOf(storage, kept->other_maps),
+                                          site.replan.flight.options.approach.path_margin_sigma);
+  }
   kept->obstructed_map = WithObstaclesOn(ground, kept->obstacles);
   return kept;
 }

@@ -125,9 +125,7 @@ cv::Mat1f WithGroundOfOthers(const ElevationMap& map,
                              const AltitudeReference& own,
                              const std::vector<OtherGround>& others,
                              double sigma) {
-  const bool is_all_seen =
-      cv::countNonZero(map.upper == map.upper) == static_cast<int>(map.upper.total());
-  if (others.empty() || is_all_seen) return map.upper;
+  if (others.empty()) return map.upper;
   cv::Mat1f upper = map.upper.clone();
   const LocalFrame frame(origin);
   for (const OtherGround& other : others) {
