@@ -5,8 +5,8 @@
 
 #include <spdlog/spdlog.h>
 
+#include "server/jobs/jobs.h"
 #include "server/routes.h"
-#include "server/work/work.h"
 
 namespace freelsd {
 namespace {

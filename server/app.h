@@ -7,7 +7,7 @@
 #include "server/base_map/base_map.h"
 #include "server/config.h"
 #include "server/http/http.h"
-#include "server/work/work.h"
+#include "server/jobs/jobs.h"
 
 namespace freelsd {
 

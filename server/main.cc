@@ -10,8 +10,8 @@
 
 #include "server/app.h"
 #include "server/descriptors.h"
+#include "server/jobs/jobs.h"
 #include "server/supervisor.h"
-#include "server/work/work.h"
 
 namespace freelsd {
 namespace {

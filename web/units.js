@@ -32,6 +32,8 @@ export const heading = (value_deg) =>
 
 export function age(seconds) {
   if (!isKnown(seconds)) return 'unknown';
+  const year_s = 365.25 * 86400;
+  if (seconds >= 2 * year_s) return `${Math.floor(seconds / year_s)} years`;
   const steps = [[86400, 'd'], [3600, 'h'], [60, 'min']];
   for (const [size, unit] of steps) {
     if (seconds >= size) return `${Math.floor(seconds / size)} ${unit}`;

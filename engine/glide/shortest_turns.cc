@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <optional>
 
 #include "engine/geometry/geometry.h"
@@ -21,9 +20,13 @@ double Turn(double angle) {
 }
 
 // Distance d in radii and both headings counter-clockwise from the line between the places, as in
-// Shkel and Lumelsky, "Classification of the Dubins set", 2001, Eq. 6 to 17.
+// Shkel and Lumelsky, "Classification of the Dubins set", 2001, Eq. 6 to 17. All words share the
+// sines and cosines of the headings.
 struct Problem {
+  Problem(double distance, double from, double to) : d(distance), alpha(from), beta(to) {}
   double d, alpha, beta;
+  double sin_alpha = std::sin(alpha), cos_alpha = std::cos(alpha);
+  double sin_beta = std::sin(beta), cos_beta = std::cos(beta);
 };
 
 // Lengths in radii; angles are not negative. `sense` of the first turn: 1 is left, -1 is right.
@@ -36,8 +39,8 @@ struct Word {
 
 // Both turns in the same sense.
 Word SameSense(const Problem& p, double sense) {
-  const double x = p.d - sense * (std::sin(p.beta) - std::sin(p.alpha));
-  const double y = -sense * (std::cos(p.alpha) - std::cos(p.beta));
+  const double x = p.d - sense * (p.sin_beta - p.sin_alpha);
+  const double y = -sense * (p.cos_alpha - p.cos_beta);
   const double straight = std::hypot(x, y);
   // Both turns share one circle: a straight piece of zero length has no direction.
   if (straight < kNoStraight) {
@@ -51,8 +54,8 @@ Word SameSense(const Problem& p, double sense) {
 // A turn in this sense, then one in the other. Nothing if the circles overlap.
 std::optional<Word> OtherSense(const Problem& p, double sense) {
   // Centres one radius to the side of each place.
-  const double x = p.d + sense * (std::sin(p.beta) + std::sin(p.alpha));
-  const double y = -sense * (std::cos(p.beta) + std::cos(p.alpha));
+  const double x = p.d + sense * (p.sin_beta + p.sin_alpha);
+  const double y = -sense * (p.cos_beta + p.cos_alpha);
   const double between = std::hypot(x, y);
   // Circles that touch may overlap by a rounding error.
   if (between < 2.0 - kNoStraight) return std::nullopt;
@@ -64,8 +67,8 @@ std::optional<Word> OtherSense(const Problem& p, double sense) {
 
 // Three arcs; the middle one has the opposite sense and is longer than half a turn.
 std::optional<Word> ThreeArcs(const Problem& p, double sense) {
-  const double x = p.d - sense * (std::sin(p.beta) - std::sin(p.alpha));
-  const double y = -sense * (std::cos(p.alpha) - std::cos(p.beta));
+  const double x = p.d - sense * (p.sin_beta - p.sin_alpha);
+  const double y = -sense * (p.cos_alpha - p.cos_beta);
   const double between = std::hypot(x, y);
   if (between > 4.0) return std::nullopt;
   const double middle = 2.0 * kPi - 2.0 * std::asin(between / 4.0);
@@ -80,18 +83,18 @@ std::optional<Word> ThreeArcs(const Problem& p, double sense) {
 TurnPath ShortestTurns(const Stance& from, const Stance& to, double radius_m) {
   const Eigen::Vector2d way = to.place - from.place;
   const double direction = way.norm() > 0.0 ? std::atan2(way.y(), way.x()) : 0.0;
-  const Problem problem{way.norm() / radius_m,
+  const Problem problem(way.norm() / radius_m,
                         kPi / 2.0 - from.heading - direction,
-                        kPi / 2.0 - to.heading - direction};
+                        kPi / 2.0 - to.heading - direction);
   Word best = SameSense(problem, 1.0);
-  for (const double sense : {1.0, -1.0}) {
-    const Word same = SameSense(problem, sense);
-    if (same.Length() < best.Length()) best = same;
-    const std::optional<Word> others[] = {OtherSense(problem, sense), ThreeArcs(problem, sense)};
-    for (const std::optional<Word>& other : others) {
-      if (other && other->Length() < best.Length()) best = *other;
-    }
-  }
+  const auto improve = [&best](const std::optional<Word>& word) {
+    if (word && word->Length() < best.Length()) best = *word;
+  };
+  improve(OtherSense(problem, 1.0));
+  improve(ThreeArcs(problem, 1.0));
+  improve(SameSense(problem, -1.0));
+  improve(OtherSense(problem, -1.0));
+  improve(ThreeArcs(problem, -1.0));
   const double to_the_right = -best.sense;
   return {to_the_right * best.first,
           best.straight * radius_m,

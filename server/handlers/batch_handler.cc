@@ -9,7 +9,7 @@
 #include "server/handlers/lookups.h"
 #include "server/http/http.h"
 #include "server/intake/intake.h"
-#include "server/work/work.h"
+#include "server/jobs/jobs.h"
 
 namespace freelsd {
 namespace {

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "server/http/http.h"
+#include "server/jobs/jobs.h"
 #include "server/recall/recall.h"
-#include "server/work/work.h"
 
 namespace freelsd {
 

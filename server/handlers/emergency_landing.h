@@ -7,7 +7,7 @@
 
 #include "api/export/sites/sites.h"
 #include "server/http/http.h"
-#include "server/work/work.h"
+#include "server/jobs/jobs.h"
 
 namespace freelsd {
 

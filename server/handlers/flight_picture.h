@@ -11,8 +11,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "api/export/map/map.h"
+#include "server/jobs/jobs.h"
 #include "server/maps/maps.h"
-#include "server/work/work.h"
 
 namespace freelsd {
 

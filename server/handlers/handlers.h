@@ -3,7 +3,7 @@
 #pragma once
 
 #include "server/http/http.h"
-#include "server/work/work.h"
+#include "server/jobs/jobs.h"
 
 namespace freelsd {
 

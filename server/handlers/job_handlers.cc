@@ -7,7 +7,7 @@
 #include "server/handlers/lookups.h"
 #include "server/handlers/paging.h"
 #include "server/http/http.h"
-#include "server/work/work.h"
+#include "server/jobs/jobs.h"
 
 namespace freelsd {
 namespace {

@@ -6,7 +6,7 @@
 #include "api/export/sites/sites.h"
 #include "api/stored/stored.h"
 #include "server/http/http.h"
-#include "server/work/work.h"
+#include "server/jobs/jobs.h"
 
 namespace freelsd {
 

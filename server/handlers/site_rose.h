@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "server/work/work.h"
+#include "server/jobs/jobs.h"
 
 namespace freelsd {
 

@@ -61,6 +61,8 @@ test('units: an unknown value reads unknown, and headings have three digits', ()
   assert.equal(heading(null), 'unknown');
   assert.equal(area(null), 'unknown');
   assert.equal(age(3700), '1 h');
+  assert.equal(age(400 * 86400), '400 d');
+  assert.equal(age(3801 * 86400), '10 years');
 });
 
 test('course: a tenth of a degree of latitude north is 11.12 km on 000°', () => {

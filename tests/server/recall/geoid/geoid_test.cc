@@ -50,6 +50,7 @@ TEST_CASE("geoid: threads that ask at once get the same heights") {
   Geoid geoid;
   std::vector<double> heights(8);
   std::vector<std::thread> threads;
+  threads.reserve(heights.size());
   for (double& height : heights) {
     threads.emplace_back(
         [&geoid, &height] { height = geoid.HeightAt(47.1, 8.1).value_or(-999.0); });

@@ -1,4 +1,4 @@
-#include "server/work/retention.h"
+#include "server/jobs/retention.h"
 
 #include <algorithm>
 #include <set>

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "server/work/flight_session.h"
-#include "server/work/service.h"
+#include "server/jobs/flight_session.h"
+#include "server/jobs/service.h"
 
 namespace freelsd {
 

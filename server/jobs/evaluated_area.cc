@@ -1,4 +1,4 @@
-#include "server/work/evaluated_area.h"
+#include "server/jobs/evaluated_area.h"
 
 #include <nlohmann/json.hpp>
 

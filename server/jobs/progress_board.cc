@@ -1,4 +1,4 @@
-#include "server/work/progress_board.h"
+#include "server/jobs/progress_board.h"
 
 #include "server/http/http.h"
 

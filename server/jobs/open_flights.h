@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/work/flight_session.h"
+#include "server/jobs/flight_session.h"
 #include "storage/storage.h"
 
 namespace freelsd {

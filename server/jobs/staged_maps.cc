@@ -1,4 +1,4 @@
-#include "server/work/staged_maps.h"
+#include "server/jobs/staged_maps.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,9 +8,9 @@
 #include "server/base_map/base_map.h"
 #include "server/http/http.h"
 #include "server/intake/intake.h"
+#include "server/jobs/progress_board.h"
 #include "server/maps/maps.h"
 #include "server/recall/recall.h"
-#include "server/work/progress_board.h"
 
 namespace freelsd {
 

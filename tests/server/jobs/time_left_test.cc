@@ -1,5 +1,5 @@
 // How long work still takes, on work whose duration is known.
-#include "server/work/time_left.h"
+#include "server/jobs/time_left.h"
 
 #include <algorithm>
 #include <cmath>

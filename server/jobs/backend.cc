@@ -5,12 +5,12 @@
 #include <spdlog/spdlog.h>
 
 #include "server/intake/intake.h"
-#include "server/work/evaluation.h"
-#include "server/work/failure.h"
-#include "server/work/heap.h"
-#include "server/work/job_json.h"
-#include "server/work/retention.h"
-#include "server/work/worker.h"
+#include "server/jobs/evaluation.h"
+#include "server/jobs/failure.h"
+#include "server/jobs/heap.h"
+#include "server/jobs/job_json.h"
+#include "server/jobs/retention.h"
+#include "server/jobs/worker.h"
 
 namespace freelsd {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/work/evaluation.h"
+#include "server/jobs/evaluation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,9 @@
 #include "api/stored/stored.h"
 #include "server/http/http.h"
 #include "server/intake/intake.h"
+#include "server/jobs/evaluated_area.h"
+#include "server/jobs/staged_maps.h"
 #include "server/recall/recall.h"
-#include "server/work/evaluated_area.h"
-#include "server/work/staged_maps.h"
 
 namespace freelsd {
 namespace {

@@ -1,11 +1,11 @@
 // What runs now, and what is learned from what ran.
-#include "server/work/progress_board.h"
+#include "server/jobs/progress_board.h"
 
 #include <thread>
 
 #include <doctest/doctest.h>
 
-#include "server/work/job_words.h"
+#include "server/jobs/job_words.h"
 
 namespace freelsd {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/work/open_flights.h"
+#include "server/jobs/open_flights.h"
 
 #include <algorithm>
 #include <utility>

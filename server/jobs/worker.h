@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
-#include "server/work/evaluation_queue.h"
-#include "server/work/open_flights.h"
-#include "server/work/service.h"
+#include "server/jobs/evaluation_queue.h"
+#include "server/jobs/open_flights.h"
+#include "server/jobs/service.h"
 
 namespace freelsd {
 

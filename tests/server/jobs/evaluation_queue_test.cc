@@ -1,5 +1,5 @@
 // Flights take turns at the engine.
-#include "server/work/evaluation_queue.h"
+#include "server/jobs/evaluation_queue.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "server/work/job_words.h"
+#include "server/jobs/job_words.h"
 
 #include <cmath>
 

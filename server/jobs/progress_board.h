@@ -10,7 +10,7 @@
 #include <optional>
 #include <string>
 
-#include "server/work/time_left.h"
+#include "server/jobs/time_left.h"
 
 namespace freelsd {
 

@@ -1,5 +1,5 @@
 // Which flights are in memory when there are more than may be.
-#include "server/work/open_flights.h"
+#include "server/jobs/open_flights.h"
 
 #include <fstream>
 #include <iterator>

@@ -1,4 +1,4 @@
-#include "server/work/time_left.h"
+#include "server/jobs/time_left.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "server/http/http.h"
-#include "server/work/service.h"
+#include "server/jobs/service.h"
 
 namespace freelsd {
 

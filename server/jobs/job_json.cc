@@ -1,4 +1,4 @@
-#include "server/work/job_json.h"
+#include "server/jobs/job_json.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/http/http.h"
-#include "server/work/job_words.h"
+#include "server/jobs/job_words.h"
 
 namespace freelsd {
 namespace {

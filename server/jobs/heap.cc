@@ -1,4 +1,4 @@
-#include "server/work/heap.h"
+#include "server/jobs/heap.h"
 
 #include <cstdlib>
 

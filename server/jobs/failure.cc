@@ -1,9 +1,9 @@
-#include "server/work/failure.h"
+#include "server/jobs/failure.h"
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
-#include "server/work/job_json.h"
+#include "server/jobs/job_json.h"
 
 namespace freelsd {
 

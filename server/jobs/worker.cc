@@ -1,4 +1,4 @@
-#include "server/work/worker.h"
+#include "server/jobs/worker.h"
 
 #include <algorithm>
 #include <set>
@@ -9,9 +9,9 @@
 #include "api/import/images/images.h"
 #include "api/import/import.h"
 #include "server/intake/intake.h"
-#include "server/work/evaluation.h"
-#include "server/work/failure.h"
-#include "server/work/job_json.h"
+#include "server/jobs/evaluation.h"
+#include "server/jobs/failure.h"
+#include "server/jobs/job_json.h"
 
 namespace freelsd {
 namespace {

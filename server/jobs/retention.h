@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "server/work/service.h"
+#include "server/jobs/service.h"
 
 namespace freelsd {
 

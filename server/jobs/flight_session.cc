@@ -1,4 +1,4 @@
-#include "server/work/flight_session.h"
+#include "server/jobs/flight_session.h"
 
 #include <algorithm>
 

@@ -7,7 +7,7 @@
 #include "api/api.h"
 #include "api/stored/map/map.h"
 #include "engine/pipeline.h"
-#include "server/work/service.h"
+#include "server/jobs/service.h"
 
 namespace freelsd {
 

@@ -4,7 +4,7 @@
 #include <exception>
 #include <string>
 
-#include "server/work/service.h"
+#include "server/jobs/service.h"
 
 namespace freelsd {
 
