@@ -175,13 +175,13 @@ void AssessGround(const ElevationMap& map,
                   const HazardOptions& options,
                   Evaluation& evaluation) {
   std::vector<StageReport>& reports = evaluation.reports;
-  const Orthophoto photo = Timed(reports, "orthophoto", [&] {
+  Orthophoto photo = Timed(reports, "orthophoto", [&] {
     return MakeOrthophoto(map, evaluation.block, images, options.cover.photo);
   });
   const GroundSurface surface =
       Timed(reports, "surface", [&] { return MeasureSurface(map, options.surface); });
   const GroundCover cover = Timed(reports, "cover", [&] {
-    return AssessCover(map, surface, grass_views, options.cover, photo);
+    return AssessCover(map, surface, grass_views, options.cover, std::move(photo));
   });
   AssessedMap finished = Timed(reports, "hazard_layers", [&] {
     return AssessHazards(

@@ -59,11 +59,14 @@ GroundCover AssessCover(const ElevationMap& map,
                         const GroundSurface& surface,
                         const std::vector<GrassView>& grass_views,
                         const CoverOptions& options,
-                        const Orthophoto& photo) {
+                        Orthophoto photo) {
   options.Check();
   GroundCover cover;
   cover.grass = FuseGrass(map, grass_views, options);
   if (map.elevation.empty()) return cover;
+  const cv::Mat1f disagreement = PhotoDisagreement(photo, map.grid);
+  // Nothing else needs it, and the other rules need its memory.
+  photo.second_image.release();
   if (!photo.image.empty()) cover.grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
   // Fences and objects are still part of their meadow here.
   const cv::Mat1b meadow = cover.grass >= options.min_grass_posterior;
@@ -73,7 +76,7 @@ GroundCover AssessCover(const ElevationMap& map,
   cover.grass = WithoutSoftBorders(map, surface, cover.grass, options, photo);
   cells.is_clear_class = cover.grass >= options.clear_class.min_clear_class_posterior;
   cells.is_meadow = cells.is_clear_class | meadow;
-  cover.open = FindOpenCover(photo, map.grid, cells, options.photo);
+  cover.open = FindOpenCover(disagreement, map.grid, cells, options.photo);
   return cover;
 }
 

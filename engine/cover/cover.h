@@ -211,7 +211,7 @@ GroundCover AssessCover(const ElevationMap& map,
                         const GroundSurface& surface,
                         const std::vector<GrassView>& grass_views,
                         const CoverOptions& options,
-                        const Orthophoto& photo = {});
+                        Orthophoto photo = {});
 
 // Applies the cover to the map. The deviation becomes NaN where the cover is unknown. The allowance
 // is added to the upper height. If photographs were not compared, returns the map unchanged.

@@ -1,6 +1,7 @@
 #include "engine/cover/open_cover.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -25,13 +26,30 @@ constexpr float kLeastBrightness = 10.0f;
 // Avoids a division by zero: the mean is 0 where nothing counts.
 constexpr double kNoWeight = 1e-6;
 
-cv::Mat1f LogBrightness(const cv::Mat3b& image, double blur_px) {
-  cv::Mat1f brightness(image.size());
-  std::transform(image.begin(), image.end(), brightness.begin(), [](const cv::Vec3b& color) {
-    return std::log(kLeastBrightness + float(color[0]) + float(color[1]) + float(color[2]));
+// Logarithms of all sums of three bytes.
+std::array<float, 3 * 255 + 1> LogarithmsOfSums() {
+  std::array<float, 3 * 255 + 1> logarithms;
+  for (size_t sum = 0; sum < logarithms.size(); ++sum) {
+    logarithms[sum] = std::log(kLeastBrightness + static_cast<float>(sum));
+  }
+  return logarithms;
+}
+
+// Of a part of the image, blurred.
+cv::Mat1f LogBrightness(const cv::Mat3b& image, const cv::Rect& part, double blur_px) {
+  static const auto kLogarithms = LogarithmsOfSums();
+  // The blur reaches as far as OpenCV's kernel for floats.
+  const int halo = static_cast<int>(std::lround(8.0 * blur_px + 1.0)) / 2 + 1;
+  const cv::Rect whole({}, image.size());
+  const cv::Rect wide =
+      whole & cv::Rect(part.tl() - cv::Point(halo, halo), part.br() + cv::Point(halo, halo));
+  const cv::Mat3b colors = image(wide);
+  cv::Mat1f brightness(wide.size());
+  std::transform(colors.begin(), colors.end(), brightness.begin(), [](const cv::Vec3b& color) {
+    return kLogarithms[static_cast<size_t>(color[0] + color[1] + color[2])];
   });
   cv::GaussianBlur(brightness, brightness, {}, blur_px);
-  return brightness;
+  return brightness(part - wide.tl());
 }
 
 // Means over squares. Only pixels with counts = 1 are included.
@@ -69,42 +87,6 @@ std::map<std::pair<int, int>, PairCells> CellsOfPairs(const Orthophoto& photo) {
     }
   }
   return pairs;
-}
-
-// Deviation of the log brightness ratio, by cell of the map; NaN unless both photographs show the
-// cell. Exposure differs between views, so each pair of views is compared separately.
-cv::Mat1f Disagreement(const Orthophoto& photo, double map_cell_size_m) {
-  cv::Mat1f by_cell(photo.view.size(), std::numeric_limits<float>::quiet_NaN());
-  const double cell = photo.grid.cell_size_m;
-  const int parts = static_cast<int>(std::lround(map_cell_size_m / cell));
-  const cv::Mat1f ratio =
-      LogBrightness(photo.image, kBlurM / cell) - LogBrightness(photo.second_image, kBlurM / cell);
-  for (const auto& [views, pair] : CellsOfPairs(photo)) {
-    const cv::Rect box(parts * pair.around.tl(),
-                       cv::Size(parts * pair.around.width, parts * pair.around.height));
-    cv::Mat1b is_shown = cv::Mat1b::zeros(box.size());
-    for (const cv::Point& place : pair.cells) {
-      is_shown(cv::Rect(parts * (place - pair.around.tl()), cv::Size(parts, parts))) = 255;
-    }
-    is_shown &= photo.seen(box) & photo.second_seen(box);
-    cv::Mat1f shown, counts;
-    is_shown.convertTo(shown, CV_32F, 1.0 / 255.0);
-    // The blur mixes in other pairs of views, so a border of one cell is left out.
-    cv::Mat1b inner;
-    cv::erode(is_shown, inner, {}, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar::all(0.0));
-    inner.convertTo(counts, CV_32F, 1.0 / 255.0);
-    const cv::Mat1f exposure = WindowMean(counts, kExposureM / cell).Of(ratio(box).mul(counts));
-    const cv::Mat1f rest = (ratio(box) - exposure).mul(counts);
-    cv::Mat1f deviation, shares;
-    cv::sqrt(WindowMean(counts, kWindowM / cell).Of(rest.mul(rest)), deviation);
-    cv::resize(shown, shares, pair.around.size(), 0.0, 0.0, cv::INTER_AREA);
-    cv::resize(deviation, deviation, pair.around.size(), 0.0, 0.0, cv::INTER_AREA);
-    for (const cv::Point& place : pair.cells) {
-      const cv::Point in_box = place - pair.around.tl();
-      if (shares(in_box) >= kMinShownShare) by_cell(place) = deviation(in_box);
-    }
-  }
-  return by_cell;
 }
 
 cv::Mat DiscOf(double radius_m, double cell_size_m) {
@@ -178,14 +160,49 @@ cv::Mat1f Allowances(const cv::Mat1b& narrow,
 
 }  // namespace
 
-OpenCover FindOpenCover(const Orthophoto& photo,
+cv::Mat1f PhotoDisagreement(const Orthophoto& photo, const Grid& grid) {
+  if (photo.second_image.empty()) return {};
+  cv::Mat1f by_cell(photo.view.size(), std::numeric_limits<float>::quiet_NaN());
+  const double cell = photo.grid.cell_size_m;
+  const int parts = static_cast<int>(std::lround(grid.cell_size_m / cell));
+  // Exposure differs between views, so each pair of views is compared separately.
+  for (const auto& [views, pair] : CellsOfPairs(photo)) {
+    const cv::Rect box(parts * pair.around.tl(),
+                       cv::Size(parts * pair.around.width, parts * pair.around.height));
+    const cv::Mat1f ratio = LogBrightness(photo.image, box, kBlurM / cell) -
+                            LogBrightness(photo.second_image, box, kBlurM / cell);
+    cv::Mat1b is_shown = cv::Mat1b::zeros(box.size());
+    for (const cv::Point& place : pair.cells) {
+      is_shown(cv::Rect(parts * (place - pair.around.tl()), cv::Size(parts, parts))) = 255;
+    }
+    is_shown &= photo.seen(box) & photo.second_seen(box);
+    cv::Mat1f shown, counts;
+    is_shown.convertTo(shown, CV_32F, 1.0 / 255.0);
+    // The blur mixes in other pairs of views, so a border of one cell is left out.
+    cv::Mat1b inner;
+    cv::erode(is_shown, inner, {}, {-1, -1}, 1, cv::BORDER_CONSTANT, cv::Scalar::all(0.0));
+    inner.convertTo(counts, CV_32F, 1.0 / 255.0);
+    const cv::Mat1f exposure = WindowMean(counts, kExposureM / cell).Of(ratio.mul(counts));
+    const cv::Mat1f rest = (ratio - exposure).mul(counts);
+    cv::Mat1f deviation, shares;
+    cv::sqrt(WindowMean(counts, kWindowM / cell).Of(rest.mul(rest)), deviation);
+    cv::resize(shown, shares, pair.around.size(), 0.0, 0.0, cv::INTER_AREA);
+    cv::resize(deviation, deviation, pair.around.size(), 0.0, 0.0, cv::INTER_AREA);
+    for (const cv::Point& place : pair.cells) {
+      const cv::Point in_box = place - pair.around.tl();
+      if (shares(in_box) >= kMinShownShare) by_cell(place) = deviation(in_box);
+    }
+  }
+  return by_cell;
+}
+
+OpenCover FindOpenCover(const cv::Mat1f& disagreement,
                         const Grid& grid,
                         const MeadowCells& cells,
                         const PhotoOptions& options) {
   OpenCover cover;
-  if (photo.second_image.empty()) return cover;
+  if (disagreement.empty()) return cover;
   const double cell = grid.cell_size_m;
-  const cv::Mat1f disagreement = Disagreement(photo, cell);
   cv::Mat1b is_open = disagreement > options.max_photo_disagreement;
   // NaN differs from itself; OpenCV's != does not find every NaN.
   const cv::Mat1b is_unshown = ~cv::Mat1b(disagreement == disagreement);

@@ -15,12 +15,16 @@ struct MeadowCells {
   cv::Mat1b objects;
 };
 
+// Deviation of the log ratio of the two photographs' brightness, by cell of the map; NaN unless
+// both show the cell. Empty if the orthophoto has no second image.
+cv::Mat1f PhotoDisagreement(const Orthophoto& photo, const Grid& grid);
+
 // Below a leafless crown the map has the height of the ground, but the twigs shift relative to the
 // ground from view to view. Where two photographs differ, or fewer than two show the place, the
 // height's standard deviation becomes unknown. Over narrow cover and lone objects, the upper height
 // is raised instead. Differences in cells with a clear class (ClearClassOptions) are ignored: no
-// tree stands there. Nothing is compared if the orthophoto has no second image.
-OpenCover FindOpenCover(const Orthophoto& photo,
+// tree stands there. Nothing is compared if `disagreement` is empty.
+OpenCover FindOpenCover(const cv::Mat1f& disagreement,
                         const Grid& grid,
                         const MeadowCells& cells,
                         const PhotoOptions& options);

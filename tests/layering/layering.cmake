@@ -12,7 +12,7 @@ set(server_may_include server api engine storage)
 # last, but server/config.h first.
 set(engine_order check geometry flight tracks segmentation classification regions wind adjustment
                  stereo terrain cover mosaic hazard approach obstacles glide selection)
-set(server_order config http base_map intake maps recall work handlers)
+set(server_order config http base_map intake maps recall jobs handlers)
 # In these folders a header is private to its folder and the folders below, but for the one named
 # like its folder.
 set(with_private_headers engine api storage server)

@@ -49,7 +49,7 @@ void MarkOpenCover(const Orthophoto& photo,
                    const PhotoOptions& options,
                    ElevationMap& map) {
   const MeadowCells cells{is_clear_class, is_meadow, objects};
-  map = WithCover(map, FindOpenCover(photo, map.grid, cells, options));
+  map = WithCover(map, FindOpenCover(PhotoDisagreement(photo, map.grid), map.grid, cells, options));
 }
 
 // Nothing is known to be grass.
