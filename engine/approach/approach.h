@@ -216,7 +216,8 @@ struct Rejection {
 // Result of one rule of the planner at one place.
 struct PlaceRule {
   // seen, grass, slope, roughness, object, hazard_distance, outline, region, wind, ground_roll,
-  // final, final_seen, circle, circle_seen, wind_known; in this order.
+  // final, final_seen, circle, circle_seen, wind_known; in this order. Recall adds `surroundings`
+  // before circle_seen.
   std::string name;
   bool passed = false;
   // Measured value and its limit. Empty if unknown, or if the rule compares no numbers.
@@ -226,19 +227,6 @@ struct PlaceRule {
   std::string unit = {};
   // One sentence with numbers, for people.
   std::string sentence = {};
-};
-
-// The planner's judgement of a touchdown at one place.
-struct PlaceJudgement {
-  // Verdict of PlanFor for this place alone. kRejected if a rule of the ground fails.
-  Verdict verdict = Verdict::kRejected;
-  // Rules that cannot be checked are left out: without a ground height there is no path.
-  std::vector<PlaceRule> rules;
-  // Values of the map there: world z of the ground, deviation of this height, posterior of grass.
-  std::optional<double> height, height_sd, grass_probability;
-
-  // The first rule that fails; null if all pass.
-  const PlaceRule* FirstFailed() const;
 };
 
 struct ScoreTerm {
@@ -266,6 +254,21 @@ struct Plan {
   std::vector<PlaceRule> path_rules;
   double score = 0.0;
   std::vector<ScoreTerm> score_terms;
+};
+
+// The planner's judgement of a touchdown at one place.
+struct PlaceJudgement {
+  // Verdict of PlanFor for this place alone. kRejected if a rule of the ground fails.
+  Verdict verdict = Verdict::kRejected;
+  // Rules that cannot be checked are left out: without a ground height there is no path.
+  std::vector<PlaceRule> rules;
+  // The plan of this touchdown; nothing if no height of the ground is known.
+  std::optional<Plan> plan;
+  // Values of the map there: world z of the ground, deviation of this height, posterior of grass.
+  std::optional<double> height, height_sd, grass_probability;
+
+  // The first rule that fails; null if all pass.
+  const PlaceRule* FirstFailed() const;
 };
 
 // The data of a region that are needed to plan for it.

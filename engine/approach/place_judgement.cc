@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "engine/approach/approach.h"
 #include "engine/approach/approach_ground.h"
@@ -188,9 +189,10 @@ PlaceJudgement ApproachPlanner::Judge(const Eigen::Vector2d& place_in_world,
       MakeWindCase(wind_in_world, ground_->aircraft, ground_->options), ground_->aircraft));
   if (!judgement.height) return judgement;
   const Touchdown touchdown = TouchdownAt(ground_->map, ground_->hazards, *cell);
-  const Plan plan = AtPlace(*ground_, touchdown).PlanWind(wind_in_world, Explanation::kFull);
+  Plan plan = AtPlace(*ground_, touchdown).PlanWind(wind_in_world, Explanation::kFull);
   judgement.rules.insert(judgement.rules.end(), plan.path_rules.begin(), plan.path_rules.end());
   if (is_ground_good) judgement.verdict = plan.verdict;
+  judgement.plan = std::move(plan);
   return judgement;
 }
 

@@ -244,9 +244,10 @@ void GetWhy(Service& service, const Call& call, httplib::Response& response) {
   const auto wind = WindOf(call, replan.request);
   const auto kept = service.maps.Covering(service.storage, stored, aircraft, wind);
   const Eigen::Vector2d place_in_world = InWorldOf(*kept, place);
-  const PlaceJudgement judgement =
+  PlaceJudgement judgement =
       service.maps.PlannerFor(kept, aircraft)
           ->planner.Judge(place_in_world, wind, replan.flight.options.hazard);
+  CheckAround({service.storage, service.maps}, *kept, aircraft, wind, judgement);
   AnswerJudgement(service, *kept, judgement, aircraft, place_in_world, response);
 }
 
@@ -254,8 +255,9 @@ void GetFlightWhy(Service& service, const Call& call, httplib::Response& respons
   const PlaceOnMap on = PlaceOnFlightMap(service, call);
   const Eigen::Vector2d place_in_world = InWorldOf(*on.site, PlaceOf(call));
   const StoredMapPlanner on_map(on.site->replan, on.aircraft, on.site->obstructed_map);
-  const PlaceJudgement judgement =
+  PlaceJudgement judgement =
       on_map.planner.Judge(place_in_world, on.wind_in_world, on.site->replan.flight.options.hazard);
+  CheckAround({service.storage, service.maps}, *on.site, on.aircraft, on.wind_in_world, judgement);
   AnswerJudgement(service, *on.site, judgement, on.aircraft, place_in_world, response);
 }
 
@@ -288,12 +290,15 @@ SiteRose PlanSiteRose(Service& service,
   const auto on_map = service.maps.PlannerFor(kept, aircraft);
   WindRose rose = PlanWindRose(on_map->planner, options);
   const size_t num_directions = static_cast<size_t>(rose.num_directions);
+  const bool has_later_maps = HasLaterMaps(*kept);
   for (size_t i = 0; i < rose.plans.size(); ++i) {
-    rose.plans[i] = CheckedAround(std::move(rose.plans[i]),
-                                  {service.storage, service.maps},
-                                  *kept,
-                                  aircraft,
-                                  rose.WindInWorld(i / num_directions, i % num_directions));
+    const Eigen::Vector2d wind = rose.WindInWorld(i / num_directions, i % num_directions);
+    // A rose has no profiles.
+    if (has_later_maps && rose.plans[i].verdict != Verdict::kRejected) {
+      rose.plans[i] = on_map->planner.PlanFor(wind);
+    }
+    rose.plans[i] = CheckedAround(
+        std::move(rose.plans[i]), {service.storage, service.maps}, *kept, aircraft, wind);
   }
   return {std::move(kept), std::move(rose)};
 }

@@ -210,7 +210,7 @@ std::shared_ptr<const KeptSite> MapCache::Get(const Storage& storage,
       found ? found : ReadSiteSafely(storage, site_id, reach);
   if (!site) return nullptr;
   const Surroundings surroundings =
-      SurroundingsOf(storage, site->row.flight_id, site->box, site->surroundings);
+      SurroundingsOf(storage, site->row.flight_id, site->surroundings);
   if (found && surroundings.Key() == found->surroundings_key) return found;
   std::shared_ptr<const KeptSite> current = Among(storage, *site, surroundings);
   const std::lock_guard lock(mutex_);
@@ -231,8 +231,7 @@ KeptSite MapCache::InSurroundings(const Storage& storage, KeptSite site) {
   const Grid& grid = site.site_map.map.grid;
   site.box = BoxAround(site.replan.origin, grid, 0.0);
   site.surroundings = BoxAround(site.replan.origin, grid, kCirclesM);
-  return *Among(
-      storage, site, SurroundingsOf(storage, site.row.flight_id, site.box, site.surroundings));
+  return *Among(storage, site, SurroundingsOf(storage, site.row.flight_id, site.surroundings));
 }
 
 std::string MapCache::Surroundings::Key() const {
@@ -245,9 +244,8 @@ std::string MapCache::Surroundings::Key() const {
 
 MapCache::Surroundings MapCache::SurroundingsOf(const Storage& storage,
                                                 const std::string& flight_id,
-                                                const BoundingBox& box,
                                                 const BoundingBox& surroundings) {
-  return {ObstaclesNear(storage, surroundings), MapsOfOthers(storage, flight_id, box)};
+  return {ObstaclesNear(storage, surroundings), MapsOfOthers(storage, flight_id, surroundings)};
 }
 
 std::vector<OtherGround> MapCache::GroundsOf(const Storage& storage,
@@ -273,11 +271,12 @@ std::shared_ptr<const KeptSite> MapCache::Among(const Storage& storage,
   SiteMap ground = site.site_map;
   // Other maps are read only where they count.
   if (!IsAllSeen(ground.map)) {
-    ground.map.upper = WithGroundOfOthers(ground.map,
-                                          site.replan.origin,
-                                          reference,
-                                          GroundsOf(storage, kept->other_maps),
-                                          site.replan.flight.options.approach.path_margin_sigma);
+    ground.map.upper =
+        WithGroundOfOthers(ground.map,
+                           site.replan.origin,
+                           reference,
+                           GroundsOf(storage, MapsOfOthers(storage, site.row.flight_id, kept->box)),
+                           site.replan.flight.options.approach.path_margin_sigma);
   }
   kept->obstructed_map = WithObstaclesOn(ground, kept->obstacles);
   return kept;

@@ -32,7 +32,7 @@ struct KeptSite {
   double reach = 0.0;
   // The map, and the map with all that its circles may reach.
   BoundingBox box{}, surroundings{};
-  // Of the obstacles in `surroundings`, and of the maps of other flights in `box`.
+  // Of the obstacles in `surroundings`, and of the maps of other flights there.
   std::string surroundings_key = {};
   std::vector<HardObstacle> obstacles = {};
   SharedRows<MapRow> other_maps = {};
@@ -47,7 +47,7 @@ struct KeptPlan {
   GeoPoint origin;
   std::shared_ptr<const Plan> plan;
   // As of KeptSite.
-  BoundingBox box{}, surroundings{};
+  BoundingBox surroundings{};
   std::string surroundings_key = {};
 };
 
@@ -149,7 +149,6 @@ class MapCache {
   };
   Surroundings SurroundingsOf(const Storage& storage,
                               const std::string& flight_id,
-                              const BoundingBox& box,
                               const BoundingBox& surroundings);
   std::vector<OtherGround> GroundsOf(const Storage& storage, const SharedRows<MapRow>& maps);
   std::shared_ptr<const KeptSite> Among(const Storage& storage,

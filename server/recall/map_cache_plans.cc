@@ -82,9 +82,8 @@ std::optional<KeptPlan> MapCache::PlanOf(const Storage& storage,
       }
     }
   }
-  if (kept_plan &&
-      SurroundingsOf(storage, row.flight_id, kept_plan->box, kept_plan->surroundings).Key() ==
-          kept_plan->surroundings_key) {
+  if (kept_plan && SurroundingsOf(storage, row.flight_id, kept_plan->surroundings).Key() ==
+                       kept_plan->surroundings_key) {
     return kept_plan;
   }
   auto site = Get(storage, row.site_id, row.updated_at_us);
@@ -92,7 +91,6 @@ std::optional<KeptPlan> MapCache::PlanOf(const Storage& storage,
   site = Covering(storage, site, aircraft, wind_in_world);
   const KeptPlan made{site->replan.origin,
                       PlanFor(storage, site, aircraft, wind_in_world),
-                      site->box,
                       site->surroundings,
                       site->surroundings_key};
   const std::lock_guard lock(mutex_);

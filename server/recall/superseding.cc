@@ -106,19 +106,30 @@ class Checks {
     if (!change_.new_own_map) return standing;
     const auto& [newer, origin, site_map] = *change_.new_own_map;
     const MapRow map{newer.id, newer.flight_id, newer.updated_at_us, {}, newer.seen_at_us, false};
-    if (!IsLater(stored_, map, site)) return standing;
-    return With(std::move(standing), CheckPlan(plan, origin, site_map), map, newer.id);
+    if (!IsLater(map, site)) return standing;
+    return WithCheck(std::move(standing), CheckPlan(plan, origin, site_map), site, map, newer.id);
   }
 
   Standing OnMap(Standing standing,
                  const SiteRow& site,
                  const StoredPlan& plan,
                  const MapRow& map) const {
-    if (!IsLater(stored_, map, site)) return standing;
+    if (!IsLater(map, site)) return standing;
     const auto check = CheckPlanOn(stored_, plan, map);
     if (!check) return standing;
     const std::string shown_id = map.is_of_flight ? ShownId(map, plan.site.touchdown) : map.id;
-    return With(std::move(standing), *check, map, shown_id);
+    return WithCheck(std::move(standing), *check, site, map, shown_id);
+  }
+
+  // A map confirms a site only if it is later than all of the site's own map.
+  Standing WithCheck(Standing standing,
+                     const PlanCheck& check,
+                     const SiteRow& site,
+                     const MapRow& map,
+                     const std::string& shown_id) const {
+    const bool is_confirmed = check.verdict == PlanVerdict::kHolds;
+    if (is_confirmed && !IsLaterThanMap(stored_, map, site)) return standing;
+    return With(std::move(standing), check, map, shown_id);
   }
 
   // The site of the map that is nearest to the place, else the flight.

@@ -46,6 +46,7 @@ SiteRow SiteOnMap(const FlightMapRow& map) {
   SiteRow site = MeadowSite("amsl");
   site.flight_id = map.flight_id;
   site.map_id = map.id;
+  site.seen_at_us = map.seen_at_us;
   return site;
 }
 

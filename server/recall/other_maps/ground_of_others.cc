@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <opencv2/imgproc.hpp>
@@ -14,6 +15,10 @@ constexpr float kNoGround = -1e30f;
 // Cells between two that are compared to level the maps, and the least number of these.
 constexpr int kStrideOfCommonCells = 4;
 constexpr size_t kMinNumCommonCells = 100;
+// Of the common cells, this share may have been higher for the other flight, or lower for this one:
+// crops and trees grow and are cut. The ground that both saw unchanged is among the rest, or the
+// other map's heights are taken as too high, which is safe.
+constexpr double kMaxChangedRatio = 0.9;
 // A less accurate map says nothing about single trees.
 constexpr double kMaxWideningM = 20.0;
 
@@ -52,24 +57,42 @@ double DeviationBetween(const ElevationMap& map, const KeptTerrain& other) {
   return std::hypot(map.position_sd_m, other.position_sd_m);
 }
 
-// To be added to heights of the other map, so that the ground that both saw is level. Nothing if
-// they saw too little in common.
+// Greatest height of the cells that may share a block of the other map with this cell. Unseen cells
+// do not count.
+float HighestAround(const ElevationMap& map, int row, int col, int num_cells) {
+  float highest = map.upper(row, col);
+  const Grid& grid = map.grid;
+  for (int r = std::max(0, row - num_cells); r <= std::min(grid.num_rows - 1, row + num_cells);
+       ++r) {
+    for (int c = std::max(0, col - num_cells); c <= std::min(grid.num_cols - 1, col + num_cells);
+         ++c) {
+      highest = std::max(highest, map.upper(r, c));
+    }
+  }
+  return highest;
+}
+
+// To be added to heights of the other map, so that it lies nowhere too low on the ground that both
+// saw, but where the ground rose since. Nothing if they saw too little in common.
 std::optional<double> LevelOf(const ElevationMap& map,
                               const Places& in_other,
                               const KeptTerrain& other) {
+  const int block_cells =
+      static_cast<int>(std::ceil(other.grid.cell_size_m / map.grid.cell_size_m));
   std::vector<float> differences;
   for (int row = 0; row < map.grid.num_rows; row += kStrideOfCommonCells) {
     for (int col = 0; col < map.grid.num_cols; col += kStrideOfCommonCells) {
-      const float height = map.upper(row, col);
-      if (std::isnan(height)) continue;
+      if (std::isnan(map.upper(row, col))) continue;
       const auto block = other.grid.CellAt(in_other(map.grid.CellCenter(row, col)));
-      if (block && other.is_seen(*block) != 0) differences.push_back(height - other.upper(*block));
+      if (!block || other.is_seen(*block) == 0) continue;
+      differences.push_back(HighestAround(map, row, col, block_cells) - other.upper(*block));
     }
   }
   if (differences.size() < kMinNumCommonCells) return std::nullopt;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return *middle;
+  const auto rank =
+      static_cast<std::ptrdiff_t>(kMaxChangedRatio * static_cast<double>(differences.size() - 1));
+  std::nth_element(differences.begin(), differences.begin() + rank, differences.end());
+  return differences[static_cast<size_t>(rank)];
 }
 
 // The same by the maps' altitudes, with the deviations of both.
@@ -84,10 +107,20 @@ std::optional<double> LevelByAltitude(const ElevationMap& map,
          sigma * DeviationBetween(map, *other.terrain);
 }
 
-cv::Mat1f Widened(const KeptTerrain& terrain, double radius) {
-  cv::Mat1f heights = terrain.upper.clone();
+// The cells of the other map that lie within `margin` of the map.
+cv::Rect CellsWithin(const Grid& grid, const Places& in_other, const Grid& other, double margin) {
+  const Eigen::Vector2d size(grid.num_cols * grid.cell_size_m, -grid.num_rows * grid.cell_size_m);
+  Polygon outline;
+  for (const auto& [right, down] : {std::pair(0.0, 0.0), {1.0, 0.0}, {1.0, 1.0}, {0.0, 1.0}}) {
+    outline.push_back(
+        in_other(grid.north_west_in_world + size.cwiseProduct(Eigen::Vector2d(right, down))));
+  }
+  return other.CellsAround(outline, margin);
+}
+
+cv::Mat1f Widened(const cv::Mat1f& upper, int half) {
+  cv::Mat1f heights = upper.clone();
   cv::patchNaNs(heights, kNoGround);
-  const int half = static_cast<int>(std::ceil(radius / terrain.grid.cell_size_m));
   if (half == 0) return heights;
   cv::Mat1f widened;
   cv::dilate(heights,
@@ -136,8 +169,15 @@ cv::Mat1f WithGroundOfOthers(const ElevationMap& map,
     std::optional<double> level = LevelOf(map, in_other, terrain);
     if (!level) level = LevelByAltitude(map, origin, own, other, sigma);
     if (!level) continue;
-    AddHeights(
-        map, in_other, terrain.grid, Widened(terrain, widening), static_cast<float>(*level), upper);
+    const int half = static_cast<int>(std::ceil(widening / terrain.grid.cell_size_m));
+    const cv::Rect near = CellsWithin(map.grid, in_other, terrain.grid, widening);
+    if (near.empty()) continue;
+    AddHeights(map,
+               in_other,
+               terrain.grid.Part(near),
+               Widened(terrain.upper(near), half),
+               static_cast<float>(*level),
+               upper);
   }
   return upper;
 }

@@ -20,13 +20,6 @@ std::optional<PlanCheck> CheckOnFlightMap(const StoredSites& stored,
   return CheckPlan(plan, head.origin, rasters.site_map);
 }
 
-// When the ground of the site's own map was last photographed.
-int64_t SeenAt(const StoredSites& stored, const SiteRow& site) {
-  if (site.map_id.empty()) return site.seen_at_us;
-  const auto map = stored.maps.flight_maps().Find(stored.storage, site.map_id);
-  return map ? map->row.seen_at_us : site.seen_at_us;
-}
-
 }  // namespace
 
 SharedRows<MapRow> MapsOfOthers(const Storage& storage,
@@ -38,8 +31,21 @@ SharedRows<MapRow> MapsOfOthers(const Storage& storage,
   return rows;
 }
 
-bool IsLater(const StoredSites& stored, const MapRow& map, const SiteRow& site) {
-  return map.flight_id != site.flight_id && map.seen_at_us > SeenAt(stored, site);
+bool IsLater(const MapRow& map, const SiteRow& site) {
+  return map.flight_id != site.flight_id && map.seen_at_us > site.seen_at_us;
+}
+
+bool IsLaterThanMap(const StoredSites& stored, const MapRow& map, const SiteRow& site) {
+  if (!IsLater(map, site)) return false;
+  if (site.map_id.empty()) return true;
+  const auto own = stored.maps.flight_maps().Find(stored.storage, site.map_id);
+  return !own || map.seen_at_us > own->row.seen_at_us;
+}
+
+bool HasLaterMaps(const KeptSite& site) {
+  return std::any_of(site.other_maps.begin(), site.other_maps.end(), [&site](const auto& map) {
+    return IsLater(*map, site.row);
+  });
 }
 
 std::optional<PlanCheck> CheckPlanOn(const StoredSites& stored,
@@ -57,13 +63,13 @@ Plan CheckedAround(Plan plan,
                    const Aircraft& aircraft,
                    const std::optional<Eigen::Vector2d>& wind_in_world) {
   plan = CheckedBeyondMap(std::move(plan), site.obstructed_map.map, aircraft, site.obstacles, {});
-  if (plan.verdict == Verdict::kRejected || !plan.approach || site.other_maps.empty()) return plan;
+  if (plan.verdict == Verdict::kRejected || !plan.approach || !HasLaterMaps(site)) return plan;
   Replan replan = site.replan;
   replan.flight.aircraft = aircraft;
   replan.request.wind_in_world = wind_in_world;
   const StoredPlan as_stored = AsStoredPlan(plan, std::move(replan));
   for (const auto& map : site.other_maps) {
-    if (!IsLater(stored, *map, site.row)) continue;
+    if (!IsLater(*map, site.row)) continue;
     const auto check = CheckPlanOn(stored, as_stored, *map);
     if (!check || check->verdict != PlanVerdict::kFails) continue;
     plan.verdict = Verdict::kRejected;
@@ -72,6 +78,28 @@ Plan CheckedAround(Plan plan,
     break;
   }
   return plan;
+}
+
+void CheckAround(const StoredSites& stored,
+                 const KeptSite& site,
+                 const Aircraft& aircraft,
+                 const std::optional<Eigen::Vector2d>& wind_in_world,
+                 PlaceJudgement& judgement) {
+  if (judgement.verdict == Verdict::kRejected || !judgement.plan) return;
+  const Plan plan = CheckedAround(*judgement.plan, stored, site, aircraft, wind_in_world);
+  PlaceRule rule{.name = "surroundings",
+                 .passed = plan.verdict != Verdict::kRejected,
+                 .sentence = "No obstacle beyond the map and no later map breaks a rule."};
+  if (!rule.passed) {
+    judgement.verdict = Verdict::kRejected;
+    rule.sentence = "The landing fails here: " + plan.reject_detail + ".";
+  }
+  // What leaves a place unverified comes last.
+  const auto last =
+      std::find_if(judgement.rules.begin(), judgement.rules.end(), [](const PlaceRule& each) {
+        return each.name == "circle_seen" || each.name == "wind_known";
+      });
+  judgement.rules.insert(last, std::move(rule));
 }
 
 }  // namespace freelsd

@@ -39,10 +39,14 @@ cv::Mat1f WithGroundOfOthers(const ElevationMap& map,
                              const std::vector<OtherGround>& others,
                              double sigma);
 
-// True if another flight photographed the map's ground later than that of the site's own map.
-// Photographs from the same time show the same ground: a flight that was sent twice changes
-// nothing.
-bool IsLater(const StoredSites& stored, const MapRow& map, const SiteRow& site);
+// True if another flight took photographs for the map after the last one that shows the site. Its
+// ground may have changed then, and the plan must hold on the map.
+bool IsLater(const MapRow& map, const SiteRow& site);
+// True if the map is also later than all photographs of the site's own map: only then it confirms
+// the site. A flight that was sent twice confirms nothing.
+bool IsLaterThanMap(const StoredSites& stored, const MapRow& map, const SiteRow& site);
+// True if CheckedAround checks plans on later maps. It then needs their profile.
+bool HasLaterMaps(const KeptSite& site);
 
 // Checks the plan on a map that is stored or staged. Nothing if the map cannot be read.
 std::optional<PlanCheck> CheckPlanOn(const StoredSites& stored,
@@ -50,11 +54,20 @@ std::optional<PlanCheck> CheckPlanOn(const StoredSites& stored,
                                      const MapRow& map);
 
 // The plan, rejected if its circle meets an obstacle beyond the edge of the site's map, or if it
-// fails on a later map. It was made on the site's map for this aircraft and wind.
+// fails on a later map. It was made on the site's map for this aircraft and wind, with
+// Explanation::kFull: its profile levels maps that do not show the touchdown.
 Plan CheckedAround(Plan plan,
                    const StoredSites& stored,
                    const KeptSite& site,
                    const Aircraft& aircraft,
                    const std::optional<Eigen::Vector2d>& wind_in_world);
+
+// Checks the judgement's plan as CheckedAround does: adds the rule `surroundings`, and rejects the
+// place if it fails. Nothing changes if a rule of the own map fails already.
+void CheckAround(const StoredSites& stored,
+                 const KeptSite& site,
+                 const Aircraft& aircraft,
+                 const std::optional<Eigen::Vector2d>& wind_in_world,
+                 PlaceJudgement& judgement);
 
 }  // namespace freelsd

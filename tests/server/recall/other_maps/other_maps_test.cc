@@ -71,6 +71,44 @@ TEST_CASE("other maps: without common ground the altitudes count, or nothing") {
   CHECK(std::isnan(WithGroundOfOthers(map, kOrigin, kAmsl, {unknown}, 3.0)(50, 151)));
 }
 
+TEST_CASE("other maps: a crop that the other map saw on most of the ground lowers no wall") {
+  const ElevationMap map = HalfSeen(3.0f);
+  for (const bool is_crop_theirs : {true, false}) {
+    CAPTURE(is_crop_theirs);
+    OtherGround other = WallAt(50.0, 0.0, {"unknown", 47.0, 8.0, "other"});
+    const ElevationMap grown = HalfSeen(is_crop_theirs ? 3.0f : 5.5f);
+    auto terrain = std::make_shared<KeptTerrain>(*other.terrain);
+    // Maize stood on two thirds of the ground that both saw.
+    if (is_crop_theirs)
+      terrain->upper.rowRange(0, 130).setTo(2.5f, terrain->upper.rowRange(0, 130) == 0.0f);
+    other.terrain = terrain;
+    const cv::Mat1f upper = WithGroundOfOthers(grown, kOrigin, kAmsl, {other}, 3.0);
+    CHECK(upper(50, 151) >= 3.0f + kWallM - 1e-3f);
+  }
+}
+
+TEST_CASE("other maps: rough ground is levelled by the highest of a block on both maps") {
+  ElevationMap map = HalfSeen(3.0f);
+  cv::theRNG().state = 7;
+  cv::Mat1f rough(200, 200);
+  cv::randu(rough, 0.0f, 1.0f);
+  map.upper += rough;
+  OtherGround other = WallAt(0.0, 0.0, {"unknown", 47.0, 8.0, "other"});
+  auto terrain = std::make_shared<KeptTerrain>(*other.terrain);
+  // The same ground, in blocks of two cells.
+  for (int row = 50; row < 150; ++row) {
+    for (int col = 50; col < 100; ++col) {
+      float& highest = terrain->upper(row, col);
+      highest = -1e9f;
+      for (int i = 0; i < 4; ++i) {
+        highest = std::max(highest, rough(2 * (row - 50) + i / 2, 2 * (col - 50) + i % 2));
+      }
+    }
+  }
+  other.terrain = terrain;
+  CHECK(WithGroundOfOthers(map, kOrigin, kAmsl, {other}, 3.0)(50, 101) >= 3.0f + kWallM);
+}
+
 SiteMap MeadowWithWallInTheNorth() {
   SiteMap meadow = Meadow();
   meadow.map.upper(cv::Rect(0, 266, 600, 4)).setTo(30.0f);
@@ -108,6 +146,69 @@ TEST_CASE("other maps: a plan for another wind must hold on a later map, not on 
       CHECK(over_wall.reject_detail.find("on the later map of other") == 0);
       ForgetFlight(storage, maps, "other");
       CHECK(plan_for(to_north).verdict != Verdict::kRejected);
+    }
+  }
+}
+
+// The site's own map got photographs of other ground later.
+TEST_CASE("other maps: a later map counts although the own map is newer elsewhere") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  MapCache maps(size_t{1} << 26, size_t{1} << 22);
+  const FlightMapRow own = StageMeadowMap(storage, Meadow(), "first", kFirst + 10);
+  SiteRow site = SiteOnMap(own);
+  site.seen_at_us = kFirst;
+  storage.sites.PutEvaluation({{site}, {}, {own.id}, {}}, {});
+  const FlightMapRow other =
+      StageMeadowMap(storage, MeadowWithWallInTheNorth(), "other", kFirst + 5);
+  EvaluationRows rows;
+  rows.new_maps = {other.id};
+  StoreEvaluation(storage, maps, std::move(rows));
+  const auto kept = maps.Get(storage, site.id, site.updated_at_us);
+  REQUIRE(kept);
+  const Aircraft aircraft = *AircraftProfile("small");
+  CHECK(maps.PlanFor(storage, kept, aircraft, Eigen::Vector2d(0.0, 4.0))->verdict ==
+        Verdict::kRejected);
+  CHECK(maps.PlanFor(storage, kept, aircraft, Eigen::Vector2d(0.0, -4.0))->verdict !=
+        Verdict::kRejected);
+}
+
+// Only the ground below the northern final and circle, with the wall.
+SiteMap WallAlone() {
+  SiteMap wall = MeadowWithWallInTheNorth();
+  for (cv::Mat1f* const layer :
+       {&wall.map.elevation, &wall.map.upper, &wall.map.standard_deviation}) {
+    layer->rowRange(275, 600).setTo(kUnseen);
+  }
+  return wall;
+}
+
+TEST_CASE("other maps: every answer about a place counts a later map without its touchdown") {
+  const MeadowServer meadow([](Storage& storage) {
+    const FlightMapRow own = StageMeadowMap(storage, Meadow(), "f", kFirst);
+    const FlightMapRow other = StageMeadowMap(storage, WallAlone(), "other", kFirst + 1);
+    storage.sites.PutEvaluation({{SiteOnMap(own)}, {}, {own.id}, {}}, {});
+    storage.sites.PutEvaluation({{}, {}, {other.id}, {}}, {});
+  });
+  const std::string site = "/v1/sites/f-r1/";
+  const nlohmann::json rose = GetJson(*meadow.client, site + "wind-rose?directions=2&speeds_mps=4");
+  CAPTURE(rose.dump());
+  const std::string place = "latitude_deg=47&longitude_deg=8&";
+  // From the north, then from the south.
+  for (const size_t from : {size_t{0}, size_t{1}}) {
+    CAPTURE(from);
+    const std::string wind =
+        "wind_east_mps=0&wind_north_mps=" + std::string(from == 0 ? "-4" : "4");
+    const bool is_refused = from == 1;
+    CHECK((rose["entries"][from]["verdict"] == "rejected") == is_refused);
+    CHECK((GetJson(*meadow.client, site + "approach?" + wind)["plan"]["verdict"] == "rejected") ==
+          is_refused);
+    for (const std::string& why :
+         {site + "why?" + place + wind, "/v1/flights/f/why?" + place + wind}) {
+      const nlohmann::json answer = GetJson(*meadow.client, why);
+      CAPTURE(answer.dump());
+      CHECK((answer["verdict"] == "rejected") == is_refused);
+      CHECK((answer["first_failed"] == "surroundings") == is_refused);
     }
   }
 }
