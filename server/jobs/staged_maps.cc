@@ -6,9 +6,9 @@
 
 #include <spdlog/spdlog.h>
 
-#include "api/import/import.h"
 #include "engine/mosaic/mosaic.h"
 #include "server/http/http.h"
+#include "server/maps/staged_picture.h"
 
 namespace freelsd {
 namespace {
@@ -138,7 +138,7 @@ void StagedMaps::AddPicture(const Evaluation& evaluation,
   const MosaicLattice lattice =
       PlanMosaic(evaluation.map, evaluation.block, OptionsOf(evaluation.block));
   const double num_tiles = std::max(1, lattice.tiles.area());
-  PhotoTiles tiles;
+  StagedPicture picture(service_.storage, map_id);
   double num_kept = 0.0;
   MakeMosaic(evaluation.map,
              evaluation.block,
@@ -149,12 +149,9 @@ void StagedMaps::AddPicture(const Evaluation& evaluation,
                  throw std::runtime_error("cancelled");
                }
                num_kept += tile.level == 0 ? 1.0 : 0.0;
-               const std::string bytes = SerializePhotoTile(tile.image);
-               const std::string sha256 = Sha256Hex(bytes);
-               service_.storage.images.Write(sha256, bytes);
-               tiles.push_back({{tile.level, tile.row, tile.col}, sha256});
+               picture.Add({tile.level, tile.row, tile.col}, SerializePhotoTile(tile.image));
              });
-  service_.storage.maps.StageTiles(map_id, {}, tiles);
+  picture.Finish();
 }
 
 }  // namespace freelsd
