@@ -11,21 +11,17 @@
 #include <utility>
 #include <vector>
 
+#include "storage/boxes.h"
 #include "storage/site_store.h"
 
 namespace freelsd {
 
-// A row and its bounding box.
+// A row and its bounding box, which may cross the antimeridian.
 template <typename Row>
 struct Boxed {
   BoundingBox box{};
   std::shared_ptr<const Row> row;
 };
-
-inline bool Meets(const BoundingBox& a, const BoundingBox& b) {
-  return a.west_deg <= b.east_deg && a.east_deg >= b.west_deg && a.south_deg <= b.north_deg &&
-         a.north_deg >= b.south_deg;
-}
 
 // Thread-safe.
 template <typename Row>

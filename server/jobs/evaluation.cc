@@ -228,7 +228,13 @@ std::vector<std::string> OutOfDateSites(const std::vector<SiteRow>& stored,
 }
 
 bool Contains(const BoundingBox& outer, const BoundingBox& inner) {
-  return outer.west_deg <= inner.west_deg && outer.east_deg >= inner.east_deg &&
+  const auto east_of_outer_west = [&outer](double longitude_deg) {
+    const double turn_deg = longitude_deg < outer.west_deg ? 360.0 : 0.0;
+    return longitude_deg + turn_deg - outer.west_deg;
+  };
+  const double inner_east_deg = east_of_outer_west(inner.east_deg);
+  return east_of_outer_west(inner.west_deg) <= inner_east_deg &&
+         inner_east_deg <= east_of_outer_west(outer.east_deg) &&
          outer.south_deg <= inner.south_deg && outer.north_deg >= inner.north_deg;
 }
 

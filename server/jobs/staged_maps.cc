@@ -6,6 +6,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "api/export/layers/layers.h"
 #include "engine/mosaic/mosaic.h"
 #include "server/http/http.h"
 #include "server/maps/staged_picture.h"
@@ -77,19 +78,23 @@ MapHead HeadOf(const Evaluation& evaluation, const FlightRequest& flight, const 
 }  // namespace
 
 BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame) {
-  const Eigen::Vector2d size(grid.num_cols * grid.cell_size_m, -grid.num_rows * grid.cell_size_m);
-  BoundingBox box{180.0, 90.0, -180.0, -90.0};
-  for (const double x : {0.0, 1.0}) {
-    for (const double y : {0.0, 1.0}) {
-      const Eigen::Vector2d corner =
-          grid.north_west_in_world + Eigen::Vector2d(x * size.x(), y * size.y());
-      const GeoPoint place = local_frame.GeoFromWorld({corner.x(), corner.y(), 0.0});
-      box.west_deg = std::min(box.west_deg, place.longitude_deg);
-      box.east_deg = std::max(box.east_deg, place.longitude_deg);
-      box.south_deg = std::min(box.south_deg, place.latitude_deg);
-      box.north_deg = std::max(box.north_deg, place.latitude_deg);
-    }
+  constexpr double kPolarDeg = 89.9;
+  const double origin_deg = local_frame.origin().longitude_deg;
+  BoundingBox box{origin_deg + 360.0, 90.0, origin_deg - 360.0, -90.0};
+  for (const Eigen::Vector2d& corner : OuterCorners(grid)) {
+    GeoPoint place = local_frame.GeoFromWorld({corner.x(), corner.y(), 0.0});
+    // Near the origin's longitude, so that a box across the antimeridian is in one piece.
+    place.longitude_deg -= 360.0 * std::round((place.longitude_deg - origin_deg) / 360.0);
+    box.west_deg = std::min(box.west_deg, place.longitude_deg);
+    box.east_deg = std::max(box.east_deg, place.longitude_deg);
+    box.south_deg = std::min(box.south_deg, place.latitude_deg);
+    box.north_deg = std::max(box.north_deg, place.latitude_deg);
   }
+  // The corners of a map at a pole do not bound its longitudes, nor its latitudes.
+  if (box.north_deg > kPolarDeg) return {-180.0, box.south_deg, 180.0, 90.0};
+  if (box.south_deg < -kPolarDeg) return {-180.0, -90.0, 180.0, box.north_deg};
+  box.west_deg = std::remainder(box.west_deg, 360.0);
+  box.east_deg = std::remainder(box.east_deg, 360.0);
   return box;
 }
 

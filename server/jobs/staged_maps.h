@@ -11,7 +11,7 @@
 
 namespace freelsd {
 
-// WGS84 box around the grid.
+// WGS84 box around the grid; west > east if it crosses the antimeridian.
 BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame);
 
 // When the ground was last photographed: the photographs' own time if it is plausible, because an

@@ -37,19 +37,6 @@ struct Reached {
   PathObstacles obstacles;
 };
 
-// Removes duplicates: a box that crosses the antimeridian is read in two parts.
-SharedRows<RecallRow> RowsWithin(const StoredSites& stored,
-                                 const EmergencyRequest& request,
-                                 double reach_m) {
-  const BoundingBox box = BoxAround(request.place, reach_m);
-  SharedRows<RecallRow> rows = stored.storage.sites.ListRecallable(box);
-  if (box.west_deg > box.east_deg) {
-    std::set<std::string> ids;
-    std::erase_if(rows, [&ids](const auto& row) { return !ids.insert(row->site_id).second; });
-  }
-  return rows;
-}
-
 nlohmann::json PlaceOf(const GeoPoint& place) {
   return {{"latitude_deg", place.latitude_deg},
           {"longitude_deg", place.longitude_deg},
@@ -343,14 +330,15 @@ Search SearchAmong(const StoredSites& stored,
 
 nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& request) {
   double reach_m = GreatestReach(request, stored.storage.sites.BoundsOfRecallable());
-  SharedRows<RecallRow> rows = RowsWithin(stored, request, reach_m);
+  const SiteStore& sites = stored.storage.sites;
+  SharedRows<RecallRow> rows = sites.ListRecallable(BoxAround(request.place, reach_m));
   std::vector<RecallCandidate> candidates = Candidates(request, rows);
   Search search = SearchAmong(stored, request, candidates);
   // If nothing is in reach, the box grows until it contains a nearest miss.
   while (search.reachable.empty() && !search.nearest_miss && !search.is_cut_short &&
          reach_m < kMaxReachM) {
     reach_m = std::min(kMaxReachM, 3.0 * reach_m);
-    rows = RowsWithin(stored, request, reach_m);
+    rows = sites.ListRecallable(BoxAround(request.place, reach_m));
     candidates = Candidates(request, rows);
     search = SearchAmong(stored, request, candidates);
   }

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <set>
 
+#include "storage/boxes.h"
 #include "storage/sqlite/checksum.h"
 #include "storage/storage_error.h"
 
@@ -166,7 +167,9 @@ std::optional<std::string> ReadTileRow(const Connection& connection,
 BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const BoundingBox& box) {
   Statement statement = SelectMaps(connection,
                                    "WHERE is_in_force = 1 AND south_deg <= ?4 AND north_deg >= ?2 "
-                                   "AND west_deg <= ?3 AND east_deg >= ?1 ORDER BY id");
+                                   "AND CASE WHEN west_deg <= east_deg "
+                                   "THEN west_deg <= ?3 AND east_deg >= ?1 "
+                                   "ELSE west_deg <= ?3 OR east_deg >= ?1 END ORDER BY id");
   statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
   BoxCache<MapRow>::Rows rows;
   while (statement.Step()) {
@@ -176,6 +179,21 @@ BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const Bou
                         map.id, map.flight_id, 0, map.altitude_datum, map.seen_at_us, true})});
   }
   return rows;
+}
+
+void MendMapBoxes(const Connection& writer) {
+  std::vector<FlightMapRow> wide;
+  {
+    Statement statement = SelectMaps(
+        writer, "WHERE east_deg - west_deg > 180 AND south_deg > -89.9 AND north_deg < 89.9");
+    while (statement.Step()) wide.push_back(RowOf(statement));
+  }
+  for (FlightMapRow& map : wide) {
+    map.box = Mended(map.box);
+    writer.Prepare("UPDATE maps SET west_deg = ?2, east_deg = ?3, checksum = ?4 WHERE id = ?1")
+        .Bind(map.id, map.box.west_deg, map.box.east_deg, ChecksumOf(map))
+        .Run();
+  }
 }
 
 bool IsImageNeeded(const Connection& connection, const std::string& sha256) {

@@ -126,7 +126,8 @@ CREATE TABLE site_numbers (
 CREATE INDEX site_numbers_by_altitude ON site_numbers (altitude_m) WHERE is_recallable = 1;
 CREATE VIRTUAL TABLE site_boxes USING rtree (
   number,                                    -- of site_numbers
-  west_deg, east_deg, south_deg, north_deg   -- WGS84: area of the site's map, touchdown included
+  -- WGS84: area of the site's map, touchdown included. Across the antimeridian, east_deg > 180.
+  west_deg, east_deg, south_deg, north_deg
 );
 
 -- A map of a flight. It stays when the flight is deleted, so there is no foreign key to flights.
@@ -136,7 +137,7 @@ CREATE TABLE maps (
   number INTEGER NOT NULL,                   -- within the flight; a later map has a higher one
   head_json TEXT NOT NULL,                   -- grid, origin, photographs, deviations, quality
   altitude_datum TEXT NOT NULL,              -- 'amsl', 'ellipsoid' or 'unknown'
-  west_deg REAL NOT NULL,                    -- WGS84 box of its grid
+  west_deg REAL NOT NULL,                    -- WGS84 box of its grid; west > east crosses the antimeridian
   south_deg REAL NOT NULL,                   -- WGS84 degrees
   east_deg REAL NOT NULL,                    -- WGS84 degrees
   north_deg REAL NOT NULL,                   -- WGS84 degrees

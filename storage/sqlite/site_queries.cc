@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "storage/boxes.h"
 #include "storage/sqlite/checksum.h"
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/obstacle_rows.h"
@@ -81,11 +82,12 @@ Statement SelectSites(const Connection& connection, const std::string& which) {
   return connection.Prepare((select + which).c_str());
 }
 
+// Of a row of site_boxes.
 BoundingBox BoxOf(const Statement& statement, int first_column) {
-  return {statement.Real(first_column),
-          statement.Real(first_column + 1),
-          statement.Real(first_column + 2),
-          statement.Real(first_column + 3)};
+  return Rolled({statement.Real(first_column),
+                 statement.Real(first_column + 1),
+                 statement.Real(first_column + 2),
+                 statement.Real(first_column + 3)});
 }
 
 RecallRow RecallRowOf(const Statement& statement) {
@@ -140,7 +142,7 @@ int64_t NumberOf(const Connection& writer, const std::string& site_id) {
 void PutBox(const Connection& writer, const SiteRow& site) {
   const BoundingBox touchdown{
       site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg};
-  const BoundingBox box = site.map_box.value_or(touchdown);
+  const BoundingBox box = Unrolled(site.map_box.value_or(touchdown));
   writer.Prepare("INSERT OR REPLACE INTO site_boxes VALUES (?1, ?2, ?3, ?4, ?5)")
       .Bind(NumberOf(writer, site.id), box.west_deg, box.east_deg, box.south_deg, box.north_deg)
       .Run();
@@ -199,12 +201,6 @@ SiteRow WholeSite(const Connection& connection, const std::string& site_id) {
 
 }  // namespace
 
-std::vector<BoundingBox> PlainBoxes(const BoundingBox& box) {
-  if (box.west_deg <= box.east_deg) return {box};
-  return {{box.west_deg, box.south_deg, 180.0, box.north_deg},
-          {-180.0, box.south_deg, box.east_deg, box.north_deg}};
-}
-
 void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view map_blob) {
   PutSiteRow(writer, site);
   PutStandings(writer, {{site.id, site}});
@@ -251,42 +247,55 @@ std::optional<std::string> ReadMapBlob(const Connection& connection, const std::
   return statement.Text(0);
 }
 
+void ForEachMeeting(const Connection& connection,
+                    const std::string& select,
+                    const BoundingBox& box,
+                    const std::function<void(const Statement&)>& visit) {
+  const std::string query = select +
+                            " site_boxes.west_deg > ?1 AND site_boxes.west_deg <= ?2 AND "
+                            "site_boxes.east_deg >= ?3 AND site_boxes.north_deg >= ?4 AND "
+                            "site_boxes.south_deg <= ?5";
+  for (const auto& [west_above_deg, west_up_to_deg, east_from_deg] : SearchesFor(box)) {
+    Statement statement = connection.Prepare(query.c_str());
+    statement.Bind(west_above_deg, west_up_to_deg, east_from_deg, box.south_deg, box.north_deg);
+    while (statement.Step()) visit(statement);
+  }
+}
+
 BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box) {
   BoxCache<RecallRow>::Rows rows;
-  Statement statement = connection.Prepare(
+  ForEachMeeting(
+      connection,
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
       "confirmed_at_us, map_id, west_deg, south_deg, east_deg, north_deg FROM site_boxes "
       "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
-      "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
-      "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1 AND "
-      "superseded_by IS NULL");
-  statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
-  while (statement.Step()) {
-    rows.push_back(
-        {BoxOf(statement, 14), std::make_shared<const RecallRow>(RecallRowOf(statement))});
-  }
+      "WHERE is_recallable = 1 AND superseded_by IS NULL AND",
+      box,
+      [&rows](const Statement& statement) {
+        rows.push_back(
+            {BoxOf(statement, 14), std::make_shared<const RecallRow>(RecallRowOf(statement))});
+      });
   return rows;
 }
 
 BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
   BoxCache<MapRow>::Rows rows = ListFlightMapRows(connection, box);
-  Statement statement = connection.Prepare(
+  ForEachMeeting(
+      connection,
       "SELECT sites.id, flight_id, updated_at_us, altitude_datum, seen_at_us, west_deg, south_deg, "
       "east_deg, north_deg FROM site_boxes JOIN site_numbers USING (number) "
-      "JOIN sites ON sites.id = site_id "
-      "WHERE site_boxes.west_deg <= ?3 AND site_boxes.east_deg >= ?1 AND "
-      "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND map_id = ''");
-  statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
-  while (statement.Step()) {
-    rows.push_back({BoxOf(statement, 5),
-                    std::make_shared<const MapRow>(MapRow{statement.Text(0),
-                                                          statement.Text(1),
-                                                          statement.Int(2),
-                                                          statement.Text(3),
-                                                          statement.Int(4),
-                                                          false})});
-  }
+      "JOIN sites ON sites.id = site_id WHERE map_id = '' AND",
+      box,
+      [&rows](const Statement& statement) {
+        rows.push_back({BoxOf(statement, 5),
+                        std::make_shared<const MapRow>(MapRow{statement.Text(0),
+                                                              statement.Text(1),
+                                                              statement.Int(2),
+                                                              statement.Text(3),
+                                                              statement.Int(4),
+                                                              false})});
+      });
   return rows;
 }
 
@@ -304,6 +313,31 @@ bool DeleteSiteRows(const Connection& writer, const std::string& site_id) {
 void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id) {
   for (const SiteRow& site : ListSiteRows(writer, flight_id, std::nullopt)) {
     DeleteSiteRows(writer, site.id);
+  }
+}
+
+void MendSiteBoxes(const Connection& writer) {
+  std::map<int64_t, BoundingBox> mended;
+  {
+    Statement wrong = writer.Prepare(
+        "SELECT number, west_deg, south_deg, east_deg, north_deg FROM site_boxes "
+        "WHERE west_deg < -180 OR (west_deg < 0 AND east_deg > 90 AND east_deg <= 180 AND "
+        "east_deg - west_deg > 180 AND south_deg > -89.9 AND north_deg < 89.9)");
+    while (wrong.Step()) {
+      BoundingBox& box = mended[wrong.Int(0)] = BoxOf(wrong, 1);
+      if (box.west_deg < -180.0) {
+        // A migration widened a touchdown across the antimeridian.
+        box.west_deg += 360.0;
+        box.east_deg += 360.0;
+      } else {
+        box = Unrolled(Mended(box));
+      }
+    }
+  }
+  for (const auto& [number, box] : mended) {
+    writer.Prepare("UPDATE site_boxes SET west_deg = ?2, east_deg = ?3 WHERE number = ?1")
+        .Bind(number, box.west_deg, box.east_deg)
+        .Run();
   }
 }
 

@@ -1,6 +1,7 @@
 // SQL for rows of sites, on a connection to the main database or to the second copy of the sites.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -12,9 +13,6 @@
 
 namespace freelsd {
 
-// Returns the box itself. If the box crosses the antimeridian, returns two boxes.
-std::vector<BoundingBox> PlainBoxes(const BoundingBox& box);
-
 // Writes the rows of one site and its map to one database, within the caller's transaction.
 void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view map_blob);
 
@@ -24,6 +22,12 @@ std::vector<SiteRow> ListSiteRows(const Connection& connection,
                                   const std::optional<std::string>& flight_id,
                                   const std::optional<BoundingBox>& box);
 std::optional<std::string> ReadMapBlob(const Connection& connection, const std::string& site_id);
+// Calls `visit` for each row whose box in site_boxes meets `box`, which may cross the antimeridian.
+// `select` ends with conditions and AND.
+void ForEachMeeting(const Connection& connection,
+                    const std::string& select,
+                    const BoundingBox& box,
+                    const std::function<void(const Statement&)>& visit);
 // In ListRecallRows and ListMapRows, the box must not cross the antimeridian.
 BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box);
 BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box);
@@ -32,6 +36,9 @@ BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingB
 // existed.
 bool DeleteSiteRows(const Connection& writer, const std::string& site_id);
 void DeleteSiteRowsOf(const Connection& writer, const std::string& flight_id);
+
+// Mends boxes that older programs stored for maps across the antimeridian.
+void MendSiteBoxes(const Connection& writer);
 
 // Reads all rows once. Throws StorageError kDamaged if a checksum is wrong or a site has no box.
 void CheckSiteRows(const Connection& connection);

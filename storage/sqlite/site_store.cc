@@ -1,5 +1,7 @@
 #include "storage/site_store.h"
 
+#include <algorithm>
+
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/site_standings.h"
@@ -94,17 +96,14 @@ int64_t SiteStore::CountRecallable() const {
 int64_t SiteStore::CountOverruled(const BoundingBox& box) const {
   return state_.ReadForRecall([&](const Connection& connection) {
     int64_t count = 0;
-    for (const BoundingBox& part : PlainBoxes(box)) {
-      Statement statement = connection.Prepare(
-          // CROSS JOIN fixes the order: few sites are superseded, but many may lie in the box.
-          "SELECT count(*) FROM sites CROSS JOIN site_numbers ON site_id = sites.id "
-          "CROSS JOIN site_boxes USING (number) "
-          "WHERE superseded_by IS NOT NULL AND site_boxes.west_deg <= ?3 AND site_boxes.east_deg "
-          ">= ?1 AND "
-          "site_boxes.south_deg <= ?4 AND site_boxes.north_deg >= ?2 AND is_recallable = 1");
-      statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg).Step();
-      count += statement.Int(0);
-    }
+    ForEachMeeting(
+        connection,
+        // CROSS JOIN fixes the order: few sites are superseded, but many may lie in the box.
+        "SELECT count(*) FROM sites CROSS JOIN site_numbers ON site_id = sites.id "
+        "CROSS JOIN site_boxes USING (number) "
+        "WHERE superseded_by IS NOT NULL AND is_recallable = 1 AND",
+        box,
+        [&count](const Statement& statement) { count += statement.Int(0); });
     return count;
   });
 }
@@ -149,16 +148,12 @@ SharedRows<MapRow> SiteStore::ListMaps(const BoundingBox& box) const {
 std::vector<std::string> SiteStore::ListAccepted(const BoundingBox& box) const {
   return state_.ReadSites([&](const Connection& connection) {
     std::vector<std::string> ids;
-    for (const BoundingBox& part : PlainBoxes(box)) {
-      Statement statement = connection.Prepare(
-          "SELECT site_id FROM site_boxes JOIN site_numbers USING (number) "
-          "WHERE west_deg <= ?3 AND east_deg >= ?1 AND south_deg <= ?4 AND north_deg >= ?2 AND "
-          "is_recallable = 1 ORDER BY site_id");
-      for (std::string& id :
-           IdsOf(statement.Bind(part.west_deg, part.south_deg, part.east_deg, part.north_deg))) {
-        ids.push_back(std::move(id));
-      }
-    }
+    ForEachMeeting(connection,
+                   "SELECT site_id FROM site_boxes JOIN site_numbers USING (number) "
+                   "WHERE is_recallable = 1 AND",
+                   box,
+                   [&ids](const Statement& statement) { ids.push_back(statement.Text(0)); });
+    std::sort(ids.begin(), ids.end());
     return ids;
   });
 }

@@ -122,6 +122,13 @@ void CheckWhole(const Connection& connection) {
   CheckSites(connection);
 }
 
+void MendBoxes(const Connection& writer) {
+  Transaction transaction(writer);
+  MendMapBoxes(writer);
+  MendSiteBoxes(writer);
+  transaction.Commit();
+}
+
 std::set<std::string> ImagesInUse(const Connection& writer) {
   std::set<std::string> images;
   Statement statement =
@@ -211,6 +218,8 @@ void StorageState::BringTogether() {
   on_copy([&] { OpenSchema(copy_writer); });
   DeleteUnfinishedMaps(writer);
   on_copy([&] { DeleteUnfinishedMaps(copy_writer); });
+  MendBoxes(writer);
+  on_copy([&] { MendBoxes(copy_writer); });
   if (is_new) return on_copy([&] { CopySites(copy_writer, writer); });
   // The databases differ after a kill between two commits, but also after damage. The main database
   // is checked before its sites replace the copy's.

@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "storage/box_cache.h"
+#include "storage/boxes.h"
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
 #include "storage/sqlite/reader_pool.h"
@@ -42,6 +44,9 @@ class VersionStep {
   std::atomic<uint64_t>& version_;
 };
 
+inline const std::string& IdOf(const RecallRow& row) { return row.site_id; }
+inline const std::string& IdOf(const MapRow& row) { return row.id; }
+
 // The open data folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
 struct StorageState {
   // Opens or creates both databases, and makes their sites and obstacles equal.
@@ -67,7 +72,7 @@ struct StorageState {
     const Reader reader(copy_readers);
     return read(*reader);
   }
-  // Reads the rows within the box through the cache. The box may cross the antimeridian.
+  // Reads the rows within the box through the cache, each once. The box may cross the antimeridian.
   template <typename Row>
   SharedRows<Row> RowsWithin(BoxCache<Row>& cache,
                              const BoundingBox& box,
@@ -75,11 +80,16 @@ struct StorageState {
                                                                   const BoundingBox&)) {
     const uint64_t version = sites_version;
     SharedRows<Row> rows;
-    for (const BoundingBox& part : PlainBoxes(box)) {
+    const std::vector<BoundingBox> parts = PlainBoxes(box);
+    for (const BoundingBox& part : parts) {
       SharedRows<Row> some = cache.Within(part, version, [&](const BoundingBox& wide) {
         return ReadForRecall([&](const Connection& connection) { return list(connection, wide); });
       });
       std::move(some.begin(), some.end(), std::back_inserter(rows));
+    }
+    if (parts.size() > 1) {
+      std::set<std::string> ids;
+      std::erase_if(rows, [&ids](const auto& row) { return !ids.insert(IdOf(*row)).second; });
     }
     return rows;
   }

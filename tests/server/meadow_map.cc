@@ -1,5 +1,7 @@
 #include "tests/server/meadow_map.h"
 
+#include "server/jobs/staged_maps.h"
+
 namespace freelsd {
 namespace {
 
@@ -18,8 +20,10 @@ FlightMapRow StageMeadowMap(Storage& storage,
                             const SiteMap& ground,
                             const std::string& flight_id,
                             int64_t seen_at_us,
-                            const std::optional<PhotoLattice>& photo) {
-  const Replan replan = ParseReplan(MeadowSite("amsl").replan_json);
+                            const std::optional<PhotoLattice>& photo,
+                            double longitude_deg) {
+  Replan replan = ParseReplan(MeadowSite("amsl").replan_json);
+  replan.origin.longitude_deg = longitude_deg;
   MapHead head;
   head.flight_json = replan.flight.canonical_json;
   head.origin = replan.origin;
@@ -35,15 +39,20 @@ FlightMapRow StageMeadowMap(Storage& storage,
   row.id = storage.maps.NewId(flight_id);
   row.flight_id = flight_id;
   row.altitude_datum = "amsl";
-  row.box = {7.996, 46.997, 8.004, 47.003};
+  row.box = BoxOf(head.grid, LocalFrame(head.origin));
   row.updated_at_us = seen_at_us;
   row.seen_at_us = seen_at_us;
   StageMap(storage, row, head, {ground, cv::Mat1b(ground.map.elevation.size(), uchar{2})});
   return row;
 }
 
-SiteRow SiteOnMap(const FlightMapRow& map) {
+SiteRow SiteOnMap(const FlightMapRow& map, double longitude_deg) {
   SiteRow site = MeadowSite("amsl");
+  Replan replan = ParseReplan(site.replan_json);
+  replan.origin.longitude_deg = longitude_deg;
+  site.replan_json = ReplanJson(replan);
+  site.longitude_deg = longitude_deg;
+  site.map_box = BoxOf(Meadow().map.grid, LocalFrame(replan.origin));
   site.flight_id = map.flight_id;
   site.map_id = map.id;
   site.seen_at_us = map.seen_at_us;

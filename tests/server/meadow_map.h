@@ -16,9 +16,10 @@ FlightMapRow StageMeadowMap(Storage& storage,
                             const SiteMap& ground,
                             const std::string& flight_id = "f",
                             int64_t seen_at_us = 1600000000000000,
-                            const std::optional<PhotoLattice>& photo = std::nullopt);
+                            const std::optional<PhotoLattice>& photo = std::nullopt,
+                            double longitude_deg = 8.0);
 // MeadowSite on the map.
-SiteRow SiteOnMap(const FlightMapRow& map);
+SiteRow SiteOnMap(const FlightMapRow& map, double longitude_deg = 8.0);
 // Both in force, and nothing else of the flight.
 void StoreMeadowMap(Storage& storage, const SiteMap& ground);
 

@@ -118,5 +118,72 @@ TEST_CASE("maps: pictures can be removed without the map") {
   CHECK(storage.images.Read("ab02") == "shared");
 }
 
+// On both sides of the antimeridian.
+constexpr BoundingBox kAcross{179.9, -17.1, -179.95, -16.9};
+
+TEST_CASE("maps: a map across the antimeridian is found at its own ground and nowhere else") {
+  const TemporaryFolder folder;
+  for (const bool from_copy : {false, true}) {
+    if (from_copy) {
+      std::filesystem::remove(folder.path() / "freelsd.db");
+      std::filesystem::remove(folder.path() / "freelsd.db-wal");
+    }
+    Storage storage(folder.path());
+    if (!from_copy) {
+      storage.maps.Stage(SomeMap("f/1", "f", kAcross), {}, {});
+      SiteRow site = SomeSite("g-r1", -17.0, 179.95);
+      site.map_box = kAcross;
+      site.recall = RecallData{};
+      storage.sites.Put(site, "map");
+      storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
+    }
+    CAPTURE(from_copy);
+    // The last three boxes cross the antimeridian; the last of them leaves [-180, 180].
+    for (const BoundingBox& box : {BoundingBox{179.92, -17.0, 179.93, -17.0},
+                                   BoundingBox{-179.97, -17.0, -179.96, -17.0},
+                                   BoundingBox{180.0, -17.0, 180.0, -17.0},
+                                   BoundingBox{-180.0, -17.0, -180.0, -17.0},
+                                   BoundingBox{-180.0, -90.0, 180.0, 90.0},
+                                   BoundingBox{179.99, -17.0, -179.99, -17.0},
+                                   BoundingBox{179.0, -17.0, -179.0, -17.0},
+                                   BoundingBox{179.98, -17.0, 180.015, -17.0}}) {
+      CAPTURE(box.west_deg);
+      CAPTURE(box.east_deg);
+      CHECK(storage.sites.ListMaps(box).size() == 2);
+      CHECK(storage.sites.ListRecallable(box).size() == 1);
+      CHECK(storage.sites.ListAccepted(box) == std::vector<std::string>{"g-r1"});
+    }
+    for (const BoundingBox& box : {BoundingBox{0.0, -17.0, 1.0, -17.0},
+                                   BoundingBox{-179.9, -17.0, 179.8, -17.0},
+                                   BoundingBox{179.92, -16.0, 179.93, -15.0}}) {
+      CAPTURE(box.west_deg);
+      CHECK(storage.sites.ListMaps(box).empty());
+      CHECK(storage.sites.ListRecallable(box).empty());
+      CHECK(storage.sites.ListAccepted(box).empty());
+    }
+  }
+}
+
+TEST_CASE("maps: boxes around the earth that older programs stored are mended at the start") {
+  const TemporaryFolder folder;
+  const BoundingBox around{
+      kAcross.east_deg, kAcross.south_deg, kAcross.west_deg, kAcross.north_deg};
+  {
+    Storage storage(folder.path());
+    storage.maps.Stage(SomeMap("f/1", "f", around), {}, {});
+    SiteRow site = SomeSite("g-r1", -17.0, 179.95);
+    site.map_box = around;
+    storage.sites.Put(site, "map");
+    storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
+  }
+  for (int start = 0; start < 2; ++start) {
+    const Storage storage(folder.path());
+    CHECK(storage.sites.ListMaps({179.92, -17.0, 179.93, -17.0}).size() == 2);
+    CHECK(storage.sites.ListMaps({-179.97, -17.0, -179.96, -17.0}).size() == 2);
+    CHECK(storage.sites.ListMaps({0.0, -17.0, 1.0, -17.0}).empty());
+    CHECK(storage.maps.Find("f/1").has_value());
+  }
+}
+
 }  // namespace
 }  // namespace freelsd

@@ -57,7 +57,8 @@ nlohmann::json NumberOrNull(const std::optional<double>& number, double offset) 
   return number ? nlohmann::json(*number + offset) : nlohmann::json(nullptr);
 }
 
-// Corners as lon, lat, and the box around them as west, south, east, north.
+// Corners as lon, lat, and the box around them as west, south, east, north. Its longitudes are near
+// the origin's and may leave [-180, 180].
 struct Placement {
   nlohmann::json corners = nlohmann::json::array();
   nlohmann::json bounds;
@@ -66,12 +67,14 @@ struct Placement {
 Placement Place(const Grid& grid, const LocalFrame& local_frame) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   double west = kInfinity, south = kInfinity, east = -kInfinity, north = -kInfinity;
+  const double origin_deg = local_frame.origin().longitude_deg;
   Placement placement;
   for (const Eigen::Vector2d& corner : OuterCorners(grid)) {
     const GeoPoint geo = local_frame.GeoFromWorld({corner.x(), corner.y(), 0.0});
     placement.corners.push_back({geo.longitude_deg, geo.latitude_deg});
-    west = std::min(west, geo.longitude_deg);
-    east = std::max(east, geo.longitude_deg);
+    const double turns = std::round((geo.longitude_deg - origin_deg) / 360.0);
+    west = std::min(west, geo.longitude_deg - 360.0 * turns);
+    east = std::max(east, geo.longitude_deg - 360.0 * turns);
     south = std::min(south, geo.latitude_deg);
     north = std::max(north, geo.latitude_deg);
   }

@@ -7,36 +7,36 @@
 
 #include "engine/approach/approach_geometry.h"
 #include "server/http/stamps.h"
+#include "server/jobs/staged_maps.h"
 
 namespace freelsd {
 namespace {
 
 constexpr int kNumCells = 40;
-constexpr double kTreeM = 15.0;
 // The whole disc is unseen.
 constexpr double kUnseenM = 14.0;
-const Eigen::Vector2d kWind(0.0, -4.0);
 
 FlightRequest RequestOf(const Flown& flown) {
   const std::string strict =
       flown.is_strict ? R"(,"max_slope_deg":4,"touchdown_uncertainty_m":9)" : "";
   return ParseFlightRequest(R"({"name":"field of )" + flown.flight_id +
-                            R"(","aircraft":{"profile":"small")" + strict +
+                            R"(","aircraft":{"profile":"small","approach_height_m":)" +
+                            std::to_string(flown.approach_height_m) + strict +
                             R"(},"altitude_datum":")" + flown.altitude_datum + "\"}");
 }
 
 // The frames of different flights lie beside each other; the grids too.
 GeoPoint OriginOf(const Flown& flown) {
   const double shift_m = 0.7 * static_cast<double>(flown.flight_id.back() % 10);
-  GeoPoint origin = TouchdownOf(flown.place);
+  GeoPoint origin = TouchdownOf(flown);
   origin.altitude_m += flown.altitude_error_m;
   return LocalFrame(origin).GeoFromWorld({shift_m, -shift_m, 0.0});
 }
 
 Plan PlanOf(const Flown& flown, const LocalFrame& frame) {
   const Aircraft aircraft = RequestOf(flown).aircraft;
-  const WindCase wind = MakeWindCase(kWind, aircraft, {});
-  GeoPoint touchdown = TouchdownOf(flown.place);
+  const WindCase wind = MakeWindCase(flown.wind, aircraft, {});
+  GeoPoint touchdown = TouchdownOf(flown);
   touchdown.altitude_m += flown.altitude_error_m;
   Plan plan;
   plan.verdict = Verdict::kLandable;
@@ -67,19 +67,19 @@ struct CellFound {
   bool is_seen = true;
 };
 
-CellFound FindAt(Ground ground, const Eigen::Vector2d& from_touchdown) {
+CellFound FindAt(const Flown& flown, const Eigen::Vector2d& from_middle) {
   const auto tree = [&](double east, double north) {
-    return IsWithin(from_touchdown, {east, north}, 4.0) ? kTreeM : 0.1;
+    return IsWithin(from_middle, {east, north}, 4.0) ? flown.tree_m : 0.1;
   };
   CellFound cell;
-  switch (ground) {
+  switch (flown.ground) {
     case Ground::kFree:
       break;
     case Ground::kHazardInDisc:
-      if (IsWithin(from_touchdown, {7.0, 0.0}, 4.0)) cell.grass = 0.0;
+      if (IsWithin(from_middle, {7.0, 0.0}, 4.0)) cell.grass = 0.0;
       break;
     case Ground::kSlope:
-      if (IsWithin(from_touchdown, {0.0, 0.0}, 6.0)) cell.slope = RadFromDeg(6.0);
+      if (IsWithin(from_middle, {0.0, 0.0}, 6.0)) cell.slope = RadFromDeg(6.0);
       break;
     case Ground::kTreeOnFinal:
       cell.height = tree(0.0, -30.0);
@@ -91,10 +91,10 @@ CellFound FindAt(Ground ground, const Eigen::Vector2d& from_touchdown) {
       cell.height = tree(70.0, 60.0);
       break;
     case Ground::kDiscUnseen:
-      cell.is_seen = from_touchdown.norm() > kUnseenM;
+      cell.is_seen = from_middle.norm() > kUnseenM;
       break;
     case Ground::kDiscUnseenTree:
-      cell.is_seen = from_touchdown.norm() > kUnseenM;
+      cell.is_seen = from_middle.norm() > kUnseenM;
       cell.height = tree(0.0, -30.0);
       break;
   }
@@ -104,8 +104,10 @@ CellFound FindAt(Ground ground, const Eigen::Vector2d& from_touchdown) {
 SiteMap EmptyMap(const Flown& flown) {
   SiteMap made;
   const double size_m = 2.0 * flown.half_size_m / kNumCells;
-  made.map.grid = {
-      Eigen::Vector2d(-flown.half_size_m, flown.half_size_m), size_m, kNumCells, kNumCells};
+  made.map.grid = {flown.map_shift + Eigen::Vector2d(-flown.half_size_m, flown.half_size_m),
+                   size_m,
+                   kNumCells,
+                   kNumCells};
   const cv::Size size(kNumCells, kNumCells);
   constexpr float kUnseenCell = std::numeric_limits<float>::quiet_NaN();
   for (cv::Mat1f* layer : {&made.map.elevation,
@@ -130,7 +132,9 @@ std::string IdOf(const Flown& flown) {
   return flown.flight_id + "-r" + std::to_string(flown.region_id);
 }
 
-GeoPoint TouchdownOf(int place) { return {47.0 + 0.04 * place, 8.0, 400.0}; }
+GeoPoint TouchdownOf(const Flown& flown) {
+  return {flown.latitude_deg + 0.04 * flown.place, flown.longitude_deg, 400.0};
+}
 
 SiteRow SiteOf(const Flown& flown) {
   const LocalFrame frame(OriginOf(flown));
@@ -143,8 +147,8 @@ SiteRow SiteOf(const Flown& flown) {
       .area_m2 = 1600.0,
       .grade = 1.0,
       .num_observations = 9,
-      .wind_in_world = kWind};
-  const GeoPoint touchdown = TouchdownOf(flown.place);
+      .wind_in_world = flown.wind};
+  const GeoPoint touchdown = TouchdownOf(flown);
   const double altitude_m = touchdown.altitude_m + flown.altitude_error_m;
   SiteRow site;
   site.id = IdOf(flown);
@@ -164,10 +168,7 @@ SiteRow SiteOf(const Flown& flown) {
         {"last_seen_at", Rfc3339(flown.seen_at_us)},
         {"score", 0.5}}}}.dump();
   site.replan_json = ReplanJson(replan);
-  site.map_box = BoundingBox{8.0 - 0.00002 * flown.half_size_m,
-                             touchdown.latitude_deg - 0.00001 * flown.half_size_m,
-                             8.0 + 0.00002 * flown.half_size_m,
-                             touchdown.latitude_deg + 0.00001 * flown.half_size_m};
+  site.map_box = BoxOf(EmptyMap(flown).map.grid, frame);
   if (!flown.is_accepted) return site;
   const FlightContext context{flown.flight_id, flown.altitude_datum, frame};
   site.approach_json = ApproachJson(PlanOf(flown, frame), context).dump();
@@ -178,14 +179,15 @@ SiteRow SiteOf(const Flown& flown) {
 
 std::string MapOf(const Flown& flown) {
   const LocalFrame frame(OriginOf(flown));
-  GeoPoint touchdown = TouchdownOf(flown.place);
+  GeoPoint touchdown = TouchdownOf(flown);
   touchdown.altitude_m += flown.altitude_error_m;
-  const Eigen::Vector3d middle = frame.WorldFromGeo(touchdown);
+  Eigen::Vector3d middle = frame.WorldFromGeo(touchdown);
+  middle.head<2>() += flown.map_shift;
   SiteMap made = EmptyMap(flown);
   for (int row = 0; row < kNumCells; ++row) {
     for (int col = 0; col < kNumCells; ++col) {
       const Eigen::Vector2d place = made.map.grid.CellCenter(row, col);
-      const CellFound cell = FindAt(flown.ground, place - middle.head<2>());
+      const CellFound cell = FindAt(flown, place - middle.head<2>());
       if (!cell.is_seen) continue;
       made.map.elevation(row, col) = static_cast<float>(middle.z());
       made.map.upper(row, col) = static_cast<float>(middle.z() + cell.height);

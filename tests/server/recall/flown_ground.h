@@ -39,12 +39,21 @@ struct Flown {
   double half_size_m = 100.0;
   // Half a side of the region's rectangle.
   double half_region_m = 20.0;
+  double latitude_deg = 47.0;
+  double longitude_deg = 8.0;
+  double approach_height_m = 10.0;
+  double tree_m = 15.0;
+  // Where the wind of the plan blows to; the landing is against it.
+  Eigen::Vector2d wind{0.0, -4.0};
+  // From the touchdown to the middle of the map; the ground's features move with it.
+  Eigen::Vector2d map_shift{0.0, 0.0};
 };
 
 std::string IdOf(const Flown& flown);
-GeoPoint TouchdownOf(int place);
-// A site whose plan is landed northwards, against 4 m/s of wind, on the middle of the field. The
-// plan does not depend on the ground.
+GeoPoint TouchdownOf(const Flown& flown);
+inline GeoPoint TouchdownOf(int place) { return TouchdownOf(Flown{.place = place}); }
+// A site whose plan is landed against the wind on the middle of the field: northwards, if nothing
+// else is given. The plan does not depend on the ground.
 SiteRow SiteOf(const Flown& flown);
 // 40 x 40 cells on the default size, about an origin that differs from flight to flight.
 std::string MapOf(const Flown& flown);

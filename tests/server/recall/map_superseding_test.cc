@@ -18,8 +18,11 @@ SiteMap MeadowWithWall() {
 }
 
 // A stored plan that lands to the north over the southern part of the meadow.
-SiteRow PlannedSite(Storage& storage, MapCache& maps, const FlightMapRow& map) {
-  SiteRow site = SiteOnMap(map);
+SiteRow PlannedSite(Storage& storage,
+                    MapCache& maps,
+                    const FlightMapRow& map,
+                    double longitude_deg) {
+  SiteRow site = SiteOnMap(map, longitude_deg);
   site.id = map.flight_id + "-r1";
   Replan replan = ParseReplan(site.replan_json);
   replan.request.wind_in_world = Eigen::Vector2d(0.0, -4.0);
@@ -50,16 +53,21 @@ struct Memory {
   Storage storage{folder.path()};
   MapCache maps{size_t{1} << 26, size_t{1} << 22};
 
-  void Evaluate(const std::string& flight_id, const SiteMap& ground, int64_t seen_at_us) {
-    const FlightMapRow map = StageMeadowMap(storage, ground, flight_id, seen_at_us);
+  void Evaluate(const std::string& flight_id,
+                const SiteMap& ground,
+                int64_t seen_at_us,
+                double longitude_deg = 8.0) {
+    const FlightMapRow map =
+        StageMeadowMap(storage, ground, flight_id, seen_at_us, std::nullopt, longitude_deg);
     EvaluationRows rows;
     rows.new_maps = {map.id};
     StoreEvaluation(storage, maps, std::move(rows));
   }
-  void EvaluateFirst() {
-    const FlightMapRow map = StageMeadowMap(storage, Meadow(), "first", kFirst);
+  void EvaluateFirst(double longitude_deg = 8.0) {
+    const FlightMapRow map =
+        StageMeadowMap(storage, Meadow(), "first", kFirst, std::nullopt, longitude_deg);
     EvaluationRows rows;
-    rows.sites = {PlannedSite(storage, maps, map)};
+    rows.sites = {PlannedSite(storage, maps, map, longitude_deg)};
     rows.new_maps = {map.id};
     StoreEvaluation(storage, maps, std::move(rows));
   }
@@ -118,6 +126,33 @@ TEST_CASE("memory of maps: a site that arrives after the later map is superseded
   memory.Evaluate("later", MeadowWithWall(), kLater);
   memory.EvaluateFirst();
   CHECK(memory.First().superseded_by == "later");
+}
+
+TEST_CASE(
+    "memory of maps: at the antimeridian, a later map is found at its ground and supersedes") {
+  // The origins lie on both sides, 15 m from each other.
+  for (const double first_deg : {179.9999, -179.9999}) {
+    CAPTURE(first_deg);
+    Memory memory;
+    memory.EvaluateFirst(first_deg);
+    memory.Evaluate("later", MeadowWithWall(), kLater, -first_deg);
+    const SiteStore& sites = memory.storage.sites;
+    for (const double longitude_deg : {179.999, 179.9999, 180.0, -180.0, -179.9999, -179.999}) {
+      CAPTURE(longitude_deg);
+      CHECK(sites.ListMaps(BoxAroundPlace({47.0, longitude_deg, 0.0}, 0.0)).size() == 2);
+      CHECK(sites.ListMaps(BoxAroundPlace({47.0, longitude_deg, 0.0}, 500.0)).size() == 2);
+    }
+    for (const double longitude_deg : {0.0, 90.0, 179.9, -179.9}) {
+      CAPTURE(longitude_deg);
+      CHECK(sites.ListMaps(BoxAroundPlace({47.0, longitude_deg, 0.0}, 500.0)).empty());
+    }
+    CHECK(memory.First().superseded_by == "later");
+    const SiteRow first = memory.First();
+    const auto kept = memory.maps.Get(memory.storage, first.id, first.updated_at_us);
+    REQUIRE(kept);
+    REQUIRE(kept->other_maps.size() == 1);
+    CHECK(kept->other_maps[0]->id == "later/1");
+  }
 }
 
 }  // namespace

@@ -227,5 +227,27 @@ TEST_CASE("memory: sites of an older program are checked once at the start of th
   CHECK(is_superseded("first-r1"));
 }
 
+// What is stored of the first flight's site once both are.
+SiteRow After(const Flown& first, const Flown& later) {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  MapCache maps(size_t{1} << 24, size_t{1} << 22);
+  Store(storage, maps, first);
+  Store(storage, maps, later);
+  return *storage.sites.Find(IdOf(first));
+}
+
+TEST_CASE("memory: a site's own map across the antimeridian supersedes at its own place") {
+  for (const double longitude_deg : {179.9999, -179.9999}) {
+    CAPTURE(longitude_deg);
+    Flown first = First(), later = Later(Ground::kTreeOnFinal);
+    first.longitude_deg = longitude_deg;
+    later.longitude_deg = longitude_deg;
+    CHECK(After(first, later).superseded_by == "later-r1");
+    later.ground = Ground::kFree;
+    CHECK(After(first, later).confirmed_at_us == kLater);
+  }
+}
+
 }  // namespace
 }  // namespace freelsd
