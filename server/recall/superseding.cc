@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "server/recall/other_maps/other_maps.h"
@@ -17,14 +18,38 @@
 namespace freelsd {
 namespace {
 
-// About 2 km. No plan reaches farther from its touchdown.
-constexpr double kReachDeg = 0.02;
+// The box, so much larger on each side. Longitudes may leave [-180, 180].
+BoundingBox Widened(const BoundingBox& box, double reach_m) {
+  constexpr double kMetresPerDegree = 111195.0;  // of latitude, on a sphere
+  const double dlat_deg = reach_m / kMetresPerDegree;
+  const double far_deg = std::max(std::abs(box.south_deg), std::abs(box.north_deg)) + dlat_deg;
+  const double dlon_deg = dlat_deg / std::cos(RadFromDeg(std::min(far_deg, 89.5)));
+  return {box.west_deg - dlon_deg,
+          box.south_deg - dlat_deg,
+          box.east_deg + dlon_deg,
+          box.north_deg + dlat_deg};
+}
 
-BoundingBox Widened(const BoundingBox& box) {
-  return {std::remainder(box.west_deg - kReachDeg, 360.0),
-          box.south_deg - kReachDeg,
-          std::remainder(box.east_deg + kReachDeg, 360.0),
-          box.north_deg + kReachDeg};
+// How far from their touchdowns the plans of stored sites need ground, at least 2.2 km. It holds
+// for the stored aircraft in any wind in which they make headway. It may not hold for a flight
+// whose options allow start heights above the usual ones.
+double ReachOfPlans(const RecallBounds& bounds) {
+  double reach_m = 2200.0;
+  ApproachOptions options;
+  for (const std::string& aircraft_json : bounds.aircraft_jsons) {
+    try {
+      Aircraft aircraft = ParseAircraft(ParseJson(aircraft_json), "/aircraft");
+      const double beside_m = aircraft.touchdown_uncertainty_m + aircraft.ground_roll_m;
+      options.unknown_wind_mps = aircraft.landing_airspeed_mps;
+      // PlanReach counts the lowest start height only.
+      aircraft.approach_height_m *= options.start_height_ratios.back();
+      reach_m = std::max(reach_m, PlanReach(aircraft, std::nullopt, 0.0, 0.0, options) + beside_m);
+    } catch (const ApiError& error) {
+      // The plans of this aircraft cannot be read either.
+      spdlog::error("a stored aircraft cannot be used: {}", error.what());
+    }
+  }
+  return reach_m;
 }
 
 // A site's own map that is about to be stored, before storage has it.
@@ -174,7 +199,9 @@ class NewStandings {
 
   // Earlier sites of other flights, around a new map.
   void AddEarlier(const BoundingBox& box, const std::string& flight_id) {
-    for (const std::string& id : stored_.storage.sites.ListAccepted(Widened(box))) {
+    const SiteStore& sites = stored_.storage.sites;
+    const double reach_m = ReachOfPlans(sites.BoundsOfRecallable());
+    for (const std::string& id : sites.ListAccepted(Widened(box, reach_m))) {
       const std::optional<SiteRow> site = FindKept(id);
       if (!site || site->flight_id == flight_id) continue;
       Standing after = checks_.Renewed(*site);

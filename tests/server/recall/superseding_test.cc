@@ -249,5 +249,24 @@ TEST_CASE("memory: a site's own map across the antimeridian supersedes at its ow
   }
 }
 
+TEST_CASE("memory: far in the north, a new mast 1.7 km west of the touchdown supersedes the site") {
+  Flown first = First();
+  first.latitude_deg = 60.0;
+  // Its final is 1.8 km long.
+  first.approach_height_m = 400.0;
+  first.wind = {-4.0, 0.0};
+  Flown later = first;
+  later.flight_id = "later";
+  later.seen_at_us = kLater;
+  later.is_accepted = false;
+  later.ground = Ground::kTreeOnFinal;
+  later.tree_m = 600.0;
+  // The mast stands 30 m south of the middle.
+  later.map_shift = {-1700.0, 30.0};
+  const SiteRow after = After(first, later);
+  CHECK(after.superseded_by == "later-r1");
+  CHECK(after.superseded_reason == "approach_blocked");
+}
+
 }  // namespace
 }  // namespace freelsd
