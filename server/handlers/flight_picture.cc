@@ -26,12 +26,6 @@ double PixelSizeOf(const WorldBox& box, int longest_px) {
 
 }  // namespace
 
-WorldBox BoxOfGrid(const Grid& grid) {
-  const Eigen::Vector2d size = grid.cell_size_m * Eigen::Vector2d(grid.num_cols, grid.num_rows);
-  const Eigen::Vector2d& corner = grid.north_west_in_world;
-  return {{corner.x(), corner.y() - size.y()}, {corner.x() + size.x(), corner.y()}};
-}
-
 WriterSlot::WriterSlot(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
   constexpr std::chrono::milliseconds kStep{50};
   constexpr std::chrono::milliseconds kMaxWait{20000};

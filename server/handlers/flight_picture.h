@@ -29,8 +29,6 @@ class WriterSlot {
   std::counting_semaphore<>& semaphore_;
 };
 
-WorldBox BoxOfGrid(const Grid& grid);
-
 // Maps of a flight that can be read, newest first. They share the flight's world and lattice.
 std::vector<std::shared_ptr<const FlightMap>> ReadableMaps(const Service& service,
                                                            const std::string& flight_id);

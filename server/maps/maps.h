@@ -26,6 +26,10 @@ struct FlightMap {
   // The grid of all cells of a level.
   Grid GridAt(int level) const;
 };
+WorldBox BoxOfGrid(const Grid& grid);
+// Tiles of the map's picture at a level that lie in the box and on the map: columns in x, rows in
+// y. Empty if there are none, or if the map has no picture.
+cv::Rect PhotoTilesIn(const FlightMap& map, int level, const WorldBox& box);
 
 // Stores a map with its tiles of all levels; it is not in force yet. Completes the head (number of
 // levels, ranges) and writes it into the row.

@@ -24,22 +24,40 @@ cv::Mat4b Decoded(const std::string& bytes, int side_px, const std::string& file
 
 }  // namespace
 
+WorldBox BoxOfGrid(const Grid& grid) {
+  const Eigen::Vector2d size = grid.cell_size_m * Eigen::Vector2d(grid.num_cols, grid.num_rows);
+  const Eigen::Vector2d& corner = grid.north_west_in_world;
+  return {{corner.x(), corner.y() - size.y()}, {corner.x() + size.x(), corner.y()}};
+}
+
+// A web map tile of the whole world is much larger than the map: without the map's box, millions of
+// tiles that no map has would be looked up.
+cv::Rect PhotoTilesIn(const FlightMap& map, int level, const WorldBox& box) {
+  if (!map.head.photo) return {};
+  const WorldBox of_map = BoxOfGrid(map.head.grid);
+  const Eigen::Array2d low = box.min_in_world.cwiseMax(of_map.min_in_world);
+  const Eigen::Array2d high = box.max_in_world.cwiseMin(of_map.max_in_world);
+  if (!(low <= high).all()) return {};
+  const double side =
+      std::ldexp(map.head.photo->pixel_size_m, level) * map.head.photo->tile_size_px;
+  const auto index_of = [side](double metres) {
+    return static_cast<int>(std::floor(metres / side));
+  };
+  return {cv::Point(index_of(low.x()), index_of(-high.y())),
+          cv::Point(index_of(high.x()) + 1, index_of(-low.y()) + 1)};
+}
+
 std::vector<PhotoWindow> FlightMaps::ReadPhoto(const Storage& storage,
                                                const FlightMap& map,
                                                int level,
                                                const WorldBox& box) {
   std::vector<PhotoWindow> windows;
-  if (!map.head.photo) return windows;
-  const PhotoLattice& lattice = *map.head.photo;
-  const double side = std::ldexp(lattice.pixel_size_m, level) * lattice.tile_size_px;
-  const auto index_of = [side](double metres) {
-    return static_cast<int>(std::floor(metres / side));
-  };
-  for (int row = index_of(-box.max_in_world.y()); row <= index_of(-box.min_in_world.y()); ++row) {
-    for (int col = index_of(box.min_in_world.x()); col <= index_of(box.max_in_world.x()); ++col) {
+  const cv::Rect tiles = PhotoTilesIn(map, level, box);
+  for (int row = tiles.y; row < tiles.y + tiles.height; ++row) {
+    for (int col = tiles.x; col < tiles.x + tiles.width; ++col) {
       const MapTileIndex index{level, row, col};
       cv::Mat4b pixels = PhotoAt(storage, map, index);
-      if (!pixels.empty()) windows.push_back({lattice.GridOf(index), std::move(pixels)});
+      if (!pixels.empty()) windows.push_back({map.head.photo->GridOf(index), std::move(pixels)});
     }
   }
   return windows;

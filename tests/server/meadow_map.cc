@@ -1,5 +1,6 @@
 #include "tests/server/meadow_map.h"
 
+#include "api/import/import.h"
 #include "server/jobs/staged_maps.h"
 
 namespace freelsd {
@@ -57,6 +58,13 @@ SiteRow SiteOnMap(const FlightMapRow& map, double longitude_deg) {
   site.map_id = map.id;
   site.seen_at_us = map.seen_at_us;
   return site;
+}
+
+void PutMeadowPicture(Storage& storage, const FlightMapRow& map) {
+  const std::string bytes = SerializePhotoTile(cv::Mat4b(512, 512, cv::Vec4b(60, 120, 80, 255)));
+  const std::string sha256 = Sha256Hex(bytes);
+  storage.images.Write(sha256, bytes);
+  storage.maps.StageTiles(map.id, {}, {{{0, 0, 0}, sha256}});
 }
 
 void StoreMeadowMap(Storage& storage, const SiteMap& ground) {

@@ -20,6 +20,9 @@ FlightMapRow StageMeadowMap(Storage& storage,
                             double longitude_deg = 8.0);
 // MeadowSite on the map.
 SiteRow SiteOnMap(const FlightMapRow& map, double longitude_deg = 8.0);
+// One tile of a picture of 1 m per pixel, in one colour: from the origin 512 m to the east and to
+// the south. The map has the lattice {1.0, 512, 1}.
+void PutMeadowPicture(Storage& storage, const FlightMapRow& map);
 // Both in force, and nothing else of the flight.
 void StoreMeadowMap(Storage& storage, const SiteMap& ground);
 

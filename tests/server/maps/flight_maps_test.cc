@@ -100,5 +100,26 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("flight maps: a box larger than the map asks only for photo tiles on the map") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  FlightMaps maps(size_t{1} << 24);
+  const FlightMapRow row =
+      StageMeadowMap(storage, Meadow(), "f", 1600000000000000, PhotoLattice{1.0, 512, 1});
+  PutMeadowPicture(storage, row);
+  const auto map = maps.Find(storage, row.id);
+  REQUIRE(map);
+  // The meadow reaches 300 m from the origin to each side.
+  const WorldBox world{{-1e7, -1e7}, {1e7, 1e7}}, elsewhere{{301.0, -1e7}, {1e7, 1e7}};
+  CHECK(PhotoTilesIn(*map, 0, world) == cv::Rect(-1, -1, 2, 2));
+  CHECK(PhotoTilesIn(*map, 0, {{-10.0, 10.0}, {10.0, 20.0}}) == cv::Rect(-1, -1, 2, 1));
+  CHECK(PhotoTilesIn(*map, 0, elsewhere).empty());
+  CHECK(maps.ReadPhoto(storage, *map, 0, elsewhere).empty());
+  const std::vector<PhotoWindow> windows = maps.ReadPhoto(storage, *map, 0, world);
+  REQUIRE(windows.size() == 1);
+  CHECK(windows[0].grid.north_west_in_world == Eigen::Vector2d(0.0, 0.0));
+  CHECK(windows[0].pixels(511, 511)[3] == 255);
+}
+
 }  // namespace
 }  // namespace freelsd

@@ -22,12 +22,7 @@ void StoreFlight(Storage& storage, bool has_picture) {
   const PhotoLattice lattice{1.0, 512, 1};
   const auto photo = has_picture ? std::optional(lattice) : std::nullopt;
   const FlightMapRow map = StageMeadowMap(storage, Meadow(), "f", 1600000000000000, photo);
-  if (has_picture) {
-    const std::string bytes = SerializePhotoTile(cv::Mat4b(512, 512, cv::Vec4b(60, 120, 80, 255)));
-    const std::string sha256 = Sha256Hex(bytes);
-    storage.images.Write(sha256, bytes);
-    storage.maps.StageTiles(map.id, {}, {{{0, 0, 0}, sha256}});
-  }
+  if (has_picture) PutMeadowPicture(storage, map);
   storage.sites.PutEvaluation({{SiteOnMap(map)}, {}, {map.id}, {}}, {});
 }
 
