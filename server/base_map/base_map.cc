@@ -179,6 +179,9 @@ MapTile BaseMap::Tile(int64_t zoom, int64_t x, int64_t y) const {
   } catch (const StorageError& error) {
     // Not a fault of the server's own database, so it must not be taken for one.
     spdlog::warn("base map: {}", error.what());
+    if (error.fault != StorageFault::kDamaged) {
+      throw ApiError("Unavailable", "the base map's file is busy or cannot be read; try again");
+    }
     throw ApiError("UnusableTile", "the tile is damaged, too large or not a picture");
   }
   if (!tile) throw ApiError("NoSuchTile", "the base map has no such tile");

@@ -25,8 +25,8 @@ class BaseMap {
   const std::string& outside_origin() const { return outside_origin_; }
   // TileJSON 3.0; null if there is no base map. The attribution is plain text.
   nlohmann::json TileJson() const;
-  // A tile of the file, XYZ. Throws ApiError NoBaseMap if no file is configured, NoSuchTile, or
-  // UnusableTile.
+  // A tile of the file, XYZ. Throws ApiError NoBaseMap if no file is configured, NoSuchTile,
+  // UnusableTile, or Unavailable if the search takes too long.
   MapTile Tile(int64_t zoom, int64_t x, int64_t y) const;
 
  private:

@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include "api/import/import.h"
+#include "tests/server/openapi_check.h"
 #include "tests/server/test_server.h"
 #include "tests/storage/mbtiles_file.h"
 
@@ -159,6 +160,30 @@ TEST_CASE(
   CHECK(readiness["ready"] == true);
   CHECK(readiness["notices"].empty());
   NewFlight(server.fresh->client);
+}
+
+// The search for any tile but one never ends.
+void WriteSlowMap(const std::filesystem::path& path) {
+  MbTilesFile(path, "CREATE TABLE metadata (name, value);")
+      .Run(
+          "CREATE TABLE a (i); INSERT INTO a VALUES (1), (2), (3), (4), (5);"
+          "INSERT INTO a SELECT b.i FROM a, a AS b, a AS c, a AS d;"
+          "CREATE TABLE one (zoom_level, tile_column, tile_row, tile_data);"
+          "INSERT INTO one VALUES (0, 0, 0, X'FFD8FF');"
+          "CREATE VIEW tiles AS SELECT * FROM one UNION ALL SELECT 1, b.i, c.i + d.i, X'FFD8FF' "
+          "FROM a, a AS b, a AS c, a AS d WHERE a.i + b.i + c.i + d.i > 100;"
+          "INSERT INTO metadata VALUES ('minzoom', '0'), ('maxzoom', '1');");
+}
+
+TEST_CASE("base map: a search that takes too long is 503, and may be tried again") {
+  MapServer server;
+  WriteSlowMap(server.map());
+  server.StartWithFile();
+  HoldAgainstContract(server.fresh->client);
+  const auto answer = server.fresh->client.Get("/v1/base-map/1/0/0");
+  CheckProblem(answer, 503, "Unavailable");
+  CHECK(answer->has_header("Retry-After"));
+  CHECK(answer->get_header_value("Cache-Control") == "no-store");
 }
 
 TEST_CASE("base map: a server with tokens shows the map to readers only") {
