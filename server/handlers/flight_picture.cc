@@ -24,6 +24,16 @@ double PixelSizeOf(const WorldBox& box, int longest_px) {
   return (box.max_in_world - box.min_in_world).maxCoeff() / longest_px;
 }
 
+// The coarsest level has few tiles.
+bool HasPhotoTiles(const Storage& storage, const FlightMap& map) {
+  return !storage.maps.ListPhotoTiles(map.row.id, map.head.photo->num_levels - 1).empty();
+}
+
+std::shared_ptr<const FlightMap> WithoutPicture(FlightMap map) {
+  map.head.photo.reset();
+  return std::make_shared<const FlightMap>(std::move(map));
+}
+
 }  // namespace
 
 WriterSlot::WriterSlot(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
@@ -43,7 +53,9 @@ std::vector<std::shared_ptr<const FlightMap>> ReadableMaps(const Service& servic
   std::vector<std::shared_ptr<const FlightMap>> maps;
   for (const FlightMapRow& row : service.storage.maps.ListOf(flight_id)) {
     auto map = service.maps.flight_maps().Find(service.storage, row.id);
-    if (map) maps.push_back(std::move(map));
+    if (!map) continue;
+    const bool is_picture_gone = map->head.photo && !HasPhotoTiles(service.storage, *map);
+    maps.push_back(is_picture_gone ? WithoutPicture(*map) : std::move(map));
   }
   return maps;
 }
@@ -58,9 +70,11 @@ FlightPicture::FlightPicture(const Service& service, const std::string& flight_i
   }
   int64_t updated_at_us = 0;
   for (const auto& map : maps_) updated_at_us = std::max(updated_at_us, map->row.updated_at_us);
+  const auto num_pictures = std::count_if(
+      maps_.begin(), maps_.end(), [](const auto& map) { return map->head.photo.has_value(); });
   const std::string& newest = maps_.front()->row.id;
   version_ = newest.substr(newest.rfind('/') + 1) + "-" + std::to_string(maps_.size()) + "-" +
-             std::to_string(updated_at_us);
+             std::to_string(num_pictures) + "-" + std::to_string(updated_at_us);
 }
 
 int FlightPicture::NumLevels() const {
@@ -198,6 +212,14 @@ std::string FlightPicture::Tile(const std::string& layer,
     windows = Windows(*box, level);
   }
   return MapTilePng(layer, tile, windows, scale, Frame());
+}
+
+void FlightPicture::RequireLayer(const std::string& layer) const {
+  if (layer == "photo") {
+    NeededPixelSize();
+  } else {
+    NeededScale(layer);
+  }
 }
 
 void FlightPicture::WriteGeoTiff(const std::string& layer,

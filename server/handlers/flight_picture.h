@@ -29,7 +29,8 @@ class WriterSlot {
   std::counting_semaphore<>& semaphore_;
 };
 
-// Maps of a flight that can be read, newest first. They share the flight's world and lattice.
+// Maps of a flight that can be read, newest first. They share the flight's world and lattice. The
+// head of a map whose picture was removed to free disk space has no photo.
 std::vector<std::shared_ptr<const FlightMap>> ReadableMaps(const Service& service,
                                                            const std::string& flight_id);
 
@@ -39,9 +40,11 @@ class FlightPicture {
   // are still there.
   FlightPicture(const Service& service, const std::string& flight_id);
 
-  // Differs whenever the maps differ.
+  // Differs whenever the maps or their pictures differ.
   const std::string& version() const { return version_; }
   nlohmann::json Json(const std::string& base_url) const;
+  // Throws ApiError NoMap where the layer is missing.
+  void RequireLayer(const std::string& layer) const;
   // "image/png" or, for photo, "image/jpeg". Throws ApiError NoMap where the layer is missing.
   std::string Tile(const std::string& layer,
                    const XyzTile& tile,

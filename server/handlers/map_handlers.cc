@@ -99,13 +99,15 @@ void GetMapTileJpeg(Service& service, const Call& call, httplib::Response& respo
 }
 
 void GetMapGeoTiff(Service& service, const Call& call, httplib::Response& response) {
-  CheckLayer(call.Id("layer"));
+  const std::string& layer = call.Id("layer");
+  CheckLayer(layer);
   const FlightPicture maps(service, call.Id("flight"));
+  maps.RequireLayer(layer);
   if (AnswerUnchanged(maps.version(), call, response)) return;
   const SpooledFile file(service.storage.SpoolFolder());
   {
     const WriterSlot slot(service.map_writers);
-    maps.WriteGeoTiff(call.Id("layer"), file.path());
+    maps.WriteGeoTiff(layer, file.path());
   }
   AnswerFile(response, "image/tiff", file.path());
 }
@@ -114,6 +116,7 @@ void GetMapKmz(Service& service, const Call& call, httplib::Response& response) 
   const std::string& layer = call.Id("layer");
   CheckLayer(layer);
   const FlightPicture maps(service, call.Id("flight"));
+  maps.RequireLayer(layer);
   if (AnswerUnchanged(maps.version(), call, response)) return;
   const WriterSlot slot(service.map_writers);
   response.set_content(maps.Kmz(layer), "application/vnd.google-earth.kmz");
@@ -122,8 +125,9 @@ void GetMapKmz(Service& service, const Call& call, httplib::Response& response) 
 void GetMapLegend(Service& service, const Call& call, httplib::Response& response) {
   CheckLayer(call.Id("layer"));
   const FlightPicture maps(service, call.Id("flight"));
+  const std::string legend = maps.Legend(call.Id("layer"));
   if (AnswerUnchanged(maps.version(), call, response)) return;
-  response.set_content(maps.Legend(call.Id("layer")), "image/png");
+  response.set_content(legend, "image/png");
 }
 
 }  // namespace freelsd

@@ -7,6 +7,10 @@ namespace freelsd {
 void AnswerProblem(const ApiError& error, httplib::Response& response) {
   response.status = error.http_status();
   response.set_content(ProblemJson(error), "application/problem+json");
+  // The handler may have set those of the answer that it could not give.
+  response.headers.erase("ETag");
+  response.headers.erase("Cache-Control");
+  response.set_header("Cache-Control", "no-store");
   if (const std::optional<int> seconds = RetryAfterSeconds(error.code())) {
     response.set_header("Retry-After", std::to_string(*seconds));
   }
@@ -21,8 +25,9 @@ std::string RawProblem(const ApiError& error) {
     more += "Retry-After: " + std::to_string(*seconds) + "\r\n";
   }
   return "HTTP/1.1 " + std::to_string(error.http_status()) + " " + error.code() +
-         "\r\nContent-Type: application/problem+json\r\nConnection: close\r\n" + more +
-         "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+         "\r\nContent-Type: application/problem+json\r\nCache-Control: no-store\r\n"
+         "Connection: close\r\n" +
+         more + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
 }
 
 }  // namespace freelsd

@@ -8,7 +8,7 @@
 
 namespace freelsd {
 
-// Fills the response with the error.
+// Fills the response with the error, which nobody may keep.
 void AnswerProblem(const ApiError& error, httplib::Response& response);
 
 // The whole answer, head included, to a request that never reaches a handler. It closes the

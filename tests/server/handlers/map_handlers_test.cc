@@ -164,6 +164,76 @@ TEST_CASE("flight map: GeoTIFF and KMZ are whole files") {
   CHECK(kmz->body.starts_with("PK"));
 }
 
+// Before the start, the picture may be removed to free disk space.
+enum class Picture { kKept, kRemoved };
+MeadowServer ServerWithPicture(Picture picture) {
+  return MeadowServer([picture](Storage& storage) {
+    const FlightMapRow map =
+        StageMeadowMap(storage, Meadow(), "f", 1600000000000000, PhotoLattice{1.0, 512, 1});
+    PutMeadowPicture(storage, map);
+    storage.sites.PutEvaluation({{SiteOnMap(map)}, {}, {map.id}, {}}, {});
+    if (picture == Picture::kRemoved) storage.maps.RemovePhotoTiles("f");
+  });
+}
+
+bool ListsPhoto(const MeadowServer& meadow) {
+  const nlohmann::json layers = GetJson(*meadow.client, kMap)["layers"];
+  return std::any_of(layers.begin(), layers.end(), [](const nlohmann::json& layer) {
+    return layer["name"] == "photo";
+  });
+}
+
+TEST_CASE("flight map: the layer photo has tiles of any zoom and a GeoTIFF") {
+  const MeadowServer meadow = ServerWithPicture(Picture::kKept);
+  HoldAgainstContract(*meadow.client);
+  CHECK(ListsPhoto(meadow));
+  const cv::Vec4b inside = PixelAt(meadow, "photo", 60.0, -30.0);
+  CHECK(inside[3] == 255);
+  CHECK(std::abs(inside[1] - 120) < 5);
+  CHECK(PixelAt(meadow, "photo", -60.0, -30.0)[3] == 0);
+  for (const int z : {0, 3, 9, 14}) TileOver(meadow, "photo", PlaceAt(100.0, -100.0), z);
+  const auto tiff = meadow.client->Get(kMap + "/photo.tif");
+  REQUIRE(tiff);
+  CHECK(tiff->status == 200);
+}
+
+TEST_CASE("flight map: a picture that was removed to free disk space is no layer any more") {
+  const MeadowServer before = ServerWithPicture(Picture::kKept);
+  const MeadowServer after = ServerWithPicture(Picture::kRemoved);
+  HoldAgainstContract(*after.client);
+  CHECK_FALSE(ListsPhoto(after));
+  const auto kept = before.client->Get(kMap + "/photo.kmz");
+  REQUIRE(kept);
+  CHECK(kept->status == 200);
+  const httplib::Headers known{{"If-None-Match", kept->get_header_value("ETag")}};
+  for (const char* const path : {"/photo.kmz", "/photo.tif", "/photo/17/0/0.png"}) {
+    CAPTURE(path);
+    CheckProblem(after.client->Get(kMap + path, known), 404, "NoMap");
+  }
+  CHECK(after.client->Get(kMap + "/hazard.kmz", known)->status == 200);
+}
+
+TEST_CASE("flight map: an error has no tag, is not to be kept, and is never 304") {
+  const MeadowServer meadow = ServerWithMap();
+  HoldAgainstContract(*meadow.client);
+  const auto tiff = meadow.client->Get(kMap + "/hazard.tif");
+  REQUIRE(tiff);
+  const std::string tag = tiff->get_header_value("ETag");
+  REQUIRE_FALSE(tag.empty());
+  CHECK(meadow.client->Get(kMap + "/hazard.tif", {{"If-None-Match", tag}})->status == 304);
+  // The meadow has no picture.
+  for (const char* const path : {"/photo.tif", "/photo.kmz", "/photo/legend.png"}) {
+    for (const std::string& known : {tag, std::string("*")}) {
+      CAPTURE(path);
+      const auto answer = meadow.client->Get(kMap + path, {{"If-None-Match", known}});
+      CheckProblem(answer, 404, "NoMap");
+      CHECK_FALSE(answer->has_header("ETag"));
+      CHECK(answer->get_header_value_count("Cache-Control") == 1);
+      CHECK(answer->get_header_value("Cache-Control") == "no-store");
+    }
+  }
+}
+
 TEST_CASE("flight map: why names the rule at any place, and the frames that show it") {
   const MeadowServer meadow = ServerWithMap();
   HoldAgainstContract(*meadow.client);

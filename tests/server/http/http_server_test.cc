@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include "server/http/http.h"
 #include "tests/server/test_server.h"
 
 namespace freelsd {
@@ -32,6 +33,18 @@ TEST_CASE("http: calls on a kept connection take less than 10 ms in the median")
   }
   std::sort(durations_ms.begin(), durations_ms.end());
   CHECK(durations_ms[kNumCalls / 2] < kMaxMedianMs);
+}
+
+TEST_CASE("http: a problem drops the tag of the answer that could not be given") {
+  httplib::Response response;
+  response.set_header("ETag", "\"1\"");
+  response.set_header("Cache-Control", "private, no-cache");
+  AnswerProblem(ApiError("Unavailable", "files of other maps are being written"), response);
+  CHECK(response.status == 503);
+  CHECK_FALSE(response.has_header("ETag"));
+  CHECK(response.get_header_value_count("Cache-Control") == 1);
+  CHECK(response.get_header_value("Cache-Control") == "no-store");
+  CHECK(response.has_header("Retry-After"));
 }
 
 TEST_CASE("http: a POST without body and length is answered at once") {
