@@ -130,7 +130,8 @@ MapSource FlightPicture::Source() const {
   return {Extent(),
           maps_.front()->head.grid.cell_size_m,
           NumLevels(),
-          [this](const WorldBox& box, int level) { return Windows(box, level); }};
+          [this](const WorldBox& box, int level) { return Windows(box, level); },
+          {}};
 }
 
 std::optional<double> FlightPicture::PhotoPixelSize() const {
@@ -170,9 +171,30 @@ PhotoSource FlightPicture::SourceOfPhoto() const {
   for (const auto& map : maps_) {
     if (map->head.photo) num_levels = std::max(num_levels, map->head.photo->num_levels);
   }
-  return {Extent(), finest_m, num_levels, [this, finest_m](const WorldBox& box, int level) {
-            return PhotoWindows(box, std::ldexp(finest_m, level));
-          }};
+  const auto windows_of = [this, finest_m](const WorldBox& box, int level) {
+    return PhotoWindows(box, std::ldexp(finest_m, level));
+  };
+  return {Extent(), finest_m, num_levels, windows_of, {}};
+}
+
+// Neighbours in a row of tiles share a box.
+std::vector<WorldBox> FlightPicture::PhotoParts() const {
+  std::vector<WorldBox> parts;
+  for (const auto& map : maps_) {
+    if (!map->head.photo) continue;
+    std::optional<TileKey> last;
+    for (const auto& [key, file] : service_.storage.maps.ListPhotoTiles(map->row.id, 0)) {
+      const MapTileIndex index{0, static_cast<int>(key.row), static_cast<int>(key.col)};
+      const WorldBox box = BoxOfGrid(map->head.photo->GridOf(index));
+      if (last == TileKey{0, key.row, key.col - 1}) {
+        parts.back() = Joined(parts.back(), box);
+      } else {
+        parts.push_back(box);
+      }
+      last = key;
+    }
+  }
+  return parts;
 }
 
 std::string FlightPicture::PhotoTile(const XyzTile& tile, const std::string& content_type) const {
@@ -223,10 +245,19 @@ void FlightPicture::RequireLayer(const std::string& layer) const {
 }
 
 void FlightPicture::WriteGeoTiff(const std::string& layer,
-                                 const std::filesystem::path& file) const {
-  if (layer == "photo") return WritePhotoGeoTiff(file.string(), SourceOfPhoto(), Frame());
-  NeededScale(layer);
-  WriteLayerGeoTiff(file.string(), layer, Source(), Frame());
+                                 const std::filesystem::path& file,
+                                 std::function<void()> before_block) const {
+  RequireLayer(layer);
+  GeoTiffOptions options;
+  options.before_block = std::move(before_block);
+  if (layer == "photo") {
+    PhotoSource source = SourceOfPhoto();
+    source.parts = PhotoParts();
+    return WritePhotoGeoTiff(file.string(), source, Frame(), options);
+  }
+  MapSource source = Source();
+  for (const auto& map : maps_) source.parts.push_back(BoxOfGrid(map->head.grid));
+  WriteLayerGeoTiff(file.string(), layer, source, Frame(), options);
 }
 
 std::string FlightPicture::Kmz(const std::string& layer) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <semaphore>
@@ -49,7 +50,10 @@ class FlightPicture {
   std::string Tile(const std::string& layer,
                    const XyzTile& tile,
                    const std::string& content_type) const;
-  void WriteGeoTiff(const std::string& layer, const std::filesystem::path& file) const;
+  // `before_block` is that of GeoTiffOptions. Throws ApiError TooLarge.
+  void WriteGeoTiff(const std::string& layer,
+                    const std::filesystem::path& file,
+                    std::function<void()> before_block) const;
   std::string Kmz(const std::string& layer) const;
   std::string Legend(const std::string& layer) const;
 
@@ -79,6 +83,8 @@ class FlightPicture {
   double NeededPixelSize() const;
   std::vector<PhotoWindow> PhotoWindows(const WorldBox& box, double pixel_size_m) const;
   PhotoSource SourceOfPhoto() const;
+  // Boxes that together hold all photo tiles.
+  std::vector<WorldBox> PhotoParts() const;
   std::string PhotoTile(const XyzTile& tile, const std::string& content_type) const;
 
   const Service& service_;

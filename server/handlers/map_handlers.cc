@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include <nlohmann/json.hpp>
@@ -52,6 +53,14 @@ bool AnswerUnchanged(const std::string& version, const Call& call, httplib::Resp
   if (known != "*" && known.find(tag) == std::string::npos) return false;
   response.status = 304;
   return true;
+}
+
+// Throws while a file is written that nobody waits for any more.
+std::function<void()> StopIfUnwanted(const Service& service, const Call& call) {
+  return [&service, &call] {
+    if (service.intake.is_stopping) throw ApiError("ShuttingDown", "the server is stopping");
+    if (call.body.HasClientLeft()) throw ApiError("Unavailable", "the client has left");
+  };
 }
 
 // Absolute, as the client reached the server.
@@ -107,7 +116,7 @@ void GetMapGeoTiff(Service& service, const Call& call, httplib::Response& respon
   const SpooledFile file(service.storage.SpoolFolder());
   {
     const WriterSlot slot(service.map_writers);
-    maps.WriteGeoTiff(layer, file.path());
+    maps.WriteGeoTiff(layer, file.path(), StopIfUnwanted(service, call));
   }
   AnswerFile(response, "image/tiff", file.path());
 }

@@ -30,6 +30,8 @@ class BodyReader {
   size_t Read(char* bytes, size_t size);
   std::string ReadAll(uint64_t max_bytes);
   bool IsAtEnd() const { return is_at_end_; }
+  // For a handler that works long: whether anybody still waits for the answer.
+  bool HasClientLeft() const { return socket_.HasEnded(); }
   // Reads and discards the rest of the body if it is short. Returns false if a part of the body is
   // left: the connection must then be closed.
   bool SkipRest();

@@ -82,6 +82,12 @@ bool ClientSocket::Write(std::string_view bytes) const {
   return true;
 }
 
+bool ClientSocket::HasEnded() const {
+  char next = 0;
+  const ssize_t num_read = ::recv(descriptor_, &next, 1, MSG_DONTWAIT | MSG_PEEK);
+  return num_read == 0 || (num_read < 0 && !IsOnlyBusy(errno));
+}
+
 void ClientSocket::EndWriting() const { ::shutdown(descriptor_, SHUT_WR); }
 
 void ClientSocket::EndReading() const { ::shutdown(descriptor_, SHUT_RD); }

@@ -27,6 +27,9 @@ class ClientSocket {
   size_t Read(char* bytes, size_t size, SteadyTime deadline) const;
   // False if the client reads too slowly or disconnected.
   bool Write(std::string_view bytes) const;
+  // True if the client ended or the connection broke, and all bytes before that are read. A client
+  // that only ended its own sending counts as one that left.
+  bool HasEnded() const;
   // Tells the client that no more bytes follow.
   void EndWriting() const;
   // Ends a Read that waits in another thread.

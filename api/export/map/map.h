@@ -182,12 +182,26 @@ struct MapSource {
   // The windows have the levels 0 to num_levels - 1.
   int num_levels = 1;
   MapWindowsOf windows_of;
+  // Boxes that together hold all windows. If there are none, the extent holds them.
+  std::vector<WorldBox> parts;
 };
 struct PhotoSource {
   WorldBox extent;
   double finest_pixel_size_m = 0.1;
   int num_levels = 1;
   PhotoWindowsOf windows_of;
+  std::vector<WorldBox> parts;
+};
+
+struct GeoTiffOptions {
+  // Pixels of full size in tiles that meet a part. A core draws and packs five million of them in a
+  // second: a quarter of an hour.
+  double max_num_pixels = 4e9;
+  // Tiles of full size, also those that are left out: the index of the file, which is held in
+  // memory, has 16 bytes for each.
+  double max_num_tiles = 4e6;
+  // Called before each block is drawn; to stop, it throws.
+  std::function<void()> before_block;
 };
 
 // Tiled GeoTIFF with an overview per level, in the UTM zone of the flight's origin (WGS84; UPS near
@@ -195,17 +209,20 @@ struct PhotoSource {
 // which there are many, would else shift a hazard by up to 50 m per km (meridian convergence).
 // Pixels have the size of the cells. float32, NaN unseen and outside; elevation is an altitude;
 // `hazard` is 0 free, 1 hazard, 2 unseen; `grass` is 1 at or above the window's
-// min_grass_posterior, else 0. Uses memory for some tiles only, however large the map is. An
-// overview is made of the windows of its level. Throws std::runtime_error if the file cannot be
-// written.
+// min_grass_posterior, else 0. An overview is made of the windows of its level. Tiles that meet no
+// part of the source are left out of the file ("sparse"): GDAL reads them as NaN, or as
+// transparent. Uses memory for some tiles and the index only. Throws ApiError TooLarge by the
+// options, and std::runtime_error if the file cannot be written.
 void WriteLayerGeoTiff(const std::string& path,
                        const std::string& layer,
                        const MapSource& source,
-                       const LocalFrame& local_frame);
+                       const LocalFrame& local_frame,
+                       const GeoTiffOptions& options = {});
 // RGBA, alpha not premultiplied.
 void WritePhotoGeoTiff(const std::string& path,
                        const PhotoSource& source,
-                       const LocalFrame& local_frame);
+                       const LocalFrame& local_frame,
+                       const GeoTiffOptions& options = {});
 
 // KMZ with one GroundOverlay, north up, of at most 2048 x 2048 pixels. `name` is shown to people.
 // `layer` is any layer but photo; its picture has the colours of `scale`.

@@ -5,6 +5,8 @@
 #include <fstream>
 
 #include <doctest/doctest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "server/http/http.h"
 #include "tests/server/test_server.h"
@@ -45,6 +47,20 @@ TEST_CASE("http: a problem drops the tag of the answer that could not be given")
   CHECK(response.get_header_value_count("Cache-Control") == 1);
   CHECK(response.get_header_value("Cache-Control") == "no-store");
   CHECK(response.has_header("Retry-After"));
+}
+
+TEST_CASE("http: a serving thread can learn that its client has left") {
+  int ends[2] = {-1, -1};
+  REQUIRE(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) == 0);
+  const ClientSocket socket(ends[0]);
+  CHECK_FALSE(socket.HasEnded());
+  REQUIRE(::write(ends[1], "a", 1) == 1);
+  CHECK_FALSE(socket.HasEnded());
+  ::close(ends[1]);
+  char byte = 0;
+  CHECK(socket.ReadNow(&byte, 1) == 1);
+  CHECK(byte == 'a');
+  CHECK(socket.HasEnded());
 }
 
 TEST_CASE("http: a POST without body and length is answered at once") {

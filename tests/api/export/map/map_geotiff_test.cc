@@ -8,6 +8,7 @@
 #include <geotiff/xtiffio.h>
 #include <unistd.h>
 
+#include "api/api.h"
 #include "api/export/map/map_layer.h"
 #include "api/export/map/pixel_places.h"
 #include "tests/api/export/map/scenes.h"
@@ -21,9 +22,12 @@ struct GeoTiff {
   Eigen::Vector2d north_west;
   double pixel_size_m = 0.0;
   unsigned short epsg = 0;
+  int num_tiles = 0;
+  int num_stored_tiles = 0;
 };
 
-cv::Mat ReadPicture(TIFF* tiff) {
+// Tiles that are left out are read as by GDAL.
+cv::Mat ReadPicture(TIFF* tiff, GeoTiff& read) {
   uint32_t width = 0, height = 0, tile_px = 0;
   uint16_t bits = 0, samples = 0;
   TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &width);
@@ -39,7 +43,13 @@ cv::Mat ReadPicture(TIFF* tiff) {
   cv::Mat tile(256, 256, picture.type());
   for (int y = 0; y < picture.rows; y += 256) {
     for (int x = 0; x < picture.cols; x += 256) {
-      REQUIRE(TIFFReadTile(tiff, tile.data, x, y, 0, 0) > 0);
+      ++read.num_tiles;
+      if (TIFFGetStrileByteCount(tiff, TIFFComputeTile(tiff, x, y, 0, 0)) > 0) {
+        ++read.num_stored_tiles;
+        REQUIRE(TIFFReadTile(tiff, tile.data, x, y, 0, 0) > 0);
+      } else {
+        tile.setTo(cv::Scalar::all(bits == 32 ? std::nan("") : 0.0));
+      }
       const cv::Rect part = cv::Rect(x, y, 256, 256) & cv::Rect(0, 0, picture.cols, picture.rows);
       tile(cv::Rect(cv::Point(0, 0), part.size())).copyTo(picture(part));
     }
@@ -66,7 +76,7 @@ GeoTiff ReadBack(const std::filesystem::path& path) {
     uint32_t kind = 0;
     TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &kind);
     CHECK(kind == (read.pictures.empty() ? 0 : FILETYPE_REDUCEDIMAGE));
-    read.pictures.push_back(ReadPicture(tiff));
+    read.pictures.push_back(ReadPicture(tiff, read));
   } while (TIFFReadDirectory(tiff) == 1);
   XTIFFClose(tiff);
   return read;
@@ -191,7 +201,7 @@ TEST_CASE("map: a GeoTIFF of a photo has its colours, and nothing where nothing 
   }
   const std::vector<std::vector<PhotoWindow>> levels{
       {photo}, {Coarser(photo)}, {Coarser(Coarser(photo))}};
-  const PhotoSource source{BoxOf(photo.grid), 0.1, 3, SourceOf(levels)};
+  const PhotoSource source{BoxOf(photo.grid), 0.1, 3, SourceOf(levels), {}};
   const GeoTiff tiff = WrittenAndRead("photo", source, frame);
   REQUIRE(tiff.pictures.size() == 3);
   for (size_t level = 0; level < 3; ++level) {
@@ -215,6 +225,85 @@ TEST_CASE("map: a GeoTIFF of a photo has its colours, and nothing where nothing 
     }
     CHECK(num_seen > 10000);
   }
+}
+
+// Two maps of 200 m by 320 m, 12 km apart along both axes. Counts how often windows are asked for.
+MapSource FarApart(int& num_asked) {
+  const std::vector<MapWindow> windows{RandomWindow({{-6000.0, -5680.0}, 1.0, 320, 200}, {1}),
+                                       RandomWindow({{6000.0, 6000.0}, 1.0, 320, 200}, {2})};
+  MapSource source{{{-6000.0, -6000.0}, {6200.0, 6000.0}},
+                   1.0,
+                   kNumLevels,
+                   SourceOf(LevelsOf(windows, kNumLevels)),
+                   {}};
+  for (const MapWindow& window : windows) source.parts.push_back(BoxOf(window.site_map.map.grid));
+  source.windows_of = [&num_asked, all = source.windows_of](const WorldBox& box, int level) {
+    ++num_asked;
+    return all(box, level);
+  };
+  return source;
+}
+
+TEST_CASE("map: a GeoTIFF stores only tiles that meet a part of the map, in overviews too") {
+  // Tiles that may meet one of the maps at a level, for each map.
+  constexpr int kMaxNumTilesPerMap = 9;
+  const LocalFrame frame = FrameAt(47.4, 11.0);
+  int num_asked = 0;
+  const MapSource source = FarApart(num_asked);
+  const GeoTiff tiff = WrittenAndRead("hazard", source, frame);
+  const int num_levels = static_cast<int>(tiff.pictures.size());
+  REQUIRE(num_levels == kNumLevels);
+  CHECK(tiff.num_tiles > 2000);
+  CHECK(tiff.num_stored_tiles <= 2 * kMaxNumTilesPerMap * num_levels);
+  CHECK(num_asked <= tiff.num_stored_tiles);
+  const auto windows = source.windows_of({}, 0);
+  for (int level = 0; level < num_levels; ++level) {
+    const cv::Mat1f values = tiff.pictures[level];
+    const double scale = std::ldexp(1.0, level);
+    int num_seen = 0;
+    for (int row = 0; row < values.rows; ++row) {
+      for (int col = 0; col < values.cols; ++col) num_seen += !std::isnan(values(row, col));
+    }
+    // Pixels at the edges show a part of a map.
+    CHECK(num_seen * scale * scale >= 2 * 320 * 200);
+    CHECK(num_seen * scale * scale <= 2 * (320 + 4 * scale + 12) * (200 + 4 * scale + 20));
+  }
+}
+
+TEST_CASE("map: a GeoTIFF with too many pixels or tiles is refused before anything is drawn") {
+  const LocalFrame frame = FrameAt(47.4, 11.0);
+  int num_asked = 0;
+  const MapSource source = FarApart(num_asked);
+  const auto path = TemporaryFile("refused.tif");
+  GeoTiffOptions few_pixels, few_tiles;
+  few_pixels.max_num_pixels = 100e3;
+  few_tiles.max_num_tiles = 1000;
+  for (const GeoTiffOptions& options : {few_pixels, few_tiles}) {
+    try {
+      WriteLayerGeoTiff(path, "slope", source, frame, options);
+      FAIL("it was written");
+    } catch (const ApiError& error) {
+      CHECK(error.code() == "TooLarge");
+      CHECK(error.http_status() == 413);
+      CHECK(error.observed > error.limit);
+    }
+  }
+  CHECK(num_asked == 0);
+  CHECK_FALSE(std::filesystem::exists(path));
+}
+
+TEST_CASE("map: the writing of a GeoTIFF stops when the caller no longer wants it") {
+  const auto path = TemporaryFile("stopped.tif");
+  int num_asked = 0, num_blocks = 0;
+  GeoTiffOptions options;
+  options.before_block = [&num_blocks] {
+    if (++num_blocks == 3) throw ApiError("ShuttingDown", "the server is stopping");
+  };
+  CHECK_THROWS_AS(
+      WriteLayerGeoTiff(path, "slope", FarApart(num_asked), FrameAt(47.4, 11.0), options),
+      ApiError);
+  CHECK(num_asked == 2);
+  std::filesystem::remove(path);
 }
 
 TEST_CASE("map: a GeoTIFF that cannot be written is an error, and so is a wrong layer") {

@@ -73,7 +73,7 @@ TEST_CASE("map: a KMZ's picture has at most 2048 pixels a side") {
   PhotoWindow photo{{{0.0, 250.0}, 0.1, 2500, 1000},
                     cv::Mat4b(2500, 1000, cv::Vec4b(1, 2, 3, 255))};
   const PhotoSource source{
-      BoxOf(photo.grid), 0.1, 1, SourceOf(std::vector<std::vector<PhotoWindow>>{{photo}})};
+      BoxOf(photo.grid), 0.1, 1, SourceOf(std::vector<std::vector<PhotoWindow>>{{photo}}), {}};
   const auto files = Unzipped(PhotoKmz("photo", source, frame));
   const std::string& png = files.at("map.png");
   const cv::Mat4b picture =

@@ -97,8 +97,11 @@ inline MapSource TwoWindows() {
   const std::vector<MapWindow> windows{
       RandomWindow({{-310.0, 290.0}, 1.0, 520, 400}, {1, 0.002, 0.002}),
       RandomWindow({{50.0, 310.0}, 1.0, 450, 300}, {2, 0.002, 0.01})};
-  return {
-      {{-310.0, -230.0}, {350.0, 310.0}}, 1.0, kNumLevels, SourceOf(LevelsOf(windows, kNumLevels))};
+  return {{{-310.0, -230.0}, {350.0, 310.0}},
+          1.0,
+          kNumLevels,
+          SourceOf(LevelsOf(windows, kNumLevels)),
+          {}};
 }
 
 }  // namespace freelsd
