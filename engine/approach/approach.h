@@ -216,8 +216,7 @@ struct Rejection {
 // Result of one rule of the planner at one place.
 struct PlaceRule {
   // seen, grass, slope, roughness, object, hazard_distance, outline, region, wind, ground_roll,
-  // final, final_seen, circle, circle_seen, wind_known; in this order. Recall adds `surroundings`
-  // before circle_seen.
+  // final, final_seen, circle, circle_seen, wind_known; in this order. Recall adds surroundings.
   std::string name;
   bool passed = false;
   // Measured value and its limit. Empty if unknown, or if the rule compares no numbers.
@@ -241,8 +240,7 @@ struct Plan {
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reject_reason;
   std::string reject_detail;
-  // If rejected: the least bad place. If no ground of the region was seen: the footprint's centroid
-  // at ground_height.
+  // If rejected: the least bad place, or the footprint's centroid at ground_height if unseen.
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   double hazard_distance = 0.0;
   // Largest slope (radians) and largest roughness within the touchdown disc; NaN if unseen.
@@ -260,9 +258,8 @@ struct Plan {
 struct PlaceJudgement {
   // Verdict of PlanFor for this place alone. kRejected if a rule of the ground fails.
   Verdict verdict = Verdict::kRejected;
-  // Rules that cannot be checked are left out: without a ground height there is no path.
+  // Rules that cannot be checked are left out: without a ground height there is no path or plan.
   std::vector<PlaceRule> rules;
-  // The plan of this touchdown; nothing if no height of the ground is known.
   std::optional<Plan> plan;
   // Values of the map there: world z of the ground, deviation of this height, posterior of grass.
   std::optional<double> height, height_sd, grass_probability;
