@@ -9,7 +9,7 @@
 #include "api/export/layers/layers.h"
 #include "engine/mosaic/mosaic.h"
 #include "server/http/http.h"
-#include "server/maps/staged_picture.h"
+#include "server/maps/maps.h"
 
 namespace freelsd {
 namespace {

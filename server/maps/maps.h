@@ -11,6 +11,7 @@
 #include "api/export/map/map.h"
 #include "api/stored/map/map.h"
 #include "server/maps/recent.h"
+#include "server/maps/staged_picture.h"
 #include "storage/storage.h"
 
 namespace freelsd {
