@@ -19,6 +19,7 @@
 #include "engine/pipeline.h"
 #include "server/training/curve_plots.h"
 #include "server/training/label_sheets.h"
+#include "server/training/pools.h"
 #include "server/training/training_data.h"
 #include "server/training/training_scores.h"
 
@@ -40,6 +41,7 @@ struct Arguments {
   std::string out = "grass_model.yml";
   std::string model = "engine/classification/grass_model.yml";
   std::string cameras = "tests/evaluation/grass_cameras.csv";
+  std::string pools = "tests/evaluation/pools.csv";
   std::string features = "robust";
   std::string plots;
   double min_area_m2 = 30.0;
@@ -60,6 +62,16 @@ void WriteFile(const std::string& path, const std::string& text) {
   if (!(file << text << std::flush)) throw std::runtime_error("cannot write " + path);
 }
 
+// Throws std::invalid_argument if the photographs are of two pools.
+std::optional<Pool> PoolOf(const Photographs& photographs, const Pools& pools) {
+  PoolOfRun run;
+  for (const LabelledPhotograph& photograph : photographs) {
+    run.Add("photograph " + photograph.name, pools.Of("flight", photograph.place));
+    run.Add("photograph " + photograph.name, pools.Of("place", photograph.place));
+  }
+  return run.pool();
+}
+
 // Reads photographs with masks from --data, and photographs with tables of labels from --flights.
 Photographs ReadPhotographs(const Arguments& arguments) {
   const std::vector<LabelledCamera> cameras = ReadLabelledCameras(arguments.cameras);
@@ -71,6 +83,7 @@ Photographs ReadPhotographs(const Arguments& arguments) {
     }
   }
   if (photographs.empty()) throw std::runtime_error("--data or --flights is required");
+  PoolOf(photographs, Pools::Read(arguments.pools));
   return photographs;
 }
 
@@ -94,6 +107,9 @@ int Train(const Arguments& arguments) {
   const std::optional<FeatureSet> feature_set = FeatureSetNamed(arguments.features);
   if (!feature_set) throw std::runtime_error("unknown feature set " + arguments.features);
   const Photographs photographs = ReadPhotographs(arguments);
+  if (PoolOf(photographs, Pools::Read(arguments.pools)) == Pool::kReport) {
+    throw std::invalid_argument("photographs of the pool report judge a model and never train one");
+  }
   const std::vector<TrainingSample> samples =
       SamplesOf(photographs, *feature_set, kNumCopies, arguments.seed);
   const auto num_originals = static_cast<size_t>(std::count_if(
@@ -167,6 +183,8 @@ void AddPhotographOptions(CLI::App& command, Arguments& arguments) {
   command.add_option("--labels", arguments.labels, "Folder that contains FLIGHT.csv")
       ->capture_default_str();
   command.add_option("--cameras", arguments.cameras, "CSV file with the scale of the photographs")
+      ->capture_default_str();
+  command.add_option("--pools", arguments.pools, "CSV file: which places may train a model")
       ->capture_default_str();
 }
 

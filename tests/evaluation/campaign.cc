@@ -61,6 +61,26 @@ class ProgressBar {
   bool has_bar_;
 };
 
+// Throws std::invalid_argument if the run mixes the pools, or if a seed is of neither.
+Pool PoolOf(const CampaignOptions& options) {
+  const Pools& pools = EvaluationPools();
+  PoolOfRun run;
+  for (const uint64_t seed : {options.seed, options.seed + options.num_worlds - 1}) {
+    const std::optional<Pool> pool = pools.OfSeed(seed);
+    if (!pool) {
+      throw std::invalid_argument("seed " + std::to_string(seed) +
+                                  " is of no pool: see tests/evaluation/pools.csv");
+    }
+    run.Add("seed " + std::to_string(seed), pool);
+  }
+  const std::string& ground = options.scenario.ground;
+  run.Add("ground " + ground, pools.Of("ground", ground));
+  for (const Pool pool : {Pool::kTuning, Pool::kReport}) {
+    if (ground == NameOf(pool)) run.Add("ground " + ground, pool);
+  }
+  return *run.pool();
+}
+
 // What a report is about; reports of other settings cannot be continued.
 Json SettingsOf(const CampaignOptions& options) {
   const ScenarioOptions& scenario = options.scenario;
@@ -81,7 +101,10 @@ Json SettingsOf(const CampaignOptions& options) {
   if (!scenario.takes_photographs) settings["on_truth"] = true;
   if (scenario.gives_wires) settings["gives_wires"] = true;
   if (!options.engine_options.empty()) settings["options"] = options.engine_options;
+  settings["pool"] = NameOf(PoolOf(options));
   if (!scenario.ground.empty()) settings["ground"] = scenario.ground;
+  if (scenario.texture != "painted") settings["texture"] = scenario.texture;
+  if (scenario.conditions != "plain") settings["conditions"] = scenario.conditions;
   if (scenario.camera != "paper") settings["camera"] = scenario.camera;
   if (scenario.pattern == FlightPattern::kCircle) settings["pattern"] = "circle";
   return settings;
@@ -155,6 +178,7 @@ Json EvaluateWorld(const CampaignOptions& campaign,
     DrawWorld(campaign.pictures, std::to_string(seed), scenario, run, truth, fields);
     DrawCurves(campaign.pictures, std::to_string(seed), run);
   }
+  if (!scenario.ground.empty()) record["ground"] = scenario.ground;
   record["cpu_s"] = stopwatch.seconds();
   record["peak_mib"] = std::round(PeakMib());
   return record;
@@ -268,6 +292,7 @@ class Campaign {
 
 void CampaignOptions::Check() const {
   scenario.Check();
+  PoolOf(*this);
   if (!url.empty() && !engine_options.empty()) {
     throw std::invalid_argument("--options and --url: a service has its own options");
   }

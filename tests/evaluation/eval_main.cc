@@ -94,9 +94,16 @@ void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
       ->check(CLI::Range(3, 300));
   app.add_option("--size", scenario.world_size_m, "side of a world in metres")
       ->check(CLI::Range(100.0, 1000.0));
-  app.add_option("--ground",
-                 scenario.ground,
-                 "pack of real ground in the world: brighton_beach, honduras_pool");
+  app.add_option(
+      "--ground",
+      scenario.ground,
+      "real ground: a pack of FREELSD_DATA/terrain, or tuning or report for all of a pool");
+  app.add_option("--texture", scenario.texture, "painted, or recorded on photographs")
+      ->check(CLI::IsMember({"painted", "recorded"}));
+  app.add_option("--conditions",
+                 scenario.conditions,
+                 "light, air and camera: plain, or as recorded flights show them")
+      ->check(CLI::IsMember({"plain", "recorded"}));
   app.add_option("--camera", scenario.camera, "752x480, 1600x1200 tilted, 12 megapixels")
       ->check(CLI::IsMember({"paper", "oblique", "wide"}));
   app.add_option("--pattern", scenario.pattern, "legs or one circle")

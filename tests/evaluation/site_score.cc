@@ -12,6 +12,8 @@ namespace {
 // Too thin for 0.2 m of ground sampling: in a row of their own.
 const std::set<std::string> kThinThings{"fence", "pole", "wire"};
 
+const std::string kDoubt = CoverName(Cover::kDoubt);
+
 // No cell of the world is stepped over.
 double StepOf(const World& world) { return 0.5 * world.cell_size_m; }
 
@@ -161,7 +163,7 @@ std::string GroundFaultOf(const World& world,
   const cv::Point high = truth.CellAt(touchdown + Eigen::Vector2d::Constant(reach));
   const double half = 0.5 * world.size_m;
   if (touchdown.cwiseAbs().maxCoeff() > half - reach) return "outside";
-  WorstFault solid, thin;
+  WorstFault solid, thin, doubt;
   for (int row = low.y; row <= high.y; ++row) {
     for (int col = low.x; col <= high.x; ++col) {
       const Eigen::Vector2d place = truth.CellCenter(row, col);
@@ -173,23 +175,34 @@ std::string GroundFaultOf(const World& world,
       const std::string fault = NameOfFault(truth, {col, row});
       if (fault.empty()) continue;
       const double top = truth.top(row, col) - world.GroundHeight(place.x(), place.y());
-      (IsThin(truth, {col, row}) ? thin : solid).Add(fault, top);
+      if (fault == kDoubt) {
+        doubt.Add(fault, top);
+      } else {
+        (IsThin(truth, {col, row}) ? thin : solid).Add(fault, top);
+      }
     }
   }
-  return solid.name.empty() ? thin.name : solid.name;
+  for (const WorstFault* fault : {&solid, &thin}) {
+    if (!fault->name.empty()) return fault->name;
+  }
+  return doubt.name;
 }
 
 }  // namespace
 
 bool SafetyScore::IsFalseSafe(Verdict verdict) const {
   if (verdict == Verdict::kRejected) return false;
-  if (!ground_fault.empty() || !final_fault.empty()) return true;
+  if ((!ground_fault.empty() && ground_fault != kDoubt) || !final_fault.empty()) return true;
   return verdict == Verdict::kLandable && !loiter_fault.empty();
+}
+
+bool SafetyScore::IsInDoubt(Verdict verdict) const {
+  return verdict != Verdict::kRejected && ground_fault == kDoubt && !IsFalseSafe(verdict);
 }
 
 bool SafetyScore::IsOnlyThin(Verdict verdict) const {
   const auto is_harmless = [](const std::string& fault) {
-    return fault.empty() || kThinThings.contains(fault);
+    return fault.empty() || fault == kDoubt || kThinThings.contains(fault);
   };
   return IsFalseSafe(verdict) && is_harmless(ground_fault) && is_harmless(final_fault) &&
          (verdict != Verdict::kLandable || is_harmless(loiter_fault));

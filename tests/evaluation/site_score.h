@@ -22,7 +22,8 @@ namespace freelsd {
 
 struct SafetyScore {
   // What is wrong at the touchdown disc or on the strip: "" or a cover, "steep", "rough",
-  // "outside". What is too thin to be seen is named only where nothing else is wrong.
+  // "outside". What is too thin to be seen is named only where nothing else is wrong, "doubt" only
+  // where not even that is.
   std::string ground_fault;
   // What the final, or the loiter, hits: "" or a cover or "ground"; the same holds.
   std::string final_fault;
@@ -37,6 +38,9 @@ struct SafetyScore {
 
   // Of an answer with that verdict; the loiter counts for kLandable only.
   bool IsFalseSafe(Verdict verdict) const;
+  // Accepted on ground of which nobody can tell what it is, and nothing else is wrong: such a site
+  // counts for nothing.
+  bool IsInDoubt(Verdict verdict) const;
   // It is, and would not be without fences, poles and wires.
   bool IsOnlyThin(Verdict verdict) const;
 };

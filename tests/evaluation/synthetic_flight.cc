@@ -7,26 +7,32 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/synthetic/conditions.h"
 #include "tests/synthetic/flight_files.h"
 #include "tests/synthetic/ground/real_ground.h"
 #include "tests/synthetic/noise.h"
 #include "tests/synthetic/renderer.h"
+#include "tests/synthetic/texture/texture.h"
 
 namespace freelsd {
 namespace {
 
 constexpr uint64_t kWindPurpose = 501;
 constexpr uint64_t kDamagePurpose = 502;
-constexpr int kJpegQuality = 92;
+constexpr uint64_t kTurnRatePurpose = 503;
+// Real ground rises: the aircraft stays this far above all that it flies over.
+constexpr double kLeastHeightM = 60.0;
+// From the middle of the world to the ends of the legs, and a bit.
+constexpr double kFlownReachM = 170.0;
 // Views of a place from which it can be known: a pair, and one to check it by.
 constexpr int kMinNumViews = 3;
 constexpr double kMaxWindMps = 6.0;
 constexpr double kMinWindMps = 1.0;
 
 // As a camera stores it: compressed.
-cv::Mat Compressed(const cv::Mat& image) {
+cv::Mat Compressed(const cv::Mat& image, int jpeg_quality) {
   std::vector<uchar> bytes;
-  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
   return cv::imdecode(bytes, cv::IMREAD_COLOR);
 }
 
@@ -109,14 +115,82 @@ FlightOptions FlightFor(uint64_t seed, const ScenarioOptions& options) {
   return flight;
 }
 
-World MakeWorld(uint64_t seed, const ScenarioOptions& options) {
+struct PackWindow {
+  std::string pack;
+  GroundWindow window;
+};
+
+// The packs of a pool in turns, window by window. Two seeds in a row, which differ in their
+// aircraft, share a window.
+PackWindow ChooseGround(uint64_t seed, const std::string& ground) {
+  std::vector<std::string> packs{ground};
+  for (const Pool pool : {Pool::kTuning, Pool::kReport}) {
+    if (ground == NameOf(pool)) packs = EvaluationPools().NamesOf("ground", pool);
+  }
+  std::vector<PackWindow> all;
+  for (const std::string& pack : packs) {
+    for (const GroundWindow& window : ReadGroundWindows(pack)) all.push_back({pack, window});
+  }
+  return all[seed / 2 % all.size()];
+}
+
+World MakeGround(const PackWindow& choice, const WorldOptions& options) {
+  const double reach_m = options.size_m;  // the place is turned and moved
+  return MakeWorldAround(Cut(ReadRealGround(choice.pack), choice.window, reach_m, kFlownReachM),
+                         PlacementFor(options.seed),
+                         options);
+}
+
+// Within reach of the flight, metres above the middle.
+double HighestFlownOver(const World& world) {
+  double highest = 0.0;
+  for (double y = -kFlownReachM; y <= kFlownReachM; y += 1.0) {
+    for (double x = -kFlownReachM; x <= kFlownReachM; x += 1.0) {
+      highest = std::max(highest, world.SurfaceHeight(x, y));
+    }
+  }
+  return highest;
+}
+
+void MakeWorld(uint64_t seed, const ScenarioOptions& options, Scenario& scenario) {
   WorldOptions world_options;
   world_options.seed = seed;
   world_options.size_m = options.world_size_m;
   world_options.cell_size_m = options.cell_size_m;
   world_options.wind_speed_mps = Uniform(seed, kWindPurpose, kMinWindMps, kMaxWindMps);
-  if (options.ground.empty()) return MakeCountryside(world_options);
-  return MakeWorldAround(ReadRealGround(options.ground), PlacementFor(seed), world_options);
+  if (options.ground.empty()) {
+    scenario.world = MakeCountryside(world_options);
+  } else {
+    const PackWindow choice = ChooseGround(seed, options.ground);
+    scenario.ground = choice.pack + "/" + choice.window.name;
+    scenario.world = MakeGround(choice, world_options);
+  }
+  if (options.texture == "recorded") {
+    const std::optional<Pool> pool = EvaluationPools().OfSeed(seed);
+    Clothe(scenario.world, Wardrobe::Read(NameOf(pool.value()), options.cell_size_m));
+  }
+}
+
+Conditions ConditionsFor(uint64_t seed, const ScenarioOptions& options) {
+  return options.conditions == "recorded" ? RecordedConditions(seed) : PlainConditions(seed);
+}
+
+// At an exposure: the wind carries the aircraft, gusts turn it.
+CameraMotion MotionAt(const Scenario& scenario,
+                      size_t index,
+                      double turn_rate_deg_s,
+                      uint64_t seed) {
+  const AutopilotSample& truth = scenario.exposures[index].truth;
+  CameraMotion motion;
+  motion.velocity_in_world.head<2>() =
+      FlightOptions().airspeed_mps * DirectionOf(truth.attitude.yaw) + scenario.world.wind_in_world;
+  for (int axis = 0; axis < 3; ++axis) {
+    const uint64_t purpose = MixSeed(kTurnRatePurpose, 3 * index + static_cast<uint64_t>(axis));
+    // Evenly drawn with this deviation.
+    motion.turn_rate_in_camera[axis] =
+        std::sqrt(3.0) * RadFromDeg(turn_rate_deg_s) * Uniform(seed, purpose, -1.0, 1.0);
+  }
+  return motion;
 }
 
 std::string ProfileFor(uint64_t seed, const ScenarioOptions& options) {
@@ -135,6 +209,13 @@ void ScenarioOptions::Check() const {
     throw std::invalid_argument("scenario.damaged_ratio = " + std::to_string(damaged_ratio) +
                                 ": must be in [0, 1]");
   }
+  if (texture != "painted" && texture != "recorded") {
+    throw std::invalid_argument("scenario.texture = " + texture + ": must be painted or recorded");
+  }
+  if (conditions != "plain" && conditions != "recorded") {
+    throw std::invalid_argument("scenario.conditions = " + conditions +
+                                ": must be plain or recorded");
+  }
   if (aircraft != "both" && !AircraftProfile(aircraft)) {
     throw std::invalid_argument("scenario.aircraft = " + aircraft + ": must be both or a profile");
   }
@@ -144,30 +225,45 @@ Rigid3d Scenario::TrueWorldFromCamera(size_t exposure) const {
   return WorldFromBody(exposures[exposure].truth) * rig.body_from_camera;
 }
 
+const Pools& EvaluationPools() {
+  static const Pools kPools = Pools::Read(FREELSD_SOURCE_DIR "/tests/evaluation/pools.csv");
+  return kPools;
+}
+
 Scenario MakeScenario(uint64_t seed,
                       const ScenarioOptions& options,
                       const std::function<void(double)>& progress) {
   options.Check();
   Scenario scenario;
-  scenario.world = MakeWorld(seed, options);
+  MakeWorld(seed, options, scenario);
   scenario.aircraft = *AircraftProfile(ProfileFor(seed, options));
   scenario.rig = SyntheticRig(options.camera);
-  scenario.exposures = PlanFlight(FlightFor(seed, options), scenario.world.wind_in_world);
+  FlightOptions flight = FlightFor(seed, options);
+  if (!options.ground.empty()) {
+    flight.height_above_origin_m =
+        std::max(options.height_m, HighestFlownOver(scenario.world) + kLeastHeightM);
+  }
+  scenario.exposures = PlanFlight(flight, scenario.world.wind_in_world);
   scenario.seen = SeenGround(scenario);
   progress(0.0);
   if (!options.takes_photographs) return scenario;
-  RenderOptions render_options;
-  render_options.seed = seed;
+  const Conditions conditions = ConditionsFor(seed, options);
+  if (options.conditions == "recorded") LightFor(conditions, scenario.world);
   for (size_t i = 0; i < scenario.exposures.size(); ++i) {
     const int64_t since_start_us =
         scenario.exposures[i].timestamp_us - scenario.exposures.front().timestamp_us;
     const World moment = scenario.world.At(1e-6 * static_cast<double>(since_start_us));
-    cv::Mat image = Renderer(moment).Render(
-        scenario.rig.camera, scenario.TrueWorldFromCamera(i), render_options, static_cast<int>(i));
+    cv::Mat image =
+        Renderer(moment).Render(scenario.rig.camera,
+                                scenario.TrueWorldFromCamera(i),
+                                conditions.camera,
+                                static_cast<int>(i),
+                                MotionAt(scenario, i, conditions.turn_rate_deg_s, seed));
     if (i > 0 && IsDamaged(seed, i, options.damaged_ratio)) {
       image = Damaged(image, scenario.frames.back().image, i);
     }
-    scenario.frames.push_back(MakeFrame(scenario.exposures[i], Compressed(image)));
+    scenario.frames.push_back(
+        MakeFrame(scenario.exposures[i], Compressed(image, conditions.jpeg_quality)));
     progress(static_cast<double>(i + 1) / static_cast<double>(scenario.exposures.size()));
   }
   return scenario;

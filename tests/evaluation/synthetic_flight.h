@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/flight/flight.h"
+#include "server/training/pools.h"
 #include "tests/synthetic/flight_plan.h"
 #include "tests/synthetic/world.h"
 
@@ -16,8 +17,13 @@ struct ScenarioOptions {
   // Larger than what the flight sees: beyond the world there is no truth.
   double world_size_m = 500.0;
   double cell_size_m = 0.2;
-  // Pack of real ground that lies in the world; "" for painted countryside alone.
+  // Real ground that lies in the world: a pack of $FREELSD_DATA/terrain, or "tuning" or "report"
+  // for all packs of that pool in turns; "" for painted countryside alone.
   std::string ground;
+  // "painted", or "recorded": the covers wear textures of the seed's pool.
+  std::string texture = "painted";
+  // "plain", or "recorded": light, air and camera as recorded flights show them.
+  std::string conditions = "plain";
   int num_frames = 50;
   double height_m = 100.0;
   // 0.71 of overlap along the track and 0.63 beside it, for the paper's down-looking camera.
@@ -43,6 +49,8 @@ struct ScenarioOptions {
 
 struct Scenario {
   World world;
+  // Pack and window of real ground, "iquitos_pe/clearing"; "" for painted countryside.
+  std::string ground;
   Aircraft aircraft;
   Rig rig;
   std::vector<SyntheticExposure> exposures;
@@ -53,6 +61,9 @@ struct Scenario {
 
   Rigid3d TrueWorldFromCamera(size_t exposure) const;
 };
+
+// Who may see what. From tests/evaluation/pools.csv.
+const Pools& EvaluationPools();
 
 // `progress` is called with the share of the photographs that are rendered. 0 means that the world
 // is built.

@@ -7,8 +7,6 @@
 namespace freelsd {
 namespace {
 
-// Share of the light on flat open ground that comes from the sky.
-constexpr float kSkyShare = 0.36f;
 // The sky is bluer than the sun, gains of B, G, R; both together are white.
 constexpr float kSkyTint[3] = {1.15f, 1.0f, 0.90f};
 // Shadow edges are soft: over this depth below the shadow's upper edge the sun fades.
@@ -46,15 +44,17 @@ cv::Mat1f ShadeHeight(const World& world) {
   return by_rows ? shade : cv::Mat1f(shade.t());
 }
 
-// Upward normal by central differences.
+// Upward normal by central differences. A recorded texture has the shade of its own blades: there
+// the normal is that of the ground below.
 Eigen::Vector3f NormalAt(const World& world, int row, int col) {
+  const bool is_textured = !world.is_textured.empty() && world.is_textured(row, col) != 0;
+  const cv::Mat1f& height = is_textured ? world.ground : world.surface;
   const int n = world.num_cells();
   const int west = std::max(col - 1, 0), east = std::min(col + 1, n - 1);
   const int south = std::max(row - 1, 0), north = std::min(row + 1, n - 1);
   const float cell = static_cast<float>(world.cell_size_m);
-  const float dx = (world.surface(row, east) - world.surface(row, west)) / (cell * (east - west));
-  const float dy =
-      (world.surface(north, col) - world.surface(south, col)) / (cell * (north - south));
+  const float dx = (height(row, east) - height(row, west)) / (cell * (east - west));
+  const float dy = (height(north, col) - height(south, col)) / (cell * (north - south));
   return Eigen::Vector3f(-dx, -dy, 1.0f).normalized();
 }
 
@@ -73,18 +73,23 @@ float Facing(Cover cover, const Eigen::Vector3f& normal, const Eigen::Vector3f& 
 void World::Light() {
   const cv::Mat1f shade = ShadeHeight(*this);
   const Eigen::Vector3f sun = sun_in_world.cast<float>();
+  const float sky_part = static_cast<float>(sky_share);
   radiance.create(num_cells(), num_cells());
   cv::parallel_for_({0, num_cells()}, [&](const cv::Range& rows) {
     for (int row = rows.start; row < rows.end; ++row) {
       for (int col = 0; col < num_cells(); ++col) {
+        if (!photographed.empty() && photographed(row, col) != 0) {
+          radiance(row, col) = albedo(row, col);
+          continue;
+        }
         const Eigen::Vector3f normal = NormalAt(*this, row, col);
         const float depth = shade(row, col) - surface(row, col);
         const float lit = 1.0f - std::clamp(depth / kPenumbraM, 0.0f, 1.0f);
         const float direct =
-            (1.0f - kSkyShare) * lit * Facing(static_cast<Cover>(cover(row, col)), normal, sun);
-        const float sky = kSkyShare * (0.4f + 0.6f * normal.z());
+            (1.0f - sky_part) * lit * Facing(static_cast<Cover>(cover(row, col)), normal, sun);
+        const float sky = sky_part * (0.4f + 0.6f * normal.z());
         for (int i = 0; i < 3; ++i) {
-          const float sun_tint = (1.0f - kSkyShare * kSkyTint[i]) / (1.0f - kSkyShare);
+          const float sun_tint = (1.0f - sky_part * kSkyTint[i]) / (1.0f - sky_part);
           const float gain = std::min(direct * sun_tint + sky * kSkyTint[i], kMaxGain);
           radiance(row, col)[i] = cv::saturate_cast<uint8_t>(gain * albedo(row, col)[i]);
         }

@@ -111,6 +111,9 @@ const std::map<Cover, Look> kLooks{
     {Cover::kAnimal,
      {{{52, 64, 92}, {215, 220, 225}, {40, 40, 44}},
       {0.06f, 0.10f, 0.06f, 0.0f, 0.0f, 0.0f, 0.0f}}},
+    // between meadow and scrub
+    {Cover::kDoubt,
+     {{{50, 130, 104}}, {0.07f, 0.07f, 0.06f, 0.05f, 0.04f, 0.04f, 0.05f}, {4, 0, 6}}},
 };
 
 class Painter {

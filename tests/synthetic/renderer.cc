@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 #include <vector>
+
+#include <opencv2/imgproc.hpp>
 
 #include "tests/synthetic/noise.h"
 #include "tests/synthetic/sensor.h"
@@ -158,6 +161,43 @@ class Tracer {
   Leaves leaves_;
 };
 
+// Where a moving camera is some time after (or before) a pose.
+Rigid3d After(const Rigid3d& world_from_camera, const CameraMotion& motion, double seconds) {
+  if (seconds == 0.0) return world_from_camera;
+  const Eigen::Vector3d turn = seconds * motion.turn_rate_in_camera;
+  Rigid3d after = world_from_camera;
+  after.translation += seconds * motion.velocity_in_world;
+  if (turn.norm() > 0.0) {
+    after.rotation = world_from_camera.rotation * Eigen::AngleAxisd(turn.norm(), turn.normalized());
+  }
+  return after;
+}
+
+// The mean over a straight way of the picture, in pixels.
+cv::Mat3f Smeared(const cv::Mat3f& light, const Eigen::Vector2d& way_px) {
+  constexpr double kLeastPx = 0.1;
+  if (way_px.norm() < kLeastPx) return light;
+  const int reach = static_cast<int>(std::ceil(0.5 * way_px.cwiseAbs().maxCoeff()));
+  cv::Mat1f kernel = cv::Mat1f::zeros(2 * reach + 1, 2 * reach + 1);
+  constexpr int kNumSteps = 64;
+  for (int i = 0; i < kNumSteps; ++i) {
+    const Eigen::Vector2d at = ((i + 0.5) / kNumSteps - 0.5) * way_px;
+    const int left = static_cast<int>(std::floor(at.x())),
+              top = static_cast<int>(std::floor(at.y()));
+    const double u = at.x() - left, v = at.y() - top;
+    for (const auto& [col, row, weight] : {std::tuple(left, top, (1.0 - u) * (1.0 - v)),
+                                           std::tuple(left + 1, top, u * (1.0 - v)),
+                                           std::tuple(left, top + 1, (1.0 - u) * v),
+                                           std::tuple(left + 1, top + 1, u * v)}) {
+      if (weight == 0.0) continue;
+      kernel(row + reach, col + reach) += static_cast<float>(weight / kNumSteps);
+    }
+  }
+  cv::Mat3f smeared;
+  cv::filter2D(light, smeared, -1, kernel, {-1, -1}, 0.0, cv::BORDER_REPLICATE);
+  return smeared;
+}
+
 }  // namespace
 
 Renderer::Renderer(const World& world) : world_(world), field_(world.surface) {}
@@ -183,20 +223,30 @@ std::optional<Eigen::Vector3d> Renderer::FirstHit(const Eigen::Vector3d& origin_
 cv::Mat Renderer::Render(const Camera& camera,
                          const Rigid3d& world_from_camera,
                          const RenderOptions& options,
-                         int frame_index) const {
+                         int frame_index,
+                         const CameraMotion& motion) const {
   cv::Mat3f light(camera.height_px, camera.width_px, cv::Vec3f::all(0.0f));
-  const Rays rays(camera, world_from_camera.rotation, options.supersampling);
-  const Tracer tracer(world_, field_, rays, CellsFrom(world_from_camera.translation));
   const cv::Rect image(0, 0, camera.width_px, camera.height_px);
   const int num_bands = (camera.height_px + kTilePx - 1) / kTilePx;
   cv::parallel_for_({0, num_bands}, [&](const cv::Range& bands) {
     for (int band = bands.start; band < bands.end; ++band) {
+      const double row = band * kTilePx + 0.5 * (kTilePx - 1);
+      const double seconds = options.readout_s * (row - camera.cy_px) / camera.height_px;
+      const Rigid3d pose = After(world_from_camera, motion, seconds);
+      const Rays rays(camera, pose.rotation, options.supersampling);
+      const Tracer tracer(world_, field_, rays, CellsFrom(pose.translation));
       for (int col = 0; col < camera.width_px; col += kTilePx) {
         tracer.Trace(cv::Rect(col, band * kTilePx, kTilePx, kTilePx) & image, light);
       }
     }
   });
-  return Expose(light, options, frame_index);
+  const double height =
+      world_from_camera.translation.z() -
+      world_.SurfaceHeight(world_from_camera.translation.x(), world_from_camera.translation.y());
+  const Eigen::Vector3d moved =
+      world_from_camera.rotation.conjugate() * (options.exposure_s * motion.velocity_in_world);
+  const Eigen::Vector2d smear_px = camera.MeanFocalPx() / std::max(height, 1.0) * moved.head<2>();
+  return Expose(Smeared(light, smear_px), options, frame_index);
 }
 
 }  // namespace freelsd

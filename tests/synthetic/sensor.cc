@@ -14,6 +14,11 @@ namespace {
 
 constexpr uint64_t kSensorPurpose = 401;
 constexpr uint64_t kExposurePurpose = 402;
+constexpr uint64_t kStepPurpose = 404;
+// A camera keeps an exposure for so many photographs.
+constexpr int kFramesPerStep = 7;
+// What haze looks like, BGR.
+const cv::Vec3f kAirLight(205.0f, 200.0f, 192.0f);
 // The sensor's noise is picked from so many values that were drawn once: a power of two.
 constexpr uint64_t kNumDraws = 16384;
 constexpr int kDrawBits = 14;
@@ -34,7 +39,9 @@ const std::vector<float>& Draws() {
 double Exposure(const RenderOptions& options, int frame_index) {
   const Noise slow(MixSeed(options.seed, kExposurePurpose), 15.0);
   const double wander = std::clamp(0.5 * slow.At(frame_index, 0.0), -1.0, 1.0);
-  return 1.0 + options.exposure_drift_ratio * wander;
+  const uint64_t step = MixSeed(options.seed, static_cast<uint64_t>(frame_index / kFramesPerStep));
+  return (1.0 + options.exposure_drift_ratio * wander) *
+         (1.0 + options.exposure_step_ratio * Uniform(step, kStepPurpose, -1.0, 1.0));
 }
 
 }  // namespace
@@ -49,6 +56,7 @@ cv::Mat Expose(const cv::Mat3f& light, const RenderOptions& options, int frame_i
   const double cx = 0.5 * (light.cols - 1), cy = 0.5 * (light.rows - 1);
   const double corner = cx * cx + cy * cy;
   const float sensor_noise = static_cast<float>(options.sensor_noise);
+  const float haze = static_cast<float>(options.haze_ratio);
   const float* draws = Draws().data();
   const uint64_t stream = MixSeed(MixSeed(options.seed, kSensorPurpose), frame_index);
   cv::Mat3b image(light.size());
@@ -59,10 +67,11 @@ cv::Mat Expose(const cv::Mat3f& light, const RenderOptions& options, int frame_i
       uint64_t bits = MixSeed(stream,
                               static_cast<uint64_t>(row) * static_cast<uint64_t>(light.cols) +
                                   static_cast<uint64_t>(col));
-      const cv::Vec3f& color = blurred(row, col);
+      const cv::Vec3f color = (1.0f - haze) * blurred(row, col) + haze * kAirLight;
       for (int i = 0; i < 3; ++i) {
         const float noise = sensor_noise * draws[bits % kNumDraws];
-        image(row, col)[i] = cv::saturate_cast<uint8_t>(gain * color[i] + noise);
+        const float signal = gain * options.color_gain[i] * color[i];
+        image(row, col)[i] = cv::saturate_cast<uint8_t>(signal + noise);
         bits >>= kDrawBits;
       }
     }

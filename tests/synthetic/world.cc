@@ -73,8 +73,17 @@ const char* CoverName(Cover cover) {
       return "vehicle";
     case Cover::kAnimal:
       return "animal";
+    case Cover::kDoubt:
+      return "doubt";
   }
   return "unknown";
+}
+
+Cover CoverNamed(const std::string& name) {
+  for (int cover = 0; cover < kNumCovers; ++cover) {
+    if (name == CoverName(static_cast<Cover>(cover))) return static_cast<Cover>(cover);
+  }
+  throw std::invalid_argument("no cover is named " + name);
 }
 
 void WorldOptions::Check() const {

@@ -33,9 +33,12 @@ enum class Cover : uint8_t {
   kPole,
   kVehicle,
   kAnimal,
+  kDoubt,  // nobody can tell from the photograph: counts for nothing
 };
-constexpr int kNumCovers = 18;
+constexpr int kNumCovers = 19;
 const char* CoverName(Cover cover);
+// Throws std::invalid_argument where no cover has that name.
+Cover CoverNamed(const std::string& name);
 
 struct WorldOptions {
   uint64_t seed = 1;
@@ -148,6 +151,8 @@ struct World {
   Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
   // Unit vector towards the sun.
   Eigen::Vector3d sun_in_world = Eigen::Vector3d::UnitZ();
+  // Share of the light on flat open ground that comes from the sky. Under clouds nearly all of it.
+  double sky_share = 0.36;
   std::vector<Parcel> parcels;
   std::vector<Mover> movers;
   // Those that were built.
@@ -162,8 +167,13 @@ struct World {
   cv::Mat1b variant;   // tells one field, tree or roof from the next of its kind
   cv::Mat3b albedo;    // BGR as a camera would see it flat in the sun
   cv::Mat3b radiance;  // BGR with sun, shade and sky
-  // 255 where radiance is of a photograph, which shows its own leaves; empty where none is.
+  // 255 where albedo is of a photograph, which has its own light and shows its own leaves; empty
+  // where none is.
   cv::Mat1b photographed;
+  // That photograph is coarser than the cells.
+  bool is_photograph_coarse = false;
+  // 255 where albedo is a recorded texture, which shows the shade of its own blades; or empty.
+  cv::Mat1b is_textured;
 
   int num_cells() const { return surface.rows; }
   double CellCenter(int index) const { return (index + 0.5) * cell_size_m - 0.5 * size_m; }

@@ -15,6 +15,8 @@ namespace {
 enum Purpose : uint64_t { kEast = 621, kNorth, kHeading };
 
 constexpr double kMaxShiftM = 40.0;
+// A photograph is coarse where its pixels are this much wider than the world's cells.
+constexpr double kCoarseRatio = 1.6;
 // Nothing stands this close around the place, nor in its gaps.
 constexpr double kBareM = 10.0;
 // Over this distance the countryside's heights become those of the place: over 10 m a hillside
@@ -38,11 +40,13 @@ RealGround OnGrid(const RealGround& place, const Placement& placement, const Wor
   RealGround on_grid;
   on_grid.cell_size_m = world.cell_size_m;
   on_grid.datum_m = place.datum_m;
+  on_grid.has_wrong_colors = place.has_wrong_colors;
   const auto bring = [&](const cv::Mat& from, cv::Mat& to, int interpolation) {
     cv::remap(from, to, from_col, from_row, interpolation, cv::BORDER_CONSTANT, cv::Scalar(0));
   };
   bring(place.is_known, on_grid.is_known, cv::INTER_NEAREST);
   bring(place.cover, on_grid.cover, cv::INTER_NEAREST);
+  bring(place.variant, on_grid.variant, cv::INTER_NEAREST);
   bring(place.surface, on_grid.surface, cv::INTER_LINEAR);
   bring(place.ground, on_grid.ground, cv::INTER_LINEAR);
   bring(place.photograph, on_grid.photograph, cv::INTER_LINEAR);
@@ -103,6 +107,7 @@ void FillGrids(World& world, const RealGround& on_grid, const WorldOptions& opti
       world.ground(row, col) = on_grid.ground(row, col);
       world.surface(row, col) = on_grid.surface(row, col);
       world.cover(row, col) = on_grid.cover(row, col);
+      world.variant(row, col) = on_grid.variant(row, col);
       return;
     }
     world.ground(row, col) += around.rise_m(row, col);
@@ -114,6 +119,32 @@ void FillGrids(World& world, const RealGround& on_grid, const WorldOptions& opti
     world.surface(row, col) =
         world.ground(row, col) + static_cast<float>(relief.GrowthAt(Cover::kSoil, 0, x, y));
   });
+}
+
+// A photograph has its own sun and shade. Of a coarse one, crowns have leaves in space instead:
+// along their sides it would be drawn out.
+void Show(const RealGround& on_grid, bool is_coarse, World& world) {
+  const cv::Mat1b is_shown = on_grid.is_known != 0;
+  if (on_grid.has_wrong_colors) {
+    const cv::Mat3b hue = world.albedo.clone();
+    ForEachCell(world, [&](int row, int col) {
+      if (is_shown(row, col) == 0) return;
+      const cv::Vec3b &seen = on_grid.photograph(row, col), &painted = hue(row, col);
+      const float gain = static_cast<float>(seen[0] + seen[1] + seen[2]) /
+                         static_cast<float>(std::max(1, painted[0] + painted[1] + painted[2]));
+      for (int i = 0; i < 3; ++i) {
+        world.albedo(row, col)[i] = cv::saturate_cast<uint8_t>(gain * painted[i]);
+      }
+    });
+  } else {
+    on_grid.photograph.copyTo(world.albedo, is_shown);
+  }
+  world.photographed = is_shown;
+  world.is_photograph_coarse = is_coarse;
+  if (!is_coarse) return;
+  world.photographed.setTo(0,
+                           (world.cover == static_cast<uint8_t>(Cover::kTree)) |
+                               (world.cover == static_cast<uint8_t>(Cover::kHedge)));
 }
 
 }  // namespace
@@ -138,11 +169,8 @@ World MakeWorldAround(const RealGround& place,
   PloughFields(world);
   FillGrids(world, on_grid, options);
   world.Paint();
+  Show(on_grid, place.cell_size_m > kCoarseRatio * world.cell_size_m, world);
   world.Light();
-  // A photograph has its own sun and shade.
-  on_grid.photograph.copyTo(world.albedo, on_grid.is_known);
-  on_grid.photograph.copyTo(world.radiance, on_grid.is_known);
-  world.photographed = on_grid.is_known;
   return world;
 }
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -21,12 +22,31 @@ struct RealGround {
   cv::Mat1f surface;     // highest thing, metres above the datum
   cv::Mat1f ground;      // below crowns, houses and cars
   cv::Mat3b photograph;  // BGR, in the light of its day
-  cv::Mat1b cover;       // Cover, from the outlines; see tests/synthetic/ground/README.md
+  // The photograph's colours are not those of the place.
+  bool has_wrong_colors = false;
+  cv::Mat1b cover;    // Cover, from the outlines; see tests/synthetic/ground/README.md
+  cv::Mat1b variant;  // tells one outline from the next
 };
 
-// From $FREELSD_DATA/terrain/PACK and tests/synthetic/ground/PACK.txt. Throws std::runtime_error
-// with what is missing.
+// From $FREELSD_DATA/terrain/PACK and tests/synthetic/ground/PACK.txt. Cells are those of the
+// orthophoto. Throws std::runtime_error with what is missing.
 RealGround ReadRealGround(const std::string& pack);
+
+// A part of a pack that is worth a world of its own: around a field, or around ground that tempts.
+struct GroundWindow {
+  std::string name;
+  std::string kind;    // "field" or "decoy", by one person's eye
+  cv::Point2d middle;  // column and row of the orthophoto
+};
+// In the order of tests/synthetic/ground/PACK.txt. Throws std::runtime_error if it names none.
+std::vector<GroundWindow> ReadGroundWindows(const std::string& pack);
+
+// What lies within `reach_m` of the window's middle, to all four sides. Its datum is the median
+// height within `datum_reach_m`.
+RealGround Cut(const RealGround& place,
+               const GroundWindow& window,
+               double reach_m,
+               double datum_reach_m);
 
 // Where a pack's middle lies in a world, and where its north points to (radians clockwise from
 // the world's).
