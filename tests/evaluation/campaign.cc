@@ -21,6 +21,7 @@
 #include "tests/evaluation/http_run.h"
 #include "tests/evaluation/pictures.h"
 #include "tests/evaluation/report.h"
+#include "tests/evaluation/scores/blinding.h"
 #include "tests/evaluation/stopwatch.h"
 #include "tests/evaluation/truth_run.h"
 #include "tests/evaluation/world_record.h"
@@ -99,6 +100,7 @@ Json SettingsOf(const CampaignOptions& options) {
       {"image_size", std::to_string(camera.width_px) + "x" + std::to_string(camera.height_px)},
       {"threads", scenario.num_threads}};
   if (!scenario.takes_photographs) settings["on_truth"] = true;
+  if (!options.blind.empty()) settings["blind"] = options.blind;
   if (scenario.gives_wires) settings["gives_wires"] = true;
   if (!options.engine_options.empty()) settings["options"] = options.engine_options;
   settings["pool"] = NameOf(PoolOf(options));
@@ -161,18 +163,21 @@ Json EvaluateWorld(const CampaignOptions& campaign,
   const TruthMap truth = MakeTruthMap(scenario.world, scenario.aircraft);
   const Fields fields = FindFields(scenario.world, truth, scenario.aircraft, scenario.seen);
   stopwatch.Lap("truth");
-  const EngineRun run =
-      campaign.scenario.takes_photographs
-          ? RunOf(campaign,
-                  classifier,
-                  scenario,
-                  [&](double done, const std::string& stage) {
-                    stopwatch.Lap(stage == "frontend" ? stage : "backend");
-                    return progress(0.5 + 0.5 * done, stage);
-                  })
-          : RunOnTruth(scenario, truth, fields, OptionsFor(campaign, scenario.aircraft).approach);
+  const PipelineOptions options = OptionsFor(campaign, scenario.aircraft);
+  EngineRun run = campaign.scenario.takes_photographs
+                      ? RunOf(campaign,
+                              classifier,
+                              scenario,
+                              [&](double done, const std::string& stage) {
+                                stopwatch.Lap(stage == "frontend" ? stage : "backend");
+                                return progress(0.5 + 0.5 * done, stage);
+                              })
+                      : RunOnTruth(scenario, truth, fields, options.approach);
+  if (const auto blinding = BlindingNamed(campaign.blind)) {
+    run = RunBlinded(scenario, truth, fields, run, *blinding, options.approach);
+  }
   stopwatch.Lap("backend");
-  Json record = WorldRecord(seed, scenario, run, truth, fields);
+  Json record = WorldRecord(seed, scenario, run, truth, fields, options);
   stopwatch.Lap("scores");
   if (!campaign.pictures.empty()) {
     DrawWorld(campaign.pictures, std::to_string(seed), scenario, run, truth, fields);
@@ -295,6 +300,12 @@ void CampaignOptions::Check() const {
   PoolOf(*this);
   if (!url.empty() && !engine_options.empty()) {
     throw std::invalid_argument("--options and --url: a service has its own options");
+  }
+  if (!blind.empty() && !BlindingNamed(blind)) {
+    throw std::invalid_argument("--blind " + blind + ": no such blinding");
+  }
+  if (!blind.empty() && !url.empty()) {
+    throw std::invalid_argument("--blind and --url: a service gives no map to make wrong");
   }
   if (resumes && json.empty()) throw std::invalid_argument("--resume needs --json");
   if (num_jobs > 1 && scenario.num_threads > 1) {

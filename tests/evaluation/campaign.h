@@ -28,6 +28,8 @@ struct CampaignOptions {
   std::string pictures;
   // Service that is asked instead of the engine in this process; "" for none.
   std::string url;
+  // Of Blinding: the map is made wrong on purpose before it is planned on; "" for none.
+  std::string blind;
 
   // Throws std::invalid_argument.
   void Check() const;

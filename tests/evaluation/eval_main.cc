@@ -10,6 +10,7 @@
 #include "tests/evaluation/campaign.h"
 #include "tests/evaluation/curves.h"
 #include "tests/evaluation/report.h"
+#include "tests/evaluation/scores/blinding.h"
 
 namespace freelsd {
 namespace {
@@ -137,6 +138,8 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
         campaign.engine_options = Json::parse(ReadTextFile(path));
       },
       "JSON file with options of the engine, as a flight's `options` has them");
+  app.add_option("--blind", campaign.blind, "make the map wrong on purpose: judges the judge")
+      ->check(CLI::IsMember(BlindingNames()));
   app.add_option("--model", arguments.model, "grass classifier");
   app.add_option("--max-false-safe", arguments.max_false_safe, "limit of the exit status");
   app.add_option("--min-found-ratio", arguments.min_found_ratio, "limit of the exit status");

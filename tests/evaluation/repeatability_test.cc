@@ -31,8 +31,10 @@ nlohmann::json AnswersOf(const Scenario& scenario,
                                   options,
                                   classifier,
                                   [](double, const std::string&) { return true; });
-  const nlohmann::json record = WorldRecord(1, scenario, run, truth, fields);
+  const nlohmann::json record = WorldRecord(1, scenario, run, truth, fields, options);
   return {{"sites", record.at("sites")},
+          {"fields", record.at("fields")},
+          {"things", record.at("things")},
           {"regions", record.at("regions")},
           {"maps", record.at("maps")},
           {"poses", record.at("poses")}};

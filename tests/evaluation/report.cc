@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 
+#include "tests/evaluation/scores/score_totals.h"
 #include "tests/evaluation/statistics.h"
 
 namespace freelsd {
@@ -12,19 +13,6 @@ namespace {
 
 using Json = nlohmann::json;
 using Counts = std::map<std::string, int64_t>;
-
-// Four significant digits; null where there was nothing.
-Json Number(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  if (value == 0.0) return 0.0;
-  const double scale = std::pow(10.0, 3.0 - std::floor(std::log10(std::abs(value))));
-  return std::round(value * scale) / scale;
-}
-
-Json Share(int64_t part, int64_t whole) {
-  if (whole == 0) return nullptr;
-  return Number(static_cast<double>(part) / static_cast<double>(whole));
-}
 
 Sums AddUp(const Json& records, const char* part, const char* key) {
   Sums sums;
@@ -56,6 +44,7 @@ struct SiteCounts {
   // By what the ground at the touchdown truly is: accepted, rejected.
   std::map<std::string, std::array<int64_t, 2>> grounds;
   int64_t num_false_safe = 0, num_false_safe_without_shift = 0, num_only_thin = 0;
+  int64_t num_in_doubt = 0;
 };
 
 std::string CauseOf(const Json& site) {
@@ -78,6 +67,7 @@ SiteCounts CountSites(const Json& records) {
       ++counts.grounds[site.at("ground").get<std::string>()][site.at("verdict") == "rejected"];
       if (site.at("is_only_thin").get<bool>()) ++counts.thin_causes[CauseOf(site)];
       counts.num_only_thin += site.at("is_only_thin").get<bool>();
+      counts.num_in_doubt += site.value("is_in_doubt", false);
       counts.num_false_safe_without_shift += site.at("is_false_safe_without_shift").get<bool>();
       if (!site.at("is_false_safe").get<bool>()) continue;
       ++counts.num_false_safe;
@@ -137,7 +127,7 @@ Json SafetyTotals(const Json& records) {
     const auto found = sites.verdicts.find(verdict);
     return found == sites.verdicts.end() ? int64_t{0} : found->second;
   };
-  const int64_t num_safe = count("landable") + count("unverified");
+  const int64_t num_judged = count("landable") + count("unverified") - sites.num_in_doubt;
   Json grounds = Json::object();
   for (const auto& [ground, counted] : sites.grounds) {
     grounds[ground] = {{"num_accepted", counted[0]}, {"num_rejected", counted[1]}};
@@ -149,16 +139,17 @@ Json SafetyTotals(const Json& records) {
           {"num_unverified_sites", count("unverified")},
           {"num_rejected_sites", count("rejected")},
           {"num_false_safe", sites.num_false_safe},
-          {"false_safe_bound_95", Number(UpperBound95(sites.num_false_safe, num_safe))},
+          {"false_safe_bound_95", RoundedNumber(UpperBound95(sites.num_false_safe, num_judged))},
           {"num_false_safe_without_shift", sites.num_false_safe_without_shift},
           {"num_false_safe_thin", sites.num_only_thin},
+          {"num_in_doubt", sites.num_in_doubt},
           {"false_safe_causes", sites.false_safe_causes},
           {"thin_causes", sites.thin_causes},
           {"num_fields_in_world", fields.num_true},
           {"num_fields", fields.num_true_seen},
           {"num_fields_found", fields.num_found},
           {"num_fields_found_safely", fields.num_found_safely},
-          {"fields_found_ratio", Share(fields.num_found, fields.num_true_seen)},
+          {"fields_found_ratio", RoundedShare(fields.num_found, fields.num_true_seen)},
           {"num_fields_with_loiter", fields.num_with_loiter},
           {"num_fields_with_loiter_found", fields.num_with_loiter_found},
           {"fates_of_fields", fields.fates},
@@ -167,7 +158,7 @@ Json SafetyTotals(const Json& records) {
           {"fates_of_blocked_fields", fields.blocked_fates},
           {"reject_reasons", sites.reasons},
           {"sites_by_ground", grounds},
-          {"time_to_first_site_s", Number(seconds.Mean())}};
+          {"time_to_first_site_s", RoundedNumber(seconds.Mean())}};
 }
 
 Json MapTotals(const Json& records) {
@@ -175,9 +166,9 @@ Json MapTotals(const Json& records) {
   for (const auto& [kind, counts] : AddUpTriples(records, "maps", "hazard_of_kind")) {
     const int64_t total = counts[0] + counts[1] + counts[2];
     kinds[kind] = {{"num_cells", total},
-                   {"free_ratio", Share(counts[0], total)},
-                   {"hazard_ratio", Share(counts[1], total)},
-                   {"unseen_ratio", Share(counts[2], total)}};
+                   {"free_ratio", RoundedShare(counts[0], total)},
+                   {"hazard_ratio", RoundedShare(counts[1], total)},
+                   {"unseen_ratio", RoundedShare(counts[2], total)}};
   }
   Sums median;
   for (const Json& record : records) {
@@ -185,20 +176,23 @@ Json MapTotals(const Json& records) {
     // Not a number where there is no map; null in a file.
     if (value.is_number() && std::isfinite(value.get<double>())) median.Add(value.get<double>());
   }
-  return {{"elevation_rmse_m", Number(AddUp(records, "maps", "elevation_error_m").Rms())},
-          {"elevation_rmse_unbiased_m",
-           Number(AddUp(records, "maps", "elevation_error_unbiased_m").Rms())},
-          {"elevation_median_error_m", Number(median.Mean())},
-          {"slope_rmse_deg", Number(AddUp(records, "maps", "slope_error_deg").Rms())},
-          {"slope_bias_deg", Number(AddUp(records, "maps", "slope_error_deg").Mean())},
-          {"roughness_rmse_m", Number(AddUp(records, "maps", "roughness_error_m").Rms())},
-          {"hazard_recall",
-           Share(AddUpCount(records, "maps", "num_faulty_not_free"),
-                 AddUpCount(records, "maps", "num_faulty"))},
-          {"hazard_precision",
-           Share(AddUpCount(records, "maps", "num_called_hazard_rightly"),
-                 AddUpCount(records, "maps", "num_called_hazard"))},
-          {"kinds", kinds}};
+  Json totals{
+      {"elevation_rmse_m", RoundedNumber(AddUp(records, "maps", "elevation_error_m").Rms())},
+      {"elevation_rmse_unbiased_m",
+       RoundedNumber(AddUp(records, "maps", "elevation_error_unbiased_m").Rms())},
+      {"elevation_median_error_m", RoundedNumber(median.Mean())},
+      {"slope_rmse_deg", RoundedNumber(AddUp(records, "maps", "slope_error_deg").Rms())},
+      {"slope_bias_deg", RoundedNumber(AddUp(records, "maps", "slope_error_deg").Mean())},
+      {"roughness_rmse_m", RoundedNumber(AddUp(records, "maps", "roughness_error_m").Rms())},
+      {"hazard_recall",
+       RoundedShare(AddUpCount(records, "maps", "num_faulty_not_free"),
+                    AddUpCount(records, "maps", "num_faulty"))},
+      {"hazard_precision",
+       RoundedShare(AddUpCount(records, "maps", "num_called_hazard_rightly"),
+                    AddUpCount(records, "maps", "num_called_hazard"))},
+      {"kinds", kinds}};
+  totals.update(DetiltedTotals(records));
+  return totals;
 }
 
 Json FrontendTotals(const Json& records) {
@@ -207,19 +201,19 @@ Json FrontendTotals(const Json& records) {
   Json covers = Json::object();
   for (const auto& [cover, counts] : AddUpTriples(records, "frontend", "pixels_of_cover")) {
     const int64_t total = counts[0] + counts[1] + counts[2];
-    covers[cover] = {{"called_grass_ratio", Share(counts[0], total)},
-                     {"called_other_ratio", Share(counts[1], total)},
-                     {"unclassified_ratio", Share(counts[2], total)}};
+    covers[cover] = {{"called_grass_ratio", RoundedShare(counts[0], total)},
+                     {"called_other_ratio", RoundedShare(counts[1], total)},
+                     {"unclassified_ratio", RoundedShare(counts[2], total)}};
   }
   const Sums height = AddUp(records, "frontend", "coarse_height_error_m");
-  return {{"region_error_ratio", Number(roc.ErrorRatio())},
-          {"region_auc", Number(roc.Auc())},
-          {"coarse_height_rmse_m", Number(height.Rms())},
-          {"coarse_height_bias_m", Number(height.Mean())},
+  return {{"region_error_ratio", RoundedNumber(roc.ErrorRatio())},
+          {"region_auc", RoundedNumber(roc.Auc())},
+          {"coarse_height_rmse_m", RoundedNumber(height.Rms())},
+          {"coarse_height_bias_m", RoundedNumber(height.Mean())},
           {"num_regions", AddUpCount(records, "frontend", "num_regions")},
           {"num_graded", AddUpCount(records, "frontend", "num_graded")},
           {"num_duplicates", AddUpCount(records, "frontend", "num_duplicates")},
-          {"mean_track_length", Number(AddUp(records, "frontend", "track_length").Mean())},
+          {"mean_track_length", RoundedNumber(AddUp(records, "frontend", "track_length").Mean())},
           {"covers", covers}};
 }
 
@@ -232,19 +226,21 @@ Json PoseTotals(const Json& records) {
     const auto offset = poses.at("shift_m").get<std::array<double, 3>>();
     shift.Add(std::hypot(offset[0], offset[1]));
   }
-  const auto rms = [&](const char* key) { return Number(AddUp(records, "poses", key).Rms()); };
+  const auto rms = [&](const char* key) {
+    return RoundedNumber(AddUp(records, "poses", key).Rms());
+  };
   return {{"num_views", AddUpCount(records, "poses", "num_views")},
           {"num_connected", AddUpCount(records, "poses", "num_connected")},
           {"horizontal_before_m", rms("horizontal_before_m")},
           {"horizontal_after_m", rms("horizontal_after_m")},
-          {"horizontal_shift_m", Number(shift.Rms())},
+          {"horizontal_shift_m", RoundedNumber(shift.Rms())},
           {"horizontal_within_m", rms("horizontal_within_m")},
           {"vertical_before_m", rms("vertical_before_m")},
           {"vertical_after_m", rms("vertical_after_m")},
           {"attitude_before_deg", rms("attitude_before_deg")},
           {"attitude_after_deg", rms("attitude_after_deg")},
-          {"reprojection_before_px", Number(before.Mean())},
-          {"reprojection_after_px", Number(after.Mean())}};
+          {"reprojection_before_px", RoundedNumber(before.Mean())},
+          {"reprojection_after_px", RoundedNumber(after.Mean())}};
 }
 
 Json CostTotals(const Json& settings, const Json& records) {
@@ -261,9 +257,9 @@ Json CostTotals(const Json& settings, const Json& records) {
                     {"size", settings.value("image_size", "")},
                     {"threads", settings.value("threads", 1)},
                     {"samples", cost.first.count},
-                    {"mean_ms", Number(cost.first.Mean())},
-                    {"sd_ms", Number(cost.first.Sd())},
-                    {"p95_ms", Number(cost.second.Percentile(95.0))}});
+                    {"mean_ms", RoundedNumber(cost.first.Mean())},
+                    {"sd_ms", RoundedNumber(cost.first.Sd())},
+                    {"p95_ms", RoundedNumber(cost.second.Percentile(95.0))}});
   }
   return rows;
 }
@@ -283,16 +279,19 @@ Json MakeReport(const Json& settings, const Json& records) {
   }
   Json cpu = Json::object();
   for (const auto& [part, seconds] : parts) {
-    cpu[part] = Number(seconds.sum / static_cast<double>(records.size()));
+    cpu[part] = RoundedNumber(seconds.sum / static_cast<double>(records.size()));
   }
   return {{"settings", settings},
           {"cpu_s_per_world", cpu},
           {"safety", SafetyTotals(records)},
+          {"flown", FlownTotals(records)},
+          {"found", FoundTotals(records)},
+          {"things", ThingTotals(records)},
           {"maps", MapTotals(records)},
           {"frontend", FrontendTotals(records)},
           {"poses", PoseTotals(records)},
           {"cost", CostTotals(settings, records)},
-          {"peak_memory_with_world_mib", Number(peak_mib)},
+          {"peak_memory_with_world_mib", RoundedNumber(peak_mib)},
           {"worlds", records}};
 }
 

@@ -8,8 +8,8 @@
 
 namespace freelsd {
 
-// {safety, maps, frontend, poses, cost, settings, worlds}; `worlds` are the records themselves, by
-// seed, so that a report can be continued.
+// {safety, flown, found, things, maps, frontend, poses, cost, settings, worlds}; `worlds` are the
+// records themselves, by seed, so that a report can be continued.
 nlohmann::json MakeReport(const nlohmann::json& settings, const nlohmann::json& records);
 
 std::string TableOf(const nlohmann::json& report);

@@ -70,7 +70,7 @@ nlohmann::json SafetyOf(const World& world, const Plan& plan) {
   site.plan = plan;
   run.evaluation.sites.push_back(site);
   const Fields fields = FindFields(world, truth, scenario.aircraft, scenario.seen);
-  const nlohmann::json record = WorldRecord(1, scenario, run, truth, fields);
+  const nlohmann::json record = WorldRecord(1, scenario, run, truth, fields, PipelineOptions{});
   return MakeReport(nlohmann::json::object(), nlohmann::json::array({record})).at("safety");
 }
 

@@ -3,37 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <stdexcept>
+
+#include "tests/evaluation/scores/obstruction.h"
 
 namespace freelsd {
 namespace {
 
-// Too thin for 0.2 m of ground sampling: in a row of their own.
-const std::set<std::string> kThinThings{"fence", "pole", "wire"};
-
 const std::string kDoubt = CoverName(Cover::kDoubt);
-
-// No cell of the world is stepped over.
-double StepOf(const World& world) { return 0.5 * world.cell_size_m; }
 
 struct PathTruth {
   double clearance = std::numeric_limits<double>::infinity();
   Eigen::Vector2d worst_place = Eigen::Vector2d::Zero();
 };
 
-// Highest thing of the cell, with or without what is too thin to be seen.
-double TopOf(const World& world, const Eigen::Vector2d& place, bool with_thin) {
-  if (with_thin) return world.TopHeight(place.x(), place.y());
-  const int row = world.CellIndex(place.y()), col = world.CellIndex(place.x());
-  const auto cover = static_cast<Cover>(world.cover(row, col));
-  const bool is_thin = cover == Cover::kFence || cover == Cover::kPole;
-  return is_thin ? world.ground(row, col) : world.surface(row, col);
-}
-
 // The highest thing across a corridor, by the finest grid there is.
 PathTruth LookAcross(const World& world,
-                     bool with_thin,
+                     ThinThings thin,
                      const Eigen::Vector2d& place,
                      const Eigen::Vector2d& across,
                      double half_width,
@@ -41,7 +27,7 @@ PathTruth LookAcross(const World& world,
   PathTruth path;
   for (double t = -half_width; t <= half_width + 1e-9; t += StepOf(world)) {
     const Eigen::Vector2d point = place + t * across;
-    const double clearance = path_height - TopOf(world, point, with_thin);
+    const double clearance = path_height - TopOf(world, point, thin);
     if (clearance >= path.clearance) continue;
     path.clearance = clearance;
     path.worst_place = point;
@@ -54,7 +40,7 @@ PathTruth Lower(const PathTruth& a, const PathTruth& b) {
 }
 
 PathTruth AlongFinal(const World& world,
-                     bool with_thin,
+                     ThinThings thin,
                      const Aircraft& aircraft,
                      const Eigen::Vector2d& touchdown,
                      const Eigen::Vector2d& start,
@@ -67,7 +53,7 @@ PathTruth AlongFinal(const World& world,
   for (double s = aircraft.touchdown_uncertainty_m; s <= length; s += StepOf(world)) {
     path = Lower(path,
                  LookAcross(world,
-                            with_thin,
+                            thin,
                             touchdown + s * outward,
                             across,
                             aircraft.path_half_width_m,
@@ -77,7 +63,7 @@ PathTruth AlongFinal(const World& world,
 }
 
 PathTruth AlongCircle(const World& world,
-                      bool with_thin,
+                      ThinThings thin,
                       const Aircraft& aircraft,
                       const Eigen::Vector2d& center,
                       double radius,
@@ -87,55 +73,13 @@ PathTruth AlongCircle(const World& world,
     const Eigen::Vector2d outward(std::cos(angle), std::sin(angle));
     path = Lower(path,
                  LookAcross(world,
-                            with_thin,
+                            thin,
                             center + radius * outward,
                             outward,
                             aircraft.path_half_width_m,
                             height_in_world));
   }
   return path;
-}
-
-std::string NameOfObstacle(const World& world, const PathTruth& path, bool with_thin) {
-  if (path.clearance >= 0.0) return "";
-  if (with_thin && world.IsWireAt(path.worst_place.x(), path.worst_place.y())) return "wire";
-  const Cover cover = world.CoverAt(path.worst_place.x(), path.worst_place.y());
-  return cover == Cover::kMeadow ? "ground" : CoverName(cover);
-}
-
-std::string NameOfFault(const TruthMap& truth, const cv::Point& cell) {
-  switch (static_cast<GroundFault>(truth.fault(cell))) {
-    case GroundFault::kNone:
-      return "";
-    case GroundFault::kOutside:
-      return "outside";
-    case GroundFault::kCover:
-      return CoverName(static_cast<Cover>(truth.cover(cell)));
-    case GroundFault::kSteep:
-      return "steep";
-    case GroundFault::kRough:
-      return "rough";
-  }
-  return "";
-}
-
-// A post makes the cells around it rough: they are its own.
-bool IsThin(const TruthMap& truth, const cv::Point& cell) {
-  const auto is_thin_cover = [&](const cv::Point& place) {
-    return static_cast<GroundFault>(truth.fault(place)) == GroundFault::kCover &&
-           kThinThings.contains(CoverName(static_cast<Cover>(truth.cover(place))));
-  };
-  if (static_cast<GroundFault>(truth.fault(cell)) != GroundFault::kRough) {
-    return is_thin_cover(cell);
-  }
-  for (int row = std::max(0, cell.y - 1); row <= std::min(truth.fault.rows - 1, cell.y + 1);
-       ++row) {
-    for (int col = std::max(0, cell.x - 1); col <= std::min(truth.fault.cols - 1, cell.x + 1);
-         ++col) {
-      if (is_thin_cover({col, row})) return true;
-    }
-  }
-  return false;
 }
 
 // The highest is named.
@@ -178,7 +122,7 @@ std::string GroundFaultOf(const World& world,
       if (fault == kDoubt) {
         doubt.Add(fault, top);
       } else {
-        (IsThin(truth, {col, row}) ? thin : solid).Add(fault, top);
+        (IsThinFault(truth, {col, row}) ? thin : solid).Add(fault, top);
       }
     }
   }
@@ -202,7 +146,7 @@ bool SafetyScore::IsInDoubt(Verdict verdict) const {
 
 bool SafetyScore::IsOnlyThin(Verdict verdict) const {
   const auto is_harmless = [](const std::string& fault) {
-    return fault.empty() || fault == kDoubt || kThinThings.contains(fault);
+    return fault.empty() || fault == kDoubt || IsThinName(fault);
   };
   return IsFalseSafe(verdict) && is_harmless(ground_fault) && is_harmless(final_fault) &&
          (verdict != Verdict::kLandable || is_harmless(loiter_fault));
@@ -227,23 +171,24 @@ std::optional<SafetyScore> ScorePlan(const World& world,
   score.ground_fault = GroundFaultOf(world, truth, aircraft, touchdown, forward);
   score.free_distance = truth.free_distance(truth.CellAt(touchdown));
   const auto judge = [&](const auto& look, double& clearance, std::string& fault) {
-    const PathTruth all = look(true), solid = look(false);
+    const PathTruth all = look(ThinThings::kCount), solid = look(ThinThings::kIgnore);
     clearance = all.clearance;
     const bool is_thin = solid.clearance >= 0.0;
     const PathTruth& named = is_thin ? all : solid;
-    fault = NameOfObstacle(world, named, is_thin);
+    if (named.clearance < 0.0) {
+      fault =
+          NameOfThing(world, named.worst_place, is_thin ? ThinThings::kCount : ThinThings::kIgnore);
+    }
     return named.worst_place;
   };
   score.final_worst_place = judge(
-      [&](bool with_thin) {
-        return AlongFinal(world, with_thin, aircraft, touchdown, start, height);
-      },
+      [&](ThinThings thin) { return AlongFinal(world, thin, aircraft, touchdown, start, height); },
       score.final_clearance,
       score.final_fault);
   judge(
-      [&](bool with_thin) {
+      [&](ThinThings thin) {
         return AlongCircle(world,
-                           with_thin,
+                           thin,
                            aircraft,
                            approach.loiter_center_in_world.head<2>() - shift,
                            approach.loiter_radius,

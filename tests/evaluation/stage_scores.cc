@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/evaluation/scores/obstruction.h"
 #include "tests/synthetic/renderer.h"
 
 namespace freelsd {
@@ -25,19 +26,8 @@ std::map<std::string, size_t> ExposureOfId(const Scenario& scenario) {
 }
 
 std::string KindOf(const TruthMap& truth, int row, int col) {
-  switch (static_cast<GroundFault>(truth.fault(row, col))) {
-    case GroundFault::kNone:
-      return "landable";
-    case GroundFault::kOutside:
-      return "outside";
-    case GroundFault::kCover:
-      return CoverName(static_cast<Cover>(truth.cover(row, col)));
-    case GroundFault::kSteep:
-      return "steep";
-    case GroundFault::kRough:
-      return "rough";
-  }
-  return "";
+  const std::string fault = NameOfFault(truth, {col, row});
+  return fault.empty() ? "landable" : fault;
 }
 
 bool IsInsideOfKind(const TruthMap& truth, int row, int col) {
@@ -180,6 +170,7 @@ MapScore ScoreMap(const EngineRun& run, const Scenario& scenario, const TruthMap
   const HazardLayers& layers = run.evaluation.hazards;
   const double half = 0.5 * scenario.world.size_m;
   std::vector<double> errors;
+  std::vector<HeightError> errors_of_places;
   for (int row = 0; row < map.grid.num_rows; ++row) {
     for (int col = 0; col < map.grid.num_cols; ++col) {
       const Eigen::Vector2d place = map.grid.CellCenter(row, col);
@@ -191,6 +182,7 @@ MapScore ScoreMap(const EngineRun& run, const Scenario& scenario, const TruthMap
       if (IsOpenGround(cover)) {
         errors.push_back(map.elevation(row, col) -
                          scenario.world.SurfaceHeight(place.x(), place.y()));
+        errors_of_places.push_back({place, errors.back()});
       }
       if (truth.free_distance(cell) < kSlopeSupportM) continue;  // trees reach into the support
       score.slope_error.Add(DegFromRad(layers.slope(row, col) - TrueSlope(scenario.world, place)));
@@ -198,6 +190,7 @@ MapScore ScoreMap(const EngineRun& run, const Scenario& scenario, const TruthMap
     }
   }
   score.elevation_median_error = Median(errors);
+  score.detilted = Detilt(errors_of_places);
   for (const double error : errors) {
     score.elevation_error.Add(error);
     score.elevation_error_unbiased.Add(error - score.elevation_median_error);

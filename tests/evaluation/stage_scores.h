@@ -6,6 +6,7 @@
 #include <string>
 
 #include "tests/evaluation/engine_run.h"
+#include "tests/evaluation/scores/elevation_error.h"
 #include "tests/evaluation/statistics.h"
 #include "tests/evaluation/synthetic_flight.h"
 #include "tests/evaluation/truth_map.h"
@@ -32,6 +33,8 @@ struct MapScore {
   // Estimate less truth of open ground: metres, and with the world's median taken off.
   Sums elevation_error, elevation_error_unbiased;
   double elevation_median_error = 0.0;
+  // The same errors without their plane.
+  DetiltedErrors detilted;
   // Of landable ground with none but such around it: degrees, metres.
   Sums slope_error, roughness_error;
   // Cells of the map, by what they truly are ("landable", a cover, "steep", "rough"), at least

@@ -160,4 +160,16 @@ double UpperBound95(int64_t num_seen, int64_t num_tried) {
   return high;
 }
 
+nlohmann::json RoundedNumber(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  if (value == 0.0) return 0.0;
+  const double scale = std::pow(10.0, 3.0 - std::floor(std::log10(std::abs(value))));
+  return std::round(value * scale) / scale;
+}
+
+nlohmann::json RoundedShare(int64_t part, int64_t whole) {
+  if (whole == 0) return nullptr;
+  return RoundedNumber(static_cast<double>(part) / static_cast<double>(whole));
+}
+
 }  // namespace freelsd

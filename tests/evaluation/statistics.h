@@ -57,4 +57,8 @@ RocCounts RocFromJson(const nlohmann::json& json);
 // 600 is 0.5 %.
 double UpperBound95(int64_t num_seen, int64_t num_tried);
 
+// Four significant digits; null where there was nothing.
+nlohmann::json RoundedNumber(double value);
+nlohmann::json RoundedShare(int64_t part, int64_t whole);
+
 }  // namespace freelsd

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -43,15 +44,18 @@ void WriteRows(std::ostringstream& out, const std::string& title, const Json& ro
   if (rows.empty()) return;
   out << title << "\n";
   bool is_first = true;
+  constexpr int kColumnWidth = 20;
+  size_t name_width = kColumnWidth;
+  for (const auto& [name, row] : rows.items()) name_width = std::max(name_width, name.size() + 2);
   for (const auto& [name, row] : rows.items()) {
     if (is_first) {
-      out << "  " << std::left << std::setw(20) << "";
-      for (const auto& [column, value] : row.items()) out << std::setw(20) << column;
+      out << "  " << std::left << std::setw(static_cast<int>(name_width)) << "";
+      for (const auto& [column, value] : row.items()) out << std::setw(kColumnWidth) << column;
       out << "\n";
     }
     is_first = false;
-    out << "  " << std::left << std::setw(20) << name;
-    for (const auto& [column, value] : row.items()) out << std::setw(20) << Text(value);
+    out << "  " << std::left << std::setw(static_cast<int>(name_width)) << name;
+    for (const auto& [column, value] : row.items()) out << std::setw(kColumnWidth) << Text(value);
     out << "\n";
   }
 }
@@ -90,7 +94,14 @@ std::string TableOf(const Json& report) {
   WriteRows(out,
             "sites, by what the ground at the touchdown truly is",
             report.at("safety").at("sites_by_ground"));
+  WritePart(out, "flown, 200 times to each accepted site", report.at("flown"));
+  WritePart(out, "found, of what the planner accepts on maps without error", report.at("found"));
+  WriteRows(out, "fields, by their clear touchdowns", report.at("found").at("by_room"));
+  WriteRows(out,
+            "fields, by the share of disc, roll and final that was photographed",
+            report.at("found").at("by_photographed_ratio"));
   WritePart(out, "maps", report.at("maps"));
+  WriteRows(out, "things, by kind, width and height in metres", report.at("things"));
   WriteRows(out, "cells of the map, by what they truly are", report.at("maps").at("kinds"));
   WritePart(out, "frontend", report.at("frontend"));
   WriteRows(
@@ -119,8 +130,11 @@ std::string TableOf(const Json& report) {
 
 std::string Comparison(const Json& older, const Json& newer) {
   std::ostringstream out;
-  for (const char* part : {"safety", "maps", "frontend", "poses"}) {
-    CompareNumbers(out, part, older.at(part), newer.at(part));
+  for (const char* part : {"safety", "flown", "found", "things", "maps", "frontend", "poses"}) {
+    // Older reports lack some parts.
+    if (older.contains(part) && newer.contains(part)) {
+      CompareNumbers(out, part, older.at(part), newer.at(part));
+    }
   }
   for (const Json& row : newer.at("cost")) {
     for (const Json& old_row : older.at("cost")) {

@@ -68,25 +68,6 @@ HazardLayers TrueHazards(const ElevationMap& map, const TruthMap& truth) {
   return layers;
 }
 
-// The rectangle around the cells of a field.
-Region RegionOf(const Field& field, const Fields& fields, const TruthMap& truth) {
-  Polygon outline;
-  for (int row = 0; row < fields.label.rows; ++row) {
-    for (int col = 0; col < fields.label.cols; ++col) {
-      if (fields.label(row, col) == field.id) outline.push_back(truth.CellCenter(row, col));
-    }
-  }
-  Region region;
-  region.id = field.id;
-  region.grade = 1.0;
-  region.num_observations = region.num_grass_observations = 10;
-  region.area_m2 = field.area_m2;
-  for (const Eigen::Vector2d& corner : MinAreaRectangle(outline)) {
-    region.corners_in_world.emplace_back(corner.x(), corner.y(), 0.0);
-  }
-  return region;
-}
-
 // Elsewhere no disc fits: another field in the same rectangle does not count.
 HazardLayers WithinField(HazardLayers layers,
                          const Field& field,
@@ -103,6 +84,34 @@ HazardLayers WithinField(HazardLayers layers,
 
 }  // namespace
 
+Region RegionAround(const cv::Mat1i& label, int id, const TruthMap& truth) {
+  Polygon cells;
+  for (int row = 0; row < label.rows; ++row) {
+    for (int col = 0; col < label.cols; ++col) {
+      if (label(row, col) == id) cells.push_back(truth.CellCenter(row, col));
+    }
+  }
+  Region region;
+  region.id = id;
+  region.grade = 1.0;
+  region.num_observations = region.num_grass_observations = 10;
+  region.area_m2 = static_cast<double>(cells.size()) * truth.cell_size_m * truth.cell_size_m;
+  for (const Eigen::Vector2d& corner : MinAreaRectangle(cells)) {
+    region.corners_in_world.emplace_back(corner.x(), corner.y(), 0.0);
+  }
+  return region;
+}
+
+PlanRequest RequestFor(const Region& region, const Eigen::Vector2d& wind_in_world) {
+  PlanRequest request;
+  request.footprint = region.Footprint();
+  request.area_m2 = region.area_m2;
+  request.grade = region.grade;
+  request.num_observations = region.num_observations;
+  request.wind_in_world = wind_in_world;
+  return request;
+}
+
 EngineRun RunOnTruth(const Scenario& scenario,
                      const TruthMap& truth,
                      const Fields& fields,
@@ -112,16 +121,10 @@ EngineRun RunOnTruth(const Scenario& scenario,
   run.evaluation.hazards = TrueHazards(run.evaluation.map, truth);
   for (const Field& field : fields.fields) {
     Site site;
-    site.region = RegionOf(field, fields, truth);
-    PlanRequest request;
-    request.footprint = site.region.Footprint();
-    request.area_m2 = site.region.area_m2;
-    request.grade = site.region.grade;
-    request.num_observations = site.region.num_observations;
-    request.wind_in_world = scenario.world.wind_in_world;
+    site.region = RegionAround(fields.label, field.id, truth);
     site.plan = PlanApproach(run.evaluation.map,
                              WithinField(run.evaluation.hazards, field, fields, truth),
-                             request,
+                             RequestFor(site.region, scenario.world.wind_in_world),
                              scenario.aircraft,
                              options);
     run.regions.push_back(site.region);

@@ -8,6 +8,12 @@
 
 namespace freelsd {
 
+// The rectangle of least area around the cells of a label, as a region that ten views saw as
+// grass.
+Region RegionAround(const cv::Mat1i& label, int id, const TruthMap& truth);
+// To touch down in a region, in that wind.
+PlanRequest RequestFor(const Region& region, const Eigen::Vector2d& wind_in_world);
+
 // One site per field, touching down within it, in the true wind. Maps have the deviation that
 // blocks of such flights state, so the planner keeps the same margins.
 EngineRun RunOnTruth(const Scenario& scenario,

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/evaluation/scores/field_scores.h"
+#include "tests/evaluation/scores/flown_site.h"
+#include "tests/evaluation/scores/obstruction.h"
+#include "tests/evaluation/scores/things.h"
 #include "tests/evaluation/site_score.h"
 #include "tests/evaluation/stage_scores.h"
 #include "tests/evaluation/statistics.h"
+#include "tests/synthetic/noise.h"
 
 namespace freelsd {
 namespace {
@@ -18,11 +23,6 @@ constexpr double kMinShareOfField = 0.2;
 double Rounded(double value) { return std::round(value * 100.0) / 100.0; }
 Json Place(const Eigen::Vector2d& place) { return {Rounded(place.x()), Rounded(place.y())}; }
 
-int FieldAt(const Fields& fields, const TruthMap& truth, const Eigen::Vector2d& place) {
-  if (place.cwiseAbs().maxCoeff() >= 0.5 * truth.size_m) return 0;
-  return fields.label(truth.CellAt(place));
-}
-
 // What a place truly is: a row of the table of decoys.
 std::string GroundAt(const TruthMap& truth, const Fields& fields, const Eigen::Vector2d& place) {
   if (place.cwiseAbs().maxCoeff() >= 0.5 * truth.size_m) return "outside";
@@ -32,24 +32,15 @@ std::string GroundAt(const TruthMap& truth, const Fields& fields, const Eigen::V
                                                                      : "approach blocked";
   }
   const cv::Point cell = truth.CellAt(place);
-  switch (static_cast<GroundFault>(truth.fault(cell))) {
-    case GroundFault::kNone:
-      return "too small";
-    case GroundFault::kSteep:
-      return "too steep";
-    case GroundFault::kRough:
-      return "too rough";
-    case GroundFault::kOutside:
-      return "outside";
-    case GroundFault::kCover:
-      return CoverName(static_cast<Cover>(truth.cover(cell)));
-  }
-  return "";
+  const std::string fault = NameOfFault(truth, cell);
+  if (fault == "steep" || fault == "rough") return "too " + fault;
+  return fault.empty() ? "too small" : fault;
 }
 
 void AddSafety(Json& json, const std::optional<SafetyScore>& score, const Plan& plan) {
   json["is_false_safe"] = false;
   json["is_only_thin"] = false;
+  json["is_in_doubt"] = false;
   if (!score) return;
   json["ground_fault"] = score->ground_fault;
   json["final_fault"] = score->final_fault;
@@ -59,6 +50,7 @@ void AddSafety(Json& json, const std::optional<SafetyScore>& score, const Plan& 
   json["final_worst_m"] = Place(score->final_worst_place);
   json["loiter_clearance_m"] = Rounded(score->loiter_clearance);
   json["is_only_thin"] = score->IsOnlyThin(plan.verdict);
+  json["is_in_doubt"] = score->IsInDoubt(plan.verdict);
   json["is_false_safe"] = score->IsFalseSafe(plan.verdict) && !score->IsOnlyThin(plan.verdict);
 }
 
@@ -91,6 +83,21 @@ Json SiteJson(const Site& site,
     json["wind_error_mps"] = Rounded((site.wind->wind_in_world - world.wind_in_world).norm());
   }
   return json;
+}
+
+Json FlownJson(const FlownSite& flown) {
+  return {{"num_flown", flown.num_flown},
+          {"num_failed", flown.num_failed},
+          {"num_failed_thin", flown.num_failed_thin},
+          {"causes", flown.causes},
+          {"thin_causes", flown.thin_causes},
+          {"height_bias_m", Rounded(flown.height_bias)},
+          {"absolute",
+           {{"num_failed", flown.absolute.num_failed},
+            {"num_failed_thin", flown.absolute.num_failed_thin},
+            {"num_short", flown.absolute.num_short},
+            {"num_long", flown.absolute.num_long}}},
+          {"absolute_landing_place_m", Rounded(flown.absolute.landing_place.Mean())}};
 }
 
 // Share of a field's ground within a region.
@@ -134,12 +141,14 @@ std::string FateOf(const Field& field,
   return fate;
 }
 
-Json FieldJson(const Field& field, const EngineRun& run, const TruthMap& truth, const Fields& all) {
-  bool is_found = false;
-  for (const Site& site : run.evaluation.sites) {
-    is_found |= site.plan.verdict != Verdict::kRejected &&
-                FieldAt(all, truth, site.plan.touchdown_in_world.head<2>()) == field.id;
-  }
+// A region that covers several fields has its site in another one: the planner's own reason tells
+// more.
+std::string FateAfterAsking(const std::string& fate, const FieldScore& score) {
+  if (score.is_found) return "found";
+  return fate == "touchdown elsewhere" ? score.lost_reason : fate;
+}
+
+Json FieldJson(const Field& field, const FieldScore& score, const std::string& fate) {
   return {{"id", field.id},
           {"area_m2", field.area_m2},
           {"is_landable", field.is_landable},
@@ -148,8 +157,15 @@ Json FieldJson(const Field& field, const EngineRun& run, const TruthMap& truth, 
           {"touchdown_m", Place(field.touchdown)},
           {"free_radius_m", Rounded(field.free_radius)},
           {"has_loiter", field.has_loiter},
-          {"is_found", is_found},
-          {"fate", is_found ? "found" : FateOf(field, run, truth, all)}};
+          {"is_found", score.is_found},
+          {"fate", FateAfterAsking(fate, score)},
+          {"is_accepted_on_truth", score.is_accepted_on_truth},
+          {"reason_on_truth", score.reason_on_truth},
+          {"best_touchdown_m", Place(score.touchdown)},
+          {"fault_on_truth", score.fault_on_truth},
+          {"is_only_thin_on_truth", score.is_only_thin_on_truth},
+          {"photographed_ratio", score.photographed_ratio},
+          {"lost_reason", score.lost_reason}};
 }
 
 // What the frontend knew in the end, with its history over the frames: the paper's plots.
@@ -193,6 +209,9 @@ Json MapsJson(const MapScore& score) {
   return {{"elevation_error_m", ToJson(score.elevation_error)},
           {"elevation_error_unbiased_m", ToJson(score.elevation_error_unbiased)},
           {"elevation_median_error_m", score.elevation_median_error},
+          {"elevation_error_detilted_m", ToJson(score.detilted.residual)},
+          {"tilt_deg", score.detilted.plane.TiltDeg()},
+          {"local_noise_m", score.detilted.local_noise.ToJson()},
           {"slope_error_deg", ToJson(score.slope_error)},
           {"roughness_error_m", ToJson(score.roughness_error)},
           {"hazard_of_kind", score.hazard_of_kind},
@@ -267,8 +286,11 @@ Json WorldRecord(uint64_t seed,
                  const Scenario& scenario,
                  const EngineRun& run,
                  const TruthMap& truth,
-                 const Fields& fields) {
+                 const Fields& fields,
+                 const PipelineOptions& options) {
   const PoseScore poses = ScorePoses(run, scenario);
+  const MapScore maps = ScoreMap(run, scenario, truth);
+  const MapOffset offset{poses.shift.head<2>(), maps.detilted.plane};
   Json record{{"seed", seed},
               {"aircraft", scenario.aircraft.profile},
               {"wind_mps", Rounded(scenario.world.wind_in_world.norm())},
@@ -278,18 +300,26 @@ Json WorldRecord(uint64_t seed,
               {"total_s", run.total_seconds},
               {"warnings", run.evaluation.warnings},
               {"poses", PosesJson(poses)},
-              {"maps", MapsJson(ScoreMap(run, scenario, truth))},
+              {"maps", MapsJson(maps)},
               {"frontend", FrontendJson(ScoreFrontend(run, scenario))},
+              {"things", CountThings(scenario, run.evaluation.map, run.evaluation.hazards, offset)},
               {"cost", CostJson(run)},
               {"sites", Json::array()},
               {"fields", Json::array()},
               {"regions", Json::array()}};
   for (const Site& site : run.evaluation.sites) {
-    record["sites"].push_back(SiteJson(site, scenario, truth, fields, poses.shift.head<2>()));
+    Json json = SiteJson(site, scenario, truth, fields, poses.shift.head<2>());
+    if (site.plan.verdict != Verdict::kRejected && !json.at("is_in_doubt").get<bool>()) {
+      const uint64_t series = MixSeed(seed, record["sites"].size());
+      json["flown"] = FlownJson(FlySite(scenario.world, truth, scenario.aircraft, site, series));
+    }
+    record["sites"].push_back(std::move(json));
   }
   for (const Region& region : run.regions) record["regions"].push_back(RegionJson(region));
-  for (const Field& field : fields.fields) {
-    record["fields"].push_back(FieldJson(field, run, truth, fields));
+  const std::vector<FieldScore> scores = ScoreFields(scenario, run, truth, fields, options);
+  for (size_t i = 0; i < scores.size(); ++i) {
+    const Field& field = fields.fields[i];
+    record["fields"].push_back(FieldJson(field, scores[i], FateOf(field, run, truth, fields)));
   }
   return record;
 }

@@ -10,11 +10,13 @@
 
 namespace freelsd {
 
+// `options`: of the run; the planner is asked once more with them.
 nlohmann::json WorldRecord(uint64_t seed,
                            const Scenario& scenario,
                            const EngineRun& run,
                            const TruthMap& truth,
-                           const Fields& fields);
+                           const Fields& fields,
+                           const PipelineOptions& options);
 
 // Words of the wire for verdicts and reasons.
 const char* VerdictName(Verdict verdict);
