@@ -39,8 +39,8 @@ std::vector<Region> LargestDecoys(const Scenario& scenario,
                                   int first_id) {
   std::vector<Piece> pieces;
   for (int cover = 0; cover < kNumCovers; ++cover) {
-    const bool is_decoy = static_cast<Cover>(cover) != Cover::kMeadow &&
-                          static_cast<Cover>(cover) != Cover::kDoubt;
+    const bool is_decoy =
+        static_cast<Cover>(cover) != Cover::kMeadow && static_cast<Cover>(cover) != Cover::kDoubt;
     if (!is_decoy) continue;
     const cv::Mat1b of_cover = (truth.cover == cover) & (scenario.seen != 0);
     AddPieces(pieces, of_cover, truth, scenario.aircraft.min_area_m2);
