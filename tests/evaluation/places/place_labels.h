@@ -50,7 +50,8 @@ struct PlacePolygon {
 std::vector<PlacePolygon> ReadPlacePolygons(const std::string& path);
 
 // Class that a second person gave to a polygon without seeing the first person's class, by place
-// and id. One polygon per line: PLACE ID CLASS. Throws as ReadPlacePolygons.
+// and id. One polygon per line: PLACE ID CLASS. The class "doubt" is no opinion and is left out.
+// Throws as ReadPlacePolygons.
 using SecondOpinions = std::map<std::pair<std::string, std::string>, PlaceClass>;
 SecondOpinions ReadSecondOpinions(const std::string& path);
 

@@ -65,14 +65,14 @@ JudgedPolygons Pooled(const std::vector<JudgedPolygons>& photographs) {
 double MinGrassProbability() { return ClassificationOptions{}.min_grass_probability; }
 
 const std::vector<std::pair<std::string, Statistic>>& Statistics() {
-  static const std::vector<std::pair<std::string, Statistic>> statistics{
+  static const std::vector<std::pair<std::string, Statistic>> kStatistics{
       {"error", [](const auto& polygons) { return ErrorOf(polygons, MinGrassProbability()); }},
       {"auc", AreaUnderCurveOf},
       {"precision",
        [](const auto& polygons) { return PrecisionOf(polygons, MinGrassProbability()); }},
       {"recall", [](const auto& polygons) { return RecallOf(polygons, MinGrassProbability()); }},
       {"calibration_error", CalibrationErrorOf}};
-  return statistics;
+  return kStatistics;
 }
 
 Json ReliabilityJson(const JudgedPolygons& polygons) {

@@ -100,7 +100,7 @@ Json SettingsOf(const PlaceRunOptions& options) {
 fs::path PathOf(const std::string& folder, const Work& work) {
   const fs::path in_place = fs::path(folder) / work.place;
   for (const std::string& extension : kPhotographExtensions) {
-    const fs::path path = in_place / (work.photograph + extension);
+    fs::path path = in_place / (work.photograph + extension);
     if (fs::is_regular_file(path)) return path;
   }
   throw std::runtime_error("no photograph " + (in_place / work.photograph).string());

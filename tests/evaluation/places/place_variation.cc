@@ -17,8 +17,8 @@ constexpr double kHazeGrey = 45.0;
 }  // namespace
 
 const std::vector<std::string>& PlaceVariationNames() {
-  static const std::vector<std::string> names{"none", "cast", "dark", "blur", "haze"};
-  return names;
+  static const std::vector<std::string> kNames{"none", "cast", "dark", "blur", "haze"};
+  return kNames;
 }
 
 PlaceVariation PlaceVariationNamed(const std::string& name) {

@@ -98,6 +98,7 @@ TEST_CASE("places: an error in second opinions or cameras names file and line") 
   CHECK_THROWS_WITH_AS(ReadSecondOpinions(opinions),
                        (opinions + ":2: the polygon here a appears twice").c_str(),
                        std::runtime_error);
+  CHECK(ReadSecondOpinions(folder.Write("second.txt", "here a crop\nhere b doubt\n")).size() == 1);
   const std::string cameras = folder.Write("cameras.csv", "here,,-1,guessed\n");
   CHECK_THROWS_WITH_AS(
       ReadPlaceCameras(cameras),
@@ -148,6 +149,7 @@ TEST_CASE("places: a probability calibrated by construction has no calibration e
 TEST_CASE("places: the bootstrap is reproducible and covers what it must") {
   // Two kinds of photograph: half of them wholly wrong. The error of n photographs is binomial.
   std::vector<JudgedPolygons> photographs;
+  photographs.reserve(100);
   for (int i = 0; i < 100; ++i) photographs.push_back(JudgedPolygons(3, {0.9, i % 2 == 0}));
   const Statistic error = [](const JudgedPolygons& polygons) { return ErrorOf(polygons, 0.7); };
   const auto interval = BootstrapInterval(photographs, error, 1);
