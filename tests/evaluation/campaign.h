@@ -28,7 +28,8 @@ struct CampaignOptions {
   std::string pictures;
   // Service that is asked instead of the engine in this process; "" for none.
   std::string url;
-  // Of Blinding: the map is made wrong on purpose before it is planned on; "" for none.
+  // Of Blinding: the map is made wrong on purpose before it is planned on; "" for none. "each": the
+  // run is scored as it is, and all of them are counted besides.
   std::string blind;
 
   // Throws std::invalid_argument.

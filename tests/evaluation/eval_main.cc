@@ -138,8 +138,12 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
         campaign.engine_options = Json::parse(ReadTextFile(path));
       },
       "JSON file with options of the engine, as a flight's `options` has them");
-  app.add_option("--blind", campaign.blind, "make the map wrong on purpose: judges the judge")
-      ->check(CLI::IsMember(BlindingNames()));
+  std::vector<std::string> blindings = BlindingNames();
+  blindings.emplace_back("each");
+  app.add_option("--blind",
+                 campaign.blind,
+                 "make the map wrong on purpose: judges the judge; each: besides the usual scores")
+      ->check(CLI::IsMember(blindings));
   app.add_option("--model", arguments.model, "grass classifier");
   app.add_option("--max-false-safe", arguments.max_false_safe, "limit of the exit status");
   app.add_option("--min-found-ratio", arguments.min_found_ratio, "limit of the exit status");

@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 
+#include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/score_totals.h"
 #include "tests/evaluation/statistics.h"
 
@@ -208,6 +209,7 @@ Json FrontendTotals(const Json& records) {
   const Sums height = AddUp(records, "frontend", "coarse_height_error_m");
   return {{"region_error_ratio", RoundedNumber(roc.ErrorRatio())},
           {"region_auc", RoundedNumber(roc.Auc())},
+          {"region_calibration_error", RoundedNumber(roc.CalibrationError())},
           {"coarse_height_rmse_m", RoundedNumber(height.Rms())},
           {"coarse_height_bias_m", RoundedNumber(height.Mean())},
           {"num_regions", AddUpCount(records, "frontend", "num_regions")},
@@ -287,6 +289,7 @@ Json MakeReport(const Json& settings, const Json& records) {
           {"flown", FlownTotals(records)},
           {"found", FoundTotals(records)},
           {"things", ThingTotals(records)},
+          {"blinded", BlindedTotals(records)},
           {"maps", MapTotals(records)},
           {"frontend", FrontendTotals(records)},
           {"poses", PoseTotals(records)},

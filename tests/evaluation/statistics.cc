@@ -118,6 +118,17 @@ double RocCounts::Auc() const {
   return total_true * total_false > 0.0 ? area / (total_true * total_false) : kNan;
 }
 
+double RocCounts::CalibrationError() const {
+  double sum = 0.0, count = 0.0;
+  for (size_t i = 0; i < kNumBins; ++i) {
+    const auto in_bin = static_cast<double>(num_true[i] + num_false[i]);
+    const double probability = static_cast<double>(i) / (kNumBins - 1);
+    sum += std::abs(probability * in_bin - static_cast<double>(num_true[i]));
+    count += in_bin;
+  }
+  return sum / count;
+}
+
 double RocCounts::ErrorRatio() const {
   int64_t num_wrong = 0, total = 0;
   for (size_t bin = 0; bin < num_true.size(); ++bin) {

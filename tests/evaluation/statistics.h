@@ -44,6 +44,9 @@ struct RocCounts {
   void Add(double probability, bool is_true);
   void Add(const RocCounts& other);
   double Auc() const;
+  // Expected calibration error: mean difference between the probability of a bin and the share that
+  // is true of it.
+  double CalibrationError() const;
   // Share that a threshold at 0.5 gets wrong.
   double ErrorRatio() const;
 };

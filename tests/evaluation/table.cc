@@ -102,6 +102,8 @@ std::string TableOf(const Json& report) {
             report.at("found").at("by_photographed_ratio"));
   WritePart(out, "maps", report.at("maps"));
   WriteRows(out, "things, by kind, width and height in metres", report.at("things"));
+  WriteRows(
+      out, "the map made wrong on purpose, planned on in the same places", report.at("blinded"));
   WriteRows(out, "cells of the map, by what they truly are", report.at("maps").at("kinds"));
   WritePart(out, "frontend", report.at("frontend"));
   WriteRows(

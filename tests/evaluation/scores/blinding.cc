@@ -19,6 +19,7 @@ constexpr size_t kMaxNumDecoys = 10;
 
 const std::vector<std::pair<std::string, Blinding>>& NamedBlindings() {
   static const std::vector<std::pair<std::string, Blinding>> kBlindings{
+      {"none", Blinding::kNone},
       {"hazards", Blinding::kHazards},
       {"shift", Blinding::kShift},
       {"kinds", Blinding::kKinds},
@@ -88,6 +89,8 @@ std::optional<Blinding> BlindingNamed(const std::string& name) {
 AssessedMap Blinded(const ElevationMap& map, const HazardLayers& layers, Blinding blinding) {
   AssessedMap blinded{map, layers};
   switch (blinding) {
+    case Blinding::kNone:
+      break;
     case Blinding::kHazards:
       ChangeHazards(blinded.layers, [](uint8_t) { return uint8_t{kFree}; });
       break;

@@ -15,6 +15,7 @@
 namespace freelsd {
 
 enum class Blinding {
+  kNone,     // nothing: what the others are compared with
   kHazards,  // all seen ground is free
   kShift,    // the map lies 5 m too far east
   kKinds,    // free ground and hazard are exchanged
@@ -22,7 +23,7 @@ enum class Blinding {
   kLowered,  // what is above the median height is half as high above it
 };
 
-// "hazards", "shift", "kinds", "heights", "lowered".
+// "none", "hazards", "shift", "kinds", "heights", "lowered".
 std::vector<std::string> BlindingNames();
 std::optional<Blinding> BlindingNamed(const std::string& name);
 
