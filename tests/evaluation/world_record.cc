@@ -97,7 +97,7 @@ Json FlownJson(const FlownSite& flown) {
             {"num_failed_thin", flown.absolute.num_failed_thin},
             {"num_short", flown.absolute.num_short},
             {"num_long", flown.absolute.num_long}}},
-          {"absolute_landing_place_m", Rounded(flown.absolute.landing_place.Mean())}};
+          {"absolute_landing_place_m", RoundedNumber(flown.absolute.landing_place.Mean())}};
 }
 
 // Share of a field's ground within a region.
@@ -291,6 +291,8 @@ Json WorldRecord(uint64_t seed,
   const PoseScore poses = ScorePoses(run, scenario);
   const MapScore maps = ScoreMap(run, scenario, truth);
   const MapOffset offset{poses.shift.head<2>(), maps.detilted.plane};
+  const ThingScores things =
+      ScoreThings(scenario, run.evaluation.map, run.evaluation.hazards, offset);
   Json record{{"seed", seed},
               {"aircraft", scenario.aircraft.profile},
               {"wind_mps", Rounded(scenario.world.wind_in_world.norm())},
@@ -302,11 +304,15 @@ Json WorldRecord(uint64_t seed,
               {"poses", PosesJson(poses)},
               {"maps", MapsJson(maps)},
               {"frontend", FrontendJson(ScoreFrontend(run, scenario))},
-              {"things", CountThings(scenario, run.evaluation.map, run.evaluation.hazards, offset)},
+              {"things", things.counts},
+              {"missed_things", Json::array()},
               {"cost", CostJson(run)},
               {"sites", Json::array()},
               {"fields", Json::array()},
               {"regions", Json::array()}};
+  for (const auto& [name, middle] : things.missed) {
+    record["missed_things"].push_back({name, Place(middle)});
+  }
   for (const Site& site : run.evaluation.sites) {
     Json json = SiteJson(site, scenario, truth, fields, poses.shift.head<2>());
     if (site.plan.verdict != Verdict::kRejected && !json.at("is_in_doubt").get<bool>()) {

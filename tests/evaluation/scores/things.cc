@@ -69,6 +69,12 @@ Thing ThingOf(const World& world, Cover kind, const cv::Rect& box, const cv::Mat
   return thing;
 }
 
+Eigen::Vector2d MiddleOf(const Thing& thing) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& place : thing.places) sum += place;
+  return sum / static_cast<double>(thing.places.size());
+}
+
 // Most of its ground is.
 bool IsPhotographed(const Thing& thing, const Scenario& scenario) {
   const double half = 0.5 * scenario.world.size_m;
@@ -161,18 +167,21 @@ ThingFate FateOfThing(const Thing& thing,
   return ThingFate::kMissed;
 }
 
-ThingCounts CountThings(const Scenario& scenario,
+ThingScores ScoreThings(const Scenario& scenario,
                         const ElevationMap& map,
                         const HazardLayers& layers,
                         const MapOffset& offset) {
-  ThingCounts counts;
-  if (map.elevation.empty()) return counts;
+  ThingScores scores;
+  if (map.elevation.empty()) return scores;
   for (const Thing& thing : ThingsWithin(scenario.world, map.grid)) {
     if (!IsPhotographed(thing, scenario)) continue;
     const ThingFate fate = FateOfThing(thing, scenario.world, map, layers, offset);
-    ++counts[thing.ClassName()][static_cast<size_t>(fate)];
+    ++scores.counts[thing.ClassName()][static_cast<size_t>(fate)];
+    if (fate == ThingFate::kMissed) {
+      scores.missed.emplace_back(thing.ClassName(), MiddleOf(thing));
+    }
   }
-  return counts;
+  return scores;
 }
 
 }  // namespace freelsd

@@ -5,6 +5,8 @@
 #include <array>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/evaluation/engine_run.h"
 #include "tests/evaluation/scores/elevation_error.h"
@@ -54,7 +56,12 @@ ThingFate FateOfThing(const Thing& thing,
 // Of the things on ground that the flight saw: what was not photographed, no map can show. By
 // class; the counts are in the order of ThingFate.
 using ThingCounts = std::map<std::string, std::array<int64_t, kNumThingFates>>;
-ThingCounts CountThings(const Scenario& scenario,
+struct ThingScores {
+  ThingCounts counts;
+  // Class and middle of each missed thing, to be looked at.
+  std::vector<std::pair<std::string, Eigen::Vector2d>> missed;
+};
+ThingScores ScoreThings(const Scenario& scenario,
                         const ElevationMap& map,
                         const HazardLayers& layers,
                         const MapOffset& offset);

@@ -45,7 +45,7 @@ cv::Rect CellsAt(const HandMadeMap& made, const Eigen::Vector2d& place) {
 }
 
 Fates FatesOf(const Scenario& scenario, const HandMadeMap& made, const MapOffset& offset = {}) {
-  const ThingCounts counts = CountThings(scenario, made.map, made.layers, offset);
+  const ThingCounts counts = ScoreThings(scenario, made.map, made.layers, offset).counts;
   REQUIRE(counts.size() == 1);
   CHECK(counts.begin()->first == "vehicle/1-3/0.5-1.5");
   return counts.begin()->second;
@@ -57,6 +57,8 @@ TEST_CASE("things: a car of known height is found, missed, a hazard or unknown a
   const Scenario scenario = MeadowWithCar(kPlace);
   HandMadeMap made = FlatMap();
   CHECK(FatesOf(scenario, made) == Fates{0, 0, 0, 1});
+  const ThingScores scores = ScoreThings(scenario, made.map, made.layers, {});
+  CHECK((scores.missed.at(0).second - kPlace).norm() < 0.2);
   made.map.upper(CellsAt(made, kPlace)) = 1.2f;
   CHECK(FatesOf(scenario, made) == Fates{1, 0, 0, 0});
   // A metre of error is as much as the car: it is not found.
@@ -75,7 +77,7 @@ TEST_CASE("things: what was not photographed does not count") {
   Scenario scenario = MeadowWithCar(kPlace);
   const HandMadeMap made = FlatMap();
   scenario.seen = cv::Mat1b(kSizeM, kSizeM, uint8_t{0});
-  CHECK(CountThings(scenario, made.map, made.layers, {}).empty());
+  CHECK(ScoreThings(scenario, made.map, made.layers, {}).counts.empty());
 }
 
 TEST_CASE("things: shift and tilt of the whole map are no error of a thing") {
