@@ -290,7 +290,8 @@ Json WorldRecord(uint64_t seed,
                  const PipelineOptions& options) {
   const PoseScore poses = ScorePoses(run, scenario);
   const MapScore maps = ScoreMap(run, scenario, truth);
-  const MapOffset offset{poses.shift.head<2>(), maps.detilted.plane};
+  const MapOffset offset = OffsetOfMap(
+      scenario.world, truth, run.evaluation.map, maps.detilted.plane, poses.shift.head<2>());
   const ThingScores things =
       ScoreThings(scenario, run.evaluation.map, run.evaluation.hazards, offset);
   Json record{{"seed", seed},
@@ -306,6 +307,7 @@ Json WorldRecord(uint64_t seed,
               {"frontend", FrontendJson(ScoreFrontend(run, scenario))},
               {"things", things.counts},
               {"missed_things", Json::array()},
+              {"map_shift_m", Place(offset.shift)},
               {"cost", CostJson(run)},
               {"sites", Json::array()},
               {"fields", Json::array()},

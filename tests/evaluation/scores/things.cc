@@ -108,7 +108,7 @@ Reading ReadMap(const Thing& thing,
                 const MapOffset& offset) {
   Reading reading;
   for (const Eigen::Vector2d& place : thing.places) {
-    const auto cell = map.grid.CellAt(place + offset.shift);
+    const auto cell = map.grid.CellAt(place + offset.ShiftAt(place));
     if (!cell || !IsKnown(map, layers, *cell)) {
       ++reading.num_unknown;
     } else if (layers.hazard(*cell) == kHazard) {

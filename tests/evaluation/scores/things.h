@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/evaluation/engine_run.h"
-#include "tests/evaluation/scores/elevation_error.h"
+#include "tests/evaluation/scores/map_shift.h"
 #include "tests/evaluation/synthetic_flight.h"
 
 namespace freelsd {
@@ -37,16 +37,11 @@ struct Thing {
   std::string ClassName() const;
 };
 
-// What the whole map is off by; it is taken off before a map is asked about a thing.
-struct MapOffset {
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-  ErrorPlane height;
-};
-
 // Trees with and without leaves, hedges, houses, boulders, vehicles, animals, fences and poles, as
 // far as they lie within the grid. In a fixed order.
 std::vector<Thing> ThingsWithin(const World& world, const Grid& grid);
 
+// The offset of the map is taken off first.
 ThingFate FateOfThing(const Thing& thing,
                       const World& world,
                       const ElevationMap& map,
