@@ -36,37 +36,6 @@ std::vector<fs::path> ImagesIn(const fs::path& folder) {
   return files;
 }
 
-// As the server takes them: what the file of poses says wins over the image's own tags.
-std::vector<Frame> ReadFrames(const fs::path& folder, Rig* rig, std::optional<LocalFrame>* frame) {
-  std::map<std::string, FrameMeta> poses;
-  if (fs::exists(folder / "poses.csv")) {
-    for (const auto& [name, meta] : ParsePoses(ReadFile(folder / "poses.csv")).poses) {
-      poses[name] = meta;
-    }
-  }
-  const ImageLimits limits;
-  std::vector<Frame> frames;
-  for (const fs::path& path : ImagesIn(folder)) {
-    const std::string name = path.filename().string();
-    const std::string bytes = ReadFile(path);
-    const ImageTags tags = ReadImageTags(bytes, SniffImage(bytes, limits));
-    const auto pose = poses.find(name);
-    const FrameMeta meta = pose == poses.end() ? tags.meta : Merged(pose->second, tags.meta);
-    if (!frame->has_value()) {
-      if (!tags.camera || !meta.position)
-        throw std::runtime_error(name + ": no camera or position");
-      rig->camera = *tags.camera;
-      frame->emplace(*meta.position);
-    }
-    const auto index = static_cast<int64_t>(frames.size());
-    frames.push_back(MakeFrame(name, DecodeImage(bytes, limits), meta, *rig, **frame, index));
-  }
-  std::stable_sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) {
-    return a.timestamp_us < b.timestamp_us;
-  });
-  return frames;
-}
-
 Grid GridOver(const AdjustedBlock& block) {
   Eigen::Vector2d min = Eigen::Vector2d::Constant(1e9), max = -min;
   for (const Landmark& landmark : block.landmarks) {
@@ -94,13 +63,44 @@ void AppendDifferences(const ElevationMap& a, const ElevationMap& b, std::vector
 
 }  // namespace
 
+// What the file of poses says wins over the image's own tags.
+RecordedFrames ReadRecordedFrames(const std::string& folder) {
+  std::map<std::string, FrameMeta> poses;
+  if (fs::exists(fs::path(folder) / "poses.csv")) {
+    for (const auto& [name, meta] : ParsePoses(ReadFile(fs::path(folder) / "poses.csv")).poses) {
+      poses[name] = meta;
+    }
+  }
+  const ImageLimits limits;
+  Rig rig;
+  std::optional<LocalFrame> frame;
+  std::vector<Frame> frames;
+  for (const fs::path& path : ImagesIn(folder)) {
+    const std::string name = path.filename().string();
+    const std::string bytes = ReadFile(path);
+    const ImageTags tags = ReadImageTags(bytes, SniffImage(bytes, limits));
+    const auto pose = poses.find(name);
+    const FrameMeta meta = pose == poses.end() ? tags.meta : Merged(pose->second, tags.meta);
+    if (!frame.has_value()) {
+      if (!tags.camera || !meta.position)
+        throw std::runtime_error(name + ": no camera or position");
+      rig.camera = *tags.camera;
+      frame.emplace(*meta.position);
+    }
+    const auto index = static_cast<int64_t>(frames.size());
+    frames.push_back(MakeFrame(name, DecodeImage(bytes, limits), meta, rig, *frame, index));
+  }
+  std::stable_sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) {
+    return a.timestamp_us < b.timestamp_us;
+  });
+  return {*frame, rig, std::move(frames)};
+}
+
 RecordedFlight AdjustRecordedFlight(const std::string& folder,
                                     const Classifier& classifier,
                                     const PipelineOptions& options) {
-  Rig rig;
-  std::optional<LocalFrame> frame;
-  std::vector<Frame> frames = ReadFrames(folder, &rig, &frame);
-  RecordedFlight flight{*frame, rig.camera, {}, {}, {}};
+  const auto [frame, rig, frames] = ReadRecordedFrames(folder);
+  RecordedFlight flight{frame, rig.camera, {}, {}, {}};
   Frontend frontend(rig, options, classifier);
   for (const Frame& each : frames) {
     flight.images[each.id] = each.image;

@@ -1,0 +1,14 @@
+// Private to recorded/: how far two outlines of the same object differ.
+#pragma once
+
+#include "tests/evaluation/recorded/labelled_ground.h"
+
+namespace freelsd {
+
+// Mean distance from points on the border of each to the border of the other, metres.
+double MeanBorderDistance(const Polygon& a, const Polygon& b);
+
+// Over all pairs of views of all objects.
+Disagreement DisagreementOf(const std::vector<LabelledObject>& objects, const Grid& grid);
+
+}  // namespace freelsd
