@@ -1,8 +1,8 @@
 #include "tests/evaluation/recorded/field_pictures.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <set>
 
@@ -15,9 +15,11 @@ namespace freelsd {
 namespace {
 
 namespace fs = std::filesystem;
+using Sites = std::vector<DistinctSite>;
 
 // Pixels of a photograph that one value of the tint covers.
 constexpr int kTintSidePx = 6;
+constexpr int kMaxWidthPx = 1400;
 
 cv::Scalar ColorOf(OutlineKind kind) {
   switch (kind) {
@@ -48,6 +50,7 @@ cv::Scalar ColorOf(Finding finding) {
 struct GroundLine {
   Polygon points;
   bool is_closed = true;
+  double raise_m = 0.0;
 };
 
 // Disc, roll and final.
@@ -59,7 +62,7 @@ std::vector<GroundLine> LinesOf(const Approach& approach, const Aircraft& aircra
   const Eigen::Vector2d across =
       aircraft.path_half_width_m * Eigen::Vector2d(forward.y(), -forward.x());
   const Eigen::Vector2d end = touchdown + aircraft.ground_roll_m * forward;
-  GroundLine disc, final_path{{}, false};
+  GroundLine disc, final_path{{}, false, 0.0};
   for (int i = 0; i < kNumCirclePoints; ++i) {
     disc.points.push_back(touchdown + aircraft.touchdown_uncertainty_m *
                                           DirectionOf(2.0 * kPi * i / kNumCirclePoints));
@@ -68,7 +71,7 @@ std::vector<GroundLine> LinesOf(const Approach& approach, const Aircraft& aircra
     final_path.points.push_back(start + (touchdown - start) * (double(i) / kNumFinalPoints));
   }
   return {disc,
-          {{touchdown + across, end + across, end - across, touchdown - across}, true},
+          {{touchdown + across, end + across, end - across, touchdown - across}, true, 0.0},
           final_path};
 }
 
@@ -104,8 +107,9 @@ class Canvas {
   void DrawOnGround(const GroundLine& line, const cv::Scalar& color, int thickness) {
     const size_t count = line.points.size() - (line.is_closed ? 0 : 1);
     for (size_t i = 0; i < count; ++i) {
-      const auto from = projection_.PixelOf(view_, line.points[i]);
-      const auto to = projection_.PixelOf(view_, line.points[(i + 1) % line.points.size()]);
+      const auto from = projection_.PixelOf(view_, line.points[i], line.raise_m);
+      const auto to =
+          projection_.PixelOf(view_, line.points[(i + 1) % line.points.size()], line.raise_m);
       if (from && to) Line(*from, *to, color, thickness);
     }
   }
@@ -116,7 +120,12 @@ class Canvas {
     cv::putText(image_, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.7, {0, 0, 0}, 4, cv::LINE_AA);
     cv::putText(image_, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.7, color, 2, cv::LINE_AA);
   }
-  void Save(const fs::path& path) const { cv::imwrite(path.string(), image_); }
+  void Save(const fs::path& path) const {
+    const double factor = std::min(1.0, double(kMaxWidthPx) / image_.cols);
+    cv::Mat scaled;
+    cv::resize(image_, scaled, {}, factor, factor, cv::INTER_AREA);
+    cv::imwrite(path.string(), scaled);
+  }
 
  private:
   void Line(const Eigen::Vector2d& from,
@@ -150,7 +159,7 @@ void DrawLabels(const FieldSurvey& survey, const std::string& photograph, Canvas
   for (const LabelledObject& object : survey.ground.objects) {
     for (const GroundOutline& view : object.views) {
       const int thickness = view.photograph == photograph ? 3 : 1;
-      canvas->DrawOnGround({view.outline, true}, ColorOf(object.kind), thickness);
+      canvas->DrawOnGround({view.outline, true, view.raise_m}, ColorOf(object.kind), thickness);
     }
     if (object.kind == OutlineKind::kLand) continue;
     canvas->Write(object.views.front().outline.front(), object.id, ColorOf(object.kind));
@@ -189,38 +198,69 @@ const cv::Mat& ImageOf(const std::vector<Frame>& frames, const std::string& id) 
       ->image;
 }
 
+class Painter {
+ public:
+  Painter(const FieldSurvey& survey, const std::vector<Frame>& frames)
+      : survey_(survey),
+        frames_(frames),
+        projection_(survey.run.evaluation.block, survey.ground.bare_heights) {}
+
+  const GroundProjection& projection() const { return projection_; }
+  void DrawView(size_t view, bool is_tinted, const Sites& sites, const fs::path& path) const {
+    const Evaluation& evaluation = survey_.run.evaluation;
+    const std::string& id = evaluation.block.views[view].frame_id;
+    Canvas canvas(ImageOf(frames_, id), projection_, view);
+    if (is_tinted) canvas.Tint(evaluation.hazards);
+    DrawLabels(survey_, fs::path(id).stem().string(), &canvas);
+    for (const DistinctSite& site : sites) DrawSite(site, survey_.aircraft, &canvas);
+    canvas.Save(path);
+  }
+  void DrawSites(const Sites& sites, const fs::path& folder, const std::string& prefix) const {
+    for (size_t i = 0; i < sites.size(); ++i) {
+      const auto lines = LinesOf(sites[i].shown.approach, survey_.aircraft);
+      const auto view = BestView(projection_, survey_.run.evaluation.block, lines);
+      if (!view) continue;
+      const std::string number = (i < 9 ? "0" : "") + std::to_string(i + 1);
+      DrawView(*view, false, sites, folder / (prefix + "site-" + number + ".png"));
+    }
+  }
+
+ private:
+  const FieldSurvey& survey_;
+  const std::vector<Frame>& frames_;
+  GroundProjection projection_;
+};
+
+// At most as many as a person looks at.
+Sites FirstFalseSafe(const Sites& sites) {
+  constexpr size_t kMaxNumSites = 6;
+  Sites first;
+  std::copy_if(sites.begin(), sites.end(), std::back_inserter(first), [](const auto& site) {
+    return site.finding == Finding::kFalseSafe;
+  });
+  if (first.size() > kMaxNumSites) first.resize(kMaxNumSites);
+  return first;
+}
+
 }  // namespace
 
 void DrawSurvey(const std::string& folder,
                 const FieldSurvey& survey,
                 const std::vector<Frame>& frames) {
   fs::create_directories(folder);
-  const Evaluation& evaluation = survey.run.evaluation;
-  const GroundProjection projection(evaluation.block, evaluation.map);
-  const auto draw = [&](size_t view, bool is_tinted, const fs::path& path) {
-    const std::string& id = evaluation.block.views[view].frame_id;
-    Canvas canvas(ImageOf(frames, id), projection, view);
-    if (is_tinted) canvas.Tint(evaluation.hazards);
-    DrawLabels(survey, fs::path(id).stem().string(), &canvas);
-    for (const DistinctSite& site : survey.sites) DrawSite(site, survey.aircraft, &canvas);
-    canvas.Save(path);
-  };
+  const Painter painter(survey, frames);
   std::set<std::string> photographs;
   for (const LabelledObject& object : survey.ground.objects) {
     for (const GroundOutline& view : object.views) photographs.insert(view.photograph);
   }
   for (const std::string& photograph : photographs) {
-    const auto view = projection.ViewOf(photograph);
-    draw(*view, false, fs::path(folder) / (photograph + ".jpg"));
-    draw(*view, true, fs::path(folder) / (photograph + "-map.jpg"));
+    const size_t view = *painter.projection().ViewOf(photograph);
+    painter.DrawView(view, false, survey.sites, fs::path(folder) / (photograph + ".png"));
+    painter.DrawView(view, true, survey.sites, fs::path(folder) / (photograph + "-map.png"));
   }
-  for (size_t i = 0; i < survey.sites.size(); ++i) {
-    const auto lines = LinesOf(survey.sites[i].shown.approach, survey.aircraft);
-    const auto view = BestView(projection, evaluation.block, lines);
-    if (!view) continue;
-    char name[32];
-    std::snprintf(name, sizeof(name), "site-%02zu.jpg", i + 1);
-    draw(*view, false, fs::path(folder) / name);
+  painter.DrawSites(survey.sites, folder, "");
+  for (const auto& [name, sites] : survey.sites_on_labels) {
+    painter.DrawSites(FirstFalseSafe(sites), folder, "blind-" + name + "-");
   }
 }
 

@@ -10,9 +10,10 @@
 namespace freelsd {
 
 // Writes into the folder:
-// - PHOTOGRAPH.jpg for each photograph with outlines: all outlines and all accepted sites;
-// - PHOTOGRAPH-map.jpg: the same over the engine's hazard classes;
-// - site-NN.jpg for each accepted site, on the photograph that shows most of it.
+// - PHOTOGRAPH.png for each photograph with outlines: all outlines and all accepted sites;
+// - PHOTOGRAPH-map.png: the same over the engine's hazard classes;
+// - site-NN.png for each accepted site, on the photograph that shows most of it;
+// - blind-NAME-site-NN.png for the first false safe sites of each blinding.
 // Outlines: land green, refused red, doubt grey, things orange; thick as drawn on this photograph,
 // thin as projected from all. Sites: right white, not judged yellow, false safe magenta.
 void DrawSurvey(const std::string& folder,

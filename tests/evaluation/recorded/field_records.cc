@@ -26,6 +26,7 @@ Json SiteJson(const DistinctSite& site) {
             {"verdict", shown.verdict == Verdict::kLandable ? "landable" : "unverified"},
             {"object", shown.judgement.object_id},
             {"land_ratio", Centimetres(shown.judgement.land_ratio)},
+            {"doubt_ratio", Centimetres(shown.judgement.doubt_ratio)},
             {"circle_meets", shown.judgement.circle}}}};
 }
 
@@ -44,7 +45,8 @@ Json CountsJson(const SiteCounts& counts) {
           {"right", counts.num_right},
           {"false_safe", counts.num_false_safe},
           {"thin", counts.num_thin},
-          {"not_judged", counts.num_not_judged}};
+          {"not_judged", counts.num_not_judged},
+          {"in_doubt", counts.num_in_doubt}};
 }
 
 Json InstrumentJson(const FieldSurvey& survey) {
@@ -55,6 +57,7 @@ Json InstrumentJson(const FieldSurvey& survey) {
           {"pairs_of_views", disagreement.num_pairs},
           {"views_differ_median_m", Centimetres(disagreement.median_m)},
           {"views_differ_largest_m", Centimetres(disagreement.largest_m)},
+          {"tall_views_differ_median_m", Centimetres(survey.ground.tall_disagreement.median_m)},
           {"views_overlap_ratio", Centimetres(disagreement.mean_overlap_ratio)},
           {"position_sd_m", Centimetres(survey.run.evaluation.block.position_sd_m)},
           {"tolerance_m", Centimetres(survey.ground.tolerance_m)}};
@@ -63,7 +66,7 @@ Json InstrumentJson(const FieldSurvey& survey) {
 // Sums over records.
 struct Totals {
   int fields = 0, found = 0, winds_that_fit = 0, winds_found = 0;
-  int accepted = 0, right = 0, false_safe = 0, thin = 0, not_judged = 0;
+  int accepted = 0, right = 0, false_safe = 0, thin = 0, not_judged = 0, in_doubt = 0;
   std::map<std::string, int> causes, fates;
 
   void Add(const Json& record);
@@ -84,6 +87,7 @@ void Totals::Add(const Json& record) {
   false_safe += counts.at("false_safe").get<int>();
   thin += counts.at("thin").get<int>();
   not_judged += counts.at("not_judged").get<int>();
+  in_doubt += counts.at("in_doubt").get<int>();
   for (const Json& site : record.at("sites")) {
     for (const auto& [cause, num_plans] : site.at("causes").items()) ++causes[cause];
   }
@@ -110,17 +114,18 @@ std::string RowOf(const std::string& flight, const std::string& aircraft, const 
   const std::string bound =
       num_judged == 0 ? "" : Percent(UpperBound95(totals.false_safe, num_judged));
   std::string row = "| " + flight + " | " + aircraft + " |";
-  for (const std::string& cell : {std::to_string(totals.fields),
-                                  std::to_string(totals.found),
-                                  share,
-                                  std::to_string(totals.accepted),
-                                  std::to_string(totals.right),
-                                  std::to_string(totals.false_safe),
-                                  bound,
-                                  std::to_string(totals.thin),
-                                  std::to_string(totals.not_judged),
-                                  ListOf(totals.causes),
-                                  ListOf(totals.fates)}) {
+  for (const std::string& cell :
+       {std::to_string(totals.fields),
+        std::to_string(totals.found),
+        share,
+        std::to_string(totals.accepted),
+        std::to_string(totals.right),
+        std::to_string(totals.false_safe),
+        bound,
+        std::to_string(totals.thin),
+        std::to_string(totals.not_judged) + " (" + std::to_string(totals.in_doubt) + ")",
+        ListOf(totals.causes),
+        ListOf(totals.fates)}) {
     row += " " + cell + " |";
   }
   return row + "\n";
@@ -130,7 +135,8 @@ std::string MainTable(const Json& records) {
   std::string text =
       "| flight | aircraft | fields | found in any wind | found over winds | sites accepted | "
       "right "
-      "| false safe | at most (95 %) | of these only thin | not judged | causes | fates |\n"
+      "| false safe | at most (95 %) | of these only thin | not judged (in doubt) | causes | fates "
+      "|\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   Totals all;
   for (const Json& record : records) {
@@ -145,8 +151,8 @@ std::string MainTable(const Json& records) {
 std::string InstrumentTable(const Json& records) {
   std::string text =
       "| flight | aircraft | outlines | without a view | objects | pairs of views | differ by m, "
-      "median | largest | overlap | position sd m | tolerance m |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "median | largest | tall ones, median | overlap | position sd m | tolerance m |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const Json& record : records) {
     text += "| " + record.at("flight").get<std::string>() + " | " +
             record.at("aircraft").get<std::string>() + " |";
@@ -156,6 +162,7 @@ std::string InstrumentTable(const Json& records) {
                             "pairs_of_views",
                             "views_differ_median_m",
                             "views_differ_largest_m",
+                            "tall_views_differ_median_m",
                             "views_overlap_ratio",
                             "position_sd_m",
                             "tolerance_m"}) {
@@ -205,7 +212,8 @@ Json RecordOf(const FieldSurvey& survey) {
     for (const DistinctSite& site : sites) {
       for (const auto& [cause, num_plans] : site.causes) ++causes[cause];
     }
-    entry = {{"counts", CountsJson(CountsOf(sites))}, {"causes", causes}};
+    entry = {{"counts", CountsJson(CountsOf(sites))}, {"causes", causes}, {"sites", Json::array()}};
+    for (const DistinctSite& site : sites) entry["sites"].push_back(SiteJson(site));
   }
   return record;
 }

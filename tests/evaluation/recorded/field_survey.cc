@@ -1,6 +1,7 @@
 #include "tests/evaluation/recorded/field_survey.h"
 
 #include <algorithm>
+#include <array>
 
 #include "tests/evaluation/recorded/ground_projection.h"
 
@@ -13,17 +14,41 @@ PipelineOptions OptionsFor(const Aircraft& aircraft) {
   return options;
 }
 
-std::vector<GroundOutline> OutlinesOnGround(const std::vector<Outline>& outlines,
-                                            const EngineRun& run) {
-  const GroundProjection projection(run.evaluation.block, run.evaluation.map);
+// Share of a thing's height at which its outline lies, as its views agree best. Of a pole people
+// outline the top.
+double RaiseOf(const Outline& outline) {
+  if (outline.height_m <= kMaxLowHeightM) return 0.0;
+  const double share = outline.kind == OutlineKind::kPole ? 1.0 : 0.5;
+  return share * outline.height_m;
+}
+
+std::vector<GroundOutline> Projected(const std::vector<Outline>& outlines,
+                                     const GroundProjection& projection) {
   std::vector<GroundOutline> on_ground;
   for (const Outline& outline : outlines) {
-    if (const auto polygon = projection.OnGround(outline)) {
+    const double raise = RaiseOf(outline);
+    if (const auto polygon = projection.OnGround(outline, raise)) {
       on_ground.push_back(
-          {outline.id, outline.kind, outline.height_m, outline.photograph, *polygon});
+          {outline.id, outline.kind, outline.height_m, outline.photograph, *polygon, raise});
     }
   }
   return on_ground;
+}
+
+// Twice: things stand on the bare ground, which is known once their outlines are.
+LabelledGround GroundOf(const std::vector<Outline>& outlines, const Evaluation& evaluation) {
+  const ElevationMap& map = evaluation.map;
+  const double position_sd_m = evaluation.block.position_sd_m;
+  const GroundProjection on_map(evaluation.block, {map.grid, map.elevation});
+  const LabelledGround first = MakeLabelledGround(Projected(outlines, on_map), map, position_sd_m);
+  const GroundProjection on_bare(evaluation.block, first.bare_heights);
+  return MakeLabelledGround(Projected(outlines, on_bare), map, position_sd_m);
+}
+
+int NumViewsOf(const LabelledGround& ground) {
+  size_t count = 0;
+  for (const LabelledObject& object : ground.objects) count += object.views.size();
+  return static_cast<int>(count);
 }
 
 class Judge {
@@ -50,8 +75,8 @@ class Judge {
   std::vector<JudgedPlan> plans_;
 };
 
-// All labelled ground as regions that the frontend might have made.
-std::vector<Candidate> LabelledRegions(const LabelledGround& ground) {
+// All labelled ground as regions that the frontend might have made, none of them too small.
+std::vector<Candidate> LabelledRegions(const LabelledGround& ground, double min_area_m2) {
   constexpr int kNumObservations = 1000;
   std::vector<Candidate> regions;
   for (const LabelledObject& object : ground.objects) {
@@ -63,7 +88,7 @@ std::vector<Candidate> LabelledRegions(const LabelledGround& ground) {
     for (const Eigen::Vector2d& corner : object.views.front().outline) {
       region.corners_in_world.emplace_back(corner.x(), corner.y(), ground.bare_heights.At(corner));
     }
-    region.area_m2 = Area(region.Footprint());
+    region.area_m2 = std::max(min_area_m2, Area(region.Footprint()));
     regions.push_back({region, std::nullopt});
   }
   return regions;
@@ -72,7 +97,8 @@ std::vector<Candidate> LabelledRegions(const LabelledGround& ground) {
 std::vector<DistinctSite> SitesOnLabels(const FieldSurvey& survey,
                                         const AssessedMap& map,
                                         const PipelineOptions& options) {
-  const std::vector<Candidate> regions = LabelledRegions(survey.ground);
+  const std::vector<Candidate> regions =
+      LabelledRegions(survey.ground, survey.aircraft.min_area_m2);
   const std::vector<NamedWind> winds = SurveyWinds();
   const PlanBasis basis{map.map, map.layers, regions, 1, survey.aircraft, options};
   Judge judge(survey.ground, survey.aircraft);
@@ -94,6 +120,34 @@ std::string FateOfRegion(const EngineRun& run, const Eigen::Vector2d& place) {
     is_any = true;
   }
   return is_any ? "region without a grade" : "no region";
+}
+
+// The rule that most cells within a distance break: "grass".
+std::string CommonHazard(const FieldSurvey& survey,
+                         const HazardOptions& options,
+                         const Eigen::Vector2d& place,
+                         double distance) {
+  // In the order of CellCondition.
+  constexpr std::array<const char*, 5> kNames{"seen", "grass", "slope", "roughness", "object"};
+  const ElevationMap& map = survey.run.evaluation.map;
+  const HazardLayers& layers = survey.run.evaluation.hazards;
+  std::array<int, 5> counts{};
+  for (int row = 0; row < map.grid.num_rows; ++row) {
+    for (int col = 0; col < map.grid.num_cols; ++col) {
+      if ((map.grid.CellCenter(row, col) - place).norm() > distance) continue;
+      const CellRules rules =
+          CellRulesAt(map,
+                      layers,
+                      {col, row},
+                      {survey.aircraft.max_slope_deg, survey.aircraft.max_roughness_m},
+                      options);
+      const auto failed = std::find_if(
+          rules.begin(), rules.end(), [](const CellRule& rule) { return !rule.passed; });
+      if (failed != rules.end()) ++counts[static_cast<size_t>(failed->condition)];
+    }
+  }
+  return kNames[static_cast<size_t>(std::max_element(counts.begin(), counts.end()) -
+                                    counts.begin())];
 }
 
 void FillFate(const FieldSurvey& survey, const PipelineOptions& options, FieldResult* result) {
@@ -122,6 +176,10 @@ void FillFate(const FieldSurvey& survey, const PipelineOptions& options, FieldRe
   if (judgement.verdict == Verdict::kRejected && failed != nullptr) {
     result->fate = failed->name;
     result->detail = failed->sentence;
+    if (failed->name == "hazard_distance" && failed->limit) {
+      result->fate +=
+          ": " + CommonHazard(survey, options.hazard, result->field.middle, *failed->limit);
+    }
   } else {
     result->fate = FateOfRegion(survey.run, result->field.middle);
   }
@@ -161,6 +219,8 @@ SiteCounts CountsOf(const std::vector<DistinctSite>& sites) {
     counts.num_false_safe += site.finding == Finding::kFalseSafe;
     counts.num_thin += site.is_only_thin;
     counts.num_not_judged += site.finding == Finding::kNotJudged;
+    counts.num_in_doubt +=
+        site.finding == Finding::kNotJudged && site.shown.judgement.doubt_ratio > 0.0;
   }
   return counts;
 }
@@ -171,15 +231,15 @@ FieldSurvey SurveyFields(const FieldSurveyInput& input, const Classifier& classi
                             options,
                             classifier,
                             [](double, const std::string&) { return true; });
-  const std::vector<GroundOutline> outlines = OutlinesOnGround(input.outlines, run);
-  LabelledGround ground =
-      MakeLabelledGround(outlines, run.evaluation.map, run.evaluation.block.position_sd_m);
+  LabelledGround ground = GroundOf(input.outlines, run.evaluation);
+  const auto num_outlines = static_cast<int>(input.outlines.size());
+  const int num_views = NumViewsOf(ground);
   FieldSurvey survey{input.flight,
                      input.aircraft,
                      std::move(run),
                      std::move(ground),
-                     static_cast<int>(input.outlines.size()),
-                     static_cast<int>(input.outlines.size() - outlines.size()),
+                     num_outlines,
+                     num_outlines - num_views,
                      {},
                      {},
                      {}};

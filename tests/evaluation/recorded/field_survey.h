@@ -20,9 +20,9 @@ struct FieldResult {
   // accepted touchdown in it.
   std::vector<std::string> winds_that_fit;
   std::vector<std::string> winds_found;
-  // "found"; else the first rule that the middle of the field breaks in calm air; if it breaks
-  // none, what the frontend made of it: "no region", "region without a grade", "touchdown
-  // elsewhere".
+  // "found"; else the first rule that the middle of the field breaks in calm air, with
+  // "hazard_distance" the rule that most cells within this distance break; if it breaks none, what
+  // the frontend made of it: "no region", "region without a grade", "touchdown elsewhere".
   std::string fate;
   // The rule's own words.
   std::string detail;
@@ -38,6 +38,8 @@ struct SiteCounts {
   int num_false_safe = 0;
   int num_thin = 0;
   int num_not_judged = 0;
+  // Of those not judged: some of the ground has an outline of doubt.
+  int num_in_doubt = 0;
 };
 SiteCounts CountsOf(const std::vector<DistinctSite>& sites);
 

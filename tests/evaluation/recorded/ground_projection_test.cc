@@ -30,6 +30,11 @@ ElevationMap HillMap() {
   return map;
 }
 
+GroundHeights HillHeights() {
+  const ElevationMap map = HillMap();
+  return {map.grid, map.elevation};
+}
+
 // Two views from 90 m above the origin's height, tilted by about ten degrees.
 AdjustedBlock TwoViews() {
   AdjustedBlock block;
@@ -56,11 +61,15 @@ AdjustedBlock TwoViews() {
   return block;
 }
 
-Outline Photographed(const AdjustedBlock& block, size_t view, const Polygon& field) {
+// `raise`: metres above the hill.
+Outline Photographed(const AdjustedBlock& block,
+                     size_t view,
+                     const Polygon& field,
+                     double raise = 0.0) {
   Outline outline{"F1", OutlineKind::kLand, view == 0 ? "west" : "east", 0.0, {}};
   const Rigid3d camera_from_world = Inverse(block.views[view].world_from_camera);
   for (const Eigen::Vector2d& corner : field) {
-    const Eigen::Vector3d point(corner.x(), corner.y(), HillHeight(corner));
+    const Eigen::Vector3d point(corner.x(), corner.y(), HillHeight(corner) + raise);
     const auto pixel = block.CameraOf(view).ImageFromCamera(camera_from_world * point);
     REQUIRE(pixel.has_value());
     outline.corners_in_image.push_back(*pixel);
@@ -71,7 +80,7 @@ Outline Photographed(const AdjustedBlock& block, size_t view, const Polygon& fie
 TEST_CASE("ground projection: an outline on a hill returns within 0.3 m from two views") {
   const AdjustedBlock block = TwoViews();
   const ElevationMap map = HillMap();
-  const GroundProjection projection(block, map);
+  const GroundProjection projection(block, HillHeights());
   const Polygon field{{-30.0, -20.0}, {25.0, -25.0}, {30.0, 30.0}, {-20.0, 25.0}};
   std::vector<GroundOutline> outlines;
   for (size_t view = 0; view < 2; ++view) {
@@ -94,9 +103,21 @@ TEST_CASE("ground projection: an outline on a hill returns within 0.3 m from two
   CHECK(disagreement.mean_overlap_ratio > 0.95);
 }
 
+TEST_CASE("ground projection: the top of a pole agrees in two views only at its height") {
+  constexpr double kHeightM = 9.0;
+  const AdjustedBlock block = TwoViews();
+  const GroundProjection projection(block, HillHeights());
+  const Polygon top{{9.0, 9.0}, {11.0, 9.0}, {11.0, 11.0}, {9.0, 11.0}};
+  const Outline west = Photographed(block, 0, top, kHeightM);
+  const Outline east = Photographed(block, 1, top, kHeightM);
+  CHECK(MeanBorderDistance(*projection.OnGround(west, kHeightM), top) < kMaxErrorM);
+  CHECK(MeanBorderDistance(*projection.OnGround(east, kHeightM), top) < kMaxErrorM);
+  CHECK(MeanBorderDistance(*projection.OnGround(west), *projection.OnGround(east)) > 3.0);
+}
+
 TEST_CASE("ground projection: a place appears where its outline was drawn") {
   const AdjustedBlock block = TwoViews();
-  const GroundProjection projection(block, HillMap());
+  const GroundProjection projection(block, HillHeights());
   const Eigen::Vector2d pixel(700.0, 300.0);
   const auto ground = projection.GroundAt(0, pixel);
   REQUIRE(ground.has_value());
@@ -109,7 +130,7 @@ TEST_CASE("ground projection: a place appears where its outline was drawn") {
 TEST_CASE("ground projection: a photograph without a connected view places nothing") {
   AdjustedBlock block = TwoViews();
   block.views[1].is_connected = false;
-  const GroundProjection projection(block, HillMap());
+  const GroundProjection projection(block, HillHeights());
   const Outline outline{"F1", OutlineKind::kLand, "east", 0.0, {{1, 1}, {9, 1}, {9, 9}}};
   CHECK(!projection.OnGround(outline).has_value());
 }

@@ -108,10 +108,11 @@ LabelledGround MakeLabelledGround(const std::vector<GroundOutline>& outlines,
   std::vector<LabelledObject> objects = ObjectsOf(outlines);
   for (LabelledObject& object : objects) FillMask(grid, &object);
   GroundHeights bare(map.grid, BareElevation(objects, grid, map));
-  LabelledGround ground{grid, std::move(objects), {}, {}, std::move(bare), {}, position_sd_m};
+  LabelledGround ground{grid, std::move(objects), {}, {}, std::move(bare), {}, {}, position_sd_m};
   if (outlines.empty()) return ground;
   FillLand(&ground);
-  ground.disagreement = DisagreementOf(ground.objects, grid);
+  ground.disagreement = DisagreementOf(ground.objects, grid, Tallness::kLow);
+  ground.tall_disagreement = DisagreementOf(ground.objects, grid, Tallness::kTall);
   ground.tolerance_m = std::hypot(position_sd_m, ground.disagreement.median_m);
   return ground;
 }

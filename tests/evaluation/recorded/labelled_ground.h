@@ -19,6 +19,8 @@ struct GroundOutline {
   std::string photograph;
   // Two corners are a line.
   Polygon outline;
+  // The outline was projected that far above the ground.
+  double raise_m = 0.0;
 };
 
 // All views of one id. Land is where all views agree; everything else is where any view shows it.
@@ -35,6 +37,9 @@ struct LabelledObject {
   // Nobody may touch down there.
   bool IsDanger() const { return kind == OutlineKind::kRefuse || !IsGround(kind); }
 };
+
+// Up to this height the views of a thing differ by less than the tolerance of an outline.
+constexpr double kMaxLowHeightM = 2.0;
 
 // How far the views of one id differ on the ground.
 struct Disagreement {
@@ -56,7 +61,8 @@ struct LabelledGround {
   cv::Mat1f distance_to_land;
   // Without what stands on it.
   GroundHeights bare_heights;
-  Disagreement disagreement;
+  // Of ground and low things, and of things above kMaxLowHeightM: those lean in photographs.
+  Disagreement disagreement, tall_disagreement;
   // An outline may be this far off: root of position_sd_m^2 + (median disagreement)^2.
   double tolerance_m = 0.0;
 };

@@ -53,9 +53,12 @@ double MeanBorderDistance(const Polygon& a, const Polygon& b) {
   return 0.5 * (MeanDistanceFrom(a, b) + MeanDistanceFrom(b, a));
 }
 
-Disagreement DisagreementOf(const std::vector<LabelledObject>& objects, const Grid& grid) {
+Disagreement DisagreementOf(const std::vector<LabelledObject>& objects,
+                            const Grid& grid,
+                            Tallness tallness) {
   std::vector<double> distances, overlaps;
   for (const LabelledObject& object : objects) {
+    if ((object.height_m > kMaxLowHeightM) != (tallness == Tallness::kTall)) continue;
     for (size_t i = 0; i < object.views.size(); ++i) {
       for (size_t j = i + 1; j < object.views.size(); ++j) {
         const GroundOutline &a = object.views[i], &b = object.views[j];

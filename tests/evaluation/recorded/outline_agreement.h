@@ -8,7 +8,11 @@ namespace freelsd {
 // Mean distance from points on the border of each to the border of the other, metres.
 double MeanBorderDistance(const Polygon& a, const Polygon& b);
 
-// Over all pairs of views of all objects.
-Disagreement DisagreementOf(const std::vector<LabelledObject>& objects, const Grid& grid);
+enum class Tallness { kLow, kTall };  // at most kMaxLowHeightM, or more
+
+// Over all pairs of views of all objects of that height.
+Disagreement DisagreementOf(const std::vector<LabelledObject>& objects,
+                            const Grid& grid,
+                            Tallness tallness);
 
 }  // namespace freelsd

@@ -8,6 +8,9 @@
 namespace freelsd {
 namespace {
 
+// Cells at the border of an outline decide nothing.
+constexpr double kMinLandRatio = 0.99;
+
 enum class Part { kDisc, kRoll, kFinal };
 
 struct Conflict {
@@ -111,20 +114,33 @@ std::optional<Conflict> FirstConflict(const LabelledGround& ground,
   return std::nullopt;
 }
 
-// Share of the cells under disc and roll that are land or within the tolerance of it.
-double LandRatio(const LabelledGround& ground, const Path& path) {
+bool IsInDoubt(const LabelledGround& ground, const cv::Point& cell) {
+  return std::any_of(
+      ground.objects.begin(), ground.objects.end(), [&](const LabelledObject& object) {
+        return object.kind == OutlineKind::kDoubt && object.cells.contains(cell) &&
+               object.mask(cell - object.cells.tl()) != 0;
+      });
+}
+
+// Shares of the cells under disc and roll that are land, or within the tolerance of it, and in
+// doubt.
+void FillRatios(const LabelledGround& ground, const Path& path, SiteJudgement* judgement) {
   const double step = ground.grid.cell_size_m, reach = path.GroundReach();
-  int num_cells = 0, num_land = 0;
+  int num_cells = 0, num_land = 0, num_doubt = 0;
   for (double east = -reach; east <= reach; east += step) {
     for (double north = -reach; north <= reach; north += step) {
       const Eigen::Vector2d place = path.touchdown() + Eigen::Vector2d(east, north);
       if (!path.IsInDisc(place, 0.0) && !path.IsOnRoll(place, 0.0)) continue;
       ++num_cells;
       const auto cell = ground.grid.CellAt(place);
-      num_land += cell && ground.distance_to_land(*cell) <= ground.tolerance_m;
+      if (!cell) continue;
+      num_land += ground.distance_to_land(*cell) <= ground.tolerance_m;
+      num_doubt += IsInDoubt(ground, *cell);
     }
   }
-  return num_cells == 0 ? 0.0 : double(num_land) / num_cells;
+  if (num_cells == 0) return;
+  judgement->land_ratio = double(num_land) / num_cells;
+  judgement->doubt_ratio = double(num_doubt) / num_cells;
 }
 
 std::string CircleConflict(const LabelledGround& ground,
@@ -165,12 +181,13 @@ SiteJudgement JudgeApproach(const LabelledGround& ground,
                             const Approach& approach) {
   const Path path(ground, aircraft, approach);
   SiteJudgement judgement;
-  judgement.land_ratio = LandRatio(ground, path);
+  if (ground.grid.num_rows > 0) FillRatios(ground, path, &judgement);
   judgement.circle = CircleConflict(ground, aircraft, approach, path.CircleHeight());
   const std::optional<Conflict> solid = FirstConflict(ground, path, false);
   const std::optional<Conflict> conflict = solid ? solid : FirstConflict(ground, path, true);
   if (!conflict) {
-    judgement.finding = judgement.land_ratio == 1.0 ? Finding::kRight : Finding::kNotJudged;
+    judgement.finding =
+        judgement.land_ratio >= kMinLandRatio ? Finding::kRight : Finding::kNotJudged;
     return judgement;
   }
   constexpr const char* kParts[] = {"disc: ", "roll: ", "final: "};

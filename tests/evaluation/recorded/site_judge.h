@@ -15,7 +15,7 @@
 namespace freelsd {
 
 enum class Finding {
-  kRight,      // disc and roll are land, and nothing blocks the final
+  kRight,      // 99 % of disc and roll are land, and nothing blocks the final
   kNotJudged,  // part of disc or roll is in doubt or has no outline
   kFalseSafe,
 };
@@ -30,8 +30,9 @@ struct SiteJudgement {
   bool is_only_thin = false;
   // Kind of what reaches up to the circle; does not count.
   std::string circle;
-  // Share of disc and roll on grown land.
+  // Share of disc and roll on grown land, and in doubt.
   double land_ratio = 0.0;
+  double doubt_ratio = 0.0;
 };
 
 SiteJudgement JudgeApproach(const LabelledGround& ground,
