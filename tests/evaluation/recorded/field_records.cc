@@ -58,6 +58,7 @@ Json InstrumentJson(const FieldSurvey& survey) {
           {"views_differ_median_m", Centimetres(disagreement.median_m)},
           {"views_differ_largest_m", Centimetres(disagreement.largest_m)},
           {"tall_views_differ_median_m", Centimetres(survey.ground.tall_disagreement.median_m)},
+          {"tall_share", survey.ground.tall_share},
           {"views_overlap_ratio", Centimetres(disagreement.mean_overlap_ratio)},
           {"position_sd_m", Centimetres(survey.run.evaluation.block.position_sd_m)},
           {"tolerance_m", Centimetres(survey.ground.tolerance_m)}};
@@ -151,8 +152,9 @@ std::string MainTable(const Json& records) {
 std::string InstrumentTable(const Json& records) {
   std::string text =
       "| flight | aircraft | outlines | without a view | objects | pairs of views | differ by m, "
-      "median | largest | tall ones, median | overlap | position sd m | tolerance m |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+      "median | largest | tall ones, median | at share of height | overlap | position sd m | "
+      "tolerance m |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const Json& record : records) {
     text += "| " + record.at("flight").get<std::string>() + " | " +
             record.at("aircraft").get<std::string>() + " |";
@@ -163,6 +165,7 @@ std::string InstrumentTable(const Json& records) {
                             "views_differ_median_m",
                             "views_differ_largest_m",
                             "tall_views_differ_median_m",
+                            "tall_share",
                             "views_overlap_ratio",
                             "position_sd_m",
                             "tolerance_m"}) {

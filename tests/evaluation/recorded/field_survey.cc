@@ -14,19 +14,18 @@ PipelineOptions OptionsFor(const Aircraft& aircraft) {
   return options;
 }
 
-// Share of a thing's height at which its outline lies, as its views agree best. Of a pole people
-// outline the top.
-double RaiseOf(const Outline& outline) {
+// `share`: of a thing's height, where its outline lies. Of a pole people outline the top.
+double RaiseOf(const Outline& outline, double share) {
   if (outline.height_m <= kMaxLowHeightM) return 0.0;
-  const double share = outline.kind == OutlineKind::kPole ? 1.0 : 0.5;
-  return share * outline.height_m;
+  return (outline.kind == OutlineKind::kPole ? 1.0 : share) * outline.height_m;
 }
 
 std::vector<GroundOutline> Projected(const std::vector<Outline>& outlines,
-                                     const GroundProjection& projection) {
+                                     const GroundProjection& projection,
+                                     double share) {
   std::vector<GroundOutline> on_ground;
   for (const Outline& outline : outlines) {
-    const double raise = RaiseOf(outline);
+    const double raise = RaiseOf(outline, share);
     if (const auto polygon = projection.OnGround(outline, raise)) {
       on_ground.push_back(
           {outline.id, outline.kind, outline.height_m, outline.photograph, *polygon, raise});
@@ -35,14 +34,25 @@ std::vector<GroundOutline> Projected(const std::vector<Outline>& outlines,
   return on_ground;
 }
 
-// Twice: things stand on the bare ground, which is known once their outlines are.
+// Twice: things stand on the bare ground, which is known once their outlines are. People outlined
+// crowns at one share of their height on one flight and at another on the next: the share at which
+// the views of tall things agree best is taken.
 LabelledGround GroundOf(const std::vector<Outline>& outlines, const Evaluation& evaluation) {
   const ElevationMap& map = evaluation.map;
   const double position_sd_m = evaluation.block.position_sd_m;
   const GroundProjection on_map(evaluation.block, {map.grid, map.elevation});
-  const LabelledGround first = MakeLabelledGround(Projected(outlines, on_map), map, position_sd_m);
-  const GroundProjection on_bare(evaluation.block, first.bare_heights);
-  return MakeLabelledGround(Projected(outlines, on_bare), map, position_sd_m);
+  LabelledGround best = MakeLabelledGround(Projected(outlines, on_map, 0.0), map, position_sd_m);
+  const GroundProjection on_bare(evaluation.block, best.bare_heights);
+  std::optional<double> least;
+  for (const double share : {0.0, 0.5, 1.0}) {
+    LabelledGround ground =
+        MakeLabelledGround(Projected(outlines, on_bare, share), map, position_sd_m);
+    ground.tall_share = share;
+    if (least && ground.tall_disagreement.median_m >= *least) continue;
+    least = ground.tall_disagreement.median_m;
+    best = std::move(ground);
+  }
+  return best;
 }
 
 int NumViewsOf(const LabelledGround& ground) {

@@ -55,7 +55,7 @@ std::optional<Eigen::Vector2d> GroundProjection::PixelOf(size_t view,
   const Eigen::Vector3d point(
       place_in_world.x(), place_in_world.y(), heights_.At(place_in_world) + raise);
   const Camera camera = block_.CameraOf(view);
-  const auto pixel = camera.ImageFromCamera(Inverse(block_.views[view].world_from_camera) * point);
+  auto pixel = camera.ImageFromCamera(Inverse(block_.views[view].world_from_camera) * point);
   if (!pixel || !camera.IsInside(*pixel)) return std::nullopt;
   return pixel;
 }

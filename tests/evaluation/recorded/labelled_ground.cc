@@ -108,7 +108,8 @@ LabelledGround MakeLabelledGround(const std::vector<GroundOutline>& outlines,
   std::vector<LabelledObject> objects = ObjectsOf(outlines);
   for (LabelledObject& object : objects) FillMask(grid, &object);
   GroundHeights bare(map.grid, BareElevation(objects, grid, map));
-  LabelledGround ground{grid, std::move(objects), {}, {}, std::move(bare), {}, {}, position_sd_m};
+  LabelledGround ground{
+      grid, std::move(objects), {}, {}, std::move(bare), {}, {}, 0.0, position_sd_m};
   if (outlines.empty()) return ground;
   FillLand(&ground);
   ground.disagreement = DisagreementOf(ground.objects, grid, Tallness::kLow);

@@ -63,6 +63,8 @@ struct LabelledGround {
   GroundHeights bare_heights;
   // Of ground and low things, and of things above kMaxLowHeightM: those lean in photographs.
   Disagreement disagreement, tall_disagreement;
+  // Share of the height of tall things at which their outlines were taken.
+  double tall_share = 0.0;
   // An outline may be this far off: root of position_sd_m^2 + (median disagreement)^2.
   double tolerance_m = 0.0;
 };
