@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kShiftM = 5.0;
 constexpr float kRaise = 2.0f;
-constexpr float kLower = 0.5f;
+constexpr float kFlatten = 0.0f;
 constexpr size_t kMaxNumDecoys = 10;
 
 const std::vector<std::pair<std::string, Blinding>>& NamedBlindings() {
@@ -24,7 +24,7 @@ const std::vector<std::pair<std::string, Blinding>>& NamedBlindings() {
       {"shift", Blinding::kShift},
       {"kinds", Blinding::kKinds},
       {"heights", Blinding::kHeights},
-      {"lowered", Blinding::kLowered}};
+      {"flat", Blinding::kFlat}};
   return kBlindings;
 }
 
@@ -86,6 +86,13 @@ std::optional<Blinding> BlindingNamed(const std::string& name) {
   return std::nullopt;
 }
 
+std::string NameOf(Blinding blinding) {
+  for (const auto& [name, known] : NamedBlindings()) {
+    if (known == blinding) return name;
+  }
+  return "";
+}
+
 AssessedMap Blinded(const ElevationMap& map, const HazardLayers& layers, Blinding blinding) {
   AssessedMap blinded{map, layers};
   switch (blinding) {
@@ -106,8 +113,8 @@ AssessedMap Blinded(const ElevationMap& map, const HazardLayers& layers, Blindin
     case Blinding::kHeights:
       StretchHeights(blinded.map, kRaise);
       break;
-    case Blinding::kLowered:
-      StretchHeights(blinded.map, kLower);
+    case Blinding::kFlat:
+      StretchHeights(blinded.map, kFlatten);
       break;
   }
   return blinded;

@@ -20,12 +20,13 @@ enum class Blinding {
   kShift,    // the map lies 5 m too far east
   kKinds,    // free ground and hazard are exchanged
   kHeights,  // what is above the median height is twice as high above it
-  kLowered,  // what is above the median height is half as high above it
+  kFlat,     // what is above the median height has that height
 };
 
-// "none", "hazards", "shift", "kinds", "heights", "lowered".
+// "none", "hazards", "shift", "kinds", "heights", "flat".
 std::vector<std::string> BlindingNames();
 std::optional<Blinding> BlindingNamed(const std::string& name);
+std::string NameOf(Blinding blinding);
 
 // Copies; grass and the distance to hazard fit the new hazards.
 AssessedMap Blinded(const ElevationMap& map, const HazardLayers& layers, Blinding blinding);

@@ -79,7 +79,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("blinding: lowered heights lead finals into trees") {
+TEST_CASE("blinding: flat heights lead finals into trees") {
   Scenario scenario = NarrowMeadow();
   // Finals to the meadow south of the wall come from the north. They clear 4 m, and not 8 m.
   Cultivate(scenario.world, -kSizeM, kSizeM, -kSizeM, -115.0);
@@ -91,7 +91,7 @@ TEST_CASE("blinding: lowered heights lead finals into trees") {
   }
   const Truth truth(scenario);
   CHECK(CountFalseSafe(scenario, truth, truth.run) == 0);
-  CHECK(CountFalseSafe(scenario, truth, Blind(scenario, truth, Blinding::kLowered)) > 0);
+  CHECK(CountFalseSafe(scenario, truth, Blind(scenario, truth, Blinding::kFlat)) > 0);
 }
 
 TEST_CASE("blinding: doubled heights make landings by absolute heights miss the disc") {

@@ -1,0 +1,42 @@
+// Many surveys of fields: several flights at once, to be interrupted and gone on with, in parts
+// that are put together.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "engine/classification/classification.h"
+#include "tests/evaluation/scores/blinding.h"
+
+namespace freelsd {
+
+struct FieldCampaignOptions {
+  // Folders with images/ and perhaps poses.csv.
+  std::vector<std::string> flights;
+  std::vector<std::string> aircraft{"small", "techpod"};
+  // Folder with FLIGHT.txt for each flight.
+  std::string labels = FREELSD_SOURCE_DIR "/tests/evaluation/fields/outlines";
+  std::vector<Blinding> blindings;
+  // Flights at once; no result depends on it.
+  int num_jobs = 1;
+  // Report to write after every survey; "" for none.
+  std::string json;
+  // Go on from that report: its flights and aircraft are not run again.
+  bool resumes = false;
+  // Folder for pictures; "" for none.
+  std::string pictures;
+
+  // Throws std::invalid_argument.
+  void Check() const;
+};
+
+// {"settings": ..., "surveys": [...]}, by flight and aircraft. Throws std::runtime_error when
+// nothing can be read, or when the report to go on from has other settings.
+nlohmann::json RunFieldCampaign(const FieldCampaignOptions& options, const Classifier& classifier);
+
+// Throws std::runtime_error where settings differ or a survey is in two of them.
+nlohmann::json MergeFieldReports(const std::vector<nlohmann::json>& reports);
+
+}  // namespace freelsd

@@ -1,0 +1,80 @@
+// freelsd-fields: the sites that the engine accepts on recorded flights, scored against outlines
+// that people drew on the photographs; tables in Markdown.
+#include <exception>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+
+#include "tests/evaluation/campaign.h"
+#include "tests/evaluation/fields/field_campaign.h"
+#include "tests/evaluation/fields/field_records.h"
+
+namespace freelsd {
+namespace {
+
+struct Arguments {
+  FieldCampaignOptions campaign;
+  std::vector<std::string> blind;
+  std::vector<std::string> merge;
+  std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+};
+
+nlohmann::json ReportOf(const Arguments& arguments) {
+  if (arguments.merge.empty()) {
+    FieldCampaignOptions options = arguments.campaign;
+    for (const std::string& name : arguments.blind) {
+      options.blindings.push_back(BlindingNamed(name).value());
+    }
+    return RunFieldCampaign(options, Classifier::Parse(ReadTextFile(arguments.model)));
+  }
+  std::vector<nlohmann::json> parts;
+  parts.reserve(arguments.merge.size());
+  for (const std::string& path : arguments.merge) {
+    parts.push_back(nlohmann::json::parse(ReadTextFile(path)));
+  }
+  nlohmann::json report = MergeFieldReports(parts);
+  if (!arguments.campaign.json.empty()) {
+    WriteTextFile(arguments.campaign.json, report.dump(1) + "\n");
+  }
+  return report;
+}
+
+void AddOptions(CLI::App& app, Arguments& arguments) {
+  FieldCampaignOptions& campaign = arguments.campaign;
+  app.add_option("FLIGHT", campaign.flights, "folders with images/ and perhaps poses.csv")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--aircraft", campaign.aircraft, "profiles, separated by commas")->delimiter(',');
+  app.add_option("--labels", campaign.labels, "folder with FLIGHT.txt: outlines drawn by people")
+      ->check(CLI::ExistingDirectory);
+  app.add_option("--blind",
+                 arguments.blind,
+                 "also plan on all labelled ground with a part of the map made wrong; names are "
+                 "separated by commas")
+      ->delimiter(',')
+      ->check(CLI::IsMember(BlindingNames()));
+  app.add_option("--jobs", campaign.num_jobs, "flights at once; no result depends on it")
+      ->check(CLI::Range(1, 64));
+  app.add_option("--json", campaign.json, "report to write, after every flight and aircraft");
+  app.add_flag(
+      "--resume", campaign.resumes, "go on from the report: what is in it is not run again");
+  app.add_option("--merge", arguments.merge, "reports to put together; nothing is run");
+  app.add_option("--pictures", campaign.pictures, "folder for photographs with outlines and sites");
+  app.add_option("--model", arguments.model, "grass classifier")->check(CLI::ExistingFile);
+}
+
+}  // namespace
+}  // namespace freelsd
+
+int main(int argc, char** argv) {
+  try {
+    freelsd::Arguments arguments;
+    CLI::App app("Scores the sites accepted on recorded flights against outlines drawn by people.");
+    freelsd::AddOptions(app, arguments);
+    CLI11_PARSE(app, argc, argv);
+    std::cout << freelsd::FieldTables(freelsd::ReportOf(arguments).at("surveys"));
+  } catch (const std::exception& error) {
+    std::cerr << "freelsd-fields: " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
