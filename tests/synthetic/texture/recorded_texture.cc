@@ -19,6 +19,13 @@ constexpr double kEdgeRatio = 0.34;
 constexpr double kSharpness = 4.0;
 enum Purpose : uint64_t { kPieceCol = 701, kPieceRow };
 
+// As Uniform, without a generator of its own: it is asked thrice for every cell of a world.
+double Between(uint64_t seed, uint64_t purpose, double low, double high) {
+  constexpr int kNumBits = 53;
+  const uint64_t bits = MixSeed(seed, purpose) >> (64 - kNumBits);
+  return low + (high - low) * std::ldexp(static_cast<double>(bits), -kNumBits);
+}
+
 // The plane and the bowl that fit the brightness of a piece best, less its mean: what the lens and
 // the light did.
 cv::Mat3f SlowChange(const cv::Mat3f& piece) {
@@ -79,8 +86,8 @@ RecordedTexture::RecordedTexture(const cv::Mat3b& piece, uint64_t seed) : seed_(
 cv::Vec3f RecordedTexture::PieceAt(int vertex_col, int vertex_row, int col, int row) const {
   const uint64_t vertex = MixSeed(MixSeed(seed_, static_cast<uint64_t>(int64_t{vertex_col})),
                                   static_cast<uint64_t>(int64_t{vertex_row}));
-  const double middle_col = Uniform(vertex, kPieceCol, edge_px_, piece_.cols - 1.0 - edge_px_);
-  const double middle_row = Uniform(vertex, kPieceRow, edge_px_, piece_.rows - 1.0 - edge_px_);
+  const double middle_col = Between(vertex, kPieceCol, edge_px_, piece_.cols - 1.0 - edge_px_);
+  const double middle_row = Between(vertex, kPieceRow, edge_px_, piece_.rows - 1.0 - edge_px_);
   // The vertex in cells: its lattice is skewed.
   const double vertex_x = edge_px_ * (vertex_col + 0.5 * vertex_row);
   const double vertex_y = edge_px_ * 0.5 * std::sqrt(3.0) * vertex_row;
