@@ -129,6 +129,14 @@ build/release/tests/freelsd-eval --worlds 6 --seed 1046 --jobs "$(nproc)" \
   --max-false-safe 0 --min-found-ratio 0.5 | sed -n '1,/^sites, by what/p'
 passed
 
+start_step "right about the world, short form"
+if [ -n "${FREELSD_DATA:-}" ]; then
+  tests/evaluation/world.sh --short
+  passed
+else
+  skipped "FREELSD_DATA is not set"
+fi
+
 sanitized=(engine storage api)
 start_step "building (sanitizers)"
 build asan freelsd-libfuzzer "${sanitized[@]/%/_tests}" 2>&1 | tee "$work/build.log"

@@ -5,16 +5,17 @@
 #   FREELSD_DATA=FOLDER tests/evaluation/results.sh [NUM_WORLDS [NUM_WORLDS_IN_NOISE [PART...]]] \
 #     > tests/evaluation/RESULTS.md
 #
-# Parts: worlds noise2 damage frames rules ground flights survey bench. The default is all parts.
+# Parts: world worlds textured ground noise2 damage frames flights survey bench. The default is all
+# parts. `world` is the table of world.sh; worlds, textured and ground print the reports behind it.
 # build/reports keeps each part with the revision that made it. The document contains all kept
 # parts and marks those of an older revision. build/reports also holds the reports of the worlds, so
 # an interrupted run continues. Reports made elsewhere (other seeds, --merge) may be put there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 programs=build/release/tests
-all_parts=(worlds noise2 damage frames rules ground flights survey bench)
-num_worlds="${1:-200}"
-num_in_noise="${2:-50}"
+all_parts=(world worlds textured ground places noise2 damage frames flights survey bench)
+num_worlds="${1:-24}"
+num_in_noise="${2:-24}"
 parts=("${@:3}")
 [ ${#parts[@]} -gt 0 ] || parts=("${all_parts[@]}")
 reports=build/reports
@@ -39,29 +40,36 @@ worlds() {
   heading "$title" "freelsd-eval $*" "$(revision_of "$reports/$name.json")"
   echo "$table"
 }
+# Prints the table of a report that world.sh made.
+table_of() {
+  local name="$1" title="$2" program="$3"
+  heading "$title" "tests/evaluation/world.sh --row $name" "$(revision_of "$reports/$name.json")"
+  verbatim $programs/$program --merge "$reports/$name.json"
+}
 make() {
   case "$1" in
-    worlds) worlds worlds "Seeded worlds: the safety table" --seed 17000 --worlds "$num_worlds" ;;
+    world)
+      heading "Right about the world" "tests/evaluation/world.sh"
+      tests/evaluation/world.sh --worlds "$num_worlds"
+      ;;
+    worlds) table_of painted "Painted worlds" freelsd-eval ;;
+    textured) table_of textured "Painted worlds with recorded texture" freelsd-eval ;;
+    ground) table_of ground "Real ground" freelsd-eval ;;
+    places)
+      heading "New places" "tests/evaluation/world.sh --row places" \
+        "$(revision_of "$reports/places.json")"
+      sed -n '/^## Variation none/,$p' "$reports/places.txt" | sed 's/^##/###/'
+      ;;
     noise2)
-      worlds noise2 "Seeded worlds, noise doubled" --seed 15000 --worlds "$num_in_noise" --noise 2
+      worlds noise2 "Painted worlds, noise doubled" --seed 52000 --worlds "$num_in_noise" --noise 2
       ;;
     damage)
-      worlds damage "Seeded worlds, a fifth of the photographs damaged" \
-        --seed 17000 --worlds "$num_in_noise" --damage 0.2
+      worlds damage "Painted worlds, a fifth of the photographs damaged" \
+        --seed 50000 --worlds "$num_in_noise" --damage 0.2
       ;;
     frames)
-      worlds frames "Seeded worlds, half as many photographs" \
-        --seed 17000 --worlds "$num_in_noise" --frames 25
-      ;;
-    rules)
-      worlds rules "Seeded worlds, planned on maps without error: what the rules allow" \
-        --seed 17000 --worlds "$num_worlds" --on-truth
-      ;;
-    ground)
-      for pack in brighton_beach honduras_pool; do
-        worlds "ground_$pack" "Worlds of real ground: $pack" \
-          --seed 17000 --worlds 4 --ground "$pack"
-      done
+      worlds frames "Painted worlds, half as many photographs" \
+        --seed 50000 --worlds "$num_in_noise" --frames 25
       ;;
     flights)
       heading "Recorded flights" "tests/evaluation/flights.sh"
@@ -69,7 +77,9 @@ make() {
       ;;
     survey)
       heading "How recorded flights fit" "freelsd-survey \$FREELSD_DATA/flights/*"
-      $programs/freelsd-survey "$FREELSD_DATA"/flights/*
+      $programs/freelsd-survey "$FREELSD_DATA"/flights/{swindale,garfield_park,brighton_beach}
+      echo
+      $programs/freelsd-survey "$FREELSD_DATA"/flights/seneca_nir
       ;;
     bench)
       heading "What stages cost" "freelsd-bench"

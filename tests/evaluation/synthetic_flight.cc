@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "tests/synthetic/conditions.h"
+#include "tests/synthetic/conditions/conditions.h"
 #include "tests/synthetic/flight_files.h"
 #include "tests/synthetic/ground/real_ground.h"
 #include "tests/synthetic/noise.h"

@@ -138,6 +138,11 @@ void FieldCampaignOptions::Check() const {
   for (const std::string& name : aircraft) {
     if (!AircraftProfile(name)) throw std::invalid_argument("--aircraft: no profile " + name);
   }
+  PoolOfRun run;
+  for (const std::string& folder : flights) {
+    const std::string name = std::filesystem::path(folder).filename().string();
+    run.Add("flight " + name, EvaluationPools().Of("flight", name));
+  }
 }
 
 Json RunFieldCampaign(const FieldCampaignOptions& options, const Classifier& classifier) {

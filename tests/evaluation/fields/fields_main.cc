@@ -44,7 +44,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_option("FLIGHT", campaign.flights, "folders with images/ and perhaps poses.csv")
       ->check(CLI::ExistingDirectory);
   app.add_option("--aircraft", campaign.aircraft, "profiles, separated by commas")->delimiter(',');
-  app.add_option("--labels", campaign.labels, "folder with FLIGHT.txt: outlines drawn by people")
+  app.add_option("--labels", campaign.labels, "folder with FLIGHT.txt: outlines drawn by eye")
       ->check(CLI::ExistingDirectory);
   app.add_option("--blind",
                  arguments.blind,

@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "server/training/pools.h"
 #include "tests/evaluation/recorded/control_points.h"
 #include "tests/evaluation/recorded/mosaic_pictures.h"
 
@@ -16,6 +17,16 @@ namespace freelsd {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Throws std::invalid_argument if the flights are of two pools.
+void CheckPools(const std::vector<std::string>& folders) {
+  const Pools pools = Pools::Read(FREELSD_SOURCE_DIR "/tests/evaluation/pools.csv");
+  PoolOfRun run;
+  for (const std::string& folder : folders) {
+    const std::string name = fs::path(folder).filename().string();
+    run.Add("flight " + name, pools.Of("flight", name));
+  }
+}
 
 Classifier ReadClassifier(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -147,6 +158,7 @@ int main(int argc, char** argv) {
     std::string mosaic;
     app.add_option("--mosaic", mosaic, "makes mosaics instead, in folders of this folder");
     CLI11_PARSE(app, argc, argv);
+    freelsd::CheckPools(folders);
     if (mosaic.empty()) {
       freelsd::Run(folders, model);
     } else {

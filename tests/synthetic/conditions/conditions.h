@@ -22,7 +22,7 @@ struct Conditions {
 // A steady camera on a clear day.
 Conditions PlainConditions(uint64_t seed);
 // Drawn by the seed: sun (a fifth each low or behind clouds), exposure steps, vignetting, colour
-// cast, haze, blur, rolling shutter, two JPEG qualities. README.md of this folder has the ranges
+// cast, haze, blur, rolling shutter, two JPEG qualities. README.md has the ranges
 // and what was measured.
 Conditions RecordedConditions(uint64_t seed);
 

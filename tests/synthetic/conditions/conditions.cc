@@ -1,4 +1,4 @@
-#include "tests/synthetic/conditions.h"
+#include "tests/synthetic/conditions/conditions.h"
 
 #include <cmath>
 #include <limits>
@@ -54,8 +54,8 @@ Conditions RecordedConditions(uint64_t seed) {
     conditions.sky_share = kCloudySkyShare;
   }
   RenderOptions& camera = conditions.camera;
-  camera.exposure_step_ratio = uniform(kExposureStep, 0.0, 0.25);
-  camera.vignetting_ratio = uniform(kVignetting, 0.05, 0.35);
+  camera.exposure_step_ratio = uniform(kExposureStep, 0.0, 0.13);
+  camera.vignetting_ratio = uniform(kVignetting, -0.1, 0.2);
   // A camera's own white balance.
   for (int i = 0; i < 3; ++i) {
     camera.color_gain[i] =
@@ -63,11 +63,12 @@ Conditions RecordedConditions(uint64_t seed) {
   }
   if (uniform(kCastStrength, 0.0, 1.0) < kShareOfCast) {
     camera.color_gain = {1.05f, 0.72f, 1.05f};
-    camera.vignetting_ratio = -0.5;
+    camera.vignetting_ratio = -0.16;
+    camera.exposure_step_ratio = 0.5;
   }
   camera.haze_ratio = uniform(kHaze, 0.0, 0.2);
   camera.lens_blur_px = uniform(kLensBlur, 0.4, 0.9);
-  camera.exposure_s = uniform(kShutter, 1.0 / 2000.0, 1.0 / 60.0);
+  camera.exposure_s = uniform(kShutter, 1.0 / 1000.0, 1.0 / 250.0);
   conditions.turn_rate_deg_s = 3.0;
   const double readout = uniform(kReadout, 0.0, 1.0);
   if (readout < kShareOfRollingShutter) camera.readout_s = 0.02 + 0.04 * readout;

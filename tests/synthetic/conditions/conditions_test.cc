@@ -1,5 +1,5 @@
 // What light, air and camera do to a photograph of a plain world.
-#include "tests/synthetic/conditions.h"
+#include "tests/synthetic/conditions/conditions.h"
 
 #include <cmath>
 
