@@ -1,0 +1,139 @@
+// freelsd-frames: rendered frames beside labelled photographs, cover by cover. Prints tables in
+// Markdown.
+#include <exception>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "tests/evaluation/campaign.h"
+#include "tests/evaluation/frames/comparison.h"
+#include "tests/evaluation/frames/crop_pictures.h"
+#include "tests/evaluation/frames/recorded_pictures.h"
+#include "tests/evaluation/frames/rendered_pictures.h"
+
+namespace freelsd {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Arguments {
+  std::string pool = "tuning";
+  // Of the first world of each kind; the pool's first seed if not given.
+  std::optional<uint64_t> seed;
+  int num_worlds = 4;
+  // Real ground has windows in turns; with six, four worlds lie on four packs or windows.
+  uint64_t seed_step = 6;
+  int num_frames = 4;
+  double lens_blur_px = 0.5;
+  int num_jobs = 1;
+  TileOptions tiles;
+  std::string json;
+  std::string pictures;
+  std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+};
+
+uint64_t FirstSeed(const Arguments& arguments, Pool pool) {
+  constexpr uint64_t kFirstTuningSeed = 0;
+  constexpr uint64_t kFirstReportSeed = 50000;
+  return arguments.seed.value_or(pool == Pool::kTuning ? kFirstTuningSeed : kFirstReportSeed);
+}
+
+// Photographs first, then worlds; all at the scale of the comparison.
+std::vector<LabelledPicture> ReadAndRender(const Arguments& arguments, Pool pool) {
+  const double ground_sampling_m = arguments.tiles.ground_sampling_m;
+  PoolOfRun run;
+  std::vector<LabelledPicture> pictures;
+  for (LabelledPicture& picture : ReadRecordedPictures(pool, ground_sampling_m, run)) {
+    pictures.push_back(Blurred(std::move(picture), arguments.lens_blur_px));
+  }
+  for (const WorldLook& look : LooksOf(pool, arguments.num_frames)) {
+    for (int i = 0; i < arguments.num_worlds; ++i) {
+      const uint64_t seed =
+          FirstSeed(arguments, pool) + static_cast<uint64_t>(i) * arguments.seed_step;
+      for (const LabelledPicture& picture : RenderPictures(seed, look, run)) {
+        const auto scaled = AtScale(picture, ground_sampling_m);
+        std::cerr << picture.name << ": " << picture.ground_sampling_m << " m per pixel"
+                  << (scaled ? "\n" : ", too coarse to compare\n");
+        if (scaled) pictures.push_back(*scaled);
+      }
+    }
+  }
+  return pictures;
+}
+
+TilesOfLooks Measured(const std::vector<LabelledPicture>& pictures, const Arguments& arguments) {
+  const Classifier classifier = Classifier::Parse(ReadTextFile(arguments.model));
+  TilesOfLooks tiles;
+  for (const LabelledPicture& picture : pictures) {
+    for (const auto& [cover, measures] : MeasureTiles(picture, classifier, arguments.tiles)) {
+      LookTiles& of_look = tiles[cover][picture.look];
+      of_look.measures.insert(of_look.measures.end(), measures.begin(), measures.end());
+      ++of_look.num_pictures;
+    }
+  }
+  return tiles;
+}
+
+void Run(const Arguments& arguments) {
+  arguments.tiles.Check();
+  cv::setNumThreads(arguments.num_jobs);
+  const Pool pool = arguments.pool == NameOf(Pool::kReport) ? Pool::kReport : Pool::kTuning;
+  const std::vector<LabelledPicture> pictures = ReadAndRender(arguments, pool);
+  const Json report{{"pool", arguments.pool},
+                    {"ground_sampling_m", arguments.tiles.ground_sampling_m},
+                    {"lens_blur_px", arguments.lens_blur_px},
+                    {"tile_m", arguments.tiles.tile_m},
+                    {"first_seed", FirstSeed(arguments, pool)},
+                    {"seed_step", arguments.seed_step},
+                    {"num_worlds", arguments.num_worlds},
+                    {"num_frames", arguments.num_frames},
+                    {"covers", CompareLooks(Measured(pictures, arguments))}};
+  std::cout << ComparisonAsMarkdown(report);
+  if (!arguments.json.empty()) WriteTextFile(arguments.json, report.dump(1) + "\n");
+  if (arguments.pictures.empty()) return;
+  std::vector<std::string> looks{kRecorded};
+  for (const WorldLook& look : LooksOf(pool, arguments.num_frames)) looks.push_back(look.name);
+  DrawCrops(arguments.pictures, pictures, looks);
+}
+
+void AddOptions(CLI::App& app, Arguments& arguments) {
+  app.add_option("--pool", arguments.pool, "photographs, textures, ground and seeds of this pool")
+      ->check(CLI::IsMember({"tuning", "report"}));
+  app.add_option("--seed", arguments.seed, "seed of the first world of each kind");
+  app.add_option("--seed-step", arguments.seed_step, "from one world's seed to the next");
+  app.add_option("--worlds", arguments.num_worlds, "worlds of each kind")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--frames", arguments.num_frames, "photographs per world")
+      ->check(CLI::Range(3, 300));
+  app.add_option("--gsd", arguments.tiles.ground_sampling_m, "metres per pixel of the comparison");
+  app.add_option("--lens-blur",
+                 arguments.lens_blur_px,
+                 "deviation in pixels with which photographs are blurred, as frames are")
+      ->check(CLI::Range(0.0, 3.0));
+  app.add_option("--tile", arguments.tiles.tile_m, "side of a tile in metres");
+  app.add_option("--jobs", arguments.num_jobs, "threads; no result depends on it")
+      ->check(CLI::Range(1, 64));
+  app.add_option("--json", arguments.json, "the same numbers");
+  app.add_option("--pictures", arguments.pictures, "folder for crops, and for all frames");
+  app.add_option("--model", arguments.model, "grass classifier")->check(CLI::ExistingFile);
+}
+
+}  // namespace
+}  // namespace freelsd
+
+int main(int argc, char** argv) {
+  try {
+    CLI::App app{"Compares rendered frames with labelled photographs, cover by cover."};
+    freelsd::Arguments arguments;
+    freelsd::AddOptions(app, arguments);
+    CLI11_PARSE(app, argc, argv);
+    freelsd::Run(arguments);
+    return 0;
+  } catch (const std::exception& error) {
+    std::cerr << "freelsd-frames: " << error.what() << "\n";
+    return 1;
+  }
+}
