@@ -1,5 +1,6 @@
 // freelsd-frames: rendered frames beside labelled photographs, cover by cover. Prints tables in
 // Markdown.
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <optional>
@@ -28,6 +29,11 @@ struct Arguments {
   uint64_t seed_step = 6;
   int num_frames = 4;
   double lens_blur_px = 0.5;
+  // Only these kinds of world; all if empty.
+  std::vector<std::string> looks;
+  // In place of those of each kind.
+  std::optional<double> cell_size_m;
+  std::string conditions;
   int num_jobs = 1;
   TileOptions tiles;
   std::string json;
@@ -41,6 +47,20 @@ uint64_t FirstSeed(const Arguments& arguments, Pool pool) {
   return arguments.seed.value_or(pool == Pool::kTuning ? kFirstTuningSeed : kFirstReportSeed);
 }
 
+std::vector<WorldLook> LooksFor(const Arguments& arguments, Pool pool) {
+  std::vector<WorldLook> looks;
+  for (WorldLook& look : WorldLooks(pool, arguments.num_frames)) {
+    const auto& wanted = arguments.looks;
+    const bool is_wanted =
+        wanted.empty() || std::find(wanted.begin(), wanted.end(), look.name) != wanted.end();
+    if (!is_wanted) continue;
+    if (arguments.cell_size_m) look.scenario.cell_size_m = *arguments.cell_size_m;
+    if (!arguments.conditions.empty()) look.scenario.conditions = arguments.conditions;
+    looks.push_back(std::move(look));
+  }
+  return looks;
+}
+
 // Photographs first, then worlds; all at the scale of the comparison.
 std::vector<LabelledPicture> ReadAndRender(const Arguments& arguments, Pool pool) {
   const double ground_sampling_m = arguments.tiles.ground_sampling_m;
@@ -49,7 +69,7 @@ std::vector<LabelledPicture> ReadAndRender(const Arguments& arguments, Pool pool
   for (LabelledPicture& picture : ReadRecordedPictures(pool, ground_sampling_m, run)) {
     pictures.push_back(Blurred(std::move(picture), arguments.lens_blur_px));
   }
-  for (const WorldLook& look : LooksOf(pool, arguments.num_frames)) {
+  for (const WorldLook& look : LooksFor(arguments, pool)) {
     for (int i = 0; i < arguments.num_worlds; ++i) {
       const uint64_t seed =
           FirstSeed(arguments, pool) + static_cast<uint64_t>(i) * arguments.seed_step;
@@ -82,20 +102,22 @@ void Run(const Arguments& arguments) {
   cv::setNumThreads(arguments.num_jobs);
   const Pool pool = arguments.pool == NameOf(Pool::kReport) ? Pool::kReport : Pool::kTuning;
   const std::vector<LabelledPicture> pictures = ReadAndRender(arguments, pool);
-  const Json report{{"pool", arguments.pool},
-                    {"ground_sampling_m", arguments.tiles.ground_sampling_m},
-                    {"lens_blur_px", arguments.lens_blur_px},
-                    {"tile_m", arguments.tiles.tile_m},
-                    {"first_seed", FirstSeed(arguments, pool)},
-                    {"seed_step", arguments.seed_step},
-                    {"num_worlds", arguments.num_worlds},
-                    {"num_frames", arguments.num_frames},
-                    {"covers", CompareLooks(Measured(pictures, arguments))}};
+  Json report{{"pool", arguments.pool},
+              {"ground_sampling_m", arguments.tiles.ground_sampling_m},
+              {"lens_blur_px", arguments.lens_blur_px},
+              {"tile_m", arguments.tiles.tile_m},
+              {"first_seed", FirstSeed(arguments, pool)},
+              {"seed_step", arguments.seed_step},
+              {"num_worlds", arguments.num_worlds},
+              {"num_frames", arguments.num_frames},
+              {"covers", CompareLooks(Measured(pictures, arguments))}};
+  if (arguments.cell_size_m) report["cell_size_m"] = *arguments.cell_size_m;
+  if (!arguments.conditions.empty()) report["conditions"] = arguments.conditions;
   std::cout << ComparisonAsMarkdown(report);
   if (!arguments.json.empty()) WriteTextFile(arguments.json, report.dump(1) + "\n");
   if (arguments.pictures.empty()) return;
   std::vector<std::string> looks{kRecorded};
-  for (const WorldLook& look : LooksOf(pool, arguments.num_frames)) looks.push_back(look.name);
+  for (const WorldLook& look : LooksFor(arguments, pool)) looks.push_back(look.name);
   DrawCrops(arguments.pictures, pictures, looks);
 }
 
@@ -108,6 +130,12 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 1000));
   app.add_option("--frames", arguments.num_frames, "photographs per world")
       ->check(CLI::Range(3, 300));
+  app.add_option("--look", arguments.looks, "kinds of world; all if not given")
+      ->check(CLI::IsMember({"painted", "textured", "ground"}));
+  app.add_option("--cell", arguments.cell_size_m, "metres; 0.1 for textured, else 0.2")
+      ->check(CLI::Range(0.1, 1.0));
+  app.add_option("--conditions", arguments.conditions, "plain, or as recorded flights show them")
+      ->check(CLI::IsMember({"plain", "recorded"}));
   app.add_option("--gsd", arguments.tiles.ground_sampling_m, "metres per pixel of the comparison");
   app.add_option("--lens-blur",
                  arguments.lens_blur_px,

@@ -167,7 +167,7 @@ TEST_CASE("frames: a world is flagged if its median lies outside of what photogr
 TEST_CASE("frames: a run cannot render a seed of the other pool") {
   PoolOfRun run;
   run.Add("place snowpeak_ebee", Pool::kReport);
-  const WorldLook look = LooksOf(Pool::kReport, 3).front();
+  const WorldLook look = WorldLooks(Pool::kReport, 3).front();
   CHECK_THROWS_WITH_AS(RenderPictures(0, look, run),
                        doctest::Contains("seed 0 is of the pool tuning"),
                        std::invalid_argument);

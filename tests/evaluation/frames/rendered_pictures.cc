@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kFrameSpacingM = 75.0;
 constexpr double kLegSpacingM = 90.0;
+constexpr double kTexturedCellM = 0.1;
 
 struct SeenGround {
   cv::Mat1b cover;
@@ -45,15 +46,15 @@ SeenGround SeenFrom(const Scenario& scenario, const Renderer& renderer, size_t e
 
 }  // namespace
 
-std::vector<WorldLook> LooksOf(Pool pool, int num_frames) {
+std::vector<WorldLook> WorldLooks(Pool pool, int num_frames) {
   ScenarioOptions painted;
   painted.num_frames = num_frames;
   painted.frame_spacing_m = kFrameSpacingM;
   painted.leg_spacing_m = kLegSpacingM;
   ScenarioOptions textured = painted;
   textured.texture = textured.conditions = "recorded";
-  textured.cell_size_m = 0.1;
   ScenarioOptions ground = textured;
+  textured.cell_size_m = kTexturedCellM;
   ground.ground = NameOf(pool);
   return {{"painted", painted}, {"textured", textured}, {"ground", ground}};
 }

@@ -18,9 +18,9 @@ struct WorldLook {
   ScenarioOptions scenario;
 };
 
-// "painted", "textured" (recorded texture and conditions) and "ground" (real ground of the pool,
-// with both).
-std::vector<WorldLook> LooksOf(Pool pool, int num_frames);
+// "painted", "textured" (recorded texture and conditions, at cells of 0.1 m) and "ground" (real
+// ground of the pool, with both).
+std::vector<WorldLook> WorldLooks(Pool pool, int num_frames);
 
 // At full size. Photographs lie so far apart that they show different ground. The seed and the
 // ground are added to `run`.
