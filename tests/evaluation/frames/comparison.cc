@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <limits>
 #include <sstream>
 
 namespace freelsd {
@@ -13,6 +12,8 @@ using Json = nlohmann::json;
 
 constexpr double kLowShare = 0.05;
 constexpr double kHighShare = 0.95;
+// Probabilities of photographs that were trained on are all alike.
+constexpr double kLeastWidth = 0.01;
 
 double Rounded(double value) {
   constexpr double kScale = 1e4;
@@ -56,8 +57,7 @@ std::string Text(double value) {
 }
 
 bool IsFlagged(const Json& spread) {
-  return spread.contains("distance_outside") &&
-         (spread["distance_outside"].is_null() || spread["distance_outside"].get<double>() > 0.0);
+  return spread.contains("distance_outside") && spread["distance_outside"].get<double>() > 0.0;
 }
 
 // "0.010 / 0.020 / 0.030", the median bold and marked where it is flagged.
@@ -121,10 +121,8 @@ std::vector<Flag> FlagsOf(const Json& covers) {
     for (const auto& [measure, spreads] : compared.at("measures").items()) {
       for (const auto& [look, spread] : spreads.items()) {
         if (!IsFlagged(spread)) continue;
-        const Json& distance = spread.at("distance_outside");
-        flags.push_back(
-            {distance.is_null() ? std::numeric_limits<double>::infinity() : distance.get<double>(),
-             "| " + cover + " | " + measure + " | " + look + " | "});
+        flags.push_back({spread.at("distance_outside").get<double>(),
+                         "| " + cover + " | " + measure + " | " + look + " | "});
       }
     }
   }
@@ -151,7 +149,7 @@ Spread SpreadOf(const std::vector<double>& values) {
 
 double DistanceOutside(double median, const Spread& recorded) {
   const double excess = std::max(recorded.low - median, median - recorded.high);
-  return excess <= 0.0 ? 0.0 : excess / (recorded.high - recorded.low);
+  return excess <= 0.0 ? 0.0 : excess / std::max(recorded.high - recorded.low, kLeastWidth);
 }
 
 Json CompareLooks(const TilesOfLooks& tiles) {

@@ -22,8 +22,8 @@ struct Spread {
 };
 Spread SpreadOf(const std::vector<double>& values);
 
-// How far a median lies outside of a spread, in widths of the spread; 0 inside. Infinite if the
-// spread has no width.
+// How far a median lies outside of a spread, in widths of the spread; 0 inside. A spread is at
+// least 0.01 wide.
 double DistanceOutside(double median, const Spread& recorded);
 
 struct LookTiles {

@@ -133,6 +133,7 @@ TEST_CASE("frames: the distance outside of a spread is counted in its widths") {
   CHECK(DistanceOutside(2.5, recorded) == 0.0);
   CHECK(DistanceOutside(4.0, recorded) == 0.5);
   CHECK(DistanceOutside(-1.0, recorded) == 1.0);
+  CHECK(DistanceOutside(1.02, {1.0, 1.0, 1.0}) == doctest::Approx(2.0));
 }
 
 LookTiles TilesOf(double value, size_t num_tiles) {
