@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <opencv2/imgproc.hpp>
+
 #include "tests/synthetic/world.h"
 
 namespace freelsd {
@@ -44,11 +46,21 @@ cv::Mat1f ShadeHeight(const World& world) {
   return by_rows ? shade : cv::Mat1f(shade.t());
 }
 
+// What is seen of low growth from afar: tussocks, not blades.
+cv::Mat1f Relief(const World& world) {
+  constexpr float kTallestM = 0.6f;
+  constexpr double kReachM = 0.45;
+  const int side = 2 * static_cast<int>(std::lround(kReachM / world.cell_size_m)) + 1;
+  cv::Mat1f growth = cv::min(world.surface - world.ground, kTallestM);
+  cv::boxFilter(growth, growth, CV_32F, {side, side});
+  return world.ground + growth;
+}
+
 // Upward normal by central differences. A recorded texture has the shade of its own blades: there
-// the normal is that of the ground below.
-Eigen::Vector3f NormalAt(const World& world, int row, int col) {
+// the normal is that of `relief`.
+Eigen::Vector3f NormalAt(const World& world, const cv::Mat1f& relief, int row, int col) {
   const bool is_textured = !world.is_textured.empty() && world.is_textured(row, col) != 0;
-  const cv::Mat1f& height = is_textured ? world.ground : world.surface;
+  const cv::Mat1f& height = is_textured ? relief : world.surface;
   const int n = world.num_cells();
   const int west = std::max(col - 1, 0), east = std::min(col + 1, n - 1);
   const int south = std::max(row - 1, 0), north = std::min(row + 1, n - 1);
@@ -71,6 +83,7 @@ float Facing(Cover cover, const Eigen::Vector3f& normal, const Eigen::Vector3f& 
 }  // namespace
 
 void World::Light() {
+  const cv::Mat1f relief = is_textured.empty() ? ground : Relief(*this);
   const cv::Mat1f shade = ShadeHeight(*this);
   const Eigen::Vector3f sun = sun_in_world.cast<float>();
   const float sky_part = static_cast<float>(sky_share);
@@ -82,7 +95,7 @@ void World::Light() {
           radiance(row, col) = albedo(row, col);
           continue;
         }
-        const Eigen::Vector3f normal = NormalAt(*this, row, col);
+        const Eigen::Vector3f normal = NormalAt(*this, relief, row, col);
         const float depth = shade(row, col) - surface(row, col);
         const float lit = 1.0f - std::clamp(depth / kPenumbraM, 0.0f, 1.0f);
         const float direct =

@@ -66,7 +66,7 @@ Conditions RecordedConditions(uint64_t seed) {
     camera.vignetting_ratio = -0.16;
     camera.exposure_step_ratio = 0.5;
   }
-  camera.haze_ratio = uniform(kHaze, 0.0, 0.2);
+  camera.haze_ratio = uniform(kHaze, 0.0, 0.06);
   camera.lens_blur_px = uniform(kLensBlur, 0.4, 0.9);
   camera.exposure_s = uniform(kShutter, 1.0 / 1000.0, 1.0 / 250.0);
   conditions.turn_rate_deg_s = 3.0;

@@ -15,8 +15,8 @@ namespace {
 enum Purpose : uint64_t { kEast = 621, kNorth, kHeading };
 
 constexpr double kMaxShiftM = 40.0;
-// A photograph is coarse where its pixels are this much wider than the world's cells.
-constexpr double kCoarseRatio = 1.6;
+// A photograph is coarse where its pixels are wider than those of a camera at 100 m.
+constexpr double kCoarseCellM = 0.25;
 // Nothing stands this close around the place, nor in its gaps.
 constexpr double kBareM = 10.0;
 // Over this distance the countryside's heights become those of the place: over 10 m a hillside
@@ -121,16 +121,23 @@ void FillGrids(World& world, const RealGround& on_grid, const WorldOptions& opti
   });
 }
 
+float MeanBrightness(const cv::Mat3b& picture, const cv::Mat1b& mask) {
+  const cv::Scalar mean = cv::mean(picture, mask);
+  return static_cast<float>(std::max(mean[0] + mean[1] + mean[2], 1.0));
+}
+
 // A photograph has its own sun and shade. Of a coarse one, crowns have leaves in space instead:
 // along their sides it would be drawn out.
 void Show(const RealGround& on_grid, bool is_coarse, World& world) {
   const cv::Mat1b is_shown = on_grid.is_known != 0;
   if (on_grid.has_wrong_colors) {
     const cv::Mat3b hue = world.albedo.clone();
+    const float usual =
+        MeanBrightness(hue, is_shown) / MeanBrightness(on_grid.photograph, is_shown);
     ForEachCell(world, [&](int row, int col) {
       if (is_shown(row, col) == 0) return;
       const cv::Vec3b &seen = on_grid.photograph(row, col), &painted = hue(row, col);
-      const float gain = static_cast<float>(seen[0] + seen[1] + seen[2]) /
+      const float gain = usual * static_cast<float>(seen[0] + seen[1] + seen[2]) /
                          static_cast<float>(std::max(1, painted[0] + painted[1] + painted[2]));
       for (int i = 0; i < 3; ++i) {
         world.albedo(row, col)[i] = cv::saturate_cast<uint8_t>(gain * painted[i]);
@@ -169,7 +176,7 @@ World MakeWorldAround(const RealGround& place,
   PloughFields(world);
   FillGrids(world, on_grid, options);
   world.Paint();
-  Show(on_grid, place.cell_size_m > kCoarseRatio * world.cell_size_m, world);
+  Show(on_grid, place.cell_size_m > kCoarseCellM, world);
   world.Light();
   return world;
 }

@@ -222,7 +222,9 @@ void ReadPhotograph(const std::string& path, RealGround& place) {
   if (photograph.empty()) throw std::runtime_error("cannot read " + path);
   if (photograph.type() == CV_8UC3) {
     place.photograph = photograph;
-    place.is_known = cv::Mat1b(photograph.size(), uint8_t{255});
+    // What was not photographed is black.
+    cv::inRange(photograph, cv::Scalar::all(0), cv::Scalar::all(0), place.is_known);
+    place.is_known = place.is_known == 0;
     return;
   }
   if (photograph.type() != CV_8UC4) {

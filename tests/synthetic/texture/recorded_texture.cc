@@ -12,9 +12,6 @@ namespace freelsd {
 namespace {
 
 constexpr int kLeastSidePx = 12;
-// A triangle's edge, as a share of the piece's narrower side. The pieces around a vertex reach one
-// edge to all sides.
-constexpr double kEdgeRatio = 0.34;
 // Weights are sharpened: over most of a triangle one piece alone is seen.
 constexpr double kSharpness = 4.0;
 enum Purpose : uint64_t { kPieceCol = 701, kPieceRow };
@@ -70,7 +67,8 @@ std::array<Corner, 3> TriangleAround(double x, double y) {
 
 }  // namespace
 
-RecordedTexture::RecordedTexture(const cv::Mat3b& piece, uint64_t seed) : seed_(seed) {
+RecordedTexture::RecordedTexture(const cv::Mat3b& piece, uint64_t seed, double edge_ratio)
+    : seed_(seed) {
   const int side = std::min(piece.cols, piece.rows);
   if (side < kLeastSidePx) {
     throw std::invalid_argument("texture: a piece is " + std::to_string(side) +
@@ -80,7 +78,7 @@ RecordedTexture::RecordedTexture(const cv::Mat3b& piece, uint64_t seed) : seed_(
   piece_ -= SlowChange(piece_);
   const cv::Scalar mean = cv::mean(piece);
   for (int i = 0; i < 3; ++i) mean_[i] = static_cast<float>(mean[i]);
-  edge_px_ = static_cast<int>(kEdgeRatio * side);
+  edge_px_ = std::max(1, static_cast<int>(edge_ratio * side));
 }
 
 cv::Vec3f RecordedTexture::PieceAt(int vertex_col, int vertex_row, int col, int row) const {

@@ -18,9 +18,11 @@ namespace freelsd {
 // whole piece (lens, light) are removed.
 class RecordedTexture {
  public:
-  // `piece`: BGR, at the scale of the world's cells. Throws std::invalid_argument if it is narrower
-  // than 12 pixels.
-  RecordedTexture(const cv::Mat3b& piece, uint64_t seed);
+  // `piece`: BGR, at the scale of the world's cells. `edge_ratio`: of a triangle's edge to the
+  // piece's narrower side. Longer edges keep rows together and show less of the piece: what is
+  // within one edge of its border lies around no vertex. Throws std::invalid_argument if the piece
+  // is narrower than 12 pixels.
+  RecordedTexture(const cv::Mat3b& piece, uint64_t seed, double edge_ratio = 0.17);
 
   // BGR, 0..255, not rounded. Any cell of the plane.
   cv::Vec3f At(int col, int row) const;

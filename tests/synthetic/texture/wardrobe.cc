@@ -16,6 +16,9 @@ namespace {
 
 constexpr const char* kSources = FREELSD_SOURCE_DIR "/tests/synthetic/texture/sources.csv";
 constexpr uint64_t kTexturePurpose = 711;
+// Of RecordedTexture.
+constexpr double kEdgeRatio = 0.17;
+constexpr double kEdgeRatioOfRows = 0.34;
 // Of a crown's leaves in space the renderer knows more than a picture from above.
 bool HasLeaves(Cover cover) {
   return cover == Cover::kTree || cover == Cover::kBareTree || cover == Cover::kHedge;
@@ -129,8 +132,9 @@ Wardrobe Wardrobe::Read(const std::string& pool, double cell_size_m) {
   for (const TextureSource& source : ReadTextureSources()) {
     if (source.pool != pool) continue;
     auto& textures = wardrobe.textures_[static_cast<size_t>(source.cover)];
-    textures.emplace_back(ReadPiece(source, cell_size_m),
-                          MixSeed(kTexturePurpose, textures.size()));
+    const double edge_ratio = source.kind == "straw rows" ? kEdgeRatioOfRows : kEdgeRatio;
+    textures.emplace_back(
+        ReadPiece(source, cell_size_m), MixSeed(kTexturePurpose, textures.size()), edge_ratio);
   }
   return wardrobe;
 }
