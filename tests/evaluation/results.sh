@@ -5,7 +5,7 @@
 #   FREELSD_DATA=FOLDER tests/evaluation/results.sh [NUM_WORLDS [NUM_WORLDS_IN_NOISE [PART...]]] \
 #     > tests/evaluation/RESULTS.md
 #
-# Parts: world worlds textured ground noise2 damage frames flights survey bench. The default is all
+# Parts: world worlds textured ground places look noise2 damage frames flights survey bench. The default is all
 # parts. `world` is the table of world.sh; worlds, textured and ground print the reports behind it.
 # build/reports keeps each part with the revision that made it. The document contains all kept
 # parts and marks those of an older revision. build/reports also holds the reports of the worlds, so
@@ -13,7 +13,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 programs=build/release/tests
-all_parts=(world worlds textured ground places noise2 damage frames flights survey bench)
+all_parts=(world worlds textured ground places look noise2 damage frames flights survey bench)
 num_worlds="${1:-24}"
 num_in_noise="${2:-24}"
 parts=("${@:3}")
@@ -59,6 +59,13 @@ make() {
       heading "New places" "tests/evaluation/world.sh --row places" \
         "$(revision_of "$reports/places.json")"
       sed -n '/^## Variation none/,$p' "$reports/places.txt" | sed 's/^##/###/'
+      ;;
+    look)
+      local pool
+      heading "Frames beside photographs" "freelsd-frames --pool tuning, then --pool report"
+      for pool in tuning report; do
+        $programs/freelsd-frames --pool $pool --jobs "$(nproc)" | sed 's/^#/##/'
+      done
       ;;
     noise2)
       worlds noise2 "Painted worlds, noise doubled" --seed 52000 --worlds "$num_in_noise" --noise 2
