@@ -1,4 +1,4 @@
-// The photographs of a survey with what people outlined and what the engine accepted, to be looked
+// The photographs of a survey with the outlines and what the engine accepted, to be looked
 // at.
 #pragma once
 

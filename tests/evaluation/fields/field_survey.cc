@@ -14,7 +14,7 @@ PipelineOptions OptionsFor(const Aircraft& aircraft) {
   return options;
 }
 
-// `share`: of a thing's height, where its outline lies. Of a pole people outline the top.
+// `share`: of a thing's height, where its outline lies. The outline of a pole is its top.
 double RaiseOf(const Outline& outline, double share) {
   if (outline.height_m <= kMaxLowHeightM) return 0.0;
   return (outline.kind == OutlineKind::kPole ? 1.0 : share) * outline.height_m;
@@ -34,9 +34,9 @@ std::vector<GroundOutline> Projected(const std::vector<Outline>& outlines,
   return on_ground;
 }
 
-// Twice: things stand on the bare ground, which is known once their outlines are. People outlined
-// crowns at one share of their height on one flight and at another on the next: the share at which
-// the views of tall things agree best is taken.
+// Twice: things stand on the bare ground, which is known once their outlines are. Crowns were
+// outlined at one share of their height on one flight and at another on the next: the share at
+// which the views of tall things agree best is taken.
 LabelledGround GroundOf(const std::vector<Outline>& outlines, const Evaluation& evaluation) {
   const ElevationMap& map = evaluation.map;
   const double position_sd_m = evaluation.block.position_sd_m;

@@ -1,4 +1,4 @@
-// Input: a recorded flight, outlines that people drew on its photographs, an aircraft. Output: what
+// Input: a recorded flight, outlines drawn on its photographs, an aircraft. Output: what
 // the engine accepted in many winds, judged, and what became of each field.
 #pragma once
 

@@ -1,5 +1,5 @@
 // freelsd-fields: the sites that the engine accepts on recorded flights, scored against outlines
-// that people drew on the photographs; tables in Markdown.
+// drawn by eye on the photographs; tables in Markdown.
 #include <exception>
 #include <iostream>
 
@@ -68,7 +68,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
 int main(int argc, char** argv) {
   try {
     freelsd::Arguments arguments;
-    CLI::App app("Scores the sites accepted on recorded flights against outlines drawn by people.");
+    CLI::App app("Scores the sites accepted on recorded flights against outlines drawn by eye.");
     freelsd::AddOptions(app, arguments);
     CLI11_PARSE(app, argc, argv);
     std::cout << freelsd::FieldTables(freelsd::ReportOf(arguments).at("surveys"));

@@ -1,4 +1,4 @@
-// Input: ground that people would land on. Output: where an aircraft fits on it in a wind, by the
+// Input: ground fit to land on by eye. Output: where an aircraft fits on it in a wind, by the
 // outlines alone.
 #pragma once
 

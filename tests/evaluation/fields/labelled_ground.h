@@ -1,4 +1,4 @@
-// Input: outlines on the ground. Output: what people see there, cell by cell, and how far their
+// Input: outlines on the ground. Output: what is seen there, cell by cell, and how far their
 // outlines can be trusted.
 #pragma once
 
