@@ -52,8 +52,10 @@ struct Outcome {
   double along = 0.0;
 };
 
+// Ground in doubt counts for nothing: no flight fails by it.
 bool IsFree(const TruthMap& truth, const cv::Point& cell, ThinThings thin) {
   if (truth.fault(cell) == static_cast<uint8_t>(GroundFault::kNone)) return true;
+  if (NameOfFault(truth, cell) == CoverName(Cover::kDoubt)) return true;
   return thin == ThinThings::kIgnore && IsThinFault(truth, cell);
 }
 
