@@ -40,7 +40,7 @@ ErrorPlane FitWithin(const std::vector<HeightError>& errors,
 double ErrorPlane::TiltDeg() const { return DegFromRad(std::atan(gradient.norm())); }
 
 ErrorPlane FitErrorPlane(const std::vector<HeightError>& errors) {
-  const ErrorPlane all = FitWithin(errors, {}, std::numeric_limits<double>::infinity());
+  ErrorPlane all = FitWithin(errors, {}, std::numeric_limits<double>::infinity());
   Sums residual;
   for (const HeightError& each : errors) residual.Add(each.error - all.At(each.place));
   if (residual.count == 0) return all;

@@ -47,7 +47,8 @@ TEST_CASE("map shift: the shift of a whole map is found from an estimate that is
   const TruthMap truth = MakeTruthMap(world, AircraftProfile("small").value());
   const ErrorPlane height{3.0, {0.01, 0.0}};
   const Eigen::Vector2d shift(3.0, -5.0);
-  const ElevationMap map = MapOf(world, height, [&](const Eigen::Vector2d&) { return shift; });
+  const ElevationMap map =
+      MapOf(world, height, [](const Eigen::Vector2d&) { return Eigen::Vector2d(3.0, -5.0); });
   const MapOffset offset = OffsetOfMap(world, truth, map, height, {-1.0, -1.0});
   CHECK((offset.shift - shift).norm() < kToleranceM);
   CHECK((offset.ShiftAt({10.0, 10.0}) - shift).norm() < kToleranceM);
