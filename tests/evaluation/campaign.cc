@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
-#include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <mutex>
 #include <set>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -217,14 +213,10 @@ void Sort(Json& records) {
 
 // The records of an earlier run with the same settings, of the seeds that are asked for.
 Json ReadRecords(const CampaignOptions& options) {
-  if (!options.resumes || !std::filesystem::exists(options.json)) return Json::array();
-  const Json report = Json::parse(ReadTextFile(options.json));
-  if (report.at("settings") != SettingsOf(options)) {
-    throw std::runtime_error(options.json +
-                             " was made with other settings: " + report.at("settings").dump());
-  }
+  if (!options.resumes) return Json::array();
+  const Json report = ReadReportToContinue(options.json, SettingsOf(options));
   Json records = Json::array();
-  for (const Json& record : report.at("worlds")) {
+  for (const Json& record : report.value("worlds", Json::array())) {
     const auto seed = record.at("seed").get<uint64_t>();
     if (seed >= options.seed && seed - options.seed < static_cast<uint64_t>(options.num_worlds)) {
       records.push_back(record);
@@ -233,50 +225,40 @@ Json ReadRecords(const CampaignOptions& options) {
   return records;
 }
 
-// Gives out seeds and takes records, to and from several threads.
+// Flies the worlds that are not in the report yet, several at once, and takes their records.
 class Campaign {
  public:
   Campaign(const CampaignOptions& options, const Classifier& classifier)
       : options_(options),
         classifier_(classifier),
         records_(ReadRecords(options)),
-        bar_(options.num_worlds, options.num_jobs) {
-    for (const Json& record : records_) done_.insert(record.at("seed").get<uint64_t>());
-  }
+        bar_(options.num_worlds, options.num_jobs) {}
 
   Json Run() {
-    std::vector<std::thread> jobs;
-    for (int i = 1; i < options_.num_jobs; ++i) jobs.emplace_back([this] { Work(); });
-    Work();
-    for (std::thread& job : jobs) job.join();
-    if (failure_) std::rethrow_exception(failure_);
+    const std::vector<int> worlds = WorldsToFly();
+    DoAll(worlds.size(), options_.num_jobs, [&](size_t i) { Fly(worlds[i]); });
     return Report();
   }
 
  private:
-  // Number of the next world that is still to be flown; num_worlds where none is.
-  int Next() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (failure_) return options_.num_worlds;
-    while (next_ < options_.num_worlds && done_.contains(SeedOf(next_))) ++next_;
-    return next_ < options_.num_worlds ? next_++ : options_.num_worlds;
-  }
   uint64_t SeedOf(int world) const { return options_.seed + static_cast<uint64_t>(world); }
 
-  void Work() {
-    try {
-      for (int world = Next(); world < options_.num_worlds; world = Next()) {
-        const uint64_t seed = SeedOf(world);
-        Keep(
-            EvaluateWorld(options_, classifier_, seed, [&](double share, const std::string& stage) {
-              bar_.Tell(world, seed, stage, share);
-              return true;
-            }));
-      }
-    } catch (...) {  // handed on to the thread that waits
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (!failure_) failure_ = std::current_exception();
+  std::vector<int> WorldsToFly() const {
+    std::set<uint64_t> done;
+    for (const Json& record : records_) done.insert(record.at("seed").get<uint64_t>());
+    std::vector<int> worlds;
+    for (int world = 0; world < options_.num_worlds; ++world) {
+      if (!done.contains(SeedOf(world))) worlds.push_back(world);
     }
+    return worlds;
+  }
+
+  void Fly(int world) {
+    const uint64_t seed = SeedOf(world);
+    Keep(EvaluateWorld(options_, classifier_, seed, [&](double share, const std::string& stage) {
+      bar_.Tell(world, seed, stage, share);
+      return true;
+    }));
   }
 
   void Keep(Json record) {
@@ -291,13 +273,10 @@ class Campaign {
 
   const CampaignOptions& options_;
   const Classifier& classifier_;
-  // Guards records_, done_, next_ and failure_, which the jobs share, and the file of the records.
+  // Guards records_, which the jobs share, and the file of the records.
   std::mutex mutex_;
   Json records_;
   ProgressBar bar_;
-  std::set<uint64_t> done_;
-  int next_ = 0;
-  std::exception_ptr failure_;
 };
 
 }  // namespace
@@ -327,14 +306,10 @@ Json RunCampaign(const CampaignOptions& options, const Classifier& classifier) {
 }
 
 Json MergeReports(const std::vector<Json>& reports) {
-  if (reports.empty()) throw std::runtime_error("no report to merge");
+  const Json settings = SharedSettings(reports);
   Json records = Json::array();
   std::set<uint64_t> seeds;
   for (const Json& report : reports) {
-    if (report.at("settings") != reports.front().at("settings")) {
-      throw std::runtime_error("reports of different settings: " + report.at("settings").dump() +
-                               " and " + reports.front().at("settings").dump());
-    }
     for (const Json& record : report.at("worlds")) {
       const uint64_t seed = record.at("seed").get<uint64_t>();
       if (!seeds.insert(seed).second) {
@@ -344,26 +319,7 @@ Json MergeReports(const std::vector<Json>& reports) {
     }
   }
   Sort(records);
-  return MakeReport(reports.front().at("settings"), records);
-}
-
-std::string ReadTextFile(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("cannot read " + path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-void WriteTextFile(const std::string& path, const std::string& text) {
-  const std::string part = path + ".part";
-  {
-    std::ofstream file(part, std::ios::binary);
-    file << text;
-    file.flush();
-    if (!file) throw std::runtime_error("cannot write " + part);
-  }
-  std::filesystem::rename(part, path);
+  return MakeReport(settings, records);
 }
 
 }  // namespace freelsd

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/classification/classification.h"
+#include "tests/evaluation/runs/runs.h"
 #include "tests/evaluation/synthetic_flight.h"
 
 namespace freelsd {
@@ -43,9 +44,5 @@ nlohmann::json RunCampaign(const CampaignOptions& options, const Classifier& cla
 // One report of the worlds of several. Throws std::runtime_error where settings differ or a seed
 // is in two of them.
 nlohmann::json MergeReports(const std::vector<nlohmann::json>& reports);
-
-std::string ReadTextFile(const std::string& path);
-// Whole or not at all: a run that is interrupted must not spoil what it would go on from.
-void WriteTextFile(const std::string& path, const std::string& text);
 
 }  // namespace freelsd

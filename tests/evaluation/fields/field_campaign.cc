@@ -1,13 +1,11 @@
 #include "tests/evaluation/fields/field_campaign.h"
 
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <mutex>
 #include <set>
 #include <stdexcept>
-#include <thread>
 
 #include "tests/evaluation/campaign.h"
 #include "tests/evaluation/fields/field_pictures.h"
@@ -44,13 +42,8 @@ std::string NameOfFlight(const std::string& folder) {
 }
 
 Json ReadRecords(const FieldCampaignOptions& options) {
-  if (!options.resumes || !std::filesystem::exists(options.json)) return Json::array();
-  const Json report = Json::parse(ReadTextFile(options.json));
-  if (report.at("settings") != SettingsOf(options)) {
-    throw std::runtime_error(options.json +
-                             " was made with other settings: " + report.at("settings").dump());
-  }
-  return report.at("surveys");
+  if (!options.resumes) return Json::array();
+  return ReadReportToContinue(options.json, SettingsOf(options)).value("surveys", Json::array());
 }
 
 // Gives out flights and takes records, to and from several threads.
@@ -62,37 +55,18 @@ class Campaign {
   }
 
   Json Run() {
-    std::vector<std::thread> jobs;
-    for (int i = 1; i < options_.num_jobs; ++i) jobs.emplace_back([this] { Work(); });
-    Work();
-    for (std::thread& job : jobs) job.join();
-    if (failure_) std::rethrow_exception(failure_);
+    DoAll(options_.flights.size(), options_.num_jobs, [&](size_t i) { Fly(options_.flights[i]); });
     return ReportOf(SettingsOf(options_), records_);
   }
 
  private:
-  // Number of the next flight; that of all flights where none is left.
-  size_t Next() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return failure_ ? options_.flights.size() : std::min(next_++, options_.flights.size());
-  }
-
-  void Work() {
-    try {
-      for (size_t i = Next(); i < options_.flights.size(); i = Next()) Fly(options_.flights[i]);
-    } catch (...) {  // handed on to the thread that waits
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (!failure_) failure_ = std::current_exception();
-    }
-  }
-
   void Fly(const std::string& folder) {
     const std::string name = NameOfFlight(folder);
     const std::string labels = (std::filesystem::path(options_.labels) / (name + ".txt")).string();
     const std::vector<Outline> outlines = ParseOutlines(ReadTextFile(labels), labels);
     std::optional<RecordedFrames> frames;
     for (const std::string& profile : options_.aircraft) {
-      if (IsDone({name, profile})) continue;
+      if (done_.contains({name, profile})) continue;
       if (!frames) frames = ReadRecordedFrames(folder);
       const FieldSurvey survey = SurveyFields(
           {name, *frames, outlines, *AircraftProfile(profile), options_.blindings}, classifier_);
@@ -103,11 +77,6 @@ class Campaign {
       }
       Keep(RecordOf(survey));
     }
-  }
-
-  bool IsDone(const SurveyKey& key) {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return done_.contains(key);
   }
 
   void Keep(Json record) {
@@ -123,12 +92,11 @@ class Campaign {
 
   const FieldCampaignOptions& options_;
   const Classifier& classifier_;
-  // Guards the rest, which the jobs share, and the file of the records.
+  // Guards records_, which the jobs share, and the file of the records.
   std::mutex mutex_;
   Json records_;
+  // What the report to continue from holds. It does not change during the run.
   std::set<SurveyKey> done_;
-  size_t next_ = 0;
-  std::exception_ptr failure_;
 };
 
 }  // namespace
@@ -140,7 +108,7 @@ void FieldCampaignOptions::Check() const {
   }
   PoolOfRun run;
   for (const std::string& folder : flights) {
-    const std::string name = std::filesystem::path(folder).filename().string();
+    const std::string name = NameOfFlight(folder);
     run.Add("flight " + name, EvaluationPools().Of("flight", name));
   }
 }
@@ -152,14 +120,10 @@ Json RunFieldCampaign(const FieldCampaignOptions& options, const Classifier& cla
 }
 
 Json MergeFieldReports(const std::vector<Json>& reports) {
-  if (reports.empty()) throw std::runtime_error("no report to merge");
+  const Json settings = SharedSettings(reports);
   Json records = Json::array();
   std::set<SurveyKey> keys;
   for (const Json& report : reports) {
-    if (report.at("settings") != reports.front().at("settings")) {
-      throw std::runtime_error("reports of different settings: " + report.at("settings").dump() +
-                               " and " + reports.front().at("settings").dump());
-    }
     for (const Json& record : report.at("surveys")) {
       if (!keys.insert(KeyOf(record)).second) {
         throw std::runtime_error(KeyOf(record).first + " with " + KeyOf(record).second +
@@ -168,7 +132,7 @@ Json MergeFieldReports(const std::vector<Json>& reports) {
       records.push_back(record);
     }
   }
-  return ReportOf(reports.front().at("settings"), std::move(records));
+  return ReportOf(settings, std::move(records));
 }
 
 }  // namespace freelsd

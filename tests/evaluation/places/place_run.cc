@@ -1,7 +1,6 @@
 #include "tests/evaluation/places/place_run.h"
 
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <iomanip>
 #include <map>
@@ -9,7 +8,6 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
-#include <thread>
 #include <tuple>
 
 #include <opencv2/imgcodecs.hpp>
@@ -108,13 +106,9 @@ fs::path PathOf(const std::string& folder, const Work& work) {
 
 std::vector<PhotographAnswers> ReadAnswers(const PlaceRunOptions& options) {
   std::vector<PhotographAnswers> answers;
-  if (!options.resumes || !fs::exists(options.json)) return answers;
-  const Json report = Json::parse(ReadTextFile(options.json));
-  if (report.at("settings") != SettingsOf(options)) {
-    throw std::runtime_error(options.json +
-                             " was made with other settings: " + report.at("settings").dump());
-  }
-  for (const Json& photograph : report.at("photographs")) {
+  if (!options.resumes) return answers;
+  const Json report = ReadReportToContinue(options.json, SettingsOf(options));
+  for (const Json& photograph : report.value("photographs", Json::array())) {
     answers.push_back(PhotographAnswersFromJson(photograph));
   }
   return answers;
@@ -125,7 +119,7 @@ SecondOpinions SecondOpinionsIn(const std::string& labels) {
   return fs::exists(path) ? ReadSecondOpinions(path.string()) : SecondOpinions();
 }
 
-// Hands out photographs to several threads and collects their answers.
+// Judges several photographs at once and collects the answers.
 class PlaceRun {
  public:
   explicit PlaceRun(const PlaceRunOptions& options)
@@ -140,31 +134,12 @@ class PlaceRun {
   }
 
   Json Run() {
-    std::vector<std::thread> jobs;
-    for (int i = 1; i < options_.num_jobs; ++i) jobs.emplace_back([this] { JudgeAll(); });
-    JudgeAll();
-    for (std::thread& job : jobs) job.join();
-    if (failure_) std::rethrow_exception(failure_);
+    DoAll(work_.size(), options_.num_jobs, [&](size_t i) { Judge(work_[i]); });
     if (!options_.json.empty()) WriteReport();
     return MakePlaceReport(settings_, answers_);
   }
 
  private:
-  // The next photograph; nullptr if none is left.
-  const Work* Next() {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    return failure_ || next_ == work_.size() ? nullptr : &work_[next_++];
-  }
-
-  void JudgeAll() {
-    try {
-      while (const Work* work = Next()) Judge(*work);
-    } catch (...) {  // handed on to the thread that waits
-      const std::lock_guard<std::mutex> lock(mutex_);
-      if (!failure_) failure_ = std::current_exception();
-    }
-  }
-
   void Judge(const Work& work) {
     PlacePhotograph photograph;
     for (const std::string& variation : options_.variations) {
@@ -235,11 +210,9 @@ class PlaceRun {
   const std::vector<Work> work_;
   // What the report to continue from holds. It does not change during the run.
   std::set<Key> done_;
-  // Guards answers_, next_, failure_ and the file of the answers, which the jobs share.
+  // Guards answers_, which the jobs share, and the file of the answers.
   std::mutex mutex_;
   std::vector<PhotographAnswers> answers_;
-  size_t next_ = 0;
-  std::exception_ptr failure_;
 };
 
 }  // namespace
@@ -263,14 +236,10 @@ Json RunPlaces(const PlaceRunOptions& options) {
 }
 
 Json MergePlaceReports(const std::vector<Json>& reports) {
-  if (reports.empty()) throw std::runtime_error("no report to merge");
+  const Json settings = SharedSettings(reports);
   std::vector<PhotographAnswers> merged;
   std::set<Key> keys;
   for (const Json& report : reports) {
-    if (report.at("settings") != reports.front().at("settings")) {
-      throw std::runtime_error("reports of different settings: " + report.at("settings").dump() +
-                               " and " + reports.front().at("settings").dump());
-    }
     for (const Json& photograph : report.at("photographs")) {
       merged.push_back(PhotographAnswersFromJson(photograph));
       const PhotographAnswers& answers = merged.back();
@@ -280,7 +249,7 @@ Json MergePlaceReports(const std::vector<Json>& reports) {
       }
     }
   }
-  return MakePlaceReport(reports.front().at("settings"), std::move(merged));
+  return MakePlaceReport(settings, std::move(merged));
 }
 
 }  // namespace freelsd

@@ -23,7 +23,7 @@ void CheckPools(const std::vector<std::string>& folders) {
   const Pools pools = Pools::Read(FREELSD_SOURCE_DIR "/tests/evaluation/pools.csv");
   PoolOfRun run;
   for (const std::string& folder : folders) {
-    const std::string name = fs::path(folder).filename().string();
+    const std::string name = fs::canonical(folder).filename().string();
     run.Add("flight " + name, pools.Of("flight", name));
   }
 }
