@@ -12,7 +12,7 @@ constexpr double kShareOfPathHeight = 0.5;
 // Upper bound of a slice: the highest cell within reach. If this is clear, the slice is clear.
 Slice GlanceAt(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
   const int row = surface.RowAt(place.y()), col = surface.ColAt(place.x());
-  if (!surface.IsInside(row, col)) return {.is_unseen = true};
+  if (!surface.IsInside(row, col)) return {.is_unseen = true, .is_free = false};
   return {.height = surface.corridor_height(row, col),
           .row = row,
           .col = col,
@@ -50,10 +50,12 @@ Slice SliceAt(const Eigen::Vector2d& place,
     const int row = surface.RowAt(sample.y()), col = surface.ColAt(sample.x());
     if (!surface.IsInside(row, col)) {
       slice.is_unseen = true;
+      slice.is_free = false;
       continue;
     }
     slice.is_on_map = true;
     if (surface.is_unseen(row, col)) slice.is_unseen = true;
+    if (surface.hazard(row, col) != kFree) slice.is_free = false;
     if (surface.height(row, col) <= slice.height) continue;
     slice.height = surface.height(row, col);
     slice.row = row;
@@ -125,6 +127,23 @@ PathCheck Worse(const PathCheck& a, const PathCheck& b) {
   return worse;
 }
 
+double FreeRun(const Approach& approach,
+               const ClearanceSurface& surface,
+               const Aircraft& aircraft,
+               const ApproachOptions& options) {
+  const Corridor corridor =
+      MakeCorridor(approach.heading, aircraft.path_half_width_m, surface.cell_size);
+  const Eigen::Vector2d forward = DirectionOf(approach.heading);
+  const WindScenario scenario{approach.approach_distance, approach.loiter_radius};
+  double run = 0.0;
+  for (const double distance : FinalSteps(surface, scenario, aircraft, options)) {
+    const Eigen::Vector2d place = approach.touchdown_in_world.head<2>() - distance * forward;
+    if (!SliceAt(place, corridor, surface).is_free) break;
+    run = distance;
+  }
+  return run;
+}
+
 PathCheck CheckFinal(const Approach& approach,
                      const ClearanceSurface& surface,
                      const Aircraft& aircraft,
@@ -135,6 +154,7 @@ PathCheck CheckFinal(const Approach& approach,
   const Eigen::Vector2d forward = DirectionOf(approach.heading);
   const double slope = approach.approach_height / approach.approach_distance;
   const WindScenario scenario{approach.approach_distance, approach.loiter_radius};
+  const double free_run = FreeRun(approach, surface, aircraft, options);
   PathCheck check;
   bool was_on_map = false;
   for (double distance : FinalSteps(surface, scenario, aircraft, options)) {
@@ -155,7 +175,7 @@ PathCheck CheckFinal(const Approach& approach,
     was_on_map |= slice.is_on_map;
     ++check.num_steps;
     if (slice.is_unseen && check.num_unseen_steps++ == 0) check.first_unseen_distance = distance;
-    if (slice.height != kNoHeight) {
+    if (distance > free_run && slice.height != kNoHeight) {
       const Eigen::Vector2d highest = surface.CellCenter(slice.row, slice.col);
       check = WithObstacle(check,
                            {.place_in_world = {highest.x(), highest.y(), slice.height},

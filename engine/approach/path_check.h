@@ -51,6 +51,8 @@ struct Slice {
   // A cell is unseen or lies off the map.
   bool is_unseen = false;
   bool is_on_map = false;
+  // All cells are kFree.
+  bool is_free = true;
 };
 Slice SliceAt(const Eigen::Vector2d& place,
               const Corridor& corridor,
@@ -85,10 +87,18 @@ PathCheck WithObstacle(PathCheck check, const Obstacle& nearest);
 // Combines two checks into the worst case, because both paths must be clear.
 PathCheck Worse(const PathCheck& a, const PathCheck& b);
 
+// Distance to touchdown up to which all ground below the final is kFree, across the whole corridor
+// and without a gap from the edge of the touchdown disc. 0 if there is none.
+double FreeRun(const Approach& approach,
+               const ClearanceSurface& surface,
+               const Aircraft& aircraft,
+               const ApproachOptions& options);
+
 // With kUntilFailure the verdict is the same, but the clearance is only a lower bound. The check
 // starts at the edge of the touchdown disc. The corridor's half-width is path_half_width_m. The
 // needed clearance is the lesser of the safety margin and half the path's height, plus an amount
-// for the tilt of the map (decision 0019).
+// for the tilt of the map (decision 0019). The free run needs no clearance: an
+// aircraft that comes down early there lands short.
 PathCheck CheckFinal(const Approach& approach,
                      const ClearanceSurface& surface,
                      const Aircraft& aircraft,

@@ -71,8 +71,10 @@ std::optional<PathObstacle> TightestOnFinal(const Approach& approach,
   const Eigen::Vector2d touchdown = approach.touchdown_in_world.head<2>();
   const double slope = approach.approach_height / approach.approach_distance;
   const WindScenario scenario{approach.approach_distance, approach.loiter_radius};
+  const double free_run = FreeRun(approach, surface, aircraft, options);
   std::optional<PathObstacle> tightest;
   for (const double distance : FinalSteps(surface, scenario, aircraft, options)) {
+    if (distance <= free_run) continue;
     const double path = slope * distance;
     const Step step{.place = touchdown - distance * forward,
                     .height = approach.touchdown_in_world.z() + path,
