@@ -294,6 +294,13 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("score_weights",
         o.score_weights,
         "weights of hazard distance, clearance, area, slope, roughness and evidence");
+  visit("num_risk_flights", o.risk.num_risk_flights, "flights that the risk is averaged over");
+  visit("error_length_m",
+        o.risk.error_length_m,
+        "errors of the map within this distance along the path count once in the risk");
+  visit("unmeasured_wind_sd_mps",
+        o.risk.unmeasured_wind_sd_mps,
+        "standard deviation of a wind that was not measured, in the risk");
 }
 
 template <class Visitor>

@@ -17,7 +17,7 @@ nlohmann::json RuleJson(const PlaceRule& rule) {
           {"sentence", rule.sentence}};
 }
 
-// Maps hold neither risk nor cues.
+// Maps hold no cues.
 nlohmann::json EvidenceJson(const PlaceJudgement& judgement,
                             const Eigen::Vector2d& place_in_world,
                             const std::optional<std::vector<std::string>>& frames,
@@ -28,6 +28,9 @@ nlohmann::json EvidenceJson(const PlaceJudgement& judgement,
                           {"grass_probability", NumberJson(judgement.grass_probability)},
                           {"risk", nullptr},
                           {"cues", nullptr}};
+  if (judgement.plan && judgement.plan->risk) {
+    evidence["risk"] = Rounded(judgement.plan->risk->failure_probability);
+  }
   if (judgement.height) {
     const Eigen::Vector3d ground(place_in_world.x(), place_in_world.y(), *judgement.height);
     evidence["height_m"] = Rounded(AltitudeOf(ground, context.local_frame));

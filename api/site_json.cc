@@ -174,6 +174,19 @@ std::string NameOf(RejectReason reason) {
   return "no_terrain";
 }
 
+// Null without a path.
+nlohmann::json RiskProperties(const Plan& plan) {
+  if (!plan.risk) return {{"failure_probability", nullptr}, {"failure_parts", nullptr}};
+  const FailureParts& parts = plan.risk->parts;
+  return {{"failure_probability", Rounded(plan.risk->failure_probability)},
+          {"failure_parts",
+           {{"ground", Rounded(parts.ground)},
+            {"final", Rounded(parts.final_path)},
+            {"circle", Rounded(parts.circle)},
+            {"position", Rounded(parts.position)},
+            {"wind", Rounded(parts.wind)}}}};
+}
+
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
   nlohmann::json properties = SurfaceProperties(plan, context.local_frame);
   properties.update(StripProperties(plan));
@@ -182,6 +195,7 @@ nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
   if (!plan.reject_detail.empty()) properties["reject_detail"] = plan.reject_detail;
   properties["score"] = Rounded(std::clamp(plan.score, 0.0, 1.0));
   properties["score_terms"] = ScoreTermsJson(plan);
+  properties.update(RiskProperties(plan));
   properties["why"] = WhyOf(plan);
   properties["summary"] = SummaryOf(plan, context.local_frame);
   properties["rejections"] = RejectionsJson(plan, context.local_frame);

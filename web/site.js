@@ -53,6 +53,14 @@ function scoreTable(p) {
     el('tfoot', {}, el('tr', {}, el('th', { scope: 'row', colspan: 4 }, 'Score'), el('td', {}, p.score.toFixed(2)))));
 }
 
+// "1.3 % (ground 1.1 %, final 0.2 %, circle 0 %)". One flight may fail by several parts.
+function riskText({ failure_probability, failure_parts }) {
+  if (!isKnown(failure_probability)) return 'unknown';
+  const percent = (share) => `${(100 * share).toFixed(1)} %`;
+  const parts = ['ground', 'final', 'circle'].map((part) => `${part} ${percent(failure_parts[part])}`);
+  return `${percent(failure_probability)} (${parts.join(', ')})`;
+}
+
 function numbersTable(p, [lon, lat]) {
   const evidence = `grass in ${p.num_grass_observations} of ${p.num_observations} views`;
   const rows = [
@@ -62,6 +70,7 @@ function numbersTable(p, [lon, lat]) {
     ['Roughness', fixed(p.roughness_m, 2, 'm')],
     ['Usable strip', strip(p)],
     ['Hazard-free radius', distance(p.hazard_distance_m)],
+    ['Risk of a failed landing', riskText(p)],
     ['Rectangle of the region', `${area(p.area_m2)}, hazards included`],
     ['Grade', `${p.grade.toFixed(2)} (${evidence})`],
     [p.is_trial ? 'Wind of this plan' : 'Wind of the flight', windText(p.wind)],

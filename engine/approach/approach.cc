@@ -148,6 +148,21 @@ std::optional<GoAround> GoAroundOf(const Attempt& attempt,
       context.options);
 }
 
+LandingRisk RiskOf(const Approach& approach, const ApproachGround& ground) {
+  const Landing landing{
+      .touchdown_in_world = approach.touchdown_in_world,
+      .heading = approach.heading,
+      .approach_distance = approach.approach_distance,
+      .approach_height = approach.approach_height,
+      .ground_speed = approach.ground_speed.value_or(ground.profile.landing_airspeed_mps),
+      .wind_spread_mps = ground.request.wind_spread_mps,
+      .position_sd_m = PositionDeviation(ground.map, ground.options),
+      .loiter_center_in_world = approach.loiter_center_in_world.head<2>(),
+      .loiter_radius = approach.loiter_radius};
+  return RiskAssessor(ground.map, ground.hazards, ground.profile, ground.options.risk)
+      .Assess(landing);
+}
+
 // Adds a rejection with the reason why the first search failed.
 Plan InsteadOf(const Plan& first, Plan plan, const ApproachOptions& options) {
   const auto limit = static_cast<size_t>(options.max_num_rejections);
@@ -180,6 +195,7 @@ void ApproachOptions::Check() const {
   check.Inside("calm_wind_mps", calm_wind_mps, 0.0, 10.0);
   check.Inside("path_step_m", path_step_m, 0.05, 5.0);
   check.Inside("max_num_rejections", max_num_rejections, 0.0, 1e6);
+  risk.Check();
   CheckStartHeights(start_height_ratios, check);
   CheckWeights(score_weights, check);
 }
@@ -212,6 +228,7 @@ Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
     plan = Explained(std::move(plan), best, context, hazards);
     plan.approach->go_around = GoAroundOf(best, context, map, hazards);
     plan.rejections = Rejections(found.passed_over, context);
+    plan.risk = RiskOf(*plan.approach, *this);
   }
   plan.score_terms = ScoreTerms(
       ScoreInputOf(plan, best, required_hazard_distance), request, way.aircraft, options);
@@ -222,9 +239,13 @@ Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
 ApproachGround::ApproachGround(const ElevationMap& the_map,
                                const HazardLayers& the_hazards,
                                const PlanRequest& the_request,
-                               const Aircraft& profile,
+                               const Aircraft& the_aircraft,
                                const ApproachOptions& the_options)
-    : map(the_map), hazards(the_hazards), request(the_request), options(the_options) {
+    : map(the_map),
+      hazards(the_hazards),
+      request(the_request),
+      profile(the_aircraft),
+      options(the_options) {
   RequireOneGrid(map, hazards);
   aircraft = WithPositionMargin(profile, map, options);
   required_hazard_distance = RequiredHazardDistance(map, aircraft, options);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/hazard/hazard.h"
+#include "engine/risk/risk.h"
 
 namespace freelsd {
 
@@ -72,6 +73,8 @@ struct ApproachOptions {
   int max_num_rejections = 20;
   // Weights of the score's terms: distance to hazard, clearance, area, slope, roughness, evidence.
   std::vector<double> score_weights{0.25, 0.2, 0.15, 0.15, 0.1, 0.15};
+
+  RiskOptions risk;
 
   void Check() const;
 };
@@ -250,6 +253,9 @@ struct Plan {
   std::vector<Rejection> rejections;
   // Rules of the path to the touchdown. Empty if there is no path, and with Explanation::kNone.
   std::vector<PlaceRule> path_rules;
+  // In the planned wind, or in calm if the wind is unknown. Empty if there is no path, and with
+  // Explanation::kNone.
+  std::optional<LandingRisk> risk;
   double score = 0.0;
   std::vector<ScoreTerm> score_terms;
 };

@@ -13,6 +13,8 @@ struct ApproachGround {
   const ElevationMap& map;
   const HazardLayers& hazards;
   PlanRequest request;
+  // The aircraft as it is, and with the margins for the map's position.
+  Aircraft profile;
   Aircraft aircraft;
   ApproachOptions options;
   double required_hazard_distance = 0.0;
@@ -29,7 +31,7 @@ struct ApproachGround {
   ApproachGround(const ElevationMap& the_map,
                  const HazardLayers& the_hazards,
                  const PlanRequest& the_request,
-                 const Aircraft& profile,
+                 const Aircraft& the_aircraft,
                  const ApproachOptions& the_options);
   // The plan has no approach if the ground or the wind excludes every path.
   Plan PlanWay(const Way& way, Explanation explanation) const;

@@ -106,12 +106,12 @@ std::vector<Touchdown> SafestOfBlocks(const std::vector<Touchdown>& wide,
   }
 }
 
+}  // namespace
+
 // The order of arguments keeps NaN: no distance suffices where the deviation is unknown.
 double PositionDeviation(const ElevationMap& map, const ApproachOptions& options) {
   return std::max(map.position_sd_m, options.min_map_position_sd_m);
 }
-
-}  // namespace
 
 void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards) {
   const cv::Size size(map.grid.num_cols, map.grid.num_rows);

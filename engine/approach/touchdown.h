@@ -19,6 +19,9 @@ struct Touchdown {
 // Throws std::invalid_argument when map and hazards have different grids.
 void RequireOneGrid(const ElevationMap& map, const HazardLayers& hazards);
 
+// Standard deviation of the map's position, at least min_map_position_sd_m. NaN if unknown.
+double PositionDeviation(const ElevationMap& map, const ApproachOptions& options);
+
 // Adds a margin for the map's position error to the ground roll and to the corridor's half-width.
 Aircraft WithPositionMargin(Aircraft aircraft,
                             const ElevationMap& map,

@@ -83,7 +83,8 @@ AssessedMap WindowOf(const ElevationMap& map, const HazardLayers& layers, const 
            .hazard = layers.hazard(cells).clone(),
            .distance = CopyOf(layers.distance, cells),
            .min_clear_class_posterior = layers.min_clear_class_posterior,
-           .min_grass_posterior = layers.min_grass_posterior}};
+           .min_grass_posterior = layers.min_grass_posterior,
+           .max_object_height_m = layers.max_object_height_m}};
 }
 
 }  // namespace freelsd

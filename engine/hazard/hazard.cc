@@ -95,6 +95,7 @@ HazardLayers WithLimits(const ElevationMap& map,
   HazardLayers renewed = layers;
   renewed.hazard = ClassesOf(map, layers, limits, options);
   renewed.distance = DistanceToHazard(renewed.hazard, map.grid.cell_size_m);
+  renewed.max_object_height_m = limits.max_roughness_m + options.cover.upper_margin_m;
   renewed.min_grass_posterior = options.cover.min_grass_posterior;
   renewed.min_clear_class_posterior = options.cover.clear_class.min_clear_class_posterior;
   return renewed;

@@ -46,6 +46,8 @@ struct HazardLayers {
   double min_clear_class_posterior = ClearClassOptions{}.min_clear_class_posterior;
   // A cell with at least this posterior of grass is grass (CoverOptions).
   double min_grass_posterior = CoverOptions{}.min_grass_posterior;
+  // A cell whose upper height is farther above its elevation holds an object (CellRulesAt).
+  double max_object_height_m = HazardLimits{}.max_roughness_m + CoverOptions{}.upper_margin_m;
 };
 
 // The conditions that a free cell meets. kSeen: elevation, slope and roughness are known well

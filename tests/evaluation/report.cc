@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "tests/evaluation/scores/blinded_counts.h"
+#include "tests/evaluation/scores/landing_risks.h"
 #include "tests/evaluation/scores/score_totals.h"
 #include "tests/evaluation/statistics.h"
 
@@ -287,6 +288,7 @@ Json MakeReport(const Json& settings, const Json& records) {
           {"cpu_s_per_world", cpu},
           {"safety", SafetyTotals(records)},
           {"flown", FlownTotals(records)},
+          {"landing_risks", LandingRiskTotals(records)},
           {"found", FoundTotals(records)},
           {"things", ThingTotals(records)},
           {"blinded", BlindedTotals(records)},

@@ -95,6 +95,9 @@ std::string TableOf(const Json& report) {
             "sites, by what the ground at the touchdown truly is",
             report.at("safety").at("sites_by_ground"));
   WritePart(out, "flown, 200 times to each accepted site", report.at("flown"));
+  const Json& risks = report.at("landing_risks");
+  WriteRows(out, "landings drawn at random, by their expected risk", risks.at("risks"));
+  WriteRows(out, "ground called grass, by its shape as a share of the limits", risks.at("shapes"));
   WritePart(out, "found, of what the planner accepts on maps without error", report.at("found"));
   WriteRows(out, "fields, by their clear touchdowns", report.at("found").at("by_room"));
   WriteRows(out,

@@ -5,6 +5,7 @@
 
 #include "tests/evaluation/scores/field_scores.h"
 #include "tests/evaluation/scores/flown_site.h"
+#include "tests/evaluation/scores/landing_risks.h"
 #include "tests/evaluation/scores/obstruction.h"
 #include "tests/evaluation/scores/things.h"
 #include "tests/evaluation/site_score.h"
@@ -323,6 +324,8 @@ Json WorldRecord(uint64_t seed,
     }
     record["sites"].push_back(std::move(json));
   }
+  record["landing_risks"] =
+      LandingRisksJson(run, scenario, truth, options, {seed, offset.shift.head<2>()});
   for (const Region& region : run.regions) record["regions"].push_back(RegionJson(region));
   const std::vector<FieldScore> scores = ScoreFields(scenario, run, truth, fields, options);
   for (size_t i = 0; i < scores.size(); ++i) {

@@ -144,11 +144,33 @@ TEST_CASE("approach: knowing less, more hazard or tighter limits never improve t
   CHECK(num_worse > kNumMaps / 10);
 }
 
+// Distance to touchdown of the nearest cell below the final that is not free. Nearer ground needs
+// no clearance.
+double FirstNotFree(const Plan& plan, const Scene& scene, const Aircraft& aircraft) {
+  const Approach& approach = *plan.approach;
+  const Eigen::Vector2d forward = DirectionOf(approach.heading);
+  double nearest = approach.approach_distance;
+  for (int row = 0; row < kSizeCells; ++row) {
+    for (int col = 0; col < kSizeCells; ++col) {
+      if (scene.hazards.hazard(row, col) == kFree) continue;
+      const Eigen::Vector2d before =
+          approach.touchdown_in_world.head<2>() - scene.CellCenter(row, col);
+      const double along = before.dot(forward);
+      const double across = std::abs(forward.x() * before.y() - forward.y() * before.x());
+      const double reach = aircraft.path_half_width_m + scene.map.grid.cell_size_m;
+      if (across > reach || along < aircraft.touchdown_uncertainty_m) continue;
+      nearest = std::min(nearest, along);
+    }
+  }
+  return nearest - 2.0 * scene.map.grid.cell_size_m;
+}
+
 // Independent of the planner's own sampling: every cell is compared with the path.
 void CheckNothingInTheWay(const Plan& plan, const Scene& scene, const Aircraft& aircraft) {
   const Approach& approach = *plan.approach;
   const Eigen::Vector2d forward = DirectionOf(approach.heading);
   const Eigen::Vector2d touchdown = approach.touchdown_in_world.head<2>();
+  const double first_not_free = FirstNotFree(plan, scene, aircraft);
   for (int row = 0; row < kSizeCells; ++row) {
     for (int col = 0; col < kSizeCells; ++col) {
       const Eigen::Vector2d place = scene.CellCenter(row, col);
@@ -158,7 +180,7 @@ void CheckNothingInTheWay(const Plan& plan, const Scene& scene, const Aircraft& 
       const float height = scene.map.upper(row, col);
       const bool is_below_final = across <= aircraft.path_half_width_m &&
                                   along >= aircraft.touchdown_uncertainty_m &&
-                                  along <= approach.approach_distance;
+                                  along > first_not_free && along <= approach.approach_distance;
       if (is_below_final) {
         const double path = approach.approach_height * along / approach.approach_distance;
         const double wanted = std::min(aircraft.safety_margin_m, 0.5 * path);

@@ -122,8 +122,10 @@ TEST_CASE("approach: a tall thing below the finals of a field's middle leaves it
   AddBlock(meadow, {-130, 60}, {130, 130}, 0.0);
   AddBlock(meadow, {-130, -130}, {130, -60}, 0.0);
   // Flies north; the safest places are those around the origin.
-  scene::ForCells(
-      meadow, {-22, -34}, {22, -30}, [&](int row, int col) { meadow.map.upper(row, col) += 9.0f; });
+  scene::ForCells(meadow, {-22, -34}, {22, -30}, [&](int row, int col) {
+    meadow.map.upper(row, col) += 9.0f;
+    meadow.hazards.hazard(row, col) = kHazard;
+  });
   const Plan plan = PlanOn(meadow, Request(Box({-60, -60}, {60, 60}), Eigen::Vector2d(0.0, -4.0)));
   REQUIRE(plan.verdict == Verdict::kLandable);
   CHECK(plan.touchdown_in_world.head<2>().norm() > 20.0);

@@ -114,6 +114,7 @@ TEST_CASE("approach: a pole of one cell in the corridor is never stepped over") 
       const cv::Point cell(static_cast<int>(std::floor(pole.x() + 75.0)),
                            static_cast<int>(std::floor(75.0 - pole.y())));
       meadow.map.upper(cell) = 9.0f;
+      meadow.hazards.hazard(cell) = kHazard;
       request.wind_in_world = -4.0 * forward;
       const Plan plan = PlanOn(meadow, request, Nimble(), scene::OneWay());
       // Touchdown is within a cell of the origin, so poles at the edge may be just outside.

@@ -21,7 +21,9 @@ Plan PlanThroughGap(double gap_east, const ApproachOptions& options) {
   const double half_width = Nimble().path_half_width_m + 5.0;
   scene::ForCells(meadow, {-160, -21}, {160, -19}, [&](int row, int col) {
     const double east = meadow.CellCenter(row, col).x();
-    if (std::abs(east - gap_east) > half_width) meadow.map.upper(row, col) += 7.0f;
+    if (std::abs(east - gap_east) <= half_width) return;
+    meadow.map.upper(row, col) += 7.0f;
+    meadow.hazards.hazard(row, col) = kHazard;
   });
   const PlanRequest request = Request(Box({-90, -8}, {90, 8}), Eigen::Vector2d(0.0, -4.0));
   return PlanApproach(meadow.map, meadow.hazards, request, Nimble(), options);
