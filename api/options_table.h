@@ -64,6 +64,12 @@ void VisitFields(Of<TracksOptions> auto& o, Visitor&& visit) {
   visit("max_ground_error_ratio",
         o.max_ground_error_ratio,
         "search radius when groups are tied, share of the height");
+  visit("max_alignment_shift_px",
+        o.max_alignment_shift_px,
+        "sightings that the alignment moves farther stay where they are; 0: no alignment");
+  visit("min_alignment_correlation",
+        o.min_alignment_correlation,
+        "least correlation of two aligned patches");
   visit("assume_ground_plane", o.assume_ground_plane, "assume a plane ground below the aircraft");
 }
 
@@ -161,6 +167,9 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
   visit("max_reprojection_error_px",
         o.max_reprojection_error_px,
         "observations with a larger error after the first solve are dropped");
+  visit("max_reprojection_error_sigma",
+        o.max_reprojection_error_sigma,
+        "observations with a larger error are dropped at the end, in deviations of one axis");
   visit("refine_exif_intrinsics",
         o.refine_exif_intrinsics,
         "refine the intrinsics of an EXIF camera");
@@ -179,6 +188,9 @@ void VisitFields(Of<AdjustmentOptions> auto& o, Visitor&& visit) {
   visit("readout_change_sd_deg_s2",
         o.readout_change_sd_deg_s2,
         "standard deviation of that rate's change");
+  visit("max_readout_power",
+        o.max_readout_power,
+        "highest power of time that is tried in the turn during readout");
   visit("exif_readout_s", o.exif_readout_s, "readout time of an EXIF camera");
   visit("max_num_iterations", o.max_num_iterations, "largest number of solver iterations");
   visit("num_refinement_tracks",

@@ -106,9 +106,11 @@ AdjustedBlock AdjustSelection(const Selection& selection,
   AdjustedBlock block;
   block.note = "fewer than two key-frames see the region";
   if (selection.views.size() < 2) return block;
-  return Timed(reports, "bundle_adjustment", [&] {
+  block = Timed(reports, "bundle_adjustment", [&] {
     return AdjustAndTie(selection.views, camera, images, options.tracks, options.adjustment);
   });
+  reports.back().note = block.EvidenceNote();
+  return block;
 }
 
 Plan NoTerrain(const Region& region, const std::string& why) {
@@ -264,14 +266,11 @@ void Frontend::RefinePoses() {
   const size_t first = views.size() > kNumNewest ? views.size() - kNumNewest : 0;
   const std::vector<View> window(views.begin() + static_cast<std::ptrdiff_t>(first), views.end());
   if (window.size() < 3) return;
-  // The newest views often lie in one line. Their tilt is then poorly known, but not worse than
-  // before. The backend checks the tilt again.
-  AdjustmentOptions any_tilt = options_.adjustment;
-  any_tilt.max_tilt_sd_deg = 90.0;
+  const AdjustmentOptions in_flight = InFlight(options_.adjustment);
   const AdjustedBlock block = Timed(reports_, "pose_refinement", [&] {
-    return AdjustPoses(WithLongestTracks(window, rig_.camera, any_tilt.num_refinement_tracks),
+    return AdjustPoses(WithLongestTracks(window, rig_.camera, in_flight.num_refinement_tracks),
                        rig_.camera,
-                       any_tilt);
+                       in_flight);
   });
   if (!block.is_usable) return;
   for (size_t i = 0; i < window.size(); ++i) {

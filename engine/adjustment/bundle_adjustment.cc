@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/adjustment/adjustment.h"
+#include "engine/adjustment/evidence.h"
 #include "engine/adjustment/landmarks.h"
 #include "engine/adjustment/solver.h"
 #include "engine/adjustment/verdict.h"
@@ -35,45 +36,48 @@ constexpr double kGoodStartFactor = 1.0;
 // Assumed pixel noise for the deviation of landmarks.
 constexpr double kPixelSd = 0.7;
 constexpr size_t kMinNumLandmarks = 20;
+// A block without noise has no outliers of a fraction of a pixel.
+constexpr double kMinGatePx = 1.0;
 
 size_t NumPoints(const std::vector<BlockTrack>& tracks) {
   return static_cast<size_t>(std::count_if(
       tracks.begin(), tracks.end(), [](const BlockTrack& track) { return track.has_point; }));
 }
 
-// Keeps the readouts if they justify their parameters (Schwarz's criterion, unknown residual
-// scale); otherwise returns the block solved without them.
-std::optional<SolvedBlock> WithReadoutsIfShown(const std::vector<View>& views,
-                                               const Camera& camera,
-                                               const SolvedBlock& with,
-                                               const AdjustmentOptions& options,
-                                               SolverSettings settings,
-                                               std::vector<BlockTrack>& tracks) {
-  settings.has_readouts = false;
-  BlockState start = with.state;
-  for (Readout& readout : start.readouts) readout = {};
-  std::vector<BlockTrack> tracks_without = tracks;
-  std::optional<SolvedBlock> without =
-      SolveBlock(views, camera, start, options, settings, tracks_without);
-  if (!without) return with;
-  const double num_residuals = with.num_residuals;
-  const double num_parameters = 3.0 * static_cast<double>(views.size());
-  if (num_residuals * std::log(without->cost / with.cost) >
-      num_parameters * std::log(num_residuals)) {
-    return with;
-  }
-  tracks = std::move(tracks_without);
-  return without;
+struct RoundsResult {
+  BlockState state;
+  std::vector<ParameterEvidence> evidence;
+};
+
+// The last round: chooses the motion during readout. Better motion brings back sightings that the
+// first solution of this round had dropped, so a richer one is solved once more.
+std::optional<RoundsResult> SolveLastRound(const std::vector<View>& views,
+                                           const Camera& camera,
+                                           ChosenBlock first,
+                                           const AdjustmentOptions& options,
+                                           std::vector<BlockTrack>& tracks) {
+  const int num_first_turns = first.settings.num_turns;
+  ChosenBlock chosen = ChooseReadout(views, camera, options, std::move(first));
+  tracks = std::move(chosen.tracks);
+  RoundsResult result{chosen.solved.state, chosen.evidence};
+  if (chosen.settings.num_turns <= num_first_turns) return result;
+  TriangulateTracks(result.state, kMinParallaxDeg, options.max_reprojection_error_px, tracks);
+  const std::optional<SolvedBlock> solved =
+      SolveBlock(views, camera, result.state, options, chosen.settings, tracks);
+  if (!solved) return std::nullopt;
+  result.state = solved->state;
+  return result;
 }
 
 // Solves in rounds, each with a narrower outlier gate than the last. Skips wide gates that the
 // start does not need. Empty if a round finds no solution.
-std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
-                                        const BlockState& start,
-                                        const AdjustmentOptions& options,
-                                        std::vector<BlockTrack>& tracks) {
-  BlockState state = start;
+std::optional<RoundsResult> SolveInRounds(const std::vector<View>& views,
+                                          const BlockState& start,
+                                          const AdjustmentOptions& options,
+                                          std::vector<BlockTrack>& tracks) {
+  std::optional<RoundsResult> result = RoundsResult{start, {}};
   for (const Round& round : kRounds) {
+    const BlockState& state = result->state;
     const double gate_px = round.gate_factor * options.max_reprojection_error_px;
     const bool is_first = &round == &kRounds.front();
     const bool is_last = &round == &kRounds.back();
@@ -88,19 +92,25 @@ std::optional<BlockState> SolveInRounds(const std::vector<View>& views,
       continue;
     }
     if (NumPoints(tracks) < kMinNumLandmarks) return std::nullopt;
-    const SolverSettings settings{round.loss_factor * options.robust_loss_px,
-                                  round.function_tolerance};
-    std::optional<SolvedBlock> solved =
-        SolveBlock(views, start.camera, state, options, settings, tracks);
-    const bool is_choice = IsReadoutUnknown(start.camera) && options.exif_readout_s > 0.0;
-    if (solved && is_last && is_choice) {
-      solved = WithReadoutsIfShown(views, start.camera, *solved, options, settings, tracks);
-    }
+    const SolverSettings settings =
+        WithFirstTurns({round.loss_factor * options.robust_loss_px, round.function_tolerance},
+                       start.camera,
+                       options);
+    const std::optional<SolvedBlock> solved =
+        SolveBlock(views, start.camera, Restricted(state, settings), options, settings, tracks);
     if (!solved) return std::nullopt;
-    state = solved->state;
+    result = is_last ? SolveLastRound(
+                           views, start.camera, {*solved, settings, tracks, {}}, options, tracks)
+                     : RoundsResult{solved->state, {}};
+    if (!result) return std::nullopt;
   }
-  MarkOutliers(state, options.max_reprojection_error_px, tracks);
-  return state;
+  // Errors of both axes together have the median sqrt(2 ln 2) = 1.18 deviations of one axis.
+  const double sd_px = MedianError(result->state, tracks) / std::sqrt(2.0 * std::log(2.0));
+  MarkOutliers(result->state,
+               std::min(options.max_reprojection_error_px,
+                        std::max(options.max_reprojection_error_sigma * sd_px, kMinGatePx)),
+               tracks);
+  return result;
 }
 
 double MedianDepth(const BlockState& state,
@@ -211,6 +221,7 @@ void CheckLensAndReadout(const AdjustmentOptions& options, const FieldCheck& che
       "readout_change_sd_deg_s2",
       options.readout_change_sd_deg_s2,
       "must be in (0, 10000]");
+  check.Inside("max_readout_power", options.max_readout_power, 1, Readout::kNumTurns);
   check.Inside("exif_readout_s", options.exif_readout_s, 0.0, 1.0);
 }
 
@@ -232,6 +243,10 @@ void AdjustmentOptions::Check() const {
                 "max_reprojection_error_px",
                 max_reprojection_error_px,
                 "must be positive");
+  check.Require(max_reprojection_error_sigma >= 3.0,
+                "max_reprojection_error_sigma",
+                max_reprojection_error_sigma,
+                "must be >= 3");
   CheckLensAndReadout(*this, check);
   check.Inside("max_num_iterations", max_num_iterations, 1, 1000);
   check.Inside("num_refinement_tracks", num_refinement_tracks, 0, 100000);
@@ -292,19 +307,21 @@ AdjustedBlock AdjustPoses(const std::vector<View>& views,
   TriangulateTracks(
       start, kMinParallaxDeg, kRounds[0].gate_factor * options.max_reprojection_error_px, tracks);
   block.rms_before_px = RmsError(start, tracks);
-  const std::optional<BlockState> state = SolveInRounds(views, start, options, tracks);
-  if (!state) {
+  const std::optional<RoundsResult> result = SolveInRounds(views, start, options, tracks);
+  if (!result) {
     block.note = "fewer than " + std::to_string(kMinNumLandmarks) +
                  " landmarks are seen with enough parallax: poses are not adjusted";
     return block;
   }
-  const BlockVerdict verdict = JudgeBlock(views, *state, tracks, options);
+  const BlockState& state = result->state;
+  const BlockVerdict verdict = JudgeBlock(views, state, tracks, options);
+  block.evidence = result->evidence;
   block.note = verdict.note;
-  block.rms_after_px = RmsError(*state, tracks);
+  block.rms_after_px = RmsError(state, tracks);
   block.is_usable = std::find(verdict.is_connected.begin(), verdict.is_connected.end(), true) !=
                     verdict.is_connected.end();
   if (block.is_usable) {
-    FillResult(*state, tracks, verdict, block);
+    FillResult(state, tracks, verdict, block);
   } else if (block.note.empty()) {
     block.note = "fewer than " + std::to_string(options.min_num_connected_views) +
                  " views are tied together by enough landmarks";

@@ -69,6 +69,21 @@ std::optional<double> ReprojectionError(const BlockState& state,
   return (*projection - sighting.point_in_image).norm();
 }
 
+// Errors of the inliers of tracks with a point, px.
+std::vector<double> InlierErrors(const BlockState& state, const std::vector<BlockTrack>& tracks) {
+  const std::vector<Camera> cameras = CamerasOf(state);
+  std::vector<double> errors;
+  errors.reserve(2 * tracks.size());
+  for (const BlockTrack& track : tracks) {
+    if (!track.has_point) continue;
+    for (const Sighting& sighting : track.sightings) {
+      const std::optional<double> error = ReprojectionError(state, cameras, track, sighting);
+      if (sighting.is_inlier && error) errors.push_back(*error);
+    }
+  }
+  return errors;
+}
+
 std::vector<PosedRay> Rays(const BlockState& state,
                            const std::vector<Camera>& cameras,
                            const BlockTrack& track) {
@@ -189,20 +204,20 @@ double WorstMedianError(const BlockState& state, const std::vector<BlockTrack>& 
   return worst;
 }
 
+double MedianError(const BlockState& state, const std::vector<BlockTrack>& tracks) {
+  std::vector<double> errors = InlierErrors(state, tracks);
+  if (errors.empty()) return 0.0;
+  const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+  std::nth_element(errors.begin(), middle, errors.end());
+  return *middle;
+}
+
 double RmsError(const BlockState& state, const std::vector<BlockTrack>& tracks) {
-  const std::vector<Camera> cameras = CamerasOf(state);
+  const std::vector<double> errors = InlierErrors(state, tracks);
+  if (errors.empty()) return 0.0;
   double sum = 0.0;
-  int count = 0;
-  for (const BlockTrack& track : tracks) {
-    if (!track.has_point) continue;
-    for (const Sighting& sighting : track.sightings) {
-      const std::optional<double> error = ReprojectionError(state, cameras, track, sighting);
-      if (!sighting.is_inlier || !error) continue;
-      sum += *error * *error;
-      ++count;
-    }
-  }
-  return count > 0 ? std::sqrt(sum / count) : 0.0;
+  for (const double error : errors) sum += error * error;
+  return std::sqrt(sum / static_cast<double>(errors.size()));
 }
 
 double HeightDeviation(const BlockState& state, const BlockTrack& track, double pixel_sd) {

@@ -56,6 +56,8 @@ void MarkOutliers(const BlockState& state, double max_error_px, std::vector<Bloc
 // Largest median reprojection error of a view, px; infinite if half of a view's sightings have no
 // point.
 double WorstMedianError(const BlockState& state, const std::vector<BlockTrack>& tracks);
+// Median reprojection error of the inliers of tracks with a point, px; 0 without inliers.
+double MedianError(const BlockState& state, const std::vector<BlockTrack>& tracks);
 // Root mean square reprojection error of the inliers of tracks with a point, px; 0 without inliers.
 double RmsError(const BlockState& state, const std::vector<BlockTrack>& tracks);
 

@@ -53,6 +53,15 @@ void KeepLongest(const View& view,
 
 }  // namespace
 
+AdjustmentOptions InFlight(AdjustmentOptions options) {
+  // The newest views often lie in one line. Their tilt is then poorly known, but not worse than
+  // before. The backend checks the tilt again.
+  options.max_tilt_sd_deg = 90.0;
+  // Gusts within an image do not move regions, and each trial costs a solution.
+  options.max_readout_power = std::min(options.max_readout_power, 2);
+  return options;
+}
+
 std::vector<View> WithLongestTracks(std::vector<View> views, const Camera& camera, int num_tracks) {
   if (num_tracks <= 0) return views;
   constexpr int kNumInAll = kNumParts * kNumParts;

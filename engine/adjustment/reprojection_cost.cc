@@ -14,6 +14,34 @@ Eigen::Matrix3d CrossWith(const Eigen::Vector3d& a) {
   return matrix;
 }
 
+// Powers of the share, from the first, and their derivatives.
+struct Powers {
+  Eigen::Matrix<double, Readout::kNumTurns, 1> value, slope;
+};
+
+Powers PowersOf(double share) {
+  Powers powers;
+  double power = 1.0;
+  for (int k = 0; k < Readout::kNumTurns; ++k) {
+    powers.slope[k] = (k + 1) * power;
+    power *= share;
+    powers.value[k] = power;
+  }
+  return powers;
+}
+
+// The rotation of the residual, times a scale.
+Eigen::Matrix3d RowFromMiddle(const Eigen::Vector3d& turned) {
+  return (1.0 - 0.25 * turned.squaredNorm()) * Eigen::Matrix3d::Identity() - CrossWith(turned) +
+         0.5 * turned * turned.transpose();
+}
+
+// Derivative of RowFromMiddle(turned) * seen by turned.
+Eigen::Matrix3d TurnedSlope(const Eigen::Vector3d& turned, const Eigen::Vector3d& seen) {
+  return CrossWith(seen) + 0.5 * (turned * seen.transpose() - seen * turned.transpose() +
+                                  turned.dot(seen) * Eigen::Matrix3d::Identity());
+}
+
 // Copies the Jacobian if the solver requests it.
 template <int kCols>
 void Write(const Eigen::Matrix<double, 2, kCols>& slope, double* jacobian) {
@@ -136,22 +164,23 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
       Eigen::Map<const Eigen::Quaterniond>(parameters[kPose]);
   const Eigen::Map<const Eigen::Vector3d> position(parameters[kPose] + 4);
   const Eigen::Map<const Eigen::Vector3d> landmark(parameters[kLandmark]);
-  const Eigen::Map<const Eigen::Vector3d> turn(parameters[kReadout]);
-  const Eigen::Map<const Eigen::Vector3d> bend(parameters[kReadout] + 3);
+  const Eigen::Map<const Eigen::Matrix<double, 3, Readout::kNumTurns>> turns(parameters[kReadout]);
   const double cy = camera.cy_px + camera.fy_px * lens[kPrincipalY];
   const double share = (residual_.point_in_image.y() - cy) / camera.height_px;
   const Eigen::Vector3d in_world = landmark - position;
   const Eigen::Vector3d still = world_from_camera.conjugate() * in_world;
-  const Eigen::Vector3d turned = share * (turn + share * bend);
-  const Eigen::Vector3d x = still - turned.cross(still);
+  const Powers powers = PowersOf(share);
+  const Eigen::Vector3d turned = turns * powers.value;
+  const Eigen::Matrix3d row_from_middle = RowFromMiddle(turned);
+  const Eigen::Vector3d x = row_from_middle * still;
   const Eigen::Vector2d p = x.head<2>() / x.z();
   const Distortion distorted = Distorted(camera, p, lens);
   const Eigen::Vector2d focal(camera.fx_px * lens[kFocalFactor], camera.fy_px * lens[kFocalFactor]);
   Eigen::Matrix<double, 2, 3> by_x;
   by_x << 1.0 / x.z(), 0.0, -p.x() / x.z(), 0.0, 1.0 / x.z(), -p.y() / x.z();
   by_x = (focal.asDiagonal() * distorted.slope * by_x).eval();
-  const Eigen::Matrix<double, 2, 3> by_still =
-      by_x * (Eigen::Matrix3d::Identity() - CrossWith(turned));
+  const Eigen::Matrix<double, 2, 3> by_still = by_x * row_from_middle;
+  const Eigen::Matrix<double, 2, 3> by_turned = by_x * TurnedSlope(turned, still);
   const Eigen::Matrix<double, 2, 3> by_world =
       by_still * world_from_camera.conjugate().toRotationMatrix();
   Eigen::Matrix<double, 2, kNumPoseParameters> by_pose;
@@ -160,16 +189,17 @@ bool ReprojectionCost::Evaluate(double const* const* parameters,
   Write<3>(by_world, jacobians[kLandmark]);
   if (jacobians[kReadout] != nullptr) {
     Eigen::Matrix<double, 2, kNumReadoutParameters> by_readout;
-    by_readout.leftCols<3>() = by_x * (share * CrossWith(still));
-    by_readout.rightCols<3>() = share * by_readout.leftCols<3>();
+    for (int k = 0; k < Readout::kNumTurns; ++k) {
+      by_readout.middleCols<3>(3 * k) = powers.value[k] * by_turned;
+    }
     Write<kNumReadoutParameters>(by_readout, jacobians[kReadout]);
   }
   if (jacobians[kLens] == nullptr) return true;
   Eigen::Matrix<double, 2, kNumLensParameters> by_lens =
       StillLensSlope(camera, lens, p, distorted.point);
   // The middle row moves, and with it the turn of the camera.
-  const Eigen::Vector3d rate = turn + 2.0 * share * bend;
-  by_lens.col(kPrincipalY) += by_x * rate.cross(still) * (camera.fy_px / camera.height_px);
+  by_lens.col(kPrincipalY) -=
+      by_turned * (turns * powers.slope) * (camera.fy_px / camera.height_px);
   Write<kNumLensParameters>(by_lens, jacobians[kLens]);
   return true;
 }

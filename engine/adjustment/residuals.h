@@ -4,7 +4,7 @@
 //   pose      7  rotation world_from_camera as x, y, z, w (Eigen), then camera position in world
 //   landmark  3  point in world
 //   lens      7  see LensParameter
-//   readout   6  turn of the view, then its bend (see Readout)
+//   readout  15  turns of the view, one power after the other (see Readout)
 // Rotation and position share one block, because computing time grows with the square of the number
 // of blocks.
 #pragma once
@@ -33,7 +33,7 @@ enum LensParameter {
 };
 
 constexpr int kNumPoseParameters = 7;
-constexpr int kNumReadoutParameters = 6;
+constexpr int kNumReadoutParameters = 3 * Readout::kNumTurns;
 
 struct ReprojectionResidual {
   ReprojectionResidual(const Camera* calibrated_camera, const Eigen::Vector2d& sighting)
@@ -50,13 +50,15 @@ struct ReprojectionResidual {
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> camera_in_world(pose + 4), point(landmark);
     const T cx = T(camera->cx_px) + camera->fx_px * lens[kPrincipalX];
     const T cy = T(camera->cy_px) + camera->fy_px * lens[kPrincipalY];
-    // While the rows are read, the camera turns. The row of the sighting determines how far. The
-    // angles are so small that each equals its sine.
+    // While the rows are read, the camera turns. The row of the sighting determines how far.
     const T share = (T(point_in_image.y()) - cy) / T(camera->height_px);
-    const Eigen::Map<const Eigen::Matrix<T, 3, 1>> turn(readout), bend(readout + 3);
-    const Eigen::Matrix<T, 3, 1> turned = share * (turn + share * bend);
-    Eigen::Matrix<T, 3, 1> x = world_from_camera.conjugate() * (point - camera_in_world);
-    x -= turned.cross(x);
+    const Eigen::Map<const Eigen::Matrix<T, 3, Readout::kNumTurns>> turns(readout);
+    Eigen::Matrix<T, 3, 1> turned = Eigen::Matrix<T, 3, 1>::Zero();
+    for (int k = Readout::kNumTurns - 1; k >= 0; --k) turned = share * (turned + turns.col(k));
+    const Eigen::Matrix<T, 3, 1> seen = world_from_camera.conjugate() * (point - camera_in_world);
+    // Cayley's form of the rotation, without its denominator: the scale of x does not matter.
+    const Eigen::Matrix<T, 3, 1> x = (T(1.0) - T(0.25) * turned.squaredNorm()) * seen -
+                                     turned.cross(seen) + T(0.5) * turned.dot(seen) * turned;
     // A step of the solver may move a point behind the camera. Such a point has no finite
     // projection.
     if (x.z() < T(1e-3)) return false;
@@ -149,13 +151,12 @@ struct AttitudePrior {
 struct ReadoutPrior {
   template <typename T>
   bool operator()(const T* const readout, T* residual) const {
-    for (int i = 0; i < 3; ++i) residual[i] = readout[i] / T(turn_sd);
-    for (int i = 3; i < kNumReadoutParameters; ++i) residual[i] = readout[i] / T(bend_sd);
+    for (int i = 0; i < kNumReadoutParameters; ++i) residual[i] = readout[i] / T(sd[i / 3]);
     return true;
   }
 
-  double turn_sd;
-  double bend_sd;
+  // Of each power of the turn.
+  std::array<double, Readout::kNumTurns> sd;
 };
 
 // Prior: the lens stays near its known values.

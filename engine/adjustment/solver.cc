@@ -54,8 +54,8 @@ class Parameters {
       values_.insert(values_.end(), position.data(), position.data() + 3);
     }
     for (const Readout& readout : start.readouts) {
-      values_.insert(values_.end(), readout.turn.data(), readout.turn.data() + 3);
-      values_.insert(values_.end(), readout.bend.data(), readout.bend.data() + 3);
+      values_.insert(
+          values_.end(), readout.turns.data(), readout.turns.data() + kNumReadoutParameters);
     }
   }
 
@@ -138,29 +138,37 @@ double ReadoutSeconds(const Camera& camera, const AdjustmentOptions& options) {
   return IsReadoutUnknown(camera) ? options.exif_readout_s : camera.readout_s;
 }
 
-// If nobody stated the readout time, only a uniform turn is estimated.
+// The powers from the second on allow the same turn at the first and at the last row.
+ReadoutPrior ReadoutPriorFor(double readout_s, const AdjustmentOptions& options) {
+  ReadoutPrior prior{};
+  prior.sd[0] = readout_s * RadFromDeg(options.readout_rate_sd_deg_s);
+  // A rate that changes by a per second adds a turn of a / 2 times the time squared.
+  prior.sd[1] = 0.5 * readout_s * readout_s * RadFromDeg(options.readout_change_sd_deg_s2);
+  for (size_t k = 2; k < Readout::kNumTurns; ++k) prior.sd[k] = 2.0 * prior.sd[k - 1];
+  return prior;
+}
+
 void AddReadouts(double readout_s,
-                 bool is_stated,
+                 const SolverSettings& settings,
                  const AdjustmentOptions& options,
                  Parameters& parameters,
                  ceres::Problem& problem) {
-  const double turn_sd = readout_s * RadFromDeg(options.readout_rate_sd_deg_s);
-  // A rate that changes by a per second adds a turn of a / 2 times the time squared.
-  const double bend_sd = 0.5 * readout_s * readout_s * RadFromDeg(options.readout_change_sd_deg_s2);
+  std::vector<int> fixed;
+  for (int i = 3 * settings.num_turns; i < kNumReadoutParameters; ++i) fixed.push_back(i);
   for (size_t i = 0; i < parameters.num_views(); ++i) {
     problem.AddParameterBlock(parameters.ReadoutOf(i), kNumReadoutParameters);
-    if (turn_sd == 0.0) {
+    if (settings.num_turns == 0) {
       problem.SetParameterBlockConstant(parameters.ReadoutOf(i));
       continue;
     }
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<ReadoutPrior, kNumReadoutParameters, kNumReadoutParameters>(
-            new ReadoutPrior{turn_sd, bend_sd}),
+            new ReadoutPrior(ReadoutPriorFor(readout_s, options))),
         nullptr,
         parameters.ReadoutOf(i));
-    if (is_stated) continue;
+    if (fixed.empty()) continue;
     problem.SetManifold(parameters.ReadoutOf(i),
-                        new ceres::SubsetManifold(kNumReadoutParameters, {3, 4, 5}));
+                        new ceres::SubsetManifold(kNumReadoutParameters, fixed));
   }
 }
 
@@ -262,11 +270,7 @@ std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
   ceres::Problem problem;
   AddPriors(views, options, parameters, problem);
   AddLens(camera, options, parameters, problem);
-  AddReadouts(settings.has_readouts ? ReadoutSeconds(camera, options) : 0.0,
-              !IsReadoutUnknown(camera),
-              options,
-              parameters,
-              problem);
+  AddReadouts(ReadoutSeconds(camera, options), settings, options, parameters, problem);
   const int num_residuals = AddObservations(camera, settings.loss_px, tracks, parameters, problem);
   ceres::Solver::Summary summary;
   ceres::Solve(SolverOptions(options, settings, tracks, parameters), &problem, &summary);
@@ -278,9 +282,8 @@ std::optional<SolvedBlock> SolveBlock(const std::vector<View>& views,
     solved.state.world_from_camera.push_back(
         {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(parameters.Pose(i))).normalized(),
          Eigen::Map<const Eigen::Vector3d>(parameters.Pose(i) + 4)});
-    const double* const readout = parameters.ReadoutOf(i);
-    solved.state.readouts.push_back({Eigen::Map<const Eigen::Vector3d>(readout),
-                                     Eigen::Map<const Eigen::Vector3d>(readout + 3)});
+    solved.state.readouts.push_back(
+        {Eigen::Map<const Eigen::Matrix<double, 3, Readout::kNumTurns>>(parameters.ReadoutOf(i))});
   }
   return solved;
 }

@@ -12,9 +12,8 @@ struct SolverSettings {
   double loss_px = 1.5;
   // Relative change of the cost at which the solver stops.
   double function_tolerance = 1e-5;
-  // Whether each view may turn during readout. Otherwise all rows are exposed at
-  // once.
-  bool has_readouts = true;
+  // Powers of time in each view's turn during readout. 0: all rows are exposed at once.
+  int num_turns = 0;
 };
 
 struct SolvedBlock {

@@ -74,7 +74,7 @@ struct ApproachOptions {
   // Weights of the score's terms: distance to hazard, clearance, area, slope, roughness, evidence.
   std::vector<double> score_weights{0.25, 0.2, 0.15, 0.15, 0.1, 0.15};
 
-  RiskOptions risk;
+  RiskOptions risk = {};
 
   void Check() const;
 };

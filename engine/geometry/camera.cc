@@ -110,8 +110,8 @@ bool IsBeyondFold(const Camera& camera, const Eigen::Vector2d& p) {
 
 // From the camera at the time of a row to the camera at the image's middle.
 Eigen::Quaterniond MiddleFromRow(const Camera& camera, double row) {
-  const Eigen::Vector3d turn = camera.readout.TurnAt((row - camera.cy_px) / camera.height_px);
-  return Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  const Eigen::Vector3d half = 0.5 * camera.readout.TurnAt((row - camera.cy_px) / camera.height_px);
+  return Eigen::Quaterniond(1.0, half.x(), half.y(), half.z()).normalized();
 }
 
 // Pixel of a point when all rows are exposed at once.
@@ -145,6 +145,19 @@ void CheckBorder(const Camera& camera, const FieldCheck& check) {
 }
 
 }  // namespace
+
+Readout Readout::Turning(const Eigen::Vector3d& turn, const Eigen::Vector3d& bend) {
+  Readout readout;
+  readout.turns.col(0) = turn;
+  readout.turns.col(1) = bend;
+  return readout;
+}
+
+Eigen::Vector3d Readout::TurnAt(double share) const {
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  for (int k = kNumTurns - 1; k >= 0; --k) turn = share * (turn + turns.col(k));
+  return turn;
+}
 
 std::optional<Eigen::Vector2d> Camera::ImageFromCamera(
     const Eigen::Vector3d& point_in_camera) const {

@@ -17,19 +17,21 @@ enum class DistortionModel {
 // Source of the intrinsics; only intrinsics from EXIF may be refined.
 enum class CameraSource { kCalibrated, kExif };
 
-// Motion of the camera while the rows of one image are read (rolling shutter).
+// Motion of the camera while the rows of one image are read (rolling shutter). A row's time is its
+// share: (row - cy) / height of the image. The middle row has share 0.
 struct Readout {
-  // Rotation vectors, camera frame, radians. `turn`: the uniform part, from the first row to the
-  // last row. `bend`: the quadratic part, caused by gusts. Its effect is zero at the middle row,
-  // and a quarter of `bend` at the first row and at the last row. Translation along the ground has
-  // nearly the same effect on the image and is included in `turn`.
-  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-  Eigen::Vector3d bend = Eigen::Vector3d::Zero();
+  static constexpr int kNumTurns = 5;
+  // Column k is the factor of share^(k + 1) in TurnAt. Column 0 is a uniform turn; the others are
+  // caused by gusts. Translation along the ground has nearly the same effect on the image and is
+  // included.
+  Eigen::Matrix<double, 3, kNumTurns> turns = Eigen::Matrix<double, 3, kNumTurns>::Zero();
 
-  bool IsGlobal() const { return turn.isZero(0.0) && bend.isZero(0.0); }
-  // Rotation of the camera from the middle row to another row. share = (row - cy) / height of the
-  // image.
-  Eigen::Vector3d TurnAt(double share) const { return share * (turn + share * bend); }
+  static Readout Turning(const Eigen::Vector3d& turn,
+                         const Eigen::Vector3d& bend = Eigen::Vector3d::Zero());
+  bool IsGlobal() const { return turns.isZero(0.0); }
+  // Rotation of the camera from the middle row to another row, camera frame: a vector along the
+  // axis, its length is twice the tangent of half the angle (radians if small).
+  Eigen::Vector3d TurnAt(double share) const;
 };
 
 struct Camera {

@@ -165,7 +165,8 @@ std::vector<RegionGroup> GroupRegions(const Snapshot& snapshot,
 
 // Like AdjustPoses. If the largest group does not contain all views, the photographs are projected
 // onto the ground and matched again. The poses are then adjusted with the additional matches.
-// Returns the block whose largest group has the most views.
+// Takes the block whose largest group has the most views. Then aligns its sightings at full
+// resolution and adjusts once more.
 AdjustedBlock AdjustAndTie(const std::vector<View>& views,
                            const Camera& camera,
                            const ImageSource& images,

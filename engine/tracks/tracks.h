@@ -61,6 +61,12 @@ struct TracksOptions {
   double min_ground_overlap_ratio = 0.02;
   // Search radius of ground matching, as a share of the height. It covers pose errors and relief.
   double max_ground_error_ratio = 0.15;
+  // After the first adjustment, the sightings of a track are aligned at the photograph's full
+  // resolution, if it is larger than matching_width_px. A sighting stays where it is if the
+  // alignment moves it farther than this, in pixels of the full-size image, or if the patches are
+  // less alike than this.
+  double max_alignment_shift_px = 4.0;
+  double min_alignment_correlation = 0.7;
   // Assumes that the ground is a level plane. The plane lies height_above_ground below the camera.
   // If that height is not given, the plane lies at take-off height (world z = 0). Paper: the
   // footnote's ground plane approximation.
@@ -126,6 +132,15 @@ std::vector<View> TieOnGround(std::vector<View> views,
                               const Camera& camera,
                               const ImageSource& images,
                               const TracksOptions& options);
+
+// Aligns the sightings of each track with its sighting nearest to the image centre, by the grey
+// values of the full-size photographs. Keypoints are found in reduced photographs, with an error of
+// about half a pixel of the full-size one. The poses are used for scale, rotation and perspective
+// of the patches. Holds one image in memory at a time, and one patch per track.
+std::vector<View> AlignSightings(std::vector<View> views,
+                                 const Camera& camera,
+                                 const ImageSource& images,
+                                 const TracksOptions& options);
 
 // Remembers all views of one flight. Expects frames in flight order. Not thread-safe.
 class Tracks {

@@ -25,6 +25,8 @@ void TracksOptions::Check() const {
   check.Inside("min_num_tie_matches", min_num_tie_matches, 8, 1000);
   check.Inside("min_ground_overlap_ratio", min_ground_overlap_ratio, 0.0, 1.0);
   check.Inside("max_ground_error_ratio", max_ground_error_ratio, 0.001, 1.0);
+  check.Inside("max_alignment_shift_px", max_alignment_shift_px, 0.0, 20.0);
+  check.Inside("min_alignment_correlation", min_alignment_correlation, 0.0, 1.0);
   check.Inside("max_num_waiting_frames", max_num_waiting_frames, 2, 200);
 }
 

@@ -31,8 +31,9 @@ nlohmann::json ViewJson(const MapView& view) {
       {"position_in_world_m", VectorJson(view.world_from_camera.translation)},
       {"world_from_camera_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}}};
   if (!view.readout.IsGlobal()) {
-    object["turn_rad"] = VectorJson(view.readout.turn);
-    object["bend_rad"] = VectorJson(view.readout.bend);
+    for (int k = 0; k < Readout::kNumTurns; ++k) {
+      object["turns_rad"].push_back(VectorJson(view.readout.turns.col(k)));
+    }
   }
   return object;
 }
@@ -46,8 +47,15 @@ MapView ViewOf(const nlohmann::json& object) {
                                      wxyz.at(1).get<double>(),
                                      wxyz.at(2).get<double>(),
                                      wxyz.at(3).get<double>()};
+  // Maps of earlier versions.
   if (object.contains("turn_rad")) {
-    view.readout = {VectorOf(object.at("turn_rad")), VectorOf(object.at("bend_rad"))};
+    view.readout =
+        Readout::Turning(VectorOf(object.at("turn_rad")), VectorOf(object.at("bend_rad")));
+  }
+  if (object.contains("turns_rad")) {
+    for (int k = 0; k < Readout::kNumTurns; ++k) {
+      view.readout.turns.col(k) = VectorOf(object.at("turns_rad").at(k));
+    }
   }
   return view;
 }

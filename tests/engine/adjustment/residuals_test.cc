@@ -17,7 +17,8 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
   Camera camera = SurveyCamera();
   const Rigid3d world_from_camera{NadirCamera(0.7), {3.0, -4.0, 90.0}};
   const Eigen::Vector3d point(31.0, 12.0, 2.0);
-  camera.readout = {{1e-4, -2e-4, 5e-5}, {-3e-4, 2e-4, 4e-5}};
+  camera.readout.turns << 0.01, -0.03, 0.05, 0.02, -0.04, -0.02, 0.02, -0.01, 0.03, 0.05, 0.005,
+      0.004, 0.01, -0.02, 0.03;
   for (const auto& [model, coefficients] :
        {std::pair{DistortionModel::kNone, std::vector<double>{}},
         std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
@@ -31,11 +32,12 @@ TEST_CASE("adjustment: the residual projects as the camera does, for every lens"
     const Eigen::Vector2d sighting = *pixel - Eigen::Vector2d(3.0, 0.0);
     const ReprojectionResidual residual(&camera, sighting);
     const double lens[kNumLensParameters] = {1.0};
-    const double readout[kNumReadoutParameters] = {1e-4, -2e-4, 5e-5, -3e-4, 2e-4, 4e-5};
+    Eigen::Matrix<double, kNumReadoutParameters, 1> readout;
+    readout << camera.readout.turns.reshaped();
     double error[2];
     Eigen::Matrix<double, kNumPoseParameters, 1> pose;
     pose << world_from_camera.rotation.coeffs(), world_from_camera.translation;
-    REQUIRE(residual(pose.data(), point.data(), lens, readout, error));
+    REQUIRE(residual(pose.data(), point.data(), lens, readout.data(), error));
     CHECK(error[0] == doctest::Approx(3.0).epsilon(1e-4));
     CHECK(std::abs(error[1]) < 1e-4);
   }
@@ -70,7 +72,21 @@ TEST_CASE("adjustment: derivatives by hand are those found automatically, for ev
   const std::vector<std::vector<double>> blocks = {{q[0], q[1], q[2], q[3], 3.0, -4.0, 90.0},
                                                    {31.0, 12.0, 2.0},
                                                    {1.02, 0.03, -0.01, 2e-3, -1e-3, 0.01, -0.02},
-                                                   {0.01, -0.02, 0.005, -0.03, 0.015, 0.02}};
+                                                   {0.01,
+                                                    -0.02,
+                                                    0.005,
+                                                    -0.03,
+                                                    0.015,
+                                                    0.02,
+                                                    0.05,
+                                                    0.04,
+                                                    -0.03,
+                                                    0.02,
+                                                    0.01,
+                                                    -0.04,
+                                                    0.03,
+                                                    -0.06,
+                                                    0.02}};
   for (const auto& [each, coefficients] :
        {std::pair{DistortionModel::kNone, std::vector<double>{}},
         std::pair{DistortionModel::kRadTan, std::vector<double>{-0.2, 0.05, 1e-3, -2e-3, 0.01}},
@@ -112,6 +128,7 @@ TEST_CASE("adjustment: Check names field, value and constraint") {
   refuses(&AdjustmentOptions::max_baseline_ratio, 0.0);
   refuses(&AdjustmentOptions::robust_loss_px, 0.0);
   refuses(&AdjustmentOptions::max_reprojection_error_px, -1.0);
+  refuses(&AdjustmentOptions::max_reprojection_error_sigma, 2.0);
   refuses(&AdjustmentOptions::focal_sd_ratio, 0.6);
   refuses(&AdjustmentOptions::radial_sd, 0.0);
   refuses(&AdjustmentOptions::tangential_sd, 0.0);
@@ -119,6 +136,7 @@ TEST_CASE("adjustment: Check names field, value and constraint") {
   refuses(&AdjustmentOptions::min_num_lens_views, 0);
   refuses(&AdjustmentOptions::max_num_iterations, 0);
   refuses(&AdjustmentOptions::readout_change_sd_deg_s2, 0.0);
+  refuses(&AdjustmentOptions::max_readout_power, 6);
   refuses(&AdjustmentOptions::estimated_tilt_sd_deg, 0.0);
   refuses(&AdjustmentOptions::estimated_yaw_sd_deg, 181.0);
   refuses(&AdjustmentOptions::min_num_shared_landmarks, 0);

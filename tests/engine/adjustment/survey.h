@@ -26,8 +26,10 @@ struct SurveyOptions {
   double height_factor = 1.0;
   // The camera turns by up to this about each axis while an image is read, radians.
   double readout_turn = 0.0;
-  // And by up to this unevenly, see Readout::bend.
+  // And by up to this unevenly: the second power of time, see Readout::turns.
   double readout_bend = 0.0;
+  // And by up to this at the first and last row, by each of the third to the fifth power.
+  double readout_gust = 0.0;
   AttitudeSource attitude_source = AttitudeSource::kGiven;
   unsigned seed = 7;
 };
@@ -87,7 +89,11 @@ class SurveyMaker {
       const double bound = options_.readout_turn;
       const Eigen::Vector3d turn(Uniform(bound), Uniform(bound), Uniform(bound));
       const Eigen::Vector3d bend = options_.readout_bend * turn / std::max(bound, 1e-9);
-      const Camera camera = bound > 0.0 ? base.With({turn, bend}) : base;
+      Camera camera = base.With(Readout::Turning(turn, bend));
+      for (int k = 2; options_.readout_gust > 0.0 && k < Readout::kNumTurns; ++k) {
+        const double gust = options_.readout_gust * std::pow(2.0, k + 1);
+        camera.readout.turns.col(k) << Uniform(gust), Uniform(gust), Uniform(gust);
+      }
       for (size_t id = 0; id < survey.points_in_world.size(); ++id) {
         auto pixel = camera.ImageFromCamera(Inverse(survey.world_from_camera[view]) *
                                             survey.points_in_world[id]);

@@ -30,7 +30,10 @@ Eigen::Vector2d SeenWhileMoving(const Camera& camera,
   Eigen::Vector2d pixel(camera.cx_px, camera.cy_px);
   for (int i = 0; i < 50; ++i) {
     const double share = (pixel.y() - camera.cy_px) / camera.height_px;
-    const Eigen::AngleAxisd turned(-share * turn.norm(), turn.normalized());
+    // Half a turn vector is the tangent of half the angle, along the axis.
+    const Eigen::Vector3d half = -0.5 * share * turn;
+    const Eigen::Quaterniond turned =
+        Eigen::Quaterniond(1.0, half.x(), half.y(), half.z()).normalized();
     pixel = *camera.ImageFromCamera(turned * (point - share * way));
   }
   return pixel;
@@ -50,9 +53,10 @@ TEST_CASE(
     for (const double y : {-45.0, 5.0, 45.0}) {
       const Eigen::Vector3d point(x, y, depth);
       const Eigen::Vector2d turned = SeenWhileMoving(camera, point, turn, Eigen::Vector3d::Zero());
-      CHECK((*camera.With({turn}).ImageFromCamera(point) - turned).norm() < kMaxTurnErrorPx);
+      CHECK((*camera.With(Readout::Turning(turn)).ImageFromCamera(point) - turned).norm() <
+            kMaxTurnErrorPx);
       const Eigen::Vector2d flown = SeenWhileMoving(camera, point, turn, way);
-      const Camera both = camera.With({turn + flight_as_turn});
+      const Camera both = camera.With(Readout::Turning(turn + flight_as_turn));
       CHECK((*both.ImageFromCamera(point) - flown).norm() < kMaxFlightErrorPx);
       largest_px = std::max(largest_px, (*camera.ImageFromCamera(point) - flown).norm());
     }
@@ -60,14 +64,14 @@ TEST_CASE(
   CHECK(largest_px > 3.0 * kMaxFlightErrorPx);
   // At the last row, half an image below the middle: half of the even turn and a quarter of the
   // rest.
-  const Readout uneven{{0.02, 0.0, 0.0}, {0.04, 0.0, 0.0}};
+  const Readout uneven = Readout::Turning({0.02, 0.0, 0.0}, {0.04, 0.0, 0.0});
   CHECK(uneven.TurnAt(0.5).x() == doctest::Approx(0.02));
   CHECK(uneven.TurnAt(-0.5).x() == doctest::Approx(0.0));
 }
 
 TEST_CASE(
     "camera: a pixel's ray leads back to it through a rolling shutter, also at another size") {
-  const Camera camera = WideCamera().With({Eigen::Vector3d(0.02, -0.03, 0.04)});
+  const Camera camera = WideCamera().With(Readout::Turning({0.02, -0.03, 0.04}));
   for (const double factor : {1.0, 0.5}) {
     const Camera scaled = camera.Scaled(factor);
     for (const Eigen::Vector2d& pixel :

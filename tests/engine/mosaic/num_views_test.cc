@@ -56,7 +56,7 @@ TEST_CASE("num views: as many as projecting every cell into every view finds") {
   }
   AdjustedBlock block = BlockOf(poses);
   block.views[3].is_connected = false;
-  block.views[7].readout.turn = {0.02, -0.01, 0.01};
+  block.views[7].readout = Readout::Turning({0.02, -0.01, 0.01});
   block.camera.distortion = DistortionModel::kRadTan;
   block.camera.coefficients = {-0.1, 0.02, 0.001, -0.001};
   const ElevationMap map = Hills();

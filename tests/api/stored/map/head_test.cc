@@ -26,7 +26,7 @@ MapHead SomeHead() {
   head.views.push_back({"a.jpg", {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {1.0, 2.0, 100.1}}, {}});
   head.views.push_back({"b.jpg",
                         {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {-1234.0 / 7.0, 2.0, 100.1}},
-                        {{0.1, 0.2, 0.3}, {0.0, 0.0, 0.01}}});
+                        Readout::Turning({0.1, 0.2, 0.3}, {0.0, 0.0, 0.01})});
   head.ranges = {{"elevation", -1.0, 12.5}};
   head.photo = PhotoLattice{1.0 / 19.0, 256, 5};
   head.quality = {2.5, 0.25, 3, 2, 100, "one is not connected"};
@@ -46,7 +46,7 @@ TEST_CASE("map head: what was stored comes back, every number exactly") {
   REQUIRE(back.views.size() == 2);
   CHECK(back.views[1].frame_id == "b.jpg");
   CHECK(back.views[1].world_from_camera.translation == head.views[1].world_from_camera.translation);
-  CHECK(back.views[1].readout.turn == head.views[1].readout.turn);
+  CHECK(back.views[1].readout.turns == head.views[1].readout.turns);
   CHECK(back.views[0].readout.IsGlobal());
   CHECK(back.wind->wind_in_world == head.wind->wind_in_world);
   CHECK(back.quality.note == head.quality.note);
