@@ -17,6 +17,7 @@ constexpr int kNumEdgeSamples = 8;
 
 struct Votes {
   float log_odds = 0.0f;
+  float squares = 0.0f;
   uint16_t num_looks = 0;
   uint16_t num_votes = 0;
   bool has_grass = false;
@@ -94,15 +95,13 @@ bool MaySee(const Rigid3d& camera_from_world, double half_angle, const Sphere& s
 
 class Voter {
  public:
-  Voter(const GrassView& view, const CoverOptions& options)
+  Voter(const GrassView& view, double min_probability, double max_probability)
       : view_(view),
         camera_from_world_(Inverse(view.world_from_camera)),
         rotation_(camera_from_world_.rotation.toRotationMatrix()),
         half_angle_(HalfFieldOfView(view.camera)) {
     for (int value = 0; value < 256; ++value) {
-      const double probability = std::clamp((value - 1) / 254.0,
-                                            options.min_observation_probability,
-                                            options.max_observation_probability);
+      const double probability = std::clamp((value - 1) / 254.0, min_probability, max_probability);
       log_odds_[value] = static_cast<float>(std::log(probability / (1.0 - probability)));
     }
   }
@@ -124,6 +123,7 @@ class Voter {
     if (value == 0) return;
     ++votes.num_votes;
     votes.log_odds += log_odds_[value];
+    votes.squares += log_odds_[value] * log_odds_[value];
     votes.has_grass = votes.has_grass || (value - 1) / 254.0 >= kBinaryProbability;
   }
 
@@ -148,11 +148,12 @@ float Fuse(const Votes& votes, const CoverOptions& options) {
   return static_cast<float>(1.0 / (1.0 + std::exp(-log_odds)));
 }
 
-void FuseBlock(const ElevationMap& map,
-               const cv::Rect& block,
-               const std::vector<Voter>& voters,
-               const CoverOptions& options,
-               cv::Mat1f& grass) {
+// Calls take(row, col, votes) for every cell that the map sees.
+template <typename Take>
+void CountBlock(const ElevationMap& map,
+                const cv::Rect& block,
+                const std::vector<Voter>& voters,
+                Take take) {
   const std::vector<SeenCell> cells = SeenCells(map, block);
   if (cells.empty()) return;
   const Sphere sphere = SphereAround(map, block, cells);
@@ -161,8 +162,24 @@ void FuseBlock(const ElevationMap& map,
     if (!voter.MaySee(sphere)) continue;
     for (size_t i = 0; i < cells.size(); ++i) voter.Vote(cells[i].place_in_world, votes[i]);
   }
-  for (size_t i = 0; i < cells.size(); ++i) {
-    grass(cells[i].row, cells[i].col) = Fuse(votes[i], options);
+  for (size_t i = 0; i < cells.size(); ++i) take(cells[i].row, cells[i].col, votes[i]);
+}
+
+template <typename Take>
+void CountBlocks(const ElevationMap& map,
+                 const std::vector<GrassView>& grass_views,
+                 double min_probability,
+                 double max_probability,
+                 Take take) {
+  std::vector<Voter> voters;
+  for (const GrassView& view : grass_views) {
+    if (!view.mask.empty()) voters.emplace_back(view, min_probability, max_probability);
+  }
+  const cv::Rect whole({}, map.elevation.size());
+  for (int row = 0; row < whole.height; row += kBlockSize) {
+    for (int col = 0; col < whole.width; col += kBlockSize) {
+      CountBlock(map, cv::Rect(col, row, kBlockSize, kBlockSize) & whole, voters, take);
+    }
   }
 }
 
@@ -172,17 +189,35 @@ cv::Mat1f FuseGrass(const ElevationMap& map,
                     const std::vector<GrassView>& grass_views,
                     const CoverOptions& options) {
   cv::Mat1f grass(map.elevation.size(), std::numeric_limits<float>::quiet_NaN());
-  std::vector<Voter> voters;
-  for (const GrassView& view : grass_views) {
-    if (!view.mask.empty()) voters.emplace_back(view, options);
-  }
-  const cv::Rect whole(0, 0, grass.cols, grass.rows);
-  for (int row = 0; row < grass.rows; row += kBlockSize) {
-    for (int col = 0; col < grass.cols; col += kBlockSize) {
-      FuseBlock(map, cv::Rect(col, row, kBlockSize, kBlockSize) & whole, voters, options, grass);
-    }
-  }
+  CountBlocks(
+      map,
+      grass_views,
+      options.min_observation_probability,
+      options.max_observation_probability,
+      [&](int row, int col, const Votes& votes) { grass(row, col) = Fuse(votes, options); });
   return grass;
+}
+
+ViewVotes CountVotes(const ElevationMap& map, const std::vector<GrassView>& grass_views) {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  const cv::Size size = map.elevation.size();
+  ViewVotes all{cv::Mat1f(size, kUnknown),
+                cv::Mat1f(size, kUnknown),
+                cv::Mat1f(size, kUnknown),
+                cv::Mat1f(size, 0.0f)};
+  const double least = 1.0 / (1.0 + std::exp(kMaxViewLogOdds));
+  const auto take = [&](int row, int col, const Votes& votes) {
+    if (votes.num_looks == 0) return;
+    const auto num = static_cast<float>(votes.num_votes);
+    all.vote_ratio(row, col) = num / static_cast<float>(votes.num_looks);
+    all.num_votes(row, col) = num;
+    if (votes.num_votes == 0) return;
+    const float mean = votes.log_odds / num;
+    all.mean_log_odds(row, col) = mean;
+    all.spread(row, col) = std::sqrt(std::max(0.0f, votes.squares / num - mean * mean));
+  };
+  CountBlocks(map, grass_views, least, 1.0 - least, take);
+  return all;
 }
 
 }  // namespace freelsd
