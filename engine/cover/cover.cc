@@ -90,8 +90,7 @@ GroundCover AssessCover(const ElevationMap& map,
   if (options.cover_method == CoverMethod::kRules) {
     cover.grass = GrassByRules(map, surface, grass_views, options, photo, cells);
   } else {
-    cover.grass = GrassProbability(
-        {map, surface, grass_views, photo, disagreement}, options, ShippedKindModel());
+    cover.grass = GrassProbability({map, surface, grass_views, photo}, options, ShippedKindModel());
     cells.is_meadow = cover.grass >= options.min_grass_posterior;
   }
   cells.is_clear_class = cover.grass >= options.clear_class.min_clear_class_posterior;

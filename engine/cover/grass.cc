@@ -17,7 +17,6 @@ constexpr int kNumEdgeSamples = 8;
 
 struct Votes {
   float log_odds = 0.0f;
-  float squares = 0.0f;
   uint16_t num_looks = 0;
   uint16_t num_votes = 0;
   bool has_grass = false;
@@ -123,7 +122,6 @@ class Voter {
     if (value == 0) return;
     ++votes.num_votes;
     votes.log_odds += log_odds_[value];
-    votes.squares += log_odds_[value] * log_odds_[value];
     votes.has_grass = votes.has_grass || (value - 1) / 254.0 >= kBinaryProbability;
   }
 
@@ -198,26 +196,13 @@ cv::Mat1f FuseGrass(const ElevationMap& map,
   return grass;
 }
 
-ViewVotes CountVotes(const ElevationMap& map, const std::vector<GrassView>& grass_views) {
-  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-  const cv::Size size = map.elevation.size();
-  ViewVotes all{cv::Mat1f(size, kUnknown),
-                cv::Mat1f(size, kUnknown),
-                cv::Mat1f(size, kUnknown),
-                cv::Mat1f(size, 0.0f)};
+cv::Mat1f MeanLogOdds(const ElevationMap& map, const std::vector<GrassView>& grass_views) {
+  cv::Mat1f mean(map.elevation.size(), std::numeric_limits<float>::quiet_NaN());
   const double least = 1.0 / (1.0 + std::exp(kMaxViewLogOdds));
-  const auto take = [&](int row, int col, const Votes& votes) {
-    if (votes.num_looks == 0) return;
-    const auto num = static_cast<float>(votes.num_votes);
-    all.vote_ratio(row, col) = num / static_cast<float>(votes.num_looks);
-    all.num_votes(row, col) = num;
-    if (votes.num_votes == 0) return;
-    const float mean = votes.log_odds / num;
-    all.mean_log_odds(row, col) = mean;
-    all.spread(row, col) = std::sqrt(std::max(0.0f, votes.squares / num - mean * mean));
-  };
-  CountBlocks(map, grass_views, least, 1.0 - least, take);
-  return all;
+  CountBlocks(map, grass_views, least, 1.0 - least, [&](int row, int col, const Votes& votes) {
+    if (votes.num_votes > 0) mean(row, col) = votes.log_odds / static_cast<float>(votes.num_votes);
+  });
+  return mean;
 }
 
 }  // namespace freelsd

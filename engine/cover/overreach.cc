@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <optional>
 
 #include <opencv2/imgproc.hpp>
 
@@ -48,36 +46,24 @@ LocalColor ColorsAround(const cv::Mat1b& mask, const ColorPlanes& colors, int si
   return local;
 }
 
-// Fisher's discriminant of two colours: their squared distance, and how far a cell's colour is on
-// the way from grass to other ground, in the same unit.
-struct Discriminant {
-  double separation = 0.0;
-  double position = 0.0;
-};
-
-// Nothing unless both colours are known.
-std::optional<Discriminant> DiscriminantAt(const LocalColor& grass,
-                                           const LocalColor& other,
-                                           const ColorPlanes& colors,
-                                           const cv::Point& cell,
-                                           double min_num_cells) {
-  if (std::min(grass.num_cells(cell), other.num_cells(cell)) < min_num_cells) return std::nullopt;
-  Discriminant found;
+// Whether the colour is nearer to `other` than to `grass`. False unless both are known and differ.
+bool IsOther(const LocalColor& grass,
+             const LocalColor& other,
+             const ColorPlanes& colors,
+             const cv::Point& cell,
+             double min_num_cells,
+             double min_separation) {
+  if (std::min(grass.num_cells(cell), other.num_cells(cell)) < min_num_cells) return false;
+  double separation = 0.0, position = 0.0;
   for (size_t i = 0; i < 3; ++i) {
     const double least = kLeastColorDeviation[i];
     const double variance =
         std::max(0.5 * (grass.variance[i](cell) + other.variance[i](cell)), least * least);
     const double apart = other.mean[i](cell) - grass.mean[i](cell);
-    found.separation += apart * apart / variance;
-    found.position += apart * (colors[i](cell) - grass.mean[i](cell)) / variance;
+    separation += apart * apart / variance;
+    position += apart * (colors[i](cell) - grass.mean[i](cell)) / variance;
   }
-  return found;
-}
-
-// Whether the colour is nearer to `other` than to `grass`. False unless both are known and differ.
-bool IsOther(const std::optional<Discriminant>& found, double min_separation) {
-  return found && found->separation > min_separation * min_separation &&
-         found->position > 0.5 * found->separation;
+  return separation > min_separation * min_separation && position > 0.5 * separation;
 }
 
 // The ellipse is odd, because OpenCV's opening shifts the result of an even one.
@@ -120,8 +106,7 @@ cv::Mat1b MovedIn(const cv::Range& rows,
       const cv::Point cell(col, row + rows.start - around.start);
       const bool is_other =
           grass(cell) &&
-          IsOther(DiscriminantAt(of_grass, of_other, planes, cell, surroundings.min_num_cells),
-                  min_separation);
+          IsOther(of_grass, of_other, planes, cell, surroundings.min_num_cells, min_separation);
       if (is_other) found(row, col) = 255;
     }
   }
@@ -154,29 +139,6 @@ cv::Mat1b OverreachingGrass(const cv::Mat1f& grass,
     moved |= found;
   }
   return Opened(moved | told, kMinWidthM, cell_m) & is_grass;
-}
-
-cv::Mat1f OtherGroundLogRatio(const cv::Mat1b& is_grass,
-                              const cv::Mat1b& is_other,
-                              const ColorsOnMap& on_map,
-                              const Grid& grid,
-                              const CoverOptions& options) {
-  const double cell_m = grid.cell_size_m;
-  const int side = BoxSide(2.0 * options.overreach_surroundings_m / cell_m);
-  const double min_num_cells = kMinAreaM2 / (cell_m * cell_m);
-  const cv::Mat1b other = Opened(is_other & on_map.is_seen, kMinWidthM, cell_m);
-  const LocalColor of_grass = ColorsAround(is_grass & on_map.is_seen, on_map.colors, side);
-  const LocalColor of_other = ColorsAround(other, on_map.colors, side);
-  cv::Mat1f ratio(is_grass.size(), std::numeric_limits<float>::quiet_NaN());
-  for (int row = 0; row < ratio.rows; ++row) {
-    for (int col = 0; col < ratio.cols; ++col) {
-      if (!on_map.is_seen(row, col)) continue;
-      const auto found =
-          DiscriminantAt(of_grass, of_other, on_map.colors, {col, row}, min_num_cells);
-      if (found) ratio(row, col) = static_cast<float>(found->position - 0.5 * found->separation);
-    }
-  }
-  return ratio;
 }
 
 }  // namespace freelsd

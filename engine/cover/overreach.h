@@ -2,7 +2,6 @@
 #pragma once
 
 #include "engine/cover/cover.h"
-#include "engine/cover/photo_features.h"
 
 namespace freelsd {
 
@@ -14,14 +13,5 @@ cv::Mat1b OverreachingGrass(const cv::Mat1f& grass,
                             const Orthophoto& photo,
                             const Grid& grid,
                             const CoverOptions& options);
-
-// By how much the colour of each cell is more likely in the other ground around it than in the
-// grass around it: the logarithm of the ratio of two Gaussian likelihoods with a shared variance.
-// NaN unless both colours are known.
-cv::Mat1f OtherGroundLogRatio(const cv::Mat1b& is_grass,
-                              const cv::Mat1b& is_other,
-                              const ColorsOnMap& on_map,
-                              const Grid& grid,
-                              const CoverOptions& options);
 
 }  // namespace freelsd

@@ -85,8 +85,9 @@ cv::Mat1f SquaredDeviations(const ColorPlanes& colors, const cv::Mat1f& counts, 
   return squares;
 }
 
-// Squared deviation of every cell, from surroundings without outliers.
-cv::Mat1f SquaresOf(const Orthophoto& photo, const CoverOptions& options) {
+}  // namespace
+
+cv::Mat1b SmallObjects(const Orthophoto& photo, const CoverOptions& options) {
   const double cell = photo.grid.cell_size_m;
   cv::Mat1f seen;
   photo.seen.convertTo(seen, CV_32F, 1.0 / 255.0);
@@ -103,38 +104,8 @@ cv::Mat1f SquaresOf(const Orthophoto& photo, const CoverOptions& options) {
     counts = seen.clone();
     counts.setTo(0.0f, is_other);
   }
-  return squares;
-}
-
-}  // namespace
-
-cv::Mat1f ObjectDeviations(const Orthophoto& photo, const CoverOptions& options) {
-  cv::Mat1f deviations(photo.image.size(), 0.0f);
-  for (const PhotoBand& band : BandsOf(photo, kNumPasses * options.object_surroundings_m)) {
-    const cv::Range own(band.first_row, band.end_row);
-    const cv::Mat1f squares = SquaresOf(band.photo, options).rowRange(own - band.photo_first_row);
-    cv::sqrt(cv::max(squares, 0.0f), deviations.rowRange(own));
-  }
-  deviations.setTo(0.0f, photo.seen == 0);
-  return deviations;
-}
-
-cv::Mat1f MostOnMap(const cv::Mat1f& values, const Grid& grid) {
-  cv::Mat1f most = cv::Mat1f::zeros(grid.num_rows, grid.num_cols);
-  const int parts = values.rows / std::max(1, grid.num_rows);
-  for (int row = 0; row < values.rows; ++row) {
-    for (int col = 0; col < values.cols; ++col) {
-      float& cell = most(row / parts, col / parts);
-      cell = std::max(cell, values(row, col));
-    }
-  }
-  return most;
-}
-
-cv::Mat1b SmallObjects(const Orthophoto& photo, const CoverOptions& options) {
-  const double cell = photo.grid.cell_size_m;
   const double least = options.min_object_deviations * options.min_object_deviations;
-  const cv::Mat1b stands_out = (SquaresOf(photo, options) > least) & photo.seen;
+  const cv::Mat1b stands_out = (squares > least) & photo.seen;
   return WithoutSpecks(stands_out, options.min_object_area_m2 / (cell * cell));
 }
 

@@ -14,9 +14,4 @@ cv::Mat1b SmallObjects(const Orthophoto& photo, const CoverOptions& options);
 // orthophoto is empty or the search is off.
 cv::Mat1b FindSmallObjects(const Orthophoto& photo, const Grid& grid, const CoverOptions& options);
 
-// Deviation of every cell of the orthophoto from its surroundings, in standard deviations.
-cv::Mat1f ObjectDeviations(const Orthophoto& photo, const CoverOptions& options);
-// The largest value in each map cell.
-cv::Mat1f MostOnMap(const cv::Mat1f& values, const Grid& grid);
-
 }  // namespace freelsd

@@ -18,36 +18,17 @@ constexpr float kMinKnownShare = 0.1f;
 
 const std::array<const char*, kNumCues> kCueNames{"view_log_odds",
                                                   "view_log_odds_near",
-                                                  "view_log_odds_far",
-                                                  "view_spread",
-                                                  "vote_ratio",
-                                                  "vote_ratio_near",
-                                                  "num_views",
-                                                  "greenness",
-                                                  "red_minus_blue",
                                                   "greenness_contrast",
-                                                  "brightness_contrast",
-                                                  "color_of_other",
                                                   "detail",
-                                                  "detail_wide",
                                                   "tuft_texture",
-                                                  "bush_texture",
                                                   "green_texture",
                                                   "shadow",
-                                                  "object_deviation",
                                                   "row_strength",
                                                   "rut_density",
                                                   "sprayed",
-                                                  "fence",
-                                                  "disagreement",
-                                                  "disagreement_far",
                                                   "cover_height",
-                                                  "cover_height_near",
                                                   "roughness",
-                                                  "slope",
                                                   "height_deviation",
-                                                  "bump",
-                                                  "rise",
                                                   "unevenness",
                                                   "raised_border"};
 
@@ -61,6 +42,13 @@ cv::Mat1f KnownMean(const cv::Mat1f& values, double side_cells) {
   cv::Mat1f mean = BoxMean(filled, side, BoxBorder::kNothing) / share;
   mean.setTo(kUnknown, share < kMinKnownShare);
   return mean;
+}
+
+cv::Mat1f LogOf(const cv::Mat1f& values, double least) {
+  cv::Mat1f logarithm;
+  cv::log(cv::max(values, least), logarithm);
+  logarithm.setTo(kUnknown, ~cv::Mat1b(values == values));
+  return logarithm;
 }
 
 cv::Mat1f MeanOnMap(const cv::Mat1f& values, const Orthophoto& photo, const Grid& grid) {
@@ -77,11 +65,10 @@ cv::Mat1f MeanOnMap(const cv::Mat1f& values, const Orthophoto& photo, const Grid
 
 void VisitCues(const CueInput& input, const CoverOptions& options, const CueVisitor& visit) {
   const cv::Mat1f view_log_odds = VisitViewCues(input, visit);
-  VisitHeightCues(input, visit);
+  VisitHeightCues(input, view_log_odds, options, visit);
   if (input.photo.image.empty()) return;
-  VisitColorCues(input, view_log_odds, options, visit);
-  VisitTextureCues(input, visit);
-  VisitDetectorCues(input, view_log_odds, options, visit);
+  VisitPhotoCues(input, visit);
+  VisitCropCues(input, options, visit);
 }
 
 }  // namespace freelsd

@@ -13,47 +13,33 @@ namespace freelsd {
 
 enum class Cue {
   // --- Masks of the views ---
+  // Mean log-odds of grass, of the cell and around it.
   kViewLogOdds,
   kViewLogOddsNear,
-  kViewLogOddsFar,
-  kViewSpread,
-  kVoteRatio,
-  kVoteRatioNear,
-  kNumViews,
-  // --- Colour of the orthophoto ---
-  kGreenness,
-  kRedMinusBlue,
+  // --- Orthophoto ---
+  // Excess green, less that of the surroundings.
   kGreennessContrast,
-  kBrightnessContrast,
-  kColorOfOther,
-  // --- Texture of the orthophoto ---
+  // Logarithm of the deviation of brightness or greenness within a band of sizes.
   kDetail,
-  kDetailWide,
   kTuftTexture,
-  kBushTexture,
   kGreenTexture,
+  // Log brightness of the darkest part, less that of the surroundings.
   kShadow,
-  // --- Things and crops in the orthophoto ---
-  kObjectDeviation,
+  // --- Crops in the orthophoto ---
   kRowStrength,
   kRutDensity,
   kSprayed,
-  kFence,
-  // --- Two photographs ---
-  kDisagreement,
-  kDisagreementFar,
   // --- Heights ---
+  // Upper height above elevation, around the cell.
   kCoverHeight,
-  kCoverHeightNear,
+  // Logarithms.
   kRoughness,
-  kSlope,
   kHeightDeviation,
-  kBump,
-  kRise,
   kUnevenness,
+  // Share of the border of even ground that stands above what is beside it.
   kRaisedBorder,
 };
-inline constexpr size_t kNumCues = 34;
+inline constexpr size_t kNumCues = 15;
 
 // In the order of Cue; as in the files of freelsd-kinds.
 extern const std::array<const char*, kNumCues> kCueNames;
@@ -63,8 +49,6 @@ struct CueInput {
   const GroundSurface& surface;
   const std::vector<GrassView>& grass_views;
   const Orthophoto& photo;
-  // PhotoDisagreement; may be empty.
-  cv::Mat1f disagreement;
 };
 
 // Called once for every cue that can be measured: one value per map cell, NaN where unknown.

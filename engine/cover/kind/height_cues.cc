@@ -5,39 +5,15 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/cover/kind/cue_groups.h"
+#include "engine/cover/raised_fields.h"
 
 namespace freelsd {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 // No height is known better.
-constexpr float kLeastDeviationM = 0.01f;
-// Sides of squares: what stands out of its surroundings, and what lies higher as a whole.
+constexpr double kLeastDeviationM = 0.01f;
+// Side of the square around a cell.
 constexpr double kNearM = 5.0;
-constexpr double kBumpM = 9.0;
-constexpr double kRiseM = 31.0;
-
-cv::Mat1f LogOf(const cv::Mat1f& values) {
-  cv::Mat1f logarithm;
-  cv::log(cv::max(values, kLeastDeviationM), logarithm);
-  logarithm.setTo(kUnknown, ~cv::Mat1b(values == values));
-  return logarithm;
-}
-
-// Height of each cell above the opening of the surface: what is narrower than the square.
-cv::Mat1f Bumps(const cv::Mat1f& elevation, double side_cells) {
-  const cv::Mat1b is_known = cv::Mat1b(elevation == elevation);
-  const int side = 2 * static_cast<int>(0.5 * side_cells) + 1;
-  const cv::Mat square = cv::Mat1b::ones(side, side);
-  cv::Mat1f filled = elevation.clone(), low, opened;
-  filled.setTo(std::numeric_limits<float>::max(), ~is_known);
-  cv::erode(filled, low, square);
-  low.setTo(std::numeric_limits<float>::lowest(), low == std::numeric_limits<float>::max());
-  cv::dilate(low, opened, square);
-  cv::Mat1f bumps = elevation - opened;
-  bumps.setTo(kUnknown, ~is_known);
-  return bumps;
-}
 
 // Deviation of the elevation from its mean over a square, without the part that slopes have.
 cv::Mat1f Unevenness(const cv::Mat1f& elevation, double side_cells) {
@@ -47,20 +23,37 @@ cv::Mat1f Unevenness(const cv::Mat1f& elevation, double side_cells) {
   return deviation;
 }
 
+// Grass by the views, on ground that is even.
+cv::Mat1b EvenGrass(const CueInput& input,
+                    const cv::Mat1f& view_log_odds,
+                    const CoverOptions& options) {
+  cv::Mat1b is_even(view_log_odds.size(), uint8_t{0});
+  const double max_slope = RadFromDeg(options.max_even_slope_deg);
+  for (int row = 0; row < is_even.rows; ++row) {
+    for (int col = 0; col < is_even.cols; ++col) {
+      if (view_log_odds(row, col) > 0.0f && input.surface.slope(row, col) <= max_slope &&
+          input.surface.roughness(row, col) <= options.max_even_roughness_m) {
+        is_even(row, col) = 255;
+      }
+    }
+  }
+  return is_even;
+}
+
 }  // namespace
 
-void VisitHeightCues(const CueInput& input, const CueVisitor& visit) {
+void VisitHeightCues(const CueInput& input,
+                     const cv::Mat1f& view_log_odds,
+                     const CoverOptions& options,
+                     const CueVisitor& visit) {
   const cv::Mat1f& elevation = input.surface.elevation;
   const double cell = input.map.grid.cell_size_m;
-  const cv::Mat1f height = input.map.upper - input.map.elevation;
-  visit(Cue::kCoverHeight, height);
-  visit(Cue::kCoverHeightNear, KnownMean(height, kNearM / cell));
-  visit(Cue::kRoughness, LogOf(input.surface.roughness));
-  visit(Cue::kSlope, input.surface.slope);
-  visit(Cue::kHeightDeviation, LogOf(input.map.standard_deviation));
-  visit(Cue::kBump, Bumps(elevation, kBumpM / cell));
-  visit(Cue::kRise, KnownMean(elevation, kNearM / cell) - KnownMean(elevation, kRiseM / cell));
-  visit(Cue::kUnevenness, LogOf(Unevenness(elevation, kNearM / cell)));
+  visit(Cue::kCoverHeight, KnownMean(input.map.upper - input.map.elevation, kNearM / cell));
+  visit(Cue::kRoughness, LogOf(input.surface.roughness, kLeastDeviationM));
+  visit(Cue::kHeightDeviation, LogOf(input.map.standard_deviation, kLeastDeviationM));
+  visit(Cue::kUnevenness, LogOf(Unevenness(elevation, kNearM / cell), kLeastDeviationM));
+  visit(Cue::kRaisedBorder,
+        RaisedBorderRatio(EvenGrass(input, view_log_odds, options), elevation, cell, options));
 }
 
 }  // namespace freelsd

@@ -19,8 +19,8 @@ struct CueTerm {
   float At(float value) const;
 };
 
-// Of the ground with at least this score, at places that the model had not seen, this share was
-// grass, where half of all ground was.
+// What ground of places that the model had not seen earned from this score on, where half of all
+// ground was grass.
 struct EarnedStep {
   float min_score = 0.0f;
   float probability = 0.0f;

@@ -1,7 +1,5 @@
 #include "tests/evaluation/kinds/ground_run.h"
 
-#include "engine/cover/open_cover.h"
-
 namespace freelsd {
 namespace {
 
@@ -46,7 +44,7 @@ std::array<cv::Mat1f, kNumCues> CuesOf(const GroundRun& run, const PipelineOptio
   const GroundSurface surface = MeasureSurface(map, options.hazard.surface);
   std::array<cv::Mat1f, kNumCues> cues;
   VisitCues(
-      {map, surface, run.grass_views, run.photo, PhotoDisagreement(run.photo, map.grid)},
+      {map, surface, run.grass_views, run.photo},
       options.hazard.cover,
       [&](Cue cue, const cv::Mat1f& values) { cues[static_cast<size_t>(cue)] = values.clone(); });
   return cues;

@@ -57,6 +57,31 @@ GroupScore ScoreGroup(const KindProblem& problem,
   return result;
 }
 
+// Log-odds of grass as a line of the score.
+struct Calibration {
+  double slope = 1.0;
+  double offset = 0.0;
+};
+
+// Of recorded photographs, by Newton's method.
+Calibration Calibrate(const KindProblem& problem, const std::vector<double>& scores) {
+  Eigen::Vector2d line(1.0, 0.0);
+  for (int step = 0; step < kNumSteps; ++step) {
+    Eigen::Matrix2d hessian = 1e-6 * Eigen::Matrix2d::Identity();
+    Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+    for (size_t i = 0; i < scores.size(); ++i) {
+      const KindProblem::Row& row = problem.rows()[i];
+      if (row.weight <= 0.0 || !problem.IsRecorded(row.group)) continue;
+      const Eigen::Vector2d terms(scores[i], 1.0);
+      const double probability = 1.0 / (1.0 + std::exp(-line.dot(terms)));
+      gradient += row.weight * ((row.is_fit ? 1.0 : 0.0) - probability) * terms;
+      hessian += row.weight * probability * (1.0 - probability) * terms * terms.transpose();
+    }
+    line += hessian.ldlt().solve(gradient);
+  }
+  return {line[0], line[1]};
+}
+
 }  // namespace
 
 std::vector<Eigen::VectorXd> FitsLeftOut(const KindProblem& problem, const CueSet& cues) {
@@ -97,9 +122,8 @@ std::vector<GroupScore> ScoreGroups(const KindProblem& problem,
   return results;
 }
 
-// Of recorded photographs. What counts is all ground with at least a score: that is what an
-// operating point calls grass. A step with a smaller share than the one below it earns nothing.
 std::vector<EarnedStep> EarnedSteps(const KindProblem& problem, const std::vector<double>& scores) {
+  const Calibration calibration = Calibrate(problem, scores);
   std::vector<EarnedStep> earned;
   for (double least = kFirstScore; least <= kLastScore; least += kStepWidth) {
     double fit = 0.5 * kPriorWeight, all = kPriorWeight;
@@ -109,9 +133,11 @@ std::vector<EarnedStep> EarnedSteps(const KindProblem& problem, const std::vecto
       all += row.weight;
       if (row.is_fit) fit += row.weight;
     }
-    const auto share = static_cast<float>(fit / all);
-    if (!earned.empty() && share <= earned.back().probability) continue;
-    earned.push_back({static_cast<float>(least), share});
+    const double calibrated =
+        1.0 / (1.0 + std::exp(-calibration.slope * least - calibration.offset));
+    const auto probability = static_cast<float>(std::min(calibrated, fit / all));
+    if (!earned.empty() && probability <= earned.back().probability) continue;
+    earned.push_back({static_cast<float>(least), probability});
   }
   return earned;
 }

@@ -32,7 +32,9 @@ std::vector<GroupScore> ScoreGroups(const KindProblem& problem,
                                     const std::vector<double>& scores,
                                     double min_score);
 
-// Rising steps from the scores of rows that were left out, where as much is grass as is not.
+// Rising steps from the scores of recorded photographs that were left out, where half of the ground
+// is grass. A step's probability is that of its score, but no more than the share of grass in all
+// ground with at least that score: this is what an operating point calls grass.
 std::vector<EarnedStep> EarnedSteps(const KindProblem& problem, const std::vector<double>& scores);
 
 }  // namespace freelsd

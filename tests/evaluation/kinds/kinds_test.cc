@@ -19,7 +19,7 @@ KindCells CellsOfPlace(int place) {
     cell.cues.fill(kUnknown);
     const float value = 0.01f * static_cast<float>(i);
     cell.cues[static_cast<size_t>(Cue::kDetail)] = value;
-    cell.cues[static_cast<size_t>(Cue::kGreenness)] = static_cast<float>(place);
+    cell.cues[static_cast<size_t>(Cue::kGreennessContrast)] = static_cast<float>(place);
     cell.is_fit = value > 1.0f && value < 2.0f ? 1.0f : 0.0f;
     cell.kind = cell.is_fit > 0.0f ? "meadow" : "soil";
     cell.weight = 10.0f;
@@ -46,7 +46,7 @@ TEST_CASE("kinds: a cue that is good in the middle of its range is learnt at pla
 TEST_CASE("kinds: a cue that only names the place lowers no loss at places left out") {
   const KindProblem problem = Problem();
   CueSet cues;
-  cues.set(static_cast<size_t>(Cue::kGreenness));
+  cues.set(static_cast<size_t>(Cue::kGreennessContrast));
   for (const GroupScore& score : ScoreGroups(problem, ScoresLeftOut(problem, cues), 0.0)) {
     CHECK(score.log_loss > std::log(2.0) - 0.01);
   }

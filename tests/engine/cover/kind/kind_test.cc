@@ -48,7 +48,7 @@ TEST_CASE("kind: known cues add to the offset, and unknown cues what stands for 
                         {{Cue::kCoverHeight, {0.0f, 1.0f}, {1.0f, -3.0f}, -5.0f},
                          {Cue::kViewLogOdds, {-1.0f, 1.0f}, {-2.0f, 2.0f}, -0.25f}},
                         {}};
-  const cv::Mat1f scores = KindScores({map, surface, {}, {}, {}}, {}, model);
+  const cv::Mat1f scores = KindScores({map, surface, {}, {}}, {}, model);
   CHECK(scores(5, 5) == doctest::Approx(0.5 + 0.6 - 0.25));
   CHECK(scores(10, 10) == doctest::Approx(0.5 - 3.0 - 0.25));
   CHECK(std::isnan(scores(20, 20)));

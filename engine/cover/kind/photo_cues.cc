@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <opencv2/imgproc.hpp>
 
 #include "engine/cover/kind/cue_groups.h"
+#include "engine/cover/photo_features.h"
 #include "engine/geometry/box_mean.h"
 
 namespace freelsd {
@@ -21,11 +23,11 @@ struct Band {
   double side_m;
 };
 constexpr Band kDetailBand{0.0, 0.5, 3.0};
-constexpr Band kDetailWideBand{0.0, 0.5, 9.0};
 constexpr Band kTuftBand{0.5, 1.5, 7.0};
-constexpr Band kBushBand{1.5, 4.0, 15.0};
 // A cell's darkest part is compared with this square around it.
 constexpr double kShadowSideM = 11.0;
+// Side of the square that a cell's greenness is compared with.
+constexpr double kSurroundingsM = 61.0;
 
 struct Planes {
   cv::Mat1f log_brightness;
@@ -79,16 +81,19 @@ class SeenBlur {
 
 }  // namespace
 
-void VisitTextureCues(const CueInput& input, const CueVisitor& visit) {
+void VisitPhotoCues(const CueInput& input, const CueVisitor& visit) {
+  const ColorsOnMap on_map = ColorsOfMap(input.photo, input.map.grid);
+  cv::Mat1f greenness = on_map.colors[0];
+  greenness.setTo(std::numeric_limits<float>::quiet_NaN(), on_map.is_seen == 0);
+  visit(Cue::kGreennessContrast,
+        greenness - KnownMean(greenness, kSurroundingsM / input.map.grid.cell_size_m));
   const Planes planes = PlanesOf(input.photo);
   const SeenBlur blur(input.photo.seen, input.photo.grid.cell_size_m);
   const auto tell = [&](Cue cue, const cv::Mat1f& values) {
     visit(cue, MeanOnMap(values, input.photo, input.map.grid));
   };
   tell(Cue::kDetail, blur.LogDeviation(planes.log_brightness, kDetailBand));
-  tell(Cue::kDetailWide, blur.LogDeviation(planes.log_brightness, kDetailWideBand));
   tell(Cue::kTuftTexture, blur.LogDeviation(planes.log_brightness, kTuftBand));
-  tell(Cue::kBushTexture, blur.LogDeviation(planes.log_brightness, kBushBand));
   tell(Cue::kGreenTexture, blur.LogDeviation(planes.greenness, kDetailBand));
   cv::Mat1f darkest;
   const int parts = BoxSide(1.0 / input.photo.grid.cell_size_m);
