@@ -135,6 +135,7 @@ void VisitObjectFields(Of<CoverOptions> auto& o, Visitor&& visit) {
 
 template <class Visitor>
 void VisitFields(Of<CoverOptions> auto& o, Visitor&& visit) {
+  visit("cover_method", o.cover_method, "rules with a veto each, or one model of all cues");
   visit("grass_fusion", o.grass_fusion, "posterior over the observations, or the paper's OR");
   visit("min_grass_posterior", o.min_grass_posterior, "least posterior of a grass cell");
   visit("min_observation_probability",

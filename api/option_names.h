@@ -25,6 +25,10 @@ inline EnumNames<SegmentationThresholds> NamesOf(SegmentationThresholds) {
           {SegmentationThresholds::kPaper, "paper"}};
 }
 
+inline EnumNames<CoverMethod> NamesOf(CoverMethod) {
+  return {{CoverMethod::kRules, "rules"}, {CoverMethod::kEvidence, "evidence"}};
+}
+
 inline EnumNames<GrassFusion> NamesOf(GrassFusion) {
   return {{GrassFusion::kPosterior, "posterior"}, {GrassFusion::kPaperOr, "paper"}};
 }

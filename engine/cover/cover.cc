@@ -2,6 +2,7 @@
 
 #include "engine/cover/fences.h"
 #include "engine/cover/grass.h"
+#include "engine/cover/kind/kind.h"
 #include "engine/cover/look_alikes.h"
 #include "engine/cover/open_cover.h"
 #include "engine/cover/overreach.h"
@@ -53,6 +54,21 @@ cv::Mat1f WithoutSoftBorders(const ElevationMap& map,
   return grass;
 }
 
+// Grass by rules, each of which has a veto.
+cv::Mat1f GrassByRules(const ElevationMap& map,
+                       const GroundSurface& surface,
+                       const std::vector<GrassView>& grass_views,
+                       const CoverOptions& options,
+                       const Orthophoto& photo,
+                       MeadowCells& cells) {
+  cv::Mat1f grass = FuseGrass(map, grass_views, options);
+  if (!photo.image.empty()) grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
+  // Fences and objects are still part of their meadow here.
+  cells.is_meadow = grass >= options.min_grass_posterior;
+  if (!cells.objects.empty()) grass.setTo(0.0f, cells.objects);
+  return WithoutSoftBorders(map, surface, grass, options, photo);
+}
+
 }  // namespace
 
 GroundCover AssessCover(const ElevationMap& map,
@@ -62,20 +78,23 @@ GroundCover AssessCover(const ElevationMap& map,
                         Orthophoto photo) {
   options.Check();
   GroundCover cover;
-  cover.grass = FuseGrass(map, grass_views, options);
-  if (map.elevation.empty()) return cover;
+  if (map.elevation.empty()) {
+    cover.grass = FuseGrass(map, grass_views, options);
+    return cover;
+  }
   const cv::Mat1f disagreement = PhotoDisagreement(photo, map.grid);
-  // Nothing else needs it, and the other rules need its memory.
+  // Nothing else needs it, and the other steps need its memory.
   photo.second_image.release();
-  if (!photo.image.empty()) cover.grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
-  // Fences and objects are still part of their meadow here.
-  const cv::Mat1b meadow = cover.grass >= options.min_grass_posterior;
   MeadowCells cells;
   cells.objects = FindSmallObjects(photo, map.grid, options);
-  if (!cells.objects.empty()) cover.grass.setTo(0.0f, cells.objects);
-  cover.grass = WithoutSoftBorders(map, surface, cover.grass, options, photo);
+  if (options.cover_method == CoverMethod::kRules) {
+    cover.grass = GrassByRules(map, surface, grass_views, options, photo, cells);
+  } else {
+    cover.grass = GrassProbability({map, surface, grass_views, photo}, options, ShippedKindModel());
+    cells.is_meadow = cover.grass >= options.min_grass_posterior;
+  }
   cells.is_clear_class = cover.grass >= options.clear_class.min_clear_class_posterior;
-  cells.is_meadow = cells.is_clear_class | meadow;
+  cells.is_meadow |= cells.is_clear_class;
   cover.open = FindOpenCover(disagreement, map.grid, cells, options.photo);
   return cover;
 }

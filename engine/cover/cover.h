@@ -10,6 +10,10 @@ namespace freelsd {
 
 enum class GrassFusion { kPosterior, kPaperOr };
 
+// How the kind of ground is told. kRules: the views' posterior, and rules that each set it to 0.
+// kEvidence: one model of all cues (kind/kind.h).
+enum class CoverMethod { kRules, kEvidence };
+
 // Options of the orthophoto and of the comparison of photographs. In error messages the fields are
 // named `terrain.…`.
 struct PhotoOptions {
@@ -58,6 +62,7 @@ struct ClearClassOptions {
 // Rules for ground that looks like a meadow. In error messages the fields are named `hazard.…`.
 struct CoverOptions {
   // --- Behaviour ---
+  CoverMethod cover_method = CoverMethod::kRules;
   // kPosterior: posterior over all observations of a cell. kPaperOr: the paper's OR of all fine
   // masks.
   GrassFusion grass_fusion = GrassFusion::kPosterior;

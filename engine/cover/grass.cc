@@ -94,15 +94,13 @@ bool MaySee(const Rigid3d& camera_from_world, double half_angle, const Sphere& s
 
 class Voter {
  public:
-  Voter(const GrassView& view, const CoverOptions& options)
+  Voter(const GrassView& view, double min_probability, double max_probability)
       : view_(view),
         camera_from_world_(Inverse(view.world_from_camera)),
         rotation_(camera_from_world_.rotation.toRotationMatrix()),
         half_angle_(HalfFieldOfView(view.camera)) {
     for (int value = 0; value < 256; ++value) {
-      const double probability = std::clamp((value - 1) / 254.0,
-                                            options.min_observation_probability,
-                                            options.max_observation_probability);
+      const double probability = std::clamp((value - 1) / 254.0, min_probability, max_probability);
       log_odds_[value] = static_cast<float>(std::log(probability / (1.0 - probability)));
     }
   }
@@ -148,11 +146,12 @@ float Fuse(const Votes& votes, const CoverOptions& options) {
   return static_cast<float>(1.0 / (1.0 + std::exp(-log_odds)));
 }
 
-void FuseBlock(const ElevationMap& map,
-               const cv::Rect& block,
-               const std::vector<Voter>& voters,
-               const CoverOptions& options,
-               cv::Mat1f& grass) {
+// Calls take(row, col, votes) for every cell that the map sees.
+template <typename Take>
+void CountBlock(const ElevationMap& map,
+                const cv::Rect& block,
+                const std::vector<Voter>& voters,
+                Take take) {
   const std::vector<SeenCell> cells = SeenCells(map, block);
   if (cells.empty()) return;
   const Sphere sphere = SphereAround(map, block, cells);
@@ -161,8 +160,24 @@ void FuseBlock(const ElevationMap& map,
     if (!voter.MaySee(sphere)) continue;
     for (size_t i = 0; i < cells.size(); ++i) voter.Vote(cells[i].place_in_world, votes[i]);
   }
-  for (size_t i = 0; i < cells.size(); ++i) {
-    grass(cells[i].row, cells[i].col) = Fuse(votes[i], options);
+  for (size_t i = 0; i < cells.size(); ++i) take(cells[i].row, cells[i].col, votes[i]);
+}
+
+template <typename Take>
+void CountBlocks(const ElevationMap& map,
+                 const std::vector<GrassView>& grass_views,
+                 double min_probability,
+                 double max_probability,
+                 Take take) {
+  std::vector<Voter> voters;
+  for (const GrassView& view : grass_views) {
+    if (!view.mask.empty()) voters.emplace_back(view, min_probability, max_probability);
+  }
+  const cv::Rect whole({}, map.elevation.size());
+  for (int row = 0; row < whole.height; row += kBlockSize) {
+    for (int col = 0; col < whole.width; col += kBlockSize) {
+      CountBlock(map, cv::Rect(col, row, kBlockSize, kBlockSize) & whole, voters, take);
+    }
   }
 }
 
@@ -172,17 +187,22 @@ cv::Mat1f FuseGrass(const ElevationMap& map,
                     const std::vector<GrassView>& grass_views,
                     const CoverOptions& options) {
   cv::Mat1f grass(map.elevation.size(), std::numeric_limits<float>::quiet_NaN());
-  std::vector<Voter> voters;
-  for (const GrassView& view : grass_views) {
-    if (!view.mask.empty()) voters.emplace_back(view, options);
-  }
-  const cv::Rect whole(0, 0, grass.cols, grass.rows);
-  for (int row = 0; row < grass.rows; row += kBlockSize) {
-    for (int col = 0; col < grass.cols; col += kBlockSize) {
-      FuseBlock(map, cv::Rect(col, row, kBlockSize, kBlockSize) & whole, voters, options, grass);
-    }
-  }
+  CountBlocks(
+      map,
+      grass_views,
+      options.min_observation_probability,
+      options.max_observation_probability,
+      [&](int row, int col, const Votes& votes) { grass(row, col) = Fuse(votes, options); });
   return grass;
+}
+
+cv::Mat1f MeanLogOdds(const ElevationMap& map, const std::vector<GrassView>& grass_views) {
+  cv::Mat1f mean(map.elevation.size(), std::numeric_limits<float>::quiet_NaN());
+  const double least = 1.0 / (1.0 + std::exp(kMaxViewLogOdds));
+  CountBlocks(map, grass_views, least, 1.0 - least, [&](int row, int col, const Votes& votes) {
+    if (votes.num_votes > 0) mean(row, col) = votes.log_odds / static_cast<float>(votes.num_votes);
+  });
+  return mean;
 }
 
 }  // namespace freelsd

@@ -223,13 +223,10 @@ cv::Mat1b WholeFields(const cv::Mat1b& squares) {
   return grown;
 }
 
-}  // namespace
-
-cv::Mat1b RowCrops(const Orthophoto& photo, const CoverOptions& options) {
-  const double cell = photo.grid.cell_size_m;
-  const Squares squares(photo.image.size(), kSquareM, cell);
-  cv::Mat1b mask = cv::Mat1b::zeros(photo.image.size());
-  if (squares.num_rows == 0 || squares.num_cols == 0) return mask;
+// The rows of all squares, row-major.
+std::vector<Rows> RowsOfSquares(const Orthophoto& photo,
+                                const Squares& squares,
+                                const CoverOptions& options) {
   const cv::Mat1f brightness = Brightness(photo);
   cv::Mat1f window;
   cv::createHanningWindow(window, {squares.side, squares.side}, CV_32F);
@@ -240,16 +237,48 @@ cv::Mat1b RowCrops(const Orthophoto& photo, const CoverOptions& options) {
       powers.push_back(PowerOf(brightness(square), photo.seen(square), window));
     }
   }
-  const std::vector<Ring> rings = RingsOf(squares.side, cell, options);
-  cv::Mat1b has_rows = cv::Mat1b::zeros(squares.num_rows, squares.num_cols);
+  const std::vector<Ring> rings = RingsOf(squares.side, photo.grid.cell_size_m, options);
   std::vector<Rows> found;
+  found.reserve(powers.size());
   for (int row = 0; row < squares.num_rows; ++row) {
     for (int col = 0; col < squares.num_cols; ++col) {
       const cv::Mat1f power = MeanAround(powers, squares, row, col);
       found.push_back(power.empty() ? Rows{} : FindRows(power, rings));
-      if (found.back().sure_strength >= options.min_row_strength) has_rows(row, col) = 255;
     }
   }
+  return found;
+}
+
+}  // namespace
+
+cv::Mat1f RowStrengths(const Orthophoto& photo, const CoverOptions& options) {
+  cv::Mat1f strengths = cv::Mat1f::zeros(photo.image.size());
+  for (const PhotoBand& band : BandsOf(photo, kHaloM)) {
+    const Squares squares(band.photo.image.size(), kSquareM, photo.grid.cell_size_m);
+    if (squares.num_rows == 0 || squares.num_cols == 0) continue;
+    cv::Mat1f in_band = cv::Mat1f::zeros(band.photo.image.size());
+    const std::vector<Rows> found = RowsOfSquares(band.photo, squares, options);
+    for (int row = 0; row < squares.num_rows; ++row) {
+      for (int col = 0; col < squares.num_cols; ++col) {
+        const Rows& rows = found[static_cast<size_t>(row * squares.num_cols + col)];
+        in_band(squares.Core(row, col)).setTo(rows.sure_strength);
+      }
+    }
+    const cv::Range own(band.first_row, band.end_row);
+    in_band.rowRange(own - band.photo_first_row).copyTo(strengths.rowRange(own));
+  }
+  return strengths;
+}
+
+cv::Mat1b RowCrops(const Orthophoto& photo, const CoverOptions& options) {
+  const Squares squares(photo.image.size(), kSquareM, photo.grid.cell_size_m);
+  cv::Mat1b mask = cv::Mat1b::zeros(photo.image.size());
+  if (squares.num_rows == 0 || squares.num_cols == 0) return mask;
+  const std::vector<Rows> found = RowsOfSquares(photo, squares, options);
+  cv::Mat1b has_rows = cv::Mat1b::zeros(squares.num_rows, squares.num_cols);
+  std::transform(found.begin(), found.end(), has_rows.begin(), [&](const Rows& rows) {
+    return static_cast<uint8_t>(rows.sure_strength >= options.min_row_strength ? 255 : 0);
+  });
   has_rows = WithoutSpecks(has_rows, kMinNumSquares);
   has_rows = WholeFields(WithSameRows(has_rows, found, options));
   for (int row = 0; row < squares.num_rows; ++row) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -125,14 +126,15 @@ class Field {
   cv::Mat1f east_, south_;
 };
 
-}  // namespace
-
-cv::Mat1b RaisedFields(const cv::Mat1b& is_even,
-                       const cv::Mat1f& elevation,
-                       double cell_size_m,
-                       const CoverOptions& options) {
+// Calls visit(box, cells, border) for every connected even piece without narrow necks.
+template <typename Visit>
+void VisitFields(const cv::Mat1b& is_even,
+                 const cv::Mat1f& elevation,
+                 double cell_size_m,
+                 const CoverOptions& options,
+                 Visit visit) {
   const int neck = 2 * static_cast<int>(0.5 * kNeckM / cell_size_m) + 1;
-  cv::Mat1b wide, raised = cv::Mat1b::zeros(is_even.size());
+  cv::Mat1b wide;
   cv::morphologyEx(is_even != 0,
                    wide,
                    cv::MORPH_OPEN,
@@ -148,12 +150,43 @@ cv::Mat1b RaisedFields(const cv::Mat1b& is_even,
                  boxes(label, cv::CC_STAT_HEIGHT) + 2 * halo);
     box &= cv::Rect({}, is_even.size());
     const cv::Mat1b cells = labels(box) == label;
-    const Border border = Field(WithoutHoles(cells), elevation(box), cell_size_m).Measure(options);
-    if (border.raised_m >= options.min_raised_border_m &&
-        border.raised_m >= options.min_raised_border_ratio * border.known_m) {
-      raised(box).setTo(255, cells);
-    }
+    visit(box, cells, Field(WithoutHoles(cells), elevation(box), cell_size_m).Measure(options));
   }
+}
+
+}  // namespace
+
+cv::Mat1f RaisedBorderRatio(const cv::Mat1b& is_even,
+                            const cv::Mat1f& elevation,
+                            double cell_size_m,
+                            const CoverOptions& options) {
+  cv::Mat1f ratio(is_even.size(), std::numeric_limits<float>::quiet_NaN());
+  VisitFields(is_even,
+              elevation,
+              cell_size_m,
+              options,
+              [&](const auto& box, const auto& cells, const auto& border) {
+                if (border.known_m < options.min_raised_border_m) return;
+                ratio(box).setTo(border.raised_m / border.known_m, cells);
+              });
+  return ratio;
+}
+
+cv::Mat1b RaisedFields(const cv::Mat1b& is_even,
+                       const cv::Mat1f& elevation,
+                       double cell_size_m,
+                       const CoverOptions& options) {
+  cv::Mat1b raised = cv::Mat1b::zeros(is_even.size());
+  VisitFields(is_even,
+              elevation,
+              cell_size_m,
+              options,
+              [&](const auto& box, const auto& cells, const auto& border) {
+                if (border.raised_m >= options.min_raised_border_m &&
+                    border.raised_m >= options.min_raised_border_ratio * border.known_m) {
+                  raised(box).setTo(255, cells);
+                }
+              });
   return raised;
 }
 

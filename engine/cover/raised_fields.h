@@ -13,4 +13,11 @@ cv::Mat1b RaisedFields(const cv::Mat1b& is_even,
                        double cell_size_m,
                        const CoverOptions& options);
 
+// The raised share of the border of the connected even piece that holds the cell; NaN outside such
+// pieces, and where less than min_raised_border_m of the border is known.
+cv::Mat1f RaisedBorderRatio(const cv::Mat1b& is_even,
+                            const cv::Mat1f& elevation,
+                            double cell_size_m,
+                            const CoverOptions& options);
+
 }  // namespace freelsd

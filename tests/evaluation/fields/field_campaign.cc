@@ -7,6 +7,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "api/flight_parts.h"
 #include "tests/evaluation/campaign.h"
 #include "tests/evaluation/fields/field_pictures.h"
 #include "tests/evaluation/fields/field_records.h"
@@ -33,7 +34,9 @@ Json ReportOf(const Json& settings, Json records) {
 Json SettingsOf(const FieldCampaignOptions& options) {
   Json blindings = Json::array();
   for (const Blinding blinding : options.blindings) blindings.push_back(NameOf(blinding));
-  return {{"blindings", blindings}};
+  Json settings{{"blindings", blindings}};
+  if (!options.engine_options.empty()) settings["options"] = options.engine_options;
+  return settings;
 }
 
 std::string NameOfFlight(const std::string& folder) {
@@ -68,8 +71,13 @@ class Campaign {
     for (const std::string& profile : options_.aircraft) {
       if (done_.contains({name, profile})) continue;
       if (!frames) frames = ReadRecordedFrames(folder);
-      const FieldSurvey survey = SurveyFields(
-          {name, *frames, outlines, *AircraftProfile(profile), options_.blindings}, classifier_);
+      const FieldSurvey survey = SurveyFields({name,
+                                               *frames,
+                                               outlines,
+                                               *AircraftProfile(profile),
+                                               options_.blindings,
+                                               ParseOptions(options_.engine_options, "")},
+                                              classifier_);
       if (!options_.pictures.empty()) {
         DrawSurvey((std::filesystem::path(options_.pictures) / (name + "-" + profile)).string(),
                    survey,

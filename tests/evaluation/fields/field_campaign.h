@@ -19,6 +19,8 @@ struct FieldCampaignOptions {
   // Folder with FLIGHT.txt for each flight.
   std::string labels = FREELSD_SOURCE_DIR "/tests/evaluation/fields/outlines";
   std::vector<Blinding> blindings;
+  // Options of the engine by stage, as a flight's `options` has them; the others are the defaults.
+  nlohmann::json engine_options = nlohmann::json::object();
   // Flights at once; no result depends on it.
   int num_jobs = 1;
   // Report to write after every survey; "" for none.

@@ -8,8 +8,7 @@
 namespace freelsd {
 namespace {
 
-PipelineOptions OptionsFor(const Aircraft& aircraft) {
-  PipelineOptions options;
+PipelineOptions OptionsFor(PipelineOptions options, const Aircraft& aircraft) {
   options.regions.min_area_m2 = aircraft.min_area_m2;
   return options;
 }
@@ -32,27 +31,6 @@ std::vector<GroundOutline> Projected(const std::vector<Outline>& outlines,
     }
   }
   return on_ground;
-}
-
-// Twice: things stand on the bare ground, which is known once their outlines are. Crowns were
-// outlined at one share of their height on one flight and at another on the next: the share at
-// which the views of tall things agree best is taken.
-LabelledGround GroundOf(const std::vector<Outline>& outlines, const Evaluation& evaluation) {
-  const ElevationMap& map = evaluation.map;
-  const double position_sd_m = evaluation.block.position_sd_m;
-  const GroundProjection on_map(evaluation.block, {map.grid, map.elevation});
-  LabelledGround best = MakeLabelledGround(Projected(outlines, on_map, 0.0), map, position_sd_m);
-  const GroundProjection on_bare(evaluation.block, best.bare_heights);
-  std::optional<double> least;
-  for (const double share : {0.0, 0.5, 1.0}) {
-    LabelledGround ground =
-        MakeLabelledGround(Projected(outlines, on_bare, share), map, position_sd_m);
-    ground.tall_share = share;
-    if (least && ground.tall_disagreement.median_m >= *least) continue;
-    least = ground.tall_disagreement.median_m;
-    best = std::move(ground);
-  }
-  return best;
 }
 
 int NumViewsOf(const LabelledGround& ground) {
@@ -221,6 +199,28 @@ std::vector<FieldResult> ResultsOf(const FieldSurvey& survey,
 
 }  // namespace
 
+// Twice: things stand on the bare ground, which is known once their outlines are. Crowns were
+// outlined at one share of their height on one flight and at another on the next: the share at
+// which the views of tall things agree best is taken.
+LabelledGround LabelledGroundOf(const std::vector<Outline>& outlines,
+                                const Evaluation& evaluation) {
+  const ElevationMap& map = evaluation.map;
+  const double position_sd_m = evaluation.block.position_sd_m;
+  const GroundProjection on_map(evaluation.block, {map.grid, map.elevation});
+  LabelledGround best = MakeLabelledGround(Projected(outlines, on_map, 0.0), map, position_sd_m);
+  const GroundProjection on_bare(evaluation.block, best.bare_heights);
+  std::optional<double> least;
+  for (const double share : {0.0, 0.5, 1.0}) {
+    LabelledGround ground =
+        MakeLabelledGround(Projected(outlines, on_bare, share), map, position_sd_m);
+    ground.tall_share = share;
+    if (least && ground.tall_disagreement.median_m >= *least) continue;
+    least = ground.tall_disagreement.median_m;
+    best = std::move(ground);
+  }
+  return best;
+}
+
 SiteCounts CountsOf(const std::vector<DistinctSite>& sites) {
   SiteCounts counts;
   for (const DistinctSite& site : sites) {
@@ -236,12 +236,12 @@ SiteCounts CountsOf(const std::vector<DistinctSite>& sites) {
 }
 
 FieldSurvey SurveyFields(const FieldSurveyInput& input, const Classifier& classifier) {
-  const PipelineOptions options = OptionsFor(input.aircraft);
+  const PipelineOptions options = OptionsFor(input.options, input.aircraft);
   EngineRun run = RunEngine({input.frames.rig, input.frames.frames, input.aircraft},
                             options,
                             classifier,
                             [](double, const std::string&) { return true; });
-  LabelledGround ground = GroundOf(input.outlines, run.evaluation);
+  LabelledGround ground = LabelledGroundOf(input.outlines, run.evaluation);
   const auto num_outlines = static_cast<int>(input.outlines.size());
   const int num_views = NumViewsOf(ground);
   FieldSurvey survey{input.flight,

@@ -64,7 +64,11 @@ struct FieldSurveyInput {
   const std::vector<Outline>& outlines;
   Aircraft aircraft;
   std::vector<Blinding> blindings;
+  PipelineOptions options = {};
 };
+
+// The outlines on the ground of a run's map.
+LabelledGround LabelledGroundOf(const std::vector<Outline>& outlines, const Evaluation& evaluation);
 
 // Throws std::runtime_error when the plans for an unknown wind are not those of the engine.
 FieldSurvey SurveyFields(const FieldSurveyInput& input, const Classifier& classifier);

@@ -58,6 +58,12 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   app.add_flag(
       "--resume", campaign.resumes, "go on from the report: what is in it is not run again");
   app.add_option("--merge", arguments.merge, "reports to put together; nothing is run");
+  app.add_option_function<std::string>(
+      "--options",
+      [&campaign](const std::string& path) {
+        campaign.engine_options = nlohmann::json::parse(ReadTextFile(path));
+      },
+      "JSON file with options of the engine, as a flight's `options` has them");
   app.add_option("--pictures", campaign.pictures, "folder for photographs with outlines and sites");
   app.add_option("--model", arguments.model, "grass classifier")->check(CLI::ExistingFile);
 }
