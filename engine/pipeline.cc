@@ -95,7 +95,11 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
   ElevationMap map = Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
   map.position_sd_m = block.position_sd_m;
   map.tilt_sd_deg = block.tilt_sd_deg;
-  return map;
+  if (options.heights.method == HeightMethod::kPairs) return map;
+  progress.Tell(kStereoDone, "heights");
+  return Timed(reports, "heights", [&] {
+    return WithHeights(map, MeasureHeights(map, block, images, options.heights));
+  });
 }
 
 AdjustedBlock AdjustSelection(const Selection& selection,
@@ -172,9 +176,11 @@ void AssessGround(const ElevationMap& map,
                   const std::vector<GrassView>& grass_views,
                   const ImageSource& images,
                   const Aircraft& aircraft,
-                  const HazardOptions& options,
+                  HazardOptions options,
                   Evaluation& evaluation) {
   std::vector<StageReport>& reports = evaluation.reports;
+  // All photographs were compared: two of them tell nothing more.
+  if (map.is_compared) options.cover.photo.max_photo_disagreement = 0.0;
   Orthophoto photo = Timed(reports, "orthophoto", [&] {
     return MakeOrthophoto(map, evaluation.block, images, options.cover.photo);
   });
