@@ -27,10 +27,19 @@ void VisitFields(Of<HeightsOptions> auto& o, Visitor&& visit) {
   visit("method", o.method, "heights by pairs of photographs, or by all photographs");
   visit("search_range_m", o.search_range_m, "heights are searched up and down to this distance");
   visit("min_thing_height_m", o.min_thing_height_m, "higher things stand on the ground");
+  visit("thing_prior_probability",
+        o.thing_prior_probability,
+        "share of open cells on which something stands that the ground's height does not show");
+  visit("min_mode_gain", o.min_mode_gain, "least gain of a height that stands out");
+  visit("min_proposed_gain",
+        o.min_proposed_gain,
+        "the same where pairs of photographs propose the height");
   visit("max_thing_probability",
         o.max_thing_probability,
         "cells with a larger probability of an unseen thing are unknown");
-  visit("ground_window_m", o.ground_window_m, "side of the squares compared for the ground");
+  visit("max_narrow_width_m",
+        o.max_narrow_width_m,
+        "ground with a wider peak of correlation is compared in wider windows");
   visit("thing_window_m", o.thing_window_m, "side of the squares compared for things");
   visit("proposal_window_m",
         o.proposal_window_m,

@@ -1,5 +1,7 @@
 #include "engine/heights/block_samples.h"
 
+#include <algorithm>
+
 #include "engine/geometry/processor_targets.h"
 
 namespace freelsd {
@@ -10,9 +12,12 @@ constexpr int kMaxSide = 32;
 struct RowOfSamples {
   const float* pixels;
   int stride;
-  float x, y;    // of the first sample
-  float dx, dy;  // to the next
+  float last_x, last_y;  // the edge repeats beyond
+  float x, y;            // of the first sample
+  float dx, dy;          // to the next
 };
+
+inline float Clamped(float value, float last) { return std::min(std::max(value, 0.0f), last); }
 
 // Adds the samples of a row, and their squares. Bilinear.
 FREELSD_SEVERAL_TARGETS void AddRow(const RowOfSamples& row,
@@ -20,8 +25,8 @@ FREELSD_SEVERAL_TARGETS void AddRow(const RowOfSamples& row,
                                     float* __restrict sum,
                                     float* __restrict sum_of_squares) {
   for (int i = 0; i < count; ++i) {
-    const float x = row.x + static_cast<float>(i) * row.dx;
-    const float y = row.y + static_cast<float>(i) * row.dy;
+    const float x = Clamped(row.x + static_cast<float>(i) * row.dx, row.last_x);
+    const float y = Clamped(row.y + static_cast<float>(i) * row.dy, row.last_y);
     const int left = static_cast<int>(x), top = static_cast<int>(y);
     const float u = x - static_cast<float>(left), v = y - static_cast<float>(top);
     const int at = top * row.stride + left;
@@ -52,6 +57,8 @@ void CompareViews(const std::vector<LiftedView>& views, double lift, BlockOutput
       const auto offset = static_cast<size_t>(r * side);
       AddRow({view.detail->ptr<float>(),
               static_cast<int>(view.detail->step1()),
+              static_cast<float>(view.detail->cols) - 1.01f,
+              static_cast<float>(view.detail->rows) - 1.01f,
               first.x(),
               first.y(),
               step.x(),

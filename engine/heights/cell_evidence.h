@@ -7,12 +7,17 @@ namespace freelsd {
 
 HeightEvidence EmptyEvidence(const Grid& grid);
 
+struct SweepGround {
+  const ElevationMap& proposal;
+  const ProposalSurface& surface;
+  const SampleGrid& samples;
+};
+
 // Writes the cells of the tile that are `core`, which lies in the grid. The tile is wider than its
 // core by half a window or more.
 void MeasureCells(const SweptTile& tile,
                   const cv::Rect& core,
-                  const SampleGrid& samples,
-                  const ProposalSurface& surface,
+                  const SweepGround& ground,
                   const HeightsOptions& options,
                   HeightEvidence& evidence);
 

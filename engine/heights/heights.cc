@@ -11,8 +11,9 @@ namespace freelsd {
 namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-// Blocks of a tile, without one on each side for the windows.
+// Blocks of a tile, without those beside it that its windows reach into.
 constexpr int kCoreBlocks = 12;
+constexpr int kReachCells = 2;
 
 }  // namespace
 
@@ -28,7 +29,9 @@ PhotographHeights MeasureHeights(const ElevationMap& proposal,
   const SampleGrid samples = SampleGridOf(proposal.grid, options);
   GroundPhotographs photographs(block, images, samples.SampleM());
   PlaneSweep sweep(surface, samples, block, photographs, options);
-  const int side = kCoreBlocks * samples.cells_per_block, halo = samples.cells_per_block;
+  const int per_block = samples.cells_per_block;
+  const int side = kCoreBlocks * per_block;
+  const int halo = (kReachCells + per_block - 1) / per_block * per_block;
   const cv::Rect grid(0, 0, proposal.grid.num_cols, proposal.grid.num_rows);
   for (int top = 0; top < grid.height; top += side) {
     for (int left = 0; left < grid.width; left += side) {
@@ -38,10 +41,10 @@ PhotographHeights MeasureHeights(const ElevationMap& proposal,
       const auto tile = sweep.Sweep(
           {core.x - halo, core.y - halo, core.width + 2 * halo, core.height + 2 * halo});
       if (!tile) continue;
-      MeasureCells(*tile, core & grid, samples, surface, options, heights.evidence);
+      MeasureCells(*tile, core & grid, {proposal, surface, samples}, options, heights.evidence);
     }
   }
-  Judge(options, heights);
+  Judge(proposal, options, heights);
   return heights;
 }
 

@@ -23,18 +23,26 @@ struct HeightsOptions {
   double search_range_m = 2.0;
   // Something stands on the ground if it is higher than this. Does not depend on the aircraft.
   double min_thing_height_m = 0.5;
-  // A cell with a larger probability that something stands on it, which nothing but this
-  // probability tells of, cannot be told.
+  // Share of cells of open ground on which something stands that the ground's height does not show.
+  // Measured by freelsd-heights on tuning worlds.
+  double thing_prior_probability = 0.01;
+  // Above this probability something stands on a cell. If no height stands out then, the cell
+  // cannot be told.
   double max_thing_probability = 0.05;
-  // Sides of the squares that are compared: for the height of the ground, and for what stands on
-  // it. A thing of three pixels must fill the smaller one.
-  double ground_window_m = 1.5;
+  // Least gain (HeightEvidence) of a height that stands out; of one that pairs propose.
+  double min_mode_gain = 1.0;
+  double min_proposed_gain = 0.5;
+  // The ground is compared in windows of two cells. Where the height's deviation by the curvature
+  // of its peak is larger than this, in windows of three cells: ground with little contrast.
+  double max_narrow_width_m = 0.03;
+  // Side of the squares in which is compared what stands on the ground. A thing of three pixels
+  // must fill it.
   double thing_window_m = 0.6;
   // The proposal is the lower surface of the map: what is narrower than this, and higher than its
   // surroundings, does not lift it.
   double proposal_window_m = 9.0;
-  // Least number of views of a cell: a pair, and one to check it by.
-  int min_num_views = 3;
+  // Least number of views of a cell. The tables tell two views from three and more.
+  int min_num_views = 2;
   // Least angle between the outermost views, as a baseline over height. Things of
   // min_thing_height_m must move by a pixel.
   double min_baseline_ratio = 0.25;
@@ -48,7 +56,7 @@ struct HeightsOptions {
   int max_num_views = 8;
   // Views are not used beyond this horizontal distance, as a share of their height above ground:
   // there, things hide the ground behind them.
-  double max_off_nadir_ratio = 0.8;
+  double max_off_nadir_ratio = 1.2;
   // Spacing of samples on the ground; a map cell is a whole number of them.
   double ground_sampling_distance_m = 0.2;
   // Spacing of heights: disparity between the outermost views, in samples.
@@ -59,7 +67,7 @@ struct HeightsOptions {
 
 enum class CannotTell : uint8_t {
   kNothing,            // it can be told
-  kTooFewViews,        // fewer than min_num_views show the cell
+  kTooFewViews,        // fewer than min_num_views show the cell, or one alone
   kTooLittleParallax,  // below min_baseline_ratio
   kNoContrast,         // below min_contrast: water, burnt-out ground, deep shade
   kNoHeightStandsOut,  // the views show different things at every height: twigs, movers, occlusion
@@ -68,6 +76,8 @@ enum class CannotTell : uint8_t {
 // What was measured in a cell, before it is judged. Rasters in the cell order of terrain.h; NaN
 // where nothing was measured.
 struct HeightEvidence {
+  // Height from which was searched up and down, world z.
+  cv::Mat1f proposal;
   // World z of the best height, and the correlation of all views there, at most 1.
   cv::Mat1f ground, correlation;
   // Deviation of `ground` by the curvature of its peak, metres.
@@ -77,11 +87,13 @@ struct HeightEvidence {
   // Standard deviation of the log brightness of the ground, and of its difference between views.
   cv::Mat1f contrast, noise;
   // The smaller squares within the cell: logarithm of the variance between views at the ground's
-  // height over its typical value, of the square where it is largest.
+  // height, of the square where it is largest.
   cv::Mat1f disagreement;
   // Largest logarithm of the variance at the ground's height over the least variance at a height
   // above it by min_thing_height_m or more; and this height, world z.
   cv::Mat1f gain, gain_height;
+  // The same at the upper height that pairs propose, if it is within the heights that were tried.
+  cv::Mat1f proposed_gain;
 };
 
 struct PhotographHeights {

@@ -13,10 +13,11 @@ namespace {
 constexpr double kBlockSamples = 9.0;
 constexpr int kMaxSamplesPerCell = 10;
 // Steps finer than this cost and tell nothing; coarser ones would step over a thing.
-constexpr double kMinStepM = 0.05;
+constexpr double kMinStepM = 0.1;
 constexpr double kMaxStepM = 0.25;
 
-// Position in a photograph, by height; nothing where it is outside at some height.
+// Position in a photograph, by height; nothing where it is outside at the proposed height. At other
+// heights the photograph's edge repeats: only these heights suffer.
 std::optional<LiftedCorner> CornerIn(const GroundPhotograph& photograph,
                                      const Camera& camera,
                                      const Rigid3d& camera_from_world,
@@ -30,9 +31,9 @@ std::optional<LiftedCorner> CornerIn(const GroundPhotograph& photograph,
     const auto index = static_cast<size_t>(i);
     at[index] = (pixel->array() + 0.5) * photograph.scale - 0.5;
     const Eigen::Vector2d last(photograph.detail.cols - 2, photograph.detail.rows - 2);
-    if (!((at[index].array() >= 1.0).all() && (at[index].array() <= last.array()).all())) {
-      return std::nullopt;
-    }
+    const bool is_inside =
+        (at[index].array() >= 1.0).all() && (at[index].array() <= last.array()).all();
+    if (i == 1 && !is_inside) return std::nullopt;
   }
   return LiftedCorner{at[1], 0.5 * (at[2] - at[0]), 0.5 * (at[2] + at[0]) - at[1]};
 }

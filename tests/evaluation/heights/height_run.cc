@@ -38,11 +38,16 @@ MapOffset OffsetOf(const HeightRun& run) {
                      poses.shift.head<2>());
 }
 
+std::map<std::string, cv::Mat> ImagesOf(const Scenario& scenario) {
+  std::map<std::string, cv::Mat> images;
+  for (const Frame& frame : scenario.frames) images[frame.id] = frame.image;
+  return images;
+}
+
 // The backend once more, on what the frontend of the first run left.
 Evaluation EvaluateByPhotographs(const HeightRun& run, PipelineOptions options) {
   options.heights.method = HeightMethod::kPhotographs;
-  std::map<std::string, cv::Mat> images;
-  for (const Frame& frame : run.scenario.frames) images[frame.id] = frame.image;
+  const std::map<std::string, cv::Mat> images = ImagesOf(run.scenario);
   const ImageSource source = [&images](const std::string& id) { return images.at(id); };
   std::vector<Candidate> graded;
   for (const Candidate& candidate : run.pairs.snapshot.regions) {
@@ -82,6 +87,10 @@ HeightRun RunHeights(uint64_t seed,
   const auto start = std::chrono::steady_clock::now();
   run.photographs = EvaluateByPhotographs(run, options);
   const std::chrono::duration<double> backend = std::chrono::steady_clock::now() - start;
+  const std::map<std::string, cv::Mat> images = ImagesOf(run.scenario);
+  const ImageSource source = [&images](const std::string& id) { return images.at(id); };
+  run.heights =
+      MeasureHeights(run.pairs.evaluation.map, run.pairs.evaluation.block, source, options.heights);
   run.results[HeightMethod::kPairs] = ResultOf(run, run.pairs.evaluation, run.pairs.total_seconds);
   run.results[HeightMethod::kPhotographs] =
       ResultOf(run, run.photographs, run.pairs.frontend_seconds + backend.count());

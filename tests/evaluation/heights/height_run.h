@@ -26,6 +26,8 @@ struct HeightRun {
   // The engine's run by pairs; the other evaluation has the same block.
   EngineRun pairs;
   Evaluation photographs;
+  // What was measured for it.
+  PhotographHeights heights;
   MapOffset offset;
   std::map<HeightMethod, MethodResult> results;
 };

@@ -93,12 +93,13 @@ OpenGroundScore ScoreOpenGround(const Scenario& scenario,
                                 const ElevationMap& map,
                                 const MapOffset& offset) {
   OpenGroundScore score;
-  const cv::Mat1b is_open = JudgeableOpenGround(scenario, truth);
+  const cv::Mat1b is_open = OpenGround(truth) & scenario.seen;
   Windows windows;
   for (int row = 0; row < map.grid.num_rows; ++row) {
     for (int col = 0; col < map.grid.num_cols; ++col) {
       const Eigen::Vector2d on_map = map.grid.CellCenter(row, col);
-      const Eigen::Vector2d place = on_map - offset.ShiftAt(on_map);
+      // One shift for all: steps between shifts of tiles would look like noise on a slope.
+      const Eigen::Vector2d place = on_map - offset.shift;
       if (place.cwiseAbs().maxCoeff() >= 0.5 * truth.size_m) continue;
       if (is_open(truth.CellAt(place)) == 0) continue;
       ++score.num_cells;
@@ -131,14 +132,14 @@ void HeightScore::Add(const HeightScore& other) {
   missed.insert(missed.end(), other.missed.begin(), other.missed.end());
 }
 
-cv::Mat1b JudgeableOpenGround(const Scenario& scenario, const TruthMap& truth) {
+cv::Mat1b OpenGround(const TruthMap& truth) {
   cv::Mat1b is_open(truth.cover.size(), uint8_t{0});
   std::transform(truth.cover.begin(), truth.cover.end(), is_open.begin(), [](uint8_t cover) {
     return IsOpen(static_cast<Cover>(cover)) ? uint8_t{255} : uint8_t{0};
   });
   const int side = 2 * kBorderCells + 1;
   cv::erode(is_open, is_open, cv::Mat1b::ones(side, side));
-  return is_open & scenario.seen;
+  return is_open;
 }
 
 double WidestBaselineRatio(const Scenario& scenario, const Eigen::Vector3d& place_in_world) {

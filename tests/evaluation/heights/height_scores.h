@@ -38,8 +38,8 @@ struct HeightScore {
   void Add(const HeightScore& other);
 };
 
-// Where open ground can be judged: 255 or 0, by cell of the truth map.
-cv::Mat1b JudgeableOpenGround(const Scenario& scenario, const TruthMap& truth);
+// Open ground with nothing else beside it: 255 or 0, by cell of the truth map.
+cv::Mat1b OpenGround(const TruthMap& truth);
 
 // Widest baseline over height of the photographs that show a place; 0 if fewer than two do.
 double WidestBaselineRatio(const Scenario& scenario, const Eigen::Vector3d& place_in_world);

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tests/evaluation/heights/height_run.h"
+#include "tests/evaluation/heights/height_table.h"
 #include "tests/evaluation/runs/runs.h"
 
 namespace freelsd {
@@ -15,6 +16,7 @@ struct Arguments {
   ScenarioOptions scenario;
   uint64_t seed = 1000;
   int num_worlds = 1;
+  bool makes_table = false;
   std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
 };
 
@@ -88,13 +90,16 @@ int Run(const Arguments& arguments) {
   const Classifier classifier = Classifier::Parse(ReadTextFile(arguments.model));
   cv::setNumThreads(1);
   Results all;
+  HeightTable table;
   for (int i = 0; i < arguments.num_worlds; ++i) {
     const uint64_t seed = arguments.seed + static_cast<uint64_t>(i);
     const HeightRun run = RunHeights(seed, arguments.scenario, PipelineOptions{}, classifier);
     for (const auto& [method, result] : run.results) all[method].Add(result);
+    if (arguments.makes_table) table.Add(run.scenario, run.truth, run.heights, run.offset);
     std::cerr << "seed " << seed << " done\n";
   }
   Print(all);
+  if (arguments.makes_table) std::cout << table.Text();
   return 0;
 }
 
@@ -113,6 +118,8 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(0.1, 1.0));
   app.add_option("--noise", scenario.noise_scale, "scale of the autopilot's errors")
       ->check(CLI::Range(0.0, 10.0));
+  app.add_flag(
+      "--table", arguments.makes_table, "print the table of engine/heights/likelihood_table.h");
   app.add_option("--model", arguments.model, "grass classifier");
 }
 
