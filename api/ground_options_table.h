@@ -30,6 +30,9 @@ void VisitFields(Of<HeightsOptions> auto& o, Visitor&& visit) {
   visit("thing_prior_probability",
         o.thing_prior_probability,
         "share of open cells on which something stands that the ground's height does not show");
+  visit("min_num_thing_neighbours",
+        o.min_num_thing_neighbours,
+        "a cell with at least this many neighbours with things is unknown");
   visit("min_mode_gain", o.min_mode_gain, "least gain of a height that stands out");
   visit("min_proposed_gain",
         o.min_proposed_gain,

@@ -22,13 +22,32 @@ struct LiftedView {
   std::array<LiftedCorner, 4> corners;
 };
 
+// The samples of a block: a square, evenly spread.
+class SamplePattern {
+ public:
+  explicit SamplePattern(int side);
+  int side() const { return side_; }
+  int count() const { return side_ * side_; }
+
+  static constexpr int kMaxSide = 32;
+  using Samples = std::array<float, kMaxSide * kMaxSide>;
+  // Shares of the way east and south, row by row, and their product.
+  Samples east{}, south{}, both{};
+
+ private:
+  int side_;
+};
+
 // Where the answer for the samples of a block is written.
 struct BlockOutput {
   // Variance between views, without bias, and mean square.
   cv::Mat1f variance, power;
 };
 
-// The samples are spread evenly over the block. Two views or more.
-void CompareViews(const std::vector<LiftedView>& views, double lift, BlockOutput output);
+// Two views or more.
+void CompareViews(const std::vector<LiftedView>& views,
+                  double lift,
+                  const SamplePattern& pattern,
+                  BlockOutput output);
 
 }  // namespace freelsd

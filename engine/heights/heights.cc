@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 // Blocks of a tile, without those beside it that its windows reach into.
-constexpr int kCoreBlocks = 12;
+constexpr int kCoreBlocks = 16;
 constexpr int kReachCells = 2;
 
 }  // namespace

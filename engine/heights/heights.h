@@ -29,6 +29,9 @@ struct HeightsOptions {
   // Above this probability something stands on a cell. If no height stands out then, the cell
   // cannot be told.
   double max_thing_probability = 0.05;
+  // A cell with at least this many such cells among its 8 neighbours cannot be told either: the
+  // twigs of a crown do not fill every cell.
+  int min_num_thing_neighbours = 4;
   // Least gain (HeightEvidence) of a height that stands out; of one that pairs propose.
   double min_mode_gain = 1.0;
   double min_proposed_gain = 0.5;

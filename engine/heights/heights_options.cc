@@ -9,6 +9,7 @@ void HeightsOptions::Check() const {
   check.Inside("min_thing_height_m", min_thing_height_m, 0.1, 5.0);
   check.Inside("max_thing_probability", max_thing_probability, 0.0, 1.0);
   check.Inside("thing_prior_probability", thing_prior_probability, 1e-6, 0.5);
+  check.Inside("min_num_thing_neighbours", min_num_thing_neighbours, 1, 9);
   check.Inside("min_mode_gain", min_mode_gain, 0.0, 20.0);
   check.Inside("min_proposed_gain", min_proposed_gain, 0.0, 20.0);
   check.Inside("max_narrow_width_m", max_narrow_width_m, 0.0, 10.0);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include <opencv2/imgproc.hpp>
+
 #include "engine/heights/likelihood_table.h"
 
 namespace freelsd {
@@ -19,7 +21,7 @@ constexpr std::array<double, kNumViewBins - 1> kViewEdges{2.5, 3.5, 5.5};
 constexpr std::array<double, kNumContrastBins - 1> kContrastEdges{0.05, 0.12};
 constexpr std::array<double, kNumDisagreementBins - 1> kDisagreementEdges{
     -8.0, -7.0, -6.25, -5.5, -4.75, -4.0, -3.25};
-constexpr std::array<double, kNumGainBins - 1> kGainEdges{0.3, 1.0};
+constexpr std::array<double, kNumGainBins - 1> kGainEdges{0.3, 1.0, 2.0};
 
 template <size_t num_edges>
 int BinAmong(const std::array<double, num_edges>& edges, double value) {
@@ -41,14 +43,23 @@ CannotTell CauseAt(const HeightEvidence& evidence,
   return stands_out ? CannotTell::kNothing : CannotTell::kNoHeightStandsOut;
 }
 
-double ThingProbability(const HeightEvidence& evidence,
-                        const HeightsOptions& options,
-                        const cv::Point& cell) {
-  const auto bin = BinOf(evidence, cell);
-  if (!bin) return 1.0;
+double ThingProbability(const TableBin& bin, const HeightsOptions& options) {
   const double prior = options.thing_prior_probability;
-  const double odds = prior / (1.0 - prior) * std::exp(ThingLogRatio(*bin));
+  const double odds = prior / (1.0 - prior) * std::exp(ThingLogRatio(bin));
   return odds / (1.0 + odds);
+}
+
+// Whether the views agree at a height of that gain as they do on open ground. Twigs fit a little
+// better at many heights and well at none.
+bool IsExplained(const HeightEvidence& evidence,
+                 const HeightsOptions& options,
+                 const cv::Point& cell,
+                 float gain) {
+  auto bin = BinOf(evidence, cell);
+  if (!bin) return false;
+  bin->disagreement = BinAmong(kDisagreementEdges, evidence.disagreement(cell) - gain);
+  bin->gain = 0;
+  return ThingProbability(*bin, options) <= options.max_thing_probability;
 }
 
 // What stands higher than was searched is left to the pairs.
@@ -66,10 +77,14 @@ std::optional<float> HighestMode(const HeightEvidence& evidence,
                                  const cv::Point& cell,
                                  float proposed_upper) {
   std::optional<float> mode;
-  if (evidence.gain(cell) >= options.min_mode_gain) mode = evidence.gain_height(cell);
+  const float gain = evidence.gain(cell), proposed_gain = evidence.proposed_gain(cell);
+  if (gain >= options.min_mode_gain && IsExplained(evidence, options, cell, gain)) {
+    mode = evidence.gain_height(cell);
+  }
   const bool is_above =
       proposed_upper - evidence.ground(cell) >= static_cast<float>(options.min_thing_height_m);
-  if (is_above && evidence.proposed_gain(cell) >= options.min_proposed_gain) {
+  if (is_above && proposed_gain >= options.min_proposed_gain &&
+      IsExplained(evidence, options, cell, proposed_gain)) {
     mode = std::max(mode.value_or(proposed_upper), proposed_upper);
   }
   return mode;
@@ -96,13 +111,27 @@ CellJudgement JudgeCell(const ElevationMap& proposal,
                           evidence.ground(cell),
                           static_cast<float>(DeviationOf(evidence.peak_width(cell)))};
   if (judgement.cannot_tell != CannotTell::kNothing) return judgement;
-  const double probability = ThingProbability(evidence, options, cell);
+  const auto bin = BinOf(evidence, cell);
+  const double probability = bin ? ThingProbability(*bin, options) : 1.0;
   judgement.thing_probability = static_cast<float>(probability);
   if (probability <= options.max_thing_probability) return judgement;
   const auto mode = HighestMode(evidence, options, cell, proposal.upper(cell));
   if (!mode) judgement.cannot_tell = CannotTell::kNoHeightStandsOut;
   judgement.upper = mode.value_or(judgement.upper);
   return judgement;
+}
+
+// Cells that can be told, and show nothing themselves, among cells with things: twigs are sparse.
+cv::Mat1b AmongThings(const PhotographHeights& heights, const HeightsOptions& options) {
+  constexpr int kSide = 3;
+  const auto most = static_cast<float>(options.max_thing_probability);
+  const cv::Mat1b has_thing = heights.thing_probability > most;
+  cv::Mat1f num_things;
+  cv::boxFilter(
+      has_thing, num_things, CV_32F, {kSide, kSide}, {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::Mat1b is_among = num_things >= 255.0 * options.min_num_thing_neighbours;
+  is_among &= ~has_thing;
+  return is_among & (heights.cannot_tell == static_cast<uint8_t>(CannotTell::kNothing));
 }
 
 }  // namespace
@@ -142,11 +171,17 @@ void Judge(const ElevationMap& proposal,
       const CellJudgement cell = JudgeCell(proposal, evidence, options, {col, row});
       heights.cannot_tell(row, col) = static_cast<uint8_t>(cell.cannot_tell);
       heights.thing_probability(row, col) = cell.thing_probability;
-      if (cell.cannot_tell != CannotTell::kNothing) continue;
       heights.ground(row, col) = cell.ground;
       heights.upper(row, col) = std::max(cell.upper, cell.ground);
       heights.standard_deviation(row, col) = cell.deviation;
     }
+  }
+  if (evidence.ground.empty()) return;
+  heights.cannot_tell.setTo(static_cast<uint8_t>(CannotTell::kNoHeightStandsOut),
+                            AmongThings(heights, options));
+  const cv::Mat1b is_unknown = heights.cannot_tell != static_cast<uint8_t>(CannotTell::kNothing);
+  for (cv::Mat1f* raster : {&heights.ground, &heights.upper, &heights.standard_deviation}) {
+    raster->setTo(kNaN, is_unknown);
   }
 }
 

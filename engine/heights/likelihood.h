@@ -9,7 +9,7 @@ namespace freelsd {
 struct TableBin {
   int views = 0, contrast = 0, disagreement = 0, gain = 0;
 };
-constexpr int kNumViewBins = 4, kNumContrastBins = 3, kNumDisagreementBins = 8, kNumGainBins = 3;
+constexpr int kNumViewBins = 4, kNumContrastBins = 3, kNumDisagreementBins = 8, kNumGainBins = 4;
 constexpr int kNumTableBins = kNumViewBins * kNumContrastBins * kNumDisagreementBins * kNumGainBins;
 
 // Nothing where the evidence is incomplete.

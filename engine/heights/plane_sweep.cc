@@ -13,7 +13,7 @@ namespace {
 constexpr double kBlockSamples = 9.0;
 constexpr int kMaxSamplesPerCell = 10;
 // Steps finer than this cost and tell nothing; coarser ones would step over a thing.
-constexpr double kMinStepM = 0.1;
+constexpr double kMinStepM = 0.125;
 constexpr double kMaxStepM = 0.25;
 
 // Position in a photograph, by height; nothing where it is outside at the proposed height. At other
@@ -170,6 +170,7 @@ std::optional<SweptTile> PlaneSweep::Sweep(const cv::Rect& cells) {
   tile.heights = HeightsFor(widest);
   const auto num_heights = tile.heights.size();
   const int per_block = samples_.SamplesPerBlock();
+  const SamplePattern pattern(per_block);
   const cv::Size size(num_blocks.width * per_block, num_blocks.height * per_block);
   tile.variance.resize(num_heights);
   tile.power.resize(num_heights);
@@ -185,6 +186,7 @@ std::optional<SweptTile> PlaneSweep::Sweep(const cv::Rect& cells) {
         const cv::Rect at(col, row, per_block, per_block);
         CompareViews(blocks[b].views,
                      tile.heights[h] / options_.search_range_m,
+                     pattern,
                      {tile.variance[h](at), tile.power[h](at)});
       }
     }
