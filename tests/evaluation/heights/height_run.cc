@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "tests/evaluation/site_score.h"
 #include "tests/evaluation/stage_scores.h"
 
 namespace freelsd {
@@ -11,6 +12,17 @@ namespace {
 double SquareMetresSeen(const ElevationMap& map) {
   const cv::Mat1b is_seen = map.elevation == map.elevation;
   return cv::countNonZero(is_seen) * map.grid.cell_size_m * map.grid.cell_size_m;
+}
+
+void CountSites(const HeightRun& run, const Evaluation& evaluation, MethodResult& result) {
+  for (const Site& site : evaluation.sites) {
+    if (site.plan.verdict == Verdict::kRejected) continue;
+    ++result.num_accepted;
+    const auto score = ScorePlan(
+        run.scenario.world, run.truth, run.scenario.aircraft, site.plan, Eigen::Vector2d::Zero());
+    const Verdict verdict = site.plan.verdict;
+    result.num_false_safe += score && score->IsFalseSafe(verdict) && !score->IsOnlyThin(verdict);
+  }
 }
 
 MethodResult ResultOf(const HeightRun& run, const Evaluation& evaluation, double seconds) {
@@ -22,6 +34,7 @@ MethodResult ResultOf(const HeightRun& run, const Evaluation& evaluation, double
   result.score = ScoreHeights(run.scenario, run.truth, evaluation.map, evaluation.hazards, offset);
   result.total_seconds = seconds;
   result.hectares = SquareMetresSeen(evaluation.map) / 1e4;
+  CountSites(run, evaluation, result);
   for (const StageReport& report : evaluation.reports) {
     result.seconds[report.stage] += report.seconds;
   }
@@ -68,6 +81,8 @@ void MethodResult::Add(const MethodResult& other) {
   for (const auto& [stage, stage_seconds] : other.seconds) seconds[stage] += stage_seconds;
   total_seconds += other.total_seconds;
   hectares += other.hectares;
+  num_accepted += other.num_accepted;
+  num_false_safe += other.num_false_safe;
 }
 
 HeightRun RunHeights(uint64_t seed,

@@ -16,6 +16,10 @@ struct MethodResult {
   std::map<std::string, double> seconds;
   double total_seconds = 0.0;
   double hectares = 0.0;
+  // Sites that the engine accepts, and those of them that are false safe (site_score.h), but for
+  // fences, poles and wires.
+  int num_accepted = 0;
+  int num_false_safe = 0;
 
   void Add(const MethodResult& other);
 };

@@ -70,12 +70,19 @@ void Print(const Results& results) {
     return Share(each.score.open.num_raised,
                  each.score.open.num_cells - each.score.open.num_unknown);
   });
+  PrintRow("sites accepted", results, [](const MethodResult& each) {
+    return static_cast<double>(each.num_accepted);
+  });
+  PrintRow("  of these false safe", results, [](const MethodResult& each) {
+    return static_cast<double>(each.num_false_safe);
+  });
   PrintRow("engine, s/ha", results, [](const MethodResult& each) {
     return each.total_seconds / each.hectares;
   });
   for (const auto& [stage, seconds] : results.at(HeightMethod::kPhotographs).seconds) {
     PrintRow("  " + stage + ", s/ha", results, [&stage = stage](const MethodResult& each) {
-      return each.seconds.contains(stage) ? each.seconds.at(stage) / each.hectares : 0.0;
+      const auto found = each.seconds.find(stage);
+      return found == each.seconds.end() ? 0.0 : found->second / each.hectares;
     });
   }
   std::printf("things: found, unknown, only hazard, missed; found or unknown\n");
