@@ -29,7 +29,8 @@ constexpr std::array<float, 5> kWide{0.0625f, 0.25f, 0.375f, 0.25f, 0.0625f};
 
 template <size_t num_weights>
 cv::Mat1f Weighted(const cv::Mat1f& cells, const std::array<float, num_weights>& weights) {
-  const cv::Mat1f kernel(1, static_cast<int>(num_weights), const_cast<float*>(weights.data()));
+  cv::Mat1f kernel(1, static_cast<int>(num_weights));
+  std::copy(weights.begin(), weights.end(), kernel.begin());
   cv::Mat1f sum;
   cv::sepFilter2D(cells, sum, -1, kernel, kernel, {-1, -1}, 0.0, cv::BORDER_REPLICATE);
   return sum;

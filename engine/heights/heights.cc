@@ -69,4 +69,12 @@ ElevationMap WithHeights(const ElevationMap& proposal, const PhotographHeights& 
   return map;
 }
 
+ElevationMap DecideHeights(const ElevationMap& proposal,
+                           const AdjustedBlock& block,
+                           const ImageSource& images,
+                           const HeightsOptions& options) {
+  if (options.method == HeightMethod::kPairs) return proposal;
+  return WithHeights(proposal, MeasureHeights(proposal, block, images, options));
+}
+
 }  // namespace freelsd

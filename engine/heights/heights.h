@@ -123,4 +123,10 @@ PhotographHeights MeasureHeights(const ElevationMap& proposal,
 // Cells of the proposal that stand higher than was searched keep their upper height.
 ElevationMap WithHeights(const ElevationMap& proposal, const PhotographHeights& heights);
 
+// By the method: the proposal itself, or the proposal with the measured heights.
+ElevationMap DecideHeights(const ElevationMap& proposal,
+                           const AdjustedBlock& block,
+                           const ImageSource& images,
+                           const HeightsOptions& options);
+
 }  // namespace freelsd

@@ -1,6 +1,6 @@
-// Private to heights/. Made by freelsd-heights --table --frames 24 on worlds of the tuning pool: the
-// counts of --seed 1000 --worlds 2, and of --seed 1002 --worlds 2 --texture recorded --conditions
-// recorded --cell 0.1, added.
+// Private to heights/. Made by freelsd-heights --table --frames 24 on worlds of the tuning pool:
+// the counts of --seed 1000 --worlds 2, and of --seed 1002 --worlds 2 --texture recorded
+// --conditions recorded --cell 0.1, added.
 #pragma once
 
 #include <array>
