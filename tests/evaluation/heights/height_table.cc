@@ -64,7 +64,7 @@ std::string HeightTable::Text() const {
     const double empty_share = (static_cast<double>(num_empty_[index]) + kPriorCount) /
                                (static_cast<double>(num_all_empty_) + kPriorCount * kNumTableBins);
     text << std::lround(10.0 * std::log(thing_share / empty_share)) << ",";
-    const int per_line = kNumDisagreementBins * kNumGainBins;
+    const int per_line = 4 * kNumGainBins;
     text << (i % per_line == per_line - 1 ? "\n" : " ");
   }
   return text.str();

@@ -16,6 +16,8 @@ struct Arguments {
   ScenarioOptions scenario;
   uint64_t seed = 1000;
   int num_worlds = 1;
+  // After those, with textures, light, air and camera as recorded.
+  int num_recorded_worlds = 0;
   bool makes_table = false;
   std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
 };
@@ -93,14 +95,23 @@ void Print(const Results& results) {
   for (const auto& [group, one] : groups) PrintThings(group, results);
 }
 
+ScenarioOptions ScenarioOf(const Arguments& arguments, int world) {
+  ScenarioOptions scenario = arguments.scenario;
+  if (world < arguments.num_worlds) return scenario;
+  scenario.texture = "recorded";
+  scenario.conditions = "recorded";
+  scenario.cell_size_m = 0.1;  // recorded textures are that fine
+  return scenario;
+}
+
 int Run(const Arguments& arguments) {
   const Classifier classifier = Classifier::Parse(ReadTextFile(arguments.model));
   cv::setNumThreads(1);
   Results all;
   HeightTable table;
-  for (int i = 0; i < arguments.num_worlds; ++i) {
+  for (int i = 0; i < arguments.num_worlds + arguments.num_recorded_worlds; ++i) {
     const uint64_t seed = arguments.seed + static_cast<uint64_t>(i);
-    const HeightRun run = RunHeights(seed, arguments.scenario, PipelineOptions{}, classifier);
+    const HeightRun run = RunHeights(seed, ScenarioOf(arguments, i), PipelineOptions{}, classifier);
     for (const auto& [method, result] : run.results) all[method].Add(result);
     if (arguments.makes_table) table.Add(run.scenario, run.truth, run.heights, run.offset);
     std::cerr << "seed " << seed << " done\n";
@@ -114,7 +125,11 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
   ScenarioOptions& scenario = arguments.scenario;
   app.add_option("--seed", arguments.seed, "seed of the first world; the others follow")
       ->check(CLI::Range(0, 8999));
-  app.add_option("--worlds", arguments.num_worlds, "number of worlds")->check(CLI::Range(1, 1000));
+  app.add_option("--worlds", arguments.num_worlds, "number of worlds")->check(CLI::Range(0, 1000));
+  app.add_option("--recorded-worlds",
+                 arguments.num_recorded_worlds,
+                 "further worlds: recorded textures and conditions, cells of 0.1 m")
+      ->check(CLI::Range(0, 1000));
   app.add_option("--frames", scenario.num_frames, "photographs per world")
       ->check(CLI::Range(3, 300));
   app.add_option("--texture", scenario.texture, "painted, or recorded on photographs")
