@@ -126,6 +126,7 @@ PlaneSweep::LiftedBlock PlaneSweep::Lift(const cv::Rect& cells,
     all.push_back(seen);
   }
   const ChosenViews chosen = ChooseViews(block_, seeing, corners[0], options_.max_num_views);
+  lifted.views.reserve(chosen.views.size());
   for (const size_t view : chosen.views) {
     const auto at = std::find(seeing.begin(), seeing.end(), view);
     lifted.views.push_back(all[static_cast<size_t>(at - seeing.begin())]);
