@@ -23,6 +23,45 @@ void VisitFields(Of<TerrainOptions> auto& o, Visitor&& visit) {
 }
 
 template <class Visitor>
+void VisitFields(Of<HeightsOptions> auto& o, Visitor&& visit) {
+  visit("method", o.method, "heights by pairs of photographs, or by all photographs");
+  visit("search_range_m", o.search_range_m, "heights are searched up and down to this distance");
+  visit("min_thing_height_m", o.min_thing_height_m, "higher things stand on the ground");
+  visit("thing_prior_probability",
+        o.thing_prior_probability,
+        "share of open cells on which something stands that the ground's height does not show");
+  visit("min_num_thing_neighbours",
+        o.min_num_thing_neighbours,
+        "a cell with at least this many neighbours with things is unknown");
+  visit("min_mode_gain", o.min_mode_gain, "least gain of a height that stands out");
+  visit("min_proposed_gain",
+        o.min_proposed_gain,
+        "the same where pairs of photographs propose the height");
+  visit("max_thing_probability",
+        o.max_thing_probability,
+        "cells with a larger probability of an unseen thing are unknown");
+  visit("max_narrow_width_m",
+        o.max_narrow_width_m,
+        "ground with a wider peak of correlation is compared in wider windows");
+  visit("thing_window_m", o.thing_window_m, "side of the squares compared for things");
+  visit("proposal_window_m",
+        o.proposal_window_m,
+        "narrower things do not lift the surface from which heights are searched");
+  visit("min_num_views", o.min_num_views, "least number of views of a cell");
+  visit("min_baseline_ratio", o.min_baseline_ratio, "least baseline over height of these views");
+  visit("min_correlation", o.min_correlation, "least correlation of the views");
+  visit("min_contrast", o.min_contrast, "least contrast of the ground, of log brightness");
+  visit("max_num_views", o.max_num_views, "largest number of views compared");
+  visit("max_off_nadir_ratio",
+        o.max_off_nadir_ratio,
+        "largest horizontal distance of a compared view, in heights above ground");
+  visit("ground_sampling_distance_m",
+        o.ground_sampling_distance_m,
+        "photographs are compared at this sampling");
+  visit("height_step_px", o.height_step_px, "spacing of heights, as a disparity in samples");
+}
+
+template <class Visitor>
 void VisitFields(Of<PhotoOptions> auto& o, Visitor&& visit) {
   visit("orthophoto_cell_size_m", o.orthophoto_cell_size_m, "cell size of the orthophoto");
   visit("min_crossing_ratio",

@@ -33,6 +33,10 @@ inline EnumNames<GrassFusion> NamesOf(GrassFusion) {
   return {{GrassFusion::kPosterior, "posterior"}, {GrassFusion::kPaperOr, "paper"}};
 }
 
+inline EnumNames<HeightMethod> NamesOf(HeightMethod) {
+  return {{HeightMethod::kPairs, "pairs"}, {HeightMethod::kPhotographs, "photographs"}};
+}
+
 inline EnumNames<SlopeSupport> NamesOf(SlopeSupport) {
   return {{SlopeSupport::kPlane, "plane"}, {SlopeSupport::kPaperPca, "paper"}};
 }

@@ -352,6 +352,7 @@ void VisitStages(Of<PipelineOptions> auto& o, Visitor&& visit) {
   visit("stereo", o.stereo);
   const auto terrain = std::tie(o.terrain, o.hazard.cover.photo);
   visit("terrain", terrain);
+  visit("heights", o.heights);
   const auto hazard = std::tie(o.hazard.surface, o.hazard.cover);
   visit("hazard", hazard);
   const auto approach = std::tie(o.approach, o.hazard.cover.clear_class);

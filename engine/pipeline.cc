@@ -95,7 +95,8 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
   ElevationMap map = Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
   map.position_sd_m = block.position_sd_m;
   map.tilt_sd_deg = block.tilt_sd_deg;
-  return map;
+  return Timed(
+      reports, "heights", [&] { return DecideHeights(map, block, images, options.heights); });
 }
 
 AdjustedBlock AdjustSelection(const Selection& selection,
@@ -168,15 +169,15 @@ void WarnOfViews(const Selection& selection, Evaluation& evaluation) {
                                 std::to_string(selection.views.size()) + " were used");
 }
 
-// Completes the map and computes its layers: shape of the ground, cover and
-// hazard.
+// Completes the map and computes its layers: shape of the ground, cover and hazard.
 void AssessGround(const ElevationMap& map,
                   const std::vector<GrassView>& grass_views,
                   const ImageSource& images,
                   const Aircraft& aircraft,
-                  const HazardOptions& options,
+                  HazardOptions options,
                   Evaluation& evaluation) {
   std::vector<StageReport>& reports = evaluation.reports;
+  if (map.is_compared) options.cover.photo.max_photo_disagreement = 0.0;  // all were compared
   Orthophoto photo = Timed(reports, "orthophoto", [&] {
     return MakeOrthophoto(map, evaluation.block, images, options.cover.photo);
   });
