@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "engine/geometry/processor_targets.h"
+#include "engine/geometry/geometry.h"
 
 namespace freelsd {
 namespace {
