@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/cover/kind/cue_groups.h"
-#include "engine/geometry/box_mean.h"
+#include "engine/geometry/geometry.h"
 
 namespace freelsd {
 namespace {

@@ -1,9 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include <opencv2/imgproc.hpp>
-
 #include "engine/cover/kind/cue_groups.h"
 #include "engine/cover/raised_fields.h"
 
@@ -11,7 +5,7 @@ namespace freelsd {
 namespace {
 
 // No height is known better.
-constexpr double kLeastDeviationM = 0.01f;
+constexpr double kLeastDeviationM = 0.01;
 // Side of the square around a cell.
 constexpr double kNearM = 5.0;
 

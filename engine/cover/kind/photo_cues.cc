@@ -6,7 +6,7 @@
 
 #include "engine/cover/kind/cue_groups.h"
 #include "engine/cover/photo_features.h"
-#include "engine/geometry/box_mean.h"
+#include "engine/geometry/geometry.h"
 
 namespace freelsd {
 namespace {

@@ -15,6 +15,40 @@ size_t IndexOf(const std::vector<std::string>& names, const std::string& name) {
   return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
 }
 
+// Percentiles of a cue in a group, so that every group counts the same.
+std::vector<float> QuantilesOf(const std::vector<KindCells>& all,
+                               const std::string& group,
+                               size_t cue) {
+  std::vector<float> values, quantiles;
+  for (const KindCells& cells : all) {
+    if (cells.group != group) continue;
+    for (const KindCell& cell : cells.cells) {
+      if (!std::isnan(cell.cues[cue])) values.push_back(cell.cues[cue]);
+    }
+  }
+  if (values.empty()) return quantiles;
+  std::sort(values.begin(), values.end());
+  for (size_t i = 0; i < 101; ++i) quantiles.push_back(values[i * (values.size() - 1) / 100]);
+  return quantiles;
+}
+
+using Entries = std::vector<std::pair<Eigen::Index, double>>;
+
+// Adds one row to the lower half of the Hessian and to the gradient.
+void AddRow(const Entries& entries,
+            double rest,
+            double curvature,
+            Eigen::MatrixXd& hessian,
+            Eigen::VectorXd& gradient) {
+  for (size_t i = 0; i < entries.size(); ++i) {
+    gradient[entries[i].first] += rest * entries[i].second;
+    const double part = curvature * entries[i].second;
+    for (size_t j = 0; j <= i; ++j) {
+      hessian(entries[i].first, entries[j].first) += part * entries[j].second;
+    }
+  }
+}
+
 double Logistic(double score) { return 1.0 / (1.0 + std::exp(-score)); }
 
 }  // namespace
@@ -32,19 +66,10 @@ KindProblem::KindProblem(const std::vector<KindCells>& all, const KindFitOptions
 
 void KindProblem::PlaceKnots(const std::vector<KindCells>& all) {
   for (size_t cue = 0; cue < kNumCues; ++cue) {
-    // Quantiles of every group count the same.
     std::vector<float> quantiles;
     for (const std::string& group : groups_) {
-      std::vector<float> values;
-      for (const KindCells& cells : all) {
-        if (cells.group != group) continue;
-        for (const KindCell& cell : cells.cells) {
-          if (!std::isnan(cell.cues[cue])) values.push_back(cell.cues[cue]);
-        }
-      }
-      if (values.empty()) continue;
-      std::sort(values.begin(), values.end());
-      for (size_t i = 0; i < 101; ++i) quantiles.push_back(values[i * (values.size() - 1) / 100]);
+      const std::vector<float> of_group = QuantilesOf(all, group, cue);
+      quantiles.insert(quantiles.end(), of_group.begin(), of_group.end());
     }
     std::sort(quantiles.begin(), quantiles.end());
     std::vector<float>& knots = knots_[cue];
@@ -130,7 +155,7 @@ Eigen::VectorXd KindProblem::Fit(const CueSet& cues,
                                  const Eigen::VectorXd& start,
                                  int num_steps) const {
   Eigen::VectorXd coefficients = start;
-  std::vector<std::pair<Eigen::Index, double>> entries;
+  Entries entries;
   for (int step = 0; step < num_steps; ++step) {
     Eigen::MatrixXd hessian = Eigen::MatrixXd::Identity(num_columns_, num_columns_);
     hessian *= options_.ridge;
@@ -149,13 +174,7 @@ Eigen::VectorXd KindProblem::Fit(const CueSet& cues,
       const double probability = Logistic(ScoreOf(row, cues, coefficients));
       const double rest = row.weight * ((row.is_fit ? 1.0 : 0.0) - probability);
       const double curvature = row.weight * std::max(1e-4, probability * (1.0 - probability));
-      for (size_t i = 0; i < entries.size(); ++i) {
-        gradient[entries[i].first] += rest * entries[i].second;
-        const double part = curvature * entries[i].second;
-        for (size_t j = 0; j <= i; ++j) {
-          hessian(entries[i].first, entries[j].first) += part * entries[j].second;
-        }
-      }
+      AddRow(entries, rest, curvature, hessian, gradient);
     }
     coefficients += hessian.selfadjointView<Eigen::Lower>().ldlt().solve(gradient);
   }
