@@ -67,8 +67,9 @@ SamplePattern::SamplePattern(int side) : side_(side) {
     throw std::invalid_argument("heights: too many samples in a block");
   for (int i = 0; i < count(); ++i) {
     const auto s = static_cast<size_t>(i);
-    east[s] = (static_cast<float>(i % side) + 0.5f) / static_cast<float>(side);
-    south[s] = (static_cast<float>(i / side) + 0.5f) / static_cast<float>(side);
+    const int row = i / side, col = i % side;
+    east[s] = (static_cast<float>(col) + 0.5f) / static_cast<float>(side);
+    south[s] = (static_cast<float>(row) + 0.5f) / static_cast<float>(side);
     both[s] = east[s] * south[s];
   }
 }
