@@ -24,7 +24,7 @@ struct HeightsOptions {
   // Something stands on the ground if it is higher than this. Does not depend on the aircraft.
   double min_thing_height_m = 0.5;
   // Share of cells of open ground on which something stands that the ground's height does not show.
-  // Measured by freelsd-heights on tuning worlds.
+  // Not measured: about the share in painted meadows.
   double thing_prior_probability = 0.01;
   // Above this probability something stands on a cell. If no height stands out then, the cell
   // cannot be told.

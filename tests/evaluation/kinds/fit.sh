@@ -1,6 +1,6 @@
 #!/bin/bash
 # Writes engine/cover/kind/kind_table.cc from tuning data alone: fit.sh FOLDER_FOR_CELLS
-# Takes about 20 minutes of one core. Prints the tables of the decision record 0027.
+# Takes about 20 minutes of one core. Prints the tables of the decision record 0029.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 cells=${1:?"fit.sh FOLDER_FOR_CELLS"}
