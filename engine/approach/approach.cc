@@ -149,7 +149,7 @@ std::optional<GoAround> GoAroundOf(const Attempt& attempt,
 }
 
 LandingRisk RiskOf(const Approach& approach, const ApproachGround& ground) {
-  const Landing landing{
+  const PlannedLanding landing{
       .touchdown_in_world = approach.touchdown_in_world,
       .heading = approach.heading,
       .approach_distance = approach.approach_distance,

@@ -65,7 +65,7 @@ std::optional<CellRisk> RiskGround::At(const Eigen::Vector2d& place_in_world) co
 }
 
 PathStrip MakePathStrip(const RiskGround& ground,
-                        const Landing& landing,
+                        const PlannedLanding& landing,
                         const StripExtent& extent) {
   PathStrip strip;
   strip.step = ground.map.grid.cell_size_m;

@@ -42,7 +42,7 @@ struct RiskGround {
 };
 
 PathStrip MakePathStrip(const RiskGround& ground,
-                        const Landing& landing,
+                        const PlannedLanding& landing,
                         const StripExtent& extent);
 
 }  // namespace freelsd

@@ -28,7 +28,7 @@ struct Spread {
 // Everything that is the same for all flights of one landing.
 struct Series {
   const PathStrip& strip;
-  const Landing& landing;
+  const PlannedLanding& landing;
   const Aircraft& aircraft;
   Spread spread;
   double error_length_m = 0.0;
@@ -132,7 +132,9 @@ MeanRisk Average(const std::vector<FlightErrors>& flights, const Series& series)
   return {mean.all * share, mean.ground * share, mean.final_path * share};
 }
 
-StripExtent ExtentOf(const Landing& landing, const Aircraft& aircraft, const Spread& spread) {
+StripExtent ExtentOf(const PlannedLanding& landing,
+                     const Aircraft& aircraft,
+                     const Spread& spread) {
   const double error = aircraft.touchdown_uncertainty_m + kFarthestSds * spread.position_m;
   const double speed = std::max(landing.ground_speed, 1.0);
   const double ratio = 1.0 + kFarthestSds * spread.wind_mps / speed;
@@ -143,7 +145,9 @@ StripExtent ExtentOf(const Landing& landing, const Aircraft& aircraft, const Spr
 
 // Probability that something reaches up to the circle. The aircraft keeps its height there within
 // the safety margin in two deviations.
-double RiskOfCircle(const RiskGround& ground, const Landing& landing, double error_length_m) {
+double RiskOfCircle(const RiskGround& ground,
+                    const PlannedLanding& landing,
+                    double error_length_m) {
   constexpr double kSdsOfMargin = 2.0;
   if (landing.loiter_radius <= 0.0) return 0.0;
   const Aircraft& aircraft = ground.aircraft;
@@ -186,23 +190,25 @@ struct RiskAssessor::State {
   RiskOptions options;
   std::vector<FlightErrors> flights;
 
-  bool IsKnown(const Landing& landing) const {
+  bool IsKnown(const PlannedLanding& landing) const {
     return std::isfinite(landing.position_sd_m) && std::isfinite(ground.map.tilt_sd_deg);
   }
-  Spread SpreadOf(const Landing& landing) const {
+  Spread SpreadOf(const PlannedLanding& landing) const {
     constexpr double kSteepestDeg = 45.0;
     return {
         landing.position_sd_m,
         std::tan(RadFromDeg(std::min(ground.map.tilt_sd_deg, kSteepestDeg))),
         landing.wind_spread_mps > 0.0 ? landing.wind_spread_mps : options.unmeasured_wind_sd_mps};
   }
-  PathStrip StripOf(const Landing& landing) const {
+  PathStrip StripOf(const PlannedLanding& landing) const {
     return MakePathStrip(ground, landing, ExtentOf(landing, ground.aircraft, SpreadOf(landing)));
   }
-  MeanRisk AverageOf(const Landing& landing, const PathStrip& strip, const Spread& spread) const {
+  MeanRisk AverageOf(const PlannedLanding& landing,
+                     const PathStrip& strip,
+                     const Spread& spread) const {
     return Average(flights, {strip, landing, ground.aircraft, spread, options.error_length_m});
   }
-  double CircleOf(const Landing& landing) const {
+  double CircleOf(const PlannedLanding& landing) const {
     return RiskOfCircle(ground, landing, options.error_length_m);
   }
 };
@@ -218,14 +224,14 @@ RiskAssessor::RiskAssessor(const ElevationMap& map,
 
 RiskAssessor::~RiskAssessor() = default;
 
-double RiskAssessor::FailureProbability(const Landing& landing) const {
+double RiskAssessor::FailureProbability(const PlannedLanding& landing) const {
   if (!state_->IsKnown(landing)) return 1.0;
   const PathStrip strip = state_->StripOf(landing);
   const MeanRisk mean = state_->AverageOf(landing, strip, state_->SpreadOf(landing));
   return Either(mean.all, state_->CircleOf(landing));
 }
 
-LandingRisk RiskAssessor::Assess(const Landing& landing) const {
+LandingRisk RiskAssessor::Assess(const PlannedLanding& landing) const {
   if (!state_->IsKnown(landing)) return {};
   const Spread spread = state_->SpreadOf(landing);
   const PathStrip strip = state_->StripOf(landing);

@@ -55,7 +55,7 @@ double ShapeRatio(const ElevationMap& map,
 double RiskOfShape(double shape_ratio);
 
 // A straight final, the ground roll after it, and the circle before it.
-struct Landing {
+struct PlannedLanding {
   Eigen::Vector3d touchdown_in_world = Eigen::Vector3d::Zero();
   // Direction of travel, radians clockwise from north.
   double heading = 0.0;
@@ -101,9 +101,9 @@ class RiskAssessor {
   ~RiskAssessor();
 
   // 1 if the deviation of the map's position or tilt is unknown.
-  double FailureProbability(const Landing& landing) const;
+  double FailureProbability(const PlannedLanding& landing) const;
   // The same probability, with its parts; takes three times as long.
-  LandingRisk Assess(const Landing& landing) const;
+  LandingRisk Assess(const PlannedLanding& landing) const;
 
  private:
   struct State;

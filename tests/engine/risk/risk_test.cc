@@ -13,7 +13,7 @@ namespace {
 constexpr double kPositionSdM = 1.0;
 
 // Lands northwards in the middle of the scene.
-Landing Northwards() {
+PlannedLanding Northwards() {
   return {.approach_distance = 170.0,
           .approach_height = 12.0,
           .ground_speed = 13.0,
@@ -29,7 +29,7 @@ scene::Scene FlatMeadow() {
   return meadow;
 }
 
-double RiskOn(const scene::Scene& scene, const Landing& landing = Northwards()) {
+double RiskOn(const scene::Scene& scene, const PlannedLanding& landing = Northwards()) {
   return RiskAssessor(scene.map, scene.hazards, Aircraft{}, RiskOptions{})
       .FailureProbability(landing);
 }
@@ -111,7 +111,7 @@ TEST_CASE("risk: what the map's position adds is told") {
   scene::Scene lane = FlatMeadow();
   PutOtherKind(lane, {0, 0, 134, 500});
   PutOtherKind(lane, {167, 0, 133, 500});
-  Landing shaky = Northwards();
+  PlannedLanding shaky = Northwards();
   shaky.position_sd_m = 4.0;
   const RiskAssessor assessor(lane.map, lane.hazards, Aircraft{}, RiskOptions{});
   CHECK(assessor.Assess(shaky).parts.position > 0.02);
@@ -120,7 +120,7 @@ TEST_CASE("risk: what the map's position adds is told") {
 }
 
 TEST_CASE("risk: without a known position of the map failure is certain") {
-  Landing unknown = Northwards();
+  PlannedLanding unknown = Northwards();
   unknown.position_sd_m = std::nan("");
   CHECK(RiskOn(FlatMeadow(), unknown) == 1.0);
 }

@@ -39,7 +39,7 @@ std::string NameOfBin(double edge) {
   return name.str();
 }
 
-Landing LandingOf(const Approach& approach, const Site& site, double position_sd_m) {
+PlannedLanding LandingOf(const Approach& approach, const Site& site, double position_sd_m) {
   return {.touchdown_in_world = approach.touchdown_in_world,
           .heading = approach.heading,
           .approach_distance = approach.approach_distance,
