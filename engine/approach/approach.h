@@ -52,8 +52,7 @@ struct ApproachOptions {
   // other candidates are rejected. A coarse search may miss the only possible final of a small
   // field.
   int max_num_reserve_candidates = 500;
-  // Least distance between touchdown candidates. The distance is greater in a large region, so that
-  // the candidates cover all free ground.
+  // Least distance between touchdown candidates; greater in a large region, to cover all of it.
   double candidate_spacing_m = 4.0;
   // Heights of the start of the final, in units of the aircraft's approach height, ascending. A
   // greater height is tried if all lower heights fail and an obstacle blocks a circle at one of
@@ -67,11 +66,11 @@ struct ApproachOptions {
   // If the wind is weaker than this, all headings are tried. Final and circle are still computed
   // for the actual wind.
   double calm_wind_mps = 0.5;
-  // Step along the final and the circle. On the final, the step is at most half a cell.
+  // Step along final and circle. On the final, the step is at most half a cell.
   double path_step_m = 0.5;
   // Largest number of rejections stored with the site.
   int max_num_rejections = 20;
-  // Weights of the score's terms: distance to hazard, clearance, area, slope, roughness, evidence.
+  // Weights: distance to hazard, clearance, area, slope, roughness, evidence.
   std::vector<double> score_weights{0.25, 0.2, 0.15, 0.15, 0.1, 0.15};
 
   RiskOptions risk = {};
@@ -111,7 +110,7 @@ double RequiredHazardDistance(const ElevationMap& map,
                               const Aircraft& aircraft,
                               const ApproachOptions& options);
 
-// Heights of the path and of the terrain below it, from the start of the final to touchdown.
+// Path and terrain below it, from the start of the final to touchdown.
 struct ApproachProfile {
   // Distance to touchdown, descending.
   std::vector<double> distance;
@@ -190,8 +189,7 @@ struct Approach {
   double min_clearance = 0.0;
   // Unseen share of the chosen circle.
   double unseen_ratio = 0.0;
-  // Corners of the strip that must be free for the ground roll, including its margins. Empty if the
-  // aircraft needs no ground roll.
+  // Corners of the strip that must be free for the ground roll. Empty without a ground roll.
   std::vector<Eigen::Vector3d> ground_roll_in_world;
   // Explanation::kNone leaves strip, obstacle, go_around and profile empty.
   std::optional<LandingStrip> strip;
@@ -237,8 +235,7 @@ struct ScoreTerm {
   double weight = 0.0;
 };
 
-// The plan for one region. The plan of a rejected region describes the least bad place and the rule
-// that this place breaks.
+// The plan for one region. If rejected, it describes the least bad place and the rule it breaks.
 struct Plan {
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reject_reason;
@@ -253,8 +250,7 @@ struct Plan {
   std::vector<Rejection> rejections;
   // Rules of the path to the touchdown. Empty if there is no path, and with Explanation::kNone.
   std::vector<PlaceRule> path_rules;
-  // In the planned wind, or in calm if the wind is unknown. Empty if there is no path, and with
-  // Explanation::kNone.
+  // In the planned wind, else in calm. Empty where path_rules is.
   std::optional<LandingRisk> risk;
   double score = 0.0;
   std::vector<ScoreTerm> score_terms;
@@ -315,8 +311,8 @@ Plan PlanApproach(const ElevationMap& map,
                   const Aircraft& aircraft,
                   const ApproachOptions& options);
 
-// Whether a plan includes what people need to understand it: rejections, rules, strip, tightest
-// obstacle, go-around and profile.
+// Whether a plan includes what people need: rejections, rules, risk, strip, tightest obstacle,
+// go-around, profile. The other parts are identical.
 enum class Explanation { kFull, kNone };
 
 // Result of checking an approach on another map than the one on which it was planned.
@@ -347,8 +343,7 @@ Polygon CheckedGround(const Approach& approach,
                       const std::optional<Eigen::Vector2d>& wind_in_world,
                       const ApproachOptions& options);
 
-// Plans for many winds. Work that does not depend on the wind is done once. Thread-safe. Map and
-// hazards must outlive the planner.
+// Plans for many winds at little cost each. Thread-safe. Map and hazards must outlive the planner.
 class ApproachPlanner {
  public:
   // The planner ignores request.wind_in_world, with one exception: a plan for exactly this wind
@@ -362,7 +357,6 @@ class ApproachPlanner {
   ApproachPlanner(ApproachPlanner&&) noexcept;
   ApproachPlanner& operator=(ApproachPlanner&&) noexcept;
 
-  // With Explanation::kNone planning is faster. The other parts of the plan are identical.
   Plan PlanFor(const std::optional<Eigen::Vector2d>& wind_in_world,
                Explanation explanation = Explanation::kFull) const;
 

@@ -175,7 +175,9 @@ PathCheck CheckFinal(const Approach& approach,
     was_on_map |= slice.is_on_map;
     ++check.num_steps;
     if (slice.is_unseen && check.num_unseen_steps++ == 0) check.first_unseen_distance = distance;
-    if (distance > free_run && slice.height != kNoHeight) {
+    if (distance <= free_run) {
+      check.min_clearance = std::min(check.min_clearance, height - slice.height);
+    } else if (slice.height != kNoHeight) {
       const Eigen::Vector2d highest = surface.CellCenter(slice.row, slice.col);
       check = WithObstacle(check,
                            {.place_in_world = {highest.x(), highest.y(), slice.height},

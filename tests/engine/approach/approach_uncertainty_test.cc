@@ -31,7 +31,7 @@ TEST_CASE("uncertainty: a map that may lean needs more clearance, the more the f
   meadow.map.tilt_sd_deg = 1.5;  // 2.1 m at 40 m, doubled sigma
   CHECK(PlanOn(meadow).verdict == Verdict::kLandable);
   meadow.map.tilt_sd_deg = 3.0;  // 4.2 m
-  const Plan plan = PlanOn(meadow);
+  const Plan plan = PlanOn(meadow, scene::OneWay());
   CHECK(plan.verdict == Verdict::kRejected);
   CHECK(plan.reject_reason == RejectReason::kApproachBlocked);
   CHECK(PlanOn(meadow, {.tilt_sigma = 0.0}).verdict == Verdict::kLandable);

@@ -24,11 +24,15 @@ TEST_CASE("approach: half the path's height is enough near touchdown, no less") 
   const double path_slope = 10.0 / distance;
   for (const double share : {0.40, 0.60}) {
     // Ground that rises towards the start of the final, by a share of the path's slope.
-    const Scene hill = scene::Meadow(240, 240, kCellM, [&](const Eigen::Vector2d& place) {
+    Scene hill = scene::Meadow(240, 240, kCellM, [&](const Eigen::Vector2d& place) {
       return share * path_slope * std::clamp(-place.y(), 0.0, 15.0);
     });
+    // Meadow would need no clearance.
+    scene::ForCells(hill, {-120, -120}, {120, -9}, [&](int row, int col) {
+      hill.hazards.hazard(row, col) = kHazard;
+    });
     PlanRequest request = Request(Box({-1, -0.9}, {1, 1}), Eigen::Vector2d(0.0, -4.0));
-    const Plan plan = PlanOn(hill, request);
+    const Plan plan = PlanOn(hill, request, Nimble(), scene::OneWay());
     CHECK((plan.verdict == Verdict::kLandable) == (share < 0.5));
   }
 }
@@ -66,6 +70,7 @@ TEST_CASE("approach: even ground of no grass is bare, what is uneven or has hole
     scene::ForCells(soil, {-60, -40}, {60, -20}, [&](int row, int col) {
       soil.map.elevation(row, col) = soil.map.upper(row, col) = static_cast<float>(height);
       soil.hazards.grass(row, col) = 0.1f;
+      soil.hazards.hazard(row, col) = kHazard;
       soil.hazards.roughness(row, col) = static_cast<float>(roughness);
     });
     return soil;

@@ -32,7 +32,7 @@ TEST_CASE("approach: a bank of meadow before the disc is no obstacle, a bank of 
 }
 
 TEST_CASE("approach: every plan with a path tells its risk") {
-  const PlanRequest request = Request(Box({-10, -10}, {10, 10}), Eigen::Vector2d(0.0, -4.0));
+  const PlanRequest request = Request(Box({-40, -4}, {40, 5}), Eigen::Vector2d(0.0, -4.0));
   Scene meadow = FlatMeadow(240, 240);
   const Plan plan = PlanOn(meadow, request);
   REQUIRE(plan.risk);
