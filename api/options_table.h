@@ -306,12 +306,16 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("score_weights",
         o.score_weights,
         "weights of hazard distance, clearance, area, slope, roughness and evidence");
-  visit("num_risk_flights", o.risk.num_risk_flights, "flights that the risk is averaged over");
+}
+
+template <class Visitor>
+void VisitFields(Of<RiskOptions> auto& o, Visitor&& visit) {
+  visit("num_risk_flights", o.num_risk_flights, "flights that the risk is averaged over");
   visit("error_length_m",
-        o.risk.error_length_m,
+        o.error_length_m,
         "errors of the map within this distance along the path count once in the risk");
   visit("unmeasured_wind_sd_mps",
-        o.risk.unmeasured_wind_sd_mps,
+        o.unmeasured_wind_sd_mps,
         "standard deviation of a wind that was not measured, in the risk");
 }
 
@@ -355,7 +359,7 @@ void VisitStages(Of<PipelineOptions> auto& o, Visitor&& visit) {
   visit("heights", o.heights);
   const auto hazard = std::tie(o.hazard.surface, o.hazard.cover);
   visit("hazard", hazard);
-  const auto approach = std::tie(o.approach, o.hazard.cover.clear_class);
+  const auto approach = std::tie(o.approach, o.approach.risk, o.hazard.cover.clear_class);
   visit("approach", approach);
   visit("backend", o.backend);
 }

@@ -70,6 +70,8 @@ TEST_CASE("field scores: a lost field has the rule that fails on the engine's ma
   const FieldScore score = flight.ScoreOf(run);
   const cv::Point cell = run.evaluation.map.grid.CellAt(score.touchdown).value();
   walled.evaluation.map.upper.col(cell.x + 20) = 30.0f;
+  walled.evaluation.hazards.hazard = run.evaluation.hazards.hazard.clone();
+  walled.evaluation.hazards.hazard.col(cell.x + 20) = uint8_t{kHazard};
   CHECK(flight.ScoreOf(walled).lost_reason == "final");
   CHECK(flight.ScoreOf(EngineRun{}).lost_reason == "no map");
 }
