@@ -3,8 +3,9 @@
 
 namespace freelsd {
 
+// NOLINTNEXTLINE(readability-function-size): a table.
 const KindModel& ShippedKindModel() {
-  static const KindModel model{
+  static const KindModel kModel{
       -0.24343f,
       {
           {Cue::kViewLogOdds,
@@ -74,7 +75,7 @@ const KindModel& ShippedKindModel() {
           {2.00000f, 0.92773f},  {2.25000f, 0.94538f},  {2.50000f, 0.95890f},
           {2.75000f, 0.96919f},  {3.00000f, 0.97142f},
       }};
-  return model;
+  return kModel;
 }
 
 }  // namespace freelsd

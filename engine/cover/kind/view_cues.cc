@@ -10,7 +10,7 @@ constexpr double kNearM = 5.0;
 }  // namespace
 
 cv::Mat1f VisitViewCues(const CueInput& input, const CueVisitor& visit) {
-  const cv::Mat1f log_odds = MeanLogOdds(input.map, input.grass_views);
+  cv::Mat1f log_odds = MeanLogOdds(input.map, input.grass_views);
   visit(Cue::kViewLogOdds, log_odds);
   visit(Cue::kViewLogOddsNear, KnownMean(log_odds, kNearM / input.map.grid.cell_size_m));
   return log_odds;

@@ -38,7 +38,8 @@ struct NoisyViews {
       images.push_back(plane.Photograph(rig.camera, view.world_from_camera));
       truth.emplace_back();
       for (int point = 0; point < 120; ++point) {
-        const Eigen::Vector3d place(9.0 * (point % 12) - 50.0, 9.0 * (point / 12) - 40.0, 0.0);
+        const int row = point / 12, col = point % 12;
+        const Eigen::Vector3d place(9.0 * col - 50.0, 9.0 * row - 40.0, 0.0);
         const auto pixel = rig.camera.ImageFromCamera(Inverse(view.world_from_camera) * place);
         truth.back().push_back(*pixel);
         view.observations.push_back(

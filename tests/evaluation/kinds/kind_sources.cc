@@ -85,6 +85,53 @@ KindRasters TrueKinds(const ElevationMap& map, const TruthMap& truth) {
   return kinds.Take();
 }
 
+// A labelled photograph and where it was taken from.
+struct LabelledView {
+  const LabelledPhotograph& photograph;
+  Camera camera;
+  Rigid3d camera_from_world;
+
+  // 0 where the photograph shows no labelled region.
+  uint8_t ClassAt(const Eigen::Vector3d& place_in_world) const {
+    const auto pixel = camera.ImageFromCamera(camera_from_world * place_in_world);
+    if (!pixel || !camera.IsInside(*pixel)) return 0;
+    const double scale = photograph.mask.cols / static_cast<double>(camera.width_px);
+    const cv::Point at(static_cast<int>(pixel->x() * scale), static_cast<int>(pixel->y() * scale));
+    if (!cv::Rect({}, photograph.mask.size()).contains(at)) return 0;
+    const uint8_t shown = photograph.mask(at);
+    return shown == kUnlabelledClass || shown == kDormantGrassClass ? uint8_t{0} : shown;
+  }
+};
+
+std::vector<LabelledView> LabelledViews(const std::string& flight,
+                                        const AdjustedBlock& block,
+                                        const Photographs& photographs) {
+  std::vector<LabelledView> views;
+  for (size_t v = 0; v < block.views.size(); ++v) {
+    const AdjustedView& view = block.views[v];
+    if (!view.is_connected) continue;
+    const std::string name = flight + "__" + std::filesystem::path(view.frame_id).stem().string();
+    const auto photograph = std::find_if(photographs.begin(),
+                                         photographs.end(),
+                                         [&](const auto& each) { return each.name == name; });
+    if (photograph == photographs.end()) continue;
+    views.push_back({*photograph, block.CameraOf(v), Inverse(view.world_from_camera)});
+  }
+  return views;
+}
+
+// The class that all photographs of a place agree on; 0 where none has one.
+uint8_t AgreedClass(const std::vector<LabelledView>& views, const Eigen::Vector3d& place) {
+  uint8_t agreed = 0;
+  for (const LabelledView& view : views) {
+    const uint8_t shown = view.ClassAt(place);
+    if (shown == 0) continue;
+    if (agreed != 0 && agreed != shown) return 0;
+    agreed = shown;
+  }
+  return agreed;
+}
+
 // Classes of the labelled regions that all photographs agree on; 0 where none has one.
 cv::Mat1b LabelledClasses(const std::filesystem::path& folder, const Evaluation& evaluation) {
   const std::string root = FREELSD_SOURCE_DIR "/tests/evaluation/";
@@ -92,39 +139,18 @@ cv::Mat1b LabelledClasses(const std::filesystem::path& folder, const Evaluation&
       ReadLabelledFlights(folder.parent_path().string(),
                           root + "labels",
                           ReadLabelledCameras(root + "grass_cameras.csv"));
+  const std::vector<LabelledView> views =
+      LabelledViews(folder.filename().string(), evaluation.block, photographs);
   const ElevationMap& map = evaluation.map;
   cv::Mat1b classes = cv::Mat1b::zeros(map.elevation.size());
-  cv::Mat1b is_disputed = classes.clone();
-  for (size_t v = 0; v < evaluation.block.views.size(); ++v) {
-    const AdjustedView& view = evaluation.block.views[v];
-    if (!view.is_connected) continue;
-    const std::string name =
-        folder.filename().string() + "__" + std::filesystem::path(view.frame_id).stem().string();
-    const auto photograph = std::find_if(photographs.begin(),
-                                         photographs.end(),
-                                         [&](const auto& each) { return each.name == name; });
-    if (photograph == photographs.end()) continue;
-    const Camera camera = evaluation.block.CameraOf(v);
-    const Rigid3d camera_from_world = Inverse(view.world_from_camera);
-    const double scale = photograph->mask.cols / static_cast<double>(camera.width_px);
-    for (int row = 0; row < classes.rows; ++row) {
-      for (int col = 0; col < classes.cols; ++col) {
-        if (!map.IsSeen(row, col)) continue;
-        Eigen::Vector3d place;
-        place << map.grid.CellCenter(row, col), map.elevation(row, col);
-        const auto pixel = camera.ImageFromCamera(camera_from_world * place);
-        if (!pixel || !camera.IsInside(*pixel)) continue;
-        const cv::Point at(static_cast<int>(pixel->x() * scale),
-                           static_cast<int>(pixel->y() * scale));
-        if (!cv::Rect({}, photograph->mask.size()).contains(at)) continue;
-        const uint8_t shown = photograph->mask(at);
-        if (shown == kUnlabelledClass || shown == kDormantGrassClass) continue;
-        if (classes(row, col) != 0 && classes(row, col) != shown) is_disputed(row, col) = 255;
-        classes(row, col) = shown;
-      }
+  for (int row = 0; row < classes.rows; ++row) {
+    for (int col = 0; col < classes.cols; ++col) {
+      if (!map.IsSeen(row, col)) continue;
+      Eigen::Vector3d place;
+      place << map.grid.CellCenter(row, col), map.elevation(row, col);
+      classes(row, col) = AgreedClass(views, place);
     }
   }
-  classes.setTo(0, is_disputed);
   return classes;
 }
 
@@ -143,35 +169,40 @@ std::string OutlinedAt(const LabelledGround& ground, const Eigen::Vector2d& plac
   return found;
 }
 
+constexpr std::array<const char*, 10> kClassNames{"",
+                                                  "grass",
+                                                  "trees",
+                                                  "tall_growth",
+                                                  "crops",
+                                                  "soil",
+                                                  "paved",
+                                                  "building",
+                                                  "water",
+                                                  "dormant_grass"};
+
+// `outlined`: as of OutlinedAt. `shown`: class of a labelled region, or 0.
+void SetKind(const std::string& outlined, uint8_t shown, const cv::Point& cell, KindMap& kinds) {
+  if (outlined == "doubt") return;
+  const bool is_grass = outlined.empty() && shown == kGrassClass;
+  if (outlined == "refuse" && shown == kGrassClass) {
+    kinds.Set(cell.y, cell.x, "refused_grass", kOnlyReported);
+  } else if (outlined == "land" || is_grass) {
+    kinds.Set(cell.y, cell.x, is_grass ? "grass" : outlined, 1.0f);
+  } else if (!outlined.empty() || shown != 0) {
+    kinds.Set(cell.y, cell.x, outlined.empty() ? kClassNames[shown] : outlined, 0.0f);
+  }
+}
+
 KindRasters LabelledKinds(const std::filesystem::path& folder,
                           const Evaluation& evaluation,
                           const LabelledGround& ground) {
-  constexpr std::array<const char*, 10> kClassNames{"",
-                                                    "grass",
-                                                    "trees",
-                                                    "tall_growth",
-                                                    "crops",
-                                                    "soil",
-                                                    "paved",
-                                                    "building",
-                                                    "water",
-                                                    "dormant_grass"};
   const cv::Mat1b classes = LabelledClasses(folder, evaluation);
   const Grid& grid = evaluation.map.grid;
   KindMap kinds({grid.num_cols, grid.num_rows});
   for (int row = 0; row < grid.num_rows; ++row) {
     for (int col = 0; col < grid.num_cols; ++col) {
       if (!evaluation.map.IsSeen(row, col)) continue;
-      const std::string outlined = OutlinedAt(ground, grid.CellCenter(row, col));
-      const uint8_t shown = classes(row, col);
-      if (outlined == "doubt") continue;
-      if (outlined == "refuse" && shown == kGrassClass) {
-        kinds.Set(row, col, "refused_grass", kOnlyReported);
-      } else if (outlined == "land" || (outlined.empty() && shown == kGrassClass)) {
-        kinds.Set(row, col, outlined.empty() ? "grass" : outlined, 1.0f);
-      } else if (!outlined.empty() || shown != 0) {
-        kinds.Set(row, col, outlined.empty() ? kClassNames[shown] : outlined, 0.0f);
-      }
+      SetKind(OutlinedAt(ground, grid.CellCenter(row, col)), classes(row, col), {col, row}, kinds);
     }
   }
   return kinds.Take();

@@ -262,7 +262,8 @@ std::string TableOf(const KindModel& model) {
   text << std::fixed << std::setprecision(5)
        << "// Written by `freelsd-kinds fit`. Do not edit.\n"
           "#include \"engine/cover/kind/kind.h\"\n\nnamespace freelsd {\n\n"
-          "const KindModel& ShippedKindModel() {\n  static const KindModel model{\n      "
+          "// NOLINTNEXTLINE(readability-function-size): a table.\n"
+          "const KindModel& ShippedKindModel() {\n  static const KindModel kModel{\n      "
        << model.offset << "f,\n      {\n";
   for (const CueTerm& term : model.terms) {
     text << "          {Cue::" << NameInCode(kCueNames[static_cast<size_t>(term.cue)])
@@ -273,7 +274,7 @@ std::string TableOf(const KindModel& model) {
   for (const EarnedStep& step : model.earned) {
     text << "          {" << step.min_score << "f, " << step.probability << "f},\n";
   }
-  text << "      }};\n  return model;\n}\n\n}  // namespace freelsd\n";
+  text << "      }};\n  return kModel;\n}\n\n}  // namespace freelsd\n";
   return text.str();
 }
 
