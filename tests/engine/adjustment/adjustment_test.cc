@@ -10,15 +10,6 @@
 namespace freelsd {
 namespace {
 
-constexpr double kNoisePx = 0.5;
-// Noise of both axes, and what a robust solver may leave on top.
-constexpr double kMaxRmsPx = 0.8;
-
-int NumConnected(const AdjustedBlock& block) {
-  return static_cast<int>(std::count_if(
-      block.views.begin(), block.views.end(), [](const auto& view) { return view.is_connected; }));
-}
-
 // Root mean square height of the landmarks over the true ground below them.
 double HeightError(const AdjustedBlock& block, double relief_m) {
   double sum = 0.0;

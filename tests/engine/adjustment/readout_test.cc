@@ -10,15 +10,6 @@
 namespace freelsd {
 namespace {
 
-constexpr double kNoisePx = 0.5;
-// Noise of both axes, and what a robust solver may leave on top.
-constexpr double kMaxRmsPx = 0.8;
-
-int NumConnected(const AdjustedBlock& block) {
-  return static_cast<int>(std::count_if(
-      block.views.begin(), block.views.end(), [](const auto& view) { return view.is_connected; }));
-}
-
 TEST_CASE(
     "adjustment: what a rolling shutter does to each image is found, not bent into the poses") {
   SurveyOptions options;

@@ -1,6 +1,7 @@
 // A survey flight over rolling ground, as the tracker would describe it, with its truth.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <vector>
@@ -8,6 +9,15 @@
 #include "engine/adjustment/adjustment.h"
 
 namespace freelsd {
+
+inline constexpr double kNoisePx = 0.5;
+// Noise of both axes, and what a robust solver may leave on top.
+inline constexpr double kMaxRmsPx = 0.8;
+
+inline int NumConnected(const AdjustedBlock& block) {
+  return static_cast<int>(std::count_if(
+      block.views.begin(), block.views.end(), [](const auto& view) { return view.is_connected; }));
+}
 
 struct SurveyOptions {
   int num_strips = 4;
