@@ -97,7 +97,7 @@ class SurveyMaker {
   void Observe(const Camera& base, Survey& survey) {
     for (size_t view = 0; view < survey.views.size(); ++view) {
       const double bound = options_.readout_turn;
-      const Eigen::Vector3d turn(Uniform(bound), Uniform(bound), Uniform(bound));
+      const Eigen::Vector3d turn{Uniform(bound), Uniform(bound), Uniform(bound)};
       const Eigen::Vector3d bend = options_.readout_bend * turn / std::max(bound, 1e-9);
       Camera camera = base.With(Readout::Turning(turn, bend));
       for (int k = 2; options_.readout_gust > 0.0 && k < Readout::kNumTurns; ++k) {
@@ -108,9 +108,9 @@ class SurveyMaker {
         auto pixel = camera.ImageFromCamera(Inverse(survey.world_from_camera[view]) *
                                             survey.points_in_world[id]);
         if (!pixel || !camera.IsInside(*pixel)) continue;
-        *pixel += options_.pixel_sd_px * Eigen::Vector2d(Normal(), Normal());
+        *pixel += options_.pixel_sd_px * Eigen::Vector2d{Normal(), Normal()};
         if (0.5 * (Uniform(1.0) + 1.0) < options_.outlier_ratio) {
-          *pixel += Eigen::Vector2d(Uniform(80.0), Uniform(80.0));
+          *pixel += Eigen::Vector2d{Uniform(80.0), Uniform(80.0)};
         }
         survey.views[view].observations.push_back({static_cast<int64_t>(id), *pixel});
       }
@@ -123,7 +123,7 @@ class SurveyMaker {
   }
   double Normal() { return std::normal_distribution<double>()(random_); }
   Eigen::Quaterniond Tilt(double bound_deg) {
-    const Eigen::Vector3d axis(Uniform(1.0), Uniform(1.0), 0.0);
+    const Eigen::Vector3d axis{Uniform(1.0), Uniform(1.0), 0.0};
     return Eigen::Quaterniond(Eigen::AngleAxisd(RadFromDeg(Uniform(bound_deg)), axis.normalized()));
   }
 
@@ -140,7 +140,7 @@ class SurveyMaker {
     view.timestamp_us = static_cast<int64_t>(survey.views.size()) * 2'000'000;
     view.position_sd_m = options_.gps_sd_m;
     view.prior_position_in_world =
-        truth.translation + options_.gps_sd_m * Eigen::Vector3d(Normal(), Normal(), Normal());
+        truth.translation + options_.gps_sd_m * Eigen::Vector3d{Normal(), Normal(), Normal()};
     view.attitude_source = options_.attitude_source;
     const Eigen::Quaterniond turn(Eigen::AngleAxisd(
         RadFromDeg(Uniform(options_.start_yaw_error_deg)), Eigen::Vector3d::UnitZ()));

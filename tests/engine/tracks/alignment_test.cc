@@ -43,7 +43,7 @@ struct NoisyViews {
         const auto pixel = rig.camera.ImageFromCamera(Inverse(view.world_from_camera) * place);
         truth.back().push_back(*pixel);
         view.observations.push_back(
-            {point, *pixel + Eigen::Vector2d(noise(random), noise(random))});
+            {point, *pixel + Eigen::Vector2d{noise(random), noise(random)}});
       }
       views.push_back(view);
     }
