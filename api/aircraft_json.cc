@@ -21,6 +21,7 @@ void VisitNumbers(AircraftType& aircraft, Visitor&& visit) {
   visit("path_half_width_m", aircraft.path_half_width_m);
   visit("min_ground_speed_mps", aircraft.min_ground_speed_mps);
   visit("climb_gradient_deg", aircraft.climb_gradient_deg);
+  visit("max_failure_probability", aircraft.max_failure_probability);
   visit("ground_roll_m", aircraft.ground_roll_m);
   visit("min_area_m2", aircraft.min_area_m2);
 }

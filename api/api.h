@@ -66,6 +66,8 @@ struct FlightRequest {
   std::string canonical_json;
 };
 FlightRequest ParseFlightRequest(const std::string& body);
+// Of a stored `canonical_json`. Options that this version does not have are left out.
+FlightRequest ParseStoredFlightRequest(const std::string& canonical_json);
 // The same request with this datum, as if the client had given it.
 FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum);
 // Calls PipelineOptions::Check; its message becomes an ApiError at /options/<stage>/<field>.

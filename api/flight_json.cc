@@ -184,6 +184,12 @@ FlightRequest ParseFlightRequest(const std::string& body) {
   return request;
 }
 
+FlightRequest ParseStoredFlightRequest(const std::string& canonical_json) {
+  nlohmann::json object = ParseJson(canonical_json);
+  if (object.contains("options")) KeepKnownOptions(object["options"]);
+  return ParseFlightRequest(object.dump());
+}
+
 FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum) {
   request.altitude_datum = altitude_datum;
   request.canonical_json = CanonicalJson(request);

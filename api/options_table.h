@@ -303,9 +303,6 @@ void VisitFields(Of<ApproachOptions> auto& o, Visitor&& visit) {
   visit("max_num_rejections",
         o.max_num_rejections,
         "largest number of rejections stored with a site");
-  visit("score_weights",
-        o.score_weights,
-        "weights of hazard distance, clearance, area, slope, roughness and evidence");
 }
 
 template <class Visitor>
@@ -330,12 +327,12 @@ void VisitFields(Of<BackendOptions> auto& o, Visitor&& visit) {
   visit("max_surroundings_m", o.max_surroundings_m, "largest distance mapped around a region");
   visit("max_num_views", o.max_num_views, "largest number of key-frames in one evaluation");
   visit("max_group_extent_m", o.max_group_extent_m, "regions farther apart get separate maps");
-  visit("max_num_further_fields",
-        o.max_num_further_fields,
-        "largest number of further sites within the rectangle of one region");
-  visit("further_field_extent_m",
-        o.further_field_extent_m,
-        "extent of the pieces that are searched for further fields");
+  visit("max_num_map_sites",
+        o.max_num_map_sites,
+        "largest number of sites of one map, besides those of the regions");
+  visit("map_site_extent_m",
+        o.map_site_extent_m,
+        "side of the squares of ground that get at most one such site");
 }
 
 // A section of the JSON that holds the options of several stages.

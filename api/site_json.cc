@@ -72,31 +72,21 @@ std::string SummaryOf(const Plan& plan, const LocalFrame& local_frame) {
   return summary;
 }
 
-nlohmann::json ScoreTermsJson(const Plan& plan) {
-  nlohmann::json terms = nlohmann::json::array();
-  for (const ScoreTerm& term : plan.score_terms) {
-    terms.push_back({{"name", term.name},
-                     {"value", NumberOrNull(term.value)},
-                     {"weight", NumberOrNull(term.weight)}});
-  }
-  return terms;
+std::string TwoDigits(double number) {
+  std::ostringstream text;
+  text << std::setprecision(2) << number;
+  return text.str();
 }
 
 // Reason for the site's rank, in one English sentence.
 std::string WhyOf(const Plan& plan) {
-  std::ostringstream text;
-  text << "Ranked among the " << NameOf(plan.verdict) << " sites by a score of "
-       << std::round(plan.score * 100.0) / 100.0;
-  const auto gains = [](const ScoreTerm& a, const ScoreTerm& b) { return a.value < b.value; };
-  if (plan.score_terms.size() > 1) {
-    const auto [worst, best] =
-        std::minmax_element(plan.score_terms.begin(), plan.score_terms.end(), gains);
-    text << "; best in " << best->name << " (" << std::round(best->value * 100.0) / 100.0
-         << " of 1), worst in " << worst->name << " (" << std::round(worst->value * 100.0) / 100.0
-         << ")";
-  }
-  text << ".";
-  return text.str();
+  if (!plan.risk) return "Ranked last: no way down could be planned.";
+  const FailureParts& parts = plan.risk->parts;
+  return "Ranked among the " + NameOf(plan.verdict) +
+         " sites by the probability that a landing fails, " +
+         TwoDigits(plan.risk->failure_probability) + ": alone, the ground would make it " +
+         TwoDigits(parts.ground) + ", the final " + TwoDigits(parts.final_path) + ", the circle " +
+         TwoDigits(parts.circle) + ".";
 }
 
 nlohmann::json RejectionsJson(const Plan& plan, const LocalFrame& local_frame) {
@@ -160,6 +150,8 @@ std::string NameOf(RejectReason reason) {
       return "approach_unseen";
     case RejectReason::kLoiterBlocked:
       return "loiter_blocked";
+    case RejectReason::kRiskTooHigh:
+      return "risk_too_high";
     case RejectReason::kWindTooStrong:
       return "wind_too_strong";
     case RejectReason::kTooSmall:
@@ -194,7 +186,6 @@ nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context) {
   if (plan.verdict == Verdict::kRejected) properties["reject_reason"] = ReasonOf(plan);
   if (!plan.reject_detail.empty()) properties["reject_detail"] = plan.reject_detail;
   properties["score"] = Rounded(std::clamp(plan.score, 0.0, 1.0));
-  properties["score_terms"] = ScoreTermsJson(plan);
   properties.update(RiskProperties(plan));
   properties["why"] = WhyOf(plan);
   properties["summary"] = SummaryOf(plan, context.local_frame);
@@ -235,7 +226,8 @@ nlohmann::json SiteFeature(const std::string& site_id,
   nlohmann::json properties = PlanProperties(site.plan, context);
   properties["id"] = site_id;
   properties["flight_id"] = context.flight_id;
-  properties["region_id"] = region.id;
+  properties["region_id"] =
+      region.id == kNoRegion ? nlohmann::json(nullptr) : nlohmann::json(region.id);
   properties["grade"] = NumberOrNull(region.grade);
   properties["num_observations"] = region.num_observations;
   properties["num_grass_observations"] = region.num_grass_observations;

@@ -9,6 +9,8 @@
 #include <string>
 #include <utility>
 
+#include "engine/mosaic/mosaic.h"
+
 namespace freelsd {
 namespace {
 
@@ -192,6 +194,7 @@ void AssessGround(const ElevationMap& map,
   });
   evaluation.map = std::move(finished.map);
   evaluation.hazards = std::move(finished.layers);
+  evaluation.num_views = NumViewsOf(evaluation.map, evaluation.block);
 }
 
 }  // namespace
@@ -357,16 +360,15 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
   for (const Candidate& candidate : group.regions) {
     evaluation.sites.push_back(plan(candidate));  // Sec. III-H
   }
-  evaluation.sites =
-      WithFurtherSites(evaluation.sites,
-                       ground.with_obstacles().map,
-                       ground.with_obstacles().layers,
-                       aircraft,
-                       options,
-                       [&](const Region& field) {
-                         const Eigen::Vector2d place = field.Center().head<2>();
-                         return plan({field, WindAt(place, snapshot.wind_samples, options.wind)});
-                       });
+  evaluation.sites = WithMapSites(
+      evaluation.sites,
+      {ground.with_obstacles().map, ground.with_obstacles().layers, evaluation.num_views},
+      aircraft,
+      options,
+      [&](const Region& field) {
+        const Eigen::Vector2d place = field.Center().head<2>();
+        return plan({field, WindAt(place, snapshot.wind_samples, options.wind)});
+      });
   return evaluation;
 }
 

@@ -59,13 +59,15 @@ class Frontend {
 };
 
 struct Evaluation {
-  // One site per requested region, in the same order, followed by the sites of further fields (see
-  // WithFurtherSites).
+  // One site per requested region, in the same order, followed by those from the map (see
+  // WithMapSites).
   std::vector<Site> sites;
   // The map and its layers are shared by all sites. Their grids are empty if nothing was
   // reconstructed. The map includes its cover (WithCover).
   ElevationMap map;
   HazardLayers hazards;
+  // Views that saw each cell; empty without a map.
+  cv::Mat1b num_views;
   // At the middle of the map.
   std::optional<WindEstimate> wind;
   AdjustedBlock block;

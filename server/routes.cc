@@ -48,7 +48,7 @@ constexpr char kAircraft[] =
     "max_bank_deg "
     "approach_height_m crosswind_uncertainty_deg touchdown_uncertainty_m glide_ratio "
     "glide_airspeed_mps max_slope_deg max_roughness_m safety_margin_m path_half_width_m "
-    "min_ground_speed_mps climb_gradient_deg ground_roll_m min_area_m2";
+    "min_ground_speed_mps climb_gradient_deg ground_roll_m max_failure_probability min_area_m2";
 
 constexpr char kEmergency[] =
     "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps heading_deg "

@@ -17,7 +17,7 @@ export function movedBy({ geometry: stored }, collection) {
 // Numbers of a path that was not found.
 const kNoPath = {
   verdict: 'rejected', reject_reason: 'no_approach', approach: null, unseen_ratio: null, usable_length_m: null,
-  usable_width_m: null, score_terms: [], rejections: [], why: '',
+  usable_width_m: null, rejections: [], why: '',
 };
 
 const isOfUnknownWind = (warning) => warning.startsWith('the wind is unknown');

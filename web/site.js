@@ -38,21 +38,6 @@ export function tiles(p) {
   ];
 }
 
-function scoreTable(p) {
-  const terms = p.score_terms ?? [];
-  if (terms.length === 0) return el('p', { class: 'faint' }, `Score ${p.score.toFixed(2)}. Its terms are not stored.`);
-  const rows = terms.map(({ name, value, weight }) => el('tr', {},
-    el('th', { scope: 'row' }, words(name)),
-    el('td', { class: 'share' }, el('i', { style: { width: `${100 * (isKnown(value) ? value : 0)}%` } })),
-    el('td', {}, isKnown(value) ? value.toFixed(2) : 'unknown'),
-    el('td', {}, `× ${fixed(weight, 2)}`),
-    el('td', {}, isKnown(value) && isKnown(weight) ? (value * weight).toFixed(2) : '–')));
-  return el('table', { class: 'numbers score-table' },
-    el('thead', {}, el('tr', {}, ['term', '', 'value', 'weight', 'points'].map((t) => el('th', { scope: 'col' }, t)))),
-    el('tbody', {}, rows),
-    el('tfoot', {}, el('tr', {}, el('th', { scope: 'row', colspan: 4 }, 'Score'), el('td', {}, p.score.toFixed(2)))));
-}
-
 // "1.3 % (ground 1.1 %, final 0.2 %, circle 0 %)". One flight may fail by several parts.
 function riskText({ failure_probability, failure_parts }) {
   if (!isKnown(failure_probability)) return 'unknown';
@@ -157,8 +142,7 @@ export function drawSite(feature, on) {
   const opened = openTitles(byId('site-more'));
   byId('site-more').replaceChildren(...[
     whyNotSection(p, on.place),
-    section('Score breakdown', [el('p', {}, p.why ?? ''), scoreTable(p)],
-      { what: 'the score', command: () => curlOfPart(p, 'score_terms') }),
+    section('Reason for the rank', el('p', {}, p.why ?? ''), { what: 'the reason', command: () => curlOfPart(p, 'why') }),
     warnings.length ? section('Warnings', el('ul', { class: 'plain' }, warnings.map((w) => el('li', {}, w))),
       { what: 'the warnings', command: () => curlOfPart(p, 'warnings') }) : null,
     section('Export', [p.is_trial ? el('p', {}, 'Files hold the stored plan, not the plan shown.') : null,

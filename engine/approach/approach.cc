@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <utility>
 
@@ -12,7 +11,6 @@
 #include "engine/approach/go_around/go_around.h"
 #include "engine/approach/landing_strip.h"
 #include "engine/approach/path_rules.h"
-#include "engine/approach/score.h"
 #include "engine/approach/search.h"
 #include "engine/approach/tightest_obstacle.h"
 #include "engine/check/check.h"
@@ -20,23 +18,10 @@
 namespace freelsd {
 namespace {
 
-// Distance to hazard, clearance, area, slope, roughness, evidence.
-constexpr size_t kNumScoreTerms = 6;
 // Each start height needs a search of its own.
 constexpr size_t kMaxNumStartHeights = 10;
 constexpr double kMinStartHeightRatio = 0.1;
 constexpr double kMaxStartHeightRatio = 20.0;
-
-void CheckWeights(const std::vector<double>& weights, const FieldCheck& check) {
-  if (weights.size() != kNumScoreTerms) {
-    throw std::invalid_argument("approach.score_weights = " + std::to_string(weights.size()) +
-                                " numbers: must be " + std::to_string(kNumScoreTerms));
-  }
-  for (const double weight : weights) check.Inside("score_weights", weight, 0.0, 1e6);
-  if (std::accumulate(weights.begin(), weights.end(), 0.0) <= 0.0) {
-    throw std::invalid_argument("approach.score_weights = all 0: must have a positive sum");
-  }
-}
 
 void CheckStartHeights(const std::vector<double>& ratios, const FieldCheck& check) {
   if (ratios.empty() || ratios.size() > kMaxNumStartHeights) {
@@ -56,9 +41,7 @@ std::vector<Rejection> Rejections(const std::vector<Attempt>& passed_over,
   std::vector<Rejection> rejections;
   for (const Attempt& attempt : passed_over) {
     if (rejections.size() >= limit) break;
-    const Attempt whole =
-        Try(attempt.touchdown, attempt.heading_index, context, Depth::kEverything);
-    rejections.push_back(Explain(whole, context));
+    rejections.push_back(Explain(Thorough(attempt, context), context));
   }
   return rejections;
 }
@@ -82,18 +65,6 @@ Plan PlanAt(const std::optional<Touchdown>& touchdown,
   plan.slope = LargestInDisc(hazards.slope, *touchdown, radius, cell);
   plan.roughness = LargestInDisc(hazards.roughness, *touchdown, radius, cell);
   return plan;
-}
-
-ScoreInput ScoreInputOf(const Plan& plan, const std::optional<Attempt>& attempt, double required) {
-  ScoreInput input{.hazard_distance = plan.hazard_distance,
-                   .required_hazard_distance = required,
-                   .slope = plan.slope,
-                   .roughness = plan.roughness};
-  if (!attempt) return input;
-  input.clearance_ratio =
-      std::min(attempt->final_path.min_clearance_ratio, attempt->circle.min_clearance_ratio);
-  input.unseen_ratio = attempt->circle.UnseenRatio();
-  return input;
 }
 
 Plan Refused(Plan plan, const Refusal& refusal) {
@@ -148,19 +119,15 @@ std::optional<GoAround> GoAroundOf(const Attempt& attempt,
       context.options);
 }
 
-LandingRisk RiskOf(const Approach& approach, const ApproachGround& ground) {
-  const PlannedLanding landing{
-      .touchdown_in_world = approach.touchdown_in_world,
-      .heading = approach.heading,
-      .approach_distance = approach.approach_distance,
-      .approach_height = approach.approach_height,
-      .ground_speed = approach.ground_speed.value_or(ground.profile.landing_airspeed_mps),
-      .wind_spread_mps = ground.request.wind_spread_mps,
-      .position_sd_m = PositionDeviation(ground.map, ground.options),
-      .loiter_center_in_world = approach.loiter_center_in_world.head<2>(),
-      .loiter_radius = approach.loiter_radius};
-  return RiskAssessor(ground.map, ground.hazards, ground.profile, ground.options.risk)
-      .Assess(landing);
+// Rejected sites come after all others, the least risky first.
+Plan WithRiskOf(const Attempt& attempt, Plan plan, const AttemptContext& context) {
+  constexpr double kLargestRejectedScore = 0.2;
+  const double limit = context.risk.max_failure_probability;
+  plan.risk = RiskOf(attempt, context);
+  plan.path_rules.push_back(RiskRule(*plan.risk, limit));
+  const double success = 1.0 - plan.risk->failure_probability;
+  plan.score = plan.verdict == Verdict::kRejected ? kLargestRejectedScore * success : success;
+  return plan;
 }
 
 // Adds a rejection with the reason why the first search failed.
@@ -197,18 +164,13 @@ void ApproachOptions::Check() const {
   check.Inside("max_num_rejections", max_num_rejections, 0.0, 1e6);
   risk.Check();
   CheckStartHeights(start_height_ratios, check);
-  CheckWeights(score_weights, check);
 }
 
 Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
   std::optional<Refusal> why_not = refusal;
   if (!why_not) why_not = RefuseWind(way.wind, way.aircraft);
   if (why_not) {
-    Plan plan = Refused(PlanAt(safest, hazards, request, way.aircraft), *why_not);
-    plan.score_terms = ScoreTerms(
-        ScoreInputOf(plan, std::nullopt, required_hazard_distance), request, way.aircraft, options);
-    plan.score = Score(plan.score_terms, plan.verdict);
-    return plan;
+    return Refused(PlanAt(safest, hazards, request, way.aircraft), *why_not);
   }
   const std::vector<WindScenario> scenarios = way.Scenarios();
   std::optional<ClearanceSurface> about_here;
@@ -219,20 +181,16 @@ Plan ApproachGround::PlanWay(const Way& way, Explanation explanation) const {
   const ClearanceSurface& to_clear = about_here ? *about_here : *surface;
   const std::vector<HeadingCells> cells =
       MakeHeadingCells(way.wind, to_clear, way.aircraft, options);
-  const AttemptContext context{to_clear, way.wind, way.aircraft, options, cells};
+  const AttemptContext context{to_clear, way.wind, way.aircraft, options, cells, *risk};
   const SearchResult found = SearchTouchdown(candidates, context);
-  const Attempt best =
-      Try(found.best.touchdown, found.best.heading_index, context, Depth::kEverything);
+  const Attempt best = Thorough(found.best, context);
   Plan plan = WithAttempt(PlanAt(best.touchdown, hazards, request, way.aircraft), best, context);
   if (explanation == Explanation::kFull) {
     plan = Explained(std::move(plan), best, context, hazards);
     plan.approach->go_around = GoAroundOf(best, context, map, hazards);
     plan.rejections = Rejections(found.passed_over, context);
-    plan.risk = RiskOf(*plan.approach, *this);
+    plan = WithRiskOf(best, std::move(plan), context);
   }
-  plan.score_terms = ScoreTerms(
-      ScoreInputOf(plan, best, required_hazard_distance), request, way.aircraft, options);
-  plan.score = Score(plan.score_terms, plan.verdict);
   return plan;
 }
 
@@ -248,6 +206,10 @@ ApproachGround::ApproachGround(const ElevationMap& the_map,
       options(the_options) {
   RequireOneGrid(map, hazards);
   aircraft = WithPositionMargin(profile, map, options);
+  risk.reset(new RiskBasis{RiskAssessor(map, hazards, profile, options.risk),
+                           request.wind_spread_mps,
+                           PositionDeviation(map, options),
+                           profile.max_failure_probability});
   required_hazard_distance = RequiredHazardDistance(map, aircraft, options);
   const FootprintContent content = ReadFootprint(map, hazards, request.footprint);
   if (!content.touchdowns.empty()) safest = content.touchdowns.front();

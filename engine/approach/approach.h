@@ -70,8 +70,6 @@ struct ApproachOptions {
   double path_step_m = 0.5;
   // Largest number of rejections stored with the site.
   int max_num_rejections = 20;
-  // Weights: distance to hazard, clearance, area, slope, roughness, evidence.
-  std::vector<double> score_weights{0.25, 0.2, 0.15, 0.15, 0.1, 0.15};
 
   RiskOptions risk = {};
 
@@ -86,6 +84,7 @@ enum class RejectReason {
   kApproachBlocked,
   kApproachUnseen,
   kLoiterBlocked,
+  kRiskTooHigh,
   kWindTooStrong,
   kTooSmall,
   kTooFewObservations,
@@ -217,7 +216,8 @@ struct Rejection {
 // Result of one rule of the planner at one place.
 struct PlaceRule {
   // seen, grass, slope, roughness, object, hazard_distance, outline, region, wind, ground_roll,
-  // final, final_seen, circle, circle_seen, wind_known; in this order. Recall adds surroundings.
+  // final, final_seen, circle, circle_seen, wind_known, risk; in this order. Recall adds
+  // surroundings.
   std::string name;
   bool passed = false;
   // Measured value and its limit. Empty if unknown, or if the rule compares no numbers.
@@ -227,12 +227,6 @@ struct PlaceRule {
   std::string unit = {};
   // One sentence with numbers, for people.
   std::string sentence = {};
-};
-
-struct ScoreTerm {
-  std::string name;
-  double value = 0.0;  // 0..1
-  double weight = 0.0;
 };
 
 // The plan for one region. If rejected, it describes the least bad place and the rule it breaks.
@@ -252,8 +246,8 @@ struct Plan {
   std::vector<PlaceRule> path_rules;
   // In the planned wind, else in calm. Empty where path_rules is.
   std::optional<LandingRisk> risk;
+  // 1 - risk->failure_probability; a fifth of that if rejected. 0 without a risk.
   double score = 0.0;
-  std::vector<ScoreTerm> score_terms;
 };
 
 // The planner's judgement of a touchdown at one place.
@@ -311,8 +305,8 @@ Plan PlanApproach(const ElevationMap& map,
                   const Aircraft& aircraft,
                   const ApproachOptions& options);
 
-// Whether a plan includes what people need: rejections, rules, risk, strip, tightest obstacle,
-// go-around, profile. The other parts are identical.
+// Whether a plan includes what people need: rejections, rules, risk, score, strip, tightest
+// obstacle, go-around, profile. The other parts are identical.
 enum class Explanation { kFull, kNone };
 
 // Result of checking an approach on another map than the one on which it was planned.

@@ -1,8 +1,10 @@
 // Private to approach/: a region prepared for planning.
 #pragma once
 
+#include <memory>
 #include <optional>
 
+#include "engine/approach/attempt_risk.h"
 #include "engine/approach/clearance_surface.h"
 #include "engine/approach/refusal.h"
 
@@ -17,6 +19,7 @@ struct ApproachGround {
   Aircraft profile;
   Aircraft aircraft;
   ApproachOptions options;
+  std::shared_ptr<const RiskBasis> risk;
   double required_hazard_distance = 0.0;
   // The place farthest from hazard.
   std::optional<Touchdown> safest;

@@ -9,6 +9,8 @@
 
 namespace freelsd {
 
+struct RiskBasis;
+
 // Inputs common to all attempts in one region.
 struct AttemptContext {
   const ClearanceSurface& surface;
@@ -17,6 +19,7 @@ struct AttemptContext {
   const ApproachOptions& options;
   // One element per heading in `wind`.
   const std::vector<HeadingCells>& cells;
+  const RiskBasis& risk;
 };
 
 struct Attempt {
@@ -27,6 +30,8 @@ struct Attempt {
   Verdict verdict = Verdict::kRejected;
   std::optional<RejectReason> reason;
   LoiterDirection direction = LoiterDirection::kLeft;
+  // Set by WithRisk. Everything else is fine then.
+  bool is_risk_too_high = false;
   std::optional<RollHazard> roll_hazard;
   // Both are the worst over all wind scenarios. The circle has the chosen direction.
   PathCheck final_path;

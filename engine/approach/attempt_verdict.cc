@@ -5,16 +5,19 @@
 #include <sstream>
 #include <tuple>
 
+#include "engine/approach/attempt_risk.h"
+
 namespace freelsd {
 namespace {
 
-// Progress of an attempt: ground roll, part of the final, circle, or everything.
+// Progress of an attempt: ground roll, part of the final, circle, risk, or everything.
 double Progress(const Attempt& attempt) {
   if (attempt.roll_hazard) return 0.0;
   if (attempt.final_path.obstacle || attempt.final_path.num_unseen_steps > 0) {
     return 1.0 + attempt.final_path.clear_ratio;
   }
-  return attempt.circle.obstacle ? 3.0 : 4.0;
+  if (attempt.circle.obstacle) return 3.0;
+  return attempt.is_risk_too_high ? 4.0 : 5.0;
 }
 
 }  // namespace
@@ -41,6 +44,7 @@ std::optional<RejectReason> ReasonOf(const Attempt& attempt) {
   if (attempt.final_path.obstacle) return RejectReason::kApproachBlocked;
   if (attempt.final_path.num_unseen_steps > 0) return RejectReason::kApproachUnseen;
   if (attempt.circle.obstacle) return RejectReason::kLoiterBlocked;
+  if (attempt.is_risk_too_high) return RejectReason::kRiskTooHigh;
   return std::nullopt;
 }
 
@@ -109,6 +113,8 @@ Rejection Explain(const Attempt& attempt, const AttemptContext& context) {
   } else if (const auto& circled = attempt.circle.obstacle) {
     rejection.detail = WhyCircleFails(attempt, *circled);
     rejection.obstacle_in_world = circled->place_in_world;
+  } else if (attempt.is_risk_too_high) {
+    rejection.detail = DescribeRisk(RiskOf(attempt, context), context.risk.max_failure_probability);
   } else {
     rejection.detail = WhyCircleIsUnseen(attempt);
   }

@@ -10,7 +10,7 @@
 namespace freelsd {
 
 // The first rule that rejects the attempt, if any. The rules in order: ground roll not free, final
-// blocked, final over unseen ground, circle blocked.
+// blocked, final over unseen ground, circle blocked, risk too high.
 std::optional<RejectReason> ReasonOf(const Attempt& attempt);
 
 // Rejected if attempt.reason is set. Landable if the whole circle is seen and the wind is known.
@@ -19,7 +19,7 @@ Verdict VerdictOf(const Attempt& attempt, const WindCase& wind);
 
 // Whether `a` is better than `b`. The first of these values that differs decides:
 // 1. verdict: landable, then unverified, then rejected;
-// 2. first failure, worst to best: ground roll, final (by its clear share), circle, none;
+// 2. first failure, worst to best: ground roll, final (by its clear share), circle, risk, none;
 // 3. unseen share of the circle, less is better;
 // 4. least clearance of final and circle, more is better.
 bool IsBetter(const Attempt& a, const Attempt& b);

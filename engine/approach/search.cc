@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engine/approach/attempt_risk.h"
 #include "engine/approach/attempt_verdict.h"
 
 namespace freelsd {
@@ -23,6 +24,7 @@ Attempt BestOfReserve(const std::vector<Touchdown>& reserve,
   for (const Touchdown& candidate : reserve) {
     if (best.verdict != Verdict::kRejected) break;
     Attempt attempt = BestHeading(candidate, context);
+    if (IsTaken(attempt, best)) attempt = WithRisk(std::move(attempt), context);
     if (IsTaken(attempt, best)) best = std::move(attempt);
   }
   return best;
@@ -35,6 +37,7 @@ SearchResult SearchTouchdown(const TouchdownCandidates& candidates, const Attemp
   std::vector<Attempt> tried;
   for (const Touchdown& candidate : candidates.first) {
     Attempt attempt = BestHeading(candidate, context);
+    if (!best || IsTaken(attempt, *best)) attempt = WithRisk(std::move(attempt), context);
     if (!best || IsTaken(attempt, *best)) best = attempt;
     if (attempt.verdict == Verdict::kLandable) break;
     if (attempt.verdict == Verdict::kUnverified && !context.wind.is_known) break;

@@ -20,6 +20,7 @@ struct SearchResult {
 // - If none is landable, the first unverified attempt is the best.
 // - If all are rejected, the reserve is tried. Its first landable or unverified attempt is the
 //   best.
+// An attempt that would be taken is rejected instead if its risk is too high.
 // - If the reserve is rejected too, the least bad attempt is the best.
 SearchResult SearchTouchdown(const TouchdownCandidates& candidates, const AttemptContext& context);
 

@@ -51,6 +51,7 @@ void Aircraft::Check() const {
   check.Inside("min_ground_speed_mps", min_ground_speed_mps, 0.0, 50.0);
   check.Inside("climb_gradient_deg", climb_gradient_deg, 0.5, 45.0);
   check.Inside("ground_roll_m", ground_roll_m, 0.0, 2000.0);
+  check.Inside("max_failure_probability", max_failure_probability, 1e-6, 1.0);
   check.Inside("min_area_m2", min_area_m2, 1.0, 1e7);
   RequirePath(*this);
 }
@@ -80,6 +81,7 @@ std::vector<std::string> LimitsLooserThanProfiles(const Aircraft& aircraft) {
   compare("path_half_width_m", &Aircraft::path_half_width_m, false);
   compare("min_ground_speed_mps", &Aircraft::min_ground_speed_mps, false);
   compare("ground_roll_m", &Aircraft::ground_roll_m, false);
+  compare("max_failure_probability", &Aircraft::max_failure_probability, true);
   return looser;
 }
 

@@ -88,6 +88,8 @@ struct Aircraft {
   // Length of the strip that must be free for the ground roll. It extends from the touchdown point
   // in the landing direction. Paper: 0, only the disc.
   double ground_roll_m = 30.0;
+  // Largest probability that a landing fails (LandingRisk). Not in the paper.
+  double max_failure_probability = 0.1;
   // Smallest region to evaluate. Paper: A_min.
   double min_area_m2 = 900.0;
 

@@ -53,9 +53,12 @@ struct RegionHistory {
   double area_m2 = 0.0;
 };
 
+// The id of ground that lies in no tracked region.
+constexpr int kNoRegion = 0;
+
 struct Region {
-  // Stable within the flight. Merged regions keep the older id.
-  int id = 0;
+  // Stable within the flight, from 1. Merged regions keep the older id.
+  int id = kNoRegion;
   // Four corners, counter-clockwise, world, with the ground's height. The rectangle is projected
   // from the image, so its angles are not exactly 90 deg.
   std::vector<Eigen::Vector3d> corners_in_world;

@@ -1,6 +1,5 @@
 // Input: the frontend's state of a flight. Output: groups of regions that are evaluated together,
-// with the ground and the views of each group. For a finished map: the further fields that get a
-// site.
+// with the ground and the views of each group. For a finished map: the sites anywhere on it.
 #pragma once
 
 #include <cstdint>
@@ -39,14 +38,12 @@ struct BackendOptions {
   // Largest extent of the regions in one evaluation. Regions farther apart are split into groups,
   // each with its own map.
   double max_group_extent_m = 1500.0;
-  // Largest number of further fields per region that get a site. Further fields are other pieces of
-  // usable ground in the rectangle of a region. Differs: the paper has one site per region. Grass
-  // connects through gaps in hedges, so one rectangle may contain many fields (decision 0006).
-  // Paper: 0.
-  int max_num_further_fields = 12;
-  // Connected ground is cut into pieces of this extent. The touchdown of a further field is at
-  // least half this extent away from all other accepted touchdowns.
-  double further_field_extent_m = 60.0;
+  // Largest number of sites of one map, besides those of the regions. Differs: the paper has one
+  // site per region. Grass connects through gaps in hedges, so one region may contain many fields
+  // (decision 0006), and what the tracking lost may be on the map. Paper: 0.
+  int max_num_map_sites = 40;
+  // Side of the squares into which connected ground is cut. Each piece gets at most one site.
+  double map_site_extent_m = 60.0;
 
   void Check() const;
 };
@@ -106,12 +103,19 @@ struct Snapshot {
   std::vector<HardObstacle> obstacles;
 };
 
-// An evaluated region.
+// A square of the world: its side times these numbers is its south-western corner.
+struct MapSquare {
+  int east = 0;
+  int north = 0;
+};
+
+// An evaluated region, or ground found on the map.
 struct Site {
-  // The tracked region. For a further field: the rectangle around that field.
+  // The tracked region. Of a site from the map: the rectangle around its ground, and the id of the
+  // tracked region that it lies in, 0 if in none.
   Region region;
-  // 1 for the region's own site, 2 and up for further fields.
-  int field_number = 1;
+  // Where a site from the map was found; empty for a region's own site.
+  std::optional<MapSquare> square = std::nullopt;
   std::optional<WindEstimate> wind;
   Plan plan;
   // Set if the plan was rejected because of obstacles alone: the plan without them, accepted.
@@ -186,24 +190,22 @@ std::vector<GrassView> AdjustedGrassViews(const Snapshot& snapshot,
                                           const std::vector<size_t>& indices,
                                           const AdjustedBlock& block);
 
-// Pieces of ground within a region where the touchdown disc fits. Each is returned as a region with
-// its own rectangle and with the observations of the whole region. Connected ground is cut into
-// pieces of at most max_extent_m, because it may contain a border that the map does not show.
-// Largest piece first.
-std::vector<Region> FurtherFields(const Region& region,
-                                  const ElevationMap& map,
-                                  const HazardLayers& hazards,
-                                  double required_hazard_distance,
-                                  double max_extent_m);
+// A finished map, and how many views saw each of its cells.
+struct MapOfSites {
+  const ElevationMap& map;
+  const HazardLayers& layers;
+  const cv::Mat1b& num_views;
+};
 
-// `sites` has one site per region. Returns them, followed by the sites of further fields. Only
-// regions with an accepted site are searched. `plan` plans each field. Rejected fields are dropped.
-// Fields near an accepted site of any region are dropped too.
-std::vector<Site> WithFurtherSites(std::vector<Site> sites,
-                                   const ElevationMap& map,
-                                   const HazardLayers& hazards,
-                                   const Aircraft& aircraft,
-                                   const PipelineOptions& options,
-                                   const std::function<Site(const Region& field)>& plan);
+// Adds the best landings anywhere on the map to the sites of the regions: first the best one by
+// verdict and risk, then the next at least a strip's length away from all accepted ones, and so on.
+// Connected ground is cut along squares, and each piece is planned once by `plan`. A piece is given
+// as a region with id 0: what the map shows there. A site that lies in a tracked region gets the
+// id and the observations of this region.
+std::vector<Site> WithMapSites(std::vector<Site> of_regions,
+                               const MapOfSites& on,
+                               const Aircraft& aircraft,
+                               const PipelineOptions& options,
+                               const std::function<Site(const Region& field)>& plan);
 
 }  // namespace freelsd

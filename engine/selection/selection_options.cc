@@ -13,8 +13,8 @@ void BackendOptions::Check() const {
                 "must be >= 1");
   check.Inside("max_surroundings_m", max_surroundings_m, 0.0, 2000.0);
   check.Inside("max_group_extent_m", max_group_extent_m, 0.0, 3000.0);
-  check.Inside("max_num_further_fields", max_num_further_fields, 0, 1000);
-  check.Inside("further_field_extent_m", further_field_extent_m, 10.0, 10000.0);
+  check.Inside("max_num_map_sites", max_num_map_sites, 0, 1000);
+  check.Inside("map_site_extent_m", map_site_extent_m, 10.0, 10000.0);
   check.Require(max_num_views >= 2, "max_num_views", max_num_views, "must be >= 2");
 }
 

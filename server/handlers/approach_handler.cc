@@ -147,7 +147,7 @@ PlaceOnMap PlaceOnFlightMap(const Service& service, const Call& call) {
   const MapHead& head = on.map->head;
   PlanRequest usual;
   if (head.wind) usual.wind_in_world = head.wind->wind_in_world;
-  on.aircraft = AircraftOf(call, ParseFlightRequest(head.flight_json).aircraft);
+  on.aircraft = AircraftOf(call, ParseStoredFlightRequest(head.flight_json).aircraft);
   on.wind_in_world = WindOf(call, usual);
   on.site = SiteAt(stored, *on.map, place, on.aircraft, on.wind_in_world);
   return on;

@@ -111,10 +111,10 @@ Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload
   Admission admission;
   const PoseFile& poses = upload.poses();
   RigResolver resolver(flight, poses.camera);
-  const bool has_datum = ParseFlightRequest(flight.request_json).altitude_datum.has_value();
+  const bool has_datum = ParseStoredFlightRequest(flight.request_json).altitude_datum.has_value();
   admission.altitude_datum = ToldDatumOf(flight);
   admission.warnings = poses.warnings;
-  if (poses.camera && ParseFlightRequest(flight.request_json).camera) {
+  if (poses.camera && ParseStoredFlightRequest(flight.request_json).camera) {
     admission.warnings.emplace_back(
         "the flight has a camera: the camera file beside the images is ignored");
   }
@@ -212,7 +212,7 @@ nlohmann::json CameraToBeTaken(const FlightRow& flight,
   if (!admission.rig_json.empty()) {
     return CameraJson(ParseStoredFlightRig(admission.rig_json).rig.camera);
   }
-  const std::optional<Camera> given = ParseFlightRequest(flight.request_json).camera;
+  const std::optional<Camera> given = ParseStoredFlightRequest(flight.request_json).camera;
   if (given) return CameraJson(*given);
   return poses.camera ? CameraJson(*poses.camera) : nlohmann::json();
 }
@@ -224,7 +224,7 @@ nlohmann::json DryRun(const Service& service,
                       const BatchOptions& options) {
   nlohmann::json problems = nlohmann::json::array();
   try {
-    upload.ParsePoses(ParseFlightRequest(flight.request_json).origin);
+    upload.ParsePoses(ParseStoredFlightRequest(flight.request_json).origin);
     if (!options.may_have_extra_poses) RefuseUnknownImages(service, flight.id, upload);
   } catch (const ApiError& error) {
     AppendProblem(error, problems);
@@ -258,7 +258,7 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
                          "application/json");
     return;
   }
-  upload.ParsePoses(ParseFlightRequest(ExistingFlight(service, call).request_json).origin);
+  upload.ParsePoses(ParseStoredFlightRequest(ExistingFlight(service, call).request_json).origin);
   if (!options.may_have_extra_poses) RefuseUnknownImages(service, flight_id, upload);
   const std::lock_guard lock(service.intake.intake_mutex);
   const Admission admission = Admit(service.intake, ExistingFlight(service, call), upload);

@@ -46,11 +46,11 @@ CheckedImage CheckImage(Intake& intake,
 
 std::optional<Camera> CameraOf(const FlightRow& flight) {
   if (!flight.rig_json.empty()) return ParseStoredFlightRig(flight.rig_json).rig.camera;
-  return ParseFlightRequest(flight.request_json).camera;
+  return ParseStoredFlightRequest(flight.request_json).camera;
 }
 
 RigResolver::RigResolver(const FlightRow& flight, const std::optional<Camera>& side_camera)
-    : request_(ParseFlightRequest(flight.request_json)) {
+    : request_(ParseStoredFlightRequest(flight.request_json)) {
   if (!request_.camera) request_.camera = side_camera;
   if (!flight.rig_json.empty()) resolved_ = ParseStoredFlightRig(flight.rig_json);
 }

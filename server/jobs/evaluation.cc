@@ -149,6 +149,12 @@ Site AsStored(Site site) {
   return site;
 }
 
+// Of a region, or of a square of the flight's world: stable while its ground is.
+std::string NameWithin(const Site& site) {
+  if (!site.square) return "-r" + std::to_string(site.region.id);
+  return "-e" + std::to_string(site.square->east) + "n" + std::to_string(site.square->north);
+}
+
 // `map_id` is empty if nothing was reconstructed.
 NewSite SiteOf(const Site& site,
                const Grid& grid,
@@ -157,8 +163,7 @@ NewSite SiteOf(const Site& site,
   const FlightContext& context = flight.context;
   const FlightRequest& request = flight.request;
   NewSite made;
-  made.row.id = context.flight_id + "-r" + std::to_string(site.region.id);
-  if (site.field_number > 1) made.row.id += "-f" + std::to_string(site.field_number);
+  made.row.id = context.flight_id + NameWithin(site);
   made.row.flight_id = context.flight_id;
   made.row.region_id = site.region.id;
   made.row.updated_at_us = NowUs();
@@ -187,8 +192,8 @@ NewSite SiteOf(const Site& site,
   return made;
 }
 
-// Keeps only the best of several accepted sites at one place: landable before unverified, then the
-// better score.
+// Keeps only the best of several accepted sites at one place, and of several with one id: landable
+// before unverified, then the better score.
 void DropDuplicates(std::vector<NewSite>& sites) {
   const auto key = [](const NewSite& site) {
     const bool is_landable = site.row.recall && site.row.recall->is_landable;
@@ -199,32 +204,13 @@ void DropDuplicates(std::vector<NewSite>& sites) {
   });
   std::vector<NewSite> kept;
   for (NewSite& site : sites) {
-    const bool is_known =
-        site.landing && std::any_of(kept.begin(), kept.end(), [&](const auto& better) {
-          return better.landing && IsSamePlace(*better.landing, *site.landing);
-        });
+    const bool is_known = std::any_of(kept.begin(), kept.end(), [&](const auto& better) {
+      if (better.row.id == site.row.id) return true;
+      return better.landing && site.landing && IsSamePlace(*better.landing, *site.landing);
+    });
     if (!is_known) kept.push_back(std::move(site));
   }
   sites = std::move(kept);
-}
-
-// The flight's stored sites that the new ones make out of date.
-std::vector<std::string> OutOfDateSites(const std::vector<SiteRow>& stored,
-                                        const std::vector<NewSite>& sites,
-                                        EvaluationScope scope) {
-  std::set<std::string> ids;
-  std::set<int64_t> region_ids;
-  for (const NewSite& site : sites) {
-    ids.insert(site.row.id);
-    region_ids.insert(site.row.region_id);
-  }
-  std::vector<std::string> out_of_date;
-  for (const SiteRow& site : stored) {
-    const bool is_out_of_date =
-        scope == EvaluationScope::kEveryGraded || region_ids.contains(site.region_id);
-    if (is_out_of_date && !ids.contains(site.id)) out_of_date.push_back(site.id);
-  }
-  return out_of_date;
 }
 
 bool Contains(const BoundingBox& outer, const BoundingBox& inner) {
@@ -236,6 +222,37 @@ bool Contains(const BoundingBox& outer, const BoundingBox& inner) {
   return east_of_outer_west(inner.west_deg) <= inner_east_deg &&
          inner_east_deg <= east_of_outer_west(outer.east_deg) &&
          outer.south_deg <= inner.south_deg && outer.north_deg >= inner.north_deg;
+}
+
+bool IsIn(const BoundingBox& box, const SiteRow& site) {
+  return Contains(box,
+                  {site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg});
+}
+
+// The flight's stored sites that the new ones make out of date: those of the same regions, and
+// those outside all regions on the ground of the new maps.
+std::vector<std::string> OutOfDateSites(const std::vector<SiteRow>& stored,
+                                        const std::vector<NewSite>& sites,
+                                        const std::vector<FlightMapRow>& maps,
+                                        EvaluationScope scope) {
+  std::set<std::string> ids;
+  std::set<int64_t> region_ids;
+  for (const NewSite& site : sites) {
+    ids.insert(site.row.id);
+    region_ids.insert(site.row.region_id);
+  }
+  std::vector<std::string> out_of_date;
+  for (const SiteRow& site : stored) {
+    const bool is_replaced =
+        site.region_id != kNoRegion
+            ? region_ids.contains(site.region_id)
+            : std::any_of(maps.begin(), maps.end(), [&site](const FlightMapRow& map) {
+                return IsIn(map.box, site);
+              });
+    const bool is_out_of_date = scope == EvaluationScope::kEveryGraded || is_replaced;
+    if (is_out_of_date && !ids.contains(site.id)) out_of_date.push_back(site.id);
+  }
+  return out_of_date;
 }
 
 // The flight's maps that no site needs any more and that the new ones replace.
@@ -264,7 +281,7 @@ void StoreResult(Service& service,
   if (!service.storage.flights.Find(flight_id)) return;
   const std::vector<SiteRow> stored = service.storage.sites.List(flight_id, std::nullopt);
   EvaluationRows rows;
-  rows.forgotten_sites = OutOfDateSites(stored, sites, scope);
+  rows.forgotten_sites = OutOfDateSites(stored, sites, maps.rows(), scope);
   std::set<std::string> gone(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
   for (const NewSite& site : sites) {
     rows.sites.push_back(site.row);

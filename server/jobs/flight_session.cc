@@ -10,7 +10,7 @@ namespace freelsd {
 
 FlightSession::FlightSession(const FlightRow& flight, const Classifier& classifier)
     : flight_id_(flight.id),
-      request_(ParseFlightRequest(flight.request_json)),
+      request_(ParseStoredFlightRequest(flight.request_json)),
       rig_(ParseStoredFlightRig(flight.rig_json)),
       local_frame_(rig_.origin),
       frontend_(rig_.rig, request_.options, classifier) {}

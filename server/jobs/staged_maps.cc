@@ -131,7 +131,7 @@ std::string StagedMaps::Add(const Evaluation& evaluation,
   StageMap(service_.storage,
            row,
            HeadOf(evaluation, source.flight, source.origin),
-           {{evaluation.map, evaluation.hazards}, NumViewsOf(evaluation.map, evaluation.block)});
+           {{evaluation.map, evaluation.hazards}, evaluation.num_views});
   AddPicture(evaluation, row.id, source.images, progress);
   return row.id;
 }

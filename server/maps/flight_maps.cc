@@ -82,7 +82,7 @@ std::shared_ptr<const FlightMap> FlightMaps::Find(const Storage& storage,
   try {
     MapHead head = ParseMapHead(row->head_json);
     const LocalFrame local_frame(head.origin);
-    HazardOptions options = ParseFlightRequest(head.flight_json).options.hazard;
+    HazardOptions options = ParseStoredFlightRequest(head.flight_json).options.hazard;
     made = std::make_shared<const FlightMap>(
         FlightMap{*std::move(row), std::move(head), local_frame, options});
   } catch (const std::exception& error) {

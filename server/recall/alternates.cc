@@ -62,7 +62,7 @@ nlohmann::json AnswerOf(const StoredSites& stored,
     answer["warnings"] = {"no pose of the flight is known yet"};
     return answer;
   }
-  const FlightRequest flight_request = ParseFlightRequest(flight.request_json);
+  const FlightRequest flight_request = ParseStoredFlightRequest(flight.request_json);
   EmergencyRequest request;
   request.place = pose->place;
   request.altitude_datum = AltitudeDatumOf(flight);

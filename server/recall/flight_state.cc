@@ -37,7 +37,7 @@ CompletedRequest CompletedFromFlight(const Storage& storage, const EmergencyRequ
     taken["altitude_datum"] = *request.altitude_datum;
   }
   if (!request.aircraft) {
-    request.aircraft = ParseFlightRequest(flight->request_json).aircraft;
+    request.aircraft = ParseStoredFlightRequest(flight->request_json).aircraft;
     taken["aircraft"] = AircraftJson(*request.aircraft);
   }
   if (pose && pose->wind && !request.wind_in_world) {

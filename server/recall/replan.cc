@@ -37,7 +37,7 @@ std::string ReplanJson(const Replan& replan) {
 Replan ParseReplan(const std::string& text) {
   const nlohmann::json object = nlohmann::json::parse(text);
   Replan replan;
-  replan.flight = ParseFlightRequest(object.at("flight"));
+  replan.flight = ParseStoredFlightRequest(object.at("flight"));
   replan.origin = {object.at("latitude_deg"), object.at("longitude_deg"), object.at("altitude_m")};
   for (const nlohmann::json& corner : object.at("footprint_m")) {
     replan.request.footprint.emplace_back(corner.at(0), corner.at(1));

@@ -65,7 +65,7 @@ TEST_CASE("options: written and read again nothing is lost") {
   options.tracks.assume_ground_plane = true;
   options.hazard.cover.grass_fusion = GrassFusion::kPaperOr;
   options.segmentation.paper_canny_coefficients = {1, 2, 3, 4};
-  options.approach.score_weights = {1, 0, 0, 0, 0, 0};
+  options.approach.start_height_ratios = {1.0, 1.25};
   options.stereo.block_size_px = 5;
   const nlohmann::json written = OptionsValuesJson(options);
   CHECK(OptionsValuesJson(ParseOptions(written, "/options")) == written);

@@ -25,7 +25,6 @@ inline Plan LandablePlan() {
   plan.slope = 0.1;
   plan.roughness = 0.2;
   plan.score = 0.75;
-  plan.score_terms = {{"hazard_distance", 0.9, 0.25}, {"slope", 0.1, 0.1}};
   Approach approach;
   approach.touchdown_in_world = plan.touchdown_in_world;
   approach.approach_start_in_world = {0, -100, 17};

@@ -32,7 +32,6 @@ TEST_CASE("site: every property of the contract is there") {
                                 "updated_at",
                                 "summary",
                                 "rejections",
-                                "score_terms",
                                 "why",
                                 "altitude_datum"}) {
     CAPTURE(std::string(key));

@@ -80,6 +80,7 @@ Json SiteJson(const Site& site,
     json["heading_deg"] = Rounded(DegFromRad(plan.approach->heading));
     json["approach_distance_m"] = Rounded(plan.approach->approach_distance);
   }
+  if (plan.risk) json["failure_probability"] = RoundedNumber(plan.risk->failure_probability);
   if (site.wind) {
     json["wind_error_mps"] = Rounded((site.wind->wind_in_world - world.wind_in_world).norm());
   }
@@ -269,6 +270,8 @@ const char* ReasonName(RejectReason reason) {
       return "approach_unseen";
     case RejectReason::kLoiterBlocked:
       return "loiter_blocked";
+    case RejectReason::kRiskTooHigh:
+      return "risk_too_high";
     case RejectReason::kWindTooStrong:
       return "wind_too_strong";
     case RejectReason::kTooSmall:

@@ -108,10 +108,6 @@ TEST_CASE("approach: each option out of its bounds is refused by name") {
         std::string::npos);
   CHECK(message_of([](ApproachOptions& o) { o.unclear_height_allowance_m = -2; }).find("allow") !=
         std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.score_weights = {1.0}; }).find("score_weights") !=
-        std::string::npos);
-  CHECK(message_of([](ApproachOptions& o) { o.score_weights.assign(6, 0.0); }).find("score_wei") !=
-        std::string::npos);
 }
 
 }  // namespace

@@ -88,7 +88,8 @@ std::vector<DistinctSite> SitesOnLabels(const FieldSurvey& survey,
   const std::vector<Candidate> regions =
       LabelledRegions(survey.ground, survey.aircraft.min_area_m2);
   const std::vector<NamedWind> winds = SurveyWinds();
-  const PlanBasis basis{map.map, map.layers, regions, 1, survey.aircraft, options};
+  const PlanBasis basis{
+      map.map, map.layers, survey.run.evaluation.num_views, regions, 1, survey.aircraft, options};
   Judge judge(survey.ground, survey.aircraft);
   const std::vector<std::vector<Plan>> plans = PlansInWinds(basis, winds);
   for (size_t i = 0; i < winds.size(); ++i) {
@@ -257,6 +258,7 @@ FieldSurvey SurveyFields(const FieldSurveyInput& input, const Classifier& classi
   const std::vector<Candidate> regions = GradedRegions(survey.run.snapshot);
   const PlanBasis basis{evaluation.map,
                         evaluation.hazards,
+                        evaluation.num_views,
                         regions,
                         survey.run.snapshot.min_num_observations,
                         survey.aircraft,

@@ -43,21 +43,20 @@ std::vector<Site> SitesInWind(const PlanBasis& basis, const std::optional<Eigen:
   std::vector<Site> sites;
   sites.reserve(basis.regions.size());
   for (const Candidate& region : basis.regions) sites.push_back(plan(InWind(region, wind)));
-  return WithFurtherSites(std::move(sites),
-                          basis.map,
-                          basis.hazards,
-                          basis.aircraft,
-                          basis.options,
-                          [&](const Region& field) {
-                            return plan(InWind({field, std::nullopt}, wind));
-                          });
+  return WithMapSites(std::move(sites),
+                      {basis.map, basis.hazards, basis.num_views},
+                      basis.aircraft,
+                      basis.options,
+                      [&](const Region& field) {
+                        return plan(InWind({field, std::nullopt}, wind));
+                      });
 }
 
 void RequireSameSites(const std::vector<Site>& a, const std::vector<Site>& b) {
   bool is_same = a.size() == b.size();
   for (size_t i = 0; is_same && i < a.size(); ++i) {
-    is_same = a[i].region.id == b[i].region.id && a[i].field_number == b[i].field_number &&
-              a[i].plan.verdict == b[i].plan.verdict && a[i].plan.score == b[i].plan.score &&
+    is_same = a[i].region.id == b[i].region.id && a[i].plan.verdict == b[i].plan.verdict &&
+              a[i].plan.score == b[i].plan.score &&
               a[i].plan.touchdown_in_world == b[i].plan.touchdown_in_world;
   }
   if (!is_same) throw std::runtime_error("the sites planned again are not those of the engine");

@@ -23,6 +23,7 @@ std::vector<NamedWind> SurveyWinds();
 struct PlanBasis {
   const ElevationMap& map;
   const HazardLayers& hazards;
+  const cv::Mat1b& num_views;
   const std::vector<Candidate>& regions;
   int min_num_observations = 2;
   const Aircraft& aircraft;
