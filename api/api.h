@@ -70,6 +70,9 @@ FlightRequest ParseFlightRequest(const std::string& body);
 FlightRequest ParseStoredFlightRequest(const std::string& canonical_json);
 // The same request with this datum, as if the client had given it.
 FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum);
+// What the request's options change: the preset, and the fields that differ from the preset or from
+// the defaults.
+nlohmann::json GivenOptionsJson(const FlightRequest& request);
 // Calls PipelineOptions::Check; its message becomes an ApiError at /options/<stage>/<field>.
 void CheckOptions(const PipelineOptions& options);
 // `object` may name a profile. Its other fields override those of the profile. Pointers in errors

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "api/flight_parts.h"
 #include "api/json_reader.h"
@@ -65,15 +66,24 @@ std::optional<std::string> ReadDatum(ObjectReader& reader) {
   return datum;
 }
 
+// With the preset, the aircraft has the paper's rule for the ground roll unless the request gives
+// another.
+Aircraft ReadAircraft(const nlohmann::json* value, Preset preset) {
+  Aircraft aircraft;
+  if (value != nullptr) aircraft = ParseAircraft(*value, "/aircraft");
+  const bool has_roll =
+      value != nullptr && value->contains("ground_roll_m") && !value->at("ground_roll_m").is_null();
+  return preset == Preset::kPaper && !has_roll ? PaperAircraft(aircraft) : aircraft;
+}
+
 // The aircraft gives the least area of a region unless the request sets it.
-PipelineOptions ReadOptions(const nlohmann::json* value, const Aircraft& aircraft) {
-  PipelineOptions options;
-  if (value != nullptr) options = ParseOptions(*value, "/options");
+PipelineOptions WithLeastArea(PipelineOptions options,
+                              const nlohmann::json* value,
+                              const Aircraft& aircraft) {
   const nlohmann::json::json_pointer area("/regions/min_area_m2");
   if (value == nullptr || !value->contains(area) || value->at(area).is_null()) {
     options.regions.min_area_m2 = aircraft.min_area_m2;
   }
-  CheckOptions(options);
   return options;
 }
 
@@ -174,12 +184,13 @@ FlightRequest ParseFlightRequest(const std::string& body) {
     request.origin = ReadGeoPoint(*origin, "/origin");
   }
   request.altitude_datum = ReadDatum(reader);
-  if (const nlohmann::json* const aircraft = reader.Find("aircraft")) {
-    request.aircraft = ParseAircraft(*aircraft, "/aircraft");
-  }
+  const nlohmann::json* const aircraft = reader.Find("aircraft");
   const nlohmann::json* const options = reader.Find("options");
   reader.RefuseUnknownKeys();
-  request.options = ReadOptions(options, request.aircraft);
+  if (options != nullptr) request.options = ParseOptions(*options, "/options");
+  request.aircraft = ReadAircraft(aircraft, request.options.preset);
+  request.options = WithLeastArea(std::move(request.options), options, request.aircraft);
+  CheckOptions(request.options);
   request.canonical_json = CanonicalJson(request);
   return request;
 }

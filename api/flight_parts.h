@@ -7,11 +7,12 @@
 
 namespace freelsd {
 
-// Reads {stage: {field: value}} over the defaults and refuses unknown names. No Check() is called.
+// Reads {preset: name, stage: {field: value}} over the preset or the defaults, and refuses unknown
+// names. No Check() is called.
 PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& pointer);
-// Writes the same form with every field.
 // Removes the options that this version does not have.
 void KeepKnownOptions(nlohmann::json& options);
+// Writes the same form with every field. Withheld is terrain.height_fusion: the preset decides it.
 nlohmann::json OptionsValuesJson(const PipelineOptions& options);
 
 // The key `source` ("exif") is accepted in stored JSON only, not from clients.

@@ -20,6 +20,9 @@ concept Of = std::same_as<std::remove_const_t<T>, Options>;
 template <class Enum>
 using EnumNames = std::vector<std::pair<Enum, std::string_view>>;
 
+// Without kNone: who wants no preset gives none.
+inline EnumNames<Preset> NamesOf(Preset) { return {{Preset::kPaper, "paper"}}; }
+
 inline EnumNames<SegmentationThresholds> NamesOf(SegmentationThresholds) {
   return {{SegmentationThresholds::kGroundSampling, "ground_sampling"},
           {SegmentationThresholds::kPaper, "paper"}};

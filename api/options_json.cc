@@ -82,6 +82,14 @@ std::string UnitOf(std::string_view name) {
   return "";
 }
 
+// The options that the given ones are read over: those of the preset, or the defaults.
+PipelineOptions StartOf(ObjectReader& given) {
+  const nlohmann::json* const preset = given.Find("preset");
+  if (preset == nullptr) return {};
+  ReadEnum<Preset>(*preset, given.PointerTo("preset"));  // refuses all but the paper
+  return PaperOptions();
+}
+
 nlohmann::json DescribedOptions(const PipelineOptions& defaults) {
   nlohmann::json described = nlohmann::json::object();
   VisitStages(defaults, [&described](const char* stage, const auto& stage_options) {
@@ -96,8 +104,8 @@ nlohmann::json DescribedOptions(const PipelineOptions& defaults) {
 }  // namespace
 
 PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& pointer) {
-  PipelineOptions options;
   ObjectReader stages(object, pointer);
+  PipelineOptions options = StartOf(stages);
   VisitStages(options, [&stages](const char* stage, auto& stage_options) {
     const nlohmann::json* const values = stages.Find(stage);
     if (values == nullptr) return;
@@ -128,6 +136,7 @@ void KeepKnownOptions(nlohmann::json& options) {
 
 nlohmann::json OptionsValuesJson(const PipelineOptions& options) {
   nlohmann::json values = nlohmann::json::object();
+  if (options.preset != Preset::kNone) values["preset"] = Written(options.preset);
   VisitStages(options, [&values](const char* stage, const auto& stage_options) {
     nlohmann::json& fields = values[stage];
     VisitFields(stage_options, [&fields](const char* name, const auto& field, const char*) {
@@ -135,6 +144,23 @@ nlohmann::json OptionsValuesJson(const PipelineOptions& options) {
     });
   });
   return values;
+}
+
+nlohmann::json GivenOptionsJson(const FlightRequest& request) {
+  PipelineOptions start =
+      request.options.preset == Preset::kPaper ? PaperOptions() : PipelineOptions{};
+  start.regions.min_area_m2 = request.aircraft.min_area_m2;
+  const nlohmann::json unchanged = OptionsValuesJson(start);
+  const nlohmann::json all = OptionsValuesJson(request.options);
+  nlohmann::json given = nlohmann::json::object();
+  for (const auto& [stage, values] : all.items()) {
+    if (stage == "preset") given[stage] = values;
+    if (!values.is_object()) continue;
+    for (const auto& [name, value] : values.items()) {
+      if (value != unchanged.at(stage).at(name)) given[stage][name] = value;
+    }
+  }
+  return given;
 }
 
 nlohmann::json OptionsJson() {

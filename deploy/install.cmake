@@ -8,6 +8,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.bash-completion
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsd-server.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
 install(FILES ${PROJECT_SOURCE_DIR}/engine/classification/grass_model.yml
+              ${PROJECT_SOURCE_DIR}/engine/classification/paper_model.yml
         DESTINATION ${CMAKE_INSTALL_DATADIR}/freelsd)
 install(DIRECTORY ${PROJECT_BINARY_DIR}/share/freelsd/web/
         DESTINATION ${CMAKE_INSTALL_DATADIR}/freelsd/web)

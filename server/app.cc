@@ -11,19 +11,22 @@
 namespace freelsd {
 namespace {
 
-Classifier ReadModel(const Config& config) {
-  const std::filesystem::path path =
-      config.model.empty() ? BesideProgram("grass_model.yml") : config.model;
+Classifier ReadModel(const std::filesystem::path& path, const std::string& advice) {
   std::ifstream file(path, std::ios::binary);
   if (!file) {
-    throw ConfigError("the grass model " + path.string() +
-                      " cannot be read; give its path with --model");
+    throw ConfigError("the grass model " + path.string() + " cannot be read; " + advice);
   }
   try {
     return Classifier::Parse(std::string(std::istreambuf_iterator<char>(file), {}));
   } catch (const std::invalid_argument& error) {
     throw ConfigError(path.string() + " is not a grass model: " + error.what());
   }
+}
+
+Classifiers ReadModels(const Config& config) {
+  return {ReadModel(config.model.empty() ? BesideProgram("grass_model.yml") : config.model,
+                    "give its path with --model"),
+          ReadModel(BesideProgram("paper_model.yml"), "install it there")};
 }
 
 Page ReadPageFiles(const Config& config) {
@@ -68,7 +71,7 @@ App::App(const Config& config)
       service_(intake_, maps_, alternates_, base_map_),
       http_(OptionsOf(config_, Listener::kMain), HandlerFor(service_, Listener::kMain)),
       port_(http_.Bind(config_.host, config_.port)),
-      worker_(service_, ReadModel(config_)) {
+      worker_(service_, ReadModels(config_)) {
   service_.page = ReadPageFiles(config_);
   if (!config_.token_file.empty()) service_.tokens = TokenList::Read(config_.token_file);
   events_.CallOnNews(http_.NewsCall());

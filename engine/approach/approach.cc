@@ -153,7 +153,7 @@ void ApproachOptions::Check() const {
   check.Inside("max_crosswind_ratio", max_crosswind_ratio, 0.0, 1.0);
   check.Inside("unknown_wind_mps", unknown_wind_mps, 0.0, 100.0);
   check.Inside("wind_sigma", wind_sigma, 0.0, 10.0);
-  check.Inside("disc_margin_sigma", disc_margin_sigma, 1.0, 10.0);
+  check.Inside("disc_margin_sigma", disc_margin_sigma, 0.0, 10.0);
   check.Inside("path_margin_sigma", path_margin_sigma, 0.0, 10.0);
   check.Inside("max_num_candidates", max_num_candidates, 1.0, 1e6);
   check.Inside("max_num_reserve_candidates", max_num_reserve_candidates, 0.0, 1e6);

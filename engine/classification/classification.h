@@ -46,7 +46,7 @@ struct ClassificationOptions {
 enum class Surface { kGrass, kNotGrass, kUnsure };
 
 struct Label {
-  // Probability of grass, 0..1, calibrated.
+  // Probability of grass, 0..1: calibrated, or the share of votes of a model in the published form.
   double probability = 0.5;
   Surface surface = Surface::kUnsure;
 };
@@ -96,12 +96,18 @@ struct TrainingSample {
   bool is_augmented = false;
 };
 
+enum class TrainingForm {
+  kCalibrated,  // settings by leaving one place out; votes calibrated; ranges of features checked
+  kPublished,   // as in the paper: settings by random folds; the majority of trees decides
+};
+
 struct TrainingOptions {
+  TrainingForm form = TrainingForm::kCalibrated;
   FeatureSet feature_set = FeatureSet::kRobust;
-  // Values to choose from. Cross-validation leaves out one place at a time. The pair of depth and
+  // Values to choose from. kCalibrated leaves out one place at a time. The pair of depth and
   // least samples per branch with the lowest error is chosen. Paper: Sec. III-D, 10-fold, values
-  // not given. Differs: with random folds, training and validation share places, which favours deep
-  // trees.
+  // not given; kPublished. Differs: with random folds, training and validation share places, which
+  // favours deep trees.
   std::vector<int> max_depths{4, 6};
   std::vector<int> min_samples_per_branch{20, 60};
   int num_trees = 30;
@@ -120,6 +126,7 @@ struct TrainingReport {
   // - leave_one_place_out: each place is predicted from the others. If there is only one place,
   //   random folds are used.
   double random_fold_error_ratio = 0.0;
+  double random_fold_auc = 0.0;
   double leave_one_place_out_error_ratio = 0.0;
   double leave_one_place_out_auc = 0.0;
 };
@@ -128,5 +135,29 @@ struct TrainingReport {
 std::pair<Classifier, TrainingReport> TrainClassifier(const std::vector<TrainingSample>& samples,
                                                       const std::string& provenance,
                                                       const TrainingOptions& options);
+
+struct PerceptronOptions {
+  // Numbers of hidden neurons to choose from, by random folds. Paper: three layers, no numbers.
+  std::vector<int> nums_hidden{4, 8, 16};
+  int max_num_iterations = 200;
+  int num_folds = 10;
+  int seed = 1;
+
+  void Check() const;
+};
+
+struct PerceptronReport {
+  int num_hidden = 0;
+  // As in TrainingReport.
+  double random_fold_error_ratio = 0.0;
+  double random_fold_auc = 0.0;
+  double leave_one_place_out_error_ratio = 0.0;
+  double leave_one_place_out_auc = 0.0;
+};
+
+// The paper's comparison, Sec. IV-A: a perceptron of three layers (OpenCV ml::ANN_MLP) on the same
+// samples and folds. It is only validated: no stage uses it.
+PerceptronReport ValidatePerceptron(const std::vector<TrainingSample>& samples,
+                                    const PerceptronOptions& options);
 
 }  // namespace freelsd

@@ -15,6 +15,8 @@ namespace freelsd {
 namespace {
 
 constexpr int kModelVersion = 1;
+// Value of `form` in a model without calibration and ranges.
+constexpr const char* kPublishedForm = "published";
 // Soil and leaf litter rarely reach this; vegetation in infrared false colour has 1.4 to 2.
 constexpr double kMaxRedToGreen = 1.35;
 // Upper limit outside the training range: midway between grass and not grass.
@@ -65,7 +67,8 @@ void CheckForest(const cv::FileNode& forest) {
 }
 
 void CheckModel(const Classifier::Model& model) {
-  const size_t num_features = NumFeatures(model.feature_set);
+  // A calibrated model without ranges is cut.
+  const size_t num_features = model.calibration ? NumFeatures(model.feature_set) : 0;
   if (model.grass_min.size() != num_features || model.grass_max.size() != num_features) {
     throw std::invalid_argument("grass model: ranges do not fit the feature set");
   }
@@ -85,10 +88,12 @@ std::shared_ptr<Classifier::Model> ReadModel(const cv::FileStorage& file) {
   if (!feature_set) throw std::invalid_argument("grass model: unknown feature set");
   model->feature_set = *feature_set;
   model->provenance = static_cast<std::string>(file["provenance"]);
-  model->calibration_slope = static_cast<double>(file["calibration_slope"]);
-  model->calibration_offset = static_cast<double>(file["calibration_offset"]);
-  file["grass_min"] >> model->grass_min;
-  file["grass_max"] >> model->grass_max;
+  if (static_cast<std::string>(file["form"]) != kPublishedForm) {
+    model->calibration = Calibration{static_cast<double>(file["calibration_slope"]),
+                                     static_cast<double>(file["calibration_offset"])};
+    file["grass_min"] >> model->grass_min;
+    file["grass_max"] >> model->grass_max;
+  }
   CheckForest(file["forest"]);
   model->forest = cv::ml::RTrees::create();
   model->forest->read(file["forest"]);
@@ -164,9 +169,13 @@ std::string Classifier::Serialize() const {
   cv::FileStorage file(".yml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
   file << "version" << kModelVersion << "feature_set" << NameOf(model_->feature_set);
   file << "provenance" << model_->provenance;
-  file << "calibration_slope" << model_->calibration_slope;
-  file << "calibration_offset" << model_->calibration_offset;
-  file << "grass_min" << model_->grass_min << "grass_max" << model_->grass_max;
+  if (model_->calibration) {
+    file << "calibration_slope" << model_->calibration->slope;
+    file << "calibration_offset" << model_->calibration->offset;
+    file << "grass_min" << model_->grass_min << "grass_max" << model_->grass_max;
+  } else {
+    file << "form" << kPublishedForm;
+  }
   file << "forest"
        << "{";
   model_->forest->write(file);
@@ -185,8 +194,9 @@ double Classifier::Predict(const std::vector<float>& features) const {
                                 std::to_string(NumFeatures(model_->feature_set)));
   }
   const double votes = GrassVotes(*model_->forest, features);
-  const double probability =
-      1.0 / (1.0 + std::exp(-(model_->calibration_slope * votes + model_->calibration_offset)));
+  if (!model_->calibration) return votes;
+  const auto& [slope, offset] = *model_->calibration;
+  const double probability = 1.0 / (1.0 + std::exp(-(slope * votes + offset)));
   if (IsInGrassRange(*model_, features)) return probability;
   return std::min(probability, kUnsureProbability);
 }

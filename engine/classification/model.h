@@ -1,7 +1,9 @@
-// A trained forest, its calibration, and the ranges of the features in the training grass.
+// A trained forest. Unless it is in the published form: its calibration, and the ranges of the
+// features in the training grass.
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,14 +13,20 @@
 
 namespace freelsd {
 
+// Calibrated probability = 1 / (1 + exp(-(slope * votes + offset))), votes in 0..1 (Platt 1999).
+struct Calibration {
+  double slope = 1.0;
+  double offset = 0.0;
+};
+
 struct Classifier::Model {
   FeatureSet feature_set = FeatureSet::kRobust;
   std::string provenance;
   cv::Ptr<cv::ml::RTrees> forest;
-  // Calibrated probability = 1 / (1 + exp(-(slope * votes + offset))), votes in 0..1 (Platt 1999).
-  double calibration_slope = 1.0;
-  double calibration_offset = 0.0;
-  // Range of each feature over the grass of the training data.
+  // Empty: the share of votes is the probability, as in the paper.
+  std::optional<Calibration> calibration;
+  // Range of each feature over the grass of the training data. Empty: no feature is out of range,
+  // as in the paper.
   std::vector<float> grass_min;
   std::vector<float> grass_max;
 };

@@ -2,13 +2,9 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <map>
 #include <numeric>
-#include <random>
-#include <set>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include <Eigen/LU>
@@ -16,38 +12,23 @@
 #include "engine/classification/classification.h"
 #include "engine/classification/features.h"
 #include "engine/classification/model.h"
+#include "engine/classification/validation.h"
 
 namespace freelsd {
 namespace {
 
-// Samples of fewer places are split into random folds.
+// Leaving one place out needs another.
 constexpr int kMinPlacesToLeaveOneOut = 2;
 
 // Share of the training grass that a feature's range ignores at either end.
 constexpr double kRareGrassRatio = 0.002;
-
-using Samples = std::vector<const TrainingSample*>;
 
 struct ForestSettings {
   int max_depth = 0;
   int min_samples = 0;
 };
 
-// The forest uses OpenCV's generator of this thread: seeded here and restored afterwards.
-class SeededRng {
- public:
-  explicit SeededRng(int seed) : saved_(cv::theRNG()) {
-    cv::theRNG() = cv::RNG(static_cast<uint64_t>(seed));
-  }
-  ~SeededRng() { cv::theRNG() = saved_; }
-  SeededRng(const SeededRng&) = delete;
-  SeededRng& operator=(const SeededRng&) = delete;
-
- private:
-  cv::RNG saved_;
-};
-
-cv::Ptr<cv::ml::RTrees> TrainForest(const Samples& samples,
+cv::Ptr<cv::ml::RTrees> TrainForest(const SamplePointers& samples,
                                     const ForestSettings& settings,
                                     const TrainingOptions& options) {
   const size_t num_features = NumForestFeatures(options.feature_set);
@@ -68,87 +49,17 @@ cv::Ptr<cv::ml::RTrees> TrainForest(const Samples& samples,
   return forest;
 }
 
-bool HasBothKinds(const Samples& samples) {
-  const auto is_grass = [](const TrainingSample* sample) { return sample->is_grass; };
-  return std::any_of(samples.begin(), samples.end(), is_grass) &&
-         !std::all_of(samples.begin(), samples.end(), is_grass);
-}
-
-struct Prediction {
-  double votes = 0.0;
-  bool is_grass = false;
-};
-
-// Votes for every sample that is not augmented, from a forest trained on the other folds.
-std::vector<Prediction> CrossValidate(const std::vector<TrainingSample>& samples,
-                                      const std::vector<int>& fold_of_sample,
-                                      const ForestSettings& settings,
-                                      const TrainingOptions& options) {
-  std::vector<Prediction> predictions;
-  const std::set<int> folds(fold_of_sample.begin(), fold_of_sample.end());
-  for (const int fold : folds) {
-    Samples training;
-    for (size_t i = 0; i < samples.size(); ++i) {
-      if (fold_of_sample[i] != fold) training.push_back(&samples[i]);
-    }
-    // Training needs both kinds.
-    if (!HasBothKinds(training)) continue;
-    const cv::Ptr<cv::ml::RTrees> forest = TrainForest(training, settings, options);
-    for (size_t i = 0; i < samples.size(); ++i) {
-      if (fold_of_sample[i] != fold || samples[i].is_augmented) continue;
-      predictions.push_back({GrassVotes(*forest, samples[i].features), samples[i].is_grass});
-    }
-  }
-  return predictions;
-}
-
-double ErrorRatio(const std::vector<Prediction>& predictions) {
-  const auto num_wrong =
-      std::count_if(predictions.begin(), predictions.end(), [](const Prediction& prediction) {
-        return (prediction.votes >= 0.5) != prediction.is_grass;
-      });
-  return static_cast<double>(num_wrong) / static_cast<double>(predictions.size());
-}
-
-// Area under the ROC curve: share of (grass, not grass) pairs in the right order; ties count half.
-double AreaUnderCurve(const std::vector<Prediction>& predictions) {
-  double right = 0.0, all = 0.0;
-  for (const Prediction& grass : predictions) {
-    if (!grass.is_grass) continue;
-    for (const Prediction& other : predictions) {
-      if (other.is_grass) continue;
-      all += 1.0;
-      if (grass.votes > other.votes) right += 1.0;
-      if (grass.votes == other.votes) right += 0.5;
-    }
-  }
-  return all > 0.0 ? right / all : std::numeric_limits<double>::quiet_NaN();
-}
-
-std::vector<int> RandomFolds(size_t num_samples, const TrainingOptions& options) {
-  std::vector<int> folds(num_samples);
-  for (size_t i = 0; i < num_samples; ++i) {
-    folds[i] = static_cast<int>(i % static_cast<size_t>(options.num_folds));
-  }
-  std::mt19937 generator(static_cast<unsigned>(options.seed));
-  // Fisher-Yates by hand: std::shuffle differs between standard libraries.
-  for (size_t i = num_samples; i > 1; --i) std::swap(folds[i - 1], folds[generator() % i]);
-  return folds;
-}
-
-std::vector<int> FoldsByPlace(const std::vector<TrainingSample>& samples) {
-  std::map<std::string, int> fold_of_place;
-  std::vector<int> folds;
-  folds.reserve(samples.size());
-  for (const TrainingSample& sample : samples) {
-    folds.push_back(
-        fold_of_place.emplace(sample.place, static_cast<int>(fold_of_place.size())).first->second);
-  }
-  return folds;
+// Votes of forests with these settings.
+Learner ForestLearner(const ForestSettings& settings, const TrainingOptions& options) {
+  return [&settings, &options](const SamplePointers& samples) -> Predictor {
+    return [forest = TrainForest(samples, settings, options)](const std::vector<float>& features) {
+      return GrassVotes(*forest, features);
+    };
+  };
 }
 
 // Fits a logistic curve to the out-of-fold votes by Newton, with Platt's smoothed targets (1999).
-std::pair<double, double> FitCalibration(const std::vector<Prediction>& predictions) {
+Calibration FitCalibration(const std::vector<Prediction>& predictions) {
   const double num_grass = static_cast<double>(std::count_if(
       predictions.begin(), predictions.end(), [](const auto& p) { return p.is_grass; }));
   const double num_other = static_cast<double>(predictions.size()) - num_grass;
@@ -199,6 +110,15 @@ std::vector<TrainingSample> Originals(const std::vector<TrainingSample>& samples
   return originals;
 }
 
+// Samples of too few places are split into random folds.
+std::vector<int> PlaceFolds(const std::vector<TrainingSample>& samples,
+                            const TrainingOptions& options) {
+  std::vector<int> folds = FoldsByPlace(samples);
+  const int num_places = *std::max_element(folds.begin(), folds.end()) + 1;
+  if (num_places >= kMinPlacesToLeaveOneOut) return folds;
+  return RandomFolds(samples.size(), options.num_folds, options.seed);
+}
+
 ForestSettings BestSettings(const std::vector<TrainingSample>& samples,
                             const std::vector<int>& folds,
                             const TrainingOptions& options) {
@@ -207,7 +127,8 @@ ForestSettings BestSettings(const std::vector<TrainingSample>& samples,
   for (const int max_depth : options.max_depths) {
     for (const int min_samples : options.min_samples_per_branch) {
       const ForestSettings settings{max_depth, min_samples};
-      const double error = ErrorRatio(CrossValidate(samples, folds, settings, options));
+      const double error =
+          ErrorRatio(CrossValidate(samples, folds, ForestLearner(settings, options)));
       if (error < best_error) {
         best_error = error;
         best = settings;
@@ -215,6 +136,19 @@ ForestSettings BestSettings(const std::vector<TrainingSample>& samples,
     }
   }
   return best;
+}
+
+TrainingReport ReportOf(const ForestSettings& settings,
+                        const std::vector<Prediction>& random,
+                        const std::vector<Prediction>& by_place) {
+  TrainingReport report;
+  report.max_depth = settings.max_depth;
+  report.min_samples_per_branch = settings.min_samples;
+  report.random_fold_error_ratio = ErrorRatio(random);
+  report.random_fold_auc = AreaUnderCurve(random);
+  report.leave_one_place_out_error_ratio = ErrorRatio(by_place);
+  report.leave_one_place_out_auc = AreaUnderCurve(by_place);
+  return report;
 }
 
 void CheckSamples(const std::vector<TrainingSample>& samples, const TrainingOptions& options) {
@@ -257,31 +191,28 @@ std::pair<Classifier, TrainingReport> TrainClassifier(const std::vector<Training
                                                       const std::string& provenance,
                                                       const TrainingOptions& options) {
   CheckSamples(samples, options);
-  const std::vector<int> place_folds = FoldsByPlace(samples);
-  const int num_places = *std::max_element(place_folds.begin(), place_folds.end()) + 1;
-  const std::vector<int> folds =
-      num_places < kMinPlacesToLeaveOneOut ? RandomFolds(samples.size(), options) : place_folds;
-  const ForestSettings settings = BestSettings(samples, folds, options);
-  const std::vector<Prediction> by_place = CrossValidate(samples, folds, settings, options);
+  const bool is_published = options.form == TrainingForm::kPublished;
   // Without augmented samples, whose originals would be in another fold.
   const std::vector<TrainingSample> originals = Originals(samples);
-  const std::vector<Prediction> random =
-      CrossValidate(originals, RandomFolds(originals.size(), options), settings, options);
-  TrainingReport report;
-  report.max_depth = settings.max_depth;
-  report.min_samples_per_branch = settings.min_samples;
-  report.random_fold_error_ratio = ErrorRatio(random);
-  report.leave_one_place_out_error_ratio = ErrorRatio(by_place);
-  report.leave_one_place_out_auc = AreaUnderCurve(by_place);
+  const std::vector<int> random_folds =
+      RandomFolds(originals.size(), options.num_folds, options.seed);
+  const std::vector<int> place_folds = PlaceFolds(samples, options);
+  const ForestSettings settings = is_published ? BestSettings(originals, random_folds, options)
+                                               : BestSettings(samples, place_folds, options);
+  const Learner learner = ForestLearner(settings, options);
+  const std::vector<Prediction> by_place = CrossValidate(samples, place_folds, learner);
+  const std::vector<Prediction> random = CrossValidate(originals, random_folds, learner);
   auto model = std::make_shared<Classifier::Model>();
   model->feature_set = options.feature_set;
   model->provenance = provenance;
-  std::tie(model->calibration_slope, model->calibration_offset) = FitCalibration(by_place);
-  SetGrassRange(originals, *model);
-  Samples all;
+  if (!is_published) {
+    model->calibration = FitCalibration(by_place);
+    SetGrassRange(originals, *model);
+  }
+  SamplePointers all;
   for (const TrainingSample& sample : samples) all.push_back(&sample);
   model->forest = TrainForest(all, settings, options);
-  return {Classifier(std::move(model)), report};
+  return {Classifier(std::move(model)), ReportOf(settings, random, by_place)};
 }
 
 }  // namespace freelsd

@@ -48,7 +48,11 @@ struct BackendOptions {
   void Check() const;
 };
 
+// What the options started from. It decides which classifier belongs to them.
+enum class Preset { kNone, kPaper };
+
 struct PipelineOptions {
+  Preset preset = Preset::kNone;
   TracksOptions tracks;
   SegmentationOptions segmentation;
   ClassificationOptions classification;
@@ -64,6 +68,11 @@ struct PipelineOptions {
 
   void Check() const;
 };
+
+// Every stage in its published form, to be compared with (paper_options.cc).
+PipelineOptions PaperOptions();
+// The same for the aircraft: the paper asks for a free disc, and for no strip to roll on.
+Aircraft PaperAircraft(Aircraft aircraft);
 
 // A view's grass mask. It is run-length encoded, because a flight keeps one per view.
 struct PackedMask {

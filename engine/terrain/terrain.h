@@ -43,8 +43,8 @@ struct TerrainOptions {
   // --- Behaviour ---
   // Differs: the paper's mean has no outlier rejection and no error estimate, and hides objects.
   // With kPaperMean, upper equals elevation, standard_deviation is 0, num_points is 1, and the
-  // result depends on the order of the pairs. It is for comparison only; the service does not offer
-  // it.
+  // result depends on the order of the pairs. It is for comparison only: the service offers it only
+  // as a part of Preset::kPaper.
   HeightFusion height_fusion = HeightFusion::kRobust;
   double cell_size_m = 1.0;
   // A point contributes to all cells whose centre is within this distance d, with weight 1 / d^2.

@@ -62,7 +62,9 @@ void AnswerFlight(const Service& service,
                   httplib::Response& response) {
   const std::optional<FlightSummary> summary = service.storage.flights.FindSummary(flight_id);
   if (!summary) throw ApiError("NoSuchFlight", "there is no such flight");
-  response.set_content(FlightJson(service, *summary).dump(), "application/json");
+  nlohmann::json flight = FlightJson(service, *summary);
+  flight["options"] = GivenOptionsJson(ParseFlightRequest(summary->flight.request_json));
+  response.set_content(flight.dump(), "application/json");
 }
 
 }  // namespace

@@ -8,12 +8,12 @@
 
 namespace freelsd {
 
-FlightSession::FlightSession(const FlightRow& flight, const Classifier& classifier)
+FlightSession::FlightSession(const FlightRow& flight, const Classifiers& classifiers)
     : flight_id_(flight.id),
       request_(ParseStoredFlightRequest(flight.request_json)),
       rig_(ParseStoredFlightRig(flight.rig_json)),
       local_frame_(rig_.origin),
-      frontend_(rig_.rig, request_.options, classifier) {}
+      frontend_(rig_.rig, request_.options, classifiers.For(request_.options.preset)) {}
 
 FlightContext FlightSession::Context() const {
   return {flight_id_, request_.altitude_datum.value_or("unknown"), local_frame_};

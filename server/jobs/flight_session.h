@@ -17,13 +17,22 @@
 
 namespace freelsd {
 
+// The classifiers that flights use, by the preset of their options.
+struct Classifiers {
+  Classifier grass;
+  // Of Preset::kPaper.
+  Classifier paper;
+
+  const Classifier& For(Preset preset) const { return preset == Preset::kPaper ? paper : grass; }
+};
+
 // Holds a flight's Frontend, its statistics and its notes. The frontend thread passes frames to it;
 // the backend thread takes snapshots. After a restart, the session is rebuilt from the stored
 // frames, in the same order. It is flushed after the same frames (Frontend::Flush).
 class FlightSession {
  public:
   // The flight's rig must be known.
-  FlightSession(const FlightRow& flight, const Classifier& classifier);
+  FlightSession(const FlightRow& flight, const Classifiers& classifiers);
 
   const FlightRequest& request() const { return request_; }
   const GeoPoint& origin() const { return rig_.origin; }

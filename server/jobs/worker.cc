@@ -33,9 +33,9 @@ void TellOfFrame(Service& service, const FrameRow& frame) {
 
 }  // namespace
 
-Worker::Worker(Service& service, Classifier classifier)
+Worker::Worker(Service& service, Classifiers classifiers)
     : service_(service),
-      classifier_(std::move(classifier)),
+      classifiers_(std::move(classifiers)),
       open_flights_(service.storage, service.config.max_num_open_flights),
       frontend_thread_([this] { RunFrontend(); }),
       backend_thread_([this] { RunBackend(); }) {}
@@ -291,7 +291,7 @@ Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
     if (job.kind == "finish") last_finish = std::max(last_finish, flush_points.back());
   }
   if (!session || session->HasSettledBefore(last_finish)) {
-    session = std::make_shared<FlightSession>(flight, classifier_);
+    session = std::make_shared<FlightSession>(flight, classifiers_);
   }
   for (const int64_t point : flush_points) {
     if (point >= last_finish) session->AddFlushPoint(point);

@@ -22,7 +22,7 @@ namespace freelsd {
 
 class Worker {
  public:
-  Worker(Service& service, Classifier classifier);
+  Worker(Service& service, Classifiers classifiers);
   // Requires that Stop returned true.
   ~Worker();
   Worker(const Worker&) = delete;
@@ -75,7 +75,7 @@ class Worker {
   void Repeat(bool (Worker::*step)());
 
   Service& service_;
-  Classifier classifier_;
+  Classifiers classifiers_;
   OpenFlights open_flights_;
   std::atomic<bool> is_stopping_{false};
 

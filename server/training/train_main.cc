@@ -19,6 +19,7 @@
 #include "engine/pipeline.h"
 #include "server/training/curve_plots.h"
 #include "server/training/label_sheets.h"
+#include "server/training/paper_training.h"
 #include "server/training/pools.h"
 #include "server/training/training_data.h"
 #include "server/training/training_scores.h"
@@ -95,21 +96,28 @@ Json ReportAsJson(const TrainingReport& report) {
           {"leave_one_place_out_auc", report.leave_one_place_out_auc}};
 }
 
-std::string Provenance(const Arguments& arguments, size_t num_originals) {
+std::string Provenance(const Arguments& arguments, const std::string& samples, const char* page) {
   return "Random forest for grass or not, features " + arguments.features + ", seed " +
-         std::to_string(arguments.seed) + ", " + std::to_string(num_originals) +
-         " regions and 10 m tiles of labelled photographs of Swindale (vesnikos and supervisor, "
+         std::to_string(arguments.seed) + ", " + samples +
+         " of labelled photographs of Swindale (vesnikos and supervisor, "
          "acknowledged as asked), Garfield Park (CC0 1.0), Brighton Beach (BSD 2-Clause, (c) 2017 "
-         "Piero Toffanin). How it was made and what it scores: grass_model.md.";
+         "Piero Toffanin). How it was made and what it scores: " +
+         page + ".";
+}
+
+// Throws std::invalid_argument if they must not train a model.
+Photographs ReadTrainingPhotographs(const Arguments& arguments) {
+  Photographs photographs = ReadPhotographs(arguments);
+  if (PoolOf(photographs, Pools::Read(arguments.pools)) == Pool::kReport) {
+    throw std::invalid_argument("photographs of the pool report judge a model and never train one");
+  }
+  return photographs;
 }
 
 int Train(const Arguments& arguments) {
   const std::optional<FeatureSet> feature_set = FeatureSetNamed(arguments.features);
   if (!feature_set) throw std::runtime_error("unknown feature set " + arguments.features);
-  const Photographs photographs = ReadPhotographs(arguments);
-  if (PoolOf(photographs, Pools::Read(arguments.pools)) == Pool::kReport) {
-    throw std::invalid_argument("photographs of the pool report judge a model and never train one");
-  }
+  const Photographs photographs = ReadTrainingPhotographs(arguments);
   const std::vector<TrainingSample> samples =
       SamplesOf(photographs, *feature_set, kNumCopies, arguments.seed);
   const auto num_originals = static_cast<size_t>(std::count_if(
@@ -117,8 +125,9 @@ int Train(const Arguments& arguments) {
   TrainingOptions options;
   options.feature_set = *feature_set;
   options.seed = arguments.seed;
-  const auto [classifier, report] =
-      TrainClassifier(samples, Provenance(arguments, num_originals), options);
+  const std::string provenance = Provenance(
+      arguments, std::to_string(num_originals) + " regions and 10 m tiles", "grass_model.md");
+  const auto [classifier, report] = TrainClassifier(samples, provenance, options);
   WriteFile(arguments.out, classifier.Serialize());
   const std::vector<Answer> unseen = AnswersOfUnseenPlaces(photographs, samples, options);
   if (!arguments.plots.empty()) WriteFile(arguments.plots, CurvePlots(unseen));
@@ -129,6 +138,23 @@ int Train(const Arguments& arguments) {
                      {"samples", ReportAsJson(report)},
                      {"regions_of_unseen_places", ScoresByPlace(unseen)},
                      {"false_grass_at_unseen_places", FalseGrass(unseen)}};
+  std::cout << figures.dump(2) << "\n";
+  return 0;
+}
+
+int TrainAsPublished(Arguments arguments) {
+  arguments.features = NameOf(FeatureSet::kPaper18);
+  const std::vector<TrainingSample> samples = PaperSamples(ReadTrainingPhotographs(arguments));
+  const std::string provenance =
+      Provenance(arguments, std::to_string(samples.size()) + " regions", "paper_model.md");
+  const TrainingOptions options = PaperTraining(FeatureSet::kPaper18, arguments.seed);
+  WriteFile(arguments.out, TrainClassifier(samples, provenance, options).first.Serialize());
+  const auto num_grass = std::count_if(
+      samples.begin(), samples.end(), [](const TrainingSample& sample) { return sample.is_grass; });
+  const Json figures{{"model", arguments.out},
+                     {"num_samples", samples.size()},
+                     {"num_grass", num_grass},
+                     {"scores", PaperScores(samples, arguments.seed)}};
   std::cout << figures.dump(2) << "\n";
   return 0;
 }
@@ -199,6 +225,10 @@ int Run(int argc, char** argv) {
   app.add_option(
       "--plots", arguments.plots, "SVG file to write: ROC and precision-recall at unseen places");
   app.add_option("--seed", arguments.seed, "Seed of the forest")->capture_default_str();
+  CLI::App* paper = app.add_subcommand("paper", "Trains and validates the paper's classifiers");
+  AddPhotographOptions(*paper, arguments);
+  paper->add_option("--out", arguments.out, "Model file to write")->required();
+  paper->add_option("--seed", arguments.seed, "Seed of folds and models")->capture_default_str();
   CLI::App* evaluate = app.add_subcommand("evaluate", "Prints a model's scores on regions");
   AddPhotographOptions(*evaluate, arguments);
   evaluate->add_option("--model", arguments.model, "Model file")->capture_default_str();
@@ -215,6 +245,7 @@ int Run(int argc, char** argv) {
       "--classify", arguments.is_classified, "Colour the regions by their class from --model");
   sheets->add_option("--model", arguments.model, "Model file")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
+  if (paper->parsed()) return TrainAsPublished(arguments);
   if (evaluate->parsed()) return Evaluate(arguments);
   if (segmentation->parsed()) return MeasureSegmentation(arguments);
   if (sheets->parsed()) return DrawSheets(arguments);

@@ -70,6 +70,34 @@ TEST_CASE("flight request: the least area of a region is the aircraft's unless i
   CHECK(ParseFlightRequest(request.dump()).options.regions.min_area_m2 == 123.0);
 }
 
+TEST_CASE("flight request: the preset is stored and told again, with what was given beside it") {
+  const FlightRequest request = ParseFlightRequest(
+      R"({"name": "x", "options": {"preset": "paper", "wind": {"radius_m": 200}}})");
+  CHECK(request.options.preset == Preset::kPaper);
+  // The paper has no ground roll.
+  CHECK(request.aircraft.ground_roll_m == 0.0);
+  const FlightRequest stored = ParseFlightRequest(request.canonical_json);
+  CHECK(stored.options.preset == Preset::kPaper);
+  CHECK(stored.aircraft.ground_roll_m == 0.0);
+  CHECK(stored.canonical_json == request.canonical_json);
+  const nlohmann::json given = GivenOptionsJson(stored);
+  CHECK(given == nlohmann::json::parse(R"({"preset": "paper", "wind": {"radius_m": 200.0}})"));
+}
+
+TEST_CASE("flight request: a ground roll that is given beside the preset stays") {
+  const FlightRequest request = ParseFlightRequest(
+      R"({"name": "x", "aircraft": {"ground_roll_m": 20}, "options": {"preset": "paper"}})");
+  CHECK(request.aircraft.ground_roll_m == 20.0);
+}
+
+TEST_CASE("flight request: without a preset only changed options are told") {
+  CHECK(GivenOptionsJson(ParseFlightRequest(R"({"name": "x"})")).empty());
+  const FlightRequest request = ParseFlightRequest(FullRequest().dump());
+  CHECK(
+      GivenOptionsJson(request) ==
+      nlohmann::json::parse(R"({"segmentation": {"thresholds": "paper", "blur_sigma_px": 0.5}})"));
+}
+
 TEST_CASE("flight request: the canonical form is a fixed point") {
   const FlightRequest request = ParseFlightRequest(FullRequest().dump());
   CHECK(ParseFlightRequest(request.canonical_json).canonical_json == request.canonical_json);
@@ -106,6 +134,7 @@ TEST_CASE("flight request: what is wrong is refused where it is") {
   CHECK(ErrorWith("/aircraft/max_bank_deg", 95) == "422 InvalidValue /aircraft/max_bank_deg");
   CHECK(ErrorWith("/options/wind", {{"smoothing", 2}}) ==
         "422 InvalidValue /options/wind/smoothing");
+  CHECK(ErrorWith("/options/preset", "ours") == "422 InvalidValue /options/preset");
   CHECK(ErrorWith("/aircraft/wingspan_m", 2) == "422 UnknownKey /aircraft/wingspan_m");
 }
 

@@ -49,7 +49,7 @@ TEST_CASE("options: the table has every field of every stage") {
     VisitFields(stage_options,
                 [&num_fields](const char*, const auto&, const char*) { ++num_fields; });
     CAPTURE(std::string(stage));
-    // terrain.height_fusion is to compare with, and nothing to land by: it is not offered.
+    // terrain.height_fusion is to compare with, and nothing to land by: only the preset sets it.
     size_t num_withheld = std::string(stage) == "terrain" ? 1 : 0;
     // CoverOptions holds the photo's and the clear class's, which are in other sections.
     if (std::string(stage) == "hazard") num_withheld = 2;
@@ -57,7 +57,8 @@ TEST_CASE("options: the table has every field of every stage") {
     if (std::string(stage) == "approach") num_withheld = 1;
     CHECK(num_fields + num_withheld == NumFieldsOf(stage_options));
   });
-  CHECK(num_stages == NumFields<PipelineOptions>());
+  const size_t num_presets = 1;
+  CHECK(num_stages + num_presets == NumFields<PipelineOptions>());
 }
 
 TEST_CASE("options: written and read again nothing is lost") {
@@ -72,12 +73,36 @@ TEST_CASE("options: written and read again nothing is lost") {
   CHECK(written["hazard"]["grass_fusion"] == "paper");
 }
 
+TEST_CASE("options: the preset is the published form, and fields beside it override it") {
+  const PipelineOptions paper =
+      ParseOptions(nlohmann::json::parse(R"({"preset": "paper"})"), "/options");
+  CHECK(paper.preset == Preset::kPaper);
+  CHECK(paper.terrain.height_fusion == HeightFusion::kPaperMean);
+  CHECK(OptionsValuesJson(paper) == OptionsValuesJson(PaperOptions()));
+  CHECK(OptionsValuesJson(paper)["preset"] == "paper");
+  CHECK_NOTHROW(CheckOptions(paper));
+  const PipelineOptions changed = ParseOptions(
+      nlohmann::json::parse(R"({"preset": "paper", "stereo": {"num_partners": 3}})"), "/options");
+  CHECK(changed.stereo.num_partners == 3);
+  CHECK(changed.approach.start_height_ratios == std::vector<double>{1.0});
+  // Stored and read again, also the field that JSON does not hold.
+  const PipelineOptions stored = ParseOptions(OptionsValuesJson(changed), "/options");
+  CHECK(OptionsValuesJson(stored) == OptionsValuesJson(changed));
+  CHECK(stored.terrain.height_fusion == HeightFusion::kPaperMean);
+  CHECK_FALSE(OptionsValuesJson(PipelineOptions{}).contains("preset"));
+}
+
 TEST_CASE("options: what is wrong is refused where it is") {
   const auto error_of = [](const char* text) {
     return ErrorOf([text] { ParseOptions(nlohmann::json::parse(text), "/options"); });
   };
   CHECK(error_of("{}") == "nothing");
   CHECK(error_of(R"({"wind": null})") == "nothing");
+  CHECK(error_of(R"({"preset": null})") == "nothing");
+  CHECK(error_of(R"({"preset": "magic"})") == "422 InvalidValue /options/preset");
+  CHECK(error_of(R"({"preset": 1})") == "422 InvalidValue /options/preset");
+  CHECK(error_of(R"({"preset": "paper", "wind": {"radius": 1}})") ==
+        "422 UnknownKey /options/wind/radius");
   CHECK(error_of(R"({"magic": {}})") == "422 UnknownKey /options/magic");
   CHECK(error_of(R"({"wind": {"radius": 1}})") == "422 UnknownKey /options/wind/radius");
   CHECK(error_of(R"({"wind": {"radius_m": "1"}})") == "422 InvalidValue /options/wind/radius_m");

@@ -140,12 +140,16 @@ EngineRun RunOf(const CampaignOptions& campaign,
                 const Scenario& scenario,
                 const Progress& progress) {
   if (!campaign.url.empty()) return RunOverHttp(campaign.url, scenario, progress);
+  const PipelineOptions options = OptionsFor(campaign, scenario.aircraft);
+  // It is judged with the aircraft as it is.
+  const Aircraft aircraft =
+      options.preset == Preset::kPaper ? PaperAircraft(scenario.aircraft) : scenario.aircraft;
   return RunEngine(
       {scenario.rig,
        scenario.frames,
-       scenario.aircraft,
+       aircraft,
        campaign.scenario.gives_wires ? WiresOf(scenario.world) : std::vector<HardObstacle>()},
-      OptionsFor(campaign, scenario.aircraft),
+      options,
       classifier,
       progress);
 }
@@ -280,6 +284,10 @@ class Campaign {
 };
 
 }  // namespace
+
+std::string CampaignOptions::ModelFile() const {
+  return ModelFileFor(ParseOptions(engine_options, ""));
+}
 
 void CampaignOptions::Check() const {
   scenario.Check();

@@ -19,7 +19,8 @@ struct CampaignOptions {
   // Worlds at once. Each needs the memory of a world, and its engine has one thread.
   int num_jobs = 1;
   ScenarioOptions scenario;
-  // Options of the engine by stage, as a flight's `options` has them; the others are the defaults.
+  // Options of the engine, as a flight's `options` has them; the others are the defaults, or those
+  // of the preset.
   nlohmann::json engine_options = nlohmann::json::object();
   // Report to write after every world; "" for none.
   std::string json;
@@ -35,6 +36,8 @@ struct CampaignOptions {
 
   // Throws std::invalid_argument.
   void Check() const;
+  // The file of the classifier that belongs to the options.
+  std::string ModelFile() const;
 };
 
 // The report of all worlds, by seed. Whatever the number of jobs, the records are the same but for

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <string>
 
 namespace freelsd {
 namespace {
@@ -28,6 +29,11 @@ int CountProcessed(const std::vector<FrameResult>& results) {
 }
 
 }  // namespace
+
+std::string ModelFileFor(const PipelineOptions& options) {
+  const std::string folder = FREELSD_SOURCE_DIR "/engine/classification/";
+  return folder + (options.preset == Preset::kPaper ? "paper_model.yml" : "grass_model.yml");
+}
 
 EngineRun RunEngine(const EngineInput& input,
                     const PipelineOptions& options,

@@ -1,6 +1,7 @@
 // Input: the frames of a flight. Output: everything the engine made of them, with what it cost.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "engine/pipeline.h"
@@ -27,6 +28,9 @@ struct EngineInput {
   // What photographs do not show.
   std::vector<HardObstacle> obstacles = {};
 };
+
+// The classifier that the service uses with these options, from the sources.
+std::string ModelFileFor(const PipelineOptions& options);
 
 // As Detect does, stage by stage, so that nothing of what lies between is lost.
 EngineRun RunEngine(const EngineInput& input,

@@ -22,7 +22,8 @@ struct Arguments {
   // Nothing is flown; these are put together.
   std::vector<std::string> merge;
   std::string compare;
-  std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+  // "": the one that belongs to the options.
+  std::string model;
   // Limits of the exit status; negative: none.
   int max_false_safe = -1;
   double min_found_ratio = -1.0;
@@ -58,7 +59,9 @@ RocCounts RegionRoc(const Json& report) {
 
 Json ReportOf(const Arguments& arguments) {
   if (arguments.merge.empty()) {
-    return RunCampaign(arguments.campaign, Classifier::Parse(ReadTextFile(arguments.model)));
+    const std::string model =
+        arguments.model.empty() ? arguments.campaign.ModelFile() : arguments.model;
+    return RunCampaign(arguments.campaign, Classifier::Parse(ReadTextFile(model)));
   }
   std::vector<Json> parts;
   for (const std::string& path : arguments.merge) parts.push_back(Json::parse(ReadTextFile(path)));
@@ -144,7 +147,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                  campaign.blind,
                  "make the map wrong on purpose: judges the judge; each: besides the usual scores")
       ->check(CLI::IsMember(blindings));
-  app.add_option("--model", arguments.model, "grass classifier");
+  app.add_option("--model", arguments.model, "grass classifier, instead of the options' own");
   app.add_option("--max-false-safe", arguments.max_false_safe, "limit of the exit status");
   app.add_option("--min-found-ratio", arguments.min_found_ratio, "limit of the exit status");
 }

@@ -9,6 +9,7 @@
 
 #include "api/flight_parts.h"
 #include "tests/evaluation/campaign.h"
+#include "tests/evaluation/engine_run.h"
 #include "tests/evaluation/fields/field_pictures.h"
 #include "tests/evaluation/fields/field_records.h"
 
@@ -108,6 +109,10 @@ class Campaign {
 };
 
 }  // namespace
+
+std::string FieldCampaignOptions::ModelFile() const {
+  return ModelFileFor(ParseOptions(engine_options, ""));
+}
 
 void FieldCampaignOptions::Check() const {
   if (resumes && json.empty()) throw std::invalid_argument("--resume needs --json");

@@ -19,7 +19,7 @@ struct FieldCampaignOptions {
   // Folder with FLIGHT.txt for each flight.
   std::string labels = FREELSD_SOURCE_DIR "/tests/evaluation/fields/outlines";
   std::vector<Blinding> blindings;
-  // Options of the engine by stage, as a flight's `options` has them; the others are the defaults.
+  // As in CampaignOptions.
   nlohmann::json engine_options = nlohmann::json::object();
   // Flights at once; no result depends on it.
   int num_jobs = 1;
@@ -32,6 +32,8 @@ struct FieldCampaignOptions {
 
   // Throws std::invalid_argument.
   void Check() const;
+  // As in CampaignOptions.
+  std::string ModelFile() const;
 };
 
 // {"settings": ..., "surveys": [...]}, by flight and aircraft. Throws std::runtime_error when

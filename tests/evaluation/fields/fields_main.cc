@@ -16,7 +16,8 @@ struct Arguments {
   FieldCampaignOptions campaign;
   std::vector<std::string> blind;
   std::vector<std::string> merge;
-  std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
+  // "": the one that belongs to the options.
+  std::string model;
 };
 
 nlohmann::json ReportOf(const Arguments& arguments) {
@@ -25,7 +26,8 @@ nlohmann::json ReportOf(const Arguments& arguments) {
     for (const std::string& name : arguments.blind) {
       options.blindings.push_back(BlindingNamed(name).value());
     }
-    return RunFieldCampaign(options, Classifier::Parse(ReadTextFile(arguments.model)));
+    const std::string model = arguments.model.empty() ? options.ModelFile() : arguments.model;
+    return RunFieldCampaign(options, Classifier::Parse(ReadTextFile(model)));
   }
   std::vector<nlohmann::json> parts;
   parts.reserve(arguments.merge.size());
@@ -65,7 +67,8 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       },
       "JSON file with options of the engine, as a flight's `options` has them");
   app.add_option("--pictures", campaign.pictures, "folder for photographs with outlines and sites");
-  app.add_option("--model", arguments.model, "grass classifier")->check(CLI::ExistingFile);
+  app.add_option("--model", arguments.model, "grass classifier, instead of the options' own")
+      ->check(CLI::ExistingFile);
 }
 
 }  // namespace

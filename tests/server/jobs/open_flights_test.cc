@@ -21,7 +21,8 @@ OpenFlights::SessionPointer SomeSession() {
   flight.id = std::string("f");
   flight.request_json = R"({"name":"x"})";
   flight.rig_json = FlightRigJson(flight_rig);
-  return std::make_shared<FlightSession>(flight, Classifier::Parse(text));
+  const Classifier classifier = Classifier::Parse(text);
+  return std::make_shared<FlightSession>(flight, Classifiers{classifier, classifier});
 }
 
 TEST_CASE(
