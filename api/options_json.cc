@@ -124,6 +124,7 @@ PipelineOptions ParseOptions(const nlohmann::json& object, const std::string& po
 void KeepKnownOptions(nlohmann::json& options) {
   const nlohmann::json known = OptionsValuesJson(PipelineOptions{});
   nlohmann::json kept = nlohmann::json::object();
+  if (options.contains("preset")) kept["preset"] = options["preset"];
   for (const auto& [stage, fields] : known.items()) {
     for (const auto& [name, value] : fields.items()) {
       if (options.contains(stage) && options[stage].contains(name)) {

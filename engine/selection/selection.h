@@ -71,7 +71,8 @@ struct PipelineOptions {
 
 // Every stage in its published form, to be compared with (paper_options.cc).
 PipelineOptions PaperOptions();
-// The same for the aircraft: the paper asks for a free disc, and for no strip to roll on.
+// The same for the aircraft: the paper asks for a free disc, for no strip to roll on, and for no
+// limit on the risk.
 Aircraft PaperAircraft(Aircraft aircraft);
 
 // A view's grass mask. It is run-length encoded, because a flight keeps one per view.
