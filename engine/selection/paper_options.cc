@@ -5,6 +5,7 @@
 // - the reduction of n_obs,min = 10 (4 Hz) for survey photographs, which show no place ten times;
 // - a slope limit that the deviation of the map's tilt lowers, and half the diagonal of a cell
 //   beside Delta_TD: distances are measured between the centres of cells;
+// - features of photographs at 0.3 m per pixel, at which the model was trained;
 // - what is done where the wind is unknown or calm, and verdict and score of a site.
 #include "engine/selection/selection.h"
 
