@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -31,6 +32,9 @@ using Json = nlohmann::ordered_json;
 // Varied copies of every photograph in the training set.
 constexpr int kNumCopies = 3;
 constexpr int kSheetWidthPx = 1000;
+// A veil of haze: what is left of the light from the ground, and what the air adds, grey levels.
+constexpr double kHazeKeptRatio = 0.75;
+constexpr double kHazeGrey = 45.0;
 
 // Default paths are relative to the repository's root.
 struct Arguments {
@@ -103,10 +107,17 @@ std::string Provenance(const Arguments& arguments, size_t num_originals) {
          "Piero Toffanin). How it was made and what it scores: grass_model.md.";
 }
 
+Photographs InHaze(Photographs photographs) {
+  for (LabelledPhotograph& photograph : photographs) {
+    photograph.image.convertTo(photograph.image, CV_8U, kHazeKeptRatio, kHazeGrey);
+  }
+  return photographs;
+}
+
 int Train(const Arguments& arguments) {
   const std::optional<FeatureSet> feature_set = FeatureSetNamed(arguments.features);
   if (!feature_set) throw std::runtime_error("unknown feature set " + arguments.features);
-  const Photographs photographs = ReadPhotographs(arguments);
+  Photographs photographs = ReadPhotographs(arguments);
   if (PoolOf(photographs, Pools::Read(arguments.pools)) == Pool::kReport) {
     throw std::invalid_argument("photographs of the pool report judge a model and never train one");
   }
@@ -122,12 +133,15 @@ int Train(const Arguments& arguments) {
   WriteFile(arguments.out, classifier.Serialize());
   const std::vector<Answer> unseen = AnswersOfUnseenPlaces(photographs, samples, options);
   if (!arguments.plots.empty()) WriteFile(arguments.plots, CurvePlots(unseen));
+  const std::vector<Answer> in_haze =
+      AnswersOfUnseenPlaces(InHaze(std::move(photographs)), samples, options);
   const Json figures{{"model", arguments.out},
                      {"features", arguments.features},
                      {"num_samples", num_originals},
                      {"num_augmented", samples.size() - num_originals},
                      {"samples", ReportAsJson(report)},
                      {"regions_of_unseen_places", ScoresByPlace(unseen)},
+                     {"regions_of_unseen_places_in_haze", ScoresByPlace(in_haze)},
                      {"false_grass_at_unseen_places", FalseGrass(unseen)}};
   std::cout << figures.dump(2) << "\n";
   return 0;
