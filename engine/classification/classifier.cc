@@ -14,7 +14,7 @@
 namespace freelsd {
 namespace {
 
-constexpr int kModelVersion = 2;
+constexpr int kModelVersion = 1;
 // Soil and leaf litter rarely reach this; vegetation in infrared false colour has 1.4 to 2.
 constexpr double kMaxRedToGreen = 1.35;
 // Upper limit outside the training range: midway between grass and not grass.
