@@ -77,7 +77,13 @@ class Classifier {
 std::string NameOf(FeatureSet feature_set);
 std::optional<FeatureSet> FeatureSetNamed(const std::string& name);
 
-// Features of one region: only pixels where mask != 0. `image` is BGR.
+// The image that features are measured in. For kRobust, the veil of air is taken off: each channel
+// less the level of its darkest pixels (dark-object subtraction, Chavez 1988), because air adds
+// nearly the same light everywhere. A photograph without shadows stays as it is. Needs the whole
+// photograph, BGR. Other feature sets take it unchanged.
+cv::Mat3b ImageForFeatures(const cv::Mat3b& photograph, FeatureSet feature_set);
+
+// Features of one region: only pixels where mask != 0. `image` is a part of ImageForFeatures.
 std::vector<float> RegionFeatures(const cv::Mat3b& image,
                                   const cv::Mat1b& mask,
                                   double ground_sampling_distance_m,

@@ -222,6 +222,7 @@ Labels ClassifySegments(const Segments& segments,
   const cv::Rect frame({0, 0}, regions.size());
   // Filters need some surroundings of the region.
   constexpr int kSurroundingsPx = 16;
+  const cv::Mat3b clear = ImageForFeatures(segments.detail_image, classifier.feature_set());
   Labels labels;
   for (const Segment& segment : segments.segments) {
     cv::Rect box = boxes[static_cast<size_t>(segment.label)];
@@ -230,12 +231,11 @@ Labels ClassifySegments(const Segments& segments,
                    box.width + 2 * kSurroundingsPx,
                    box.height + 2 * kSurroundingsPx) &
           frame;
-    const cv::Mat3b image = segments.detail_image(box);
     const cv::Mat1b mask = regions(box) == segment.label;
     Label label;
-    if (CanBeTold(cv::mean(image, mask), options)) {
+    if (CanBeTold(cv::mean(segments.detail_image(box), mask), options)) {
       label.probability = classifier.Predict(RegionFeatures(
-          image, mask, segments.detail_sampling_distance_m, classifier.feature_set()));
+          clear(box), mask, segments.detail_sampling_distance_m, classifier.feature_set()));
       label.surface = SurfaceOf(label.probability, options);
     }
     labels.push_back(label);

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -32,6 +33,9 @@ using Json = nlohmann::ordered_json;
 // Varied copies of every photograph in the training set.
 constexpr int kNumCopies = 3;
 constexpr int kSheetWidthPx = 1000;
+// A veil of haze: what is left of the light from the ground, and what the air adds, grey levels.
+constexpr double kHazeKeptRatio = 0.75;
+constexpr double kHazeGrey = 45.0;
 
 // Default paths are relative to the repository's root.
 struct Arguments {
@@ -114,10 +118,17 @@ Photographs ReadTrainingPhotographs(const Arguments& arguments) {
   return photographs;
 }
 
+Photographs InHaze(Photographs photographs) {
+  for (LabelledPhotograph& photograph : photographs) {
+    photograph.image.convertTo(photograph.image, CV_8U, kHazeKeptRatio, kHazeGrey);
+  }
+  return photographs;
+}
+
 int Train(const Arguments& arguments) {
   const std::optional<FeatureSet> feature_set = FeatureSetNamed(arguments.features);
   if (!feature_set) throw std::runtime_error("unknown feature set " + arguments.features);
-  const Photographs photographs = ReadTrainingPhotographs(arguments);
+  Photographs photographs = ReadTrainingPhotographs(arguments);
   const std::vector<TrainingSample> samples =
       SamplesOf(photographs, *feature_set, kNumCopies, arguments.seed);
   const auto num_originals = static_cast<size_t>(std::count_if(
@@ -131,12 +142,15 @@ int Train(const Arguments& arguments) {
   WriteFile(arguments.out, classifier.Serialize());
   const std::vector<Answer> unseen = AnswersOfUnseenPlaces(photographs, samples, options);
   if (!arguments.plots.empty()) WriteFile(arguments.plots, CurvePlots(unseen));
+  const std::vector<Answer> in_haze =
+      AnswersOfUnseenPlaces(InHaze(std::move(photographs)), samples, options);
   const Json figures{{"model", arguments.out},
                      {"features", arguments.features},
                      {"num_samples", num_originals},
                      {"num_augmented", samples.size() - num_originals},
                      {"samples", ReportAsJson(report)},
                      {"regions_of_unseen_places", ScoresByPlace(unseen)},
+                     {"regions_of_unseen_places_in_haze", ScoresByPlace(in_haze)},
                      {"false_grass_at_unseen_places", FalseGrass(unseen)}};
   std::cout << figures.dump(2) << "\n";
   return 0;

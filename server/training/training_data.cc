@@ -140,7 +140,7 @@ LabelledRegions CutVaried(const LabelledPhotograph& photograph,
 }
 
 std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions, FeatureSet feature_set) {
-  const cv::Mat3b& detail = regions.segments.detail_image;
+  const cv::Mat3b detail = ImageForFeatures(regions.segments.detail_image, feature_set);
   std::vector<TrainingSample> samples;
   for (size_t i = 0; i < regions.classes.size(); ++i) {
     if (!TellsGrass(regions.classes[i])) continue;
@@ -158,7 +158,7 @@ std::vector<TrainingSample> RegionSamples(const LabelledRegions& regions, Featur
 std::vector<TrainingSample> TileSamples(const LabelledRegions& regions,
                                         FeatureSet feature_set,
                                         double tile_m) {
-  const cv::Mat3b& detail = regions.segments.detail_image;
+  const cv::Mat3b detail = ImageForFeatures(regions.segments.detail_image, feature_set);
   const cv::Mat1b mask = MaskAt(regions.mask, detail.size());
   const double ground_sampling = regions.segments.detail_sampling_distance_m;
   const int side = std::max(kMinTileSidePx, cvRound(tile_m / ground_sampling));

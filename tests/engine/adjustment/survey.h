@@ -134,7 +134,8 @@ class SurveyMaker {
     truth.translation = {along * options_.spacing_m + Uniform(2.0),
                          strip * options_.strip_spacing_m + Uniform(2.0),
                          options_.height_m + Uniform(3.0)};
-    truth.rotation = Tilt(4.0) * NadirCamera(heading + RadFromDeg(Uniform(5.0)));
+    const Eigen::Quaterniond tilt = Tilt(4.0);
+    truth.rotation = tilt * NadirCamera(heading + RadFromDeg(Uniform(5.0)));
     View view;
     view.frame_id = std::to_string(survey.views.size());
     view.timestamp_us = static_cast<int64_t>(survey.views.size()) * 2'000'000;

@@ -26,7 +26,10 @@ Plan PlanThroughGap(double gap_east, const ApproachOptions& options) {
     meadow.hazards.hazard(row, col) = kHazard;
   });
   const PlanRequest request = Request(Box({-90, -8}, {90, 8}), Eigen::Vector2d(0.0, -4.0));
-  return PlanApproach(meadow.map, meadow.hazards, request, Nimble(), options);
+  // The touchdown may be farther aside than the gap is wide; what counts here is the search.
+  Aircraft aircraft = Nimble();
+  aircraft.max_failure_probability = 1.0;
+  return PlanApproach(meadow.map, meadow.hazards, request, aircraft, options);
 }
 
 TEST_CASE("approach: a field with room for a single final is found by the reserve alone") {

@@ -156,6 +156,25 @@ TEST_CASE("classification: the robust features do not depend on exposure") {
   }
 }
 
+TEST_CASE("classification: a veil of air leaves the image of the features nearly as it was") {
+  cv::Mat3b clear = Ground({60, 140, 100});
+  // Shadow in a corner, 4 % of the photograph.
+  clear(cv::Rect(0, 0, clear.cols / 5, clear.rows / 5)) = cv::Vec3b(4, 6, 5);
+  cv::Mat3b veiled;
+  cv::add(clear, cv::Scalar(40, 38, 36), veiled);
+  const cv::Scalar got = cv::mean(ImageForFeatures(veiled, FeatureSet::kRobust));
+  const cv::Scalar wanted = cv::mean(ImageForFeatures(clear, FeatureSet::kRobust));
+  constexpr double kVeilToleranceGrey = 5.0;
+  for (int channel = 0; channel < 3; ++channel) {
+    CHECK(std::abs(got[channel] - wanted[channel]) < kVeilToleranceGrey);
+  }
+}
+
+TEST_CASE("classification: a photograph without shadows has no veil to take off") {
+  const cv::Mat3b image = Ground({60, 140, 100});
+  CHECK(cv::norm(ImageForFeatures(image, FeatureSet::kRobust), image, cv::NORM_INF) == 0.0);
+}
+
 TEST_CASE("classification: an even green meadow is grass, in summer, spring and haze") {
   CHECK(SurfaceOf(Ground({60, 140, 100})) == Surface::kGrass);
   CHECK(SurfaceOf(Ground({50, 130, 95})) == Surface::kGrass);

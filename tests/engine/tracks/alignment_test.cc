@@ -1,4 +1,4 @@
-#include <cmath>
+#include <algorithm>
 #include <random>
 
 #include <doctest/doctest.h>
@@ -49,10 +49,10 @@ struct NoisyViews {
     }
   }
 
-  // Error of the sightings of a view relative to those of the first view, root mean square, px. The
-  // place that a track shows is free, so only the difference counts.
-  double RelativeErrorPx(const std::vector<View>& seen, size_t view) const {
-    double sum = 0.0;
+  // Errors of the sightings of a view relative to those of the first view, px, ascending. The place
+  // that a track shows is free, so only the difference counts.
+  std::vector<double> RelativeErrorsPx(const std::vector<View>& seen, size_t view) const {
+    std::vector<double> errors;
     for (size_t i = 0; i < truth[view].size(); ++i) {
       const Camera& camera = rig.camera;
       const Eigen::Vector3d ray = seen[0].world_from_camera.rotation *
@@ -60,21 +60,26 @@ struct NoisyViews {
       const Eigen::Vector3d place =
           seen[0].world_from_camera.translation + ray * (kHeightM / -ray.z());
       const auto expected = camera.ImageFromCamera(Inverse(seen[view].world_from_camera) * place);
-      sum += (*expected - seen[view].observations[i].point_in_image).squaredNorm();
+      errors.push_back((*expected - seen[view].observations[i].point_in_image).norm());
     }
-    return std::sqrt(sum / static_cast<double>(truth[view].size()));
+    std::sort(errors.begin(), errors.end());
+    return errors;
   }
 };
 
-TEST_CASE("alignment: noisy sightings agree to a fifth of a pixel afterwards") {
+TEST_CASE("alignment: all noisy sightings but one agree to a fifth of a pixel afterwards") {
   constexpr double kMaxErrorPx = 0.2;
+  // A patch may be like another one some pixels away. The adjustment drops such a sighting.
+  constexpr size_t kNumWrong = 1;
   const NoisyViews noisy;
   const ImageSource images = [&](const std::string& id) { return noisy.images[std::stoul(id)]; };
   const std::vector<View> aligned = AlignSightings(noisy.views, noisy.rig.camera, images, {});
   for (size_t view = 1; view < noisy.views.size(); ++view) {
     CAPTURE(view);
-    CHECK(noisy.RelativeErrorPx(noisy.views, view) > kNoisePx);
-    CHECK(noisy.RelativeErrorPx(aligned, view) < kMaxErrorPx);
+    const std::vector<double> before = noisy.RelativeErrorsPx(noisy.views, view);
+    const std::vector<double> after = noisy.RelativeErrorsPx(aligned, view);
+    CHECK(before[before.size() / 2] > kNoisePx);
+    CHECK(after[after.size() - 1 - kNumWrong] < kMaxErrorPx);
   }
 }
 

@@ -49,6 +49,7 @@ class TileMeter {
       : picture_(picture),
         classifier_(classifier),
         detail_(AtScale(picture, SegmentationOptions().detail_sampling_distance_m).value()),
+        clear_(ImageForFeatures(detail_.image, FeatureSet::kRobust)),
         log_brightness_(LogBrightness(picture.image)) {}
 
   // Bands of all that lies inside.
@@ -68,7 +69,7 @@ class TileMeter {
       measures[i] = deviation[0];
     }
     const double scale = picture_.ground_sampling_m / detail_.ground_sampling_m;
-    const cv::Mat3b piece = detail_.image(Scaled(tile, scale, detail_.image.size()));
+    const cv::Mat3b piece = clear_(Scaled(tile, scale, clear_.size()));
     const std::vector<float> features = RegionFeatures(piece,
                                                        cv::Mat1b(piece.size(), uint8_t{255}),
                                                        detail_.ground_sampling_m,
@@ -84,6 +85,7 @@ class TileMeter {
   const LabelledPicture& picture_;
   const Classifier& classifier_;
   LabelledPicture detail_;
+  cv::Mat3b clear_;
   cv::Mat1f log_brightness_;
 };
 
