@@ -14,6 +14,7 @@
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/jobs/evaluated_area.h"
+#include "server/jobs/out_of_date.h"
 #include "server/jobs/staged_maps.h"
 #include "server/recall/recall.h"
 
@@ -213,65 +214,6 @@ void DropDuplicates(std::vector<NewSite>& sites) {
   sites = std::move(kept);
 }
 
-bool Contains(const BoundingBox& outer, const BoundingBox& inner) {
-  const auto east_of_outer_west = [&outer](double longitude_deg) {
-    const double turn_deg = longitude_deg < outer.west_deg ? 360.0 : 0.0;
-    return longitude_deg + turn_deg - outer.west_deg;
-  };
-  const double inner_east_deg = east_of_outer_west(inner.east_deg);
-  return east_of_outer_west(inner.west_deg) <= inner_east_deg &&
-         inner_east_deg <= east_of_outer_west(outer.east_deg) &&
-         outer.south_deg <= inner.south_deg && outer.north_deg >= inner.north_deg;
-}
-
-bool IsIn(const BoundingBox& box, const SiteRow& site) {
-  return Contains(box,
-                  {site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg});
-}
-
-// The flight's stored sites that the new ones make out of date: those of the same regions, and
-// those outside all regions on the ground of the new maps.
-std::vector<std::string> OutOfDateSites(const std::vector<SiteRow>& stored,
-                                        const std::vector<NewSite>& sites,
-                                        const std::vector<FlightMapRow>& maps,
-                                        EvaluationScope scope) {
-  std::set<std::string> ids;
-  std::set<int64_t> region_ids;
-  for (const NewSite& site : sites) {
-    ids.insert(site.row.id);
-    region_ids.insert(site.row.region_id);
-  }
-  std::vector<std::string> out_of_date;
-  for (const SiteRow& site : stored) {
-    const bool is_replaced =
-        site.region_id != kNoRegion
-            ? region_ids.contains(site.region_id)
-            : std::any_of(maps.begin(), maps.end(), [&site](const FlightMapRow& map) {
-                return IsIn(map.box, site);
-              });
-    const bool is_out_of_date = scope == EvaluationScope::kEveryGraded || is_replaced;
-    if (is_out_of_date && !ids.contains(site.id)) out_of_date.push_back(site.id);
-  }
-  return out_of_date;
-}
-
-// The flight's maps that no site needs any more and that the new ones replace.
-std::vector<std::string> OutOfDateMaps(const std::vector<FlightMapRow>& stored,
-                                       const std::vector<FlightMapRow>& added,
-                                       const std::set<std::string>& needed,
-                                       EvaluationScope scope) {
-  std::vector<std::string> out_of_date;
-  for (const FlightMapRow& map : stored) {
-    const bool is_replaced =
-        scope == EvaluationScope::kEveryGraded ||
-        std::any_of(added.begin(), added.end(), [&map](const FlightMapRow& newer) {
-          return Contains(newer.box, map.box);
-        });
-    if (is_replaced && !needed.contains(map.id)) out_of_date.push_back(map.id);
-  }
-  return out_of_date;
-}
-
 void StoreResult(Service& service,
                  const std::string& flight_id,
                  const std::vector<NewSite>& sites,
@@ -281,12 +223,10 @@ void StoreResult(Service& service,
   if (!service.storage.flights.Find(flight_id)) return;
   const std::vector<SiteRow> stored = service.storage.sites.List(flight_id, std::nullopt);
   EvaluationRows rows;
-  rows.forgotten_sites = OutOfDateSites(stored, sites, maps.rows(), scope);
+  for (const NewSite& site : sites) rows.sites.push_back(site.row);
+  rows.forgotten_sites = OutOfDateSites(stored, rows.sites, maps.rows(), scope);
   std::set<std::string> gone(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
-  for (const NewSite& site : sites) {
-    rows.sites.push_back(site.row);
-    gone.insert(site.row.id);
-  }
+  for (const SiteRow& site : rows.sites) gone.insert(site.id);
   std::set<std::string> needed;
   for (const SiteRow& site : stored) {
     if (!gone.contains(site.id)) needed.insert(site.map_id);

@@ -44,7 +44,7 @@ test('page: paints within a second, shows the best site and asks nobody but its 
   assert.deepEqual(seen.errors, []);
 });
 
-test('page: a chosen site shows layers, approach, circle, profile and every term of its score', async (t) => {
+test('page: a chosen site shows layers, approach, circle, profile and its risk', async (t) => {
   const { page, seen } = await openPage(t, browser, { address: address() });
   const button = page.locator(`#sites button[data-site="${site.properties.id}"]`);
   await button.waitFor(kWait);
@@ -53,9 +53,8 @@ test('page: a chosen site shows layers, approach, circle, profile and every term
   await page.locator('#profile canvas').waitFor(kWait);
   for (const kind of ['approach', 'loiter', 'touchdown']) await page.locator(`path.${kind}`).waitFor({ state: 'attached' });
   assert.match(await page.locator('#site-title').textContent(), new RegExp(site.properties.verdict, 'i'));
-  const gains = await page.locator('.score-table tbody td:last-child').allTextContents();
-  const sum = gains.reduce((total, gain) => total + Number(gain), 0);
-  assert.ok(Math.abs(sum - site.properties.score) < 0.04, `the terms make ${sum}, the score is ${site.properties.score}`);
+  const risk = `${(100 * site.properties.failure_probability).toFixed(1)} %`;
+  assert.ok((await page.locator('#site-more').textContent()).includes(risk), `the risk, ${risk}, is told`);
   assert.match(await page.locator('.limit').textContent(), /before touchdown|was seen/);
   const layers = await page.locator('#layer option').evaluateAll((all) => all.map((o) => o.value).filter(Boolean));
   for (const name of ['elevation', 'slope', 'roughness', 'grass', 'hazard', 'distance']) {
