@@ -140,6 +140,9 @@ EngineRun RunBlinded(const Scenario& scenario,
     blinded.regions.push_back(std::move(decoy));
   }
   if (blinded.evaluation.map.elevation.empty()) return blinded;
+  // The limit on the risk sees slopes and heights that the blinded layers deny.
+  Aircraft aircraft = scenario.aircraft;
+  aircraft.max_failure_probability = 1.0;
   for (const Region& region : blinded.regions) {
     Site site;
     site.region = region;
@@ -147,7 +150,7 @@ EngineRun RunBlinded(const Scenario& scenario,
     site.plan = PlanApproach(blinded.evaluation.map,
                              blinded.evaluation.hazards,
                              RequestOfRun(run, scenario, region),
-                             scenario.aircraft,
+                             aircraft,
                              options);
     blinded.evaluation.sites.push_back(std::move(site));
   }
