@@ -66,14 +66,20 @@ std::optional<std::string> ReadDatum(ObjectReader& reader) {
   return datum;
 }
 
-// With the preset, the aircraft has the paper's rule for the ground roll unless the request gives
-// another.
+// With the preset, the aircraft has the paper's rules unless the request gives others.
 Aircraft ReadAircraft(const nlohmann::json* value, Preset preset) {
-  Aircraft aircraft;
-  if (value != nullptr) aircraft = ParseAircraft(*value, "/aircraft");
-  const bool has_roll =
-      value != nullptr && value->contains("ground_roll_m") && !value->at("ground_roll_m").is_null();
-  return preset == Preset::kPaper && !has_roll ? PaperAircraft(aircraft) : aircraft;
+  const nlohmann::json given = value == nullptr ? nlohmann::json::object() : *value;
+  const Aircraft aircraft = ParseAircraft(given, "/aircraft");
+  if (preset != Preset::kPaper) return aircraft;
+  const auto is_given = [&given](const char* field) {
+    return given.contains(field) && !given.at(field).is_null();
+  };
+  Aircraft paper = PaperAircraft(aircraft);
+  if (is_given("ground_roll_m")) paper.ground_roll_m = aircraft.ground_roll_m;
+  if (is_given("max_failure_probability")) {
+    paper.max_failure_probability = aircraft.max_failure_probability;
+  }
+  return paper;
 }
 
 // The aircraft gives the least area of a region unless the request sets it.

@@ -63,7 +63,7 @@ void AnswerFlight(const Service& service,
   const std::optional<FlightSummary> summary = service.storage.flights.FindSummary(flight_id);
   if (!summary) throw ApiError("NoSuchFlight", "there is no such flight");
   nlohmann::json flight = FlightJson(service, *summary);
-  flight["options"] = GivenOptionsJson(ParseFlightRequest(summary->flight.request_json));
+  flight["options"] = GivenOptionsJson(ParseStoredFlightRequest(summary->flight.request_json));
   response.set_content(flight.dump(), "application/json");
 }
 

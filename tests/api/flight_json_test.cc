@@ -138,5 +138,30 @@ TEST_CASE("flight request: what is wrong is refused where it is") {
   CHECK(ErrorWith("/aircraft/wingspan_m", 2) == "422 UnknownKey /aircraft/wingspan_m");
 }
 
+TEST_CASE("flight: options that this version does not have are refused, but read where stored") {
+  nlohmann::json request =
+      nlohmann::json::parse(ParseFlightRequest(R"({"name": "x"})").canonical_json);
+  request["options"]["approach"]["candidate_spacing_m"] = 7.0;
+  request["options"]["approach"]["gone"] = 1.0;
+  request["options"]["gone_stage"] = {{"gone", 1}};
+  CHECK(ErrorOf([&] { ParseFlightRequest(request.dump()); }).find("UnknownKey") !=
+        std::string::npos);
+  CHECK(ParseStoredFlightRequest(request.dump()).options.approach.candidate_spacing_m == 7.0);
+}
+
+TEST_CASE("flight: the preset changes the aircraft only where the request does not") {
+  const auto aircraft_of = [](const char* aircraft) {
+    return ParseFlightRequest(R"({"name": "x", "options": {"preset": "paper"}, "aircraft": )" +
+                              std::string(aircraft) + "}")
+        .aircraft;
+  };
+  CHECK(aircraft_of("{}").ground_roll_m == 0.0);
+  CHECK(aircraft_of("{}").max_failure_probability == 1.0);
+  const Aircraft given = aircraft_of(R"({"max_failure_probability": 0.02})");
+  CHECK(given.max_failure_probability == 0.02);
+  CHECK(given.ground_roll_m == 0.0);
+  CHECK(aircraft_of(R"({"ground_roll_m": 40})").ground_roll_m == 40.0);
+}
+
 }  // namespace
 }  // namespace freelsd
