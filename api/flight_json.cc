@@ -69,7 +69,7 @@ std::optional<std::string> ReadDatum(ObjectReader& reader) {
 // With the preset, the aircraft has the paper's rules unless the request gives others.
 Aircraft ReadAircraft(const nlohmann::json* value, Preset preset) {
   const nlohmann::json given = value == nullptr ? nlohmann::json::object() : *value;
-  const Aircraft aircraft = ParseAircraft(given, "/aircraft");
+  Aircraft aircraft = ParseAircraft(given, "/aircraft");
   if (preset != Preset::kPaper) return aircraft;
   const auto is_given = [&given](const char* field) {
     return given.contains(field) && !given.at(field).is_null();

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <tuple>
 #include <utility>
 
@@ -107,7 +108,7 @@ void SortBest(std::vector<Site>& sites) {
 }
 
 // The tracked region that a site lies in; the first one of several.
-const Region* RegionAt(const Eigen::Vector3d& place_in_world, const std::vector<Site>& of_regions) {
+const Region* RegionAt(const Eigen::Vector3d& place_in_world, std::span<const Site> of_regions) {
   const Eigen::Vector2d place = place_in_world.head<2>();
   const auto found = std::find_if(of_regions.begin(), of_regions.end(), [&](const Site& site) {
     return Contains(site.region.Footprint(), place);
@@ -116,7 +117,7 @@ const Region* RegionAt(const Eigen::Vector3d& place_in_world, const std::vector<
 }
 
 // The paper's record of the region, if the site lies in one that was seen as grass.
-void TellRegion(Site& site, const std::vector<Site>& of_regions) {
+void TellRegion(Site& site, std::span<const Site> of_regions) {
   const Region* const region = RegionAt(site.plan.touchdown_in_world, of_regions);
   if (region == nullptr || !(region->grade > 0.0)) return;
   const Region field = std::exchange(site.region, *region);
@@ -147,11 +148,12 @@ std::vector<Site> WithMapSites(std::vector<Site> of_regions,
     found.push_back(std::move(site));
   }
   SortBest(found);
-  std::vector<Site> sites = of_regions;
+  const size_t num_of_regions = of_regions.size();
+  std::vector<Site> sites = std::move(of_regions);
   for (Site& site : found) {
-    if (sites.size() >= of_regions.size() + max_num_sites) break;
+    if (sites.size() >= num_of_regions + max_num_sites) break;
     if (IsNearAny(site, sites, strip_m) || IsOneOf(*site.square, sites)) continue;
-    TellRegion(site, of_regions);
+    TellRegion(site, std::span(sites).first(num_of_regions));
     sites.push_back(std::move(site));
   }
   return sites;
