@@ -1,9 +1,9 @@
 // Colours for any colour vision. Signs and text repeat their meaning.
 
-// The same values as in the server's pictures of the layers `hazard` and `distance`.
+// The same values as in the server's pictures of the layers `hazard`, `distance` and `risk`.
 export const safetyColor = { free: '#7ed396', hazard: '#c84600', unseen: '#1a1a1a' };
 // Layers in which unseen cells have a colour.
-export const marksUnseen = (name) => ['hazard', 'distance'].includes(name);
+export const marksUnseen = (name) => ['hazard', 'distance', 'risk'].includes(name);
 
 // Cividis colour map, dark to bright, for 0 to 1.
 const cividis = [

@@ -21,8 +21,8 @@ constexpr std::array<std::array<uint8_t, 3>, 10> kCividis{{{0, 34, 78},
 // Brown, white, teal (ColorBrewer BrBG).
 constexpr std::array<std::array<uint8_t, 3>, 5> kBrownTeal{
     {{140, 81, 10}, {216, 179, 101}, {245, 245, 245}, {90, 180, 172}, {1, 102, 94}}};
-// Start of the distance ramp. Free ground beside a hazard must be brighter than unseen ground.
-constexpr double kDistanceRampStart = 0.35;
+// Start of the ramps of free ground. It must be brighter than unseen ground.
+constexpr double kFreeRampStart = 0.35;
 template <size_t n>
 Color Interpolate(const std::array<std::array<uint8_t, 3>, n>& colors, double share) {
   const double position = std::clamp(share, 0.0, 1.0) * (n - 1);
@@ -45,9 +45,10 @@ cv::Vec4b Bgra(const Color& color) {
 
 Color RampColor(const std::string& name, double share) {
   if (name == "grass") return Interpolate(kBrownTeal, share);
-  if (name == "distance") {
-    const double clamped = std::clamp(share, 0.0, 1.0);
-    return Interpolate(kCividis, kDistanceRampStart + (1.0 - kDistanceRampStart) * clamped);
+  if (name == "distance" || name == "risk") {
+    // The brighter the safer.
+    const double safe = std::clamp(name == "risk" ? 1.0 - share : share, 0.0, 1.0);
+    return Interpolate(kCividis, kFreeRampStart + (1.0 - kFreeRampStart) * safe);
   }
   return Interpolate(kCividis, share);
 }

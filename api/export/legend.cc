@@ -41,6 +41,7 @@ std::string Title(const std::string& name) {
   if (name == "distance") return "distance to hazard, m";
   if (name == "height_sd") return "standard deviation of elevation, m";
   if (name == "coverage") return "photographs that see the cell";
+  if (name == "risk") return "probability that the ground is unfit";
   return "hazard";
 }
 
@@ -70,7 +71,8 @@ void DrawSwatch(cv::Mat3b& legend, const Color& color, const std::string& text, 
 }  // namespace
 
 std::string LegendPng(const std::string& name, const Scale& scale) {
-  const bool has_bar = name != "hazard", has_swatches = name == "hazard" || name == "distance";
+  const bool has_bar = name != "hazard",
+             has_swatches = name == "hazard" || name == "distance" || name == "risk";
   const int num_lines = 1 + (has_bar ? 2 : 0) + (has_swatches ? 1 : 0);
   cv::Mat3b legend(2 * kMargin + num_lines * kLineHeight, kLegendWidth, cv::Vec3b(255, 255, 255));
   Write(legend, Title(name), {kMargin, kMargin + kLineHeight - 7});

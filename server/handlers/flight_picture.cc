@@ -14,6 +14,8 @@
 namespace freelsd {
 namespace {
 
+constexpr const char* kRisk = "risk";
+
 WorldBox Joined(const WorldBox& a, const WorldBox& b) {
   return {a.min_in_world.cwiseMin(b.min_in_world), a.max_in_world.cwiseMax(b.max_in_world)};
 }
@@ -90,6 +92,8 @@ WorldBox FlightPicture::Extent() const {
 }
 
 std::optional<Scale> FlightPicture::ScaleOf(const std::string& layer) const {
+  // Computed when it is drawn, so also for maps that are older than this layer.
+  if (layer == kRisk) return RiskScale();
   std::optional<Scale> scale;
   for (const auto& map : maps_) {
     for (const LayerRange& range : map->head.ranges) {
@@ -106,7 +110,9 @@ Scale FlightPicture::NeededScale(const std::string& layer) const {
   throw ApiError("NoMap", "the flight has no layer " + layer);
 }
 
-std::vector<MapWindow> FlightPicture::Windows(const WorldBox& box, int level) const {
+std::vector<MapWindow> FlightPicture::Windows(const std::string& layer,
+                                              const WorldBox& box,
+                                              int level) const {
   std::vector<MapWindow> windows;
   for (const auto& map : maps_) {
     const int own_level = std::min(level, map->head.num_levels - 1);
@@ -115,22 +121,25 @@ std::vector<MapWindow> FlightPicture::Windows(const WorldBox& box, int level) co
     if (part.num_rows == 0 || part.num_cols == 0) continue;
     windows.push_back(service_.maps.flight_maps().Read(
         service_.storage, *map, own_level, part, TileLayers::kAll));
+    if (layer == kRisk) AddRisk(windows.back(), map->aircraft, map->head.grid.cell_size_m);
   }
   return windows;
 }
 
-std::vector<MapWindow> FlightPicture::WindowsFor(const WorldBox& box, double pixel_size_m) const {
+std::vector<MapWindow> FlightPicture::WindowsFor(const std::string& layer,
+                                                 const WorldBox& box,
+                                                 double pixel_size_m) const {
   const double cell_size_m = maps_.front()->head.grid.cell_size_m;
   int level = 0;
   while (level + 1 < NumLevels() && std::ldexp(cell_size_m, level + 1) <= pixel_size_m) ++level;
-  return Windows(box, level);
+  return Windows(layer, box, level);
 }
 
-MapSource FlightPicture::Source() const {
+MapSource FlightPicture::Source(const std::string& layer) const {
   return {Extent(),
           maps_.front()->head.grid.cell_size_m,
           NumLevels(),
-          [this](const WorldBox& box, int level) { return Windows(box, level); },
+          [this, layer](const WorldBox& box, int level) { return Windows(layer, box, level); },
           {}};
 }
 
@@ -231,7 +240,7 @@ std::string FlightPicture::Tile(const std::string& layer,
   std::vector<MapWindow> windows;
   if (const auto box = WorldBoxOf(tile, Frame())) {
     const int level = LevelOf(tile, Frame(), maps_.front()->head.grid.cell_size_m, NumLevels());
-    windows = Windows(*box, level);
+    windows = Windows(layer, *box, level);
   }
   return MapTilePng(layer, tile, windows, scale, Frame());
 }
@@ -255,7 +264,7 @@ void FlightPicture::WriteGeoTiff(const std::string& layer,
     source.parts = PhotoParts();
     return WritePhotoGeoTiff(file.string(), source, Frame(), options);
   }
-  MapSource source = Source();
+  MapSource source = Source(layer);
   for (const auto& map : maps_) source.parts.push_back(BoxOfGrid(map->head.grid));
   WriteLayerGeoTiff(file.string(), layer, source, Frame(), options);
 }
@@ -264,7 +273,7 @@ std::string FlightPicture::Kmz(const std::string& layer) const {
   if (layer == "photo") {
     return PhotoKmz(flight_id_ + " photo", SourceOfPhoto(), Frame());
   }
-  return MapKmz(flight_id_ + " " + layer, layer, Source(), NeededScale(layer), Frame());
+  return MapKmz(flight_id_ + " " + layer, layer, Source(layer), NeededScale(layer), Frame());
 }
 
 std::string FlightPicture::PhotoOf(const WorldBox& box, int longest_px) const {
@@ -279,7 +288,8 @@ std::string FlightPicture::PhotoOf(const WorldBox& box, int longest_px) const {
 
 std::string FlightPicture::HazardOf(const WorldBox& box, int longest_px, Backdrop backdrop) const {
   const double pixel_size_m = PixelSizeOf(box, longest_px);
-  return HazardBoxPng(box, pixel_size_m, WindowsFor(box, pixel_size_m), backdrop, Frame());
+  return HazardBoxPng(
+      box, pixel_size_m, WindowsFor("hazard", box, pixel_size_m), backdrop, Frame());
 }
 
 std::string FlightPicture::LayerOf(const std::string& layer,
@@ -288,7 +298,8 @@ std::string FlightPicture::LayerOf(const std::string& layer,
   const std::optional<Scale> scale = ScaleOf(layer);
   if (!scale) return "";
   const double pixel_size_m = PixelSizeOf(box, longest_px);
-  return LayerBoxPng(layer, box, pixel_size_m, WindowsFor(box, pixel_size_m), *scale, Frame());
+  return LayerBoxPng(
+      layer, box, pixel_size_m, WindowsFor(layer, box, pixel_size_m), *scale, Frame());
 }
 
 std::string FlightPicture::Legend(const std::string& layer) const {

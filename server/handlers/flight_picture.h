@@ -73,10 +73,12 @@ class FlightPicture {
   WorldBox Extent() const;
   std::optional<Scale> ScaleOf(const std::string& layer) const;
   Scale NeededScale(const std::string& layer) const;
-  std::vector<MapWindow> Windows(const WorldBox& box, int level) const;
+  std::vector<MapWindow> Windows(const std::string& layer, const WorldBox& box, int level) const;
   // Those of the coarsest level whose cells are not larger than the pixels.
-  std::vector<MapWindow> WindowsFor(const WorldBox& box, double pixel_size_m) const;
-  MapSource Source() const;
+  std::vector<MapWindow> WindowsFor(const std::string& layer,
+                                    const WorldBox& box,
+                                    double pixel_size_m) const;
+  MapSource Source(const std::string& layer) const;
   // Of the finest picture; nothing if no map has one.
   std::optional<double> PhotoPixelSize() const;
   // The same; throws ApiError NoMap.

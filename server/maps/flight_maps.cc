@@ -82,9 +82,12 @@ std::shared_ptr<const FlightMap> FlightMaps::Find(const Storage& storage,
   try {
     MapHead head = ParseMapHead(row->head_json);
     const LocalFrame local_frame(head.origin);
-    HazardOptions options = ParseStoredFlightRequest(head.flight_json).options.hazard;
-    made = std::make_shared<const FlightMap>(
-        FlightMap{*std::move(row), std::move(head), local_frame, options});
+    FlightRequest request = ParseStoredFlightRequest(head.flight_json);
+    made = std::make_shared<const FlightMap>(FlightMap{*std::move(row),
+                                                       std::move(head),
+                                                       local_frame,
+                                                       std::move(request.options.hazard),
+                                                       std::move(request.aircraft)});
   } catch (const std::exception& error) {
     spdlog::error("map {} cannot be used: {}", map_id, error.what());
     return nullptr;
@@ -105,6 +108,8 @@ MapRasters FlightMaps::Read(
   hazards.min_grass_posterior = map.hazard_options.cover.min_grass_posterior;
   hazards.min_clear_class_posterior =
       map.hazard_options.cover.clear_class.min_clear_class_posterior;
+  hazards.max_object_height_m =
+      map.aircraft.max_roughness_m + map.hazard_options.cover.upper_margin_m;
   if (grid.num_rows == 0 || grid.num_cols == 0) return rasters;
   const auto [first, last] = TilesUnder(grid, 0);
   for (int row = first.row; row <= last.row; ++row) {

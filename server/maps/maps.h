@@ -23,6 +23,7 @@ struct FlightMap {
   LocalFrame local_frame;
   // Of the flight's request.
   HazardOptions hazard_options;
+  Aircraft aircraft;
 
   // The grid of all cells of a level.
   Grid GridAt(int level) const;

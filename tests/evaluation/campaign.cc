@@ -17,6 +17,7 @@
 #include "tests/evaluation/http_run.h"
 #include "tests/evaluation/pictures.h"
 #include "tests/evaluation/report.h"
+#include "tests/evaluation/scores/ablation.h"
 #include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/blinding.h"
 #include "tests/evaluation/stopwatch.h"
@@ -101,6 +102,7 @@ Json SettingsOf(const CampaignOptions& options) {
       {"threads", scenario.num_threads}};
   if (!scenario.takes_photographs) settings["on_truth"] = true;
   if (!options.blind.empty()) settings["blind"] = options.blind;
+  if (!options.ablations.empty()) settings["ablations"] = options.ablations;
   if (scenario.gives_wires) settings["gives_wires"] = true;
   if (!options.engine_options.empty()) settings["options"] = options.engine_options;
   settings["pool"] = NameOf(PoolOf(options));
@@ -184,6 +186,10 @@ Json EvaluateWorld(const CampaignOptions& campaign,
   Json record = WorldRecord(seed, scenario, run, truth, fields, options);
   if (campaign.blind == kEachBlinding) {
     record["blinded"] = CountBlinded(scenario, truth, fields, run, options.approach, seed);
+  }
+  if (!campaign.ablations.empty()) {
+    record["ablations"] = CountAblations(
+        scenario, truth, fields, run, campaign.ablations, campaign.engine_options, seed);
   }
   stopwatch.Lap("scores");
   if (!campaign.pictures.empty()) {

@@ -147,6 +147,12 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
                  campaign.blind,
                  "make the map wrong on purpose: judges the judge; each: besides the usual scores")
       ->check(CLI::IsMember(blindings));
+  app.add_option_function<std::string>(
+      "--ablate",
+      [&campaign](const std::string& path) {
+        campaign.ablations = Json::parse(ReadTextFile(path));
+      },
+      "JSON file with steps of the engine to leave out in turn, besides (ablations.json)");
   app.add_option("--model", arguments.model, "grass classifier, instead of the options' own");
   app.add_option("--max-false-safe", arguments.max_false_safe, "limit of the exit status");
   app.add_option("--min-found-ratio", arguments.min_found_ratio, "limit of the exit status");

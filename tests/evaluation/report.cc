@@ -5,6 +5,7 @@
 #include <map>
 #include <sstream>
 
+#include "tests/evaluation/scores/ablation.h"
 #include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/landing_risks.h"
 #include "tests/evaluation/scores/score_totals.h"
@@ -292,6 +293,7 @@ Json MakeReport(const Json& settings, const Json& records) {
           {"found", FoundTotals(records)},
           {"things", ThingTotals(records)},
           {"blinded", BlindedTotals(records)},
+          {"ablations", AblationTotals(records)},
           {"maps", MapTotals(records)},
           {"frontend", FrontendTotals(records)},
           {"poses", PoseTotals(records)},

@@ -97,6 +97,7 @@ std::string TableOf(const Json& report) {
   WritePart(out, "flown, 200 times to each accepted site", report.at("flown"));
   const Json& risks = report.at("landing_risks");
   WriteRows(out, "landings drawn at random, by their expected risk", risks.at("risks"));
+  WritePart(out, "change of the risk's log loss without a part", risks.at("without_part"));
   WriteRows(out, "ground called grass, by its shape as a share of the limits", risks.at("shapes"));
   WritePart(out, "found, of what the planner accepts on maps without error", report.at("found"));
   WriteRows(out, "fields, by their clear touchdowns", report.at("found").at("by_room"));
@@ -107,6 +108,7 @@ std::string TableOf(const Json& report) {
   WriteRows(out, "things, by kind, width and height in metres", report.at("things"));
   WriteRows(
       out, "the map made wrong on purpose, planned on in the same places", report.at("blinded"));
+  WriteRows(out, "steps left out in turn", report.at("ablations"));
   WriteRows(out, "cells of the map, by what they truly are", report.at("maps").at("kinds"));
   WritePart(out, "frontend", report.at("frontend"));
   WriteRows(

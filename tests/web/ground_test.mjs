@@ -84,7 +84,7 @@ test('ground: one layer at a time over the photograph, with its legend and unit;
   const { page, seen } = await open(t, {});
   await groundIsDrawn(page);
   const names = await page.locator('#layer option').evaluateAll((all) => all.map((option) => option.value));
-  assert.deepEqual(names, ['hazard', 'elevation', 'slope', 'roughness', 'grass', 'distance', 'height_sd', 'coverage', '']);
+  assert.deepEqual(names, ['hazard', 'elevation', 'slope', 'roughness', 'grass', 'distance', 'height_sd', 'coverage', 'risk', '']);
   for (const [name, unit] of [['slope', '°'], ['height_sd', 'm'], ['coverage', 'photographs']]) {
     await page.selectOption('#layer', name);
     await groundIsDrawn(page, name);

@@ -62,7 +62,7 @@ function dataColor(name, east, north) {
   return unseen ? [0, 0, 0, 0] : ramp(0.5 + 0.5 * Math.sin(east / 90) * Math.cos(north / 70));
 }
 
-const units = { photo: '', hazard: 'class', elevation: 'm', slope: 'deg', roughness: 'm', grass: 'class', distance: 'm', height_sd: 'm', coverage: 'photographs' };
+const units = { photo: '', hazard: 'class', elevation: 'm', slope: 'deg', roughness: 'm', grass: 'class', distance: 'm', height_sd: 'm', coverage: 'photographs', risk: 'probability' };
 
 // The tile as PNG, or null outside. half_m: half the side of the map; grown: 0 to 1.
 function tile(name, { place, half_m, grown }, [z, x, y]) {

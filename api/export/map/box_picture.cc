@@ -79,7 +79,7 @@ std::string HazardBoxPng(const WorldBox& box,
                          Backdrop backdrop,
                          const LocalFrame& local_frame) {
   const PixelPlaces places = PlacesOf(box, pixel_size_m, local_frame);
-  const cv::Mat1b state = SafetyOf(places, windows, WithDistance::kNo).state;
+  const cv::Mat1b state = SafetyOf(places, windows, MapLayer::kHazard).state;
   const int period_px =
       std::max(4, static_cast<int>(std::lround(kHatchShare * std::max(state.rows, state.cols))));
   cv::Mat1b indices(state.size(), kClearIndex);

@@ -7,8 +7,8 @@
 // window that has seen a place shows it.
 //
 // A picture never shows a place as safer than the windows do: a pixel of hazard and distance is
-// free only if every cell that it touches is free. All functions are pure, except that the GeoTIFF
-// functions write a file.
+// free only if every cell that it touches is free, and a pixel of risk shows the largest risk of
+// these cells. All functions are pure, except that the GeoTIFF functions write a file.
 #pragma once
 
 #include <functional>
@@ -55,19 +55,26 @@ MapWindow Coarser(const MapWindow& window);
 // Mean colour of the seen pixels; the largest alpha.
 PhotoWindow Coarser(const PhotoWindow& window);
 
+// Fills the window's `risk`: the probability that the ground of a cell is not fit to land on, by
+// its kind and by its shape (engine/risk); NaN where unseen. It does not tell whether a landing
+// there would have room, or a way to it. In coarse cells, the height that the slope explains is no
+// object.
+void AddRisk(MapWindow& window, const Aircraft& aircraft, double finest_cell_size_m);
+
 // --- Layers ---
 
 // "photo", "hazard", "elevation", "slope", "roughness", "grass", "distance", "height_sd",
-// "coverage". Functions that take the name of a layer throw std::invalid_argument if no such layer
-// exists. Only functions with Photo in their name, MapJson and the KMZ take "photo".
+// "coverage", "risk". Functions that take the name of a layer throw std::invalid_argument if no
+// such layer exists. Only functions with Photo in their name, MapJson and the KMZ take "photo".
 std::vector<std::string> MapLayerNames();
 
 // Values at the two ends of the layer's ramp, or nothing if no cell of the window is seen.
 // Elevation is an altitude, and 1 % of its cells is beyond each end, so that a few trees do not
-// hide the relief. For slope, roughness, grass, height_sd and hazard the values are fixed.
+// hide the relief. For slope, roughness, grass, height_sd, hazard and risk the values are fixed.
 std::optional<Scale> MapScale(const std::string& layer,
                               const MapWindow& window,
                               const LocalFrame& local_frame);
+Scale RiskScale();
 // The scale that contains both.
 Scale MergedScale(const Scale& a, const Scale& b);
 // PNG with the layer's colours, values and unit.
@@ -107,8 +114,8 @@ int LevelOf(const XyzTile& tile,
             int num_levels);
 
 // PNG of 256 x 256 pixels, transparent outside the windows. Unseen ground is transparent, but in
-// hazard and distance it has an opaque colour of its own. `scale` must be the same for all tiles of
-// a flight.
+// hazard, distance and risk it has an opaque colour of its own. `scale` must be the same for all
+// tiles of a flight.
 std::string MapTilePng(const std::string& layer,
                        const XyzTile& tile,
                        const std::vector<MapWindow>& windows,

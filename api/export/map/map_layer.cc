@@ -26,6 +26,7 @@ constexpr LayerName kLayers[] = {
     {"distance", MapLayer::kDistance, "m"},
     {"height_sd", MapLayer::kHeightSd, "m"},
     {"coverage", MapLayer::kCoverage, "photographs"},
+    {"risk", MapLayer::kRisk, "probability"},
 };
 
 void CheckSize(const char* name, const cv::Mat& raster, const Grid& grid, bool may_be_empty) {
@@ -84,6 +85,7 @@ void CheckWindow(const MapWindow& window) {
   CheckSize("grass", layers.grass, map.grid, true);
   CheckSize("distance", layers.distance, map.grid, true);
   CheckSize("coverage", window.coverage, map.grid, true);
+  CheckSize("risk", window.risk, map.grid, true);
 }
 
 void CheckWindow(const PhotoWindow& window) {
@@ -107,6 +109,7 @@ LayerRaster RasterOf(const MapWindow& window, MapLayer layer) {
   if (layer == MapLayer::kGrass) return {.values = &layers.grass};
   if (layer == MapLayer::kDistance) return {.values = &layers.distance};
   if (layer == MapLayer::kCoverage) return {.counts = &window.coverage};
+  if (layer == MapLayer::kRisk) return {.values = &window.risk};
   if (layer != MapLayer::kSlope) throw std::invalid_argument("layer: has no values");
   return {.values = &layers.slope, .factor = static_cast<float>(DegFromRad(1.0))};
 }

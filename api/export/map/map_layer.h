@@ -15,6 +15,7 @@ enum class MapLayer {
   kDistance,
   kHeightSd,
   kCoverage,
+  kRisk,
 };
 
 // Throws std::invalid_argument if no layer has the name.

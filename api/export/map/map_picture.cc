@@ -66,15 +66,14 @@ cv::Mat1b SafetyIndices(MapLayer layer,
                         const PixelPlaces& places,
                         const std::vector<MapWindow>& windows,
                         const Scale& scale) {
-  const bool is_distance = layer == MapLayer::kDistance;
-  const Safety safety =
-      SafetyOf(places, windows, is_distance ? WithDistance::kYes : WithDistance::kNo);
+  const bool has_values = layer != MapLayer::kHazard;
+  const Safety safety = SafetyOf(places, windows, layer);
   cv::Mat1b indices(safety.state.size(), kTransparentIndex);
   for (int row = 0; row < indices.rows; ++row) {
     for (int col = 0; col < indices.cols; ++col) {
       const uint8_t state = safety.state(row, col);
       if (state == kFree) {
-        indices(row, col) = is_distance ? RampIndex(safety.distance(row, col), scale) : kFreeIndex;
+        indices(row, col) = has_values ? RampIndex(safety.value(row, col), scale) : kFreeIndex;
       } else if (state != Safety::kOutside) {
         indices(row, col) = state == kHazard ? kHazardIndex : kUnseenIndex;
       }
@@ -86,17 +85,17 @@ cv::Mat1b SafetyIndices(MapLayer layer,
 cv::Mat1f SafetyValues(MapLayer layer,
                        const PixelPlaces& places,
                        const std::vector<MapWindow>& windows) {
-  const bool is_distance = layer == MapLayer::kDistance;
-  const Safety safety =
-      SafetyOf(places, windows, is_distance ? WithDistance::kYes : WithDistance::kNo);
+  const bool has_values = layer != MapLayer::kHazard;
+  const Safety safety = SafetyOf(places, windows, layer);
+  const float of_hazard = layer == MapLayer::kRisk ? 1.0f : 0.0f;
   cv::Mat1f values(safety.state.size(), kNaN);
   for (int row = 0; row < values.rows; ++row) {
     for (int col = 0; col < values.cols; ++col) {
       const uint8_t state = safety.state(row, col);
-      if (state == Safety::kOutside || (is_distance && state == kUnseen)) continue;
-      values(row, col) = !is_distance     ? static_cast<float>(state)
-                         : state == kFree ? safety.distance(row, col)
-                                          : 0.0f;
+      if (state == Safety::kOutside || (has_values && state == kUnseen)) continue;
+      values(row, col) = !has_values      ? static_cast<float>(state)
+                         : state == kFree ? safety.value(row, col)
+                                          : of_hazard;
     }
   }
   return values;
@@ -120,7 +119,7 @@ cv::Mat1b IndicesOf(MapLayer layer,
                     const PixelPlaces& places,
                     const std::vector<MapWindow>& windows,
                     const Scale& scale) {
-  if (layer == MapLayer::kHazard || layer == MapLayer::kDistance) {
+  if (IsSafetyLayer(layer)) {
     return SafetyIndices(layer, places, windows, scale);
   }
   cv::Mat1b indices(places.box().size(), kTransparentIndex);
@@ -156,7 +155,7 @@ cv::Mat1f ValuesOf(MapLayer layer,
                    const PixelPlaces& places,
                    const std::vector<MapWindow>& windows,
                    const LocalFrame& local_frame) {
-  if (layer == MapLayer::kHazard || layer == MapLayer::kDistance) {
+  if (IsSafetyLayer(layer)) {
     return SafetyValues(layer, places, windows);
   }
   cv::Mat1f values(places.box().size(), kNaN);

@@ -15,20 +15,19 @@ struct Safety {
   // The worst Hazard of all cells that the pixel touches: kHazard, else kUnseen, else kFree.
   // Outside counts as unseen, unless the whole pixel is outside.
   cv::Mat1b state;
-  // Least distance to a hazard of these cells, metres. Only meaningful where the state is kFree.
-  // Empty unless asked for.
-  cv::Mat1f distance;
+  // Least distance to a hazard of these cells, metres, or their largest risk. Only meaningful where
+  // the state is kFree. Empty for the layer hazard.
+  cv::Mat1f value;
 };
-enum class WithDistance { kNo, kYes };
-Safety SafetyOf(const PixelPlaces& places,
-                const std::vector<MapWindow>& windows,
-                WithDistance with_distance);
+// `layer`: one of hazard, distance and risk.
+Safety SafetyOf(const PixelPlaces& places, const std::vector<MapWindow>& windows, MapLayer layer);
+bool IsSafetyLayer(MapLayer layer);
 
 // Colours of the indices of IndicesOf, BGRA.
 using Palette = std::array<cv::Vec4b, 256>;
 Palette PaletteOf(const std::string& layer);
 // Index into the palette of each pixel of the box, for every layer but photo and elevation. The
-// pixels of hazard and distance are those of Safety, others show the cell at their centre.
+// pixels of hazard, distance and risk are those of Safety, others show the cell at their centre.
 cv::Mat1b IndicesOf(MapLayer layer,
                     const PixelPlaces& places,
                     const std::vector<MapWindow>& windows,

@@ -15,6 +15,7 @@ constexpr Scale kRoughnessScale{0.0, 1.0};
 constexpr Scale kHeightSdScale{0.0, 2.0};
 constexpr Scale kHazardScale{0.0, 2.0};
 constexpr Scale kGrassScale{0.0, 1.0};
+constexpr Scale kRiskScale{0.0, 0.2};
 // Share of the heights beyond each end of the ramp.
 constexpr double kTailShare = 0.01;
 
@@ -45,6 +46,7 @@ std::optional<Scale> FixedScale(MapLayer layer) {
   if (layer == MapLayer::kHeightSd) return kHeightSdScale;
   if (layer == MapLayer::kHazard) return kHazardScale;
   if (layer == MapLayer::kGrass) return kGrassScale;
+  if (layer == MapLayer::kRisk) return kRiskScale;
   return std::nullopt;
 }
 
@@ -63,7 +65,7 @@ std::optional<Scale> MapScale(const std::string& layer,
   CheckWindow(window);
   const Grid& grid = window.site_map.map.grid;
   const std::optional<Scale> fixed = FixedScale(map_layer);
-  if (map_layer == MapLayer::kHazard) return fixed;
+  if (map_layer == MapLayer::kHazard || map_layer == MapLayer::kRisk) return fixed;
   std::vector<float> values = SeenValues(RasterOf(window, map_layer), grid);
   if (values.empty()) return std::nullopt;
   if (fixed) return fixed;
@@ -74,6 +76,8 @@ std::optional<Scale> MapScale(const std::string& layer,
   return ScaleOfHeights(std::move(values),
                         AltitudeOfPlane(0.5 * (corners[0] + corners[2]), local_frame));
 }
+
+Scale RiskScale() { return kRiskScale; }
 
 Scale MergedScale(const Scale& a, const Scale& b) {
   return {std::min(a.min, b.min), std::max(a.max, b.max)};

@@ -36,19 +36,22 @@ std::vector<MapWindow> AllCoarser(const std::vector<MapWindow>& windows) {
 
 struct Touched {
   uint8_t bits = 0;
-  float distance = kInfinity;
+  // Of free cells: the larger the safer. Infinite for the layer hazard.
+  float safety = kInfinity;
 };
 
-Touched TouchedAt(const WindowCell& cell, WithDistance with_distance) {
+Touched TouchedAt(const WindowCell& cell, MapLayer layer) {
   if (!cell.window) return {kTouchesOutside};
   const HazardLayers& layers = cell.window->site_map.layers;
   const uint8_t hazard = layers.hazard(cell.row, cell.col);
   if (hazard == kHazard) return {kTouchesHazard};
   if (hazard != kFree) return {kTouchesUnseen};
-  if (with_distance == WithDistance::kNo) return {kTouchesFree};
-  const float distance = layers.distance.empty() ? kInfinity : layers.distance(cell.row, cell.col);
-  if (!std::isfinite(distance)) return {kTouchesUnseen};
-  return {kTouchesFree, distance};
+  if (layer == MapLayer::kHazard) return {kTouchesFree};
+  const bool is_risk = layer == MapLayer::kRisk;
+  const cv::Mat1f& values = is_risk ? cell.window->risk : layers.distance;
+  const float value = values.empty() ? kInfinity : values(cell.row, cell.col);
+  if (!std::isfinite(value)) return {kTouchesUnseen};
+  return {kTouchesFree, is_risk ? -value : value};
 }
 
 uint8_t StateOf(uint8_t bits) {
@@ -60,45 +63,49 @@ uint8_t StateOf(uint8_t bits) {
 // Joins what pixels touch.
 class SafetyBuilder {
  public:
-  SafetyBuilder(const cv::Size& size, WithDistance with_distance) : bits_(size, 0) {
-    if (with_distance == WithDistance::kYes) distance_ = cv::Mat1f(size, kInfinity);
+  SafetyBuilder(const cv::Size& size, MapLayer layer) : layer_(layer), bits_(size, 0) {
+    if (layer != MapLayer::kHazard) least_ = cv::Mat1f(size, kInfinity);
   }
 
   void Add(int row, int col, const Touched& touched) {
     if (row < 0 || col < 0 || row >= bits_.rows || col >= bits_.cols) return;
     bits_(row, col) |= touched.bits;
-    if (!distance_.empty()) distance_(row, col) = std::min(distance_(row, col), touched.distance);
+    if (!least_.empty()) least_(row, col) = std::min(least_(row, col), touched.safety);
   }
 
   Safety Build() const {
-    Safety safety{cv::Mat1b(bits_.size()), distance_};
+    Safety safety{cv::Mat1b(bits_.size()), least_};
+    if (layer_ == MapLayer::kRisk) safety.value = -least_;
     std::transform(bits_.begin(), bits_.end(), safety.state.begin(), StateOf);
     return safety;
   }
 
  private:
+  MapLayer layer_;
   cv::Mat1b bits_;
-  cv::Mat1f distance_;
+  cv::Mat1f least_;
 };
 
 }  // namespace
 
-Safety SafetyOf(const PixelPlaces& places,
-                const std::vector<MapWindow>& windows,
-                WithDistance with_distance) {
+bool IsSafetyLayer(MapLayer layer) {
+  return layer == MapLayer::kHazard || layer == MapLayer::kDistance || layer == MapLayer::kRisk;
+}
+
+Safety SafetyOf(const PixelPlaces& places, const std::vector<MapWindow>& windows, MapLayer layer) {
   const cv::Rect& box = places.box();
   const int num_steps = NumSteps(places, windows);
-  if (num_steps > kMaxNumSteps) return SafetyOf(places, AllCoarser(windows), with_distance);
+  if (num_steps > kMaxNumSteps) return SafetyOf(places, AllCoarser(windows), layer);
   const double step = 1.0 / num_steps;
   const int num_cols = num_steps * box.width + 1;
   const CellFinder finder(windows);
-  SafetyBuilder builder(box.size(), with_distance);
+  SafetyBuilder builder(box.size(), layer);
   for (int i = 0; i <= num_steps * box.height; ++i) {
     const auto line = places.Row({static_cast<double>(box.x), box.y + i * step}, step, num_cols);
     const int row = i / num_steps;
     const bool is_edge = i % num_steps == 0;
     for (int j = 0; j < num_cols; ++j) {
-      const Touched touched = TouchedAt(finder.At(line[j]), with_distance);
+      const Touched touched = TouchedAt(finder.At(line[j]), layer);
       const int col = j / num_steps;
       builder.Add(row, col, touched);
       // A place on an edge belongs to the pixels on both sides.

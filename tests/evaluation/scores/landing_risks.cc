@@ -23,8 +23,8 @@ using Json = nlohmann::json;
 // Bins of the expected risk, two a decade; the first holds everything below.
 constexpr std::array<double, 7> kRiskEdges{0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1.1};
 constexpr std::array<double, 10> kShapeEdges{0.1, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0, 1.5, 1e9};
-constexpr int kNumDrawn = 1500;
-constexpr int kMostInBin = 12;
+constexpr int kNumDrawn = 6000;
+constexpr int kMostInBin = 40;
 
 template <size_t N>
 size_t BinOf(double value, const std::array<double, N>& edges) {
@@ -91,28 +91,20 @@ bool IsSeen(const Approach& approach, const Aircraft& aircraft, const EngineRun&
   return true;
 }
 
-Json LandingsJson(const EngineRun& run,
-                  const Scenario& scenario,
-                  const TruthMap& truth,
-                  const PipelineOptions& options,
-                  uint64_t seed) {
-  const Aircraft& aircraft = scenario.aircraft;
-  const RiskAssessor assessor(
-      run.evaluation.map, run.evaluation.hazards, aircraft, options.approach.risk);
-  const double position_sd_m =
-      std::max(run.evaluation.map.position_sd_m, options.approach.min_map_position_sd_m);
-  std::array<int, kRiskEdges.size()> num_in_bin{};
+// The risk without what an exactly known position or wind would take off, or without a part.
+Json WithoutParts(const LandingRisk& risk) {
+  const FailureParts& parts = risk.parts;
+  const double all = risk.failure_probability;
+  return {parts.final_path, parts.ground, all - parts.position, all - parts.wind};
+}
+
+Json LandingsJson(const std::vector<DrawnLanding>& drawn) {
   Json landings = Json::array();
-  for (uint64_t i = 0; i < kNumDrawn; ++i) {
-    const uint64_t series = MixSeed(seed, i);
-    const std::optional<Site> site = DrawnSite(run, scenario, series);
-    if (!site || !IsSeen(*site->plan.approach, aircraft, run)) continue;
-    const double expected =
-        assessor.FailureProbability(LandingOf(*site->plan.approach, *site, position_sd_m));
-    if (num_in_bin[BinOf(expected, kRiskEdges)]++ >= kMostInBin) continue;
-    const FlownSite flown = FlySite(scenario.world, truth, aircraft, *site, series);
-    const auto share = [&](int count) { return static_cast<double>(count) / flown.num_flown; };
-    landings.push_back({expected, share(flown.num_failed), share(flown.num_failed_thin)});
+  for (const DrawnLanding& landing : drawn) {
+    landings.push_back({landing.risk.failure_probability,
+                        landing.observed,
+                        landing.observed_thin,
+                        WithoutParts(landing.risk)});
   }
   return landings;
 }
@@ -204,7 +196,79 @@ std::array<double, 2> Interval(const std::vector<RiskBins>& worlds, size_t bin) 
   return {at(0.025), at(0.975)};
 }
 
+// By the part that is left out: the mean log loss of the rest, less that of the whole.
+Json LossesWithoutParts(const Json& records) {
+  constexpr std::array<const char*, 4> kParts{"ground", "final", "position", "wind"};
+  std::array<double, kParts.size()> sums{};
+  double num = 0.0;
+  for (const Json& record : records) {
+    if (!record.contains("landing_risks")) continue;
+    for (const Json& landing : record.at("landing_risks").at("landings")) {
+      const auto observed = landing.at(1).get<double>();
+      const double whole = LogLoss(landing.at(0).get<double>(), observed);
+      for (size_t i = 0; i < kParts.size(); ++i) {
+        sums[i] += LogLoss(landing.at(3).at(i).get<double>(), observed) - whole;
+      }
+      ++num;
+    }
+  }
+  Json losses = Json::object();
+  for (size_t i = 0; i < kParts.size(); ++i) {
+    losses[kParts[i]] = RoundedNumber(sums[i] / std::max(1.0, num));
+  }
+  return losses;
+}
+
 }  // namespace
+
+double LogLoss(double expected, double observed) {
+  constexpr double kLeast = 1e-4;
+  const double risk = std::clamp(expected, kLeast, 1.0 - kLeast);
+  return -observed * std::log(risk) - (1.0 - observed) * std::log(1.0 - risk);
+}
+
+std::optional<LandingRisk> RiskAt(const Site& site,
+                                  const EngineRun& run,
+                                  const Aircraft& aircraft,
+                                  const ApproachOptions& options) {
+  const ElevationMap& map = run.evaluation.map;
+  const Approach& approach = *site.plan.approach;
+  if (map.elevation.empty() || !IsSeen(approach, aircraft, run)) return std::nullopt;
+  const auto cell = map.grid.CellAt(approach.touchdown_in_world.head<2>());
+  Approach on_map = approach;
+  on_map.touchdown_in_world.z() = map.elevation(*cell);
+  const double position_sd_m = std::max(map.position_sd_m, options.min_map_position_sd_m);
+  return RiskAssessor(map, run.evaluation.hazards, aircraft, options.risk)
+      .Assess(LandingOf(on_map, site, position_sd_m));
+}
+
+std::vector<DrawnLanding> DrawLandings(const EngineRun& run,
+                                       const Scenario& scenario,
+                                       const TruthMap& truth,
+                                       const ApproachOptions& options,
+                                       uint64_t seed) {
+  const ElevationMap& map = run.evaluation.map;
+  if (map.elevation.empty()) return {};
+  const Aircraft& aircraft = scenario.aircraft;
+  const RiskAssessor assessor(map, run.evaluation.hazards, aircraft, options.risk);
+  const double position_sd_m = std::max(map.position_sd_m, options.min_map_position_sd_m);
+  std::array<int, kRiskEdges.size()> num_in_bin{};
+  std::vector<DrawnLanding> landings;
+  for (uint64_t i = 0; i < kNumDrawn; ++i) {
+    const uint64_t series = MixSeed(seed, i);
+    const std::optional<Site> site = DrawnSite(run, scenario, series);
+    if (!site || !IsSeen(*site->plan.approach, aircraft, run)) continue;
+    const PlannedLanding landing = LandingOf(*site->plan.approach, *site, position_sd_m);
+    if (num_in_bin[BinOf(assessor.FailureProbability(landing), kRiskEdges)]++ >= kMostInBin) {
+      continue;
+    }
+    const FlownSite flown = FlySite(scenario.world, truth, aircraft, *site, series);
+    const auto share = [&](int count) { return static_cast<double>(count) / flown.num_flown; };
+    landings.push_back(
+        {*site, assessor.Assess(landing), share(flown.num_failed), share(flown.num_failed_thin)});
+  }
+  return landings;
+}
 
 Json LandingRisksJson(const EngineRun& run,
                       const Scenario& scenario,
@@ -215,7 +279,7 @@ Json LandingRisksJson(const EngineRun& run,
   if (run.evaluation.map.elevation.empty()) {
     return {{"landings", Json::array()}, {"shapes", Json::array()}};
   }
-  return {{"landings", LandingsJson(run, scenario, truth, options, seed)},
+  return {{"landings", LandingsJson(DrawLandings(run, scenario, truth, options.approach, seed))},
           {"shapes", ShapesJson(run, scenario, truth, shift)}};
 }
 
@@ -255,7 +319,7 @@ Json LandingRiskTotals(const Json& records) {
     by_shape[NameOfBin(kShapeEdges[i])] = {
         {"num_cells", shapes[i][0]}, {"unfit_ratio", RoundedShare(shapes[i][1], shapes[i][0])}};
   }
-  return {{"risks", bins}, {"shapes", by_shape}};
+  return {{"risks", bins}, {"without_part", LossesWithoutParts(records)}, {"shapes", by_shape}};
 }
 
 }  // namespace freelsd

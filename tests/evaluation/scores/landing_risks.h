@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
@@ -19,9 +21,35 @@ struct DrawnSeries {
   Eigen::Vector2d map_shift = Eigen::Vector2d::Zero();
 };
 
-// {"landings": [[expected, observed, observed by thin things alone], ...], "shapes": [[cells, unfit
-// cells], ...]}. Touchdowns lie at random on the map, where disc, roll and final were seen; the
-// headings are into the wind, or any. Of each bin of the expected risk at most a few are flown.
+// A landing at a random place of the map, into the wind, where the middle of final and roll was
+// seen.
+struct DrawnLanding {
+  // With the approach of its plan, and the wind.
+  Site site;
+  LandingRisk risk;
+  // Shares of the flights that failed, and that failed by thin things alone.
+  double observed = 0.0;
+  double observed_thin = 0.0;
+};
+
+// Of each bin of the expected risk at most some are flown. Empty without a map.
+std::vector<DrawnLanding> DrawLandings(const EngineRun& run,
+                                       const Scenario& scenario,
+                                       const TruthMap& truth,
+                                       const ApproachOptions& options,
+                                       uint64_t seed);
+
+// The risk of a drawn landing on the map of another run. Nothing where that map does not show it.
+std::optional<LandingRisk> RiskAt(const Site& site,
+                                  const EngineRun& run,
+                                  const Aircraft& aircraft,
+                                  const ApproachOptions& options);
+
+// Log loss of an expected risk, of which no more than 1e-4 is believed to be certain.
+double LogLoss(double expected, double observed);
+
+// {"landings": [[expected, observed, observed by thin things alone, [expected without ground,
+// final, position, wind]], ...], "shapes": [[cells, unfit cells], ...]}, of DrawLandings.
 nlohmann::json LandingRisksJson(const EngineRun& run,
                                 const Scenario& scenario,
                                 const TruthMap& truth,
@@ -29,8 +57,8 @@ nlohmann::json LandingRisksJson(const EngineRun& run,
                                 const DrawnSeries& series);
 
 // By bins of the expected risk: number of landings, expected and observed failures per landing with
-// an interval (bootstrap over worlds). By bins of the shape's ratio: cells, and share of unfit
-// ones.
+// an interval (bootstrap over worlds). By part of the risk: the mean log loss without it, less that
+// with it. By bins of the shape's ratio: cells, and share of unfit ones.
 nlohmann::json LandingRiskTotals(const nlohmann::json& records);
 
 }  // namespace freelsd

@@ -96,7 +96,8 @@ TEST_CASE("flight map: its layers are listed with absolute addresses that work")
                                  "grass",
                                  "distance",
                                  "height_sd",
-                                 "coverage"}) {
+                                 "coverage",
+                                 "risk"}) {
     CAPTURE(name);
     CHECK(std::find(names.begin(), names.end(), name) != names.end());
   }

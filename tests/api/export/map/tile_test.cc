@@ -233,7 +233,7 @@ TEST_CASE("tiles: no such layer, a scale without extent, and rasters of other si
   const LocalFrame frame = FrameAt(47.4, 8.55);
   const XyzTile tile = TileAt(frame.origin(), 18);
   const std::vector<MapWindow> windows{HillWindow()};
-  for (const char* layer : {"photo", "", "Hazard", "risk", "../hazard"}) {
+  for (const char* layer : {"photo", "", "Hazard", "danger", "../hazard"}) {
     CHECK_THROWS_AS(MapTilePng(layer, tile, windows, {}, frame), std::invalid_argument);
     CHECK_THROWS_AS(MapLegendPng(layer, {}), std::invalid_argument);
     CHECK_THROWS_AS(MapScale(layer, windows[0], frame), std::invalid_argument);
