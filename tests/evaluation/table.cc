@@ -98,6 +98,8 @@ std::string TableOf(const Json& report) {
   const Json& risks = report.at("landing_risks");
   WriteRows(out, "landings drawn at random, by their expected risk", risks.at("risks"));
   WritePart(out, "change of the risk's log loss without a part", risks.at("without_part"));
+  WritePart(
+      out, "of landings with a risk below 0.1", {{"failed_flights", risks.at("causes_below_0.1")}});
   WriteRows(out, "ground called grass, by its shape as a share of the limits", risks.at("shapes"));
   WritePart(out, "found, of what the planner accepts on maps without error", report.at("found"));
   WriteRows(out, "fields, by their clear touchdowns", report.at("found").at("by_room"));

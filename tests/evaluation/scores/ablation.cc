@@ -11,7 +11,9 @@
 #include "tests/evaluation/scores/field_scores.h"
 #include "tests/evaluation/scores/flown_site.h"
 #include "tests/evaluation/scores/landing_risks.h"
+#include "tests/evaluation/scores/things.h"
 #include "tests/evaluation/site_score.h"
+#include "tests/evaluation/stage_scores.h"
 #include "tests/evaluation/statistics.h"
 #include "tests/synthetic/noise.h"
 
@@ -21,6 +23,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr const char* kNothing = "none";
+const std::string kFreeCells = "free cells: ";
 
 // The aircraft and the engine's options without a step.
 struct Settings {
@@ -110,6 +113,34 @@ void CountLandings(const std::vector<DrawnLanding>& landings,
   counts["log_loss_of_all"] = loss_of_all;
 }
 
+MapOffset OffsetOf(const Scenario& scenario, const TruthMap& truth, const EngineRun& run) {
+  return OffsetOfMap(scenario.world,
+                     truth,
+                     run.evaluation.map,
+                     ScoreMap(run, scenario, truth).detilted.plane,
+                     ScorePoses(run, scenario).shift.head<2>());
+}
+
+// Things that the map does not show, as ThingFate says.
+void CountMissedThings(const Scenario& scenario,
+                       const EngineRun& run,
+                       const MapOffset& offset,
+                       Json& counts) {
+  const ThingScores things =
+      ScoreThings(scenario, run.evaluation.map, run.evaluation.hazards, offset);
+  counts["num_missed_things"] = things.missed.size();
+}
+
+// Cells of each true kind that the map calls free.
+void CountFreeCells(const Scenario& scenario,
+                    const TruthMap& truth,
+                    const EngineRun& run,
+                    Json& counts) {
+  for (const auto& [kind, cells] : ScoreMap(run, scenario, truth).hazard_of_kind) {
+    counts[kFreeCells + kind] = cells[kFree];
+  }
+}
+
 }  // namespace
 
 Json CountAblations(const Scenario& scenario,
@@ -123,10 +154,13 @@ Json CountAblations(const Scenario& scenario,
   const Settings whole = SettingsWithout(Json::object(), engine_options, scenario.aircraft);
   const std::vector<DrawnLanding> landings =
       DrawLandings(run, scenario, truth, whole.options.approach, seed);
+  const MapOffset offset = OffsetOf(scenario, truth, run);
   const auto count = [&](const std::string& name, const EngineRun& counted, const Settings& with) {
     Json& counts = json[name];
     CountSites(scenario, truth, fields, counted, seed, counts);
     CountLandings(landings, counted, with.aircraft, with.options.approach, counts);
+    CountMissedThings(scenario, counted, offset, counts);
+    CountFreeCells(scenario, truth, counted, counts);
   };
   count(kNothing, run, whole);
   for (const auto& [name, step] : ablations.items()) {
@@ -154,8 +188,12 @@ Json AblationTotals(const Json& records) {
                   {"num_false_safe", counts.at("num_false_safe")},
                   {"num_only_thin", counts.at("num_only_thin")},
                   {"failure_ratio", RoundedNumber(failed)},
+                  {"num_missed_things", counts.at("num_missed_things")},
                   {"num_landings", counts.at("num_landings")},
                   {"log_loss_change", RoundedNumber(change)}};
+    for (const auto& [key, count] : counts) {
+      if (key.starts_with(kFreeCells)) json[name][key.substr(kFreeCells.size())] = count;
+    }
   }
   return json;
 }

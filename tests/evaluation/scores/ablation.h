@@ -18,9 +18,10 @@ namespace freelsd {
 using Ablations = nlohmann::json;
 
 // {name: {num_found, num_accepted, num_false_safe, num_only_thin, num_flown, num_failed,
-// num_landings, log_loss, log_loss_of_all}, ...}, with "none" for the run itself. The losses are
-// sums over the landings of DrawLandings that were seen with and without the step: of the risk
-// without it, and of the run's own. The backend works again for each step, on the same views.
+// num_missed_things, num_landings, log_loss, log_loss_of_all, free cells of each true kind}, ...},
+// with "none" for the run itself. The losses are sums over the landings of DrawLandings that were
+// seen with and without the step: of the risk without it, and of the run's own. The backend works
+// again for each step, on the same views.
 nlohmann::json CountAblations(const Scenario& scenario,
                               const TruthMap& truth,
                               const Fields& fields,

@@ -79,14 +79,18 @@ std::optional<Site> DrawnSite(const EngineRun& run, const Scenario& scenario, ui
   return site;
 }
 
-// Whether the middle of final and roll was seen.
+// Whether final and roll were seen over the width of the path.
 bool IsSeen(const Approach& approach, const Aircraft& aircraft, const EngineRun& run) {
   const Grid& grid = run.evaluation.map.grid;
+  const Eigen::Vector2d forward = DirectionOf(approach.heading), right(forward.y(), -forward.x());
   const double begin = -approach.approach_distance, end = aircraft.ground_roll_m;
   for (double along = begin; along <= end; along += grid.cell_size_m) {
-    const auto cell =
-        grid.CellAt(approach.touchdown_in_world.head<2>() + along * DirectionOf(approach.heading));
-    if (!cell || run.evaluation.hazards.hazard(*cell) == kUnseen) return false;
+    for (double across = -aircraft.path_half_width_m; across <= aircraft.path_half_width_m;
+         across += grid.cell_size_m) {
+      const auto cell =
+          grid.CellAt(approach.touchdown_in_world.head<2>() + along * forward + across * right);
+      if (!cell || run.evaluation.hazards.hazard(*cell) == kUnseen) return false;
+    }
   }
   return true;
 }
@@ -104,7 +108,8 @@ Json LandingsJson(const std::vector<DrawnLanding>& drawn) {
     landings.push_back({landing.risk.failure_probability,
                         landing.observed,
                         landing.observed_thin,
-                        WithoutParts(landing.risk)});
+                        WithoutParts(landing.risk),
+                        landing.causes});
   }
   return landings;
 }
@@ -219,6 +224,20 @@ Json LossesWithoutParts(const Json& records) {
   return losses;
 }
 
+// What fails landings that the engine takes for safe.
+Json CausesOfSmallRisks(const Json& records) {
+  constexpr double kSmall = 0.1;
+  std::map<std::string, int> causes;
+  for (const Json& record : records) {
+    if (!record.contains("landing_risks")) continue;
+    for (const Json& landing : record.at("landing_risks").at("landings")) {
+      if (landing.at(0).get<double>() >= kSmall) continue;
+      for (const auto& [cause, num] : landing.at(4).items()) causes[cause] += num.get<int>();
+    }
+  }
+  return causes;
+}
+
 }  // namespace
 
 double LogLoss(double expected, double observed) {
@@ -264,8 +283,11 @@ std::vector<DrawnLanding> DrawLandings(const EngineRun& run,
     }
     const FlownSite flown = FlySite(scenario.world, truth, aircraft, *site, series);
     const auto share = [&](int count) { return static_cast<double>(count) / flown.num_flown; };
-    landings.push_back(
-        {*site, assessor.Assess(landing), share(flown.num_failed), share(flown.num_failed_thin)});
+    landings.push_back({*site,
+                        assessor.Assess(landing),
+                        share(flown.num_failed),
+                        share(flown.num_failed_thin),
+                        flown.causes});
   }
   return landings;
 }
@@ -319,7 +341,10 @@ Json LandingRiskTotals(const Json& records) {
     by_shape[NameOfBin(kShapeEdges[i])] = {
         {"num_cells", shapes[i][0]}, {"unfit_ratio", RoundedShare(shapes[i][1], shapes[i][0])}};
   }
-  return {{"risks", bins}, {"without_part", LossesWithoutParts(records)}, {"shapes", by_shape}};
+  return {{"risks", bins},
+          {"without_part", LossesWithoutParts(records)},
+          {"causes_below_0.1", CausesOfSmallRisks(records)},
+          {"shapes", by_shape}};
 }
 
 }  // namespace freelsd

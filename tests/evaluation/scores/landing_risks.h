@@ -4,7 +4,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -21,8 +23,7 @@ struct DrawnSeries {
   Eigen::Vector2d map_shift = Eigen::Vector2d::Zero();
 };
 
-// A landing at a random place of the map, into the wind, where the middle of final and roll was
-// seen.
+// A landing at a random place of the map, into the wind, where final and roll were seen.
 struct DrawnLanding {
   // With the approach of its plan, and the wind.
   Site site;
@@ -30,6 +31,8 @@ struct DrawnLanding {
   // Shares of the flights that failed, and that failed by thin things alone.
   double observed = 0.0;
   double observed_thin = 0.0;
+  // Flights that failed by what they met first, as in FlownSite.
+  std::map<std::string, int> causes;
 };
 
 // Of each bin of the expected risk at most some are flown. Empty without a map.
@@ -49,7 +52,7 @@ std::optional<LandingRisk> RiskAt(const Site& site,
 double LogLoss(double expected, double observed);
 
 // {"landings": [[expected, observed, observed by thin things alone, [expected without ground,
-// final, position, wind]], ...], "shapes": [[cells, unfit cells], ...]}, of DrawLandings.
+// final, position, wind], causes], ...], "shapes": [[cells, unfit cells], ...]}, of DrawLandings.
 nlohmann::json LandingRisksJson(const EngineRun& run,
                                 const Scenario& scenario,
                                 const TruthMap& truth,
@@ -58,7 +61,8 @@ nlohmann::json LandingRisksJson(const EngineRun& run,
 
 // By bins of the expected risk: number of landings, expected and observed failures per landing with
 // an interval (bootstrap over worlds). By part of the risk: the mean log loss without it, less that
-// with it. By bins of the shape's ratio: cells, and share of unfit ones.
+// with it. Of landings with a small expected risk: flights that failed, by cause. By bins of the
+// shape's ratio: cells, and share of unfit ones.
 nlohmann::json LandingRiskTotals(const nlohmann::json& records);
 
 }  // namespace freelsd
