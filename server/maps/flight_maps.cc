@@ -86,7 +86,7 @@ std::shared_ptr<const FlightMap> FlightMaps::Find(const Storage& storage,
     made = std::make_shared<const FlightMap>(FlightMap{*std::move(row),
                                                        std::move(head),
                                                        local_frame,
-                                                       std::move(request.options.hazard),
+                                                       request.options.hazard,
                                                        std::move(request.aircraft)});
   } catch (const std::exception& error) {
     spdlog::error("map {} cannot be used: {}", map_id, error.what());

@@ -13,11 +13,11 @@
 #include <unistd.h>
 
 #include "api/flight_parts.h"
+#include "tests/evaluation/ablation/ablation.h"
 #include "tests/evaluation/curves.h"
 #include "tests/evaluation/http_run.h"
 #include "tests/evaluation/pictures.h"
 #include "tests/evaluation/report.h"
-#include "tests/evaluation/scores/ablation.h"
 #include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/blinding.h"
 #include "tests/evaluation/stopwatch.h"
@@ -189,7 +189,7 @@ Json EvaluateWorld(const CampaignOptions& campaign,
   }
   if (!campaign.ablations.empty()) {
     record["ablations"] = CountAblations(
-        scenario, truth, fields, run, campaign.ablations, campaign.engine_options, seed);
+        scenario, truth, fields, run, {campaign.ablations, campaign.engine_options}, seed);
   }
   stopwatch.Lap("scores");
   if (!campaign.pictures.empty()) {

@@ -33,7 +33,7 @@ struct CampaignOptions {
   // Of Blinding: the map is made wrong on purpose before it is planned on; "" for none. "each": the
   // run is scored as it is, and all of them are counted besides.
   std::string blind;
-  // Steps of the engine that are left out in turn, besides (scores/ablation.h).
+  // Steps of the engine that are left out in turn, besides (ablation/ablation.h).
   nlohmann::json ablations = nlohmann::json::object();
 
   // Throws std::invalid_argument.

@@ -152,7 +152,7 @@ void AddOptions(CLI::App& app, Arguments& arguments) {
       [&campaign](const std::string& path) {
         campaign.ablations = Json::parse(ReadTextFile(path));
       },
-      "JSON file with steps of the engine to leave out in turn, besides (ablations.json)");
+      "JSON file with steps of the engine to leave out in turn, besides (ablation/ablations.json)");
   app.add_option("--model", arguments.model, "grass classifier, instead of the options' own");
   app.add_option("--max-false-safe", arguments.max_false_safe, "limit of the exit status");
   app.add_option("--min-found-ratio", arguments.min_found_ratio, "limit of the exit status");

@@ -5,7 +5,7 @@
 #include <map>
 #include <sstream>
 
-#include "tests/evaluation/scores/ablation.h"
+#include "tests/evaluation/ablation/ablation.h"
 #include "tests/evaluation/scores/blinded_counts.h"
 #include "tests/evaluation/scores/landing_risks.h"
 #include "tests/evaluation/scores/score_totals.h"

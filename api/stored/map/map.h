@@ -39,7 +39,7 @@ struct MapRasters {
   // Number of photographs that see the cell, at most 255. Empty if it was not computed.
   cv::Mat1b coverage;
   // As AddRisk (api/export/map) computes it. Never stored; empty if it was not computed.
-  cv::Mat1f risk;
+  cv::Mat1f risk = {};
 };
 // All cells of the grid unseen.
 MapRasters UnseenRasters(const Grid& grid);

@@ -24,7 +24,8 @@ MapWindow Meadow() {
   return window;
 }
 
-TEST_CASE("risk layer: it tells the risk of the cell, by kind and by shape; unseen stays unknown") {
+TEST_CASE(
+    "risk layer: it tells the risk of the cell, by kind and by shape, and unseen stays unknown") {
   MapWindow window = Meadow();
   auto& [map, layers] = window.site_map;
   const Aircraft aircraft;
@@ -75,7 +76,7 @@ TEST_CASE("risk layer: a pixel shows the largest risk of the cells that it touch
       cv::imdecode(std::vector<uint8_t>(png.begin(), png.end()), cv::IMREAD_COLOR);
   REQUIRE(picture.size() == cv::Size(4, 4));
   const auto is = [&](int row, int col, const Color& color) {
-    const auto pixel = picture.at<cv::Vec3b>(row, col);
+    const auto& pixel = picture.at<cv::Vec3b>(row, col);
     return std::abs(pixel[0] - color[2]) <= 2 && std::abs(pixel[1] - color[1]) <= 2 &&
            std::abs(pixel[2] - color[0]) <= 2;
   };

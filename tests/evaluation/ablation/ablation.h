@@ -13,9 +13,13 @@
 
 namespace freelsd {
 
-// How each step is switched off: {name: {"options": merged into the flight's options, "aircraft":
-// merged into the aircraft}, ...}.
-using Ablations = nlohmann::json;
+struct Ablations {
+  // How each step is switched off: {name: {"options": merged into the flight's options, "aircraft":
+  // merged into the aircraft}, ...}.
+  nlohmann::json steps;
+  // Of the run itself.
+  nlohmann::json engine_options;
+};
 
 // {name: {num_found, num_accepted, num_false_safe, num_only_thin, num_flown, num_failed,
 // num_missed_things, num_landings, log_loss, log_loss_of_all, free cells of each true kind}, ...},
@@ -27,7 +31,6 @@ nlohmann::json CountAblations(const Scenario& scenario,
                               const Fields& fields,
                               const EngineRun& run,
                               const Ablations& ablations,
-                              const nlohmann::json& engine_options,
                               uint64_t seed);
 
 // Sums over records; empty if none has such counts. `failure_ratio` is a share of the flights;

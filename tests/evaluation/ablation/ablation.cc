@@ -1,4 +1,4 @@
-#include "tests/evaluation/scores/ablation.h"
+#include "tests/evaluation/ablation/ablation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -141,6 +141,25 @@ void CountFreeCells(const Scenario& scenario,
   }
 }
 
+// What all steps are compared on.
+struct Basis {
+  const Scenario& scenario;
+  const TruthMap& truth;
+  const Fields& fields;
+  uint64_t seed = 0;
+  std::vector<DrawnLanding> landings;
+  MapOffset offset;
+};
+
+Json Count(const Basis& basis, const EngineRun& run, const Settings& settings) {
+  Json counts = Json::object();
+  CountSites(basis.scenario, basis.truth, basis.fields, run, basis.seed, counts);
+  CountLandings(basis.landings, run, settings.aircraft, settings.options.approach, counts);
+  CountMissedThings(basis.scenario, run, basis.offset, counts);
+  CountFreeCells(basis.scenario, basis.truth, run, counts);
+  return counts;
+}
+
 }  // namespace
 
 Json CountAblations(const Scenario& scenario,
@@ -148,24 +167,19 @@ Json CountAblations(const Scenario& scenario,
                     const Fields& fields,
                     const EngineRun& run,
                     const Ablations& ablations,
-                    const Json& engine_options,
                     uint64_t seed) {
-  Json json = Json::object();
-  const Settings whole = SettingsWithout(Json::object(), engine_options, scenario.aircraft);
-  const std::vector<DrawnLanding> landings =
-      DrawLandings(run, scenario, truth, whole.options.approach, seed);
-  const MapOffset offset = OffsetOf(scenario, truth, run);
-  const auto count = [&](const std::string& name, const EngineRun& counted, const Settings& with) {
-    Json& counts = json[name];
-    CountSites(scenario, truth, fields, counted, seed, counts);
-    CountLandings(landings, counted, with.aircraft, with.options.approach, counts);
-    CountMissedThings(scenario, counted, offset, counts);
-    CountFreeCells(scenario, truth, counted, counts);
-  };
-  count(kNothing, run, whole);
-  for (const auto& [name, step] : ablations.items()) {
-    const Settings settings = SettingsWithout(step, engine_options, scenario.aircraft);
-    count(name, RunWithout(scenario, run, settings), settings);
+  const Settings whole =
+      SettingsWithout(Json::object(), ablations.engine_options, scenario.aircraft);
+  const Basis basis{scenario,
+                    truth,
+                    fields,
+                    seed,
+                    DrawLandings(run, scenario, truth, whole.options.approach, seed),
+                    OffsetOf(scenario, truth, run)};
+  Json json{{kNothing, Count(basis, run, whole)}};
+  for (const auto& [name, step] : ablations.steps.items()) {
+    const Settings settings = SettingsWithout(step, ablations.engine_options, scenario.aircraft);
+    json[name] = Count(basis, RunWithout(scenario, run, settings), settings);
   }
   return json;
 }
