@@ -375,7 +375,7 @@ test('export: the layers of the map as GeoTIFF, photograph and hazard as KMZ', a
   await page.locator('#map-card summary').click();
   const files = await page.locator('#map-downloads [data-file]').evaluateAll((all) => all.map((button) => button.dataset.file));
   assert.deepEqual(files.filter((file) => file.endsWith('.kmz')), ['photo.kmz', 'hazard.kmz']);
-  assert.equal(files.filter((file) => file.endsWith('.tif')).length, 9);
+  assert.equal(files.filter((file) => file.endsWith('.tif')).length, 10);
   const [download] = await Promise.all([page.waitForEvent('download', kWait), page.locator('[data-file="photo.tif"]').click()]);
   assert.equal(download.suggestedFilename(), `${site.flight}-photo.tif`);
   assert.deepEqual(await smallTargets(page), []);
