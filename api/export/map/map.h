@@ -58,7 +58,7 @@ PhotoWindow Coarser(const PhotoWindow& window);
 // Fills the window's `risk`: the probability that the ground of a cell is not fit to land on, by
 // its kind and by its shape (engine/risk); NaN where unseen. It does not tell whether a landing
 // there would have room, or a way to it. In coarse cells, the height that the slope explains is no
-// object.
+// object, so a low object on a slope counts less there than in the finest cells.
 void AddRisk(MapWindow& window, const Aircraft& aircraft, double finest_cell_size_m);
 
 // --- Layers ---

@@ -117,7 +117,6 @@ TEST_CASE("flight map: a tile shows the house, the meadow and unseen ground wher
   CHECK(PixelAt(meadow, "hazard", 310.0, 0.0)[3] == 0);
   // From far away a house is still no meadow.
   const cv::Mat4b far = TileOver(meadow, "hazard", PlaceAt(0.0, 0.0), 14);
-  CHECK(cv::countNonZero(far.reshape(1).col(3)) >= 0);
   bool has_hazard = false;
   for (const cv::Vec4b& pixel : far) has_hazard = has_hazard || pixel == house;
   CHECK(has_hazard);
