@@ -82,7 +82,7 @@ struct AdjustmentOptions {
   // --- Cost ---
   // In flight, the newest views are adjusted with about this many tracks per view: the longest ones
   // in each part of the image. They suffice to place regions. 0: all tracks.
-  int num_refinement_tracks = 200;
+  int num_refinement_tracks = 75;
   // Does not change the result. The solver itself always uses one thread. With more threads, the
   // order of its sums would change from run to run.
   int num_threads = 1;

@@ -26,7 +26,7 @@ struct Round {
   double function_tolerance;
 };
 constexpr std::array<Round, 4> kRounds{
-    {{1e3, 30.0, 1e-3}, {10.0, 6.0, 1e-3}, {2.5, 2.0, 1e-4}, {1.0, 1.0, 1e-5}}};
+    {{1e3, 30.0, 1e-2}, {10.0, 6.0, 1e-2}, {2.5, 2.0, 1e-3}, {1.0, 1.0, 1e-4}}};
 // A start is poor if, in some view, half of the sightings have a larger error: the gate of the
 // second round would drop that view for good.
 constexpr double kPoorStartPx = 40.0;

@@ -19,6 +19,7 @@ constexpr double kNoLimit = 1e6;
 TracksOptions PaperTracks() {
   TracksOptions options;
   options.max_num_match_partners = 0;
+  options.max_num_predicted_corners = 0;
   options.min_ground_overlap_ratio = 1.0;
   options.max_alignment_shift_px = 0.0;
   return options;

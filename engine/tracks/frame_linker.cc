@@ -2,19 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
+#include "engine/tracks/prediction.h"
 #include "engine/tracks/verification.h"
 
 namespace freelsd {
 namespace {
 
-// Number of latest frames that keep descriptors: a survey of several lines, about 60 MB.
-constexpr size_t kNumDescribedFrames = 300;
+// Number of latest frames that keep image and descriptors: a survey of several lines, 0.4 to 0.6 MB
+// each.
+constexpr size_t kNumRememberedFrames = 240;
 // Frames farther apart than this many image diagonals on the ground do not overlap (with tilt).
 constexpr double kMaxReachDiagonals = 0.9;
 // Corners are refilled when fewer than this share is left, not after every loss.
 constexpr double kRefillRatio = 0.8;
+// A smaller predicted overlap of two photographs holds too few corners.
+constexpr double kMinPredictedOverlap = 0.1;
 
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -22,17 +27,9 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// Pixel in `to` of the ground point at a pixel of `from`.
-std::optional<Eigen::Vector2d> Transfer(const FrameMemory& memory,
-                                        const Eigen::Vector2d& point,
-                                        const std::pair<Rigid3d, Rigid3d>& from_to,
-                                        double ground_height) {
-  const auto& [world_from_first, world_from_second] = from_to;
-  const Eigen::Vector3d ray = world_from_first.rotation * memory.rig.camera.RayFromImage(point);
-  const double down = ground_height - world_from_first.translation.z();
-  if (ray.z() > -0.05 || down > 0.0) return std::nullopt;
-  const Eigen::Vector3d ground = world_from_first.translation + ray * (down / ray.z());
-  return memory.rig.camera.ImageFromCamera(Inverse(world_from_second) * ground);
+PosedImage PosedImageOf(const FrameMemory& memory, size_t frame) {
+  const FrameRecord& record = memory.frames[frame];
+  return {record.image, memory.CameraOf(frame), *record.world_from_camera};
 }
 
 // Predicted pixels of the previous frame's points; empty if the poses are unknown.
@@ -42,10 +39,12 @@ std::vector<Eigen::Vector2d> PredictPoints(const FrameMemory& memory,
   const size_t newest = memory.frames.size() - 1;
   const FrameRecord &from = memory.frames[newest - 1], &to = memory.frames[newest];
   if (!ground_height || !from.world_from_camera || !to.world_from_camera) return {};
+  const PosedImage posed_from = PosedImageOf(memory, newest - 1);
+  const PosedImage posed_to = PosedImageOf(memory, newest);
   std::vector<Eigen::Vector2d> predicted;
   for (const Eigen::Vector2d& point : points) {
     const std::optional<Eigen::Vector2d> there =
-        Transfer(memory, point, {*from.world_from_camera, *to.world_from_camera}, *ground_height);
+        TransferOverGround(posed_from, posed_to, point, *ground_height);
     if (!there) return {};
     predicted.push_back(*there);
   }
@@ -96,34 +95,109 @@ bool AcceptLink(FrameMemory& memory,
   return true;
 }
 
-void Describe(FrameRecord& record, const TrackingImage& image, const TracksOptions& options) {
+void Describe(FrameRecord& record, const TracksOptions& options) {
   if (!record.descriptors.empty()) return;
-  const DescribedPoints described = DescribeKeypoints(image, options);
+  const DescribedPoints described = DescribeKeypoints(record.image, options);
   record.first_described = static_cast<int>(record.points.size());
   record.points.insert(record.points.end(), described.points.begin(), described.points.end());
   record.descriptors = described.descriptors;
 }
 
 // Points to follow: those on tracks first, because long tracks are more valuable.
-std::vector<int> ChooseCorners(const FrameMemory& memory, size_t frame) {
+std::vector<int> ChooseCorners(const FrameMemory& memory, size_t frame, int max_count) {
   const int num_points = static_cast<int>(memory.frames[frame].points.size());
   std::vector<int> chosen, spare;
   for (int point = 0; point < num_points; ++point) {
-    (memory.table.HasTrack(frame, point) ? chosen : spare).push_back(point);
+    (memory.table.TrackOf(frame, point) ? chosen : spare).push_back(point);
   }
   chosen.insert(chosen.end(), spare.begin(), spare.end());
-  if (num_points > memory.options.max_num_corners) chosen.resize(memory.options.max_num_corners);
+  if (num_points > max_count) chosen.resize(static_cast<size_t>(max_count));
   return chosen;
 }
 
-// The predecessor, then the nearest described frames.
+// Adds corners to a frame that has lost many.
+void Refill(FrameRecord& record, int max_count) {
+  if (static_cast<double>(record.points.size()) >= kRefillRatio * max_count) return;
+  const std::vector<Eigen::Vector2d> fresh = FindCorners(record.image, record.points, max_count);
+  record.points.insert(record.points.end(), fresh.begin(), fresh.end());
+}
+
+// Points of the newest frame by the track to which they belong.
+std::map<int64_t, int> PointsByTrack(const FrameMemory& memory, size_t frame) {
+  std::map<int64_t, int> points;
+  for (int point = 0; point < static_cast<int>(memory.frames[frame].points.size()); ++point) {
+    if (const auto track = memory.table.TrackOf(frame, point)) points[*track] = point;
+  }
+  return points;
+}
+
+// Matches of the newest frame with `other`. Points on tracks that the newest frame has already are
+// not followed again; if they are the majority, none is.
+std::vector<IndexPair> MatchOverGround(FrameMemory& memory,
+                                       size_t other,
+                                       const PosedImage& newest_image,
+                                       const PlaneOverlap& overlap,
+                                       double ground_height) {
+  const size_t newest = memory.frames.size() - 1;
+  const std::map<int64_t, int> known = PointsByTrack(memory, newest);
+  const std::vector<Eigen::Vector2d>& points = memory.frames[other].points;
+  const PosedImage from = PosedImageOf(memory, other);
+  std::vector<IndexPair> matches;
+  std::vector<int> wanted;
+  std::vector<Eigen::Vector2d> places, guesses;
+  for (const int point : ChooseCorners(memory, other, memory.options.max_num_predicted_corners)) {
+    const std::optional<int64_t> track = memory.table.TrackOf(other, point);
+    const auto found = track ? known.find(*track) : known.end();
+    if (found != known.end()) {
+      matches.push_back({found->second, point});
+      continue;
+    }
+    const Eigen::Vector2d& place = points[static_cast<size_t>(point)];
+    const auto guess = TransferOverGround(from, newest_image, place, ground_height);
+    if (!guess || !newest_image.camera.IsInside(*guess)) continue;
+    wanted.push_back(point);
+    places.push_back(place);
+    guesses.push_back(*guess);
+  }
+  if (matches.size() > wanted.size()) return matches;
+  const auto followed =
+      FollowOverGround(from, newest_image, overlap, places, guesses, memory.options);
+  std::vector<Eigen::Vector2d>& here = memory.frames[newest].points;
+  for (size_t i = 0; i < followed.size(); ++i) {
+    if (!followed[i]) continue;
+    matches.push_back({static_cast<int>(here.size()), wanted[i]});
+    here.push_back(*followed[i]);
+  }
+  return matches;
+}
+
+// The newest image with the attitude that its matches with `other` suggest.
+void TurnByMatches(const FrameMemory& memory,
+                   size_t other,
+                   double ground_height,
+                   PosedImage& newest_image) {
+  const FrameRecord& record = memory.frames.back();
+  const PosedImage from = PosedImageOf(memory, other);
+  std::vector<Eigen::Vector2d> expected, found;
+  for (const IndexPair& pair : record.links.back().pairs) {
+    const Eigen::Vector2d& there = memory.frames[other].points[static_cast<size_t>(pair.b)];
+    const auto guess = TransferOverGround(from, newest_image, there, ground_height);
+    if (!guess) continue;
+    expected.push_back(*guess);
+    found.push_back(record.points[static_cast<size_t>(pair.a)]);
+  }
+  if (static_cast<int>(found.size()) < memory.options.min_num_verified_matches) return;
+  newest_image.world_from_camera.rotation = TurnedToFit(newest_image, expected, found);
+}
+
+// The predecessor, then the nearest remembered frames.
 std::vector<size_t> MatchPartners(const FrameMemory& memory, std::optional<double> ground_height) {
   const size_t newest = memory.frames.size() - 1;
   const Eigen::Vector3d here = memory.frames[newest].PriorPosition();
   const Camera& camera = memory.rig.camera;
   std::vector<std::pair<double, size_t>> near;
   for (size_t i = 0; i + 1 < newest; ++i) {
-    if (memory.frames[i].descriptors.empty()) continue;
+    if (memory.frames[i].image.grey.empty()) continue;
     const double distance = (memory.frames[i].PriorPosition() - here).head<2>().norm();
     const double height = ground_height ? std::max(here.z() - *ground_height, 1.0) : 0.0;
     const double diagonal =
@@ -140,17 +214,62 @@ std::vector<size_t> MatchPartners(const FrameMemory& memory, std::optional<doubl
   return partners;
 }
 
+// Remembered frames that show some of the same ground, the largest overlap first.
+std::vector<size_t> OverlappingPartners(const FrameMemory& memory,
+                                        const PosedImage& newest_image,
+                                        double ground_height) {
+  std::vector<std::pair<double, size_t>> by_overlap;
+  for (const size_t other : MatchPartners(memory, ground_height)) {
+    if (!memory.frames[other].world_from_camera) continue;
+    const auto overlap =
+        OverlapOverGround(PosedImageOf(memory, other), newest_image, ground_height);
+    if (overlap && overlap->ratio >= kMinPredictedOverlap) {
+      by_overlap.emplace_back(-overlap->ratio, other);
+    }
+  }
+  std::sort(by_overlap.begin(), by_overlap.end());
+  std::vector<size_t> partners;
+  partners.reserve(by_overlap.size());
+  for (const auto& [negative_ratio, other] : by_overlap) partners.push_back(other);
+  return partners;
+}
+
+// False if too few matches are verified. The newest frame then has the points that it had.
+bool LinkOverGround(FrameMemory& memory,
+                    size_t other,
+                    const PosedImage& newest_image,
+                    double ground_height) {
+  const size_t newest = memory.frames.size() - 1;
+  std::vector<Eigen::Vector2d>& points = memory.frames[newest].points;
+  const auto overlap =
+      OverlapOverGround(PosedImageOf(memory, other), newest_image, ground_height);
+  if (!overlap) return false;
+  const size_t num_before = points.size();
+  const std::vector<IndexPair> matches =
+      MatchOverGround(memory, other, newest_image, *overlap, ground_height);
+  const bool is_linked = AcceptLink(memory, newest, other, matches, newest_image.image.scale);
+  if (!is_linked) points.resize(num_before);
+  return is_linked;
+}
+
 }  // namespace
 
 void FrameLinker::LinkNewest(FrameMemory& memory, std::optional<double> ground_height) {
   memory.table.AddFrame();
-  previous_image_ = std::move(image_);
-  image_ = ReduceForTracking(memory.frames.back().frame.image, memory.options);
-  if (memory.frames.size() > kNumDescribedFrames) {
-    memory.frames[memory.frames.size() - 1 - kNumDescribedFrames].descriptors.release();
+  FrameRecord& record = memory.frames.back();
+  record.image = ReduceForTracking(record.frame.image, memory.options);
+  const size_t num_frames = memory.frames.size();
+  if (num_frames > kNumRememberedFrames) {
+    FrameRecord& forgotten = memory.frames[num_frames - 1 - kNumRememberedFrames];
+    forgotten.descriptors.release();
+    forgotten.image = {};
   }
-  if (memory.frames.size() < 2) return;
+  if (num_frames < 2) return;
+  if (num_frames > 2) memory.frames[num_frames - 3].image.pyramid.clear();
   if (ShouldFollow(memory, ground_height) && LinkByFollowing(memory, ground_height)) return;
+  const bool is_predictable = ground_height && record.world_from_camera &&
+                              memory.options.max_num_predicted_corners > 0;
+  if (is_predictable && LinkByPrediction(memory, *ground_height)) return;
   LinkByDescriptors(memory, ground_height);
 }
 
@@ -163,16 +282,17 @@ bool FrameLinker::ShouldFollow(const FrameMemory& memory,
 
 bool FrameLinker::LinkByFollowing(FrameMemory& memory, std::optional<double> ground_height) {
   const size_t newest = memory.frames.size() - 1;
-  Refill(memory, newest - 1);
+  const int max_count = memory.options.max_num_corners;
   FrameRecord &from = memory.frames[newest - 1], &to = memory.frames[newest];
-  const std::vector<int> chosen = ChooseCorners(memory, newest - 1);
+  Refill(from, max_count);
+  const std::vector<int> chosen = ChooseCorners(memory, newest - 1, max_count);
   std::vector<Eigen::Vector2d> corners;
   corners.reserve(chosen.size());
   for (const int index : chosen) corners.push_back(from.points[index]);
   const std::vector<Eigen::Vector2d> guesses = PredictPoints(memory, corners, ground_height);
-  previous_image_ = WithPyramid(std::move(previous_image_));
-  image_ = WithPyramid(std::move(image_));
-  const auto followed = FollowCorners(previous_image_, image_, corners, guesses, memory.options);
+  from.image = WithPyramid(std::move(from.image));
+  to.image = WithPyramid(std::move(to.image));
+  const auto followed = FollowCorners(from.image, to.image, corners, guesses, memory.options);
   std::vector<IndexPair> matches;
   std::vector<double> flows;
   for (size_t i = 0; i < corners.size(); ++i) {
@@ -181,7 +301,7 @@ bool FrameLinker::LinkByFollowing(FrameMemory& memory, std::optional<double> gro
     to.points.push_back(*followed[i]);
     flows.push_back((*followed[i] - corners[i]).norm() / memory.rig.camera.width_px);
   }
-  if (!AcceptLink(memory, newest, newest - 1, matches, image_.scale)) {
+  if (!AcceptLink(memory, newest, newest - 1, matches, to.image.scale)) {
     to.points.clear();
     return false;
   }
@@ -189,19 +309,30 @@ bool FrameLinker::LinkByFollowing(FrameMemory& memory, std::optional<double> gro
   return true;
 }
 
-void FrameLinker::Refill(FrameMemory& memory, size_t frame) const {
-  std::vector<Eigen::Vector2d>& points = memory.frames[frame].points;
-  if (static_cast<double>(points.size()) >= kRefillRatio * memory.options.max_num_corners) return;
-  const std::vector<Eigen::Vector2d> fresh = FindCorners(previous_image_, points, memory.options);
-  points.insert(points.end(), fresh.begin(), fresh.end());
+// The first linked partner, which has the largest overlap, tells the error of the newest attitude.
+bool FrameLinker::LinkByPrediction(FrameMemory& memory, double ground_height) {
+  const size_t newest = memory.frames.size() - 1;
+  FrameRecord& record = memory.frames[newest];
+  record.image = WithPyramid(std::move(record.image));
+  PosedImage image = PosedImageOf(memory, newest);
+  bool is_linked = false;
+  for (const size_t other : OverlappingPartners(memory, image, ground_height)) {
+    Refill(memory.frames[other], memory.options.max_num_predicted_corners);
+    if (!LinkOverGround(memory, other, image, ground_height)) continue;
+    if (!is_linked) TurnByMatches(memory, other, ground_height, image);
+    is_linked = true;
+  }
+  last_flow_ratio_.reset();
+  if (is_linked) Refill(record, memory.options.max_num_predicted_corners);
+  return is_linked;
 }
 
 void FrameLinker::LinkByDescriptors(FrameMemory& memory, std::optional<double> ground_height) {
   const size_t newest = memory.frames.size() - 1;
-  Describe(memory.frames[newest], image_, memory.options);
-  Describe(memory.frames[newest - 1], previous_image_, memory.options);
+  Describe(memory.frames[newest], memory.options);
   last_flow_ratio_.reset();
   for (const size_t other : MatchPartners(memory, ground_height)) {
+    Describe(memory.frames[other], memory.options);
     MatchPair(memory, newest, other);
   }
 }
@@ -216,7 +347,7 @@ void FrameLinker::MatchPair(FrameMemory& memory, size_t newest, size_t other) {
     flows.push_back((record.points[match.a] - neighbour.points[match.b]).norm() /
                     memory.rig.camera.width_px);
   }
-  if (!AcceptLink(memory, newest, other, matches, image_.scale)) return;
+  if (!AcceptLink(memory, newest, other, matches, record.image.scale)) return;
   if (other + 1 == newest) last_flow_ratio_ = Median(flows);
 }
 

@@ -1,5 +1,6 @@
-// Links a new frame to earlier ones: follows corners if the motion is small, else matches
-// descriptors.
+// Links a new frame to earlier ones. If the motion is small, corners are followed from the
+// predecessor. Else, if poses and ground are known, corners are followed from where they predict
+// them. Else, or if this fails, descriptors are matched.
 #pragma once
 
 #include <optional>
@@ -17,13 +18,10 @@ class FrameLinker {
  private:
   bool ShouldFollow(const FrameMemory& memory, std::optional<double> ground_height) const;
   bool LinkByFollowing(FrameMemory& memory, std::optional<double> ground_height);
-  void Refill(FrameMemory& memory, size_t frame) const;
+  bool LinkByPrediction(FrameMemory& memory, double ground_height);
   void LinkByDescriptors(FrameMemory& memory, std::optional<double> ground_height);
   void MatchPair(FrameMemory& memory, size_t newest, size_t other);
 
-  // Images of the newest frame and of its predecessor.
-  TrackingImage image_;
-  TrackingImage previous_image_;
   // Median displacement of points between the newest frame and its predecessor, as a share of the
   // image width. Nothing if the two are not linked.
   std::optional<double> last_flow_ratio_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/tracks/descriptor_matching.h"
+#include "engine/tracks/keypoints.h"
 #include "engine/tracks/track_table.h"
 #include "engine/tracks/tracks.h"
 
@@ -24,6 +25,8 @@ struct FrameRecord {
   // First tracked corners, then keypoints with descriptors. Distorted pixels of the full-size
   // image.
   std::vector<Eigen::Vector2d> points;
+  // Reduced image, from which points are followed to later frames; empty if no longer needed.
+  TrackingImage image;
   // Descriptors of the points from first_described on; empty if not computed or no longer needed.
   cv::Mat descriptors;
   int first_described = 0;

@@ -106,12 +106,12 @@ TrackingImage ReduceForTracking(const cv::Mat& image, const TracksOptions& optio
 
 std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
                                          const std::vector<Eigen::Vector2d>& existing,
-                                         const TracksOptions& options) {
-  const int missing = options.max_num_corners - static_cast<int>(existing.size());
+                                         int max_count) {
+  const int missing = max_count - static_cast<int>(existing.size());
   if (missing <= 0) return {};
   // A quarter of the mean spacing separates corners and still uses textured patches.
   const double area = static_cast<double>(image.grey.total());
-  const double spacing = 0.5 * std::sqrt(area / options.max_num_corners);
+  const double spacing = 0.5 * std::sqrt(area / max_count);
   cv::Mat mask(image.grey.size(), CV_8U, cv::Scalar(255));
   for (const Eigen::Vector2d& point : existing) {
     cv::circle(mask, image.ReducedFromFull(point), static_cast<int>(spacing), 0, cv::FILLED);

@@ -25,10 +25,10 @@ struct TrackingImage {
 };
 TrackingImage ReduceForTracking(const cv::Mat& image, const TracksOptions& options);
 
-// New corners, evenly spread, away from existing ones.
+// New corners, evenly spread, away from existing ones; at most `max_count` with these.
 std::vector<Eigen::Vector2d> FindCorners(const TrackingImage& image,
                                          const std::vector<Eigen::Vector2d>& existing,
-                                         const TracksOptions& options);
+                                         int max_count);
 
 // Adds the pyramid, which is needed twice: for the previous and for the next frame.
 TrackingImage WithPyramid(TrackingImage image);

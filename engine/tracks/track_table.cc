@@ -6,9 +6,9 @@ namespace freelsd {
 
 void TrackTable::AddFrame() { frames_.emplace_back(); }
 
-std::optional<int64_t> TrackTable::TrackOf(const Place& place) const {
-  const FrameEntry& entry = frames_[place.frame];
-  const auto found = entry.observation_of_point.find(place.point);
+std::optional<int64_t> TrackTable::TrackOf(size_t frame, int point) const {
+  const FrameEntry& entry = frames_[frame];
+  const auto found = entry.observation_of_point.find(point);
   if (found == entry.observation_of_point.end()) return std::nullopt;
   return entry.observations[found->second].track_id;
 }
@@ -45,7 +45,8 @@ void TrackTable::Merge(int64_t into, int64_t from) {
 }
 
 void TrackTable::Join(const Place& a, const Place& b) {
-  const std::optional<int64_t> track_a = TrackOf(a), track_b = TrackOf(b);
+  const std::optional<int64_t> track_a = TrackOf(a.frame, a.point);
+  const std::optional<int64_t> track_b = TrackOf(b.frame, b.point);
   if (track_a && track_b) {
     if (*track_a == *track_b || !CanMerge(*track_a, *track_b)) return;
     const bool a_is_longer = tracks_.at(*track_a).size() >= tracks_.at(*track_b).size();

@@ -34,9 +34,8 @@ class TrackTable {
   const std::vector<Observation>& ObservationsOf(size_t frame) const {
     return frames_[frame].observations;
   }
-  bool HasTrack(size_t frame, int point) const {
-    return frames_[frame].observation_of_point.count(point) > 0;
-  }
+  // Track of a frame's point; nothing if it was never matched.
+  std::optional<int64_t> TrackOf(size_t frame, int point) const;
   const std::vector<TrackMember>& MembersOf(int64_t track_id) const;
   // Frames whose observations changed since the last call, ascending.
   std::vector<size_t> TakeChangedFrames();
@@ -47,7 +46,6 @@ class TrackTable {
     // Observation of a point, once it belongs to a track.
     std::map<int, size_t> observation_of_point;
   };
-  std::optional<int64_t> TrackOf(const Place& place) const;
   void Append(int64_t track_id, const Place& place);
   bool CanMerge(int64_t a, int64_t b) const;
   void Merge(int64_t into, int64_t from);

@@ -23,6 +23,10 @@ struct TracksOptions {
   // matcher.
   int max_num_corners = 250;
   int max_num_keypoints = 1500;
+  // Photographs at larger displacements are linked without descriptors where poses and the height
+  // of the ground are known: this number of corners of each is followed from where they predict
+  // them. 0: descriptors are always matched.
+  int max_num_predicted_corners = 500;
   // Wider images are reduced to this width for matching. The unit of observations is still the
   // pixel of the full-size image. 752 is the width of the paper's video camera. At this width,
   // survey photographs match as well as at 1000, and faster.
@@ -51,9 +55,9 @@ struct TracksOptions {
   // computed.
   int max_num_waiting_frames = 12;
   // Photographs of the same ground without common tracks are matched again during adjustment. Each
-  // photograph is resampled to the view from straight above, at this width. Differs: in the paper's
-  // video, tracks connect all frames.
-  int ground_matching_width_px = 1200;
+  // photograph is resampled to the view from straight above, at this width. At 1200 as many views are
+  // tied, in four times the time. Differs: in the paper's video, tracks connect all frames.
+  int ground_matching_width_px = 600;
   int max_num_ground_keypoints = 3000;
   int min_num_tie_matches = 12;
   // Least overlap, as a share of the smaller footprint. Tilt and relief alone may cause a smaller

@@ -10,6 +10,7 @@ void TracksOptions::Check() const {
   check.Inside("max_klt_flow_ratio", max_klt_flow_ratio, 0.0, 1.0);
   check.Inside("max_num_corners", max_num_corners, 30, 10000);
   check.Inside("max_num_keypoints", max_num_keypoints, 50, 20000);
+  check.Inside("max_num_predicted_corners", max_num_predicted_corners, 0, 20000);
   check.Inside("matching_width_px", matching_width_px, 160, 8000);
   check.Inside("max_forward_backward_error_px", max_forward_backward_error_px, 0.01, 20.0);
   check.Inside("min_num_verified_matches", min_num_verified_matches, 8, 1000);

@@ -237,6 +237,23 @@ Contest WholeFrontend(const BenchScene& scene, const std::string& model_text) {
           kNumFramesOfLeg};
 }
 
+// Survey photographs, whose poses are refined as they arrive.
+Contest SurveyFrontend(const BenchScene& scene, const std::string& model_text) {
+  const Classifier classifier = Classifier::Parse(model_text);
+  PipelineOptions options = scene.options;
+  options.tracks.max_klt_flow_ratio = 0.0;
+  return {"survey_frontend",
+          SizeOf(scene.frames.front().image),
+          [=, &scene, frames = FramesInFlight(scene)] {
+            Frontend frontend(scene.rig, options, classifier);
+            for (const Frame& frame : frames) frontend.Process(frame);
+            Consume(static_cast<double>(frontend.RankedRegions().size()));
+          },
+          "",
+          {},
+          static_cast<double>(scene.frames.size())};
+}
+
 // A photograph of 12 megapixels from its JPEG to labelled regions; joining it with others is the
 // row of descriptors.
 Contest Photograph(const BenchScene& scene, const std::string& model_text) {
@@ -277,6 +294,7 @@ std::vector<Entry> FrontendEntries(const std::string& model_text) {
       {"descriptors", [=] { return MatchDescriptorsOfSurvey(Scene(model_text)); }},
       {"region_manager", [=] { return ManageRegions(Scene(model_text), model_text); }},
       {"frontend", [=] { return WholeFrontend(Scene(model_text), model_text); }},
+      {"survey_frontend", [=] { return SurveyFrontend(Scene(model_text), model_text); }},
       {"photograph", [=] { return Photograph(Scene(model_text), model_text); }},
   };
 }

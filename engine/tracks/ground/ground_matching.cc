@@ -123,7 +123,7 @@ std::vector<IndexPair> MatchOnGround(const Camera& camera_a,
     of_b.push_back(match.b);
   }
   const double scale =
-      std::min(1.0, static_cast<double>(options.ground_matching_width_px) / camera_a.width_px);
+      std::min(1.0, static_cast<double>(options.matching_width_px) / camera_a.width_px);
   std::vector<IndexPair> verified;
   for (const int index : VerifyMatches(IdealPixels(camera_a, a, of_a, scale),
                                        IdealPixels(camera_b, b, of_b, scale),

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
@@ -143,6 +144,32 @@ void Run(const std::vector<std::string>& folders, const std::string& model) {
   for (const auto& [name, errors] : controls) PrintControl(name, errors);
 }
 
+// What the whole of the engine costs on stored flights, stage by stage.
+void RunStages(const std::vector<std::string>& folders, const std::string& model) {
+  const Classifier classifier = ReadClassifier(model);
+  std::puts("| flight | photographs | stage | times | seconds |\n|---|---|---|---|---|");
+  for (const std::string& folder : folders) {
+    const std::string name = fs::path(folder).filename().string();
+    const RecordedFrames flight = ReadRecordedFrames(folder);
+    const Evaluation evaluation =
+        Detect(flight.rig, flight.frames, Aircraft{}, PipelineOptions{}, classifier);
+    std::map<std::string, std::pair<int, double>> stages;
+    for (const StageReport& report : evaluation.reports) {
+      auto& [num_times, seconds] = stages[report.stage];
+      num_times += 1;
+      seconds += report.seconds;
+    }
+    for (const auto& [stage, cost] : stages) {
+      std::printf("| %s | %zu | %s | %d | %.2f |\n",
+                  name.c_str(),
+                  flight.frames.size(),
+                  stage.c_str(),
+                  cost.first,
+                  cost.second);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace freelsd
 
@@ -157,9 +184,13 @@ int main(int argc, char** argv) {
     app.add_option("--model", model, "the classifier")->check(CLI::ExistingFile);
     std::string mosaic;
     app.add_option("--mosaic", mosaic, "makes mosaics instead, in folders of this folder");
+    bool is_timed = false;
+    app.add_flag("--stages", is_timed, "prints instead what each stage of the engine costs");
     CLI11_PARSE(app, argc, argv);
     freelsd::CheckPools(folders);
-    if (mosaic.empty()) {
+    if (is_timed) {
+      freelsd::RunStages(folders, model);
+    } else if (mosaic.empty()) {
       freelsd::Run(folders, model);
     } else {
       freelsd::RunMosaics(folders, model, mosaic);
