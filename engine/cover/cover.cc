@@ -1,5 +1,7 @@
 #include "engine/cover/cover.h"
 
+#include <opencv2/core/utility.hpp>
+
 #include "engine/cover/fences.h"
 #include "engine/cover/grass.h"
 #include "engine/cover/kind/kind.h"
@@ -62,7 +64,14 @@ cv::Mat1f GrassByRules(const ElevationMap& map,
                        const Orthophoto& photo,
                        MeadowCells& cells) {
   cv::Mat1f grass = FuseGrass(map, grass_views, options);
-  if (!photo.image.empty()) grass.setTo(0.0f, FindLookAlikes(photo, map.grid, options));
+  cv::Mat1b look_alikes;
+  cv::parallel_for_({0, 2}, [&](const cv::Range& steps) {
+    for (int step = steps.start; step < steps.end; ++step) {
+      if (step == 0) cells.objects = FindSmallObjects(photo, map.grid, options);
+      if (step == 1) look_alikes = FindLookAlikes(photo, map.grid, options);
+    }
+  });
+  if (!look_alikes.empty()) grass.setTo(0.0f, look_alikes);
   // Fences and objects are still part of their meadow here.
   cells.is_meadow = grass >= options.min_grass_posterior;
   if (!cells.objects.empty()) grass.setTo(0.0f, cells.objects);
@@ -86,10 +95,10 @@ GroundCover AssessCover(const ElevationMap& map,
   // Nothing else needs it, and the other steps need its memory.
   photo.second_image.release();
   MeadowCells cells;
-  cells.objects = FindSmallObjects(photo, map.grid, options);
   if (options.cover_method == CoverMethod::kRules) {
     cover.grass = GrassByRules(map, surface, grass_views, options, photo, cells);
   } else {
+    cells.objects = FindSmallObjects(photo, map.grid, options);
     cover.grass = GrassProbability({map, surface, grass_views, photo}, options, ShippedKindModel());
     cells.is_meadow = cover.grass >= options.min_grass_posterior;
   }

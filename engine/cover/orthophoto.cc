@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "engine/cover/cover.h"
@@ -63,25 +64,29 @@ cv::Mat1i SteepestViews(const ElevationMap& map,
                         double min_crossing_ratio = 0.0) {
   cv::Mat1i steepest(map.elevation.size(), -1);
   cv::Mat1f least(map.elevation.size(), std::numeric_limits<float>::infinity());
-  for (size_t v = 0; v < block.views.size(); ++v) {
-    if (!block.views[v].is_connected) continue;
-    const Camera camera = block.CameraOf(v);
-    const Rigid3d& world_from_camera = block.views[v].world_from_camera;
-    const Rigid3d camera_from_world = Inverse(world_from_camera);
-    for (int row = 0; row < steepest.rows; ++row) {
-      for (int col = 0; col < steepest.cols; ++col) {
-        if (!map.IsSeen(row, col)) continue;
-        const Eigen::Vector2d offset =
-            map.grid.CellCenter(row, col) - world_from_camera.translation.head<2>();
-        const auto distance = static_cast<float>(offset.squaredNorm());
-        if (distance >= least(row, col)) continue;
-        if (!first.empty() && !IsElsewhere(block, v, first(row, col), min_crossing_ratio)) continue;
-        if (!IsCellShown(map, camera, camera_from_world, row, col)) continue;
-        least(row, col) = distance;
-        steepest(row, col) = static_cast<int>(v);
+  cv::parallel_for_({0, steepest.rows}, [&](const cv::Range& rows) {
+    for (size_t v = 0; v < block.views.size(); ++v) {
+      if (!block.views[v].is_connected) continue;
+      const Camera camera = block.CameraOf(v);
+      const Rigid3d& world_from_camera = block.views[v].world_from_camera;
+      const Rigid3d camera_from_world = Inverse(world_from_camera);
+      for (int row = rows.start; row < rows.end; ++row) {
+        for (int col = 0; col < steepest.cols; ++col) {
+          if (!map.IsSeen(row, col)) continue;
+          const Eigen::Vector2d offset =
+              map.grid.CellCenter(row, col) - world_from_camera.translation.head<2>();
+          const auto distance = static_cast<float>(offset.squaredNorm());
+          if (distance >= least(row, col)) continue;
+          if (!first.empty() && !IsElsewhere(block, v, first(row, col), min_crossing_ratio)) {
+            continue;
+          }
+          if (!IsCellShown(map, camera, camera_from_world, row, col)) continue;
+          least(row, col) = distance;
+          steepest(row, col) = static_cast<int>(v);
+        }
       }
     }
-  }
+  });
   return steepest;
 }
 
@@ -197,15 +202,17 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
         block.views[v].height_above_ground / block.camera.MeanFocalPx();
     const ScaledImage scaled = ScaleTo(image, ground_sampling_m, photo.grid.cell_size_m);
     const CellPainter painter(map, block, v, scaled);
-    for (int row = 0; row < photo.view.rows; ++row) {
-      for (int col = 0; col < photo.view.cols; ++col) {
-        if (photo.view(row, col) == number) {
-          painter.Paint(row, col, num_parts, photo.image, photo.seen);
-        } else if (photo.second_view(row, col) == number) {
-          painter.Paint(row, col, num_parts, photo.second_image, photo.second_seen);
+    cv::parallel_for_({0, photo.view.rows}, [&](const cv::Range& rows) {
+      for (int row = rows.start; row < rows.end; ++row) {
+        for (int col = 0; col < photo.view.cols; ++col) {
+          if (photo.view(row, col) == number) {
+            painter.Paint(row, col, num_parts, photo.image, photo.seen);
+          } else if (photo.second_view(row, col) == number) {
+            painter.Paint(row, col, num_parts, photo.second_image, photo.second_seen);
+          }
         }
       }
-    }
+    });
   }
   return photo;
 }

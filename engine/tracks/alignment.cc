@@ -4,12 +4,14 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <mutex>
 #include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include <Eigen/LU>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "engine/tracks/tracks.h"
@@ -221,6 +223,38 @@ std::map<int64_t, Reference> ReferencesOf(const std::vector<View>& views,
   return references;
 }
 
+struct AlignmentTask {
+  const std::vector<View>& given;
+  size_t view;
+  const std::map<int64_t, Reference>& references;
+  const Camera& camera;
+  const TracksOptions& options;
+};
+
+// Aligns the sightings of one view.
+void AlignView(const AlignmentTask& task,
+               const ImageSource& images,
+               std::vector<Observation>& observations) {
+  const auto& [given, view, references, camera, options] = task;
+  const cv::Mat image = images(given[view].frame_id);
+  if (image.empty()) return;
+  const cv::Mat1f grey = Blurred(image);
+  for (Observation& seen : observations) {
+    const auto found = references.find(seen.track_id);
+    if (found == references.end() || found->second.view == view) continue;
+    const Reference& reference = found->second;
+    const View& from = given[reference.view];
+    const auto linear = LinearTransfer(from,
+                                       camera.With(from.readout),
+                                       given[view],
+                                       camera.With(given[view].readout),
+                                       reference.point_in_image);
+    if (!linear) continue;
+    const auto aligned = Align(reference, grey, seen.point_in_image, *linear, options);
+    if (aligned) seen.point_in_image = *aligned;
+  }
+}
+
 }  // namespace
 
 std::vector<View> AlignSightings(std::vector<View> views,
@@ -231,25 +265,16 @@ std::vector<View> AlignSightings(std::vector<View> views,
   if (!is_reduced || options.max_alignment_shift_px == 0.0) return views;
   const std::map<int64_t, Reference> references = ReferencesOf(views, camera, images);
   const std::vector<View> given = views;
-  for (size_t i = 0; i < views.size(); ++i) {
-    const cv::Mat image = images(views[i].frame_id);
-    if (image.empty()) continue;
-    const cv::Mat1f grey = Blurred(image);
-    for (Observation& seen : views[i].observations) {
-      const auto found = references.find(seen.track_id);
-      if (found == references.end() || found->second.view == i) continue;
-      const Reference& reference = found->second;
-      const View& from = given[reference.view];
-      const auto linear = LinearTransfer(from,
-                                         camera.With(from.readout),
-                                         views[i],
-                                         camera.With(views[i].readout),
-                                         reference.point_in_image);
-      if (!linear) continue;
-      const auto aligned = Align(reference, grey, seen.point_in_image, *linear, options);
-      if (aligned) seen.point_in_image = *aligned;
+  std::mutex one_at_a_time;
+  const ImageSource guarded = [&](const std::string& frame_id) {
+    const std::lock_guard<std::mutex> lock(one_at_a_time);
+    return images(frame_id);
+  };
+  cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {
+    for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
+      AlignView({given, i, references, camera, options}, guarded, views[i].observations);
     }
-  }
+  });
   return views;
 }
 

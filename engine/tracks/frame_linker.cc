@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include <opencv2/core/utility.hpp>
+
 #include "engine/tracks/prediction.h"
 #include "engine/tracks/verification.h"
 
@@ -329,17 +331,23 @@ bool FrameLinker::LinkByPrediction(FrameMemory& memory, double ground_height) {
 
 void FrameLinker::LinkByDescriptors(FrameMemory& memory, std::optional<double> ground_height) {
   const size_t newest = memory.frames.size() - 1;
-  Describe(memory.frames[newest], memory.options);
+  FrameRecord& record = memory.frames[newest];
+  Describe(record, memory.options);
   last_flow_ratio_.reset();
-  for (const size_t other : MatchPartners(memory, ground_height)) {
-    Describe(memory.frames[other], memory.options);
-    MatchPair(memory, newest, other);
-  }
+  const std::vector<size_t> partners = MatchPartners(memory, ground_height);
+  for (const size_t other : partners) Describe(memory.frames[other], memory.options);
+  std::vector<std::vector<IndexPair>> matches(partners.size());
+  cv::parallel_for_({0, static_cast<int>(partners.size())}, [&](const cv::Range& range) {
+    for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
+      matches[i] = MatchDescriptors(record.descriptors, memory.frames[partners[i]].descriptors);
+    }
+  });
+  for (size_t i = 0; i < partners.size(); ++i) AcceptPair(memory, partners[i], matches[i]);
 }
 
-void FrameLinker::MatchPair(FrameMemory& memory, size_t newest, size_t other) {
+void FrameLinker::AcceptPair(FrameMemory& memory, size_t other, std::vector<IndexPair>& matches) {
+  const size_t newest = memory.frames.size() - 1;
   const FrameRecord &record = memory.frames[newest], &neighbour = memory.frames[other];
-  std::vector<IndexPair> matches = MatchDescriptors(record.descriptors, neighbour.descriptors);
   std::vector<double> flows;
   for (IndexPair& match : matches) {
     match.a += record.first_described;

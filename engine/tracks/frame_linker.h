@@ -20,7 +20,7 @@ class FrameLinker {
   bool LinkByFollowing(FrameMemory& memory, std::optional<double> ground_height);
   bool LinkByPrediction(FrameMemory& memory, double ground_height);
   void LinkByDescriptors(FrameMemory& memory, std::optional<double> ground_height);
-  void MatchPair(FrameMemory& memory, size_t newest, size_t other);
+  void AcceptPair(FrameMemory& memory, size_t other, std::vector<IndexPair>& matches);
 
   // Median displacement of points between the newest frame and its predecessor, as a share of the
   // image width. Nothing if the two are not linked.

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <optional>
 #include <utility>
 
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "engine/tracks/descriptor_matching.h"
@@ -160,23 +162,38 @@ std::vector<View> TieOnGround(std::vector<View> views,
       OverlappingPairs(views, camera, options.min_ground_overlap_ratio);
   const std::vector<bool> is_border = BorderViews(pairs, group);
   std::vector<GroundPoints> points(views.size());
+  std::mutex one_at_a_time;
+  const ImageSource guarded = [&](const std::string& frame_id) {
+    const std::lock_guard<std::mutex> lock(one_at_a_time);
+    return images(frame_id);
+  };
+  cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {
+    for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
+      if (!is_border[i]) continue;
+      const cv::Mat image = guarded(views[i].frame_id);
+      if (image.empty()) continue;
+      points[i] = DescribeGround(views[i], camera.With(views[i].readout), image, options);
+    }
+  });
+  std::vector<std::vector<IndexPair>> matches(pairs.size());
+  cv::parallel_for_({0, static_cast<int>(pairs.size())}, [&](const cv::Range& range) {
+    for (auto k = static_cast<size_t>(range.start); k < static_cast<size_t>(range.end); ++k) {
+      const auto& [i, j] = pairs[k];
+      const double radius_m = options.max_ground_error_ratio *
+                              std::max(views[i].height_above_ground, views[j].height_above_ground);
+      matches[k] = MatchOnGround(camera.With(views[i].readout),
+                                 points[i],
+                                 camera.With(views[j].readout),
+                                 points[j],
+                                 radius_m,
+                                 options);
+    }
+  });
   TrackTable table;
-  for (size_t i = 0; i < views.size(); ++i) {
-    table.AddFrame();
-    if (!is_border[i]) continue;
-    const cv::Mat image = images(views[i].frame_id);
-    if (image.empty()) continue;
-    points[i] = DescribeGround(views[i], camera.With(views[i].readout), image, options);
-  }
-  for (const auto& [i, j] : pairs) {
-    const double radius_m = options.max_ground_error_ratio *
-                            std::max(views[i].height_above_ground, views[j].height_above_ground);
-    for (const IndexPair& match : MatchOnGround(camera.With(views[i].readout),
-                                                points[i],
-                                                camera.With(views[j].readout),
-                                                points[j],
-                                                radius_m,
-                                                options)) {
+  for (size_t i = 0; i < views.size(); ++i) table.AddFrame();
+  for (size_t k = 0; k < pairs.size(); ++k) {
+    const auto& [i, j] = pairs[k];
+    for (const IndexPair& match : matches[k]) {
       table.Join({i, match.a, points[i].in_image[static_cast<size_t>(match.a)]},
                  {j, match.b, points[j].in_image[static_cast<size_t>(match.b)]});
     }
