@@ -8,7 +8,6 @@
 
 #include <Eigen/Core>
 
-#include "engine/geometry/camera.h"
 #include "engine/geometry/geometry.h"
 #include "engine/tracks/keypoints.h"
 
