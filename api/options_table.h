@@ -18,9 +18,7 @@ void VisitFields(Of<TracksOptions> auto& o, Visitor&& visit) {
         "largest predicted flow at which corners are tracked, share of the image");
   visit("max_num_corners", o.max_num_corners, "largest number of tracked corners per frame");
   visit("max_num_keypoints", o.max_num_keypoints, "largest number of matched keypoints per frame");
-  visit("max_num_predicted_corners",
-        o.max_num_predicted_corners,
-        "largest number of corners per photograph that are followed from predicted places; 0: off");
+  visit("max_num_predicted_corners", o.max_num_predicted_corners, "predicted corners; 0: none");
   visit("matching_width_px",
         o.matching_width_px,
         "wider images are reduced to this width for matching");

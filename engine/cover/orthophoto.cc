@@ -56,38 +56,67 @@ bool IsElsewhere(const AdjustedBlock& block, size_t view, int first, double min_
   return baseline.head<2>().norm() >= min_crossing_ratio * other.height_above_ground;
 }
 
-// The connected view that looks down on each seen cell most steeply; -1 where none sees it. With
-// `first` given, only views whose cameras are far enough from that view's camera compete.
+// The view that looks down on each seen cell most steeply. With `first` given, only views whose
+// cameras are far enough from that view's camera compete.
+class SteepestView {
+ public:
+  SteepestView(const ElevationMap& map,
+               const AdjustedBlock& block,
+               const cv::Mat1i& first,
+               double min_crossing_ratio)
+      : map_(map),
+        block_(block),
+        first_(first),
+        min_crossing_ratio_(min_crossing_ratio),
+        steepest_(map.elevation.size(), -1),
+        least_(map.elevation.size(), std::numeric_limits<float>::infinity()) {}
+
+  void Offer(size_t view, const cv::Range& rows) {
+    const Camera camera = block_.CameraOf(view);
+    const Rigid3d& world_from_camera = block_.views[view].world_from_camera;
+    const Rigid3d camera_from_world = Inverse(world_from_camera);
+    for (int row = rows.start; row < rows.end; ++row) {
+      for (int col = 0; col < steepest_.cols; ++col) {
+        if (!map_.IsSeen(row, col)) continue;
+        const Eigen::Vector2d offset =
+            map_.grid.CellCenter(row, col) - world_from_camera.translation.head<2>();
+        const auto distance = static_cast<float>(offset.squaredNorm());
+        if (distance >= least_(row, col) || !MayCompete(view, row, col)) continue;
+        if (!IsCellShown(map_, camera, camera_from_world, row, col)) continue;
+        least_(row, col) = distance;
+        steepest_(row, col) = static_cast<int>(view);
+      }
+    }
+  }
+
+  // -1 where no view sees the cell.
+  const cv::Mat1i& OfCells() const { return steepest_; }
+
+ private:
+  bool MayCompete(size_t view, int row, int col) const {
+    return first_.empty() || IsElsewhere(block_, view, first_(row, col), min_crossing_ratio_);
+  }
+
+  const ElevationMap& map_;
+  const AdjustedBlock& block_;
+  const cv::Mat1i first_;
+  double min_crossing_ratio_;
+  cv::Mat1i steepest_;
+  cv::Mat1f least_;
+};
+
+// Of the connected views.
 cv::Mat1i SteepestViews(const ElevationMap& map,
                         const AdjustedBlock& block,
                         const cv::Mat1i& first = {},
                         double min_crossing_ratio = 0.0) {
-  cv::Mat1i steepest(map.elevation.size(), -1);
-  cv::Mat1f least(map.elevation.size(), std::numeric_limits<float>::infinity());
-  cv::parallel_for_({0, steepest.rows}, [&](const cv::Range& rows) {
-    for (size_t v = 0; v < block.views.size(); ++v) {
-      if (!block.views[v].is_connected) continue;
-      const Camera camera = block.CameraOf(v);
-      const Rigid3d& world_from_camera = block.views[v].world_from_camera;
-      const Rigid3d camera_from_world = Inverse(world_from_camera);
-      for (int row = rows.start; row < rows.end; ++row) {
-        for (int col = 0; col < steepest.cols; ++col) {
-          if (!map.IsSeen(row, col)) continue;
-          const Eigen::Vector2d offset =
-              map.grid.CellCenter(row, col) - world_from_camera.translation.head<2>();
-          const auto distance = static_cast<float>(offset.squaredNorm());
-          if (distance >= least(row, col)) continue;
-          if (!first.empty() && !IsElsewhere(block, v, first(row, col), min_crossing_ratio)) {
-            continue;
-          }
-          if (!IsCellShown(map, camera, camera_from_world, row, col)) continue;
-          least(row, col) = distance;
-          steepest(row, col) = static_cast<int>(v);
-        }
-      }
+  SteepestView steepest(map, block, first, min_crossing_ratio);
+  cv::parallel_for_({0, map.elevation.rows}, [&](const cv::Range& rows) {
+    for (size_t view = 0; view < block.views.size(); ++view) {
+      if (block.views[view].is_connected) steepest.Offer(view, rows);
     }
   });
-  return steepest;
+  return steepest.OfCells();
 }
 
 // An image scaled so that its pixels are about as large on the ground as the orthophoto's cells.

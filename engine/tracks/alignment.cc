@@ -265,9 +265,10 @@ std::vector<View> AlignSightings(std::vector<View> views,
   if (!is_reduced || options.max_alignment_shift_px == 0.0) return views;
   const std::map<int64_t, Reference> references = ReferencesOf(views, camera, images);
   const std::vector<View> given = views;
-  std::mutex one_at_a_time;
+  // Guards `images`, which may keep what it read last.
+  std::mutex images_mutex;
   const ImageSource guarded = [&](const std::string& frame_id) {
-    const std::lock_guard<std::mutex> lock(one_at_a_time);
+    const std::lock_guard<std::mutex> lock(images_mutex);
     return images(frame_id);
   };
   cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {

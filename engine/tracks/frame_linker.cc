@@ -243,8 +243,7 @@ bool LinkOverGround(FrameMemory& memory,
                     double ground_height) {
   const size_t newest = memory.frames.size() - 1;
   std::vector<Eigen::Vector2d>& points = memory.frames[newest].points;
-  const auto overlap =
-      OverlapOverGround(PosedImageOf(memory, other), newest_image, ground_height);
+  const auto overlap = OverlapOverGround(PosedImageOf(memory, other), newest_image, ground_height);
   if (!overlap) return false;
   const size_t num_before = points.size();
   const std::vector<IndexPair> matches =
@@ -269,8 +268,8 @@ void FrameLinker::LinkNewest(FrameMemory& memory, std::optional<double> ground_h
   if (num_frames < 2) return;
   if (num_frames > 2) memory.frames[num_frames - 3].image.pyramid.clear();
   if (ShouldFollow(memory, ground_height) && LinkByFollowing(memory, ground_height)) return;
-  const bool is_predictable = ground_height && record.world_from_camera &&
-                              memory.options.max_num_predicted_corners > 0;
+  const bool is_predictable =
+      ground_height && record.world_from_camera && memory.options.max_num_predicted_corners > 0;
   if (is_predictable && LinkByPrediction(memory, *ground_height)) return;
   LinkByDescriptors(memory, ground_height);
 }

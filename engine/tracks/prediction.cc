@@ -48,8 +48,8 @@ cv::Rect SharedPart(const PosedImage& from, const PosedImage& to, const PlaneOve
     }
     box.extend(Mapped(overlap.to_from_from, corner));
   }
-  const double kFar = 1e6;
-  const Eigen::Vector2d min = box.min().cwiseMax(-kFar), max = box.max().cwiseMin(kFar);
+  constexpr double kFarPx = 1e6;
+  const Eigen::Vector2d min = box.min().cwiseMax(-kFarPx), max = box.max().cwiseMin(kFarPx);
   const cv::Rect part(static_cast<int>(min.x()) - kMarginPx,
                       static_cast<int>(min.y()) - kMarginPx,
                       static_cast<int>(max.x() - min.x()) + 2 * kMarginPx,
@@ -148,8 +148,8 @@ std::vector<std::optional<Eigen::Vector2d>> FollowOverGround(
   for (const Eigen::Vector2d& point : points_in_from) {
     const cv::Point2f reduced = from.image.ReducedFromFull(point);
     const Eigen::Vector2d start = Mapped(overlap.to_from_from, {reduced.x, reduced.y});
-    starts.push_back(to.image.FullFromReduced(
-        {static_cast<float>(start.x()), static_cast<float>(start.y())}));
+    starts.push_back(
+        to.image.FullFromReduced({static_cast<float>(start.x()), static_cast<float>(start.y())}));
   }
   auto followed =
       FollowCorners(Warped(from, to, overlap), to.image, starts, guesses_in_to, options);

@@ -55,8 +55,8 @@ struct TracksOptions {
   // computed.
   int max_num_waiting_frames = 12;
   // Photographs of the same ground without common tracks are matched again during adjustment. Each
-  // photograph is resampled to the view from straight above, at this width. At 1200 as many views are
-  // tied, in four times the time. Differs: in the paper's video, tracks connect all frames.
+  // photograph is resampled to the view from straight above, at this width. At 1200 as many views
+  // are tied, in four times the time. Differs: in the paper's video, tracks connect all frames.
   int ground_matching_width_px = 600;
   int max_num_ground_keypoints = 3000;
   int min_num_tie_matches = 12;
@@ -129,8 +129,8 @@ struct ReadyFrame {
 // Adds tracks between views of different groups, and returns all views. `group` has one number per
 // view; negative: no group. The adjusted poses and `camera` are used to resample each image to the
 // view from straight above. The images are then matched near the positions that the poses predict.
-// This finds matches in narrow overlaps and between different headings. Holds one image in memory
-// at a time.
+// This finds matches in narrow overlaps and between different headings. Holds one image per core in
+// memory.
 std::vector<View> TieOnGround(std::vector<View> views,
                               const std::vector<int>& group,
                               const Camera& camera,
@@ -140,7 +140,7 @@ std::vector<View> TieOnGround(std::vector<View> views,
 // Aligns the sightings of each track with its sighting nearest to the image centre, by the grey
 // values of the full-size photographs. Keypoints are found in reduced photographs, with an error of
 // about half a pixel of the full-size one. The poses are used for scale, rotation and perspective
-// of the patches. Holds one image in memory at a time, and one patch per track.
+// of the patches. Holds one image per core in memory, and one patch per track.
 std::vector<View> AlignSightings(std::vector<View> views,
                                  const Camera& camera,
                                  const ImageSource& images,

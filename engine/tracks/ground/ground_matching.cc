@@ -162,9 +162,10 @@ std::vector<View> TieOnGround(std::vector<View> views,
       OverlappingPairs(views, camera, options.min_ground_overlap_ratio);
   const std::vector<bool> is_border = BorderViews(pairs, group);
   std::vector<GroundPoints> points(views.size());
-  std::mutex one_at_a_time;
+  // Guards `images`, which may keep what it read last.
+  std::mutex images_mutex;
   const ImageSource guarded = [&](const std::string& frame_id) {
-    const std::lock_guard<std::mutex> lock(one_at_a_time);
+    const std::lock_guard<std::mutex> lock(images_mutex);
     return images(frame_id);
   };
   cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {
