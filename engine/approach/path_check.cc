@@ -22,6 +22,38 @@ Slice GlanceAt(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
 
 bool HasFailed(const PathCheck& check) { return check.obstacle || check.num_unseen_steps > 0; }
 
+// Whether all slices from the first one are free. A glance does not tell, so slices that it skipped
+// are looked at when a later one asks.
+class FreeRunSoFar {
+ public:
+  FreeRunSoFar(const Approach& approach, const Corridor& corridor, const ClearanceSurface& surface)
+      : touchdown_(approach.touchdown_in_world.head<2>()),
+        forward_(DirectionOf(approach.heading)),
+        corridor_(corridor),
+        surface_(surface) {}
+
+  // `slice` is the one at step i. Steps are asked for in ascending order.
+  bool Reaches(const std::vector<double>& steps, size_t i, const Slice& slice) {
+    while (!is_broken_ && num_free_ < i) {
+      Add(SliceAt(touchdown_ - steps[num_free_] * forward_, corridor_, surface_));
+    }
+    if (!is_broken_ && num_free_ == i) Add(slice);
+    return !is_broken_;
+  }
+
+ private:
+  void Add(const Slice& slice) {
+    is_broken_ = !slice.is_free;
+    num_free_ += slice.is_free;
+  }
+
+  const Eigen::Vector2d touchdown_, forward_;
+  const Corridor& corridor_;
+  const ClearanceSurface& surface_;
+  size_t num_free_ = 0;
+  bool is_broken_ = false;
+};
+
 // The highest cell of the corridor around a place.
 Eigen::Vector3d HighestAround(const Eigen::Vector2d& place, const ClearanceSurface& surface) {
   const int center_row = surface.RowAt(place.y()), center_col = surface.ColAt(place.x());
@@ -154,10 +186,12 @@ PathCheck CheckFinal(const Approach& approach,
   const Eigen::Vector2d forward = DirectionOf(approach.heading);
   const double slope = approach.approach_height / approach.approach_distance;
   const WindScenario scenario{approach.approach_distance, approach.loiter_radius};
-  const double free_run = FreeRun(approach, surface, aircraft, options);
   PathCheck check;
   bool was_on_map = false;
-  for (double distance : FinalSteps(surface, scenario, aircraft, options)) {
+  FreeRunSoFar free_run(approach, corridor, surface);
+  const std::vector<double> steps = FinalSteps(surface, scenario, aircraft, options);
+  for (size_t i = 0; i < steps.size(); ++i) {
+    const double distance = steps[i];
     const Eigen::Vector2d place = approach.touchdown_in_world.head<2>() - distance * forward;
     const double path = slope * distance;
     const double height = approach.touchdown_in_world.z() + path;
@@ -175,7 +209,7 @@ PathCheck CheckFinal(const Approach& approach,
     was_on_map |= slice.is_on_map;
     ++check.num_steps;
     if (slice.is_unseen && check.num_unseen_steps++ == 0) check.first_unseen_distance = distance;
-    if (distance <= free_run) {
+    if (free_run.Reaches(steps, i, slice)) {
       check.min_clearance = std::min(check.min_clearance, height - slice.height);
     } else if (slice.height != kNoHeight) {
       const Eigen::Vector2d highest = surface.CellCenter(slice.row, slice.col);

@@ -12,9 +12,11 @@ void LimitHeapPools() {
 #if defined(__GLIBC__)
   constexpr int kMaxNumPools = 4;
   mallopt(M_ARENA_MAX, kMaxNumPools);
-  // Rasters go back to the system at once. By default the library learns to keep those of up to
-  // 32 MiB, and after an evaluation half of its memory was gaps.
-  constexpr int kMinMappedBytes = 1 << 20;
+  // Larger rasters go back to the system at once; smaller ones are used again. At 1 MiB nearly all
+  // go back: an evaluation of 54 photographs of 3 megapixels then takes a fifth longer, because the
+  // system clears each page anew, and its peak is a third lower. ReturnFreedMemory gives back the
+  // gaps.
+  constexpr int kMinMappedBytes = 24 << 20;
   mallopt(M_MMAP_THRESHOLD, kMinMappedBytes);
 #endif
 }
