@@ -122,7 +122,7 @@ run_unit_tests
 passed
 if [ -z "${FREELSD_DATA:-}" ]; then skipped "tests on recorded flights: FREELSD_DATA is not set"; fi
 
-# Worlds of the tuning seeds with 15 fields to find; 9 are found where this was written, and another
+# Worlds of the tuning seeds with 15 fields to find; 8 are found where this was written, and another
 # processor's rounding may cost one.
 start_step "seeded worlds: no site that is false safe"
 build/release/tests/freelsd-eval --worlds 6 --seed 1046 --jobs "$(nproc)" \
