@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <mutex>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -14,6 +13,7 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "engine/tracks/one_at_a_time.h"
 #include "engine/tracks/tracks.h"
 
 namespace freelsd {
@@ -265,12 +265,7 @@ std::vector<View> AlignSightings(std::vector<View> views,
   if (!is_reduced || options.max_alignment_shift_px == 0.0) return views;
   const std::map<int64_t, Reference> references = ReferencesOf(views, camera, images);
   const std::vector<View> given = views;
-  // Guards `images`, which may keep what it read last.
-  std::mutex images_mutex;
-  const ImageSource guarded = [&](const std::string& frame_id) {
-    const std::lock_guard<std::mutex> lock(images_mutex);
-    return images(frame_id);
-  };
+  const ImageSource guarded = OneAtATime(images);
   cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {
     for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
       AlignView({given, i, references, camera, options}, guarded, views[i].observations);

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "engine/tracks/descriptor_matching.h"
 #include "engine/tracks/ground/ground_image.h"
 #include "engine/tracks/keypoints.h"
+#include "engine/tracks/one_at_a_time.h"
 #include "engine/tracks/track_table.h"
 #include "engine/tracks/tracks.h"
 #include "engine/tracks/verification.h"
@@ -162,12 +162,7 @@ std::vector<View> TieOnGround(std::vector<View> views,
       OverlappingPairs(views, camera, options.min_ground_overlap_ratio);
   const std::vector<bool> is_border = BorderViews(pairs, group);
   std::vector<GroundPoints> points(views.size());
-  // Guards `images`, which may keep what it read last.
-  std::mutex images_mutex;
-  const ImageSource guarded = [&](const std::string& frame_id) {
-    const std::lock_guard<std::mutex> lock(images_mutex);
-    return images(frame_id);
-  };
+  const ImageSource guarded = OneAtATime(images);
   cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {
     for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
       if (!is_border[i]) continue;

@@ -4,22 +4,12 @@
 
 #include <doctest/doctest.h>
 
-#include "tests/engine/tracks/synthetic_flight.h"
+#include "tests/engine/tracks/textured_plane.h"
 
 namespace freelsd {
 namespace {
 
 constexpr double kHeightM = 100.0;
-
-Rig TestRig() {
-  Rig rig;
-  rig.camera.width_px = 752;
-  rig.camera.height_px = 480;
-  rig.camera.fx_px = rig.camera.fy_px = 465.0;
-  rig.camera.cx_px = 375.5;
-  rig.camera.cy_px = 239.5;
-  return rig;
-}
 
 struct Exposure {
   PosedImage believed;
@@ -31,7 +21,7 @@ Exposure Expose(const TexturedPlane& plane,
                 const Eigen::Vector3d& position,
                 double yaw_deg,
                 const EulerAngles& error_deg = {}) {
-  const Rig rig = TestRig();
+  const Rig rig = VideoRig();
   Exposure exposure;
   exposure.truth = WorldFromCamera(rig, position, {0.0, 0.0, RadFromDeg(yaw_deg)});
   exposure.believed.image =

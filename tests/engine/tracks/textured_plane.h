@@ -10,6 +10,16 @@
 
 namespace freelsd {
 
+inline Rig VideoRig() {
+  Rig rig;
+  rig.camera.width_px = 752;
+  rig.camera.height_px = 480;
+  rig.camera.fx_px = rig.camera.fy_px = 465.0;
+  rig.camera.cx_px = 375.5;
+  rig.camera.cy_px = 239.5;
+  return rig;
+}
+
 class TexturedPlane {
  public:
   // A square of ground around the world's origin; noise of several scales, seeded.

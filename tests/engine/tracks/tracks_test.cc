@@ -15,16 +15,6 @@ namespace {
 
 constexpr double kHeightM = 100.0;
 
-Rig VideoRig() {
-  Rig rig;
-  rig.camera.width_px = 752;
-  rig.camera.height_px = 480;
-  rig.camera.fx_px = rig.camera.fy_px = 465.0;
-  rig.camera.cx_px = 375.5;
-  rig.camera.cy_px = 239.5;
-  return rig;
-}
-
 Rig SurveyRig() {
   Rig rig;
   rig.camera.width_px = 400;
