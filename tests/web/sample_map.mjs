@@ -93,7 +93,7 @@ export function sampleTileJson(base, flight, map) {
   };
 }
 
-// Answers GET of the map and its files. Returns whether the path is one of them. tiles: {asked: [{path, status}], numNow, mostAtOnce}.
+// Answers GET of the map and its files. Returns whether the path is one of them. tiles: {asked: [{path, status}]}.
 // map.failing: a pattern of paths that fail; map.delay_ms: until a tile is answered.
 export function playMap(request, response, path, { map, base, tiles }) {
   const [, flight, rest] = /^\/v1\/flights\/([^/]+)\/map(\/.*)?$/.exec(path) ?? [];
@@ -110,11 +110,7 @@ export function playMap(request, response, path, { map, base, tiles }) {
 
 async function playFile(request, response, rest, { map, tiles, path }) {
   const [, name, ...zxy] = /^\/(\w+)\/(\d+)\/(\d+)\/(\d+)\.png$/.exec(rest) ?? [];
-  if (name) {
-    tiles.mostAtOnce = Math.max(tiles.mostAtOnce, ++tiles.numNow);
-    await new Promise((resolve) => { setTimeout(resolve, map.delay_ms ?? 0); });
-    --tiles.numNow;
-  }
+  if (name) await new Promise((resolve) => { setTimeout(resolve, map.delay_ms ?? 0); });
   const isFile = /\.(tif|kmz)$/.test(rest);
   const body = name ? tile(name, map, zxy.map(Number)) : isFile ? Buffer.from('a file') : png(280, 24, (px) => ramp(px / 280));
   const etag = body && `"${createHash('sha1').update(body).digest('hex').slice(0, 12)}"`;

@@ -65,7 +65,7 @@ async function playObstacles(request, response, path, obstacles) {
 export async function startStandIn(t, target, {
   token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
 } = {}) {
-  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [], numNow: 0, mostAtOnce: 0 } };
+  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [] } };
   const to = new URL(target);
 
   async function playReach(request, response) {
