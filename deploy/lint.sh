@@ -116,7 +116,7 @@ units() {
 
 # Flags of each source, once. They are clang's, as clang-tidy is, and g++'s precompiled headers are not for it.
 configure_tidy() {
-  cmake --preset release -B "$database" -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_COMPILER_LAUNCHER= \
+  cmake --preset release -B "$database" -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_CXX_COMPILER_LAUNCHER= -DCMAKE_UNITY_BUILD=OFF \
     -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON >"$work/cmake.log" 2>&1 || {
     cat "$work/cmake.log" >&2
     fail "CMake could not configure $database"

@@ -14,7 +14,7 @@ namespace freelsd {
 namespace {
 
 // Deviation of the blur before the comparison: photographs align to half a pixel.
-constexpr double kBlurM = 0.25;
+constexpr double kOpenBlurM = 0.25;
 // Side of the compared squares. Within a square, one photograph may be brighter as a whole because
 // of exposure, or because a slope reflects differently to either side.
 constexpr double kWindowM = 2.0;
@@ -24,7 +24,7 @@ constexpr float kMinShownShare = 0.5f;
 // Keeps the logarithm of black finite.
 constexpr float kLeastBrightness = 10.0f;
 // Avoids a division by zero: the mean is 0 where nothing counts.
-constexpr double kNoWeight = 1e-6;
+constexpr double kMinCellWeight = 1e-6;
 
 // Logarithms of all sums of three bytes.
 std::array<float, 3 * 255 + 1> LogarithmsOfSums() {
@@ -56,7 +56,7 @@ cv::Mat1f LogBrightness(const cv::Mat3b& image, const cv::Rect& part, double blu
 class WindowMean {
  public:
   WindowMean(const cv::Mat1f& counts, double side_cells)
-      : side_(BoxSide(side_cells)), weight_(Box(counts) + kNoWeight) {}
+      : side_(BoxSide(side_cells)), weight_(Box(counts) + kMinCellWeight) {}
   cv::Mat1f Of(const cv::Mat1f& counted) const { return Box(counted) / weight_; }
 
  private:
@@ -169,8 +169,8 @@ cv::Mat1f PhotoDisagreement(const Orthophoto& photo, const Grid& grid) {
   for (const auto& [views, pair] : CellsOfPairs(photo)) {
     const cv::Rect box(parts * pair.around.tl(),
                        cv::Size(parts * pair.around.width, parts * pair.around.height));
-    const cv::Mat1f ratio = LogBrightness(photo.image, box, kBlurM / cell) -
-                            LogBrightness(photo.second_image, box, kBlurM / cell);
+    const cv::Mat1f ratio = LogBrightness(photo.image, box, kOpenBlurM / cell) -
+                            LogBrightness(photo.second_image, box, kOpenBlurM / cell);
     cv::Mat1b is_shown = cv::Mat1b::zeros(box.size());
     for (const cv::Point& place : pair.cells) {
       is_shown(cv::Rect(parts * (place - pair.around.tl()), cv::Size(parts, parts))) = 255;

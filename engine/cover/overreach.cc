@@ -77,7 +77,7 @@ cv::Mat1b Opened(const cv::Mat1b& cells, double width_m, double cell_size_m) {
 }
 
 // The surroundings in which local colours are taken.
-struct Surroundings {
+struct Neighbourhood {
   int side_cells = 1;
   double min_num_cells = 1.0;
 };
@@ -88,7 +88,7 @@ cv::Mat1b MovedIn(const cv::Range& rows,
                   const cv::Mat1b& all_grass,
                   const cv::Mat1b& all_other,
                   const ColorPlanes& colors,
-                  const Surroundings& surroundings,
+                  const Neighbourhood& surroundings,
                   double min_separation) {
   const int side = surroundings.side_cells;
   const cv::Range around(std::max(0, rows.start - side / 2),
@@ -121,7 +121,7 @@ cv::Mat1b OverreachingGrass(const cv::Mat1f& grass,
                             const CoverOptions& options) {
   const ColorsOnMap on_map = ColorsOfMap(photo, grid);
   const double cell_m = grid.cell_size_m;
-  const Surroundings surroundings{BoxSide(2.0 * options.overreach_surroundings_m / cell_m),
+  const Neighbourhood surroundings{BoxSide(2.0 * options.overreach_surroundings_m / cell_m),
                                   kMinAreaM2 / (cell_m * cell_m)};
   const cv::Mat1b is_grass = (grass >= options.min_grass_posterior) & on_map.is_seen;
   // Narrow objects in a meadow do not count as other ground.

@@ -21,7 +21,7 @@ const Eigen::Vector3f kLeastVariance(1e-4f, 1e-4f, 4e-4f);
 // Rows of a strip, without the surroundings of its own cells.
 constexpr int kNumStripRows = 256;
 // Avoids a division by zero: the mean is 0 where nothing counts.
-constexpr double kNoWeight = 1e-6;
+constexpr double kMinWindowWeight = 1e-6;
 
 // Moments of the colours in a square around every cell, over the cells that count.
 struct Surroundings {
@@ -36,7 +36,7 @@ Surroundings SurroundingsOf(const ColorPlanes& colors, const cv::Mat1f& counts, 
     return BoxMean(values, side, BoxBorder::kNothing);
   };
   Surroundings around;
-  around.weight = mean_of(counts) + kNoWeight;
+  around.weight = mean_of(counts) + kMinWindowWeight;
   size_t pair = 0;
   for (size_t i = 0; i < 3; ++i) {
     const cv::Mat1f counted = colors[i].mul(counts);

@@ -8,9 +8,9 @@
 namespace freelsd {
 namespace {
 
-constexpr double kMaxTime = 3600.0;  // as in transit.cc
-constexpr double kTimeTolerance = 0.01;
-constexpr int kMaxIterations = 40;
+constexpr double kMaxDetourTime = 3600.0;  // as in transit.cc
+constexpr double kDetourTimeTolerance = 0.01;
+constexpr int kMaxDetourIterations = 40;
 constexpr int kNumBisections = 40;
 // A wider turn is hardly one, and takes the aircraft far away.
 constexpr double kMaxWidening = 3.0;
@@ -52,11 +52,11 @@ class Detours {
         shortest_.performance, (1.0 + detour.widening) * shortest_.performance.turn_radius);
     double last_time = 0.0;
     double last_error = 0.0;
-    for (int i = 0; i < kMaxIterations; ++i) {
+    for (int i = 0; i < kMaxDetourIterations; ++i) {
       const std::optional<Shape> shape = ShapeAfter(detour, performance, time);
       if (!shape) return std::nullopt;
       const double error = shape->time - time;
-      if (std::abs(error) < kTimeTolerance) {
+      if (std::abs(error) < kDetourTimeTolerance) {
         return Way{LegsOf(detour, *shape),
                    NumLegsToDecision(detour),
                    performance,
@@ -68,7 +68,7 @@ class Detours {
       const bool is_of_use = slope < -0.2 && slope > -5.0;
       last_time = time;
       last_error = error;
-      time = std::clamp(is_of_use ? time - error / slope : shape->time, 0.0, kMaxTime);
+      time = std::clamp(is_of_use ? time - error / slope : shape->time, 0.0, kMaxDetourTime);
     }
     return std::nullopt;
   }

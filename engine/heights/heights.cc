@@ -10,7 +10,7 @@
 namespace freelsd {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 // Blocks of a tile, without those beside it that its windows reach into.
 constexpr int kCoreBlocks = 16;
 constexpr int kReachCells = 2;
@@ -59,7 +59,7 @@ ElevationMap WithHeights(const ElevationMap& proposal, const PhotographHeights& 
       if (!map.IsSeen(row, col)) continue;
       map.standard_deviation(row, col) = heights.standard_deviation(row, col);
       if (static_cast<CannotTell>(heights.cannot_tell(row, col)) != CannotTell::kNothing) {
-        map.standard_deviation(row, col) = kNaN;
+        map.standard_deviation(row, col) = kUnknown;
         continue;
       }
       map.elevation(row, col) = heights.ground(row, col);

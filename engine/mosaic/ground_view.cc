@@ -9,7 +9,7 @@ namespace freelsd {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kUnseen = std::numeric_limits<float>::quiet_NaN();
 constexpr int kNumBorderSamples = 16;
 // Lenses bend the border between its samples by less than this share of the footprint.
 constexpr double kFootprintMargin = 0.02;
@@ -124,11 +124,11 @@ cv::Rect GroundView::CellsWithin(const LatticeRect& within) const {
 
 cv::Vec2f GroundView::ImageOfNode(const Eigen::Vector2d& place_in_world) const {
   const float height = ground_.HeightAt(place_in_world);
-  if (std::isnan(height)) return {kNaN, kNaN};
+  if (std::isnan(height)) return {kUnseen, kUnseen};
   Eigen::Vector3d point_in_world;
   point_in_world << place_in_world, height;
   const auto pixel = camera_.ImageFromCamera(camera_from_world_ * point_in_world);
-  if (!pixel) return {kNaN, kNaN};
+  if (!pixel) return {kUnseen, kUnseen};
   return {static_cast<float>(pixel->x()), static_cast<float>(pixel->y())};
 }
 

@@ -18,7 +18,7 @@ constexpr double kMinScale = 0.75;
 constexpr int kPartMarginPx = 8;
 // Seam cells beyond the chosen ones in which a view still has weight.
 constexpr int kFeatherCells = 2;
-constexpr float kMinWeight = 0.004f;
+constexpr float kMinPixelWeight = 0.004f;
 
 // Bounding box of the seam cells for which the layer is chosen.
 std::vector<cv::Rect> ChosenCells(const MosaicDesign& design) {
@@ -91,7 +91,7 @@ cv::Mat1f WeightsOf(int layer, const cv::Mat1s& chosen, int factor, int margin_p
   weights = weights.mul(weights);
   weights = weights.mul(weights);
   // Which pixels lie in the bounding box of the rest depends on the tile.
-  cv::threshold(weights, weights, kMinWeight, 0.0, cv::THRESH_TOZERO);
+  cv::threshold(weights, weights, kMinPixelWeight, 0.0, cv::THRESH_TOZERO);
   return weights;
 }
 
@@ -151,7 +151,7 @@ cv::Mat4b Finished(const Accumulator& accumulator, const cv::Mat1b& shown) {
   for (int row = 0; row < tile.rows; ++row) {
     for (int col = 0; col < tile.cols; ++col) {
       const float weight = accumulator.weight(row, col);
-      if (!shown(row, col) || !(weight > kMinWeight)) continue;
+      if (!shown(row, col) || !(weight > kMinPixelWeight)) continue;
       const cv::Vec3f color = accumulator.color(row, col) / weight;
       tile(row, col) = {cv::saturate_cast<uint8_t>(color[0]),
                         cv::saturate_cast<uint8_t>(color[1]),

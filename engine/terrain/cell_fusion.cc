@@ -10,7 +10,7 @@ namespace freelsd {
 namespace {
 
 // Ratio of standard deviation to median absolute deviation, normal distribution.
-constexpr double kSigmaPerMad = 1.4826;
+constexpr double kSigmaPerMedianDeviation = 1.4826;
 
 void SortByValue(std::vector<CellSummary>& summaries) {
   std::sort(summaries.begin(), summaries.end(), [](const CellSummary& a, const CellSummary& b) {
@@ -42,14 +42,14 @@ Center CenterOf(const std::vector<CellSummary>& sorted) {
     return std::abs(summary.mean - center.median);
   };
   if (sorted.size() <= 2) {
-    center.spread = kSigmaPerMad * 0.5 * (deviation(sorted.front()) + deviation(sorted.back()));
+    center.spread = kSigmaPerMedianDeviation * 0.5 * (deviation(sorted.front()) + deviation(sorted.back()));
     return center;
   }
   std::vector<double> deviations;
   deviations.reserve(sorted.size());
   for (const CellSummary& summary : sorted) deviations.push_back(deviation(summary));
   std::sort(deviations.begin(), deviations.end());
-  center.spread = kSigmaPerMad * (0.5 * (deviations[low] + deviations[high]));
+  center.spread = kSigmaPerMedianDeviation * (0.5 * (deviations[low] + deviations[high]));
   return center;
 }
 

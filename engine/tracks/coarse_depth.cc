@@ -43,13 +43,13 @@ std::optional<TriangulatedPoint> TriangulateTrack(const FrameMemory& memory, int
   return Triangulate(rays);
 }
 
+}  // namespace
+
 double Median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
-
-}  // namespace
 
 std::vector<CoarseLandmark> TriangulateLandmarks(const FrameMemory& memory, size_t frame) {
   const FrameRecord& record = memory.frames[frame];

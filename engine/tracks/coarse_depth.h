@@ -16,6 +16,9 @@ struct CoarseLandmark {
   // Largest angle between its rays, radians.
   double parallax = 0.0;
 };
+// Of at least one value; the upper one of two.
+double Median(std::vector<double> values);
+
 // Skips landmarks with too little parallax, too large a reprojection error, or a point above the
 // camera or too far from the ground.
 std::vector<CoarseLandmark> TriangulateLandmarks(const FrameMemory& memory, size_t frame);

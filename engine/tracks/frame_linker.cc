@@ -7,6 +7,7 @@
 
 #include <opencv2/core/utility.hpp>
 
+#include "engine/tracks/coarse_depth.h"
 #include "engine/tracks/prediction.h"
 #include "engine/tracks/verification.h"
 
@@ -22,12 +23,6 @@ constexpr double kMaxReachDiagonals = 0.9;
 constexpr double kRefillRatio = 0.8;
 // A smaller predicted overlap of two photographs holds too few corners.
 constexpr double kMinPredictedOverlap = 0.1;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 PosedImage PosedImageOf(const FrameMemory& memory, size_t frame) {
   const FrameRecord& record = memory.frames[frame];

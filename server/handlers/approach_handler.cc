@@ -16,7 +16,7 @@
 namespace freelsd {
 namespace {
 
-constexpr char kGeoJson[] = "application/geo+json";
+constexpr char kGeoJsonType[] = "application/geo+json";
 
 // False for parameters of the wind and of a place; all other parameters here belong to the
 // aircraft.
@@ -229,10 +229,10 @@ void GetApproach(Service& service, const Call& call, httplib::Response& response
                      "an obstacle blocks the stored approach: " + obstruction->detail +
                          "; with a wind it is planned anew");
     }
-    response.set_content(site.approach_json, kGeoJson);
+    response.set_content(site.approach_json, kGeoJsonType);
     return;
   }
-  response.set_content(PlanAnew(service, site, call).dump(), kGeoJson);
+  response.set_content(PlanAnew(service, site, call).dump(), kGeoJsonType);
 }
 
 void GetWhy(Service& service, const Call& call, httplib::Response& response) {
@@ -274,7 +274,7 @@ void GetFlightLanding(Service& service, const Call& call, httplib::Response& res
                    "no landing within " + std::to_string(std::lround(kLandingRadiusM)) +
                        " m: " + plan.reject_detail);
   }
-  response.set_content(PlanJson(plan, on.aircraft, ContextOf(*on.site)).dump(), kGeoJson);
+  response.set_content(PlanJson(plan, on.aircraft, ContextOf(*on.site)).dump(), kGeoJsonType);
 }
 
 SiteRose PlanSiteRose(Service& service,

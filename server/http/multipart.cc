@@ -14,7 +14,7 @@ constexpr size_t kMaxPartLineBytes = 4096;
 constexpr int kMaxNumPartLines = 16;
 constexpr size_t kFillBytes = 65536;
 
-[[noreturn]] void Refuse(const std::string& detail) { throw ApiError("InvalidMultipart", detail); }
+[[noreturn]] void RefuseForm(const std::string& detail) { throw ApiError("InvalidMultipart", detail); }
 
 // Value of `; key="value"` or `; key=value`. A backslash escapes a quote, as in browsers and curl.
 std::optional<std::string> Parameter(const std::string& header, const std::string& key) {
@@ -43,7 +43,7 @@ std::optional<std::string> MultipartBoundary(const std::string& content_type,
   if (!LowerCase(content_type).starts_with(kind)) return std::nullopt;
   std::optional<std::string> boundary = Parameter(content_type, "boundary");
   if (!boundary || boundary->empty() || boundary->size() > kMaxBoundaryBytes) {
-    Refuse("the Content-Type has no usable boundary");
+    RefuseForm("the Content-Type has no usable boundary");
   }
   return boundary;
 }
@@ -74,7 +74,7 @@ std::optional<std::string> MultipartReader::ReadPiece() {
       window_.erase(0, num_sure);
       return piece;
     }
-    if (!Fill()) Refuse("the body ends within a part");
+    if (!Fill()) RefuseForm("the body ends within a part");
   }
   return std::nullopt;
 }
@@ -82,8 +82,8 @@ std::optional<std::string> MultipartReader::ReadPiece() {
 std::string MultipartReader::ReadLine() {
   size_t end = 0;
   while ((end = window_.find("\r\n")) == std::string::npos) {
-    if (window_.size() > kMaxPartLineBytes) Refuse("a part's header line is too long");
-    if (!Fill()) Refuse("the body ends within a part's header");
+    if (window_.size() > kMaxPartLineBytes) RefuseForm("a part's header line is too long");
+    if (!Fill()) RefuseForm("the body ends within a part's header");
   }
   std::string line = window_.substr(0, end);
   window_.erase(0, end + 2);
@@ -95,7 +95,7 @@ std::optional<Part> MultipartReader::Next() {
   }
   if (is_at_end_) return std::nullopt;
   while (window_.size() < 2) {
-    if (!Fill()) Refuse("the body ends without its last boundary");
+    if (!Fill()) RefuseForm("the body ends without its last boundary");
   }
   if (window_.starts_with("--")) {
     is_at_end_ = true;
@@ -104,7 +104,7 @@ std::optional<Part> MultipartReader::Next() {
     while (Fill()) window_.clear();
     return std::nullopt;
   }
-  if (!ReadLine().empty()) Refuse("a boundary is followed by other characters");
+  if (!ReadLine().empty()) RefuseForm("a boundary is followed by other characters");
   Part part;
   for (int i = 0; i < kMaxNumPartLines; ++i) {
     const std::string line = ReadLine();
@@ -121,7 +121,7 @@ std::optional<Part> MultipartReader::Next() {
     part.name = Parameter(line, "name").value_or("");
     part.file_name = Parameter(line, "filename").value_or("");
   }
-  Refuse("a part has too many header lines");
+  RefuseForm("a part has too many header lines");
 }
 
 std::optional<std::string> MultipartReader::ReadAll(size_t max_bytes) {

@@ -13,11 +13,11 @@
 #include "api/api.h"
 #include "server/http/http.h"
 #include "server/recall/geoid/geoid.h"
+#include "server/recall/obstacles/obstacles.h"
 
 namespace freelsd {
 namespace {
 
-constexpr double kMetresPerDegree = 111195.0;  // of latitude, on a sphere
 // A new plan may move the touchdown within the region, and the final starts away from it.
 constexpr double kPlanShiftM = 1000.0;
 // Boxes enclose maps; the touchdown may lie anywhere on a map.

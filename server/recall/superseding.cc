@@ -12,6 +12,7 @@
 #include <spdlog/spdlog.h>
 
 #include "server/recall/other_maps/other_maps.h"
+#include "server/recall/obstacles/obstacles.h"
 #include "server/recall/plan_check.h"
 #include "server/recall/recall_sites.h"
 
@@ -20,7 +21,6 @@ namespace {
 
 // The box, so much larger on each side. Longitudes may leave [-180, 180].
 BoundingBox Widened(const BoundingBox& box, double reach_m) {
-  constexpr double kMetresPerDegree = 111195.0;  // of latitude, on a sphere
   const double dlat_deg = reach_m / kMetresPerDegree;
   const double far_deg = std::max(std::abs(box.south_deg), std::abs(box.north_deg)) + dlat_deg;
   const double dlon_deg = dlat_deg / std::cos(RadFromDeg(std::min(far_deg, 89.5)));

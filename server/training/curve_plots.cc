@@ -27,7 +27,7 @@ struct Curve {
   std::vector<Operation> operations;
 };
 
-bool TellsGrass(const Answer& answer) {
+bool IsNamedGrass(const Answer& answer) {
   return answer.surface_class != kUnlabelledClass && answer.surface_class != kDormantGrassClass;
 }
 
@@ -104,7 +104,7 @@ void DrawLine(int plot, const std::vector<Point>& points, const char* colour, st
 std::string CurvePlots(const std::vector<Answer>& answers) {
   std::map<std::string, std::vector<Answer>> groups;
   for (const Answer& answer : answers) {
-    if (!TellsGrass(answer)) continue;
+    if (!IsNamedGrass(answer)) continue;
     groups[" all"].push_back(answer);
     groups[answer.place].push_back(answer);
   }

@@ -33,7 +33,7 @@ bool IsGrass(const Answer& answer) { return answer.surface_class == kGrassClass;
 
 bool IsCalledGrass(const Answer& answer) { return answer.label.surface == Surface::kGrass; }
 
-bool TellsGrass(const Answer& answer) {
+bool IsLabelled(const Answer& answer) {
   return answer.surface_class != kUnlabelledClass && answer.surface_class != kDormantGrassClass;
 }
 
@@ -135,7 +135,7 @@ std::vector<Answer> AnswersOf(const Photographs& photographs, const Classifier& 
 }
 
 Json Scores(const std::vector<Answer>& all) {
-  const std::vector<Answer> answers = Where(all, TellsGrass);
+  const std::vector<Answer> answers = Where(all, IsLabelled);
   int num_wrong = 0, num_unsure = 0, num_grass = 0, num_called = 0, num_right = 0;
   for (const Answer& answer : answers) {
     num_unsure += answer.label.surface == Surface::kUnsure ? 1 : 0;
@@ -170,7 +170,7 @@ Json ScoresByPlace(const std::vector<Answer>& answers) {
 Json FalseGrass(const std::vector<Answer>& answers) {
   Json regions = Json::array();
   for (const Answer& answer : answers) {
-    if (!TellsGrass(answer) || IsGrass(answer) || !IsCalledGrass(answer)) continue;
+    if (!IsLabelled(answer) || IsGrass(answer) || !IsCalledGrass(answer)) continue;
     regions.push_back({{"region", answer.where},
                        {"class", kClassNames[static_cast<size_t>(answer.surface_class)]},
                        {"probability", answer.label.probability}});

@@ -10,7 +10,7 @@
 namespace freelsd {
 namespace {
 
-FrameRow RowOf(const Statement& statement) {
+FrameRow FrameRowOf(const Statement& statement) {
   FrameRow frame;
   frame.flight_id = statement.Text(0);
   frame.sequence = statement.Int(1);
@@ -86,7 +86,7 @@ std::optional<FrameRow> FrameStore::Find(const std::string& flight_id,
   const Reader reader(state_.readers);
   Statement statement = SelectFrames(*reader, "WHERE flight_id = ?1 AND id = ?2");
   if (!statement.Bind(flight_id, frame_id).Step()) return std::nullopt;
-  return RowOf(statement);
+  return FrameRowOf(statement);
 }
 
 std::vector<FrameRow> FrameStore::List(const std::string& flight_id) const {
@@ -94,7 +94,7 @@ std::vector<FrameRow> FrameStore::List(const std::string& flight_id) const {
   Statement statement = SelectFrames(*reader, "WHERE flight_id = ?1 ORDER BY sequence");
   statement.Bind(flight_id);
   std::vector<FrameRow> frames;
-  while (statement.Step()) frames.push_back(RowOf(statement));
+  while (statement.Step()) frames.push_back(FrameRowOf(statement));
   return frames;
 }
 
@@ -123,7 +123,7 @@ std::optional<FrameRow> FrameStore::Next(const std::string& flight_id,
   Statement statement =
       SelectFrames(*reader, "WHERE flight_id = ?1 AND sequence > ?2 ORDER BY sequence LIMIT 1");
   if (!statement.Bind(flight_id, after_sequence).Step()) return std::nullopt;
-  return RowOf(statement);
+  return FrameRowOf(statement);
 }
 
 std::vector<FrameRow> FrameStore::LastArrived(const std::string& flight_id,
@@ -133,7 +133,7 @@ std::vector<FrameRow> FrameStore::LastArrived(const std::string& flight_id,
       SelectFrames(*reader, "WHERE flight_id = ?1 ORDER BY sequence DESC LIMIT ?2");
   statement.Bind(flight_id, max_num_frames);
   std::vector<FrameRow> frames;
-  while (statement.Step()) frames.push_back(RowOf(statement));
+  while (statement.Step()) frames.push_back(FrameRowOf(statement));
   return frames;
 }
 

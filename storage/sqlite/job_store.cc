@@ -8,7 +8,7 @@
 namespace freelsd {
 namespace {
 
-JobRow RowOf(const Statement& statement) {
+JobRow JobRowOf(const Statement& statement) {
   JobRow job;
   job.id = statement.Text(0);
   job.kind = statement.Text(1);
@@ -31,7 +31,7 @@ Statement SelectJobs(const Connection& connection, const std::string& which) {
 
 std::vector<JobRow> RowsOf(Statement& statement) {
   std::vector<JobRow> jobs;
-  while (statement.Step()) jobs.push_back(RowOf(statement));
+  while (statement.Step()) jobs.push_back(JobRowOf(statement));
   return jobs;
 }
 
@@ -72,7 +72,7 @@ std::optional<JobRow> JobStore::Find(const std::string& job_id) const {
   const Reader reader(state_.readers);
   Statement statement = SelectJobs(*reader, "WHERE id = ?1");
   if (!statement.Bind(job_id).Step()) return std::nullopt;
-  return RowOf(statement);
+  return JobRowOf(statement);
 }
 
 JobPage JobStore::ListPage(size_t limit,
@@ -86,7 +86,7 @@ JobPage JobStore::ListPage(size_t limit,
   while (statement.Step()) {
     page.has_more = page.jobs.size() == limit || num_bytes > max_bytes;
     if (page.has_more) break;
-    page.jobs.push_back(RowOf(statement));
+    page.jobs.push_back(JobRowOf(statement));
     num_bytes += page.jobs.back().detail_json.size();
   }
   return page;

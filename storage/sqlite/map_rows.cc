@@ -33,7 +33,7 @@ Statement SelectMaps(const Connection& connection, const std::string& which) {
   return connection.Prepare((kSelect + which).c_str());
 }
 
-FlightMapRow RowOf(const Statement& statement) {
+FlightMapRow MapRowOf(const Statement& statement) {
   FlightMapRow map;
   map.id = statement.Text(0);
   map.flight_id = statement.Text(1);
@@ -145,14 +145,14 @@ std::vector<FlightMapRow> ListMapRowsOf(const Connection& connection,
       SelectMaps(connection, "WHERE flight_id = ?1 AND is_in_force = 1 ORDER BY number DESC");
   statement.Bind(flight_id);
   std::vector<FlightMapRow> maps;
-  while (statement.Step()) maps.push_back(RowOf(statement));
+  while (statement.Step()) maps.push_back(MapRowOf(statement));
   return maps;
 }
 
 std::optional<FlightMapRow> FindMapRow(const Connection& connection, const std::string& map_id) {
   Statement statement = SelectMaps(connection, "WHERE id = ?1");
   if (!statement.Bind(map_id).Step()) return std::nullopt;
-  return RowOf(statement);
+  return MapRowOf(statement);
 }
 
 std::optional<std::string> ReadTileRow(const Connection& connection,
@@ -173,7 +173,7 @@ BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const Bou
   statement.Bind(box.west_deg, box.south_deg, box.east_deg, box.north_deg);
   BoxCache<MapRow>::Rows rows;
   while (statement.Step()) {
-    const FlightMapRow map = RowOf(statement);
+    const FlightMapRow map = MapRowOf(statement);
     rows.push_back({map.box,
                     std::make_shared<const MapRow>(MapRow{
                         map.id, map.flight_id, 0, map.altitude_datum, map.seen_at_us, true})});
@@ -186,7 +186,7 @@ void MendMapBoxes(const Connection& writer) {
   {
     Statement statement = SelectMaps(
         writer, "WHERE east_deg - west_deg > 180 AND south_deg > -89.9 AND north_deg < 89.9");
-    while (statement.Step()) wide.push_back(RowOf(statement));
+    while (statement.Step()) wide.push_back(MapRowOf(statement));
   }
   for (FlightMapRow& map : wide) {
     map.box = Mended(map.box);
@@ -229,7 +229,7 @@ std::vector<std::string> OwnPhotoFiles(const Connection& connection,
 
 void CheckMapRows(const Connection& connection) {
   Statement statement = SelectMaps(connection, "");
-  while (statement.Step()) RowOf(statement);
+  while (statement.Step()) MapRowOf(statement);
 }
 
 MapStamps MapStampsOf(const Connection& connection) {

@@ -17,7 +17,7 @@
 namespace freelsd {
 namespace {
 
-cv::Mat1b Grey(const cv::Mat& image) {
+cv::Mat1b GreyTexture(const cv::Mat& image) {
   cv::Mat1b grey;
   cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   return grey;
@@ -26,7 +26,7 @@ cv::Mat1b Grey(const cv::Mat& image) {
 // As the tracker asks for them.
 Contest Corners(const BenchScene& scene) {
   constexpr double kQuality = 0.01;
-  const cv::Mat1b grey = Grey(scene.frames[5].image);
+  const cv::Mat1b grey = GreyTexture(scene.frames[5].image);
   const int count = scene.options.tracks.max_num_corners;
   const double spacing_px = 0.5 * std::sqrt(static_cast<double>(grey.total()) / count);
   const cv::Mat1b mask(grey.size(), uint8_t{255});
@@ -62,7 +62,7 @@ Contest EdgeDistance(const BenchScene& scene) {
   constexpr double kCannyHigh = 120.0;
   // 1 m, seen from 100 m at 0.6 m a pixel.
   constexpr double kDistancePx = 1.67;
-  cv::Mat1b grey = Grey(ReduceByArea(scene.frames[5].image, {269, 172})), edges;
+  cv::Mat1b grey = GreyTexture(ReduceByArea(scene.frames[5].image, {269, 172})), edges;
   cv::Canny(grey, edges, kCannyHigh / 3.0, kCannyHigh);
   return {"kernel_edge_distance",
           SizeOf(edges),

@@ -169,7 +169,7 @@ Site SiteOf(const Json& feature, const LocalFrame& frame) {
   return site;
 }
 
-double SecondsSince(std::chrono::steady_clock::time_point start) {
+double ElapsedS(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -185,9 +185,9 @@ EngineRun RunOverHttp(const std::string& url, const Scenario& scenario, const Pr
   SendFrames(service, flight, scenario, progress);
   EngineRun run;
   run.num_processed = static_cast<int>(scenario.frames.size());
-  run.frontend_seconds = SecondsSince(start);
+  run.frontend_seconds = ElapsedS(start);
   service.Await(service.Post("/v1/flights/" + flight + "/finish", "", 202).at("id"), progress);
-  run.total_seconds = SecondsSince(start);
+  run.total_seconds = ElapsedS(start);
   const LocalFrame frame(world.origin);
   const Json sites = service.Get("/v1/flights/" + flight + "/sites");
   for (const Json& feature : sites.at("features")) {

@@ -19,7 +19,7 @@ constexpr double kGustRollDeg = 2.5;
 constexpr double kGustPitchDeg = 1.5;
 constexpr double kGustHeightM = 1.0;
 constexpr double kGustTimeS = 3.0;
-constexpr double kGravity = 9.81;
+constexpr double kFlownGravity = 9.81;
 // Photographs of a survey: distance between two, as a share of the height above ground.
 constexpr double kSurveySpacingRatio = 0.36;
 // Turning around at the end of a leg takes the aircraft this long; nothing is photographed.
@@ -105,7 +105,7 @@ std::vector<Waypoint> Circle(const FlightOptions& options, const Eigen::Vector2d
     waypoint.place = options.circle_radius_m * DirectionOf(bearing);
     waypoint.track = DirectionOf(bearing + 0.5 * kPi);  // clockwise: right wing down
     const double speed = GroundSpeed(waypoint.track, options.airspeed_mps, wind);
-    waypoint.bank = std::atan(speed * speed / (kGravity * options.circle_radius_m));
+    waypoint.bank = std::atan(speed * speed / (kFlownGravity * options.circle_radius_m));
     waypoint.time_s = i * options.frame_period_s;
     waypoints.push_back(waypoint);
     bearing += speed * options.frame_period_s / options.circle_radius_m;

@@ -8,7 +8,7 @@
 namespace freelsd {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 struct LayerName {
   const char* name;
@@ -98,7 +98,7 @@ bool LayerRaster::IsEmpty() const { return counts ? counts->empty() : values->em
 float LayerRaster::At(int row, int col) const {
   if (!counts) return (*values)(row, col) * factor;
   const uint8_t count = (*counts)(row, col);
-  return count > 0 ? static_cast<float>(count) : kNaN;
+  return count > 0 ? static_cast<float>(count) : kNoValue;
 }
 
 LayerRaster RasterOf(const MapWindow& window, MapLayer layer) {

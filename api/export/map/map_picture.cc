@@ -10,7 +10,7 @@
 namespace freelsd {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 constexpr uint8_t kTransparentIndex = 0;
 constexpr uint8_t kHazardIndex = 1;
 constexpr uint8_t kUnseenIndex = 2;
@@ -88,7 +88,7 @@ cv::Mat1f SafetyValues(MapLayer layer,
   const bool has_values = layer != MapLayer::kHazard;
   const Safety safety = SafetyOf(places, windows, layer);
   const float of_hazard = layer == MapLayer::kRisk ? 1.0f : 0.0f;
-  cv::Mat1f values(safety.state.size(), kNaN);
+  cv::Mat1f values(safety.state.size(), kNoData);
   for (int row = 0; row < values.rows; ++row) {
     for (int col = 0; col < values.cols; ++col) {
       const uint8_t state = safety.state(row, col);
@@ -158,7 +158,7 @@ cv::Mat1f ValuesOf(MapLayer layer,
   if (IsSafetyLayer(layer)) {
     return SafetyValues(layer, places, windows);
   }
-  cv::Mat1f values(places.box().size(), kNaN);
+  cv::Mat1f values(places.box().size(), kNoData);
   const auto draw =
       [&](int row, int col, const Eigen::Vector2d& place, const WindowCell& cell, float value) {
         if (layer == MapLayer::kElevation) {

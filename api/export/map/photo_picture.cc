@@ -7,7 +7,7 @@ namespace freelsd {
 namespace {
 
 // More of them per side of a pixel cost more than they improve it.
-constexpr int kMaxNumSteps = 4;
+constexpr int kMaxNumPhotoSteps = 4;
 
 class PhotoFinder {
  public:
@@ -46,7 +46,7 @@ int NumSteps(double pixel_size_m, const std::vector<PhotoWindow>& windows) {
   for (const PhotoWindow& window : windows) {
     steps = std::max(steps, pixel_size_m / window.grid.cell_size_m);
   }
-  return std::min(kMaxNumSteps, static_cast<int>(std::lround(steps)));
+  return std::min(kMaxNumPhotoSteps, static_cast<int>(std::lround(steps)));
 }
 
 // Sum of the colours of a pixel, each times its alpha.

@@ -14,9 +14,9 @@ std::string Warnings(const StoredSite& site) {
   return text;
 }
 
-std::string Profile(const StoredSite& site) {
+std::string ProfileSection(const StoredSite& site) {
   const std::string figure = ProfileFigure(site);
-  return figure.empty() ? "" : "<h2>Profile of the final</h2>\n" + figure;
+  return figure.empty() ? "" : "<h2>ProfileSection of the final</h2>\n" + figure;
 }
 
 std::string Rejections(const StoredSite& site) {
@@ -46,7 +46,7 @@ std::string SiteReport(const StoredSite& site,
                 "",
                 "<h1>Landing site " + EscapeXml(site.Name()) + "</h1>\n" + VerdictBox(site) +
                     Warnings(site) + MapFigure(site, site_map, local_frame, "distance") +
-                    Profile(site) + "<h2>Numbers</h2>\n" + Table(SiteRows(site)) +
+                    ProfileSection(site) + "<h2>Numbers</h2>\n" + Table(SiteRows(site)) +
                     Rejections(site) + Layers(site, site_map, local_frame));
 }
 

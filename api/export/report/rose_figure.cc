@@ -14,12 +14,12 @@ constexpr double kMiddleRadius = 20.0;
 constexpr double kRimRadius = 124.0;
 constexpr double kHalfSize = 146.0;
 
-std::string Number(double number) { return FixedText(number, 2); }
+std::string Hundredths(double number) { return FixedText(number, 2); }
 
 // North is up; the angle is where the wind comes from.
 std::string Point(double radius, double from_deg) {
   const double from = RadFromDeg(from_deg);
-  return Number(radius * std::sin(from)) + " " + Number(-radius * std::cos(from));
+  return Hundredths(radius * std::sin(from)) + " " + Hundredths(-radius * std::cos(from));
 }
 
 const char* VerdictWord(const Plan& plan) {
@@ -41,7 +41,7 @@ double InnerRadius(const WindRose& rose, size_t speed) {
 
 std::string Calm(const WindRose& rose) {
   return "<circle class=\"cell " + std::string(VerdictWord(rose.At(0, 0))) + "\" r=\"" +
-         Number(kMiddleRadius) + "\"/>";
+         Hundredths(kMiddleRadius) + "\"/>";
 }
 
 std::string Cell(const WindRose& rose, size_t speed, size_t direction) {
@@ -50,7 +50,7 @@ std::string Cell(const WindRose& rose, size_t speed, size_t direction) {
   const double inner = InnerRadius(rose, speed);
   const double outer = inner + RingWidth(rose);
   const auto arc = [](double radius, int sweep, double to) {
-    return "A" + Number(radius) + " " + Number(radius) + " 0 0 " + std::to_string(sweep) + " " +
+    return "A" + Hundredths(radius) + " " + Hundredths(radius) + " 0 0 " + std::to_string(sweep) + " " +
            Point(radius, to);
   };
   return "<path class=\"cell " + std::string(VerdictWord(rose.At(speed, direction))) + "\" d=\"M" +
@@ -116,7 +116,7 @@ std::string RoseFigure(const WindRose& rose) {
       cells += Cell(rose, speed, i);
     }
   }
-  const std::string corner = Number(-kHalfSize), side = Number(2.0 * kHalfSize);
+  const std::string corner = Hundredths(-kHalfSize), side = Hundredths(2.0 * kHalfSize);
   return "<figure class=\"rose\"><svg role=\"img\" aria-label=\"winds in which one can land\" "
          "viewBox=\"" +
          corner + " " + corner + " " + side + " " + side + "\">" + cells + AxisLabels(rose) +

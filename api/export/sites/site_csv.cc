@@ -70,7 +70,7 @@ std::string PropertyCells(const StoredSite& site) {
   return cells;
 }
 
-std::string Row(const StoredSite& site) {
+std::string CsvRow(const StoredSite& site) {
   const StoredWind wind = site.wind.value_or(StoredWind());
   return Cell(site.id) + "," + FixedText(site.touchdown.latitude_deg, 9) + "," +
          FixedText(site.touchdown.longitude_deg, 9) + "," +
@@ -83,7 +83,7 @@ std::string Row(const StoredSite& site) {
 
 std::string CsvFile(const std::vector<StoredSite>& sites, const ExportOptions&) {
   std::string text = std::string(kPlaceColumns) + kPropertyColumns + "\r\n";
-  for (const StoredSite& site : sites) text += Row(site);
+  for (const StoredSite& site : sites) text += CsvRow(site);
   return text;
 }
 

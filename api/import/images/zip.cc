@@ -23,7 +23,7 @@ using Archive = std::unique_ptr<archive, CloseArchive>;
 
 ApiError Refused(const std::string& detail) { return ApiError("ZipRefused", detail); }
 
-ApiError TooLarge(const std::string& detail, double limit, double observed) {
+ApiError FileTooLarge(const std::string& detail, double limit, double observed) {
   ApiError error("ZipTooLarge", detail);
   error.limit = limit;
   error.observed = observed;
@@ -106,15 +106,15 @@ class Allowance {
   void Take(size_t entry_bytes, size_t new_bytes) {
     total_ += static_cast<double>(new_bytes);
     if (entry_bytes > limits_.max_entry_bytes) {
-      throw TooLarge("an entry of the zip archive is too large",
+      throw FileTooLarge("an entry of the zip archive is too large",
                      static_cast<double>(limits_.max_entry_bytes),
                      static_cast<double>(entry_bytes));
     }
     if (total_ > max_total_) {
-      throw TooLarge("the zip archive unpacks to too much", max_total_, total_);
+      throw FileTooLarge("the zip archive unpacks to too much", max_total_, total_);
     }
     if (total_ > max_total_by_ratio_) {
-      throw TooLarge(
+      throw FileTooLarge(
           "the zip archive's compression ratio is too high", max_total_by_ratio_, total_);
     }
   }
@@ -144,7 +144,7 @@ int NumEntriesTold(const std::string& path) {
 
 void RefuseTooMany(int num_entries, const ZipLimits& limits) {
   if (num_entries <= limits.max_entries) return;
-  throw TooLarge("too many entries in the zip archive", limits.max_entries, num_entries);
+  throw FileTooLarge("too many entries in the zip archive", limits.max_entries, num_entries);
 }
 
 // Checks the whole directory before the first entry is passed on.

@@ -16,7 +16,7 @@ constexpr size_t kHeadBytes = 4096;
 constexpr double kMaxNormError = 0.01;
 // Numbers of a ground control point before the image's name.
 constexpr size_t kNumGcpNumbers = 5;
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
 
 std::string Lower(std::string_view text) {
   std::string lower(text);
@@ -25,7 +25,7 @@ std::string Lower(std::string_view text) {
 }
 
 std::string_view WithoutMark(std::string_view text) {
-  return text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size()) : text;
+  return text.starts_with(kUtf8Mark) ? text.substr(kUtf8Mark.size()) : text;
 }
 
 // The beginning of a file, and its name, in lower case.
@@ -200,7 +200,7 @@ void RefuseNothing(const std::vector<SideFile>& files, const SideContext& contex
   throw InvalidSideFile(files[0], 0, "the file is empty");
 }
 
-void RefuseDuplicates(const PoseFile& file) {
+void RefuseFramesTwice(const PoseFile& file) {
   std::set<std::string> ids;
   for (const auto& [id, meta] : file.poses) {
     if (ids.insert(id).second) continue;
@@ -321,16 +321,16 @@ PoseFile PosesFromFiles(const std::vector<SideFile>& files, const SideContext& c
   SideData data;
   data.file.formats = FormatsOf(files);
   for (const SideFile& file : files) {
-    if (file.text.starts_with(kByteOrderMark)) {
+    if (file.text.starts_with(kUtf8Mark)) {
       ReadOne({file.path, std::string(WithoutMark(file.text))}, data);
     } else {
       ReadOne(file, data);
     }
   }
-  RefuseDuplicates(data.file);
+  RefuseFramesTwice(data.file);
   if (!data.body_poses.empty()) JoinBodyPoses(context, data);
   Georeference(context, data);
-  RefuseDuplicates(data.file);
+  RefuseFramesTwice(data.file);
   for (const std::string& warning : SuspicionsOf(data.file, context)) {
     data.file.warnings.push_back(warning);
   }

@@ -10,7 +10,7 @@
 namespace freelsd {
 namespace {
 
-constexpr int kVersion = 1;
+constexpr int kHeadVersion = 1;
 
 nlohmann::json VectorJson(const Eigen::Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
@@ -106,7 +106,7 @@ std::string MapHeadJson(const MapHead& head) {
   nlohmann::json views = nlohmann::json::array(), ranges = nlohmann::json::object();
   for (const MapView& view : head.views) views.push_back(ViewJson(view));
   for (const LayerRange& range : head.ranges) ranges[range.name] = {range.min, range.max};
-  nlohmann::json object{{"version", kVersion},
+  nlohmann::json object{{"version", kHeadVersion},
                         {"flight", head.flight_json},
                         {"origin", GeoPointJson(head.origin)},
                         {"grid", GridJson(head.grid)},
@@ -132,7 +132,7 @@ std::string MapHeadJson(const MapHead& head) {
 
 MapHead ParseMapHead(const std::string& text) {
   const nlohmann::json object = ParseJson(text);
-  if (object.at("version") != kVersion) {
+  if (object.at("version") != kHeadVersion) {
     throw std::runtime_error("stored map: version " + object.at("version").dump());
   }
   MapHead head;

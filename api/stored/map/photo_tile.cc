@@ -14,7 +14,7 @@
 namespace freelsd {
 namespace {
 
-constexpr char kMagic[4] = {'F', 'L', 'P', 'A'};
+constexpr char kPictureMagic[4] = {'F', 'L', 'P', 'A'};
 constexpr int kQuality = 88;
 constexpr int kMaxSidePx = 4096;
 
@@ -31,7 +31,7 @@ struct FreeBuffer {
   void operator()(unsigned char* buffer) const { tjFree(buffer); }
 };
 
-[[noreturn]] void Refuse(const std::string& reason) {
+[[noreturn]] void RefusePicture(const std::string& reason) {
   throw DamagedMap("stored picture tile: " + reason);
 }
 
@@ -74,24 +74,24 @@ bool IsOpaque(const std::string& alpha) {
 // Position behind the JPEG; its end if nothing follows.
 size_t FindTrailer(const std::string& bytes) {
   const std::string end("\xff\xd9");
-  const size_t at = bytes.rfind(end + std::string(kMagic, sizeof(kMagic)));
+  const size_t at = bytes.rfind(end + std::string(kPictureMagic, sizeof(kPictureMagic)));
   return at == std::string::npos ? bytes.size() : at + end.size();
 }
 
 std::string ReadAlpha(const std::string& bytes, size_t position, size_t num_pixels) {
   Trailer trailer{};
-  if (bytes.size() < position + sizeof(trailer)) Refuse("is cut short");
+  if (bytes.size() < position + sizeof(trailer)) RefusePicture("is cut short");
   std::memcpy(&trailer, bytes.data() + position, sizeof(trailer));
   position += sizeof(trailer);
-  if (bytes.size() - position != trailer.deflated_size) Refuse("has an impossible size");
+  if (bytes.size() - position != trailer.deflated_size) RefusePicture("has an impossible size");
   std::string alpha(num_pixels, '\0');
   uLongf size = num_pixels;
   const int status = uncompress(reinterpret_cast<Bytef*>(alpha.data()),
                                 &size,
                                 reinterpret_cast<const Bytef*>(bytes.data() + position),
                                 trailer.deflated_size);
-  if (status != Z_OK || size != num_pixels) Refuse("does not inflate");
-  if (ChecksumOf(alpha) != trailer.crc) Refuse("its checksum is wrong");
+  if (status != Z_OK || size != num_pixels) RefusePicture("does not inflate");
+  if (ChecksumOf(alpha) != trailer.crc) RefusePicture("its checksum is wrong");
   return alpha;
 }
 
@@ -102,14 +102,14 @@ cv::Mat4b ReadJpeg(const std::string& bytes, size_t size) {
   int width = 0, height = 0, subsampling = 0, colorspace = 0;
   if (tjDecompressHeader3(handle.get(), data, size, &width, &height, &subsampling, &colorspace) !=
       0) {
-    Refuse(tjGetErrorStr2(handle.get()));
+    RefusePicture(tjGetErrorStr2(handle.get()));
   }
-  if (width > kMaxSidePx || height > kMaxSidePx) Refuse("is too large");
+  if (width > kMaxSidePx || height > kMaxSidePx) RefusePicture("is too large");
   cv::Mat4b picture(height, width);
   const int flags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
   if (tjDecompress2(handle.get(), data, size, picture.data, width, 0, height, TJPF_BGRA, flags) !=
       0) {
-    Refuse(tjGetErrorStr2(handle.get()));
+    RefusePicture(tjGetErrorStr2(handle.get()));
   }
   return picture;
 }
@@ -129,7 +129,7 @@ std::string SerializePhotoTile(const cv::Mat4b& picture) {
                                Z_DEFAULT_COMPRESSION);
   if (status != Z_OK) throw std::runtime_error("picture tile: zlib could not deflate it");
   Trailer trailer{{}, static_cast<uint32_t>(size), ChecksumOf(alpha)};
-  std::memcpy(trailer.magic, kMagic, sizeof(kMagic));
+  std::memcpy(trailer.magic, kPictureMagic, sizeof(kPictureMagic));
   bytes.append(reinterpret_cast<const char*>(&trailer), sizeof(trailer));
   return bytes.append(deflated, 0, size);
 }

@@ -7,7 +7,7 @@ namespace {
 // No height is known better.
 constexpr double kLeastDeviationM = 0.01;
 // Side of the square around a cell.
-constexpr double kNearM = 5.0;
+constexpr double kNeighbourhoodM = 5.0;
 
 // Deviation of the elevation from its mean over a square, without the part that slopes have.
 cv::Mat1f Unevenness(const cv::Mat1f& elevation, double side_cells) {
@@ -42,10 +42,10 @@ void VisitHeightCues(const CueInput& input,
                      const CueVisitor& visit) {
   const cv::Mat1f& elevation = input.surface.elevation;
   const double cell = input.map.grid.cell_size_m;
-  visit(Cue::kCoverHeight, KnownMean(input.map.upper - input.map.elevation, kNearM / cell));
+  visit(Cue::kCoverHeight, KnownMean(input.map.upper - input.map.elevation, kNeighbourhoodM / cell));
   visit(Cue::kRoughness, LogOf(input.surface.roughness, kLeastDeviationM));
   visit(Cue::kHeightDeviation, LogOf(input.map.standard_deviation, kLeastDeviationM));
-  visit(Cue::kUnevenness, LogOf(Unevenness(elevation, kNearM / cell), kLeastDeviationM));
+  visit(Cue::kUnevenness, LogOf(Unevenness(elevation, kNeighbourhoodM / cell), kLeastDeviationM));
   visit(Cue::kRaisedBorder,
         RaisedBorderRatio(EvenGrass(input, view_log_odds, options), elevation, cell, options));
 }

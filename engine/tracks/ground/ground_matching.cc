@@ -48,8 +48,8 @@ GroundPoints DescribeGround(const View& view,
 }
 
 // Corners of the photograph's footprint on level ground; empty if one is near the horizon.
-std::vector<cv::Point2f> Footprint(const View& view, const Camera& camera) {
-  constexpr double kMinDescent = 0.2;
+std::vector<cv::Point2f> FootprintCorners(const View& view, const Camera& camera) {
+  constexpr double kMinViewDescent = 0.2;
   const double right = camera.width_px - 1.0, bottom = camera.height_px - 1.0;
   std::vector<cv::Point2f> corners;
   for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(0.0, 0.0),
@@ -57,7 +57,7 @@ std::vector<cv::Point2f> Footprint(const View& view, const Camera& camera) {
                                        Eigen::Vector2d(right, bottom),
                                        Eigen::Vector2d(0.0, bottom)}) {
     const Eigen::Vector3d ray = view.world_from_camera.rotation * camera.RayFromImage(pixel);
-    if (ray.z() > -kMinDescent) return {};
+    if (ray.z() > -kMinViewDescent) return {};
     const Eigen::Vector2d place = view.world_from_camera.translation.head<2>() +
                                   ray.head<2>() * (view.height_above_ground / -ray.z());
     corners.emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()));
@@ -73,7 +73,7 @@ std::vector<ViewPair> OverlappingPairs(const std::vector<View>& views,
                                        double min_overlap_ratio) {
   std::vector<std::vector<cv::Point2f>> footprints;
   footprints.reserve(views.size());
-  for (const View& view : views) footprints.push_back(Footprint(view, camera.With(view.readout)));
+  for (const View& view : views) footprints.push_back(FootprintCorners(view, camera.With(view.readout)));
   std::vector<ViewPair> pairs;
   for (size_t i = 0; i < views.size(); ++i) {
     for (size_t j = i + 1; j < views.size(); ++j) {

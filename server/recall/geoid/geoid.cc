@@ -22,11 +22,6 @@ constexpr int kNumCols = 360 * kNodesPerDegree;
 // over the earth.
 constexpr size_t kMaxNumCells = 20000;
 
-struct Destroy {
-  void operator()(PJ_CONTEXT* context) const { proj_context_destroy(context); }
-  void operator()(PJ* transformation) const { proj_destroy(transformation); }
-};
-
 // The index of the cell, and where in it, 0 to 1.
 std::pair<int, double> CellOf(double nodes, int num_cells) {
   const int index = std::clamp(static_cast<int>(std::floor(nodes)), 0, num_cells - 1);
@@ -37,6 +32,11 @@ std::pair<int, double> CellOf(double nodes, int num_cells) {
 
 // Reads nodes of the grid.
 class Geoid::GridReader {
+  struct Destroy {
+    void operator()(PJ_CONTEXT* context) const { proj_context_destroy(context); }
+    void operator()(PJ* transformation) const { proj_destroy(transformation); }
+  };
+
  public:
   GridReader() : context_(proj_context_create()) {
     proj_log_level(context_.get(), PJ_LOG_NONE);

@@ -10,7 +10,6 @@
 namespace freelsd {
 namespace {
 
-constexpr double kMetresPerDegree = 111195.0;  // of latitude, on a sphere
 // Legs are split, because a line that is straight in degrees is not straight in a map's plane.
 constexpr double kMaxPieceM = 500.0;
 // More than half the diagonal of any cell, and than a wingspan.

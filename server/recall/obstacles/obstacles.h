@@ -16,6 +16,8 @@
 
 namespace freelsd {
 
+constexpr double kMetresPerDegree = 111195.0;  // of latitude, on a sphere
+
 struct EmergencyRequest;
 struct StoredSites;
 

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kStepM = 5.0;
 constexpr double kAirspaceStepM = 25.0;
-constexpr double kMetresPerDegree = 111195.0;  // of latitude, on a sphere
 
 // A plane around one point, metres east and north; exact enough within some kilometres.
 class Plane {

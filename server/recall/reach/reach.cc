@@ -19,7 +19,7 @@
 namespace freelsd {
 namespace {
 
-constexpr double kEarthRadiusM = 6371000.0;
+constexpr double kMeanEarthRadiusM = 6371000.0;
 // Larger boxes around the aircraft have too many maps; so much smaller is the next one tried.
 constexpr double kNextRadiusRatio = 0.7;
 // About a centimetre.
@@ -108,7 +108,7 @@ Task TaskOf(const EmergencyRequest& request, const Aircraft& aircraft) {
 }
 
 // A way in the air is longer than on the ellipsoid below, so lengths of the frame are stretched.
-double StretchAt(double altitude_m) { return 1.0 + std::max(0.0, altitude_m) / kEarthRadiusM; }
+double StretchAt(double altitude_m) { return 1.0 + std::max(0.0, altitude_m) / kMeanEarthRadiusM; }
 
 Reach ReachOver(const Task& task, const NearbyGround& nearby, const ReachLimits& limits) {
   const double stretch = StretchAt(task.request.place.altitude_m);

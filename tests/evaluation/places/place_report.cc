@@ -27,9 +27,9 @@ bool IsDisputed(const PolygonAnswer& answer) {
   return answer.second_opinion && IsGrass(answer.surface) != IsGrass(*answer.second_opinion);
 }
 
-Json OrNull(const Figure& figure) { return figure ? Json(*figure) : Json(); }
+Json FigureOrNull(const Figure& figure) { return figure ? Json(*figure) : Json(); }
 
-Json OrNull(const std::optional<Interval>& interval) {
+Json FigureOrNull(const std::optional<Interval>& interval) {
   return interval ? Json{interval->low, interval->high} : Json();
 }
 
@@ -127,12 +127,12 @@ Json ScoresOf(const Answers& answers, Probability probability) {
   scores["no_answer_ratio"] =
       num_polygons > 0 ? Json(1.0 - static_cast<double>(all.size()) / num_polygons) : Json();
   for (const auto& [name, statistic] : Statistics()) {
-    scores[name] = OrNull(statistic(all));
-    scores["interval"][name] = OrNull(BootstrapInterval(photographs, statistic, kBootstrapSeed));
+    scores[name] = FigureOrNull(statistic(all));
+    scores["interval"][name] = FigureOrNull(BootstrapInterval(photographs, statistic, kBootstrapSeed));
   }
   const JudgedPolygons smooth = Pooled(JudgedOf(answers, probability, IsNotRough));
-  scores["without_rough_grass"] = {{"error", OrNull(ErrorOf(smooth, MinGrassProbability()))},
-                                   {"auc", OrNull(AreaUnderCurveOf(smooth))}};
+  scores["without_rough_grass"] = {{"error", FigureOrNull(ErrorOf(smooth, MinGrassProbability()))},
+                                   {"auc", FigureOrNull(AreaUnderCurveOf(smooth))}};
   scores["num_sure_false_grass"] = SumOf(by_class, "num_sure", false);
   scores["reliability"] = ReliabilityJson(all);
   return scores;
