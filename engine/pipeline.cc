@@ -4,10 +4,14 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <functional>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include <opencv2/core/utility.hpp>
 
 #include "engine/mosaic/mosaic.h"
 
@@ -25,22 +29,46 @@ auto Timed(std::vector<StageReport>& reports, const char* stage, Step step) {
   return answer;
 }
 
-// Caches the last few full-size images, because consecutive pairs share them.
+// Calls work(i) for each i below `count`, as many at once as there are threads.
+void ForEachAtOnce(size_t count, const std::function<void(size_t i)>& work) {
+  cv::parallel_for_({0, static_cast<int>(count)}, [&](const cv::Range& range) {
+    for (int i = range.start; i < range.end; ++i) work(static_cast<size_t>(i));
+  });
+}
+
+// Keeps the last few full-size images, because consecutive pairs share them.
 class ImageCache {
  public:
   explicit ImageCache(const ImageSource& source) : source_(source) {}
 
-  cv::Mat Fetch(const std::string& frame_id) {
-    for (const auto& [id, image] : images_) {
-      if (id == frame_id) return image;
+  // Loads those that are missing.
+  void Load(const std::vector<std::string>& frame_ids) {
+    std::vector<std::string> missing;
+    for (const std::string& id : frame_ids) {
+      const bool is_new = std::find(missing.begin(), missing.end(), id) == missing.end();
+      if (is_new && !Find(id)) missing.push_back(id);
     }
-    images_.emplace_back(frame_id, source_(frame_id));
-    if (images_.size() > kMaxNumImages) images_.pop_front();
-    return images_.back().second;
+    std::vector<cv::Mat> loaded(missing.size());
+    ForEachAtOnce(missing.size(), [&](size_t i) { loaded[i] = source_(missing[i]); });
+    for (size_t i = 0; i < missing.size(); ++i) images_.emplace_back(missing[i], loaded[i]);
+    while (images_.size() > std::max(kMaxNumImages, frame_ids.size())) images_.pop_front();
+  }
+  // Of those loaded last.
+  cv::Mat At(const std::string& frame_id) const {
+    const cv::Mat* const image = Find(frame_id);
+    return image ? *image : source_(frame_id);
   }
 
  private:
   static constexpr size_t kMaxNumImages = 6;
+
+  const cv::Mat* Find(const std::string& frame_id) const {
+    for (const auto& [id, image] : images_) {
+      if (id == frame_id) return &image;
+    }
+    return nullptr;
+  }
+
   const ImageSource& source_;
   std::deque<std::pair<std::string, cv::Mat>> images_;
 };
@@ -70,6 +98,31 @@ constexpr double kAdjustmentDone = 0.2;
 constexpr double kStereoDone = 0.85;
 constexpr double kLayersDone = 0.9;
 
+// Points of each pair. The reported duration is that of all.
+std::vector<Points> ReconstructSome(const AdjustedBlock& block,
+                                    std::span<const StereoPair> pairs,
+                                    ImageCache& cache,
+                                    const StereoOptions& options,
+                                    std::vector<StageReport>& reports) {
+  std::vector<std::string> frame_ids;
+  for (const StereoPair& pair : pairs) {
+    frame_ids.push_back(block.views[pair.left].frame_id);
+    frame_ids.push_back(block.views[pair.right].frame_id);
+  }
+  cache.Load(frame_ids);
+  std::vector<Points> points(pairs.size());
+  Timed(reports, "stereo", [&] {
+    ForEachAtOnce(pairs.size(), [&](size_t i) {
+      const cv::Mat left = cache.At(frame_ids[2 * i]), right = cache.At(frame_ids[2 * i + 1]);
+      if (left.empty() || right.empty()) return;
+      points[i] = ReconstructPoints(block, pairs[i], left, right, options);
+    });
+    return 0;
+  });
+  reports.back().count = static_cast<int>(pairs.size());
+  return points;
+}
+
 ElevationMap ReconstructMap(const AdjustedBlock& block,
                             const Box& area,
                             const ImageSource& images,
@@ -82,16 +135,15 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
                               options.terrain);
   const std::vector<StereoPair> pairs = SelectPairs(block, options.stereo);
   ImageCache cache(images);
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    const double done = static_cast<double>(i) / static_cast<double>(pairs.size());
+  const auto num_at_once = static_cast<size_t>(std::max(1, cv::getNumThreads()));
+  for (size_t first = 0; first < pairs.size(); first += num_at_once) {
+    const double done = static_cast<double>(first) / static_cast<double>(pairs.size());
     progress.Tell(kAdjustmentDone + (kStereoDone - kAdjustmentDone) * done, "stereo");
-    const cv::Mat left = cache.Fetch(block.views[pairs[i].left].frame_id);
-    const cv::Mat right = cache.Fetch(block.views[pairs[i].right].frame_id);
-    if (left.empty() || right.empty()) continue;
-    const Points points = Timed(reports, "stereo", [&] {
-      return ReconstructPoints(block, pairs[i], left, right, options.stereo);
-    });
-    Timed(reports, "elevation", [&] { return builder.Add(points), 0; });
+    const std::span<const StereoPair> some =
+        std::span(pairs).subspan(first, std::min(num_at_once, pairs.size() - first));
+    for (const Points& points : ReconstructSome(block, some, cache, options.stereo, reports)) {
+      Timed(reports, "elevation", [&] { return builder.Add(points), 0; });
+    }
   }
   builder.Add(SparsePoints(block));
   ElevationMap map = Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
@@ -129,7 +181,7 @@ Plan NoTerrain(const Region& region, const std::string& why) {
 Site PlanSite(const Candidate& candidate,
               int min_num_observations,
               const PlannableGround& ground,
-              Evaluation& evaluation,
+              const Evaluation& evaluation,
               const Aircraft& aircraft,
               const PlanOptions& options) {
   Site site{.region = candidate.region, .wind = candidate.wind, .plan = {}};
@@ -138,8 +190,7 @@ Site PlanSite(const Candidate& candidate,
     return site;
   }
   const PlanRequest request = RequestOf(candidate, min_num_observations);
-  site.plan = Timed(
-      evaluation.reports, "approach", [&] { return ground.PlanFor(request, aircraft, options); });
+  site.plan = ground.PlanFor(request, aircraft, options);
   if (site.plan.verdict == Verdict::kRejected) {
     site.plan_without_obstacles = ground.PlanWithoutObstacles(request, aircraft, options);
   }
@@ -353,21 +404,34 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
   const PlannableGround ground(
       evaluation.map, evaluation.hazards, snapshot.obstacles, aircraft, options.hazard);
   const PlanOptions plan_options{options.approach, options.backend.max_surroundings_m};
-  const auto plan = [&](const Candidate& candidate) {
-    return PlanSite(
-        candidate, snapshot.min_num_observations, ground, evaluation, aircraft, plan_options);
+  const auto plan = [&](const std::vector<Candidate>& candidates) {
+    std::vector<Site> sites(candidates.size());
+    Timed(evaluation.reports, "approach", [&] {
+      ForEachAtOnce(sites.size(), [&](size_t i) {
+        sites[i] = PlanSite(candidates[i],
+                            snapshot.min_num_observations,
+                            ground,
+                            evaluation,
+                            aircraft,
+                            plan_options);
+      });
+      return 0;
+    });
+    evaluation.reports.back().count = static_cast<int>(sites.size());
+    return sites;
   };
-  for (const Candidate& candidate : group.regions) {
-    evaluation.sites.push_back(plan(candidate));  // Sec. III-H
-  }
   evaluation.sites = WithMapSites(
-      evaluation.sites,
+      plan(group.regions),  // Sec. III-H
       {ground.with_obstacles().map, ground.with_obstacles().layers, evaluation.num_views},
       aircraft,
       options,
-      [&](const Region& field) {
-        const Eigen::Vector2d place = field.Center().head<2>();
-        return plan({field, WindAt(place, snapshot.wind_samples, options.wind)});
+      [&](const std::vector<Region>& fields) {
+        std::vector<Candidate> candidates;
+        for (const Region& field : fields) {
+          const Eigen::Vector2d place = field.Center().head<2>();
+          candidates.push_back({field, WindAt(place, snapshot.wind_samples, options.wind)});
+        }
+        return plan(candidates);
       });
   return evaluation;
 }

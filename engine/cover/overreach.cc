@@ -122,7 +122,7 @@ cv::Mat1b OverreachingGrass(const cv::Mat1f& grass,
   const ColorsOnMap on_map = ColorsOfMap(photo, grid);
   const double cell_m = grid.cell_size_m;
   const Neighbourhood surroundings{BoxSide(2.0 * options.overreach_surroundings_m / cell_m),
-                                  kMinAreaM2 / (cell_m * cell_m)};
+                                   kMinAreaM2 / (cell_m * cell_m)};
   const cv::Mat1b is_grass = (grass >= options.min_grass_posterior) & on_map.is_seen;
   // Narrow objects in a meadow do not count as other ground.
   const cv::Mat1b told = Opened((grass < kMaxOtherPosterior) & on_map.is_seen, kMinWidthM, cell_m);

@@ -42,7 +42,7 @@ struct Frame {
 };
 
 // Loads a frame's image by its id, because the engine keeps no full-size images. Returns an empty
-// image if it is unavailable.
+// image if it is unavailable. Several threads call it at once.
 using ImageSource = std::function<cv::Mat(const std::string& frame_id)>;
 
 // Camera and its mounting, constant during a flight.

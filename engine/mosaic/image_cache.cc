@@ -34,6 +34,7 @@ LoadedPart ImageCache::Load(const ImagePart& wanted) const {
 }
 
 LoadedPart ImageCache::Fetch(size_t number) {
+  const std::lock_guard<std::mutex> lock(mutex_);
   const auto found = std::find_if(
       entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.number == number; });
   if (found != entries_.end()) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <list>
 #include <map>
+#include <mutex>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -28,7 +29,8 @@ struct LoadedPart {
   cv::Rect part;
 };
 
-// Forgets what was used longest ago. Keeps at least one image. Not thread-safe.
+// Forgets what was used longest ago. Keeps at least one image. Thread-safe: threads wait for each
+// other, also while one loads.
 class ImageCache {
  public:
   ImageCache(const ImageSource& source, std::vector<ImagePart> parts, double max_mb);
@@ -46,6 +48,8 @@ class ImageCache {
   const ImageSource& source_;
   const std::vector<ImagePart> parts_;
   const double max_bytes_;
+  // Guards bytes_ and entries_.
+  std::mutex mutex_;
   double bytes_ = 0.0;
   // The front was used last.
   std::list<Entry> entries_;

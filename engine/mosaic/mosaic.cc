@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <opencv2/core/utility.hpp>
+
 #include "engine/mosaic/balance.h"
 #include "engine/mosaic/pyramid.h"
 #include "engine/mosaic/seams.h"
@@ -16,20 +18,24 @@ namespace {
 // they.
 constexpr double kUsualLackOfDetail = 0.1;
 
-// Loads every image that has candidates once. Returns the views whose image cannot be used.
+// Loads every image that has candidates once, as many at once as there are threads. Returns the
+// views whose image cannot be used.
 std::vector<size_t> AddPictures(const PictureGround& ground,
                                 const AdjustedBlock& block,
                                 const ImageSource& images,
                                 double seam_cell_size_m,
                                 std::vector<ViewLayer>& layers) {
-  std::vector<size_t> missing;
-  for (ViewLayer& layer : layers) {
-    const cv::Mat image = images(block.views[layer.view].frame_id);
-    if (!IsUsable(image, block.camera)) {
-      missing.push_back(layer.view);
-      continue;
+  cv::parallel_for_({0, static_cast<int>(layers.size())}, [&](const cv::Range& range) {
+    for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
+      ViewLayer& layer = layers[i];
+      const cv::Mat image = images(block.views[layer.view].frame_id);
+      if (!IsUsable(image, block.camera)) continue;
+      AddPicture(image, GroundView(ground, block, layer.view), seam_cell_size_m, layer);
     }
-    AddPicture(image, GroundView(ground, block, layer.view), seam_cell_size_m, layer);
+  });
+  std::vector<size_t> missing;
+  for (const ViewLayer& layer : layers) {
+    if (layer.picture.empty()) missing.push_back(layer.view);
   }
   return missing;
 }

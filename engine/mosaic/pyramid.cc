@@ -1,5 +1,7 @@
 #include "engine/mosaic/pyramid.h"
 
+#include <opencv2/core/utility.hpp>
+
 namespace freelsd {
 namespace {
 
@@ -44,26 +46,43 @@ class Builder {
   // The tile after all tiles that it consists of.
   cv::Mat4b Build(int level, int row, int col, Turn turn) {
     if (!lattice_.TilesOf(level).contains({col, row})) return {};
-    cv::Mat4b image;
-    if (level == 0) {
-      image = paint_(row, col);
-    } else {
-      cv::Mat4b quarters[4];
-      for (const Step& step : StepsOf(turn)) {
-        quarters[step.quarter] =
-            Build(level - 1, 2 * row + step.quarter / 2, 2 * col + step.quarter % 2, step.turn);
+    cv::Mat4b quarters[4];
+    if (level == 1) PaintQuarters(row, col, quarters);
+    for (const Step& step : StepsOf(turn)) {
+      const int below = 2 * row + step.quarter / 2, beside = 2 * col + step.quarter % 2;
+      cv::Mat4b& quarter = quarters[step.quarter];
+      if (level == 1) {
+        Keep({0, below, beside, quarter});
+      } else {
+        quarter = Build(level - 1, below, beside, step.turn);
       }
-      image = HalvedTile(quarters, lattice_.tile_size_px);
     }
-    if (image.empty()) return image;
-    keep_({level, row, col, image});
-    ++num_kept_;
+    const cv::Mat4b image = HalvedTile(quarters, lattice_.tile_size_px);
+    Keep({level, row, col, image});
     return image;
   }
+
+  // A tile of the finest level that is the last one too.
+  void BuildAlone(int row, int col) { Keep({0, row, col, paint_(row, col)}); }
 
   int num_kept() const { return num_kept_; }
 
  private:
+  void PaintQuarters(int row, int col, cv::Mat4b (&quarters)[4]) {
+    cv::parallel_for_({0, 4}, [&](const cv::Range& range) {
+      for (int i = range.start; i < range.end; ++i) {
+        const int below = 2 * row + i / 2, beside = 2 * col + i % 2;
+        if (lattice_.tiles.contains({beside, below})) quarters[i] = paint_(below, beside);
+      }
+    });
+  }
+
+  void Keep(const MosaicTile& tile) {
+    if (tile.image.empty()) return;
+    keep_(tile);
+    ++num_kept_;
+  }
+
   const MosaicLattice& lattice_;
   const std::function<cv::Mat4b(int row, int col)>& paint_;
   const std::function<void(const MosaicTile&)>& keep_;
@@ -112,7 +131,11 @@ int BuildPyramid(const MosaicLattice& lattice,
   const cv::Rect tiles = lattice.TilesOf(top);
   for (int row = tiles.y; row < tiles.br().y; ++row) {
     for (int col = tiles.x; col < tiles.br().x; ++col) {
-      builder.Build(top, row, col, Turn::kEastFirst);
+      if (top == 0) {
+        builder.BuildAlone(row, col);
+      } else {
+        builder.Build(top, row, col, Turn::kEastFirst);
+      }
     }
   }
   return builder.num_kept();

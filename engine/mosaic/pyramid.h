@@ -14,7 +14,8 @@ namespace freelsd {
 cv::Mat4b HalvedTile(const cv::Mat4b (&quarters)[4], int tile_size_px);
 
 // Paints each tile of level 0 once, in the order of a Hilbert curve, so that neighbours follow each
-// other. `paint` returns an empty image where nothing is shown. Returns the number of tiles kept.
+// other; up to four at once. `paint` returns an empty image where nothing is shown. Returns the
+// number of tiles kept.
 int BuildPyramid(const MosaicLattice& lattice,
                  const std::function<cv::Mat4b(int row, int col)>& paint,
                  const std::function<void(const MosaicTile&)>& keep);

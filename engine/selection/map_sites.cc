@@ -131,22 +131,23 @@ std::vector<Site> WithMapSites(std::vector<Site> of_regions,
                                const MapOfSites& on,
                                const Aircraft& aircraft,
                                const PipelineOptions& options,
-                               const std::function<Site(const Region& field)>& plan) {
+                               const PlanFields& plan) {
   const auto max_num_sites = static_cast<size_t>(options.backend.max_num_map_sites);
   const double side_m = options.backend.map_site_extent_m;
   const double required = RequiredHazardDistance(on.map, aircraft, options.approach);
   const double strip_m = 2.0 * aircraft.touchdown_uncertainty_m + aircraft.ground_roll_m;
-  std::vector<Site> found;
-  size_t num_tried = 0;
+  std::vector<Region> fields;
+  std::vector<MapSquare> squares;
   for (const Piece& piece : PiecesOf(on.layers, required, side_m)) {
     const Region field = FieldAround(piece, on, required);
     if (field.area_m2 < aircraft.min_area_m2) continue;
-    if (num_tried++ >= kTriesPerSite * max_num_sites) break;
-    Site site = plan(field);
-    if (site.plan.verdict == Verdict::kRejected) continue;
-    site.square = piece.square;
-    found.push_back(std::move(site));
+    if (fields.size() >= kTriesPerSite * max_num_sites) break;
+    fields.push_back(field);
+    squares.push_back(piece.square);
   }
+  std::vector<Site> found = plan(fields);
+  for (size_t i = 0; i < found.size(); ++i) found[i].square = squares[i];
+  std::erase_if(found, [](const Site& site) { return site.plan.verdict == Verdict::kRejected; });
   SortBest(found);
   const size_t num_of_regions = of_regions.size();
   std::vector<Site> sites = std::move(of_regions);

@@ -209,13 +209,14 @@ struct MapOfSites {
 
 // Adds the best landings anywhere on the map to the sites of the regions: first the best one by
 // verdict and risk, then the next at least a strip's length away from all accepted ones, and so on.
-// Connected ground is cut along squares, and each piece is planned once by `plan`. A piece is given
-// as a region with id 0: what the map shows there. A site that lies in a tracked region gets the
-// id and the observations of this region.
+// Connected ground is cut along squares, and `plan` plans all pieces, in the same order. A piece is
+// given as a region with id 0: what the map shows there. A site that lies in a tracked region gets
+// the id and the observations of this region.
+using PlanFields = std::function<std::vector<Site>(const std::vector<Region>& fields)>;
 std::vector<Site> WithMapSites(std::vector<Site> of_regions,
                                const MapOfSites& on,
                                const Aircraft& aircraft,
                                const PipelineOptions& options,
-                               const std::function<Site(const Region& field)>& plan);
+                               const PlanFields& plan);
 
 }  // namespace freelsd

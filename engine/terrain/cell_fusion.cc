@@ -42,7 +42,8 @@ Center CenterOf(const std::vector<CellSummary>& sorted) {
     return std::abs(summary.mean - center.median);
   };
   if (sorted.size() <= 2) {
-    center.spread = kSigmaPerMedianDeviation * 0.5 * (deviation(sorted.front()) + deviation(sorted.back()));
+    center.spread =
+        kSigmaPerMedianDeviation * 0.5 * (deviation(sorted.front()) + deviation(sorted.back()));
     return center;
   }
   std::vector<double> deviations;

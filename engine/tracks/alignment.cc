@@ -13,7 +13,6 @@
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "engine/tracks/one_at_a_time.h"
 #include "engine/tracks/tracks.h"
 
 namespace freelsd {
@@ -208,18 +207,23 @@ std::map<int64_t, Reference> ReferencesOf(const std::vector<View>& views,
                                           const Camera& camera,
                                           const ImageSource& images) {
   const std::map<int64_t, size_t> reference_views = ReferenceViews(views, camera);
-  std::map<int64_t, Reference> references;
-  for (size_t view = 0; view < views.size(); ++view) {
-    const cv::Mat image = images(views[view].frame_id);
-    if (image.empty()) continue;
-    const cv::Mat1f grey = Blurred(image);
-    for (const Observation& seen : views[view].observations) {
-      const auto found = reference_views.find(seen.track_id);
-      if (found == reference_views.end() || found->second != view) continue;
-      const auto reference = ReferenceAt(grey, view, seen.point_in_image);
-      if (reference) references.emplace(seen.track_id, *reference);
+  std::vector<std::map<int64_t, Reference>> of_views(views.size());
+  cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {
+    for (auto view = static_cast<size_t>(range.start); view < static_cast<size_t>(range.end);
+         ++view) {
+      const cv::Mat image = images(views[view].frame_id);
+      if (image.empty()) continue;
+      const cv::Mat1f grey = Blurred(image);
+      for (const Observation& seen : views[view].observations) {
+        const auto found = reference_views.find(seen.track_id);
+        if (found == reference_views.end() || found->second != view) continue;
+        const auto reference = ReferenceAt(grey, view, seen.point_in_image);
+        if (reference) of_views[view].emplace(seen.track_id, *reference);
+      }
     }
-  }
+  });
+  std::map<int64_t, Reference> references;
+  for (auto& of_view : of_views) references.merge(of_view);
   return references;
 }
 
@@ -265,10 +269,9 @@ std::vector<View> AlignSightings(std::vector<View> views,
   if (!is_reduced || options.max_alignment_shift_px == 0.0) return views;
   const std::map<int64_t, Reference> references = ReferencesOf(views, camera, images);
   const std::vector<View> given = views;
-  const ImageSource guarded = OneAtATime(images);
   cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {
     for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
-      AlignView({given, i, references, camera, options}, guarded, views[i].observations);
+      AlignView({given, i, references, camera, options}, images, views[i].observations);
     }
   });
   return views;

@@ -14,7 +14,9 @@ constexpr size_t kMaxPartLineBytes = 4096;
 constexpr int kMaxNumPartLines = 16;
 constexpr size_t kFillBytes = 65536;
 
-[[noreturn]] void RefuseForm(const std::string& detail) { throw ApiError("InvalidMultipart", detail); }
+[[noreturn]] void RefuseForm(const std::string& detail) {
+  throw ApiError("InvalidMultipart", detail);
+}
 
 // Value of `; key="value"` or `; key=value`. A backslash escapes a quote, as in browsers and curl.
 std::optional<std::string> Parameter(const std::string& header, const std::string& key) {

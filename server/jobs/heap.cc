@@ -18,6 +18,10 @@ void LimitHeapPools() {
   // gaps.
   constexpr int kMinMappedBytes = 24 << 20;
   mallopt(M_MMAP_THRESHOLD, kMinMappedBytes);
+  // Free pages at the end of the heap are kept for the next raster: else the system clears them for
+  // each photograph, which takes a tenth of the time.
+  constexpr int kKeptFreeBytes = 96 << 20;
+  mallopt(M_TRIM_THRESHOLD, kKeptFreeBytes);
 #endif
 }
 

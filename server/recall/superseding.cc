@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
-#include "server/recall/other_maps/other_maps.h"
 #include "server/recall/obstacles/obstacles.h"
+#include "server/recall/other_maps/other_maps.h"
 #include "server/recall/plan_check.h"
 #include "server/recall/recall_sites.h"
 

@@ -16,7 +16,7 @@ std::string Warnings(const StoredSite& site) {
 
 std::string ProfileSection(const StoredSite& site) {
   const std::string figure = ProfileFigure(site);
-  return figure.empty() ? "" : "<h2>ProfileSection of the final</h2>\n" + figure;
+  return figure.empty() ? "" : "<h2>Profile of the final</h2>\n" + figure;
 }
 
 std::string Rejections(const StoredSite& site) {

@@ -50,8 +50,8 @@ std::string Cell(const WindRose& rose, size_t speed, size_t direction) {
   const double inner = InnerRadius(rose, speed);
   const double outer = inner + RingWidth(rose);
   const auto arc = [](double radius, int sweep, double to) {
-    return "A" + Hundredths(radius) + " " + Hundredths(radius) + " 0 0 " + std::to_string(sweep) + " " +
-           Point(radius, to);
+    return "A" + Hundredths(radius) + " " + Hundredths(radius) + " 0 0 " + std::to_string(sweep) +
+           " " + Point(radius, to);
   };
   return "<path class=\"cell " + std::string(VerdictWord(rose.At(speed, direction))) + "\" d=\"M" +
          Point(inner, left) + "L" + Point(outer, left) + arc(outer, 1, right) + "L" +

@@ -107,8 +107,8 @@ class Allowance {
     total_ += static_cast<double>(new_bytes);
     if (entry_bytes > limits_.max_entry_bytes) {
       throw FileTooLarge("an entry of the zip archive is too large",
-                     static_cast<double>(limits_.max_entry_bytes),
-                     static_cast<double>(entry_bytes));
+                         static_cast<double>(limits_.max_entry_bytes),
+                         static_cast<double>(entry_bytes));
     }
     if (total_ > max_total_) {
       throw FileTooLarge("the zip archive unpacks to too much", max_total_, total_);

@@ -42,7 +42,8 @@ void VisitHeightCues(const CueInput& input,
                      const CueVisitor& visit) {
   const cv::Mat1f& elevation = input.surface.elevation;
   const double cell = input.map.grid.cell_size_m;
-  visit(Cue::kCoverHeight, KnownMean(input.map.upper - input.map.elevation, kNeighbourhoodM / cell));
+  visit(Cue::kCoverHeight,
+        KnownMean(input.map.upper - input.map.elevation, kNeighbourhoodM / cell));
   visit(Cue::kRoughness, LogOf(input.surface.roughness, kLeastDeviationM));
   visit(Cue::kHeightDeviation, LogOf(input.map.standard_deviation, kLeastDeviationM));
   visit(Cue::kUnevenness, LogOf(Unevenness(elevation, kNeighbourhoodM / cell), kLeastDeviationM));

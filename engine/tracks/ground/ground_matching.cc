@@ -9,7 +9,6 @@
 #include "engine/tracks/descriptor_matching.h"
 #include "engine/tracks/ground/ground_image.h"
 #include "engine/tracks/keypoints.h"
-#include "engine/tracks/one_at_a_time.h"
 #include "engine/tracks/track_table.h"
 #include "engine/tracks/tracks.h"
 #include "engine/tracks/verification.h"
@@ -73,7 +72,8 @@ std::vector<ViewPair> OverlappingPairs(const std::vector<View>& views,
                                        double min_overlap_ratio) {
   std::vector<std::vector<cv::Point2f>> footprints;
   footprints.reserve(views.size());
-  for (const View& view : views) footprints.push_back(FootprintCorners(view, camera.With(view.readout)));
+  for (const View& view : views)
+    footprints.push_back(FootprintCorners(view, camera.With(view.readout)));
   std::vector<ViewPair> pairs;
   for (size_t i = 0; i < views.size(); ++i) {
     for (size_t j = i + 1; j < views.size(); ++j) {
@@ -162,11 +162,10 @@ std::vector<View> TieOnGround(std::vector<View> views,
       OverlappingPairs(views, camera, options.min_ground_overlap_ratio);
   const std::vector<bool> is_border = BorderViews(pairs, group);
   std::vector<GroundPoints> points(views.size());
-  const ImageSource guarded = OneAtATime(images);
   cv::parallel_for_({0, static_cast<int>(views.size())}, [&](const cv::Range& range) {
     for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
       if (!is_border[i]) continue;
-      const cv::Mat image = guarded(views[i].frame_id);
+      const cv::Mat image = images(views[i].frame_id);
       if (image.empty()) continue;
       points[i] = DescribeGround(views[i], camera.With(views[i].readout), image, options);
     }

@@ -1,6 +1,7 @@
 #include "engine/mosaic/pyramid.h"
 
 #include <array>
+#include <atomic>
 #include <map>
 #include <set>
 
@@ -37,30 +38,33 @@ TEST_CASE("mosaic pyramid: transparent pixels have no colour, and alpha is the s
 }
 
 TEST_CASE("mosaic pyramid: neighbours follow each other, and a coarse tile comes after its four") {
-  std::vector<cv::Point> painted;
+  std::vector<cv::Point> finest;
   std::set<std::array<int, 3>> kept;
-  const auto paint = [&](int row, int col) {
-    painted.emplace_back(col, row);
+  std::atomic<int> num_painted = 0;
+  const auto paint = [&](int, int) {
+    ++num_painted;
     return cv::Mat4b(2, 2, cv::Vec4b(1, 2, 3, 255));
   };
   const auto keep = [&](const MosaicTile& tile) {
+    if (tile.level == 0) finest.emplace_back(tile.col, tile.row);
     CHECK(kept.insert({tile.level, tile.row, tile.col}).second);
     for (int i = 0; tile.level > 0 && i < 4; ++i) {
       CHECK(kept.count({tile.level - 1, 2 * tile.row + i / 2, 2 * tile.col + i % 2}) == 1);
     }
   };
   CHECK(BuildPyramid(LatticeOf({-8, 8, 8, 8}, 4), paint, keep) == 64 + 16 + 4 + 1);
-  REQUIRE(painted.size() == 64);
-  for (size_t i = 1; i < painted.size(); ++i) {
-    const cv::Point step = painted[i] - painted[i - 1];
+  CHECK(num_painted == 64);
+  REQUIRE(finest.size() == 64);
+  for (size_t i = 1; i < finest.size(); ++i) {
+    const cv::Point step = finest[i] - finest[i - 1];
     CHECK(std::abs(step.x) + std::abs(step.y) == 1);
   }
 }
 
 TEST_CASE("mosaic pyramid: only tiles that the map touches are painted") {
-  int num_painted = 0;
+  std::atomic<int> num_painted = 0, num_outside = 0;
   const auto paint = [&](int row, int col) {
-    CHECK(cv::Rect(-1, -1, 3, 2).contains({col, row}));
+    num_outside += cv::Rect(-1, -1, 3, 2).contains({col, row}) ? 0 : 1;
     ++num_painted;
     return row < 0 ? cv::Mat4b() : cv::Mat4b(2, 2, cv::Vec4b(1, 2, 3, 255));
   };
@@ -68,6 +72,7 @@ TEST_CASE("mosaic pyramid: only tiles that the map touches are painted") {
   const auto keep = [&](const MosaicTile& tile) { ++num_kept[tile.level]; };
   BuildPyramid(LatticeOf({-1, -1, 3, 2}, 3), paint, keep);
   CHECK(num_painted == 6);
+  CHECK(num_outside == 0);
   CHECK(num_kept[0] == 3);
   // The tiles north of the origin are empty at every level.
   CHECK(num_kept[1] == 2);

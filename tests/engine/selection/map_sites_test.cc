@@ -56,8 +56,16 @@ std::vector<Site> SitesOn(const scene::Scene& ground,
                           const PlanPiece& plan,
                           const PipelineOptions& options = {}) {
   const cv::Mat1b num_views(ground.map.elevation.size(), uint8_t{kNumViews});
-  return WithMapSites(
-      std::move(of_regions), {ground.map, ground.hazards, num_views}, Aircraft{}, options, plan);
+  const auto plan_all = [&plan](const std::vector<Region>& fields) {
+    std::vector<Site> sites;
+    for (const Region& field : fields) sites.push_back(plan(field));
+    return sites;
+  };
+  return WithMapSites(std::move(of_regions),
+                      {ground.map, ground.hazards, num_views},
+                      Aircraft{},
+                      options,
+                      plan_all);
 }
 
 bool IsAnyAt(const std::vector<Site>& sites, double from_east, double to_east) {

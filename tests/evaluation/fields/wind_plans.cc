@@ -47,8 +47,12 @@ std::vector<Site> SitesInWind(const PlanBasis& basis, const std::optional<Eigen:
                       {basis.map, basis.hazards, basis.num_views},
                       basis.aircraft,
                       basis.options,
-                      [&](const Region& field) {
-                        return plan(InWind({field, std::nullopt}, wind));
+                      [&](const std::vector<Region>& fields) {
+                        std::vector<Site> planned;
+                        for (const Region& field : fields) {
+                          planned.push_back(plan(InWind({field, std::nullopt}, wind)));
+                        }
+                        return planned;
                       });
 }
 

@@ -128,7 +128,8 @@ Json ScoresOf(const Answers& answers, Probability probability) {
       num_polygons > 0 ? Json(1.0 - static_cast<double>(all.size()) / num_polygons) : Json();
   for (const auto& [name, statistic] : Statistics()) {
     scores[name] = FigureOrNull(statistic(all));
-    scores["interval"][name] = FigureOrNull(BootstrapInterval(photographs, statistic, kBootstrapSeed));
+    scores["interval"][name] =
+        FigureOrNull(BootstrapInterval(photographs, statistic, kBootstrapSeed));
   }
   const JudgedPolygons smooth = Pooled(JudgedOf(answers, probability, IsNotRough));
   scores["without_rough_grass"] = {{"error", FigureOrNull(ErrorOf(smooth, MinGrassProbability()))},
