@@ -5,15 +5,15 @@
 #   FREELSD_DATA=FOLDER tests/evaluation/results.sh [NUM_WORLDS [NUM_WORLDS_IN_NOISE [PART...]]] \
 #     > tests/evaluation/RESULTS.md
 #
-# Parts: world worlds textured ground places look noise2 damage frames flights survey bench. The default is all
-# parts. `world` is the table of world.sh; worlds, textured and ground print the reports behind it.
+# Parts: world worlds textured ground places look noise2 damage frames flights survey bench peers growth. The
+# default is all parts. `world` is the table of world.sh; worlds, textured and ground print the reports behind it.
 # build/reports keeps each part with the revision that made it. The document contains all kept
 # parts and marks those of an older revision. build/reports also holds the reports of the worlds, so
 # an interrupted run continues. Reports made elsewhere (other seeds, --merge) may be put there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 programs=build/release/tests
-all_parts=(world worlds textured ground places look noise2 damage frames flights survey bench)
+all_parts=(world worlds textured ground places look noise2 damage frames flights survey bench peers growth)
 num_worlds="${1:-24}"
 num_in_noise="${2:-24}"
 parts=("${@:3}")
@@ -91,6 +91,14 @@ make() {
     bench)
       heading "What stages cost" "freelsd-bench"
       verbatim $programs/freelsd-bench
+      ;;
+    peers)
+      heading "Beside COLMAP" "tests/bench/colmap.sh"
+      tests/bench/colmap.sh "$FREELSD_DATA/flights/swindale"
+      ;;
+    growth)
+      heading "Long flights" "tests/bench/growth.sh"
+      tests/bench/growth.sh
       ;;
     *) echo "results.sh: no part $1: one of ${all_parts[*]}" >&2; exit 1 ;;
   esac
