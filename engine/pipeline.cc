@@ -1,86 +1,18 @@
 #include "engine/pipeline.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <deque>
-#include <functional>
 #include <limits>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include <opencv2/core/utility.hpp>
-
 #include "engine/mosaic/mosaic.h"
+#include "engine/selection/ground_map.h"
+#include "engine/selection/steps.h"
 
 namespace freelsd {
 namespace {
-
-// Adds the duration of a step to the reports and returns the step's result. Time is only reported:
-// no result depends on it.
-template <typename Step>
-auto Timed(std::vector<StageReport>& reports, const char* stage, Step step) {
-  const auto start = std::chrono::steady_clock::now();
-  auto answer = step();
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-  reports.push_back({stage, elapsed.count(), 1, ""});
-  return answer;
-}
-
-// Calls work(i) for each i below `count`, as many at once as there are threads.
-void ForEachAtOnce(size_t count, const std::function<void(size_t i)>& work) {
-  cv::parallel_for_({0, static_cast<int>(count)}, [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) work(static_cast<size_t>(i));
-  });
-}
-
-// Keeps the last few full-size images, because consecutive pairs share them.
-class ImageCache {
- public:
-  explicit ImageCache(const ImageSource& source) : source_(source) {}
-
-  // Loads those that are missing.
-  void Load(const std::vector<std::string>& frame_ids) {
-    std::vector<std::string> missing;
-    for (const std::string& id : frame_ids) {
-      const bool is_new = std::find(missing.begin(), missing.end(), id) == missing.end();
-      if (is_new && !Find(id)) missing.push_back(id);
-    }
-    std::vector<cv::Mat> loaded(missing.size());
-    ForEachAtOnce(missing.size(), [&](size_t i) { loaded[i] = source_(missing[i]); });
-    for (size_t i = 0; i < missing.size(); ++i) images_.emplace_back(missing[i], loaded[i]);
-    while (images_.size() > std::max(kMaxNumImages, frame_ids.size())) images_.pop_front();
-  }
-  // Of those loaded last.
-  cv::Mat At(const std::string& frame_id) const {
-    const cv::Mat* const image = Find(frame_id);
-    return image ? *image : source_(frame_id);
-  }
-
- private:
-  static constexpr size_t kMaxNumImages = 6;
-
-  const cv::Mat* Find(const std::string& frame_id) const {
-    for (const auto& [id, image] : images_) {
-      if (id == frame_id) return &image;
-    }
-    return nullptr;
-  }
-
-  const ImageSource& source_;
-  std::deque<std::pair<std::string, cv::Mat>> images_;
-};
-
-Points SparsePoints(const AdjustedBlock& block) {
-  Points points;
-  for (const Landmark& landmark : block.landmarks) {
-    points.push_back(
-        {landmark.point_in_world.cast<float>(), static_cast<float>(landmark.height_sd_m)});
-  }
-  return points;
-}
 
 class Cancellable {
  public:
@@ -98,59 +30,10 @@ constexpr double kAdjustmentDone = 0.2;
 constexpr double kStereoDone = 0.85;
 constexpr double kLayersDone = 0.9;
 
-// Points of each pair. The reported duration is that of all.
-std::vector<Points> ReconstructSome(const AdjustedBlock& block,
-                                    std::span<const StereoPair> pairs,
-                                    ImageCache& cache,
-                                    const StereoOptions& options,
-                                    std::vector<StageReport>& reports) {
-  std::vector<std::string> frame_ids;
-  for (const StereoPair& pair : pairs) {
-    frame_ids.push_back(block.views[pair.left].frame_id);
-    frame_ids.push_back(block.views[pair.right].frame_id);
-  }
-  cache.Load(frame_ids);
-  std::vector<Points> points(pairs.size());
-  Timed(reports, "stereo", [&] {
-    ForEachAtOnce(pairs.size(), [&](size_t i) {
-      const cv::Mat left = cache.At(frame_ids[2 * i]), right = cache.At(frame_ids[2 * i + 1]);
-      if (left.empty() || right.empty()) return;
-      points[i] = ReconstructPoints(block, pairs[i], left, right, options);
-    });
-    return 0;
-  });
-  reports.back().count = static_cast<int>(pairs.size());
-  return points;
-}
-
-ElevationMap ReconstructMap(const AdjustedBlock& block,
-                            const Box& area,
-                            const ImageSource& images,
-                            const PipelineOptions& options,
-                            const Cancellable& progress,
-                            std::vector<StageReport>& reports) {
-  const Box box = area.Intersection(SeenArea(block));
-  if (box.IsEmpty()) return {};
-  ElevationMapBuilder builder(GridAround(box.min, box.max, options.terrain.cell_size_m),
-                              options.terrain);
-  const std::vector<StereoPair> pairs = SelectPairs(block, options.stereo);
-  ImageCache cache(images);
-  const auto num_at_once = static_cast<size_t>(std::max(1, cv::getNumThreads()));
-  for (size_t first = 0; first < pairs.size(); first += num_at_once) {
-    const double done = static_cast<double>(first) / static_cast<double>(pairs.size());
-    progress.Tell(kAdjustmentDone + (kStereoDone - kAdjustmentDone) * done, "stereo");
-    const std::span<const StereoPair> some =
-        std::span(pairs).subspan(first, std::min(num_at_once, pairs.size() - first));
-    for (const Points& points : ReconstructSome(block, some, cache, options.stereo, reports)) {
-      Timed(reports, "elevation", [&] { return builder.Add(points), 0; });
-    }
-  }
-  builder.Add(SparsePoints(block));
-  ElevationMap map = Timed(reports, "elevation_fusion", [&] { return builder.Build(); });
-  map.position_sd_m = block.position_sd_m;
-  map.tilt_sd_deg = block.tilt_sd_deg;
-  return Timed(
-      reports, "heights", [&] { return DecideHeights(map, block, images, options.heights); });
+std::function<void(double)> TellStereo(const Cancellable& progress) {
+  return [&progress](double done_ratio) {
+    progress.Tell(kAdjustmentDone + (kStereoDone - kAdjustmentDone) * done_ratio, "stereo");
+  };
 }
 
 AdjustedBlock AdjustSelection(const Selection& selection,
@@ -195,6 +78,26 @@ Site PlanSite(const Candidate& candidate,
     site.plan_without_obstacles = ground.PlanWithoutObstacles(request, aircraft, options);
   }
   return site;
+}
+
+// One for each candidate. Reports the duration of all.
+std::vector<Site> PlanSites(const std::vector<Candidate>& candidates,
+                            int min_num_observations,
+                            const PlannableGround& ground,
+                            const Aircraft& aircraft,
+                            const PipelineOptions& options,
+                            Evaluation& evaluation) {
+  const PlanOptions plan_options{options.approach, options.backend.max_surroundings_m};
+  std::vector<Site> sites(candidates.size());
+  Timed(evaluation.reports, "approach", [&] {
+    ForEachAtOnce(sites.size(), [&](size_t i) {
+      sites[i] =
+          PlanSite(candidates[i], min_num_observations, ground, evaluation, aircraft, plan_options);
+    });
+    return 0;
+  });
+  evaluation.reports.back().count = static_cast<int>(sites.size());
+  return sites;
 }
 
 // Features that identify a crop are 0.3 to 0.75 m wide. Coarser images do not show them, so the
@@ -387,7 +290,7 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                                             group.area,
                                             images,
                                             options,
-                                            cancellable,
+                                            TellStereo(cancellable),
                                             evaluation.reports);  // III-F, G
     cancellable.Tell(kStereoDone, "hazards");
     WarnOfCoarseImages(evaluation, options);
@@ -403,22 +306,9 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
   cancellable.Tell(kLayersDone, "approach");
   const PlannableGround ground(
       evaluation.map, evaluation.hazards, snapshot.obstacles, aircraft, options.hazard);
-  const PlanOptions plan_options{options.approach, options.backend.max_surroundings_m};
   const auto plan = [&](const std::vector<Candidate>& candidates) {
-    std::vector<Site> sites(candidates.size());
-    Timed(evaluation.reports, "approach", [&] {
-      ForEachAtOnce(sites.size(), [&](size_t i) {
-        sites[i] = PlanSite(candidates[i],
-                            snapshot.min_num_observations,
-                            ground,
-                            evaluation,
-                            aircraft,
-                            plan_options);
-      });
-      return 0;
-    });
-    evaluation.reports.back().count = static_cast<int>(sites.size());
-    return sites;
+    return PlanSites(
+        candidates, snapshot.min_num_observations, ground, aircraft, options, evaluation);
   };
   evaluation.sites = WithMapSites(
       plan(group.regions),  // Sec. III-H

@@ -57,7 +57,7 @@ class Builder {
         quarter = Build(level - 1, below, beside, step.turn);
       }
     }
-    const cv::Mat4b image = HalvedTile(quarters, lattice_.tile_size_px);
+    cv::Mat4b image = HalvedTile(quarters, lattice_.tile_size_px);
     Keep({level, row, col, image});
     return image;
   }

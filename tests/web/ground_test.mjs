@@ -7,7 +7,7 @@ import { after, before, test } from 'node:test';
 
 import { accessibilityFaults, flownSite, getJson, isOptional, launch, openPage, outside, smallTargets, url } from './browser.mjs';
 import { png, sampleJob, sampleWhy } from './sample_map.mjs';
-import { kWait, shoot } from './site_page.mjs';
+import { countTilesAtOnce, kWait, shoot } from './site_page.mjs';
 import { startStandIn } from './stand_in.mjs';
 
 const phone = { width: 360, height: 740 };
@@ -19,17 +19,6 @@ after(() => browser?.close());
 
 const sampleMap = (more = {}) => ({ place: site.place, half_m: 320, grown: 1, version: 1, isThere: true, why: sampleWhy, ...more });
 const withJob = (job) => (path, json) => (path === '/v1/jobs' ? { jobs: [job, ...json.jobs] } : json);
-
-// Runs in the page: at the server a request that the page gave up is still open for a while.
-function countTilesAtOnce() {
-  const { fetch } = globalThis;
-  globalThis.tileRequests = { now: 0, most: 0 };
-  globalThis.fetch = async (request, ...more) => {
-    if (!/\/\d+\/\d+\/\d+\.png/.test(request.url ?? request)) return fetch(request, ...more);
-    tileRequests.most = Math.max(tileRequests.most, ++tileRequests.now);
-    try { return await fetch(request, ...more); } finally { --tileRequests.now; }
-  };
-}
 
 async function open(t, parts, options = {}) {
   const map = parts.map === undefined ? sampleMap() : parts.map;

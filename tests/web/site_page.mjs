@@ -24,3 +24,14 @@ export async function clickPlace(page, [lon, lat], [right, down]) {
   assert.ok(box, `the marker at ${lat}, ${lon} is drawn`);
   await page.mouse.click(box.x + box.width / 2 + right, box.y + box.height / 2 + down);
 }
+
+// Runs in the page: at the server a request that the page gave up is still open for a while.
+export function countTilesAtOnce() {
+  const { fetch } = globalThis;
+  globalThis.tileRequests = { now: 0, most: 0 };
+  globalThis.fetch = async (request, ...more) => {
+    if (!/\/\d+\/\d+\/\d+\.png/.test(request.url ?? request)) return fetch(request, ...more);
+    tileRequests.most = Math.max(tileRequests.most, ++tileRequests.now);
+    try { return await fetch(request, ...more); } finally { --tileRequests.now; }
+  };
+}

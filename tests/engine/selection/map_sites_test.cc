@@ -58,6 +58,7 @@ std::vector<Site> SitesOn(const scene::Scene& ground,
   const cv::Mat1b num_views(ground.map.elevation.size(), uint8_t{kNumViews});
   const auto plan_all = [&plan](const std::vector<Region>& fields) {
     std::vector<Site> sites;
+    sites.reserve(fields.size());
     for (const Region& field : fields) sites.push_back(plan(field));
     return sites;
   };

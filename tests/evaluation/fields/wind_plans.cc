@@ -49,6 +49,7 @@ std::vector<Site> SitesInWind(const PlanBasis& basis, const std::optional<Eigen:
                       basis.options,
                       [&](const std::vector<Region>& fields) {
                         std::vector<Site> planned;
+                        planned.reserve(fields.size());
                         for (const Region& field : fields) {
                           planned.push_back(plan(InWind({field, std::nullopt}, wind)));
                         }

@@ -1,0 +1,20 @@
+// Input: adjusted block, images. Output: elevation map, by pairs of photographs. Paper: III-F, G.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "engine/selection/selection.h"
+
+namespace freelsd {
+
+// Of the seen part of the area; an empty map if nothing was seen. `progress` is called with the
+// share of pairs that are done, and may throw.
+ElevationMap ReconstructMap(const AdjustedBlock& block,
+                            const Box& area,
+                            const ImageSource& images,
+                            const PipelineOptions& options,
+                            const std::function<void(double done_ratio)>& progress,
+                            std::vector<StageReport>& reports);
+
+}  // namespace freelsd
