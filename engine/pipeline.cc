@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "engine/ground_map.h"
 #include "engine/mosaic/mosaic.h"
-#include "engine/selection/ground_map.h"
-#include "engine/selection/steps.h"
+#include "engine/steps.h"
 
 namespace freelsd {
 namespace {

@@ -1,4 +1,4 @@
-#include "engine/selection/ground_map.h"
+#include "engine/ground_map.h"
 
 #include <algorithm>
 #include <deque>
@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "engine/selection/steps.h"
+#include "engine/steps.h"
 
 namespace freelsd {
 namespace {
