@@ -102,7 +102,7 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
     const std::span<const StereoPair> some =
         std::span(pairs).subspan(first, std::min(num_at_once, pairs.size() - first));
     for (const Points& points : ReconstructSome(block, some, cache, options.stereo, reports)) {
-      Timed(reports, "elevation", [&] { return builder.Add(points), 0; });
+      if (!points.empty()) Timed(reports, "elevation", [&] { return builder.Add(points), 0; });
     }
   }
   builder.Add(SparsePoints(block));

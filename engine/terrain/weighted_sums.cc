@@ -17,7 +17,7 @@ constexpr int kNumSlots = 4;
 // Points per batch; one batch fits into the first-level cache.
 constexpr size_t kBatch = 256;
 
-constexpr size_t kMaxRows = 4;
+constexpr size_t kMaxSumLanes = 4;
 
 double Squared(double value) { return value * value; }
 
@@ -33,14 +33,14 @@ struct Layout {
 // The cell centre north-west of the point, and the weights for this cell and its neighbours to the
 // east, south and south-east.
 struct Batch {
-  alignas(kMaxRows * sizeof(double)) std::array<std::array<double, kBatch>, 4> weights;
+  alignas(kMaxSumLanes * sizeof(double)) std::array<std::array<double, kBatch>, 4> weights;
   // 1 where the weight is above 0.
-  alignas(kMaxRows * sizeof(double)) std::array<std::array<double, kBatch>, 4> counts;
-  alignas(kMaxRows * sizeof(double)) std::array<double, kBatch> height;
-  alignas(kMaxRows * sizeof(double)) std::array<double, kBatch> variance;
-  alignas(kMaxRows * sizeof(double)) std::array<int, kBatch> slot;
+  alignas(kMaxSumLanes * sizeof(double)) std::array<std::array<double, kBatch>, 4> counts;
+  alignas(kMaxSumLanes * sizeof(double)) std::array<double, kBatch> height;
+  alignas(kMaxSumLanes * sizeof(double)) std::array<double, kBatch> variance;
+  alignas(kMaxSumLanes * sizeof(double)) std::array<int, kBatch> slot;
   // Unweighted: a point on a line of centres may lie a whole radius from centres on both sides.
-  alignas(kMaxRows * sizeof(double)) std::array<int64_t, kBatch> is_on_line;
+  alignas(kMaxSumLanes * sizeof(double)) std::array<int64_t, kBatch> is_on_line;
 };
 
 template <size_t num_lanes, SumKind kind>

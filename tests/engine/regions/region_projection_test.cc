@@ -12,16 +12,6 @@ namespace {
 constexpr double kHeightM = 100.0;
 constexpr double kMaxErrorM = 0.3;  // a pixel is 0.22 m
 
-Rig VideoRig() {
-  Rig rig;
-  rig.camera.width_px = 752;
-  rig.camera.height_px = 480;
-  rig.camera.fx_px = rig.camera.fy_px = 465.0;
-  rig.camera.cx_px = 375.5;
-  rig.camera.cy_px = 239.5;
-  return rig;
-}
-
 // One view over level ground at world z = 0, position and attitude known.
 class OneView {
  public:
