@@ -30,10 +30,10 @@ reconstruct() {
   mkdir -p "$work/colmap/sparse"
   colmap feature_extractor --database_path "$work/colmap/points.db" --image_path "$flight/images" \
     --ImageReader.single_camera 1 --SiftExtraction.use_gpu 0 --SiftExtraction.num_threads "$threads" \
-    --SiftExtraction.max_image_size "$width"
-  colmap sequential_matcher --database_path "$work/colmap/points.db" --SiftMatching.use_gpu 0 \
-    --SiftMatching.num_threads "$threads" --SequentialMatching.overlap 10 --SequentialMatching.quadratic_overlap 0
-  colmap mapper --database_path "$work/colmap/points.db" --image_path "$flight/images" \
+    --SiftExtraction.max_image_size "$width" &&
+    colmap sequential_matcher --database_path "$work/colmap/points.db" --SiftMatching.use_gpu 0 \
+    --SiftMatching.num_threads "$threads" --SequentialMatching.overlap 10 --SequentialMatching.quadratic_overlap 0 &&
+    colmap mapper --database_path "$work/colmap/points.db" --image_path "$flight/images" \
     --output_path "$work/colmap/sparse" --Mapper.num_threads "$threads"
 }
 
