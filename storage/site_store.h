@@ -169,6 +169,8 @@ class SiteStore {
   // Recallable sites whose map or touchdown intersects the box.
   SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const;
   int64_t CountRecallable() const;
+  // Whether any site of the flight may be recalled.
+  bool HasRecallable(const std::string& flight_id) const;
   RecallBounds BoundsOfRecallable() const;
   // Number of accepted sites that recall leaves out because they are superseded. Only sites with a
   // map in the box are counted.

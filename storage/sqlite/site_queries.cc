@@ -116,7 +116,8 @@ void PutSiteRow(const Connection& writer, const SiteRow& site) {
           "INSERT INTO sites (id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, "
           "approach_json, replan_json, updated_at_us, checksum, seen_at_us, map_id) VALUES (?1, "
           "?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12) ON CONFLICT (id) DO UPDATE SET "
-          "latitude_deg = ?4, longitude_deg = ?5, feature_json = ?6, approach_json = ?7, "
+          "flight_id = ?2, region_id = ?3, latitude_deg = ?4, longitude_deg = ?5, feature_json = "
+          "?6, approach_json = ?7, "
           "replan_json = ?8, updated_at_us = ?9, checksum = ?10, seen_at_us = ?11, map_id = ?12")
       .Bind(site.id,
             site.flight_id,

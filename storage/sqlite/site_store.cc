@@ -93,6 +93,15 @@ int64_t SiteStore::CountRecallable() const {
   });
 }
 
+bool SiteStore::HasRecallable(const std::string& flight_id) const {
+  return state_.ReadSites([&](const Connection& connection) {
+    Statement statement = connection.Prepare(
+        "SELECT 1 FROM sites JOIN site_numbers ON site_id = sites.id "
+        "WHERE flight_id = ?1 AND is_recallable = 1 LIMIT 1");
+    return statement.Bind(flight_id).Step();
+  });
+}
+
 int64_t SiteStore::CountOverruled(const BoundingBox& box) const {
   return state_.ReadForRecall([&](const Connection& connection) {
     int64_t count = 0;

@@ -40,6 +40,17 @@ TEST_CASE("site store: a site put again replaces its map, an empty one removes i
   CHECK_FALSE(storage.sites.Delete("s"));
 }
 
+// A square of the map keeps its id when the tracks of another evaluation put it in another region.
+TEST_CASE("site store: a site put again may lie in another region") {
+  const TemporaryFolder folder;
+  Storage storage(folder.path());
+  SiteRow site = SomeSite("s", 50.0, 8.0);
+  storage.sites.Put(site, "");
+  site.region_id = 4;
+  storage.sites.Put(site, "");
+  CHECK(storage.sites.Find("s")->region_id == 4);
+}
+
 TEST_CASE(
     "site store: recall finds sites by box, also over the antimeridian, and forgets deleted ones") {
   const TemporaryFolder folder;
