@@ -1,13 +1,12 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <optional>
 #include <vector>
 
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "engine/cover/cover.h"
+#include "engine/cover/steepest_view.h"
 
 namespace freelsd {
 namespace {
@@ -16,107 +15,6 @@ namespace {
 int CellsPerMapCell(const ElevationMap& map, const PhotoOptions& options) {
   const double ratio = map.grid.cell_size_m / options.orthophoto_cell_size_m;
   return std::max(1, static_cast<int>(std::lround(ratio)));
-}
-
-// Image position of the corner (row, col) of the map's cells. Its height is that of the cell
-// south-east of it.
-std::optional<Eigen::Vector2d> ImageOfCorner(const ElevationMap& map,
-                                             const Camera& camera,
-                                             const Rigid3d& camera_from_world,
-                                             double row,
-                                             double col,
-                                             float height) {
-  const double cell = map.grid.cell_size_m;
-  Eigen::Vector3d place_in_world;
-  place_in_world << map.grid.north_west_in_world + cell * Eigen::Vector2d(col, -row), height;
-  std::optional<Eigen::Vector2d> pixel = camera.ImageFromCamera(camera_from_world * place_in_world);
-  if (!pixel || !camera.IsInside(*pixel)) return std::nullopt;
-  return pixel;
-}
-
-// Whether the image shows all four corners of the cell.
-bool IsCellShown(const ElevationMap& map,
-                 const Camera& camera,
-                 const Rigid3d& camera_from_world,
-                 int row,
-                 int col) {
-  const float height = map.elevation(row, col);
-  const auto is_shown = [&](double south, double east) {
-    return ImageOfCorner(map, camera, camera_from_world, row + south, col + east, height)
-        .has_value();
-  };
-  return is_shown(0, 0) && is_shown(0, 1) && is_shown(1, 0) && is_shown(1, 1);
-}
-
-bool IsElsewhere(const AdjustedBlock& block, size_t view, int first, double min_crossing_ratio) {
-  if (first < 0) return false;
-  const AdjustedView& other = block.views[static_cast<size_t>(first)];
-  const Eigen::Vector3d baseline =
-      block.views[view].world_from_camera.translation - other.world_from_camera.translation;
-  return baseline.head<2>().norm() >= min_crossing_ratio * other.height_above_ground;
-}
-
-// The view that looks down on each seen cell most steeply. With `first` given, only views whose
-// cameras are far enough from that view's camera compete.
-class SteepestView {
- public:
-  SteepestView(const ElevationMap& map,
-               const AdjustedBlock& block,
-               const cv::Mat1i& first,
-               double min_crossing_ratio)
-      : map_(map),
-        block_(block),
-        first_(first),
-        min_crossing_ratio_(min_crossing_ratio),
-        steepest_(map.elevation.size(), -1),
-        least_(map.elevation.size(), std::numeric_limits<float>::infinity()) {}
-
-  void Offer(size_t view, const cv::Range& rows) {
-    const Camera camera = block_.CameraOf(view);
-    const Rigid3d& world_from_camera = block_.views[view].world_from_camera;
-    const Rigid3d camera_from_world = Inverse(world_from_camera);
-    for (int row = rows.start; row < rows.end; ++row) {
-      for (int col = 0; col < steepest_.cols; ++col) {
-        if (!map_.IsSeen(row, col)) continue;
-        const Eigen::Vector2d offset =
-            map_.grid.CellCenter(row, col) - world_from_camera.translation.head<2>();
-        const auto distance = static_cast<float>(offset.squaredNorm());
-        if (distance >= least_(row, col) || !MayCompete(view, row, col)) continue;
-        if (!IsCellShown(map_, camera, camera_from_world, row, col)) continue;
-        least_(row, col) = distance;
-        steepest_(row, col) = static_cast<int>(view);
-      }
-    }
-  }
-
-  // -1 where no view sees the cell.
-  const cv::Mat1i& OfCells() const { return steepest_; }
-
- private:
-  bool MayCompete(size_t view, int row, int col) const {
-    return first_.empty() || IsElsewhere(block_, view, first_(row, col), min_crossing_ratio_);
-  }
-
-  const ElevationMap& map_;
-  const AdjustedBlock& block_;
-  const cv::Mat1i first_;
-  double min_crossing_ratio_;
-  cv::Mat1i steepest_;
-  cv::Mat1f least_;
-};
-
-// Of the connected views.
-cv::Mat1i SteepestViews(const ElevationMap& map,
-                        const AdjustedBlock& block,
-                        const cv::Mat1i& first = {},
-                        double min_crossing_ratio = 0.0) {
-  SteepestView steepest(map, block, first, min_crossing_ratio);
-  cv::parallel_for_({0, map.elevation.rows}, [&](const cv::Range& rows) {
-    for (size_t view = 0; view < block.views.size(); ++view) {
-      if (block.views[view].is_connected) steepest.Offer(view, rows);
-    }
-  });
-  return steepest.OfCells();
 }
 
 // An image scaled so that its pixels are about as large on the ground as the orthophoto's cells.
@@ -199,6 +97,19 @@ class CellPainter {
   const ScaledImage& scaled_;
 };
 
+// Around the map cells that are taken from each view; empty if none is.
+std::vector<cv::Rect> CellsOfViews(const Orthophoto& photo, size_t num_views) {
+  std::vector<cv::Rect> around(num_views);
+  for (int row = 0; row < photo.view.rows; ++row) {
+    for (int col = 0; col < photo.view.cols; ++col) {
+      for (const int view : {photo.view(row, col), photo.second_view(row, col)}) {
+        if (view >= 0) around[static_cast<size_t>(view)] |= cv::Rect(col, row, 1, 1);
+      }
+    }
+  }
+  return around;
+}
+
 }  // namespace
 
 Orthophoto MakeOrthophoto(const ElevationMap& map,
@@ -222,18 +133,19 @@ Orthophoto MakeOrthophoto(const ElevationMap& map,
     photo.second_seen = cv::Mat1b::zeros(size);
     photo.second_view = SteepestViews(map, block, photo.view, options.min_crossing_ratio);
   }
+  const std::vector<cv::Rect> cells = CellsOfViews(photo, block.views.size());
   for (size_t v = 0; v < block.views.size(); ++v) {
     const int number = static_cast<int>(v);
-    if (cv::countNonZero((photo.view == number) | (photo.second_view == number)) == 0) continue;
+    if (cells[v].empty()) continue;
     const cv::Mat image = images(block.views[v].frame_id);
     if (image.empty()) continue;
     const double ground_sampling_m =
         block.views[v].height_above_ground / block.camera.MeanFocalPx();
     const ScaledImage scaled = ScaleTo(image, ground_sampling_m, photo.grid.cell_size_m);
     const CellPainter painter(map, block, v, scaled);
-    cv::parallel_for_({0, photo.view.rows}, [&](const cv::Range& rows) {
+    cv::parallel_for_({cells[v].y, cells[v].br().y}, [&](const cv::Range& rows) {
       for (int row = rows.start; row < rows.end; ++row) {
-        for (int col = 0; col < photo.view.cols; ++col) {
+        for (int col = cells[v].x; col < cells[v].br().x; ++col) {
           if (photo.view(row, col) == number) {
             painter.Paint(row, col, num_parts, photo.image, photo.seen);
           } else if (photo.second_view(row, col) == number) {

@@ -4,19 +4,10 @@
 #include <opencv2/core.hpp>
 
 #include "engine/adjustment/adjustment.h"
+#include "engine/footprint/footprint.h"
 #include "engine/mosaic/picture_ground.h"
 
 namespace freelsd {
-
-// East-north box of the ground between two heights that the image shows; empty if min > max.
-// Everything if the image shows the horizon.
-struct Footprint {
-  Eigen::Vector2d min_in_world, max_in_world;
-};
-Footprint FootprintOf(const Camera& camera,
-                      const Rigid3d& world_from_camera,
-                      double lowest_m,
-                      double highest_m);
 
 // Cells of the lattice that touch the footprint.
 cv::Rect CellsOf(const Footprint& footprint, const LatticeRect& within);

@@ -1,7 +1,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "engine/mosaic/ground_view.h"
+#include "engine/footprint/footprint.h"
+#include "engine/mosaic/mosaic.h"
 
 namespace freelsd {
 namespace {

@@ -1,4 +1,7 @@
 // The picture must be the paint.
+#include <cmath>
+#include <limits>
+
 #include <doctest/doctest.h>
 
 #include "tests/engine/cover/views_from_above.h"
@@ -53,6 +56,65 @@ TEST_CASE("orthophoto: paint comes out where it lies, north up, whichever way th
     }
   }
   CHECK(max_green_error <= 3.0);  // one cell, and both rounded
+}
+
+// Whether the view shows the four corners of the cell, at the cell's height.
+bool IsShown(const ElevationMap& map, const AdjustedBlock& block, size_t view, cv::Point cell) {
+  const Rigid3d camera_from_world = Inverse(block.views[view].world_from_camera);
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(-0.5, -0.5),
+                                        Eigen::Vector2d(-0.5, 0.5),
+                                        Eigen::Vector2d(0.5, -0.5),
+                                        Eigen::Vector2d(0.5, 0.5)}) {
+    Eigen::Vector3d place;
+    place << map.grid.CellCenter(cell.y, cell.x) + corner, map.elevation(cell);
+    const auto pixel = block.CameraOf(view).ImageFromCamera(camera_from_world * place);
+    if (!pixel || !block.camera.IsInside(*pixel)) return false;
+  }
+  return true;
+}
+
+// Every view against every cell.
+int SteepestOf(const ElevationMap& map, const AdjustedBlock& block, cv::Point cell) {
+  int steepest = -1;
+  double least = 1e12;
+  for (size_t v = 0; v < block.views.size(); ++v) {
+    const Eigen::Vector2d eye = block.views[v].world_from_camera.translation.head<2>();
+    const double distance = (map.grid.CellCenter(cell.y, cell.x) - eye).norm();
+    if (distance >= least || !IsShown(map, block, v, cell)) continue;
+    least = distance;
+    steepest = static_cast<int>(v);
+  }
+  return steepest;
+}
+
+TEST_CASE("orthophoto: of many views, each cell is taken from the steepest that shows it whole") {
+  ElevationMap map = LevelMap(150);
+  std::vector<Rigid3d> views;
+  for (int i = 0; i < 40; ++i) {
+    views.push_back(
+        SceneView({-110.0 + 37.3 * (i % 7), -95.0 + 41.7 * (i / 7), kHeightM}, 0.7 * i));
+  }
+  for (int row = 0; row < 150; ++row) {
+    for (int col = 0; col < 150; ++col) {
+      map.elevation(row, col) = 15.0f * std::sin(0.05f * float(row)) * std::cos(0.07f * float(col));
+    }
+  }
+  map.elevation(70, 70) = std::numeric_limits<float>::quiet_NaN();
+  const AdjustedBlock block = BlockOf(views);
+  const Orthophoto photo =
+      MakeOrthophoto(map, block, [&](const std::string& id) { return Numbered(block, id); }, {});
+  int num_views = 0, num_without = 0, num_wrong = 0;
+  for (int row = 0; row < 150; ++row) {
+    for (int col = 0; col < 150; ++col) {
+      const int expected = map.IsSeen(row, col) ? SteepestOf(map, block, {col, row}) : -1;
+      num_wrong += photo.view(row, col) != expected;
+      num_without += expected < 0;
+      num_views = std::max(num_views, expected);
+    }
+  }
+  CHECK(num_wrong == 0);
+  CHECK(num_views > 20);
+  CHECK(num_without > 1);
 }
 
 TEST_CASE("orthophoto: heights of the map are where cells are looked for") {
