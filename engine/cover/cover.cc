@@ -94,6 +94,7 @@ GroundCover AssessCover(const ElevationMap& map,
   const cv::Mat1f disagreement = PhotoDisagreement(photo, map.grid);
   // Nothing else needs it, and the other steps need its memory.
   photo.second_image.release();
+  photo.second_seen.release();
   MeadowCells cells;
   if (options.cover_method == CoverMethod::kRules) {
     cover.grass = GrassByRules(map, surface, grass_views, options, photo, cells);

@@ -31,8 +31,10 @@ cv::Mat1f RutPlaces(const Orthophoto& photo, const Grid& grid, const CoverOption
 
 void VisitCropCues(const CueInput& input, const CoverOptions& options, const CueVisitor& visit) {
   const Grid& grid = input.map.grid;
-  const cv::Mat1f rows = RowStrengths(input.photo, options) + 1.0f;
+  cv::Mat1f rows = RowStrengths(input.photo, options);
+  rows += 1.0f;
   visit(Cue::kRowStrength, LogOf(MeanOnMap(rows, input.photo, grid), 1.0));
+  rows.release();
   const cv::Mat1f density =
       KnownMean(RutPlaces(input.photo, grid, options), kRutsM / grid.cell_size_m);
   visit(Cue::kRutDensity, LogOf(density + kLeastDensity, kLeastDensity));

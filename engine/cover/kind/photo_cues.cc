@@ -28,6 +28,10 @@ constexpr Band kTuftBand{0.5, 1.5, 7.0};
 constexpr double kShadowSideM = 11.0;
 // Side of the square that a cell's greenness is compared with.
 constexpr double kSurroundingsM = 61.0;
+// The blurs end at four deviations; half of a square is added. No cue reads farther.
+constexpr double kDetailHaloM = 12.0;
+// Cells of the orthophoto in a band, without its halo.
+constexpr int kMaxNumBandCells = 1000000;
 
 struct Planes {
   cv::Mat1f log_brightness;
@@ -79,6 +83,62 @@ class SeenBlur {
   cv::Mat1f seen_;
 };
 
+// Cues that need the orthophoto's own resolution, as rasters of map cells.
+struct DetailCues {
+  cv::Mat1f detail;
+  cv::Mat1f tuft_texture;
+  cv::Mat1f green_texture;
+  cv::Mat1f shadow;
+};
+
+DetailCues DetailCuesOf(const Orthophoto& photo, const Grid& grid) {
+  const Planes planes = PlanesOf(photo);
+  const SeenBlur blur(photo.seen, photo.grid.cell_size_m);
+  DetailCues cues;
+  cues.detail = MeanOnMap(blur.LogDeviation(planes.log_brightness, kDetailBand), photo, grid);
+  cues.tuft_texture = MeanOnMap(blur.LogDeviation(planes.log_brightness, kTuftBand), photo, grid);
+  cues.green_texture = MeanOnMap(blur.LogDeviation(planes.greenness, kDetailBand), photo, grid);
+  cv::Mat1f darkest;
+  const int parts = BoxSide(1.0 / photo.grid.cell_size_m);
+  cv::erode(planes.log_brightness, darkest, cv::Mat1b::ones(parts, parts));
+  cues.shadow = MeanOnMap(darkest - blur.Box(planes.log_brightness, kShadowSideM), photo, grid);
+  return cues;
+}
+
+// Rows of map cells, and of the orthophoto below them.
+Orthophoto RowsOf(const Orthophoto& photo, const cv::Range& map_rows, int num_parts) {
+  const cv::Range rows(map_rows.start * num_parts, map_rows.end * num_parts);
+  Orthophoto part;
+  part.grid = photo.grid;
+  part.image = photo.image.rowRange(rows);
+  part.seen = photo.seen.rowRange(rows);
+  return part;
+}
+
+// Band by band: several rasters of floats of the whole orthophoto would take more memory than all
+// else.
+DetailCues DetailCuesInBands(const CueInput& input) {
+  const Grid& grid = input.map.grid;
+  const cv::Size size(grid.num_cols, grid.num_rows);
+  DetailCues cues{cv::Mat1f(size), cv::Mat1f(size), cv::Mat1f(size), cv::Mat1f(size)};
+  const int num_parts = input.photo.image.rows / grid.num_rows;
+  const int halo = static_cast<int>(std::ceil(kDetailHaloM / grid.cell_size_m));
+  const int height = std::max(1, kMaxNumBandCells / (input.photo.image.cols * num_parts));
+  for (int first = 0; first < grid.num_rows; first += height) {
+    const cv::Range own(first, std::min(grid.num_rows, first + height));
+    const cv::Range rows(std::max(0, own.start - halo), std::min(grid.num_rows, own.end + halo));
+    Grid grid_of_band = grid;
+    grid_of_band.num_rows = rows.size();
+    const DetailCues band = DetailCuesOf(RowsOf(input.photo, rows, num_parts), grid_of_band);
+    const cv::Range in_band = own - rows.start;
+    band.detail.rowRange(in_band).copyTo(cues.detail.rowRange(own));
+    band.tuft_texture.rowRange(in_band).copyTo(cues.tuft_texture.rowRange(own));
+    band.green_texture.rowRange(in_band).copyTo(cues.green_texture.rowRange(own));
+    band.shadow.rowRange(in_band).copyTo(cues.shadow.rowRange(own));
+  }
+  return cues;
+}
+
 }  // namespace
 
 void VisitPhotoCues(const CueInput& input, const CueVisitor& visit) {
@@ -87,18 +147,11 @@ void VisitPhotoCues(const CueInput& input, const CueVisitor& visit) {
   greenness.setTo(std::numeric_limits<float>::quiet_NaN(), on_map.is_seen == 0);
   visit(Cue::kGreennessContrast,
         greenness - KnownMean(greenness, kSurroundingsM / input.map.grid.cell_size_m));
-  const Planes planes = PlanesOf(input.photo);
-  const SeenBlur blur(input.photo.seen, input.photo.grid.cell_size_m);
-  const auto tell = [&](Cue cue, const cv::Mat1f& values) {
-    visit(cue, MeanOnMap(values, input.photo, input.map.grid));
-  };
-  tell(Cue::kDetail, blur.LogDeviation(planes.log_brightness, kDetailBand));
-  tell(Cue::kTuftTexture, blur.LogDeviation(planes.log_brightness, kTuftBand));
-  tell(Cue::kGreenTexture, blur.LogDeviation(planes.greenness, kDetailBand));
-  cv::Mat1f darkest;
-  const int parts = BoxSide(1.0 / input.photo.grid.cell_size_m);
-  cv::erode(planes.log_brightness, darkest, cv::Mat1b::ones(parts, parts));
-  tell(Cue::kShadow, darkest - blur.Box(planes.log_brightness, kShadowSideM));
+  const DetailCues cues = DetailCuesInBands(input);
+  visit(Cue::kDetail, cues.detail);
+  visit(Cue::kTuftTexture, cues.tuft_texture);
+  visit(Cue::kGreenTexture, cues.green_texture);
+  visit(Cue::kShadow, cues.shadow);
 }
 
 }  // namespace freelsd
