@@ -61,6 +61,12 @@ std::vector<JobRow> Worker::ReadyFinishes() const {
   return ready;
 }
 
+bool Worker::IsReadyToFinish(const std::string& flight_id) const {
+  const std::vector<JobRow> ready = ReadyFinishes();
+  return std::any_of(
+      ready.begin(), ready.end(), [&](const JobRow& job) { return job.flight_id == flight_id; });
+}
+
 // Evaluates one flight: for its finish, else its best regions. Flights take turns.
 bool Worker::StepBackend() {
   if (CheckNextSite()) return true;
@@ -133,20 +139,22 @@ void Worker::RunFinish(JobRow job, FlightSession& session) {
 void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
   EvaluationMark mark(
       service_.progress, EvaluationKind::kPeriodic, flight_id, "", session.flushed_through());
+  bool is_overtaken = false;
   try {
     EvaluateFlight(service_,
                    flight_id,
                    session,
                    EvaluationScope::kBest,
-                   [this](double ratio, const std::string&) {
-                     TellProgress(ratio);
-                     return !is_stopping_;
+                   [&](double ratio, const std::string&) {
+                     if (TellProgress(ratio)) is_overtaken = IsReadyToFinish(flight_id);
+                     return !is_stopping_ && !is_overtaken;
                    });
     mark.is_complete = true;
   } catch (const StorageError&) {
     throw;
   } catch (const std::exception& error) {
-    if (is_stopping_) return;
+    // The finish evaluates the same ground and more.
+    if (is_stopping_ || is_overtaken) return;
     spdlog::error("flight {}: {}", flight_id, Sentence(error));
     service_.storage.flights.Change(flight_id, [&error](FlightRow& flight) {
       flight.warnings_json = AddWarnings(flight.warnings_json, "evaluation", {Sentence(error)});
@@ -155,10 +163,11 @@ void Worker::RunPeriodic(const std::string& flight_id, FlightSession& session) {
 }
 
 // Also tells the clients of finishes that wait, because their times depend on this evaluation.
-void Worker::TellProgress(double done_ratio) {
+// Returns whether it was time to.
+bool Worker::TellProgress(double done_ratio) {
   service_.progress.TellEvaluation(done_ratio);
   const auto now = std::chrono::steady_clock::now();
-  if (now - told_waiting_at_ < kWaitingPeriod) return;
+  if (now - told_waiting_at_ < kWaitingPeriod) return false;
   told_waiting_at_ = now;
   JobView view(service_);
   int num_told = 0;
@@ -167,6 +176,7 @@ void Worker::TellProgress(double done_ratio) {
     service_.events.Publish("job", job.flight_id, view.Json(job).dump());
     if (++num_told == kMaxNumWaitingTold) break;
   }
+  return true;
 }
 
 void Worker::RetireImages() {

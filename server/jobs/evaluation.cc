@@ -14,6 +14,7 @@
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/jobs/evaluated_area.h"
+#include "server/jobs/heap.h"
 #include "server/jobs/out_of_date.h"
 #include "server/jobs/staged_maps.h"
 #include "server/recall/recall.h"
@@ -249,6 +250,32 @@ void StoreResult(Service& service,
   maps.Take();
 }
 
+std::vector<NewSite> SitesOf(const Evaluation& evaluation,
+                             const std::string& map_id,
+                             const EvaluatedFlight& flight) {
+  std::vector<NewSite> sites;
+  for (const Site& site : evaluation.sites) {
+    sites.push_back(SiteOf(AsStored(site), evaluation.map.grid, map_id, flight));
+  }
+  return sites;
+}
+
+// Somebody may wait for the first site: it is in force before its map's picture is painted and
+// before other groups are evaluated. The evaluation's own result replaces it.
+void StoreFirstSites(Service& service,
+                     const Evaluation& evaluation,
+                     const StagedMaps::Source& source,
+                     const EvaluatedFlight& flight) {
+  if (evaluation.sites.empty()) return;
+  StagedMaps maps(service, flight.context);
+  std::vector<NewSite> sites =
+      SitesOf(evaluation, maps.AddWithoutPicture(evaluation, source), flight);
+  DropDuplicates(sites);
+  StoreResult(service, flight.context.flight_id, sites, maps, EvaluationScope::kBest);
+  service.alternates.Wake(flight.context.flight_id);
+  service.alternates.WakeAll();
+}
+
 // The warning of a flight without any site.
 std::vector<std::string> NoSiteReason(const Snapshot& snapshot) {
   if (snapshot.regions.empty()) {
@@ -277,6 +304,14 @@ Progress Within(const Progress& progress, double from, double to) {
   if (!progress) return progress;
   return [progress, from, to](double done_ratio, const std::string& stage) {
     return progress(from + (to - from) * done_ratio, stage);
+  };
+}
+
+// Each stage leaves many gaps in the heap that the next, whose rasters are larger, cannot use.
+Progress ReturningMemory(const Progress& progress) {
+  return [progress, last = std::string()](double done_ratio, const std::string& stage) mutable {
+    if (std::exchange(last, stage) != stage) ReturnFreedMemory();
+    return !progress || progress(done_ratio, stage);
   };
 }
 
@@ -311,8 +346,9 @@ size_t EvaluateFlight(Service& service,
   std::vector<NewSite> sites;
   std::vector<std::string> warnings;
   const ImageSource images = StoredImages(service, flight_id);
+  const bool is_first = service.storage.maps.ListOf(flight_id).empty();
   for (size_t i = 0; i < groups.size(); ++i) {
-    const Progress of_group = ShareOf(progress, i, groups.size());
+    const Progress of_group = ReturningMemory(ShareOf(progress, i, groups.size()));
     service.progress.SetArea(AreaJson(groups[i].area, flight.context.local_frame));
     const Evaluation evaluation = EvaluateSites(snapshot,
                                                 groups[i],
@@ -320,13 +356,11 @@ size_t EvaluateFlight(Service& service,
                                                 request.aircraft,
                                                 request.options,
                                                 Within(of_group, 0.0, kSitesDone));
-    const std::string map_id = maps.Add(
-        evaluation,
-        {flight.request, flight.origin, images, PhotographedAt(snapshot, evaluation.block)},
-        Within(of_group, kSitesDone, 1.0));
-    for (const Site& site : evaluation.sites) {
-      sites.push_back(SiteOf(AsStored(site), evaluation.map.grid, map_id, flight));
-    }
+    const StagedMaps::Source source{
+        flight.request, flight.origin, images, PhotographedAt(snapshot, evaluation.block)};
+    if (is_first) StoreFirstSites(service, evaluation, source, flight);
+    const std::string map_id = maps.Add(evaluation, source, Within(of_group, kSitesDone, 1.0));
+    for (NewSite& site : SitesOf(evaluation, map_id, flight)) sites.push_back(std::move(site));
     session.AddReports(evaluation.reports);
     AddNew(evaluation.warnings, warnings);
   }

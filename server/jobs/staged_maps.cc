@@ -115,25 +115,36 @@ StagedMaps::~StagedMaps() {
   }
 }
 
-std::string StagedMaps::Add(const Evaluation& evaluation,
-                            const Source& source,
-                            const Progress& progress) {
-  const Grid& grid = evaluation.map.grid;
-  if (grid.num_rows == 0) return {};
+std::string StagedMaps::AddMap(const Evaluation& evaluation, const Source& source, MapHead head) {
   FlightMapRow row;
   row.id = service_.storage.maps.NewId(context_.flight_id);
   row.flight_id = context_.flight_id;
   row.altitude_datum = context_.altitude_datum;
-  row.box = BoxOf(grid, context_.local_frame);
+  row.box = BoxOf(evaluation.map.grid, context_.local_frame);
   row.updated_at_us = NowUs();
   row.seen_at_us = SeenAt(source.photographed_at_us, row.updated_at_us);
   rows_.push_back(row);
   StageMap(service_.storage,
            row,
-           HeadOf(evaluation, source.flight, source.origin),
+           std::move(head),
            {{evaluation.map, evaluation.hazards}, evaluation.num_views});
-  AddPicture(evaluation, row.id, source.images, progress);
   return row.id;
+}
+
+std::string StagedMaps::Add(const Evaluation& evaluation,
+                            const Source& source,
+                            const Progress& progress) {
+  if (evaluation.map.grid.num_rows == 0) return {};
+  std::string map_id = AddMap(evaluation, source, HeadOf(evaluation, source.flight, source.origin));
+  AddPicture(evaluation, map_id, source.images, progress);
+  return map_id;
+}
+
+std::string StagedMaps::AddWithoutPicture(const Evaluation& evaluation, const Source& source) {
+  if (evaluation.map.grid.num_rows == 0) return {};
+  MapHead head = HeadOf(evaluation, source.flight, source.origin);
+  head.photo.reset();
+  return AddMap(evaluation, source, std::move(head));
 }
 
 void StagedMaps::AddPicture(const Evaluation& evaluation,

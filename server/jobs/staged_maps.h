@@ -40,11 +40,14 @@ class StagedMaps {
   // Stores the evaluation's map with its picture and returns its id; empty if nothing was
   // reconstructed. Throws std::runtime_error("cancelled") if `progress` returned false.
   std::string Add(const Evaluation& evaluation, const Source& source, const Progress& progress);
+  // The same at once: the picture takes a while.
+  std::string AddWithoutPicture(const Evaluation& evaluation, const Source& source);
   const std::vector<FlightMapRow>& rows() const { return rows_; }
   // Call it once the maps are in force.
   void Take() { rows_.clear(); }
 
  private:
+  std::string AddMap(const Evaluation& evaluation, const Source& source, MapHead head);
   void AddPicture(const Evaluation& evaluation,
                   const std::string& map_id,
                   const ImageSource& images,

@@ -229,13 +229,28 @@ void Worker::ApplyResults(const std::string& flight_id,
     told.state = state;
     told.reason = result.note;
     TellOfFrame(service_, told);
-    ++num_since_evaluation_[flight_id];
+    ++pace_[flight_id].num_since;
   }
-  const int period = session.request().options.backend.backend_period_frames;
-  if (num_since_evaluation_[flight_id] < period) return;
-  num_since_evaluation_[flight_id] = 0;
+  if (!IsEvaluationDue(flight_id, session)) return;
+  EvaluationPace& pace = pace_[flight_id];
+  pace.num_before += std::exchange(pace.num_since, 0);
   due_.Add(flight_id);
   Wake();
+}
+
+// Where a finish waits, it will evaluate everything. Until then only the first site is worth the
+// time, and looking for it less and less often.
+bool Worker::IsEvaluationDue(const std::string& flight_id, const FlightSession& session) {
+  const int period = session.request().options.backend.backend_period_frames;
+  const EvaluationPace& pace = pace_[flight_id];
+  if (pace.num_since < period) return false;
+  for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
+    if (job.flight_id != flight_id || job.kind != "finish") continue;
+    const bool is_soon = LastSequence(job) - session.cursor() < period;
+    return !is_soon && pace.num_since >= pace.num_before &&
+           !service_.storage.sites.HasRecallable(flight_id);
+  }
+  return true;
 }
 
 void Worker::StoreProgress(const std::string& flight_id,

@@ -47,6 +47,7 @@ class Worker {
   void ApplyResults(const std::string& flight_id,
                     FlightSession& session,
                     const std::vector<FrameResult>& results);
+  bool IsEvaluationDue(const std::string& flight_id, const FlightSession& session);
   void StoreProgress(const std::string& flight_id,
                      FlightSession& session,
                      const std::vector<JobRow>& jobs);
@@ -65,9 +66,10 @@ class Worker {
   bool CheckNextSite();
   // Finish jobs that can run, because the frontend has processed all their frames. Oldest first.
   std::vector<JobRow> ReadyFinishes() const;
+  bool IsReadyToFinish(const std::string& flight_id) const;
   void RunFinish(JobRow job, FlightSession& session);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
-  void TellProgress(double done_ratio);
+  bool TellProgress(double done_ratio);
   // Removes images of idle flights as the settings require.
   void RetireImages();
 
@@ -90,7 +92,12 @@ class Worker {
   // Only the frontend thread uses the next five members.
   std::string last_flight_id_;
   std::map<std::string, int64_t> last_sequences_;
-  std::map<std::string, int> num_since_evaluation_;
+  // Frames of each flight since its last evaluation, and before it.
+  struct EvaluationPace {
+    int num_since = 0;
+    int num_before = 0;
+  };
+  std::map<std::string, EvaluationPace> pace_;
   // By flight: sequence number of the frame that waits for telemetry, and the start of its wait.
   std::map<std::string, std::pair<int64_t, std::chrono::steady_clock::time_point>> waiting_;
   std::map<std::string, std::chrono::steady_clock::time_point> stored_at_;
