@@ -53,31 +53,13 @@ refuse_warnings() {
   echo "no compiler warnings"
 }
 
+# run_unit_tests PRESET ARGUMENTS...
 run_unit_tests() {
-  local arguments=(--preset release -j "$(nproc)" --no-tests=error)
+  local arguments=(-j "$(nproc)" --no-tests=error --preset "$@")
   ctest "${arguments[@]}" 2>&1 | tee "$work/ctest.log" |
     grep -vE '^ +Start +[0-9]+:|^ *[0-9]+/[0-9]+ Test .* Passed ' || true
   # The grep above must not hide how it ended.
   grep -q '^100% tests passed' "$work/ctest.log" || fail "unit tests failed"
-}
-
-# Each executable of tests runs once under the sanitizers; a report ends it with an error.
-run_sanitized_tests() {
-  export ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1"
-  export UBSAN_OPTIONS="print_stacktrace=1"
-  local folder
-  for folder in "$@"; do
-    echo "-- ${folder}_tests with address and undefined-behaviour sanitizers"
-    "build/asan/tests/${folder}_tests" --no-intro >"$work/asan.log" 2>&1 || {
-      cat "$work/asan.log" >&2
-      fail "a test failed under the sanitizers"
-    }
-    tail -n 4 "$work/asan.log"
-    if grep -qE 'AddressSanitizer|LeakSanitizer|runtime error:' "$work/asan.log"; then
-      cat "$work/asan.log" >&2
-      fail "a sanitizer reported"
-    fi
-  done
 }
 
 # The demo's result must be served again by a new process, set up as the example says.
@@ -118,7 +100,7 @@ refuse_warnings "$work/build.log"
 passed
 
 start_step "unit tests (release)"
-run_unit_tests
+run_unit_tests release
 passed
 if [ -z "${FREELSD_DATA:-}" ]; then skipped "tests on recorded flights: FREELSD_DATA is not set"; fi
 
@@ -144,7 +126,9 @@ refuse_warnings "$work/build.log"
 passed
 
 start_step "unit tests (sanitizers)"
-run_sanitized_tests "${sanitized[@]}"
+export ASAN_OPTIONS="detect_stack_use_after_return=1:strict_string_checks=1"
+export UBSAN_OPTIONS="print_stacktrace=1"
+run_unit_tests asan -L "^($(IFS='|' && echo "${sanitized[*]}"))$"
 passed
 
 start_step "parsers on changed seeds"
