@@ -114,10 +114,10 @@ Eigen::AlignedBox2d DrawnBox(const Eigen::AlignedBox2d& map_box,
 }  // namespace
 
 WorldBox LandingBoxOf(const StoredSite& site, const LocalFrame& local_frame) {
-  constexpr double kMarginM = 25.0;
+  constexpr double kAroundLandingM = 25.0;
   const Eigen::AlignedBox2d landing = LinesOf(site, local_frame).LandingBox();
   const Eigen::Vector2d half_side =
-      Eigen::Vector2d::Constant(0.5 * landing.sizes().maxCoeff() + kMarginM);
+      Eigen::Vector2d::Constant(0.5 * landing.sizes().maxCoeff() + kAroundLandingM);
   return {landing.center() - half_side, landing.center() + half_side};
 }
 

@@ -90,9 +90,12 @@ int SteepestOf(const ElevationMap& map, const AdjustedBlock& block, cv::Point ce
 TEST_CASE("orthophoto: of many views, each cell is taken from the steepest that shows it whole") {
   ElevationMap map = LevelMap(150);
   std::vector<Rigid3d> views;
-  for (int i = 0; i < 40; ++i) {
-    views.push_back(
-        SceneView({-110.0 + 37.3 * (i % 7), -95.0 + 41.7 * (i / 7), kHeightM}, 0.7 * i));
+  views.reserve(42);
+  for (int row = 0; row < 6; ++row) {
+    for (int col = 0; col < 7; ++col) {
+      views.push_back(
+          SceneView({-110.0 + 37.3 * col, -95.0 + 41.7 * row, kHeightM}, 4.9 * row + 0.7 * col));
+    }
   }
   for (int row = 0; row < 150; ++row) {
     for (int col = 0; col < 150; ++col) {
