@@ -104,7 +104,7 @@ TEST_CASE("orthophoto: of many views, each cell is taken from the steepest that 
   }
   map.elevation(70, 70) = std::numeric_limits<float>::quiet_NaN();
   const AdjustedBlock block = BlockOf(views);
-  const cv::Mat1b grey(block.camera.height_px, block.camera.width_px, uchar{128});
+  cv::Mat grey(block.camera.height_px, block.camera.width_px, CV_8U, cv::Scalar(128));
   const Orthophoto photo = MakeOrthophoto(map, block, [&](const std::string&) { return grey; }, {});
   int num_views = 0, num_without = 0, num_wrong = 0;
   for (int row = 0; row < 150; ++row) {
