@@ -229,28 +229,23 @@ void Worker::ApplyResults(const std::string& flight_id,
     told.state = state;
     told.reason = result.note;
     TellOfFrame(service_, told);
-    ++pace_[flight_id].num_since;
+    pace_[flight_id].AddFrame();
   }
   if (!IsEvaluationDue(flight_id, session)) return;
-  EvaluationPace& pace = pace_[flight_id];
-  pace.num_before += std::exchange(pace.num_since, 0);
+  pace_[flight_id].BeginEvaluation();
   due_.Add(flight_id);
   Wake();
 }
 
-// Where a finish waits, it will evaluate everything. Until then only the first site is worth the
-// time, and looking for it less and less often.
 bool Worker::IsEvaluationDue(const std::string& flight_id, const FlightSession& session) {
-  const int period = session.request().options.backend.backend_period_frames;
-  const EvaluationPace& pace = pace_[flight_id];
-  if (pace.num_since < period) return false;
+  std::optional<int64_t> num_to_finish;
   for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
-    if (job.flight_id != flight_id || job.kind != "finish") continue;
-    const bool is_soon = LastSequence(job) - session.cursor() < period;
-    return !is_soon && pace.num_since >= pace.num_before &&
-           !service_.storage.sites.HasRecallable(flight_id);
+    if (job.flight_id != flight_id || job.kind != "finish" || num_to_finish) continue;
+    num_to_finish = LastSequence(job) - session.cursor();
   }
-  return true;
+  return pace_[flight_id].IsDue(session.request().options.backend.backend_period_frames,
+                                num_to_finish,
+                                service_.storage.sites.HasRecallable(flight_id));
 }
 
 void Worker::StoreProgress(const std::string& flight_id,
@@ -318,6 +313,7 @@ Worker::SessionPointer Worker::OpenSession(const FlightRow& flight) {
 void Worker::Forget(const std::string& flight_id) {
   waiting_.erase(flight_id);
   stored_at_.erase(flight_id);
+  pace_.erase(flight_id);
 }
 
 // Fails the flight and its jobs. Other flights continue.

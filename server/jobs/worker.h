@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/jobs/evaluation_pace.h"
 #include "server/jobs/evaluation_queue.h"
 #include "server/jobs/open_flights.h"
 #include "server/jobs/service.h"
@@ -92,11 +93,6 @@ class Worker {
   // Only the frontend thread uses the next five members.
   std::string last_flight_id_;
   std::map<std::string, int64_t> last_sequences_;
-  // Frames of each flight since its last evaluation, and before it.
-  struct EvaluationPace {
-    int num_since = 0;
-    int num_before = 0;
-  };
   std::map<std::string, EvaluationPace> pace_;
   // By flight: sequence number of the frame that waits for telemetry, and the start of its wait.
   std::map<std::string, std::pair<int64_t, std::chrono::steady_clock::time_point>> waiting_;

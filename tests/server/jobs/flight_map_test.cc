@@ -1,5 +1,8 @@
 // The map that the evaluation of a whole flight stores.
+#include <algorithm>
+#include <iterator>
 #include <map>
+#include <sstream>
 
 #include <doctest/doctest.h>
 
@@ -96,6 +99,37 @@ TEST_CASE(
     }
   }
   CHECK(num_compared > 0);
+}
+
+// The names of the events while a flight is evaluated, in order, up to the second map.
+std::vector<std::string> EventsOfEvaluation(httplib::Client& listener, httplib::Client& client) {
+  constexpr int kPatienceS = 30;
+  listener.set_read_timeout(kPatienceS);
+  std::string heard;
+  std::vector<std::string> names;
+  listener.Get("/v1/events", [&](const char* bytes, size_t size) {
+    if (heard.empty()) Evaluate(client, {{"profile", "small"}}, kNumSampleFrames);
+    heard.append(bytes, size);
+    names.clear();
+    std::istringstream lines(heard);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with("event: ")) names.push_back(line.substr(7));
+    }
+    return std::count(names.begin(), names.end(), "map") < 2;
+  });
+  return names;
+}
+
+TEST_CASE("flight map: the first sites are in force before their map has its picture") {
+  FreshServer fresh([](Config& config) { config.model = RealModel(); });
+  httplib::Client listener = fresh.server.Client();
+  const std::vector<std::string> events = EventsOfEvaluation(listener, fresh.client);
+  REQUIRE(std::count(events.begin(), events.end(), "map") == 2);
+  const auto first = std::find(events.begin(), events.end(), "map");
+  const auto second = std::find(std::next(first), events.end(), "map");
+  CHECK(std::find(events.begin(), first, "site") != first);
+  // The picture is a stage of the job, told between the two.
+  CHECK(std::find(first, second, "job") != second);
 }
 
 }  // namespace
