@@ -1,7 +1,7 @@
 // One emergency site as a card: readable at arm's length.
 
 import { el, svg } from './dom.js';
-import { age, distance, fixed, heading, isKnown, margin, verdictSign } from './units.js';
+import { age, distance, fixed, heading, isKnown, margin, siteLetter, verdictSign } from './units.js';
 
 const arrow = (bearing_deg) => svg('svg', { viewBox: '-20 -20 40 40', class: 'arrow', 'aria-hidden': 'true' },
   svg('path', { d: 'M0 -17L12 13L0 6L-12 13Z', transform: `rotate(${bearing_deg})` }));
@@ -35,9 +35,10 @@ function course(site) {
 
 // site: of the emergency answer. flightName: of its flight, if known. onShow() opens the site on the map.
 export function emergencyCard(site, index, { flightName, onShow }) {
-  return el('article', { class: `em-card verdict-${site.verdict}`, 'aria-label': `Site ${index + 1}` },
-    el('header', {}, el('span', { class: 'rank' }, index + 1),
-      el('strong', {}, `Site ${index + 1} `, el('span', { class: 'em-verdict' }, `${verdictSign[site.verdict]} ${site.verdict}`)),
-      el('button', { type: 'button', 'aria-label': `Show site ${index + 1} on the map`, onclick: onShow }, 'Show')),
+  const letter = siteLetter(index);
+  return el('article', { class: `em-card verdict-${site.verdict}`, 'aria-label': `Site ${letter}` },
+    el('header', {}, el('span', { class: 'rank' }, letter),
+      el('strong', {}, `Site ${letter} `, el('span', { class: 'em-verdict' }, `${verdictSign[site.verdict]} ${site.verdict}`)),
+      el('button', { type: 'button', 'aria-label': `Show site ${letter} on the map`, onclick: onShow }, 'Show')),
     course(site), facts(site, flightName));
 }

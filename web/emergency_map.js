@@ -7,6 +7,7 @@ import { createObstacleOverlay, obstacleKey } from './obstacle_overlay.js';
 import { createObstacleSource } from './obstacle_source.js';
 import { createBearings, discMarker } from './overlays.js';
 import { createReachOverlay, reachKey } from './reach_overlay.js';
+import { siteLetter } from './units.js';
 
 class EmergencyMap {
   #map = null; // made when the dialog first opens: a hidden map has no size
@@ -45,7 +46,7 @@ class EmergencyMap {
     this.#bearings.draw(from, sites);
     this.#sites.clearLayers();
     sites.forEach(({ touchdown: { latitude_deg, longitude_deg }, verdict }, i) => this.#sites.addLayer(discMarker(
-      [latitude_deg, longitude_deg], `verdict-${verdict}`, i + 1, { interactive: false, keyboard: false, zIndexOffset: 1000 - i })));
+      [latitude_deg, longitude_deg], `verdict-${verdict}`, siteLetter(i), { interactive: false, keyboard: false, zIndexOffset: 1000 - i })));
     this.#fit([from, ...sites.map(({ touchdown }) => touchdown)]);
     this.#source.look(boxOf(this.#map));
   }

@@ -2,10 +2,10 @@
 /* global L */
 
 import { el } from './dom.js';
-import { margin } from './units.js';
+import { margin, siteLetter } from './units.js';
 
 const kLabel = { width: 88, height: 28 };  // px
-const kDisc = 34;  // px, of a site with a number
+const kDisc = 34;  // px, of a site with a letter or a number
 const kSign = 28;  // px, of an arrow or another sign
 const kDot = 12;  // px, of a site without one
 // Where a label may stand: the centre of it, in px from the site. The first free side is taken.
@@ -20,21 +20,21 @@ const ringsOfKind = (collection, kind) => collection.features
   .filter(({ properties, geometry }) => properties.kind === kind && geometry)
   .flatMap(({ geometry }) => ringsOf(geometry).map(latLngs));
 
-// {id, place, margin_m, disc, number} of each site; disc: px. The answer that the cards show comes first: its numbers win.
+// {id, place, margin_m, disc, name} of each site; disc: px. The answer that the cards show comes first: its letters win, not the ranks.
 function sitesOf(collection, cards, ranks) {
-  const shown = cards.map((card, i) => ({ ...card, number: i + 1 })).filter((card) => Number.isFinite(card.arrival_margin_m)).map((card) => ({
+  const shown = cards.map((card, i) => ({ ...card, name: siteLetter(i) })).filter((card) => Number.isFinite(card.arrival_margin_m)).map((card) => ({
     id: card.site_id, place: [card.touchdown.latitude_deg, card.touchdown.longitude_deg], margin_m: card.arrival_margin_m,
-    disc: kDisc, number: card.number }));
+    disc: kDisc, name: card.name }));
   const others = (collection?.features ?? [])
     .filter(({ properties: p, geometry }) => p.kind === 'site' && geometry && Number.isFinite(p.arrival_margin_m))
     .map(({ properties: p, geometry: { coordinates: [lon, lat] } }) => ({ id: p.site_id ?? p.id, place: [lat, lon], margin_m: p.arrival_margin_m,
-      disc: shown.length > 0 ? kDot : kDisc, number: shown.length > 0 ? '' : ranks.get(p.site_id ?? p.id) ?? '' }))
+      disc: shown.length > 0 ? kDot : kDisc, name: shown.length > 0 ? '' : ranks.get(p.site_id ?? p.id) ?? '' }))
     .filter(({ id }) => !shown.some((card) => card.id === id));
   return [...shown, ...others];
 }
 
-function labelOf({ place, margin_m, number }) {
-  const text = el('span', { class: margin_m >= 0 ? 'enough' : 'short', 'data-number': number }, margin(margin_m));
+function labelOf({ place, margin_m, name }) {
+  const text = el('span', { class: margin_m >= 0 ? 'enough' : 'short', 'data-name': name }, margin(margin_m));
   return L.marker(place, {
     icon: L.divIcon({ className: 'arrival', html: text, iconSize: [0, 0] }), interactive: false, keyboard: false, zIndexOffset: 1200,
   });

@@ -75,6 +75,9 @@ export function windText(wind) {
 }
 
 const earthRadius_m = 6371008.8;
+// Of the sites of an emergency answer. Numbers would be read as ranks within a flight, whose order is another.
+export const siteLetter = (index) => String.fromCharCode(65 + index);
+
 const rad = (deg) => deg * Math.PI / 180;
 
 // Great circle from a to b, each {latitude_deg, longitude_deg}.

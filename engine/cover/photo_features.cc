@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/cover/photo_bands.h"
+
 namespace freelsd {
 namespace {
 
@@ -43,19 +45,14 @@ ColorPlanes BlurredColors(const cv::Mat3b& image, const cv::Mat1f& share, double
 ColorsOnMap ColorsOfMap(const Orthophoto& photo, const Grid& grid) {
   cv::Mat1f share(grid.num_rows, grid.num_cols);
   cv::Mat3b cells(share.size());
-  const int num_parts = photo.image.rows / grid.num_rows;
-  // In bands, which need little memory.
-  constexpr int kNumBandRows = 64;
-  for (int first = 0; first < grid.num_rows; first += kNumBandRows) {
-    const cv::Range own(first, std::min(grid.num_rows, first + kNumBandRows));
-    const cv::Range parts(own.start * num_parts, own.end * num_parts);
-    const cv::Size size(grid.num_cols, own.size());
+  for (const auto& [map_rows, photo_rows] : MapBandsOf(photo, grid)) {
     cv::Mat1f seen;
-    photo.seen.rowRange(parts).convertTo(seen, CV_32F, 1.0 / 255.0);
-    cv::Mat seen_image, share_of_band = share.rowRange(own), cells_of_band = cells.rowRange(own);
-    photo.image.rowRange(parts).copyTo(seen_image, photo.seen.rowRange(parts));
-    cv::resize(seen, share_of_band, size, 0.0, 0.0, cv::INTER_AREA);
-    cv::resize(seen_image, cells_of_band, size, 0.0, 0.0, cv::INTER_AREA);
+    cv::Mat seen_image, share_of_band = share.rowRange(map_rows);
+    cv::Mat cells_of_band = cells.rowRange(map_rows);
+    photo.seen.rowRange(photo_rows).convertTo(seen, CV_32F, 1.0 / 255.0);
+    photo.image.rowRange(photo_rows).copyTo(seen_image, photo.seen.rowRange(photo_rows));
+    cv::resize(seen, share_of_band, share_of_band.size(), 0.0, 0.0, cv::INTER_AREA);
+    cv::resize(seen_image, cells_of_band, cells_of_band.size(), 0.0, 0.0, cv::INTER_AREA);
   }
   return {BlurredColors(cells, share, kBlurM / grid.cell_size_m), share > kMinSeenShare};
 }

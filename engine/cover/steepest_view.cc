@@ -50,10 +50,8 @@ struct SeeingView {
 
 std::vector<SeeingView> SeeingViews(const ElevationMap& map, const AdjustedBlock& block) {
   std::vector<SeeingView> views;
-  const cv::Mat1b seen(map.elevation == map.elevation);
-  if (cv::countNonZero(seen) == 0) return views;
-  double lowest_m, highest_m;
-  cv::minMaxLoc(map.elevation, &lowest_m, &highest_m, nullptr, nullptr, seen);
+  const HeightRange heights = HeightRangeOf(map.elevation);
+  if (heights.IsEmpty()) return views;
   for (size_t v = 0; v < block.views.size(); ++v) {
     if (!block.views[v].is_connected) continue;
     const Rigid3d& world_from_camera = block.views[v].world_from_camera;
@@ -62,7 +60,7 @@ std::vector<SeeingView> SeeingViews(const ElevationMap& map, const AdjustedBlock
                      camera,
                      world_from_camera.translation.head<2>(),
                      Inverse(world_from_camera),
-                     FootprintOf(camera, world_from_camera, lowest_m, highest_m)});
+                     FootprintOf(camera, world_from_camera, heights.lowest_m, heights.highest_m)});
   }
   return views;
 }

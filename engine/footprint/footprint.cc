@@ -14,6 +14,14 @@ constexpr double kMinDescent = 0.02;
 
 }  // namespace
 
+HeightRange HeightRangeOf(const cv::Mat1f& heights) {
+  HeightRange range{kInfinity, -kInfinity};
+  const cv::Mat1b is_known(heights == heights);
+  if (cv::countNonZero(is_known) == 0) return range;
+  cv::minMaxLoc(heights, &range.lowest_m, &range.highest_m, nullptr, nullptr, is_known);
+  return range;
+}
+
 Footprint FootprintOf(const Camera& camera,
                       const Rigid3d& world_from_camera,
                       double lowest_m,

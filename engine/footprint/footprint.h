@@ -3,10 +3,20 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <opencv2/core.hpp>
 
 #include "engine/geometry/geometry.h"
 
 namespace freelsd {
+
+// Of the heights that are known (not NaN); lowest_m > highest_m if none is.
+struct HeightRange {
+  double lowest_m = 0.0;
+  double highest_m = 0.0;
+
+  bool IsEmpty() const { return lowest_m > highest_m; }
+};
+HeightRange HeightRangeOf(const cv::Mat1f& heights);
 
 // East-north box of the ground between two heights (world z) that the image shows; empty if
 // min > max. Everything if the image shows the horizon.

@@ -36,15 +36,14 @@ void CountView(const ElevationMap& map,
 cv::Mat1b NumViewsOf(const ElevationMap& map, const AdjustedBlock& block) {
   if (map.elevation.empty()) return {};
   cv::Mat1b counts(map.elevation.size(), uint8_t{0});
-  const cv::Mat1b seen(map.elevation == map.elevation);
-  if (cv::countNonZero(seen) == 0) return counts;
-  double lowest_m, highest_m;
-  cv::minMaxLoc(map.elevation, &lowest_m, &highest_m, nullptr, nullptr, seen);
+  const HeightRange heights = HeightRangeOf(map.elevation);
+  if (heights.IsEmpty()) return counts;
   for (size_t v = 0; v < block.views.size(); ++v) {
     if (!block.views[v].is_connected) continue;
     const Rigid3d& world_from_camera = block.views[v].world_from_camera;
     const Camera camera = block.CameraOf(v);
-    const Footprint footprint = FootprintOf(camera, world_from_camera, lowest_m, highest_m);
+    const Footprint footprint =
+        FootprintOf(camera, world_from_camera, heights.lowest_m, heights.highest_m);
     CountView(map, camera, Inverse(world_from_camera), CellsOfGrid(footprint, map.grid), counts);
   }
   return counts;

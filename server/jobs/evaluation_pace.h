@@ -12,10 +12,12 @@ namespace freelsd {
 class EvaluationPace {
  public:
   void AddFrame() { ++num_since_; }
+  // Whether IsDue may hold, so that its other arguments must be looked up.
+  bool IsPeriodOver(int period_frames) const { return num_since_ >= period_frames; }
   void BeginEvaluation() { num_before_ += std::exchange(num_since_, 0); }
   // `num_to_finish`: frames until a waiting finish can begin; nothing if none waits.
   bool IsDue(int period_frames, std::optional<int64_t> num_to_finish, bool has_site) const {
-    if (num_since_ < period_frames) return false;
+    if (!IsPeriodOver(period_frames)) return false;
     if (!num_to_finish) return true;
     return *num_to_finish >= period_frames && num_since_ >= num_before_ && !has_site;
   }

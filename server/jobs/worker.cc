@@ -238,14 +238,15 @@ void Worker::ApplyResults(const std::string& flight_id,
 }
 
 bool Worker::IsEvaluationDue(const std::string& flight_id, const FlightSession& session) {
+  const EvaluationPace& pace = pace_[flight_id];
+  const int period = session.request().options.backend.backend_period_frames;
+  if (!pace.IsPeriodOver(period)) return false;
   std::optional<int64_t> num_to_finish;
   for (const JobRow& job : service_.storage.jobs.ListUnfinished()) {
     if (job.flight_id != flight_id || job.kind != "finish" || num_to_finish) continue;
     num_to_finish = LastSequence(job) - session.cursor();
   }
-  return pace_[flight_id].IsDue(session.request().options.backend.backend_period_frames,
-                                num_to_finish,
-                                service_.storage.sites.HasRecallable(flight_id));
+  return pace.IsDue(period, num_to_finish, service_.storage.sites.HasRecallable(flight_id));
 }
 
 void Worker::StoreProgress(const std::string& flight_id,

@@ -159,6 +159,7 @@ test('ground: a growing map is repainted where it changed, and never empties', a
 test('ground: a tile that does not come is hatched and counted, never bare, and asked for again', async (t) => {
   const { page, map, server, seen } = await open(t, { map: sampleMap({ failing: /\/hazard\// }) });
   await page.locator('#layer-note', { hasText: /^\d+ tiles not loaded$/ }).waitFor(kWait);
+  await page.locator('.data-tiles img:not(.missing)').first().waitFor({ state: 'detached', ...kWait });
   const backgrounds = await page.locator('.data-tiles img').evaluateAll((all) => all.map((tile) => getComputedStyle(tile).backgroundImage));
   assert.ok(backgrounds.length > 0 && backgrounds.every((image) => /repeating-linear-gradient/.test(image)));
   await page.locator('.data-tiles img.leaflet-tile-loaded').first().waitFor(kWait);

@@ -206,6 +206,8 @@ test('emergency: three sites, big, with bearing, distance, heading and age', asy
   await page.locator('#em-message', { hasText: /^In reach/ }).waitFor(kWait);
   assert.equal(await page.locator('.em-card').count(), 3);
   const first = await page.locator('.em-card').first().textContent();
+  assert.match(first, /^ASite A/, 'a number would be read as the rank on the map behind, which is another site');
+  assert.deepEqual(await page.locator('#em-map .disc-marker').allTextContents(), ['✈', 'A', 'B', 'C']);
   for (const part of ['041°', '840 m', '+34 m', '1:05', '1 d ago']) assert.ok(first.includes(part), `${part} in ${first}`);
   const asked = server.asked.filter((entry) => entry instanceof URLSearchParams).at(-1);
   assert.equal(asked.get('altitude_m'), '700');

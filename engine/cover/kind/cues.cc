@@ -1,11 +1,11 @@
 #include "engine/cover/kind/cues.h"
 
-#include <algorithm>
 #include <limits>
 
 #include <opencv2/imgproc.hpp>
 
 #include "engine/cover/kind/cue_groups.h"
+#include "engine/cover/photo_bands.h"
 #include "engine/geometry/geometry.h"
 
 namespace freelsd {
@@ -54,21 +54,16 @@ cv::Mat1f LogOf(const cv::Mat1f& values, double least) {
 
 cv::Mat1f MeanOnMap(const cv::Mat1f& values, const Orthophoto& photo, const Grid& grid) {
   cv::Mat1f mean(grid.num_rows, grid.num_cols);
-  const int num_parts = values.rows / grid.num_rows;
-  // In bands, which need little memory.
-  constexpr int kNumBandRows = 64;
-  for (int first = 0; first < grid.num_rows; first += kNumBandRows) {
-    const cv::Range own(first, std::min(grid.num_rows, first + kNumBandRows));
-    const cv::Range parts = {own.start * num_parts, own.end * num_parts};
-    const cv::Size size(grid.num_cols, own.size());
-    cv::Mat1f seen, share, filled = values.rowRange(parts).clone(), band;
-    filled.setTo(0.0f, photo.seen.rowRange(parts) == 0);
-    photo.seen.rowRange(parts).convertTo(seen, CV_32F, 1.0 / 255.0);
+  for (const auto& [map_rows, photo_rows] : MapBandsOf(photo, grid)) {
+    const cv::Size size(grid.num_cols, map_rows.size());
+    cv::Mat1f seen, share, filled = values.rowRange(photo_rows).clone(), band;
+    filled.setTo(0.0f, photo.seen.rowRange(photo_rows) == 0);
+    photo.seen.rowRange(photo_rows).convertTo(seen, CV_32F, 1.0 / 255.0);
     cv::resize(seen, share, size, 0.0, 0.0, cv::INTER_AREA);
     cv::resize(filled, band, size, 0.0, 0.0, cv::INTER_AREA);
     band = band / share;
     band.setTo(kUnknown, share <= 0.0f);
-    band.copyTo(mean.rowRange(own));
+    band.copyTo(mean.rowRange(map_rows));
   }
   return mean;
 }

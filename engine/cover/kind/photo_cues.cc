@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/cover/kind/cue_groups.h"
+#include "engine/cover/photo_bands.h"
 #include "engine/cover/photo_features.h"
 #include "engine/geometry/geometry.h"
 
@@ -30,8 +31,6 @@ constexpr double kShadowSideM = 11.0;
 constexpr double kSurroundingsM = 61.0;
 // The blurs end at four deviations; half of a square is added. No cue reads farther.
 constexpr double kDetailHaloM = 12.0;
-// Cells of the orthophoto in a band, without its halo.
-constexpr int kMaxNumBandCells = 1000000;
 
 struct Planes {
   cv::Mat1f log_brightness;
@@ -105,9 +104,7 @@ DetailCues DetailCuesOf(const Orthophoto& photo, const Grid& grid) {
   return cues;
 }
 
-// Rows of map cells, and of the orthophoto below them.
-Orthophoto RowsOf(const Orthophoto& photo, const cv::Range& map_rows, int num_parts) {
-  const cv::Range rows(map_rows.start * num_parts, map_rows.end * num_parts);
+Orthophoto PartOf(const Orthophoto& photo, const cv::Range& rows) {
   Orthophoto part;
   part.grid = photo.grid;
   part.image = photo.image.rowRange(rows);
@@ -121,20 +118,17 @@ DetailCues DetailCuesInBands(const CueInput& input) {
   const Grid& grid = input.map.grid;
   const cv::Size size(grid.num_cols, grid.num_rows);
   DetailCues cues{cv::Mat1f(size), cv::Mat1f(size), cv::Mat1f(size), cv::Mat1f(size)};
-  const int num_parts = input.photo.image.rows / grid.num_rows;
   const int halo = static_cast<int>(std::ceil(kDetailHaloM / grid.cell_size_m));
-  const int height = std::max(1, kMaxNumBandCells / (input.photo.image.cols * num_parts));
-  for (int first = 0; first < grid.num_rows; first += height) {
-    const cv::Range own(first, std::min(grid.num_rows, first + height));
-    const cv::Range rows(std::max(0, own.start - halo), std::min(grid.num_rows, own.end + halo));
+  for (const MapBand& band : MapBandsOf(input.photo, grid)) {
+    const MapBand grown = Grown(band, halo, grid);
     Grid grid_of_band = grid;
-    grid_of_band.num_rows = rows.size();
-    const DetailCues band = DetailCuesOf(RowsOf(input.photo, rows, num_parts), grid_of_band);
-    const cv::Range in_band = own - rows.start;
-    band.detail.rowRange(in_band).copyTo(cues.detail.rowRange(own));
-    band.tuft_texture.rowRange(in_band).copyTo(cues.tuft_texture.rowRange(own));
-    band.green_texture.rowRange(in_band).copyTo(cues.green_texture.rowRange(own));
-    band.shadow.rowRange(in_band).copyTo(cues.shadow.rowRange(own));
+    grid_of_band.num_rows = grown.map_rows.size();
+    const DetailCues found = DetailCuesOf(PartOf(input.photo, grown.photo_rows), grid_of_band);
+    const cv::Range own = band.map_rows, in_band = own - grown.map_rows.start;
+    found.detail.rowRange(in_band).copyTo(cues.detail.rowRange(own));
+    found.tuft_texture.rowRange(in_band).copyTo(cues.tuft_texture.rowRange(own));
+    found.green_texture.rowRange(in_band).copyTo(cues.green_texture.rowRange(own));
+    found.shadow.rowRange(in_band).copyTo(cues.shadow.rowRange(own));
   }
   return cues;
 }
