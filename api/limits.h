@@ -132,6 +132,8 @@ struct ConcurrencyLimits {
   int max_num_rose_planners = 2;
   // The ground in reach takes up to a tenth of a second, and megabytes of memory.
   int max_num_reach_planners = 1;
+  // The insurance of a route takes a second of all processors.
+  int max_num_route_planners = 1;
 };
 
 // Length of answers.
@@ -175,6 +177,16 @@ struct ObstacleLimits {
   double max_airspace_leg_m = 500000.0;
 };
 
+// Planned flights whose landing insurance is asked for.
+struct RouteLimits {
+  // Plans of large surveys have thousands of items.
+  size_t max_bytes = size_t{4} << 20;
+  size_t max_num_points = 2000;
+  size_t max_num_winds = 24;
+  // Moments times winds: a recall for each takes about a millisecond.
+  size_t max_num_recalls = 30000;
+};
+
 // The operator's base map.
 struct BaseMapLimits {
   size_t max_tile_bytes = size_t{2} << 20;
@@ -196,6 +208,7 @@ struct Limits {
   ConcurrencyLimits concurrency;
   AnswerLimits answer;
   ObstacleLimits obstacles;
+  RouteLimits routes;
   BaseMapLimits base_map;
   // The metadata part sent with one image, also in a stream.
   size_t max_frame_meta_bytes = size_t{64} << 10;

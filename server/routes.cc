@@ -31,13 +31,15 @@ struct Route {
   const char* more_parameters = "";
 };
 
-// The scope that a token needs: read, ingest or admin. POST /v1/emergency and POST /v1/reach need
-// only read, because they change nothing.
+// The scope that a token needs: read, ingest or admin. Some POST need only read, because they
+// change nothing.
 Scope ScopeOf(const Route& route) {
   const std::string_view path = route.path;
   if (path == "/healthz") return Scope::kNone;
   const std::string_view method = route.method;
-  if (method == "GET" || path == "/v1/emergency" || path == "/v1/reach") return Scope::kRead;
+  const bool changes_nothing = method == "GET" || path == "/v1/emergency" ||
+                               path == "/v1/reach" || path == "/v1/routes/check";
+  if (changes_nothing) return Scope::kRead;
   // Whoever may add obstacles could hide every site.
   if (method == "DELETE" || path.starts_with("/v1/obstacles")) return Scope::kAdmin;
   return Scope::kIngest;
@@ -138,6 +140,11 @@ constexpr Route kRoutes[] = {
      Listeners::kBoth},
     {"GET", "/v1/reach", GetReach, kReach},
     {"POST", "/v1/reach", PostReach, kReach},
+    {"POST",
+     "/v1/routes/check",
+     PostRouteCheck,
+     "f airspeed_mps wind_east_mps wind_north_mps wind_sd_mps aircraft altitude_datum glide_ratio "
+     "terrain_clearance_m arrival_height_m"},
     {"GET", "/v1/base-map", GetBaseMap},
     {"GET", "/v1/base-map/{z}/{x}/{y}", GetBaseMapTile},
     {"GET", "/healthz", GetHealth, "", Listeners::kBoth},

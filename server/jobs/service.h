@@ -70,6 +70,7 @@ struct Service {
   std::counting_semaphore<> rose_planners{kLimits.concurrency.max_num_rose_planners};
   // The same for the ground in reach.
   std::counting_semaphore<> reach_planners{kLimits.concurrency.max_num_reach_planners};
+  std::counting_semaphore<> route_planners{kLimits.concurrency.max_num_route_planners};
   // The same for files of whole maps.
   std::counting_semaphore<> map_writers{1};
   // Limits clients that listen to events.

@@ -11,5 +11,6 @@
 #include "server/recall/recall_candidates.h"
 #include "server/recall/recall_sites.h"
 #include "server/recall/replan.h"
+#include "server/recall/route/route.h"
 #include "server/recall/same_place.h"
 #include "server/recall/superseding.h"

@@ -96,6 +96,14 @@ bool IsMorePromising(const RecallCandidate& a, const RecallCandidate& b) {
   return rank(a) < rank(b);
 }
 
+// Distance over ground per height, straight against the wind.
+double LeastGlide(const EmergencyRequest& request, const Aircraft& aircraft) {
+  const StraightGlide glide = StraightGlideOf(aircraft);
+  const double wind =
+      request.wind_in_world ? request.wind_in_world->norm() : GlideOptions{}.unknown_wind_mps;
+  return (glide.airspeed_mps - wind) / glide.sink_rate_mps;
+}
+
 }  // namespace
 
 std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
@@ -201,6 +209,17 @@ void SortNext(std::vector<RecallCandidate>& candidates, size_t begin, size_t num
     return candidates.begin() + static_cast<std::ptrdiff_t>(std::min(candidates.size(), i));
   };
   std::partial_sort(at(begin), at(begin + num), candidates.end(), IsMorePromising);
+}
+
+Aircraft LeastGlidingAircraft(const EmergencyRequest& request, const RecallBounds& bounds) {
+  if (request.aircraft) return Unpowered(*request.aircraft, request.glide_ratio);
+  std::optional<Aircraft> least;
+  for (const std::string& json : bounds.aircraft_jsons) {
+    const std::optional<Aircraft> aircraft = AircraftOf(request, json);
+    if (!aircraft) continue;
+    if (!least || LeastGlide(request, *aircraft) < LeastGlide(request, *least)) least = aircraft;
+  }
+  return least.value_or(Unpowered(Aircraft{}, request.glide_ratio));
 }
 
 }  // namespace freelsd

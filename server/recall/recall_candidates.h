@@ -54,6 +54,9 @@ GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& posit
 // Nothing if the stored aircraft is invalid by current rules.
 std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
                                    const std::string& aircraft_json);
+// The request's aircraft without power; else, of those that stored sites were planned for, the one
+// that glides least far.
+Aircraft LeastGlidingAircraft(const EmergencyRequest& request, const RecallBounds& bounds);
 // Upper bound of the gliding distance: the distance to the altitude of the lowest site, with the
 // aircraft that glides farthest.
 double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds);

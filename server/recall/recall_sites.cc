@@ -11,31 +11,13 @@
 #include "server/http/http.h"
 #include "server/recall/descent_path.h"
 #include "server/recall/obstacles/obstacles.h"
-#include "server/recall/recall_candidates.h"
-#include "server/recall/same_place.h"
+#include "server/recall/site_search.h"
 
 namespace freelsd {
 namespace {
 
-// Limits of one answer: the number of sites to plan on, and the time after which no plan is begun.
-constexpr size_t kMaxNumPlanned = 40;
-// Candidates that are put in order at a time.
-constexpr size_t kNumSorted = kMaxNumPlanned + 1;
+// After this time an answer begins no further plan.
 constexpr std::chrono::milliseconds kTimeBudget{1500};
-
-struct Reached {
-  double margin_m = 0.0;
-  bool is_landable = false;
-  Landing landing;
-  // How the datums of the site and of the terrain below the way were compared.
-  std::set<DatumBasis> datum_bases;
-  DescentTask task;
-  // Nothing if the final is out of reach.
-  std::optional<Descent> shortest;
-  // Along the shortest path.
-  std::optional<TerrainMargin> terrain;
-  PathObstacles obstacles;
-};
 
 nlohmann::json PlaceOf(const GeoPoint& place) {
   return {{"latitude_deg", place.latitude_deg},
@@ -84,55 +66,9 @@ nlohmann::json AnswerOf(const RecallCandidate& candidate,
                         {"warnings", LimitsWarnings(task.aircraft)},
                         {"touchdown", PlaceOf(touchdown)},
                         {"approach", ApproachOf(plan, context)}};
+  if (plan.risk) answer["failure_probability"] = plan.risk->failure_probability;
   if (plan.approach->ground_speed) answer["ground_speed_mps"] = *plan.approach->ground_speed;
   return answer;
-}
-
-// Without the terrain on the way, which can only make it worse. Nothing if the map has no approach
-// in this wind, or if the wind is too strong to get there.
-std::optional<Reached> ReachIgnoringTerrain(const StoredSites& stored,
-                                            const EmergencyRequest& request,
-                                            const RecallCandidate& candidate) {
-  const Aircraft& aircraft = candidate.gliding->aircraft;
-  const auto kept = stored.maps.PlanOf(
-      stored.storage, *candidate.row, aircraft, candidate.gliding->key, request.wind_in_world);
-  if (!kept) return std::nullopt;
-  const auto& plan = kept->plan;
-  if (plan->verdict == Verdict::kRejected || !plan->approach) return std::nullopt;
-  const Approach& approach = *plan->approach;
-  const LocalFrame local_frame(kept->origin);
-  GeoPoint place_in_site_datum = request.place;
-  place_in_site_datum.altitude_m -= candidate.datum.subtracted_m;
-  const GlideStart start = StartOf(request, local_frame.WorldFromGeo(place_in_site_datum));
-  const auto glide =
-      GlideTo(start, approach.approach_start_in_world, approach.heading, aircraft, {});
-  if (!glide) return std::nullopt;
-  const double margin_m =
-      glide->arrival_height_m - approach.approach_start_in_world.z() - request.arrival_height_m;
-  return Reached{.margin_m = margin_m,
-                 .is_landable = plan->verdict == Verdict::kLandable,
-                 .landing = LandingOf(local_frame.GeoFromWorld(plan->touchdown_in_world),
-                                      approach.heading,
-                                      request.wind_in_world),
-                 .datum_bases = {candidate.datum.basis},
-                 .task = {start, plan, aircraft, *glide, local_frame, candidate.datum.subtracted_m},
-                 .shortest = std::nullopt,
-                 .terrain = std::nullopt,
-                 .obstacles = {}};
-}
-
-// Terrain and obstacles on the shortest path.
-void CheckPath(const StoredSites& stored, const EmergencyRequest& request, Reached& reached) {
-  const DescentTask& task = reached.task;
-  reached.shortest = PlanDescent(task.start, *task.plan->approach, task.aircraft, {});
-  reached.obstacles = ShortestPathObstacles(stored, request, task, reached.shortest);
-  if (const auto& obstacle = reached.obstacles.least) {
-    reached.margin_m = std::min(reached.margin_m, obstacle->margin_m);
-  }
-  reached.terrain = ShortestTerrainMargin(stored, request, task, reached.shortest);
-  if (!reached.terrain) return;
-  reached.margin_m = std::min(reached.margin_m, reached.terrain->margin_m);
-  reached.datum_bases.insert(reached.terrain->datum.basis);
 }
 
 // A site of the answer, and the datums that it depends on.
@@ -207,148 +143,17 @@ std::vector<std::string> WarningsOf(const EmergencyRequest& request,
   return warnings;
 }
 
-struct Ranked {
-  const RecallCandidate* candidate = nullptr;
-  Reached reached;
-};
-
-// Airspaces rank a site last. They never hide it.
-bool IsInAirspace(const Ranked& ranked) { return !ranked.reached.obstacles.airspaces.empty(); }
-
-bool IsBefore(const Ranked& a, const Ranked& b) {
-  if (IsInAirspace(a) != IsInAirspace(b)) return IsInAirspace(b);
-  return IsBetter(a.reached.margin_m,
-                  a.reached.is_landable,
-                  *a.candidate,
-                  b.reached.margin_m,
-                  b.reached.is_landable,
-                  *b.candidate);
-}
-
-// Indices of the best `limit` of different places, best first. `ranked` is sorted.
-std::vector<size_t> DifferentPlaces(const std::vector<Ranked>& ranked, size_t limit) {
-  std::vector<size_t> different;
-  for (size_t i = 0; i < ranked.size() && different.size() < limit; ++i) {
-    const bool is_known = std::any_of(different.begin(), different.end(), [&](size_t other) {
-      return IsSamePlace(ranked[i].reached.landing, ranked[other].reached.landing);
-    });
-    if (!is_known) different.push_back(i);
-  }
-  return different;
-}
-
-struct Search {
-  // How the datums were compared: for all candidates, and for the terrain below the ways that were
-  // evaluated.
-  std::set<DatumBasis> datum_bases;
-  // Best first.
-  std::vector<Ranked> reachable;
-  std::optional<Ranked> nearest_miss;
-  size_t num_without_approach = 0;
-  bool is_cut_short = false;
-};
-
-// The last site of the answer so far; nothing if there is room for more. A candidate that does not
-// rank before it cannot change the answer: a smaller limit gives the beginning of what a larger one
-// gives.
-const Ranked* LastOf(const std::vector<Ranked>& reachable, size_t limit) {
-  const std::vector<size_t> answer = DifferentPlaces(reachable, limit);
-  return answer.size() < limit ? nullptr : &reachable[answer.back()];
-}
-
-bool CanChange(const Ranked* last, const RecallCandidate& candidate) {
-  return last == nullptr || IsInAirspace(*last) ||
-         !IsSurelyNotBetter(
-             candidate, last->reached.margin_m, last->reached.is_landable, *last->candidate);
-}
-
-void Add(Ranked ranked, Search& search) {
-  std::optional<Ranked>& miss = search.nearest_miss;
-  if (ranked.reached.margin_m >= 0.0) {
-    const auto place =
-        std::upper_bound(search.reachable.begin(), search.reachable.end(), ranked, IsBefore);
-    search.reachable.insert(place, std::move(ranked));
-  } else if (!miss || ranked.reached.margin_m > miss->reached.margin_m) {
-    miss = std::move(ranked);
-  }
-}
-
-// Plans on the candidate's map, which costs most of the time of an answer.
-void Evaluate(const StoredSites& stored,
-              const EmergencyRequest& request,
-              const RecallCandidate& candidate,
-              const Ranked* last,
-              Search& search) {
-  std::optional<Reached> reached = ReachIgnoringTerrain(stored, request, candidate);
-  if (!reached) {
-    ++search.num_without_approach;
-    return;
-  }
-  Ranked ranked{&candidate, std::move(*reached)};
-  if (last != nullptr && !IsBefore(ranked, *last)) return;
-  CheckPath(stored, request, ranked.reached);
-  search.datum_bases.merge(std::set(ranked.reached.datum_bases));
-  Add(std::move(ranked), search);
-}
-
-// Puts `candidates` in order as far as needed. The result points to them.
-Search SearchAmong(const StoredSites& stored,
-                   const EmergencyRequest& request,
-                   std::vector<RecallCandidate>& candidates) {
-  const auto begin = std::chrono::steady_clock::now();
-  Search search;
-  for (const RecallCandidate& candidate : candidates) {
-    search.datum_bases.insert(candidate.datum.basis);
-  }
-  size_t num_planned = 0;
-  for (size_t i = 0; i < candidates.size(); ++i) {
-    const Ranked* const last = LastOf(search.reachable, request.limit);
-    if (i % kNumSorted == 0) {
-      const bool is_settled = std::none_of(
-          candidates.begin() + static_cast<std::ptrdiff_t>(i),
-          candidates.end(),
-          [&](const RecallCandidate& candidate) { return CanChange(last, candidate); });
-      if (is_settled) break;
-      SortNext(candidates, i, kNumSorted);
-    }
-    const RecallCandidate& candidate = candidates[i];
-    if (!CanChange(last, candidate)) continue;
-    // All later candidates are out of reach too. The first of them may be the nearest miss.
-    const bool is_out_of_reach = candidate.best_margin_m < 0.0;
-    if (is_out_of_reach && (search.nearest_miss || !search.reachable.empty())) break;
-    search.is_cut_short =
-        num_planned >= kMaxNumPlanned ||
-        (num_planned > 0 && std::chrono::steady_clock::now() - begin > kTimeBudget);
-    if (search.is_cut_short) break;
-    ++num_planned;
-    Evaluate(stored, request, candidate, last, search);
-  }
-  return search;
-}
-
 }  // namespace
 
 nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& request) {
-  double reach_m = GreatestReach(request, stored.storage.sites.BoundsOfRecallable());
-  const SiteStore& sites = stored.storage.sites;
-  SharedRows<RecallRow> rows = sites.ListRecallable(BoxAround(request.place, reach_m));
-  std::vector<RecallCandidate> candidates = Candidates(request, rows);
-  Search search = SearchAmong(stored, request, candidates);
-  // If nothing is in reach, the box grows until it contains a nearest miss.
-  while (search.reachable.empty() && !search.nearest_miss && !search.is_cut_short &&
-         reach_m < kMaxReachM) {
-    reach_m = std::min(kMaxReachM, 3.0 * reach_m);
-    rows = sites.ListRecallable(BoxAround(request.place, reach_m));
-    candidates = Candidates(request, rows);
-    search = SearchAmong(stored, request, candidates);
-  }
+  Search search = SearchSites(stored, request, kTimeBudget);
   nlohmann::json answer{{"sites", nlohmann::json::array()}};
   const auto tell = [&](const Ranked& ranked) {
     ToldSite told = Tell(stored, request, *ranked.candidate, ranked.reached);
     search.datum_bases.merge(told.datum_bases);
     return std::move(told.answer);
   };
-  for (const size_t index : DifferentPlaces(search.reachable, request.limit)) {
+  for (const size_t index : DifferentPlaces(search, request.limit)) {
     answer["sites"].push_back(tell(search.reachable[index]));
     answer["sites"].back()["rank"] = answer["sites"].size();
   }
@@ -363,7 +168,7 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
                        "and obstacles");
   }
   if (const int64_t count =
-          stored.storage.sites.CountOverruled(BoxAround(request.place, reach_m))) {
+          stored.storage.sites.CountOverruled(BoxAround(request.place, search.reach_m))) {
     warnings.push_back(std::to_string(count) +
                        " sites nearby are left out: their stored approach fails on a later map");
   }

@@ -98,6 +98,8 @@ void AddScenarioOptions(CLI::App& app, ScenarioOptions& scenario) {
       ->check(CLI::Range(3, 300));
   app.add_option("--size", scenario.world_size_m, "side of a world in metres")
       ->check(CLI::Range(100.0, 1000.0));
+  app.add_option("--east", scenario.east_m, "metres that the worlds are moved to the east");
+  app.add_option("--north", scenario.north_m, "metres that the worlds are moved to the north");
   app.add_option(
       "--ground",
       scenario.ground,

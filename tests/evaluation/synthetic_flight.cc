@@ -152,11 +152,20 @@ double HighestFlownOver(const World& world) {
   return highest;
 }
 
+// At the same altitude.
+GeoPoint PlaceFrom(const GeoPoint& origin, double east_m, double north_m) {
+  if (east_m == 0.0 && north_m == 0.0) return origin;
+  GeoPoint place = LocalFrame(origin).GeoFromWorld({east_m, north_m, 0.0});
+  place.altitude_m = origin.altitude_m;
+  return place;
+}
+
 void MakeWorld(uint64_t seed, const ScenarioOptions& options, Scenario& scenario) {
   WorldOptions world_options;
   world_options.seed = seed;
   world_options.size_m = options.world_size_m;
   world_options.cell_size_m = options.cell_size_m;
+  world_options.origin = PlaceFrom(world_options.origin, options.east_m, options.north_m);
   world_options.wind_speed_mps = Uniform(seed, kWindPurpose, kMinWindMps, kMaxWindMps);
   if (options.ground.empty()) {
     scenario.world = MakeCountryside(world_options);

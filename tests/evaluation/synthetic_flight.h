@@ -17,6 +17,9 @@ struct ScenarioOptions {
   // Larger than what the flight sees: beyond the world there is no truth.
   double world_size_m = 500.0;
   double cell_size_m = 0.2;
+  // East and north of the middle of WorldOptions: worlds side by side are a mosaic.
+  double east_m = 0.0;
+  double north_m = 0.0;
   // Real ground that lies in the world: a pack of $FREELSD_DATA/terrain, or "tuning" or "report"
   // for all packs of that pool in turns; "" for painted countryside alone.
   std::string ground;

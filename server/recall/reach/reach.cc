@@ -25,27 +25,6 @@ constexpr double kNextRadiusRatio = 0.7;
 // About a centimetre.
 constexpr double kPlacesPerDegree = 1e7;
 
-// Distance over ground per height, straight against the wind.
-double LeastGlide(const EmergencyRequest& request, const Aircraft& aircraft) {
-  const StraightGlide glide = StraightGlideOf(aircraft);
-  const double wind =
-      request.wind_in_world ? request.wind_in_world->norm() : GlideOptions{}.unknown_wind_mps;
-  return (glide.airspeed_mps - wind) / glide.sink_rate_mps;
-}
-
-// The request's; else, of the aircraft that stored sites were planned for, the one that glides
-// least far.
-Aircraft AircraftFor(const EmergencyRequest& request, const RecallBounds& bounds) {
-  if (request.aircraft) return Unpowered(*request.aircraft, request.glide_ratio);
-  std::optional<Aircraft> least;
-  for (const std::string& json : bounds.aircraft_jsons) {
-    const std::optional<Aircraft> aircraft = AircraftOf(request, json);
-    if (!aircraft) continue;
-    if (!least || LeastGlide(request, *aircraft) < LeastGlide(request, *least)) least = aircraft;
-  }
-  return least.value_or(Unpowered(Aircraft{}, request.glide_ratio));
-}
-
 // Stored maps near the aircraft, and the radius around it in which all of them are.
 struct NearbyMaps {
   std::vector<PlacedPatch> patches;
@@ -261,7 +240,7 @@ nlohmann::json ReachFrom(const StoredSites& stored,
                          GroundPatches& patches,
                          const EmergencyRequest& request) {
   const RecallBounds bounds = stored.storage.sites.BoundsOfRecallable();
-  const Task task = TaskOf(request, AircraftFor(request, bounds));
+  const Task task = TaskOf(request, LeastGlidingAircraft(request, bounds));
   // Down to the lowest site, or to the sea where there are none.
   const double height_m = request.place.altitude_m + kMaxGeoidHeightM - bounds.min_altitude_m;
   const double radius_m = std::min(

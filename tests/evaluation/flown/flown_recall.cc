@@ -48,6 +48,7 @@ EmergencyRequest RandomRequest(const World& world, std::mt19937& random) {
     return least + (most - least) * unit(random);
   };
   EmergencyRequest request;
+  request.altitude_datum = "amsl";
   const Eigen::Vector2d place(between(-kMaxAwayM, kMaxAwayM), between(-kMaxAwayM, kMaxAwayM));
   const double height =
       world.SurfaceHeight(place.x(), place.y()) + between(kMinHeightM, kMaxHeightM);
@@ -62,20 +63,15 @@ EmergencyRequest RandomRequest(const World& world, std::mt19937& random) {
   return request;
 }
 
-RecalledWorld::RecalledWorld(const StoredSites& stored, const World& world)
-    : stored_(stored), world_(world) {
-  for (const auto& row : stored.storage.sites.ListRecallable(kEverywhere)) {
-    flight_id_ = row->flight_id;
-  }
+RecalledWorld::RecalledWorld(const StoredSites& stored, const Mosaic& mosaic)
+    : stored_(stored), mosaic_(mosaic) {
   for (const auto& row : stored.storage.sites.ListMaps(kEverywhere)) {
     const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
     if (terrain) terrains_.push_back(terrain);
   }
 }
 
-RecalledWorld::Recalled RecalledWorld::Recall(EmergencyRequest request) const {
-  // Altitudes of one flight need no datum.
-  request.flight_id = flight_id_;
+RecalledWorld::Recalled RecalledWorld::Recall(const EmergencyRequest& request) const {
   Recalled recalled{{}, RecallSites(stored_, request)};
   for (const nlohmann::json& site : recalled.answer.at("sites")) {
     if (site.contains("path")) recalled.paths.push_back(Fly(request, site));
@@ -83,8 +79,7 @@ RecalledWorld::Recalled RecalledWorld::Recall(EmergencyRequest request) const {
   return recalled;
 }
 
-bool RecalledWorld::IsOnMap(const Eigen::Vector3d& place_in_world) const {
-  const GeoPoint place = LocalFrame(world_.origin).GeoFromWorld(place_in_world);
+bool RecalledWorld::IsOnMap(const GeoPoint& place) const {
   return std::any_of(terrains_.begin(), terrains_.end(), [&](const auto& terrain) {
     const Eigen::Vector3d on_map = LocalFrame(terrain->origin).WorldFromGeo(place);
     return LeastHeightOver(terrain->grid, terrain->upper, on_map, on_map).has_value();
@@ -92,7 +87,7 @@ bool RecalledWorld::IsOnMap(const Eigen::Vector3d& place_in_world) const {
 }
 
 FlownPath RecalledWorld::Fly(const EmergencyRequest& request, const nlohmann::json& site) const {
-  const LocalFrame local_frame(world_.origin);
+  const LocalFrame local_frame(mosaic_.origin());
   const std::vector<DescentPoint> points = PointsOf(site, local_frame);
   const size_t arrival = ArrivalOf(points);
   const size_t final_start = points.size() - 2;
@@ -124,19 +119,21 @@ FlownPath RecalledWorld::Fly(const EmergencyRequest& request, const nlohmann::js
     const Eigen::Vector2d to_touchdown = (points.back().position_in_world - at).head<2>();
     const bool is_on_final = simulated.segment() >= final_start;
     if (is_on_final && to_touchdown.norm() <= aircraft.touchdown_uncertainty_m) break;
-    const double height = at.z() - world_.TopHeight(at.x(), at.y());
+    const GeoPoint place = local_frame.GeoFromWorld(at);
+    const MosaicPlace truth = mosaic_.PlaceOf(place);
+    const double height = truth.HeightAbove();
     const bool is_on_way = !has_arrived;
-    if (is_on_way && (height < flown.least_height_m.value_or(30.0)) && IsOnMap(at)) {
+    if (is_on_way && (height < flown.least_height_m.value_or(30.0)) && IsOnMap(place)) {
       flown.least_height_m = height;
     }
     if (height > 0.0) continue;
-    flown.obstacle = is_on_final   ? Obstacle::kOnFinal
-                     : !is_on_way  ? Obstacle::kInCircle
-                     : IsOnMap(at) ? Obstacle::kOnMap
-                                   : Obstacle::kOffMap;
+    flown.obstacle = is_on_final      ? Obstacle::kOnFinal
+                     : !is_on_way     ? Obstacle::kInCircle
+                     : IsOnMap(place) ? Obstacle::kOnMap
+                                      : Obstacle::kOffMap;
     flown.met_in_world = at;
-    flown.cover = world_.CoverAt(at.x(), at.y());
-    flown.is_wire = world_.IsWireAt(at.x(), at.y());
+    flown.cover = truth.world->CoverAt(truth.in_world.x(), truth.in_world.y());
+    flown.is_wire = truth.world->IsWireAt(truth.in_world.x(), truth.in_world.y());
     break;
   }
   return flown;

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/recall/recall_sites.h"
-#include "tests/synthetic/world.h"
+#include "tests/evaluation/flown/mosaic.h"
 
 namespace freelsd {
 
@@ -46,26 +46,25 @@ struct FlownPath {
 // wind, is unknown.
 EmergencyRequest RandomRequest(const World& world, std::mt19937& random);
 
-// A world with its stored sites, all of one flight.
+// Worlds with their stored sites.
 class RecalledWorld {
  public:
-  RecalledWorld(const StoredSites& stored, const World& world);
+  RecalledWorld(const StoredSites& stored, const Mosaic& mosaic);
 
   struct Recalled {
     // Of the sites that are told as reachable.
     std::vector<FlownPath> paths;
     nlohmann::json answer;
   };
-  // `request`: its flight is replaced.
-  Recalled Recall(EmergencyRequest request) const;
+  Recalled Recall(const EmergencyRequest& request) const;
+  // `site`: of an answer to the request, with a path.
+  FlownPath Fly(const EmergencyRequest& request, const nlohmann::json& site) const;
 
  private:
-  FlownPath Fly(const EmergencyRequest& request, const nlohmann::json& site) const;
-  bool IsOnMap(const Eigen::Vector3d& place_in_world) const;
+  bool IsOnMap(const GeoPoint& place) const;
 
   StoredSites stored_;
-  const World& world_;
-  std::string flight_id_;
+  const Mosaic& mosaic_;
   std::vector<std::shared_ptr<const KeptTerrain>> terrains_;
 };
 

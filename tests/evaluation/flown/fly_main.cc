@@ -88,12 +88,14 @@ void FlyWorld(const Arguments& arguments, int index, Counts& counts) {
   MapCache maps(kMaxBytesOfCache, kMaxBytesOfCache);
   ScenarioOptions options;
   options.takes_photographs = false;
-  const Scenario scenario = MakeScenario(seed, options, [](double) {});
-  const RecalledWorld recalled_world({storage, maps}, scenario.world);
+  Mosaic mosaic;
+  mosaic.Add(MakeScenario(seed, options, [](double) {}).world);
+  const World& world = mosaic.worlds().front();
+  const RecalledWorld recalled_world({storage, maps}, mosaic);
   std::mt19937 random(static_cast<uint32_t>(seed));
   const int end = (index + 1) * arguments.num_recalls / arguments.num_worlds;
   for (int number = index * arguments.num_recalls / arguments.num_worlds; number < end; ++number) {
-    const EmergencyRequest request = RandomRequest(scenario.world, random);
+    const EmergencyRequest request = RandomRequest(world, random);
     const RecalledWorld::Recalled recalled = recalled_world.Recall(request);
     ++counts.recalls;
     counts.with_sites += !recalled.paths.empty();

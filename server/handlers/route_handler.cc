@@ -1,0 +1,66 @@
+#include <array>
+
+#include <nlohmann/json.hpp>
+
+#include "api/api.h"
+#include "api/import/routes/routes.h"
+#include "server/handlers/handlers.h"
+#include "server/recall/recall.h"
+
+namespace freelsd {
+namespace {
+
+constexpr std::array kNumbers{
+    "airspeed_mps", "glide_ratio", "terrain_clearance_m", "arrival_height_m"};
+constexpr std::array kTexts{"aircraft", "altitude_datum"};
+
+// A plan as body leaves no room for the rest of the request, so the query has it.
+nlohmann::json ObjectOfPlan(const Call& call, const nlohmann::json& plan) {
+  nlohmann::json object{{"plan", plan}};
+  for (const char* const name : kNumbers) {
+    if (const auto number = call.QueryNumber(name)) object[name] = *number;
+  }
+  for (const char* const name : kTexts) {
+    if (const auto text = call.Query(name)) object[name] = *text;
+  }
+  const auto add_wind = [&](const char* parameter, const char* key) {
+    if (const auto number = call.QueryNumber(parameter)) object["wind"][key] = *number;
+  };
+  add_wind("wind_east_mps", "east_mps");
+  add_wind("wind_north_mps", "north_mps");
+  add_wind("wind_sd_mps", "sd_mps");
+  return object;
+}
+
+RouteRequest RequestOf(const Call& call) {
+  const nlohmann::json body =
+      ParseJson(call.body.ReadAll(kLimits.routes.max_bytes), kLimits.routes.max_bytes);
+  if (IsQgcPlan(body)) return ParseRouteRequest(ObjectOfPlan(call, body));
+  for (const auto& [name, value] : call.request.params) {
+    if (name == "f") continue;
+    throw ApiError("InvalidQuery",
+                   name + ": is part of the body, unless the body is a plan",
+                   {{name, "is part of the body, unless the body is a plan"}});
+  }
+  return ParseRouteRequest(body);
+}
+
+}  // namespace
+
+void PostRouteCheck(Service& service, const Call& call, httplib::Response& response) {
+  const std::string format = call.Query("f").value_or("json");
+  if (format != "json" && format != "geojson") {
+    const std::string detail = "f: must be json or geojson";
+    throw ApiError("InvalidQuery", detail, {{"f", detail}});
+  }
+  const RouteRequest request = RequestOf(call);
+  const SemaphoreSlot slot(service.route_planners);
+  const nlohmann::json answer = CheckRoute({service.storage, service.maps}, request);
+  if (format == "geojson") {
+    response.set_content(RouteGeoJson(answer).dump(), "application/geo+json");
+  } else {
+    response.set_content(answer.dump(), "application/json");
+  }
+}
+
+}  // namespace freelsd

@@ -1,0 +1,189 @@
+#include "server/recall/site_search.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace freelsd {
+namespace {
+
+// The number of sites to plan on for one answer.
+constexpr size_t kMaxNumPlanned = 40;
+// Candidates that are put in order at a time.
+constexpr size_t kNumSorted = kMaxNumPlanned + 1;
+
+// Without the terrain on the way, which can only make it worse. Nothing if the map has no approach
+// in this wind, or if the wind is too strong to get there.
+std::optional<Reached> ReachIgnoringTerrain(const StoredSites& stored,
+                                            const EmergencyRequest& request,
+                                            const RecallCandidate& candidate) {
+  const Aircraft& aircraft = candidate.gliding->aircraft;
+  const auto kept = stored.maps.PlanOf(
+      stored.storage, *candidate.row, aircraft, candidate.gliding->key, request.wind_in_world);
+  if (!kept) return std::nullopt;
+  const auto& plan = kept->plan;
+  if (plan->verdict == Verdict::kRejected || !plan->approach) return std::nullopt;
+  const Approach& approach = *plan->approach;
+  const LocalFrame local_frame(kept->origin);
+  GeoPoint place_in_site_datum = request.place;
+  place_in_site_datum.altitude_m -= candidate.datum.subtracted_m;
+  const GlideStart start = StartOf(request, local_frame.WorldFromGeo(place_in_site_datum));
+  const auto glide =
+      GlideTo(start, approach.approach_start_in_world, approach.heading, aircraft, {});
+  if (!glide) return std::nullopt;
+  const double margin_m =
+      glide->arrival_height_m - approach.approach_start_in_world.z() - request.arrival_height_m;
+  return Reached{.margin_m = margin_m,
+                 .margin_in_free_air_m = margin_m,
+                 .is_landable = plan->verdict == Verdict::kLandable,
+                 .landing = LandingOf(local_frame.GeoFromWorld(plan->touchdown_in_world),
+                                      approach.heading,
+                                      request.wind_in_world),
+                 .datum_bases = {candidate.datum.basis},
+                 .task = {start, plan, aircraft, *glide, local_frame, candidate.datum.subtracted_m},
+                 .shortest = std::nullopt,
+                 .terrain = std::nullopt,
+                 .obstacles = {}};
+}
+
+// Terrain and obstacles on the shortest path.
+void CheckPath(const StoredSites& stored, const EmergencyRequest& request, Reached& reached) {
+  const DescentTask& task = reached.task;
+  reached.shortest = PlanDescent(task.start, *task.plan->approach, task.aircraft, {});
+  reached.obstacles = ShortestPathObstacles(stored, request, task, reached.shortest);
+  if (const auto& obstacle = reached.obstacles.least) {
+    reached.margin_m = std::min(reached.margin_m, obstacle->margin_m);
+  }
+  reached.terrain = ShortestTerrainMargin(stored, request, task, reached.shortest);
+  if (!reached.terrain) return;
+  reached.margin_m = std::min(reached.margin_m, reached.terrain->margin_m);
+  reached.datum_bases.insert(reached.terrain->datum.basis);
+}
+
+// Airspaces rank a site last. They never hide it.
+bool IsInAirspace(const Ranked& ranked) { return !ranked.reached.obstacles.airspaces.empty(); }
+
+bool IsBefore(const Ranked& a, const Ranked& b) {
+  if (IsInAirspace(a) != IsInAirspace(b)) return IsInAirspace(b);
+  return IsBetter(a.reached.margin_m,
+                  a.reached.is_landable,
+                  *a.candidate,
+                  b.reached.margin_m,
+                  b.reached.is_landable,
+                  *b.candidate);
+}
+
+// `ranked` is sorted.
+std::vector<size_t> DifferentAmong(const std::vector<Ranked>& ranked, size_t limit) {
+  std::vector<size_t> different;
+  for (size_t i = 0; i < ranked.size() && different.size() < limit; ++i) {
+    const bool is_known = std::any_of(different.begin(), different.end(), [&](size_t other) {
+      return IsSamePlace(ranked[i].reached.landing, ranked[other].reached.landing);
+    });
+    if (!is_known) different.push_back(i);
+  }
+  return different;
+}
+
+// The last site of the answer so far; nothing if there is room for more. A candidate that does not
+// rank before it cannot change the answer: a smaller limit gives the beginning of what a larger one
+// gives.
+const Ranked* LastOf(const std::vector<Ranked>& reachable, size_t limit) {
+  const std::vector<size_t> answer = DifferentAmong(reachable, limit);
+  return answer.size() < limit ? nullptr : &reachable[answer.back()];
+}
+
+bool CanChange(const Ranked* last, const RecallCandidate& candidate) {
+  return last == nullptr || IsInAirspace(*last) ||
+         !IsSurelyNotBetter(
+             candidate, last->reached.margin_m, last->reached.is_landable, *last->candidate);
+}
+
+void Add(Ranked ranked, Search& search) {
+  std::optional<Ranked>& miss = search.nearest_miss;
+  if (ranked.reached.margin_m >= 0.0) {
+    const auto place =
+        std::upper_bound(search.reachable.begin(), search.reachable.end(), ranked, IsBefore);
+    search.reachable.insert(place, std::move(ranked));
+  } else if (!miss || ranked.reached.margin_m > miss->reached.margin_m) {
+    miss = std::move(ranked);
+  }
+}
+
+// Plans on the candidate's map, which costs most of the time of an answer.
+void Evaluate(const StoredSites& stored,
+              const EmergencyRequest& request,
+              const RecallCandidate& candidate,
+              const Ranked* last,
+              Search& search) {
+  std::optional<Reached> reached = ReachIgnoringTerrain(stored, request, candidate);
+  if (!reached) {
+    ++search.num_without_approach;
+    return;
+  }
+  Ranked ranked{&candidate, std::move(*reached)};
+  if (last != nullptr && !IsBefore(ranked, *last)) return;
+  CheckPath(stored, request, ranked.reached);
+  search.datum_bases.merge(std::set(ranked.reached.datum_bases));
+  Add(std::move(ranked), search);
+}
+
+// Candidates in a box of this radius, put in order as far as needed.
+Search SearchWithin(const StoredSites& stored,
+                    const EmergencyRequest& request,
+                    double reach_m,
+                    std::chrono::milliseconds time_budget) {
+  const auto begin = std::chrono::steady_clock::now();
+  Search search;
+  search.reach_m = reach_m;
+  search.rows = stored.storage.sites.ListRecallable(BoxAround(request.place, reach_m));
+  search.candidates = Candidates(request, search.rows);
+  std::vector<RecallCandidate>& candidates = search.candidates;
+  for (const RecallCandidate& candidate : candidates) {
+    search.datum_bases.insert(candidate.datum.basis);
+  }
+  size_t num_planned = 0;
+  for (size_t i = 0; i < candidates.size(); ++i) {
+    const Ranked* const last = LastOf(search.reachable, request.limit);
+    if (i % kNumSorted == 0) {
+      const bool is_settled = std::none_of(
+          candidates.begin() + static_cast<std::ptrdiff_t>(i),
+          candidates.end(),
+          [&](const RecallCandidate& candidate) { return CanChange(last, candidate); });
+      if (is_settled) break;
+      SortNext(candidates, i, kNumSorted);
+    }
+    const RecallCandidate& candidate = candidates[i];
+    if (!CanChange(last, candidate)) continue;
+    // All later candidates are out of reach too. The first of them may be the nearest miss.
+    const bool is_out_of_reach = candidate.best_margin_m < 0.0;
+    if (is_out_of_reach && (search.nearest_miss || !search.reachable.empty())) break;
+    search.is_cut_short =
+        num_planned >= kMaxNumPlanned ||
+        (num_planned > 0 && std::chrono::steady_clock::now() - begin > time_budget);
+    if (search.is_cut_short) break;
+    ++num_planned;
+    Evaluate(stored, request, candidate, last, search);
+  }
+  return search;
+}
+
+}  // namespace
+
+Search SearchSites(const StoredSites& stored,
+                   const EmergencyRequest& request,
+                   std::chrono::milliseconds time_budget) {
+  double reach_m = GreatestReach(request, stored.storage.sites.BoundsOfRecallable());
+  Search search = SearchWithin(stored, request, reach_m, time_budget);
+  while (search.reachable.empty() && !search.nearest_miss && !search.is_cut_short &&
+         reach_m < kMaxReachM) {
+    reach_m = std::min(kMaxReachM, 3.0 * reach_m);
+    search = SearchWithin(stored, request, reach_m, time_budget);
+  }
+  return search;
+}
+
+std::vector<size_t> DifferentPlaces(const Search& search, size_t limit) {
+  return DifferentAmong(search.reachable, limit);
+}
+
+}  // namespace freelsd

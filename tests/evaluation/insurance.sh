@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Lets engines stop along random routes over mosaics of seeded worlds, flies what the insurance of
+# the route told, and prints what the aircraft met.
+#
+#   tests/evaluation/insurance.sh [--build DIR] [--folder DIR] [--mosaics N] [--side N] [--seed N]
+#                                 [--routes N]
+#
+# A mosaic is a square of --side x --side worlds of 500 m, each surveyed by a flight of its own. A
+# server gets these flights once, in a data folder of the mosaic's own below --folder (default
+# build/insurance); that takes half a minute a world. Later runs use these folders again. --routes
+# are those over each mosaic.
+set -euo pipefail
+root="$(cd "$(dirname "$0")/../.." && pwd)"
+build="$root/build/release"
+folder="$root/build/insurance"
+mosaics=2
+side=6
+seed=57000
+routes=25
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --build) build="$2" ;;
+    --folder) folder="$2" ;;
+    --mosaics) mosaics="$2" ;;
+    --side) side="$2" ;;
+    --seed) seed="$2" ;;
+    --routes) routes="$2" ;;
+    *) echo "insurance.sh: unknown argument $1" >&2; exit 2 ;;
+  esac
+  shift 2
+done
+for program in server/freelsd-server tests/freelsd-eval tests/freelsd-fly-routes; do
+  [ -x "$build/$program" ] || { echo "insurance.sh: no program at $build/$program" >&2; exit 1; }
+done
+mkdir -p "$folder"
+world_m=500
+server_pid=""
+stop_server() {
+  if [ -n "$server_pid" ]; then kill "$server_pid" 2>/dev/null && wait "$server_pid" 2>/dev/null; fi
+  server_pid=""
+}
+trap 'stop_server || true' EXIT
+
+start_server() { # DATA LOG: sets url
+  "$build/server/freelsd-server" --data "$1" --listen 127.0.0.1:0 >"$2" 2>&1 &
+  server_pid=$!
+  url=""
+  for _ in $(seq 300); do
+    url="$(grep -o 'listens on http://127.0.0.1:[0-9]*' "$2" | head -1 | sed 's/^listens on //' || true)"
+    [ -n "$url" ] && return
+    sleep 0.1
+  done
+  echo "insurance.sh: the server did not start:" >&2
+  cat "$2" >&2
+  exit 1
+}
+
+# metres_from_middle INDEX
+metres_from_middle() { awk -v i="$1" -v side="$side" -v size="$world_m" 'BEGIN { print (i - 0.5 * (side - 1)) * size }'; }
+
+# store_mosaic FIRST_SEED: its data folder; a world that is there is not sent again.
+store_mosaic() {
+  local data="$folder/$1" i
+  mkdir -p "$data"
+  [ ! -e "$data/complete" ] || return 0
+  start_server "$data" "$folder/$1.log"
+  for ((i = 0; i < side * side; ++i)); do
+    [ ! -e "$data/world-$i" ] || continue
+    "$build/tests/freelsd-eval" --worlds 1 --seed "$(($1 + i))" --aircraft small --url "$url" \
+      --east "$(metres_from_middle $((i % side)))" --north "$(metres_from_middle $((i / side)))" \
+      >"$folder/$1-$i.txt"
+    touch "$data/world-$i"
+  done
+  stop_server || true
+  touch "$data/complete"
+}
+
+for ((i = 0; i < mosaics; ++i)); do store_mosaic $((seed + 100 * i)); done
+"$build/tests/freelsd-fly-routes" --folder "$folder" --mosaics "$mosaics" --side "$side" --seed "$seed" \
+  --routes "$routes"
