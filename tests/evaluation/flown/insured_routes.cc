@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include <nlohmann/json.hpp>
 
@@ -144,7 +145,8 @@ void RouteFlyer::Stop(const RouteRequest& request,
   moment.place = {sample.at("latitude_deg"), sample.at("longitude_deg"), sample.at("altitude_m")};
   moment.heading_deg = sample.at("heading_deg");
   bool is_covered = true;
-  std::optional<double> least_m;
+  bool is_known = true;
+  double least_m = std::numeric_limits<double>::infinity();
   nlohmann::json site;
   for (const Eigen::Vector2d& wind : winds) {
     const nlohmann::json answer = RecallSites(stored_, judge.RequestAt(moment, wind));
@@ -152,17 +154,14 @@ void RouteFlyer::Stop(const RouteRequest& request,
     is_covered = is_covered && has_site;
     const nlohmann::json told =
         has_site ? answer["sites"][0] : answer.value("nearest_miss", nlohmann::json());
-    if (!told.is_null()) {
-      const double margin_m = told.at("arrival_margin_m");
-      least_m = std::min(least_m.value_or(margin_m), margin_m);
-    }
+    // A wind in which nothing could be evaluated is worse than any margin.
+    is_known = is_known && !told.is_null();
+    if (is_known) least_m = std::min(least_m, told.at("arrival_margin_m").get<double>());
     if (site.is_null() && has_site) site = told;
   }
-  const std::optional<double> sampled_m =
-      sample.at("arrival_margin_m").is_null()
-          ? std::nullopt
-          : std::optional<double>(sample.at("arrival_margin_m").get<double>());
-  flown.num_different += is_covered != sample.at("covered").get<bool>() || sampled_m != least_m;
+  const nlohmann::json margin = is_known ? nlohmann::json(least_m) : nlohmann::json();
+  flown.num_different +=
+      is_covered != sample.at("covered").get<bool>() || sample.at("arrival_margin_m") != margin;
   if (!sample.at("covered").get<bool>()) return;
   ++flown.num_covered;
   flown.told_risk += sample.value("failure_probability", 1.0);
