@@ -5,28 +5,38 @@
 
 #include <spdlog/spdlog.h>
 
+#include "api/import/import.h"
 #include "server/jobs/jobs.h"
 #include "server/routes.h"
 
 namespace freelsd {
 namespace {
 
-Classifier ReadModel(const std::filesystem::path& path, const std::string& advice) {
+struct ReadClassifier {
+  Classifier classifier;
+  // SHA-256 of its file.
+  std::string digest;
+};
+
+ReadClassifier ReadModel(const std::filesystem::path& path, const std::string& advice) {
   std::ifstream file(path, std::ios::binary);
   if (!file) {
     throw ConfigError("the grass model " + path.string() + " cannot be read; " + advice);
   }
   try {
-    return Classifier::Parse(std::string(std::istreambuf_iterator<char>(file), {}));
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    return {Classifier::Parse(text), Sha256Hex(text)};
   } catch (const std::invalid_argument& error) {
     throw ConfigError(path.string() + " is not a grass model: " + error.what());
   }
 }
 
 Classifiers ReadModels(const Config& config) {
-  return {ReadModel(config.model.empty() ? BesideProgram("grass_model.yml") : config.model,
-                    "give its path with --model"),
-          ReadModel(BesideProgram("paper_model.yml"), "install it there")};
+  ReadClassifier grass =
+      ReadModel(config.model.empty() ? BesideProgram("grass_model.yml") : config.model,
+                "give its path with --model");
+  ReadClassifier paper = ReadModel(BesideProgram("paper_model.yml"), "install it there");
+  return {std::move(grass.classifier), std::move(paper.classifier), grass.digest, paper.digest};
 }
 
 Page ReadPageFiles(const Config& config) {

@@ -72,6 +72,7 @@ constexpr Route kRoutes[] = {
     {"GET", "/v1/flights/{flight}/frames", GetFrames},
     {"POST", "/v1/flights/{flight}/batch", PostBatch, "dry_run extra_poses"},
     {"POST", "/v1/flights/{flight}/finish", PostFinish},
+    {"POST", "/v1/flights/{flight}/replay", PostReplay},
     {"POST", "/v1/flights/{flight}/telemetry", PostTelemetry},
     {"POST", "/v1/flights/{flight}/stream", PostStream},
     {"GET", "/v1/flights/{flight}/alternates", GetAlternates, "limit"},

@@ -16,7 +16,7 @@ struct JobRow {
   // Order of arrival. Insert assigns it.
   int64_t number = 0;
   std::string id;
-  std::string kind;  // "batch" or "finish"
+  std::string kind;  // "batch", "finish" or "replay"
   std::string flight_id;
   JobState state = JobState::kQueued;
   double progress_ratio = 0.0;

@@ -26,6 +26,7 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response);
 
 // job_handlers.cc
 void PostFinish(Service& service, const Call& call, httplib::Response& response);
+void PostReplay(Service& service, const Call& call, httplib::Response& response);
 void GetJobs(Service& service, const Call& call, httplib::Response& response);
 void GetJob(Service& service, const Call& call, httplib::Response& response);
 void DeleteJob(Service& service, const Call& call, httplib::Response& response);

@@ -7,6 +7,7 @@
 #include "server/handlers/lookups.h"
 #include "server/handlers/paging.h"
 #include "server/http/http.h"
+#include "server/intake/intake.h"
 #include "server/jobs/jobs.h"
 
 namespace freelsd {
@@ -55,6 +56,30 @@ JobRow FinishJob(Service& service, const std::string& flight_id, bool is_over) {
 void PostFinish(Service& service, const Call& call, httplib::Response& response) {
   const FlightRow flight = ExistingFlight(service, call);
   const JobRow job = FinishJob(service, flight.id, flight.has_retired_images);
+  service.intake.wake_worker();
+  AnswerJob(service, job, response);
+}
+
+// A replay of a flight that another one has already asked for is the same.
+void PostReplay(Service& service, const Call& call, httplib::Response& response) {
+  const FlightRow flight = ExistingFlight(service, call);
+  RefuseWhenRetired(flight);
+  const std::vector<JobRow> jobs = service.storage.jobs.ListOf(flight.id);
+  const bool is_finished = std::any_of(jobs.begin(), jobs.end(), [](const JobRow& job) {
+    return job.kind == "finish" && job.state == JobState::kDone;
+  });
+  if (!is_finished) throw ApiError("Conflict", "no finish of this flight is done");
+  const auto running = std::find_if(jobs.begin(), jobs.end(), [](const JobRow& job) {
+    return job.kind == "replay" && IsUnfinished(job);
+  });
+  if (running != jobs.end()) return AnswerJob(service, *running, response);
+  JobRow job;
+  job.id = NewId("j");
+  job.kind = "replay";
+  job.flight_id = flight.id;
+  job.created_at_us = NowUs();
+  service.storage.jobs.Insert(job);
+  service.events.Publish("job", flight.id, JobJson(service, job).dump());
   service.intake.wake_worker();
   AnswerJob(service, job, response);
 }

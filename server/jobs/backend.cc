@@ -6,6 +6,7 @@
 
 #include "server/intake/intake.h"
 #include "server/jobs/evaluation.h"
+#include "server/jobs/evidence/replay.h"
 #include "server/jobs/failure.h"
 #include "server/jobs/heap.h"
 #include "server/jobs/job_json.h"
@@ -74,7 +75,7 @@ bool Worker::StepBackend() {
   const std::vector<JobRow> finishes = ReadyFinishes();
   for (const JobRow& job : finishes) due_.Add(job.flight_id);
   const std::optional<std::string> flight_id = due_.Take();
-  if (!flight_id) return false;
+  if (!flight_id) return ReplayNext();
   const SessionPointer session = open_flights_.Find(*flight_id);
   if (!session) return true;
   const auto finish = std::find_if(finishes.begin(), finishes.end(), [&](const JobRow& job) {
@@ -106,21 +107,47 @@ bool Worker::CheckNextSite() {
 void Worker::RunFinish(JobRow job, FlightSession& session) {
   EvaluationMark mark(
       service_.progress, EvaluationKind::kFinish, job.flight_id, job.id, session.flushed_through());
+  RunJob(job, [&](const Progress& progress) {
+    const EvaluationCount evaluated =
+        EvaluateFlight(service_, job.flight_id, session, EvaluationScope::kEveryGraded, progress);
+    mark.is_complete = true;
+    return nlohmann::json{{"num_sites", evaluated.num_sites},
+                          {"through_sequence", evaluated.through_sequence}};
+  });
+}
+
+// Runs the oldest replay that waits. False if none does.
+bool Worker::ReplayNext() {
+  for (JobRow& job : service_.storage.jobs.ListUnfinished()) {
+    if (job.kind != "replay") continue;
+    const auto num_frames =
+        static_cast<int64_t>(service_.storage.frames.List(job.flight_id).size());
+    EvaluationMark mark(
+        service_.progress, EvaluationKind::kReplay, job.flight_id, job.id, num_frames);
+    RunJob(job, [&](const Progress& progress) {
+      nlohmann::json replayed = ReplayFlight(service_, job.flight_id, classifiers_, progress);
+      mark.is_complete = true;
+      return replayed;
+    });
+    ReturnFreedMemory();
+    return true;
+  }
+  return false;
+}
+
+// `work` returns what the job's detail says in the end.
+void Worker::RunJob(JobRow& job,
+                    const std::function<nlohmann::json(const Progress& progress)>& work) {
   job.state = JobState::kRunning;
   UpdateJob(service_, job);
   JobProgress progress(service_, job);
   try {
-    const size_t num_sites = EvaluateFlight(service_,
-                                            job.flight_id,
-                                            session,
-                                            EvaluationScope::kEveryGraded,
-                                            [&](double ratio, const std::string& stage) {
-                                              TellProgress(ratio);
-                                              return !is_stopping_ && progress.Tell(ratio, stage);
-                                            });
-    mark.is_complete = true;
+    const nlohmann::json result = work([&](double ratio, const std::string& stage) {
+      TellProgress(ratio);
+      return !is_stopping_ && progress.Tell(ratio, stage);
+    });
     nlohmann::json detail = nlohmann::json::parse(job.detail_json);
-    detail["num_sites"] = num_sites;
+    detail.update(result);
     job.detail_json = detail.dump();
     job.state = JobState::kDone;
     job.progress_ratio = 1.0;

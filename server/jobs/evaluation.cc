@@ -14,19 +14,15 @@
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/jobs/evaluated_area.h"
+#include "server/jobs/evidence/evidence.h"
 #include "server/jobs/heap.h"
 #include "server/jobs/out_of_date.h"
+#include "server/jobs/sites/sites.h"
 #include "server/jobs/staged_maps.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
 namespace {
-
-struct NewSite {
-  SiteRow row;
-  // Empty if the site is rejected.
-  std::optional<Landing> landing;
-};
 
 std::vector<Candidate> RegionsToEvaluate(const Snapshot& snapshot,
                                          EvaluationScope scope,
@@ -73,20 +69,16 @@ ImageSource StoredImages(Service& service, const std::string& flight_id) {
   };
 }
 
-// The flight at the time of an evaluation. Its request has the datum of all its altitudes.
-struct EvaluatedFlight {
-  FlightRequest request;
-  GeoPoint origin;
-  FlightContext context;
-  int min_num_observations = 0;
-};
+std::string DatumOf(const Service& service, const std::string& flight_id) {
+  const std::optional<FlightRow> row = service.storage.flights.Find(flight_id);
+  return row ? AltitudeDatumOf(*row) : "unknown";
+}
 
 EvaluatedFlight FlightOf(const Service& service,
                          const std::string& flight_id,
                          const FlightSession& session,
                          const Snapshot& snapshot) {
-  const std::optional<FlightRow> row = service.storage.flights.Find(flight_id);
-  const std::string datum = row ? AltitudeDatumOf(*row) : "unknown";
+  const std::string datum = DatumOf(service, flight_id);
   EvaluatedFlight flight{WithAltitudeDatum(session.request(), datum),
                          session.origin(),
                          session.Context(),
@@ -112,107 +104,6 @@ std::vector<HardObstacle> ObstaclesOf(Service& service,
                                  BoxAroundPlace(flight.origin, reach_m + kSurroundingsM)),
       flight.context.local_frame,
       {datum, flight.origin.latitude_deg, flight.origin.longitude_deg, flight.context.flight_id});
-}
-
-Replan ReplanOf(const Site& site, const EvaluatedFlight& flight) {
-  Replan replan;
-  replan.flight = flight.request;
-  replan.origin = flight.origin;
-  replan.request.footprint = site.region.Footprint();
-  replan.request.area_m2 = site.region.area_m2;
-  replan.request.grade = site.region.grade;
-  replan.request.num_observations = site.region.num_observations;
-  replan.request.min_num_observations = flight.min_num_observations;
-  if (site.wind) {
-    replan.request.wind_in_world = site.wind->wind_in_world;
-    replan.request.wind_spread_mps = site.wind->spread_mps;
-  }
-  return replan;
-}
-
-std::optional<RecallData> RecallOf(const Site& site,
-                                   const FlightRequest& request,
-                                   double altitude) {
-  const Plan& plan = site.plan;
-  if (plan.verdict == Verdict::kRejected || !plan.approach) return std::nullopt;
-  if (!std::isfinite(altitude)) return std::nullopt;
-  return RecallData{plan.verdict == Verdict::kLandable,
-                    altitude,
-                    request.altitude_datum.value_or("unknown"),
-                    std::clamp(plan.score, 0.0, 1.0),
-                    AircraftJson(request.aircraft).dump()};
-}
-
-// A site that only obstacles reject is stored with its plan without them. Whoever reads the site
-// checks the plan against the obstacles of that time (AsObstructed), so that it is rejected for as
-// long as they are there.
-Site AsStored(Site site) {
-  if (site.plan_without_obstacles) site.plan = *std::exchange(site.plan_without_obstacles, {});
-  return site;
-}
-
-// Of a region, or of a square of the flight's world: stable while its ground is.
-std::string NameWithin(const Site& site) {
-  if (!site.square) return "-r" + std::to_string(site.region.id);
-  return "-e" + std::to_string(site.square->east) + "n" + std::to_string(site.square->north);
-}
-
-// `map_id` is empty if nothing was reconstructed.
-NewSite SiteOf(const Site& site,
-               const Grid& grid,
-               const std::string& map_id,
-               const EvaluatedFlight& flight) {
-  const FlightContext& context = flight.context;
-  const FlightRequest& request = flight.request;
-  NewSite made;
-  made.row.id = context.flight_id + NameWithin(site);
-  made.row.flight_id = context.flight_id;
-  made.row.region_id = site.region.id;
-  made.row.updated_at_us = NowUs();
-  const GeoPoint touchdown = context.local_frame.GeoFromWorld(site.plan.touchdown_in_world);
-  made.row.latitude_deg = touchdown.latitude_deg;
-  made.row.longitude_deg = touchdown.longitude_deg;
-  const std::string updated_at = Rfc3339(made.row.updated_at_us);
-  made.row.seen_at_us = SeenAt(site.region.last_seen_us, made.row.updated_at_us);
-  nlohmann::json feature = SiteFeature(made.row.id, site, request.aircraft, updated_at, context);
-  feature["properties"]["last_seen_at"] = Rfc3339(made.row.seen_at_us);
-  made.row.feature_json = feature.dump();
-  if (site.plan.approach) made.row.approach_json = ApproachJson(site.plan, context).dump();
-  made.row.replan_json = ReplanJson(ReplanOf(site, flight));
-  made.row.map_datum = context.altitude_datum;
-  made.row.recall = RecallOf(site, request, touchdown.altitude_m);
-  if (made.row.recall) {
-    const auto wind = site.wind ? std::optional(site.wind->wind_in_world) : std::nullopt;
-    made.landing = LandingOf(touchdown, site.plan.approach->heading, wind);
-  }
-  if (!map_id.empty()) {
-    made.row.map_id = map_id;
-    const Grid around = grid.Part(
-        grid.CellsAround(site.region.Footprint(), request.options.backend.max_surroundings_m));
-    if (around.num_rows > 0) made.row.map_box = BoxOf(around, context.local_frame);
-  }
-  return made;
-}
-
-// Keeps only the best of several accepted sites at one place, and of several with one id: landable
-// before unverified, then the better score.
-void DropDuplicates(std::vector<NewSite>& sites) {
-  const auto key = [](const NewSite& site) {
-    const bool is_landable = site.row.recall && site.row.recall->is_landable;
-    return std::tuple(!is_landable, site.row.recall ? -site.row.recall->score : 0.0, site.row.id);
-  };
-  std::sort(sites.begin(), sites.end(), [&key](const NewSite& a, const NewSite& b) {
-    return key(a) < key(b);
-  });
-  std::vector<NewSite> kept;
-  for (NewSite& site : sites) {
-    const bool is_known = std::any_of(kept.begin(), kept.end(), [&](const auto& better) {
-      if (better.row.id == site.row.id) return true;
-      return better.landing && site.landing && IsSamePlace(*better.landing, *site.landing);
-    });
-    if (!is_known) kept.push_back(std::move(site));
-  }
-  sites = std::move(kept);
 }
 
 void StoreResult(Service& service,
@@ -250,26 +141,18 @@ void StoreResult(Service& service,
   maps.Take();
 }
 
-std::vector<NewSite> SitesOf(const Evaluation& evaluation,
-                             const std::string& map_id,
-                             const EvaluatedFlight& flight) {
-  std::vector<NewSite> sites;
-  for (const Site& site : evaluation.sites) {
-    sites.push_back(SiteOf(AsStored(site), evaluation.map.grid, map_id, flight));
-  }
-  return sites;
-}
-
 // Somebody may wait for the first site: it is in force before its map's picture is painted and
 // before other groups are evaluated. The evaluation's own result replaces it.
 void StoreFirstSites(Service& service,
                      const Evaluation& evaluation,
                      const StagedMaps::Source& source,
-                     const EvaluatedFlight& flight) {
+                     const EvaluatedFlight& flight,
+                     const std::string& inputs_digest) {
   if (evaluation.sites.empty()) return;
   StagedMaps maps(service, flight.context);
+  const std::string map_id = maps.AddWithoutPicture(evaluation, source);
   std::vector<NewSite> sites =
-      SitesOf(evaluation, maps.AddWithoutPicture(evaluation, source), flight);
+      SitesOf(evaluation, {map_id, maps.DigestOf(map_id), inputs_digest}, flight);
   DropDuplicates(sites);
   StoreResult(service, flight.context.flight_id, sites, maps, EvaluationScope::kBest);
   service.alternates.Wake(flight.context.flight_id);
@@ -330,23 +213,42 @@ void AddNew(const std::vector<std::string>& more, std::vector<std::string>& warn
   }
 }
 
-}  // namespace
-
-size_t EvaluateFlight(Service& service,
-                      const std::string& flight_id,
-                      FlightSession& session,
-                      EvaluationScope scope,
-                      const Progress& progress) {
-  Snapshot snapshot = session.TakeSnapshot();
-  const FlightRequest& request = session.request();
-  const std::vector<RegionGroup> groups = GroupsToEvaluate(snapshot, scope, request.options);
-  const EvaluatedFlight flight = FlightOf(service, flight_id, session, snapshot);
-  snapshot.obstacles = ObstaclesOf(service, flight, snapshot);
-  StagedMaps maps(service, flight.context);
+// An evaluation's sites, on staged maps.
+struct Evaluated {
   std::vector<NewSite> sites;
   std::vector<std::string> warnings;
-  const ImageSource images = StoredImages(service, flight_id);
-  const bool is_first = service.storage.maps.ListOf(flight_id).empty();
+  int64_t through_sequence = 0;
+};
+
+struct EvaluationTask {
+  Service& service;
+  const std::string& flight_id;
+  FlightSession& session;
+  EvaluationScope scope;
+  // False: a replay, which stores nothing and paints no picture.
+  bool is_stored = true;
+};
+
+EvaluationInputs InputsOf(const EvaluationTask& task,
+                          const EvaluatedFlight& flight,
+                          int64_t through_sequence) {
+  return {
+      task.flight_id, through_sequence, flight.request, flight.origin, task.session.model_digest()};
+}
+
+Evaluated Evaluate(const EvaluationTask& task, StagedMaps& maps, const Progress& progress) {
+  Service& service = task.service;
+  auto [snapshot, through_sequence] = task.session.TakeSnapshot();
+  const FlightRequest& request = task.session.request();
+  const std::vector<RegionGroup> groups = GroupsToEvaluate(snapshot, task.scope, request.options);
+  const EvaluatedFlight flight = FlightOf(service, task.flight_id, task.session, snapshot);
+  const std::string inputs =
+      InputsDigest(service.storage, InputsOf(task, flight, through_sequence));
+  snapshot.obstacles = ObstaclesOf(service, flight, snapshot);
+  Evaluated evaluated;
+  evaluated.through_sequence = through_sequence;
+  const ImageSource images = StoredImages(service, task.flight_id);
+  const bool is_first = task.is_stored && service.storage.maps.ListOf(task.flight_id).empty();
   for (size_t i = 0; i < groups.size(); ++i) {
     const Progress of_group = ReturningMemory(ShareOf(progress, i, groups.size()));
     service.progress.SetArea(AreaJson(groups[i].area, flight.context.local_frame));
@@ -358,22 +260,55 @@ size_t EvaluateFlight(Service& service,
                                                 Within(of_group, 0.0, kSitesDone));
     const StagedMaps::Source source{
         flight.request, flight.origin, images, PhotographedAt(snapshot, evaluation.block)};
-    if (is_first) StoreFirstSites(service, evaluation, source, flight);
-    const std::string map_id = maps.Add(evaluation, source, Within(of_group, kSitesDone, 1.0));
-    for (NewSite& site : SitesOf(evaluation, map_id, flight)) sites.push_back(std::move(site));
-    session.AddReports(evaluation.reports);
-    AddNew(evaluation.warnings, warnings);
+    if (is_first) StoreFirstSites(service, evaluation, source, flight, inputs);
+    const std::string map_id = task.is_stored
+                                   ? maps.Add(evaluation, source, Within(of_group, kSitesDone, 1.0))
+                                   : maps.AddWithoutPicture(evaluation, source);
+    for (NewSite& site : SitesOf(evaluation, {map_id, maps.DigestOf(map_id), inputs}, flight)) {
+      evaluated.sites.push_back(std::move(site));
+    }
+    task.session.AddReports(evaluation.reports);
+    AddNew(evaluation.warnings, evaluated.warnings);
   }
-  if (sites.empty()) warnings = NoSiteReason(snapshot);
-  DropDuplicates(sites);
-  StoreResult(service, flight_id, sites, maps, scope);
+  if (evaluated.sites.empty()) evaluated.warnings = NoSiteReason(snapshot);
+  DropDuplicates(evaluated.sites);
+  return evaluated;
+}
+
+}  // namespace
+
+EvaluationCount EvaluateFlight(Service& service,
+                               const std::string& flight_id,
+                               FlightSession& session,
+                               EvaluationScope scope,
+                               const Progress& progress) {
+  FlightContext context = session.Context();
+  context.altitude_datum = DatumOf(service, flight_id);
+  StagedMaps maps(service, context);
+  const Evaluated evaluated = Evaluate({service, flight_id, session, scope}, maps, progress);
+  StoreResult(service, flight_id, evaluated.sites, maps, scope);
   service.alternates.Wake(flight_id);
   service.alternates.WakeAll();
   session.Store(service.storage);
   service.storage.flights.Change(flight_id, [&](FlightRow& row) {
-    row.warnings_json = ReplaceWarnings(row.warnings_json, "evaluation", warnings);
+    row.warnings_json = ReplaceWarnings(row.warnings_json, "evaluation", evaluated.warnings);
   });
-  return sites.size();
+  return {evaluated.sites.size(), evaluated.through_sequence};
+}
+
+std::map<std::string, std::string> EvidenceDigests(Service& service,
+                                                   const std::string& flight_id,
+                                                   FlightSession& session,
+                                                   const Progress& progress) {
+  FlightContext context = session.Context();
+  context.altitude_datum = DatumOf(service, flight_id);
+  StagedMaps maps(service, context);
+  const EvaluationTask task{service, flight_id, session, EvaluationScope::kEveryGraded, false};
+  std::map<std::string, std::string> digests;
+  for (const NewSite& site : Evaluate(task, maps, progress).sites) {
+    digests[site.row.id] = site.digest;
+  }
+  return digests;
 }
 
 }  // namespace freelsd

@@ -12,6 +12,7 @@ FlightSession::FlightSession(const FlightRow& flight, const Classifiers& classif
     : flight_id_(flight.id),
       request_(ParseStoredFlightRequest(flight.request_json)),
       rig_(ParseStoredFlightRig(flight.rig_json)),
+      model_digest_(classifiers.DigestFor(request_.options.preset)),
       local_frame_(rig_.origin),
       frontend_(rig_.rig, request_.options, classifiers.For(request_.options.preset)) {}
 
@@ -74,9 +75,9 @@ void FlightSession::AddNotes(const std::vector<FrameResult>& results) {
   }
 }
 
-Snapshot FlightSession::TakeSnapshot() {
+std::pair<Snapshot, int64_t> FlightSession::TakeSnapshot() {
   const std::lock_guard lock(frontend_mutex_);
-  return frontend_.TakeSnapshot();
+  return {frontend_.TakeSnapshot(), cursor_};
 }
 
 void FlightSession::AddReports(const std::vector<StageReport>& reports) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "api/api.h"
@@ -22,8 +23,14 @@ struct Classifiers {
   Classifier grass;
   // Of Preset::kPaper.
   Classifier paper;
+  // SHA-256 of their files.
+  std::string grass_digest = {};
+  std::string paper_digest = {};
 
   const Classifier& For(Preset preset) const { return preset == Preset::kPaper ? paper : grass; }
+  const std::string& DigestFor(Preset preset) const {
+    return preset == Preset::kPaper ? paper_digest : grass_digest;
+  }
 };
 
 // Holds a flight's Frontend, its statistics and its notes. The frontend thread passes frames to it;
@@ -36,6 +43,8 @@ class FlightSession {
 
   const FlightRequest& request() const { return request_; }
   const GeoPoint& origin() const { return rig_.origin; }
+  // SHA-256 of the file of its grass model.
+  const std::string& model_digest() const { return model_digest_; }
   FlightContext Context() const;
 
   // --- Frontend thread ---
@@ -60,7 +69,8 @@ class FlightSession {
   // True if a flush before `sequence` processed or rejected frames that still waited for
   // neighbours. A new session could process them better, because more neighbours have arrived.
   bool HasSettledBefore(int64_t sequence) const { return first_settled_at_ < sequence; }
-  Snapshot TakeSnapshot();
+  // With the sequence number of the last frame passed in before it was taken.
+  std::pair<Snapshot, int64_t> TakeSnapshot();
   void AddReports(const std::vector<StageReport>& reports);
   // Stores the flight's current regions, stages, warnings and ground altitude.
   void Store(Storage& storage);
@@ -81,6 +91,7 @@ class FlightSession {
   std::string flight_id_;
   FlightRequest request_;
   FlightRig rig_;
+  std::string model_digest_;
   LocalFrame local_frame_;
   std::atomic<int64_t> cursor_{0};
   std::atomic<int64_t> flushed_through_{0};

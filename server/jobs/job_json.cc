@@ -39,6 +39,10 @@ std::string NumberDone(int64_t number, const std::string& what, const std::strin
 
 std::string SummaryOfDone(const nlohmann::json& detail) {
   if (detail.contains("message")) return "Done: " + detail.value("message", "");
+  if (detail.contains("num_equal")) {
+    return "Done: " + std::to_string(detail.value("num_equal", 0)) + " of " +
+           std::to_string(detail["sites"].size()) + " sites have the same digest again";
+  }
   if (detail.contains("num_sites")) {
     return "Done: " + NumberDone(detail.value("num_sites", int64_t{0}), "place", "evaluated");
   }
@@ -98,7 +102,7 @@ JobView::Outlook JobView::OutlookOf(const JobRow& job) {
     return {"Failed", "Failed: " + detail.value("message", "unknown reason"), std::nullopt, false};
   }
   // A job that ran before a restart waits until its work goes on.
-  if (job.kind == "finish") {
+  if (job.kind != "batch") {
     const bool is_evaluated = evaluation_ && evaluation_->job_id == job.id;
     return is_evaluated ? OutlookOfRunning(job, evaluation_->time_left_s) : OutlookOfWaiting(job);
   }

@@ -15,7 +15,8 @@
 namespace freelsd {
 
 // kFinish: all regions, for a job. kPeriodic: the best regions of a live flight, without a job.
-enum class EvaluationKind { kFinish, kPeriodic };
+// kReplay: a finish again, with its frames.
+enum class EvaluationKind { kFinish, kPeriodic, kReplay };
 
 struct EvaluationNow {
   std::string flight_id;

@@ -115,6 +115,11 @@ StagedMaps::~StagedMaps() {
   }
 }
 
+std::string StagedMaps::DigestOf(const std::string& map_id) const {
+  const auto found = digests_.find(map_id);
+  return found == digests_.end() ? std::string() : found->second;
+}
+
 std::string StagedMaps::AddMap(const Evaluation& evaluation, const Source& source, MapHead head) {
   FlightMapRow row;
   row.id = service_.storage.maps.NewId(context_.flight_id);
@@ -124,10 +129,10 @@ std::string StagedMaps::AddMap(const Evaluation& evaluation, const Source& sourc
   row.updated_at_us = NowUs();
   row.seen_at_us = SeenAt(source.photographed_at_us, row.updated_at_us);
   rows_.push_back(row);
-  StageMap(service_.storage,
-           row,
-           std::move(head),
-           {{evaluation.map, evaluation.hazards}, evaluation.num_views});
+  digests_[row.id] = StageMap(service_.storage,
+                              row,
+                              std::move(head),
+                              {{evaluation.map, evaluation.hazards}, evaluation.num_views});
   return row.id;
 }
 

@@ -1,6 +1,7 @@
 // Maps of an evaluation on their way to storage. Private to work.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,8 @@ class StagedMaps {
   std::string Add(const Evaluation& evaluation, const Source& source, const Progress& progress);
   // The same at once: the picture takes a while.
   std::string AddWithoutPicture(const Evaluation& evaluation, const Source& source);
+  // SHA-256 of the tiles of a map, its picture left out; empty for an empty id.
+  std::string DigestOf(const std::string& map_id) const;
   const std::vector<FlightMapRow>& rows() const { return rows_; }
   // Call it once the maps are in force.
   void Take() { rows_.clear(); }
@@ -56,6 +59,8 @@ class StagedMaps {
   Service& service_;
   const FlightContext& context_;
   std::vector<FlightMapRow> rows_;
+  // By map.
+  std::map<std::string, std::string> digests_;
 };
 
 }  // namespace freelsd

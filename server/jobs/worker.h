@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -13,6 +14,8 @@
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "server/jobs/evaluation_pace.h"
 #include "server/jobs/evaluation_queue.h"
@@ -69,6 +72,8 @@ class Worker {
   std::vector<JobRow> ReadyFinishes() const;
   bool IsReadyToFinish(const std::string& flight_id) const;
   void RunFinish(JobRow job, FlightSession& session);
+  bool ReplayNext();
+  void RunJob(JobRow& job, const std::function<nlohmann::json(const Progress& progress)>& work);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
   bool TellProgress(double done_ratio);
   // Removes images of idle flights as the settings require.

@@ -34,8 +34,8 @@ WorldBox BoxOfGrid(const Grid& grid);
 cv::Rect PhotoTilesIn(const FlightMap& map, int level, const WorldBox& box);
 
 // Stores a map with its tiles of all levels; it is not in force yet. Completes the head (number of
-// levels, ranges) and writes it into the row.
-void StageMap(Storage& storage, FlightMapRow row, MapHead head, MapRasters rasters);
+// levels, ranges) and writes it into the row. Returns the SHA-256 of all tiles.
+std::string StageMap(Storage& storage, FlightMapRow row, MapHead head, MapRasters rasters);
 
 // Thread-safe. The constructor's argument limits the memory of the tiles, and
 // that of the pictures.

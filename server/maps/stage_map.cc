@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "api/export/map/map.h"
+#include "api/import/import.h"
 #include "server/maps/maps.h"
 
 namespace freelsd {
@@ -37,7 +38,7 @@ std::vector<LayerRange> RangesOf(const MapRasters& rasters, const LocalFrame& lo
 
 }  // namespace
 
-void StageMap(Storage& storage, FlightMapRow row, MapHead head, MapRasters rasters) {
+std::string StageMap(Storage& storage, FlightMapRow row, MapHead head, MapRasters rasters) {
   head.num_levels = 1;
   for (Grid grid = head.grid; !FitsOneTile(grid); ++head.num_levels) {
     grid.num_rows = (grid.num_rows + 1) / 2 + 1;
@@ -46,10 +47,14 @@ void StageMap(Storage& storage, FlightMapRow row, MapHead head, MapRasters raste
   head.ranges = RangesOf(rasters, LocalFrame(head.origin));
   row.head_json = MapHeadJson(head);
   storage.maps.Stage(row, {}, {});
+  std::string digests;
   for (int level = 0; level < head.num_levels; ++level) {
     if (level > 0) rasters = Coarser(rasters);
-    storage.maps.StageTiles(row.id, TilesOf(rasters, level, head.grid.cell_size_m), {});
+    const Tiles tiles = TilesOf(rasters, level, head.grid.cell_size_m);
+    for (const auto& [key, bytes] : tiles) digests += Sha256Hex(bytes);
+    storage.maps.StageTiles(row.id, tiles, {});
   }
+  return Sha256Hex(digests);
 }
 
 }  // namespace freelsd

@@ -207,6 +207,9 @@ test_sites() {
   num_all="$(grep -Ec '^ +[0-9]+ +(landable|unverified|rejected) ' "$work/out")"
   equal "$num_all" "$(get "/v1/flights/$flight/sites" | jq '.features | length')" "sites shown with --all"
   said out 'why not$'
+  run 0 replay "$flight"
+  said out 'sites have the same digest again'
+  equal "$(grep -c '^equal ' "$work/out")" "$num_all" "sites replayed"
   run 0 watch "$flight"
   said out "$site"
   echo "sites: $num_shown of $num_all"
