@@ -24,6 +24,7 @@ import { drawProgress } from './progress.js';
 import { createReach } from './reach.js';
 import { reachKey } from './reach_overlay.js';
 import { createRoute } from './route.js';
+import { siteName } from './route_request.js';
 import { drawSite } from './site.js';
 import { createSiteLayers } from './site_layers.js';
 import { drawSiteList } from './sites.js';
@@ -388,7 +389,7 @@ const newLook = createNewLook({
 });
 const route = createRoute(map, {
   flight: () => state.flightJson, wind: () => state.triedWind ?? state.site?.properties.wind ?? null,
-  nameOf: (id) => (rankOf(id) ? `site ${rankOf(id)}` : id), openSite,
+  nameOf: (id) => siteName(id, rankOf(id), state.flights), openSite,
 });
 api.whenUnauthorized(() => askToken(live.now));
 live.start();

@@ -8,7 +8,7 @@ import { offers } from './offers.js';
 import { drawMoment, drawRouteAnswer } from './route_answer.js';
 import { createRouteChart } from './route_chart.js';
 import { createRouteForm } from './route_form.js';
-import { draftText, faultOf, planOf, planQueryOf, requestOf } from './route_request.js';
+import { changedPart, draftText, faultOf, planOf, planQueryOf, requestOf } from './route_request.js';
 import { routeKey } from './route_overlay.js';
 import { isVisible, showView } from './views.js';
 
@@ -18,10 +18,18 @@ const lineOf = (places) => ({ type: 'Feature', properties: {}, geometry: { type:
   coordinates: places.map(({ longitude_deg, latitude_deg }) => [longitude_deg, latitude_deg]) } });
 const json = "-H 'Content-Type: application/json'";
 
+// The sample that is told about first: in the middle of the first gap, else where the margin is least.
+function firstMarked({ gaps: [gap], samples }) {
+  if (gap) return samples.findIndex(({ time_s }) => time_s >= Math.floor((gap.from_s + gap.to_s) / 2));
+  const margins_m = samples.map(({ arrival_margin_m }) => arrival_margin_m ?? Infinity);
+  return margins_m.indexOf(Math.min(...margins_m));
+}
+
 class Route {
   #map;
   #on;
   #draft = { points: [], plan: null };
+  #former = null; // {draft, altitude_m} before a fix was taken
   #isDrawing = false;
   #wasDrawing = false;
   #answer = null;
@@ -39,7 +47,7 @@ class Route {
     this.#form = createRouteForm({ ...on, changed: (name) => this.#valueChanged(name), submit: () => this.#toggleCheck() });
     byId('open-route').addEventListener('click', () => this.#open());
     const clicks = { draw: () => this.#setDrawing(!this.#isDrawing), 'add-point': () => this.takePlace(map.centerPoint()),
-      undo: () => this.#setPoints(this.#draft.points.slice(0, -1)), clear: () => this.#clear() };
+      undo: () => this.#setPoints(this.#draft.points.slice(0, -1)), clear: () => this.#clear(), restore: () => this.#restore() };
     for (const [name, click] of Object.entries(clicks)) byId(`route-${name}`).addEventListener('click', click);
     byId('route-plan').addEventListener('change', ({ target }) => { if (target.files.length) this.#takePlan(target.files[0]); target.value = ''; });
     byId('route-curl').append(curlButton('the check of this route', () => this.#curl()));
@@ -160,6 +168,7 @@ class Route {
       return;
     }
     const running = new AbortController();
+    const former = this.#answer;
     this.#running = running;
     this.#isDrawing = false;
     this.#say('Checking …');
@@ -170,6 +179,7 @@ class Route {
     } catch (error) {
       if (this.#running !== running) return;
       this.#noFix = 'The search for changes did not end.';
+      this.#isOld = former !== null && this.#answer === former;
       this.#say(running.signal.aborted ? 'Stopped.' : `Not checked: ${error.message}`, true);
     } finally {
       if (this.#running === running) this.#running = null;
@@ -197,10 +207,11 @@ class Route {
     this.#noFix = 'Searching for changes that close the gap …';
     this.#draw();
     this.#chart.draw(answer);
-    this.#mark(answer.samples.indexOf(answer.samples.find(({ covered }) => !covered) ?? answer.samples[0]));
+    this.#mark(firstMarked(answer));
   }
 
   #forget() {
+    this.#former = null;
     this.#running?.abort();
     this.#running = null;
     this.#answer = null;
@@ -236,12 +247,23 @@ class Route {
   #showFix(fix) {
     this.#shown = fix;
     this.#draw();
-    if (fix) this.#map.fitFeatures([lineOf(fix.route ?? [fix.place, ...this.#answer.samples])]);
+    if (!fix) return;
+    const { samples } = this.#answer;
+    this.#map.fitFeatures([lineOf(fix.route ? changedPart(fix.route, samples).points : [fix.place, ...samples])]);
   }
 
   #takeFix({ route }) {
+    this.#former = { draft: this.#draft, altitude_m: this.#form.values().altitude_m };
     this.#draft = { points: route, plan: null };
-    this.#form.clearAltitude();
+    this.#form.setAltitude(null);
+    this.#check();
+  }
+
+  #restore() {
+    const { draft, altitude_m } = this.#former;
+    this.#former = null;
+    this.#draft = draft;
+    this.#form.setAltitude(altitude_m);
     this.#check();
   }
 
@@ -250,6 +272,7 @@ class Route {
   #say(text, isBad = false) {
     byId('route-message').textContent = text;
     byId('route-message').classList.toggle('bad', isBad);
+    if (isBad) byId('route-message').scrollIntoView({ block: 'nearest' });
   }
 
   #drawMap() {
@@ -259,8 +282,8 @@ class Route {
     if (isDrawing) this.#map.drawDraft(points.map((p) => [p.longitude_deg, p.latitude_deg]), null, (i, at) => this.#move(i, at));
     else if (this.#wasDrawing) this.#map.drawDraft(null);
     this.#wasDrawing = isDrawing;
-    this.#map.route.draw(isShown && !isDrawing ? { points, answer: this.#answer, fix: this.#shown, isOld: this.#isOld } : {}, (i) => this.#mark(i));
-    setKey('route', isShown && !isDrawing ? routeKey(this.#answer) : []);
+    this.#map.route.draw(isShown ? { points, isDrawing, answer: this.#answer, fix: this.#shown, isOld: this.#isOld } : {}, (i) => this.#mark(i));
+    setKey('route', isShown ? routeKey(this.#answer) : []);
     if (isShown && this.#answer) this.#map.route.mark(this.#index);
   }
 
@@ -275,6 +298,7 @@ class Route {
     byId('route-undo').disabled = points.length === 0;
     byId('route-clear').disabled = isEmpty;
     byId('route-check').textContent = this.#running ? 'Stop' : this.#isOld ? 'Check again' : 'Check';
+    byId('route-restore').hidden = !this.#former;
     byId('route-old').hidden = !this.#isOld;
     this.#form.showPlan(Boolean(plan));
     const on = { nameOf: this.#on.nameOf, showMoment: (sample) => this.#showMoment(sample), showGap: (gap) => this.#showGap(gap),

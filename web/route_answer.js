@@ -18,14 +18,15 @@ function outcome(answer, on) {
       ` Point of no return at ${clock(noReturn.time_s)}. No site is in reach after it.`) : null);
 }
 
-function fixRow(fix, { shown, on }) {
+function fixRow(fix, { answer, shown, on }) {
+  const key = answer.fixes.indexOf(fix);
   const isShown = fix === shown;
   const text = sentenceOf(fix.sentence, on.nameOf);
   return el('li', { class: 'route-fix-row', 'data-kind': fix.kind },
     el('span', {}, el('b', { 'aria-hidden': 'true' }, fix.kind === 'offset' && fix.offset_m < 0 ? '↶' : signs[fix.kind] ?? '•'), ` ${text}`),
-    el('button', { type: 'button', 'data-show': '', 'aria-pressed': String(isShown), 'aria-label': `Show: ${text}`,
+    el('button', { type: 'button', 'data-show': '', 'data-key': `show ${key}`, 'aria-pressed': String(isShown), 'aria-label': `Show: ${text}`,
       onclick: () => on.showFix(isShown ? null : fix) }, isShown ? 'Hide' : 'Show'),
-    fix.route ? el('button', { type: 'button', class: 'primary', 'data-take': '', 'aria-label': `Take: ${text}`, onclick: () => on.takeFix(fix) }, 'Take') : null);
+    fix.route ? el('button', { type: 'button', class: 'primary', 'data-take': '', 'data-key': `take ${key}`, 'aria-label': `Take: ${text}`, onclick: () => on.takeFix(fix) }, 'Take') : null);
 }
 
 function fixesNode(fixes, state) {
@@ -36,7 +37,7 @@ function fixesNode(fixes, state) {
 function gapRow(gap, index, state) {
   const { on, answer } = state;
   return el('li', { class: 'route-gap-row', 'data-gap': index },
-    el('button', { type: 'button', class: 'quiet route-gap-name', onclick: () => on.showGap(gap) },
+    el('button', { type: 'button', class: 'quiet route-gap-name', 'data-key': `gap ${index}`, title: 'Show on the map', onclick: () => on.showGap(gap) },
       el('strong', {}, `✕ Gap ${index + 1}: ${clock(gap.from_s)} to ${clock(gap.to_s)}`),
       el('span', {}, sentenceOf(gap.sentence, on.nameOf))),
     fixesNode(answer.fixes.filter((fix) => fix.gap === index), state));
@@ -46,11 +47,13 @@ function gapRow(gap, index, state) {
 // showGap(gap), showFix(fix or null), takeFix(fix)}}
 export function drawRouteAnswer(state) {
   const { answer, on } = state;
+  const focused = document.activeElement?.dataset?.key;
   byId('route-answer').hidden = !answer;
   if (!answer) return;
   byId('route-outcome').replaceChildren(outcome(answer, on));
   byId('route-gap-title').hidden = answer.gaps.length === 0;
   byId('route-gaps').replaceChildren(...answer.gaps.map((gap, i) => gapRow(gap, i, state)));
+  if (focused) byId('route-gaps').querySelector(`[data-key="${CSS.escape(focused)}"]`)?.focus({ preventScroll: true });
   byId('route-warning-box').hidden = answer.warnings.length === 0;
   byId('route-warnings').replaceChildren(...answer.warnings.map((text) => el('li', {}, sentenceOf(text, on.nameOf))));
 }

@@ -6,7 +6,7 @@ import { clock } from './route_request.js';
 import { isKnown } from './units.js';
 import uPlot from './vendor/uPlot.esm.js';
 
-const kHeight = 150;  // px
+const kHeight = 170;  // px
 const kAxis = 52;  // px, width of the axis of margins
 const kSteps_s = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200];
 const kHatch = 8;  // px
@@ -87,7 +87,7 @@ export function createRouteChart(element, onMoment) {
     const sample = answer?.samples[index];
     line.hidden = !sample;
     if (!sample) return;
-    line.style.left = `${plot.valToPos(sample.time_s, 'x')}px`;
+    line.style.left = `${100 * sample.time_s / answer.time_s}%`;
     slider.value = index;
     slider.setAttribute('aria-valuetext', text);
   }
@@ -104,7 +104,7 @@ export function createRouteChart(element, onMoment) {
     plot = new uPlot({
       width: Math.max(element.clientWidth, 260), height: kHeight, legend: { show: false }, cursor: { x: false, y: false, points: { show: false } },
       scales: { x: { time: false, range: () => [0, answer.time_s] }, y: { range: () => rangeOf([...covered, ...uncovered]) } },
-      axes: [axis('', { size: 26, incrs: kSteps_s, values: (_, ticks) => ticks.map(clock) }), axis('margin (m)', { size: kAxis })],
+      axes: [axis(undefined, { size: 30, labelSize: 0, incrs: kSteps_s, values: (_, ticks) => ticks.map(clock) }), axis('margin (m)', { size: kAxis })],
       series: [{}, { ...look, stroke: cssColor('--reach') }, { ...look, stroke: cssColor('--bad'), dash: [6, 4] }],
       hooks: {
         drawClear: [(u) => drawGaps(u, answer.gaps)], draw: [(u) => drawLevel(u, noReturn_s)],

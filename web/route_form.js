@@ -17,12 +17,14 @@ class RouteForm {
   #on;
   #own = new Set(); // names of fields that the user has changed
   #profiles = {};
+  #sources = {}; // by the field that was filled in: where its value comes from
 
   constructor(on) {
     this.#on = on;
     byId('route-form').addEventListener('input', ({ target }) => {
       const name = names.find((candidate) => input(candidate) === target);
       this.#own.add(name);
+      this.#forgetSource(name);
       this.showFault(null);
       on.changed(name);
     });
@@ -46,19 +48,25 @@ class RouteForm {
     const flight = this.#on.flight();
     this.#fillAircraft(flight);
     const { pose = null, wind = null } = flight ? await api.getAlternates(flight.id).catch(() => ({})) : {};
-    const from = [];
     if (!this.#own.has('altitude_m') && pose?.altitude_datum === 'amsl') {
       fill('altitude_m', pose.altitude_m, 0);
-      from.push(`Altitude: last position of ${flight.name || flight.id}.`);
+      this.#sources.altitude_m = `Altitude: last position of ${flight.name || flight.id}.`;
     }
     const known = windFrom(wind ?? this.#on.wind());
     if (known && !this.#own.has('wind_speed_mps') && !this.#own.has('wind_from_deg')) {
       fill('wind_speed_mps', known.speed_mps, 1);
       fill('wind_from_deg', known.from_deg, 0);
-      from.push(wind ? 'Wind: of the same flight.' : 'Wind: of the selected site.');
+      this.#sources.wind_from_deg = this.#sources.wind_speed_mps = wind ? `Wind: of ${flight.name || flight.id}.` : 'Wind: of the selected site.';
     }
-    byId('route-source').textContent = from.join(' ');
+    this.#drawSources();
   }
+
+  #forgetSource(name) {
+    delete this.#sources[name];
+    this.#drawSources();
+  }
+
+  #drawSources() { byId('route-source').textContent = [...new Set(Object.values(this.#sources))].join(' '); }
 
   #fillAircraft(flight) {
     if (this.#own.has('aircraft') || !flight?.aircraft) return;
@@ -71,8 +79,11 @@ class RouteForm {
 
   fillAirspeed(airspeed_mps) { if (airspeed_mps !== null) fill('airspeed_mps', airspeed_mps, 1); }
 
-  // Each point has its own.
-  clearAltitude() { fill('altitude_m', null); }
+  // altitude_m: null if each point has its own.
+  setAltitude(altitude_m) {
+    fill('altitude_m', altitude_m, 1);
+    this.#forgetSource('altitude_m');
+  }
 
   // A plan has its own altitudes.
   showPlan(hasPlan) { input('altitude_m').closest('label').hidden = hasPlan; }

@@ -1,12 +1,13 @@
 // A planned route on the map: solid green where a site is in reach without power, dashed red where none is.
 /* global L */
 
-import { el } from './dom.js';
+import { el, svg } from './dom.js';
 import { discMarker } from './overlays.js';
-import { clock, newAltitudesOf, spansOf } from './route_request.js';
+import { clock, changedPart, spansOf } from './route_request.js';
 import { margin } from './units.js';
 
 const kTouch = 30;  // px, width of the line for fingers
+const kArrows = [0, 1 / 3, 2 / 3];  // shares of the time
 const kMostNumbers = 40;  // points; a survey has hundreds, whose numbers would hide the route
 
 const latLng = ({ latitude_deg, longitude_deg }) => [latitude_deg, longitude_deg];
@@ -31,11 +32,18 @@ function gapSign({ from_s, to_s }, index, samples) {
   return signMarker(middle, 'route-sign', el('span', { class: 'route-gap-sign' }, `✕ gap ${index + 1}`), { zIndexOffset: 1300 });
 }
 
+// Which way the route is flown.
+function arrowAt(sample) {
+  const head = svg('svg', { viewBox: '-12 -12 24 24', width: 24, height: 24, 'aria-hidden': 'true' },
+    svg('path', { d: 'M0 -9L8 7L0 3L-8 7Z', transform: `rotate(${sample.heading_deg.toFixed(1)})` }));
+  return L.marker(latLng(sample), { icon: L.divIcon({ className: 'route-arrow', html: head, iconSize: [24, 24] }), interactive: false, keyboard: false });
+}
+
 function fixLayers(fix, samples) {
   if (!fix.route) return [discMarker(latLng(fix.place), 'route-look', '◎', { title: 'Ground to photograph first', alt: 'Ground to photograph first' })];
-  const altitudes = newAltitudesOf(fix.route, samples).map((point) =>
-    signMarker(point, 'route-sign', el('span', { class: 'route-altitude' }, `${point.altitude_m.toFixed(0)} m`), { zIndexOffset: 1350 }));
-  return [...casedLine(fix.route, 'route-fix'), ...altitudes];
+  const { points, highest } = changedPart(fix.route, samples);
+  const altitude = highest && el('span', { class: 'route-altitude' }, `▲ ${highest.altitude_m.toFixed(0)} m`);
+  return [...casedLine(points, highest ? 'route-fix' : 'route-fix-aside'), ...(highest ? [signMarker(highest, 'route-sign', altitude, { zIndexOffset: 1350 })] : [])];
 }
 
 export function createRouteOverlay(map) {
@@ -60,32 +68,34 @@ export function createRouteOverlay(map) {
       .on('mousemove click', (event) => onMoment(nearestTo(event.latlng)));
   }
 
+  // A changed route lies below the present one, as a wide band, because a climb changes nothing that is seen from above.
   function drawAnswer(answer, fix, onMoment) {
+    if (fix) for (const layer of fixLayers(fix, samples)) group.addLayer(layer);
     for (const { isCovered, places } of spansOf(answer)) {
       for (const line of casedLine(places, isCovered ? 'route-covered' : 'route-gap')) group.addLayer(line);
     }
     group.addLayer(touchLine(onMoment));
+    for (const share of kArrows) group.addLayer(arrowAt(samples[Math.floor(share * samples.length)]));
     answer.gaps.forEach((gap, i) => group.addLayer(gapSign(gap, i, samples)));
     if (answer.point_of_no_return) group.addLayer(pointOfNoReturn(answer.point_of_no_return));
-    if (fix) for (const layer of fixLayers(fix, samples)) group.addLayer(layer);
   }
 
-  function drawPoints(points) {
+  function drawPoints(points, isDrawing) {
     if (points.length > 1) for (const line of casedLine(points, 'route-unchecked')) group.addLayer(line);
-    if (points.length > kMostNumbers) return;
+    if (isDrawing || points.length > kMostNumbers) return;
     points.forEach((point, i) => group.addLayer(discMarker(latLng(point), 'draft', i + 1, { interactive: false, keyboard: false })));
   }
 
   return {
-    // points: of a route that was not checked yet. answer: of the server, or null. fix: of the answer, that is shown.
+    // points: of a route that was not checked yet; isDrawing: the draft shows their numbers. answer: of the server, or null. fix: of the answer, that is shown.
     // onMoment(index of a sample) is called when the user points at the line.
-    draw({ points = [], answer = null, fix = null, isOld = false } = {}, onMoment = () => {}) {
+    draw({ points = [], isDrawing = false, answer = null, fix = null, isOld = false } = {}, onMoment = () => {}) {
       group.clearLayers();
       now.clearLayers();
       samples = answer?.samples ?? [];
       map.getContainer().classList.toggle('route-old', isOld);
       if (answer) drawAnswer(answer, fix, onMoment);
-      else drawPoints(points);
+      else drawPoints(points, isDrawing);
     },
     // index: of the sample that the panel tells about, or null.
     mark(index) {

@@ -1,6 +1,8 @@
 // A planned route: what is asked of the server, and the texts about its answer. Pure functions: no DOM, no requests.
 
-import { heading, isKnown, margin, windTo } from './units.js';
+import { courseTo, heading, isKnown, margin, windTo } from './units.js';
+
+const kSameAltitude_m = 1;
 
 // 75 -> "1:15", 3675 -> "1:01:15".
 export function clock(time_s) {
@@ -27,7 +29,7 @@ export function faultOf(draft, values) {
   return null;
 }
 
-const rounded = (value) => Number(value.toFixed(3));
+const rounded = (value) => Number(value.toFixed(3)) + 0;  // never −0
 
 // null if the wind is unknown.
 function windOf({ wind_speed_mps, wind_from_deg, wind_sd_mps }) {
@@ -107,17 +109,34 @@ export function momentText(sample, nameOf) {
   return { title: `✕ No site in reach: ${reasons[sample.reason] ?? 'reason unknown'}`, lines: [`${share}${at}${miss}`] };
 }
 
+// How the page calls a site: by its rank in the selected flight, else by its flight; the id if neither is known.
+export function siteName(id, rank, flights) {
+  if (rank) return `site ${rank}`;
+  const flight = flights.find((candidate) => id.startsWith(`${candidate.id}-`));
+  return flight ? `site ${id.slice(flight.id.length + 1)} of ${flight.name || flight.id}` : id;
+}
+
 // The sentence of the server as a line of text, with the page's names for sites.
 export function sentenceOf(text, nameOf) {
   const named = text.replace(/[A-Za-z0-9][\w.-]*\w/g, (word) => nameOf(word));
   return `${named[0].toUpperCase()}${named.slice(1)}.`;
 }
 
-// Points of a changed route at another altitude than the nearest points of the former one.
-export function newAltitudesOf(route, samples) {
-  const distance2 = (a, b) => (a.latitude_deg - b.latitude_deg) ** 2 + (a.longitude_deg - b.longitude_deg) ** 2;
-  return route.filter((point) => {
-    const nearest = samples.reduce((best, sample) => (distance2(sample, point) < distance2(best, point) ? sample : best));
-    return Math.abs(nearest.altitude_m - point.altitude_m) > 1;
+// The part of a changed route that differs from the samples of the former one, with one point of it on both sides:
+// {points, highest: the middle one of its highest points, or null if no altitude differs}.
+export function changedPart(route, samples) {
+  const [first, second] = samples;
+  const near_m = second ? 10 + courseTo(first, second).distance_m : 10;
+  const differences = route.map((point) => {
+    const nearest = samples.map((sample) => ({ sample, distance_m: courseTo(sample, point).distance_m }))
+      .reduce((best, other) => (other.distance_m < best.distance_m ? other : best));
+    const isHigher = point.altitude_m - nearest.sample.altitude_m > kSameAltitude_m;
+    return { point, isHigher, isChanged: nearest.distance_m > near_m || isHigher };
   });
+  const from = differences.findIndex(({ isChanged }) => isChanged);
+  const to = differences.findLastIndex(({ isChanged }) => isChanged);
+  const higher = differences.filter(({ isHigher }) => isHigher).map(({ point }) => point);
+  const most_m = Math.max(...higher.map(({ altitude_m }) => altitude_m));
+  const highest = higher.filter(({ altitude_m }) => altitude_m > most_m - kSameAltitude_m);
+  return { points: from < 0 ? route : route.slice(Math.max(0, from - 1), to + 2), highest: highest[Math.floor(highest.length / 2)] ?? null };
 }
