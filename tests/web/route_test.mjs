@@ -183,6 +183,7 @@ test('route: slider, chart and line tell about the same second', async (t) => {
   const second = Number(await page.locator('#route-time').inputValue());
   assert.ok(Math.abs(second - 20) <= 2, `the middle of the first leg is second 20, not ${second}`);
   await page.mouse.click(line.x, line.y + 8);
+  await page.waitForTimeout(600);
   assert.equal(await page.locator('.leaflet-popup').count(), 0, 'a click on the line is no click on the ground');
   assert.deepEqual(seen.errors, []);
 });
@@ -259,6 +260,28 @@ test('route: by keyboard, with undo, clear and a missing value; a refusal is tol
   await page.keyboard.type('14');
   await page.keyboard.press('Enter');
   await page.getByText('Not checked: route: takes 90000 s').waitFor(kWait);
+});
+
+test('route: a dropped plan is checked at once, with its cruise speed, and is not uploaded', async (t) => {
+  const places = [-400, 0, 900].map((east_m) => offset(site.place, east_m, 0)).map(([longitude_deg, latitude_deg]) => ({ latitude_deg, longitude_deg, altitude_m: 580 }));
+  const { page, server, seen } = await open(t, (body) => insure({ route: places, ...body }));
+  const drop = (name, text) => page.evaluate(([file, content]) => {
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([content], file));
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+  }, [name, text]);
+  await drop('loop.plan', '{"fileType": "Parameters"}');
+  await page.getByText('This file is not a plan of QGroundControl.').waitFor(kWait);
+  const plan = { fileType: 'Plan', mission: { cruiseSpeed: 17 } };
+  await drop('loop.plan', JSON.stringify(plan));
+  await page.locator('[data-take]').waitFor(kWait);
+  assert.ok(await page.locator('[data-view=upload]').isHidden());
+  assert.deepEqual([server.routes[0].plan, server.routes[0].airspeed_mps, 'route' in server.routes[0]], [plan, 17, false]);
+  assert.equal(await page.locator('#route-points').textContent(), 'Plan loop.plan. Its altitudes count.');
+  await page.locator('[data-take]').click();
+  await page.getByText('A site is in reach all the way').waitFor(kWait);
+  assert.equal(server.routes.at(-1).route.length, 3, 'a change turns the plan into points');
+  assert.deepEqual(seen.errors, []);
 });
 
 test('route: a server without this call leaves no trace of it', async (t) => {
