@@ -93,6 +93,7 @@ export const paths = {
   reach: (request) => `/v1/reach${query(request)}`,
   obstacles: (bbox) => `/v1/obstacles${query({ bbox })}`,
   obstacle: (id) => `/v1/obstacles/${part(id)}`,
+  routeCheck: '/v1/routes/check',
   newLook: (limit) => `/v1/sites${query({ order: 'new_look', limit })}`,
 };
 
@@ -179,10 +180,11 @@ export async function getFile(path, fallbackName) {
 
 // --- Writing ---
 
-const postJson = async (path, object) => (await call(path, {
-  method: 'POST', body: JSON.stringify(object), headers: { 'Content-Type': 'application/json' },
+const postJson = async (path, object, signal) => (await call(path, {
+  method: 'POST', body: JSON.stringify(object), signal, headers: { 'Content-Type': 'application/json' },
 })).json();
 export const createFlight = (request) => postJson('/v1/flights', request);
+export const checkRoute = (request, signal) => postJson(paths.routeCheck, request, signal);
 export const finishFlight = async (flight) => (await call(paths.finish(flight), { method: 'POST' })).json();
 export const putObstacle = (id, feature) => call(paths.obstacle(id), {
   method: 'PUT', body: JSON.stringify(feature), headers: { 'Content-Type': 'application/geo+json' },

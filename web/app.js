@@ -18,11 +18,13 @@ import { createMap } from './map.js';
 import { createNewLook } from './new_look.js';
 import { obstacleKey } from './obstacle_overlay.js';
 import { createObstacles } from './obstacles.js';
-import { marksOf, movedBy, siteWithPlan } from './plan.js';
+import { marksOf, movedBy, siteWithPlan, sitesWithPlan } from './plan.js';
 import { drawProfile } from './profile.js';
 import { drawProgress } from './progress.js';
 import { createReach } from './reach.js';
 import { reachKey } from './reach_overlay.js';
+import { createRoute } from './route.js';
+import { siteName } from './route_request.js';
 import { drawSite } from './site.js';
 import { createSiteLayers } from './site_layers.js';
 import { drawSiteList } from './sites.js';
@@ -41,7 +43,7 @@ const state = {
 
 const map = createMap(byId('map'), {
   site: (id) => openSite(id),
-  place: (latlng) => obstacles.takePlace(latlng) || clickedPlace.check(latlng),
+  place: (latlng) => obstacles.takePlace(latlng) || route.takePlace(latlng) || clickedPlace.check(latlng),
   obstacle: (id) => obstacles.show(id),
   ground: () => layers.setNote(map.ground.state()),
 });
@@ -231,17 +233,10 @@ async function openRegion({ properties }) {
 
 // --- Server state ---
 
-// The chosen site is listed with the plan that is shown.
-function shownSites() {
-  if (!state.planned) return state.sites;
-  const features = state.sites.features.map((f) => (f.properties.id === state.planned.properties.id
-    ? { ...state.planned, properties: { ...state.planned.properties, rank: f.properties.rank } } : f));
-  return { ...state.sites, features };
-}
-
 function drawLists() {
-  drawSiteList(shownSites(), state.siteId, openSite, state.flightJson);
-  map.drawSites(shownSites(), state.siteId);
+  const shown = sitesWithPlan(state.sites, state.planned);
+  drawSiteList(shown, state.siteId, openSite, state.flightJson);
+  map.drawSites(shown, state.siteId);
 }
 
 function chooseFlight(id) {
@@ -325,7 +320,7 @@ async function refresh() {
     drawFlightChoice();
     if (state.flight) await refreshFlight(state.flight);
     else await storedSites.look();
-    for (const part of [baseMap, reach, obstacles, newLook]) part.look();
+    for (const part of [baseMap, reach, obstacles, newLook, route]) part.look();
     byId('connection').hidden = true;
   } catch (error) {
     byId('connection').hidden = false;
@@ -336,7 +331,7 @@ async function refresh() {
 
 // --- Start ---
 
-connectViews({ changed: keepInAddress, back: backToSites, escape: () => obstacles.cancel() || map.endMeasure() || map.closeAnswer() });
+connectViews({ changed: keepInAddress, back: backToSites, escape: () => obstacles.cancel() || route.cancel() || map.endMeasure() || map.closeAnswer() });
 byId('flight').addEventListener('change', (event) => {
   chooseFlight(event.target.value);
   showView('sites');
@@ -350,10 +345,7 @@ addEventListener('freelsd-theme', () => {
 });
 
 const upload = createUpload({
-  flight: () => state.flight,
-  created: (id) => { chooseFlight(id); live.now(); },
-  changed: live.now,
-  open: () => showView('upload'),
+  flight: () => state.flight, created: (id) => { chooseFlight(id); live.now(); }, changed: live.now, open: () => showView('upload'),
 });
 // A site of any flight.
 function openSiteOf(flightId, siteId) {
@@ -395,6 +387,10 @@ const obstacles = createObstacles(map, {
 const newLook = createNewLook({
   open: ({ flight_id, id }) => openSiteOf(flight_id, id), mark: map.drawNewLook, fit: map.fitFeatures, flightName,
 });
+const route = createRoute(map, {
+  flight: () => state.flightJson, wind: () => state.triedWind ?? state.site?.properties.wind ?? null,
+  nameOf: (id) => siteName(id, rankOf(id), state.flights), openSite,
+});
 api.whenUnauthorized(() => askToken(live.now));
 live.start();
-api.getInfo().then((info) => upload.showProfiles(info.aircraft_profiles ?? {})).catch(() => {});
+api.getInfo().then(({ aircraft_profiles = {} }) => [upload, route].forEach((part) => part.showProfiles(aircraft_profiles))).catch(() => {});

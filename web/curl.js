@@ -3,7 +3,7 @@
 import { token } from './api.js';
 import { byId, el, notify } from './dom.js';
 
-const quoted = (text) => `'${text.replaceAll("'", "'\\''")}'`;
+export const quoted = (text) => `'${text.replaceAll("'", "'\\''")}'`;
 
 export function curlOf(path, extra = '') {
   const header = token() ? ' -H "Authorization: Bearer $FREELSD_TOKEN"' : '';

@@ -11,6 +11,7 @@ import {
   createAnswer, createApproach, createArea, createBarb, createBearings, createMarks, createPicture, createRegions, createSites,
 } from './overlays.js';
 import { createReachOverlay } from './reach_overlay.js';
+import { createRouteOverlay } from './route_overlay.js';
 import { createTrack } from './track.js';
 
 // A map without overlays.
@@ -53,6 +54,7 @@ export function createMap(element, on) {
   const area = createArea(map);
   const regions = createRegions(map);
   const approach = createApproach(map);
+  const route = createRouteOverlay(map);
   const sites = createSites(map, on.site);
   const marks = createMarks(map);
   const looks = createMarks(map);
@@ -100,6 +102,7 @@ export function createMap(element, on) {
     drawLayer: picture.draw,
     setOpacity: picture.setOpacity,
     ground,
+    route,
     drawArea: area.draw,
     drawApproach(collection, options) {
       path = [collection, options];

@@ -31,6 +31,14 @@ export function siteWithPlan({ properties, geometry }, { collection, refusal }, 
     reject_detail: undefined, ...plan, wind: tried === 'unknown' ? null : tried, warnings, is_trial: true } };
 }
 
+// The list of sites, one of them with the plan that is shown. planned: of siteWithPlan, or null.
+export function sitesWithPlan(sites, planned) {
+  if (!planned) return sites;
+  const features = sites.features.map((f) => (f.properties.id === planned.properties.id
+    ? { ...planned, properties: { ...planned.properties, rank: f.properties.rank } } : f));
+  return { ...sites, features };
+}
+
 // Marks on the map for the index-th rejected touchdown and its obstacle.
 export function marksOf(rejection, index) {
   const letter = String.fromCharCode(97 + index % 26);

@@ -44,3 +44,28 @@ export function withGoAround(approach, noReturn_m) {
   return { ...approach, features: [...approach.features.filter(({ properties }) => properties.kind !== 'go_around'), feature({ kind: 'go_around', no_return_distance_m: noReturn_m, unseen_ratio: 0.12 },
     { type: 'LineString', coordinates: [at(share, 8), at(-0.6, 25), at(-1.8, 60)] })] };
 }
+
+const kSamplesPerLeg = 40;
+
+// An answer of /v1/routes/check: no site is in reach in the last leg, unless the route is 50 m higher there.
+export function sampleInsurance({ route, with_fixes = true }, siteId) {
+  const between = (a, b, share) => Object.fromEntries(Object.keys(a).map((key) => [key, a[key] + share * (b[key] - a[key])]));
+  const isHigh = route.at(-2).altitude_m >= route[0].altitude_m + 50;
+  const samples = route.slice(1).flatMap((to, leg) => Array.from({ length: kSamplesPerLeg }, (_, i) => {
+    const covered = isHigh || leg < route.length - 2;
+    return { time_s: leg * kSamplesPerLeg + i, ...between(route[leg], to, i / kSamplesPerLeg), heading_deg: 90, covered, covered_weight: covered ? 1 : 0.4,
+      best_site: siteId, arrival_margin_m: covered ? 42.9 - i : -10.5 - 3 * i, ...(covered ? { failure_probability: 0.0472 } : { reason: 'too_low' }) };
+  }));
+  const gap = samples.filter(({ covered }) => !covered);
+  const higher = [...route.slice(0, -2), ...route.slice(-2).map((point) => ({ ...point, altitude_m: point.altitude_m + 50 }))];
+  const fixes = [
+    { kind: 'climb', gap: 0, climb_m: 50, gaps_left_s: 0, sentence: 'fly 50 m higher there: 0 s of gaps are left', route: higher },
+    { kind: 'look', gap: 0, gaps_left_s: 12, sentence: 'photograph this ground first: with a strip there, 12 s of gaps are left', place: route.at(-1) }];
+  return {
+    covered_ratio: 1 - gap.length / samples.length, time_s: samples.length, end: route.at(-1), samples,
+    gaps: gap.length === 0 ? [] : [{ from_s: gap[0].time_s, to_s: samples.length, from: route.at(-2), to: route.at(-1), reason: 'too_low',
+      nearest_miss: { site_id: siteId, missing_m: 11 }, sentence: `no site is in reach; where least is missing, 11 m are missing to ${siteId}` }],
+    ...(gap.length === 0 ? {} : { point_of_no_return: samples[samples.length - gap.length - 1] }),
+    fixes: with_fixes && gap.length > 0 ? fixes : [], warnings: ['terrain on the way to a site is known only where stored maps cover it'],
+  };
+}

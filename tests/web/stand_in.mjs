@@ -22,7 +22,7 @@ async function bodyOf(request) {
 }
 
 // The API description with and without the optional parts.
-function described(contract, { reach, obstacles, newLook, map, baseMap, landing }) {
+function described(contract, { reach, obstacles, newLook, map, baseMap, landing, route }) {
   const set = (path, part) => {
     if (part === null) delete contract.paths[path];
     else if (part !== undefined) contract.paths[path] ??= { get: {} };
@@ -32,6 +32,7 @@ function described(contract, { reach, obstacles, newLook, map, baseMap, landing 
   for (const name of ['map', 'why']) set(`/v1/flights/{flight}/${name}`, map);
   set('/v1/flights/{flight}/landing', landing);
   set('/v1/base-map', baseMap);
+  set('/v1/routes/check', route);
   const list = contract.paths['/v1/sites'].get;
   if (newLook !== undefined) list.parameters = list.parameters.filter(({ name }) => name !== 'order');
   if (newLook) list.parameters.push({ name: 'order', in: 'query' });
@@ -60,12 +61,12 @@ async function playObstacles(request, response, path, obstacles) {
 
 // Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
 // parameters), obstacles (an array of features), newLook (a collection), map (see sample_map.mjs; also `why`), landing (a collection, or a
-// text: the refusal), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
+// text: the refusal), route (a function of the request's body; throws a text: the refusal), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
 // server without this part. rewrite(path, json): changes an answer of the real server.
 export async function startStandIn(t, target, {
   token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
 } = {}) {
-  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [] } };
+  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [] }, routes: [] };
   const to = new URL(target);
 
   async function playReach(request, response) {
@@ -101,15 +102,26 @@ export async function startStandIn(t, target, {
     return false;
   }
 
+  async function playRoute(request, response) {
+    const body = JSON.parse(await bodyOf(request));
+    state.routes.push(body);
+    try {
+      answer(response, 200, parts.route(body));
+    } catch (refusal) {
+      answer(response, 422, problem(422, refusal));
+    }
+  }
+
   // Returns whether the optional part answered.
   function playPart(request, response, path) {
     if (playGround(request, response, path)) return true;
     const isNewLook = path === '/v1/sites' && request.url.includes('order=new_look');
     const part = path === '/v1/reach' ? parts.reach : path.startsWith('/v1/obstacles') ? parts.obstacles
-      : isNewLook ? parts.newLook : undefined;
+      : path === '/v1/routes/check' ? parts.route : isNewLook ? parts.newLook : undefined;
     if (part === undefined) return false;
     if (part === null) answer(response, 404, problem(404, 'nothing here'));
     else if (part === parts.reach) playReach(request, response);
+    else if (part === parts.route) playRoute(request, response);
     else if (part === parts.obstacles) playObstacles(request, response, path, part);
     else answer(response, 200, part, kGeoJson);
     return true;
@@ -181,6 +193,7 @@ export async function startStandIn(t, target, {
     asked: state.asked,
     mostReach: () => state.mostReach,
     tiles: state.tiles,
+    routes: state.routes,
     emit(event, data) {
       for (const stream of state.streams) stream.write(`event: ${event}\ndata: ${JSON.stringify(data)}\n\n`);
     },
