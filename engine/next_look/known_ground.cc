@@ -34,7 +34,8 @@ float KnownShareOf(const LookRequest& request,
   if (hazard == kUnseen) return 0.0f;
   if (hazard == kFree) return 1.0f;
   const float share = std::min(
-      1.0f, static_cast<float>(request.num_views(cell)) / static_cast<float>(options.num_views_to_know));
+      1.0f,
+      static_cast<float>(request.num_views(cell)) / static_cast<float>(options.num_views_to_know));
   const bool is_in_doubt = IsInDoubt(request, cell, options.min_doubtful_posterior);
   return is_in_doubt ? share * (1.0f - request.layers.grass(cell)) : share;
 }
@@ -47,8 +48,7 @@ MapKnowledge MeasureKnowledge(const LookRequest& request, const NextLookOptions&
       const cv::Point cell(col, row);
       const float known = KnownShareOf(request, cell, options);
       knowledge.known(cell) = known;
-      knowledge.is_refused(cell) =
-          request.layers.hazard(cell) == kHazard && known >= kSurelyKnown;
+      knowledge.is_refused(cell) = request.layers.hazard(cell) == kHazard && known >= kSurelyKnown;
     }
   }
   return knowledge;
@@ -115,8 +115,7 @@ cv::Mat1f Expected(const cv::Mat1f& sums, const cv::Mat1f& seen, double length_c
   constexpr float kHardlyAny = 1e-6f;
   for (int row = 0; row < expected.rows; ++row) {
     for (int col = 0; col < expected.cols; ++col) {
-      const auto weight =
-          static_cast<float>(std::exp(-distance(row, col) / length_cells));
+      const auto weight = static_cast<float>(std::exp(-distance(row, col) / length_cells));
       const bool has_near = near_seen(row, col) > kHardlyAny;
       const float near = has_near ? near_sums(row, col) / near_seen(row, col) : mean;
       expected(row, col) = weight * near + (1.0f - weight) * mean;
@@ -127,8 +126,7 @@ cv::Mat1f Expected(const cv::Mat1f& sums, const cv::Mat1f& seen, double length_c
 
 // The planner's least distance to hazard; without the map's margin if that is unknown.
 double DiscRadiusOf(const LookRequest& request) {
-  const double required =
-      RequiredHazardDistance(request.map, request.aircraft, ApproachOptions{});
+  const double required = RequiredHazardDistance(request.map, request.aircraft, ApproachOptions{});
   return std::isfinite(required) ? required : request.aircraft.touchdown_uncertainty_m;
 }
 
@@ -150,8 +148,7 @@ KnownGround MeasureKnownGround(const LookRequest& request,
   const double cell_size_m = std::max(options.cell_size_m, request.map.grid.cell_size_m);
   const Grid grid = GridAround(area.min, area.max, cell_size_m);
   const MapKnowledge knowledge = MeasureKnowledge(request, options);
-  const cv::Mat1f distance =
-      DistanceToRefused(knowledge.is_refused, request.map.grid.cell_size_m);
+  const cv::Mat1f distance = DistanceToRefused(knowledge.is_refused, request.map.grid.cell_size_m);
   KnownGround ground = EmptyGround(grid);
   ground.disc_radius_m = DiscRadiusOf(request);
   CoarseSums sums = EmptySums(ground.top.size());

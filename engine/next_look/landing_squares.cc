@@ -29,14 +29,18 @@ class Part {
     const auto cell = Take(place);
     if (!cell) return;
     const bool is_clear = ground_.clear_distance(*cell) >= least_clear_m;
-    Ask(*cell, is_clear ? ground_.free(*cell) : 0.0f, is_clear ? ground_.fit_prospect(*cell) : 0.0f);
+    Ask(*cell,
+        is_clear ? ground_.free(*cell) : 0.0f,
+        is_clear ? ground_.fit_prospect(*cell) : 0.0f);
   }
   // A place that a path crosses at this height, world z, above obstacles or above everything.
   void AddPath(const Eigen::Vector2d& place, const cv::Mat1f& tops, double path_height) {
     const auto cell = Take(place);
     if (!cell) return;
     const bool is_clear = !(tops(*cell) > path_height);
-    Ask(*cell, is_clear ? ground_.known(*cell) : 0.0f, is_clear ? ground_.low_prospect(*cell) : 0.0f);
+    Ask(*cell,
+        is_clear ? ground_.known(*cell) : 0.0f,
+        is_clear ? ground_.low_prospect(*cell) : 0.0f);
   }
   NeededCells Needed() {
     std::sort(needed_.cells.begin(), needed_.cells.end());
@@ -101,7 +105,8 @@ void AddFinal(const Eigen::Vector3d& touchdown,
   const double slope = shape.approach_height / shape.approach_distance;
   for (double before = aircraft.touchdown_uncertainty_m; before < shape.approach_distance;
        before += step) {
-    const double height = std::max(before * slope - aircraft.safety_margin_m, aircraft.max_roughness_m);
+    const double height =
+        std::max(before * slope - aircraft.safety_margin_m, aircraft.max_roughness_m);
     for (double aside = -half_width; aside <= half_width; aside += step) {
       part.AddPath(touchdown.head<2>() + before * back + aside * right,
                    ground.obstacle_top,
@@ -226,8 +231,7 @@ void AddTouchdowns(const SquareKey& key,
   const std::vector<PathShape> shapes = PathShapes(request);
   const int num_steps = std::max(
       1, static_cast<int>(std::lround(options.place_extent_m / options.touchdown_spacing_m)));
-  const Eigen::Vector2d corner =
-      options.place_extent_m * Eigen::Vector2d(key.first, key.second);
+  const Eigen::Vector2d corner = options.place_extent_m * Eigen::Vector2d(key.first, key.second);
   for (int i = 0; i < num_steps * num_steps; ++i) {
     const Eigen::Vector2d step(i % num_steps + 0.5, i / num_steps + 0.5);
     TryLandings(corner + options.place_extent_m / num_steps * step,
@@ -280,11 +284,10 @@ double LandingSquare::ValueAt(const cv::Mat1f& known, const NextLookOptions& opt
 
 const TriedLanding& LandingSquare::BestAt(const cv::Mat1f& known,
                                           const NextLookOptions& options) const {
-  return *std::max_element(landings.begin(),
-                           landings.end(),
-                           [&](const TriedLanding& a, const TriedLanding& b) {
-                             return a.ValueAt(known, options) < b.ValueAt(known, options);
-                           });
+  return *std::max_element(
+      landings.begin(), landings.end(), [&](const TriedLanding& a, const TriedLanding& b) {
+        return a.ValueAt(known, options) < b.ValueAt(known, options);
+      });
 }
 
 LandingSquares FindSquares(const LookRequest& request,

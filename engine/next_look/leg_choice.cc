@@ -10,7 +10,9 @@ namespace {
 // Neighbouring legs share most of their photographs.
 constexpr double kLatticeSteps = 5.0;
 
-cv::Mat1f KnownAfter(const cv::Mat1f& known, const LegViews& views, const NextLookOptions& options) {
+cv::Mat1f KnownAfter(const cv::Mat1f& known,
+                     const LegViews& views,
+                     const NextLookOptions& options) {
   cv::Mat1f after = known.clone();
   cv::Mat1f part = after(views.cells);
   const cv::Mat1f told = cv::min(views.num_views / options.num_views_to_know, 1.0);
@@ -84,7 +86,8 @@ std::vector<LegLine> LegsIn(const Box& area,
   for (int i = 0; i < num_rows * num_cols * options.num_leg_directions; ++i) {
     const int place = i / options.num_leg_directions;
     const double heading = kPi * (i % options.num_leg_directions) / options.num_leg_directions;
-    const Eigen::Vector2d middle = first + step * Eigen::Vector2d(place % num_cols, place / num_cols);
+    const Eigen::Vector2d middle =
+        first + step * Eigen::Vector2d(place % num_cols, place / num_cols);
     const LegLine leg{
         middle - 0.5 * options.leg_length_m * DirectionOf(heading), heading, options.leg_length_m};
     if (area.DistanceTo(leg.from_in_world) > 0.0 || area.DistanceTo(leg.To()) > 0.0) continue;

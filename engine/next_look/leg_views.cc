@@ -11,7 +11,8 @@ const double kFarthestSlope = std::tan(RadFromDeg(60.0));
 
 // Where a ray of the camera meets flat ground below, along and to the right of the aircraft.
 Eigen::Vector2d OnGround(const Rig& rig, const Eigen::Vector2d& pixel, double height_m) {
-  const Eigen::Vector3d ray_in_body = rig.body_from_camera.rotation * rig.camera.RayFromImage(pixel);
+  const Eigen::Vector3d ray_in_body =
+      rig.body_from_camera.rotation * rig.camera.RayFromImage(pixel);
   const double down = std::max(ray_in_body.z(), 0.0);
   const double aside = ray_in_body.head<2>().norm();
   if (aside > kFarthestSlope * down) {

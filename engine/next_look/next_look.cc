@@ -72,8 +72,7 @@ double PhotoSpacing(const std::vector<Rigid3d>& flown, double extent_m) {
 
 Box MapBox(const Grid& grid) {
   Box box;
-  const Eigen::Vector2d extent =
-      grid.cell_size_m * Eigen::Vector2d(grid.num_cols, -grid.num_rows);
+  const Eigen::Vector2d extent = grid.cell_size_m * Eigen::Vector2d(grid.num_cols, -grid.num_rows);
   box.Add(grid.north_west_in_world);
   box.Add(grid.north_west_in_world + extent);
   return box;

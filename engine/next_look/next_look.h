@@ -49,7 +49,7 @@ struct NextLookOptions {
   // Legs that promise most by a cheap measure; only their gains are computed.
   int num_shortlisted_legs = 200;
   // Least expected gain of a place that is told with a leg.
-  double min_told_gain = 0.02;
+  double min_told_gain = 0.05;
   // Least height of a leg above all that is seen near it.
   double min_clearance_m = 40.0;
 

@@ -63,7 +63,8 @@ TEST_CASE("next look: cells are shown as often as photographs of the leg project
   }
 }
 
-TEST_CASE("next look: a camera that sees the horizon shows no ground farther than it can be mapped") {
+TEST_CASE(
+    "next look: a camera that sees the horizon shows no ground farther than it can be mapped") {
   Rig rig = DownLooking();
   const Eigen::Quaterniond tilt(Eigen::AngleAxisd(RadFromDeg(70.0), Eigen::Vector3d::UnitX()));
   rig.body_from_camera.rotation = rig.body_from_camera.rotation * tilt;

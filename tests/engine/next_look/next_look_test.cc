@@ -176,7 +176,8 @@ TEST_CASE("next look: both legs lie in the area, in an order that the aircraft c
       CHECK(end.z() == doctest::Approx(kHeightM));
     }
     CHECK((leg.to_in_world - leg.from_in_world).norm() == doctest::Approx(150.0));
-    CHECK(leg.heading == doctest::Approx(HeadingOf((leg.to_in_world - leg.from_in_world).head<2>())));
+    CHECK(leg.heading ==
+          doctest::Approx(HeadingOf((leg.to_in_world - leg.from_in_world).head<2>())));
     CHECK(leg.transit_m >= (leg.from_in_world.head<2>() - aircraft).norm() - 1e-6);
     aircraft = leg.to_in_world.head<2>();
   }
