@@ -72,6 +72,9 @@ void GetEmergency(Service& service, const Call& call, httplib::Response& respons
 void PostEmergency(Service& service, const Call& call, httplib::Response& response);
 void GetEmergencyExport(Service& service, const Call& call, httplib::Response& response);
 
+// next_look_handler.cc
+void GetNextLook(Service& service, const Call& call, httplib::Response& response);
+
 // obstacle_handlers.cc
 void PutObstacle(Service& service, const Call& call, httplib::Response& response);
 void PostObstacles(Service& service, const Call& call, httplib::Response& response);
