@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "engine/footprint/footprint.h"
+
 namespace freelsd {
 namespace {
 
@@ -130,6 +132,34 @@ double DiscRadiusOf(const LookRequest& request) {
   return std::isfinite(required) ? required : request.aircraft.touchdown_uncertainty_m;
 }
 
+double CorridorHalfWidth(const LookRequest& request) {
+  const ApproachOptions rules;
+  const double sd_m = std::max(request.map.position_sd_m, rules.min_map_position_sd_m);
+  const double margin_m = std::isfinite(sd_m) ? rules.path_margin_sigma * sd_m : 0.0;
+  return request.aircraft.path_half_width_m + margin_m;
+}
+
+// Adds a photograph that shows some cells, whatever it tells about them.
+void AddPhotograph(const LookRequest& request,
+                   const Rigid3d& world_from_camera,
+                   const HeightRange& heights,
+                   KnownGround& ground) {
+  const Footprint shown =
+      FootprintOf(request.rig.camera, world_from_camera, heights.lowest_m, heights.highest_m);
+  if (!shown.min_in_world.allFinite() || !shown.max_in_world.allFinite()) return;
+  const Rigid3d camera_from_world = Inverse(world_from_camera);
+  const cv::Rect cells =
+      ground.grid.CellsAround({shown.min_in_world, shown.max_in_world}, ground.grid.cell_size_m);
+  for (int row = cells.y; row < cells.y + cells.height; ++row) {
+    for (int col = cells.x; col < cells.x + cells.width; ++col) {
+      Eigen::Vector3d place;
+      place << ground.grid.CellCenter(row, col), ground.height(row, col);
+      const auto pixel = request.rig.camera.ImageFromCamera(camera_from_world * place);
+      if (pixel && request.rig.camera.IsInside(*pixel)) ground.num_shown(row, col) += 1.0f;
+    }
+  }
+}
+
 KnownGround EmptyGround(const Grid& grid) {
   const cv::Size size(grid.num_cols, grid.num_rows);
   KnownGround ground;
@@ -137,6 +167,7 @@ KnownGround EmptyGround(const Grid& grid) {
   ground.obstacle_top = cv::Mat1f(size, kNone);
   ground.top = cv::Mat1f(size, kNone);
   ground.clear_distance = cv::Mat1f(size, kNone);
+  ground.num_shown = cv::Mat1f(size, 0.0f);
   return ground;
 }
 
@@ -151,6 +182,7 @@ KnownGround MeasureKnownGround(const LookRequest& request,
   const cv::Mat1f distance = DistanceToRefused(knowledge.is_refused, request.map.grid.cell_size_m);
   KnownGround ground = EmptyGround(grid);
   ground.disc_radius_m = DiscRadiusOf(request);
+  ground.corridor_half_width_m = CorridorHalfWidth(request);
   CoarseSums sums = EmptySums(ground.top.size());
   for (int row = 0; row < distance.rows; ++row) {
     for (int col = 0; col < distance.cols; ++col) {
@@ -173,6 +205,8 @@ KnownGround MeasureKnownGround(const LookRequest& request,
   ground.height = Expected(sums.height, sums.seen, length_cells);
   cv::Mat1f(sums.height / sums.seen).copyTo(ground.height, sums.seen > 0.0f);
   ground.clear_distance.setTo(std::numeric_limits<float>::infinity(), sums.num_cells == 0.0f);
+  const HeightRange heights = HeightRangeOf(ground.height);
+  for (const Rigid3d& pose : request.flown) AddPhotograph(request, pose, heights, ground);
   return ground;
 }
 

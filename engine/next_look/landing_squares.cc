@@ -100,7 +100,7 @@ void AddFinal(const Eigen::Vector3d& touchdown,
               const Aircraft& aircraft,
               const KnownGround& ground,
               Part& part) {
-  const double step = ground.grid.cell_size_m, half_width = aircraft.path_half_width_m;
+  const double step = ground.grid.cell_size_m, half_width = ground.corridor_half_width_m;
   const Eigen::Vector2d back = -DirectionOf(shape.heading), right(-back.y(), back.x());
   const double slope = shape.approach_height / shape.approach_distance;
   for (double before = aircraft.touchdown_uncertainty_m; before < shape.approach_distance;
@@ -121,7 +121,7 @@ void AddCircle(const Eigen::Vector2d& center,
                const Aircraft& aircraft,
                const KnownGround& ground,
                Part& part) {
-  const double step = ground.grid.cell_size_m, half_width = aircraft.path_half_width_m;
+  const double step = ground.grid.cell_size_m, half_width = ground.corridor_half_width_m;
   const int num_steps = std::max(8, static_cast<int>(std::ceil(2.0 * kPi * radius / step)));
   for (int i = 0; i < num_steps; ++i) {
     const Eigen::Vector2d out = DirectionOf(2.0 * kPi * i / num_steps);

@@ -10,13 +10,34 @@ namespace {
 // Neighbouring legs share most of their photographs.
 constexpr double kLatticeSteps = 5.0;
 
-cv::Mat1f KnownAfter(const cv::Mat1f& known,
-                     const LegViews& views,
+// Chance that new photographs make a cell known, of which earlier ones left something unknown. What
+// enough of them did not tell is hard to see: trees, water, moving things.
+double ChanceToKnow(double num_new, double num_shown, double num_needed) {
+  const double num_missing = num_needed - num_shown;
+  if (num_missing > 0.0) return std::min(1.0, num_new / num_missing);
+  return std::min(1.0, num_new / num_needed) / (2.0 - num_missing);
+}
+
+cv::Mat1f ChancesOf(const LegViews& views,
+                    const KnownGround& ground,
+                    const NextLookOptions& options) {
+  cv::Mat1f chances(views.num_views.size());
+  for (int row = 0; row < chances.rows; ++row) {
+    for (int col = 0; col < chances.cols; ++col) {
+      const float num_shown = ground.num_shown(views.cells.y + row, views.cells.x + col);
+      chances(row, col) = static_cast<float>(
+          ChanceToKnow(views.num_views(row, col), num_shown, options.num_views_to_know));
+    }
+  }
+  return chances;
+}
+
+cv::Mat1f KnownAfter(const LegViews& views,
+                     const KnownGround& ground,
                      const NextLookOptions& options) {
-  cv::Mat1f after = known.clone();
+  cv::Mat1f after = ground.known.clone();
   cv::Mat1f part = after(views.cells);
-  const cv::Mat1f told = cv::min(views.num_views / options.num_views_to_know, 1.0);
-  cv::Mat1f(part + told.mul(1.0f - part)).copyTo(part);
+  cv::Mat1f(part + ChancesOf(views, ground, options).mul(1.0f - part)).copyTo(part);
   return after;
 }
 
@@ -47,9 +68,12 @@ cv::Mat1f ClaimsOf(const std::vector<LandingSquare>& squares,
   return claims;
 }
 
-double ClaimOf(const cv::Mat1f& claims, const LegViews& views, const NextLookOptions& options) {
-  const cv::Mat1f told = cv::min(views.num_views / options.num_views_to_know, 1.0);
-  return claims(views.cells).dot(told);
+// Of the ground that a leg shows, the share that photographs have shown already.
+double SharedRatio(const LegViews& views, const KnownGround& ground) {
+  const cv::Mat1b is_shown = views.num_views > 0.0f;
+  const cv::Mat1b is_shared = is_shown & (ground.num_shown(views.cells) > 0.0f);
+  const int num_shown = cv::countNonZero(is_shown);
+  return num_shown == 0 ? 0.0 : static_cast<double>(cv::countNonZero(is_shared)) / num_shown;
 }
 
 // Largest claims first.
@@ -61,7 +85,8 @@ std::vector<LegLine> Shortlist(const std::vector<LegLine>& legs,
   std::vector<std::pair<double, size_t>> ranked;
   for (size_t i = 0; i < legs.size(); ++i) {
     const LegViews views = ViewsOf(legs[i], flight.shape, flight.photo_spacing_m, ground.grid);
-    ranked.emplace_back(-ClaimOf(claims, views, options), i);
+    if (SharedRatio(views, ground) < options.min_shared_ratio) continue;
+    ranked.emplace_back(-claims(views.cells).dot(ChancesOf(views, ground, options)), i);
   }
   std::sort(ranked.begin(), ranked.end());
   ranked.resize(std::min(ranked.size(), static_cast<size_t>(options.num_shortlisted_legs)));
@@ -109,7 +134,7 @@ std::optional<ChosenLeg> BestLeg(const std::vector<LegLine>& legs,
   const cv::Mat1f claims = ClaimsOf(squares, ground, options);
   for (const LegLine& leg : Shortlist(legs, claims, ground, flight, options)) {
     const LegViews views = ViewsOf(leg, flight.shape, flight.photo_spacing_m, ground.grid);
-    cv::Mat1f known = KnownAfter(ground.known, views, options);
+    cv::Mat1f known = KnownAfter(views, ground, options);
     double gain = 0.0;
     for (size_t i = 0; i < squares.size(); ++i) {
       if ((squares[i].cells & views.cells).empty()) continue;

@@ -171,6 +171,7 @@ void NextLookOptions::Check() const {
   check.Inside("leg_length_m", leg_length_m, 20.0, 10000.0);
   check.Inside("num_leg_directions", num_leg_directions, 1.0, 180.0);
   check.Inside("max_outside_m", max_outside_m, 0.0, 10000.0);
+  check.Inside("min_shared_ratio", min_shared_ratio, 0.0, 1.0);
   check.Inside("num_views_to_know", num_views_to_know, 1.0, 100.0);
   check.Inside("min_doubtful_posterior", min_doubtful_posterior, 0.0, 1.0);
   check.Inside("prospect_length_m", prospect_length_m, 1.0, 10000.0);
@@ -215,6 +216,8 @@ NextLook ChooseNextLook(const LookRequest& request, const NextLookOptions& optio
         AltitudeOf(best->line, ground, look.height_above_ground_m, options);
     look.expected_gain += leg.expected_gain;
     ground.known = best->known;
+    const LegViews views = ViewsOf(best->line, flight.shape, flight.photo_spacing_m, ground.grid);
+    cv::Mat1f(ground.num_shown(views.cells)) += views.num_views;
     chosen.emplace_back(std::move(leg), best->line);
   }
   look.legs = InOrderOfFlight(std::move(chosen), LastStance(request.flown), look.turn_radius_m);

@@ -24,6 +24,9 @@ struct NextLookOptions {
   int num_leg_directions = 12;
   // Legs lie on the map, or this far beyond its edge.
   double max_outside_m = 100.0;
+  // Least share of the ground under a leg that photographs have shown already: they tie the new
+  // photographs to the map.
+  double min_shared_ratio = 0.15;
   // --- What is known ---
   // A cell that so many photographs show is known. A cell that was refused after fewer of them
   // counts as partly unknown.

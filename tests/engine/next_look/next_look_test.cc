@@ -25,7 +25,11 @@ Rig DownLookingRig() {
   return rig;
 }
 
-// A half-finished flight over a scene, from south to north along x = 0.
+const Eigen::Quaterniond kLookingUp = Eigen::Quaterniond::Identity();
+const Eigen::Quaterniond kLookingDown(0.0, 1.0, 0.0, 0.0);
+
+// A half-finished flight over a scene, from south to north along x = 0. The camera looks up, so
+// that no photograph has shown what is unseen.
 struct HalfFlight {
   scene::Scene ground;
   cv::Mat1b num_views;
@@ -39,9 +43,10 @@ struct HalfFlight {
     num_views = cv::Mat1b(ground.map.elevation.size(), kOften);
     num_views.setTo(0, ground.hazards.hazard == kUnseen);
     for (double north = -90.0; north <= 90.0; north += 30.0) {
-      flown.push_back({Eigen::Quaterniond::Identity(), {0.0, north, kHeightM}});
+      flown.push_back({kLookingUp, {0.0, north, kHeightM}});
     }
     options.num_legs = 1;
+    options.min_shared_ratio = 0.0;
     options.leg_length_m = 150.0;
   }
 
@@ -125,6 +130,41 @@ TEST_CASE("next look: an unverified site whose circle is unseen is told with the
   // The meadow around it lets expect a free circle: half the value of a landing is to be gained.
   CHECK(look.legs.front().expected_gain > 0.25);
   CHECK(look.legs.front().expected_gain <= 0.5);
+}
+
+TEST_CASE("next look: what many photographs did not make known promises less") {
+  const auto gain_with = [](const Eigen::Quaterniond& rotation) {
+    HalfFlight flight = [] {
+      scene::Scene ground = scene::FlatMeadow(300, 300);
+      scene::AddUnseen(ground, {-60.0, -60.0}, {60.0, 60.0});
+      return HalfFlight(std::move(ground));
+    }();
+    for (Rigid3d& pose : flight.flown) pose.rotation = rotation;
+    FillWithLandableSites(flight, BoxOf({-400.0, -400.0}, {400.0, 400.0}));
+    std::erase_if(flight.sites, [](const SiteSoFar& site) {
+      return site.touchdown_in_world.head<2>().cwiseAbs().maxCoeff() < 60.0;
+    });
+    return flight.Choose().expected_gain;
+  };
+  CHECK(gain_with(kLookingUp) > 0.5);
+  CHECK(gain_with(kLookingDown) < 0.3 * gain_with(kLookingUp));
+}
+
+TEST_CASE("next look: a leg shares ground with the photographs so far") {
+  HalfFlight flight = [] {
+    scene::Scene ground = scene::FlatMeadow(300, 800);
+    scene::AddUnseen(ground, {80.0, -150.0}, {400.0, 150.0});
+    scene::AddUnseen(ground, {-400.0, -150.0}, {-80.0, 150.0});
+    return HalfFlight(std::move(ground));
+  }();
+  for (Rigid3d& pose : flight.flown) pose.rotation = kLookingDown;
+  FillWithLandableSites(flight, BoxOf({-160.0, -400.0}, {160.0, 400.0}));
+  const auto farthest = [&flight](double min_shared_ratio) {
+    flight.options.min_shared_ratio = min_shared_ratio;
+    return std::abs(MiddleOf(flight.Choose().legs.at(0)).x());
+  };
+  CHECK(farthest(0.0) > 200.0);
+  CHECK(farthest(0.2) < 160.0);
 }
 
 TEST_CASE("next look: where everything is known there is nothing to fly") {
