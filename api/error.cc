@@ -47,6 +47,8 @@ constexpr ErrorKind kErrorKinds[] = {
     {"NoApproach", 409, "The site has no approach", 0},
     {"SiteRejected", 409, "The site is rejected", 0},
     {"NothingInReach", 409, "No stored site is in reach", 0},
+    {"NoMapYet", 409, "The flight has no map yet", 0},
+    {"NothingToLookAt", 409, "No leg promises anything", 0},
     {"AltitudeUnknown", 409, "The reference of the altitudes is unknown", 0},
     {"LengthRequired", 411, "The body's length is needed", 0},
     {"TooLarge", 413, "A limit is exceeded", 0},

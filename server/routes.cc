@@ -127,6 +127,7 @@ constexpr Route kRoutes[] = {
      "latitude_deg longitude_deg wind wind_east_mps wind_north_mps",
      Listeners::kMain,
      kAircraft},
+    {"GET", "/v1/flights/{flight}/next-look", GetNextLook, "legs f home_altitude_m firmware"},
     {"PUT", "/v1/obstacles/{obstacle}", PutObstacle},
     {"GET", "/v1/obstacles/{obstacle}", GetObstacle},
     {"DELETE", "/v1/obstacles/{obstacle}", DeleteObstacle},

@@ -12,6 +12,7 @@
 
 #include "engine/approach/approach.h"
 #include "engine/glide/reach.h"
+#include "engine/glide/shortest_turns.h"
 
 namespace freelsd {
 

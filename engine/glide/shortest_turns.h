@@ -1,4 +1,4 @@
-// Private to glide/: shortest path of bounded curvature in the plane (Dubins 1957).
+// Part of glide.h: shortest path of bounded curvature in the plane (Dubins 1957).
 #pragma once
 
 #include <Eigen/Core>
