@@ -73,13 +73,10 @@ void GetEmergency(Service& service, const Call& call, httplib::Response& respons
 void PostEmergency(Service& service, const Call& call, httplib::Response& response);
 void GetEmergencyExport(Service& service, const Call& call, httplib::Response& response);
 
-<<<<<<< HEAD
 // route_handler.cc
 void PostRouteCheck(Service& service, const Call& call, httplib::Response& response);
-=======
 // next_look_handler.cc
 void GetNextLook(Service& service, const Call& call, httplib::Response& response);
->>>>>>> look
 
 // obstacle_handlers.cc
 void PutObstacle(Service& service, const Call& call, httplib::Response& response);
