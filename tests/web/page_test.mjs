@@ -216,7 +216,7 @@ test('page: the API reference comes from the server alone, call by call', async 
   assert.equal(await page.locator('.call').count(), numCalls);
   assert.equal(await page.locator('#schemas details').count(), Object.keys(components.schemas).length);
   await page.fill('#find', '/v1/emergency');
-  const post = page.locator('.call:visible', { has: page.getByText('POST', { exact: true }) });
+  const post = page.locator('.call:visible', { has: page.getByText('POST', { exact: true }) }).filter({ has: page.getByText('/v1/emergency', { exact: true }) });
   assert.equal(await post.count(), 1);
   await post.locator('summary').click();
   await post.getByRole('link', { name: 'EmergencyRequest' }).first().waitFor(kWait);
