@@ -73,9 +73,10 @@ void GetEmergency(Service& service, const Call& call, httplib::Response& respons
 void PostEmergency(Service& service, const Call& call, httplib::Response& response);
 void GetEmergencyExport(Service& service, const Call& call, httplib::Response& response);
 
-// route_handler.cc
+// foresight/route_handler.cc
 void PostRouteCheck(Service& service, const Call& call, httplib::Response& response);
-// next_look_handler.cc
+
+// foresight/next_look_handler.cc
 void GetNextLook(Service& service, const Call& call, httplib::Response& response);
 
 // obstacle_handlers.cc

@@ -4,7 +4,7 @@
 
 #include "api/stored/stored.h"
 #include "server/intake/intake.h"
-#include "server/recall/course.h"
+#include "server/recall/course/course.h"
 
 namespace freelsd {
 namespace {

@@ -1,4 +1,4 @@
-#include "server/recall/course.h"
+#include "server/recall/course/course.h"
 
 #include <algorithm>
 #include <cmath>
