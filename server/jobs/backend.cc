@@ -6,7 +6,7 @@
 
 #include "server/intake/intake.h"
 #include "server/jobs/evaluation.h"
-#include "server/jobs/evidence/replay.h"
+#include "server/jobs/replay/replay.h"
 #include "server/jobs/failure.h"
 #include "server/jobs/heap.h"
 #include "server/jobs/job_json.h"

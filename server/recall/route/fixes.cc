@@ -194,23 +194,27 @@ const char* NameOf(FixKind kind) {
   return "look";
 }
 
-std::vector<RouteFix> FindFixes(const RouteJudge& judge,
-                                const StoredSites& stored,
-                                const RouteRequest& request,
-                                const Insurance& insurance) {
+FoundFixes FindFixes(const RouteJudge& judge,
+                     const StoredSites& stored,
+                     const RouteRequest& request,
+                     const Insurance& insurance) {
   const FixSearch search(judge, request, insurance);
   std::vector<size_t> gaps = LongestGaps(insurance.gaps);
   std::sort(gaps.begin(), gaps.end());
-  std::vector<RouteFix> fixes;
+  FoundFixes found;
+  // What was found at the deadline counts moments that were not evaluated.
+  const auto add = [&](std::optional<RouteFix> fix) {
+    found.is_complete = found.is_complete && !judge.IsLate();
+    if (fix && found.is_complete) found.fixes.push_back(std::move(*fix));
+  };
   for (const size_t gap : gaps) {
-    for (const FixKind kind : {FixKind::kClimb, FixKind::kOffset}) {
-      if (auto fix = search.Find(kind, gap)) fixes.push_back(std::move(*fix));
-    }
-    if (auto look = LookFirst(judge, stored, request, insurance, gap)) {
-      fixes.push_back(std::move(*look));
-    }
+    if (judge.IsLate()) break;
+    add(search.Find(FixKind::kClimb, gap));
+    add(search.Find(FixKind::kOffset, gap));
+    add(LookFirst(judge, stored, request, insurance, gap));
   }
-  return fixes;
+  found.is_complete = found.is_complete && !judge.IsLate();
+  return found;
 }
 
 }  // namespace freelsd

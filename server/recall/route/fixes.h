@@ -33,12 +33,18 @@ struct RouteFix {
   double gaps_left_s = 0.0;
 };
 
+struct FoundFixes {
+  std::vector<RouteFix> fixes;
+  // False if the deadline came before all gaps were looked at.
+  bool is_complete = true;
+};
+
 // Climbs and offsets are tried from the least upwards (kClimbsM, kOffsetsM); the first one that
 // closes the gap and opens no other is told. If none does, the one that leaves least is told,
 // unless it leaves more than half of the gap. Only the longest gaps get fixes.
-std::vector<RouteFix> FindFixes(const RouteJudge& judge,
-                                const StoredSites& stored,
-                                const RouteRequest& request,
-                                const Insurance& insurance);
+FoundFixes FindFixes(const RouteJudge& judge,
+                     const StoredSites& stored,
+                     const RouteRequest& request,
+                     const Insurance& insurance);
 
 }  // namespace freelsd

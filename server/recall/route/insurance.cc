@@ -199,9 +199,8 @@ EmergencyRequest RouteJudge::RequestAt(const RouteMoment& moment,
 InsuredMoment RouteJudge::Judge(const RouteMoment& moment) const {
   std::vector<Outcome> outcomes;
   const auto add = [&](const std::optional<Eigen::Vector2d>& wind, double weight) {
-    const bool is_late = std::chrono::steady_clock::now() > deadline_;
     const Search search =
-        is_late ? Search{} : SearchSites(stored_, RequestAt(moment, wind), kTimeBudgetOfMoment);
+        IsLate() ? Search{} : SearchSites(stored_, RequestAt(moment, wind), kTimeBudgetOfMoment);
     outcomes.push_back(OutcomeOf(search, weight));
   };
   if (request_.winds.empty()) add(std::nullopt, 1.0);

@@ -80,6 +80,8 @@ class RouteJudge {
   // A recall at this moment, in one of the winds; nothing: the wind is unknown.
   EmergencyRequest RequestAt(const RouteMoment& moment,
                              const std::optional<Eigen::Vector2d>& wind_in_world) const;
+  // True after the deadline: moments judged now may not have been evaluated.
+  bool IsLate() const { return std::chrono::steady_clock::now() > deadline_; }
   const RouteOptions& options() const { return options_; }
 
  private:

@@ -234,9 +234,9 @@ nlohmann::json CheckRoute(const StoredSites& stored, const RouteRequest& request
     answer["samples"].push_back(MomentJson(insured));
   }
   if (!request.has_fixes) return answer;
-  for (const RouteFix& fix : FindFixes(judge, stored, request, insurance)) {
-    answer["fixes"].push_back(FixJson(fix));
-  }
+  const FoundFixes found = FindFixes(judge, stored, request, insurance);
+  for (const RouteFix& fix : found.fixes) answer["fixes"].push_back(FixJson(fix));
+  if (!found.is_complete) answer["warnings"].push_back("there was no time to search all fixes");
   return answer;
 }
 
@@ -245,7 +245,8 @@ nlohmann::json RouteGeoJson(const nlohmann::json& answer) {
   AddLines(answer, features);
   if (const auto point = answer.find("point_of_no_return"); point != answer.end()) {
     nlohmann::json properties{{"kind", "point_of_no_return"}, {"marker-color", kRed}};
-    for (const char* const key : {"time_s", "best_site", "arrival_margin_m", "failure_probability"}) {
+    for (const char* const key :
+         {"time_s", "best_site", "arrival_margin_m", "failure_probability"}) {
       if (point->contains(key)) properties[key] = (*point)[key];
     }
     features.push_back(Feature("Point", Coordinates(*point), properties));

@@ -50,6 +50,9 @@ TEST_CASE("route: wind changes the times, and the aircraft stays on the leg") {
 
 TEST_CASE("route: a leg against too strong a wind is refused by its point") {
   CHECK_THROWS_WITH_AS(MomentsOf(Corner(), 20.0, {-19.8, 0.0}, {}),
+                       "route[2]: cannot be reached in this wind at this airspeed",
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(MomentsOf(Corner(), 20.0, {-20.5, 0.0}, {}),
                        "route[1]: cannot be reached in this wind at this airspeed",
                        std::invalid_argument);
   CHECK_THROWS_AS(MomentsOf({{47.0, 8.0, 1.0}, {47.0, 8.0, 2.0}}, 20.0, {0.0, 0.0}, {}),

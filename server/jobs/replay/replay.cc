@@ -1,4 +1,4 @@
-#include "server/jobs/evidence/replay.h"
+#include "server/jobs/replay/replay.h"
 
 #include <algorithm>
 #include <stdexcept>
