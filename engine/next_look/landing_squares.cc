@@ -277,6 +277,7 @@ double TriedLanding::ValueAt(const cv::Mat1f& known, const NextLookOptions& opti
 double LandingSquare::ValueAt(const cv::Mat1f& known, const NextLookOptions& options) const {
   double value = 0.0;
   for (const TriedLanding& landing : landings) {
+    if (landing.probability <= value) break;
     value = std::max(value, landing.ValueAt(known, options));
   }
   return value;
@@ -313,6 +314,11 @@ LandingSquares FindSquares(const LookRequest& request,
       }
       AddTouchdowns(key, request, ground, options, square.landings);
       if (square.landings.empty()) continue;
+      std::stable_sort(square.landings.begin(),
+                       square.landings.end(),
+                       [](const TriedLanding& a, const TriedLanding& b) {
+                         return a.probability > b.probability;
+                       });
       square.cells = CellsOf(square, grid.num_cols);
       squares.open.push_back(std::move(square));
     }

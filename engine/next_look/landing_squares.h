@@ -34,6 +34,7 @@ struct TriedLanding {
 
 // A square of ground that holds at most one landing, and has none that is landable yet.
 struct LandingSquare {
+  // Most probable first: no landing is worth more than its probability.
   std::vector<TriedLanding> landings;
   // The best site there.
   std::optional<size_t> site;

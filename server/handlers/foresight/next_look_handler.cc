@@ -117,6 +117,8 @@ NextLook LookOn(const Service& service,
                 const std::vector<SiteSoFar>& sites,
                 const NextLookOptions& options) {
   const MapRasters ground = LookedGround(service, map);
+  // All tiles may be damaged.
+  if (cv::countNonZero(ground.site_map.layers.hazard != kUnseen) == 0) return {};
   const Rig rig{map.head.camera, MountingOf(service, map.row.flight_id)};
   std::vector<Rigid3d> flown;
   for (const MapView& view : map.head.views) flown.push_back(view.world_from_camera);
