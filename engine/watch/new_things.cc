@@ -105,10 +105,10 @@ void AddShaded(const StripChange& change,
                const StripGround& ground,
                const WatchOptions& options,
                NewThings& result) {
-  for (const Blob& blob : BlobsOf(change.brightness,
-                                  change.is_compared,
-                                  options.grow_deviations,
-                                  options.min_shade_change)) {
+  BandChange shade = change.brightness;
+  cv::magnitude(change.brightness.deviations, change.green.deviations, shade.deviations);
+  for (const Blob& blob :
+       BlobsOf(shade, change.is_compared, options.grow_deviations, options.min_shade_change)) {
     NewThing thing = ThingOf(blob, canvas, ground);
     const auto count = static_cast<double>(blob.pixels.size());
     if (thing.length_m > options.max_size_m || thing.width_m > options.max_shade_width_m ||

@@ -15,10 +15,11 @@ namespace freelsd {
 namespace {
 
 // Pixels of the search over the whole picture, and of the search block by block.
-constexpr double kCoarsePixelM = 0.5;
+constexpr double kCoarsePixelM = 0.3;
 constexpr double kBlockPixelM = 0.2;
 // Surroundings against which brightness becomes pattern.
-constexpr double kPatternWindowM = 4.0;
+constexpr double kPatternWindowM = 3.0;
+constexpr double kPatternSmoothingPx = 0.7;
 constexpr double kTurnStepDeg = 1.5;
 // How far blocks are searched after the coarse search, and after the first fit.
 constexpr double kFirstReachM = 1.8;
@@ -29,7 +30,7 @@ constexpr double kLeastShownRatio = 0.7;
 // A fit needs matches all around the strip.
 constexpr int kMinNumFitted = 6;
 // Of the coarse motions, the most similar one may be wrong.
-constexpr size_t kMaxNumTrials = 4;
+constexpr size_t kMaxNumTrials = 6;
 
 using Motion = Eigen::Matrix<double, 2, 3>;
 
@@ -52,6 +53,8 @@ struct Patterns {
 cv::Mat1f BrightnessOf(const cv::Mat3f& picture, const cv::Size& size) {
   cv::Mat3f reduced;
   cv::resize(picture, reduced, size, 0.0, 0.0, cv::INTER_AREA);
+  // In the dark, the pattern of grass is hardly stronger than the noise of single pixels.
+  cv::GaussianBlur(reduced, reduced, {}, kPatternSmoothingPx);
   return BandsOf(reduced, 1.0).brightness;
 }
 

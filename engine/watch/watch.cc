@@ -22,46 +22,50 @@ void CheckInput(const StripPicture& strip, const WatchedPhoto& photo) {
   CheckRaster(strip.picture, strip.grid, "picture");
   CheckRaster(strip.elevation, strip.ground_grid, "elevation");
   CheckRaster(strip.upper, strip.ground_grid, "upper");
-  photo.camera.Check();
   if (photo.image.type() != CV_8UC3 ||
       photo.image.size() != cv::Size(photo.camera.width_px, photo.camera.height_px)) {
     throw std::invalid_argument("watch: the image is not BGR of the camera's size");
   }
 }
 
-// 255 where nothing that is stored hides the strip from the camera.
-cv::Mat1b Unhidden(const StripCanvas& canvas,
-                   const StripGround& ground,
-                   const Eigen::Vector3d& eye_in_world,
-                   double hidden_height_m) {
+// 255 where the photograph is fine enough, and nothing that is stored hides the strip from it.
+cv::Mat1b ComparableGround(const StripCanvas& canvas,
+                           const StripGround& ground,
+                           const WatchedPhoto& photo,
+                           const WatchOptions& options) {
   constexpr double kSquareM = 0.5;
   const int side = std::max(1, static_cast<int>(kSquareM / canvas.grid.cell_size_m));
-  cv::Mat1b unhidden(canvas.picture.size(), uchar{255});
-  for (int row = 0; row < unhidden.rows; row += side) {
-    for (int col = 0; col < unhidden.cols; col += side) {
-      const cv::Rect square = cv::Rect(col, row, side, side) & cv::Rect({}, unhidden.size());
+  const Eigen::Vector3d& eye_in_world = photo.world_from_camera.translation;
+  cv::Mat1b is_comparable(canvas.picture.size(), uchar{255});
+  for (int row = 0; row < is_comparable.rows; row += side) {
+    for (int col = 0; col < is_comparable.cols; col += side) {
+      const cv::Rect square = cv::Rect(col, row, side, side) & cv::Rect({}, is_comparable.size());
       if (cv::countNonZero(canvas.is_strip(square)) == 0) continue;
       const Eigen::Vector2d place = canvas.PlaceAt(col + 0.5 * (side - 1), row + 0.5 * (side - 1));
-      if (ground.IsHidden(place, eye_in_world, hidden_height_m)) unhidden(square).setTo(0);
+      const double sampling = SamplingAt(photo, ground, place).value_or(0.0);
+      if (sampling > options.max_sampling_m ||
+          ground.IsHidden(place, eye_in_world, options.hidden_height_m)) {
+        is_comparable(square).setTo(0);
+      }
     }
   }
-  return unhidden;
+  return is_comparable;
 }
 
-// Coarsest ground sampling on the strip; nothing where the photograph shows none of it.
+// Ground sampling of the strip where the photograph shows it best; nothing where it shows none.
 std::optional<double> SamplingOf(const StripPicture& strip,
                                  const WatchedPhoto& photo,
                                  const StripGround& ground) {
-  std::optional<double> coarsest;
+  std::optional<double> finest;
   const auto visit = [&](const Eigen::Vector2d& place) {
     const auto sampling = SamplingAt(photo, ground, place);
-    if (sampling) coarsest = std::max(coarsest.value_or(0.0), *sampling);
+    if (sampling) finest = std::min(finest.value_or(*sampling), *sampling);
   };
   visit(ExtentOf(strip).Middle());
   for (const Polygon& outline : strip.outlines) {
     for (const Eigen::Vector2d& corner : outline) visit(corner);
   }
-  return coarsest;
+  return finest;
 }
 
 double SecondsBetween(int64_t earlier_us, int64_t later_us) {
@@ -95,9 +99,8 @@ StripLook LookAtStrip(const StripPicture& strip,
   const Eigen::Vector2d moved = registration->displacement(middle.x(), middle.y());
   look.offset_in_world = canvas.grid.cell_size_m * Eigen::Vector2d(moved.x(), -moved.y());
   look.correlation = registration->correlation;
-  const cv::Mat1b unhidden =
-      Unhidden(canvas, ground, photo.world_from_camera.translation, options.hidden_height_m);
-  const StripChange change = ChangeOf(canvas, projected, unhidden, options);
+  const StripChange change =
+      ChangeOf(canvas, projected, ComparableGround(canvas, ground, photo, options), options);
   NewThings found = ThingsIn(change, canvas, ground, options);
   look.compared_ratio =
       double(cv::countNonZero(change.is_compared) - found.num_changed_ground) / num_strip;

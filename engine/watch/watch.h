@@ -39,8 +39,8 @@ struct WatchOptions {
   // min_match_correlation.
   double block_m = 8.0;
   int min_num_matches = 8;
-  double min_match_ratio = 0.3;
-  double min_match_correlation = 0.3;
+  double min_match_ratio = 0.2;
+  double min_match_correlation = 0.25;
   // Largest distance of a match from the common motion.
   double max_match_error_m = 0.5;
   // Details may be displaced by this after registration: errors of the map's heights, grass in the
@@ -59,15 +59,16 @@ struct WatchOptions {
   // --- Things ---
   // A thing begins where the change is at least min_deviations deviations of the changes on the
   // whole strip, and extends to where it is grow_deviations.
-  double min_deviations = 7.0;
+  double min_deviations = 6.0;
   double grow_deviations = 3.5;
   // Least change of the logarithm of green against red and blue.
   double min_green_change = 0.06;
-  double min_area_m2 = 0.2;
-  // Things are told by brightness too, where the change of its logarithm is at least
-  // min_shade_change. Shadows of trees and clouds are wider than max_shade_width_m, or come from
-  // beside the strip: at least min_shade_on_strip_ratio of the change must lie on the strip.
-  double min_shade_change = 0.2;
+  double min_area_m2 = 0.1;
+  // Small things are told by colour and brightness together, where the change of brightness, the
+  // logarithm, is at least min_shade_change. Shadows of trees and clouds are wider than
+  // max_shade_width_m, or come from beside the strip: at least min_shade_on_strip_ratio of the
+  // change must lie on the strip.
+  double min_shade_change = 0.1;
   double max_shade_width_m = 3.0;
   double min_shade_on_strip_ratio = 0.7;
   // Larger changes are those of the ground: that part of the strip is not compared.

@@ -21,6 +21,8 @@ constexpr int kMaxNumSeconds = 14;
 // Around the strip: what registration needs, and what throws shadows.
 constexpr double kPieceMarginM = 45.0;
 constexpr double kLeastShownRatio = 0.7;
+constexpr double kContextMarginM = 22.0;
+constexpr double kFineMarginM = 4.0;
 // Photographs from too far away count for nothing: WatchOptions::max_sampling_m.
 const double kCoarsestSamplingM = WatchOptions().max_sampling_m;
 
@@ -138,6 +140,72 @@ RenderOptions CameraOptions(const PassPlan& plan, int* jpeg_quality) {
   return conditions.camera;
 }
 
+// The part of the picture that shows the ground within `margin_m` of the strip's box.
+cv::Rect PartAround(const Camera& camera,
+                    const Rigid3d& world_from_camera,
+                    const std::vector<Polygon>& outlines,
+                    double height,
+                    double margin_m) {
+  Eigen::AlignedBox2d ground;
+  for (const Polygon& outline : outlines) {
+    for (const Eigen::Vector2d& corner : outline) ground.extend(corner);
+  }
+  const cv::Rect all(0, 0, camera.width_px, camera.height_px);
+  Eigen::AlignedBox2d part;
+  const Rigid3d camera_from_world = Inverse(world_from_camera);
+  for (int i = 0; i < 4; ++i) {
+    const auto type = static_cast<Eigen::AlignedBox2d::CornerType>(i);
+    const Eigen::Vector2d away = (ground.corner(type) - ground.center()).cwiseSign() * margin_m;
+    Eigen::Vector3d point;
+    point << ground.corner(type) + away, height;
+    const Eigen::Vector3d in_camera = camera_from_world * point;
+    if (in_camera.z() <= 1.0) return all;
+    part.extend(Eigen::Vector2d(in_camera.x() / in_camera.z() * camera.fx_px + camera.cx_px,
+                                in_camera.y() / in_camera.z() * camera.fy_px + camera.cy_px));
+  }
+  return cv::Rect(cv::Point(int(std::floor(part.min().x())), int(std::floor(part.min().y()))),
+                  cv::Point(int(std::ceil(part.max().x())), int(std::ceil(part.max().y())))) &
+         all;
+}
+
+struct Exposure {
+  const Renderer& renderer;
+  const Camera& camera;
+  // In the piece of the world.
+  Rigid3d world_from_camera;
+  RenderOptions options;
+  int number = 0;
+  CameraMotion motion;
+};
+
+void RenderPart(const Exposure& exposure, const cv::Rect& part, int supersampling, cv::Mat& image) {
+  if (part.empty()) return;
+  Camera camera = exposure.camera;
+  camera.width_px = part.width;
+  camera.height_px = part.height;
+  camera.cx_px -= part.x;
+  camera.cy_px -= part.y;
+  RenderOptions options = exposure.options;
+  options.supersampling = supersampling;
+  exposure.renderer
+      .Render(camera, exposure.world_from_camera, options, exposure.number, exposure.motion)
+      .copyTo(image(part));
+}
+
+// As the sensor does it, for the whole picture.
+void Vignette(double ratio, cv::Mat& image) {
+  const double cx = 0.5 * (image.cols - 1), cy = 0.5 * (image.rows - 1);
+  for (int row = 0; row < image.rows; ++row) {
+    for (int col = 0; col < image.cols; ++col) {
+      const double radius =
+          ((col - cx) * (col - cx) + (row - cy) * (row - cy)) / (cx * cx + cy * cy);
+      cv::Vec3b& color = image.at<cv::Vec3b>(row, col);
+      for (int i = 0; i < 3; ++i)
+        color[i] = cv::saturate_cast<uchar>(color[i] * (1.0 - ratio * radius));
+    }
+  }
+}
+
 }  // namespace
 
 const char* NameOf(WatchEvent event) {
@@ -198,11 +266,24 @@ std::vector<PassPhoto> FlySecondPass(const World& world,
     }
     CameraMotion motion;
     motion.velocity_in_world.head<2>() = kGroundSpeedMps * DirectionOf(truth.attitude.yaw);
-    const cv::Mat image = Renderer(now).Render(camera,
-                                               Moved(world_from_camera, -piece.middle_in_world),
-                                               options,
-                                               second + kMaxNumSeconds,
-                                               motion);
+    // Rays cost most: what lies farther from the strip than the engine looks stays grey, and what
+    // only helps to register gets one ray for each pixel.
+    cv::Mat image(camera.height_px, camera.width_px, CV_8UC3, cv::Scalar::all(100.0));
+    const Renderer renderer(now);
+    RenderOptions flat = options;
+    flat.vignetting_ratio = 0.0;
+    const Exposure exposure{renderer,
+                            camera,
+                            Moved(world_from_camera, -piece.middle_in_world),
+                            flat,
+                            second + kMaxNumSeconds,
+                            motion};
+    const auto part = [&](double margin_m) {
+      return PartAround(camera, world_from_camera, outlines, height, margin_m);
+    };
+    RenderPart(exposure, part(kContextMarginM), 1, image);
+    RenderPart(exposure, part(kFineMarginM), options.supersampling, image);
+    Vignette(options.vignetting_ratio, image);
     std::vector<uchar> bytes;
     cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
     PassPhoto photo;
@@ -213,7 +294,10 @@ std::vector<PassPhoto> FlySecondPass(const World& world,
     const Rigid3d camera_from_world = Inverse(world_from_camera);
     for (const ColoredBlock& thing : things) {
       const Eigen::Vector2d& center = thing.block.center;
+      const double depth_there =
+          std::hypot((truth.position_in_world.head<2>() - center).norm(), plan.height_m);
       if (IsOnStrip(outlines, center) &&
+          depth_there * depth_there / plan.height_m / camera.MeanFocalPx() < kCoarsestSamplingM &&
           IsShown(camera, camera_from_world, {center.x(), center.y(), height})) {
         photo.shown_things.push_back(center);
       }

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tests/evaluation/runs/runs.h"
+#include "tests/evaluation/watch/recorded_watch.h"
 #include "tests/evaluation/watch/watch_log.h"
 #include "tests/evaluation/watch/watch_run.h"
 
@@ -17,6 +18,8 @@ struct Arguments {
   uint64_t seed = 1000;
   int num_worlds = 1;
   std::vector<std::string> reported;
+  RecordedWatchOptions recorded;
+  std::vector<std::string> folders;
   std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
 };
 
@@ -28,6 +31,17 @@ void Fly(const Arguments& arguments) {
     const auto rows = WatchWorld(seed, arguments.run, classifier);
     std::fprintf(
         stderr, "world %lu: %zu photographs\n", static_cast<unsigned long>(seed), rows.size());
+    all.insert(all.end(), rows.begin(), rows.end());
+  }
+  std::cout << WatchReport(all);
+}
+
+void WatchFlights(const Arguments& arguments) {
+  const Classifier classifier = Classifier::Parse(ReadTextFile(arguments.model));
+  std::vector<WatchRow> all;
+  for (const std::string& folder : arguments.folders) {
+    const auto rows = WatchRecorded(folder, arguments.recorded, classifier);
+    if (!arguments.run.log.empty()) WriteRows(rows, arguments.run.log);
     all.insert(all.end(), rows.begin(), rows.end());
   }
   std::cout << WatchReport(all);
@@ -61,8 +75,16 @@ int Main(int argc, char** argv) {
   fly->add_option("--pictures", run.pictures, "folder for pictures of misses and false alarms");
   CLI::App* report = app.add_subcommand("report", "tables of logs");
   report->add_option("logs", arguments.reported)->required();
+  CLI::App* recorded =
+      app.add_subcommand("recorded", "compares the legs of recorded flights with each other");
+  recorded->add_option("flights", arguments.folders, "folders of flights")->required();
+  recorded->add_option("--spacing", arguments.recorded.spacing_m, "of strips, metres");
+  recorded->add_option("--parts", arguments.recorded.num_parts, "of each flight");
+  recorded->add_option("--log", run.log, "rows are added to this file");
+  recorded->add_option("--pictures", arguments.recorded.pictures, "folder for what was told");
   CLI11_PARSE(app, argc, argv);
   if (*fly) Fly(arguments);
+  if (*recorded) WatchFlights(arguments);
   if (*report) Report(arguments);
   return 0;
 }

@@ -29,10 +29,4 @@ std::vector<WatchRow> WatchWorld(uint64_t seed,
                                  const WatchRunOptions& options,
                                  const Classifier& classifier);
 
-// Stored picture, photograph and change beside each other.
-void WriteComparison(const StripPicture& strip,
-                     const WatchedPhoto& photo,
-                     const WatchOptions& options,
-                     const std::string& file);
-
 }  // namespace freelsd
