@@ -11,7 +11,9 @@
 #include <Eigen/Dense>
 #include <opencv2/imgproc.hpp>
 
+#include "tests/evaluation/fields/outlines.h"
 #include "tests/evaluation/recorded/recorded_flight.h"
+#include "tests/evaluation/runs/runs.h"
 #include "tests/evaluation/watch/comparison_picture.h"
 #include "tests/evaluation/watch/stored_ground.h"
 
@@ -21,7 +23,7 @@ namespace {
 constexpr double kStripLengthM = 25.0, kStripWidthM = 8.0;
 // Photographs next to a part are not stored either: they show the same moment.
 constexpr int kNumNeighbours = 3;
-// Even ground: what a planner might have accepted.
+// Even ground.
 constexpr double kMaxUnevennessM = 1.0;
 constexpr double kMaxSlope = 0.3;
 // Errors of the autopilot, as synthetic flights have them.
@@ -56,7 +58,56 @@ bool IsEven(const ElevationMap& map, const Polygon& outline) {
   return plane.head<2>().norm() < kMaxSlope && num_even > kLeastRatio * count;
 }
 
-std::vector<Polygon> EvenStrips(const ElevationMap& map, double spacing_m) {
+// Ground and things that people outlined on one photograph.
+struct OutlinedPhoto {
+  Camera camera;
+  Rigid3d camera_from_world;
+  std::vector<Polygon> land, danger;
+};
+
+std::vector<OutlinedPhoto> OutlinedPhotos(const RecordedFlight& flight, const std::string& name) {
+  const std::string file =
+      std::string(FREELSD_SOURCE_DIR) + "/tests/evaluation/fields/outlines/" + name + ".txt";
+  const std::vector<Outline> outlines = ParseOutlines(ReadTextFile(file), file);
+  std::vector<OutlinedPhoto> photos;
+  for (size_t i = 0; i < flight.block.views.size(); ++i) {
+    const AdjustedView& view = flight.block.views[i];
+    OutlinedPhoto photo{flight.block.CameraOf(i), Inverse(view.world_from_camera), {}, {}};
+    for (const Outline& outline : outlines) {
+      if (std::filesystem::path(view.frame_id).stem() != outline.photograph) continue;
+      (outline.kind == OutlineKind::kLand ? photo.land : photo.danger)
+          .push_back(outline.corners_in_image);
+    }
+    if (view.is_connected && !photo.land.empty()) photos.push_back(std::move(photo));
+  }
+  return photos;
+}
+
+// Whether a photograph shows that the whole strip is land, and that nothing stands on it.
+bool IsLand(const OutlinedPhoto& photo, const Polygon& strip, double height) {
+  Polygon in_image;
+  for (const Eigen::Vector2d& corner : strip) {
+    const auto pixel = photo.camera.ImageFromCamera(
+        photo.camera_from_world * Eigen::Vector3d(corner.x(), corner.y(), height));
+    if (!pixel) return false;
+    in_image.push_back(*pixel);
+  }
+  const bool is_inside = std::any_of(photo.land.begin(), photo.land.end(), [&](const auto& land) {
+    return std::all_of(in_image.begin(), in_image.end(), [&](const auto& corner) {
+      return Contains(land, corner);
+    });
+  });
+  return is_inside &&
+         std::none_of(photo.danger.begin(), photo.danger.end(), [&](const Polygon& danger) {
+           return std::any_of(danger.begin(), danger.end(), [&](const auto& corner) {
+             return Contains(in_image, corner);
+           });
+         });
+}
+
+std::vector<Polygon> LandStrips(const ElevationMap& map,
+                                const std::vector<OutlinedPhoto>& photos,
+                                double spacing_m) {
   std::vector<Polygon> strips;
   const int step = std::max(1, static_cast<int>(spacing_m / map.grid.cell_size_m));
   for (int row = 0; row < map.grid.num_rows; row += step) {
@@ -64,6 +115,11 @@ std::vector<Polygon> EvenStrips(const ElevationMap& map, double spacing_m) {
       for (const double heading : {0.0, 0.5 * kPi}) {
         const Polygon outline = StripAt(map.grid.CellCenter(row, col), heading);
         if (!IsEven(map, outline)) continue;
+        const double height = map.elevation(row, col);
+        const bool is_land = std::any_of(photos.begin(), photos.end(), [&](const auto& photo) {
+          return IsLand(photo, outline, height);
+        });
+        if (!is_land || std::isnan(height)) continue;
         strips.push_back(outline);
         break;
       }
@@ -151,9 +207,10 @@ std::vector<WatchRow> WatchRecorded(const std::string& folder,
   const PipelineOptions pipeline;
   const RecordedFlight flight = AdjustRecordedFlight(folder, classifier, pipeline);
   const ElevationMap map = MapOfBlock(flight, pipeline);
-  const std::vector<Polygon> strips = EvenStrips(map, options.spacing_m);
-  std::fprintf(stderr, "%s: %zu strips\n", folder.c_str(), strips.size());
   const std::string name = std::filesystem::path(folder).filename().string();
+  const std::vector<Polygon> strips =
+      LandStrips(map, OutlinedPhotos(flight, name), options.spacing_m);
+  std::fprintf(stderr, "%s: %zu strips\n", name.c_str(), strips.size());
   const auto num_views = static_cast<int>(flight.block.views.size());
   std::vector<WatchRow> rows;
   for (int part = 0; part < options.num_parts; ++part) {

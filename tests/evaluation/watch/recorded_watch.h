@@ -1,6 +1,7 @@
 // Input: a recorded flight that photographs the same ground on several legs. Output: what the watch
 // says of photographs of one leg against the picture that the other legs give. Nothing was changed
-// between them on purpose: what it tells is false, or moved in those minutes.
+// between them on purpose: what it tells is false, or moved in those minutes. Strips lie on land
+// that people outlined (tests/evaluation/fields/outlines).
 #pragma once
 
 #include <string>
