@@ -32,7 +32,7 @@ struct WatchOptions {
   // --- Registration ---
   // Largest displacement of the photograph on the ground by the errors of its pose and of the map,
   // and largest turn.
-  double max_offset_m = 8.0;
+  double max_offset_m = 12.0;
   double max_turn_deg = 5.0;
   // Squares of this side are matched one by one. The photograph is registered if at least
   // min_num_matches of them agree, and if they are at least min_match_ratio of all. A match needs
