@@ -206,6 +206,111 @@ void Vignette(double ratio, cv::Mat& image) {
   }
 }
 
+// The surroundings of a strip at the time of the later pass.
+class WatchedScene {
+ public:
+  WatchedScene(const World& world,
+               const Camera& camera,
+               const std::vector<Polygon>& outlines,
+               const PassPlan& plan)
+      : camera_(camera),
+        outlines_(outlines),
+        plan_(plan),
+        shape_(ShapeOf(outlines)),
+        height_(world.GroundHeight(shape_.middle.x(), shape_.middle.y())),
+        options_(CameraOptions(plan, &jpeg_quality_)) {
+    const double reach = std::hypot(shape_.half_length_m, shape_.half_width_m) + kPieceMarginM;
+    piece_ = PieceOf(world,
+                     shape_.middle - Eigen::Vector2d::Constant(reach),
+                     shape_.middle + Eigen::Vector2d::Constant(reach));
+    ChangeScene(plan.change, plan.seed, piece_.world);
+    piece_.world.Light();
+  }
+
+  const StripShape& shape() const { return shape_; }
+  double height() const { return height_; }
+
+  // Most of the strip is in the photograph, and not too far away.
+  bool IsWorthAPhoto(const Rigid3d& world_from_camera) const {
+    return ShownRatio(camera_, world_from_camera, outlines_, height_) >= kLeastShownRatio &&
+           IsNearEnough(world_from_camera, shape_.middle);
+  }
+
+  // As a file, and read again. `yaw`: where the aircraft flies.
+  cv::Mat Photographed(const Rigid3d& world_from_camera, double yaw, int second) const {
+    const World now = At(second);
+    const Renderer renderer(now);
+    Exposure exposure{renderer,
+                      camera_,
+                      Moved(world_from_camera, -piece_.middle_in_world),
+                      options_,
+                      second + kMaxNumSeconds,
+                      {}};
+    exposure.options.vignetting_ratio = 0.0;
+    exposure.motion.velocity_in_world.head<2>() = kGroundSpeedMps * DirectionOf(yaw);
+    const auto part = [&](double margin_m) {
+      return PartAround(camera_, world_from_camera, outlines_, height_, margin_m);
+    };
+    // Rays cost most: what lies farther from the strip than the engine looks stays grey, and what
+    // only helps to register gets one ray for each pixel.
+    cv::Mat image(camera_.height_px, camera_.width_px, CV_8UC3, cv::Scalar::all(100.0));
+    RenderPart(exposure, part(kContextMarginM), 1, image);
+    RenderPart(exposure, part(kFineMarginM), options_.supersampling, image);
+    Vignette(options_.vignetting_ratio, image);
+    std::vector<uchar> bytes;
+    cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality_});
+    return cv::imdecode(bytes, cv::IMREAD_COLOR);
+  }
+
+  std::vector<Eigen::Vector2d> ShownThings(const Rigid3d& world_from_camera, int second) const {
+    const Rigid3d camera_from_world = Inverse(world_from_camera);
+    std::vector<Eigen::Vector2d> shown;
+    for (const ColoredBlock& thing : ThingsAt(plan_.event, shape_, plan_.seed, second)) {
+      const Eigen::Vector2d& center = thing.block.center;
+      if (IsOnStrip(outlines_, center) && IsNearEnough(world_from_camera, center) &&
+          IsShown(camera_, camera_from_world, {center.x(), center.y(), height_})) {
+        shown.push_back(center);
+      }
+    }
+    return shown;
+  }
+
+ private:
+  bool IsNearEnough(const Rigid3d& world_from_camera, const Eigen::Vector2d& place) const {
+    const double distance = (world_from_camera.translation.head<2>() - place).norm();
+    const double depth = std::hypot(distance, plan_.height_m);
+    return depth * depth / plan_.height_m / camera_.MeanFocalPx() <= kCoarsestSamplingM;
+  }
+
+  World At(int second) const {
+    World now = piece_.world;
+    const std::vector<ColoredBlock> things = ThingsAt(plan_.event, shape_, plan_.seed, second);
+    if (things.empty() && plan_.change != SceneChange::kCloudShadows) return now;
+    now.surface = now.surface.clone();
+    now.albedo = now.albedo.clone();
+    now.cover = now.cover.clone();
+    now.variant = now.variant.clone();
+    now.is_textured = now.is_textured.clone();
+    now.radiance = cv::Mat3b();
+    for (ColoredBlock thing : things) {
+      thing.block.center -= piece_.middle_in_world;
+      PutColored(thing, now);
+    }
+    now.Light();
+    if (plan_.change == SceneChange::kCloudShadows) ShadeByClouds(plan_.seed, second, now);
+    return now;
+  }
+
+  const Camera& camera_;
+  const std::vector<Polygon>& outlines_;
+  const PassPlan plan_;
+  const StripShape shape_;
+  const double height_;
+  int jpeg_quality_ = 92;
+  const RenderOptions options_;
+  WorldPiece piece_;
+};
+
 }  // namespace
 
 const char* NameOf(WatchEvent event) {
@@ -224,84 +329,24 @@ std::vector<PassPhoto> FlySecondPass(const World& world,
                                      const Camera& camera,
                                      const std::vector<Polygon>& outlines,
                                      const PassPlan& plan) {
-  const StripShape shape = ShapeOf(outlines);
-  const double reach = std::hypot(shape.half_length_m, shape.half_width_m) + kPieceMarginM;
-  WorldPiece piece = PieceOf(world,
-                             shape.middle - Eigen::Vector2d::Constant(reach),
-                             shape.middle + Eigen::Vector2d::Constant(reach));
-  ChangeScene(plan.change, plan.seed, piece.world);
-  piece.world.Light();
-  const double height = world.GroundHeight(shape.middle.x(), shape.middle.y());
-  Pass pass(plan, shape.middle, height);
+  const WatchedScene scene(world, camera, outlines, plan);
+  Pass pass(plan, scene.shape().middle, scene.height());
   Rigid3d body_from_camera = Rig().body_from_camera;
   body_from_camera.rotation =
       Eigen::AngleAxisd(RadFromDeg(plan.tilt_deg), Eigen::Vector3d::UnitY()) *
       body_from_camera.rotation;
-  int jpeg_quality = 92;
-  const RenderOptions options = CameraOptions(plan, &jpeg_quality);
   std::vector<PassPhoto> photos;
   for (int second = -kMaxNumSeconds; second <= kMaxNumSeconds; ++second) {
     const AutopilotSample truth = pass.TrueAt(second);
     const AutopilotSample reported = pass.Reported(truth);
     const Rigid3d world_from_camera = WorldFromBody(truth) * body_from_camera;
-    if (ShownRatio(camera, world_from_camera, outlines, height) < kLeastShownRatio) continue;
-    const double distance = (truth.position_in_world.head<2>() - shape.middle).norm();
-    const double depth = std::hypot(distance, plan.height_m);
-    if (depth * depth / plan.height_m / camera.MeanFocalPx() > kCoarsestSamplingM) continue;
-    World now = piece.world;
-    const std::vector<ColoredBlock> things = ThingsAt(plan.event, shape, plan.seed, second);
-    if (!things.empty() || plan.change == SceneChange::kCloudShadows) {
-      now.surface = now.surface.clone();
-      now.albedo = now.albedo.clone();
-      now.cover = now.cover.clone();
-      now.variant = now.variant.clone();
-      now.is_textured = now.is_textured.clone();
-      now.radiance = cv::Mat3b();
-      for (ColoredBlock thing : things) {
-        thing.block.center -= piece.middle_in_world;
-        PutColored(thing, now);
-      }
-      now.Light();
-      if (plan.change == SceneChange::kCloudShadows) ShadeByClouds(plan.seed, second, now);
-    }
-    CameraMotion motion;
-    motion.velocity_in_world.head<2>() = kGroundSpeedMps * DirectionOf(truth.attitude.yaw);
-    // Rays cost most: what lies farther from the strip than the engine looks stays grey, and what
-    // only helps to register gets one ray for each pixel.
-    cv::Mat image(camera.height_px, camera.width_px, CV_8UC3, cv::Scalar::all(100.0));
-    const Renderer renderer(now);
-    RenderOptions flat = options;
-    flat.vignetting_ratio = 0.0;
-    const Exposure exposure{renderer,
-                            camera,
-                            Moved(world_from_camera, -piece.middle_in_world),
-                            flat,
-                            second + kMaxNumSeconds,
-                            motion};
-    const auto part = [&](double margin_m) {
-      return PartAround(camera, world_from_camera, outlines, height, margin_m);
-    };
-    RenderPart(exposure, part(kContextMarginM), 1, image);
-    RenderPart(exposure, part(kFineMarginM), options.supersampling, image);
-    Vignette(options.vignetting_ratio, image);
-    std::vector<uchar> bytes;
-    cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality});
+    if (!scene.IsWorthAPhoto(world_from_camera)) continue;
     PassPhoto photo;
-    photo.photo = {cv::imdecode(bytes, cv::IMREAD_COLOR),
+    photo.photo = {scene.Photographed(world_from_camera, truth.attitude.yaw, second),
                    camera,
                    WorldFromBody(reported) * body_from_camera,
                    int64_t{second} * 1'000'000};
-    const Rigid3d camera_from_world = Inverse(world_from_camera);
-    for (const ColoredBlock& thing : things) {
-      const Eigen::Vector2d& center = thing.block.center;
-      const double depth_there =
-          std::hypot((truth.position_in_world.head<2>() - center).norm(), plan.height_m);
-      if (IsOnStrip(outlines, center) &&
-          depth_there * depth_there / plan.height_m / camera.MeanFocalPx() < kCoarsestSamplingM &&
-          IsShown(camera, camera_from_world, {center.x(), center.y(), height})) {
-        photo.shown_things.push_back(center);
-      }
-    }
+    photo.shown_things = scene.ShownThings(world_from_camera, second);
     photos.push_back(std::move(photo));
   }
   return photos;

@@ -1,4 +1,5 @@
 // freelsd-watch: watches stored strips in later passes over seeded worlds; tables of what it told.
+#include <cctype>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -26,8 +27,10 @@ struct Arguments {
 void Fly(const Arguments& arguments) {
   const Classifier classifier = Classifier::Parse(ReadTextFile(arguments.model));
   std::vector<WatchRow> all;
+  PoolOfRun pool;
   for (int i = 0; i < arguments.num_worlds; ++i) {
     const uint64_t seed = arguments.seed + static_cast<uint64_t>(i);
+    pool.Add("seed " + std::to_string(seed), EvaluationPools().OfSeed(seed));
     const auto rows = WatchWorld(seed, arguments.run, classifier);
     std::fprintf(
         stderr, "world %lu: %zu photographs\n", static_cast<unsigned long>(seed), rows.size());
@@ -49,8 +52,16 @@ void WatchFlights(const Arguments& arguments) {
 
 void Report(const Arguments& arguments) {
   std::vector<WatchRow> all;
+  PoolOfRun pool;
   for (const std::string& file : arguments.reported) {
     const auto rows = ReadRows(file);
+    for (const WatchRow& row : rows) {
+      const std::string source = row.pass.substr(0, row.pass.find('-'));
+      pool.Add(source + " in " + file,
+               std::isdigit(static_cast<unsigned char>(source[0])) != 0
+                   ? EvaluationPools().OfSeed(std::stoull(source))
+                   : EvaluationPools().Of("flight", source));
+    }
     all.insert(all.end(), rows.begin(), rows.end());
   }
   std::cout << WatchReport(all);

@@ -9,6 +9,7 @@
 #include "tests/evaluation/watch/second_pass.h"
 #include "tests/evaluation/watch/stored_ground.h"
 #include "tests/synthetic/noise.h"
+#include "tests/synthetic/truth.h"
 
 namespace freelsd {
 namespace {
@@ -19,16 +20,50 @@ constexpr double kMaxPlaceErrorM = 4.0;
 constexpr double kTiltDeg = 35.0;
 constexpr int kTiltPeriod = 3;
 
-std::vector<std::vector<Polygon>> StripsOf(const Evaluation& evaluation,
-                                           const Aircraft& aircraft,
-                                           int max_num_strips) {
-  std::vector<std::vector<Polygon>> strips;
+using Strip = std::vector<Polygon>;
+
+// Ground roll from a touchdown, as the planner has it.
+std::vector<Eigen::Vector3d> GroundRollFrom(const Eigen::Vector2d& touchdown,
+                                            double heading,
+                                            const Aircraft& aircraft) {
+  const Eigen::Vector2d forward = DirectionOf(heading);
+  const Eigen::Vector2d along = aircraft.ground_roll_m * forward;
+  const Eigen::Vector2d right =
+      aircraft.path_half_width_m * Eigen::Vector2d(forward.y(), -forward.x());
+  std::vector<Eigen::Vector3d> corners;
+  for (const Eigen::Vector2d& offset : {right,
+                                        Eigen::Vector2d(right + along),
+                                        Eigen::Vector2d(along - right),
+                                        Eigen::Vector2d(-right)}) {
+    corners.emplace_back(touchdown.x() + offset.x(), touchdown.y() + offset.y(), 0.0);
+  }
+  return corners;
+}
+
+// The engine's sites; where it accepts none, the touchdowns of the true fields that were seen.
+std::vector<Strip> StripsOf(const Evaluation& evaluation,
+                            const Scenario& scenario,
+                            int max_num_strips) {
+  const Aircraft& aircraft = scenario.aircraft;
+  std::vector<Strip> strips;
+  const auto is_full = [&] { return static_cast<int>(strips.size()) >= max_num_strips; };
   for (const Site& site : evaluation.sites) {
-    if (site.plan.verdict == Verdict::kRejected || !site.plan.approach) continue;
-    if (static_cast<int>(strips.size()) == max_num_strips) break;
+    if (site.plan.verdict == Verdict::kRejected || !site.plan.approach || is_full()) continue;
     strips.push_back(OutlinesOf(site.plan.touchdown_in_world.head<2>(),
                                 aircraft.touchdown_uncertainty_m,
                                 site.plan.approach->ground_roll_in_world));
+  }
+  if (!strips.empty()) return strips;
+  const double into_wind = HeadingOf(-scenario.world.wind_in_world);
+  for (const TrueField& field : JudgeFields(scenario.world, aircraft)) {
+    if (!field.touchdown || field.free_radius < aircraft.touchdown_uncertainty_m || is_full()) {
+      continue;
+    }
+    const auto cell = evaluation.map.grid.CellAt(*field.touchdown);
+    if (!cell || !evaluation.map.IsSeen(cell->y, cell->x)) continue;
+    strips.push_back(OutlinesOf(*field.touchdown,
+                                aircraft.touchdown_uncertainty_m,
+                                GroundRollFrom(*field.touchdown, into_wind, aircraft)));
   }
   return strips;
 }
@@ -118,7 +153,7 @@ std::vector<WatchRow> WatchWorld(uint64_t seed,
                                   classifier,
                                   [](double, const std::string&) { return true; });
   const Evaluation& evaluation = run.evaluation;
-  const auto strips = StripsOf(evaluation, scenario.aircraft, options.max_num_strips);
+  const auto strips = StripsOf(evaluation, scenario, options.max_num_strips);
   std::vector<WatchRow> rows;
   if (strips.empty()) return rows;
   std::map<std::string, cv::Mat> images;
