@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 
 #include <opencv2/imgproc.hpp>
 
@@ -15,19 +17,24 @@ constexpr double kLeastOwnContrast = 0.5;
 struct Blob {
   std::vector<cv::Point> pixels;
   int num_on_strip = 0;
+  // Something that is not shown lies beside it: nobody knows how far it reaches.
+  bool is_cut = false;
   // Largest on the strip.
   float deviations = 0.0f;
   double change = 0.0;
   double seen_contrast = 0.0;
 };
 
-// Connected pixels that changed. They may reach beyond the strip.
-std::vector<Blob> BlobsOf(const BandChange& band,
-                          const cv::Mat1b& is_compared,
-                          double grow_deviations,
-                          double least_change) {
+// Connected pixels whose change has this sign. They may reach beyond the strip.
+std::vector<Blob> BlobsOfSign(const BandChange& band,
+                              const StripChange& change,
+                              double grow_deviations,
+                              double least_change,
+                              float sign) {
   const cv::Mat1b is_changed =
-      (band.deviations >= grow_deviations) & (cv::abs(band.change) >= 0.5 * least_change);
+      (band.deviations >= grow_deviations) & (sign * band.change >= 0.5 * least_change);
+  cv::Mat1b is_inside;
+  cv::erode(change.is_shown, is_inside, cv::Mat());
   cv::Mat1i labels;
   const int num_labels = cv::connectedComponents(is_changed, labels, 8, CV_32S);
   std::vector<Blob> blobs(static_cast<size_t>(num_labels));
@@ -36,15 +43,27 @@ std::vector<Blob> BlobsOf(const BandChange& band,
       if (labels(row, col) == 0) continue;
       Blob& blob = blobs[static_cast<size_t>(labels(row, col))];
       blob.pixels.emplace_back(col, row);
+      blob.is_cut = blob.is_cut || is_inside(row, col) == 0;
       blob.change += band.change(row, col);
       blob.seen_contrast += band.seen_contrast(row, col);
-      if (is_compared(row, col) == 0) continue;
+      if (change.is_compared(row, col) == 0) continue;
       ++blob.num_on_strip;
       blob.deviations = std::max(blob.deviations, band.deviations(row, col));
     }
   }
   blobs.erase(blobs.begin());
   std::erase_if(blobs, [](const Blob& blob) { return blob.num_on_strip == 0; });
+  return blobs;
+}
+
+// A bright thing and its shadow are two blobs: as one, their changes would cancel out.
+std::vector<Blob> BlobsOf(const BandChange& band,
+                          const StripChange& change,
+                          double grow_deviations,
+                          double least_change) {
+  std::vector<Blob> blobs = BlobsOfSign(band, change, grow_deviations, least_change, 1.0f);
+  std::vector<Blob> lower = BlobsOfSign(band, change, grow_deviations, least_change, -1.0f);
+  std::move(lower.begin(), lower.end(), std::back_inserter(blobs));
   return blobs;
 }
 
@@ -74,8 +93,8 @@ void AddColored(const StripChange& change,
                 const StripGround& ground,
                 const WatchOptions& options,
                 NewThings& result) {
-  for (const Blob& blob : BlobsOf(
-           change.green, change.is_compared, options.grow_deviations, options.min_green_change)) {
+  for (const Blob& blob :
+       BlobsOf(change.green, change, options.grow_deviations, options.min_green_change)) {
     NewThing thing = ThingOf(blob, canvas, ground);
     if (thing.length_m > options.max_size_m) {
       result.num_changed_ground += blob.num_on_strip;
@@ -108,10 +127,11 @@ void AddShaded(const StripChange& change,
   BandChange shade = change.brightness;
   cv::magnitude(change.brightness.deviations, change.green.deviations, shade.deviations);
   for (const Blob& blob :
-       BlobsOf(shade, change.is_compared, options.grow_deviations, options.min_shade_change)) {
+       BlobsOf(shade, change, options.grow_deviations, options.min_shade_change)) {
     NewThing thing = ThingOf(blob, canvas, ground);
     const auto count = static_cast<double>(blob.pixels.size());
-    if (thing.length_m > options.max_size_m || thing.width_m > options.max_shade_width_m ||
+    if (blob.is_cut || thing.length_m > options.max_size_m ||
+        thing.width_m > options.max_shade_width_m ||
         blob.num_on_strip < options.min_shade_on_strip_ratio * count ||
         blob.deviations < options.min_deviations || thing.area_m2 < options.min_area_m2 ||
         !StandsOut(blob, options.min_shade_change)) {

@@ -70,7 +70,7 @@ struct WatchOptions {
   // change must lie on the strip.
   double min_shade_change = 0.1;
   double max_shade_width_m = 3.0;
-  double min_shade_on_strip_ratio = 0.7;
+  double min_shade_on_strip_ratio = 0.4;
   // Larger changes are those of the ground: that part of the strip is not compared.
   double max_size_m = 15.0;
 

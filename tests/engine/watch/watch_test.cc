@@ -79,6 +79,20 @@ TEST_CASE("watch: a person in dark clothes, and one in green ones with a shadow,
   CHECK((look.things[0].place_in_world.head<2>() - place).norm() < kMaxPlaceErrorM);
 }
 
+TEST_CASE(
+    "watch: on grey ground, where colours tell nothing, a pale thing with its shadow is found") {
+  const watched::Look grey = [](const Eigen::Vector2d& place) {
+    const double gain = Grass(place)[1] / 145.0;
+    return gain * cv::Vec3d(118.0, 122.0, 124.0);
+  };
+  const Eigen::Vector2d place(-6.0, 2.0);
+  const watched::Look shaded = With(grey, place + Eigen::Vector2d(1.3, 0.0), {1.3, 1.3}, kDark);
+  const StripLook look = LookAt(grey, With(shaded, place, {1.3, 1.3}, {215.0, 218.0, 215.0}));
+  REQUIRE(look.result == LookResult::kCompared);
+  REQUIRE(!look.things.empty());
+  CHECK((look.things[0].place_in_world.head<2>() - place).norm() < 1.3 + kMaxPlaceErrorM);
+}
+
 TEST_CASE("watch: what stands beside the strip is not on it") {
   CHECK(LookAt(Grass, With(Grass, {8.0, 9.0}, kCarSize, kSilver)).things.empty());
 }
