@@ -337,6 +337,7 @@ std::optional<StripRegistration> Refined(const Motion& coarse,
   }
   registration.correlation = sum / num_good;
   registration.error_m = pixel_m * std::sqrt(squares / num_good);
+  if (registration.error_m > options.max_registration_error_m) return std::nullopt;
   registration.displacement = Blended(motion, matches.good, options.block_m / pixel_m);
   return registration;
 }

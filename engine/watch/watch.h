@@ -43,6 +43,9 @@ struct WatchOptions {
   double min_match_correlation = 0.25;
   // Largest distance of a match from the common motion.
   double max_match_error_m = 0.5;
+  // Largest root mean square distance of the matches that agree from their common motion. Wrong
+  // registrations leave 0.2 to 0.35 m, right ones 0.02 to 0.12 m.
+  double max_registration_error_m = 0.2;
   // Details may be displaced by this after registration: errors of the map's heights, grass in the
   // wind. A colour counts as changed if it differs from all colours within this distance.
   double tolerance_m = 0.2;

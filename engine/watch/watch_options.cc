@@ -17,6 +17,7 @@ void WatchOptions::Check() const {
   check.Inside("min_match_ratio", min_match_ratio, 0.0, 1.0);
   check.Inside("min_match_correlation", min_match_correlation, 0.0, 1.0);
   check.Inside("max_match_error_m", max_match_error_m, 0.01, 10.0);
+  check.Inside("max_registration_error_m", max_registration_error_m, 0.01, 10.0);
   check.Inside("tolerance_m", tolerance_m, 0.0, 5.0);
   check.Inside("light_window_m", light_window_m, 1.0, 100.0);
   check.Inside("shade_window_m", shade_window_m, 1.0, 100.0);

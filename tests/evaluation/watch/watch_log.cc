@@ -83,7 +83,7 @@ std::array<double, 2> Interval(int part, int whole) {
   const double n = whole, p = part / n, z2 = kZ * kZ;
   const double middle = (p + z2 / (2 * n)) / (1 + z2 / n);
   const double half = kZ / (1 + z2 / n) * std::sqrt(p * (1 - p) / n + z2 / (4 * n * n));
-  return {middle - half, middle + half};
+  return {std::max(0.0, middle - half), std::min(1.0, middle + half)};
 }
 
 double PoissonUpTo(int count, double mean) {
