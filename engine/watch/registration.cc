@@ -158,6 +158,7 @@ std::vector<Motion> CoarseMotions(const StripCanvas& canvas,
     return a.first > b.first;
   });
   std::vector<Motion> motions;
+  motions.reserve(candidates.size());
   for (const auto& [correlation, motion] : candidates) motions.push_back(motion);
   return motions;
 }

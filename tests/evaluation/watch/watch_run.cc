@@ -102,8 +102,7 @@ std::vector<WatchRow> Watch(const std::string& name,
                             const WatchRunOptions& options) {
   std::vector<WatchRow> rows;
   StripWatch watch(options.watch);
-  int num_showing = 0, num_pictures = 0;
-  bool is_told = false;
+  int num_pictures = 0;
   for (size_t i = 0; i < photos.size(); ++i) {
     const PassPhoto& photo = photos[i];
     const StripLook look = LookAtStrip(strip, photo.photo, options.watch);
@@ -125,8 +124,6 @@ std::vector<WatchRow> Watch(const std::string& name,
                  false};
     row.is_told =
         report.status == StripStatus::kOccupied && NumFound(report.things, photo.shown_things) > 0;
-    num_showing += row.num_shown > 0;
-    is_told = is_told || row.is_told;
     const bool is_missed = row.num_shown > 0 && row.num_found == 0;
     const bool is_false =
         row.num_things > 0 && row.num_shown == 0 && plan.event == WatchEvent::kNone;
