@@ -156,9 +156,9 @@ std::vector<ColoredBlock> Walkers(WatchEvent event,
   std::vector<ColoredBlock> things;
   for (int i = 0; i < count; ++i) {
     const uint64_t own = MixSeed(seed, 7000 + static_cast<uint64_t>(i));
-    const cv::Vec3b\& coat =
+    const cv::Vec3b& coat =
         kCoats[static_cast<size_t>(Choose(own, 21, static_cast<int>(kCoats.size())))];
-    const cv::Vec3b\& cloth =
+    const cv::Vec3b& cloth =
         kClothes[static_cast<size_t>(Choose(own, 22, static_cast<int>(kClothes.size())))];
     things.push_back(
         Walking(is_herd ? MakeBlock(2.3, 0.75, 1.4, {coat}) : MakeBlock(0.5, 0.4, 1.75, {cloth}),
@@ -274,14 +274,14 @@ std::vector<ColoredBlock> ThingsAt(WatchEvent event,
     case WatchEvent::kNone:
       return {};
     case WatchEvent::kCar: {
-      const cv::Vec3b\& paint = kPaints[static_cast<size_t>(Choose(seed, 30, int(kPaints.size())))];
+      const cv::Vec3b& paint = kPaints[static_cast<size_t>(Choose(seed, 30, int(kPaints.size())))];
       return {Driving(MakeBlock(4.4, 1.8, 1.5, {paint, kGlass, paint, paint, kGlass, paint}),
                       strip,
                       seed,
                       seconds)};
     }
     case WatchEvent::kMachine: {
-      const cv::Vec3b\& paint =
+      const cv::Vec3b& paint =
           kMachines[static_cast<size_t>(Choose(seed, 31, int(kMachines.size())))];
       return {Driving(
           MakeBlock(4.6, 2.3, 2.8, {kTyre, kGlass, paint, paint, paint}), strip, seed, seconds)};
