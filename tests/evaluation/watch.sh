@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Watches stored strips in later passes, and prints the tables of decision 0035: events, hours without
+# Watches stored strips in later passes, and prints the tables of decision 0036: events, hours without
 # events, and the legs of recorded flights against each other.
 #
 #   tests/evaluation/watch.sh [--seed N] [--worlds N] [--log DIR] [--pictures DIR]
