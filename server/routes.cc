@@ -37,8 +37,8 @@ Scope ScopeOf(const Route& route) {
   const std::string_view path = route.path;
   if (path == "/healthz") return Scope::kNone;
   const std::string_view method = route.method;
-  const bool changes_nothing = method == "GET" || path == "/v1/emergency" ||
-                               path == "/v1/reach" || path == "/v1/routes/check";
+  const bool changes_nothing = method == "GET" || path == "/v1/emergency" || path == "/v1/reach" ||
+                               path == "/v1/routes/check";
   if (changes_nothing) return Scope::kRead;
   // Whoever may add obstacles could hide every site.
   if (method == "DELETE" || path.starts_with("/v1/obstacles")) return Scope::kAdmin;

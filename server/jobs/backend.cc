@@ -6,10 +6,10 @@
 
 #include "server/intake/intake.h"
 #include "server/jobs/evaluation.h"
-#include "server/jobs/replay/replay.h"
 #include "server/jobs/failure.h"
 #include "server/jobs/heap.h"
 #include "server/jobs/job_json.h"
+#include "server/jobs/replay/replay.h"
 #include "server/jobs/retention.h"
 #include "server/jobs/worker.h"
 

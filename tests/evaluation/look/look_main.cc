@@ -56,6 +56,7 @@ Json RunWorlds(const Arguments& arguments) {
   std::set<uint64_t> done;
   for (const Json& record : records) done.insert(record.at("seed").get<uint64_t>());
   const Classifier classifier = Classifier::Parse(ReadTextFile(ModelFileFor({})));
+  // Guards records and the file of the report.
   std::mutex mutex;
   DoAll(static_cast<size_t>(arguments.num_worlds), arguments.num_jobs, [&](size_t i) {
     const uint64_t seed = arguments.seed + i;
