@@ -233,7 +233,8 @@ void AddTouchdowns(const SquareKey& key,
       1, static_cast<int>(std::lround(options.place_extent_m / options.touchdown_spacing_m)));
   const Eigen::Vector2d corner = options.place_extent_m * Eigen::Vector2d(key.first, key.second);
   for (int i = 0; i < num_steps * num_steps; ++i) {
-    const Eigen::Vector2d step(i % num_steps + 0.5, i / num_steps + 0.5);
+    const int row = i / num_steps;
+    const Eigen::Vector2d step(i % num_steps + 0.5, row + 0.5);
     TryLandings(corner + options.place_extent_m / num_steps * step,
                 shapes,
                 request.aircraft,

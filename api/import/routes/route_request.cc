@@ -96,7 +96,7 @@ void ReadPoints(ObjectReader& reader, RouteRequest& request, std::optional<doubl
 }
 
 std::string ReadRouteDatum(const nlohmann::json& value) {
-  const std::string datum = ReadString(value, "/altitude_datum");
+  std::string datum = ReadString(value, "/altitude_datum");
   if (datum == "amsl" || datum == "ellipsoid" || datum == "unknown") return datum;
   throw InvalidValue("/altitude_datum", "must be amsl, ellipsoid or unknown");
 }

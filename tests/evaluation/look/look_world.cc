@@ -86,7 +86,7 @@ SyntheticLeg LookWorld::RandomLeg(int number) const {
                                  Uniform(seed, 3 * attempt + 1, area_.min.y(), area_.max.y()));
     const Eigen::Vector2d half =
         0.5 * options_.look_leg_m * DirectionOf(Uniform(seed, 3 * attempt + 2, 0.0, 2.0 * kPi));
-    const SyntheticLeg leg{middle - half, middle + half, options_.num_survey_legs + number};
+    SyntheticLeg leg{middle - half, middle + half, options_.num_survey_legs + number};
     if (area_.DistanceTo(leg.from) == 0.0 && area_.DistanceTo(leg.to) == 0.0) return leg;
   }
 }
