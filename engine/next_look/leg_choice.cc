@@ -91,6 +91,7 @@ std::vector<LegLine> Shortlist(const std::vector<LegLine>& legs,
   std::sort(ranked.begin(), ranked.end());
   ranked.resize(std::min(ranked.size(), static_cast<size_t>(options.num_shortlisted_legs)));
   std::vector<LegLine> shortlist;
+  shortlist.reserve(ranked.size());
   for (const auto& [claim, index] : ranked) shortlist.push_back(legs[index]);
   return shortlist;
 }
@@ -127,6 +128,7 @@ std::optional<ChosenLeg> BestLeg(const std::vector<LegLine>& legs,
                                  const LookFlight& flight,
                                  const NextLookOptions& options) {
   std::vector<double> values_now;
+  values_now.reserve(squares.size());
   for (const LandingSquare& square : squares) {
     values_now.push_back(square.ValueAt(ground.known, options));
   }

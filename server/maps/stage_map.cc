@@ -19,7 +19,7 @@ Tiles TilesOf(const MapRasters& rasters, int level, double cell_size_m) {
       MapRasters tile = UnseenRasters(GridOf({level, row, col}, cell_size_m));
       CopyCells(rasters, tile);
       std::string bytes = SerializeTile(tile);
-      if (!bytes.empty()) tiles.push_back({{level, row, col}, std::move(bytes)});
+      if (!bytes.empty()) tiles.push_back({{level, row, col}, bytes});
     }
   }
   return tiles;

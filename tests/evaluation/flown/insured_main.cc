@@ -37,8 +37,10 @@ Mosaic MosaicOf(const Arguments& arguments, uint64_t first_seed) {
   options.takes_photographs = false;
   options.aircraft = "small";
   for (int i = 0; i < arguments.side * arguments.side; ++i) {
-    options.east_m = (i % arguments.side - 0.5 * (arguments.side - 1)) * options.world_size_m;
-    options.north_m = (i / arguments.side - 0.5 * (arguments.side - 1)) * options.world_size_m;
+    const int row = i / arguments.side;
+    const int col = i % arguments.side;
+    options.east_m = (col - 0.5 * (arguments.side - 1)) * options.world_size_m;
+    options.north_m = (row - 0.5 * (arguments.side - 1)) * options.world_size_m;
     const uint64_t seed = first_seed + static_cast<uint64_t>(i);
     mosaic.Add(MakeScenario(seed, options, [](double) {}).world);
     std::cerr << "\rworld " << i + 1 << std::flush;
