@@ -94,6 +94,8 @@ export const paths = {
   obstacles: (bbox) => `/v1/obstacles${query({ bbox })}`,
   obstacle: (id) => `/v1/obstacles/${part(id)}`,
   routeCheck: '/v1/routes/check',
+  // options: {legs, f, home_altitude_m}
+  nextLook: (flight, options) => `/v1/flights/${part(flight)}/next-look${query(options)}`,
   newLook: (limit) => `/v1/sites${query({ order: 'new_look', limit })}`,
 };
 
@@ -118,6 +120,8 @@ export const getEmergency = (request, signal) => getJson(paths.emergency(request
 export const getReach = (request, signal) => getJson(paths.reach(request), { signal });
 export const getObstacles = (bbox, signal) => getJson(paths.obstacles(bbox), { signal });
 export const getNewLook = (limit) => getJson(paths.newLook(limit));
+// path: of paths.nextLook.
+export const getNextLook = (path, signal) => getJson(path, { signal });
 export const getOpenApi = () => getJson('/openapi.json');
 
 export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });

@@ -16,6 +16,7 @@ import { setKey } from './key.js';
 import { createLive } from './live.js';
 import { createMap } from './map.js';
 import { createNewLook } from './new_look.js';
+import { createNextLook } from './next_look.js';
 import { obstacleKey } from './obstacle_overlay.js';
 import { createObstacles } from './obstacles.js';
 import { marksOf, movedBy, siteWithPlan, sitesWithPlan } from './plan.js';
@@ -217,7 +218,7 @@ function showFlightMap(source, all) {
 }
 
 // A map that cannot be read must not stop the rest: what is drawn stays, and the next look repeats it.
-const lookAtMap = (event) => flightMap.look(event).catch(() => {});
+const lookAtMap = (event) => flightMap.look(event).then(() => { nextLook.look(); }).catch(() => {});
 
 async function openRegion({ properties }) {
   map.drawAnswer(null);
@@ -320,7 +321,7 @@ async function refresh() {
     drawFlightChoice();
     if (state.flight) await refreshFlight(state.flight);
     else await storedSites.look();
-    for (const part of [baseMap, reach, obstacles, newLook, route]) part.look();
+    for (const part of [baseMap, reach, obstacles, newLook, route, nextLook]) part.look();
     byId('connection').hidden = true;
   } catch (error) {
     byId('connection').hidden = false;
@@ -382,14 +383,17 @@ const obstacles = createObstacles(map, {
     map.drawObstacles(features, chosen);
     setKey('obstacles', obstacleKey(features), chosen.note);
   },
-  changed: () => { live.now(); reach.look(); },
+  changed: () => { live.now(); reach.look(); nextLook.forget(); },
 });
 const newLook = createNewLook({
   open: ({ flight_id, id }) => openSiteOf(flight_id, id), mark: map.drawNewLook, fit: map.fitFeatures, flightName,
 });
+const nameOf = (id) => siteName(id, rankOf(id), state.flights);
 const route = createRoute(map, {
-  flight: () => state.flightJson, wind: () => state.triedWind ?? state.site?.properties.wind ?? null,
-  nameOf: (id) => siteName(id, rankOf(id), state.flights), openSite,
+  flight: () => state.flightJson, wind: () => state.triedWind ?? state.site?.properties.wind ?? null, nameOf, openSite,
+});
+const nextLook = createNextLook(map, {
+  source: () => ({ flight: state.flight, map: flightMap.updatedAt, sites: state.sites.features }), nameOf, openSite,
 });
 api.whenUnauthorized(() => askToken(live.now));
 live.start();

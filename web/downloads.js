@@ -1,6 +1,6 @@
 // Buttons that export a site or a flight for other programs.
 
-import { getFile, paths, query } from './api.js';
+import { Problem, getFile, paths, query } from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { el } from './dom.js';
 import { words } from './units.js';
@@ -26,37 +26,48 @@ function save({ blob, name }) {
   setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 }
 
-// path: of a site, or of the sites of a flight. reportPath: of what the report is about.
-export function drawDownloads(path, reportPath, { id, altitude_datum }) {
+// A button that saves a file. path(): its address at the time of the click; check(): throws what is missing; failed(error):
+// after the message was shown.
+function fileButton({ title, reader, data, path, name, message, check = () => {}, failed = () => {} }) {
+  const button = el('button', { type: 'button', class: 'download', ...data, onclick: async () => {
+    message.hidden = true;
+    button.setAttribute('aria-busy', 'true');
+    try {
+      check();
+      save(await getFile(path(), name));
+    } catch (error) {
+      message.hidden = false;
+      message.textContent = error.status === 409 ? error.message : `${title}: ${error.message}`;
+      failed(error);
+    } finally {
+      button.removeAttribute('aria-busy');
+    }
+  } }, el('strong', {}, title), el('small', {}, reader));
+  return button;
+}
+
+const messageNode = () => el('p', { class: 'bad', role: 'alert', hidden: true });
+
+const homeInput = () => {
   const home = el('input', {
     type: 'number', step: '0.1', inputmode: 'decimal', class: 'short', value: sessionStorage.getItem(keptHome) ?? '',
     oninput: () => sessionStorage.setItem(keptHome, home.value),
   });
-  const message = el('p', { class: 'bad', role: 'alert', hidden: true });
+  return home;
+};
+const homeField = (home, datum) => el('label', { class: 'field' }, `Launch altitude (m, datum ${datum ?? 'of the flight'})`, home);
+const focusIfNeeded = (home) => ({ code }) => { if (code === 'AltitudeUnknown') home.focus(); };
+
+// path: of a site, or of the sites of a flight. reportPath: of what the report is about.
+export function drawDownloads(path, reportPath, { id, altitude_datum }) {
+  const home = homeInput();
+  const message = messageNode();
   const urlOf = (f) => (f === 'html' ? reportPath : path) + query({ f, home_altitude_m: needsHome.has(f) ? home.value : null });
-
-  async function download(f, button) {
-    message.hidden = true;
-    button.setAttribute('aria-busy', 'true');
-    try {
-      save(await getFile(urlOf(f), `${id}.${formats[f][2]}`));
-    } catch (error) {
-      message.hidden = false;
-      message.textContent = error.status === 409 ? error.message : `${formats[f][0]}: ${error.message}`;
-      if (error.code === 'AltitudeUnknown') home.focus();
-    } finally {
-      button.removeAttribute('aria-busy');
-    }
-  }
-
-  const buttons = Object.entries(formats).map(([f, [name, reader]]) => {
-    const button = el('button', { type: 'button', class: 'download', 'data-format': f, onclick: () => download(f, button) },
-      el('strong', {}, name), el('small', {}, reader));
-    return button;
-  });
+  const buttons = Object.entries(formats).map(([f, [title, reader, ending]]) => fileButton({
+    title, reader, data: { 'data-format': f }, path: () => urlOf(f), name: `${id}.${ending}`, message, failed: focusIfNeeded(home) }));
   return el('div', { class: 'downloads' },
     el('div', { class: 'download-grid' }, buttons),
-    el('label', { class: 'field' }, `Launch altitude (m, datum ${altitude_datum ?? 'of the flight'})`, home),
+    homeField(home, altitude_datum),
     el('p', { class: 'faint' }, 'Rally points require it. Plan and waypoints require it unless altitudes are above mean sea level.'),
     message,
     el('div', { class: 'card-foot' }, curlButton('a download', () => curlOf(urlOf('plan'), '-OJ'))));
@@ -64,29 +75,42 @@ export function drawDownloads(path, reportPath, { id, altitude_datum }) {
 
 const hasKmz = new Set(['photo', 'hazard']);
 
+// An unchanged box is not drawn again: it keeps the focus and its message. key: of what it shows.
+function isDrawn(box, key) {
+  const wanted = JSON.stringify(key);
+  const isSame = box.dataset.shown === wanted;
+  box.dataset.shown = wanted;
+  return isSame;
+}
+
 // Buttons for the files of a flight's map. layers: of its TileJSON.
 export function drawMapDownloads(box, flight, layers) {
-  const key = JSON.stringify([flight, layers.map(({ name }) => name)]);
-  if (box.dataset.shown === key) return;
-  box.dataset.shown = key;
-  const message = el('p', { class: 'bad', role: 'alert', hidden: true });
-  const button = (name, ending, reader) => {
-    const node = el('button', { type: 'button', class: 'download', 'data-file': `${name}.${ending}`, onclick: async () => {
-      message.hidden = true;
-      node.setAttribute('aria-busy', 'true');
-      try {
-        save(await getFile(paths.mapFile(flight, name, ending), `${flight}-${name}.${ending}`));
-      } catch (error) {
-        message.hidden = false;
-        message.textContent = `${words(name)}: ${error.message}`;
-      } finally {
-        node.removeAttribute('aria-busy');
-      }
-    } }, el('strong', {}, words(name)), el('small', {}, reader));
-    return node;
-  };
+  if (isDrawn(box, [flight, layers.map(({ name }) => name)])) return;
+  const message = messageNode();
+  const button = (name, ending, reader) => fileButton({ title: words(name), reader, data: { 'data-file': `${name}.${ending}` },
+    path: () => paths.mapFile(flight, name, ending), name: `${flight}-${name}.${ending}`, message });
   const files = layers.flatMap(({ name }) => [button(name, 'tif', 'GeoTIFF, for QGIS'),
     ...(hasKmz.has(name) ? [button(name, 'kmz', 'KMZ, for Google Earth')] : [])]);
   box.replaceChildren(el('div', { class: 'download-grid' }, files), message,
     el('div', { class: 'card-foot' }, curlButton('a file of the map', () => curlOf(paths.mapFile(flight, layers[0].name, 'tif'), '-OJ'))));
+}
+
+// Buttons for the files of the legs to fly next. legs: the number of them.
+export function drawLegDownloads(box, flight, { legs, altitude_datum }) {
+  if (isDrawn(box, [flight, legs, altitude_datum])) return;
+  const home = homeInput();
+  const message = messageNode();
+  const urlOf = (f) => paths.nextLook(flight, { legs, f, home_altitude_m: f === 'plan' ? home.value : null });
+  // The server would choose the legs before it refuses the plan.
+  const check = { plan() {
+    if (altitude_datum !== 'amsl' && home.value === '') throw new Problem(409, { code: 'AltitudeUnknown', detail: 'Enter the launch altitude.' });
+  } };
+  const button = (f, reader) => fileButton({ title: formats[f][0], reader, data: { 'data-format': f }, path: () => urlOf(f),
+    name: `${flight}-next-look.${formats[f][2]}`, message, check: check[f], failed: focusIfNeeded(home) });
+  box.replaceChildren(el('div', { class: 'download-grid' }, button('plan', 'QGroundControl, one survey per leg'), button('geojson', formats.geojson[1])),
+    homeField(home, altitude_datum),
+    el('p', { class: 'faint' }, altitude_datum === 'amsl' ? 'With it, the altitudes of the plan are above the place of launch; without it, above mean sea level.'
+      : 'The plan requires it, because the altitudes of this flight are not above mean sea level.'),
+    message,
+    el('div', { class: 'card-foot' }, curlButton('the plan', () => curlOf(urlOf('plan'), '-OJ'))));
 }

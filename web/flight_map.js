@@ -43,6 +43,8 @@ class FlightMap {
 
   get layers() { return this.#answer?.layers ?? []; }
   get isThere() { return this.layers.length > 0; }
+  // When it changed; null without a map.
+  get updatedAt() { return this.isThere ? this.#answer.updated_at : null; }
 
   follow(flight) {
     this.#flight = flight;

@@ -10,6 +10,7 @@ import { createDraftOverlay, createObstacleOverlay } from './obstacle_overlay.js
 import {
   createAnswer, createApproach, createArea, createBarb, createBearings, createMarks, createPicture, createRegions, createSites,
 } from './overlays.js';
+import { createNextLookOverlay } from './next_look_overlay.js';
 import { createReachOverlay } from './reach_overlay.js';
 import { createRouteOverlay } from './route_overlay.js';
 import { createTrack } from './track.js';
@@ -55,6 +56,7 @@ export function createMap(element, on) {
   const regions = createRegions(map);
   const approach = createApproach(map);
   const route = createRouteOverlay(map);
+  const nextLook = createNextLookOverlay(map);
   const sites = createSites(map, on.site);
   const marks = createMarks(map);
   const looks = createMarks(map);
@@ -103,6 +105,7 @@ export function createMap(element, on) {
     setOpacity: picture.setOpacity,
     ground,
     route,
+    nextLook,
     drawArea: area.draw,
     drawApproach(collection, options) {
       path = [collection, options];

@@ -12,6 +12,7 @@ export function offersOf({ paths = {} }) {
     flightMap: ofFlight('map'),
     flightWhy: ofFlight('why'),
     landing: ofFlight('landing'),
+    nextLook: ofFlight('next-look'),
     baseMap: '/v1/base-map' in paths,
     reach: '/v1/reach' in paths,
     reachLimit: hasParameter(paths['/v1/reach']?.get, 'limit'),

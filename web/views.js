@@ -2,14 +2,15 @@
 
 import { byId } from './dom.js';
 
-// Views without a tab of their own belong to the tab `sites`.
 const tabs = ['sites', 'flight', 'upload'];
+// The tab of a view without its own.
+const tabOf = (name) => (tabs.includes(name) ? name : name === 'next-look' ? 'flight' : 'sites');
 
 export const isVisible = (name) => !document.querySelector(`[data-view="${name}"]`).hidden;
 
 export function showView(name) {
   for (const view of document.querySelectorAll('[data-view]')) view.hidden = view.dataset.view !== name;
-  const tab = tabs.includes(name) ? name : 'sites';
+  const tab = tabOf(name);
   for (const button of document.querySelectorAll('[data-tab]')) {
     button.setAttribute('aria-selected', String(button.dataset.tab === tab));
   }
@@ -22,11 +23,18 @@ export function connectViews(on) {
   for (const tab of document.querySelectorAll('[data-tab]')) {
     tab.addEventListener('click', () => { showView(tab.dataset.tab); on.changed(); });
   }
-  for (const back of document.querySelectorAll('[data-back]')) back.addEventListener('click', on.back);
+  const back = (view) => {
+    if (tabOf(view) === 'sites') return on.back();
+    showView(tabOf(view));
+    return byId(`open-${view}`).focus({ preventScroll: true });
+  };
+  for (const button of document.querySelectorAll('[data-back]')) {
+    button.addEventListener('click', () => back(button.closest('[data-view]').dataset.view));
+  }
   // The browser closes an open dialog on Escape.
   addEventListener('keydown', (event) => {
     if (event.key !== 'Escape' || document.querySelector('dialog[open]') || on.escape()) return;
-    if (!document.querySelector('[data-tab="sites"][aria-selected="true"]') || isVisible('sites')) return;
-    on.back();
+    const shown = document.querySelector('[data-view]:not([hidden])').dataset.view;
+    if (!tabs.includes(shown)) back(shown);
   });
 }

@@ -69,3 +69,15 @@ export function sampleInsurance({ route, with_fixes = true }, siteId) {
     fixes: with_fixes && gap.length > 0 ? fixes : [], warnings: ['terrain on the way to a site is known only where stored maps cover it'],
   };
 }
+
+// An answer of next-look: legs to the north, one beside the other, with a stored site under the first. site: {id, verdict}.
+export const sampleLegs = (place, site, numLegs) => {
+  const at = ([longitude_deg, latitude_deg], expected_gain, stored = null) => ({ latitude_deg, longitude_deg, altitude_m: 450,
+    site_id: stored?.id ?? null, verdict: stored?.verdict ?? null, expected_gain });
+  const legs = Array.from({ length: numLegs }, (_, i) => feature({ kind: 'look', rank: i + 1, heading_deg: 0, altitude_m: 560.2, length_m: 300,
+    transit_m: 400 - 100 * i, expected_gain: 2.25 - i, places: [
+      ...(i === 0 ? [at(place, 0.25, site)] : []), at(offset(place, 200 * i + 60, 80), 1.25 - i), at(offset(place, 200 * i - 30, 40), 0.75)] },
+  { type: 'LineString', coordinates: [-150, 150].map((north_m) => [...offset(place, 200 * i, north_m), 560.2]) }));
+  return { ...collection(legs), flight_id: 'f', altitude_datum: 'amsl', landing_value: 0.5, expected_gain: legs.reduce((sum, { properties }) => sum + properties.expected_gain, 0),
+    height_above_ground_m: 110, photo_spacing_m: 26, photo_along_m: 100, photo_across_m: 160, turn_radius_m: 34 };
+};

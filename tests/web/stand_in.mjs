@@ -22,7 +22,7 @@ async function bodyOf(request) {
 }
 
 // The API description with and without the optional parts.
-function described(contract, { reach, obstacles, newLook, map, baseMap, landing, route }) {
+function described(contract, { reach, obstacles, newLook, map, baseMap, landing, route, legs }) {
   const set = (path, part) => {
     if (part === null) delete contract.paths[path];
     else if (part !== undefined) contract.paths[path] ??= { get: {} };
@@ -33,6 +33,7 @@ function described(contract, { reach, obstacles, newLook, map, baseMap, landing,
   set('/v1/flights/{flight}/landing', landing);
   set('/v1/base-map', baseMap);
   set('/v1/routes/check', route);
+  set('/v1/flights/{flight}/next-look', legs);
   const list = contract.paths['/v1/sites'].get;
   if (newLook !== undefined) list.parameters = list.parameters.filter(({ name }) => name !== 'order');
   if (newLook) list.parameters.push({ name: 'order', in: 'query' });
@@ -61,12 +62,13 @@ async function playObstacles(request, response, path, obstacles) {
 
 // Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
 // parameters), obstacles (an array of features), newLook (a collection), map (see sample_map.mjs; also `why`), landing (a collection, or a
-// text: the refusal), route (a function of the request's body; throws a text: the refusal), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
+// text: the refusal), route (a function of the request's body; throws a text: the refusal), legs (a function of the query's parameters of
+// next-look; throws {status, code, detail}: the refusal), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
 // server without this part. rewrite(path, json): changes an answer of the real server.
 export async function startStandIn(t, target, {
   token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
 } = {}) {
-  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [] }, routes: [] };
+  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [] }, routes: [], looks: [] };
   const to = new URL(target);
 
   async function playReach(request, response) {
@@ -112,9 +114,24 @@ export async function startStandIn(t, target, {
     }
   }
 
+  async function playLegs(request, response) {
+    const parameters = new URL(request.url, target).searchParams;
+    state.looks.push(Object.fromEntries(parameters));
+    await new Promise((resolve) => { setTimeout(resolve, 300); });
+    try {
+      answer(response, 200, parts.legs(parameters), kGeoJson);
+    } catch ({ status, ...refusal }) {
+      answer(response, status, { ...problem(status, ''), ...refusal });
+    }
+  }
+
   // Returns whether the optional part answered.
   function playPart(request, response, path) {
     if (playGround(request, response, path)) return true;
+    if (path.endsWith('/next-look') && parts.legs) {
+      playLegs(request, response);
+      return true;
+    }
     const isNewLook = path === '/v1/sites' && request.url.includes('order=new_look');
     const part = path === '/v1/reach' ? parts.reach : path.startsWith('/v1/obstacles') ? parts.obstacles
       : path === '/v1/routes/check' ? parts.route : isNewLook ? parts.newLook : undefined;
@@ -194,6 +211,7 @@ export async function startStandIn(t, target, {
     mostReach: () => state.mostReach,
     tiles: state.tiles,
     routes: state.routes,
+    looks: state.looks,
     emit(event, data) {
       for (const stream of state.streams) stream.write(`event: ${event}\ndata: ${JSON.stringify(data)}\n\n`);
     },

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "api/export/map/map_picture.h"
+#include "api/export/png.h"
 
 namespace freelsd {
 namespace {
