@@ -86,12 +86,11 @@ std::vector<Points> ReconstructSome(const AdjustedBlock& block,
 }  // namespace
 
 ElevationMap FuseMap(const AdjustedBlock& block,
-                     const Box& area,
+                     const Box& box,
                      const ImageSource& images,
                      const PipelineOptions& options,
                      const PairSource& points_of,
                      std::vector<StageReport>& reports) {
-  const Box box = area.Intersection(SeenArea(block));
   if (box.IsEmpty()) return {};
   ElevationMapBuilder builder(GridAround(box.min, box.max, options.terrain.cell_size_m),
                               options.terrain);
@@ -124,7 +123,7 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
   size_t num_done = 0;
   return FuseMap(
       block,
-      area,
+      area.Intersection(SeenArea(block)),
       images,
       options,
       [&](const AdjustedBlock& of_block, std::span<const StereoPair> pairs) {

@@ -22,9 +22,9 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
 // The points of each of some pairs of the block.
 using PairSource =
     std::function<std::vector<Points>(const AdjustedBlock& block, std::span<const StereoPair>)>;
-// The same with the points of pairs from elsewhere.
+// The same of the whole box, with the points of pairs from elsewhere.
 ElevationMap FuseMap(const AdjustedBlock& block,
-                     const Box& area,
+                     const Box& box,
                      const ImageSource& images,
                      const PipelineOptions& options,
                      const PairSource& points_of,

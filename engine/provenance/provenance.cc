@@ -59,25 +59,17 @@ double InformationOf(const StereoPair& pair,
 }  // namespace
 
 void ProvenanceOptions::Check() const {
-  const FieldCheck check("provenance");
-  check.Inside("context_m", context_m, 0.0, 1000.0);
-  check.Inside("beyond_hazard_m", beyond_hazard_m, 0.0, 1000.0);
-}
-
-double ProvenanceOptions::ContextFor(double hazard_distance_m) const {
-  return std::max(context_m, hazard_distance_m + beyond_hazard_m);
+  FieldCheck("provenance").Inside("context_m", context_m, 0.0, 1000.0);
 }
 
 Provenance ProvenanceOf(const Eigen::Vector3d& place_in_world,
                         const AdjustedBlock& block,
                         const std::vector<StereoPair>& pairs,
-                        double hazard_distance_m,
                         const ProvenanceOptions& options) {
   options.Check();
   std::map<size_t, SourceView> sources;
   std::set<size_t> around;
-  const std::vector<Eigen::Vector3d> disc =
-      DiscAround(place_in_world, options.ContextFor(hazard_distance_m));
+  const std::vector<Eigen::Vector3d> disc = DiscAround(place_in_world, options.context_m);
   for (size_t view = 0; view < block.views.size(); ++view) {
     if (!block.views[view].is_connected) continue;
     if (const auto pixel = PixelIn(block, view, place_in_world))

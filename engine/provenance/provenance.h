@@ -11,12 +11,10 @@
 namespace freelsd {
 
 struct ProvenanceOptions {
-  // The layers of a cell read the map and the photographs this far around it; its distance to the
-  // nearest hazard reads this far beyond that hazard.
-  double context_m = 60.0;
-  double beyond_hazard_m = 30.0;
+  // The layers of a cell read the map and the photographs this far around it. The distance to the
+  // nearest hazard is not one of them: it tells of another cell.
+  double context_m = 120.0;
 
-  double ContextFor(double hazard_distance_m) const;
   // Throws std::invalid_argument: "provenance.context_m = -1: must be in [0, 1000]".
   void Check() const;
 };
@@ -40,12 +38,11 @@ struct Provenance {
   std::vector<size_t> context;
 };
 
-// `hazard_distance_m`: of the place, as in HazardLayers. Connected views count. The same input
+// Connected views count. The same input
 // gives the same result.
 Provenance ProvenanceOf(const Eigen::Vector3d& place_in_world,
                         const AdjustedBlock& block,
                         const std::vector<StereoPair>& pairs,
-                        double hazard_distance_m,
                         const ProvenanceOptions& options);
 
 }  // namespace freelsd

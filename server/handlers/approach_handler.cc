@@ -161,14 +161,6 @@ std::optional<std::string> EvidenceDigestOf(const SiteRow& site) {
   return digest == properties.end() ? std::nullopt : std::optional(digest->get<std::string>());
 }
 
-// The value of the rule; 0 where it was not checked.
-double HazardDistanceOf(const PlaceJudgement& judgement) {
-  for (const PlaceRule& rule : judgement.rules) {
-    if (rule.name == "hazard_distance") return rule.value.value_or(0.0);
-  }
-  return 0.0;
-}
-
 // What a flight's map knows about the place.
 void AddEvidence(Service& service,
                  const KeptSite& site,
@@ -181,8 +173,7 @@ void AddEvidence(Service& service,
   answer["options"] = OptionsOfMapJson(map->head);
   answer["versions"] = VersionsOfMapJson(*map);
   if (!judgement.height) return;
-  answer["evidence"].update(CellEvidenceJson(
-      service, {*map, place_in_world, *judgement.height, HazardDistanceOf(judgement)}));
+  answer["evidence"].update(CellEvidenceJson(service, {*map, place_in_world, *judgement.height}));
 }
 
 // The answer for a place, judged on a site's map.

@@ -59,8 +59,8 @@ export function sampleInsurance({ route, with_fixes = true }, siteId) {
   const gap = samples.filter(({ covered }) => !covered);
   const higher = [...route.slice(0, -2), ...route.slice(-2).map((point) => ({ ...point, altitude_m: point.altitude_m + 50 }))];
   const fixes = [
-    { kind: 'climb', gap: 0, climb_m: 50, gaps_left_s: 0, sentence: 'fly 50 m higher there: 0 s of gaps are left', route: higher },
-    { kind: 'look', gap: 0, gaps_left_s: 12, sentence: 'photograph this ground first: with a strip there, 12 s of gaps are left', place: route.at(-1) }];
+    { kind: 'climb', gap: 0, climb_m: 50, gaps_left_s: 0, sentence: 'fly 50 m higher there: closes 60 of 60 s of gaps', route: higher },
+    { kind: 'look', gap: 0, gaps_left_s: 12, sentence: 'photograph this ground first: a strip there closes 48 of 60 s of gaps', place: route.at(-1) }];
   return {
     covered_ratio: 1 - gap.length / samples.length, time_s: samples.length, end: route.at(-1), samples,
     gaps: gap.length === 0 ? [] : [{ from_s: gap[0].time_s, to_s: samples.length, from: route.at(-2), to: route.at(-1), reason: 'too_low',

@@ -153,7 +153,9 @@ MapHead ParseMapHead(const std::string& text) {
   head.camera = ParseCamera(object.at("camera"), "/camera", CameraOrigin::kStored);
   for (const nlohmann::json& view : object.at("views")) head.views.push_back(ViewOf(view));
   for (const MapView& view : head.views) {
-    for (const size_t partner : view.partners) head.views.at(partner);
+    for (const size_t partner : view.partners) {
+      if (partner >= head.views.size()) throw std::runtime_error("stored map: an impossible pair");
+    }
   }
   head.program_version = object.value("program_version", "");
   head.model_sha256 = object.value("model_sha256", "");

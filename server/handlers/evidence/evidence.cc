@@ -128,10 +128,11 @@ nlohmann::json CueJson(const std::string& name, int8_t step) {
 // What denies grass first, then by size.
 nlohmann::json CuesJson(const MapRasters& around, const cv::Point& cell) {
   if (around.cues.empty()) return nullptr;
-  std::vector<std::pair<int, const CueLayer*>> order;
+  std::vector<std::pair<float, const CueLayer*>> order;
+  order.reserve(around.cues.size());
   for (const CueLayer& cue : around.cues) {
-    const int step = cue.steps(cell);
-    order.emplace_back(step == CueSteps::kUnknown ? 0 : -std::abs(step), &cue);
+    const auto step = static_cast<float>(cue.steps(cell));
+    order.emplace_back(step == CueSteps::kUnknown ? 0.0f : -std::abs(step), &cue);
   }
   std::stable_sort(
       order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -147,7 +148,7 @@ nlohmann::json CellEvidenceJson(Service& service, const CellOnMap& cell) {
   const AdjustedBlock block = BlockOf(head);
   const std::vector<StereoPair> pairs = PairsOf(head);
   const Eigen::Vector3d place(cell.place_in_world.x(), cell.place_in_world.y(), cell.height);
-  const Provenance provenance = ProvenanceOf(place, block, pairs, cell.hazard_distance_m, {});
+  const Provenance provenance = ProvenanceOf(place, block, pairs, {});
   nlohmann::json evidence{{"frames", nlohmann::json::array()},
                           {"patches", nlohmann::json::array()},
                           {"context_frames", nullptr}};

@@ -17,8 +17,6 @@ struct CellOnMap {
   const FlightMap& map;
   Eigen::Vector2d place_in_world;
   double height = 0.0;
-  // To the nearest hazard.
-  double hazard_distance_m = 0.0;
 };
 
 // `frames` that show the place; `patches`: where each shows it, with its weight and the address of

@@ -152,6 +152,10 @@ void GetNextLook(Service& service, const Call& call, httplib::Response& response
   const std::string format = LookFormatOf(call);
   const ExportOptions export_options = ExportOptionsOf(call);
   const auto maps = MapsToLookAt(service, call.Id("flight"));
+  const FlightMap& newest = *maps.front();
+  const FlightContext context{newest.row.flight_id, newest.row.altitude_datum, newest.local_frame};
+  // Refuses what it cannot write before the legs are chosen, which takes seconds.
+  if (format == "plan") LegsPlan({}, context, export_options);
   const KnownSites sites = KnownSitesOf(service, call.Id("flight"), maps.front()->local_frame);
   const WriterSlot slot(service.map_writers);
   // A long flight has several maps. The legs lie on the one where they promise most.
@@ -160,8 +164,6 @@ void GetNextLook(Service& service, const Call& call, httplib::Response& response
     NextLook look = LookOn(service, *map, sites.so_far, options);
     if (!best || look.expected_gain > best->expected_gain) best = std::move(look);
   }
-  const FlightMap& newest = *maps.front();
-  const FlightContext context{newest.row.flight_id, newest.row.altitude_datum, newest.local_frame};
   if (format == "plan") {
     const std::string plan = LegsPlan(*best, context, export_options);
     response.set_header("Content-Disposition",

@@ -1,7 +1,6 @@
 #include "server/recall/route/fixes.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -9,15 +8,6 @@
 
 namespace freelsd {
 namespace {
-
-constexpr std::array kClimbsM{25.0, 50.0, 75.0, 100.0, 150.0, 200.0, 300.0, 400.0, 600.0};
-// To either side.
-constexpr std::array kOffsetsM{100.0, 200.0, 300.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0};
-constexpr size_t kMaxNumGapsWithFixes = 6;
-// Moments looked at to compare changes none of which closes the gap.
-constexpr size_t kNumCompared = 24;
-// A gap of which more than this share is left counts as not helped.
-constexpr double kMaxLeftRatio = 0.5;
 
 struct Candidate {
   FixKind kind = FixKind::kClimb;
@@ -46,8 +36,11 @@ std::vector<size_t> FromMiddle(size_t size) {
 
 class FixSearch {
  public:
-  FixSearch(const RouteJudge& judge, const RouteRequest& request, const Insurance& insurance)
-      : judge_(judge), request_(request), insurance_(insurance) {}
+  FixSearch(const RouteJudge& judge,
+            const RouteRequest& request,
+            const Insurance& insurance,
+            const FixOptions& options)
+      : judge_(judge), request_(request), insurance_(insurance), options_(options) {}
 
   std::optional<RouteFix> Find(FixKind kind, size_t gap) const {
     const std::vector<Candidate> candidates = kind == FixKind::kClimb ? Climbs(gap) : Offsets(gap);
@@ -73,7 +66,7 @@ class FixSearch {
 
   std::vector<Candidate> Climbs(size_t gap) const {
     std::vector<Candidate> candidates;
-    for (const double climb_m : kClimbsM) {
+    for (const double climb_m : options_.climbs_m) {
       Candidate candidate{FixKind::kClimb, climb_m, ChangeAt(gap)};
       candidate.change.climb_m = climb_m;
       candidates.push_back(candidate);
@@ -86,7 +79,7 @@ class FixSearch {
     const size_t middle = (GapAt(gap).first + GapAt(gap).last) / 2;
     const double right = RadFromDeg(MomentAt(middle).heading_deg + 90.0);
     std::vector<Candidate> candidates;
-    for (const double offset_m : kOffsetsM) {
+    for (const double offset_m : options_.offsets_m) {
       for (const double sided_m : {offset_m, -offset_m}) {
         Candidate candidate{FixKind::kOffset, sided_m, ChangeAt(gap)};
         candidate.change.offset_m = sided_m * Eigen::Vector2d(std::sin(right), std::cos(right));
@@ -139,7 +132,7 @@ class FixSearch {
     const Candidate* best = nullptr;
     double least = 1.0;
     for (const Candidate& candidate : candidates) {
-      const double share = ShareLeft(candidate, kNumCompared);
+      const double share = ShareLeft(candidate, options_.num_compared);
       if (share >= least) continue;
       least = share;
       best = &candidate;
@@ -149,7 +142,7 @@ class FixSearch {
     const double period_s = judge_.options().moment_period_s;
     const auto gap_s = static_cast<double>(GapAt(gap).last - GapAt(gap).first + 1) * period_s;
     const double before_s = static_cast<double>(insurance_.NumUncovered()) * period_s;
-    if (fix.gaps_left_s > before_s - (1.0 - kMaxLeftRatio) * gap_s) return std::nullopt;
+    if (fix.gaps_left_s > before_s - (1.0 - options_.max_left_ratio) * gap_s) return std::nullopt;
     return fix;
   }
 
@@ -167,16 +160,17 @@ class FixSearch {
   const RouteJudge& judge_;
   const RouteRequest& request_;
   const Insurance& insurance_;
+  const FixOptions& options_;
 };
 
 // The longest first.
-std::vector<size_t> LongestGaps(const std::vector<RouteGap>& gaps) {
+std::vector<size_t> LongestGaps(const std::vector<RouteGap>& gaps, size_t max_num_gaps) {
   std::vector<size_t> order(gaps.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::stable_sort(order.begin(), order.end(), [&gaps](size_t a, size_t b) {
     return gaps[a].last - gaps[a].first > gaps[b].last - gaps[b].first;
   });
-  order.resize(std::min(order.size(), kMaxNumGapsWithFixes));
+  order.resize(std::min(order.size(), max_num_gaps));
   return order;
 }
 
@@ -197,9 +191,10 @@ const char* NameOf(FixKind kind) {
 FoundFixes FindFixes(const RouteJudge& judge,
                      const StoredSites& stored,
                      const RouteRequest& request,
-                     const Insurance& insurance) {
-  const FixSearch search(judge, request, insurance);
-  std::vector<size_t> gaps = LongestGaps(insurance.gaps);
+                     const Insurance& insurance,
+                     const FixOptions& options) {
+  const FixSearch search(judge, request, insurance, options);
+  std::vector<size_t> gaps = LongestGaps(insurance.gaps, options.max_num_gaps);
   std::sort(gaps.begin(), gaps.end());
   FoundFixes found;
   // What was found at the deadline counts moments that were not evaluated.

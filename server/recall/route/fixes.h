@@ -16,6 +16,18 @@ enum class FixKind {
 };
 const char* NameOf(FixKind kind);
 
+struct FixOptions {
+  // Tried from the least upwards; offsets to either side.
+  std::vector<double> climbs_m{25.0, 50.0, 75.0, 100.0, 150.0, 200.0, 300.0, 400.0, 600.0};
+  std::vector<double> offsets_m{100.0, 200.0, 300.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0};
+  // The longest gaps get fixes.
+  size_t max_num_gaps = 6;
+  // Moments looked at to compare changes none of which closes the gap.
+  size_t num_compared = 24;
+  // A gap of which more than this share is left counts as not helped.
+  double max_left_ratio = 0.5;
+};
+
 // A change that shortens one gap.
 struct RouteFix {
   FixKind kind = FixKind::kClimb;
@@ -39,12 +51,12 @@ struct FoundFixes {
   bool is_complete = true;
 };
 
-// Climbs and offsets are tried from the least upwards (kClimbsM, kOffsetsM); the first one that
-// closes the gap and opens no other is told. If none does, the one that leaves least is told,
-// unless it leaves more than half of the gap. Only the longest gaps get fixes.
+// The first climb and the first offset that close the gap and open no other are told. If none does,
+// the one that leaves least is told, unless it leaves more than max_left_ratio of the gap.
 FoundFixes FindFixes(const RouteJudge& judge,
                      const StoredSites& stored,
                      const RouteRequest& request,
-                     const Insurance& insurance);
+                     const Insurance& insurance,
+                     const FixOptions& options = {});
 
 }  // namespace freelsd

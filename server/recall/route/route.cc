@@ -95,10 +95,12 @@ nlohmann::json PointsJson(const std::vector<GeoPoint>& points) {
   return json;
 }
 
-nlohmann::json FixJson(const RouteFix& fix) {
+// `gaps_s`: of all gaps without the change.
+nlohmann::json FixJson(const RouteFix& fix, double gaps_s) {
   nlohmann::json json{
       {"kind", NameOf(fix.kind)}, {"gap", fix.gap}, {"gaps_left_s", fix.gaps_left_s}};
-  const std::string left = std::to_string(std::lround(fix.gaps_left_s)) + " s of gaps are left";
+  const std::string left = "closes " + std::to_string(std::lround(gaps_s - fix.gaps_left_s)) +
+                           " of " + std::to_string(std::lround(gaps_s)) + " s of gaps";
   const auto metres = [](double length_m) { return std::to_string(std::lround(length_m)) + " m"; };
   switch (fix.kind) {
     case FixKind::kClimb:
@@ -112,7 +114,7 @@ nlohmann::json FixJson(const RouteFix& fix) {
       break;
     case FixKind::kLook:
       json["place"] = GeoPointJson(*fix.place);
-      json["sentence"] = "photograph this ground first: with a strip there, " + left;
+      json["sentence"] = "photograph this ground first: a strip there " + left;
       break;
   }
   if (!fix.route.empty()) json["route"] = PointsJson(fix.route);
@@ -235,7 +237,9 @@ nlohmann::json CheckRoute(const StoredSites& stored, const RouteRequest& request
   }
   if (!request.has_fixes) return answer;
   const FoundFixes found = FindFixes(judge, stored, request, insurance);
-  for (const RouteFix& fix : found.fixes) answer["fixes"].push_back(FixJson(fix));
+  const double gaps_s =
+      static_cast<double>(insurance.NumUncovered()) * judge.options().moment_period_s;
+  for (const RouteFix& fix : found.fixes) answer["fixes"].push_back(FixJson(fix, gaps_s));
   if (!found.is_complete) answer["warnings"].push_back("there was no time to search all fixes");
   return answer;
 }

@@ -6,6 +6,9 @@
 namespace freelsd {
 namespace {
 
+// A multiple of half the sides of all squares in which cues are searched.
+constexpr double kLatticeM = 48.0;
+
 // The block as if the other photographs had never been taken; the poses are held.
 AdjustedBlock Restricted(const AdjustedBlock& whole, const std::vector<size_t>& views) {
   AdjustedBlock block = whole;
@@ -31,13 +34,15 @@ AdjustedBlock Restricted(const AdjustedBlock& whole, const std::vector<size_t>& 
 
 bool IsSame(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-std::vector<std::string> Different(const CellLayers& a, const CellLayers& b) {
-  std::vector<std::string> names;
+// Of `b`; NaN where it has none.
+CellLayers Different(const CellLayers& a, const CellLayers& b) {
+  CellLayers different;
   for (const auto& [name, value] : a) {
     const auto other = b.find(name);
-    if (other == b.end() || !IsSame(value, other->second)) names.push_back(name);
+    if (other == b.end()) different[name] = std::nan("");
+    if (other != b.end() && !IsSame(value, other->second)) different[name] = other->second;
   }
-  return names;
+  return different;
 }
 
 }  // namespace
@@ -93,15 +98,29 @@ std::vector<Points> CellProver::PointsOf(const AdjustedBlock& block,
   return all;
 }
 
+// The crop begins on the lattice on which squares of cues lie in the whole map.
+Box CellProver::CropAround(const Eigen::Vector2d& place_in_world, double context_m) const {
+  const Grid& grid = run_.evaluation.map.grid;
+  const Eigen::Vector2d corner = grid.north_west_in_world;
+  const auto snapped = [](double distance_m) {
+    return kLatticeM * std::floor(distance_m / kLatticeM);
+  };
+  const double west = snapped(place_in_world.x() - context_m - corner.x());
+  const double north = snapped(corner.y() - place_in_world.y() - context_m);
+  const Eigen::Vector2d extent = grid.cell_size_m * Eigen::Vector2d(grid.num_cols, grid.num_rows);
+  const Box whole{{corner.x(), corner.y() - extent.y()}, {corner.x() + extent.x(), corner.y()}};
+  return whole.Intersection({{corner.x() + west, place_in_world.y() - context_m},
+                             {place_in_world.x() + context_m, corner.y() - north}});
+}
+
 CellLayers CellProver::Again(const Eigen::Vector2d& place_in_world,
                              const std::vector<size_t>& views,
                              double context_m) {
   const AdjustedBlock block = Restricted(run_.evaluation.block, views);
-  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(context_m);
   std::vector<StageReport> reports;
   const ElevationMap map = FuseMap(
       block,
-      {place_in_world - reach, place_in_world + reach},
+      CropAround(place_in_world, context_m),
       images_,
       options_,
       [this](const AdjustedBlock& of_block, std::span<const StereoPair> pairs) {
@@ -123,21 +142,19 @@ CellProof CellProver::Prove(const cv::Point& cell, const ProvenanceOptions& prov
   proof.place_in_world = evaluation.map.grid.CellCenter(cell.y, cell.x);
   const Eigen::Vector3d place(
       proof.place_in_world.x(), proof.place_in_world.y(), evaluation.map.elevation(cell));
-  const double hazard_distance_m = evaluation.hazards.distance(cell);
-  const Provenance named =
-      ProvenanceOf(place, evaluation.block, pairs_, hazard_distance_m, provenance);
+  const Provenance named = ProvenanceOf(place, evaluation.block, pairs_, provenance);
   proof.num_sources = named.sources.size();
   proof.num_context = named.context.size();
-  const CellLayers whole =
+  proof.whole =
       LayersAt(evaluation.map, evaluation.hazards, evaluation.cues, evaluation.num_views, cell);
   std::vector<size_t> views = named.context;
   for (const SourceView& source : named.sources) views.push_back(source.view);
-  const double context_m = provenance.ContextFor(hazard_distance_m);
-  proof.changed = Different(whole, Again(proof.place_in_world, views, context_m));
+  const double context_m = provenance.context_m;
+  proof.changed = Different(proof.whole, Again(proof.place_in_world, views, context_m));
   if (named.sources.empty()) return proof;
   proof.largest_weight = named.sources.front().weight;
   std::erase(views, named.sources.front().view);
-  proof.changed_without = Different(whole, Again(proof.place_in_world, views, context_m));
+  proof.changed_without = Different(proof.whole, Again(proof.place_in_world, views, context_m));
   return proof;
 }
 

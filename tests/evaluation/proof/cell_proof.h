@@ -21,10 +21,11 @@ struct CellProof {
   Eigen::Vector2d place_in_world = Eigen::Vector2d::Zero();
   size_t num_sources = 0;
   size_t num_context = 0;
-  // Layers that differ from those of the whole map: by the named photographs, and without the most
-  // weighty one.
-  std::vector<std::string> changed;
-  std::vector<std::string> changed_without;
+  // The cell of the whole map, and the layers that differ from it, with their values: by the named
+  // photographs, and without the most weighty one.
+  CellLayers whole;
+  std::map<std::string, double> changed;
+  std::map<std::string, double> changed_without;
   // Of those that show it.
   double largest_weight = 0.0;
 };
@@ -42,6 +43,7 @@ class CellProver {
   CellProof Prove(const cv::Point& cell, const ProvenanceOptions& provenance);
 
  private:
+  Box CropAround(const Eigen::Vector2d& place_in_world, double context_m) const;
   CellLayers Again(const Eigen::Vector2d& place_in_world,
                    const std::vector<size_t>& views,
                    double context_m);

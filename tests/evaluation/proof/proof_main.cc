@@ -4,6 +4,7 @@
 #include <exception>
 #include <iostream>
 #include <random>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 
@@ -32,10 +33,13 @@ std::vector<cv::Point> FreeCells(const HazardLayers& hazards) {
   return cells;
 }
 
-std::string Joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text.empty() ? "nothing" : text;
+// "distance 41.2 instead of 43; "
+std::string Text(const CellLayers& changed, const CellLayers& whole) {
+  std::ostringstream text;
+  for (const auto& [name, value] : changed) {
+    text << name << " " << value << " instead of " << whole.at(name) << "; ";
+  }
+  return changed.empty() ? "nothing" : text.str();
 }
 
 // Cells proved, of them the same again, of them the same but for the distance to the nearest
@@ -53,13 +57,14 @@ struct Counts {
 void Count(const CellProof& proof, Counts& counts) {
   ++counts.num_cells;
   counts.num_same += proof.changed.empty();
-  counts.num_same_but_distance += std::all_of(proof.changed.begin(),
-                                              proof.changed.end(),
-                                              [](const auto& name) { return name == "distance"; });
+  counts.num_same_but_distance +=
+      std::all_of(proof.changed.begin(), proof.changed.end(), [](const auto& layer) {
+        return layer.first == "distance";
+      });
   counts.num_changed_without += !proof.changed_without.empty();
   counts.num_sources += proof.num_sources;
   counts.num_context += proof.num_context;
-  for (const std::string& name : proof.changed) ++counts.changed[name];
+  for (const auto& [name, value] : proof.changed) ++counts.changed[name];
 }
 
 void ProveWorld(const Arguments& arguments,
@@ -85,8 +90,9 @@ void ProveWorld(const Arguments& arguments,
     Count(proof, counts);
     if (proof.changed.empty() && !proof.changed_without.empty()) continue;
     std::cout << "world " << seed << ", cell " << cell << ", " << proof.num_sources << " + "
-              << proof.num_context << " photographs: changed by them " << Joined(proof.changed)
-              << "; without the most weighty " << Joined(proof.changed_without) << "\n";
+              << proof.num_context << " photographs: changed by them "
+              << Text(proof.changed, proof.whole) << "; without the most weighty "
+              << Text(proof.changed_without, proof.whole) << "\n";
   }
   std::cout << "world " << seed << ": " << counts.num_cells << " cells so far, " << counts.num_same
             << " the same again, " << counts.num_changed_without << " change without\n"

@@ -247,6 +247,31 @@ TEST_CASE("route check: a plan of QGroundControl is the same route") {
   CHECK(nlohmann::json::parse(result->body) == Check(*meadow.client, request));
 }
 
+TEST_CASE("route check: what is not said is taken from the flight that is named") {
+  const MeadowServer meadow(StoreAmslMeadow);
+  httplib::Client& client = *meadow.client;
+  const auto flight =
+      client.Post("/v1/flights",
+                  R"({"name":"x","altitude_datum":"amsl","aircraft":{"profile":"small"}})",
+                  "application/json");
+  REQUIRE(flight->status == 201);
+  nlohmann::json named = Request(500.0);
+  const nlohmann::json said = Check(client, named);
+  named.erase("altitude_datum");
+  const nlohmann::json unsaid = Check(client, named);
+  CHECK(unsaid["warnings"].size() == said["warnings"].size() + 1);
+  named["flight"] = nlohmann::json::parse(flight->body)["id"];
+  const nlohmann::json taken = Check(client, named);
+  CHECK(taken["warnings"] == said["warnings"]);
+  CHECK(taken["covered_ratio"] == said["covered_ratio"]);
+  named["flight"] = "f-none";
+  CheckProblem(Post(client, named), 404, "NoSuchFlight");
+  named["flight"] = 7;
+  const auto refused = Post(client, named);
+  CheckProblem(refused, 422, "InvalidValue");
+  CHECK(refused->body.find("/flight") != std::string::npos);
+}
+
 TEST_CASE("route check: GeoJSON colours the whole line") {
   const MeadowServer meadow(StoreAmslMeadow);
   const auto result = Post(*meadow.client, Request(500.0), "?f=geojson");
