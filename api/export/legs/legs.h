@@ -23,8 +23,11 @@ struct LookSiteName {
 nlohmann::json LegsJson(const NextLook& look,
                         const std::vector<LookSiteName>& sites,
                         const FlightContext& context);
-// One survey item per leg. Throws ApiError AltitudeUnknown if the altitudes are neither above mean
-// sea level nor can be told above home, and NothingToLookAt if there is no leg.
+// Throws ApiError AltitudeUnknown if the altitudes are neither above mean sea level nor can be told
+// above home.
+void RequireAltitudes(const FlightContext& context, const ExportOptions& options);
+// One survey item per leg. Throws as RequireAltitudes does, and ApiError NothingToLookAt if there
+// is no leg.
 std::string LegsPlan(const NextLook& look,
                      const FlightContext& context,
                      const ExportOptions& options);

@@ -142,17 +142,20 @@ LegsFile FileOf(const NextLook& look, const FlightContext& context, const Export
   if (look.legs.empty()) {
     throw ApiError("NothingToLookAt", "no leg is expected to turn a place landable");
   }
-  if (!options.home_altitude_m && context.altitude_datum != "amsl") {
-    throw ApiError("AltitudeUnknown",
-                   "the altitudes of the flight are not known to be above mean sea level: "
-                   "home_altitude_m is needed",
-                   {{"home_altitude_m", "is missing"}});
-  }
+  RequireAltitudes(context, options);
   return {
       look, context, options.home_altitude_m.value_or(0.0), options.home_altitude_m.has_value()};
 }
 
 }  // namespace
+
+void RequireAltitudes(const FlightContext& context, const ExportOptions& options) {
+  if (options.home_altitude_m || context.altitude_datum == "amsl") return;
+  throw ApiError("AltitudeUnknown",
+                 "the altitudes of the flight are not known to be above mean sea level: "
+                 "home_altitude_m is needed",
+                 {{"home_altitude_m", "is missing"}});
+}
 
 std::string LegsPlan(const NextLook& look,
                      const FlightContext& context,

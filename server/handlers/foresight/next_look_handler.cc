@@ -154,8 +154,8 @@ void GetNextLook(Service& service, const Call& call, httplib::Response& response
   const auto maps = MapsToLookAt(service, call.Id("flight"));
   const FlightMap& newest = *maps.front();
   const FlightContext context{newest.row.flight_id, newest.row.altitude_datum, newest.local_frame};
-  // Refuses what it cannot write before the legs are chosen, which takes seconds.
-  if (format == "plan") LegsPlan({}, context, export_options);
+  // Before the legs are chosen, which takes seconds.
+  if (format == "plan") RequireAltitudes(context, export_options);
   const KnownSites sites = KnownSitesOf(service, call.Id("flight"), maps.front()->local_frame);
   const WriterSlot slot(service.map_writers);
   // A long flight has several maps. The legs lie on the one where they promise most.
