@@ -176,6 +176,14 @@ std::vector<ChangeCandidate> CandidatesIn(const StripChange& change,
   return candidates;
 }
 
+bool StandsAlone(const ChangeCandidate& candidate, const WatchOptions& options) {
+  const auto band = static_cast<size_t>(candidate.band);
+  const double change = candidate.contrast[band];
+  return candidate.isolation >= options.min_isolation_ratio &&
+         candidate.own_contrast[band] * (change > 0.0 ? 1.0 : -1.0) >=
+             options.min_own_contrast_ratio * std::abs(change);
+}
+
 std::array<double, kNumCues> CuesOf(const ChangeCandidate& candidate) {
   const auto [brightness, green, red_blue] = candidate.contrast;
   const auto own = static_cast<size_t>(candidate.band);
@@ -202,20 +210,20 @@ std::array<double, kNumCues> CuesOf(const ChangeCandidate& candidate) {
 }
 
 double EvidenceOf(const ChangeCandidate& candidate) {
-  // Logistic regression, "freelsd-watch cues" and "fit" on tuning worlds 2003 and 2004.
-  constexpr std::array<double, kNumCues> kWeights{-8.595,
-                                                  1.358,
-                                                  3.637,
-                                                  1.941,
-                                                  6.715,
-                                                  12.298,
-                                                  -0.571,
-                                                  0.437,
+  // Logistic regression of "freelsd-watch fit" on tuning worlds 2003 to 2005, 571 photographs.
+  constexpr std::array<double, kNumCues> kWeights{-10.417,
+                                                  2.056,
+                                                  4.074,
+                                                  2.670,
+                                                  6.434,
+                                                  11.791,
+                                                  -1.204,
+                                                  0.689,
+                                                  -0.269,
+                                                  0.139,
                                                   -0.227,
-                                                  -0.305,
-                                                  0.063,
-                                                  2.308,
-                                                  -5.750};
+                                                  1.870,
+                                                  -6.014};
   const std::array<double, kNumCues> cues = CuesOf(candidate);
   double sum = 0.0;
   for (size_t i = 0; i < kNumCues; ++i) sum += kWeights[i] * cues[i];

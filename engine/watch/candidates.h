@@ -42,7 +42,11 @@ std::vector<ChangeCandidate> CandidatesIn(const StripChange& change,
                                           const StripCanvas& canvas,
                                           const WatchOptions& options);
 
-// Logarithm of the odds that a candidate is a thing.
+// Neither part of a larger shadow, nor the place of a thing that is gone: that stands out in the
+// stored picture and not in the photograph.
+bool StandsAlone(const ChangeCandidate& candidate, const WatchOptions& options);
+
+// Logarithm of the odds that a candidate that stands alone is a thing.
 double EvidenceOf(const ChangeCandidate& candidate);
 
 // What the evidence is a weighted sum of.

@@ -148,12 +148,12 @@ MotionSearch::MotionSearch(const StripCanvas& canvas,
   reach_px_ = static_cast<int>(std::ceil(options.max_offset_m / pixel_m));
 }
 
-std::vector<ScoredMotion> MotionSearch::WithTurn(double turn_deg) const {
+std::vector<ScoredMotion> MotionSearch::WithTurn(double turn_deg, double scale) const {
   const cv::Size size = patterns_.seen.size();
   const cv::Point2f middle(0.5f * static_cast<float>(size.width - 1),
                            0.5f * static_cast<float>(size.height - 1));
   // Of OpenCV: counter-clockwise as seen, from source to result.
-  const cv::Mat1d turn = cv::getRotationMatrix2D(middle, turn_deg, 1.0);
+  const cv::Mat1d turn = cv::getRotationMatrix2D(middle, turn_deg, scale);
   cv::Mat2f seen;
   cv::Mat1b is_seen;
   cv::warpAffine(patterns_.seen, seen, turn, size);

@@ -35,8 +35,9 @@ class MotionSearch {
  public:
   MotionSearch(const StripCanvas& canvas, const ProjectedPhoto& photo, const WatchOptions& options);
 
-  // Shifts up to max_offset_m after a turn about the middle of the picture, best first.
-  std::vector<ScoredMotion> WithTurn(double turn_deg) const;
+  // Shifts up to max_offset_m after the photograph is turned and scaled about the middle of the
+  // picture, best first.
+  std::vector<ScoredMotion> WithTurn(double turn_deg, double scale) const;
 
  private:
   Patterns patterns_;

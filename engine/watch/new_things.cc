@@ -33,16 +33,6 @@ NewThing ThingOf(const ChangeCandidate& candidate,
   return thing;
 }
 
-// Neither part of a larger shadow, nor the place of a thing that is gone: that stands out in the
-// stored picture and not in the photograph.
-bool StandsAlone(const ChangeCandidate& candidate, const WatchOptions& options) {
-  const auto band = static_cast<size_t>(candidate.band);
-  const double change = candidate.contrast[band];
-  return candidate.isolation >= options.min_isolation_ratio &&
-         candidate.own_contrast[band] * (change > 0.0 ? 1.0 : -1.0) >=
-             options.min_own_contrast_ratio * std::abs(change);
-}
-
 // One of the two is a part of the other, or its shadow.
 bool IsSame(const NewThing& a, const NewThing& b) {
   const double distance = (a.place_in_world - b.place_in_world).head<2>().norm();

@@ -219,6 +219,20 @@ std::optional<StripRegistration> Refined(const Motion& coarse,
   return registration;
 }
 
+// Degrees and ratios, the most likely ones first: small ones.
+std::vector<std::pair<double, double>> TurnsAndScales(const WatchOptions& options) {
+  std::vector<std::pair<double, double>> pairs;
+  for (const double scale :
+       {1.0, 1.0 - options.max_scale_error_ratio, 1.0 + options.max_scale_error_ratio}) {
+    pairs.emplace_back(0.0, scale);
+    for (double turn = kTurnStepDeg; turn <= options.max_turn_deg; turn += kTurnStepDeg) {
+      pairs.emplace_back(turn, scale);
+      pairs.emplace_back(-turn, scale);
+    }
+  }
+  return pairs;
+}
+
 }  // namespace
 
 std::optional<StripRegistration> Register(const WatchedPhoto& photo,
@@ -228,15 +242,9 @@ std::optional<StripRegistration> Register(const WatchedPhoto& photo,
   const ProjectedPhoto projected =
       Project(photo, ground, canvas, DisplacementOf(Motion::Identity()));
   const MotionSearch search(canvas, projected, options);
-  // Small turns are the most likely ones.
-  std::vector<double> turns_deg{0.0};
-  for (double turn = kTurnStepDeg; turn <= options.max_turn_deg; turn += kTurnStepDeg) {
-    turns_deg.push_back(turn);
-    turns_deg.push_back(-turn);
-  }
   std::vector<ScoredMotion> others;
-  for (const double turn_deg : turns_deg) {
-    const std::vector<ScoredMotion> motions = search.WithTurn(turn_deg);
+  for (const auto& [turn_deg, scale] : TurnsAndScales(options)) {
+    const std::vector<ScoredMotion> motions = search.WithTurn(turn_deg, scale);
     if (motions.empty()) continue;
     auto registration = Refined(motions.front().motion, photo, ground, canvas, options);
     if (registration) return registration;

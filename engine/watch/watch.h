@@ -31,9 +31,11 @@ struct WatchOptions {
 
   // --- Registration ---
   // Largest displacement of the photograph on the ground by the errors of its pose and of the map,
-  // and largest turn.
+  // largest turn, and largest share by which it appears too large or too small: errors of the
+  // height above ground.
   double max_offset_m = 12.0;
   double max_turn_deg = 5.0;
+  double max_scale_error_ratio = 0.04;
   // Squares of this side are matched one by one. The photograph is registered if at least
   // min_num_matches of them agree, and if they are at least min_match_ratio of all. A match needs
   // min_match_correlation. Of chance, less than 0.1 of all agree.
@@ -63,7 +65,7 @@ struct WatchOptions {
   double min_area_m2 = 0.1;
   // Shares of a change that the ground around it must not have, and that the photograph itself must
   // show.
-  double min_isolation_ratio = 0.3;
+  double min_isolation_ratio = 0.4;
   double min_own_contrast_ratio = 0.4;
   // Least logarithm of the odds that a change is a thing.
   double min_evidence = 0.0;
@@ -78,7 +80,7 @@ struct WatchOptions {
   double max_wait_s = 6.0;
   double max_speed_mps = 15.0;
   double place_error_m = 1.5;
-  double min_pair_evidence = 3.0;
+  double min_pair_evidence = 3.5;
 
   // Throws std::invalid_argument: "watch.context_m = -1: must be in [0, 100]".
   void Check() const;

@@ -12,6 +12,7 @@ void WatchOptions::Check() const {
   check.Inside("min_compared_ratio", min_compared_ratio, 0.0, 1.0);
   check.Inside("max_offset_m", max_offset_m, 0.5, 50.0);
   check.Inside("max_turn_deg", max_turn_deg, 0.0, 30.0);
+  check.Inside("max_scale_error_ratio", max_scale_error_ratio, 0.0, 0.1);
   check.Inside("block_m", block_m, 1.0, 50.0);
   check.Inside("min_num_matches", min_num_matches, 3.0, 1000.0);
   check.Inside("min_match_ratio", min_match_ratio, 0.0, 1.0);

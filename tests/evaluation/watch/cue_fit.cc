@@ -32,6 +32,7 @@ std::vector<CueSample> SamplesOfPhoto(const StripPicture& strip,
       ChangeOf(canvas, projected, ComparableGround(canvas, ground, photo, options), options);
   std::vector<CueSample> samples;
   for (const ChangeCandidate& candidate : CandidatesIn(change, canvas, options)) {
+    if (!StandsAlone(candidate, options)) continue;
     const Eigen::Vector2d place = canvas.PlaceAt(candidate.box.center.x, candidate.box.center.y);
     const bool is_thing =
         std::any_of(shot.shown_things.begin(), shot.shown_things.end(), [&](const auto& thing) {
