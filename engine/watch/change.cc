@@ -75,25 +75,28 @@ struct BandPair {
 constexpr float kNoiseLeft = 0.25f;
 
 BandChange ChangeOfBand(const BandPair& band,
-                        const cv::Mat1b& is_shown,
-                        const cv::Mat1b& is_compared,
-                        int side_px,
-                        int radius_px) {
+                        const StripChange& where,
+                        double pixel_m,
+                        const WatchOptions& options) {
   BandChange result;
-  const cv::Mat1f light = Surroundings(band.seen - band.stored, is_shown, side_px);
-  const cv::Mat1f like_stored = band.seen - light;
-  result.change = BeyondRange(like_stored, band.stored, radius_px);
-  const float common = RobustDeviation(like_stored - band.stored, is_compared);
+  const cv::Mat1f difference = band.seen - band.stored;
+  const cv::Mat1f light =
+      Surroundings(difference, where.is_shown, BoxSide(options.light_window_m / pixel_m));
+  result.change = difference;
+  const cv::Mat1f detail =
+      difference -
+      Surroundings(difference, where.is_shown, BoxSide(options.detail_window_m / pixel_m));
+  const float common = RobustDeviation(detail, where.is_compared);
   cv::Mat1f deviation;
   cv::sqrt(kNoiseLeft * (band.stored_noise.mul(band.stored_noise) +
                          band.seen_noise.mul(band.seen_noise)) +
                common * common,
            deviation);
-  result.deviations = cv::abs(result.change) / deviation;
-  result.change.setTo(0.0f, is_shown == 0);
-  result.deviations.setTo(0.0f, is_shown == 0);
-  result.stored_contrast = band.stored - Surroundings(band.stored, is_shown, side_px);
-  result.seen_contrast = band.seen - Surroundings(band.seen, is_shown, side_px);
+  const int radius_px = std::max(1, static_cast<int>(std::lround(options.tolerance_m / pixel_m)));
+  result.deviations = BeyondRange(band.seen - light, band.stored, radius_px) / deviation;
+  result.change.setTo(0.0f, where.is_shown == 0);
+  result.deviations.setTo(0.0f, where.is_shown == 0);
+  result.seen = band.seen;
   return result;
 }
 
@@ -109,19 +112,13 @@ StripChange ChangeOf(const StripCanvas& canvas,
   StripChange change;
   change.is_shown = canvas.is_shown & photo.is_shown & is_comparable;
   change.is_compared = change.is_shown & canvas.is_strip;
-  const int radius_px = std::max(1, static_cast<int>(std::lround(options.tolerance_m / pixel_m)));
-  change.green =
-      ChangeOfBand({stored.green_excess, seen.green_excess, stored.green_noise, seen.green_noise},
-                   change.is_shown,
-                   change.is_compared,
-                   BoxSide(options.light_window_m / pixel_m),
-                   radius_px);
-  change.brightness = ChangeOfBand(
-      {stored.brightness, seen.brightness, stored.brightness_noise, seen.brightness_noise},
-      change.is_shown,
-      change.is_compared,
-      BoxSide(options.shade_window_m / pixel_m),
-      radius_px);
+  const std::array<BandPair, kNumBands> pairs{
+      BandPair{stored.brightness, seen.brightness, stored.brightness_noise, seen.brightness_noise},
+      BandPair{stored.green_excess, seen.green_excess, stored.green_noise, seen.green_noise},
+      BandPair{stored.red_blue, seen.red_blue, stored.red_blue_noise, seen.red_blue_noise}};
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    change.bands[i] = ChangeOfBand(pairs[i], change, pixel_m, options);
+  }
   return change;
 }
 

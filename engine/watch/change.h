@@ -1,27 +1,35 @@
 // Where a registered photograph shows other ground than the stored picture, whatever the light.
 #pragma once
 
+#include <array>
+
 #include <opencv2/core.hpp>
 
 #include "engine/watch/strip_canvas.h"
 
 namespace freelsd {
 
-// Change of one band beyond that of the light.
+// Of LightBands.
+enum class Band { kBrightness, kGreenExcess, kRedBlue };
+constexpr int kNumBands = 3;
+
+// Natural logarithms.
 struct BandChange {
-  // Natural logarithm; 0 where the band has a value that the other picture has within tolerance_m.
+  // Of the photograph against the stored picture.
   cv::Mat1f change;
-  // The same in deviations of the changes on the strip.
+  // Change beyond that of the light, in deviations of the changes of details on the strip, with its
+  // sign; 0 where the other picture has that value within tolerance_m.
   cv::Mat1f deviations;
-  // Both pictures against their surroundings.
-  cv::Mat1f stored_contrast, seen_contrast;
+  // The photograph's band.
+  cv::Mat1f seen;
 };
 
 struct StripChange {
   // 255 where both pictures show the ground; and where that is the strip.
   cv::Mat1b is_shown, is_compared;
-  BandChange green;
-  BandChange brightness;
+  std::array<BandChange, kNumBands> bands;
+
+  const BandChange& Of(Band band) const { return bands[static_cast<size_t>(band)]; }
 };
 StripChange ChangeOf(const StripCanvas& canvas,
                      const ProjectedPhoto& photo,

@@ -9,8 +9,6 @@ namespace {
 
 // Keeps logarithms of black pixels finite, grey levels.
 constexpr float kDarkest = 4.0f;
-// Pattern fainter than this, in logarithms, is noise.
-constexpr float kFaintestPattern = 0.02f;
 // Pixels that stand out more than this count like this: one thing must not outweigh the ground.
 constexpr float kStrongestPattern = 2.5f;
 
@@ -39,7 +37,8 @@ LightBands BandsOf(const cv::Mat3f& picture, double noise_grey) {
                           &bands.green_excess,
                           &bands.red_blue,
                           &bands.brightness_noise,
-                          &bands.green_noise}) {
+                          &bands.green_noise,
+                          &bands.red_blue_noise}) {
     band->create(picture.size());
   }
   const float noise = static_cast<float>(noise_grey);
@@ -54,16 +53,17 @@ LightBands BandsOf(const cv::Mat3f& picture, double noise_grey) {
       bands.brightness_noise(row, col) = noise * std::sqrt(3.0f) / sum;
       const float b = 0.5f / color[0], g = 1.0f / color[1], r = 0.5f / color[2];
       bands.green_noise(row, col) = noise * std::sqrt(b * b + g * g + r * r);
+      bands.red_blue_noise(row, col) = 2.0f * noise * std::sqrt(b * b + r * r);
     }
   }
   return bands;
 }
 
-cv::Mat1f PatternOf(const cv::Mat1f& brightness, const cv::Mat1b& is_shown, int side_px) {
-  const cv::Mat1f offset = brightness - MaskedMean(brightness, is_shown, side_px);
+cv::Mat1f PatternOf(const cv::Mat1f& band, const cv::Mat1b& is_shown, int side_px, float faintest) {
+  const cv::Mat1f offset = band - MaskedMean(band, is_shown, side_px);
   const cv::Mat1f variance = MaskedMean(offset.mul(offset), is_shown, side_px);
   cv::Mat1f deviation;
-  cv::sqrt(variance + kFaintestPattern * kFaintestPattern, deviation);
+  cv::sqrt(variance + faintest * faintest, deviation);
   cv::Mat1f pattern = offset / deviation;
   pattern = cv::max(cv::min(pattern, kStrongestPattern), -kStrongestPattern);
   pattern.setTo(0.0f, is_shown == 0);

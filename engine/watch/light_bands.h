@@ -16,13 +16,13 @@ struct LightBands {
   cv::Mat1f green_excess;
   // Red against blue.
   cv::Mat1f red_blue;
-  // Deviations of the noise of brightness and green_excess.
-  cv::Mat1f brightness_noise, green_noise;
+  // Deviations of their noise.
+  cv::Mat1f brightness_noise, green_noise, red_blue_noise;
 };
 LightBands BandsOf(const cv::Mat3f& picture, double noise_grey);
 
-// Brightness against its surroundings, in deviations of the surroundings: the pattern of the ground
-// in any light. 0 where unknown.
-cv::Mat1f PatternOf(const cv::Mat1f& brightness, const cv::Mat1b& is_shown, int side_px);
+// A band against its surroundings, in deviations of the surroundings: the pattern of the ground in
+// any light. Patterns fainter than `faintest` remain faint. 0 where unknown.
+cv::Mat1f PatternOf(const cv::Mat1f& band, const cv::Mat1b& is_shown, int side_px, float faintest);
 
 }  // namespace freelsd

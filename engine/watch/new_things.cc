@@ -2,145 +2,65 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <utility>
 
 #include <opencv2/imgproc.hpp>
+
+#include "engine/watch/candidates.h"
 
 namespace freelsd {
 namespace {
 
-// A thing that was there before and is gone leaves a change too, but stands out in the stored
-// picture and not in the photograph.
-constexpr double kLeastOwnContrast = 0.5;
-
-struct Blob {
-  std::vector<cv::Point> pixels;
-  int num_on_strip = 0;
-  // Something that is not shown lies beside it: nobody knows how far it reaches.
-  bool is_cut = false;
-  // Largest on the strip.
-  float deviations = 0.0f;
-  double change = 0.0;
-  double seen_contrast = 0.0;
-};
-
-// Connected pixels whose change has this sign. They may reach beyond the strip.
-std::vector<Blob> BlobsOfSign(const BandChange& band,
-                              const StripChange& change,
-                              double grow_deviations,
-                              double least_change,
-                              float sign) {
-  const cv::Mat1b is_changed =
-      (band.deviations >= grow_deviations) & (sign * band.change >= 0.5 * least_change);
-  cv::Mat1b is_inside;
-  cv::erode(change.is_shown, is_inside, cv::Mat());
-  cv::Mat1i labels;
-  const int num_labels = cv::connectedComponents(is_changed, labels, 8, CV_32S);
-  std::vector<Blob> blobs(static_cast<size_t>(num_labels));
-  for (int row = 0; row < labels.rows; ++row) {
-    for (int col = 0; col < labels.cols; ++col) {
-      if (labels(row, col) == 0) continue;
-      Blob& blob = blobs[static_cast<size_t>(labels(row, col))];
-      blob.pixels.emplace_back(col, row);
-      blob.is_cut = blob.is_cut || is_inside(row, col) == 0;
-      blob.change += band.change(row, col);
-      blob.seen_contrast += band.seen_contrast(row, col);
-      if (change.is_compared(row, col) == 0) continue;
-      ++blob.num_on_strip;
-      blob.deviations = std::max(blob.deviations, band.deviations(row, col));
-    }
-  }
-  blobs.erase(blobs.begin());
-  std::erase_if(blobs, [](const Blob& blob) { return blob.num_on_strip == 0; });
-  return blobs;
+bool IsOfOtherColor(const ChangeCandidate& candidate) {
+  // Changes of the light are smaller.
+  constexpr double kLeastGreen = 0.06, kLeastRedBlue = 0.3;
+  return std::abs(candidate.contrast[static_cast<size_t>(Band::kGreenExcess)]) >= kLeastGreen ||
+         std::abs(candidate.contrast[static_cast<size_t>(Band::kRedBlue)]) >= kLeastRedBlue;
 }
 
-// A bright thing and its shadow are two blobs: as one, their changes would cancel out.
-std::vector<Blob> BlobsOf(const BandChange& band,
-                          const StripChange& change,
-                          double grow_deviations,
-                          double least_change) {
-  std::vector<Blob> blobs = BlobsOfSign(band, change, grow_deviations, least_change, 1.0f);
-  std::vector<Blob> lower = BlobsOfSign(band, change, grow_deviations, least_change, -1.0f);
-  std::move(lower.begin(), lower.end(), std::back_inserter(blobs));
-  return blobs;
-}
-
-NewThing ThingOf(const Blob& blob, const StripCanvas& canvas, const StripGround& ground) {
-  const double pixel_m = canvas.grid.cell_size_m;
-  const cv::RotatedRect box = cv::minAreaRect(blob.pixels);
+NewThing ThingOf(const ChangeCandidate& candidate,
+                 double evidence,
+                 const StripCanvas& canvas,
+                 const StripGround& ground) {
   NewThing thing;
-  const Eigen::Vector2d place = canvas.PlaceAt(box.center.x, box.center.y);
+  thing.cue = IsOfOtherColor(candidate) ? WatchCue::kColor : WatchCue::kShade;
+  const Eigen::Vector2d place = canvas.PlaceAt(candidate.box.center.x, candidate.box.center.y);
   thing.place_in_world << place, ground.HeightAt(place);
-  thing.length_m = pixel_m * (std::max(box.size.width, box.size.height) + 1.0);
-  thing.width_m = pixel_m * (std::min(box.size.width, box.size.height) + 1.0);
-  thing.area_m2 = pixel_m * pixel_m * static_cast<double>(blob.pixels.size());
-  thing.deviations = blob.deviations;
+  thing.length_m = candidate.length_m;
+  thing.width_m = candidate.width_m;
+  thing.area_m2 = candidate.area_m2;
+  thing.deviations = candidate.deviations;
+  thing.evidence = evidence;
   return thing;
 }
 
-bool StandsOut(const Blob& blob, double least_change) {
-  const double size = std::abs(blob.change);
-  const double own = blob.change > 0.0 ? blob.seen_contrast : -blob.seen_contrast;
-  return size >= least_change * static_cast<double>(blob.pixels.size()) &&
-         own >= kLeastOwnContrast * size;
+// One of the two is a part of the other, or its shadow.
+bool IsSame(const NewThing& a, const NewThing& b) {
+  const double distance = (a.place_in_world - b.place_in_world).head<2>().norm();
+  return distance <= 0.5 * (a.length_m + b.length_m);
 }
 
-// Other colours.
-void AddColored(const StripChange& change,
-                const StripCanvas& canvas,
-                const StripGround& ground,
-                const WatchOptions& options,
-                NewThings& result) {
-  for (const Blob& blob :
-       BlobsOf(change.green, change, options.grow_deviations, options.min_green_change)) {
-    NewThing thing = ThingOf(blob, canvas, ground);
-    if (thing.length_m > options.max_size_m) {
-      result.num_changed_ground += blob.num_on_strip;
-      continue;
+// Pixels of the strip whose colours changed over more than the size of a thing.
+int NumChangedGround(const StripChange& change,
+                     const StripCanvas& canvas,
+                     const WatchOptions& options) {
+  const cv::Mat1f& deviations = change.Of(Band::kGreenExcess).deviations;
+  const double most_px = options.max_size_m / canvas.grid.cell_size_m;
+  int num_changed = 0;
+  for (const float sign : {1.0f, -1.0f}) {
+    cv::Mat1i labels, stats;
+    cv::Mat1d centers;
+    const cv::Mat1b is_changed = sign * deviations >= options.grow_deviations;
+    const int count = cv::connectedComponentsWithStats(is_changed, labels, stats, centers, 8);
+    for (int i = 1; i < count; ++i) {
+      const cv::Rect box(stats(i, cv::CC_STAT_LEFT),
+                         stats(i, cv::CC_STAT_TOP),
+                         stats(i, cv::CC_STAT_WIDTH),
+                         stats(i, cv::CC_STAT_HEIGHT));
+      if (std::max(box.width, box.height) <= most_px) continue;
+      num_changed += cv::countNonZero((labels(box) == i) & change.is_compared(box));
     }
-    if (blob.deviations < options.min_deviations || thing.area_m2 < options.min_area_m2 ||
-        !StandsOut(blob, options.min_green_change)) {
-      continue;
-    }
-    thing.cue = WatchCue::kColor;
-    result.things.push_back(thing);
   }
-}
-
-// A thing of another colour is darker or brighter too.
-bool IsPartOf(const NewThing& part, const std::vector<NewThing>& things) {
-  return std::any_of(things.begin(), things.end(), [&](const NewThing& thing) {
-    const double distance = (part.place_in_world - thing.place_in_world).head<2>().norm();
-    return thing.cue == WatchCue::kColor && distance <= 0.5 * (part.length_m + thing.length_m);
-  });
-}
-
-// Darker or brighter, and narrow: a person, or a shadow that begins on the strip. Shadows of trees
-// and clouds are wider, or come from beside the strip.
-void AddShaded(const StripChange& change,
-               const StripCanvas& canvas,
-               const StripGround& ground,
-               const WatchOptions& options,
-               NewThings& result) {
-  BandChange shade = change.brightness;
-  cv::magnitude(change.brightness.deviations, change.green.deviations, shade.deviations);
-  for (const Blob& blob :
-       BlobsOf(shade, change, options.grow_deviations, options.min_shade_change)) {
-    NewThing thing = ThingOf(blob, canvas, ground);
-    const auto count = static_cast<double>(blob.pixels.size());
-    if (blob.is_cut || thing.length_m > options.max_size_m ||
-        thing.width_m > options.max_shade_width_m ||
-        blob.num_on_strip < options.min_shade_on_strip_ratio * count ||
-        blob.deviations < options.min_deviations || thing.area_m2 < options.min_area_m2 ||
-        !StandsOut(blob, options.min_shade_change)) {
-      continue;
-    }
-    if (IsPartOf(thing, result.things)) continue;
-    thing.cue = WatchCue::kShade;
-    result.things.push_back(thing);
-  }
+  return num_changed;
 }
 
 }  // namespace
@@ -150,12 +70,22 @@ NewThings ThingsIn(const StripChange& change,
                    const StripGround& ground,
                    const WatchOptions& options) {
   NewThings result;
-  AddColored(change, canvas, ground, options, result);
-  AddShaded(change, canvas, ground, options, result);
-  std::stable_sort(
-      result.things.begin(), result.things.end(), [](const NewThing& a, const NewThing& b) {
-        return a.deviations > b.deviations;
-      });
+  result.num_changed_ground = NumChangedGround(change, canvas, options);
+  std::vector<NewThing> things;
+  for (const ChangeCandidate& candidate : CandidatesIn(change, canvas, options)) {
+    const double evidence = EvidenceOf(candidate);
+    if (evidence < options.min_evidence || !StandsAlone(candidate, options)) continue;
+    things.push_back(ThingOf(candidate, evidence, canvas, ground));
+  }
+  std::stable_sort(things.begin(), things.end(), [](const NewThing& a, const NewThing& b) {
+    return a.evidence > b.evidence;
+  });
+  for (const NewThing& thing : things) {
+    const bool is_known = std::any_of(result.things.begin(),
+                                      result.things.end(),
+                                      [&](const NewThing& other) { return IsSame(thing, other); });
+    if (!is_known) result.things.push_back(thing);
+  }
   return result;
 }
 

@@ -9,158 +9,31 @@
 #include <opencv2/imgproc.hpp>
 
 #include "engine/geometry/geometry.h"
-#include "engine/watch/light_bands.h"
+#include "engine/watch/motion_search.h"
 
 namespace freelsd {
 namespace {
 
-// Pixels of the search over the whole picture, and of the search block by block.
-constexpr double kCoarsePixelM = 0.3;
+// Pixel of the search block by block.
 constexpr double kBlockPixelM = 0.2;
-// Surroundings against which brightness becomes pattern.
-constexpr double kPatternWindowM = 3.0;
-constexpr double kPatternSmoothingPx = 0.7;
 constexpr double kTurnStepDeg = 1.5;
 // How far blocks are searched after the coarse search, and after the first fit.
 constexpr double kFirstReachM = 1.8;
 constexpr double kSecondReachM = 0.7;
+// Matches may lie so much farther from the motion before it is refined.
+constexpr double kFirstErrorRatio = 1.7;
 // Blocks overlap by half.
 constexpr double kBlockStepRatio = 0.5;
 constexpr double kLeastShownRatio = 0.7;
 // A fit needs matches all around the strip.
 constexpr int kMinNumFitted = 6;
-// Of the coarse motions, the most similar one may be wrong.
-constexpr size_t kMaxNumTrials = 6;
-
-using Motion = Eigen::Matrix<double, 2, 3>;
-
-Motion NoMotion() { return Motion::Identity(); }
+// Of each turn, the most similar shift may be wrong. So many others are tried.
+constexpr size_t kMaxNumOthers = 6;
 
 Displacement DisplacementOf(const Motion& motion) {
   return [motion](double col, double row) -> Eigen::Vector2d {
     return motion * Eigen::Vector3d(col, row, 1.0) - Eigen::Vector2d(col, row);
   };
-}
-
-// Two pictures' patterns at a coarser pixel.
-struct Patterns {
-  cv::Mat1f stored, seen;
-  cv::Mat1b is_stored, is_seen;
-  // Of the canvas to these pixels.
-  double scale = 1.0;
-};
-
-cv::Mat1f BrightnessOf(const cv::Mat3f& picture, const cv::Size& size) {
-  cv::Mat3f reduced;
-  cv::resize(picture, reduced, size, 0.0, 0.0, cv::INTER_AREA);
-  // In the dark, the pattern of grass is hardly stronger than the noise of single pixels.
-  cv::GaussianBlur(reduced, reduced, {}, kPatternSmoothingPx);
-  return BandsOf(reduced, 1.0).brightness;
-}
-
-cv::Mat1b ReducedMask(const cv::Mat1b& mask, const cv::Size& size) {
-  cv::Mat1b reduced;
-  cv::resize(mask, reduced, size, 0.0, 0.0, cv::INTER_AREA);
-  return reduced == 255;
-}
-
-Patterns PatternsOf(const StripCanvas& canvas, const ProjectedPhoto& photo, double pixel_m) {
-  const double factor = std::max(1.0, std::round(pixel_m / canvas.grid.cell_size_m));
-  const cv::Size size(std::max(1, static_cast<int>(canvas.picture.cols / factor)),
-                      std::max(1, static_cast<int>(canvas.picture.rows / factor)));
-  Patterns patterns;
-  patterns.scale = static_cast<double>(size.width) / canvas.picture.cols;
-  const int side_px = BoxSide(kPatternWindowM / (canvas.grid.cell_size_m / patterns.scale));
-  patterns.is_stored = ReducedMask(canvas.is_shown, size);
-  patterns.is_seen = ReducedMask(photo.is_shown, size);
-  patterns.stored = PatternOf(BrightnessOf(canvas.picture, size), patterns.is_stored, side_px);
-  patterns.seen = PatternOf(BrightnessOf(photo.picture, size), patterns.is_seen, side_px);
-  return patterns;
-}
-
-struct BestShift {
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
-  double correlation = -1.0;
-};
-
-cv::Mat1f Correlated(const cv::Mat1f& image, const cv::Mat1f& pattern) {
-  cv::Mat1f result;
-  cv::matchTemplate(image, pattern, result, cv::TM_CCORR);
-  return result;
-}
-
-// Shift of `seen` against `stored` up to `reach_px` with the largest correlation.
-BestShift SearchShift(const cv::Mat1f& stored,
-                      const cv::Mat1f& seen,
-                      const cv::Mat1b& is_seen,
-                      int reach_px) {
-  cv::Mat1f padded, weight, stored_weight = cv::Mat1f(stored.size());
-  cv::Mat1f seen_weight;
-  is_seen.convertTo(seen_weight, CV_32F, 1.0 / 255.0);
-  const auto pad = [&](const cv::Mat1f& from, cv::Mat1f& to) {
-    cv::copyMakeBorder(from, to, reach_px, reach_px, reach_px, reach_px, cv::BORDER_CONSTANT, 0.0);
-  };
-  pad(seen, padded);
-  pad(seen_weight, weight);
-  cv::Mat1b(stored != 0.0f).convertTo(stored_weight, CV_32F, 1.0 / 255.0);
-  const cv::Mat1f product = Correlated(padded, stored);
-  const cv::Mat1f stored_energy = Correlated(weight, stored.mul(stored));
-  const cv::Mat1f seen_energy = Correlated(padded.mul(padded), stored_weight);
-  // Where the pictures hardly overlap, chance would win.
-  const double least = 0.25 * cv::sum(stored.mul(stored))[0];
-  BestShift best;
-  for (int row = 0; row < product.rows; ++row) {
-    for (int col = 0; col < product.cols; ++col) {
-      if (stored_energy(row, col) < least || seen_energy(row, col) < least * 0.1) continue;
-      const double correlation =
-          product(row, col) / std::sqrt(double(stored_energy(row, col)) * seen_energy(row, col));
-      if (correlation <= best.correlation) continue;
-      best = {Eigen::Vector2d(col - reach_px, row - reach_px), correlation};
-    }
-  }
-  return best;
-}
-
-// Turns about the middle of the picture and shifts, in pixels of the canvas; the most similar
-// first.
-std::vector<Motion> CoarseMotions(const StripCanvas& canvas,
-                                  const ProjectedPhoto& photo,
-                                  const WatchOptions& options) {
-  const Patterns patterns = PatternsOf(canvas, photo, kCoarsePixelM);
-  const double pixel_m = canvas.grid.cell_size_m / patterns.scale;
-  const int reach_px = static_cast<int>(std::ceil(options.max_offset_m / pixel_m));
-  const cv::Point2f middle(0.5f * static_cast<float>(patterns.seen.cols - 1),
-                           0.5f * static_cast<float>(patterns.seen.rows - 1));
-  const int num_turns = static_cast<int>(options.max_turn_deg / kTurnStepDeg);
-  std::vector<std::pair<double, Motion>> candidates;
-  for (int i = -num_turns; i <= num_turns; ++i) {
-    // Of OpenCV: counter-clockwise as seen, from source to result.
-    const cv::Mat1d turn = cv::getRotationMatrix2D(middle, i * kTurnStepDeg, 1.0);
-    cv::Mat1f seen;
-    cv::Mat1b is_seen;
-    cv::warpAffine(patterns.seen, seen, turn, patterns.seen.size());
-    cv::warpAffine(patterns.is_seen, is_seen, turn, patterns.seen.size(), cv::INTER_NEAREST);
-    const BestShift found = SearchShift(patterns.stored, seen, is_seen, reach_px);
-    Motion motion = NoMotion();
-    cv::Mat1d back;
-    cv::invertAffineTransform(turn, back);
-    // stored(x) = seen(back * (x + shift)).
-    for (int row = 0; row < 2; ++row) {
-      motion(row, 0) = back(row, 0);
-      motion(row, 1) = back(row, 1);
-      motion(row, 2) =
-          (back(row, 0) * found.shift.x() + back(row, 1) * found.shift.y() + back(row, 2)) /
-          patterns.scale;
-    }
-    candidates.emplace_back(found.correlation, motion);
-  }
-  std::stable_sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
-    return a.first > b.first;
-  });
-  std::vector<Motion> motions;
-  motions.reserve(candidates.size());
-  for (const auto& [correlation, motion] : candidates) motions.push_back(motion);
-  return motions;
 }
 
 // A square of the stored picture and where the photograph shows it, pixels of the canvas.
@@ -321,9 +194,11 @@ std::optional<StripRegistration> Refined(const Motion& coarse,
     const ProjectedPhoto projected = Project(photo, ground, canvas, DisplacementOf(motion));
     matches =
         MatchBlocks(PatternsOf(canvas, projected, kBlockPixelM), canvas, reaches_m[i], options);
-    const std::optional<Motion> rest = Fit(matches.good, options.max_match_error_m / pixel_m);
+    const bool is_last = i + 1 == reaches_m.size();
+    const double max_error_m = options.max_match_error_m * (is_last ? 1.0 : kFirstErrorRatio);
+    const std::optional<Motion> rest = Fit(matches.good, max_error_m / pixel_m);
     if (!rest) return std::nullopt;
-    if (i + 1 < reaches_m.size()) motion = Joined(motion, *rest);
+    if (!is_last) motion = Joined(motion, *rest);
   }
   const auto num_good = static_cast<int>(matches.good.size());
   if (num_good < options.min_num_matches ||
@@ -331,6 +206,8 @@ std::optional<StripRegistration> Refined(const Motion& coarse,
     return std::nullopt;
   }
   StripRegistration registration;
+  registration.num_matches = num_good;
+  registration.num_tried = matches.num_tried;
   double sum = 0.0, squares = 0.0;
   for (const Match& match : matches.good) {
     sum += match.correlation;
@@ -338,9 +215,22 @@ std::optional<StripRegistration> Refined(const Motion& coarse,
   }
   registration.correlation = sum / num_good;
   registration.error_m = pixel_m * std::sqrt(squares / num_good);
-  if (registration.error_m > options.max_registration_error_m) return std::nullopt;
   registration.displacement = Blended(motion, matches.good, options.block_m / pixel_m);
   return registration;
+}
+
+// Degrees and ratios, the most likely ones first: small ones.
+std::vector<std::pair<double, double>> TurnsAndScales(const WatchOptions& options) {
+  std::vector<std::pair<double, double>> pairs;
+  for (const double scale :
+       {1.0, 1.0 - options.max_scale_error_ratio, 1.0 + options.max_scale_error_ratio}) {
+    pairs.emplace_back(0.0, scale);
+    for (double turn = kTurnStepDeg; turn <= options.max_turn_deg; turn += kTurnStepDeg) {
+      pairs.emplace_back(turn, scale);
+      pairs.emplace_back(-turn, scale);
+    }
+  }
+  return pairs;
 }
 
 }  // namespace
@@ -349,11 +239,23 @@ std::optional<StripRegistration> Register(const WatchedPhoto& photo,
                                           const StripGround& ground,
                                           const StripCanvas& canvas,
                                           const WatchOptions& options) {
-  const ProjectedPhoto projected = Project(photo, ground, canvas, DisplacementOf(NoMotion()));
-  std::vector<Motion> motions = CoarseMotions(canvas, projected, options);
-  motions.resize(std::min(motions.size(), kMaxNumTrials));
-  for (const Motion& motion : motions) {
-    auto registration = Refined(motion, photo, ground, canvas, options);
+  const ProjectedPhoto projected =
+      Project(photo, ground, canvas, DisplacementOf(Motion::Identity()));
+  const MotionSearch search(canvas, projected, options);
+  std::vector<ScoredMotion> others;
+  for (const auto& [turn_deg, scale] : TurnsAndScales(options)) {
+    const std::vector<ScoredMotion> motions = search.WithTurn(turn_deg, scale);
+    if (motions.empty()) continue;
+    auto registration = Refined(motions.front().motion, photo, ground, canvas, options);
+    if (registration) return registration;
+    others.insert(others.end(), motions.begin() + 1, motions.end());
+  }
+  std::stable_sort(others.begin(), others.end(), [](const ScoredMotion& a, const ScoredMotion& b) {
+    return a.score > b.score;
+  });
+  others.resize(std::min(others.size(), kMaxNumOthers));
+  for (const ScoredMotion& other : others) {
+    auto registration = Refined(other.motion, photo, ground, canvas, options);
     if (registration) return registration;
   }
   return std::nullopt;

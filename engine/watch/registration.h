@@ -18,6 +18,9 @@ struct StripRegistration {
   double correlation = 0.0;
   // Root mean square distance from the common motion, metres.
   double error_m = 0.0;
+  // Squares that agree, and all that both pictures show.
+  int num_matches = 0;
+  int num_tried = 0;
 };
 
 // Nothing if the pictures have too little in common.

@@ -223,4 +223,27 @@ ProjectedPhoto Project(const WatchedPhoto& photo,
   return projected;
 }
 
+cv::Mat1b ComparableGround(const StripCanvas& canvas,
+                           const StripGround& ground,
+                           const WatchedPhoto& photo,
+                           const WatchOptions& options) {
+  constexpr double kSquareM = 0.5;
+  const int side = std::max(1, static_cast<int>(kSquareM / canvas.grid.cell_size_m));
+  const Eigen::Vector3d& eye_in_world = photo.world_from_camera.translation;
+  cv::Mat1b is_comparable(canvas.picture.size(), uchar{255});
+  for (int row = 0; row < is_comparable.rows; row += side) {
+    for (int col = 0; col < is_comparable.cols; col += side) {
+      const cv::Rect square = cv::Rect(col, row, side, side) & cv::Rect({}, is_comparable.size());
+      if (cv::countNonZero(canvas.is_strip(square)) == 0) continue;
+      const Eigen::Vector2d place = canvas.PlaceAt(col + 0.5 * (side - 1), row + 0.5 * (side - 1));
+      const double sampling = SamplingAt(photo, ground, place).value_or(0.0);
+      if (sampling > options.max_sampling_m ||
+          ground.IsHidden(place, eye_in_world, options.hidden_height_m)) {
+        is_comparable(square).setTo(0);
+      }
+    }
+  }
+  return is_comparable;
+}
+
 }  // namespace freelsd

@@ -69,4 +69,10 @@ std::optional<double> SamplingAt(const WatchedPhoto& photo,
                                  const StripGround& ground,
                                  const Eigen::Vector2d& place_in_world);
 
+// 255 where the photograph is fine enough, and nothing that is stored hides the strip from it.
+cv::Mat1b ComparableGround(const StripCanvas& canvas,
+                           const StripGround& ground,
+                           const WatchedPhoto& photo,
+                           const WatchOptions& options);
+
 }  // namespace freelsd

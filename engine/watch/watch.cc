@@ -1,6 +1,7 @@
 #include "engine/watch/watch.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -26,30 +27,6 @@ void CheckInput(const StripPicture& strip, const WatchedPhoto& photo) {
       photo.image.size() != cv::Size(photo.camera.width_px, photo.camera.height_px)) {
     throw std::invalid_argument("watch: the image is not BGR of the camera's size");
   }
-}
-
-// 255 where the photograph is fine enough, and nothing that is stored hides the strip from it.
-cv::Mat1b ComparableGround(const StripCanvas& canvas,
-                           const StripGround& ground,
-                           const WatchedPhoto& photo,
-                           const WatchOptions& options) {
-  constexpr double kSquareM = 0.5;
-  const int side = std::max(1, static_cast<int>(kSquareM / canvas.grid.cell_size_m));
-  const Eigen::Vector3d& eye_in_world = photo.world_from_camera.translation;
-  cv::Mat1b is_comparable(canvas.picture.size(), uchar{255});
-  for (int row = 0; row < is_comparable.rows; row += side) {
-    for (int col = 0; col < is_comparable.cols; col += side) {
-      const cv::Rect square = cv::Rect(col, row, side, side) & cv::Rect({}, is_comparable.size());
-      if (cv::countNonZero(canvas.is_strip(square)) == 0) continue;
-      const Eigen::Vector2d place = canvas.PlaceAt(col + 0.5 * (side - 1), row + 0.5 * (side - 1));
-      const double sampling = SamplingAt(photo, ground, place).value_or(0.0);
-      if (sampling > options.max_sampling_m ||
-          ground.IsHidden(place, eye_in_world, options.hidden_height_m)) {
-        is_comparable(square).setTo(0);
-      }
-    }
-  }
-  return is_comparable;
 }
 
 // Ground sampling of the strip where the photograph shows it best; nothing where it shows none.
@@ -118,7 +95,11 @@ bool StripWatch::IsConfirmed(const NewThing& thing, int64_t timestamp_us) const 
         options_.place_error_m +
         options_.max_speed_mps * SecondsBetween(earlier.timestamp_us, timestamp_us);
     return std::any_of(earlier.things.begin(), earlier.things.end(), [&](const NewThing& before) {
-      return (before.place_in_world - thing.place_in_world).head<2>().norm() <= reach_m;
+      const double distance_m = (before.place_in_world - thing.place_in_world).head<2>().norm();
+      const double share = distance_m / options_.place_error_m;
+      // Of false ones, the more are found the larger the area around.
+      const double evidence = before.evidence + thing.evidence - std::log(1.0 + share * share);
+      return distance_m <= reach_m && evidence >= options_.min_pair_evidence;
     });
   });
 }

@@ -31,21 +31,20 @@ struct WatchOptions {
 
   // --- Registration ---
   // Largest displacement of the photograph on the ground by the errors of its pose and of the map,
-  // and largest turn.
+  // largest turn, and largest share by which it appears too large or too small: errors of the
+  // height above ground.
   double max_offset_m = 12.0;
   double max_turn_deg = 5.0;
+  double max_scale_error_ratio = 0.04;
   // Squares of this side are matched one by one. The photograph is registered if at least
   // min_num_matches of them agree, and if they are at least min_match_ratio of all. A match needs
-  // min_match_correlation.
+  // min_match_correlation. Of chance, less than 0.1 of all agree.
   double block_m = 8.0;
   int min_num_matches = 8;
   double min_match_ratio = 0.2;
   double min_match_correlation = 0.25;
   // Largest distance of a match from the common motion.
-  double max_match_error_m = 0.5;
-  // Largest root mean square distance of the matches that agree from their common motion. Wrong
-  // registrations leave 0.2 to 0.35 m, right ones 0.02 to 0.12 m.
-  double max_registration_error_m = 0.2;
+  double max_match_error_m = 0.3;
   // Details may be displaced by this after registration: errors of the map's heights, grass in the
   // wind. A colour counts as changed if it differs from all colours within this distance.
   double tolerance_m = 0.2;
@@ -53,37 +52,35 @@ struct WatchOptions {
   // --- Light ---
   // Side of the square in which the change of light is even. Clouds, haze and wet grass change
   // colours over larger distances.
-  double light_window_m = 12.0;
-  // The same for brightness: edges of clouds' shadows are some metres wide.
-  double shade_window_m = 6.0;
+  double light_window_m = 24.0;
+  // Details are what differs from the mean over a square of this side.
+  double detail_window_m = 6.0;
   // Deviation of the noise of a channel, grey levels.
   double noise_grey = 2.5;
 
   // --- Things ---
-  // A thing begins where the change is at least min_deviations deviations of the changes on the
-  // whole strip, and extends to where it is grow_deviations.
-  double min_deviations = 6.0;
+  // A thing may begin where the change is this many deviations of the changes of details on the
+  // whole strip.
   double grow_deviations = 3.5;
-  // Least change of the logarithm of green against red and blue.
-  double min_green_change = 0.06;
   double min_area_m2 = 0.1;
-  // Small things are told by colour and brightness together, where the change of brightness, the
-  // logarithm, is at least min_shade_change. Shadows of trees and clouds are wider than
-  // max_shade_width_m, or come from beside the strip: at least min_shade_on_strip_ratio of the
-  // change must lie on the strip.
-  double min_shade_change = 0.1;
-  double max_shade_width_m = 3.0;
-  double min_shade_on_strip_ratio = 0.4;
+  // Shares of a change that the ground around it must not have, and that the photograph itself must
+  // show.
+  double min_isolation_ratio = 0.4;
+  double min_own_contrast_ratio = 0.4;
+  // Least logarithm of the odds that a change is a thing.
+  double min_evidence = 0.0;
   // Larger changes are those of the ground: that part of the strip is not compared.
   double max_size_m = 15.0;
 
   // --- Confirmation ---
   // A thing is told if two photographs show it, at most max_wait_s apart, and so near to each other
   // that it may have moved from one place to the other at max_speed_mps. place_error_m is the error
-  // of the distance.
+  // of the distance. Both evidences together, less the logarithm of the odds that two false ones
+  // are so near to each other, must reach min_pair_evidence.
   double max_wait_s = 6.0;
   double max_speed_mps = 15.0;
   double place_error_m = 1.5;
+  double min_pair_evidence = 3.5;
 
   // Throws std::invalid_argument: "watch.context_m = -1: must be in [0, 100]".
   void Check() const;
@@ -136,8 +133,10 @@ struct NewThing {
   double length_m = 0.0;
   double width_m = 0.0;
   double area_m2 = 0.0;
-  // Largest change of colour, in deviations of the changes on the strip.
+  // Largest change, in deviations of the changes on the strip.
   double deviations = 0.0;
+  // Logarithm of the odds that it is a thing.
+  double evidence = 0.0;
 };
 
 // What one photograph shows of a strip.

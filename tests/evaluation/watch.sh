@@ -2,22 +2,27 @@
 # Watches stored strips in later passes, and prints the tables of decision 0036: events, hours without
 # events, and the legs of recorded flights against each other.
 #
-#   tests/evaluation/watch.sh [--seed N] [--worlds N] [--log DIR] [--pictures DIR]
+#   tests/evaluation/watch.sh [--seed N] [--worlds N] [--events N] [--quiet N] [--folder DIR] [--pictures DIR]
 #
-# Seeds below 9000 are for tuning; the report's begin at 50000. Half of the worlds have no site and take a
-# minute for nothing. A run continues where DIR has logs of it: delete them to begin anew.
+# Seeds below 9000 are for tuning; the report's begin at 52000. Each world with a strip is photographed in
+# so many later passes with an event, and in so many without, one photograph a second. Photographs remain
+# in DIR: a run continues where an interrupted one ended, and a changed method watches the same ones again.
 set -euo pipefail
 root="$(cd "$(dirname "$0")/../.." && pwd)"
 program="$root/build/release/tests/freelsd-watch"
-seed=50000
-worlds=16
-log=""
+seed=52000
+worlds=24
+events=24
+quiet=64
+folder=""
 pictures=()
 while [ $# -gt 0 ]; do
   case "$1" in
     --seed) seed="$2" ;;
     --worlds) worlds="$2" ;;
-    --log) log="$2" ;;
+    --events) events="$2" ;;
+    --quiet) quiet="$2" ;;
+    --folder) folder="$2" ;;
     --pictures) pictures=(--pictures "$2") ;;
     *) echo "watch.sh: unknown argument $1" >&2; exit 2 ;;
   esac
@@ -30,26 +35,11 @@ if [ -z "${FREELSD_DATA:-}" ]; then
 fi
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
-[ -n "$log" ] || log="$work"
-mkdir -p "$log"
-
-# fly NAME OPTIONS...: each world once, so that an interrupted run can continue.
-fly() {
-  local name="$1" i
-  shift
-  for ((i = seed; i < seed + worlds; ++i)); do
-    [ ! -e "$log/$name-$i.done" ] || continue
-    rm -f "$log/$name-$i.csv"
-    "$program" fly --seed "$i" --cell 0.1 --texture recorded --conditions recorded "${pictures[@]}" \
-      --log "$log/$name-$i.csv" "$@" >/dev/null
-    touch "$log/$name-$i.done"
-  done
-}
-
-fly events --events --passes 36
-fly quiet --passes 80
+[ -n "$folder" ] || folder="$work"
+"$program" photograph --seed "$seed" --worlds "$worlds" --events "$events" --quiet "$quiet" \
+  --cell 0.1 --texture recorded --conditions recorded "$folder"
 echo "## Worlds from seed $seed"
-"$program" report "$log"/events-*.csv "$log"/quiet-*.csv
+"$program" watch "$folder" "${pictures[@]}"
 echo
 echo "## Legs of recorded flights (tuning pool)"
 flights="$FREELSD_DATA/flights"

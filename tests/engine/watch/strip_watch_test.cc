@@ -6,7 +6,12 @@
 namespace freelsd {
 namespace {
 
-StripLook Compared(double seconds, const std::vector<Eigen::Vector2d>& places) {
+// As sure as a car.
+constexpr double kSure = 8.0;
+
+StripLook Compared(double seconds,
+                   const std::vector<Eigen::Vector2d>& places,
+                   double evidence = kSure) {
   StripLook look;
   look.result = LookResult::kCompared;
   look.timestamp_us = static_cast<int64_t>(1e6 * seconds);
@@ -14,6 +19,7 @@ StripLook Compared(double seconds, const std::vector<Eigen::Vector2d>& places) {
   for (const Eigen::Vector2d& place : places) {
     NewThing thing;
     thing.place_in_world << place, 0.0;
+    thing.evidence = evidence;
     look.things.push_back(thing);
   }
   return look;
@@ -64,6 +70,21 @@ TEST_CASE("strip watch: what was seen long ago confirms nothing, and is no longe
   watch.Add(Compared(1.0, {{0.0, 0.0}}));
   CHECK(watch.Add(NotCompared(6.5)).status == StripStatus::kUnknown);
   CHECK(watch.Add(Compared(7.0, {{0.0, 0.0}})).status == StripStatus::kSuspected);
+}
+
+TEST_CASE("strip watch: two faint things are told where they are near to each other") {
+  WatchOptions options;
+  const double faint = 0.5 * options.min_pair_evidence + 0.1;
+  for (const auto& [distance_m, status] :
+       {std::pair(0.2, StripStatus::kOccupied), std::pair(5.0, StripStatus::kSuspected)}) {
+    StripWatch watch(options);
+    watch.Add(Compared(0.0, {{0.0, 0.0}}, faint));
+    CHECK(watch.Add(Compared(1.0, {{distance_m, 0.0}}, faint)).status == status);
+  }
+  StripWatch watch(options);
+  watch.Add(Compared(0.0, {{0.0, 0.0}}, 0.4 * options.min_pair_evidence));
+  const StripLook again = Compared(1.0, {{0.0, 0.0}}, 0.4 * options.min_pair_evidence);
+  CHECK(watch.Add(again).status == StripStatus::kSuspected);
 }
 
 }  // namespace

@@ -93,6 +93,27 @@ TEST_CASE(
   CHECK((look.things[0].place_in_world.head<2>() - place).norm() < 1.3 + kMaxPlaceErrorM);
 }
 
+TEST_CASE("watch: a dark car under the edge of a cloud's shadow is found") {
+  const watched::Look cloud =
+      Lit(With(Grass, kCarPlace, kCarSize, kDark), [](const Eigen::Vector2d& at) {
+        const double share = 1.0 / (1.0 + std::exp(-(at.x() - kCarPlace.x()) / 2.0));
+        return cv::Vec3d(1.0, 1.0, 1.0) - share * 0.5 * cv::Vec3d(0.9, 1.0, 1.05);
+      });
+  const StripLook look = LookAt(Grass, cloud);
+  REQUIRE(!look.things.empty());
+  CHECK((look.things[0].place_in_world.head<2>() - kCarPlace).norm() < 2.0 * kMaxPlaceErrorM);
+}
+
+TEST_CASE("watch: the large shadow of low sun, whose rim crosses the strip, is no thing") {
+  const watched::Look shadow = Lit(Grass, [](const Eigen::Vector2d& at) {
+    const double rim = 2.0 + 1.5 * std::sin(0.8 * at.x()) + 0.15 * at.x();
+    return at.y() > rim ? kShade : cv::Vec3d(1.0, 1.0, 1.0);
+  });
+  const StripLook look = LookAt(Grass, shadow);
+  CHECK(look.result == LookResult::kCompared);
+  CHECK(look.things.empty());
+}
+
 TEST_CASE("watch: what stands beside the strip is not on it") {
   CHECK(LookAt(Grass, With(Grass, {8.0, 9.0}, kCarSize, kSilver)).things.empty());
 }
@@ -195,10 +216,10 @@ TEST_CASE("watch options: values outside their bounds are refused by name") {
   CHECK_THROWS_WITH_AS(
       options.Check(), "watch.context_m = -1: must be in [0, 100]", std::invalid_argument);
   options = {};
-  options.min_deviations = std::nan("");
+  options.min_evidence = std::nan("");
   CHECK_THROWS_AS(options.Check(), std::invalid_argument);
   options = {};
-  options.grow_deviations = options.min_deviations + 1.0;
+  options.grow_deviations = 0.0;
   CHECK_THROWS_AS(options.Check(), std::invalid_argument);
   options = {};
   options.min_num_matches = 2;

@@ -42,20 +42,23 @@ void WriteComparison(const StripPicture& strip,
       });
   const cv::Mat1b all(canvas.picture.size(), uchar{255});
   const StripChange change = ChangeOf(canvas, projected, all, options);
-  cv::Mat1b deviations;
-  const double gain = 255.0 / (2.0 * options.min_deviations);
-  change.green.deviations.convertTo(deviations, CV_8U, gain);
-  cv::Mat1b shade;
-  change.brightness.deviations.convertTo(shade, CV_8U, gain);
-  // Changes of colour green, changes of brightness red.
-  cv::Mat3b grey;
-  cv::merge(std::vector<cv::Mat1b>{cv::Mat1b::zeros(shade.size()), deviations, shade}, grey);
+  // Changes of brightness red, of green against red and blue green, of red against blue blue.
+  std::vector<cv::Mat1b> shown(kNumBands);
+  constexpr double kGreyPerDeviation = 20.0;
+  for (const auto& [channel, band] :
+       {std::pair(2, Band::kBrightness), {1, Band::kGreenExcess}, {0, Band::kRedBlue}}) {
+    const cv::Mat1f size = cv::abs(change.Of(band).deviations);
+    size.convertTo(shown[static_cast<size_t>(channel)], CV_8U, kGreyPerDeviation);
+  }
+  cv::Mat3b changes;
+  cv::merge(shown, changes);
   std::vector<cv::Mat> parts{
       Marked(canvas.picture, canvas.is_strip, {}),
       Marked(projected.picture,
              canvas.is_strip,
-             (change.green.deviations >= options.grow_deviations) & change.is_compared),
-      grey};
+             (cv::abs(change.Of(Band::kBrightness).deviations) >= options.grow_deviations) &
+                 change.is_compared),
+      changes};
   cv::Mat joined;
   cv::hconcat(parts, joined);
   cv::resize(joined, joined, {}, 2.0, 2.0, cv::INTER_NEAREST);

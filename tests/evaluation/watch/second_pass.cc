@@ -236,8 +236,8 @@ class WatchedScene {
            IsNearEnough(world_from_camera, shape_.middle);
   }
 
-  // As a file, and read again. `yaw`: where the aircraft flies.
-  cv::Mat Photographed(const Rigid3d& world_from_camera, double yaw, int second) const {
+  // As a file. `yaw`: where the aircraft flies.
+  std::vector<uchar> Photographed(const Rigid3d& world_from_camera, double yaw, int second) const {
     const World now = At(second);
     const Renderer renderer(now);
     Exposure exposure{renderer,
@@ -259,7 +259,7 @@ class WatchedScene {
     Vignette(options_.vignetting_ratio, image);
     std::vector<uchar> bytes;
     cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, jpeg_quality_});
-    return cv::imdecode(bytes, cv::IMREAD_COLOR);
+    return bytes;
   }
 
   std::vector<Eigen::Vector2d> ShownThings(const Rigid3d& world_from_camera, int second) const {
@@ -325,6 +325,10 @@ const char* NameOf(SceneChange change) {
   return kNames[static_cast<int>(change)];
 }
 
+WatchedPhoto PassPhoto::Read() const {
+  return {cv::imdecode(file, cv::IMREAD_COLOR), camera, world_from_camera, timestamp_us};
+}
+
 std::vector<PassPhoto> FlySecondPass(const World& world,
                                      const Camera& camera,
                                      const std::vector<Polygon>& outlines,
@@ -336,18 +340,19 @@ std::vector<PassPhoto> FlySecondPass(const World& world,
       Eigen::AngleAxisd(RadFromDeg(plan.tilt_deg), Eigen::Vector3d::UnitY()) *
       body_from_camera.rotation;
   std::vector<PassPhoto> photos;
+  int num_showing = 0;
   for (int second = -kMaxNumSeconds; second <= kMaxNumSeconds; ++second) {
     const AutopilotSample truth = pass.TrueAt(second);
     const AutopilotSample reported = pass.Reported(truth);
     const Rigid3d world_from_camera = WorldFromBody(truth) * body_from_camera;
     if (!scene.IsWorthAPhoto(world_from_camera)) continue;
-    PassPhoto photo;
-    photo.photo = {scene.Photographed(world_from_camera, truth.attitude.yaw, second),
-                   camera,
-                   WorldFromBody(reported) * body_from_camera,
-                   int64_t{second} * 1'000'000};
-    photo.shown_things = scene.ShownThings(world_from_camera, second);
-    photos.push_back(std::move(photo));
+    photos.push_back({scene.Photographed(world_from_camera, truth.attitude.yaw, second),
+                      camera,
+                      WorldFromBody(reported) * body_from_camera,
+                      int64_t{second} * 1'000'000,
+                      scene.ShownThings(world_from_camera, second)});
+    num_showing += !photos.back().shown_things.empty();
+    if (num_showing == kNumPhotosInTime) break;
   }
   return photos;
 }

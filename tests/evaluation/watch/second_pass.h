@@ -15,6 +15,9 @@ enum class WatchEvent { kNone, kCar, kMachine, kCows, kPerson, kPeople, kBale };
 constexpr int kNumWatchEvents = 7;
 const char* NameOf(WatchEvent event);
 
+// An event is told in time if it is told with so many photographs that show it.
+constexpr int kNumPhotosInTime = 2;
+
 // What else is different from the stored pass.
 enum class SceneChange {
   kSameLight,
@@ -41,12 +44,20 @@ struct PassPlan {
 };
 
 struct PassPhoto {
-  WatchedPhoto photo;
+  // JPEG.
+  std::vector<uchar> file;
+  Camera camera;
+  // As the aircraft reports it.
+  Rigid3d world_from_camera;
+  int64_t timestamp_us = 0;
   // Centres of new things that stand on the strip and in the photograph, true world.
   std::vector<Eigen::Vector2d> shown_things;
+
+  WatchedPhoto Read() const;
 };
 
-// One photograph a second, in which most of the strip is shown.
+// One photograph a second, in which most of the strip is shown. A pass with an event ends with the
+// second photograph that shows it.
 std::vector<PassPhoto> FlySecondPass(const World& world,
                                      const Camera& camera,
                                      const std::vector<Polygon>& outlines,

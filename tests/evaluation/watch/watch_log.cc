@@ -18,8 +18,6 @@ constexpr const char* kHeader =
     "things,"
     "deviations,num_shown,num_found,is_told";
 constexpr size_t kNumColumns = 15;
-// An event is told in time if it is told at the latest with so many photographs that show it.
-constexpr int kMaxNumPhotos = 2;
 
 std::string Line(const char* format, ...) {
   char text[512];
@@ -53,7 +51,7 @@ std::vector<PassSummary> Summaries(const std::vector<WatchRow>& rows) {
     ++pass.num_photos;
     pass.num_compared += row.result == LookResult::kCompared;
     pass.num_showing += row.num_shown > 0;
-    if (row.num_shown > 0 && pass.num_showing <= kMaxNumPhotos) {
+    if (row.num_shown > 0 && pass.num_showing <= kNumPhotosInTime) {
       pass.num_early_compared += row.result == LookResult::kCompared;
     }
     if (row.is_told && pass.told_with == 0) pass.told_with = std::max(1, pass.num_showing);
@@ -67,12 +65,12 @@ struct EventCount {
 
   void Add(const PassSummary& pass) {
     ++all;
-    if (pass.told_with > 0 && pass.told_with <= kMaxNumPhotos) {
+    if (pass.told_with > 0 && pass.told_with <= kNumPhotosInTime) {
       ++in_time;
     } else if (pass.told_with > 0) {
       ++late;
     }
-    if (pass.told_with == 0 && pass.num_early_compared < kMaxNumPhotos) ++unknown;
+    if (pass.told_with == 0 && pass.num_early_compared < kNumPhotosInTime) ++unknown;
   }
 };
 
@@ -213,7 +211,7 @@ std::string WatchReport(const std::vector<WatchRow>& rows) {
       quiet["~ all"].Add(pass);
       continue;
     }
-    if (pass.num_showing < kMaxNumPhotos) {
+    if (pass.num_showing < kNumPhotosInTime) {
       ++num_short;
       continue;
     }

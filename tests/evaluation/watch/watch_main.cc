@@ -1,12 +1,12 @@
 // freelsd-watch: watches stored strips in later passes over seeded worlds; tables of what it told.
 #include <cctype>
-#include <cstdio>
 #include <exception>
 #include <iostream>
 
 #include <CLI/CLI.hpp>
 
 #include "tests/evaluation/runs/runs.h"
+#include "tests/evaluation/watch/cue_fit.h"
 #include "tests/evaluation/watch/recorded_watch.h"
 #include "tests/evaluation/watch/watch_log.h"
 #include "tests/evaluation/watch/watch_run.h"
@@ -15,7 +15,9 @@ namespace freelsd {
 namespace {
 
 struct Arguments {
+  PhotographOptions photographed;
   WatchRunOptions run;
+  std::vector<std::string> watched;
   uint64_t seed = 1000;
   int num_worlds = 1;
   std::vector<std::string> reported;
@@ -24,19 +26,32 @@ struct Arguments {
   std::string model = FREELSD_SOURCE_DIR "/engine/classification/grass_model.yml";
 };
 
-void Fly(const Arguments& arguments) {
+void Photograph(const Arguments& arguments) {
   const Classifier classifier = Classifier::Parse(ReadTextFile(arguments.model));
-  std::vector<WatchRow> all;
   PoolOfRun pool;
   for (int i = 0; i < arguments.num_worlds; ++i) {
     const uint64_t seed = arguments.seed + static_cast<uint64_t>(i);
     pool.Add("seed " + std::to_string(seed), EvaluationPools().OfSeed(seed));
-    const auto rows = WatchWorld(seed, arguments.run, classifier);
-    std::fprintf(
-        stderr, "world %lu: %zu photographs\n", static_cast<unsigned long>(seed), rows.size());
+    PhotographWorld(seed, arguments.photographed, classifier);
+  }
+}
+
+void WatchFolders(const Arguments& arguments) {
+  std::vector<WatchRow> all;
+  for (const std::string& folder : arguments.watched) {
+    const auto rows = WatchPasses(folder, arguments.run);
     all.insert(all.end(), rows.begin(), rows.end());
   }
   std::cout << WatchReport(all);
+}
+
+void Fit(const Arguments& arguments) {
+  std::vector<CueSample> all;
+  for (const std::string& folder : arguments.watched) {
+    const auto samples = SamplesOf(folder, arguments.run.watch);
+    all.insert(all.end(), samples.begin(), samples.end());
+  }
+  std::cout << CueReport(all);
 }
 
 void WatchFlights(const Arguments& arguments) {
@@ -67,23 +82,35 @@ void Report(const Arguments& arguments) {
   std::cout << WatchReport(all);
 }
 
+CLI::App* AddPhotograph(CLI::App& app, Arguments& arguments) {
+  PhotographOptions& options = arguments.photographed;
+  CLI::App* photograph = app.add_subcommand(
+      "photograph", "flies over worlds, stores their sites, photographs later passes");
+  photograph->add_option("--seed", arguments.seed, "of the first world");
+  photograph->add_option("--worlds", arguments.num_worlds);
+  photograph->add_option("--events", options.num_events, "passes with something new on the strip");
+  photograph->add_option("--quiet", options.num_quiet, "passes with nothing new");
+  photograph->add_option("--height", options.scenario.height_m, "of the stored pass, metres");
+  photograph->add_option("--cell", options.scenario.cell_size_m, "of the world, metres");
+  photograph->add_option("--texture", options.scenario.texture, "painted or recorded");
+  photograph->add_option("--conditions", options.scenario.conditions, "plain or recorded");
+  photograph->add_option("--noise", options.scenario.noise_scale, "multiplies errors of all poses");
+  photograph->add_option("folder", options.folder, "for strips and passes")->required();
+  return photograph;
+}
+
 int Main(int argc, char** argv) {
   Arguments arguments;
   WatchRunOptions& run = arguments.run;
   CLI::App app("Watches stored strips in later passes over seeded worlds");
   app.require_subcommand(1);
-  CLI::App* fly = app.add_subcommand("fly", "photographs worlds, stores their sites, watches them");
-  fly->add_option("--seed", arguments.seed, "of the first world");
-  fly->add_option("--worlds", arguments.num_worlds);
-  fly->add_option("--passes", run.num_passes, "later passes over each world");
-  fly->add_flag("--events", run.has_events, "something new stands on the strip in every pass");
-  fly->add_option("--height", run.scenario.height_m, "of the stored pass, metres");
-  fly->add_option("--cell", run.scenario.cell_size_m, "of the world, metres");
-  fly->add_option("--texture", run.scenario.texture, "painted or recorded");
-  fly->add_option("--conditions", run.scenario.conditions, "plain or recorded");
-  fly->add_option("--noise", run.scenario.noise_scale, "multiplies the errors of all poses");
-  fly->add_option("--log", run.log, "rows are added to this file, one for each photograph");
-  fly->add_option("--pictures", run.pictures, "folder for pictures of misses and false alarms");
+  CLI::App* photograph = AddPhotograph(app, arguments);
+  CLI::App* watch = app.add_subcommand("watch", "watches the strips of photographed passes");
+  watch->add_option("folders", arguments.watched, "of photograph")->required();
+  watch->add_option("--log", run.log, "rows are added to this file, one for each photograph");
+  watch->add_option("--pictures", run.pictures, "folder for pictures of misses and false alarms");
+  CLI::App* fit = app.add_subcommand("fit", "weights of what tells things from other changes");
+  fit->add_option("folders", arguments.watched, "of photograph")->required();
   CLI::App* report = app.add_subcommand("report", "tables of logs");
   report->add_option("logs", arguments.reported)->required();
   CLI::App* recorded =
@@ -94,7 +121,9 @@ int Main(int argc, char** argv) {
   recorded->add_option("--log", run.log, "rows are added to this file");
   recorded->add_option("--pictures", arguments.recorded.pictures, "folder for what was told");
   CLI11_PARSE(app, argc, argv);
-  if (*fly) Fly(arguments);
+  if (*photograph) Photograph(arguments);
+  if (*watch) WatchFolders(arguments);
+  if (*fit) Fit(arguments);
   if (*recorded) WatchFlights(arguments);
   if (*report) Report(arguments);
   return 0;

@@ -1,11 +1,14 @@
 #include "tests/evaluation/watch/watch_run.h"
 
 #include <algorithm>
-#include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <map>
+#include <optional>
 
 #include "tests/evaluation/engine_run.h"
 #include "tests/evaluation/watch/comparison_picture.h"
+#include "tests/evaluation/watch/pass_file.h"
 #include "tests/evaluation/watch/second_pass.h"
 #include "tests/evaluation/watch/stored_ground.h"
 #include "tests/synthetic/noise.h"
@@ -77,17 +80,19 @@ int NumFound(const std::vector<NewThing>& things, const std::vector<Eigen::Vecto
   }));
 }
 
-PassPlan PlanOf(uint64_t seed, int pass, const WatchRunOptions& options) {
+PassPlan PlanOf(uint64_t seed, int pass, const PhotographOptions& options) {
+  const bool is_quiet = pass >= options.num_events;
+  const int number = is_quiet ? pass - options.num_events : pass;
   PassPlan plan;
-  plan.seed = MixSeed(seed, 9000 + static_cast<uint64_t>(pass));
+  plan.seed = MixSeed(MixSeed(seed, is_quiet ? 9500 : 9000), static_cast<uint64_t>(number));
   const auto choose = [&](uint64_t purpose, int count) {
     return static_cast<int>(MixSeed(plan.seed, purpose) % static_cast<uint64_t>(count));
   };
-  // Kinds come in turns, all else by chance.
-  plan.event = options.has_events ? static_cast<WatchEvent>(1 + pass % (kNumWatchEvents - 1))
-                                  : WatchEvent::kNone;
-  plan.change = static_cast<SceneChange>(options.has_events ? choose(1, kNumSceneChanges)
-                                                            : pass % kNumSceneChanges);
+  // Events, and the light of quiet passes, come in turns, all else by chance.
+  plan.event =
+      is_quiet ? WatchEvent::kNone : static_cast<WatchEvent>(1 + number % (kNumWatchEvents - 1));
+  plan.change =
+      static_cast<SceneChange>(is_quiet ? number % kNumSceneChanges : choose(1, kNumSceneChanges));
   const int height = choose(2, static_cast<int>(options.height_ratios.size()));
   plan.height_m = options.scenario.height_m * options.height_ratios[static_cast<size_t>(height)];
   plan.tilt_deg = choose(3, kTiltPeriod) == 0 ? kTiltDeg : 0.0;
@@ -95,24 +100,64 @@ PassPlan PlanOf(uint64_t seed, int pass, const WatchRunOptions& options) {
   return plan;
 }
 
-std::vector<WatchRow> Watch(const std::string& name,
-                            const StripPicture& strip,
-                            const std::vector<PassPhoto>& photos,
-                            const PassPlan& plan,
+// Some field of the world could hold a strip: tells before anything is photographed.
+bool MayHaveStrip(uint64_t seed, ScenarioOptions options) {
+  options.takes_photographs = false;
+  const Scenario scenario = MakeScenario(seed, options, [](double) {});
+  const auto fields = JudgeFields(scenario.world, scenario.aircraft);
+  return std::any_of(fields.begin(), fields.end(), [&](const TrueField& field) {
+    return field.touchdown && field.free_radius >= scenario.aircraft.touchdown_uncertainty_m;
+  });
+}
+
+// Stored strips of a world.
+struct StoredWorld {
+  Scenario scenario;
+  std::vector<StripPicture> strips;
+};
+
+std::optional<StoredWorld> StoreWorld(uint64_t seed,
+                                      const PhotographOptions& options,
+                                      const Classifier& classifier) {
+  if (!MayHaveStrip(seed, options.scenario)) return std::nullopt;
+  StoredWorld world{MakeScenario(seed, options.scenario, [](double) {}), {}};
+  const Scenario& scenario = world.scenario;
+  const EngineRun run = RunEngine({scenario.rig, scenario.frames, scenario.aircraft},
+                                  PipelineOptions(),
+                                  classifier,
+                                  [](double, const std::string&) { return true; });
+  const auto strips = StripsOf(run.evaluation, scenario, options.max_num_strips);
+  if (strips.empty()) return std::nullopt;
+  std::map<std::string, cv::Mat> images;
+  for (const Frame& frame : scenario.frames) images[frame.id] = frame.image;
+  const StoredGround stored(run.evaluation.map,
+                            run.evaluation.block,
+                            [&images](const std::string& id) { return images.at(id); });
+  for (const Strip& strip : strips) world.strips.push_back(stored.Around(strip, WatchOptions()));
+  return world;
+}
+
+bool IsMissed(const WatchRow& row) { return row.num_shown > 0 && row.num_found == 0; }
+
+bool IsFalseAlarm(const WatchRow& row) {
+  return row.num_things > 0 && row.event == NameOf(WatchEvent::kNone);
+}
+
+std::vector<WatchRow> Watch(const StripPicture& strip,
+                            const RecordedPass& pass,
                             const WatchRunOptions& options) {
   std::vector<WatchRow> rows;
   StripWatch watch(options.watch);
-  int num_pictures = 0;
-  for (size_t i = 0; i < photos.size(); ++i) {
-    const PassPhoto& photo = photos[i];
-    const StripLook look = LookAtStrip(strip, photo.photo, options.watch);
+  for (const PassPhoto& photo : pass.photos) {
+    const WatchedPhoto watched = photo.Read();
+    const StripLook look = LookAtStrip(strip, watched, options.watch);
     const StripWatch::Report report = watch.Add(look);
-    WatchRow row{name,
-                 NameOf(plan.event),
-                 NameOf(plan.change),
-                 plan.height_m,
-                 plan.tilt_deg,
-                 static_cast<int>(i),
+    WatchRow row{pass.name,
+                 NameOf(pass.plan.event),
+                 NameOf(pass.plan.change),
+                 pass.plan.height_m,
+                 pass.plan.tilt_deg,
+                 static_cast<int>(rows.size()),
                  look.result,
                  report.status,
                  look.compared_ratio,
@@ -124,15 +169,13 @@ std::vector<WatchRow> Watch(const std::string& name,
                  false};
     row.is_told =
         report.status == StripStatus::kOccupied && NumFound(report.things, photo.shown_things) > 0;
-    const bool is_missed = row.num_shown > 0 && row.num_found == 0;
-    const bool is_false =
-        row.num_things > 0 && row.num_shown == 0 && plan.event == WatchEvent::kNone;
-    if (!options.pictures.empty() && (is_missed || is_false) && num_pictures++ < 2) {
+    if (!options.pictures.empty() && (IsMissed(row) || IsFalseAlarm(row))) {
       WriteComparison(strip,
-                      photo.photo,
+                      watched,
                       options.watch,
-                      options.pictures + "/" + (is_missed ? "miss_" : "false_") + name + "_" +
-                          row.event + "_" + row.change + "_" + std::to_string(i) + ".png");
+                      options.pictures + "/" + (IsMissed(row) ? "miss_" : "false_") + pass.name +
+                          "_" + row.event + "_" + row.change + "_" + std::to_string(row.number) +
+                          ".png");
     }
     rows.push_back(row);
   }
@@ -141,29 +184,40 @@ std::vector<WatchRow> Watch(const std::string& name,
 
 }  // namespace
 
-std::vector<WatchRow> WatchWorld(uint64_t seed,
-                                 const WatchRunOptions& options,
-                                 const Classifier& classifier) {
-  const Scenario scenario = MakeScenario(seed, options.scenario, [](double) {});
-  const EngineRun run = RunEngine({scenario.rig, scenario.frames, scenario.aircraft},
-                                  PipelineOptions(),
-                                  classifier,
-                                  [](double, const std::string&) { return true; });
-  const Evaluation& evaluation = run.evaluation;
-  const auto strips = StripsOf(evaluation, scenario, options.max_num_strips);
+void PhotographWorld(uint64_t seed,
+                     const PhotographOptions& options,
+                     const Classifier& classifier) {
+  const std::string prefix = options.folder + "/" + std::to_string(seed);
+  if (std::filesystem::exists(prefix + ".done")) return;
+  std::filesystem::create_directories(options.folder);
+  const auto world = StoreWorld(seed, options, classifier);
+  const auto strip_file = [&](size_t which) {
+    return std::to_string(seed) + "-" + std::to_string(which) + ".strip";
+  };
+  const size_t num_strips = world ? world->strips.size() : 0;
+  for (size_t i = 0; i < num_strips; ++i) {
+    WriteStrip(world->strips[i], options.folder + "/" + strip_file(i));
+  }
+  const int num_passes = num_strips == 0 ? 0 : options.num_events + options.num_quiet;
+  for (int i = 0; i < num_passes; ++i) {
+    const std::string name = std::to_string(seed) + "-" + std::to_string(i);
+    const std::string file = options.folder + "/" + name + ".pass";
+    if (std::filesystem::exists(file)) continue;
+    const size_t which = static_cast<size_t>(i) % num_strips;
+    const PassPlan plan = PlanOf(seed, i, options);
+    const auto photos = FlySecondPass(
+        world->scenario.world, world->scenario.rig.camera, world->strips[which].outlines, plan);
+    WritePass({name, strip_file(which), plan, photos}, file + ".part");
+    std::filesystem::rename(file + ".part", file);
+  }
+  std::ofstream(prefix + ".done") << num_passes << '\n';
+}
+
+std::vector<WatchRow> WatchPasses(const std::string& folder, const WatchRunOptions& options) {
   std::vector<WatchRow> rows;
-  if (strips.empty()) return rows;
-  std::map<std::string, cv::Mat> images;
-  for (const Frame& frame : scenario.frames) images[frame.id] = frame.image;
-  const StoredGround stored(
-      evaluation.map, evaluation.block, [&images](const std::string& id) { return images.at(id); });
-  for (int pass = 0; pass < options.num_passes; ++pass) {
-    const size_t which = static_cast<size_t>(pass) % strips.size();
-    const PassPlan plan = PlanOf(seed, pass, options);
-    const std::string name = std::to_string(seed) + "-" + std::to_string(pass);
-    const StripPicture strip = stored.Around(strips[which], options.watch);
-    const auto photos = FlySecondPass(scenario.world, scenario.rig.camera, strips[which], plan);
-    const auto more = Watch(name, strip, photos, plan, options);
+  for (const std::string& file : PassFilesIn(folder)) {
+    const RecordedPass pass = ReadPass(file);
+    const auto more = Watch(ReadStrip(folder + "/" + pass.strip_file), pass, options);
     rows.insert(rows.end(), more.begin(), more.end());
     if (!options.log.empty()) WriteRows(more, options.log);
   }

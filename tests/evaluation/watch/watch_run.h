@@ -1,4 +1,4 @@
-// Flies over a seeded world, stores its sites, and watches them in later passes.
+// Flies over a seeded world, stores its sites, photographs them in later passes, and watches them.
 #pragma once
 
 #include <string>
@@ -11,22 +11,31 @@
 
 namespace freelsd {
 
-struct WatchRunOptions {
+struct PhotographOptions {
   ScenarioOptions scenario;
-  WatchOptions watch;
-  int num_passes = 20;
+  // Later passes over each world with something new on the strip, and without.
+  int num_events = 20;
+  int num_quiet = 20;
   int max_num_strips = 3;
-  bool has_events = false;
-  // Heights of the later passes as shares of that of the stored one, in turns.
+  // Heights of the later passes as shares of that of the stored one.
   std::vector<double> height_ratios{0.7, 1.0, 1.3};
+  std::string folder;
+};
+
+// Stores the world's strips and photographs the later passes, as files in the folder: the first
+// quiet pass after so many passes with events. Files that are there are not made again. A world
+// without a strip leaves no files.
+void PhotographWorld(uint64_t seed, const PhotographOptions& options, const Classifier& classifier);
+
+struct WatchRunOptions {
+  WatchOptions watch;
   // Rows are added to this file pass by pass; "" for none.
   std::string log;
   // Pictures of misses and false alarms, PNG; "" for none.
   std::string pictures;
 };
 
-std::vector<WatchRow> WatchWorld(uint64_t seed,
-                                 const WatchRunOptions& options,
-                                 const Classifier& classifier);
+// The passes in a folder, in the order of their names.
+std::vector<WatchRow> WatchPasses(const std::string& folder, const WatchRunOptions& options);
 
 }  // namespace freelsd
