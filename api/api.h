@@ -140,10 +140,9 @@ nlohmann::json ApproachJson(const Plan& plan, const FlightContext& context);
 // direction. A direction is where the wind comes from.
 nlohmann::json WindRoseJson(const WindRose& rose, const FlightContext& context);
 // {verdict, rules, first_failed, evidence}: why the planner does or does not touch down at a place.
-// `frames` are those that show the place; nothing if that is unknown.
+// Frames and cues of the evidence are null: the map knows them.
 nlohmann::json PlaceJudgementJson(const PlaceJudgement& judgement,
                                   const Eigen::Vector2d& place_in_world,
-                                  const std::optional<std::vector<std::string>>& frames,
                                   const FlightContext& context);
 // A duration for people, rounded down: "365 days", "5 hours" or "12 minutes".
 std::string AgeText(double age_s);

@@ -17,12 +17,10 @@ nlohmann::json RuleJson(const PlaceRule& rule) {
           {"sentence", rule.sentence}};
 }
 
-// Maps hold no cues.
 nlohmann::json EvidenceJson(const PlaceJudgement& judgement,
                             const Eigen::Vector2d& place_in_world,
-                            const std::optional<std::vector<std::string>>& frames,
                             const FlightContext& context) {
-  nlohmann::json evidence{{"frames", frames ? nlohmann::json(*frames) : nlohmann::json(nullptr)},
+  nlohmann::json evidence{{"frames", nullptr},
                           {"height_m", nullptr},
                           {"height_sd_m", NumberJson(judgement.height_sd)},
                           {"grass_probability", NumberJson(judgement.grass_probability)},
@@ -42,7 +40,6 @@ nlohmann::json EvidenceJson(const PlaceJudgement& judgement,
 
 nlohmann::json PlaceJudgementJson(const PlaceJudgement& judgement,
                                   const Eigen::Vector2d& place_in_world,
-                                  const std::optional<std::vector<std::string>>& frames,
                                   const FlightContext& context) {
   nlohmann::json rules = nlohmann::json::array();
   for (const PlaceRule& rule : judgement.rules) rules.push_back(RuleJson(rule));
@@ -50,7 +47,7 @@ nlohmann::json PlaceJudgementJson(const PlaceJudgement& judgement,
   return {{"verdict", NameOf(judgement.verdict)},
           {"rules", rules},
           {"first_failed", first_failed ? nlohmann::json(first_failed->name) : nullptr},
-          {"evidence", EvidenceJson(judgement, place_in_world, frames, context)},
+          {"evidence", EvidenceJson(judgement, place_in_world, context)},
           {"altitude_datum", context.altitude_datum}};
 }
 

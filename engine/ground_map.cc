@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/mosaic/mosaic.h"
 #include "engine/steps.h"
 
 namespace freelsd {
@@ -84,24 +85,22 @@ std::vector<Points> ReconstructSome(const AdjustedBlock& block,
 
 }  // namespace
 
-ElevationMap ReconstructMap(const AdjustedBlock& block,
-                            const Box& area,
-                            const ImageSource& images,
-                            const PipelineOptions& options,
-                            const std::function<void(double done_ratio)>& progress,
-                            std::vector<StageReport>& reports) {
+ElevationMap FuseMap(const AdjustedBlock& block,
+                     const Box& area,
+                     const ImageSource& images,
+                     const PipelineOptions& options,
+                     const PairSource& points_of,
+                     std::vector<StageReport>& reports) {
   const Box box = area.Intersection(SeenArea(block));
   if (box.IsEmpty()) return {};
   ElevationMapBuilder builder(GridAround(box.min, box.max, options.terrain.cell_size_m),
                               options.terrain);
   const std::vector<StereoPair> pairs = SelectPairs(block, options.stereo);
-  ImageCache cache(images);
   const auto num_at_once = static_cast<size_t>(std::max(1, cv::getNumThreads()));
   for (size_t first = 0; first < pairs.size(); first += num_at_once) {
-    progress(static_cast<double>(first) / static_cast<double>(pairs.size()));
     const std::span<const StereoPair> some =
         std::span(pairs).subspan(first, std::min(num_at_once, pairs.size() - first));
-    for (const Points& points : ReconstructSome(block, some, cache, options.stereo, reports)) {
+    for (const Points& points : points_of(block, some)) {
       if (!points.empty()) Timed(reports, "elevation", [&] { return builder.Add(points), 0; });
     }
   }
@@ -111,6 +110,55 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
   map.tilt_sd_deg = block.tilt_sd_deg;
   return Timed(
       reports, "heights", [&] { return DecideHeights(map, block, images, options.heights); });
+}
+
+ElevationMap ReconstructMap(const AdjustedBlock& block,
+                            const Box& area,
+                            const ImageSource& images,
+                            const PipelineOptions& options,
+                            const std::function<void(double done_ratio)>& progress,
+                            std::vector<StageReport>& reports) {
+  ImageCache cache(images);
+  const double num_pairs =
+      std::max(1.0, static_cast<double>(SelectPairs(block, options.stereo).size()));
+  size_t num_done = 0;
+  return FuseMap(
+      block,
+      area,
+      images,
+      options,
+      [&](const AdjustedBlock& of_block, std::span<const StereoPair> pairs) {
+        progress(static_cast<double>(num_done) / num_pairs);
+        num_done += pairs.size();
+        return ReconstructSome(of_block, pairs, cache, options.stereo, reports);
+      },
+      reports);
+}
+
+GroundLayers AssessGround(const ElevationMap& map,
+                          const GroundPhotos& photos,
+                          const Aircraft& aircraft,
+                          HazardOptions options,
+                          std::vector<StageReport>& reports) {
+  if (map.is_compared) options.cover.photo.max_photo_disagreement = 0.0;  // all were compared
+  Orthophoto photo = Timed(reports, "orthophoto", [&] {
+    return MakeOrthophoto(map, photos.block, photos.images, options.cover.photo);
+  });
+  const GroundSurface surface =
+      Timed(reports, "surface", [&] { return MeasureSurface(map, options.surface); });
+  GroundCover cover = Timed(reports, "cover", [&] {
+    return AssessCover(map, surface, photos.grass_views, options.cover, std::move(photo));
+  });
+  AssessedMap finished = Timed(reports, "hazard_layers", [&] {
+    return AssessHazards(
+        map, surface, cover, {aircraft.max_slope_deg, aircraft.max_roughness_m}, options);
+  });
+  GroundLayers ground;
+  ground.map = std::move(finished.map);
+  ground.hazards = std::move(finished.layers);
+  ground.cues = std::move(cover.cues);
+  ground.num_views = NumViewsOf(ground.map, photos.block);
+  return ground;
 }
 
 }  // namespace freelsd

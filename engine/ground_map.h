@@ -1,7 +1,9 @@
-// Input: adjusted block, images. Output: elevation map, by pairs of photographs. Paper: III-F, G.
+// Input: adjusted block, images. Output: elevation map, by pairs of photographs, and its layers.
+// Paper: III-F, G.
 #pragma once
 
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "engine/selection/selection.h"
@@ -16,5 +18,34 @@ ElevationMap ReconstructMap(const AdjustedBlock& block,
                             const PipelineOptions& options,
                             const std::function<void(double done_ratio)>& progress,
                             std::vector<StageReport>& reports);
+
+// The points of each of some pairs of the block.
+using PairSource =
+    std::function<std::vector<Points>(const AdjustedBlock& block, std::span<const StereoPair>)>;
+// The same with the points of pairs from elsewhere.
+ElevationMap FuseMap(const AdjustedBlock& block,
+                     const Box& area,
+                     const ImageSource& images,
+                     const PipelineOptions& options,
+                     const PairSource& points_of,
+                     std::vector<StageReport>& reports);
+
+struct GroundLayers {
+  ElevationMap map;
+  HazardLayers hazards;
+  std::vector<CueLayer> cues;
+  cv::Mat1b num_views;
+};
+struct GroundPhotos {
+  const AdjustedBlock& block;
+  const std::vector<GrassView>& grass_views;
+  const ImageSource& images;
+};
+// Completes the map and computes its layers: shape of the ground, cover and hazard.
+GroundLayers AssessGround(const ElevationMap& map,
+                          const GroundPhotos& photos,
+                          const Aircraft& aircraft,
+                          HazardOptions options,
+                          std::vector<StageReport>& reports);
 
 }  // namespace freelsd

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "engine/ground_map.h"
-#include "engine/mosaic/mosaic.h"
 #include "engine/steps.h"
 
 namespace freelsd {
@@ -125,32 +124,6 @@ void WarnOfViews(const Selection& selection, Evaluation& evaluation) {
                                 std::to_string(selection.views.size()) + " were used");
 }
 
-// Completes the map and computes its layers: shape of the ground, cover and hazard.
-void AssessGround(const ElevationMap& map,
-                  const std::vector<GrassView>& grass_views,
-                  const ImageSource& images,
-                  const Aircraft& aircraft,
-                  HazardOptions options,
-                  Evaluation& evaluation) {
-  std::vector<StageReport>& reports = evaluation.reports;
-  if (map.is_compared) options.cover.photo.max_photo_disagreement = 0.0;  // all were compared
-  Orthophoto photo = Timed(reports, "orthophoto", [&] {
-    return MakeOrthophoto(map, evaluation.block, images, options.cover.photo);
-  });
-  const GroundSurface surface =
-      Timed(reports, "surface", [&] { return MeasureSurface(map, options.surface); });
-  const GroundCover cover = Timed(reports, "cover", [&] {
-    return AssessCover(map, surface, grass_views, options.cover, std::move(photo));
-  });
-  AssessedMap finished = Timed(reports, "hazard_layers", [&] {
-    return AssessHazards(
-        map, surface, cover, {aircraft.max_slope_deg, aircraft.max_roughness_m}, options);
-  });
-  evaluation.map = std::move(finished.map);
-  evaluation.hazards = std::move(finished.layers);
-  evaluation.num_views = NumViewsOf(evaluation.map, evaluation.block);
-}
-
 }  // namespace
 
 Frontend::Frontend(const Rig& rig, const PipelineOptions& options, Classifier classifier)
@@ -263,6 +236,13 @@ Snapshot Frontend::TakeSnapshot() const {
           {}};
 }
 
+std::optional<View> Frontend::FindView(const std::string& frame_id) const {
+  const std::vector<View>& views = tracks_.views();
+  const auto found = std::find_if(
+      views.rbegin(), views.rend(), [&](const View& view) { return view.frame_id == frame_id; });
+  return found == views.rend() ? std::nullopt : std::optional(*found);
+}
+
 std::vector<StageReport> Frontend::TakeReports() { return std::exchange(reports_, {}); }
 
 std::optional<double> Frontend::GroundHeight() const {
@@ -294,12 +274,17 @@ Evaluation EvaluateSites(const Snapshot& snapshot,
                                             evaluation.reports);  // III-F, G
     cancellable.Tell(kStereoDone, "hazards");
     WarnOfCoarseImages(evaluation, options);
-    AssessGround(map,
-                 AdjustedGrassViews(snapshot, selection.indices, evaluation.block),
-                 images,
-                 aircraft,
-                 options.hazard,
-                 evaluation);  // Sec. III-G
+    const std::vector<GrassView> grass_views =
+        AdjustedGrassViews(snapshot, selection.indices, evaluation.block);
+    GroundLayers ground = AssessGround(map,
+                                       {evaluation.block, grass_views, images},
+                                       aircraft,
+                                       options.hazard,
+                                       evaluation.reports);  // Sec. III-G
+    evaluation.map = std::move(ground.map);
+    evaluation.hazards = std::move(ground.hazards);
+    evaluation.cues = std::move(ground.cues);
+    evaluation.num_views = std::move(ground.num_views);
   }
   evaluation.wind =
       WindAt(0.5 * (group.area.min + group.area.max), snapshot.wind_samples, options.wind);

@@ -37,6 +37,8 @@ class Frontend {
   // Best region first, each with the current wind estimate at its centre.
   std::vector<Candidate> RankedRegions() const;
   Snapshot TakeSnapshot() const;
+  // The newest view of that frame, as it is placed now; nothing if there is none.
+  std::optional<View> FindView(const std::string& frame_id) const;
   std::vector<StageReport> TakeReports();
   // Height of the ground below the first view, world z; unknown before any view.
   std::optional<double> GroundHeight() const;
@@ -66,6 +68,8 @@ struct Evaluation {
   // reconstructed. The map includes its cover (WithCover).
   ElevationMap map;
   HazardLayers hazards;
+  // What told grass from other ground, cell by cell.
+  std::vector<CueLayer> cues;
   // Views that saw each cell; empty without a map.
   cv::Mat1b num_views;
   // At the middle of the map.

@@ -70,6 +70,7 @@ constexpr Route kRoutes[] = {
     {"PUT", "/v1/flights/{flight}/frames/{frame}", PutFrame},
     {"POST", "/v1/flights/{flight}/frames", PostFrame},
     {"GET", "/v1/flights/{flight}/frames", GetFrames},
+    {"GET", "/v1/flights/{flight}/frames/{frame}/patch.png", GetFramePatch, "x_px y_px side_px"},
     {"POST", "/v1/flights/{flight}/batch", PostBatch, "dry_run extra_poses"},
     {"POST", "/v1/flights/{flight}/finish", PostFinish},
     {"POST", "/v1/flights/{flight}/replay", PostReplay},
@@ -145,8 +146,8 @@ constexpr Route kRoutes[] = {
     {"POST",
      "/v1/routes/check",
      PostRouteCheck,
-     "f airspeed_mps wind_east_mps wind_north_mps wind_sd_mps aircraft altitude_datum glide_ratio "
-     "terrain_clearance_m arrival_height_m"},
+     "f airspeed_mps wind_east_mps wind_north_mps wind_sd_mps aircraft altitude_datum flight "
+     "glide_ratio terrain_clearance_m arrival_height_m"},
     {"GET", "/v1/base-map", GetBaseMap},
     {"GET", "/v1/base-map/{z}/{x}/{y}", GetBaseMapTile},
     {"GET", "/healthz", GetHealth, "", Listeners::kBoth},

@@ -1,5 +1,9 @@
 #include "engine/cover/cover.h"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 #include <opencv2/core/utility.hpp>
 
 #include "engine/cover/fences.h"
@@ -35,35 +39,67 @@ cv::Mat1b EvenGrass(const ElevationMap& map,
   return is_even;
 }
 
-// Grass without closed crops, overreach of segments and fences.
-cv::Mat1f WithoutSoftBorders(const ElevationMap& map,
-                             const GroundSurface& surface,
-                             const cv::Mat1f& called_grass,
-                             const CoverOptions& options,
-                             const Orthophoto& photo) {
-  cv::Mat1f grass = called_grass.clone();
-  const cv::Mat1b is_even = EvenGrass(map, surface, grass, options);
-  if (options.min_raised_step_m > 0.0) {
-    grass.setTo(0.0f, RaisedFields(is_even, surface.elevation, map.grid.cell_size_m, options));
+CueLayer LayerOf(const char* name, const cv::Mat1f& log_odds) {
+  CueLayer layer{name, cv::Mat_<int8_t>(log_odds.size())};
+  std::transform(log_odds.begin(), log_odds.end(), layer.steps.begin(), CueStepOf);
+  return layer;
+}
+
+// The posterior of the views as log-odds.
+cv::Mat1f LogOddsOf(const cv::Mat1f& probability) {
+  cv::Mat1f log_odds(probability.size());
+  std::transform(probability.begin(), probability.end(), log_odds.begin(), [](float p) {
+    return std::log(p / (1.0f - p));
+  });
+  return log_odds;
+}
+
+// Rules deny grass one after the other, and are noted.
+class Denials {
+ public:
+  explicit Denials(GroundCover& cover) : cover_(cover) {}
+
+  void Deny(const char* name, const cv::Mat1b& denied) {
+    if (denied.empty()) return;
+    cover_.grass.setTo(0.0f, denied);
+    cover_.cues.push_back({name, cv::Mat_<int8_t>::zeros(denied.size())});
+    cover_.cues.back().steps.setTo(CueSteps::kVeto, denied);
   }
-  if (photo.image.empty()) return grass;
+
+ private:
+  GroundCover& cover_;
+};
+
+// Denies closed crops, overreach of segments and fences.
+void DenySoftBorders(const ElevationMap& map,
+                     const GroundSurface& surface,
+                     const CoverOptions& options,
+                     const Orthophoto& photo,
+                     GroundCover& cover) {
+  Denials denials(cover);
+  const cv::Mat1b is_even = EvenGrass(map, surface, cover.grass, options);
+  if (options.min_raised_step_m > 0.0) {
+    denials.Deny("raised_field",
+                 RaisedFields(is_even, surface.elevation, map.grid.cell_size_m, options));
+  }
+  if (photo.image.empty()) return;
   if (options.min_overreach_deviations > 0.0) {
-    grass.setTo(0.0f, OverreachingGrass(grass, photo, map.grid, options));
+    denials.Deny("overreach", OverreachingGrass(cover.grass, photo, map.grid, options));
   }
   if (options.min_fence_deviations > 0.0) {
-    grass.setTo(0.0f, FindFences(photo, is_even, map.grid, options));
+    denials.Deny("fence", FindFences(photo, is_even, map.grid, options));
   }
-  return grass;
 }
 
 // Grass by rules, each of which has a veto.
-cv::Mat1f GrassByRules(const ElevationMap& map,
-                       const GroundSurface& surface,
-                       const std::vector<GrassView>& grass_views,
-                       const CoverOptions& options,
-                       const Orthophoto& photo,
-                       MeadowCells& cells) {
-  cv::Mat1f grass = FuseGrass(map, grass_views, options);
+void AddGrassByRules(const CueInput& input,
+                     const CoverOptions& options,
+                     MeadowCells& cells,
+                     GroundCover& cover) {
+  const ElevationMap& map = input.map;
+  const Orthophoto& photo = input.photo;
+  cover.grass = FuseGrass(map, input.grass_views, options);
+  cover.cues.push_back(LayerOf("views", LogOddsOf(cover.grass)));
   cv::Mat1b look_alikes;
   cv::parallel_for_({0, 2}, [&](const cv::Range& steps) {
     for (int step = steps.start; step < steps.end; ++step) {
@@ -71,14 +107,34 @@ cv::Mat1f GrassByRules(const ElevationMap& map,
       if (step == 1) look_alikes = FindLookAlikes(photo, map.grid, options);
     }
   });
-  if (!look_alikes.empty()) grass.setTo(0.0f, look_alikes);
+  Denials denials(cover);
+  denials.Deny("look_alike", look_alikes);
   // Fences and objects are still part of their meadow here.
-  cells.is_meadow = grass >= options.min_grass_posterior;
-  if (!cells.objects.empty()) grass.setTo(0.0f, cells.objects);
-  return WithoutSoftBorders(map, surface, grass, options, photo);
+  cells.is_meadow = cover.grass >= options.min_grass_posterior;
+  denials.Deny("small_object", cells.objects);
+  DenySoftBorders(map, input.surface, options, photo, cover);
+}
+
+void AddGrassByEvidence(const CueInput& input,
+                        const CoverOptions& options,
+                        MeadowCells& cells,
+                        GroundCover& cover) {
+  const KindModel& model = ShippedKindModel();
+  cells.objects = FindSmallObjects(input.photo, input.map.grid, options);
+  cover.grass =
+      GrassProbability(input, options, model, [&](const char* name, const cv::Mat1f& log_odds) {
+        cover.cues.push_back(LayerOf(name, log_odds));
+      });
+  cells.is_meadow = cover.grass >= options.min_grass_posterior;
 }
 
 }  // namespace
+
+int8_t CueStepOf(float log_odds) {
+  if (std::isnan(log_odds)) return CueSteps::kUnknown;
+  constexpr float kMost = CueSteps::kMost;
+  return static_cast<int8_t>(std::lround(std::clamp(log_odds / CueSteps::kLogOdds, -kMost, kMost)));
+}
 
 GroundCover AssessCover(const ElevationMap& map,
                         const GroundSurface& surface,
@@ -96,12 +152,11 @@ GroundCover AssessCover(const ElevationMap& map,
   photo.second_image.release();
   photo.second_seen.release();
   MeadowCells cells;
+  const CueInput input{map, surface, grass_views, photo};
   if (options.cover_method == CoverMethod::kRules) {
-    cover.grass = GrassByRules(map, surface, grass_views, options, photo, cells);
+    AddGrassByRules(input, options, cells, cover);
   } else {
-    cells.objects = FindSmallObjects(photo, map.grid, options);
-    cover.grass = GrassProbability({map, surface, grass_views, photo}, options, ShippedKindModel());
-    cells.is_meadow = cover.grass >= options.min_grass_posterior;
+    AddGrassByEvidence(input, options, cells, cover);
   }
   cells.is_clear_class = cover.grass >= options.clear_class.min_clear_class_posterior;
   cells.is_meadow |= cells.is_clear_class;

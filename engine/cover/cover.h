@@ -2,6 +2,8 @@
 // ground, and where the map's height is not reliable.
 #pragma once
 
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "engine/terrain/terrain.h"
@@ -203,12 +205,30 @@ struct OpenCover {
   bool is_compared = false;
 };
 
+// What one cue says of each cell, in steps that go into a byte.
+struct CueLayer {
+  // As in kind/cues.h; by rules: "views", and each rule that denies grass.
+  std::string name;
+  cv::Mat_<int8_t> steps;
+};
+struct CueSteps {
+  // Of the log-odds of grass. Larger ones are kMost.
+  static constexpr float kLogOdds = 1.0f / 16.0f;
+  static constexpr int8_t kMost = 126;
+  static constexpr int8_t kUnknown = 127;
+  // The cue alone denies grass.
+  static constexpr int8_t kVeto = -128;
+};
+int8_t CueStepOf(float log_odds);
+
 struct GroundCover {
   // Posterior probability of grass. NaN where too few views classified the cell (min_vote_ratio). 0
   // where the orthophoto or the heights show a crop, water, a fence, an object or other ground. The
   // classes from the views do not count there.
   cv::Mat1f grass;
   OpenCover open;
+  // Why. One size with grass.
+  std::vector<CueLayer> cues;
 };
 
 // If the orthophoto is empty, only raised fields are searched for.

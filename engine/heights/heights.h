@@ -6,6 +6,9 @@
 // resampled onto them. At the right height all views show the same.
 #pragma once
 
+#include <optional>
+#include <vector>
+
 #include "engine/terrain/terrain.h"
 
 namespace freelsd {
@@ -128,5 +131,29 @@ ElevationMap DecideHeights(const ElevationMap& proposal,
                            const AdjustedBlock& block,
                            const ImageSource& images,
                            const HeightsOptions& options);
+
+// How well each height of one place explains the photographs that show it: the evidence behind a
+// cell of the map.
+struct HeightLikelihood {
+  // World z, ascending, evenly spaced.
+  std::vector<double> heights;
+  // Natural logarithm, 0 at the best height: the views' differences are normal, of unknown
+  // variance.
+  std::vector<double> log_likelihood;
+  int num_views = 0;
+  // Widest baseline over height among them.
+  double baseline_ratio = 0.0;
+  // Of the views at the best height, at most 1.
+  double correlation = 0.0;
+};
+
+// `map`: seen cells around the place, which lies on its grid; their heights are searched up and
+// down by search_range_m. Nothing if the place is unseen, or if fewer than two photographs with an
+// image show it.
+std::optional<HeightLikelihood> HeightLikelihoodAt(const Eigen::Vector2d& place_in_world,
+                                                   const ElevationMap& map,
+                                                   const AdjustedBlock& block,
+                                                   const ImageSource& images,
+                                                   const HeightsOptions& options);
 
 }  // namespace freelsd

@@ -12,7 +12,7 @@
 namespace freelsd {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNotTold = std::numeric_limits<float>::quiet_NaN();
 
 // Error of a height with an infinitely sharp peak: poses that differ from view to view.
 constexpr double kLeastDeviationM = 0.1;
@@ -92,7 +92,7 @@ std::optional<float> HighestMode(const HeightEvidence& evidence,
 
 struct CellJudgement {
   CannotTell cannot_tell = CannotTell::kNothing;
-  float ground = kNaN, upper = kNaN, deviation = kNaN, thing_probability = kNaN;
+  float ground = kNotTold, upper = kNotTold, deviation = kNotTold, thing_probability = kNotTold;
 };
 
 CellJudgement JudgeCell(const ElevationMap& proposal,
@@ -161,7 +161,7 @@ void Judge(const ElevationMap& proposal,
            const HeightsOptions& options,
            PhotographHeights& heights) {
   const HeightEvidence& evidence = heights.evidence;
-  heights.ground = cv::Mat1f(evidence.ground.size(), kNaN);
+  heights.ground = cv::Mat1f(evidence.ground.size(), kNotTold);
   heights.upper = heights.ground.clone();
   heights.standard_deviation = heights.ground.clone();
   heights.thing_probability = heights.ground.clone();
@@ -181,7 +181,7 @@ void Judge(const ElevationMap& proposal,
                             AmongThings(heights, options));
   const cv::Mat1b is_unknown = heights.cannot_tell != static_cast<uint8_t>(CannotTell::kNothing);
   for (cv::Mat1f* raster : {&heights.ground, &heights.upper, &heights.standard_deviation}) {
-    raster->setTo(kNaN, is_unknown);
+    raster->setTo(kNotTold, is_unknown);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "api/api.h"
 #include "api/export/layers/layers.h"
 #include "api/stored/stored.h"
+#include "server/handlers/evidence/evidence.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
 #include "server/handlers/site_rose.h"
@@ -153,26 +154,48 @@ PlaceOnMap PlaceOnFlightMap(const Service& service, const Call& call) {
   return on;
 }
 
-// Photographs that show a place of the site's map; nothing if the map does not know.
-std::optional<std::vector<std::string>> FramesAt(const Service& service,
-                                                 const std::string& map_id,
-                                                 const Eigen::Vector2d& place_in_world,
-                                                 const std::optional<double>& height) {
-  if (map_id.empty() || !height) return std::nullopt;
-  const auto map = service.maps.flight_maps().Find(service.storage, map_id);
-  if (!map) return std::nullopt;
-  return FramesThatShow(*map, place_in_world, *height);
+std::optional<std::string> EvidenceDigestOf(const SiteRow& site) {
+  if (site.feature_json.empty()) return std::nullopt;
+  const nlohmann::json properties = nlohmann::json::parse(site.feature_json).at("properties");
+  const auto digest = properties.find("evidence_digest");
+  return digest == properties.end() ? std::nullopt : std::optional(digest->get<std::string>());
+}
+
+// The value of the rule; 0 where it was not checked.
+double HazardDistanceOf(const PlaceJudgement& judgement) {
+  for (const PlaceRule& rule : judgement.rules) {
+    if (rule.name == "hazard_distance") return rule.value.value_or(0.0);
+  }
+  return 0.0;
+}
+
+// What a flight's map knows about the place.
+void AddEvidence(Service& service,
+                 const KeptSite& site,
+                 const PlaceJudgement& judgement,
+                 const Eigen::Vector2d& place_in_world,
+                 nlohmann::json& answer) {
+  if (site.row.map_id.empty()) return;
+  const auto map = service.maps.flight_maps().Find(service.storage, site.row.map_id);
+  if (!map) return;
+  answer["options"] = OptionsOfMapJson(map->head);
+  answer["versions"] = VersionsOfMapJson(*map);
+  if (!judgement.height) return;
+  answer["evidence"].update(CellEvidenceJson(
+      service, {*map, place_in_world, *judgement.height, HazardDistanceOf(judgement)}));
 }
 
 // The answer for a place, judged on a site's map.
-void AnswerJudgement(const Service& service,
+void AnswerJudgement(Service& service,
                      const KeptSite& site,
                      const PlaceJudgement& judgement,
                      const Aircraft& aircraft,
                      const Eigen::Vector2d& place_in_world,
                      httplib::Response& response) {
-  const auto frames = FramesAt(service, site.row.map_id, place_in_world, judgement.height);
-  nlohmann::json answer = PlaceJudgementJson(judgement, place_in_world, frames, ContextOf(site));
+  nlohmann::json answer = PlaceJudgementJson(judgement, place_in_world, ContextOf(site));
+  answer["nearest_limit"] = NearestLimitJson(judgement, aircraft);
+  if (const auto digest = EvidenceDigestOf(site.row)) answer["evidence_digest"] = *digest;
+  AddEvidence(service, site, judgement, place_in_world, answer);
   answer["warnings"] = LimitsWarnings(aircraft);
   response.set_content(answer.dump(), "application/json");
 }

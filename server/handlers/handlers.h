@@ -21,6 +21,9 @@ void PutFrame(Service& service, const Call& call, httplib::Response& response);
 void PostFrame(Service& service, const Call& call, httplib::Response& response);
 void GetFrames(Service& service, const Call& call, httplib::Response& response);
 
+// evidence/patch_handler.cc
+void GetFramePatch(Service& service, const Call& call, httplib::Response& response);
+
 // batch_handler.cc
 void PostBatch(Service& service, const Call& call, httplib::Response& response);
 

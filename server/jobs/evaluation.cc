@@ -58,17 +58,6 @@ int64_t PhotographedAt(const Snapshot& snapshot, const AdjustedBlock& block) {
   return newest_us;
 }
 
-// Reads and decodes the stored image of a frame; empty if the file is missing.
-ImageSource StoredImages(Service& service, const std::string& flight_id) {
-  return [&service, flight_id](const std::string& frame_id) {
-    const std::optional<FrameRow> frame = service.storage.frames.Find(flight_id, frame_id);
-    if (!frame) return cv::Mat();
-    const std::optional<std::string> bytes = service.storage.images.Read(frame->sha256);
-    if (!bytes) return cv::Mat();
-    return DecodeImage(*bytes, service.intake.image_limits);
-  };
-}
-
 std::string DatumOf(const Service& service, const std::string& flight_id) {
   const std::optional<FlightRow> row = service.storage.flights.Find(flight_id);
   return row ? AltitudeDatumOf(*row) : "unknown";
@@ -247,7 +236,7 @@ Evaluated Evaluate(const EvaluationTask& task, StagedMaps& maps, const Progress&
   snapshot.obstacles = ObstaclesOf(service, flight, snapshot);
   Evaluated evaluated;
   evaluated.through_sequence = through_sequence;
-  const ImageSource images = StoredImages(service, task.flight_id);
+  const ImageSource images = StoredImages(service.intake, task.flight_id);
   const bool is_first = task.is_stored && service.storage.maps.ListOf(task.flight_id).empty();
   for (size_t i = 0; i < groups.size(); ++i) {
     const Progress of_group = ReturningMemory(ShareOf(progress, i, groups.size()));
@@ -258,8 +247,11 @@ Evaluated Evaluate(const EvaluationTask& task, StagedMaps& maps, const Progress&
                                                 request.aircraft,
                                                 request.options,
                                                 Within(of_group, 0.0, kSitesDone));
-    const StagedMaps::Source source{
-        flight.request, flight.origin, images, PhotographedAt(snapshot, evaluation.block)};
+    const StagedMaps::Source source{flight.request,
+                                    flight.origin,
+                                    images,
+                                    task.session.model_digest(),
+                                    PhotographedAt(snapshot, evaluation.block)};
     if (is_first) StoreFirstSites(service, evaluation, source, flight, inputs);
     const std::string map_id = task.is_stored
                                    ? maps.Add(evaluation, source, Within(of_group, kSitesDone, 1.0))

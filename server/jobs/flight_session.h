@@ -61,6 +61,10 @@ class FlightSession {
   // Collects the frontend's notes on frames.
   void AddNotes(const std::vector<FrameResult>& results);
 
+  // Where the frontend has placed a frame; nothing if it was dropped.
+  std::optional<View> FindView(const std::string& frame_id);
+  const Camera& camera() const { return rig_.rig.camera; }
+
   // --- Both threads ---
   // cursor: sequence number of the last frame passed in. flushed_through: sequence number of the
   // last frame before the latest flush. No frame up to this number waits in the engine.

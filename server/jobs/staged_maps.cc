@@ -52,21 +52,37 @@ MosaicOptions OptionsOf(const AdjustedBlock& block) {
   return options;
 }
 
-MapHead HeadOf(const Evaluation& evaluation, const FlightRequest& flight, const GeoPoint& origin) {
+// Connected views alone, with the pairs that stereo matched.
+std::vector<MapView> ViewsOf(const AdjustedBlock& block, const StereoOptions& options) {
+  std::vector<MapView> views;
+  std::vector<size_t> places(block.views.size(), 0);
+  for (size_t i = 0; i < block.views.size(); ++i) {
+    const AdjustedView& view = block.views[i];
+    if (!view.is_connected) continue;
+    places[i] = views.size();
+    views.push_back(
+        {view.frame_id, view.world_from_camera, view.readout, view.height_above_ground});
+  }
+  for (const StereoPair& pair : SelectPairs(block, options)) {
+    views[places[pair.left]].partners.push_back(places[pair.right]);
+  }
+  return views;
+}
+
+MapHead HeadOf(const Evaluation& evaluation, const StagedMaps::Source& source) {
   const ElevationMap& map = evaluation.map;
   MapHead head;
-  head.flight_json = flight.canonical_json;
-  head.origin = origin;
+  head.flight_json = source.flight.canonical_json;
+  head.origin = source.origin;
+  head.program_version = FREELSD_VERSION;
+  head.model_sha256 = source.model_digest;
   head.grid = map.grid;
   head.position_sd_m = map.position_sd_m;
   head.tilt_sd_deg = map.tilt_sd_deg;
   head.is_compared = map.is_compared;
   head.wind = evaluation.wind;
   head.camera = evaluation.block.camera;
-  for (const AdjustedView& view : evaluation.block.views) {
-    if (!view.is_connected) continue;
-    head.views.push_back({view.frame_id, view.world_from_camera, view.readout});
-  }
+  head.views = ViewsOf(evaluation.block, source.flight.options.stereo);
   const MosaicLattice lattice = PlanMosaic(map, evaluation.block, OptionsOf(evaluation.block));
   if (lattice.num_levels > 0) {
     head.photo = PhotoLattice{lattice.pixel_size_m, lattice.tile_size_px, lattice.num_levels};
@@ -132,7 +148,9 @@ std::string StagedMaps::AddMap(const Evaluation& evaluation, const Source& sourc
   digests_[row.id] = StageMap(service_.storage,
                               row,
                               std::move(head),
-                              {{evaluation.map, evaluation.hazards}, evaluation.num_views});
+                              {.site_map = {evaluation.map, evaluation.hazards},
+                               .coverage = evaluation.num_views,
+                               .cues = evaluation.cues});
   return row.id;
 }
 
@@ -140,14 +158,14 @@ std::string StagedMaps::Add(const Evaluation& evaluation,
                             const Source& source,
                             const Progress& progress) {
   if (evaluation.map.grid.num_rows == 0) return {};
-  std::string map_id = AddMap(evaluation, source, HeadOf(evaluation, source.flight, source.origin));
+  std::string map_id = AddMap(evaluation, source, HeadOf(evaluation, source));
   AddPicture(evaluation, map_id, source.images, progress);
   return map_id;
 }
 
 std::string StagedMaps::AddWithoutPicture(const Evaluation& evaluation, const Source& source) {
   if (evaluation.map.grid.num_rows == 0) return {};
-  MapHead head = HeadOf(evaluation, source.flight, source.origin);
+  MapHead head = HeadOf(evaluation, source);
   head.photo.reset();
   return AddMap(evaluation, source, std::move(head));
 }

@@ -35,6 +35,8 @@ class StagedMaps {
     const FlightRequest& flight;
     const GeoPoint& origin;
     const ImageSource& images;
+    // SHA-256 of the grass model's file.
+    const std::string& model_digest;
     // When the newest photograph was taken.
     int64_t photographed_at_us = 0;
   };

@@ -12,6 +12,7 @@
 #include "server/jobs/evaluation.h"
 #include "server/jobs/failure.h"
 #include "server/jobs/job_json.h"
+#include "server/jobs/staged_maps.h"
 
 namespace freelsd {
 namespace {
@@ -37,6 +38,7 @@ Worker::Worker(Service& service, Classifiers classifiers)
     : service_(service),
       classifiers_(std::move(classifiers)),
       open_flights_(service.storage, service.config.max_num_open_flights),
+      watching_(service),
       frontend_thread_([this] { RunFrontend(); }),
       backend_thread_([this] { RunBackend(); }) {}
 
@@ -229,12 +231,27 @@ void Worker::ApplyResults(const std::string& flight_id,
     told.state = state;
     told.reason = result.note;
     TellOfFrame(service_, told);
+    if (result.is_processed) WatchStrips(session, told);
     pace_[flight_id].AddFrame();
   }
   if (!IsEvaluationDue(flight_id, session)) return;
   pace_[flight_id].BeginEvaluation();
   due_.Add(flight_id);
   Wake();
+}
+
+void Worker::WatchStrips(FlightSession& session, const FrameRow& frame) {
+  const std::optional<View> view = session.FindView(frame.id);
+  const std::optional<FlightRow> flight = service_.storage.flights.Find(frame.flight_id);
+  if (!view || !flight) return;
+  const PlacedPhoto photo{frame.flight_id,
+                          frame.id,
+                          SeenAt(view->timestamp_us, NowUs()),
+                          session.camera().With(view->readout),
+                          view->world_from_camera,
+                          session.origin(),
+                          AltitudeDatumOf(*flight)};
+  watching_.Look(photo, [&] { return StoredImages(service_.intake, frame.flight_id)(frame.id); });
 }
 
 bool Worker::IsEvaluationDue(const std::string& flight_id, const FlightSession& session) {
@@ -315,6 +332,7 @@ void Worker::Forget(const std::string& flight_id) {
   waiting_.erase(flight_id);
   stored_at_.erase(flight_id);
   pace_.erase(flight_id);
+  watching_.Forget(flight_id);
 }
 
 // Fails the flight and its jobs. Other flights continue.

@@ -21,6 +21,7 @@
 #include "server/jobs/evaluation_queue.h"
 #include "server/jobs/open_flights.h"
 #include "server/jobs/service.h"
+#include "server/jobs/watching/watching.h"
 
 namespace freelsd {
 
@@ -48,6 +49,8 @@ class Worker {
   // True while the frame may wait for telemetry that gives its position.
   bool MayWait(const FrameRow& frame);
   void TakeFrame(const std::string& flight_id, FlightSession& session, const PosedFrame& frame);
+  // Compares a photograph that was placed with the stored strips that it shows.
+  void WatchStrips(FlightSession& session, const FrameRow& frame);
   void ApplyResults(const std::string& flight_id,
                     FlightSession& session,
                     const std::vector<FrameResult>& results);
@@ -85,6 +88,8 @@ class Worker {
   Service& service_;
   Classifiers classifiers_;
   OpenFlights open_flights_;
+  // Only the frontend thread uses it.
+  StripWatching watching_;
   std::atomic<bool> is_stopping_{false};
 
   // Guards num_wakes_ and num_running_threads_.

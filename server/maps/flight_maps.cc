@@ -54,7 +54,7 @@ std::shared_ptr<const MapRasters> ReadTile(const Storage& storage,
 }
 
 bool Holds(TileLayers kept, TileLayers wanted) {
-  return kept == TileLayers::kAll || wanted == TileLayers::kPlanning;
+  return kept >= wanted;
 }
 
 }  // namespace

@@ -215,6 +215,16 @@ void AddPath(const ToldPath& told, const LocalFrame& local_frame, nlohmann::json
   }
 }
 
+namespace {
+
+// " (Restricted area 5)"; empty if no airspace has a name.
+std::string NamesOf(const PathObstacles& found) {
+  if (found.airspace_names == found.airspaces) return "";
+  return " (" + ListOf(found.airspace_names) + ")";
+}
+
+}  // namespace
+
 void AddObstacles(const PathObstacles& found, nlohmann::json& answer) {
   if (found.least) {
     answer["obstacle_margin_m"] = found.least->margin_m;
@@ -227,7 +237,8 @@ void AddObstacles(const PathObstacles& found, nlohmann::json& answer) {
   }
   if (found.airspaces.empty()) return;
   answer["airspaces"] = found.airspaces;
-  answer["warnings"].push_back("the path enters the airspace " + ListOf(found.airspaces));
+  answer["warnings"].push_back("the path enters the airspace " + ListOf(found.airspaces) +
+                               NamesOf(found));
 }
 
 }  // namespace freelsd

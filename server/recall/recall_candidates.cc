@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <string_view>
 #include <tuple>
 
@@ -146,18 +145,31 @@ GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& posit
   return start;
 }
 
-double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds) {
+std::shared_ptr<const GlidingAircraft> GlidingFleet::Of(const EmergencyRequest& request,
+                                                        const std::string& aircraft_json) {
+  const std::lock_guard lock(mutex_);
+  auto found = gliding_.find(aircraft_json);
+  if (found == gliding_.end()) {
+    found = gliding_.emplace(aircraft_json, GlidingOf(request, aircraft_json)).first;
+  }
+  return found->second;
+}
+
+double GreatestReach(const EmergencyRequest& request,
+                     const RecallBounds& bounds,
+                     GlidingFleet& fleet) {
   // If the site has another datum, the altitude may be higher by this value.
   const double height_m =
       std::max(0.0, request.place.altitude_m + kMaxGeoidHeightM - bounds.min_altitude_m);
   const double wind_mps = request.wind_in_world ? request.wind_in_world->norm() : 0.0;
   double reach_m = 0.0;
   for (const std::string& aircraft_json : bounds.aircraft_jsons) {
-    const std::optional<Aircraft> aircraft = AircraftOf(request, aircraft_json);
-    if (!aircraft) return kMaxReachM;
-    const double speed_mps = aircraft->glide_airspeed_mps.value_or(aircraft->landing_airspeed_mps);
-    const double aloft_s = height_m * std::hypot(aircraft->glide_ratio, 1.0) / speed_mps;
-    reach_m = std::max(reach_m, height_m * aircraft->glide_ratio + wind_mps * aloft_s);
+    const auto gliding = fleet.Of(request, aircraft_json);
+    if (!gliding) return kMaxReachM;
+    const Aircraft& aircraft = gliding->aircraft;
+    const double speed_mps = aircraft.glide_airspeed_mps.value_or(aircraft.landing_airspeed_mps);
+    const double aloft_s = height_m * std::hypot(aircraft.glide_ratio, 1.0) / speed_mps;
+    reach_m = std::max(reach_m, height_m * aircraft.glide_ratio + wind_mps * aloft_s);
   }
   return std::min(kMaxReachM, reach_m + kPlanShiftM + kMapHalfSizeM);
 }
@@ -187,19 +199,14 @@ bool IsSurelyNotBetter(const RecallCandidate& candidate,
 }
 
 std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
-                                        const SharedRows<RecallRow>& rows) {
+                                        const SharedRows<RecallRow>& rows,
+                                        GlidingFleet& fleet) {
   std::vector<RecallCandidate> candidates;
   candidates.reserve(rows.size());
-  std::map<std::string_view, std::shared_ptr<const GlidingAircraft>> gliding_by_json;
   const int64_t now_us = NowUs();
   for (const auto& row : rows) {
-    const std::string& aircraft_json = row->data.aircraft_json;
-    auto gliding = gliding_by_json.find(aircraft_json);
-    if (gliding == gliding_by_json.end()) {
-      gliding = gliding_by_json.emplace(aircraft_json, GlidingOf(request, aircraft_json)).first;
-    }
-    if (!gliding->second) continue;
-    candidates.push_back(CandidateOf(request, *row, gliding->second, now_us));
+    const auto gliding = fleet.Of(request, row->data.aircraft_json);
+    if (gliding) candidates.push_back(CandidateOf(request, *row, gliding, now_us));
   }
   return candidates;
 }

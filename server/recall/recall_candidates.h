@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +31,20 @@ struct GlidingAircraft {
   Aircraft aircraft;
   std::string key;
   StraightGlide glide;
+};
+
+// The aircraft of stored sites without power, for requests with the same aircraft and glide ratio.
+// Thread-safe.
+class GlidingFleet {
+ public:
+  // See AircraftOf. Null if the stored aircraft is invalid by current rules.
+  std::shared_ptr<const GlidingAircraft> Of(const EmergencyRequest& request,
+                                            const std::string& aircraft_json);
+
+ private:
+  // Guards gliding_.
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<const GlidingAircraft>> gliding_;
 };
 
 // A stored site as seen from the aircraft. Lengths and margins are in metres.
@@ -59,11 +75,14 @@ std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
 Aircraft LeastGlidingAircraft(const EmergencyRequest& request, const RecallBounds& bounds);
 // Upper bound of the gliding distance: the distance to the altitude of the lowest site, with the
 // aircraft that glides farthest.
-double GreatestReach(const EmergencyRequest& request, const RecallBounds& bounds);
+double GreatestReach(const EmergencyRequest& request,
+                     const RecallBounds& bounds,
+                     GlidingFleet& fleet);
 
 // In no order. Candidates point into `rows`. Sites whose stored aircraft is invalid are left out.
 std::vector<RecallCandidate> Candidates(const EmergencyRequest& request,
-                                        const SharedRows<RecallRow>& rows);
+                                        const SharedRows<RecallRow>& rows,
+                                        GlidingFleet& fleet);
 // Moves the `num` most promising candidates from `begin` on to `begin`, in order. Only those behind
 // are moved. Candidates out of reach come last.
 void SortNext(std::vector<RecallCandidate>& candidates, size_t begin, size_t num);

@@ -146,7 +146,8 @@ std::vector<std::string> WarningsOf(const EmergencyRequest& request,
 }  // namespace
 
 nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& request) {
-  Search search = SearchSites(stored, request, kTimeBudget);
+  GlidingFleet fleet;
+  Search search = SearchSites(stored, request, kTimeBudget, fleet);
   nlohmann::json answer{{"sites", nlohmann::json::array()}};
   const auto tell = [&](const Ranked& ranked) {
     ToldSite told = Tell(stored, request, *ranked.candidate, ranked.reached);

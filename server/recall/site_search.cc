@@ -131,12 +131,13 @@ void Evaluate(const StoredSites& stored,
 Search SearchWithin(const StoredSites& stored,
                     const EmergencyRequest& request,
                     double reach_m,
-                    std::chrono::milliseconds time_budget) {
+                    std::chrono::milliseconds time_budget,
+                    GlidingFleet& fleet) {
   const auto begin = std::chrono::steady_clock::now();
   Search search;
   search.reach_m = reach_m;
   search.rows = stored.storage.sites.ListRecallable(BoxAround(request.place, reach_m));
-  search.candidates = Candidates(request, search.rows);
+  search.candidates = Candidates(request, search.rows, fleet);
   std::vector<RecallCandidate>& candidates = search.candidates;
   for (const RecallCandidate& candidate : candidates) {
     search.datum_bases.insert(candidate.datum.basis);
@@ -171,13 +172,14 @@ Search SearchWithin(const StoredSites& stored,
 
 Search SearchSites(const StoredSites& stored,
                    const EmergencyRequest& request,
-                   std::chrono::milliseconds time_budget) {
-  double reach_m = GreatestReach(request, stored.storage.sites.BoundsOfRecallable());
-  Search search = SearchWithin(stored, request, reach_m, time_budget);
+                   std::chrono::milliseconds time_budget,
+                   GlidingFleet& fleet) {
+  double reach_m = GreatestReach(request, stored.storage.sites.BoundsOfRecallable(), fleet);
+  Search search = SearchWithin(stored, request, reach_m, time_budget, fleet);
   while (search.reachable.empty() && !search.nearest_miss && !search.is_cut_short &&
          reach_m < kMaxReachM) {
     reach_m = std::min(kMaxReachM, 3.0 * reach_m);
-    search = SearchWithin(stored, request, reach_m, time_budget);
+    search = SearchWithin(stored, request, reach_m, time_budget, fleet);
   }
   return search;
 }

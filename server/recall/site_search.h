@@ -59,7 +59,8 @@ struct Search {
 // nearest miss.
 Search SearchSites(const StoredSites& stored,
                    const EmergencyRequest& request,
-                   std::chrono::milliseconds time_budget);
+                   std::chrono::milliseconds time_budget,
+                   GlidingFleet& fleet);
 
 // Indices in search.reachable of the best `limit` of different places, best first.
 std::vector<size_t> DifferentPlaces(const Search& search, size_t limit);

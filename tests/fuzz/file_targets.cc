@@ -88,9 +88,9 @@ void FuzzPhotoTile(std::string_view bytes) { DeserializePhotoTile(std::string(by
 
 void FuzzMapTile(std::string_view bytes) {
   const Grid grid = GridOf(MapTileIndex{}, 1.0);
-  const MapRasters tile = DeserializeTile(std::string(bytes), grid, TileLayers::kAll);
+  const MapRasters tile = DeserializeTile(std::string(bytes), grid, TileLayers::kWithCues);
   const std::string again = SerializeTile(tile);
-  if (!again.empty()) DeserializeTile(again, grid, TileLayers::kAll);
+  if (!again.empty()) DeserializeTile(again, grid, TileLayers::kWithCues);
 }
 
 }  // namespace freelsd

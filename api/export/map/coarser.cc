@@ -137,6 +137,7 @@ MapWindow Coarser(const MapWindow& window) {
   layers.grass = JoinFours(layers.grass, coarse, kNaN, Least);
   layers.hazard = JoinFours<uint8_t>(layers.hazard, coarse, kUnseen, WorstHazard);
   layers.distance = JoinFours(layers.distance, coarse, 0.0f, Least);
+  result.cues.clear();
   result.risk = JoinFours(result.risk, coarse, kNaN, Largest);
   result.coverage =
       JoinFours<uint8_t>(result.coverage, coarse, 0, [](const std::array<uint8_t, 4>& four) {

@@ -231,6 +231,9 @@ void WritePhotoGeoTiff(const std::string& path,
                        const LocalFrame& local_frame,
                        const GeoTiffOptions& options = {});
 
+// A part of a photograph, BGR; black beyond it.
+std::string PatchPng(const cv::Mat& image, const cv::Rect& wanted);
+
 // KMZ with one GroundOverlay, north up, of at most 2048 x 2048 pixels. `name` is shown to people.
 // `layer` is any layer but photo; its picture has the colours of `scale`.
 std::string MapKmz(const std::string& name,

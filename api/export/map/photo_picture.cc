@@ -91,4 +91,11 @@ cv::Mat4b PhotoPicture(const PixelPlaces& places, const std::vector<PhotoWindow>
   return picture;
 }
 
+std::string PatchPng(const cv::Mat& image, const cv::Rect& wanted) {
+  const cv::Rect inside = wanted & cv::Rect({0, 0}, image.size());
+  cv::Mat patch = cv::Mat::zeros(wanted.size(), image.type());
+  if (!inside.empty()) image(inside).copyTo(patch(inside - wanted.tl()));
+  return EncodePng(patch);
+}
+
 }  // namespace freelsd

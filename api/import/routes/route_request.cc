@@ -128,6 +128,9 @@ RouteRequest ParseRouteRequest(const nlohmann::json& object) {
   if (const auto* const datum = reader.Find("altitude_datum")) {
     request.altitude_datum = ReadRouteDatum(*datum);
   }
+  if (const auto* const flight = reader.Find("flight")) {
+    request.flight_id = ReadString(*flight, "/flight");
+  }
   if (const auto* const aircraft = reader.Find("aircraft")) {
     request.aircraft = ReadAircraft(*aircraft);
   }

@@ -23,6 +23,8 @@ struct RouteRequest {
   // Straight between neighbours; at least two.
   std::vector<GeoPoint> route;
   std::string altitude_datum = "unknown";
+  // Whose altitudes they are: two unknown datums of one flight are equal.
+  std::optional<std::string> flight_id;
   double airspeed_mps = 0.0;
   // The winds to reckon with. Empty: the wind is unknown. A wind with a standard deviation per axis
   // becomes five winds with its mean and covariance.

@@ -30,6 +30,8 @@ nlohmann::json ViewJson(const MapView& view) {
       {"frame_id", view.frame_id},
       {"position_in_world_m", VectorJson(view.world_from_camera.translation)},
       {"world_from_camera_wxyz", {rotation.w(), rotation.x(), rotation.y(), rotation.z()}}};
+  object["height_above_ground_m"] = view.height_above_ground;
+  object["partners"] = view.partners;
   if (!view.readout.IsGlobal()) {
     for (int k = 0; k < Readout::kNumTurns; ++k) {
       object["turns_rad"].push_back(VectorJson(view.readout.turns.col(k)));
@@ -47,7 +49,10 @@ MapView ViewOf(const nlohmann::json& object) {
                                      wxyz.at(1).get<double>(),
                                      wxyz.at(2).get<double>(),
                                      wxyz.at(3).get<double>()};
-  // Maps of earlier versions.
+  // Maps of earlier versions have neither.
+  view.height_above_ground = object.value("height_above_ground_m", 0.0);
+  view.partners = object.value("partners", std::vector<size_t>{});
+  // Maps of still earlier versions.
   if (object.contains("turn_rad")) {
     view.readout =
         Readout::Turning(VectorOf(object.at("turn_rad")), VectorOf(object.at("bend_rad")));
@@ -118,6 +123,8 @@ std::string MapHeadJson(const MapHead& head) {
                         {"views", std::move(views)},
                         {"ranges", std::move(ranges)},
                         {"quality", QualityJson(head.quality)}};
+  object["program_version"] = head.program_version;
+  object["model_sha256"] = head.model_sha256;
   if (head.photo) {
     object["photo"] = {{"pixel_size_m", head.photo->pixel_size_m},
                        {"tile_size_px", head.photo->tile_size_px},
@@ -145,6 +152,11 @@ MapHead ParseMapHead(const std::string& text) {
   head.is_compared = object.at("is_compared");
   head.camera = ParseCamera(object.at("camera"), "/camera", CameraOrigin::kStored);
   for (const nlohmann::json& view : object.at("views")) head.views.push_back(ViewOf(view));
+  for (const MapView& view : head.views) {
+    for (const size_t partner : view.partners) head.views.at(partner);
+  }
+  head.program_version = object.value("program_version", "");
+  head.model_sha256 = object.value("model_sha256", "");
   for (const auto& [name, range] : object.at("ranges").items()) {
     head.ranges.push_back({name, range.at(0), range.at(1)});
   }

@@ -38,6 +38,8 @@ struct MapRasters {
   SiteMap site_map;
   // Number of photographs that see the cell, at most 255. Empty if it was not computed.
   cv::Mat1b coverage;
+  // What told grass from other ground. Of the finest level only; may be empty.
+  std::vector<CueLayer> cues = {};
   // As AddRisk (api/export/map) computes it. Never stored; empty if it was not computed.
   cv::Mat1f risk = {};
 };
@@ -48,7 +50,8 @@ void CopyCells(const MapRasters& from, MapRasters& to);
 
 enum class TileLayers {
   kPlanning,  // what WithLimits needs; hazard is kUnseen, distance 0 and coverage empty
-  kAll,
+  kAll,       // without cues
+  kWithCues,
 };
 
 // Values are rounded to MapSteps, so a map of AssessHazards comes back bit for bit. Exceptions:
@@ -68,6 +71,9 @@ struct MapView {
   std::string frame_id;
   Rigid3d world_from_camera;
   Readout readout;
+  double height_above_ground = 0.0;
+  // Views of the map that stereo matched it with, as indices. Once for each pair.
+  std::vector<size_t> partners = {};
 };
 
 // Range of a layer's values over the whole map.
@@ -118,6 +124,10 @@ struct MapHead {
   // Nothing if the map has no picture.
   std::optional<PhotoLattice> photo;
   BlockQuality quality;
+  // Version of the program that made the map, and SHA-256 of its grass model's file. Empty in maps
+  // of earlier versions.
+  std::string program_version = {};
+  std::string model_sha256 = {};
 };
 std::string MapHeadJson(const MapHead& head);
 // Throws std::exception on text that MapHeadJson did not write.

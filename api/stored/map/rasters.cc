@@ -54,6 +54,21 @@ std::pair<MapTileIndex, MapTileIndex> TilesUnder(const Grid& grid, int level) {
            FloorDiv(cells.x + cells.width - 1, side)}};
 }
 
+namespace {
+
+// Of the cue of that name; all unknown if it is new.
+cv::Mat_<int8_t>& CueStepsIn(const std::string& cue, MapRasters& rasters) {
+  for (CueLayer& known : rasters.cues) {
+    if (known.name == cue) return known.steps;
+  }
+  const Grid& grid = rasters.site_map.map.grid;
+  rasters.cues.push_back(
+      {cue, cv::Mat_<int8_t>(grid.num_rows, grid.num_cols, int8_t{CueSteps::kUnknown})});
+  return rasters.cues.back().steps;
+}
+
+}  // namespace
+
 MapRasters UnseenRasters(const Grid& grid) {
   const cv::Size size(grid.num_cols, grid.num_rows);
   const auto unknown = [&size] { return cv::Mat1f(size, std::numeric_limits<float>::quiet_NaN()); };
@@ -90,6 +105,10 @@ void CopyCells(const MapRasters& from, MapRasters& to) {
   Copy(layers.hazard, out, to_layers.hazard, in);
   Copy(layers.distance, out, to_layers.distance, in);
   Copy(from.coverage, out, to.coverage, in);
+  for (const CueLayer& cue : from.cues) {
+    cv::Mat_<int8_t>& steps = CueStepsIn(cue.name, to);
+    cue.steps(out).copyTo(steps(in));
+  }
 }
 
 }  // namespace freelsd

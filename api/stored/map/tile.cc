@@ -1,14 +1,16 @@
 // The stored form of a tile:
-//   "FLMT", version (u32), then two parts, each with its size (u32), the size of its deflated bytes
-//   (u32) and its CRC-32 (u32): first the rasters for planning, then those only for display.
+//   "FLMT", version (u32), then three parts, each with its size (u32), the size of its deflated
+//   bytes (u32) and its CRC-32 (u32): the rasters for planning, those only for display, and cues.
+//   Version 1 has no cues.
 // A raster is a number for each cell, row by row: a count of steps (MapSteps), 0xFFFF where
 // unknown. Each number is stored as the difference from the one to the west, or, in the first
 // column, from the one to the north. All low bytes of a raster come before its high bytes: this
-// halves the size.
+// halves the size. Each cue is the size of its name (u8), the name, and a byte for each cell.
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
@@ -22,7 +24,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "stored tiles are little-endian");
 
 constexpr char kMagic[4] = {'F', 'L', 'M', 'T'};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
+constexpr size_t kMaxNumCues = 64;
 constexpr int kDeflateLevel = 6;
 constexpr size_t kNumCells = size_t{kTileCells} * kTileCells;
 constexpr uint16_t kUnknown = 0xFFFF;
@@ -149,12 +152,14 @@ void AppendPart(std::string& bytes, const std::string& content) {
 }
 
 // Reads the part at `position`, and moves the position behind it.
-std::string ReadPart(const std::string& bytes, size_t wanted_size, size_t& position) {
+std::string ReadPart(const std::string& bytes,
+                     const std::function<bool(size_t)>& is_possible_size,
+                     size_t& position) {
   PartHead head;
   if (bytes.size() < position + sizeof(head)) Refuse("is cut short");
   std::memcpy(&head, bytes.data() + position, sizeof(head));
   position += sizeof(head);
-  if (head.size != wanted_size) Refuse("a part has an impossible size");
+  if (!is_possible_size(head.size)) Refuse("a part has an impossible size");
   if (bytes.size() - position < head.deflated_size) Refuse("is cut short");
   std::string content(head.size, '\0');
   uLongf size = head.size;
@@ -216,6 +221,32 @@ std::string DisplayPart(const MapRasters& tile) {
   return content;
 }
 
+std::string CuesPart(const std::vector<CueLayer>& cues) {
+  std::string content;
+  for (const CueLayer& cue : cues) {
+    content.push_back(static_cast<char>(cue.name.size()));
+    content.append(cue.name);
+    for (int row = 0; row < cue.steps.rows; ++row) {
+      content.append(reinterpret_cast<const char*>(cue.steps[row]),
+                     static_cast<size_t>(cue.steps.cols));
+    }
+  }
+  return content;
+}
+
+std::vector<CueLayer> ReadCues(const std::string& content) {
+  std::vector<CueLayer> cues;
+  for (size_t at = 0; at < content.size();) {
+    const size_t name_size = static_cast<uint8_t>(content[at]);
+    if (content.size() - at < 1 + name_size + kNumCells) Refuse("a cue is cut short");
+    CueLayer cue{content.substr(at + 1, name_size), cv::Mat_<int8_t>(kTileCells, kTileCells)};
+    std::memcpy(cue.steps.data, content.data() + at + 1 + name_size, kNumCells);
+    at += 1 + name_size + kNumCells;
+    cues.push_back(std::move(cue));
+  }
+  return cues;
+}
+
 void ReadPlanning(const std::string& content, SiteMap& ground) {
   auto& [map, layers] = ground;
   int32_t base = 0;
@@ -270,6 +301,7 @@ std::string SerializeTile(const MapRasters& tile) {
   Append(bytes, kVersion);
   AppendPart(bytes, PlanningPart(tile.site_map));
   AppendPart(bytes, DisplayPart(tile));
+  AppendPart(bytes, CuesPart(tile.cues));
   return bytes;
 }
 
@@ -280,13 +312,18 @@ MapRasters DeserializeTile(const std::string& bytes, const Grid& grid, TileLayer
   }
   uint32_t version = 0;
   std::memcpy(&version, bytes.data() + sizeof(kMagic), sizeof(version));
-  if (version != kVersion) {
+  if (version == 0 || version > kVersion) {
     throw std::runtime_error("stored map tile: version " + std::to_string(version));
   }
   MapRasters tile = UnseenRasters(grid);
   size_t position = kHeadSize;
-  ReadPlanning(ReadPart(bytes, kPlanningBytes, position), tile.site_map);
-  if (layers == TileLayers::kAll) ReadDisplay(ReadPart(bytes, kDisplayBytes, position), tile);
+  const auto is = [](size_t wanted) { return [wanted](size_t size) { return size == wanted; }; };
+  ReadPlanning(ReadPart(bytes, is(kPlanningBytes), position), tile.site_map);
+  if (layers == TileLayers::kPlanning) return tile;
+  ReadDisplay(ReadPart(bytes, is(kDisplayBytes), position), tile);
+  if (layers == TileLayers::kAll || version == 1) return tile;
+  const auto is_cues = [](size_t size) { return size <= kMaxNumCues * (kNumCells + 256); };
+  tile.cues = ReadCues(ReadPart(bytes, is_cues, position));
   return tile;
 }
 

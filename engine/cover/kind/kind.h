@@ -1,6 +1,7 @@
 // Input: cues of every map cell. Output: the probability that it is grass fit to land on.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "engine/cover/kind/cues.h"
@@ -39,11 +40,18 @@ struct KindModel {
 // Written by freelsd-kinds (kind_table.cc).
 const KindModel& ShippedKindModel();
 
+// Called for the offset ("prior") and for each term: what it adds, one value per map cell.
+using TermVisitor = std::function<void(const char* name, const cv::Mat1f& log_odds)>;
+
 // Sum of offset and terms for each map cell; NaN where the map is unseen.
-cv::Mat1f KindScores(const CueInput& input, const CoverOptions& options, const KindModel& model);
+cv::Mat1f KindScores(const CueInput& input,
+                     const CoverOptions& options,
+                     const KindModel& model,
+                     const TermVisitor& visit = {});
 // NaN where the map is unseen.
 cv::Mat1f GrassProbability(const CueInput& input,
                            const CoverOptions& options,
-                           const KindModel& model);
+                           const KindModel& model,
+                           const TermVisitor& visit = {});
 
 }  // namespace freelsd

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array kNumbers{
     "airspeed_mps", "glide_ratio", "terrain_clearance_m", "arrival_height_m"};
-constexpr std::array kTexts{"aircraft", "altitude_datum"};
+constexpr std::array kTexts{"aircraft", "altitude_datum", "flight"};
 
 // A plan as body leaves no room for the rest of the request, so the query has it.
 nlohmann::json ObjectOfPlan(const Call& call, const nlohmann::json& plan) {
@@ -32,17 +32,36 @@ nlohmann::json ObjectOfPlan(const Call& call, const nlohmann::json& plan) {
   return object;
 }
 
-RouteRequest RequestOf(const Call& call) {
+// Takes what the request does not say from the flight that it names.
+nlohmann::json Completed(const Service& service, nlohmann::json object) {
+  if (!object.is_object() || !object.contains("flight")) return object;
+  EmergencyRequest given;
+  if (!object.at("flight").is_string()) return object;
+  given.flight_id = object.at("flight").get<std::string>();
+  const EmergencyRequest flight = CompletedFromFlight(service.storage, given).request;
+  // The altitudes of a plan are above mean sea level.
+  if (!object.contains("altitude_datum") && !object.contains("plan")) {
+    object["altitude_datum"] = *flight.altitude_datum;
+  }
+  if (!object.contains("aircraft")) object["aircraft"] = AircraftJson(*flight.aircraft);
+  if (flight.wind_in_world && !object.contains("wind") && !object.contains("winds")) {
+    object["wind"] = {{"east_mps", flight.wind_in_world->x()},
+                      {"north_mps", flight.wind_in_world->y()}};
+  }
+  return object;
+}
+
+RouteRequest RequestOf(const Service& service, const Call& call) {
   const nlohmann::json body =
       ParseJson(call.body.ReadAll(kLimits.routes.max_bytes), kLimits.routes.max_bytes);
-  if (IsQgcPlan(body)) return ParseRouteRequest(ObjectOfPlan(call, body));
+  if (IsQgcPlan(body)) return ParseRouteRequest(Completed(service, ObjectOfPlan(call, body)));
   for (const auto& [name, value] : call.request.params) {
     if (name == "f") continue;
     throw ApiError("InvalidQuery",
                    name + ": is part of the body, unless the body is a plan",
                    {{name, "is part of the body, unless the body is a plan"}});
   }
-  return ParseRouteRequest(body);
+  return ParseRouteRequest(Completed(service, body));
 }
 
 }  // namespace
@@ -53,7 +72,7 @@ void PostRouteCheck(Service& service, const Call& call, httplib::Response& respo
     const std::string detail = "f: must be json or geojson";
     throw ApiError("InvalidQuery", detail, {{"f", detail}});
   }
-  const RouteRequest request = RequestOf(call);
+  const RouteRequest request = RequestOf(service, call);
   const SemaphoreSlot slot(service.route_planners);
   const nlohmann::json answer = CheckRoute({service.storage, service.maps}, request);
   if (format == "geojson") {

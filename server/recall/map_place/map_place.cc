@@ -100,17 +100,4 @@ std::shared_ptr<const KeptSite> SiteAt(const StoredSites& stored,
   return kept;
 }
 
-std::vector<std::string> FramesThatShow(const FlightMap& map,
-                                        const Eigen::Vector2d& place_in_world,
-                                        double height) {
-  const Eigen::Vector3d ground(place_in_world.x(), place_in_world.y(), height);
-  std::vector<std::string> frames;
-  for (const MapView& view : map.head.views) {
-    const Camera camera = map.head.camera.With(view.readout);
-    const auto pixel = camera.ImageFromCamera(Inverse(view.world_from_camera) * ground);
-    if (pixel && camera.IsInside(*pixel)) frames.push_back(view.frame_id);
-  }
-  return frames;
-}
-
 }  // namespace freelsd

@@ -30,9 +30,4 @@ std::shared_ptr<const KeptSite> SiteAt(const StoredSites& stored,
                                        const std::optional<Aircraft>& aircraft,
                                        const std::optional<Eigen::Vector2d>& wind_in_world);
 
-// Photographs of the map that show the place; `height` is that of its ground, world z.
-std::vector<std::string> FramesThatShow(const FlightMap& map,
-                                        const Eigen::Vector2d& place_in_world,
-                                        double height);
-
 }  // namespace freelsd

@@ -110,8 +110,9 @@ struct PathObstacles {
   std::optional<ObstacleMargin> least;
   // Ids of those that the path passes over where neither their top nor the ground is known.
   std::vector<std::string> of_unknown_top;
-  // Ids of the airspaces that the path enters.
+  // Ids of the airspaces that the path enters, and their names where they have one, else their ids.
   std::vector<std::string> airspaces;
+  std::vector<std::string> airspace_names;
 };
 
 // A way to a touchdown; altitudes are in the request's datum.

@@ -179,7 +179,9 @@ PathObstacles ObstaclesAlong(const StoredSites& stored,
     if (obstacle->IsHard()) {
       CheckHard(stored, request, path, *obstacle, found);
     } else if (Enters(whole, *obstacle, ReferenceOf(request))) {
-      found.airspaces.push_back(obstacle->given.id);
+      const GivenObstacle& given = obstacle->given;
+      found.airspaces.push_back(given.id);
+      found.airspace_names.push_back(given.name.empty() ? given.id : given.name);
     }
   }
   return found;

@@ -159,7 +159,7 @@ class FixSearch {
     fix.gap = gap;
     (candidate.kind == FixKind::kClimb ? fix.climb_m : fix.offset_m) = candidate.amount_m;
     fix.route = RouteWith(candidate.change);
-    fix.gaps_left_s = static_cast<double>(judge_.Insure(fix.route).NumUncovered()) *
+    fix.gaps_left_s = static_cast<double>(judge_.Insure(fix.route, insurance_).NumUncovered()) *
                       judge_.options().moment_period_s;
     return fix;
   }

@@ -128,6 +128,12 @@ std::vector<RouteGap> GapsOf(const std::vector<InsuredMoment>& moments) {
   return gaps;
 }
 
+bool IsSameState(const RouteMoment& a, const RouteMoment& b) {
+  return a.time_s == b.time_s && a.heading_deg == b.heading_deg &&
+         a.place.latitude_deg == b.place.latitude_deg &&
+         a.place.longitude_deg == b.place.longitude_deg && a.place.altitude_m == b.place.altitude_m;
+}
+
 // The times of the moments are those of the mean wind.
 Eigen::Vector2d MeanOf(const std::vector<WeightedWind>& winds) {
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
@@ -186,6 +192,7 @@ EmergencyRequest RouteJudge::RequestAt(const RouteMoment& moment,
   EmergencyRequest request;
   request.place = moment.place;
   request.altitude_datum = request_.altitude_datum;
+  request.flight_id = request_.flight_id;
   request.wind_in_world = wind_in_world;
   request.heading_deg = moment.heading_deg;
   request.glide_ratio = request_.glide_ratio;
@@ -200,7 +207,8 @@ InsuredMoment RouteJudge::Judge(const RouteMoment& moment) const {
   std::vector<Outcome> outcomes;
   const auto add = [&](const std::optional<Eigen::Vector2d>& wind, double weight) {
     const Search search =
-        IsLate() ? Search{} : SearchSites(stored_, RequestAt(moment, wind), kTimeBudgetOfMoment);
+        IsLate() ? Search{}
+                 : SearchSites(stored_, RequestAt(moment, wind), kTimeBudgetOfMoment, fleet_);
     outcomes.push_back(OutcomeOf(search, weight));
   };
   if (request_.winds.empty()) add(std::nullopt, 1.0);
@@ -208,19 +216,17 @@ InsuredMoment RouteJudge::Judge(const RouteMoment& moment) const {
   return Together(moment, outcomes);
 }
 
-std::vector<InsuredMoment> RouteJudge::JudgeAll(const std::vector<RouteMoment>& moments) const {
-  std::vector<InsuredMoment> judged(moments.size());
+Insurance RouteJudge::Insure(const std::vector<GeoPoint>& route, const Insurance& known) const {
+  const std::vector<RouteMoment> moments = MomentsOf(route);
+  Insurance insurance;
+  insurance.moments.resize(moments.size());
   cv::parallel_for_({0, static_cast<int>(moments.size())}, [&](const cv::Range& range) {
-    for (int i = range.start; i < range.end; ++i) {
-      judged[static_cast<size_t>(i)] = Judge(moments[static_cast<size_t>(i)]);
+    for (auto i = static_cast<size_t>(range.start); i < static_cast<size_t>(range.end); ++i) {
+      const bool is_known =
+          i < known.moments.size() && IsSameState(known.moments[i].moment, moments[i]);
+      insurance.moments[i] = is_known ? known.moments[i] : Judge(moments[i]);
     }
   });
-  return judged;
-}
-
-Insurance RouteJudge::Insure(const std::vector<GeoPoint>& route) const {
-  Insurance insurance;
-  insurance.moments = JudgeAll(MomentsOf(route));
   insurance.gaps = GapsOf(insurance.moments);
   return insurance;
 }

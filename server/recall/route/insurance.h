@@ -8,6 +8,7 @@
 
 #include "api/import/routes/routes.h"
 #include "engine/route/route.h"
+#include "server/recall/recall_candidates.h"
 #include "server/recall/recall_sites.h"
 #include "server/recall/site_search.h"
 
@@ -74,8 +75,8 @@ class RouteJudge {
   // Throws ApiError if the route cannot be flown or is too long.
   std::vector<RouteMoment> MomentsOf(const std::vector<GeoPoint>& route) const;
   InsuredMoment Judge(const RouteMoment& moment) const;
-  std::vector<InsuredMoment> JudgeAll(const std::vector<RouteMoment>& moments) const;
-  Insurance Insure(const std::vector<GeoPoint>& route) const;
+  // Moments that are equal in `known`, to the last bit, are taken from there.
+  Insurance Insure(const std::vector<GeoPoint>& route, const Insurance& known = {}) const;
 
   // A recall at this moment, in one of the winds; nothing: the wind is unknown.
   EmergencyRequest RequestAt(const RouteMoment& moment,
@@ -89,6 +90,7 @@ class RouteJudge {
   const RouteRequest& request_;
   std::chrono::steady_clock::time_point deadline_;
   RouteOptions options_;
+  mutable GlidingFleet fleet_;
 };
 
 }  // namespace freelsd

@@ -32,7 +32,8 @@ std::vector<size_t> Some(size_t first, size_t last, size_t num) {
 std::optional<double> HighestSiteNear(const StoredSites& stored, const EmergencyRequest& request) {
   const auto rows = stored.storage.sites.ListRecallable(BoxAround(request.place, kSurroundingsM));
   std::optional<double> highest_m;
-  for (const RecallCandidate& candidate : Candidates(request, rows)) {
+  GlidingFleet fleet;
+  for (const RecallCandidate& candidate : Candidates(request, rows, fleet)) {
     const double altitude_m = candidate.row->data.altitude_m + candidate.datum.subtracted_m;
     highest_m = std::max(highest_m.value_or(altitude_m), altitude_m);
   }

@@ -149,7 +149,7 @@ std::vector<std::string> WarningsOf(const RouteRequest& request, const Insurance
         "no wind is given: the worst direction of a wind of 5.5 m/s is assumed, and times are "
         "those of calm air");
   }
-  if (request.altitude_datum == "unknown") {
+  if (request.altitude_datum == "unknown" && !request.flight_id) {
     warnings.emplace_back(
         "the datum of the altitudes is unknown: the height of the geoid is subtracted");
   }

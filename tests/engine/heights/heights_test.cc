@@ -159,5 +159,38 @@ TEST_CASE("heights: options out of range are refused by name") {
       options.Check(), "heights.max_num_views = 1: must be in [2, 100]", std::invalid_argument);
 }
 
+// The surface that is searched from is the proposal, which is half a metre too high here.
+TEST_CASE("heights: the likelihood of one place peaks at its ground, and tells what shows it") {
+  const Scene scene = SceneOf(Sloping);
+  const AdjustedBlock block = SceneBlock(scene, NineViews());
+  const ElevationMap proposal = Proposal(Sloping, 24, 0.5);
+  const Eigen::Vector2d place(3.5, -2.5);
+  const auto found = HeightLikelihoodAt(place, proposal, block, Photographs(scene, block), {});
+  REQUIRE(found);
+  CHECK(found->num_views >= 4);
+  CHECK(found->correlation > 0.5);
+  CHECK(found->baseline_ratio > 0.3);
+  REQUIRE(found->heights.size() == found->log_likelihood.size());
+  const auto best = std::max_element(found->log_likelihood.begin(), found->log_likelihood.end());
+  CHECK(*best == 0.0);
+  const auto index = static_cast<size_t>(best - found->log_likelihood.begin());
+  CHECK(std::abs(found->heights[index] - Sloping(place.x(), place.y())) <= 0.25);
+  // A metre beside, the photographs disagree.
+  CHECK(found->log_likelihood.front() < -10.0);
+  CHECK(found->log_likelihood.back() < -10.0);
+}
+
+TEST_CASE("heights: a place off the map, unseen or seen once has no likelihood") {
+  const Scene scene = SceneOf(Level);
+  const AdjustedBlock block = SceneBlock(scene, NineViews());
+  ElevationMap proposal = Proposal(Level, 12, 0.0);
+  const ImageSource images = Photographs(scene, block);
+  CHECK_FALSE(HeightLikelihoodAt({100.0, 0.0}, proposal, block, images, {}));
+  proposal.elevation(6, 6) = std::nanf("");
+  CHECK_FALSE(HeightLikelihoodAt(proposal.grid.CellCenter(6, 6), proposal, block, images, {}));
+  const AdjustedBlock alone = SceneBlock(scene, {SceneView({0.0, 0.0, kFlightHeightM}, 0.0)});
+  CHECK_FALSE(HeightLikelihoodAt({2.5, 2.5}, proposal, alone, Photographs(scene, alone), {}));
+}
+
 }  // namespace
 }  // namespace freelsd

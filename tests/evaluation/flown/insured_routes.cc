@@ -181,7 +181,8 @@ void RouteFlyer::Land(const EmergencyRequest& request,
       return;
     }
   }
-  const Search search = SearchSites(stored_, request, std::chrono::milliseconds(1000000));
+  GlidingFleet fleet;
+  const Search search = SearchSites(stored_, request, std::chrono::milliseconds(1000000), fleet);
   const DescentTask& task = search.reachable.front().reached.task;
   const MosaicPlace there =
       mosaic_.PlaceOf(task.local_frame.GeoFromWorld(task.plan->touchdown_in_world));

@@ -245,6 +245,20 @@ TEST_CASE("flight map: why names the rule at any place, and the frames that show
   CAPTURE(good.dump());
   CHECK(good["verdict"] == "landable");
   CHECK(good["evidence"]["frames"] == nlohmann::json{"right"});
+  const nlohmann::json patch = good["evidence"]["patches"][0];
+  CHECK(patch["frame_id"] == "right");
+  // 79.5 m west and 60.5 m south of the middle of a pixel a metre wide, 159.5, 319.5.
+  CHECK(patch["x_px"].get<double>() == doctest::Approx(80.0).epsilon(0.02));
+  CHECK(patch["y_px"].get<double>() == doctest::Approx(380.0).epsilon(0.02));
+  // The map stays when its flight is deleted, with its photographs.
+  CheckProblem(meadow.client->Get(patch["url"].get<std::string>()), 404, "NoSuchFlight");
+  CHECK(good["evidence"]["height_likelihood"].is_null());
+  CHECK(good["evidence"]["context_frames"].is_null());
+  CHECK(good["nearest_limit"]["margin"].get<double>() ==
+        doctest::Approx(good["nearest_limit"]["limit"].get<double>() -
+                        good["nearest_limit"]["value"].get<double>()));
+  CHECK(good["nearest_limit"]["margin"].get<double>() > 0.0);
+  CHECK(good["versions"]["program"].is_null());
   CHECK(why(0.5, -60.5)["evidence"]["frames"] == nlohmann::json{"left", "right"});
   CHECK(why(-200.5, -60.5)["evidence"]["frames"] == nlohmann::json{"left"});
   CHECK(why(34.5, 5.5)["first_failed"] == "object");

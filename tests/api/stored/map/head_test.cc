@@ -27,6 +27,10 @@ MapHead SomeHead() {
   head.views.push_back({"b.jpg",
                         {Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0), {-1234.0 / 7.0, 2.0, 100.1}},
                         Readout::Turning({0.1, 0.2, 0.3}, {0.0, 0.0, 0.01})});
+  head.views[0].partners = {1};
+  head.views[0].height_above_ground = 80.0 / 3.0;
+  head.program_version = "1.2.3";
+  head.model_sha256 = "ab";
   head.ranges = {{"elevation", -1.0, 12.5}};
   head.photo = PhotoLattice{1.0 / 19.0, 256, 5};
   head.quality = {2.5, 0.25, 3, 2, 100, "one is not connected"};
@@ -48,6 +52,10 @@ TEST_CASE("map head: what was stored comes back, every number exactly") {
   CHECK(back.views[1].world_from_camera.translation == head.views[1].world_from_camera.translation);
   CHECK(back.views[1].readout.turns == head.views[1].readout.turns);
   CHECK(back.views[0].readout.IsGlobal());
+  CHECK(back.views[0].partners == std::vector<size_t>{1});
+  CHECK(back.views[0].height_above_ground == head.views[0].height_above_ground);
+  CHECK(back.program_version == "1.2.3");
+  CHECK(back.model_sha256 == "ab");
   CHECK(back.wind->wind_in_world == head.wind->wind_in_world);
   CHECK(back.quality.note == head.quality.note);
 }
@@ -64,6 +72,9 @@ TEST_CASE("map head: an unknown deviation and an unknown wind stay unknown") {
 TEST_CASE("map head: another text is refused") {
   CHECK_THROWS_AS(ParseMapHead("{}"), std::exception);
   CHECK_THROWS_AS(ParseMapHead("no JSON"), std::exception);
+  MapHead beyond = SomeHead();
+  beyond.views[0].partners = {2};
+  CHECK_THROWS_AS(ParseMapHead(MapHeadJson(beyond)), std::exception);
   std::string newer = MapHeadJson(SomeHead());
   newer.replace(newer.find("\"version\":1"), 11, "\"version\":2");
   CHECK_THROWS_WITH_AS(ParseMapHead(newer), doctest::Contains("version 2"), std::runtime_error);

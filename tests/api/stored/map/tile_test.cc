@@ -23,7 +23,11 @@ MapRasters Hill() {
   const SiteMap hill = HillMap();
   SiteMap rounded = Rounded(hill.map, hill.layers);
   rounded.layers = WithLimits(rounded.map, rounded.layers, {}, {});
-  return {rounded, cv::Mat1b(kHillRows, kHillCols, uchar{7})};
+  MapRasters rasters{rounded, cv::Mat1b(kHillRows, kHillCols, uchar{7})};
+  rasters.cues = {{"views", cv::Mat_<int8_t>(kHillRows, kHillCols, int8_t{40})},
+                  {"fence", cv::Mat_<int8_t>(kHillRows, kHillCols, int8_t{0})}};
+  rasters.cues[1].steps(3, 4) = CueSteps::kVeto;
+  return rasters;
 }
 
 // The hill of HillMap, on its four tiles.
@@ -63,8 +67,10 @@ TEST_CASE("map tile: a map that is cut, stored and put together again is the sam
   for (const auto& [index, tile] : HillTiles()) {
     const std::string bytes = SerializeTile(tile);
     num_bytes += bytes.size();
-    CHECK(SerializeTile(DeserializeTile(bytes, GridOf(index, 1.0), TileLayers::kAll)) == bytes);
-    CopyCells(DeserializeTile(bytes, GridOf(index, 1.0), TileLayers::kAll), whole);
+    const MapRasters back = DeserializeTile(bytes, GridOf(index, 1.0), TileLayers::kWithCues);
+    CHECK(SerializeTile(back) == bytes);
+    CHECK(DeserializeTile(bytes, GridOf(index, 1.0), TileLayers::kAll).cues.empty());
+    CopyCells(DeserializeTile(bytes, GridOf(index, 1.0), TileLayers::kWithCues), whole);
     CopyCells(DeserializeTile(bytes, GridOf(index, 1.0), TileLayers::kPlanning), planning);
   }
   CHECK(num_bytes < kHillRows * kHillCols * 33 / 4);
@@ -78,6 +84,11 @@ TEST_CASE("map tile: a map that is cut, stored and put together again is the sam
   CHECK(IsSame(layers.grass, hill.site_map.layers.grass));
   CHECK(IsSame(layers.hazard, hill.site_map.layers.hazard));
   CHECK(IsSame(whole.coverage, hill.coverage));
+  REQUIRE(whole.cues.size() == 2);
+  CHECK(whole.cues[0].name == "views");
+  CHECK(cv::countNonZero(whole.cues[0].steps != 40) == 0);
+  CHECK(whole.cues[1].steps(3, 4) == CueSteps::kVeto);
+  CHECK(cv::countNonZero(whole.cues[1].steps) == 1);
   CHECK(cv::norm(layers.distance, hill.site_map.layers.distance, cv::NORM_INF) <= 1.0 / 16.0);
   CHECK(cv::countNonZero(layers.distance > hill.site_map.layers.distance) == 0);
   // What planning needs gives the same hazards.
@@ -99,6 +110,19 @@ TEST_CASE("map tile: an upper height without a ground height is kept") {
   CHECK(back.site_map.map.upper(5, 6) == 101.0f);
 }
 
+TEST_CASE("map tile: a tile of version 1 is read, and has no cues") {
+  MapRasters tile = UnseenRasters(GridOf({0, 0, 0}, 1.0));
+  tile.site_map.map.elevation(5, 6) = 100.25f;
+  std::string old = SerializeTile(tile);
+  old[4] = 1;
+  // The head of the empty part of cues, and its deflated bytes.
+  constexpr size_t kEmptyPart = 3 * sizeof(uint32_t) + 8;
+  old.resize(old.size() - kEmptyPart);
+  const MapRasters back = DeserializeTile(old, GridOf({0, 0, 0}, 1.0), TileLayers::kWithCues);
+  CHECK(back.site_map.map.elevation(5, 6) == 100.25f);
+  CHECK(back.cues.empty());
+}
+
 TEST_CASE("map tile: nothing is stored of unseen ground") {
   CHECK(SerializeTile(UnseenRasters(GridOf({0, 0, 0}, 1.0))).empty());
   CHECK_THROWS_AS(SerializeTile(UnseenRasters({{0.0, 0.0}, 1.0, 3, 3})), std::invalid_argument);
@@ -109,14 +133,15 @@ TEST_CASE("map tile: damage anywhere is detected, and never gives another map") 
   const Grid grid = GridOf(tiles[0].first, 1.0);
   const std::string bytes = SerializeTile(tiles[0].second);
   for (size_t length = 0; length < bytes.size(); length += 7) {
-    CHECK_THROWS_AS(DeserializeTile(bytes.substr(0, length), grid, TileLayers::kAll), DamagedMap);
+    CHECK_THROWS_AS(DeserializeTile(bytes.substr(0, length), grid, TileLayers::kWithCues),
+                    DamagedMap);
   }
   std::mt19937 random(1);
   for (int i = 0; i < 500; ++i) {
     std::string damaged = bytes;
     damaged[8 + random() % (bytes.size() - 8)] ^= static_cast<char>(1 << (random() % 8));
     try {
-      const MapRasters back = DeserializeTile(damaged, grid, TileLayers::kAll);
+      const MapRasters back = DeserializeTile(damaged, grid, TileLayers::kWithCues);
       CHECK(SerializeTile(back) == bytes);
     } catch (const DamagedMap&) {
     }
