@@ -7,11 +7,12 @@ import { curlButton, curlOf } from './curl.js';
 import { byId, notify } from './dom.js';
 import { createEmergency } from './emergency.js';
 import { drawMapDownloads } from './downloads.js';
+import { drawFinal } from './final.js';
 import { drawFlight } from './flight.js';
+import { chosenFlight, drawFlightChoice } from './flight_choice.js';
 import { createFlightMap } from './flight_map.js';
 import { drawHistory } from './history.js';
 import { createLayers } from './layers.js';
-import { goAroundText, noReturnOf } from './go_around.js';
 import { setKey } from './key.js';
 import { createLive } from './live.js';
 import { createMap } from './map.js';
@@ -20,7 +21,6 @@ import { createNextLook } from './next_look.js';
 import { obstacleKey } from './obstacle_overlay.js';
 import { createObstacles } from './obstacles.js';
 import { marksOf, movedBy, siteWithPlan, sitesWithPlan } from './plan.js';
-import { drawProfile } from './profile.js';
 import { drawProgress } from './progress.js';
 import { createReach } from './reach.js';
 import { reachKey } from './reach_overlay.js';
@@ -32,13 +32,14 @@ import { drawSiteList } from './sites.js';
 import { createStoredSites } from './stored_sites.js';
 import { askToken } from './token.js';
 import { createUpload } from './upload.js';
-import { connectViews, showView } from './views.js';
+import { connectViews, isVisible, showView } from './views.js';
+import { createWatch } from './watch.js';
 import { createWind, replanNode } from './wind.js';
 import { createWindRose } from './wind_rose.js';
 
 const state = {
   flight: null, flightJson: null, flights: [], sites: { features: [] }, regions: { features: [] },
-  siteId: null, site: null, approach: null, triedWind: null, triedAircraft: null, planned: null, recalled: null, drawnProfile: null,
+  siteId: null, site: null, approach: null, triedWind: null, triedAircraft: null, planned: null, recalled: null,
   drawn: '', drawnSite: '', numTracked: null,
 };
 
@@ -67,7 +68,7 @@ const storedSites = createStoredSites((sites, isFirst) => {
 });
 const live = createLive(refresh, (transport) => {
   byId('transport').textContent = transport === 'events' ? 'live' : 'updated every 2 s';
-}, (event) => lookAtMap(event));
+}, { map: (event) => lookAtMap(event), strip: (event) => watch.takeEvent(event) });
 
 // --- Panel views ---
 
@@ -113,7 +114,7 @@ async function loadSite(siteId) {
 const shownSite = () => state.planned ?? state.site;
 
 function drawShownSite() {
-  drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind, obstacles });
+  drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind, strip: (id) => watch.find(id), obstacles });
   drawLists();
 }
 
@@ -138,16 +139,9 @@ async function openSite(siteId) {
 }
 
 function drawApproach({ collection, refusal }, isReplanned) {
-  const aircraft = state.site.properties.aircraft;
-  state.drawnProfile = collection?.profile;
+  const { aircraft } = state.site.properties;
   map.drawApproach(collection, { touchdownRadius_m: aircraft?.touchdown_uncertainty_m, isReplanned });
-  byId('no-profile').hidden = Boolean(collection);
-  byId('no-profile').textContent = refusal ? `No approach: ${refusal}` : 'This site has no approach.';
-  drawProfile(byId('profile'), collection?.profile, aircraft, noReturnOf(collection));
-  state.noReturn_m = noReturnOf(collection);
-  const goAround = collection ? goAroundText(shownSite().properties.approach, collection) : null;
-  byId('go-around').hidden = !goAround;
-  byId('go-around').textContent = goAround ?? '';
+  drawFinal({ collection, refusal }, shownSite().properties.approach, aircraft);
 }
 
 // The plan of the emergency answer, and no other: same wind, same aircraft without power.
@@ -236,8 +230,9 @@ async function openRegion({ properties }) {
 
 function drawLists() {
   const shown = sitesWithPlan(state.sites, state.planned);
-  drawSiteList(shown, state.siteId, openSite, state.flightJson);
+  drawSiteList(shown, state.siteId, openSite, state.flightJson, (id) => watch.find(id));
   map.drawSites(shown, state.siteId);
+  watch.draw();
 }
 
 function chooseFlight(id) {
@@ -256,23 +251,7 @@ function chooseFlight(id) {
   rose.show(null);
   reach.follow(id);
   live.follow(id);
-}
-
-function drawFlightChoice() {
-  const select = byId('flight');
-  const shown = [...select.options].map((option) => option.value + option.text).join();
-  const options = state.flights.length ? state.flights.map((f) => new Option(f.name || f.id, f.id)) : [new Option('none', '')];
-  if (shown !== options.map((option) => option.value + option.text).join()) {
-    select.replaceChildren(...options);
-  }
-  if (!state.flights.some((f) => f.id === state.flight)) {
-    const wanted = new URLSearchParams(location.hash.slice(1)).get('flight');
-    const chosen = state.flights.find((f) => f.id === wanted)?.id ?? state.flights[0]?.id ?? null;
-    if (chosen !== state.flight) chooseFlight(chosen);
-  }
-  select.value = state.flight ?? '';
-  for (const node of document.querySelectorAll('[data-needs-flight]')) node.hidden = !state.flight;
-  byId('no-flight').hidden = Boolean(state.flight);
+  watch.draw();
 }
 
 // Opens the site named in the address, else selects the best one.
@@ -318,7 +297,9 @@ async function refreshFlight(flight) {
 async function refresh() {
   try {
     state.flights = await api.listFlights();
-    drawFlightChoice();
+    const chosen = chosenFlight(state.flights, state.flight);
+    if (chosen !== state.flight) chooseFlight(chosen);
+    drawFlightChoice(state.flights, state.flight);
     if (state.flight) await refreshFlight(state.flight);
     else await storedSites.look();
     for (const part of [baseMap, reach, obstacles, newLook, route, nextLook]) part.look();
@@ -341,9 +322,6 @@ byId('flight').addEventListener('change', (event) => {
 });
 byId('sites-curl').replaceChildren(curlButton('the list of sites', () => curlOf(api.paths.flightSites(state.flight))));
 byId('show-photo').addEventListener('change', () => flightMap.showPhoto(byId('show-photo').checked));
-addEventListener('freelsd-theme', () => {
-  if (state.site) drawProfile(byId('profile'), state.drawnProfile, state.site.properties.aircraft, state.noReturn_m);
-});
 
 const upload = createUpload({
   flight: () => state.flight, created: (id) => { chooseFlight(id); live.now(); }, changed: live.now, open: () => showView('upload'),
@@ -368,6 +346,7 @@ const emergency = createEmergency({
   flight: () => state.flight,
   flightName: () => state.flightJson?.name ?? state.flight,
   nameOf: flightName,
+  stripOf: (id) => watch.find(id),
   useReach: (own) => reach.use(own),
 });
 const reach = createReach({
@@ -382,8 +361,25 @@ const obstacles = createObstacles(map, {
   draw(features, chosen) {
     map.drawObstacles(features, chosen);
     setKey('obstacles', obstacleKey(features), chosen.note);
+    watch.takeObstacles(features, chosen.covers);
   },
   changed: () => { live.now(); reach.look(); nextLook.forget(); },
+});
+const watch = createWatch({
+  flight: () => state.flight,
+  nameOf: (id) => nameOf(id),
+  siteOf: (id) => state.sites.features.find(({ properties }) => properties.id === id),
+  draw(marks) {
+    map.drawNewThings(marks);
+    drawLists();
+    if (state.site) drawShownSite();
+    obstacles.lookAgain();
+  },
+  look({ things }) {
+    if (isVisible('upload')) showView('sites');
+    map.fitPlaces(things);
+  },
+  open: (id) => openSiteOf(state.flights.find((flight) => id.startsWith(`${flight.id}-`))?.id, id),
 });
 const newLook = createNewLook({
   open: ({ flight_id, id }) => openSiteOf(flight_id, id), mark: map.drawNewLook, fit: map.fitFeatures, flightName,

@@ -45,7 +45,7 @@ class ClickedPlace {
         region ? wide(`Region ${region.properties.id}: grade ${region.properties.grade.toFixed(2)}`, () => this.#openRegion(region)) : null,
       ].filter(Boolean);
       // Above what is long: a popup on a phone shows its beginning.
-      const below = answer.querySelector('.other-rules') ?? answer.querySelector('.evidence');
+      const below = answer.querySelector('.patch-row, .evidence');
       if (buttons.length) answer.insertBefore(el('div', { class: 'row' }, buttons), below);
       if (!answer.querySelector('.card-foot')) answer.append(el('div', { class: 'card-foot' }));
       answer.querySelector('.card-foot').prepend(el('button', { type: 'button', class: 'quiet place', onclick: () => copy(placeText(latlng)),

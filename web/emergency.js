@@ -8,6 +8,7 @@ import { createEmergencyMap } from './emergency_map.js';
 import { nearestSites } from './nearest.js';
 import { isLive } from './reach.js';
 import { age, groundAge_s, isKnown, windFrom, windTo } from './units.js';
+import { stripOfAnswer } from './watch_shape.js';
 
 const kRefresh_ms = 5000;
 const kRefreshLive_ms = 2000;
@@ -209,7 +210,8 @@ class Emergency {
     const cards = shown.length === 0 && miss ? [miss] : shown;
     const focused = [...byId('em-cards').querySelectorAll('button')].indexOf(document.activeElement);
     byId('em-cards').replaceChildren(...cards.map((site, i) =>
-      emergencyCard(site, i, { flightName: this.#on.nameOf(site.flight_id), onShow: () => this.#show(site) })));
+      emergencyCard(site, i, { flightName: this.#on.nameOf(site.flight_id), strip: this.#on.stripOf(site.site_id) ?? stripOfAnswer(site),
+        onShow: () => this.#show(site) })));
     byId('em-cards').querySelectorAll('button')[focused]?.focus();
     byId('em-warnings').replaceChildren(...warnings.map((w) => el('li', {}, typeof w === 'string' ? w : w.detail)));
     this.#map.show({ from, sites: cards });
@@ -265,5 +267,6 @@ class Emergency {
 }
 
 // on: {show(site, wind of its plan; null if unknown, undefined if it was not planned), center(): place,
-// drawBearings(from, sites), flight(): id or null, flightName(), nameOf(flight id), useReach: as of reach.js}
+// drawBearings(from, sites), flight(): id or null, flightName(), nameOf(flight id),
+// stripOf(site id): see watch.js, useReach: as of reach.js}
 export const createEmergency = (on) => new Emergency(on);

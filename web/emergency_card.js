@@ -2,6 +2,7 @@
 
 import { el, svg } from './dom.js';
 import { age, distance, fixed, heading, isKnown, margin, siteLetter, verdictSign } from './units.js';
+import { shortText } from './watch_shape.js';
 
 const arrow = (bearing_deg) => svg('svg', { viewBox: '-20 -20 40 40', class: 'arrow', 'aria-hidden': 'true' },
   svg('path', { d: 'M0 -17L12 13L0 6L-12 13Z', transform: `rotate(${bearing_deg})` }));
@@ -33,12 +34,14 @@ function course(site) {
       : el('small', { class: 'chip' }, 'reach unchecked'));
 }
 
-// site: of the emergency answer. flightName: of its flight, if known. onShow() opens the site on the map.
-export function emergencyCard(site, index, { flightName, onShow }) {
+// site: of the emergency answer. flightName: of its flight, if known. strip: what new photographs show
+// on it, or undefined. onShow() opens the site on the map.
+export function emergencyCard(site, index, { flightName, strip, onShow }) {
   const letter = siteLetter(index);
   return el('article', { class: `em-card verdict-${site.verdict}`, 'aria-label': `Site ${letter}` },
     el('header', {}, el('span', { class: 'rank' }, letter),
       el('strong', {}, `Site ${letter} `, el('span', { class: 'em-verdict' }, `${verdictSign[site.verdict]} ${site.verdict}`)),
       el('button', { type: 'button', 'aria-label': `Show site ${letter} on the map`, onclick: onShow }, 'Show')),
+    strip ? el('p', { class: 'new-on-strip' }, `! ${shortText(strip)}`) : null,
     course(site), facts(site, flightName));
 }

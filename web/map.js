@@ -60,6 +60,7 @@ export function createMap(element, on) {
   const sites = createSites(map, on.site);
   const marks = createMarks(map);
   const looks = createMarks(map);
+  const things = createMarks(map);
   const obstacles = createObstacleOverlay(map, ({ properties }) => on.obstacle(properties.id));
   const draft = createDraftOverlay(map);
   const answer = createAnswer(map);
@@ -125,6 +126,7 @@ export function createMap(element, on) {
     drawBearings: bearings.draw,
     drawReach: reach.draw,
     drawNewLook: (shown) => looks.draw(shown.map((mark) => ({ ...mark, className: 'new-look' }))),
+    drawNewThings: things.draw,
     drawObstacles: obstacles.draw,
     drawDraft(points, ...rest) {
       if (points) measure.end();
@@ -137,6 +139,7 @@ export function createMap(element, on) {
     // feature: GeoJSON
     panToFeature: (feature) => map.panTo(L.geoJSON(feature).getBounds().getCenter()),
     fitFeatures: (features) => fitTo(map, L.geoJSON(features).getBounds()),
+    fitPlaces: (places) => fitTo(map, L.latLngBounds(places.map(({ latitude_deg, longitude_deg }) => [latitude_deg, longitude_deg]))),
     fit,
     fitUnlessMoved() { if (!isMoved) fit(); },
     fitApproach: fitPath,

@@ -5,7 +5,7 @@ import { curlButton, curlOf } from './curl.js';
 import { byId, el, notify } from './dom.js';
 import { createObstacleForm } from './obstacle_form.js';
 import { nameOf, signOf } from './obstacle_overlay.js';
-import { extentOf, kinds } from './obstacle_shape.js';
+import { extentOf, kinds, shownName } from './obstacle_shape.js';
 import { boxText, createObstacleSource } from './obstacle_source.js';
 import { isVisible, showView } from './views.js';
 
@@ -67,9 +67,14 @@ class Obstacles {
 
   look() { this.#source.look(this.#map.box()); }
 
-  #reload() {
+  // Something else than this page changed them.
+  lookAgain() {
     this.#source.forget();
     this.look();
+  }
+
+  #reload() {
+    this.lookAgain();
     this.#on.changed();
   }
 
@@ -83,12 +88,13 @@ class Obstacles {
     byId('no-obstacles').hidden = features.length > 0;
     byId('no-obstacles').textContent = note || 'No obstacles in this part of the map.';
     byId('obstacles').replaceChildren(...features.map((feature) => this.#row(feature)));
-    this.#on.draw(features, { note, chosenId: isVisible('obstacles') ? this.#chosenId : null, editedId: this.#form.draft?.id ?? null });
+    this.#on.draw(features, { note, chosenId: isVisible('obstacles') ? this.#chosenId : null, editedId: this.#form.draft?.id ?? null,
+      covers: (place) => this.#source.covers(place) });
   }
 
   #row(feature) {
     const { id, kind, name } = feature.properties;
-    const what = `${kinds[kind]?.name ?? kind}${name ? ` ${name}` : ''}`;
+    const what = `${kinds[kind]?.name ?? kind}${name ? ` ${shownName(name)}` : ''}`;
     return el('li', { class: 'obstacle-row', 'data-obstacle': id },
       el('button', { type: 'button', class: 'quiet obstacle-name', 'aria-current': id === this.#chosenId ? 'true' : null,
         onclick: () => { this.#chosenId = id; this.#map.panToFeature(feature); this.#draw(); } },
@@ -115,5 +121,5 @@ class Obstacles {
 }
 
 // map: {box(), onMove(f), panToFeature(feature), drawDraft, centerPoint}
-// on: {draw(features, {chosenId, editedId, note}), changed(): an obstacle was saved or deleted}
+// on: {draw(features, {chosenId, editedId, note, covers(place)}), changed(): an obstacle was saved or deleted}
 export const createObstacles = (map, on) => new Obstacles(map, on);

@@ -238,15 +238,24 @@ export function createAnswer(map) {
     if (map.getSize().x <= kWideMap) return 12;
     return box.open && !box.hidden && map.getSize().x > 2.3 * box.offsetWidth ? box.offsetWidth + 24 : 2 * kMarker;
   }
+  // What the user unfolds makes the popup grow upwards.
+  function keepInView(popup) {
+    const above_px = element.getBoundingClientRect().top + 12 - popup.getElement().getBoundingClientRect().top;
+    if (above_px > 0) map.panBy([0, -above_px], { animate: false });
+  }
+
   return {
     // content: a DOM node. latlng: null removes the popup.
     draw(latlng, content) {
       group.clearLayers();
       if (!latlng) return;
-      group.addLayer(L.popup({
-        maxWidth: 300, minWidth: 230, maxHeight: Math.max(160, map.getContainer().clientHeight - 90),
+      element.style.setProperty('--answer-height', `${Math.max(160, element.clientHeight - 90)}px`);
+      const popup = L.popup({
+        maxWidth: 300, minWidth: 230, className: 'answer-popup',
         autoPanPaddingTopLeft: [leftPadding_px(), 16], autoPanPaddingBottomRight: [map.getSize().x > kWideMap ? kMarker + 28 : 12, 16],
-      }).setLatLng(latlng).setContent(content));
+      }).setLatLng(latlng).setContent(content);
+      group.addLayer(popup);
+      content.addEventListener('toggle', () => keepInView(popup), true);
       content.tabIndex = -1;
       if (document.activeElement === element) content.focus({ preventScroll: true });
     },

@@ -48,6 +48,9 @@ export const photographed = (p) => {
   return isKnown(age_s) ? `photographed ${age(age_s)} ago` : 'photographed at an unknown time';
 };
 
+// "14:05", in the user's own time zone.
+export const clockOf = (time) => new Date(time).toLocaleTimeString([], { hour: '2-digit', minute: '2-digit', hourCycle: 'h23' });
+
 export function bytes(count) {
   return count >= 1 << 20 ? `${(count / (1 << 20)).toFixed(1)} MiB` : `${Math.ceil(count / 1024)} KiB`;
 }

@@ -4,6 +4,8 @@
 import * as api from './api.js';
 import { curlButton, curlOf } from './curl.js';
 import { el } from './dom.js';
+import { patchRow, proofFolds } from './proof.js';
+import { nearestLimitText } from './proof_shape.js';
 import { fixed, isKnown, verdictSign, words } from './units.js';
 
 const title = { landable: 'Landable here', unverified: 'Unverified here', rejected: 'Not landable' };
@@ -44,16 +46,21 @@ function summaryOf(others, hasFailed) {
   return `${others.length} other rule${others.length === 1 ? '' : 's'}: ${numFailed || 'none'} failed`;
 }
 
-export function answerNode(judgement) {
+// signal: stops loading the pictures.
+export function answerNode(judgement, signal) {
   const first = judgement.rules.find((rule) => !rule.passed);
   const others = judgement.rules.filter((rule) => rule !== first);
+  const nearest = nearestLimitText(judgement.nearest_limit);
   return el('div', { class: `answer verdict-${judgement.verdict}` },
     el('h3', {}, headlineOf(judgement)),
     first ? ruleList([first]) : null,
-    others.length ? el('details', { class: 'other-rules' },
-      el('summary', {}, summaryOf(others, Boolean(first))), ruleList(others)) : null,
+    nearest ? el('p', { class: 'nearest-limit' }, nearest) : null,
+    (judgement.warnings ?? []).map((warning) => el('p', { class: 'faint' }, `Warning: ${warning}`)),
+    patchRow(judgement.evidence, signal),
     el('p', { class: 'faint evidence' }, evidenceText(judgement.evidence)),
-    (judgement.warnings ?? []).map((warning) => el('p', { class: 'faint' }, `Warning: ${warning}`)));
+    others.length ? el('details', { class: 'fold other-rules' },
+      el('summary', {}, summaryOf(others, Boolean(first))), ruleList(others)) : null,
+    proofFolds(judgement));
 }
 
 const nothing = (text) => el('div', { class: 'answer' }, el('h3', {}, headlineOf({ verdict: 'rejected', first_failed: 'seen' })),
@@ -67,7 +74,7 @@ export async function whyNot({ lat, lng }, { flight, site }, { wind, aircraft } 
   const path = flight ? api.paths.flightWhy(flight, place, wind, aircraft) : api.paths.why(site.properties.id, place, wind, aircraft);
   const { judgement, refusal } = await api.getWhy(path, signal);
   if (refusal) return nothing(`Not checked: ${refusal}.`);
-  const answer = answerNode(judgement);
+  const answer = answerNode(judgement, signal);
   answer.append(el('div', { class: 'card-foot' }, curlButton('this answer', () => curlOf(path))));
   return answer;
 }

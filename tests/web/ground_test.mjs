@@ -1,14 +1,14 @@
-// The ground on the map: photograph, layers, base map, measuring, progress, "plan a landing here": against a sample map
+// The ground on the map: photograph, layers, base map, measuring, progress: against a sample map
 // in front of a running server that holds a finished flight; see page_test.mjs.
 
 import assert from 'node:assert/strict';
 import http from 'node:http';
 import { after, before, test } from 'node:test';
 
-import { accessibilityFaults, flownSite, getJson, isOptional, launch, openPage, outside, smallTargets, url } from './browser.mjs';
-import { png, sampleJob, sampleWhy } from './sample_map.mjs';
-import { countTilesAtOnce, kWait, shoot } from './site_page.mjs';
-import { startStandIn } from './stand_in.mjs';
+import { accessibilityFaults, flownSite, launch, outside, smallTargets, url } from './browser.mjs';
+import { clickMap, groundIsDrawn, groundSample, mapPoint, openGround, overflow_px, tilesOf } from './ground_page.mjs';
+import { png, sampleJob } from './sample_map.mjs';
+import { kWait, shoot } from './site_page.mjs';
 
 const phone = { width: 360, height: 740 };
 let browser;
@@ -17,36 +17,9 @@ let site;
 before(async () => { [browser, site] = await Promise.all([launch(), flownSite()]); });
 after(() => browser?.close());
 
-const sampleMap = (more = {}) => ({ place: site.place, half_m: 320, grown: 1, version: 1, isThere: true, why: sampleWhy, ...more });
+const sampleMap = (more = {}) => groundSample(site, more);
 const withJob = (job) => (path, json) => (path === '/v1/jobs' ? { jobs: [job, ...json.jobs] } : json);
-
-async function open(t, parts, options = {}) {
-  const map = parts.map === undefined ? sampleMap() : parts.map;
-  const server = await startStandIn(t, url, { reach: null, obstacles: null, newLook: null, baseMap: null, landing: null, hasEvents: true, ...parts, map });
-  const opened = await openPage(t, browser, { address: 'about:blank', ...options });
-  await opened.page.addInitScript(countTilesAtOnce);
-  if (parts.token) await opened.page.addInitScript((value) => sessionStorage.setItem('freelsd.token', value), parts.token);
-  opened.page.on('console', (message) => {
-    if (message.type() === 'error' && !isOptional(message.location().url)) opened.seen.errors.push(message.text());
-  });
-  await opened.page.goto(`${server.url}/#flight=${site.flight}`);
-  await opened.page.locator('#sites button').first().waitFor(kWait);
-  return { server, map, ...opened };
-}
-
-const tilesOf = (page, kind) => page.locator(`.${kind}-tiles img.leaflet-tile-loaded[src]`);
-async function groundIsDrawn(page, layer = 'hazard') {
-  await tilesOf(page, 'photo').first().waitFor(kWait);
-  if (layer) await page.locator(`.data-tiles[data-layer="${layer}"] img.leaflet-tile-loaded[src]`).first().waitFor(kWait);
-  await page.waitForFunction(() => document.getElementById('layer-note').textContent === '', null, kWait);
-}
-const overflow_px = (page) => page.evaluate(() => Math.max(document.documentElement.scrollWidth - innerWidth,
-  document.getElementById('panel').scrollWidth - document.getElementById('panel').clientWidth));
-const mapPoint = async (page, right, down) => {
-  const box = await page.locator('#map').boundingBox();
-  return [box.x + right * box.width, box.y + down * box.height];
-};
-const clickMap = async (page, right, down) => page.mouse.click(...await mapPoint(page, right, down));
+const open = (t, parts, options) => openGround(t, { browser, site }, parts, options);
 
 for (const [name, size] of [['desk', { width: 1280, height: 800 }], ['phone', phone]]) {
   for (const colorScheme of ['light', 'dark']) {
@@ -322,53 +295,6 @@ test('measure: distance and bearing from point to point, by mouse and by keyboar
     await page.locator('.measure-box').waitFor({ state: 'hidden', ...kWait });
     assert.deepEqual(seen.errors, []);
   }
-});
-
-test('why: a place of the flight\'s map is judged by the flight, and a landing there is planned and drawn', async (t) => {
-  const landing = await getJson(`/v1/sites/${encodeURIComponent(site.properties.id)}/approach`);
-  for (const size of [{}, phone]) {
-    const { page, seen, server } = await open(t, { landing }, size);
-    await groundIsDrawn(page);
-    await clickMap(page, 0.6, 0.75);
-    await page.locator('.answer h3', { hasText: 'Not landable: too steep' }).waitFor(kWait);
-    const asked = server.asked.findLast((path) => typeof path === 'string' && path.includes('/why?'));
-    assert.match(asked, new RegExp(`^/v1/flights/${site.flight}/why\\?latitude_deg=4`));
-    assert.deepEqual(await smallTargets(page), []);
-    await shoot(page, size.width ? 'why-ground-phone' : 'why-ground');
-    await page.locator('.answer button', { hasText: 'Plan a landing here' }).click();
-    await page.locator('#landing-title:focus', { hasText: 'Landing here: landable' }).waitFor(kWait);
-    await page.locator('#landing-profile canvas').waitFor(kWait);
-    assert.match(await page.locator('#landing-text').textContent(), /The touchdown is (\d+ m|at)/);
-    assert.ok(await page.locator('#landing-tiles .tile').count() === 4);
-    assert.equal(await page.locator('path.approach.replanned').count(), 1, 'the planned path, not the path of the site');
-    assert.equal(await page.locator('path.approach').count(), 1);
-    assert.ok(await overflow_px(page) <= 0);
-    assert.deepEqual(await accessibilityFaults(page), []);
-    await shoot(page, size.width ? 'landing-phone' : 'landing');
-    await page.keyboard.press('Escape');
-    await page.locator('path.approach.replanned').waitFor({ state: 'detached', ...kWait });
-    assert.equal(await page.locator('path.approach').count(), 1, 'the path of the site is back');
-    assert.deepEqual(seen.errors, []);
-  }
-});
-
-test('landing: a refusal is shown in place of a path', async (t) => {
-  const { page } = await open(t, { landing: 'every place within 100 m is too steep' });
-  await groundIsDrawn(page);
-  await clickMap(page, 0.6, 0.75);
-  await page.locator('.answer button', { hasText: 'Plan a landing here' }).click();
-  await page.locator('#landing-title', { hasText: 'No landing here' }).waitFor(kWait);
-  assert.equal(await page.locator('#landing-text').textContent(), 'every place within 100 m is too steep.');
-  assert.equal(await page.locator('#landing-profile canvas').count(), 0);
-});
-
-test('why: a place that no map shows is unseen, never safe', async (t) => {
-  const { page, map } = await open(t, {});
-  await groundIsDrawn(page);
-  map.why = null;
-  await clickMap(page, 0.1, 0.3);
-  await page.locator('.answer h3', { hasText: 'Not landable: unseen' }).waitFor(kWait);
-  assert.match(await page.locator('.answer').textContent(), /no map of the flight shows this place\. Unseen ground is never safe\./);
 });
 
 test('export: the layers of the map as GeoTIFF, photograph and hazard as KMZ', async (t) => {

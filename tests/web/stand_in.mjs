@@ -4,6 +4,7 @@
 import http from 'node:http';
 
 import { playMap } from './sample_map.mjs';
+import { samplePatch } from './sample_proof.mjs';
 
 const kGeoJson = { 'Content-Type': 'application/geo+json' };
 
@@ -44,6 +45,7 @@ function described(contract, { reach, obstacles, newLook, map, baseMap, landing,
 async function playObstacles(request, response, path, obstacles) {
   const id = decodeURIComponent(path.split('/')[3] ?? '');
   const index = obstacles.findIndex((obstacle) => obstacle.id === id);
+  if (request.method === 'GET' && id) return answer(response, index >= 0 ? 200 : 404, obstacles[index] ?? problem(404, 'no such obstacle'), kGeoJson);
   if (request.method === 'GET') return answer(response, 200, { type: 'FeatureCollection', features: obstacles }, kGeoJson);
   if (request.method === 'DELETE') {
     if (index >= 0) obstacles.splice(index, 1);
@@ -61,14 +63,14 @@ async function playObstacles(request, response, path, obstacles) {
 }
 
 // Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
-// parameters), obstacles (an array of features), newLook (a collection), map (see sample_map.mjs; also `why`), landing (a collection, or a
+// parameters), obstacles (an array of features), newLook (a collection), map (see sample_map.mjs; also `why`, and `lost`: frames without a photograph), landing (a collection, or a
 // text: the refusal), route (a function of the request's body; throws a text: the refusal), legs (a function of the query's parameters of
 // next-look; throws {status, code, detail}: the refusal), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
 // server without this part. rewrite(path, json): changes an answer of the real server.
 export async function startStandIn(t, target, {
   token = null, hasEvents = false, emergency = null, sitesAfter_ms = 0, rewrite = null, ...parts
 } = {}) {
-  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [] }, routes: [], looks: [] };
+  const state = { streams: new Set(), asked: [], numReach: 0, mostReach: 0, tiles: { asked: [] }, routes: [], looks: [], patches: [] };
   const to = new URL(target);
 
   async function playReach(request, response) {
@@ -94,6 +96,13 @@ export async function startStandIn(t, target, {
     }
     if (/^\/v1\/flights\/[^/]+\/why$/.test(path) && map) {
       answer(response, map.why ? 200 : 404, map.why ?? { ...problem(404, 'no map of the flight shows this place'), code: 'NoMap' });
+      return true;
+    }
+    const [, frame] = /\/frames\/([^/]+)\/patch\.png$/.exec(path) ?? [];
+    if (frame && map) {
+      state.patches.push(request.url);
+      if (map.lost?.includes(frame)) answer(response, 404, { ...problem(404, 'the flight has no photograph of this frame'), code: 'NoSuchFrame' });
+      else response.writeHead(200, { 'Content-Type': 'image/png' }).end(samplePatch(frame));
       return true;
     }
     if (map && playMap(request, response, path, { map, base, tiles: state.tiles })) return true;
@@ -212,6 +221,7 @@ export async function startStandIn(t, target, {
     tiles: state.tiles,
     routes: state.routes,
     looks: state.looks,
+    patches: state.patches,
     emit(event, data) {
       for (const stream of state.streams) stream.write(`event: ${event}\ndata: ${JSON.stringify(data)}\n\n`);
     },
