@@ -53,9 +53,7 @@ std::shared_ptr<const MapRasters> ReadTile(const Storage& storage,
   }
 }
 
-bool Holds(TileLayers kept, TileLayers wanted) {
-  return kept >= wanted;
-}
+bool Holds(TileLayers kept, TileLayers wanted) { return kept >= wanted; }
 
 }  // namespace
 
