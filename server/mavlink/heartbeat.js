@@ -1,8 +1,6 @@
 // The program's own heartbeat: the only message that it sends.
 
-import mavlink from 'node-mavlink';
-
-import { idOf, messageOf, packetBytes } from './messages.js';
+import { checksumExtraOf, idOf, messageOf, packetBytes } from './messages.js';
 
 // A companion computer is a component of the aircraft's own system. It is no ground station, so the
 // autopilot's ground station failsafe does not count it.
@@ -17,6 +15,6 @@ export function heartbeatBytes(systemId, sequence, signing) {
     systemStatus: active, mavlinkVersion: 3,
   });
   const bytes = packetBytes(message, { systemId, componentId: onboardComputer, sequence });
-  const extra = mavlink.MSG_ID_MAGIC_NUMBER[idOf.HEARTBEAT];
+  const extra = checksumExtraOf(idOf.HEARTBEAT);
   return signing ? signing.signed(bytes, { linkId: onboardComputer, extra }) : bytes;
 }

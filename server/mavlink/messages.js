@@ -2,7 +2,7 @@
 
 import mavlink from 'node-mavlink';
 
-const { MavLinkProtocolV1, MavLinkProtocolV2 } = mavlink;
+const { MavLinkProtocolV1, MavLinkProtocolV2, MSG_ID_MAGIC_NUMBER } = mavlink;
 
 export const messageClasses = {};
 for (const dialect of ['minimal', 'common', 'standard', 'ardupilotmega', 'development']) {
@@ -22,6 +22,7 @@ const protocol = new MavLinkProtocolV2();
 // MAVLink 2 cuts zeros at the end of a payload; fields are read from a payload of full length.
 const longestPayload = 255;
 
+export const checksumExtraOf = (messageId) => MSG_ID_MAGIC_NUMBER[messageId];
 export const nameOf = (messageId) => messageClasses[messageId]?.MSG_NAME;
 
 // The fields of a known message. MAVLink 1 carries no extension fields: they become 0 here.

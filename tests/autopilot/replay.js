@@ -19,7 +19,7 @@ export async function replay(records, { host = '127.0.0.1', port, speed = 1, onR
   const heard = [];
   socket.on('message', (bytes) => heard.push(bytes));
   await new Promise((resolve) => { socket.bind(0, resolve); });
-  const begun_ms = performance.now();
+  let begun_ms = performance.now();
   let numTogether = 0;
   for (const [index, { time_us, bytes }] of records.entries()) {
     const due_ms = (time_us - records[0].time_us) / 1000 / speed;
@@ -29,7 +29,11 @@ export async function replay(records, { host = '127.0.0.1', port, speed = 1, onR
       await sleep(Math.max(1, wait_ms));
     }
     await new Promise((resolve) => { socket.send(bytes, port, host, resolve); });
-    if (onRecord) await onRecord(index);
+    if (!onRecord) continue;
+    // The recording stands still meanwhile.
+    const paused_ms = performance.now();
+    await onRecord(index);
+    begun_ms += performance.now() - paused_ms;
   }
   await sleep(20);
   socket.close();
