@@ -5,7 +5,7 @@
 // delivered. Lines are delivered at least once: the service replaces a sample of the same time.
 
 import {
-  closeSync, existsSync, fdatasyncSync, mkdirSync, openSync, readFileSync, readSync, readdirSync,
+  closeSync, existsSync, fdatasync, fdatasyncSync, mkdirSync, openSync, readFileSync, readSync, readdirSync,
   renameSync, statSync, unlinkSync, writeFileSync, writeSync,
 } from 'node:fs';
 import { join } from 'node:path';
@@ -66,15 +66,21 @@ export class Spool {
     }
   }
 
-  // Survives a power cut. Costs a write of the disk, so once a second is enough.
+  // Survives a power cut. Costs a write of the disk, so once a second is enough. A slow disk must
+  // not stop the link: the write runs beside it.
   sync() {
     try {
-      if (!this.#isSynced && this.#writing) fdatasyncSync(this.#writing.file);
-      this.#isSynced = true;
       this.#saveRead();
     } catch (error) {
       this.lastError = error.message;
     }
+    if (this.#isSynced || !this.#writing) return;
+    this.#isSynced = true;
+    fdatasync(this.#writing.file, (error) => {
+      if (!error) return;
+      this.#isSynced = false;
+      this.lastError = error.message;
+    });
   }
 
   // Up to maxBytes of whole lines: { values, mark }; nothing if none wait.
@@ -129,7 +135,10 @@ export class Spool {
   close() {
     this.flush();
     this.sync();
-    if (this.#writing) closeSync(this.#writing.file);
+    if (this.#writing) {
+      fdatasyncSync(this.#writing.file);
+      closeSync(this.#writing.file);
+    }
     this.#writing = undefined;
   }
 
@@ -146,7 +155,7 @@ export class Spool {
   #segmentForWriting() {
     if (this.#writing && this.#writing.size < segmentBytes) return this.#writing;
     if (this.#writing) {
-      this.sync();
+      fdatasyncSync(this.#writing.file);
       closeSync(this.#writing.file);
     }
     const number = Math.max(this.#read.segment, this.#segments.at(-1)?.number ?? 0) + 1;
