@@ -1,0 +1,70 @@
+import { readFileSync } from 'node:fs';
+import { homedir } from 'node:os';
+import { join } from 'node:path';
+import { parseArgs } from 'node:util';
+
+import { parseAddress } from './connection.js';
+
+export const usage = `freelsd-mavlink --connect ADDRESS --url URL [options]
+
+  --connect udp:PORT | udp:ADDRESS:PORT | tcp:HOST:PORT | serial:/dev/NAME:BAUD
+                       where the autopilot is heard; "udp:PORT" listens on loopback only
+  --url URL            of freelsd-server, such as http://127.0.0.1:8080
+  --token-file FILE    token of the service, scope ingest
+  --signing-key FILE   believe only packets with a MAVLink 2 signature of this key:
+                       64 hexadecimal digits, or a passphrase
+  --system ID          believe only this system; without it the first autopilot heard
+  --peer ADDRESS       believe only this host (UDP)
+  --flight ID          existing flight that takes the telemetry; without it a new one
+  --spool DIR          lines that wait for the service (default ~/.local/state/freelsd-mavlink)
+  --spool-limit MIB    size of the spool (default 256)
+  --status FILE        JSON state, as /v1/links tells it, written once a second
+  --silent             send no heartbeat
+  --help
+`;
+
+const options = {
+  connect: { type: 'string' },
+  url: { type: 'string' },
+  'token-file': { type: 'string' },
+  'signing-key': { type: 'string' },
+  system: { type: 'string' },
+  peer: { type: 'string' },
+  flight: { type: 'string' },
+  spool: { type: 'string' },
+  'spool-limit': { type: 'string', default: '256' },
+  status: { type: 'string' },
+  silent: { type: 'boolean', default: false },
+  help: { type: 'boolean', default: false },
+};
+
+function wholeNumber(name, text, min, max) {
+  const number = Number(text);
+  if (!Number.isInteger(number) || number < min || number > max) {
+    throw new Error(`--${name} ${text}: must be a whole number from ${min} to ${max}`);
+  }
+  return number;
+}
+
+const defaultSpool = () =>
+  join(process.env.XDG_STATE_HOME ?? join(homedir(), '.local', 'state'), 'freelsd-mavlink');
+
+export function parseCommandLine(args) {
+  const { values } = parseArgs({ args, options });
+  if (values.help) return { isHelp: true };
+  for (const name of ['connect', 'url']) if (!values[name]) throw new Error(`--${name} is missing`);
+  return {
+    address: parseAddress(values.connect),
+    connect: values.connect,
+    url: values.url,
+    token: values['token-file'] && readFileSync(values['token-file'], 'utf8').trim(),
+    signingKeyPath: values['signing-key'],
+    systemId: values.system && wholeNumber('system', values.system, 1, 255),
+    peerHost: values.peer,
+    flight: values.flight,
+    spoolFolder: values.spool ?? defaultSpool(),
+    spoolBytes: wholeNumber('spool-limit', values['spool-limit'], 2, 65536) * 1024 * 1024,
+    statusPath: values.status,
+    isSilent: values.silent,
+  };
+}

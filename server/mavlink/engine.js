@@ -1,0 +1,193 @@
+// Detects that the engine no longer does what the throttle demands.
+//
+// Specific excess power e = climb + airspeed * acceleration / g, in m/s: the climb rate that would
+// be left at constant airspeed. The acceleration is that over ground along the heading: a gust
+// changes the airspeed at once, but hardly the speed over ground.
+// While the engine runs, the highest e that each throttle demand gave is learned. Energy that is
+// missing against it, in metres of height, is summed up. RPM and current, where the autopilot
+// sends them, confirm a failure sooner; they never raise an alarm on their own.
+
+const gravity_mps2 = 9.81;
+
+export const defaultEngineOptions = {
+  // Ground velocity and climb are compared over this time.
+  window_s: 0.8,
+  // The engine is given this long to follow the throttle.
+  spoolUp_s: 1.0,
+  // Below this demand a stopped engine looks like an idle one.
+  minThrottle_ratio: 0.3,
+  // Sinking air and turbulence take this much without a failure.
+  tolerance_mps: 2.0,
+  // More for the drag of a turn, times (1 / cos^2 bank - 1).
+  turnTolerance_mps: 2.0,
+  // Missing height that is a failure; the smaller one if RPM or current has also gone.
+  missingHeight_m: 12.0,
+  missingHeightConfirmed_m: 1.5,
+  // RPM or current below this share of what the same throttle gave has gone.
+  goneShare_ratio: 0.25,
+  // Not in flight below these.
+  minAirspeed_mps: 8.0,
+  minHeight_m: 5.0,
+  // A demand counts as learned after so many seconds.
+  minLearned_s: 3.0,
+  // A demand that was never learned should hold height from here upwards.
+  levelThrottle_ratio: 0.7,
+  // The engine is believed again after it has delivered for this long.
+  recovery_s: 5.0,
+};
+
+const numBins = 10;
+const binOf = (throttle) => Math.min(numBins - 1, Math.floor(throttle * numBins));
+const learnRate = 0.05;
+
+// What each throttle demand gave.
+class ThrottleMap {
+  #bins = Array.from({ length: numBins }, () => ({ seconds: 0, mean: 0 }));
+
+  learn(throttle, value, duration_s) {
+    const bin = this.#bins[binOf(throttle)];
+    bin.seconds += duration_s;
+    // A true mean first, a slow one later.
+    const rate = Math.max(learnRate * duration_s, duration_s / bin.seconds);
+    bin.mean += Math.min(1, rate) * (value - bin.mean);
+  }
+
+  // More throttle gives at least what less of it gave.
+  expected(throttle, minSeconds) {
+    const known = this.#bins.slice(0, binOf(throttle) + 1).filter((b) => b.seconds >= minSeconds);
+    return known.length ? Math.max(...known.map((b) => b.mean)) : undefined;
+  }
+}
+
+export class EngineWatch {
+  #options;
+  #history = [];
+  #throttles = [];
+  #power = new ThrottleMap();
+  #signs = { rpm: new ThrottleMap(), current_a: new ThrottleMap() };
+  #now = {};
+  #missing_m = 0;
+  #well_s = 0;
+  state = 'unknown';
+  since_s;
+  reason;
+
+  constructor(options = {}) {
+    this.#options = { ...defaultEngineOptions, ...options };
+  }
+
+  get missing_m() { return this.#missing_m; }
+
+  // sign: 'rpm' or 'current_a'.
+  hearSign(sign, value, time_s) {
+    if (Number.isFinite(value) && value >= 0) this.#now[sign] = { value, time_s };
+  }
+
+  hearThrottle(throttle_ratio, time_s) {
+    if (!Number.isFinite(throttle_ratio)) return;
+    this.#throttles.push({ time_s, throttle: Math.min(1, Math.max(0, throttle_ratio)) });
+    const oldest_s = time_s - this.#options.spoolUp_s;
+    while (this.#throttles[0].time_s < oldest_s) this.#throttles.shift();
+  }
+
+  // At each position. airspeed_mps: the best known. True if the state has changed.
+  step({ time_s, east_mps, north_mps, climb_mps, heading_rad, bank_rad, airspeed_mps, isArmed, height_m }) {
+    const before = this.state;
+    const options = this.#options;
+    this.#history.push({ time_s, east_mps, north_mps });
+    while (this.#history.length > 2 && this.#history[1].time_s <= time_s - options.window_s) {
+      this.#history.shift();
+    }
+    const isFlying = isArmed && airspeed_mps >= options.minAirspeed_mps &&
+      !(height_m < options.minHeight_m);
+    if (!isArmed) this.#land();
+    const start = this.#history[0];
+    const duration_s = time_s - start.time_s;
+    const isFresh = duration_s > 0.3 && duration_s < 3;
+    if (!isFlying || !isFresh || this.#throttles.length === 0) return this.state !== before;
+    const forward_mps2 = ((east_mps - start.east_mps) * Math.sin(heading_rad) +
+      (north_mps - start.north_mps) * Math.cos(heading_rad)) / duration_s;
+    const power_mps = climb_mps + (airspeed_mps * forward_mps2) / gravity_mps2;
+    const step_s = Math.min(1, time_s - this.#history.at(-2).time_s);
+    this.#judge({ power_mps, bank_rad, time_s, step_s });
+    return this.state !== before;
+  }
+
+  #judge({ power_mps, bank_rad, time_s, step_s }) {
+    const options = this.#options;
+    // The least demand of the last second: the engine has had its time to follow.
+    const throttle = Math.min(...this.#throttles.map((one) => one.throttle));
+    const turn = 1 / Math.max(0.2, Math.cos(bank_rad)) ** 2 - 1;
+    const allowed_mps = options.tolerance_mps + options.turnTolerance_mps * turn;
+    const expected_mps = this.#expectedPower(throttle);
+    const isDemanded = throttle >= options.minThrottle_ratio;
+    const deficit_mps = expected_mps === undefined || !isDemanded
+      ? -options.tolerance_mps : expected_mps - power_mps - allowed_mps;
+    this.#missing_m = Math.max(0, this.#missing_m + deficit_mps * step_s);
+    const gone = this.#goneSign(throttle, time_s);
+    const limit_m = gone ? options.missingHeightConfirmed_m : options.missingHeight_m;
+    if (this.#missing_m > limit_m) this.#fail(time_s, gone);
+    else if (this.state === 'failed') this.#recover(deficit_mps, isDemanded, gone, step_s);
+    else if (isDemanded && expected_mps !== undefined) this.state = 'running';
+    const isSteady = this.#throttles.every((one) => Math.abs(one.throttle - throttle) < 0.1);
+    if (this.state !== 'failed' && this.#missing_m === 0 && isSteady) {
+      this.#learn(throttle, power_mps, time_s, step_s);
+    }
+    // A long failure is not undone by a short burst, and not paid back for minutes either.
+    this.#missing_m = Math.min(this.#missing_m, 2 * options.missingHeight_m);
+  }
+
+  #expectedPower(throttle) {
+    const options = this.#options;
+    const learned_mps = this.#power.expected(throttle, options.minLearned_s);
+    if (learned_mps !== undefined) return learned_mps;
+    return throttle >= options.levelThrottle_ratio ? 0 : undefined;
+  }
+
+  #learn(throttle, power_mps, time_s, step_s) {
+    this.#power.learn(throttle, power_mps, step_s);
+    for (const [sign, map] of Object.entries(this.#signs)) {
+      const now = this.#now[sign];
+      if (now && time_s - now.time_s < 2) map.learn(throttle, now.value, step_s);
+    }
+  }
+
+  // The name of a measurement that says that the engine stands.
+  #goneSign(throttle, time_s) {
+    if (throttle < this.#options.minThrottle_ratio) return undefined;
+    for (const [sign, map] of Object.entries(this.#signs)) {
+      const now = this.#now[sign];
+      const usual = map.expected(throttle, this.#options.minLearned_s);
+      if (!now || !usual || time_s - now.time_s > 2) continue;
+      if (now.value < this.#options.goneShare_ratio * usual) return sign;
+    }
+    return undefined;
+  }
+
+  #fail(time_s, gone) {
+    this.#well_s = 0;
+    if (this.state === 'failed') return;
+    this.state = 'failed';
+    this.since_s = time_s;
+    this.reason = gone ? `climb and speed do not follow the throttle, and ${gone} has gone`
+      : 'climb and speed do not follow the throttle';
+  }
+
+  #recover(deficit_mps, isDemanded, gone, step_s) {
+    const isWell = isDemanded && deficit_mps <= 0 && !gone;
+    this.#well_s = isWell ? this.#well_s + step_s : 0;
+    if (this.#well_s >= this.#options.recovery_s) this.#clear('running');
+  }
+
+  #land() {
+    if (this.state !== 'unknown') this.#clear('unknown');
+    this.#missing_m = 0;
+  }
+
+  #clear(state) {
+    this.state = state;
+    this.since_s = undefined;
+    this.reason = undefined;
+    this.#well_s = 0;
+  }
+}

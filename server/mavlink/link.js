@@ -1,0 +1,268 @@
+// One link to one autopilot: packets in; telemetry lines and a state out. No sockets, no files.
+
+import { BootClock } from './clock.js';
+import { EngineWatch } from './engine.js';
+import { packetsInDatagram, PacketReader } from './framing.js';
+import { fieldsOf, idOf } from './messages.js';
+import { autopilotName, modeName, typeName } from './modes.js';
+import { Pin } from './pin.js';
+import { isAttitude, PositionGate } from './plausibility.js';
+import { Samples } from './samples.js';
+import { WindSource } from './wind_source.js';
+
+const armedFlag = 128;
+const degrees = (radians) => (radians * 180) / Math.PI;
+// From here upwards a time is UNIX time, not time since boot.
+const firstUnix_us = 1e15;
+const silent_s = 5;
+const minFlyingAirspeed_mps = 8;
+const minFlyingHeight_m = 5;
+
+export class Link {
+  #pin;
+  #signing;
+  #reader = new PacketReader();
+  #gate = new PositionGate();
+  #clock;
+  #samples;
+  #wind;
+  #engine = new EngineWatch();
+  #onEvent;
+  #steady_us;
+  #heartbeat;
+  #heard_us;
+  #attitude;
+  #position;
+  #hud;
+  #gps;
+  #missionSequence;
+  #camera = { num_triggers: 0 };
+  #flyingSince_ms;
+  #numAccepted = 0;
+  #numDamaged = 0;
+  #refused = {};
+
+  // emit(line): one line of telemetry. onEvent(sentence): what a person wants to know.
+  // steady_us(): a clock that never steps.
+  constructor({ pin = new Pin(), signing, clock = new BootClock(), emit, onEvent = () => {},
+    steady_us = () => performance.now() * 1000 }) {
+    this.#pin = pin;
+    this.#signing = signing;
+    this.#clock = clock;
+    this.#samples = new Samples(clock, emit);
+    this.#wind = new WindSource((boot_ms, wind, now_us) => this.#samples.add('wind', boot_ms, { wind }, now_us));
+    this.#onEvent = onEvent;
+    this.#steady_us = steady_us;
+  }
+
+  get pin() { return this.#pin; }
+
+  // now_us: the host's clock, microseconds since 1970.
+  take(bytes, from, isDatagram, now_us = Date.now() * 1000) {
+    if (!this.#pin.isPossiblePeer(from, this.#steady_us())) return this.#refuse('other_peer');
+    if (!isDatagram) {
+      for (const packet of this.#reader.take(bytes)) this.#takePacket(packet, from, now_us);
+      return undefined;
+    }
+    const { packets, numDamaged } = packetsInDatagram(bytes);
+    this.#numDamaged += numDamaged;
+    for (const packet of packets) this.#takePacket(packet, from, now_us);
+    return undefined;
+  }
+
+  // Regularly, also while nothing arrives.
+  tick(now_us = Date.now() * 1000) { this.#samples.release(now_us); }
+
+  #refuse(reason) { this.#refused[reason] = (this.#refused[reason] ?? 0) + 1; }
+
+  #takePacket(packet, from, now_us) {
+    // The signature first: a forged packet must not pin a peer.
+    const forged = this.#signing?.refusal(packet);
+    if (forged) return this.#refuse(forged);
+    const isHeartbeat = packet.messageId === idOf.HEARTBEAT;
+    const heartbeat = isHeartbeat ? fieldsOf(packet) : undefined;
+    const wasPinned = this.#pin.peer;
+    const refusal = this.#pin.refusal(packet, from, this.#steady_us(), heartbeat);
+    if (refusal) return this.#refuse(refusal);
+    if (this.#pin.peer !== wasPinned) this.#onEvent(`system ${packet.systemId} is heard at ${from}`);
+    ++this.#numAccepted;
+    const handler = this.#handlers[packet.messageId];
+    if (handler) handler.call(this, heartbeat ?? fieldsOf(packet), now_us);
+    return undefined;
+  }
+
+  #handlers = {
+    [idOf.HEARTBEAT]: this.#onHeartbeat,
+    [idOf.SYSTEM_TIME]: this.#onSystemTime,
+    [idOf.ATTITUDE]: this.#onAttitude,
+    [idOf.GLOBAL_POSITION_INT]: this.#onPosition,
+    [idOf.GPS_RAW_INT]: this.#onGps,
+    [idOf.VFR_HUD]: this.#onHud,
+    [idOf.WIND]: this.#onWind,
+    [idOf.WIND_COV]: this.#onWindCov,
+    [idOf.SYS_STATUS]: (status) => this.#hearSign('current_a', status.currentBattery / 100),
+    [idOf.RPM]: (rpm) => this.#hearSign('rpm', Math.max(rpm.rpm1, rpm.rpm2)),
+    [idOf.EFI_STATUS]: (efi) => this.#hearSign('rpm', efi.rpm),
+    [idOf.ESC_TELEMETRY_1_TO_4]: (esc) => this.#hearSign('rpm', Math.max(...esc.rpm)),
+    [idOf.MISSION_CURRENT]: (mission) => { this.#missionSequence = mission.seq; },
+    [idOf.CAMERA_TRIGGER]: (camera, now_us) =>
+      this.#onCamera(Number(camera.timeUsec), { index: camera.seq }, now_us),
+    [idOf.CAMERA_FEEDBACK]: (camera, now_us) =>
+      this.#onCamera(Number(camera.timeUsec), { index: camera.imgIdx, ...placeOf(camera.lat, camera.lng, camera.altMsl) }, now_us),
+    [idOf.CAMERA_IMAGE_CAPTURED]: (camera, now_us) =>
+      this.#onCamera(Number(camera.timeUtc) || camera.timeBootMs * 1000,
+        { index: camera.imageIndex, file: camera.fileUrl, ...placeOf(camera.lat, camera.lon, camera.alt / 1000) }, now_us),
+  };
+
+  #onHeartbeat(heartbeat) {
+    this.#heard_us = this.#steady_us();
+    const isArmed = (heartbeat.baseMode & armedFlag) !== 0;
+    if (this.#heartbeat && isArmed !== this.#isArmed) this.#onEvent(isArmed ? 'armed' : 'disarmed');
+    this.#heartbeat = heartbeat;
+  }
+
+  get #isArmed() { return ((this.#heartbeat?.baseMode ?? 0) & armedFlag) !== 0; }
+
+  #hear(boot_ms, now_us) {
+    if (this.#clock.hear(boot_ms, now_us)) return;
+    this.#onEvent('the autopilot has restarted');
+    this.#samples.restart();
+    this.#gate.restart();
+    this.#wind.restart();
+    this.#flyingSince_ms = undefined;
+  }
+
+  #onSystemTime({ timeUnixUsec, timeBootMs }, now_us) {
+    this.#hear(timeBootMs, now_us);
+    this.#clock.set(Number(timeUnixUsec), timeBootMs);
+    this.#samples.release(now_us);
+  }
+
+  #onAttitude(attitude, now_us) {
+    this.#hear(attitude.timeBootMs, now_us);
+    if (!isAttitude(attitude)) return this.#refuse('absurd_attitude');
+    this.#attitude = attitude;
+    return this.#samples.add('attitude', attitude.timeBootMs, {
+      attitude: {
+        roll_deg: degrees(attitude.roll), pitch_deg: degrees(attitude.pitch), yaw_deg: degrees(attitude.yaw),
+      },
+    }, now_us);
+  }
+
+  #onPosition(message, now_us) {
+    this.#hear(message.timeBootMs, now_us);
+    const { position } = placeOf(message.lat, message.lon, message.alt / 1000);
+    const refusal = this.#gate.refusal({ ...position, time_s: message.timeBootMs / 1000 });
+    if (refusal) return this.#refuse(refusal);
+    this.#position = { ...position, height_above_home_m: message.relativeAlt / 1000 };
+    this.#samples.add('position', message.timeBootMs, { position, altitude_datum: 'amsl' }, now_us);
+    return this.#onMotion(message, now_us);
+  }
+
+  #onMotion(message, now_us) {
+    const hud = this.#hud;
+    if (!this.#attitude || !hud) return;
+    const motion = {
+      time_s: message.timeBootMs / 1000,
+      east_mps: message.vy / 100,
+      north_mps: message.vx / 100,
+      climb_mps: -message.vz / 100,
+      heading_rad: this.#attitude.yaw,
+      bank_rad: this.#attitude.roll,
+      airspeed_mps: hud.airspeed,
+      height_m: message.relativeAlt / 1000,
+      isArmed: this.#isArmed,
+    };
+    const isFlying = motion.isArmed && hud.airspeed >= minFlyingAirspeed_mps &&
+      motion.height_m >= minFlyingHeight_m;
+    this.#flyingSince_ms = isFlying ? this.#flyingSince_ms ?? message.timeBootMs : undefined;
+    if (isFlying) this.#wind.move(motion, now_us);
+    if (!this.#engine.step(motion)) return;
+    if (this.#engine.state === 'failed') this.#onEvent(`ENGINE FAILURE: ${this.#engine.reason}`);
+    else this.#onEvent(`engine: ${this.#engine.state}`);
+  }
+
+  #onGps(gps) { this.#gps = gps; }
+
+  #onHud(hud) {
+    if (!Number.isFinite(hud.airspeed) || !Number.isFinite(hud.groundspeed)) return;
+    this.#hud = hud;
+    if (this.#clock.newest_ms === undefined) return;
+    this.#engine.hearThrottle(hud.throttle / 100, this.#clock.newest_ms / 1000);
+  }
+
+  #hearSign(sign, value) {
+    if (this.#clock.newest_ms === undefined) return;
+    this.#engine.hearSign(sign, value, this.#clock.newest_ms / 1000);
+  }
+
+  // No time of its own: it comes with the newest message that has one.
+  #onWind({ direction, speed }, now_us) {
+    this.#wind.hearFrom({ from_deg: direction, speed_mps: speed }, this.#clock.newest_ms,
+      this.#flyingSince_ms, now_us);
+  }
+
+  #onWindCov({ windX, windY }, now_us) {
+    this.#wind.hearTowards({ east_mps: windY, north_mps: windX }, this.#clock.newest_ms, now_us);
+  }
+
+  #onCamera(time_us, details, now_us) {
+    const timestamp_us = time_us >= firstUnix_us ? time_us : this.#clock.utc_us(time_us / 1000, now_us);
+    ++this.#camera.num_triggers;
+    this.#camera.last = { timestamp_us, ...details };
+  }
+
+  // As an item of /v1/links.
+  state(now_us = Date.now() * 1000) {
+    const heartbeat = this.#heartbeat;
+    const age_s = this.#heard_us === undefined ? undefined : (this.#steady_us() - this.#heard_us) / 1e6;
+    const utc = (time_s) => timeText(this.#clock.utc_us(time_s * 1000, now_us));
+    return {
+      id: this.#pin.systemId === undefined ? undefined : String(this.#pin.systemId),
+      system_id: this.#pin.systemId,
+      peer: this.#pin.peer,
+      is_connected: age_s !== undefined && age_s < silent_s,
+      age_s,
+      type: heartbeat && typeName(heartbeat.type),
+      autopilot: heartbeat && autopilotName(heartbeat.autopilot),
+      mode: heartbeat && modeName(heartbeat.autopilot, heartbeat.customMode),
+      is_armed: heartbeat && this.#isArmed,
+      is_signed: Boolean(this.#signing),
+      position: this.#position && { ...this.#position, altitude_datum: 'amsl' },
+      airspeed_mps: this.#hud?.airspeed,
+      ground_speed_mps: this.#hud?.groundspeed,
+      climb_mps: this.#hud?.climb,
+      throttle_ratio: this.#hud && this.#hud.throttle / 100,
+      gps: this.#gps && {
+        fix_type: this.#gps.fixType,
+        num_satellites: this.#gps.satellitesVisible === 255 ? undefined : this.#gps.satellitesVisible,
+        position_sd_m: this.#gps.hAcc ? this.#gps.hAcc / 1000 : undefined,
+        altitude_sd_m: this.#gps.vAcc ? this.#gps.vAcc / 1000 : undefined,
+      },
+      wind: this.#wind.state(this.#clock.newest_ms),
+      mission: { state: 'unknown', current_item: this.#missionSequence },
+      engine: {
+        state: this.#engine.state,
+        since: this.#engine.since_s === undefined ? undefined : utc(this.#engine.since_s),
+        reason: this.#engine.reason,
+      },
+      camera: this.#camera,
+      clock: {
+        source: this.#clock.source(now_us),
+        spread_ms: this.#clock.spread_us === undefined ? undefined : this.#clock.spread_us / 1000,
+        num_boots: this.#clock.numBoots,
+      },
+      packets: {
+        accepted: this.#numAccepted, damaged: this.#numDamaged + this.#reader.numDamaged, refused: { ...this.#refused },
+      },
+      samples: { waiting_for_utc: this.#samples.numHeld, without_utc: this.#samples.numDropped },
+    };
+  }
+}
+
+const timeText = (time_us) => (time_us === undefined ? undefined : new Date(time_us / 1000).toISOString());
+
+const placeOf = (latitude_e7, longitude_e7, altitude_m) => ({
+  position: { latitude_deg: latitude_e7 / 1e7, longitude_deg: longitude_e7 / 1e7, altitude_m },
+});
+

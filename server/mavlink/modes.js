@@ -1,0 +1,30 @@
+// Names of vehicle types and flight modes, as people know them.
+
+import mavlink from 'node-mavlink';
+
+const { MavType, MavAutopilot } = mavlink.minimal;
+const { PlaneMode } = mavlink.ardupilotmega;
+
+const ardupilot = 3;
+const px4 = 12;
+const px4MainModes = {
+  1: 'MANUAL', 2: 'ALTCTL', 3: 'POSCTL', 4: 'AUTO', 5: 'ACRO', 6: 'OFFBOARD', 7: 'STABILIZED',
+};
+const px4AutoModes = {
+  1: 'READY', 2: 'TAKEOFF', 3: 'LOITER', 4: 'MISSION', 5: 'RTL', 6: 'LAND', 8: 'FOLLOW_TARGET',
+};
+
+export const typeName = (type) => (MavType[type] ?? `type ${type}`).toLowerCase();
+export const autopilotName = (autopilot) =>
+  (MavAutopilot[autopilot] ?? `autopilot ${autopilot}`).toLowerCase();
+
+export function modeName(autopilot, customMode) {
+  if (autopilot === ardupilot) return PlaneMode[customMode] ?? `mode ${customMode}`;
+  if (autopilot === px4) {
+    const main = (customMode >> 16) & 0xff;
+    const sub = (customMode >> 24) & 0xff;
+    const name = px4MainModes[main] ?? `mode ${main}`;
+    return main === 4 && px4AutoModes[sub] ? `${name}.${px4AutoModes[sub]}` : name;
+  }
+  return `mode ${customMode}`;
+}

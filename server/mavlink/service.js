@@ -1,0 +1,67 @@
+// The only file that sends requests to freelsd-server.
+
+const timeout_ms = 20_000;
+
+export class ServiceProblem extends Error {
+  constructor(status, body) {
+    super(body.detail ?? body.title ?? `the service returned status ${status}`);
+    this.status = status;
+    this.code = body.code;
+  }
+}
+
+async function problemOf(response) {
+  const text = await response.text();
+  try {
+    return new ServiceProblem(response.status, JSON.parse(text));
+  } catch {
+    return new ServiceProblem(response.status, {});
+  }
+}
+
+export class Service {
+  #url;
+  #headers;
+
+  constructor(url, token) {
+    this.#url = new URL(url);
+    if (!/^https?:$/.test(this.#url.protocol)) throw new Error(`--url ${url}: must be http or https`);
+    this.#headers = token ? { Authorization: `Bearer ${token}` } : {};
+  }
+
+  async createFlight(name) {
+    const flight = await this.#json('v1/flights', {
+      method: 'POST',
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify({ name, altitude_datum: 'amsl' }),
+    });
+    return flight.id;
+  }
+
+  // A creation whose answer was lost must not be repeated. Names carry a time, so they are unique.
+  async flightNamed(name) {
+    const { flights } = await this.#json('v1/flights?limit=100');
+    return flights.find((flight) => flight.name === name)?.id;
+  }
+
+  // { accepted, rejected: [{ line, detail }] }
+  sendTelemetry(flightId, lines) {
+    return this.#json(`v1/flights/${encodeURIComponent(flightId)}/telemetry`, {
+      method: 'POST',
+      headers: { 'Content-Type': 'application/x-ndjson' },
+      body: lines.map((line) => `${JSON.stringify(line)}\n`).join(''),
+    });
+  }
+
+  async #json(path, { headers = {}, ...options } = {}) {
+    const base = this.#url.href.endsWith('/') ? this.#url : new URL(`${this.#url.href}/`);
+    const response = await fetch(new URL(path, base), {
+      ...options,
+      headers: { ...this.#headers, ...headers },
+      redirect: 'error',
+      signal: AbortSignal.timeout(timeout_ms),
+    });
+    if (!response.ok) throw await problemOf(response);
+    return response.json();
+  }
+}

@@ -1,0 +1,42 @@
+// Which flight of the service a sample belongs to. A restart of this program, or of the autopilot,
+// in the air does not begin another one; a long pause does.
+
+import { existsSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+
+const longestPause_us = 15 * 60 * 1e6;
+// The autopilot's clock may be corrected.
+const longestStepBack_us = 60 * 1e6;
+
+export class Sessions {
+  #path;
+  #current;
+  #isSaved = true;
+
+  constructor(path) {
+    this.#path = path;
+    if (existsSync(path)) this.#current = JSON.parse(readFileSync(path, 'utf8'));
+  }
+
+  // The name of the flight.
+  at(timestamp_us, systemId) {
+    const pause_us = timestamp_us - (this.#current?.last_us ?? -Infinity);
+    const isSame = this.#current?.system_id === systemId &&
+      pause_us <= longestPause_us && pause_us >= -longestStepBack_us;
+    if (!isSame) {
+      const began = new Date(timestamp_us / 1000).toISOString();
+      this.#current = { name: `MAVLink system ${systemId}, ${began}`, system_id: systemId, last_us: timestamp_us };
+    }
+    this.#current.last_us = Math.max(this.#current.last_us, timestamp_us);
+    this.#isSaved = false;
+    return this.#current.name;
+  }
+
+  get name() { return this.#current?.name; }
+
+  save() {
+    if (this.#isSaved) return;
+    writeFileSync(`${this.#path}.new`, JSON.stringify(this.#current), { mode: 0o600 });
+    renameSync(`${this.#path}.new`, this.#path);
+    this.#isSaved = true;
+  }
+}

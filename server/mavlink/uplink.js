@@ -1,0 +1,106 @@
+// Carries the spool to the service, in order, and waits while the service is away.
+//
+// A value in the spool is { session, line }: `session` names the flight that the line belongs to.
+// `flights.json` beside the spool knows the service's id of each session.
+
+import { existsSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+
+const batchBytes = 128 * 1024;
+const firstPause_ms = 200;
+const longestPause_ms = 5000;
+const maxNumSessions = 50;
+
+const pauseOf = (numFailures) => Math.min(longestPause_ms, firstPause_ms * 2 ** numFailures);
+
+export class Uplink {
+  #service;
+  #spool;
+  #path;
+  #flights = {};
+  #fixedFlight;
+  #numFailures = 0;
+  #notBefore_ms = 0;
+  #running;
+  isReachable = false;
+  lastError;
+  numDelivered = 0;
+  numRejected = 0;
+  lastRejection;
+
+  // fixedFlight: the id of an existing flight that takes every session.
+  constructor({ service, spool, path, fixedFlight }) {
+    this.#service = service;
+    this.#spool = spool;
+    this.#path = path;
+    this.#fixedFlight = fixedFlight;
+    if (existsSync(path)) this.#flights = JSON.parse(readFileSync(path, 'utf8'));
+  }
+
+  flightOf(session) { return this.#fixedFlight ?? this.#flights[session]; }
+
+  // Call it often; it does nothing while a request runs or a pause lasts.
+  step(now_ms = Date.now()) {
+    if (this.#running || now_ms < this.#notBefore_ms) return this.#running ?? Promise.resolve();
+    this.#running = this.#deliver().finally(() => { this.#running = undefined; });
+    return this.#running;
+  }
+
+  async #deliver() {
+    try {
+      for (;;) {
+        const batch = this.#spool.next(batchBytes);
+        if (!batch) break;
+        await this.#send(batch.values);
+        this.#spool.delivered(batch.mark);
+        this.isReachable = true;
+        this.lastError = undefined;
+        this.#numFailures = 0;
+      }
+    } catch (error) {
+      this.isReachable = error.status !== undefined;
+      this.lastError = error.cause?.message ?? error.message;
+      this.#notBefore_ms = Date.now() + pauseOf(this.#numFailures);
+      ++this.#numFailures;
+    }
+  }
+
+  async #send(values) {
+    for (let start = 0; start < values.length;) {
+      const { session } = values[start];
+      let end = start;
+      while (end < values.length && values[end].session === session) ++end;
+      await this.#sendSession(session, values.slice(start, end).map((value) => value.line));
+      start = end;
+    }
+  }
+
+  async #sendSession(session, lines) {
+    const flightId = this.flightOf(session) ?? await this.#create(session);
+    let answer;
+    try {
+      answer = await this.#service.sendTelemetry(flightId, lines);
+    } catch (error) {
+      // Somebody deleted the flight: the next try makes it anew.
+      if (error.status === 404 && !this.#fixedFlight) this.#remember(session, undefined);
+      throw error;
+    }
+    this.numDelivered += answer.accepted;
+    this.numRejected += answer.num_rejected ?? answer.rejected.length;
+    if (answer.rejected.length) this.lastRejection = answer.rejected.at(-1).detail;
+  }
+
+  async #create(session) {
+    const flightId = await this.#service.flightNamed(session) ??
+      await this.#service.createFlight(session);
+    this.#remember(session, flightId);
+    return flightId;
+  }
+
+  #remember(session, flightId) {
+    this.#flights[session] = flightId;
+    const newest = Object.entries(this.#flights).slice(-maxNumSessions);
+    this.#flights = Object.fromEntries(newest);
+    writeFileSync(`${this.#path}.new`, JSON.stringify(this.#flights), { mode: 0o600 });
+    renameSync(`${this.#path}.new`, this.#path);
+  }
+}
