@@ -231,7 +231,7 @@ void Worker::ApplyResults(const std::string& flight_id,
     told.state = state;
     told.reason = result.note;
     TellOfFrame(service_, told);
-    if (result.is_processed) WatchStrips(session, told);
+    if (result.is_processed && service_.config.watches_strips) WatchStrips(session, told);
     pace_[flight_id].AddFrame();
   }
   if (!IsEvaluationDue(flight_id, session)) return;
