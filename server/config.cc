@@ -30,7 +30,8 @@ template <typename T>
 void Take(nlohmann::json& object, const char* key, T& value) {
   const auto found = object.find(key);
   if (found == object.end()) return;
-  if (std::is_unsigned_v<T> && !found->is_number_unsigned()) {
+  constexpr bool kIsCount = std::is_unsigned_v<T> && !std::is_same_v<T, bool>;
+  if (kIsCount && !found->is_number_unsigned()) {
     throw ConfigError(std::string("config file: ") + key + " must be a whole number, 0 or more");
   }
   try {
