@@ -12,6 +12,7 @@
 #include "server/handlers/bounding_box.h"
 #include "server/handlers/handlers.h"
 #include "server/http/http.h"
+#include "server/recall/recall.h"
 
 namespace freelsd {
 namespace {
@@ -20,17 +21,6 @@ constexpr char kGeoJson[] = "application/geo+json";
 
 bool IsExpired(const std::optional<int64_t>& expires_at_us) {
   return expires_at_us && *expires_at_us <= NowUs();
-}
-
-BoundingBox BoxOf(const std::vector<GeoPoint>& points) {
-  BoundingBox box{180.0, 90.0, -180.0, -90.0};
-  for (const GeoPoint& point : points) {
-    box = {std::min(box.west_deg, point.longitude_deg),
-           std::min(box.south_deg, point.latitude_deg),
-           std::max(box.east_deg, point.longitude_deg),
-           std::max(box.north_deg, point.latitude_deg)};
-  }
-  return box;
 }
 
 // `pointer` is the feature's place in the body.
@@ -42,7 +32,7 @@ ObstacleRow RowOf(const GivenObstacle& obstacle, const std::string& pointer) {
   }
   return {obstacle.id,
           ObstacleFeature(obstacle).dump(),
-          BoxOf(obstacle.points),
+          BoxOfPoints(obstacle.points),
           obstacle.expires_at_us,
           NowUs()};
 }

@@ -46,17 +46,6 @@ nlohmann::json ThingsJson(const std::vector<NewThing>& things, const LocalFrame&
   return told;
 }
 
-BoundingBox BoxAroundPoints(const std::vector<GeoPoint>& points) {
-  BoundingBox box{180.0, 90.0, -180.0, -90.0};
-  for (const GeoPoint& point : points) {
-    box = {std::min(box.west_deg, point.longitude_deg),
-           std::min(box.south_deg, point.latitude_deg),
-           std::max(box.east_deg, point.longitude_deg),
-           std::max(box.north_deg, point.latitude_deg)};
-  }
-  return box;
-}
-
 // An area in which nobody may be near the ground: recall ranks the site last, and warns.
 ObstacleRow ObstacleOf(const StoredStrip& strip,
                        const std::string& id,
@@ -74,7 +63,7 @@ ObstacleRow ObstacleOf(const StoredStrip& strip,
   obstacle.expires_at_us = limits.expires_at_us;
   return {id,
           ObstacleFeature(obstacle).dump(),
-          BoxAroundPoints(obstacle.points),
+          BoxOfPoints(obstacle.points),
           obstacle.expires_at_us,
           NowUs()};
 }

@@ -134,6 +134,17 @@ void AddInWorld(const GivenObstacle& given,
 
 }  // namespace
 
+BoundingBox BoxOfPoints(const std::vector<GeoPoint>& points) {
+  BoundingBox box{180.0, 90.0, -180.0, -90.0};
+  for (const GeoPoint& point : points) {
+    box = {std::min(box.west_deg, point.longitude_deg),
+           std::min(box.south_deg, point.latitude_deg),
+           std::max(box.east_deg, point.longitude_deg),
+           std::max(box.north_deg, point.latitude_deg)};
+  }
+  return box;
+}
+
 BoundingBox BoxAroundPlace(const GeoPoint& place, double reach_m) {
   return Grown({place.longitude_deg, place.latitude_deg, place.longitude_deg, place.latitude_deg},
                reach_m);

@@ -36,6 +36,8 @@ using KnownObstacles = SharedRows<KnownObstacle>;
 
 // A box around the place, `reach_m` to each side.
 BoundingBox BoxAroundPlace(const GeoPoint& place, double reach_m);
+// The points' own box, which does not cross the antimeridian.
+BoundingBox BoxOfPoints(const std::vector<GeoPoint>& points);
 
 // Thread-safe. It reads all obstacles once for each change of any of them.
 class ObstacleCache {
