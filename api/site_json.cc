@@ -64,8 +64,8 @@ std::string SummaryOf(const Plan& plan, const LocalFrame& local_frame) {
     }
     if (plan.approach) text << ", " << ApproachSentencePart(*plan.approach, local_frame);
     if (plan.approach && plan.approach->unseen_ratio > 0.0) {
-      text << "; " << std::max(1L, std::lround(100.0 * plan.approach->unseen_ratio))
-           << " % of the circle is unseen";
+      text << "; along " << std::max(1L, std::lround(100.0 * plan.approach->unseen_ratio))
+           << " % of the circle some ground is not measured";
     }
   }
   std::string summary = text.str();

@@ -21,7 +21,7 @@ function facts(site, flightName) {
     isKnown(site.ground_speed_mps) ? fact('Speed on final', fixed(site.ground_speed_mps, 1, 'm/s')) : null,
     fact('Photographed', ageText(site.age_s)),
     flightName ? fact('Flight', flightName) : null,
-    site.unseen_ratio > 0 ? fact('Circle unseen', fixed(100 * site.unseen_ratio, 0, '%')) : null);
+    site.unseen_ratio > 0 ? fact('Circle not fully measured', fixed(100 * site.unseen_ratio, 0, '%')) : null);
 }
 
 // The three numbers that are flown: direction, distance, height to spare.

@@ -12,8 +12,8 @@ const tile = (name, value, note) => el('div', { class: 'tile' },
   el('span', {}, name), el('strong', {}, value), note ? el('small', {}, note) : null);
 
 function coverage(unseen_ratio) {
-  if (!isKnown(unseen_ratio)) return 'coverage unknown';
-  return unseen_ratio > 0 ? `${fixed(100 * unseen_ratio, 0, '%')} unseen` : 'fully seen';
+  if (!isKnown(unseen_ratio)) return 'unknown whether measured';
+  return unseen_ratio > 0 ? `ground along ${fixed(100 * unseen_ratio, 0, '%')} not fully measured` : 'ground fully measured';
 }
 
 function obstacleTile({ tightest_obstacle: obstacle }) {

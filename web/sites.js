@@ -14,7 +14,7 @@ function numbersOf(p) {
 function planNumbersOf(p) {
   if (p.verdict === 'rejected') return p.reject_reason ? words(p.reject_reason) : 'reason unknown';
   const land = p.approach ? `final ${heading(p.approach.heading_deg)}, ` : '';
-  const unseen = p.verdict === 'unverified' && p.unseen_ratio ? `circle ${Math.round(100 * p.unseen_ratio)} % unseen, ` : '';
+  const unseen = p.verdict === 'unverified' && p.unseen_ratio ? `circle ${Math.round(100 * p.unseen_ratio)} % not fully measured, ` : '';
   return `${land}${unseen}hazard at ${fixed(p.hazard_distance_m, 0, 'm')}, strip ${strip(p)}`;
 }
 

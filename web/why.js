@@ -16,7 +16,7 @@ const fault = {
   hazard_distance: 'too close to a hazard', outline: 'outside the region', region: 'region refused',
   wind: 'wind too strong', ground_roll: 'ground roll not free', final: 'final blocked', final_seen: 'final unseen',
   circle: 'loiter circle blocked', surroundings: 'blocked on another map',
-  circle_seen: 'loiter circle partly unseen', wind_known: 'wind unknown',
+  circle_seen: 'loiter circle not fully measured', wind_known: 'wind unknown',
 };
 
 export function headlineOf({ verdict, first_failed }) {

@@ -125,7 +125,7 @@ export function replanNode(answer, stored, moved_m) {
   return el('div', { class: `outcome ${verdict}`, role: 'status' },
     el('strong', {}, `${verdictSign[verdict]} Final ${heading(final.heading_deg)}: ${verdict}`),
     el('span', {}, `Length ${fixed(final.distance_m, 0, 'm')}.` +
-      (unseen === 0 ? '' : ` Circle ${isKnown(unseen) ? fixed(100 * unseen, 0, '%') : 'partly'} unseen.`) +
+      (unseen === 0 ? '' : ` Ground along ${isKnown(unseen) ? fixed(100 * unseen, 0, '%') : 'part'} of the circle not fully measured.`) +
       (turn ? ` ${Math.abs(turn)}° ${turn > 0 ? 'right' : 'left'} of the stored final.` : '') +
       (moved_m >= 1 ? ` Touchdown moved ${fixed(moved_m, 0, 'm')} from the stored one.` : ' Touchdown as stored.')));
 }

@@ -93,7 +93,8 @@ std::string WhyCircleFails(const Attempt& attempt, const Obstacle& obstacle) {
 }
 
 std::string WhyCircleIsUnseen(const Attempt& attempt) {
-  return Percent(attempt.circle.UnseenRatio()) + " of the loiter circle was not seen";
+  return "along " + Percent(attempt.circle.UnseenRatio()) +
+         " of the loiter circle some ground was not measured";
 }
 
 Rejection Explain(const Attempt& attempt, const AttemptContext& context) {

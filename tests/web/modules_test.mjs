@@ -82,7 +82,7 @@ test('track: noise of the receiver does not change the last course', () => {
 
 test('why not here: the title is the verdict of the server and the first rule that fails', () => {
   assert.equal(headlineOf({ verdict: 'landable', first_failed: null }), '✓ Landable here');
-  assert.equal(headlineOf({ verdict: 'unverified', first_failed: 'circle_seen' }), '? Unverified here: loiter circle partly unseen');
+  assert.equal(headlineOf({ verdict: 'unverified', first_failed: 'circle_seen' }), '? Unverified here: loiter circle not fully measured');
   assert.equal(headlineOf({ verdict: 'rejected', first_failed: 'hazard_distance' }), '✕ Not landable: too close to a hazard');
 });
 

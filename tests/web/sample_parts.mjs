@@ -33,7 +33,7 @@ export const sampleObstacles = (place) => [
 // sites: features of the server.
 export const sampleNewLook = (sites) => collection(sites.map((site, i) => ({ ...site, properties: { ...site.properties, new_look: {
   value: 0.9 - 0.1 * i, age_s: 86400 * (40 - 9 * i), gain: 0.4 - 0.05 * i,
-  sentence: `The loiter circle is ${60 - 10 * i} % unseen; a flight along the south side may make it landable.` } } })));
+  sentence: `Along ${60 - 10 * i} % of the loiter circle some ground was not measured; a flight along the south side may make it landable.` } } })));
 
 // Adds a go-around to an answer of /approach, from noReturn_m before the touchdown.
 export function withGoAround(approach, noReturn_m) {

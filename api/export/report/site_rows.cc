@@ -77,7 +77,7 @@ std::string SurfaceRows(const StoredSite& site) {
          Row("Roughness", Value(site.roughness_m, 2, " m")) +
          Row("Grade (share of views seen as grass)", Value(site.grade, 2, "")) +
          Row("Observations", Count(site.num_observations)) +
-         Row("Unseen share of the circle", UnseenText(site)) +
+         Row("Share of the circle along which some ground is not measured", UnseenText(site)) +
          Row("Ground photographed", PhotographedText(site)) +
          Row("Evaluated", EscapeXml(site.updated_at.value_or("unknown")));
 }

@@ -119,10 +119,11 @@ nlohmann::json RallyPoints(const std::vector<StoredSite>& sites, const ExportOpt
 std::vector<std::string> WarningsOf(const StoredSite& site) {
   std::vector<std::string> warnings = site.warnings;
   if (site.verdict != "unverified") return warnings;
-  std::string text = "UNVERIFIED: no hazard is known, but not everything was seen";
+  std::string text = "UNVERIFIED: no hazard is known, but not everything was measured";
   if (site.unseen_ratio.value_or(0.0) > 0.0) {
     const double percent = std::max(1.0, 100.0 * *site.unseen_ratio);
-    text += ": " + FixedText(percent, 0) + " % of the loiter circle is unseen";
+    text += ": along " + FixedText(percent, 0) +
+            " % of the loiter circle some ground is not measured";
   }
   warnings.insert(warnings.begin(), text);
   return warnings;
