@@ -3,9 +3,11 @@
 // Specific excess power e = climb + airspeed * acceleration / g, in m/s: the climb rate that would
 // be left at constant airspeed. The acceleration is that over ground along the heading: a gust
 // changes the airspeed at once, but hardly the speed over ground.
-// While the engine runs, the highest e that each throttle demand gave is learned. Energy that is
-// missing against it, in metres of height, is summed up. RPM and current, where the autopilot
+// While the engine runs, the e of throttle demand, airspeed and bank is learned (power_model.js).
+// Energy that is missing against its lower bound, in metres of height, is summed up. RPM and current, where the autopilot
 // sends them, confirm a failure sooner; they never raise an alarm on their own.
+
+import { PowerModel } from './power_model.js';
 
 const gravity_mps2 = 9.81;
 
@@ -18,8 +20,8 @@ export const defaultEngineOptions = {
   minThrottle_ratio: 0.3,
   // Sinking air and turbulence take this much without a failure.
   tolerance_mps: 2.0,
-  // More for the drag of a turn, times (1 / cos^2 bank - 1).
-  turnTolerance_mps: 2.0,
+  // More for a hard turn, times (1 / cos^2 bank - 1).
+  turnTolerance_mps: 1.0,
   // Missing height that is a failure; the smaller one if RPM or current has also gone.
   missingHeight_m: 12.0,
   missingHeightConfirmed_m: 1.5,
@@ -28,9 +30,11 @@ export const defaultEngineOptions = {
   // Not in flight below these.
   minAirspeed_mps: 8.0,
   minHeight_m: 5.0,
-  // A demand counts as learned after so many seconds.
+  // RPM and current of a demand count as learned after so many seconds.
   minLearned_s: 3.0,
-  // A demand that was never learned should hold height from here upwards.
+  // Power counts as learned after so many seconds; before, a demand should hold height from here
+  // upwards.
+  minPowerLearned_s: 15.0,
   levelThrottle_ratio: 0.7,
   // The engine is believed again after it has delivered for this long.
   recovery_s: 5.0,
@@ -63,7 +67,8 @@ export class EngineWatch {
   #options;
   #history = [];
   #throttles = [];
-  #power = new ThrottleMap();
+  #power = new PowerModel();
+  #highest_mps = 0;
   #signs = { rpm: new ThrottleMap(), current_a: new ThrottleMap() };
   #now = {};
   #missing_m = 0;
@@ -109,17 +114,17 @@ export class EngineWatch {
       (north_mps - start.north_mps) * Math.cos(heading_rad)) / duration_s;
     const power_mps = climb_mps + (airspeed_mps * forward_mps2) / gravity_mps2;
     const step_s = Math.min(1, time_s - this.#history.at(-2).time_s);
-    this.#judge({ power_mps, bank_rad, time_s, step_s });
+    this.#judge({ power_mps, bank_rad, airspeed_mps, time_s, step_s });
     return this.state !== before;
   }
 
-  #judge({ power_mps, bank_rad, time_s, step_s }) {
+  #judge({ power_mps, bank_rad, airspeed_mps, time_s, step_s }) {
     const options = this.#options;
     // The least demand of the last second: the engine has had its time to follow.
     const throttle = Math.min(...this.#throttles.map((one) => one.throttle));
-    const turn = 1 / Math.max(0.2, Math.cos(bank_rad)) ** 2 - 1;
-    const allowed_mps = options.tolerance_mps + options.turnTolerance_mps * turn;
-    const expected_mps = this.#expectedPower(throttle);
+    const load = 1 / Math.max(0.4, Math.cos(bank_rad));
+    const allowed_mps = options.tolerance_mps + options.turnTolerance_mps * (load ** 2 - 1);
+    const expected_mps = this.#expectedPower({ throttle, airspeed_mps, load });
     const isDemanded = throttle >= options.minThrottle_ratio;
     const deficit_mps = expected_mps === undefined || !isDemanded
       ? -options.tolerance_mps : expected_mps - power_mps - allowed_mps;
@@ -131,21 +136,25 @@ export class EngineWatch {
     else if (isDemanded && expected_mps !== undefined) this.state = 'running';
     const isSteady = this.#throttles.every((one) => Math.abs(one.throttle - throttle) < 0.1);
     if (this.state !== 'failed' && this.#missing_m === 0 && isSteady) {
-      this.#learn(throttle, power_mps, time_s, step_s);
+      this.#learn({ throttle, airspeed_mps, load }, power_mps, time_s, step_s);
     }
     // A long failure is not undone by a short burst, and not paid back for minutes either.
     this.#missing_m = Math.min(this.#missing_m, 2 * options.missingHeight_m);
   }
 
-  #expectedPower(throttle) {
+  #expectedPower(state) {
     const options = this.#options;
-    const learned_mps = this.#power.expected(throttle, options.minLearned_s);
-    if (learned_mps !== undefined) return learned_mps;
-    return throttle >= options.levelThrottle_ratio ? 0 : undefined;
+    if (this.#power.seconds >= options.minPowerLearned_s) return this.#power.bound_mps(state, this.#highest_mps);
+    return state.throttle >= options.levelThrottle_ratio ? 0 : undefined;
   }
 
-  #learn(throttle, power_mps, time_s, step_s) {
-    this.#power.learn(throttle, power_mps, step_s);
+  #learn(state, power_mps, time_s, step_s) {
+    const throttles = this.#throttles.map((one) => one.throttle);
+    const throttle = throttles.reduce((sum, one) => sum + one, 0) / throttles.length;
+    this.#power.learn({ ...state, throttle }, power_mps, step_s);
+    // The highest airspeed that lasts.
+    this.#highest_mps += (state.airspeed_mps > this.#highest_mps ? 0.1 : 0.005) * step_s *
+      (state.airspeed_mps - this.#highest_mps);
     for (const [sign, map] of Object.entries(this.#signs)) {
       const now = this.#now[sign];
       if (now && time_s - now.time_s < 2) map.learn(throttle, now.value, step_s);
