@@ -17,9 +17,11 @@ export const defaultEngineOptions = {
   // The engine is given this long to follow the throttle.
   spoolUp_s: 1.0,
   // Below this demand a stopped engine looks like an idle one.
-  minThrottle_ratio: 0.3,
+  minThrottle_ratio: 0.1,
   // Sinking air and turbulence take this much without a failure.
   tolerance_mps: 2.0,
+  // If RPM or current has also gone.
+  toleranceConfirmed_mps: 0.3,
   // More for a hard turn, times (1 / cos^2 bank - 1).
   turnTolerance_mps: 1.0,
   // Missing height that is a failure; the smaller one if RPM or current has also gone.
@@ -32,10 +34,13 @@ export const defaultEngineOptions = {
   minHeight_m: 5.0,
   // RPM and current of a demand count as learned after so many seconds.
   minLearned_s: 3.0,
-  // Power counts as learned after so many seconds; before, a demand should hold height from here
-  // upwards.
-  minPowerLearned_s: 15.0,
+  // Power counts as learned after so many seconds.
+  minPowerLearned_s: 30.0,
+  // Up to the usual airspeed, this demand should hold height, and full throttle should climb so fast.
   levelThrottle_ratio: 0.7,
+  fullPower_mps: 1.0,
+  // Less doubt at full throttle.
+  toleranceFull_mps: 1.0,
   // The engine is believed again after it has delivered for this long.
   recovery_s: 5.0,
 };
@@ -123,13 +128,14 @@ export class EngineWatch {
     // The least demand of the last second: the engine has had its time to follow.
     const throttle = Math.min(...this.#throttles.map((one) => one.throttle));
     const load = 1 / Math.max(0.4, Math.cos(bank_rad));
-    const allowed_mps = options.tolerance_mps + options.turnTolerance_mps * (load ** 2 - 1);
+    const gone = this.#goneSign(throttle, time_s);
+    const tolerance_mps = gone ? options.toleranceConfirmed_mps : this.#tolerance_mps(throttle);
+    const allowed_mps = tolerance_mps + options.turnTolerance_mps * (load ** 2 - 1);
     const expected_mps = this.#expectedPower({ throttle, airspeed_mps, load });
     const isDemanded = throttle >= options.minThrottle_ratio;
     const deficit_mps = expected_mps === undefined || !isDemanded
       ? -options.tolerance_mps : expected_mps - power_mps - allowed_mps;
     this.#missing_m = Math.max(0, this.#missing_m + deficit_mps * step_s);
-    const gone = this.#goneSign(throttle, time_s);
     const limit_m = gone ? options.missingHeightConfirmed_m : options.missingHeight_m;
     if (this.#missing_m > limit_m) this.#fail(time_s, gone);
     else if (this.state === 'failed') this.#recover(deficit_mps, isDemanded, gone, step_s);
@@ -142,10 +148,25 @@ export class EngineWatch {
     this.#missing_m = Math.min(this.#missing_m, 2 * options.missingHeight_m);
   }
 
+  // 0 at the demand that holds height, 1 at full throttle; negative below.
+  #shareOfFull(throttle) {
+    const { levelThrottle_ratio } = this.#options;
+    return Math.min(1, (throttle - levelThrottle_ratio) / (0.95 - levelThrottle_ratio));
+  }
+
+  #tolerance_mps(throttle) {
+    const { tolerance_mps, toleranceFull_mps } = this.#options;
+    return tolerance_mps + Math.max(0, this.#shareOfFull(throttle)) * (toleranceFull_mps - tolerance_mps);
+  }
+
   #expectedPower(state) {
     const options = this.#options;
-    if (this.#power.seconds >= options.minPowerLearned_s) return this.#power.bound_mps(state, this.#highest_mps);
-    return state.throttle >= options.levelThrottle_ratio ? 0 : undefined;
+    const isLearned = this.#power.seconds >= options.minPowerLearned_s;
+    const learned_mps = isLearned ? this.#power.bound_mps(state, this.#highest_mps) : undefined;
+    const share = this.#shareOfFull(state.throttle);
+    const isUsual = !isLearned || state.airspeed_mps <= this.#highest_mps + 1;
+    if (share < 0 || !isUsual) return learned_mps;
+    return Math.max(learned_mps ?? 0, share * options.fullPower_mps);
   }
 
   #learn(state, power_mps, time_s, step_s) {

@@ -7,12 +7,14 @@
 
 const numFeatures = 5;
 const referenceAirspeed_mps = 20;
-// Of the coefficients, before anything is learned; m/s.
-const priorSd_mps = 40;
+// Small planes before anything is learned, in m/s at the reference airspeed: glide ratios of 5 to 25,
+// thrust up to one and a half times the weight, nearly in proportion to the throttle.
+const priorMeans_mps = [18, 0, 6, 0.3, 0];
+const priorSds_mps = [18, 4, 7, 0.3, 0.5];
 
 const featuresOf = ({ throttle, airspeed_mps, load }) => {
   const speed = airspeed_mps / referenceAirspeed_mps;
-  return [speed * throttle, speed * throttle * throttle, speed ** 3, load ** 2 / speed, 1];
+  return [speed * throttle, speed * throttle * throttle, -(speed ** 3), -(load ** 2) / speed, 1];
 };
 
 const dot = (a, b) => a.reduce((sum, value, i) => sum + value * b[i], 0);
@@ -32,8 +34,9 @@ function inverseOf(matrix) {
   return rows.map((row) => row.slice(numFeatures));
 }
 
-const diagonal = (value) => Array.from({ length: numFeatures }, (_, i) =>
-  Array.from({ length: numFeatures }, (__, j) => (i === j ? value : 0)));
+// The signs of drag are in the features.
+const priorInformation = () => priorSds_mps.map((sd, i) => priorSds_mps.map((_, j) => (i === j ? 1 / sd ** 2 : 0)));
+const priorVector = () => priorMeans_mps.map((mean, i) => mean / priorSds_mps[i] ** 2);
 
 export const defaultPowerModelOptions = {
   // Gusts last so long: samples that are closer count as one.
@@ -46,9 +49,9 @@ export const defaultPowerModelOptions = {
 
 export class PowerModel {
   #options;
-  #prior = diagonal(1 / priorSd_mps ** 2);
-  #information = diagonal(1 / priorSd_mps ** 2);
-  #vector = Array(numFeatures).fill(0);
+  #prior = priorInformation();
+  #information = priorInformation();
+  #vector = priorVector();
   #coefficients;
   #covariance;
   #variance_mps2;
@@ -71,8 +74,9 @@ export class PowerModel {
     const variance_mps2 = Math.max(minNoise_mps ** 2, this.#variance_mps2);
     const weight = Math.min(1, duration_s / correlation_s) / variance_mps2;
     const kept = Math.exp(-duration_s / memory_s);
+    const prior = priorVector();
     for (let i = 0; i < numFeatures; ++i) {
-      this.#vector[i] = kept * this.#vector[i] + weight * features[i] * power_mps;
+      this.#vector[i] = kept * (this.#vector[i] - prior[i]) + prior[i] + weight * features[i] * power_mps;
       for (let j = 0; j < numFeatures; ++j) {
         const learned = this.#information[i][j] - this.#prior[i][j];
         this.#information[i][j] = kept * learned + this.#prior[i][j] + weight * features[i] * features[j];
