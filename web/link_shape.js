@@ -39,6 +39,7 @@ export function engineText({ engine }) {
 export function missionText({ mission }, nameOf) {
   const state = mission?.state ?? 'unknown';
   const item = isKnown(mission?.current_item) ? `, item ${mission.current_item}${isKnown(mission.num_items) ? ` of ${mission.num_items}` : ''}` : '';
+  if (mission?.alarm) return `${state}: ${mission.alarm}`;
   if (state === 'uploading') return 'being uploaded';
   if (state === 'unknown') return `unknown${item}`;
   return `${mission.site ? `landing at ${nameOf(mission.site)}` : mission.kind === 'other' ? 'not from here' : 'current'}${item}`;
@@ -71,6 +72,7 @@ export function commandText(command, nameOf) {
   return `${clockOf(command.issued_at)} ${commandNames[command.kind] ?? words(command.kind)}${site}: ${commandStates[command.state] ?? command.state}${detail}`;
 }
 
+// [name, text, whether it is an alarm]
 export function linkRows(link, nameOf) {
   const { position } = link;
   return [
@@ -79,8 +81,8 @@ export function linkRows(link, nameOf) {
     ['Position', position ? `${position.latitude_deg.toFixed(5)}°, ${position.longitude_deg.toFixed(5)}°, ${fixed(position.altitude_m, 0, 'm')} ${position.altitude_datum === 'amsl' ? 'AMSL' : ''}`.trim() : 'unknown'],
     ['Height above home', fixed(position?.height_above_home_m, 0, 'm')],
     ['Wind', windLine(link.wind)],
-    ['Engine', engineText(link)],
-    ['Mission', missionText(link, nameOf)],
+    ['Engine', engineText(link), link.engine?.state === 'failed'],
+    ['Mission', missionText(link, nameOf), Boolean(link.mission?.alarm)],
     link.guidance ? ['Guidance', guidanceText(link, nameOf)] : null,
     link.is_signed === undefined ? null : ['Packets', link.is_signed ? 'signed' : 'not signed'],
   ].filter(Boolean);
@@ -108,7 +110,7 @@ export function landingRows(p, collection) {
     ['Circle', `${approach.loiter_direction}, radius ${fixed(approach.loiter_radius_m, 0, 'm')}, down to ${altitude(circle[0] ?? final[0])}${datum}`],
     ['Final', `${heading(approach.heading_deg)}, ${distance(approach.distance_m)} long, from ${altitude(final[0])}${datum} (${fixed(approach.height_m, 0, 'm')} above the touchdown)`],
     ['Touchdown', `${altitude(touchdown)}${datum}`],
-    ['Least clearance', fixed(approach.min_clearance_m, 0, 'm')],
+    ['Least clearance', isKnown(approach.min_clearance_m) ? `${(Math.floor(10 * approach.min_clearance_m) / 10).toFixed(1)} m` : 'unknown'],
     ['Approach speed', fixed(p.aircraft?.landing_airspeed_mps, 0, 'm/s')],
     ['Planned for wind', windText(p.wind)],
   ];

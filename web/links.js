@@ -14,8 +14,8 @@ const kPeriod_ms = 1000;
 const kPeriodWithoutLinks_ms = 5000;
 
 function table(rows) {
-  return el('table', { class: 'numbers' }, el('tbody', {}, rows.map(([name, value]) =>
-    el('tr', {}, el('th', { scope: 'row' }, name), el('td', {}, value)))));
+  return el('table', { class: 'numbers' }, el('tbody', {}, rows.map(([name, value, isAlarm]) =>
+    el('tr', {}, el('th', { scope: 'row' }, name), el('td', { class: isAlarm ? 'bad' : null }, value)))));
 }
 
 const logItem = ({ at, kind, text }) => el('li', {}, el('time', { datetime: at }, clockOf(at)), ` ${text}`, el('small', {}, ` ${kind}`));
@@ -32,7 +32,7 @@ class Links {
   constructor(map, on) {
     this.#map = map;
     this.#on = on;
-    this.#landHere = createLandHere({ ...on, sent: () => this.open() });
+    this.#landHere = createLandHere({ ...on, sent: () => { this.open(); this.#loop(); } });
     byId('links-curl').append(curlButton('the links', () => curlOf(api.paths.links)));
     byId('open-links').addEventListener('click', () => this.open());
     addEventListener('freelsd-view', () => this.#draw());
@@ -100,7 +100,6 @@ class Links {
     return el('li', { class: 'link-card', 'data-link': link.id },
       el('div', { class: 'head' }, el('h3', {}, linkName(link)),
         el('span', { class: `chip ${link.is_connected ? 'link-heard' : 'link-silent'}` }, heardText(link))),
-      ...alarmsOf(link).map((text) => el('p', { class: 'outcome rejected' }, `! ${text}`)),
       table(linkRows(link, nameOf)),
       el('div', { class: 'row' },
         link.position ? el('button', { type: 'button', class: 'wide', 'data-command': `${link.id} show`, onclick: () => this.#map.panTo(link.position) }, 'Show on the map') : null,

@@ -107,7 +107,7 @@ for (const [name, options] of [['desktop', {}], ['desktop-dark', { colorScheme: 
     await page.locator('#site-land').click();
     const dialog = page.locator('#land');
     const text = await dialog.innerText();
-    for (const part of [/Land at site \d/, /Circle\s+(left|right), radius \d+ m, down to \d+ m/, /Final\s+\d{3}°, \d+ m long, from \d+ m/, /Touchdown\s+\d+ m/, /replaces the mission/]) assert.match(text, part);
+    for (const part of [/Land at site \d/, /Circle\s+(left|right), radius \d+ m, down to \d+ m/, /Final\s+\d{3}°, \d+ m long, from \d+ m/, /Touchdown\s+\d+ m/, /Least clearance\s+-?\d+\.\d m/, /replaces the mission/]) assert.match(text, part);
     await shoot(page, `land-here-${name}`);
     await check(opened);
     if (site.properties.verdict === 'unverified') {
@@ -117,7 +117,7 @@ for (const [name, options] of [['desktop', {}], ['desktop-dark', { colorScheme: 
     await page.locator('#land-yes').click();
     await page.waitForFunction(() => !document.getElementById('land').open, null, kWait);
     assert.deepEqual(links.posts, [['/v1/links/1/mission', { site_id: site.properties.id }]]);
-    assert.match(await page.locator('[data-link="1"]').innerText(), /Land here \(site \d\): waits for the link/);
+    await page.locator('[data-link="1"]').getByText(/Land here \(site \d\): waits for the link/).waitFor(kWait);
     assert.deepEqual(opened.seen.errors, []);
   });
 }
