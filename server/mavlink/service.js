@@ -1,6 +1,8 @@
 // The only file that sends requests to freelsd-server.
 
 const timeout_ms = 20_000;
+// A command must not wait behind an answer that does not come.
+const linkTimeout_ms = 3000;
 
 export class ServiceProblem extends Error {
   constructor(status, body) {
@@ -53,13 +55,23 @@ export class Service {
     });
   }
 
+  // { commands: [{ id, kind, site_id?, issued_at }] }
+  putLink(linkId, state) {
+    return this.#json(`v1/links/${encodeURIComponent(linkId)}`, {
+      method: 'PUT',
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify(state),
+      signal: AbortSignal.timeout(linkTimeout_ms),
+    });
+  }
+
   async #json(path, { headers = {}, ...options } = {}) {
     const base = this.#url.href.endsWith('/') ? this.#url : new URL(`${this.#url.href}/`);
     const response = await fetch(new URL(path, base), {
+      signal: AbortSignal.timeout(timeout_ms),
       ...options,
       headers: { ...this.#headers, ...headers },
       redirect: 'error',
-      signal: AbortSignal.timeout(timeout_ms),
     });
     if (!response.ok) throw await problemOf(response);
     return response.json();
