@@ -1,6 +1,8 @@
 // The only file that sends requests to freelsd-server.
 
-const timeout_ms = 20_000;
+const longest_ms = 20_000;
+// In the air a late answer is none.
+const emergencyTimeout_ms = 2500;
 
 export class ServiceProblem extends Error {
   constructor(status, body) {
@@ -53,7 +55,12 @@ export class Service {
     });
   }
 
-  async #json(path, { headers = {}, ...options } = {}) {
+  // Query and answer of /v1/emergency.
+  emergency(query, limit_ms = emergencyTimeout_ms) {
+    return this.#json(`v1/emergency?${new URLSearchParams(query)}`, { timeout_ms: limit_ms });
+  }
+
+  async #json(path, { headers = {}, timeout_ms = longest_ms, ...options } = {}) {
     const base = this.#url.href.endsWith('/') ? this.#url : new URL(`${this.#url.href}/`);
     const response = await fetch(new URL(path, base), {
       ...options,
