@@ -42,6 +42,9 @@ export class MissionFlight {
     else this.start(this.#index);
   }
 
+  // Where resume() begins.
+  select(index) { this.#index = index; }
+
   stop() { this.#item = undefined; }
 
   // The list has become shorter.

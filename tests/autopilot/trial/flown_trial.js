@@ -15,14 +15,14 @@ const step_s = 0.02;
 const tick_s = 0.1;
 const track_s = 0.1;
 const border = 0.07;
-const minFlight_s = 45;
+const minFlight_s = 20;
 const maxFlight_s = 150;
 const longest_s = 240;
 const afterTouchdown_s = 12;
 
 // The aircraft of the profile "small", as its owner measured it: 10 m/s at the best glide.
 export const smallAircraft = {
-  aircraft: { best_glide_airspeed_mps: 10, stall_airspeed_mps: 7 },
+  aircraft: { best_glide_airspeed_mps: 10, stall_airspeed_mps: 7, max_thrust_ratio: 0.6 },
   parameters: {
     AIRSPEED_CRUISE: 15, AIRSPEED_MIN: 8.5, AIRSPEED_MAX: 20, WP_RADIUS: 30, WP_LOITER_RAD: 40,
     TECS_LAND_ARSPD: 10, LAND_FLARE_ALT: 1.5, LAND_FLARE_SEC: 1,
@@ -40,7 +40,7 @@ export class FlownTrial {
   #guidance;
   #options;
   #waiting = [];
-  #numAsked = 0;
+  #asked = new Set();
   #log = [];
   #track = [];
   #ways = [];
@@ -105,14 +105,14 @@ export class FlownTrial {
   #ask(query) {
     const begun_ms = performance.now();
     const asked_s = this.#plane.time_s;
-    ++this.#numAsked;
     return new Promise((resolve, reject) => {
       const later = (done) => {
-        const due_s = asked_s + (performance.now() - begun_ms) / 1000;
-        --this.#numAsked;
-        this.#waiting.push({ due_s, done });
+        this.#asked.delete(asked);
+        this.#waiting.push({ due_s: asked_s + (performance.now() - begun_ms) / 1000, done });
       };
-      this.#service.emergency(query).then((answer) => later(() => resolve(answer)), (error) => later(() => reject(error)));
+      const asked = this.#service.emergency(query).then(
+        (answer) => later(() => resolve(answer)), (error) => later(() => reject(error)));
+      this.#asked.add(asked);
     });
   }
 
@@ -137,7 +137,7 @@ export class FlownTrial {
       due.forEach((one) => one.done());
       await sleepless();
     }
-    while (this.#numAsked > 0) await sleepless();
+    while (this.#asked.size > 0) await Promise.all(this.#asked);
   }
 
   #state() { return this.#link.state(this.#plane.utc_us); }
