@@ -32,7 +32,9 @@ export class MissionFlight {
   get hasItem() { return this.#item !== undefined; }
 
   start(index) {
-    this.#from = { ...this.#plane.now() };
+    // After a change of mode or of the current item, the leg begins where the aircraft is.
+    this.#to = undefined;
+    this.#loiter = undefined;
     this.#jumps.clear();
     this.#begin(index);
   }

@@ -229,6 +229,7 @@ export class FlownTrial {
       ground_speed_mps: way?.site.ground_speed_mps, verdict: way?.site.verdict,
       failure_probability: way?.site.failure_probability, told_margin_m: this.#guidance.state()?.told_margin_m,
       final: this.#final, num_ways: this.#ways.length, sites: [...new Set(this.#ways.map((one) => one.way.site.site_id))],
+      contact: touchdown && { latitude_deg: touchdown.latitude_deg, longitude_deg: touchdown.longitude_deg },
       sink_mps: touchdown?.sink_mps, touchdown_airspeed_mps: touchdown?.airspeed_mps, is_flared: touchdown?.isFlared,
       points: this.#track, log: this.#log,
       paths: this.#ways.map((one) => ({ time_s: one.time_s, path: one.way.site.path.coordinates })),
