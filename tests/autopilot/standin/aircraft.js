@@ -102,7 +102,7 @@ export class Standin {
     return {
       time_s: this.#time_s, east_m: body.east_m, north_m: body.north_m, altitude_m: body.altitude_m,
       ...this.#frame.toGlobal(body), height_m: body.altitude_m - this.ground(body.east_m, body.north_m),
-      airspeed_mps: body.airspeed_mps, climb_mps: body.climb_mps, heading_deg: degrees(body.heading_rad),
+      airspeed_mps: body.airspeed_mps, indicated_mps: body.indicated_mps, climb_mps: body.climb_mps, heading_deg: degrees(body.heading_rad),
       bank_deg: degrees(body.bank_rad), ground_speed_mps: Math.hypot(velocity.east_mps, velocity.north_mps),
       ...velocity, wind: this.#wind, throttle: body.throttle, isOnGround: body.isOnGround,
       isEngineStopped: body.isEngineStopped, mode: this.control.mode, isArmed: this.control.isArmed,
@@ -231,8 +231,8 @@ export class Standin {
   #now() {
     const body = this.#body;
     const believed = this.#sensors.place(body);
-    return { ...believed, airspeed_mps: body.airspeed_mps, acceleration_mps2: body.acceleration_mps2,
-      climb_mps: body.climb_mps, velocity: body.velocity, wind: this.#sensors.wind,
+    return { ...believed, airspeed_mps: body.indicated_mps, acceleration_mps2: body.acceleration_mps2,
+      climb_mps: body.climb_mps, path_rad: body.path_rad, velocity: body.velocity, wind: this.#sensors.wind,
       drag_ratio: body.drag_ratio(body.load), levelDrag_ratio: (airspeed_mps) => body.drag_ratio(1, airspeed_mps), max_thrust_ratio: this.#options.aircraft.max_thrust_ratio };
   }
 

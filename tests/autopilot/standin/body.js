@@ -8,6 +8,8 @@ const radians = (degrees) => (degrees * Math.PI) / 180;
 const slip_s = 0.5;
 const stallPath_rad = radians(-25);
 
+const equivalentShare = (altitude_m) => (1 - 2.25577e-5 * altitude_m) ** 2.128;
+
 export class Body {
   #options;
   #wind = { east_mps: 0, north_mps: 0, up_mps: 0 };
@@ -29,6 +31,10 @@ export class Body {
 
   constructor(options) { this.#options = options; }
 
+  // The airspeed that the wing and the sensor feel: equivalent airspeed in the standard atmosphere.
+  // airspeed_mps is the true one.
+  get indicated_mps() { return this.airspeed_mps * equivalentShare(this.altitude_m); }
+
   get throttle() { return this.#throttle; }
   // Of full power; 0 with a stopped engine.
   get power_ratio() { return this.#thrust_ratio / this.#options.max_thrust_ratio; }
@@ -49,7 +55,7 @@ export class Body {
   }
 
   // Drag by weight; load: lift by weight.
-  drag_ratio(load = 1, airspeed_mps = this.airspeed_mps) {
+  drag_ratio(load = 1, airspeed_mps = this.indicated_mps) {
     const { max_glide_ratio, best_glide_airspeed_mps } = this.#options;
     const share = Math.max(1, airspeed_mps) / best_glide_airspeed_mps;
     return (share ** 2 + (load / share) ** 2) / (2 * max_glide_ratio);
@@ -59,7 +65,7 @@ export class Body {
 
   get pitch_rad() {
     if (this.isOnGround) return 0;
-    const attack_deg = -4.1 + 5.6 * (10 / Math.max(5, this.airspeed_mps)) ** 2 * this.load;
+    const attack_deg = -4.1 + 5.6 * (10 / Math.max(5, this.indicated_mps)) ** 2 * this.load;
     return this.path_rad + radians(attack_deg);
   }
 
@@ -103,7 +109,7 @@ export class Body {
     const rate = radians(options.max_bank_rate_deg_s);
     const bankRate = clamp((demand.bank_rad - this.bank_rad) / options.bank_lag_s, -rate, rate);
     this.bank_rad += bankRate * duration_s;
-    const isStalled = this.airspeed_mps < options.stall_airspeed_mps * Math.sqrt(this.load);
+    const isStalled = this.indicated_mps < options.stall_airspeed_mps * Math.sqrt(this.load);
     const path_rad = isStalled ? Math.min(demand.path_rad, stallPath_rad) : demand.path_rad;
     this.path_rad += ((path_rad - this.path_rad) * duration_s) / options.path_lag_s;
     this.acceleration_mps2 = gravity_mps2 *

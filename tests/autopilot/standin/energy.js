@@ -27,7 +27,8 @@ export class EnergyControl {
 
   constructor(parameters) { this.#parameters = parameters; }
 
-  reset(altitude_m) {
+  reset(altitude_m, path_rad) {
+    this.#path_rad = path_rad;
     this.#height_m = altitude_m;
     this.#heightRate_mps = 0;
     this.#isTooSlow = false;

@@ -50,12 +50,17 @@ export class FlightControl {
     this.mode = name;
     this.#guidedSpeed_mps = undefined;
     this.#circle = undefined;
-    this.#energy.reset(this.#plane.now().altitude_m);
+    this.#resetEnergy();
     if (name === 'AUTO') this.mission.resume();
     else this.mission.stop();
     if (['LOITER', 'GUIDED', 'CIRCLE'].includes(name)) this.goTo({ ...this.#plane.now() });
     if (name === 'RTL') this.#returnHome();
     return true;
+  }
+
+  #resetEnergy() {
+    const { altitude_m, path_rad } = this.#plane.now();
+    this.#energy.reset(altitude_m, path_rad);
   }
 
   // The DO_LAND_START of the mission, in AUTO.
@@ -64,7 +69,7 @@ export class FlightControl {
     if (index === undefined) return false;
     if (this.mode !== 'AUTO') {
       this.mode = 'AUTO';
-      this.#energy.reset(this.#plane.now().altitude_m);
+      this.#resetEnergy();
     }
     this.mission.start(index);
     this.#plane.text('Landing sequence start');
@@ -126,6 +131,7 @@ export class FlightControl {
     if (!target) return idle;
     const bank_rad = this.#bankFor(target, now);
     if (target.path_rad !== undefined) {
+      this.#energy.reset(now.altitude_m, now.path_rad);
       return { bank_rad, path_rad: target.path_rad, throttle: target.throttle ?? target.maxThrottle ?? 0 };
     }
     return { bank_rad, ...this.#vertical(duration_s, target, now) };
@@ -138,7 +144,8 @@ export class FlightControl {
 
   #circleTarget(now) {
     const { centre, radius_m, direction, start_m, startAltitude_m } = this.#circle;
-    const left = start_m > 1 ? clamp(distance(now, centre) / start_m, 0, 1) : 0;
+    const onWay_m = distance(now, centre) - radius_m;
+    const left = start_m > radius_m + 1 ? clamp(onWay_m / (start_m - radius_m), 0, 1) : 0;
     const fall_m = startAltitude_m - centre.altitude_m;
     const slope_m = fall_m < this.#plane.parameters.ALT_SLOPE_MIN ? 0 : fall_m * left;
     return { circle: { centre, radius_m, direction }, altitude_m: centre.altitude_m + slope_m };

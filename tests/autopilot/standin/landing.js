@@ -4,9 +4,8 @@ import { clamp } from './frame.js';
 import { onLeg } from './navigation.js';
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
-// Of the glide slope's aim point and of the sink after the throttle is cut; from a recording.
-const flareEffect = 0.63;
-const cutSink = 1.4;
+// The sink grows when the throttle is cut; from a recording.
+const cutSink = 1.9;
 
 export class Landing {
   #parameters;
@@ -33,7 +32,8 @@ export class Landing {
 
   // Runs from the start of the final to the flare point, which is before the LAND point.
   #slopeOf(fall_m, length_m, groundSpeed_mps) {
-    const { LAND_FLARE_SEC, LAND_FLARE_ALT, TECS_LAND_SINK } = this.#parameters;
+    const { LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM, TECS_LAND_SINK } = this.#parameters;
+    const flareEffect = LAND_FLARE_AIM / 100;
     const sink_mps = (fall_m * groundSpeed_mps) / length_m;
     const aim_m = clamp(LAND_FLARE_SEC * sink_mps, 0.1, 2 * LAND_FLARE_ALT);
     const flareSink_mps = Math.max(0.1, flareEffect * TECS_LAND_SINK + (1 - flareEffect) * sink_mps);
@@ -53,7 +53,7 @@ export class Landing {
 
   #flare(height_m, groundSpeed_mps) {
     const { TECS_LAND_SINK } = this.#parameters;
-    const share = clamp(height_m / this.flareHeight_m, 0, 1) ** 0.33;
+    const share = clamp(height_m / this.flareHeight_m, 0, 1) ** 0.2;
     const sink_mps = TECS_LAND_SINK + (this.flareSink_mps - TECS_LAND_SINK) * share;
     return { path_rad: -Math.asin(clamp(sink_mps / Math.max(5, groundSpeed_mps), 0, 0.3)), maxThrottle: 0,
       maxBank_rad: radians(5) };

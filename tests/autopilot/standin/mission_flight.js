@@ -208,8 +208,7 @@ export class MissionFlight {
     }
     loiter.courseBefore_rad = isOnCircle ? course_rad : undefined;
     const start_m = distance(this.#from, this.#to);
-    const share = start_m > loiter.radius_m
-      ? 1 - clamp((distance_m - loiter.radius_m) / (start_m - loiter.radius_m), 0, 1) : 1;
+    const share = start_m > loiter.radius_m ? 1 - clamp(distance_m / start_m, 0, 1) : 1;
     return { circle: { centre: this.#to, radius_m: loiter.radius_m, direction: loiter.direction },
       altitude_m: isOnCircle ? this.#to.altitude_m : this.#altitudeAlong(share) };
   }

@@ -77,7 +77,7 @@ export class Sensors {
       roll_rad: body.bank_rad + attitude(),
       pitch_rad: body.pitch_rad + attitude(),
       yaw_rad: wrapped(body.heading_rad + attitude()),
-      airspeed_mps: Math.max(0, body.airspeed_mps + random.gauss(airspeed_sd_mps)),
+      airspeed_mps: Math.max(0, body.indicated_mps + random.gauss(airspeed_sd_mps)),
     };
   }
 }
