@@ -4,9 +4,9 @@
 import { choose, defaultChoiceOptions } from './guidance_choice.js';
 import { FinalGate } from './guidance_final.js';
 import { ModeWatch } from './guidance_modes.js';
-import { defaultTargetOptions, glideAirspeed_mps, targetOn } from './guidance_target.js';
+import { defaultTargetOptions, glideAirspeed_mps, kinetic_m, targetOn } from './guidance_target.js';
 import { queryOf, WindHold } from './recall_query.js';
-import { ToldWay } from './told_way.js';
+import { isSameFinal, ToldWay } from './told_way.js';
 
 export const defaultGuidanceOptions = {
   recallPeriod_s: 1,
@@ -20,6 +20,9 @@ export const defaultGuidanceOptions = {
   choice: defaultChoiceOptions,
   target: defaultTargetOptions,
 };
+
+// What is left of airspeed that becomes height.
+const kineticShare = 0.9;
 
 export class Guidance {
   #recall;
@@ -119,7 +122,7 @@ export class Guidance {
     this.#asked_s = now_s;
     const wind = this.#wind.take(state.wind, (text) => this.#isEngaged && this.#decide(text, 'wind'));
     try {
-      const answer = await this.#recall(queryOf(state, wind));
+      const answer = await this.#recall(queryOf(state, wind, this.#surplus_m(state)));
       this.#answer = { answer, asked_s: now_s, isNew: true };
       this.#tellReachable(true);
     } catch (error) {
@@ -127,6 +130,17 @@ export class Guidance {
     } finally {
       this.#isAsking = false;
     }
+  }
+
+  // Only a way that is flown counts on airspeed: a site is chosen without.
+  #surplus_m(state) {
+    if (!this.#way || !this.#isEngaged || state.airspeed_mps === undefined) return 0;
+    return kineticShare * kinetic_m(state.airspeed_mps, glideAirspeed_mps(this.#way.site));
+  }
+
+  #nearest(state, from_m, to_m) {
+    const nearest = this.#way.nearest(state.position, from_m, to_m);
+    return { ...nearest, energy_m: nearest.height_m + this.#surplus_m(state) };
   }
 
   #tellReachable(isReachable, why) {
@@ -154,10 +168,12 @@ export class Guidance {
 
   #take({ site, reason }, state, now_s) {
     const isOther = site.site_id !== this.#way?.site.site_id;
+    const isOtherFinal = isOther || !isSameFinal(site, this.#way.site);
     this.#way = new ToldWay(site);
-    this.#progress = this.#way.nearest(state.position, 0, 60);
-    if (this.#progress.away_m > 60) this.#progress = this.#way.nearest(state.position);
+    this.#progress = this.#nearest(state, 0, 60);
+    if (this.#progress.away_m > 60) this.#progress = this.#nearest(state);
     const what = `${this.#way.length_m.toFixed(0)} m, ${this.#way.numCircles} circles`;
+    if (isOtherFinal) this.#prepare(site);
     if (!isOther) {
       this.#decide(`new way to ${site.site_id}: ${reason}; ${what}`, 'guidance');
       return;
@@ -165,7 +181,6 @@ export class Guidance {
     this.#told_m = site.arrival_margin_m;
     this.#decide(`to site ${site.site_id}: ${reason}; margin ${this.#told_m.toFixed(1)} m, ${what}`, 'guidance');
     this.#sent_s = now_s - this.#options.targetPeriod_s;
-    this.#prepare(site);
   }
 
   #prepare(site) {
@@ -182,7 +197,7 @@ export class Guidance {
   #fly(state, now_s) {
     const reach_m = this.#options.search_s * state.ground_speed_mps + 10;
     const from_m = this.#progress.along_m - 5;
-    this.#progress = this.#way.nearest(state.position, from_m, from_m + reach_m);
+    this.#progress = this.#nearest(state, from_m, from_m + reach_m);
     this.#reconsider(state, now_s);
     if (this.#gate.isOpen(this.#way, this.#progress, state) && this.#prepared.isReady) {
       this.#beginFinal(state, now_s);

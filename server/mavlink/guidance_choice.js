@@ -40,7 +40,8 @@ export function choose({ way, progress, answer }, options = defaultChoiceOptions
   return { site: same, reason: off };
 }
 
-function deviation({ height_m, away_m }, options) {
+// energy_m: height above the way, with what the airspeed is worth.
+function deviation({ energy_m: height_m, away_m }, options) {
   if (height_m > options.maxHigh_m) return `${height_m.toFixed(0)} m above the way`;
   if (height_m < -options.maxLow_m) return `${(-height_m).toFixed(0)} m below the way`;
   if (away_m > options.maxAside_m) return `${away_m.toFixed(0)} m beside the way`;
@@ -50,8 +51,8 @@ function deviation({ height_m, away_m }, options) {
 // On the way, what is told of the worst wind no longer counts: the aircraft shows how it glides.
 function better(sites, same, way, progress, options) {
   const [best] = sites.filter((site) => site.site_id !== way.site.site_id && isClear(site));
-  if (!best || progress.height_m > -options.maxLow_m) return undefined;
-  const margin_m = same?.arrival_margin_m ?? progress.height_m;
+  if (!best || progress.energy_m > -options.maxLow_m) return undefined;
+  const margin_m = same?.arrival_margin_m ?? progress.energy_m;
   if (margin_m >= options.lowMargin_m) return undefined;
   return best.arrival_margin_m >= margin_m + options.betterBy_m ? best : undefined;
 }

@@ -16,16 +16,16 @@ export const defaultTargetOptions = {
   radius_m: 5,
   // The height is that of the way so much later: half the time between targets, and the link's.
   lead_s: 0.4,
-  // Faster than this share of the glide airspeed no more height is given away.
-  maxAirspeed_ratio: 1.4,
+  // Height is given away for airspeed up to this share of the glide airspeed. More of it only
+  // shortly before the final, where a longer way can no longer lose the height.
+  maxAirspeed_ratio: 1.1,
+  maxLastAirspeed_ratio: 1.25,
+  last_s: 7,
 };
 
-// Height that TECS counts airspeed above the demand as: half of the surplus energy goes into each.
-function speedHeight_m(airspeed_mps, glide_mps, options) {
-  const most_mps = options.maxAirspeed_ratio * glide_mps;
-  const counted_mps = Math.min(most_mps, Math.max(glide_mps, airspeed_mps));
-  return (counted_mps ** 2 - glide_mps ** 2) / (2 * gravity_mps2);
-}
+// Height that the airspeed is worth, above the glide airspeed.
+export const kinetic_m = (airspeed_mps, glide_mps) =>
+  (airspeed_mps ** 2 - glide_mps ** 2) / (2 * gravity_mps2);
 
 export const glideAirspeed_mps = ({ aircraft }) =>
   aircraft.glide_airspeed_mps ?? aircraft.landing_airspeed_mps;
@@ -34,12 +34,21 @@ export const glideAirspeed_mps = ({ aircraft }) =>
 export function targetOn(way, progress, state, options = defaultTargetOptions) {
   const ahead_m = Math.max(options.minAhead_m, options.ahead_s * state.ground_speed_mps);
   const aim = way.at(progress.along_m + ahead_m);
-  const soon = way.at(progress.along_m + options.lead_s * state.ground_speed_mps);
-  const glide_mps = glideAirspeed_mps(way.site);
-  const height_m = Math.min(soon.altitude_m, state.position.altitude_m) -
-    speedHeight_m(state.airspeed_mps ?? glide_mps, glide_mps, options);
   return {
-    latitude_deg: aim.latitude_deg, longitude_deg: aim.longitude_deg, altitude_m: height_m,
-    radius_m: options.radius_m,
+    latitude_deg: aim.latitude_deg, longitude_deg: aim.longitude_deg,
+    altitude_m: height_m(way, progress, state, options), radius_m: options.radius_m,
   };
+}
+
+// The autopilot's balance counts airspeed above the glide as height. So the demand lies lower by
+// what the airspeed is worth: it follows the way's height at any airspeed up to the limit.
+function height_m(way, progress, state, options) {
+  const glide_mps = glideAirspeed_mps(way.site);
+  const now_m = state.position.altitude_m;
+  const soon = way.at(progress.along_m + options.lead_s * state.ground_speed_mps);
+  const isLast = way.timeToFinal_s(progress.along_m) < options.last_s;
+  const ratio = isLast ? options.maxLastAirspeed_ratio : options.maxAirspeed_ratio;
+  const faster_m = Math.max(0, kinetic_m(state.airspeed_mps ?? glide_mps, glide_mps));
+  const lowest_m = now_m - kinetic_m(ratio * glide_mps, glide_mps);
+  return Math.max(lowest_m, Math.min(soon.altitude_m, now_m) - faster_m);
 }

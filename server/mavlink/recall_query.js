@@ -19,12 +19,13 @@ export class WindHold {
 
 const rounded = (value, digits) => Number(value.toFixed(digits));
 
-export function queryOf({ position, velocity, flight }, wind) {
+// more_m: height that surplus airspeed is worth.
+export function queryOf({ position, velocity, flight }, wind, more_m = 0) {
   const course_deg = (Math.atan2(velocity.east_mps, velocity.north_mps) * 180) / Math.PI;
   const query = {
     latitude_deg: rounded(position.latitude_deg, 7),
     longitude_deg: rounded(position.longitude_deg, 7),
-    altitude_m: rounded(position.altitude_m, 2),
+    altitude_m: rounded(position.altitude_m + more_m, 2),
     altitude_datum: position.altitude_datum,
     heading_deg: rounded(course_deg, 1),
     limit: 5,

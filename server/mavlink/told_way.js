@@ -5,6 +5,7 @@ import { FlatFrame } from './flat_frame.js';
 
 // The service writes places of one path to a centimetre.
 const samePlace_m = 0.2;
+const sameFinal_m = 0.5;
 
 const gap = (a, b) => Math.hypot(b.east_m - a.east_m, b.north_m - a.north_m);
 const between = (a, b, share) => a + share * (b - a);
@@ -119,3 +120,10 @@ function nearestOnLeg(here, a, b) {
     right_m: x * north - y * east,
   };
 }
+
+const samePlaceAs = (a, b) => gap(new FlatFrame(a).toLocal(b), { east_m: 0, north_m: 0 }) < sameFinal_m &&
+  Math.abs(a.altitude_m - b.altitude_m) < sameFinal_m;
+
+// Another wind may move the final of a site.
+export const isSameFinal = (a, b) => samePlaceAs(a.touchdown, b.touchdown) &&
+  samePlaceAs(a.approach.start, b.approach.start);

@@ -35,6 +35,10 @@ function site({ id = 'a', margin_m = 20, verdict = 'landable', circle = true } =
   };
 }
 
+const on = (way, position, ...part) => {
+  const nearest = way.nearest(position, ...part);
+  return { ...nearest, energy_m: nearest.height_m };
+};
 const state = ({ position, airspeed_mps = 10, east_mps = 0, north_mps = 10 }) =>
   ({ position, airspeed_mps, ground_speed_mps: Math.hypot(east_mps, north_mps), velocity: { east_mps, north_mps } });
 
@@ -71,16 +75,19 @@ test('a target is ahead on the way and never above the aircraft', () => {
 
 test('above the way, the target is at the height of the way or lower', () => {
   const way = new ToldWay(site());
-  const here = state({ position: place(0, -300, 515) });
-  const { altitude_m } = targetOn(way, way.nearest(here.position), here);
-  assert.ok(altitude_m < 506 && altitude_m > 503);
+  const slow = state({ position: place(0, -300, 506.5) });
+  const { altitude_m } = targetOn(way, way.nearest(slow.position), slow);
+  assert.ok(altitude_m < 505.8 && altitude_m > 505);
+  const high = state({ position: place(0, -300, 530) });
+  const lowest_m = targetOn(way, way.nearest(high.position), high).altitude_m;
+  assert.ok(lowest_m > 528.5 && lowest_m < 529.5, 'not faster than the limit');
 });
 
 test('the first choice is a verified site, and one that is flown to is kept', () => {
   const answer = { sites: [site({ id: 'u', verdict: 'unverified', margin_m: 50 }), site({ id: 'a', margin_m: 30 })] };
   assert.equal(choose({ answer }).site.site_id, 'a');
   const way = new ToldWay(answer.sites[1]);
-  const progress = way.nearest(place(0, -300, 506));
+  const progress = on(way, place(0, -300, 506));
   const better = { sites: [site({ id: 'b', margin_m: 60 }), site({ id: 'a', margin_m: 25 })] };
   assert.equal(choose({ way, progress, answer: better }), undefined);
 });
@@ -89,14 +96,14 @@ test('off the way, the new way to the same site is taken', () => {
   const way = new ToldWay(site());
   const answer = { sites: [site({ margin_m: 12 })] };
   for (const off of [place(0, -300, 515), place(0, -300, 500), place(30, -300, 506)]) {
-    assert.equal(choose({ way, progress: way.nearest(off), answer }).site, answer.sites[0]);
+    assert.equal(choose({ way, progress: on(way, off), answer }).site, answer.sites[0]);
   }
 });
 
 test('another site is taken only where the margin has gone and the other has much more', () => {
   const way = new ToldWay(site());
-  const low = way.nearest(place(0, -300, 498));
-  const high = way.nearest(place(0, -300, 506));
+  const low = on(way, place(0, -300, 498));
+  const high = on(way, place(0, -300, 506));
   const answer = (other_m) => ({ sites: [site({ id: 'b', margin_m: other_m })] });
   assert.equal(choose({ way, progress: low, answer: answer(15) }).site.site_id, 'b');
   assert.equal(choose({ way, progress: low, answer: answer(1) }), undefined);
@@ -105,7 +112,7 @@ test('another site is taken only where the margin has gone and the other has muc
 
 test('shortly before the final nothing is chosen any more', () => {
   const way = new ToldWay(site({ circle: false }));
-  const progress = way.nearest(place(0, -100, 460));
+  const progress = on(way, place(0, -100, 460));
   assert.equal(choose({ way, progress, answer: { sites: [site({ id: 'b', margin_m: 90 })] } }), undefined);
 });
 
