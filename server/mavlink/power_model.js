@@ -87,12 +87,12 @@ export class PowerModel {
   }
 
   // The power that is given at least: more throttle never gives less, nor does a lower airspeed.
-  bound_mps({ throttle, airspeed_mps, load }, highest_mps) {
+  bound_mps({ throttle, airspeed_mps, load }, highest_mps, numSds = this.#options.numSds) {
     let most_mps = -Infinity;
     for (let lower = throttle; lower >= 0; lower -= 0.1) {
       for (let faster_mps = airspeed_mps; faster_mps <= Math.max(airspeed_mps, highest_mps); faster_mps += 2) {
         const features = featuresOf({ throttle: lower, airspeed_mps: faster_mps, load });
-        most_mps = Math.max(most_mps, this.#estimate(features) - this.#options.numSds * this.#sd_mps(features));
+        most_mps = Math.max(most_mps, this.#estimate(features) - numSds * this.#sd_mps(features));
       }
     }
     return most_mps;

@@ -1,8 +1,10 @@
 // The only file that sends requests to freelsd-server.
 
-const timeout_ms = 20_000;
+const longest_ms = 20_000;
 // A command must not wait behind an answer that does not come.
 const linkTimeout_ms = 3000;
+// In the air a late answer is none.
+const emergencyTimeout_ms = 2500;
 
 export class ServiceProblem extends Error {
   constructor(status, body) {
@@ -61,11 +63,21 @@ export class Service {
       method: 'PUT',
       headers: { 'Content-Type': 'application/json' },
       body: JSON.stringify(state),
-      signal: AbortSignal.timeout(linkTimeout_ms),
+      timeout_ms: linkTimeout_ms,
     });
   }
 
-  async #json(path, { headers = {}, ...options } = {}) {
+  // Query and answer of /v1/emergency.
+  emergency(query, limit_ms = emergencyTimeout_ms) {
+    return this.#json(`v1/emergency?${new URLSearchParams(query)}`, { timeout_ms: limit_ms });
+  }
+
+  // Properties of a site, with its approach.
+  site(siteId) {
+    return this.#json(`v1/sites/${encodeURIComponent(siteId)}`, { timeout_ms: linkTimeout_ms });
+  }
+
+  async #json(path, { headers = {}, timeout_ms = longest_ms, ...options } = {}) {
     const base = this.#url.href.endsWith('/') ? this.#url : new URL(`${this.#url.href}/`);
     const response = await fetch(new URL(path, base), {
       signal: AbortSignal.timeout(timeout_ms),

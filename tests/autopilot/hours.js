@@ -89,7 +89,7 @@ export function failAfterSurvey(seed, { withSigns = true } = {}) {
   plane.step(random.between(90, 300));
   stopped_s = plane.time_s;
   plane.stopEngine();
-  while (failed_s === undefined && plane.time_s < stopped_s + 20) plane.step(0.1);
+  while (failed_s === undefined && plane.time_s < stopped_s + 40) plane.step(0.1);
   return failed_s === undefined ? undefined : failed_s - stopped_s;
 }
 

@@ -79,11 +79,12 @@ export class FlightControl {
   setCurrent(index) {
     if (index >= this.#plane.items().length) return false;
     if (this.mode === 'AUTO') this.mission.start(Math.max(1, index));
+    else this.mission.select(index);
     return true;
   }
 
   // Circles about a place: with altitude_m; radius_m and direction may be missing. The demanded
-  // altitude falls along the way, but rises at once.
+  // altitude falls along the way if it is far to fall; else it changes at once.
   goTo(place, radius_m, direction) {
     const now = this.#plane.now();
     const { WP_LOITER_RAD } = this.#plane.parameters;
@@ -145,7 +146,8 @@ export class FlightControl {
     const { centre, radius_m, direction, start_m, startAltitude_m } = this.#circle;
     const onWay_m = distance(now, centre) - radius_m;
     const left = start_m > radius_m + 1 ? clamp(onWay_m / (start_m - radius_m), 0, 1) : 0;
-    const slope_m = Math.max(0, startAltitude_m - centre.altitude_m) * left;
+    const fall_m = startAltitude_m - centre.altitude_m;
+    const slope_m = fall_m < this.#plane.parameters.ALT_SLOPE_MIN ? 0 : fall_m * left;
     return { circle: { centre, radius_m, direction }, altitude_m: centre.altitude_m + slope_m };
   }
 

@@ -32,7 +32,9 @@ export class MissionFlight {
   get hasItem() { return this.#item !== undefined; }
 
   start(index) {
-    this.#from = { ...this.#plane.now() };
+    // After a change of mode or of the current item, the leg begins where the aircraft is.
+    this.#to = undefined;
+    this.#loiter = undefined;
     this.#jumps.clear();
     this.#begin(index);
   }
@@ -41,6 +43,9 @@ export class MissionFlight {
     if (this.#index === 0 || this.#index >= this.#plane.items().length) this.start(1);
     else this.start(this.#index);
   }
+
+  // Where resume() begins.
+  select(index) { this.#index = index; }
 
   stop() { this.#item = undefined; }
 
