@@ -33,6 +33,7 @@ export class Link {
   #heard_us;
   #attitude;
   #position;
+  #velocity;
   #hud;
   #gps;
   #missionSequence;
@@ -155,6 +156,7 @@ export class Link {
     const refusal = this.#gate.refusal({ ...position, time_s: message.timeBootMs / 1000 });
     if (refusal) return this.#refuse(refusal);
     this.#position = { ...position, height_above_home_m: message.relativeAlt / 1000 };
+    this.#velocity = { east_mps: message.vy / 100, north_mps: message.vx / 100, climb_mps: -message.vz / 100 };
     this.#samples.add('position', message.timeBootMs, { position, altitude_datum: 'amsl' }, now_us);
     return this.#onMotion(message, now_us);
   }
@@ -229,6 +231,7 @@ export class Link {
       is_armed: heartbeat && this.#isArmed,
       is_signed: Boolean(this.#signing),
       position: this.#position && { ...this.#position, altitude_datum: 'amsl' },
+      velocity: this.#velocity,
       airspeed_mps: this.#hud?.airspeed,
       ground_speed_mps: this.#hud?.groundspeed,
       climb_mps: this.#hud?.climb,
