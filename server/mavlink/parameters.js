@@ -1,7 +1,7 @@
 // Reads parameters of the autopilot. It never writes one.
 
 const repeat_s = 1.5;
-const numTries = 4;
+const numTries = 10;
 const longestName = 16;
 
 // Of ArduPlane: how it lands. Two names are of the same value, in new and old versions.
