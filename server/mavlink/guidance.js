@@ -23,6 +23,7 @@ export const defaultGuidanceOptions = {
 
 // What is left of airspeed that becomes height.
 const kineticShare = 0.9;
+const lastLook_s = 2;
 
 export class Guidance {
   #recall;
@@ -155,7 +156,7 @@ export class Guidance {
   #begin(state, now_s) {
     if (this.#isAsking && now_s - this.#asked_s < 1) return;
     if (!this.#answer?.isNew && this.#isReachable) return;
-    const chosen = choose({ answer: this.#answer?.answer }, this.#options.choice);
+    const chosen = choose({ answer: this.#answer?.answer, flightId: state.flight?.id }, this.#options.choice);
     if (this.#answer) this.#answer.isNew = false;
     if (chosen) {
       this.#take(chosen, state, now_s);
@@ -199,6 +200,7 @@ export class Guidance {
     const from_m = this.#progress.along_m - 5;
     this.#progress = this.#nearest(state, from_m, from_m + reach_m);
     this.#reconsider(state, now_s);
+    this.#addCircle();
     if (this.#gate.isOpen(this.#way, this.#progress, state) && this.#prepared.isReady) {
       this.#beginFinal(state, now_s);
       return;
@@ -217,8 +219,23 @@ export class Guidance {
     if (!given?.isNew || now_s - given.asked_s > this.#options.maxAnswerAge_s) return;
     given.isNew = false;
     const chosen = choose(
-      { way: this.#way, progress: this.#progress, answer: given.answer }, this.#options.choice);
+      { way: this.#way, progress: this.#progress, answer: given.answer, flightId: state.flight?.id },
+      this.#options.choice);
     if (chosen) this.#take(chosen, state, now_s);
+  }
+
+  // Where no told way loses the surplus: once more around, if the aircraft then arrives nearer to
+  // the height of the final.
+  #addCircle() {
+    const way = this.#way;
+    if (way.timeToFinal_s(this.#progress.along_m) > lastLook_s) return;
+    const surplus_m = this.#progress.energy_m + way.surplus_m;
+    if (surplus_m < this.#options.choice.maxSurplus_m) return;
+    const longer = way.withCircle(way.site.aircraft.glide_ratio, glideAirspeed_mps(way.site));
+    const left_m = this.#progress.energy_m + longer.surplus_m;
+    if (left_m < -this.#options.choice.maxLow_m) return;
+    this.#way = longer;
+    this.#decide(`one more circle: ${surplus_m.toFixed(0)} m above the start of the final`, 'guidance');
   }
 
   #beginFinal(state, now_s) {

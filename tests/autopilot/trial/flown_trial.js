@@ -14,7 +14,8 @@ import { Sender } from '../standin/wire.js';
 const step_s = 0.02;
 const tick_s = 0.1;
 const track_s = 0.1;
-const border = 0.07;
+const routeHalf_m = 300;
+const routeHeights_m = [60, 160];
 const minFlight_s = 20;
 const maxFlight_s = 150;
 const longest_s = 240;
@@ -25,16 +26,23 @@ export const smallAircraft = {
   aircraft: { best_glide_airspeed_mps: 10, stall_airspeed_mps: 7, max_thrust_ratio: 0.6 },
   parameters: {
     AIRSPEED_CRUISE: 15, AIRSPEED_MIN: 8.5, AIRSPEED_MAX: 20, WP_RADIUS: 30, WP_LOITER_RAD: 40,
-    TECS_LAND_ARSPD: 10, LAND_FLARE_ALT: 1.5, LAND_FLARE_SEC: 1,
+    TECS_LAND_ARSPD: 10, LAND_FLARE_ALT: 2, LAND_FLARE_SEC: 1.5,
   },
 };
 
+export const defaultTrialOptions = {
+  altimeter: 'survey', maxWind_mps: 6, glideRatios: [7.35, 8.4], gust_mps: 0.5,
+};
+
+// The surveys' flights are no longer in the service, only their sites.
+const withoutFlight = ({ flight, ...query }) => query;
 const sleepless = () => new Promise((resolve) => { setImmediate(resolve); });
 
 export class FlownTrial {
   #random;
   #ground;
   #service;
+  #survey;
   #plane;
   #link;
   #guidance;
@@ -49,12 +57,14 @@ export class FlownTrial {
   #stopped_s;
   #final;
 
-  // service: emergency(query). options: seed, wind_mps at most, glide_ratio range.
-  constructor({ ground, service, seed, maxWind_mps = 6, glideRatios = [7.35, 8.4], gust_mps = 0.5 }) {
+  // service: emergency(query). surveys: as of surveys.js; the flight is over one of them. altimeter:
+  // "survey" has the error of that survey, "true" has none.
+  constructor({ ground, service, surveys, seed, ...options }) {
     this.#ground = ground;
     this.#service = service;
-    this.#options = { seed, maxWind_mps, glideRatios, gust_mps };
+    this.#options = { ...defaultTrialOptions, ...options, seed };
     this.#random = new Random(seed);
+    this.#survey = surveys[Math.floor(this.#random.uniform() * surveys.length)];
     this.#plane = this.#newPlane();
     this.#link = new Link({
       emit: () => {}, steady_us: () => this.#plane.time_s * 1e6, onEvent: (text) => this.#note('link', text),
@@ -64,19 +74,18 @@ export class FlownTrial {
   }
 
   #newPlane() {
-    const { maxWind_mps, glideRatios, gust_mps, seed } = this.#options;
+    const { altimeter, maxWind_mps, glideRatios, gust_mps, seed } = this.#options;
     const random = this.#random;
-    const home = { ...this.#ground.placeAt(random.between(border, 1 - border), random.between(border, 1 - border)),
-      altitude_m: this.#ground.lowest_m - 20 };
+    const home = { ...this.#survey.centre, altitude_m: this.#ground.lowest_m - 20 };
     const frame = new LocalFrame(home);
-    const plane = new Standin({
+    return new Standin({
       seed, home, ground: (east_m, north_m) => this.#ground.altitude_m(frame.toGlobal({ east_m, north_m })),
       wind: { speed_mps: random.between(0, maxWind_mps), from_deg: random.between(0, 360), gust_sd_mps: gust_mps,
         vertical_gust_sd_mps: gust_mps / 2 },
+      sensors: { altitude_bias_m: altimeter === 'survey' ? this.#survey.height_error_m : 0 },
       aircraft: { ...smallAircraft.aircraft, max_glide_ratio: random.between(...glideRatios) },
       parameters: smallAircraft.parameters,
     });
-    return plane;
   }
 
   #newGuidance() {
@@ -110,7 +119,7 @@ export class FlownTrial {
         this.#asked.delete(asked);
         this.#waiting.push({ due_s: asked_s + (performance.now() - begun_ms) / 1000, done });
       };
-      const asked = this.#service.emergency(query).then(
+      const asked = this.#service.emergency(withoutFlight(query)).then(
         (answer) => later(() => resolve(answer)), (error) => later(() => reject(error)));
       this.#asked.add(asked);
     });
@@ -140,7 +149,7 @@ export class FlownTrial {
     while (this.#asked.size > 0) await Promise.all(this.#asked);
   }
 
-  #state() { return this.#link.state(this.#plane.utc_us); }
+  #state() { return { ...this.#link.state(this.#plane.utc_us), flight: { id: this.#survey.flight_id } }; }
 
   async #pass(duration_s, isOver = () => false) {
     const end_s = this.#plane.time_s + duration_s - step_s / 2;
@@ -189,26 +198,28 @@ export class FlownTrial {
     return this.#report(told);
   }
 
+  // Home is in the middle of the survey.
   #startRoute() {
     const random = this.#random;
-    const place = () => this.#ground.placeAt(random.between(border, 1 - border), random.between(border, 1 - border));
-    const height_m = random.between(60, 160);
-    const points = Array.from({ length: 8 }, place);
-    const altitude_m = Math.max(...points.map((point) => this.#ground.altitude_m(point))) * 0 + this.#ground.lowest_m + 30 + height_m;
-    const item = (point) => ({ frame: 0, command: 16, param1: 0, param2: 0, param3: 0, param4: 0,
-      x: Math.round(point.latitude_deg * 1e7), y: Math.round(point.longitude_deg * 1e7), z: altitude_m });
-    this.#plane.loadMission([item(points[0]), ...points.map(item)]);
-    const start = this.#plane.frame.toLocal(points[0]);
-    const ground_m = this.#ground.altitude_m(points[0]);
-    this.#plane.startInFlight({ ...start, height_m: altitude_m - ground_m, heading_deg: random.between(0, 360),
-      airspeed_mps: 15, mode: 'AUTO' });
+    const coordinate = () => random.between(-routeHalf_m, routeHalf_m);
+    const points = Array.from({ length: 12 }, () => ({ east_m: coordinate(), north_m: coordinate() }));
+    const highest_m = Math.max(...points.map((point) => this.#plane.ground(point.east_m, point.north_m)));
+    const altitude_m = highest_m + random.between(...routeHeights_m);
+    const items = points.map((point) => {
+      const { latitude_deg, longitude_deg } = this.#plane.frame.toGlobal(point);
+      return { frame: 0, command: 16, param1: 0, param2: 0, param3: 0, param4: 0,
+        x: Math.round(latitude_deg * 1e7), y: Math.round(longitude_deg * 1e7), z: altitude_m };
+    });
+    this.#plane.loadMission([items[0], ...items]);
+    this.#plane.startInFlight({ ...points[0], height_m: altitude_m - this.#plane.ground(points[0].east_m, points[0].north_m),
+      heading_deg: random.between(0, 360), airspeed_mps: 15, mode: 'AUTO' });
   }
 
   async #waitForSite() {
     const end_s = this.#plane.time_s + maxFlight_s;
     while (this.#plane.time_s < end_s) {
       const state = this.#state();
-      const answer = await this.#service.emergency(queryOf(state, state.wind)).catch(() => undefined);
+      const answer = await this.#service.emergency(withoutFlight(queryOf(state, state.wind))).catch(() => undefined);
       if (answer?.sites.length) return answer;
       await this.#pass(2);
     }
@@ -225,6 +236,7 @@ export class FlownTrial {
       num_told: told.sites.length, told_landable: told.sites.some((site) => site.verdict === 'landable'),
       detection_s: this.#detected_s - this.#stopped_s, first_target_s: this.#firstTarget_s - this.#detected_s,
       flight_s: (touchdown?.time_s ?? NaN) - this.#stopped_s,
+      survey: this.#survey, site_flight_id: way?.site.flight_id,
       touchdown: way && way.site.touchdown, heading_deg: way?.site.approach.heading_deg,
       ground_speed_mps: way?.site.ground_speed_mps, verdict: way?.site.verdict,
       failure_probability: way?.site.failure_probability, told_margin_m: this.#guidance.state()?.told_margin_m,
