@@ -1,6 +1,7 @@
 // Flies an aircraft whose engine has failed to a site: by targets to the start of the final, then
 // by a landing mission, on which nothing is sent. No sockets: what it asks and sends is handed in.
 
+import { GlideShare } from './glide_share.js';
 import { choose, defaultChoiceOptions } from './guidance_choice.js';
 import { FinalGate } from './guidance_final.js';
 import { ModeWatch } from './guidance_modes.js';
@@ -34,6 +35,7 @@ export class Guidance {
   #wind = new WindHold();
   #modes;
   #gate;
+  #glide;
   #answer;
   #isAsking = false;
   #asked_s = -Infinity;
@@ -69,6 +71,7 @@ export class Guidance {
     this.#isEngaged = true;
     this.#modes = new ModeWatch(state);
     this.#gate = new FinalGate();
+    this.#glide = new GlideShare();
     this.#way = undefined;
     this.#prepared = undefined;
     this.#hasToldNothing = false;
@@ -123,7 +126,8 @@ export class Guidance {
     this.#asked_s = now_s;
     const wind = this.#wind.take(state.wind, (text) => this.#isEngaged && this.#decide(text, 'wind'));
     try {
-      const answer = await this.#recall(queryOf(state, wind, this.#surplus_m(state)));
+      const answer = await this.#recall(queryOf(state, wind, {
+        airspeed_m: this.#surplus_m(state), better_m: this.#better_m(state) }));
       this.#answer = { answer, asked_s: now_s, isNew: true };
       this.#tellReachable(true);
     } catch (error) {
@@ -133,15 +137,26 @@ export class Guidance {
     }
   }
 
-  // Only a way that is flown counts on airspeed: a site is chosen without.
+  // Only a way that is flown counts on airspeed and on a better glide: a site is chosen without.
   #surplus_m(state) {
     if (!this.#way || !this.#isEngaged || state.airspeed_mps === undefined) return 0;
     return kineticShare * kinetic_m(state.airspeed_mps, glideAirspeed_mps(this.#way.site));
   }
 
+  // Height that the way may be planned higher, because less of it will be lost.
+  #better_m(state) {
+    if (!this.#way || !this.#isEngaged) return 0;
+    const left_m = state.position.altitude_m - this.#way.site.approach.start.altitude_m;
+    return Math.max(0, left_m) * (1 / this.#glide.share - 1);
+  }
+
   #nearest(state, from_m, to_m) {
     const nearest = this.#way.nearest(state.position, from_m, to_m);
-    return { ...nearest, energy_m: nearest.height_m + this.#surplus_m(state) };
+    const energy_m = nearest.height_m + this.#surplus_m(state);
+    const { altitude_m } = this.#way.at(nearest.along_m);
+    this.#glide.add(this.#way, altitude_m, energy_m);
+    const left_m = Math.max(0, altitude_m - this.#way.finalStartAltitude_m);
+    return { ...nearest, energy_m: energy_m + (1 - this.#glide.share) * left_m };
   }
 
   #tellReachable(isReachable, why) {

@@ -36,8 +36,8 @@ const told = (answer, siteId) =>
   [...(answer?.sites ?? []), ...(answer?.nearest_miss ? [answer.nearest_miss] : [])]
     .find((site) => site.site_id === siteId);
 
-// way: the present ToldWay, or nothing. progress: where the aircraft is on it, with energy_m: its
-// height above the way, with what its airspeed is worth.
+// way: the present ToldWay, or nothing. progress: where the aircraft is on it, with energy_m: the
+// height above the way that it will have at the end, with what its airspeed is worth.
 // Gives { site, reason } for a new way, or nothing where the present one is kept.
 export function choose({ way, progress, answer, flightId }, options = defaultChoiceOptions) {
   const sites = flyable(answer, flightId, options);

@@ -42,6 +42,7 @@ export class ToldWay {
     this.end_m = this.#points.at(-1).along_m;
   }
 
+  get finalStartAltitude_m() { return this.#points.at(-2).altitude_m; }
   get length_m() { return this.end_m; }
   // Height of the way above the planned start of the final.
   get surplus_m() { return this.#points.at(-2).altitude_m - this.site.approach.start.altitude_m; }

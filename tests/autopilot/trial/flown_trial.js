@@ -23,7 +23,7 @@ const afterTouchdown_s = 12;
 
 // The aircraft of the profile "small", as its owner measured it: 10 m/s at the best glide.
 export const smallAircraft = {
-  aircraft: { best_glide_airspeed_mps: 10, stall_airspeed_mps: 7, max_thrust_ratio: 0.6 },
+  aircraft: { best_glide_airspeed_mps: 10, stall_airspeed_mps: 7, max_thrust_ratio: 0.6, roll_decay_per_s: 0.67 },
   parameters: {
     AIRSPEED_CRUISE: 15, AIRSPEED_MIN: 8.5, AIRSPEED_MAX: 20, WP_RADIUS: 30, WP_LOITER_RAD: 40,
     TECS_LAND_ARSPD: 10, LAND_FLARE_ALT: 2, LAND_FLARE_SEC: 1.5,
