@@ -15,7 +15,7 @@ begin "installing packages"
 install_packages package
 
 begin "building"
-build release freelsd-server freelsd_web
+build release freelsd-server freelsd_web freelsd_mavlink
 
 begin "packing"
 # Dates in the package are those of the sources, so that the same sources make the same package.

@@ -159,6 +159,18 @@ start_step "faults, short form"
 tests/faults/run.sh --short
 passed
 
+# Tests that have a long form run their short one.
+start_step "link to an autopilot, short form"
+npm ci --ignore-scripts --omit=optional --no-audit --no-fund --loglevel=error --prefix server/mavlink
+FREELSD_SHORT=1 FREELSD_SERVER="$PWD/build/release/server/freelsd-server" \
+  timeout 180 node --test tests/autopilot/*_test.js >"$work/autopilot.log" 2>&1 || {
+  cat "$work/autopilot.log" >&2
+  fail "tests of the link failed"
+}
+grep -E '^# (pass|fail|skipped) ' "$work/autopilot.log"
+passed
+while read -r line; do skipped "$line"; done < <(sed -nE 's/^ok [0-9]+ - (.*) # SKIP ?(.*)$/\1: \2/p' "$work/autopilot.log")
+
 start_step "freelsdctl"
 tests/deploy/freelsdctl.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
   "$work/demo/sample-flight-1-72"
@@ -191,12 +203,16 @@ else
   skipped "no groff at hand"
 fi
 
-start_step "service unit"
+start_step "service units"
 if command -v systemd-analyze >/dev/null; then
-  sed 's|/usr/bin/freelsd-server|/bin/true|' deploy/freelsd.service >"$work/freelsd.service"
-  systemd-analyze verify "$work/freelsd.service"
+  for unit in freelsd.service freelsd-mavlink@.service; do
+    sed -E 's|/usr/bin/freelsd-[a-z]+|/bin/true|' "deploy/$unit" >"$work/$unit"
+  done
+  systemd-analyze verify "$work/freelsd.service" "$work/freelsd-mavlink@wing.service"
   # Tenths: an exposure of 2.0 at most.
-  systemd-analyze security --offline=true --threshold=20 "$work/freelsd.service" | tail -n 1
+  for unit in freelsd.service freelsd-mavlink@.service; do
+    systemd-analyze security --offline=true --threshold=20 "$work/$unit" | tail -n 1
+  done
   passed
 else
   skipped "no systemd-analyze at hand"

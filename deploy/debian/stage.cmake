@@ -13,6 +13,8 @@ endfunction()
 
 put(deploy/config.example.json ${root}/etc/freelsd/config.json)
 put(deploy/freelsd.service ${root}/lib/systemd/system/freelsd.service)
+put(deploy/freelsd-mavlink@.service ${root}/lib/systemd/system/freelsd-mavlink@.service)
+put(deploy/mavlink.example.conf ${doc}/examples/mavlink.conf)
 put(deploy/debian/copyright ${doc}/copyright)
 put(deploy/debian/lintian-overrides ${root}/usr/share/lintian/overrides/freelsd)
 put(deploy/README.md ${doc}/README.md)

@@ -15,6 +15,7 @@ export const usage = `freelsd-mavlink --connect ADDRESS --url URL [options]
                        64 hexadecimal digits, or a passphrase
   --system ID          believe only this system; without it the first autopilot heard
   --peer ADDRESS       believe only this host (UDP)
+  --name NAME          of the link in the service (default: the system id)
   --flight ID          existing flight that takes the telemetry; without it a new one
   --spool DIR          lines that wait for the service (default ~/.local/state/freelsd-mavlink)
   --spool-limit MIB    size of the spool (default 256)
@@ -30,6 +31,7 @@ const options = {
   'signing-key': { type: 'string' },
   system: { type: 'string' },
   peer: { type: 'string' },
+  name: { type: 'string' },
   flight: { type: 'string' },
   spool: { type: 'string' },
   'spool-limit': { type: 'string', default: '256' },
@@ -44,6 +46,11 @@ function wholeNumber(name, text, min, max) {
     throw new Error(`--${name} ${text}: must be a whole number from ${min} to ${max}`);
   }
   return number;
+}
+
+function idOf(option, text) {
+  if (/^[A-Za-z0-9._-]{1,128}$/.test(text)) return text;
+  throw new Error(`--${option} ${text}: must be letters, digits, ".", "_" and "-", at most 128`);
 }
 
 const defaultSpool = () =>
@@ -61,6 +68,7 @@ export function parseCommandLine(args) {
     signingKeyPath: values['signing-key'],
     systemId: values.system && wholeNumber('system', values.system, 1, 255),
     peerHost: values.peer,
+    name: values.name && idOf('name', values.name),
     flight: values.flight,
     spoolFolder: values.spool ?? defaultSpool(),
     spoolBytes: wholeNumber('spool-limit', values['spool-limit'], 2, 65536) * 1024 * 1024,

@@ -7,10 +7,12 @@ import { join } from 'node:path';
 
 import { parseCommandLine, usage } from './command_line.js';
 import { open } from './connection.js';
+import { Decisions } from './decisions.js';
 import { heartbeatBytes } from './heartbeat.js';
 import { Link } from './link.js';
 import { lock } from './lock.js';
 import { Pin } from './pin.js';
+import { Reporter } from './reporter.js';
 import { Service } from './service.js';
 import { Sessions } from './sessions.js';
 import { readKey, Signing } from './signing.js';
@@ -33,7 +35,7 @@ function parsed() {
 }
 
 function stateOf(parts, connection) {
-  const { link, spool, uplink, sessions } = parts;
+  const { link, spool, uplink, sessions, decisions } = parts;
   return {
     ...link.state(),
     connection,
@@ -44,6 +46,8 @@ function stateOf(parts, connection) {
     },
     spool: { waiting: spool.numWaiting, lost: spool.numLost, size_bytes: spool.numBytes,
       last_error: spool.lastError },
+    run: decisions.run,
+    log: decisions.newest,
   };
 }
 
@@ -71,17 +75,19 @@ function partsFrom(config) {
   const sessions = new Sessions(join(folder, 'session.json'));
   const signing = config.signingKeyPath &&
     new Signing(readKey(config.signingKeyPath), join(folder, 'signatures.json'));
-  const uplink = new Uplink({
-    service: new Service(config.url, config.token), spool, path: join(folder, 'flights.json'),
-    fixedFlight: config.flight,
-  });
+  const service = new Service(config.url, config.token);
+  const uplink = new Uplink({ service, spool, path: join(folder, 'flights.json'), fixedFlight: config.flight });
+  const decisions = new Decisions();
   const link = new Link({
     pin: new Pin({ systemId: config.systemId, peerHost: config.peerHost }),
     signing,
-    onEvent: log,
+    onEvent: (sentence) => {
+      log(sentence);
+      decisions.add('link', sentence);
+    },
     emit: (line) => spool.append({ session: sessions.at(line.timestamp_us, link.pin.systemId), line }),
   });
-  return { spool, sessions, signing, uplink, link };
+  return { service, spool, sessions, signing, uplink, decisions, link };
 }
 
 async function run(config) {
@@ -92,12 +98,20 @@ async function run(config) {
     (bytes, from, isDatagram) => link.take(bytes, from, isDatagram),
     (text) => { state.state = text; });
   log(`listening at ${config.connect}, sending to ${config.url}`);
+  const reporter = new Reporter({
+    service: parts.service,
+    name: config.name,
+    state: () => stateOf(parts, state),
+    onCommand: ({ id, kind }) => reporter.told(id, 'failed', `this program does not know the command ${kind}`),
+  });
+  parts.decisions.onAdd = () => reporter.changed();
 
   const timers = [
     setInterval(() => {
       link.tick();
       spool.flush();
       uplink.step();
+      reporter.step();
     }, flushPeriod_ms),
     setInterval(() => {
       spool.sync();

@@ -1,6 +1,8 @@
 // The only file that sends requests to freelsd-server.
 
 const longest_ms = 20_000;
+// A command must not wait behind an answer that does not come.
+const linkTimeout_ms = 3000;
 // In the air a late answer is none.
 const emergencyTimeout_ms = 2500;
 
@@ -55,18 +57,33 @@ export class Service {
     });
   }
 
+  // { commands: [{ id, kind, site_id?, issued_at }] }
+  putLink(linkId, state) {
+    return this.#json(`v1/links/${encodeURIComponent(linkId)}`, {
+      method: 'PUT',
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify(state),
+      timeout_ms: linkTimeout_ms,
+    });
+  }
+
   // Query and answer of /v1/emergency.
   emergency(query, limit_ms = emergencyTimeout_ms) {
     return this.#json(`v1/emergency?${new URLSearchParams(query)}`, { timeout_ms: limit_ms });
   }
 
+  // Properties of a site, with its approach.
+  site(siteId) {
+    return this.#json(`v1/sites/${encodeURIComponent(siteId)}`, { timeout_ms: linkTimeout_ms });
+  }
+
   async #json(path, { headers = {}, timeout_ms = longest_ms, ...options } = {}) {
     const base = this.#url.href.endsWith('/') ? this.#url : new URL(`${this.#url.href}/`);
     const response = await fetch(new URL(path, base), {
+      signal: AbortSignal.timeout(timeout_ms),
       ...options,
       headers: { ...this.#headers, ...headers },
       redirect: 'error',
-      signal: AbortSignal.timeout(timeout_ms),
     });
     if (!response.ok) throw await problemOf(response);
     return response.json();

@@ -18,6 +18,30 @@ std::optional<TelemetryRow> NextRow(Statement& statement, TelemetryKind kind) {
   return row;
 }
 
+// `sql` selects the columns of NextRow, for flight, kind and limit.
+std::vector<TelemetryRow> RowsOf(StorageState& state,
+                                 const char* sql,
+                                 const std::string& flight_id,
+                                 TelemetryKind kind,
+                                 int max_num_rows) {
+  const Reader reader(state.readers);
+  Statement statement = reader->Prepare(sql);
+  statement.Bind(flight_id, static_cast<int>(kind), max_num_rows);
+  std::vector<TelemetryRow> rows;
+  while (const auto row = NextRow(statement, kind)) rows.push_back(*row);
+  return rows;
+}
+
+constexpr char kLastArrived[] =
+    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
+    "WHERE flight_id = ?1 AND kind = ?2 ORDER BY arrived_at_us DESC LIMIT ?3";
+constexpr char kFirstArrived[] =
+    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
+    "WHERE flight_id = ?1 AND kind = ?2 ORDER BY arrived_at_us LIMIT ?3";
+constexpr char kLatest[] =
+    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
+    "WHERE flight_id = ?1 AND kind = ?2 ORDER BY timestamp_us DESC LIMIT ?3";
+
 }  // namespace
 
 bool TelemetryStore::Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) {
@@ -48,14 +72,19 @@ bool TelemetryStore::Put(const std::string& flight_id, const std::vector<Telemet
 std::vector<TelemetryRow> TelemetryStore::LastArrived(const std::string& flight_id,
                                                       TelemetryKind kind,
                                                       int max_num_rows) const {
-  const Reader reader(state_.readers);
-  Statement statement = reader->Prepare(
-      "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
-      "WHERE flight_id = ?1 AND kind = ?2 ORDER BY arrived_at_us DESC LIMIT ?3");
-  statement.Bind(flight_id, static_cast<int>(kind), max_num_rows);
-  std::vector<TelemetryRow> rows;
-  while (const auto row = NextRow(statement, kind)) rows.push_back(*row);
-  return rows;
+  return RowsOf(state_, kLastArrived, flight_id, kind, max_num_rows);
+}
+
+std::vector<TelemetryRow> TelemetryStore::Latest(const std::string& flight_id,
+                                                 TelemetryKind kind,
+                                                 int max_num_rows) const {
+  return RowsOf(state_, kLatest, flight_id, kind, max_num_rows);
+}
+
+std::optional<TelemetryRow> TelemetryStore::FirstArrived(const std::string& flight_id,
+                                                         TelemetryKind kind) const {
+  const std::vector<TelemetryRow> rows = RowsOf(state_, kFirstArrived, flight_id, kind, 1);
+  return rows.empty() ? std::nullopt : std::optional(rows.front());
 }
 
 TelemetryPair TelemetryStore::Around(const std::string& flight_id,
