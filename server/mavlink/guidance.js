@@ -18,6 +18,8 @@ export const defaultGuidanceOptions = {
   maxAnswerAge_s: 3,
   // A way is searched ahead of the last place on it, as far as the aircraft gets in this time.
   search_s: 6,
+  // The way is flown so much higher: a landing that is a little too short cannot be mended.
+  aimHigh_m: 0.4,
   choice: defaultChoiceOptions,
   target: defaultTargetOptions,
 };
@@ -89,8 +91,10 @@ export class Guidance {
   }
 
   // Several times a second. now_s: a clock that never steps.
-  step(state, now_s) {
-    if (!state.position || !state.velocity) return;
+  step(heard, now_s) {
+    if (!heard.position || !heard.velocity) return;
+    const altitude_m = heard.position.altitude_m - this.#options.aimHigh_m;
+    const state = { ...heard, position: { ...heard.position, altitude_m } };
     const period_s = this.#isEngaged ? this.#options.recallPeriod_s : this.#options.watchPeriod_s;
     const isWanted = this.#isEngaged ? this.#phase !== 'final' : state.is_armed;
     if (isWanted && !this.#isAsking && now_s - this.#asked_s >= period_s) this.#ask(state, now_s);
@@ -224,6 +228,7 @@ export class Guidance {
     if (now_s - this.#sent_s < this.#options.targetPeriod_s - 0.02) return;
     this.#sent_s = now_s;
     const target = targetOn(this.#way, this.#progress, state, this.#options.target);
+    target.altitude_m += this.#options.aimHigh_m;
     this.#autopilot.goTo(target, this.#modes.mayChange);
     this.#modes.sendsGuided(now_s);
     if (this.#modes.isGuided) this.#autopilot.setSpeed(glideAirspeed_mps(this.#way.site));
