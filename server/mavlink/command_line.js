@@ -20,7 +20,8 @@ export const usage = `freelsd-mavlink --connect ADDRESS --url URL [options]
   --spool DIR          lines that wait for the service (default ~/.local/state/freelsd-mavlink)
   --spool-limit MIB    size of the spool (default 256)
   --status FILE        JSON state, as /v1/links tells it, written once a second
-  --silent             send no heartbeat
+  --rally              keep the autopilot's rally points at the best sites in reach
+  --silent             send nothing to the autopilot: no heartbeat, no mission
   --help
 `;
 
@@ -36,6 +37,7 @@ const options = {
   spool: { type: 'string' },
   'spool-limit': { type: 'string', default: '256' },
   status: { type: 'string' },
+  rally: { type: 'boolean', default: false },
   silent: { type: 'boolean', default: false },
   help: { type: 'boolean', default: false },
 };
@@ -73,6 +75,7 @@ export function parseCommandLine(args) {
     spoolFolder: values.spool ?? defaultSpool(),
     spoolBytes: wholeNumber('spool-limit', values['spool-limit'], 2, 65536) * 1024 * 1024,
     statusPath: values.status,
+    isRally: values.rally,
     isSilent: values.silent,
   };
 }
