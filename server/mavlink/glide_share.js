@@ -1,9 +1,10 @@
 // How much height the aircraft truly loses of what the told ways say. Only for the shape of the
 // way to a site that is flown to: what is in reach counts on the told glide alone. Pure.
 
-const minTold_m = 15;
+// Counts as much as if so much height had been lost as told: a short glide says little.
+const prior_m = 40;
 // Kept in reserve: lift or a lull may have helped.
-const reserve = 0.05;
+const reserve = 0.03;
 const least = 0.8;
 
 export class GlideShare {
@@ -22,7 +23,7 @@ export class GlideShare {
 
   // 1 and less.
   get share() {
-    if (this.#told_m < minTold_m) return 1;
-    return Math.min(1, Math.max(least, this.#lost_m / this.#told_m + reserve));
+    const share = (this.#lost_m + prior_m) / (this.#told_m + prior_m);
+    return Math.min(1, Math.max(least, share + reserve));
   }
 }

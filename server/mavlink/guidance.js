@@ -18,8 +18,10 @@ export const defaultGuidanceOptions = {
   maxAnswerAge_s: 3,
   // A way is searched ahead of the last place on it, as far as the aircraft gets in this time.
   search_s: 6,
-  // The way is flown so much higher: a landing that is a little too short cannot be mended.
-  aimHigh_m: 0.4,
+  // Another site at the earliest after so long.
+  minStay_s: 10,
+  // The way is flown so much lower: turns and airspeed that is left end above it.
+  aimLow_m: 0.5,
   choice: defaultChoiceOptions,
   target: defaultTargetOptions,
 };
@@ -48,6 +50,7 @@ export class Guidance {
   #progress;
   #prepared;
   #told_m;
+  #taken_s = -Infinity;
   #since;
   #text;
   #phase;
@@ -66,6 +69,8 @@ export class Guidance {
 
   get isEngaged() { return this.#isEngaged; }
   get way() { return this.#way; }
+  // The landing mission is in the autopilot, and the final has not begun.
+  get isPrepared() { return this.#isEngaged && this.#phase !== 'final' && this.#prepared?.isReady === true; }
 
   // reason: why the engine counts as failed. now_us: UTC.
   engage(state, reason, now_us) {
@@ -93,7 +98,7 @@ export class Guidance {
   // Several times a second. now_s: a clock that never steps.
   step(heard, now_s) {
     if (!heard.position || !heard.velocity) return;
-    const altitude_m = heard.position.altitude_m - this.#options.aimHigh_m;
+    const altitude_m = heard.position.altitude_m + this.#options.aimLow_m;
     const state = { ...heard, position: { ...heard.position, altitude_m } };
     const period_s = this.#isEngaged ? this.#options.recallPeriod_s : this.#options.watchPeriod_s;
     const isWanted = this.#isEngaged ? this.#phase !== 'final' : state.is_armed;
@@ -199,6 +204,7 @@ export class Guidance {
       return;
     }
     this.#told_m = site.arrival_margin_m;
+    this.#taken_s = now_s;
     this.#decide(`to site ${site.site_id}: ${reason}; margin ${this.#told_m.toFixed(1)} m, ${what}`, 'guidance');
     this.#sent_s = now_s - this.#options.targetPeriod_s;
   }
@@ -228,7 +234,7 @@ export class Guidance {
     if (now_s - this.#sent_s < this.#options.targetPeriod_s - 0.02) return;
     this.#sent_s = now_s;
     const target = targetOn(this.#way, this.#progress, state, this.#options.target);
-    target.altitude_m += this.#options.aimHigh_m;
+    target.altitude_m -= this.#options.aimLow_m;
     this.#autopilot.goTo(target, this.#modes.mayChange);
     this.#modes.sendsGuided(now_s);
     if (this.#modes.isGuided) this.#autopilot.setSpeed(glideAirspeed_mps(this.#way.site));
@@ -239,7 +245,8 @@ export class Guidance {
     if (!given?.isNew || now_s - given.asked_s > this.#options.maxAnswerAge_s) return;
     given.isNew = false;
     const chosen = choose(
-      { way: this.#way, progress: this.#progress, answer: given.answer, flightId: state.flight?.id },
+      { way: this.#way, progress: this.#progress, answer: given.answer, flightId: state.flight?.id,
+        mayChangeSite: now_s - this.#taken_s > this.#options.minStay_s },
       this.#options.choice);
     if (chosen) this.#take(chosen, state, now_s);
   }

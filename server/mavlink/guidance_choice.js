@@ -39,12 +39,12 @@ const told = (answer, siteId) =>
 // way: the present ToldWay, or nothing. progress: where the aircraft is on it, with energy_m: the
 // height above the way that it will have at the end, with what its airspeed is worth.
 // Gives { site, reason } for a new way, or nothing where the present one is kept.
-export function choose({ way, progress, answer, flightId }, options = defaultChoiceOptions) {
+export function choose({ way, progress, answer, flightId, mayChangeSite = true }, options = defaultChoiceOptions) {
   const sites = flyable(answer, flightId, options);
   if (!way) return sites.length ? { site: sites[0], reason: 'best site in reach' } : undefined;
   if (way.timeToFinal_s(progress.along_m) < options.committed_s) return undefined;
   const same = told(answer, way.site.site_id);
-  const other = better(sites, same, way, progress, options);
+  const other = mayChangeSite && better(sites, same, way, progress, options);
   if (other) return { site: other, reason: 'more margin than the present site' };
   const off = deviation(progress, options);
   if (!off || !same || !hasWay(same)) return undefined;

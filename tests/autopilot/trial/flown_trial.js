@@ -2,14 +2,14 @@
 // link guides it down. Simulated time waits while the service answers; the answer comes as much
 // later as it took.
 
-import { Autopilot } from '../../../server/mavlink/autopilot.js';
-import { Guidance } from '../../../server/mavlink/guidance.js';
+import { EngineFailure } from '../../../server/mavlink/engine_failure.js';
+import { Landings } from '../../../server/mavlink/landings.js';
 import { Link } from '../../../server/mavlink/link.js';
+import { Outgoing } from '../../../server/mavlink/outgoing.js';
 import { queryOf } from '../../../server/mavlink/recall_query.js';
 import { Standin } from '../standin/aircraft.js';
 import { LocalFrame } from '../standin/frame.js';
 import { Random } from '../standin/random.js';
-import { Sender } from '../standin/wire.js';
 
 const step_s = 0.02;
 const tick_s = 0.1;
@@ -45,7 +45,8 @@ export class FlownTrial {
   #survey;
   #plane;
   #link;
-  #guidance;
+  #landings;
+  #failure;
   #options;
   #waiting = [];
   #asked = new Set();
@@ -68,8 +69,9 @@ export class FlownTrial {
     this.#plane = this.#newPlane();
     this.#link = new Link({
       emit: () => {}, steady_us: () => this.#plane.time_s * 1e6, onEvent: (text) => this.#note('link', text),
+      onMessage: (name, fields) => this.#landings.hear(name, fields, this.#plane.time_s),
     });
-    this.#guidance = this.#newGuidance();
+    this.#connect();
     this.#plane.onSend = (bytes) => this.#link.take(bytes, '127.0.0.1 5760', true, this.#plane.utc_us);
   }
 
@@ -88,25 +90,29 @@ export class FlownTrial {
     });
   }
 
-  #newGuidance() {
-    const sender = new Sender({ systemId: 1, componentId: 191 });
-    const autopilot = new Autopilot({
-      send: (name, fields) => this.#plane.take(sender.bytes(name, fields)),
-      address: () => ({ targetSystem: 1, targetComponent: 1 }),
-      name: () => 'ardupilotmega',
-    });
-    const goTo = autopilot.goTo.bind(autopilot);
-    autopilot.goTo = (target, mayChange) => {
-      this.#firstTarget_s ??= this.#plane.time_s;
-      goTo(target, mayChange);
+  // As freelsd-mavlink.js does, without sockets.
+  #connect() {
+    const outgoing = new Outgoing({ send: (bytes) => this.#plane.take(bytes), systemId: () => this.#link.pin.systemId });
+    const send = outgoing.send.bind(outgoing);
+    outgoing.send = (name, fields) => {
+      if (name === 'COMMAND_INT') this.#firstTarget_s ??= this.#plane.time_s;
+      if (this.#final && name !== 'HEARTBEAT') ++this.#final.num_sent;
+      send(name, fields);
     };
-    return new Guidance({
-      recall: (query) => this.#ask(query),
-      autopilot,
-      mission: { prepare: (site) => this.#prepare(site) },
-      log: (text, kind) => this.#note(kind, text),
+    const common = {
+      address: () => this.#link.pin, told: () => {}, log: (text, kind) => this.#note(kind, text),
+    };
+    this.#landings = new Landings({
+      ...common, out: outgoing, linkState: () => this.#link.state(this.#plane.utc_us),
+      log: (kind, text) => this.#note(kind, text), service: {},
+    });
+    this.#failure = new EngineFailure({
+      ...common, recall: (query) => this.#ask(query), outgoing, landings: this.#landings,
+      state: () => this.#state(), isAutomatic: true,
     });
   }
+
+  get #guidance() { return this.#failure.guidance; }
 
   #note(kind, text) { this.#log.push({ time_s: this.#plane.time_s, kind, text }); }
 
@@ -125,19 +131,6 @@ export class FlownTrial {
     });
   }
 
-  // For the time being the items come at once.
-  #prepare(site) {
-    return new Promise((resolve) => {
-      this.#waiting.push({ due_s: this.#plane.time_s + 1.5, done: () => {
-        const item = (place, more) => ({ frame: 0, command: 16, param1: 0, param2: 0, param3: 0, param4: 0,
-          x: Math.round(place.latitude_deg * 1e7), y: Math.round(place.longitude_deg * 1e7), z: place.altitude_m, ...more });
-        this.#plane.loadMission([item(site.touchdown), item(site.touchdown, { command: 21 })]);
-        this.#plane.control.setCurrent(1);
-        resolve();
-      } });
-    });
-  }
-
   async #step() {
     this.#plane.step(step_s);
     const due = this.#waiting.filter((one) => one.due_s <= this.#plane.time_s);
@@ -149,7 +142,9 @@ export class FlownTrial {
     while (this.#asked.size > 0) await Promise.all(this.#asked);
   }
 
-  #state() { return { ...this.#link.state(this.#plane.utc_us), flight: { id: this.#survey.flight_id } }; }
+  #state() {
+    return { ...this.#link.state(this.#plane.utc_us), mission: this.#landings.state(), flight: { id: this.#survey.flight_id } };
+  }
 
   async #pass(duration_s, isOver = () => false) {
     const end_s = this.#plane.time_s + duration_s - step_s / 2;
@@ -166,12 +161,9 @@ export class FlownTrial {
       this.#track.push([now_s, truth.latitude_deg, truth.longitude_deg, truth.altitude_m,
         truth.airspeed_mps, truth.bank_deg, truth.throttle]);
     }
-    const state = this.#state();
-    if (state.engine.state === 'failed' && !this.#guidance.isEngaged && this.#detected_s === undefined) {
-      this.#detected_s = now_s;
-      this.#guidance.engage(state, state.engine.reason, this.#plane.utc_us);
-    }
-    this.#guidance.step(state, now_s);
+    this.#landings.step(now_s);
+    this.#failure.step(now_s, this.#plane.utc_us);
+    if (this.#guidance.isEngaged) this.#detected_s ??= now_s;
     this.#watchWay(truth);
   }
 
@@ -180,7 +172,7 @@ export class FlownTrial {
     if (way && way !== this.#ways.at(-1)?.way) this.#ways.push({ time_s: this.#plane.time_s, way });
     const phase = this.#guidance.state()?.phase;
     if (phase === 'final' && !this.#final) {
-      this.#final = { time_s: this.#plane.time_s, ...this.#guidance.state(), airspeed_mps: truth.airspeed_mps };
+      this.#final = { time_s: this.#plane.time_s, ...this.#guidance.state(), airspeed_mps: truth.airspeed_mps, num_sent: 0 };
     }
   }
 

@@ -34,5 +34,5 @@ for (let seed = Number(values.seed); tracks.length < Number(values.flights); ++s
   }
   tracks.push(flight);
   console.error(`flight ${flight.id}: ${flight.sites.join(', ')}`);
+  writeFileSync(values.out, JSON.stringify({ tracks, num_without_site: numWithout }));
 }
-writeFileSync(values.out, JSON.stringify({ tracks, num_without_site: numWithout }));
