@@ -98,7 +98,8 @@ export class Guidance {
   // Several times a second. now_s: a clock that never steps.
   step(heard, now_s) {
     if (!heard.position || !heard.velocity) return;
-    const altitude_m = heard.position.altitude_m + this.#options.aimLow_m;
+    const lower_m = this.#isEngaged && this.#way ? this.#options.aimLow_m : 0;
+    const altitude_m = heard.position.altitude_m + lower_m;
     const state = { ...heard, position: { ...heard.position, altitude_m } };
     const period_s = this.#isEngaged ? this.#options.recallPeriod_s : this.#options.watchPeriod_s;
     const isWanted = this.#isEngaged ? this.#phase !== 'final' : state.is_armed;
