@@ -9,6 +9,7 @@ import { ChangeStore } from './change_store.js';
 import { parseCommandLine, usage } from './command_line.js';
 import { open } from './connection.js';
 import { Decisions } from './decisions.js';
+import { EngineFailure } from './engine_failure.js';
 import { heartbeat } from './heartbeat.js';
 import { Landings } from './landings.js';
 import { Link } from './link.js';
@@ -39,9 +40,11 @@ function parsed() {
 }
 
 function stateOf(parts, connection) {
-  const { link, spool, uplink, sessions, decisions, landings } = parts;
+  const { link, spool, uplink, sessions, decisions, landings, engineFailure } = parts;
+  const heard = link.state();
   return {
-    ...link.state(),
+    ...heard,
+    ...engineFailure?.stateParts(heard.engine),
     connection,
     flight: sessions.name && { id: uplink.flightOf(sessions.name), name: sessions.name },
     service: {
@@ -126,6 +129,23 @@ function landingsFrom(parts, { config, outgoing, reporter, state }) {
   });
 }
 
+function engineFailureFrom(parts, { config, outgoing, reporter, state }) {
+  const { link, service, decisions, landings } = parts;
+  return new EngineFailure({
+    recall: (query) => service.emergency(query),
+    outgoing,
+    landings,
+    address: () => link.pin,
+    state,
+    log: (text, kind) => {
+      log(text);
+      decisions.add(kind, text);
+    },
+    told: (id, result, detail) => reporter.told(id, result, detail),
+    isAutomatic: config.isAutomatic,
+  });
+}
+
 async function run(config) {
   const parts = partsFrom(config);
   const { spool, uplink, link } = parts;
@@ -139,14 +159,17 @@ async function run(config) {
     name: config.name,
     state: () => stateOf(parts, state),
     onCommand: (command) => {
-      if (parts.landings?.take(command)) return;
+      const isTaken = parts.engineFailure?.take(command, Date.now() * 1000);
+      if (isTaken || parts.landings?.take(command)) return;
       if (command.kind === 'release') reporter.told(command.id, 'done');
       else reporter.told(command.id, 'failed', parts.landings ? `this program does not know the command ${command.kind}` : 'the link is silent');
     },
   });
   const outgoing = outgoingOf(parts, socket);
   if (!config.isSilent) {
-    parts.landings = landingsFrom(parts, { config, outgoing, reporter, state: () => stateOf(parts, state) });
+    const setting = { config, outgoing, reporter, state: () => stateOf(parts, state) };
+    parts.landings = landingsFrom(parts, setting);
+    parts.engineFailure = engineFailureFrom(parts, setting);
   }
   parts.decisions.onAdd = () => reporter.changed();
 
@@ -154,6 +177,7 @@ async function run(config) {
     setInterval(() => {
       link.tick();
       parts.landings?.step(performance.now() / 1000);
+      parts.engineFailure?.step(performance.now() / 1000, Date.now() * 1000);
       spool.flush();
       uplink.step();
       reporter.step();

@@ -251,8 +251,8 @@ export class MissionKeeper {
 
   // Nothing is sent on the final.
   get #isOnFinal() {
-    const { current_item } = this.#vehicle();
-    return this.#known?.site !== undefined && this.#known.items[current_item]?.command === command.land && this.#start?.isAccepted;
+    const { current_item, mode, missionMode } = this.#vehicle();
+    return this.#known?.site !== undefined && this.#known.items[current_item]?.command === command.land && mode === missionMode;
   }
 
   #check() {

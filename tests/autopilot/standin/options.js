@@ -41,6 +41,8 @@ const defaults = {
   sensors: {
     position_sd_m: 0.3,
     altitude_sd_m: 0.15,
+    // Constant, as of a barometer that was set elsewhere.
+    altitude_bias_m: 0,
     velocity_sd_mps: 0.08,
     attitude_sd_deg: 0.2,
     airspeed_sd_mps: 0.12,
