@@ -16,7 +16,8 @@ import { Random } from './standin/random.js';
 import { Transport } from './standin/transport.js';
 import { Sender } from './standin/wire.js';
 
-const numUploads = Number(process.env.FREELSD_UPLOADS ?? 24);
+// A short form for every run; all of it with FREELSD_UPLOADS=200.
+const numUploads = Number(process.env.FREELSD_UPLOADS ?? 16);
 const faults = { loss_ratio: 0.2, duplicate_ratio: 0.1, reorder_ratio: 0.1, delay_s: 0.05 };
 // From the first sign of another station's upload to the alarm.
 const maxUnnoticed_s = 35;
