@@ -10,7 +10,7 @@ import { Link } from '../../server/mavlink/link.js';
 import { Outgoing } from '../../server/mavlink/outgoing.js';
 import { parseCommandLine } from '../../server/mavlink/command_line.js';
 import { Standin } from './standin/aircraft.js';
-import { smallAircraft } from './trial/flown_trial.js';
+import { smallAircraft } from './trial/trial_plane.js';
 
 const final_m = 71;
 const finalHeight_m = 10;
