@@ -7,32 +7,16 @@ import { Landings } from '../../../server/mavlink/landings.js';
 import { Link } from '../../../server/mavlink/link.js';
 import { Outgoing } from '../../../server/mavlink/outgoing.js';
 import { queryOf } from '../../../server/mavlink/recall_query.js';
-import { Standin } from '../standin/aircraft.js';
-import { LocalFrame } from '../standin/frame.js';
 import { Random } from '../standin/random.js';
+import { defaultTrialOptions, planeOver, startRoute } from './trial_plane.js';
 
 const step_s = 0.02;
 const tick_s = 0.1;
 const track_s = 0.1;
-const routeHalf_m = 300;
-const routeHeights_m = [60, 160];
 const minFlight_s = 20;
 const maxFlight_s = 150;
 const longest_s = 240;
 const afterTouchdown_s = 12;
-
-// The aircraft of the profile "small", as its owner measured it: 10 m/s at the best glide.
-export const smallAircraft = {
-  aircraft: { best_glide_airspeed_mps: 10, stall_airspeed_mps: 7, max_thrust_ratio: 0.6, roll_decay_per_s: 0.67 },
-  parameters: {
-    AIRSPEED_CRUISE: 15, AIRSPEED_MIN: 8.5, AIRSPEED_MAX: 20, WP_RADIUS: 30, WP_LOITER_RAD: 40,
-    TECS_LAND_ARSPD: 10, LAND_FLARE_ALT: 2, LAND_FLARE_SEC: 1.5,
-  },
-};
-
-export const defaultTrialOptions = {
-  altimeter: 'survey', maxWind_mps: 6, glideRatios: [7.35, 8.4], gust_mps: 0.5,
-};
 
 // The surveys' flights are no longer in the service, only their sites.
 const withoutFlight = ({ flight, ...query }) => query;
@@ -66,28 +50,13 @@ export class FlownTrial {
     this.#options = { ...defaultTrialOptions, ...options, seed };
     this.#random = new Random(seed);
     this.#survey = surveys[Math.floor(this.#random.uniform() * surveys.length)];
-    this.#plane = this.#newPlane();
+    this.#plane = planeOver(this.#survey, { ground, random: this.#random, ...this.#options });
     this.#link = new Link({
       emit: () => {}, steady_us: () => this.#plane.time_s * 1e6, onEvent: (text) => this.#note('link', text),
       onMessage: (name, fields) => this.#landings.hear(name, fields, this.#plane.time_s),
     });
     this.#connect();
     this.#plane.onSend = (bytes) => this.#link.take(bytes, '127.0.0.1 5760', true, this.#plane.utc_us);
-  }
-
-  #newPlane() {
-    const { altimeter, maxWind_mps, glideRatios, gust_mps, seed } = this.#options;
-    const random = this.#random;
-    const home = { ...this.#survey.centre, altitude_m: this.#ground.lowest_m - 20 };
-    const frame = new LocalFrame(home);
-    return new Standin({
-      seed, home, ground: (east_m, north_m) => this.#ground.altitude_m(frame.toGlobal({ east_m, north_m })),
-      wind: { speed_mps: random.between(0, maxWind_mps), from_deg: random.between(0, 360), gust_sd_mps: gust_mps,
-        vertical_gust_sd_mps: gust_mps / 2 },
-      sensors: { altitude_bias_m: altimeter === 'survey' ? this.#survey.height_error_m : 0 },
-      aircraft: { ...smallAircraft.aircraft, max_glide_ratio: random.between(...glideRatios) },
-      parameters: smallAircraft.parameters,
-    });
   }
 
   // As freelsd-mavlink.js does, without sockets.
@@ -179,7 +148,7 @@ export class FlownTrial {
   // Route, then the engine stops where a site is in reach. Gives the report of the flight; nothing
   // if no such moment came.
   async fly() {
-    this.#startRoute();
+    startRoute(this.#plane, this.#random);
     await this.#pass(minFlight_s + this.#random.between(0, 30));
     const told = await this.#waitForSite();
     if (!told) return undefined;
@@ -188,23 +157,6 @@ export class FlownTrial {
     await this.#pass(longest_s, () => this.#plane.touchdown !== undefined);
     await this.#pass(afterTouchdown_s);
     return this.#report(told);
-  }
-
-  // Home is in the middle of the survey.
-  #startRoute() {
-    const random = this.#random;
-    const coordinate = () => random.between(-routeHalf_m, routeHalf_m);
-    const points = Array.from({ length: 12 }, () => ({ east_m: coordinate(), north_m: coordinate() }));
-    const highest_m = Math.max(...points.map((point) => this.#plane.ground(point.east_m, point.north_m)));
-    const altitude_m = highest_m + random.between(...routeHeights_m);
-    const items = points.map((point) => {
-      const { latitude_deg, longitude_deg } = this.#plane.frame.toGlobal(point);
-      return { frame: 0, command: 16, param1: 0, param2: 0, param3: 0, param4: 0,
-        x: Math.round(latitude_deg * 1e7), y: Math.round(longitude_deg * 1e7), z: altitude_m };
-    });
-    this.#plane.loadMission([items[0], ...items]);
-    this.#plane.startInFlight({ ...points[0], height_m: altitude_m - this.#plane.ground(points[0].east_m, points[0].north_m),
-      heading_deg: random.between(0, 360), airspeed_mps: 15, mode: 'AUTO' });
   }
 
   async #waitForSite() {
