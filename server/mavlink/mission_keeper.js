@@ -31,6 +31,8 @@ export class MissionKeeper {
   #job;
   #now_s = 0;
   #known;
+  // The last one that was written: items, site, warning.
+  #landing;
   #state = { state: 'unknown' };
   #isWritten_s = -Infinity;
   #suspect_s;
@@ -99,7 +101,9 @@ export class MissionKeeper {
     this.#task = new Task(changeItems({
       out: this.#out, type: missionType.mission, rules: this.#rules(), base: job.old, earlier: job.earlier,
       known: trustsKnown && this.#suspect_s === undefined && !left ? this.#known?.items : undefined,
-      wantedFrom: (old) => this.#missionWith(landing, keepsOthers ? old : old.slice(0, 1)),
+      wantedFrom: (old) => (keepsOthers && this.#whyNot(old)) || this.#missionWith(landing, keepsOthers ? old : old.slice(0, 1)),
+      // The item that is flown would end, and the autopilot return to launch.
+      mayWrite: () => keepsOthers || !this.#fliesMission,
       onWrite: ({ old, wanted }) => {
         Object.assign(job, { old, wanted });
         this.#isWritten_s = this.#now_s;
@@ -110,6 +114,18 @@ export class MissionKeeper {
   }
 
   #rules() { return { hasHome: this.#vehicle().isArdupilot }; }
+
+  get #fliesMission() {
+    const { isFlying, mode, missionMode } = this.#vehicle();
+    return isFlying && mode === missionMode;
+  }
+
+  // Its own landing sequence would be replaced under it.
+  #whyNot(old) {
+    const landingAt = old.findIndex((one) => one.command === command.landStart);
+    const isLanding = this.#fliesMission && landingAt >= 0 && this.#vehicle().current_item >= landingAt;
+    return isLanding ? 'the autopilot flies a landing sequence: take another mode first' : undefined;
+  }
 
   // The items before a landing sequence stay as they are, so that what is flown stays in place.
   #missionWith(landing, old) {
@@ -126,20 +142,30 @@ export class MissionKeeper {
     this.#job = undefined;
     this.#store.clear();
     this.#checked_s = this.#now_s;
-    if (items) this.#known = { items, site: how === outcome.done ? job.landing.site_id : undefined };
     this.#total = undefined;
     if (how === outcome.done) {
-      this.#state = { state: 'current', site: job.landing.site_id, kind: 'landing', ...this.#speedWarning(job.landing) };
+      this.#landing = { items, site: job.landing.site_id, ...this.#speedWarning(job.landing) };
+      this.#know(items);
       this.#log(`the landing mission to ${job.landing.site_id} is in the autopilot, read back equal`);
       job.finish(true);
       return;
     }
-    const alarm = { [outcome.foreign]: alarmOf.foreign, [outcome.restored]: alarmOf.restored }[how];
-    this.#lasting = alarm;
-    this.#state = items ? { state: 'current', kind: 'other', ...(alarm && { alarm }) }
-      : { state: 'unknown', alarm: alarmOf.trouble(why) };
-    this.#log(`no landing mission: ${why ?? alarm}${alarm ? `; ${alarm}` : ''}`);
-    job.finish(false, why ?? alarm);
+    this.#lasting = { [outcome.foreign]: alarmOf.foreign, [outcome.restored]: alarmOf.restored }[how];
+    if (items) this.#know(items);
+    else this.#state = { state: 'unknown', alarm: alarmOf.trouble(why) };
+    this.#log(`no landing mission: ${[why, this.#lasting].filter(Boolean).join('; ')}`);
+    job.finish(false, why ?? this.#lasting);
+  }
+
+  // What the autopilot has was read, and whether it is the last landing that was written.
+  #know(items) {
+    const { items: ours, site, warning } = this.#landing ?? {};
+    const isLanding = ours !== undefined && areSame(items, ours, this.#rules());
+    this.#known = { items, site: isLanding ? site : undefined };
+    this.#state = {
+      state: 'current', kind: isLanding ? 'landing' : 'other', ...(isLanding && { site }), ...(isLanding && warning && { warning }),
+      ...(this.#lasting && { alarm: this.#lasting }),
+    };
   }
 
   // A parameter is never written: the person decides.
@@ -239,6 +265,8 @@ export class MissionKeeper {
 
   step(now_s) {
     this.#now_s = now_s;
+    // A mere look at what is there ends when the final begins.
+    if (this.#isOnFinal && this.#task && !this.#job) this.#task = undefined;
     this.#task?.step(now_s);
     if (this.#task) return;
     this.#stepStart();
@@ -274,20 +302,14 @@ export class MissionKeeper {
   }
 
   #compare(items) {
-    const known = this.#known;
-    const isSame = known && areSame(items, known.items, this.#rules());
-    if (isSame && known.site) {
-      const { warning } = this.#state;
-      this.#state = { state: 'current', kind: 'landing', site: known.site, ...(warning && { warning }) };
-      return;
-    }
-    if (known?.site) {
+    const hadLanding = this.#known?.site !== undefined;
+    const isSame = this.#known && areSame(items, this.#known.items, this.#rules());
+    if (hadLanding && !isSame) {
       this.#lasting = alarmOf.foreign;
       this.#log(this.#lasting);
       this.#start = undefined;
     }
-    this.#known = { items };
-    this.#state = { state: 'current', kind: 'other', ...(this.#lasting && { alarm: this.#lasting }) };
+    this.#know(items);
   }
 
   // The program was ended during a change.
