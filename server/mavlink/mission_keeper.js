@@ -1,17 +1,19 @@
 // The landing mission in the autopilot: puts it there, knows whether it is there, and starts it.
 // No sockets and no clock: step(now_s), hear(name, fields, now_s), and what it sends goes to `out`.
 
-import { ardupilotItems, landingOfRecall, px4Items } from './landing_items.js';
+import { ardupilotItems, knowsFlare, landingOfRecall, px4Items } from './landing_items.js';
 import { changeItems, finishChange, outcome, Task } from './mission_change.js';
 import { areSame, command, item, missionType } from './mission_items.js';
 import { Download } from './item_transfer.js';
 
 const landStart = 189;
+const requests = new Set(['MISSION_REQUEST', 'MISSION_REQUEST_INT']);
 const repeatStart_s = 1.5;
 const numStarts = 4;
 // Somebody else's upload may still run when its first sign is heard.
 const suspicion_s = 1.5;
 const ownUpload_s = 5;
+const maxSpeedDifference_mps = 1;
 const recheck_s = 30;
 const reread_s = 10;
 
@@ -64,9 +66,10 @@ export class MissionKeeper {
   land(commandId, landing) {
     const wasMode = this.#vehicle().mode;
     this.#begin({ landing, keepsOthers: true, finish: (isThere, why) => {
+      const { isFlying, mode } = this.#vehicle();
+      const hindrance = !isFlying ? 'it does not fly' : mode !== wasMode ? 'the mode was changed' : undefined;
       if (!isThere) this.#told(commandId, 'failed', why);
-      else if (!this.#vehicle().isFlying) this.#told(commandId, 'done', 'in the autopilot; not started, because it does not fly');
-      else if (this.#vehicle().mode !== wasMode) this.#told(commandId, 'done', 'in the autopilot; not started, because the mode was changed');
+      else if (hindrance) this.#told(commandId, 'done', `in the autopilot; not started, because ${hindrance}`);
       else this.#beginStart(commandId, landing);
     } });
   }
@@ -144,7 +147,7 @@ export class MissionKeeper {
     this.#checked_s = this.#now_s;
     this.#total = undefined;
     if (how === outcome.done) {
-      this.#landing = { items, site: job.landing.site_id, ...this.#speedWarning(job.landing) };
+      this.#landing = { items, site: job.landing.site_id, warning: this.#warningOf(job.landing) };
       this.#know(items);
       this.#log(`the landing mission to ${job.landing.site_id} is in the autopilot, read back equal`);
       job.finish(true);
@@ -163,20 +166,23 @@ export class MissionKeeper {
     const isLanding = ours !== undefined && areSame(items, ours, this.#rules());
     this.#known = { items, site: isLanding ? site : undefined };
     this.#state = {
-      state: 'current', kind: isLanding ? 'landing' : 'other', ...(isLanding && { site }), ...(isLanding && warning && { warning }),
-      ...(this.#lasting && { alarm: this.#lasting }),
+      state: 'current', kind: isLanding ? 'landing' : 'other', ...(isLanding && { site }),
+      ...(isLanding && warning && { warning }), ...(this.#lasting && { alarm: this.#lasting }),
     };
   }
 
   // A parameter is never written: the person decides.
-  #speedWarning(landing) {
-    const { landing_airspeed_mps } = this.#vehicle();
-    if (landing.airspeed_mps === undefined || !this.#vehicle().isArdupilot) return {};
-    const warning = landing_airspeed_mps === undefined ? 'the autopilot\'s landing airspeed is not known'
-      : Math.abs(landing_airspeed_mps - landing.airspeed_mps) > 1
-        ? `the autopilot lands at ${landing_airspeed_mps.toFixed(1)} m/s, the site was planned for ${landing.airspeed_mps.toFixed(1)} m/s` : undefined;
-    if (warning) this.#log(warning);
-    return warning ? { warning } : {};
+  #warningOf({ airspeed_mps: planned_mps }) {
+    const { landing_airspeed_mps: own_mps, isArdupilot, parameters } = this.#vehicle();
+    if (!isArdupilot) return undefined;
+    const warnings = [];
+    if (!knowsFlare(parameters)) warnings.push('the autopilot\'s flare is not known: the final is flown lower than it was checked');
+    if (own_mps === undefined) warnings.push('the autopilot\'s landing airspeed is not known');
+    else if (Math.abs(own_mps - planned_mps) > maxSpeedDifference_mps) {
+      warnings.push(`the autopilot lands at ${own_mps.toFixed(1)} m/s, the site was planned for ${planned_mps.toFixed(1)} m/s`);
+    }
+    warnings.forEach((text) => this.#log(text));
+    return warnings.join('; ') || undefined;
   }
 
   #beginStart(commandId, landing) {
@@ -243,11 +249,12 @@ export class MissionKeeper {
     else if (name === 'STATUSTEXT') this.#onText(fields.text);
     else if (fields.isForeign) this.#onForeign(name, fields);
     else this.#task?.hear(name, fields, now_s);
-    if (name === 'MISSION_REQUEST' || name === 'MISSION_REQUEST_INT') this.#isWritten_s = fields.isForeign ? this.#isWritten_s : now_s;
+    if (!fields.isForeign && requests.has(name)) this.#isWritten_s = now_s;
   }
 
   #onForeign(name, { missionType: type }) {
-    if (type === missionType.mission && /^MISSION_(REQUEST(_INT)?|ACK)$/.test(name)) this.#suspect('another ground station writes');
+    const isOfUpload = requests.has(name) || name === 'MISSION_ACK';
+    if (type === missionType.mission && isOfUpload) this.#suspect('another ground station writes');
   }
 
   #onText(text) {
