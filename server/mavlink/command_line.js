@@ -20,7 +20,11 @@ export const usage = `freelsd-mavlink --connect ADDRESS --url URL [options]
   --spool DIR          lines that wait for the service (default ~/.local/state/freelsd-mavlink)
   --spool-limit MIB    size of the spool (default 256)
   --status FILE        JSON state, as /v1/links tells it, written once a second
-  --silent             send no heartbeat
+  --rally              keep the autopilot's rally points at the best sites in reach
+  --on-engine-failure land
+                       fly to the best site in reach without a person's word; only over serial or
+                       with --signing-key
+  --silent             send nothing to the autopilot: no heartbeat, no mission
   --help
 `;
 
@@ -36,6 +40,8 @@ const options = {
   spool: { type: 'string' },
   'spool-limit': { type: 'string', default: '256' },
   status: { type: 'string' },
+  'on-engine-failure': { type: 'string' },
+  rally: { type: 'boolean', default: false },
   silent: { type: 'boolean', default: false },
   help: { type: 'boolean', default: false },
 };
@@ -56,12 +62,23 @@ function idOf(option, text) {
 const defaultSpool = () =>
   join(process.env.XDG_STATE_HOME ?? join(homedir(), '.local', 'state'), 'freelsd-mavlink');
 
+// Whoever can send from the autopilot's address could pretend the failure.
+function isAutomatic({ 'on-engine-failure': wanted, 'signing-key': key, silent }, { kind }) {
+  if (wanted === undefined) return false;
+  if (wanted !== 'land') throw new Error(`--on-engine-failure ${wanted}: must be land`);
+  if (kind !== 'serial' && !key) throw new Error('--on-engine-failure: only over serial or with --signing-key');
+  if (silent) throw new Error('--on-engine-failure: not with --silent');
+  return true;
+}
+
 export function parseCommandLine(args) {
   const { values } = parseArgs({ args, options });
   if (values.help) return { isHelp: true };
   for (const name of ['connect', 'url']) if (!values[name]) throw new Error(`--${name} is missing`);
+  const address = parseAddress(values.connect);
   return {
-    address: parseAddress(values.connect),
+    address,
+    isAutomatic: isAutomatic(values, address),
     connect: values.connect,
     url: values.url,
     token: values['token-file'] && readFileSync(values['token-file'], 'utf8').trim(),
@@ -73,6 +90,7 @@ export function parseCommandLine(args) {
     spoolFolder: values.spool ?? defaultSpool(),
     spoolBytes: wholeNumber('spool-limit', values['spool-limit'], 2, 65536) * 1024 * 1024,
     statusPath: values.status,
+    isRally: values.rally,
     isSilent: values.silent,
   };
 }

@@ -1,6 +1,7 @@
 // Flies an aircraft whose engine has failed to a site: by targets to the start of the final, then
 // by a landing mission, on which nothing is sent. No sockets: what it asks and sends is handed in.
 
+import { GlideShare } from './glide_share.js';
 import { choose, defaultChoiceOptions } from './guidance_choice.js';
 import { FinalGate } from './guidance_final.js';
 import { ModeWatch } from './guidance_modes.js';
@@ -17,12 +18,17 @@ export const defaultGuidanceOptions = {
   maxAnswerAge_s: 3,
   // A way is searched ahead of the last place on it, as far as the aircraft gets in this time.
   search_s: 6,
+  // Another site at the earliest after so long.
+  minStay_s: 10,
+  // The way is flown so much lower: turns and airspeed that is left end above it.
+  aimLow_m: 0.5,
   choice: defaultChoiceOptions,
   target: defaultTargetOptions,
 };
 
 // What is left of airspeed that becomes height.
 const kineticShare = 0.9;
+const lastLook_s = 2;
 
 export class Guidance {
   #recall;
@@ -33,6 +39,7 @@ export class Guidance {
   #wind = new WindHold();
   #modes;
   #gate;
+  #glide;
   #answer;
   #isAsking = false;
   #asked_s = -Infinity;
@@ -43,6 +50,7 @@ export class Guidance {
   #progress;
   #prepared;
   #told_m;
+  #taken_s = -Infinity;
   #since;
   #text;
   #phase;
@@ -61,6 +69,8 @@ export class Guidance {
 
   get isEngaged() { return this.#isEngaged; }
   get way() { return this.#way; }
+  // The landing mission is in the autopilot, and the final has not begun.
+  get isPrepared() { return this.#isEngaged && this.#phase !== 'final' && this.#prepared?.isReady === true; }
 
   // reason: why the engine counts as failed. now_us: UTC.
   engage(state, reason, now_us) {
@@ -68,6 +78,7 @@ export class Guidance {
     this.#isEngaged = true;
     this.#modes = new ModeWatch(state);
     this.#gate = new FinalGate();
+    this.#glide = new GlideShare();
     this.#way = undefined;
     this.#prepared = undefined;
     this.#hasToldNothing = false;
@@ -85,8 +96,11 @@ export class Guidance {
   }
 
   // Several times a second. now_s: a clock that never steps.
-  step(state, now_s) {
-    if (!state.position || !state.velocity) return;
+  step(heard, now_s) {
+    if (!heard.position || !heard.velocity) return;
+    const lower_m = this.#isEngaged && this.#way ? this.#options.aimLow_m : 0;
+    const altitude_m = heard.position.altitude_m + lower_m;
+    const state = { ...heard, position: { ...heard.position, altitude_m } };
     const period_s = this.#isEngaged ? this.#options.recallPeriod_s : this.#options.watchPeriod_s;
     const isWanted = this.#isEngaged ? this.#phase !== 'final' : state.is_armed;
     if (isWanted && !this.#isAsking && now_s - this.#asked_s >= period_s) this.#ask(state, now_s);
@@ -122,7 +136,8 @@ export class Guidance {
     this.#asked_s = now_s;
     const wind = this.#wind.take(state.wind, (text) => this.#isEngaged && this.#decide(text, 'wind'));
     try {
-      const answer = await this.#recall(queryOf(state, wind, this.#surplus_m(state)));
+      const answer = await this.#recall(queryOf(state, wind, {
+        airspeed_m: this.#surplus_m(state), better_m: this.#better_m(state) }));
       this.#answer = { answer, asked_s: now_s, isNew: true };
       this.#tellReachable(true);
     } catch (error) {
@@ -132,15 +147,26 @@ export class Guidance {
     }
   }
 
-  // Only a way that is flown counts on airspeed: a site is chosen without.
+  // Only a way that is flown counts on airspeed and on a better glide: a site is chosen without.
   #surplus_m(state) {
     if (!this.#way || !this.#isEngaged || state.airspeed_mps === undefined) return 0;
     return kineticShare * kinetic_m(state.airspeed_mps, glideAirspeed_mps(this.#way.site));
   }
 
+  // Height that the way may be planned higher, because less of it will be lost.
+  #better_m(state) {
+    if (!this.#way || !this.#isEngaged) return 0;
+    const left_m = state.position.altitude_m - this.#way.site.approach.start.altitude_m;
+    return Math.max(0, left_m) * (1 / this.#glide.share - 1);
+  }
+
   #nearest(state, from_m, to_m) {
     const nearest = this.#way.nearest(state.position, from_m, to_m);
-    return { ...nearest, energy_m: nearest.height_m + this.#surplus_m(state) };
+    const energy_m = nearest.height_m + this.#surplus_m(state);
+    const { altitude_m } = this.#way.at(nearest.along_m);
+    this.#glide.add(this.#way, altitude_m, energy_m);
+    const left_m = Math.max(0, altitude_m - this.#way.finalStartAltitude_m);
+    return { ...nearest, energy_m: energy_m + (1 - this.#glide.share) * left_m };
   }
 
   #tellReachable(isReachable, why) {
@@ -155,7 +181,7 @@ export class Guidance {
   #begin(state, now_s) {
     if (this.#isAsking && now_s - this.#asked_s < 1) return;
     if (!this.#answer?.isNew && this.#isReachable) return;
-    const chosen = choose({ answer: this.#answer?.answer }, this.#options.choice);
+    const chosen = choose({ answer: this.#answer?.answer, flightId: state.flight?.id }, this.#options.choice);
     if (this.#answer) this.#answer.isNew = false;
     if (chosen) {
       this.#take(chosen, state, now_s);
@@ -179,6 +205,7 @@ export class Guidance {
       return;
     }
     this.#told_m = site.arrival_margin_m;
+    this.#taken_s = now_s;
     this.#decide(`to site ${site.site_id}: ${reason}; margin ${this.#told_m.toFixed(1)} m, ${what}`, 'guidance');
     this.#sent_s = now_s - this.#options.targetPeriod_s;
   }
@@ -199,6 +226,7 @@ export class Guidance {
     const from_m = this.#progress.along_m - 5;
     this.#progress = this.#nearest(state, from_m, from_m + reach_m);
     this.#reconsider(state, now_s);
+    this.#addCircle();
     if (this.#gate.isOpen(this.#way, this.#progress, state) && this.#prepared.isReady) {
       this.#beginFinal(state, now_s);
       return;
@@ -207,6 +235,7 @@ export class Guidance {
     if (now_s - this.#sent_s < this.#options.targetPeriod_s - 0.02) return;
     this.#sent_s = now_s;
     const target = targetOn(this.#way, this.#progress, state, this.#options.target);
+    target.altitude_m -= this.#options.aimLow_m;
     this.#autopilot.goTo(target, this.#modes.mayChange);
     this.#modes.sendsGuided(now_s);
     if (this.#modes.isGuided) this.#autopilot.setSpeed(glideAirspeed_mps(this.#way.site));
@@ -217,8 +246,24 @@ export class Guidance {
     if (!given?.isNew || now_s - given.asked_s > this.#options.maxAnswerAge_s) return;
     given.isNew = false;
     const chosen = choose(
-      { way: this.#way, progress: this.#progress, answer: given.answer }, this.#options.choice);
+      { way: this.#way, progress: this.#progress, answer: given.answer, flightId: state.flight?.id,
+        mayChangeSite: now_s - this.#taken_s > this.#options.minStay_s },
+      this.#options.choice);
     if (chosen) this.#take(chosen, state, now_s);
+  }
+
+  // Where no told way loses the surplus: once more around, if the aircraft then arrives nearer to
+  // the height of the final.
+  #addCircle() {
+    const way = this.#way;
+    if (way.timeToFinal_s(this.#progress.along_m) > lastLook_s) return;
+    const surplus_m = this.#progress.energy_m + way.surplus_m;
+    if (surplus_m < this.#options.choice.maxSurplus_m) return;
+    const longer = way.withCircle(way.site.aircraft.glide_ratio, glideAirspeed_mps(way.site));
+    const left_m = this.#progress.energy_m + longer.surplus_m;
+    if (left_m < -this.#options.choice.maxLow_m) return;
+    this.#way = longer;
+    this.#decide(`one more circle: ${surplus_m.toFixed(0)} m above the start of the final`, 'guidance');
   }
 
   #beginFinal(state, now_s) {

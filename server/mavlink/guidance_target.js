@@ -20,7 +20,7 @@ export const defaultTargetOptions = {
   // shortly before the final, where a longer way can no longer lose the height.
   maxAirspeed_ratio: 1.1,
   maxLastAirspeed_ratio: 1.25,
-  last_s: 7,
+  last_s: 6,
 };
 
 // Height that the airspeed is worth, above the glide airspeed.

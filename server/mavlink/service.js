@@ -3,6 +3,8 @@
 const longest_ms = 20_000;
 // A command must not wait behind an answer that does not come.
 const linkTimeout_ms = 3000;
+// A plan for another wind may take its time.
+const landingTimeout_ms = 8000;
 // In the air a late answer is none.
 const emergencyTimeout_ms = 2500;
 
@@ -72,9 +74,15 @@ export class Service {
     return this.#json(`v1/emergency?${new URLSearchParams(query)}`, { timeout_ms: limit_ms });
   }
 
-  // Properties of a site, with its approach.
+  // A site as a GeoJSON feature.
   site(siteId) {
     return this.#json(`v1/sites/${encodeURIComponent(siteId)}`, { timeout_ms: linkTimeout_ms });
+  }
+
+  // Path of a site, planned for a wind if it is known.
+  approach(siteId, wind) {
+    const query = wind ? `?${new URLSearchParams({ wind_east_mps: wind.east_mps, wind_north_mps: wind.north_mps })}` : '';
+    return this.#json(`v1/sites/${encodeURIComponent(siteId)}/approach${query}`, { timeout_ms: landingTimeout_ms });
   }
 
   async #json(path, { headers = {}, timeout_ms = longest_ms, ...options } = {}) {

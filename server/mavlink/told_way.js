@@ -42,6 +42,7 @@ export class ToldWay {
     this.end_m = this.#points.at(-1).along_m;
   }
 
+  get finalStartAltitude_m() { return this.#points.at(-2).altitude_m; }
   get length_m() { return this.end_m; }
   // Height of the way above the planned start of the final.
   get surplus_m() { return this.#points.at(-2).altitude_m - this.site.approach.start.altitude_m; }
@@ -49,6 +50,24 @@ export class ToldWay {
   get numCircles() {
     const circle_m = 2 * Math.PI * this.site.approach.loiter_radius_m;
     return Math.round((this.finalStart_m - this.arrival_m) / circle_m);
+  }
+
+  // The same way with one more circle before the final; nothing if the circle is not told.
+  withCircle(glideRatio, airspeed_mps) {
+    const { approach, path, times_s } = this.site;
+    const turn = circlePoints(this.#frame, approach, { glideRatio, airspeed_mps });
+    const start = path.coordinates.at(-2);
+    const added = turn.map(({ east_m, north_m, lost_m }) => {
+      const { latitude_deg, longitude_deg } = this.#frame.toGlobal({ east_m, north_m });
+      return [longitude_deg, latitude_deg, start[2] - lost_m];
+    });
+    const startTime_s = times_s.at(-2);
+    const later_s = turn.at(-1).time_s;
+    return new ToldWay({
+      ...this.site,
+      path: { ...path, coordinates: [...path.coordinates.slice(0, -1), ...added, path.coordinates.at(-1)] },
+      times_s: [...times_s.slice(0, -1), ...turn.map((point) => startTime_s + point.time_s), times_s.at(-1) + later_s],
+    });
   }
 
   // Where the way is nearest between two lengths along it. right_m: of the way, positive;
@@ -127,3 +146,28 @@ const samePlaceAs = (a, b) => gap(new FlatFrame(a).toLocal(b), { east_m: 0, nort
 // Another wind may move the final of a site.
 export const isSameFinal = (a, b) => samePlaceAs(a.touchdown, b.touchdown) &&
   samePlaceAs(a.approach.start, b.approach.start);
+
+const numCirclePoints = 36;
+const gravity_mps2 = 9.81;
+
+// From the start of the final once around the circle of the approach. lost_m: as recall counts it,
+// all drag is induced.
+function circlePoints(frame, approach, { glideRatio, airspeed_mps }) {
+  const centre = frame.toLocal(approach.loiter_center);
+  const start = frame.toLocal(approach.start);
+  const radius_m = approach.loiter_radius_m;
+  const side = approach.loiter_direction === 'right' ? 1 : -1;
+  const first_rad = Math.atan2(start.east_m - centre.east_m, start.north_m - centre.north_m);
+  const load = airspeed_mps ** 2 / (gravity_mps2 * radius_m);
+  return Array.from({ length: numCirclePoints }, (_, i) => {
+    const share = (i + 1) / numCirclePoints;
+    const angle_rad = first_rad + side * share * 2 * Math.PI;
+    const flown_m = share * 2 * Math.PI * radius_m;
+    return {
+      east_m: centre.east_m + radius_m * Math.sin(angle_rad),
+      north_m: centre.north_m + radius_m * Math.cos(angle_rad),
+      lost_m: (flown_m / glideRatio) * (1 + load ** 2),
+      time_s: flown_m / airspeed_mps,
+    };
+  });
+}

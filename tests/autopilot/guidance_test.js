@@ -100,6 +100,24 @@ test('off the way, the new way to the same site is taken', () => {
   }
 });
 
+test('a new way is not taken if it leaves more surplus height than the aircraft has on this one', () => {
+  const way = new ToldWay(site());
+  const surplus = site();
+  surplus.approach = { ...surplus.approach, start: place(0, -70, 430) };
+  const progress = on(way, place(0, -300, 503));
+  assert.equal(choose({ way, progress, answer: { sites: [surplus] } }), undefined);
+});
+
+test('one more circle begins and ends at the start of the final, lower', () => {
+  const way = new ToldWay(site({ circle: false }));
+  way.site.approach.loiter_center = place(-20, -70, 460);
+  way.site.approach.loiter_direction = 'left';
+  const longer = way.withCircle(7, 10);
+  assert.equal(longer.numCircles, way.numCircles + 1);
+  assert.ok(Math.abs(longer.heading_deg(longer.arrival_m + 2)) < 8, 'it leaves in the direction of the final');
+  assert.ok(way.surplus_m - longer.surplus_m > 15 && way.surplus_m - longer.surplus_m < 30);
+});
+
 test('another site is taken only where the margin has gone and the other has much more', () => {
   const way = new ToldWay(site());
   const low = on(way, place(0, -300, 498));

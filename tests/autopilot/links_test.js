@@ -70,7 +70,7 @@ test('another program under the same name is refused, and a service that starts 
   let service = startServer();
   await isReady(setup);
   startLink('--name', 'wing');
-  const flying = replay(readTlog(path).slice(0, 12_000), { port: setup.udpPort, speed: 0.5 });
+  const flying = replay(readTlog(path).slice(0, 5000), { port: setup.udpPort, speed: 0.5 });
   await until('the link', async () => (await get('/v1/links')).links[0]?.is_connected);
   const intruder = await fetch(`${setup.url}/v1/links/wing`, {
     method: 'PUT', headers: as('link'), body: JSON.stringify({ run: 'another', is_connected: true }),

@@ -10,7 +10,8 @@ import test from 'node:test';
 
 import { open, parseAddress } from '../../server/mavlink/connection.js';
 import { PacketReader } from '../../server/mavlink/framing.js';
-import { heartbeatBytes } from '../../server/mavlink/heartbeat.js';
+import { heartbeat } from '../../server/mavlink/heartbeat.js';
+import { messageOf, packetBytes } from '../../server/mavlink/messages.js';
 
 const sleep = (duration_ms) => new Promise((resolve) => { setTimeout(resolve, duration_ms); });
 const hasSocat = spawnSync('socat', ['-V']).status === 0;
@@ -36,6 +37,7 @@ async function connected(t, address) {
   return Object.assign(end, { send: connection.send });
 }
 
+const heartbeatBytes = (systemId, sequence) => packetBytes(messageOf('HEARTBEAT', heartbeat), { systemId, componentId: 191, sequence });
 const packets = (count, first = 0) => Array.from({ length: count }, (_, i) => heartbeatBytes(7, (first + i) % 256));
 
 test('TCP: packets in both directions, however they are cut, and again after the autopilot went away', async (t) => {

@@ -232,7 +232,7 @@ export class Standin {
     const body = this.#body;
     const believed = this.#sensors.place(body);
     return { ...believed, airspeed_mps: body.indicated_mps, acceleration_mps2: body.acceleration_mps2,
-      climb_mps: body.climb_mps, path_rad: body.path_rad, velocity: body.velocity, wind: this.#sensors.wind,
+      power_ratio: body.power_ratio, climb_mps: body.climb_mps, path_rad: body.path_rad, velocity: body.velocity, wind: this.#sensors.wind,
       drag_ratio: body.drag_ratio(body.load), levelDrag_ratio: (airspeed_mps) => body.drag_ratio(1, airspeed_mps), max_thrust_ratio: this.#options.aircraft.max_thrust_ratio };
   }
 

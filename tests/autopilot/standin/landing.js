@@ -4,8 +4,9 @@ import { clamp } from './frame.js';
 import { onLeg } from './navigation.js';
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
-// The sink grows when the throttle is cut; from a recording.
-const cutSink = 1.9;
+// The sink grows when the throttle is cut; from a recording. Without power there is nothing to cut.
+const cutSink = 1.6;
+const hasPower_ratio = 0.02;
 
 export class Landing {
   #parameters;
@@ -16,16 +17,16 @@ export class Landing {
   constructor(parameters) { this.#parameters = parameters; }
 
   // from, to: ends of the final with altitude_m. Gives the target for the energy control.
-  step(place, from, to, { groundSpeed_mps, sink_mps, headwind_mps }) {
+  step(place, from, to, { groundSpeed_mps, sink_mps, headwind_mps, power_ratio }) {
     const leg = onLeg(place, from, to);
     const fall_m = from.altitude_m - to.altitude_m;
     const final = this.#slopeOf(fall_m, leg.length_m, groundSpeed_mps);
     const height_m = place.altitude_m - to.altitude_m;
-    this.#watch(height_m, sink_mps, leg.share);
+    this.#watch(height_m, sink_mps, leg.share, power_ratio);
     const altitude_m = from.altitude_m - final.slope * leg.along_m;
     if (!this.isFlaring) {
       return { altitude_m: clamp(altitude_m, to.altitude_m - 30, from.altitude_m),
-        airspeed_mps: this.#airspeed_mps(headwind_mps), speedWeight: 1, slope: final.slope };
+        airspeed_mps: this.#airspeed_mps(headwind_mps), speedWeight: 1, timeConstant_s: this.#parameters.TECS_LAND_TCONST, slope: final.slope };
     }
     return this.#flare(height_m, groundSpeed_mps);
   }
@@ -42,13 +43,13 @@ export class Landing {
     return { slope: (fall_m - aim_m) / (length_m - flare_m) };
   }
 
-  #watch(height_m, sink_mps, share) {
+  #watch(height_m, sink_mps, share, power_ratio) {
     const { LAND_FLARE_ALT, LAND_FLARE_SEC } = this.#parameters;
     const isLow = height_m <= LAND_FLARE_ALT || (share > 0.5 && height_m <= sink_mps * LAND_FLARE_SEC);
     if (this.isFlaring || !(isLow || share >= 1)) return;
     this.isFlaring = true;
     this.flareHeight_m = Math.max(0.5, height_m);
-    this.flareSink_mps = Math.max(0.3, cutSink * sink_mps);
+    this.flareSink_mps = Math.max(0.3, (power_ratio > hasPower_ratio ? cutSink : 1) * sink_mps);
   }
 
   #flare(height_m, groundSpeed_mps) {

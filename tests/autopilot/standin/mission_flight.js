@@ -184,7 +184,7 @@ export class MissionFlight {
     const headwind_mps = -(now.wind.east_mps * Math.sin(course_rad) + now.wind.north_mps * Math.cos(course_rad));
     const wasFlaring = this.#landing.isFlaring;
     const target = this.#landing.step(now, this.#from, this.#to, {
-      groundSpeed_mps: Math.max(0.5, Math.hypot(east_mps, north_mps)), sink_mps: -now.climb_mps, headwind_mps });
+      groundSpeed_mps: Math.max(0.5, Math.hypot(east_mps, north_mps)), sink_mps: -now.climb_mps, headwind_mps, power_ratio: now.power_ratio });
     if (this.#landing.isFlaring && !wasFlaring) {
       this.#plane.text(`Flare ${(now.altitude_m - this.#to.altitude_m).toFixed(1)}m sink=${(-now.climb_mps).toFixed(2)} ` +
         `speed=${Math.hypot(east_mps, north_mps).toFixed(1)} dist=${distance(now, this.#to).toFixed(1)}`);

@@ -41,6 +41,8 @@ const defaults = {
   sensors: {
     position_sd_m: 0.3,
     altitude_sd_m: 0.15,
+    // Constant, as of a barometer that was set elsewhere.
+    altitude_bias_m: 0,
     velocity_sd_mps: 0.08,
     attitude_sd_deg: 0.2,
     airspeed_sd_mps: 0.12,
@@ -61,7 +63,7 @@ const defaults = {
     AIRSPEED_CRUISE: 22, AIRSPEED_MIN: 10, AIRSPEED_MAX: 30, ROLL_LIMIT_DEG: 45, PTCH_LIM_MAX_DEG: 20,
     PTCH_LIM_MIN_DEG: -25, WP_RADIUS: 50, WP_LOITER_RAD: 80, RTL_ALTITUDE: 100, RTL_AUTOLAND: 2,
     RTL_RADIUS: 0, RALLY_LIMIT_KM: 5, RALLY_INCL_HOME: 1, TECS_CLMB_MAX: 5, TECS_SINK_MAX: 5,
-    TECS_TIME_CONST: 5, TECS_SPDWEIGHT: 1, TECS_LAND_ARSPD: -1, TECS_LAND_SINK: 0.25,
+    TECS_TIME_CONST: 5, TECS_SPDWEIGHT: 1, TECS_LAND_ARSPD: -1, TECS_LAND_SINK: 0.25, TECS_LAND_TCONST: 2,
     LAND_FLARE_ALT: 3, LAND_FLARE_SEC: 3, LAND_FLARE_AIM: 50, LAND_WIND_COMP: 50, LAND_DISARMDELAY: 20, NAVL1_PERIOD: 12,
     ALT_SLOPE_MIN: 15,
     MIS_TOTAL: 0, SYSID_THISMAV: 1,

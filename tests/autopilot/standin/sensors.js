@@ -60,7 +60,7 @@ export class Sensors {
     return {
       east_m: body.east_m + this.#noise.east.value,
       north_m: body.north_m + this.#noise.north.value,
-      altitude_m: body.altitude_m + this.#noise.up.value,
+      altitude_m: body.altitude_m + this.#options.altitude_bias_m + this.#noise.up.value,
     };
   }
 

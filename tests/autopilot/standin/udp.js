@@ -23,12 +23,13 @@ export function serveUdp(plane, { host = '127.0.0.1', toPort = 14550, speed = 1,
     socket.close();
   } };
   let last_ms = performance.now();
+  let left_s = 0;
   const timer = setInterval(() => {
     const now_ms = performance.now();
-    const passed_s = Math.min(longestStep_s, (now_ms - last_ms) / 1000) * speed;
+    left_s += Math.min(longestStep_s, (now_ms - last_ms) / 1000) * speed;
     last_ms = now_ms;
     const { step_s } = plane.options;
-    for (let left_s = passed_s; left_s > step_s / 2; left_s -= step_s) {
+    for (; left_s >= step_s; left_s -= step_s) {
       up.step(plane.time_s);
       plane.step(step_s);
       down.step(plane.time_s);

@@ -2,42 +2,35 @@
 // link guides it down. Simulated time waits while the service answers; the answer comes as much
 // later as it took.
 
-import { Autopilot } from '../../../server/mavlink/autopilot.js';
-import { Guidance } from '../../../server/mavlink/guidance.js';
+import { EngineFailure } from '../../../server/mavlink/engine_failure.js';
+import { Landings } from '../../../server/mavlink/landings.js';
 import { Link } from '../../../server/mavlink/link.js';
+import { Outgoing } from '../../../server/mavlink/outgoing.js';
 import { queryOf } from '../../../server/mavlink/recall_query.js';
-import { Standin } from '../standin/aircraft.js';
-import { LocalFrame } from '../standin/frame.js';
 import { Random } from '../standin/random.js';
-import { Sender } from '../standin/wire.js';
+import { defaultTrialOptions, planeOver, startRoute } from './trial_plane.js';
 
 const step_s = 0.02;
 const tick_s = 0.1;
 const track_s = 0.1;
-const border = 0.07;
 const minFlight_s = 20;
 const maxFlight_s = 150;
 const longest_s = 240;
 const afterTouchdown_s = 12;
 
-// The aircraft of the profile "small", as its owner measured it: 10 m/s at the best glide.
-export const smallAircraft = {
-  aircraft: { best_glide_airspeed_mps: 10, stall_airspeed_mps: 7, max_thrust_ratio: 0.6 },
-  parameters: {
-    AIRSPEED_CRUISE: 15, AIRSPEED_MIN: 8.5, AIRSPEED_MAX: 20, WP_RADIUS: 30, WP_LOITER_RAD: 40,
-    TECS_LAND_ARSPD: 10, LAND_FLARE_ALT: 1.5, LAND_FLARE_SEC: 1,
-  },
-};
-
+// The surveys' flights are no longer in the service, only their sites.
+const withoutFlight = ({ flight, ...query }) => query;
 const sleepless = () => new Promise((resolve) => { setImmediate(resolve); });
 
 export class FlownTrial {
   #random;
   #ground;
   #service;
+  #survey;
   #plane;
   #link;
-  #guidance;
+  #landings;
+  #failure;
   #options;
   #waiting = [];
   #asked = new Set();
@@ -49,55 +42,46 @@ export class FlownTrial {
   #stopped_s;
   #final;
 
-  // service: emergency(query). options: seed, wind_mps at most, glide_ratio range.
-  constructor({ ground, service, seed, maxWind_mps = 6, glideRatios = [7.35, 8.4], gust_mps = 0.5 }) {
+  // service: emergency(query). surveys: as of surveys.js; the flight is over one of them. altimeter:
+  // "survey" has the error of that survey, "true" has none.
+  constructor({ ground, service, surveys, seed, ...options }) {
     this.#ground = ground;
     this.#service = service;
-    this.#options = { seed, maxWind_mps, glideRatios, gust_mps };
+    this.#options = { ...defaultTrialOptions, ...options, seed };
     this.#random = new Random(seed);
-    this.#plane = this.#newPlane();
+    this.#survey = surveys[Math.floor(this.#random.uniform() * surveys.length)];
+    this.#plane = planeOver(this.#survey, { ground, random: this.#random, ...this.#options });
     this.#link = new Link({
       emit: () => {}, steady_us: () => this.#plane.time_s * 1e6, onEvent: (text) => this.#note('link', text),
+      onMessage: (name, fields) => this.#landings.hear(name, fields, this.#plane.time_s),
     });
-    this.#guidance = this.#newGuidance();
+    this.#connect();
     this.#plane.onSend = (bytes) => this.#link.take(bytes, '127.0.0.1 5760', true, this.#plane.utc_us);
   }
 
-  #newPlane() {
-    const { maxWind_mps, glideRatios, gust_mps, seed } = this.#options;
-    const random = this.#random;
-    const home = { ...this.#ground.placeAt(random.between(border, 1 - border), random.between(border, 1 - border)),
-      altitude_m: this.#ground.lowest_m - 20 };
-    const frame = new LocalFrame(home);
-    const plane = new Standin({
-      seed, home, ground: (east_m, north_m) => this.#ground.altitude_m(frame.toGlobal({ east_m, north_m })),
-      wind: { speed_mps: random.between(0, maxWind_mps), from_deg: random.between(0, 360), gust_sd_mps: gust_mps,
-        vertical_gust_sd_mps: gust_mps / 2 },
-      aircraft: { ...smallAircraft.aircraft, max_glide_ratio: random.between(...glideRatios) },
-      parameters: smallAircraft.parameters,
+  // As freelsd-mavlink.js does, without sockets.
+  #connect() {
+    const outgoing = new Outgoing({ send: (bytes) => this.#plane.take(bytes), systemId: () => this.#link.pin.systemId });
+    const send = outgoing.send.bind(outgoing);
+    outgoing.send = (name, fields) => {
+      if (name === 'COMMAND_INT') this.#firstTarget_s ??= this.#plane.time_s;
+      if (this.#final && name !== 'HEARTBEAT') ++this.#final.num_sent;
+      send(name, fields);
+    };
+    const common = {
+      address: () => this.#link.pin, told: () => {}, log: (text, kind) => this.#note(kind, text),
+    };
+    this.#landings = new Landings({
+      ...common, out: outgoing, linkState: () => this.#link.state(this.#plane.utc_us),
+      log: (kind, text) => this.#note(kind, text), service: {},
     });
-    return plane;
+    this.#failure = new EngineFailure({
+      ...common, recall: (query) => this.#ask(query), outgoing, landings: this.#landings,
+      state: () => this.#state(), isAutomatic: true,
+    });
   }
 
-  #newGuidance() {
-    const sender = new Sender({ systemId: 1, componentId: 191 });
-    const autopilot = new Autopilot({
-      send: (name, fields) => this.#plane.take(sender.bytes(name, fields)),
-      address: () => ({ targetSystem: 1, targetComponent: 1 }),
-      name: () => 'ardupilotmega',
-    });
-    const goTo = autopilot.goTo.bind(autopilot);
-    autopilot.goTo = (target, mayChange) => {
-      this.#firstTarget_s ??= this.#plane.time_s;
-      goTo(target, mayChange);
-    };
-    return new Guidance({
-      recall: (query) => this.#ask(query),
-      autopilot,
-      mission: { prepare: (site) => this.#prepare(site) },
-      log: (text, kind) => this.#note(kind, text),
-    });
-  }
+  get #guidance() { return this.#failure.guidance; }
 
   #note(kind, text) { this.#log.push({ time_s: this.#plane.time_s, kind, text }); }
 
@@ -110,22 +94,9 @@ export class FlownTrial {
         this.#asked.delete(asked);
         this.#waiting.push({ due_s: asked_s + (performance.now() - begun_ms) / 1000, done });
       };
-      const asked = this.#service.emergency(query).then(
+      const asked = this.#service.emergency(withoutFlight(query)).then(
         (answer) => later(() => resolve(answer)), (error) => later(() => reject(error)));
       this.#asked.add(asked);
-    });
-  }
-
-  // For the time being the items come at once.
-  #prepare(site) {
-    return new Promise((resolve) => {
-      this.#waiting.push({ due_s: this.#plane.time_s + 1.5, done: () => {
-        const item = (place, more) => ({ frame: 0, command: 16, param1: 0, param2: 0, param3: 0, param4: 0,
-          x: Math.round(place.latitude_deg * 1e7), y: Math.round(place.longitude_deg * 1e7), z: place.altitude_m, ...more });
-        this.#plane.loadMission([item(site.touchdown), item(site.touchdown, { command: 21 })]);
-        this.#plane.control.setCurrent(1);
-        resolve();
-      } });
     });
   }
 
@@ -140,7 +111,9 @@ export class FlownTrial {
     while (this.#asked.size > 0) await Promise.all(this.#asked);
   }
 
-  #state() { return this.#link.state(this.#plane.utc_us); }
+  #state() {
+    return { ...this.#link.state(this.#plane.utc_us), mission: this.#landings.state(), flight: { id: this.#survey.flight_id } };
+  }
 
   async #pass(duration_s, isOver = () => false) {
     const end_s = this.#plane.time_s + duration_s - step_s / 2;
@@ -157,12 +130,9 @@ export class FlownTrial {
       this.#track.push([now_s, truth.latitude_deg, truth.longitude_deg, truth.altitude_m,
         truth.airspeed_mps, truth.bank_deg, truth.throttle]);
     }
-    const state = this.#state();
-    if (state.engine.state === 'failed' && !this.#guidance.isEngaged && this.#detected_s === undefined) {
-      this.#detected_s = now_s;
-      this.#guidance.engage(state, state.engine.reason, this.#plane.utc_us);
-    }
-    this.#guidance.step(state, now_s);
+    this.#landings.step(now_s);
+    this.#failure.step(now_s, this.#plane.utc_us);
+    if (this.#guidance.isEngaged) this.#detected_s ??= now_s;
     this.#watchWay(truth);
   }
 
@@ -171,14 +141,14 @@ export class FlownTrial {
     if (way && way !== this.#ways.at(-1)?.way) this.#ways.push({ time_s: this.#plane.time_s, way });
     const phase = this.#guidance.state()?.phase;
     if (phase === 'final' && !this.#final) {
-      this.#final = { time_s: this.#plane.time_s, ...this.#guidance.state(), airspeed_mps: truth.airspeed_mps };
+      this.#final = { time_s: this.#plane.time_s, ...this.#guidance.state(), airspeed_mps: truth.airspeed_mps, num_sent: 0 };
     }
   }
 
   // Route, then the engine stops where a site is in reach. Gives the report of the flight; nothing
   // if no such moment came.
   async fly() {
-    this.#startRoute();
+    startRoute(this.#plane, this.#random);
     await this.#pass(minFlight_s + this.#random.between(0, 30));
     const told = await this.#waitForSite();
     if (!told) return undefined;
@@ -189,26 +159,11 @@ export class FlownTrial {
     return this.#report(told);
   }
 
-  #startRoute() {
-    const random = this.#random;
-    const place = () => this.#ground.placeAt(random.between(border, 1 - border), random.between(border, 1 - border));
-    const height_m = random.between(60, 160);
-    const points = Array.from({ length: 8 }, place);
-    const altitude_m = Math.max(...points.map((point) => this.#ground.altitude_m(point))) * 0 + this.#ground.lowest_m + 30 + height_m;
-    const item = (point) => ({ frame: 0, command: 16, param1: 0, param2: 0, param3: 0, param4: 0,
-      x: Math.round(point.latitude_deg * 1e7), y: Math.round(point.longitude_deg * 1e7), z: altitude_m });
-    this.#plane.loadMission([item(points[0]), ...points.map(item)]);
-    const start = this.#plane.frame.toLocal(points[0]);
-    const ground_m = this.#ground.altitude_m(points[0]);
-    this.#plane.startInFlight({ ...start, height_m: altitude_m - ground_m, heading_deg: random.between(0, 360),
-      airspeed_mps: 15, mode: 'AUTO' });
-  }
-
   async #waitForSite() {
     const end_s = this.#plane.time_s + maxFlight_s;
     while (this.#plane.time_s < end_s) {
       const state = this.#state();
-      const answer = await this.#service.emergency(queryOf(state, state.wind)).catch(() => undefined);
+      const answer = await this.#service.emergency(withoutFlight(queryOf(state, state.wind))).catch(() => undefined);
       if (answer?.sites.length) return answer;
       await this.#pass(2);
     }
@@ -225,6 +180,7 @@ export class FlownTrial {
       num_told: told.sites.length, told_landable: told.sites.some((site) => site.verdict === 'landable'),
       detection_s: this.#detected_s - this.#stopped_s, first_target_s: this.#firstTarget_s - this.#detected_s,
       flight_s: (touchdown?.time_s ?? NaN) - this.#stopped_s,
+      survey: this.#survey, site_flight_id: way?.site.flight_id,
       touchdown: way && way.site.touchdown, heading_deg: way?.site.approach.heading_deg,
       ground_speed_mps: way?.site.ground_speed_mps, verdict: way?.site.verdict,
       failure_probability: way?.site.failure_probability, told_margin_m: this.#guidance.state()?.told_margin_m,

@@ -131,10 +131,8 @@ TrackVerdict TrackJudge::Judge(const FlownTrack& track) {
 void TrackJudge::JudgeRoll(const FlownTrack& track,
                            const Eigen::Vector2d& direction,
                            TrackVerdict& verdict) {
-  const double ratio =
-      track.ground_speed_mps ? verdict.ground_speed_mps / *track.ground_speed_mps : 1.0;
   const double flown_m = Way(verdict.place, track.points.back().place).dot(direction);
-  verdict.roll_m = std::max(aircraft_.ground_roll_m * ratio * ratio, flown_m);
+  verdict.roll_m = std::max(aircraft_.ground_roll_m, flown_m);
   const MosaicPlace begin = mosaic_.PlaceOf(verdict.place);
   const TruthMap& truth = TruthOf(*begin.world);
   const Eigen::Vector2d left(-direction.y(), direction.x());

@@ -28,8 +28,6 @@ struct FlownTrack {
   GeoPoint touchdown;
   // Of the final, radians clockwise from north.
   double heading = 0.0;
-  // Planned on the final; without it the ground roll is the aircraft's.
-  std::optional<double> ground_speed_mps;
 };
 
 struct TrackVerdict {
@@ -48,6 +46,7 @@ struct TrackVerdict {
   double along_m = 0.0;
   double across_m = 0.0;
   double ground_speed_mps = 0.0;
+  // As flown; at least the aircraft's.
   double roll_m = 0.0;
 
   bool IsLanding() const { return has_contact && hit.empty() && roll_fault.empty(); }

@@ -2,7 +2,7 @@
 // surface of the mosaic, for the simulator that flies them.
 //
 // The file of tracks: {"tracks": [{"id", "touchdown": {latitude_deg, longitude_deg}, "heading_deg",
-// "ground_speed_mps"?, "points": [[time_s, latitude_deg, longitude_deg, altitude_m], ...]}]}.
+// "points": [[time_s, latitude_deg, longitude_deg, altitude_m], ...]}]}.
 #include <exception>
 #include <fstream>
 #include <iostream>
@@ -33,7 +33,6 @@ FlownTrack TrackOf(const nlohmann::json& given) {
                      given.at("touchdown").at("longitude_deg"),
                      0.0};
   track.heading = RadFromDeg(given.at("heading_deg").get<double>());
-  if (given.contains("ground_speed_mps")) track.ground_speed_mps = given.at("ground_speed_mps");
   for (const nlohmann::json& point : given.at("points")) {
     track.points.push_back({point.at(0), {point.at(1), point.at(2), point.at(3)}});
   }
