@@ -22,8 +22,7 @@ std::vector<Eigen::Vector2d> WindsAround(const Eigen::Vector2d& wind,
                                          const GlideOptions& options) {
   std::vector<Eigen::Vector2d> winds;
   for (int i = 0; i < options.num_unknown_winds; ++i) {
-    winds.push_back(wind +
-                    difference_mps * DirectionOf(2.0 * kPi * i / options.num_unknown_winds));
+    winds.push_back(wind + difference_mps * DirectionOf(2.0 * kPi * i / options.num_unknown_winds));
   }
   return winds;
 }
@@ -51,8 +50,8 @@ std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
   }
   std::vector<Eigen::Vector2d> winds;
   if (start.wind_sd_mps > 0.0) {
-    winds = WindsAround(
-        *start.wind_in_world, options.num_wind_deviations * start.wind_sd_mps, options);
+    winds =
+        WindsAround(*start.wind_in_world, options.num_wind_deviations * start.wind_sd_mps, options);
   }
   const double turned = RadFromDeg(aircraft.crosswind_uncertainty_deg);
   for (const double angle : {0.0, turned, -turned}) {

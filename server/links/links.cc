@@ -80,9 +80,8 @@ nlohmann::json LinkBoard::Queue(const std::string& id,
   Expire(link, now);
   if (!IsHeard(link.heard_at, now) || !link.report.is_connected) {
     throw ApiError("LinkSilent",
-                   IsHeard(link.heard_at, now)
-                       ? "link " + id + " does not hear its autopilot"
-                       : "link " + id + " has reported nothing for 5 s");
+                   IsHeard(link.heard_at, now) ? "link " + id + " does not hear its autopilot"
+                                               : "link " + id + " has reported nothing for 5 s");
   }
   const auto num_queued =
       std::count_if(link.commands.begin(), link.commands.end(), [](const Command& command) {
@@ -122,8 +121,8 @@ void LinkBoard::Expire(Link& link, LinkTime now) {
     const bool is_for_another_run = command.run != link.report.run;
     if (command.state != CommandState::kQueued || !(is_late || is_for_another_run)) continue;
     command.state = CommandState::kExpired;
-    command.detail = is_late ? "the link did not take it within 10 s"
-                             : "the link's program was started again";
+    command.detail =
+        is_late ? "the link did not take it within 10 s" : "the link's program was started again";
   }
   std::erase_if(link.commands,
                 [now](const Command& each) { return now - each.issued_at > kCommandKeptFor; });

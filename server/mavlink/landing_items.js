@@ -70,10 +70,10 @@ function moved({ latitude_deg, longitude_deg, altitude_m }, heading_deg, distanc
 
 // ArduPlane flies a straight line from the end of the circle to a point above and before the LAND
 // point, where it flares. That line is the checked final if the LAND point lies so far behind the
-// touchdown. flare: LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM and TECS_LAND_SINK; 0 if one is
+// touchdown. parameters: LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM and TECS_LAND_SINK; 0 if one is
 // missing. https://ardupilot.org/plane/docs/automatic-landing.html
-export function landPointBehind_m(landing, flare) {
-  const { LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM, TECS_LAND_SINK } = flare;
+export function landPointBehind_m(landing, parameters) {
+  const { LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM, TECS_LAND_SINK } = parameters;
   if (![LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM, TECS_LAND_SINK, landing.ground_speed_mps].every(Number.isFinite)) return 0;
   const { start, touchdown, ground_speed_mps } = landing;
   const slope = (start.altitude_m - touchdown.altitude_m) / finalLength_m(landing);
@@ -92,17 +92,36 @@ function finalLength_m({ start, touchdown }) {
   return Math.max(1, Math.hypot(north_m, east_m));
 }
 
+const between = (a, b, share) => a + share * (b - a);
+
+// A place on the final from which it is flown exactly: ArduPlane leaves the circle up to 30 degrees
+// early, and takes its slope from there. Nearer to the centre than WP_LOITER_RAD it would end the
+// circle at once, in any direction. Nothing if there is no such place on the first half.
+function placeOnFinal({ start, touchdown, radius_m }, length_m, { WP_LOITER_RAD }) {
+  if (!Number.isFinite(WP_LOITER_RAD)) return undefined;
+  const tooNear_m = Math.sqrt(Math.max(0, (1.1 * WP_LOITER_RAD) ** 2 - radius_m ** 2));
+  const share = Math.max(0.25, tooNear_m / length_m);
+  if (share > 0.5) return undefined;
+  return {
+    latitude_deg: between(start.latitude_deg, touchdown.latitude_deg, share),
+    longitude_deg: between(start.longitude_deg, touchdown.longitude_deg, share),
+    altitude_m: between(start.altitude_m, touchdown.altitude_m, share),
+  };
+}
+
 // home_altitude_m: for the height to which an aborted landing climbs.
-export function ardupilotItems(landing, { flare = {}, home_altitude_m } = {}) {
+export function ardupilotItems(landing, { parameters = {}, home_altitude_m } = {}) {
   const { touchdown, centre, start, heading_deg, radius_m, isRight } = landing;
   // Stored as a whole number of metres. A wider circle needs less bank.
   const radius = Math.ceil(radius_m - 0.25) * (isRight ? 1 : -1);
   const abort_m = home_altitude_m === undefined ? 0 : Math.max(1, Math.ceil(start.altitude_m - home_altitude_m));
+  const onFinal = placeOnFinal(landing, finalLength_m(landing), parameters);
   return [
     item(command.landStart, centre),
     item(command.loiterToAltitude, centre, [0, radius, 0, 1]),
+    ...(onFinal ? [item(command.waypoint, onFinal)] : []),
     // Read back as 1 unless it is negative: the direction of a deep stall.
-    item(command.land, moved(touchdown, heading_deg, landPointBehind_m(landing, flare)), [abort_m, 0, 0, 1]),
+    item(command.land, moved(touchdown, heading_deg, landPointBehind_m(landing, parameters)), [abort_m, 0, 0, 1]),
   ];
 }
 

@@ -93,7 +93,7 @@ export class Landings {
       isArdupilot: state.autopilot === 'ardupilotmega', isKnown: state.autopilot in missionModes,
       isFlying: state.is_armed === true && state.airspeed_mps >= minFlyingAirspeed_mps,
       home_altitude_m: position && position.altitude_m - position.height_above_home_m,
-      current_item: state.mission?.current_item, flare: this.#parameters.values,
+      current_item: state.mission?.current_item, parameters: this.#parameters.values,
       landing_airspeed_mps: this.#parameters.landingAirspeed_mps, wind: state.wind,
     };
     if (before.mode !== undefined && this.#vehicle.mode !== before.mode) this.#missions.onMode(this.#vehicle.mode);

@@ -11,7 +11,7 @@ foreach(package IN LISTS loaded)
   file(COPY ${MODULES}/${package} DESTINATION ${TO}/node_modules/${parent}
     REGEX "/(src|examples|typings|mavlink-mappings-gen/node_modules|prebuilds)$" EXCLUDE
     REGEX "[.](d[.]ts|map|md|gyp|tgz|tsbuildinfo|mjs)$" EXCLUDE
-    REGEX "(tsconfig[^/]*[.]json|index[.]ts|sanity-check[^/]*|build-test[.]js)$" EXCLUDE
+    REGEX "(tsconfig[^/]*[.]json|index[.]ts|sanity-check[^/]*|build-test[.]js|dist/cli[.]js)$" EXCLUDE
     REGEX "/LICENSE[^/]*$" EXCLUDE)
 endforeach()
 # debug keeps its code in src/.

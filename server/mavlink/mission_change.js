@@ -51,11 +51,14 @@ export function* finishChange(setting) {
   return yield* restore(setting, items);
 }
 
-// setting: out, type; rules as of areSame; wantedFrom(old items): the new list; base: the old list, if
-// it is known; earlier: lists of changes that were given up; onWrite({ old, wanted }); onTrouble(why): from now on it is unknown what the autopilot has.
+// setting: out, type; rules as of areSame; wantedFrom(old items): the new list; known: the list that
+// the autopilot has, if it need not be read again; base: the old list and earlier: wanted ones of
+// changes that were given up; onWrite({ old, wanted }); onTrouble(why): from now on it is unknown what
+// the autopilot has.
 // Gives { outcome, items, why? }.
-export function* changeItems({ out, type, rules, wantedFrom, base, earlier, onWrite, onTrouble }) {
-  const read = yield* readOf(out, type);
+export function* changeItems({ out, type, rules, wantedFrom, base, known, earlier, onWrite, onTrouble }) {
+  const isEnough = known && !areSame(known, wantedFrom(base ?? known), rules);
+  const read = isEnough ? { items: known } : yield* readOf(out, type);
   if (!read.items) return { outcome: outcome.unchanged, why: `the old list cannot be read: ${read.error}` };
   const old = base ?? read.items;
   const wanted = wantedFrom(old);

@@ -42,7 +42,7 @@ export class MissionKeeper {
   #lasting;
 
   // out.send(name, fields): with the autopilot's address. vehicle(): what the link knows: isArdupilot,
-  // isFlying, mode, missionMode, home_altitude_m, flare, landing_airspeed_mps, current_item.
+  // isFlying, mode, missionMode, home_altitude_m, parameters, landing_airspeed_mps, current_item.
   // log(text): one decision. told(id, state, detail): what became of a command.
   // store: load(), save(value), clear() of a change that is under way.
   constructor({ out, vehicle, log, told = () => {}, store = { load() {}, save() {}, clear() {} } }) {
@@ -73,7 +73,7 @@ export class MissionKeeper {
   // item. site: of an answer of /v1/emergency.
   prepare(site) {
     return new Promise((resolve, reject) => {
-      this.#begin({ landing: landingOfRecall(site), keepsOthers: false, finish: (isThere, why) => {
+      this.#begin({ landing: landingOfRecall(site), keepsOthers: false, trustsKnown: true, finish: (isThere, why) => {
         if (!isThere) {
           reject(new Error(why));
           return;
@@ -87,7 +87,7 @@ export class MissionKeeper {
   // The last word: nothing is started any more.
   release() { this.#start = undefined; }
 
-  #begin({ landing, keepsOthers, finish }) {
+  #begin({ landing, keepsOthers, trustsKnown = false, finish }) {
     const left = this.#job ?? this.#store.load();
     this.#job?.finish(false, 'another landing was wanted');
     const job = { finish, landing, old: left?.old, wanted: undefined,
@@ -98,6 +98,7 @@ export class MissionKeeper {
     this.#state = { state: 'uploading', site: landing.site_id, kind: 'landing' };
     this.#task = new Task(changeItems({
       out: this.#out, type: missionType.mission, rules: this.#rules(), base: job.old, earlier: job.earlier,
+      known: trustsKnown && this.#suspect_s === undefined && !left ? this.#known?.items : undefined,
       wantedFrom: (old) => this.#missionWith(landing, keepsOthers ? old : old.slice(0, 1)),
       onWrite: ({ old, wanted }) => {
         Object.assign(job, { old, wanted });
@@ -112,8 +113,8 @@ export class MissionKeeper {
 
   // The items before a landing sequence stay as they are, so that what is flown stays in place.
   #missionWith(landing, old) {
-    const { isArdupilot, flare, home_altitude_m } = this.#vehicle();
-    const ours = isArdupilot ? ardupilotItems(landing, { flare, home_altitude_m }) : px4Items(landing);
+    const { isArdupilot, parameters, home_altitude_m } = this.#vehicle();
+    const ours = isArdupilot ? ardupilotItems(landing, { parameters, home_altitude_m }) : px4Items(landing);
     const landingAt = old.findIndex((one) => one.command === command.landStart);
     const before = landingAt < 0 ? old : old.slice(0, landingAt);
     if (isArdupilot && before.length === 0) return [item(command.waypoint), ...ours];

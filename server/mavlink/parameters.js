@@ -1,12 +1,12 @@
 // Reads parameters of the autopilot. It never writes one.
 
 const repeat_s = 1.5;
-const numTries = 4;
+const numTries = 10;
 const longestName = 16;
 
 // Of ArduPlane: how it lands. Two names are of the same value, in new and old versions.
 export const landingParameters = ['TECS_LAND_ARSPD', 'TECS_LAND_SINK', 'LAND_FLARE_SEC', 'LAND_FLARE_ALT',
-  'LAND_FLARE_AIM', 'AIRSPEED_CRUISE', 'AIRSPEED_MIN', 'TRIM_ARSPD_CM', 'ARSPD_FBW_MIN'];
+  'LAND_FLARE_AIM', 'WP_LOITER_RAD', 'AIRSPEED_CRUISE', 'AIRSPEED_MIN', 'TRIM_ARSPD_CM', 'ARSPD_FBW_MIN'];
 
 export class ParameterReader {
   #out;

@@ -24,8 +24,7 @@ std::string ReadOneOf(const nlohmann::json& value,
     if (word == each) return word;
     known += (known.empty() ? "" : ", ") + std::string(each);
   }
-  throw InvalidValue(pointer,
-                     pointer.substr(pointer.rfind('/') + 1) + ": must be one of " + known);
+  throw InvalidValue(pointer, pointer.substr(pointer.rfind('/') + 1) + ": must be one of " + known);
 }
 
 // One line for people.
@@ -33,9 +32,9 @@ std::string ReadLine(const nlohmann::json& value, const std::string& pointer) {
   std::string text = ReadString(value, pointer);
   const std::string name = pointer.substr(pointer.rfind('/') + 1);
   if (text.size() > kLimits.links.max_text_bytes) {
-    throw InvalidValue(pointer,
-                       name + ": must have at most " +
-                           std::to_string(kLimits.links.max_text_bytes) + " bytes");
+    throw InvalidValue(
+        pointer,
+        name + ": must have at most " + std::to_string(kLimits.links.max_text_bytes) + " bytes");
   }
   if (HasControlCharacter(text)) {
     throw InvalidValue(pointer, name + ": must have no control characters");
@@ -70,9 +69,8 @@ void CheckWind(const nlohmann::json& value) {
 
 void CheckMission(const nlohmann::json& value) {
   ObjectReader reader(value, "/mission");
-  ReadOneOf(reader.Required("state"),
-            "/mission/state",
-            std::array{"current", "uploading", "unknown"});
+  ReadOneOf(
+      reader.Required("state"), "/mission/state", std::array{"current", "uploading", "unknown"});
   CheckLine(reader, "site");
   CheckLine(reader, "kind");
   CheckLine(reader, "alarm");
@@ -101,9 +99,8 @@ const nlohmann::json& ReadList(const nlohmann::json& value,
                                const std::string& pointer,
                                size_t max_num) {
   if (!value.is_array() || value.size() > max_num) {
-    throw InvalidValue(pointer,
-                       pointer.substr(1) + ": must be a list of at most " +
-                           std::to_string(max_num));
+    throw InvalidValue(
+        pointer, pointer.substr(1) + ": must be a list of at most " + std::to_string(max_num));
   }
   return value;
 }

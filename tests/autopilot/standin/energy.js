@@ -95,7 +95,7 @@ export class EnergyControl {
     const heightWeight = 2 - speedWeight;
     const speed_mps = Math.max(5, measured.airspeed_mps);
     const balance_m = heightWeight * missingHeight_m - speedWeight * missingSpeed_m;
-    const wanted_mps = heightWeight * this.#heightRate_mps + balance_m / TECS_TIME_CONST;
+    const wanted_mps = heightWeight * this.#heightRate_mps + balance_m / (target.timeConstant_s ?? TECS_TIME_CONST);
     const kineticRate_mps = (measured.airspeed_mps * measured.acceleration_mps2) / gravity_mps2;
     const now_mps = heightWeight * measured.climb_mps - speedWeight * kineticRate_mps;
     const error_mps = wanted_mps - now_mps;

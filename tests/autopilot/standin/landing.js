@@ -5,7 +5,7 @@ import { onLeg } from './navigation.js';
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
 // The sink grows when the throttle is cut; from a recording. Without power there is nothing to cut.
-const cutSink = 1.9;
+const cutSink = 1.6;
 const hasPower_ratio = 0.02;
 
 export class Landing {
@@ -26,7 +26,7 @@ export class Landing {
     const altitude_m = from.altitude_m - final.slope * leg.along_m;
     if (!this.isFlaring) {
       return { altitude_m: clamp(altitude_m, to.altitude_m - 30, from.altitude_m),
-        airspeed_mps: this.#airspeed_mps(headwind_mps), speedWeight: 1, slope: final.slope };
+        airspeed_mps: this.#airspeed_mps(headwind_mps), speedWeight: 1, timeConstant_s: this.#parameters.TECS_LAND_TCONST, slope: final.slope };
     }
     return this.#flare(height_m, groundSpeed_mps);
   }

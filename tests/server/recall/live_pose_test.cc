@@ -34,9 +34,7 @@ struct FlightInStorage {
   void Blow(const nlohmann::json& wind, int blown_s, int arrived_s) {
     Put({{"wind", wind}}, blown_s, arrived_s);
   }
-  LivePose Pose(int now_s) {
-    return LivePoseOf(storage, "f", kNowUs + now_s * kSecondUs).value();
-  }
+  LivePose Pose(int now_s) { return LivePoseOf(storage, "f", kNowUs + now_s * kSecondUs).value(); }
 
  private:
   void Put(nlohmann::json line, int own_s, int arrived_s) {

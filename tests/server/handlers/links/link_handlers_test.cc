@@ -15,12 +15,13 @@ namespace {
 constexpr char kJson[] = "application/json";
 
 nlohmann::json State() {
-  return {{"run", "r1"},
-          {"is_connected", true},
-          {"mode", "AUTO"},
-          {"engine", {{"state", "running"}}},
-          {"mission", {{"state", "unknown"}}},
-          {"log", {{{"id", 1}, {"at", "2026-01-01T00:00:00Z"}, {"kind", "link"}, {"text", "armed"}}}}};
+  return {
+      {"run", "r1"},
+      {"is_connected", true},
+      {"mode", "AUTO"},
+      {"engine", {{"state", "running"}}},
+      {"mission", {{"state", "unknown"}}},
+      {"log", {{{"id", 1}, {"at", "2026-01-01T00:00:00Z"}, {"kind", "link"}, {"text", "armed"}}}}};
 }
 
 httplib::Result Put(httplib::Client& client, const nlohmann::json& state) {
@@ -30,15 +31,15 @@ httplib::Result Put(httplib::Client& client, const nlohmann::json& state) {
 // A meadow that is superseded, one that is not, and a rejected site; tokens of each scope.
 struct LinkServer {
   TemporaryFolder folder;
-  MeadowServer meadow{[](Storage& storage) {
-                        SiteRow later = MeadowSite();
-                        later.id = std::string("g-r1");
-                        later.flight_id = std::string("g");
-                        later.approach_json = R"({"type":"FeatureCollection","features":[]})";
-                        storage.sites.Put(
-                            later, SerializeSiteMap(Meadow()), {{"f-r1", SupersededBy("g-r1")}});
-                      },
-                      [this](Config& config) { config.token_file = TokenFile(); }};
+  MeadowServer meadow{
+      [](Storage& storage) {
+        SiteRow later = MeadowSite();
+        later.id = std::string("g-r1");
+        later.flight_id = std::string("g");
+        later.approach_json = R"({"type":"FeatureCollection","features":[]})";
+        storage.sites.Put(later, SerializeSiteMap(Meadow()), {{"f-r1", SupersededBy("g-r1")}});
+      },
+      [this](Config& config) { config.token_file = TokenFile(); }};
   httplib::Client& client = *meadow.client;
 
   LinkServer() { HoldAgainstContract(client); }
@@ -100,7 +101,8 @@ TEST_CASE("links: only the scope command may command, and no scope includes it")
   server.As("pilot");
   CheckProblem(Put(server.client, State()), 403, "Forbidden");
   CHECK(server.client.Post("/v1/links/1/engine-failure")->status == 202);
-  CHECK(server.client.Post("/v1/links/1/release", R"({"confirmed_by":"me"})", kJson)->status == 202);
+  CHECK(server.client.Post("/v1/links/1/release", R"({"confirmed_by":"me"})", kJson)->status ==
+        202);
 }
 
 TEST_CASE("links: a server without tokens, on loopback, takes reports and no commands") {
