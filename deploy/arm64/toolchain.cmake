@@ -15,7 +15,3 @@ set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE ONLY)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE ONLY)
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L ${CMAKE_SYSROOT})
-
-# Eigen calls the fused multiply-add of NEON where this says that there is one. Without, products are rounded before
-# they are added, as on amd64; -ffp-contract=off does the same for our own sums.
-add_compile_options(-U__ARM_FEATURE_FMA)
