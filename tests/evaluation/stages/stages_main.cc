@@ -6,10 +6,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tests/evaluation/stages/mathematics.h"
 #include "tests/evaluation/stages/stage_run.h"
 
 namespace freelsd {
 namespace {
+
+constexpr int kNumArguments = 200000;
 
 struct Arguments {
   std::string flight_folder;
@@ -55,6 +58,8 @@ int main(int argc, char** argv) {
       command->add_option("--out", arguments.out, "file to write")->required();
       command->add_option("--frames", arguments.max_num_frames, "only so many photographs");
     }
+    auto* mathematics = app.add_subcommand("mathematics", "functions of the C library");
+    mathematics->add_option("--out", arguments.out, "file to write")->required();
     auto* compare = app.add_subcommand("compare", "status 1 if they differ");
     compare->add_option("a", arguments.a)->required();
     compare->add_option("b", arguments.b)->required();
@@ -63,6 +68,10 @@ int main(int argc, char** argv) {
       const bool is_equal = freelsd::Print(
           freelsd::Compare(freelsd::ReadRecords(arguments.a), freelsd::ReadRecords(arguments.b)));
       return is_equal ? 0 : 1;
+    }
+    if (mathematics->parsed()) {
+      freelsd::WriteRecords(arguments.out, freelsd::RunMathematics(freelsd::kNumArguments));
+      return 0;
     }
     const auto flight =
         freelsd::ReadFlightFolder(arguments.flight_folder, arguments.max_num_frames);
