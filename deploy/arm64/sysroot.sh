@@ -27,17 +27,25 @@ make_links_relative() {
     done
 }
 
-# What update-alternatives would link when the packages are configured.
+# What update-alternatives would link when the packages are configured: the library and the name to link with.
 link_alternatives() {
   local libraries="$root/usr/lib/aarch64-linux-gnu"
-  local name folder
+  local name file folder
   for name in blas lapack; do
-    for folder in "$name" atlas; do
-      [ -e "$libraries/$folder/lib$name.so.3" ] || continue
-      ln -sf "$folder/lib$name.so.3" "$libraries/lib$name.so.3"
-      break
+    for file in "lib$name.so" "lib$name.so.3"; do
+      for folder in "$name" atlas; do
+        [ -e "$libraries/$folder/$file" ] || continue
+        ln -sf "$folder/$file" "$libraries/$file"
+        break
+      done
     done
   done
+}
+
+# CMake's files of Ceres name LAPACK and BLAS from the root.
+make_cmake_files_relative() {
+  # shellcheck disable=SC2016
+  sed -i 's|;/usr/lib/|;${_IMPORT_PREFIX}/lib/|g' "$root/usr/lib/aarch64-linux-gnu/cmake/Ceres/CeresTargets.cmake"
 }
 
 begin "extracting arm64 packages into $root"
@@ -45,5 +53,6 @@ mmdebstrap --variant=extract --architectures=arm64 --include="$(wanted | paste -
   --extract-hook="$PWD/deploy/arm64/register_packages.sh" bookworm "$root"
 make_links_relative
 link_alternatives
+make_cmake_files_relative
 touch "$root/complete"
 du -sh "$root"
