@@ -13,6 +13,10 @@ echo arm64 >"$root/var/lib/dpkg/arch"
 for package in "$root"/var/cache/apt/archives/*.deb; do
   dpkg-deb -f "$package" | sed '/^Package:/a Status: install ok installed' >>"$root/var/lib/dpkg/status"
   echo >>"$root/var/lib/dpkg/status"
+  # dpkg asks for a list of files, which may be empty.
+  name="$(dpkg-deb -f "$package" Package)"
+  case "$(dpkg-deb -f "$package" Multi-Arch)" in same) name="$name:$(dpkg-deb -f "$package" Architecture)" ;; esac
+  : >"$root/var/lib/dpkg/info/$name.list"
   for kind in symbols shlibs; do
     dpkg-deb --ctrl-tarfile "$package" | tar -xO "./$kind" 2>/dev/null >>"$root/DEBIAN/$kind" || true
   done
