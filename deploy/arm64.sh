@@ -52,7 +52,7 @@ build arm64 freelsd-server freelsd_web
 begin "packing"
 DEB_HOST_ARCH=arm64 pack arm64
 # CPack says nothing where it finds no package for a library.
-for library in libc6 libceres3 libopencv-core406; do
+for library in libc6 libgeographiclib23 libopencv-core406; do
   dpkg-deb -f build/arm64/freelsd_*_arm64.deb Depends | grep -q "$library" || fail "the package does not depend on $library"
 done
 

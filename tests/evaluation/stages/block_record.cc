@@ -1,5 +1,6 @@
 #include "tests/evaluation/stages/block_record.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace freelsd {
@@ -36,6 +37,17 @@ const std::vector<double>& ValuesOf(const StageRecords& records,
 
 void Append(std::vector<double>& values, const Eigen::Vector3d& vector) {
   values.insert(values.end(), vector.data(), vector.data() + 3);
+}
+
+std::vector<double> FramesOf(const AdjustedBlock& block,
+                             const std::vector<std::string>& frame_ids) {
+  std::vector<double> values;
+  for (const AdjustedView& view : block.views) {
+    const auto place = std::find(frame_ids.begin(), frame_ids.end(), view.frame_id);
+    if (place == frame_ids.end()) throw std::invalid_argument("stages: no frame " + view.frame_id);
+    values.push_back(static_cast<double>(place - frame_ids.begin()));
+  }
+  return values;
 }
 
 std::vector<double> PosesOf(const AdjustedBlock& block) {
@@ -76,6 +88,16 @@ std::vector<double> LandmarksOf(const AdjustedBlock& block) {
     values.push_back(landmark.num_views);
   }
   return values;
+}
+
+void ReadFrames(const std::vector<double>& record,
+                const std::vector<std::string>& frame_ids,
+                AdjustedBlock& block) {
+  for (const double index : record) {
+    AdjustedView view;
+    view.frame_id = frame_ids.at(static_cast<size_t>(index));
+    block.views.push_back(view);
+  }
 }
 
 void ReadPoses(const std::vector<double>& record, AdjustedBlock& block) {
@@ -119,6 +141,7 @@ void ReadLandmarks(const std::vector<double>& record, AdjustedBlock& block) {
 }
 
 cv::Mat1f RasterFrom(const StageRecords& records, const std::string& quantity, const Grid& grid) {
+  if (grid.num_rows == 0) return {};
   const cv::Mat1d values(ValuesOf(records, kTerrain, quantity), true);
   cv::Mat1f raster;
   values.reshape(1, grid.num_rows).convertTo(raster, CV_32F);
@@ -127,8 +150,9 @@ cv::Mat1f RasterFrom(const StageRecords& records, const std::string& quantity, c
 
 }  // namespace
 
-StageRecords RecordsOf(const AdjustedBlock& block) {
-  return {{kAdjustment, "sightings, index", SightingsOf(block)},
+StageRecords RecordsOf(const AdjustedBlock& block, const std::vector<std::string>& frame_ids) {
+  return {{kAdjustment, "key-frames, index", FramesOf(block, frame_ids)},
+          {kAdjustment, "sightings, index", SightingsOf(block)},
           {kAdjustment, "pose, quaternion and m", PosesOf(block)},
           {kAdjustment, "landmark, m", LandmarksOf(block)},
           {kAdjustment, "deviation, m and deg", DeviationsOf(block)}};
@@ -140,8 +164,7 @@ AdjustedBlock BlockFrom(const StageRecords& records,
   AdjustedBlock block;
   block.camera = camera;
   block.is_usable = true;
-  block.views.resize(frame_ids.size());
-  for (size_t i = 0; i < frame_ids.size(); ++i) block.views[i].frame_id = frame_ids[i];
+  ReadFrames(ValuesOf(records, kAdjustment, "key-frames, index"), frame_ids, block);
   ReadSightings(ValuesOf(records, kAdjustment, "sightings, index"), block);
   ReadPoses(ValuesOf(records, kAdjustment, "pose, quaternion and m"), block);
   ReadLandmarks(ValuesOf(records, kAdjustment, "landmark, m"), block);

@@ -8,8 +8,8 @@
 
 namespace freelsd {
 
-StageRecords RecordsOf(const AdjustedBlock& block);
-// `views`: the connected views are named like these frames, in the same order.
+// `frame_ids`: of the whole flight. Views are recorded by their index there.
+StageRecords RecordsOf(const AdjustedBlock& block, const std::vector<std::string>& frame_ids);
 AdjustedBlock BlockFrom(const StageRecords& records,
                         const Camera& camera,
                         const std::vector<std::string>& frame_ids);

@@ -63,6 +63,7 @@ StageDifference DifferenceOf(const StageRecord& a, const StageRecord& b) {
 }  // namespace
 
 StageRecord RecordOf(const std::string& stage, const std::string& quantity, const cv::Mat& raster) {
+  if (raster.empty()) return {stage, quantity, {}};
   cv::Mat1d values;
   raster.reshape(1).convertTo(values, CV_64F);
   return {stage, quantity, std::vector<double>(values.begin(), values.end())};

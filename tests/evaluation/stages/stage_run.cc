@@ -113,6 +113,12 @@ void Append(StageRecords& records, const StageRecords& more) {
   records.insert(records.end(), more.begin(), more.end());
 }
 
+std::vector<std::string> FrameIds(const FlightFolder& flight) {
+  std::vector<std::string> ids;
+  for (const Frame& frame : flight.frames) ids.push_back(frame.id);
+  return ids;
+}
+
 Snapshot RunFrontend(const FlightFolder& flight) {
   Frontend frontend(flight.rig, flight.options, Classifier::Parse(ReadFile(kModelFile)));
   for (const Frame& frame : flight.frames) frontend.Process(frame);
@@ -160,12 +166,6 @@ StageRecords SegmentsAlone(const FlightFolder& flight) {
   return {labels, areas, grass};
 }
 
-std::vector<std::string> FrameIds(const FlightFolder& flight) {
-  std::vector<std::string> ids;
-  for (const Frame& frame : flight.frames) ids.push_back(frame.id);
-  return ids;
-}
-
 }  // namespace
 
 FlightFolder ReadFlightFolder(const std::string& folder, size_t max_num_frames) {
@@ -198,7 +198,7 @@ StageRecords RunStages(const FlightFolder& flight) {
   const Selection selection = SelectViews(snapshot, area, options.adjustment, options.backend);
   const AdjustedBlock block =
       AdjustAndTie(selection.views, flight.rig.camera, images, options.tracks, options.adjustment);
-  Append(records, RecordsOf(block));
+  Append(records, RecordsOf(block, FrameIds(flight)));
   std::vector<StageReport> reports;
   const ElevationMap map = ReconstructMap(
       block, area, images, options, [](double) {}, reports);

@@ -55,6 +55,9 @@ TEST_CASE("stages: a map and a block come back from their records") {
   for (const StageDifference& each : Compare(RecordsOf(map), RecordsOf(read)))
     CHECK(each.IsEqual());
 
+  CHECK(MapFrom(RecordsOf(ElevationMap{})).grid.num_rows == 0);
+
+  const std::vector<std::string> ids{"a", "not a key-frame", "b"};
   AdjustedBlock block;
   block.views.resize(2);
   block.views[0].frame_id = "a";
@@ -63,9 +66,9 @@ TEST_CASE("stages: a map and a block come back from their records") {
   block.views[1].landmarks = {0};
   block.views[1].world_from_camera.translation = {1.0, 2.0, 80.1};
   block.landmarks = {{{0.1, 0.2, 0.3}, 0.5, 2}};
-  const AdjustedBlock again = BlockFrom(RecordsOf(block), Camera{}, {"a", "b"});
+  const AdjustedBlock again = BlockFrom(RecordsOf(block, ids), Camera{}, ids);
   CHECK(again.views[1].frame_id == "b");
-  for (const StageDifference& each : Compare(RecordsOf(block), RecordsOf(again)))
+  for (const StageDifference& each : Compare(RecordsOf(block, ids), RecordsOf(again, ids)))
     CHECK(each.IsEqual());
 }
 
