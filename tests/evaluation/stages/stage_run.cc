@@ -147,21 +147,22 @@ std::vector<Plan> PlansOf(const Snapshot& snapshot,
   return plans;
 }
 
-// At the height that the autopilot tells over its place of launch.
-StageRecords SegmentsAlone(const FlightFolder& flight) {
+// Of the key-frames, at the heights of the block.
+StageRecords SegmentsAlone(const FlightFolder& flight, const AdjustedBlock& block) {
   const Classifier classifier = Classifier::Parse(ReadFile(kModelFile));
+  const PipelineOptions& options = flight.options;
+  const ImageSource images = ImagesOf(flight);
   StageRecord labels{"segmentation alone", "digest of the labels", {}};
   StageRecord areas{"segmentation alone", "segments, m2", {}};
   StageRecord grass{"classification alone", "grass, probability", {}};
-  for (const Frame& frame : flight.frames) {
-    const Segments segments = SegmentFrame(frame.image,
-                                           flight.rig.camera,
-                                           frame.prior.position_in_world.z(),
-                                           flight.options.segmentation);
+  for (const AdjustedView& view : block.views) {
+    const Segments segments = SegmentFrame(
+        images(view.frame_id), flight.rig.camera, view.height_above_ground, options.segmentation);
     labels.values.push_back(DigestOf(segments.labels));
     for (const Segment& segment : segments.segments) areas.values.push_back(segment.area_m2);
-    for (const Label& label : ClassifySegments(segments, classifier, flight.options.classification))
+    for (const Label& label : ClassifySegments(segments, classifier, options.classification)) {
       grass.values.push_back(label.probability);
+    }
   }
   return {labels, areas, grass};
 }
@@ -213,8 +214,8 @@ StageRecords RunStages(const FlightFolder& flight) {
 
 StageRecords RunStagesAlone(const FlightFolder& flight, const StageRecords& adjusted) {
   StageRecords records = RecordsOf(flight.frames);
-  Append(records, SegmentsAlone(flight));
   const AdjustedBlock block = BlockFrom(adjusted, flight.rig.camera, FrameIds(flight));
+  Append(records, SegmentsAlone(flight, block));
   std::vector<StageReport> reports;
   const ElevationMap map = ReconstructMap(
       block, SeenArea(block), ImagesOf(flight), flight.options, [](double) {}, reports);

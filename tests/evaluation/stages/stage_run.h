@@ -22,9 +22,8 @@ FlightFolder ReadFlightFolder(const std::string& folder, size_t max_num_frames);
 // One stage after the other, each on what the one before made.
 StageRecords RunStages(const FlightFolder& flight);
 
-// Stages whose input does not come from a stage that OpenCV or Ceres computes. Segmentation and
-// classification run at the height that the autopilot told; the map is made with the poses of
-// `adjusted`, which RunStages recorded.
+// Stages whose input does not come from a stage that OpenCV or Ceres computes. All start
+// from `adjusted`, which RunStages recorded.
 StageRecords RunStagesAlone(const FlightFolder& flight, const StageRecords& adjusted);
 
 }  // namespace freelsd
