@@ -35,7 +35,7 @@ const std::vector<double>& ValuesOf(const StageRecords& records,
   throw std::invalid_argument("stages: no record of " + stage + ": " + quantity);
 }
 
-void Append(std::vector<double>& values, const Eigen::Vector3d& vector) {
+void AppendCoordinates(std::vector<double>& values, const Eigen::Vector3d& vector) {
   values.insert(values.end(), vector.data(), vector.data() + 3);
 }
 
@@ -55,7 +55,7 @@ std::vector<double> PosesOf(const AdjustedBlock& block) {
   for (const AdjustedView& view : block.views) {
     const auto& quaternion = view.world_from_camera.rotation.coeffs();
     values.insert(values.end(), quaternion.data(), quaternion.data() + 4);
-    Append(values, view.world_from_camera.translation);
+    AppendCoordinates(values, view.world_from_camera.translation);
   }
   return values;
 }
@@ -83,7 +83,7 @@ std::vector<double> DeviationsOf(const AdjustedBlock& block) {
 std::vector<double> LandmarksOf(const AdjustedBlock& block) {
   std::vector<double> values;
   for (const Landmark& landmark : block.landmarks) {
-    Append(values, landmark.point_in_world);
+    AppendCoordinates(values, landmark.point_in_world);
     values.push_back(landmark.height_sd_m);
     values.push_back(landmark.num_views);
   }
