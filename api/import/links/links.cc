@@ -18,7 +18,7 @@ template <size_t kNum>
 std::string ReadOneOf(const nlohmann::json& value,
                       const std::string& pointer,
                       const std::array<const char*, kNum>& words) {
-  const std::string word = ReadString(value, pointer);
+  std::string word = ReadString(value, pointer);
   std::string known;
   for (const char* const each : words) {
     if (word == each) return word;
