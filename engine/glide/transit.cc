@@ -21,6 +21,7 @@ std::vector<Eigen::Vector2d> WindsAround(const Eigen::Vector2d& wind,
                                          double difference_mps,
                                          const GlideOptions& options) {
   std::vector<Eigen::Vector2d> winds;
+  winds.reserve(static_cast<size_t>(options.num_unknown_winds));
   for (int i = 0; i < options.num_unknown_winds; ++i) {
     winds.push_back(wind + difference_mps * DirectionOf(2.0 * kPi * i / options.num_unknown_winds));
   }

@@ -64,6 +64,7 @@ std::vector<AgedRow> YoungestRows(const Storage& storage,
     for (const TelemetryRow& row : each) rows[row.timestamp_us] = row;
   }
   std::vector<AgedRow> aged;
+  aged.reserve(rows.size());
   for (const auto& [timestamp_us, row] : rows) {
     aged.push_back({row, clock.AgeS(timestamp_us, row.arrived_at_us, now_us)});
   }
