@@ -146,6 +146,9 @@ nlohmann::json LinkBoard::JsonOf(const Command& command) {
                         {"issued_at", command.issued_at_text},
                         {"state", NameOf(command.state)}};
   if (!command.request.site_id.empty()) object["site_id"] = command.request.site_id;
+  if (const auto& wind = command.request.wind_in_world) {
+    object["wind"] = {{"east_mps", wind->x()}, {"north_mps", wind->y()}};
+  }
   if (!command.request.confirmed_by.empty()) {
     object["confirmed_by"] = command.request.confirmed_by;
   }
