@@ -90,7 +90,8 @@ nlohmann::json LinkBoard::Queue(const std::string& id,
   if (static_cast<size_t>(num_queued) >= kLimits.links.max_num_queued_commands) {
     throw ApiError("TooManyRequests", "too many commands wait for link " + id);
   }
-  Command command{NewId("c"), request, link.report.run, now, Rfc3339(NowUs())};
+  Command command{
+      NewId("c"), request, link.report.run, now, Rfc3339(NowUs()), CommandState::kQueued, {}};
   link.commands.push_back(std::move(command));
   if (link.commands.size() > kLimits.links.max_num_commands) link.commands.pop_front();
   return JsonOf(link.commands.back());
