@@ -5,7 +5,7 @@ import { itemOf } from './mission_items.js';
 
 const ack = { accepted: 0, invalidSequence: 13, denied: 14, cancelled: 15 };
 // After this the same message is sent again.
-const repeat_s = 1.5;
+const repeat_s = 0.8;
 // Somebody else uploads: the autopilot denies until it has ended or timed out (8 s in ArduPilot).
 const busy_s = 1;
 // Without any progress.
@@ -100,7 +100,7 @@ export class Upload extends Transfer {
   // Once it is asked for items, the autopilot asks again by itself.
   _ask(now_s) {
     if (!this.#hasBegun) this._send('MISSION_COUNT', { count: this.#items.length });
-    else if (this.#isComplete && now_s - this._progress_s > 2 * repeat_s) this._finish({ isAcknowledged: false });
+    else if (this.#isComplete && now_s - this._progress_s > 4 * repeat_s) this._finish({ isAcknowledged: false });
   }
 
   hear(name, fields, now_s) {

@@ -7,6 +7,9 @@ const radians = (degrees) => (degrees * Math.PI) / 180;
 
 export class NoLanding extends Error {}
 
+const flareParameters = ['LAND_FLARE_SEC', 'LAND_FLARE_ALT', 'LAND_FLARE_AIM', 'TECS_LAND_SINK'];
+export const knowsFlare = (parameters) => flareParameters.every((name) => Number.isFinite(parameters[name]));
+
 const placeOf = ([longitude_deg, latitude_deg, altitude_m]) => ({ latitude_deg, longitude_deg, altitude_m });
 
 // The circle is told as a closed polygon with equal sides.
@@ -17,13 +20,17 @@ function centreOf(coordinates) {
 }
 
 function checked(landing) {
-  if (landing.verdict === 'rejected') throw new NoLanding(`the site is rejected: ${landing.reject_detail ?? 'no reason told'}`);
+  if (landing.verdict === 'rejected') {
+    throw new NoLanding(`the site is rejected: ${landing.reject_detail ?? 'no reason told'}`);
+  }
   if (landing.altitude_datum !== 'amsl') {
     throw new NoLanding(`the site's altitudes are ${landing.altitude_datum}, not above mean sea level`);
   }
   const { touchdown, centre, start, radius_m } = landing;
-  const numbers = [touchdown, centre, start].flatMap((place) => [place?.latitude_deg, place?.longitude_deg, place?.altitude_m]);
-  if (![...numbers, radius_m, landing.heading_deg].every(Number.isFinite)) throw new NoLanding('the site has no whole approach');
+  const numbers = [touchdown, centre, start]
+    .flatMap((place) => [place?.latitude_deg, place?.longitude_deg, place?.altitude_m]);
+  const isWhole = [...numbers, radius_m, landing.heading_deg].every(Number.isFinite);
+  if (!isWhole) throw new NoLanding('the site has no whole approach');
   if (start.altitude_m <= touchdown.altitude_m) throw new NoLanding('the final does not descend');
   return landing;
 }
@@ -74,7 +81,7 @@ function moved({ latitude_deg, longitude_deg, altitude_m }, heading_deg, distanc
 // missing. https://ardupilot.org/plane/docs/automatic-landing.html
 export function landPointBehind_m(landing, parameters) {
   const { LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM, TECS_LAND_SINK } = parameters;
-  if (![LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM, TECS_LAND_SINK, landing.ground_speed_mps].every(Number.isFinite)) return 0;
+  if (!knowsFlare(parameters) || !Number.isFinite(landing.ground_speed_mps)) return 0;
   const { start, touchdown, ground_speed_mps } = landing;
   const slope = (start.altitude_m - touchdown.altitude_m) / finalLength_m(landing);
   const sink_mps = slope * ground_speed_mps;

@@ -79,7 +79,8 @@ export class Landings {
     if (!this.#vehicle.isConnected) return;
     this.#parameters.step(now_s);
     this.#missions.step(now_s);
-    this.#rally?.step(now_s, { mayWrite: !this.#missions.isBusy && !this.#isLanding, home_altitude_m: this.#vehicle.home_altitude_m });
+    const mayWrite = !this.#missions.isBusy && !this.#isLanding;
+    this.#rally?.step(now_s, { mayWrite, home_altitude_m: this.#vehicle.home_altitude_m });
   }
 
   get #isLanding() { return this.#vehicle.mode === this.#vehicle.missionMode && this.#missions.state().kind === 'landing'; }
@@ -139,15 +140,16 @@ export class Landings {
   // confirmed: the wind that the person saw the approach for, if any.
   async #landingOf(siteId, confirmed) {
     const { properties } = await this.#service.site(siteId);
-    if (properties.superseded_by) throw new NoLanding(`the site is superseded: ${properties.superseded_detail ?? properties.superseded_by}`);
-    if (properties.verdict === 'rejected') throw new NoLanding(`the site is rejected: ${properties.reject_detail ?? ''}`);
-    if (properties.verdict !== 'landable') this.#log('mission', `${siteId} is UNVERIFIED: not everything was seen`);
+    const { verdict, superseded_by, superseded_detail, reject_detail } = properties;
+    if (superseded_by) throw new NoLanding(`the site is superseded: ${superseded_detail ?? superseded_by}`);
+    if (verdict === 'rejected') throw new NoLanding(`the site is rejected: ${reject_detail ?? ''}`);
+    if (verdict !== 'landable') this.#log('mission', `${siteId} is UNVERIFIED: not everything was seen`);
     const { wind } = this.#vehicle;
     const known = confirmed ?? (wind && wind.age_s <= maxWindAge_s ? wind : undefined);
     const answer = await this.#service.approach(siteId, known);
     return landingOfApproach(siteId, {
       ...answer, altitude_datum: answer.altitude_datum ?? properties.altitude_datum,
-      verdict: answer.plan?.verdict ?? properties.verdict,
+      verdict: answer.plan?.verdict ?? verdict,
     }, properties.aircraft?.landing_airspeed_mps);
   }
 }

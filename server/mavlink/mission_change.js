@@ -8,6 +8,7 @@ import { Download, Upload } from './item_transfer.js';
 import { areSame, isMixture } from './mission_items.js';
 
 const retry_s = 2;
+const wait_s = 0.2;
 const numReads = 3;
 
 export const outcome = { done: 'done', unchanged: 'unchanged', restored: 'restored', foreign: 'foreign' };
@@ -51,18 +52,21 @@ export function* finishChange(setting) {
   return yield* restore(setting, items);
 }
 
-// setting: out, type; rules as of areSame; wantedFrom(old items): the new list; known: the list that
+// setting: out, type; rules as of areSame; wantedFrom(old items): the new list, or a sentence why there
+// must be none; mayWrite(): false while it must wait; known: the list that
 // the autopilot has, if it need not be read again; base: the old list and earlier: wanted ones of
 // changes that were given up; onWrite({ old, wanted }); onTrouble(why): from now on it is unknown what
 // the autopilot has.
 // Gives { outcome, items, why? }.
-export function* changeItems({ out, type, rules, wantedFrom, base, known, earlier, onWrite, onTrouble }) {
+export function* changeItems({ out, type, rules, wantedFrom, mayWrite = () => true, base, known, earlier, onWrite, onTrouble }) {
   const isEnough = known && !areSame(known, wantedFrom(base ?? known), rules);
   const read = isEnough ? { items: known } : yield* readOf(out, type);
   if (!read.items) return { outcome: outcome.unchanged, why: `the old list cannot be read: ${read.error}` };
   const old = base ?? read.items;
   const wanted = wantedFrom(old);
+  if (typeof wanted === 'string') return { outcome: outcome.unchanged, why: wanted, items: read.items };
   if (areSame(read.items, wanted, rules)) return { outcome: outcome.done, items: read.items };
+  while (!mayWrite()) yield wait_s;
   onWrite({ old, wanted });
   const written = yield new Upload(out, type, wanted);
   if (written.error) onTrouble(written.error);

@@ -1,17 +1,19 @@
 // The landing mission in the autopilot: puts it there, knows whether it is there, and starts it.
 // No sockets and no clock: step(now_s), hear(name, fields, now_s), and what it sends goes to `out`.
 
-import { ardupilotItems, landingOfRecall, px4Items } from './landing_items.js';
+import { ardupilotItems, knowsFlare, landingOfRecall, px4Items } from './landing_items.js';
 import { changeItems, finishChange, outcome, Task } from './mission_change.js';
 import { areSame, command, item, missionType } from './mission_items.js';
 import { Download } from './item_transfer.js';
 
 const landStart = 189;
+const requests = new Set(['MISSION_REQUEST', 'MISSION_REQUEST_INT']);
 const repeatStart_s = 1.5;
 const numStarts = 4;
 // Somebody else's upload may still run when its first sign is heard.
 const suspicion_s = 1.5;
 const ownUpload_s = 5;
+const maxSpeedDifference_mps = 1;
 const recheck_s = 30;
 const reread_s = 10;
 
@@ -31,6 +33,8 @@ export class MissionKeeper {
   #job;
   #now_s = 0;
   #known;
+  // The last one that was written: items, site, warning.
+  #landing;
   #state = { state: 'unknown' };
   #isWritten_s = -Infinity;
   #suspect_s;
@@ -62,9 +66,10 @@ export class MissionKeeper {
   land(commandId, landing) {
     const wasMode = this.#vehicle().mode;
     this.#begin({ landing, keepsOthers: true, finish: (isThere, why) => {
+      const { isFlying, mode } = this.#vehicle();
+      const hindrance = !isFlying ? 'it does not fly' : mode !== wasMode ? 'the mode was changed' : undefined;
       if (!isThere) this.#told(commandId, 'failed', why);
-      else if (!this.#vehicle().isFlying) this.#told(commandId, 'done', 'in the autopilot; not started, because it does not fly');
-      else if (this.#vehicle().mode !== wasMode) this.#told(commandId, 'done', 'in the autopilot; not started, because the mode was changed');
+      else if (hindrance) this.#told(commandId, 'done', `in the autopilot; not started, because ${hindrance}`);
       else this.#beginStart(commandId, landing);
     } });
   }
@@ -99,7 +104,9 @@ export class MissionKeeper {
     this.#task = new Task(changeItems({
       out: this.#out, type: missionType.mission, rules: this.#rules(), base: job.old, earlier: job.earlier,
       known: trustsKnown && this.#suspect_s === undefined && !left ? this.#known?.items : undefined,
-      wantedFrom: (old) => this.#missionWith(landing, keepsOthers ? old : old.slice(0, 1)),
+      wantedFrom: (old) => (keepsOthers && this.#whyNot(old)) || this.#missionWith(landing, keepsOthers ? old : old.slice(0, 1)),
+      // The item that is flown would end, and the autopilot return to launch.
+      mayWrite: () => keepsOthers || !this.#fliesMission,
       onWrite: ({ old, wanted }) => {
         Object.assign(job, { old, wanted });
         this.#isWritten_s = this.#now_s;
@@ -110,6 +117,18 @@ export class MissionKeeper {
   }
 
   #rules() { return { hasHome: this.#vehicle().isArdupilot }; }
+
+  get #fliesMission() {
+    const { isFlying, mode, missionMode } = this.#vehicle();
+    return isFlying && mode === missionMode;
+  }
+
+  // Its own landing sequence would be replaced under it.
+  #whyNot(old) {
+    const landingAt = old.findIndex((one) => one.command === command.landStart);
+    const isLanding = this.#fliesMission && landingAt >= 0 && this.#vehicle().current_item >= landingAt;
+    return isLanding ? 'the autopilot flies a landing sequence: take another mode first' : undefined;
+  }
 
   // The items before a landing sequence stay as they are, so that what is flown stays in place.
   #missionWith(landing, old) {
@@ -126,31 +145,44 @@ export class MissionKeeper {
     this.#job = undefined;
     this.#store.clear();
     this.#checked_s = this.#now_s;
-    if (items) this.#known = { items, site: how === outcome.done ? job.landing.site_id : undefined };
     this.#total = undefined;
     if (how === outcome.done) {
-      this.#state = { state: 'current', site: job.landing.site_id, kind: 'landing', ...this.#speedWarning(job.landing) };
+      this.#landing = { items, site: job.landing.site_id, warning: this.#warningOf(job.landing) };
+      this.#know(items);
       this.#log(`the landing mission to ${job.landing.site_id} is in the autopilot, read back equal`);
       job.finish(true);
       return;
     }
-    const alarm = { [outcome.foreign]: alarmOf.foreign, [outcome.restored]: alarmOf.restored }[how];
-    this.#lasting = alarm;
-    this.#state = items ? { state: 'current', kind: 'other', ...(alarm && { alarm }) }
-      : { state: 'unknown', alarm: alarmOf.trouble(why) };
-    this.#log(`no landing mission: ${why ?? alarm}${alarm ? `; ${alarm}` : ''}`);
-    job.finish(false, why ?? alarm);
+    this.#lasting = { [outcome.foreign]: alarmOf.foreign, [outcome.restored]: alarmOf.restored }[how];
+    if (items) this.#know(items);
+    else this.#state = { state: 'unknown', alarm: alarmOf.trouble(why) };
+    this.#log(`no landing mission: ${[why, this.#lasting].filter(Boolean).join('; ')}`);
+    job.finish(false, why ?? this.#lasting);
+  }
+
+  // What the autopilot has was read, and whether it is the last landing that was written.
+  #know(items) {
+    const { items: ours, site, warning } = this.#landing ?? {};
+    const isLanding = ours !== undefined && areSame(items, ours, this.#rules());
+    this.#known = { items, site: isLanding ? site : undefined };
+    this.#state = {
+      state: 'current', kind: isLanding ? 'landing' : 'other', ...(isLanding && { site }),
+      ...(isLanding && warning && { warning }), ...(this.#lasting && { alarm: this.#lasting }),
+    };
   }
 
   // A parameter is never written: the person decides.
-  #speedWarning(landing) {
-    const { landing_airspeed_mps } = this.#vehicle();
-    if (landing.airspeed_mps === undefined || !this.#vehicle().isArdupilot) return {};
-    const warning = landing_airspeed_mps === undefined ? 'the autopilot\'s landing airspeed is not known'
-      : Math.abs(landing_airspeed_mps - landing.airspeed_mps) > 1
-        ? `the autopilot lands at ${landing_airspeed_mps.toFixed(1)} m/s, the site was planned for ${landing.airspeed_mps.toFixed(1)} m/s` : undefined;
-    if (warning) this.#log(warning);
-    return warning ? { warning } : {};
+  #warningOf({ airspeed_mps: planned_mps }) {
+    const { landing_airspeed_mps: own_mps, isArdupilot, parameters } = this.#vehicle();
+    if (!isArdupilot) return undefined;
+    const warnings = [];
+    if (!knowsFlare(parameters)) warnings.push('the autopilot\'s flare is not known: the final is flown lower than it was checked');
+    if (own_mps === undefined) warnings.push('the autopilot\'s landing airspeed is not known');
+    else if (Math.abs(own_mps - planned_mps) > maxSpeedDifference_mps) {
+      warnings.push(`the autopilot lands at ${own_mps.toFixed(1)} m/s, the site was planned for ${planned_mps.toFixed(1)} m/s`);
+    }
+    warnings.forEach((text) => this.#log(text));
+    return warnings.join('; ') || undefined;
   }
 
   #beginStart(commandId, landing) {
@@ -217,11 +249,12 @@ export class MissionKeeper {
     else if (name === 'STATUSTEXT') this.#onText(fields.text);
     else if (fields.isForeign) this.#onForeign(name, fields);
     else this.#task?.hear(name, fields, now_s);
-    if (name === 'MISSION_REQUEST' || name === 'MISSION_REQUEST_INT') this.#isWritten_s = fields.isForeign ? this.#isWritten_s : now_s;
+    if (!fields.isForeign && requests.has(name)) this.#isWritten_s = now_s;
   }
 
   #onForeign(name, { missionType: type }) {
-    if (type === missionType.mission && /^MISSION_(REQUEST(_INT)?|ACK)$/.test(name)) this.#suspect('another ground station writes');
+    const isOfUpload = requests.has(name) || name === 'MISSION_ACK';
+    if (type === missionType.mission && isOfUpload) this.#suspect('another ground station writes');
   }
 
   #onText(text) {
@@ -239,6 +272,8 @@ export class MissionKeeper {
 
   step(now_s) {
     this.#now_s = now_s;
+    // A mere look at what is there ends when the final begins.
+    if (this.#isOnFinal && this.#task && !this.#job) this.#task = undefined;
     this.#task?.step(now_s);
     if (this.#task) return;
     this.#stepStart();
@@ -274,20 +309,14 @@ export class MissionKeeper {
   }
 
   #compare(items) {
-    const known = this.#known;
-    const isSame = known && areSame(items, known.items, this.#rules());
-    if (isSame && known.site) {
-      const { warning } = this.#state;
-      this.#state = { state: 'current', kind: 'landing', site: known.site, ...(warning && { warning }) };
-      return;
-    }
-    if (known?.site) {
+    const hadLanding = this.#known?.site !== undefined;
+    const isSame = this.#known && areSame(items, this.#known.items, this.#rules());
+    if (hadLanding && !isSame) {
       this.#lasting = alarmOf.foreign;
       this.#log(this.#lasting);
       this.#start = undefined;
     }
-    this.#known = { items };
-    this.#state = { state: 'current', kind: 'other', ...(this.#lasting && { alarm: this.#lasting }) };
+    this.#know(items);
   }
 
   // The program was ended during a change.

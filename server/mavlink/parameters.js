@@ -33,7 +33,8 @@ export class ParameterReader {
 
   step(now_s) {
     if (now_s < this.#next_s) return;
-    const missing = [...this.#wanted].filter((name) => this.values[name] === undefined && (this.#tries.get(name) ?? 0) < numTries);
+    const isMissing = (name) => this.values[name] === undefined && (this.#tries.get(name) ?? 0) < numTries;
+    const missing = [...this.#wanted].filter(isMissing);
     if (missing.length === 0) return;
     this.#next_s = now_s + repeat_s;
     for (const name of missing) {

@@ -11,8 +11,9 @@ const rallyHeight_m = 100;
 
 // sites: of an answer of /v1/emergency. ArduPilot stores whole metres above home.
 export function rallyItems(sites, home_altitude_m) {
-  return sites
-    .filter((site) => site.reachable !== false && site.verdict === 'landable' && site.altitude_datum === 'amsl' && !site.airspaces?.length)
+  const isFit = ({ reachable, verdict, altitude_datum, airspaces }) =>
+    reachable !== false && verdict === 'landable' && altitude_datum === 'amsl' && !airspaces?.length;
+  return sites.filter(isFit)
     .slice(0, maxNumPoints)
     .map(({ touchdown }) => item(command.rallyPoint,
       { ...touchdown, altitude_m: Math.ceil(touchdown.altitude_m - home_altitude_m + rallyHeight_m) }, [], frame.aboveHome));

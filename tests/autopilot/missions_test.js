@@ -181,6 +181,46 @@ test('guidance: a landing mission alone, with LAND as its current item', async (
   assert.equal(rig.plane.control.mission.index, 3);
 });
 
+test('a landing sequence that is flown is not replaced under the aircraft', async () => {
+  const rig = new Rig();
+  await rig.step(4);
+  land(rig);
+  await rig.step(20);
+  assert.equal(rig.told.get('c1').state, 'done');
+  const before = structuredClone(rig.plane.mission);
+  rig.service.approach = async () => approachAnswer(rig.plane, { heading_deg: 200 });
+  land(rig, 'c2');
+  await rig.step(15);
+  assert.match(rig.told.get('c2').detail, /take another mode first/);
+  assert.deepEqual(rig.plane.mission, before);
+  assert.deepEqual([rig.mission.kind, rig.mission.site], ['landing', 's1']);
+  rig.plane.pilotMode('LOITER');
+  await rig.step(2);
+  land(rig, 'c3');
+  await rig.step(20);
+  assert.equal(rig.told.get('c3').state, 'done');
+  assert.equal(rig.plane.control.mode, 'AUTO');
+});
+
+test('guidance writes only after the autopilot has left its mission', async () => {
+  const rig = new Rig();
+  await rig.step(5);
+  rig.plane.control.setCurrent(8);
+  await rig.step(3);
+  const { touchdown, start, centre } = landingOfApproach('s1', approachAnswer(rig.plane), 16);
+  let isReady = false;
+  rig.landings.missions.prepare({ site_id: 's9', verdict: 'landable', altitude_datum: 'amsl', touchdown,
+    approach: { heading_deg: 90, height_m: 12, loiter_radius_m: 41.3, loiter_direction: 'right', start, loiter_center: centre },
+  }).then(() => { isReady = true; });
+  await rig.step(5);
+  assert.equal(rig.plane.control.mode, 'AUTO');
+  assert.ok(!isReady);
+  rig.plane.control.setMode('GUIDED');
+  await rig.step(6);
+  assert.ok(isReady);
+  assert.equal(rig.plane.control.mode, 'GUIDED');
+});
+
 test('rally points of the best sites in reach, and only verified ones', async () => {
   const rig = new Rig({ recall: async () => ({ sites: [
     { reachable: true, verdict: 'landable', altitude_datum: 'amsl', touchdown: { latitude_deg: 47.4, longitude_deg: 8.55, altitude_m: 440.3 } },
