@@ -191,7 +191,8 @@ export async function getFile(path, fallbackName) {
 const postJson = async (path, object, signal) => (await call(path, {
   method: 'POST', body: JSON.stringify(object), signal, headers: { 'Content-Type': 'application/json' },
 })).json();
-export const landAt = (link, site_id) => postJson(paths.link(link, 'mission'), { site_id });
+// wind: what the confirmed approach is planned for, or null.
+export const landAt = (link, site_id, wind) => postJson(paths.link(link, 'mission'), wind ? { site_id, wind } : { site_id });
 export const declareEngineFailure = (link) => postJson(paths.link(link, 'engine-failure'), {});
 export const releaseLink = (link) => postJson(paths.link(link, 'release'), {});
 export const createFlight = (request) => postJson('/v1/flights', request);

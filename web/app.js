@@ -390,7 +390,7 @@ const nameOf = (id) => siteName(id, rankOf(id), state.flights);
 const route = createRoute(map, {
   flight: () => state.flightJson, wind: () => state.triedWind ?? state.site?.properties.wind ?? null, nameOf, openSite,
 });
-const links = createLinks(map, { nameOf, shown: () => ({ site: state.site, approach: state.approach }) });
+const links = createLinks(map, { nameOf, site: () => state.site });
 const nextLook = createNextLook(map, {
   source: () => ({ flight: state.flight, map: flightMap.updatedAt, sites: state.sites.features }), nameOf, openSite,
 });

@@ -99,7 +99,15 @@ export function refusalText({ status, message }) {
 const partOf = (collection, kind) => collection.features.find(({ properties }) => properties.kind === kind);
 const altitude = (coordinates) => fixed(coordinates?.[2], 0, 'm');
 
-// p: properties of the site. collection: its stored approach.
+const kOldWind_s = 60;
+
+// The wind that a landing is planned for: the link's, in the numbers of a request; null if it is not known now.
+export function landingWind({ wind }) {
+  if (!wind || !isKnown(wind.age_s) || wind.age_s > kOldWind_s) return null;
+  return { east_mps: Number(wind.east_mps.toFixed(3)), north_mps: Number(wind.north_mps.toFixed(3)) };
+}
+
+// p: properties of the site with the plan that will be flown. collection: its approach.
 export function landingRows(p, collection) {
   const { approach } = p;
   const final = partOf(collection, 'approach')?.geometry.coordinates ?? [];
@@ -113,6 +121,7 @@ export function landingRows(p, collection) {
     ['Least clearance', isKnown(approach.min_clearance_m) ? `${(Math.floor(10 * approach.min_clearance_m) / 10).toFixed(1)} m` : 'unknown'],
     ['Approach speed', fixed(p.aircraft?.landing_airspeed_mps, 0, 'm/s')],
     ['Planned for wind', windText(p.wind)],
+    ['Ground speed on final', fixed(approach.ground_speed_mps, 0, 'm/s')],
   ];
 }
 
@@ -128,12 +137,13 @@ export function landingWarnings(p, link, groundAge_s) {
     p.verdict === 'unverified' ? `This site is UNVERIFIED: ${p.summary}` : null,
     link.engine?.state === 'failed' ? 'The engine has failed: a mission does not check whether the site can be reached. Use “Engine failed” on the link instead.' : null,
     p.altitude_datum !== 'amsl' ? 'The altitudes of this site are not above mean sea level: the link converts them, or refuses.' : null,
-    !now ? 'The wind is not known now.' : null,
+    !landingWind(link) ? 'The wind is not known now: this is the stored plan.' : null,
     now && !p.wind ? `The final is planned for an unknown wind; now ${windText(now)}.` : null,
-    now && p.wind && windChange_mps(now, p.wind) > kWindChange_mps ? `The wind has changed: planned for ${windText(p.wind)}, now ${windText(now)}. Plan the site for this wind and look at the verdict first.` : null,
+    now && p.wind && windChange_mps(now, p.wind) > kWindChange_mps ? `The wind has changed: planned for ${windText(p.wind)}, now ${windText(now)}. Close this and open it again.` : null,
     now && windFrom(now).speed_mps > 0.6 * (p.aircraft?.landing_airspeed_mps ?? Infinity) ? 'The wind is stronger than 60 % of the approach speed.' : null,
     isKnown(groundAge_s) && groundAge_s > kOldGround_s ? `The ground was photographed ${age(groundAge_s)} ago.` : null,
     link.mission?.state === 'uploading' ? 'Another mission is being uploaded.' : null,
+    ...(p.warnings ?? []),
     'The upload replaces the mission that is in the autopilot now.',
   ].filter(Boolean);
 }

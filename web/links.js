@@ -134,5 +134,5 @@ class Links {
   }
 }
 
-// on: {nameOf(site id), shown(): {site: the stored feature that is selected, approach: its collection}}
+// on: {nameOf(site id), site(): the stored feature that is selected}
 export const createLinks = (map, on) => new Links(map, on);

@@ -90,7 +90,8 @@ nlohmann::json LinkBoard::Queue(const std::string& id,
   if (static_cast<size_t>(num_queued) >= kLimits.links.max_num_queued_commands) {
     throw ApiError("TooManyRequests", "too many commands wait for link " + id);
   }
-  Command command{NewId("c"), request, link.report.run, now, Rfc3339(NowUs())};
+  Command command{
+      NewId("c"), request, link.report.run, now, Rfc3339(NowUs()), CommandState::kQueued, {}};
   link.commands.push_back(std::move(command));
   if (link.commands.size() > kLimits.links.max_num_commands) link.commands.pop_front();
   return JsonOf(link.commands.back());
@@ -146,6 +147,9 @@ nlohmann::json LinkBoard::JsonOf(const Command& command) {
                         {"issued_at", command.issued_at_text},
                         {"state", NameOf(command.state)}};
   if (!command.request.site_id.empty()) object["site_id"] = command.request.site_id;
+  if (const auto& wind = command.request.wind_in_world) {
+    object["wind"] = {{"east_mps", wind->x()}, {"north_mps", wind->y()}};
+  }
   if (!command.request.confirmed_by.empty()) {
     object["confirmed_by"] = command.request.confirmed_by;
   }

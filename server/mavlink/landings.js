@@ -112,7 +112,7 @@ export class Landings {
     else if (isBack) this.#missions.doubt('the autopilot was silent');
   }
 
-  // command: { id, kind, site_id, confirmed_by }. False if the kind is not of this file.
+  // command: { id, kind, site_id, wind, confirmed_by }. False if the kind is not of this file.
   take(command) {
     if (command.kind === 'mission') {
       this.#land(command);
@@ -126,29 +126,30 @@ export class Landings {
     return false;
   }
 
-  async #land({ id, site_id, confirmed_by }) {
+  async #land({ id, site_id, wind, confirmed_by }) {
     this.#log('mission', `landing to ${site_id} wanted${confirmed_by ? ` by ${confirmed_by}` : ''}`);
     try {
       if (!this.#vehicle.isKnown) throw new NoLanding('landing missions are only for ArduPilot and PX4');
-      this.#missions.land(id, await this.#landingOf(site_id));
+      this.#missions.land(id, await this.#landingOf(site_id, wind));
     } catch (error) {
       this.#log('mission', `no landing to ${site_id}: ${error.message}`);
       this.#told(id, 'failed', error.message);
     }
   }
 
-  async #landingOf(siteId) {
+  // confirmed: the wind that the person saw the approach for, if any.
+  async #landingOf(siteId, confirmed) {
     const { properties } = await this.#service.site(siteId);
     const { verdict, superseded_by, superseded_detail, reject_detail } = properties;
     if (superseded_by) throw new NoLanding(`the site is superseded: ${superseded_detail ?? superseded_by}`);
     if (verdict === 'rejected') throw new NoLanding(`the site is rejected: ${reject_detail ?? ''}`);
     if (verdict !== 'landable') this.#log('mission', `${siteId} is UNVERIFIED: not everything was seen`);
     const { wind } = this.#vehicle;
-    const known = wind && wind.age_s <= maxWindAge_s ? wind : undefined;
+    const known = confirmed ?? (wind && wind.age_s <= maxWindAge_s ? wind : undefined);
     const answer = await this.#service.approach(siteId, known);
     return landingOfApproach(siteId, {
       ...answer, altitude_datum: answer.altitude_datum ?? properties.altitude_datum,
-      verdict: answer.verdict ?? verdict,
+      verdict: answer.plan?.verdict ?? verdict,
     }, properties.aircraft?.landing_airspeed_mps);
   }
 }

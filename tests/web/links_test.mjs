@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
 import {
-  alarmsOf, commandText, engineText, heardText, landingWarnings, missionText, refusalText, windLine,
+  alarmsOf, commandText, engineText, heardText, landingWarnings, landingWind, missionText, refusalText, windLine,
 } from '../../web/link_shape.js';
 import { accessibilityFaults, flownSite, isOptional, launch, openPage, smallTargets, url } from './browser.mjs';
 import { overflow_px } from './ground_page.mjs';
@@ -52,8 +52,9 @@ test('links: warnings before a landing: the verdict, another wind, no wind, a fa
   const texts = landingWarnings(p, link, 60).join('\n');
   for (const text of [/UNVERIFIED: Half of the circle/, /The wind has changed/, /replaces the mission/]) assert.match(texts, text);
   assert.match(landingWarnings(p, { ...link, wind: undefined }, 60).join(), /wind is not known now/);
+  assert.deepEqual([landingWind(link), landingWind({ wind: { ...link.wind, age_s: 61 } })], [{ east_mps: -3.1, north_mps: -1.2 }, null]);
   assert.match(landingWarnings(p, { ...link, ...sampleFailure('x') }, 60).join(), /engine has failed/);
-  const calm = landingWarnings({ ...p, verdict: 'landable' }, { ...link, wind: { east_mps: 2.5, north_mps: 0 } }, 60);
+  const calm = landingWarnings({ ...p, verdict: 'landable' }, { ...link, wind: { east_mps: 2.5, north_mps: 0, age_s: 1 } }, 60);
   assert.equal(calm.length, 1);
   assert.match(refusalText({ status: 403, message: 'no' }), /scope command/);
 });
@@ -106,17 +107,18 @@ for (const [name, options] of [['desktop', {}], ['desktop-dark', { colorScheme: 
     await page.locator(`#sites [data-site="${site.properties.id}"]`).click();
     await page.locator('#site-land').click();
     const dialog = page.locator('#land');
+    await dialog.getByText('Circle').waitFor(kWait);
     const text = await dialog.innerText();
-    for (const part of [/Land at site \d/, /Circle\s+(left|right), radius \d+ m, down to \d+ m/, /Final\s+\d{3}°, \d+ m long, from \d+ m/, /Touchdown\s+\d+ m/, /Least clearance\s+-?\d+\.\d m/, /replaces the mission/]) assert.match(text, part);
+    for (const part of [/Land at site \d/, /Circle\s+(left|right), radius \d+ m, down to \d+ m/, /Final\s+\d{3}°, \d+ m long, from \d+ m/, /Touchdown\s+\d+ m/, /Least clearance\s+-?\d+\.\d m/, /Planned for wind\s+3\.3 m\/s from 069°/, /replaces the mission/]) assert.match(text, part);
     await shoot(page, `land-here-${name}`);
     await check(opened);
-    if (site.properties.verdict === 'unverified') {
+    if (await page.locator('#land-checked-row').isVisible()) {
       assert.ok(await page.locator('#land-yes').isDisabled());
       await page.locator('#land-checked').check();
     }
     await page.locator('#land-yes').click();
     await page.waitForFunction(() => !document.getElementById('land').open, null, kWait);
-    assert.deepEqual(links.posts, [['/v1/links/1/mission', { site_id: site.properties.id }]]);
+    assert.deepEqual(links.posts, [['/v1/links/1/mission', { site_id: site.properties.id, wind: { east_mps: -3.1, north_mps: -1.2 } }]]);
     await page.locator('[data-link="1"]').getByText(/Land here \(site \d\): waits for the link/).waitFor(kWait);
     assert.deepEqual(opened.seen.errors, []);
   });
@@ -143,11 +145,25 @@ test('links: a token that may not command is refused in words, and the landing i
   const { page, links } = await open(t);
   await page.locator(`#sites [data-site="${site.properties.id}"]`).click();
   await page.locator('#site-land').click();
-  if (site.properties.verdict === 'unverified') await page.locator('#land-checked').check();
+  await page.locator('#land').getByText('Circle').waitFor(kWait);
+  if (await page.locator('#land-checked-row').isVisible()) await page.locator('#land-checked').check();
   await page.locator('#land-yes').click();
   await page.locator('#land-message').getByText('scope command').waitFor(kWait);
   assert.ok(await page.locator('#land').isVisible());
   assert.deepEqual(links.posts, []);
+});
+
+test('links: a site without a landing in the present wind, or whose wind is not known, says so', async (t) => {
+  const { page, links } = await open(t, {}, { wind: { east_mps: 0, north_mps: 25, source: 'drift', age_s: 1 } });
+  await page.locator(`#sites [data-site="${site.properties.id}"]`).click();
+  await page.locator('#site-land').click();
+  await page.locator('#land-verdict.rejected').waitFor(kWait);
+  assert.ok(await page.locator('#land-yes').isDisabled());
+  await page.locator('#land-cancel').click();
+  delete links.list[0].wind;
+  await page.waitForTimeout(1500);
+  await page.locator('#site-land').click();
+  await page.locator('#land-warnings').getByText('this is the stored plan').waitFor(kWait);
 });
 
 test('links: a silent link takes no command, its sign is old, and no other aircraft takes its place', async (t) => {

@@ -163,6 +163,13 @@ void CheckState(ObjectReader& reader) {
   if (const nlohmann::json* const value = reader.Find("guidance")) CheckGuidance(*value);
 }
 
+Eigen::Vector2d ReadPlannedWind(const nlohmann::json& value) {
+  ObjectReader reader(value, "/wind");
+  reader.RefuseKeysExcept({"east_mps", "north_mps"});
+  return {reader.RequiredNumber("east_mps", kWindRange),
+          reader.RequiredNumber("north_mps", kWindRange)};
+}
+
 std::string ReadConfirmedBy(ObjectReader& reader) {
   const nlohmann::json* const value = reader.Find("confirmed_by");
   return value == nullptr ? std::string() : ReadLine(*value, "/confirmed_by");
@@ -210,17 +217,20 @@ LinkReport ParseLinkReport(const std::string& body) {
 CommandRequest ParseMissionRequest(const std::string& body) {
   const nlohmann::json object = ParseJson(body, kLimits.links.max_bytes);
   ObjectReader reader(object, "");
-  reader.RefuseKeysExcept({"site_id", "confirmed_by"});
-  CommandRequest request{"mission", ReadString(reader.Required("site_id"), "/site_id"), {}};
+  reader.RefuseKeysExcept({"site_id", "wind", "confirmed_by"});
+  CommandRequest request{"mission", ReadString(reader.Required("site_id"), "/site_id"), {}, {}};
   if (!IsValidId(request.site_id)) {
     throw InvalidValue("/site_id", "site_id: must match [A-Za-z0-9._-]{1,128}");
+  }
+  if (const nlohmann::json* const wind = reader.Find("wind")) {
+    request.wind_in_world = ReadPlannedWind(*wind);
   }
   request.confirmed_by = ReadConfirmedBy(reader);
   return request;
 }
 
 CommandRequest ParseCommandRequest(const std::string& body, const std::string& kind) {
-  CommandRequest request{kind, {}, {}};
+  CommandRequest request{kind, {}, {}, {}};
   if (body.empty()) return request;
   const nlohmann::json object = ParseJson(body, kLimits.links.max_bytes);
   ObjectReader reader(object, "");

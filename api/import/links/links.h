@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -51,12 +52,14 @@ struct CommandRequest {
   std::string site_id;
   // Who asked; empty if not given.
   std::string confirmed_by;
+  // East and north, m/s: of a mission, the wind that the confirmed approach is planned for.
+  std::optional<Eigen::Vector2d> wind_in_world;
 };
 
 // Members that people or programs rely on must have their type and range; others are kept as they
 // are. Throws ApiError.
 LinkReport ParseLinkReport(const std::string& body);
-// {site_id, confirmed_by?}. Throws ApiError.
+// {site_id, wind?, confirmed_by?}. Throws ApiError.
 CommandRequest ParseMissionRequest(const std::string& body);
 // {confirmed_by?}, or empty. Throws ApiError.
 CommandRequest ParseCommandRequest(const std::string& body, const std::string& kind);

@@ -25,7 +25,7 @@ std::string CodeOf(const std::function<void()>& call) {
   return "";
 }
 
-const CommandRequest kMission{"mission", "site-1", "somebody"};
+const CommandRequest kMission{"mission", "site-1", "somebody", Eigen::Vector2d(1.5, -2.0)};
 
 TEST_CASE("links: ages go on, and a link that is silent for 5 s is not connected") {
   LinkBoard board;
@@ -57,6 +57,7 @@ TEST_CASE("links: a command is answered until it is reported, and its state neve
     CHECK(taken.commands[0]["id"] == id);
     CHECK(taken.commands[0]["site_id"] == "site-1");
     CHECK(taken.commands[0]["confirmed_by"] == "somebody");
+    CHECK(taken.commands[0]["wind"] == nlohmann::json{{"east_mps", 1.5}, {"north_mps", -2.0}});
   }
   const auto outcome = [&](const char* state) {
     const nlohmann::json commands{{{"id", id}, {"state", state}, {"detail", state}}};

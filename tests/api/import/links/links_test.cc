@@ -99,6 +99,10 @@ TEST_CASE("link report: lists and the body are bounded") {
 
 TEST_CASE("link commands: a site, who confirmed it, and nothing else") {
   CHECK(ParseMissionRequest(R"({"site_id": "s-1"})").site_id == "s-1");
+  const auto wind =
+      ParseMissionRequest(R"({"site_id": "s", "wind": {"east_mps": 1.5, "north_mps": -2}})")
+          .wind_in_world;
+  CHECK(wind == Eigen::Vector2d(1.5, -2.0));
   CHECK(ParseCommandRequest("", "release").kind == "release");
   CHECK(ParseCommandRequest(R"({"confirmed_by": "me"})", "release").confirmed_by == "me");
   const auto fault = [](const char* body) -> std::string {
@@ -113,6 +117,9 @@ TEST_CASE("link commands: a site, who confirmed it, and nothing else") {
   CHECK(fault("{}") == "/site_id");
   CHECK(fault(R"({"site_id": "../x"})") == "/site_id");
   CHECK(fault(R"({"site": "x"})") == "/site");
+  CHECK(fault(R"({"site_id": "x", "wind": {"east_mps": 1}})") == "/wind/north_mps");
+  CHECK(fault(R"({"site_id": "x", "wind": {"east_mps": 1, "north_mps": 101}})") ==
+        "/wind/north_mps");
   CHECK(fault(R"({"site_id": "x", "confirmed_by": "a\u0007"})") == "/confirmed_by");
 }
 
