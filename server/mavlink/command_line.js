@@ -17,6 +17,7 @@ export const usage = `freelsd-mavlink --connect ADDRESS --url URL [options]
   --peer ADDRESS       believe only this host (UDP)
   --name NAME          of the link in the service (default: the system id)
   --flight ID          existing flight that takes the telemetry; without it a new one
+  --aircraft PROFILE   of new flights and of recall: techpod, atlantiksolar or small
   --spool DIR          lines that wait for the service (default ~/.local/state/freelsd-mavlink)
   --spool-limit MIB    size of the spool (default 256)
   --status FILE        JSON state, as /v1/links tells it, written once a second
@@ -37,6 +38,7 @@ const options = {
   peer: { type: 'string' },
   name: { type: 'string' },
   flight: { type: 'string' },
+  aircraft: { type: 'string' },
   spool: { type: 'string' },
   'spool-limit': { type: 'string', default: '256' },
   status: { type: 'string' },
@@ -87,6 +89,7 @@ export function parseCommandLine(args) {
     peerHost: values.peer,
     name: values.name && idOf('name', values.name),
     flight: values.flight,
+    aircraft: values.aircraft && idOf('aircraft', values.aircraft),
     spoolFolder: values.spool ?? defaultSpool(),
     spoolBytes: wholeNumber('spool-limit', values['spool-limit'], 2, 65536) * 1024 * 1024,
     statusPath: values.status,

@@ -84,7 +84,8 @@ function partsFrom(config) {
   const signing = config.signingKeyPath &&
     new Signing(readKey(config.signingKeyPath), join(folder, 'signatures.json'));
   const service = new Service(config.url, config.token);
-  const uplink = new Uplink({ service, spool, path: join(folder, 'flights.json'), fixedFlight: config.flight });
+  const uplink = new Uplink({ service, spool, path: join(folder, 'flights.json'), fixedFlight: config.flight,
+    aircraft: config.aircraft });
   const decisions = new Decisions();
   const parts = {};
   const link = new Link({
@@ -132,7 +133,7 @@ function landingsFrom(parts, { config, outgoing, reporter, state }) {
 function engineFailureFrom(parts, { config, outgoing, reporter, state }) {
   const { link, service, decisions, landings } = parts;
   return new EngineFailure({
-    recall: (query) => service.emergency(query),
+    recall: (query) => service.emergency(config.aircraft ? { ...query, aircraft: config.aircraft } : query),
     outgoing,
     landings,
     address: () => link.pin,

@@ -35,11 +35,12 @@ export class Service {
     this.#headers = token ? { Authorization: `Bearer ${token}` } : {};
   }
 
-  async createFlight(name) {
+  // aircraft: the name of a profile, or nothing.
+  async createFlight(name, aircraft) {
     const flight = await this.#json('v1/flights', {
       method: 'POST',
       headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify({ name, altitude_datum: 'amsl' }),
+      body: JSON.stringify({ name, altitude_datum: 'amsl', ...(aircraft && { aircraft: { profile: aircraft } }) }),
     });
     return flight.id;
   }

@@ -19,6 +19,8 @@ FREELSD_REPORT="$work/figures" node --test tests/autopilot/*_test.js
   echo
   echo "Made by \`FREELSD_DATA=DIR tests/autopilot/results.sh\`. The recordings are of ArduPlane 4.7-dev in simulation, wind 6 m/s from 70 degrees."
   echo
+  echo "Guidance after an engine failure: [trial/RESULTS.md](trial/RESULTS.md)."
+  echo
   echo "| subject | figure | value |"
   echo "|---|---|---|"
   jq -r '"| \(.subject) | \(.figure) | \(.value) |"' "$work/figures"

@@ -40,7 +40,7 @@ async function fly(seed, port) {
   const plane = planeOver(survey, { ground, random, seed, ...defaultTrialOptions }, { signingKey: key });
   startRoute(plane, random);
   const link = spawn(process.execPath, [program, '--connect', `udp:${port}`, '--url', values.url,
-    '--signing-key', join(folder, 'key'), '--on-engine-failure', 'land', '--spool', join(folder, 'spool'),
+    '--signing-key', join(folder, 'key'), '--on-engine-failure', 'land', '--aircraft', 'small', '--spool', join(folder, 'spool'),
     '--status', join(folder, 'status.json')], { stdio: ['ignore', 'ignore', 'inherit'] });
   const served = await serveUdp(plane, { toPort: port });
   const state = () => { try { return JSON.parse(readFileSync(join(folder, 'status.json'), 'utf8')).links[0]; } catch { return undefined; } };
@@ -50,7 +50,9 @@ async function fly(seed, port) {
   while (!plane.touchdown && plane.time_s < stopped_s + longest_s) await sleep(200);
   await sleep(3000);
   const { guidance, log = [] } = state() ?? {};
+  const ended = new Promise((resolve) => { link.once('exit', resolve); });
   link.kill();
+  await ended;
   served.close();
   rmSync(folder, { recursive: true, force: true });
   return { plane, guidance, log, stopped_s };
@@ -59,11 +61,10 @@ async function fly(seed, port) {
 for (let i = 0; i < Number(values.flights); ++i) {
   const seed = Number(values.seed) + i;
   const { plane, guidance, log, stopped_s } = await fly(seed, firstPort + i);
-  const site = sites.features.find((feature) => feature.id === guidance?.site_id);
   const { touchdown } = plane;
-  const place = site && touchdown && new FlatFrame({ latitude_deg: site.geometry.coordinates[1], longitude_deg: site.geometry.coordinates[0] })
-    .toLocal(touchdown);
+  const land = plane.mission.at(-1);
+  const place = touchdown && new FlatFrame({ latitude_deg: land.x / 1e7, longitude_deg: land.y / 1e7 }).toLocal(touchdown);
   console.log(`flight ${seed}: down after ${(touchdown?.time_s - stopped_s).toFixed(0)} s in ${touchdown?.mode}, ` +
     `guidance ${guidance?.phase} to ${guidance?.site_id}, ` +
-    `${place ? Math.hypot(place.east_m, place.north_m).toFixed(0) : '-'} m from the place of its stored plan, ${log.length} decisions`);
+    `${place ? Math.hypot(place.east_m, place.north_m).toFixed(0) : '-'} m from the last item of its mission, ${log.length} decisions`);
 }

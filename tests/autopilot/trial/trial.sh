@@ -2,12 +2,13 @@
 # Flies the trial of guidance after an engine failure and prints its figures.
 #
 #   tests/autopilot/trial/trial.sh [--build DIR] [--folder DIR] [--side N] [--seed N] [--flights N]
-#                                  [--first N] [--altimeter survey|true] [--processes N]
+#                                  [--first N] [--altimeter survey|true] [--processes N] [--keep DIR]
 #
 # The world is a mosaic of --side x --side seeded worlds, each surveyed by a flight of its own
 # (tests/evaluation/insurance.sh makes it once, in --folder, half a minute a world). Flights have
 # the seeds from --first on. --altimeter survey: the altimeter of the aircraft has the error of the
-# survey below it, as in one flight; true: it has none. Each process has a server of its own.
+# survey below it, as in one flight; true: it has none. Each process has a server of its own. --keep
+# keeps tracks and verdicts in a folder, for draw_track.js.
 set -Eeuo pipefail
 root="$(cd "$(dirname "$0")/../../.." && pwd)"
 build="$root/build/release"
@@ -18,6 +19,7 @@ flights=300
 first=1001
 altimeter=survey
 processes=2
+keep=""
 while [ $# -gt 0 ]; do
   case "$1" in
     --build) build="$2" ;;
@@ -28,6 +30,7 @@ while [ $# -gt 0 ]; do
     --first) first="$2" ;;
     --altimeter) altimeter="$2" ;;
     --processes) processes="$2" ;;
+    --keep) keep="$2" ;;
     *) echo "trial.sh: unknown argument $1" >&2; exit 2 ;;
   esac
   shift 2
@@ -69,5 +72,6 @@ done
 wait "${runs[@]}"
 jq -s '{tracks: map(.tracks) | add}' "$work"/tracks-*.json >"$work/all.json"
 judge --tracks "$work/all.json" >"$work/verdicts.json"
+[ -z "$keep" ] || { mkdir -p "$keep" && cp "$work/all.json" "$work/verdicts.json" "$keep/"; }
 node "$root/tests/autopilot/trial/trial_report.js" --tracks "$work/all.json" --verdicts "$work/verdicts.json" \
   --subject "guidance, altimeter $altimeter"

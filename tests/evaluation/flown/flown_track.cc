@@ -143,8 +143,7 @@ void TrackJudge::JudgeRoll(const FlownTrack& track,
       const Eigen::Vector2d at = begin.in_world.head<2>() + along * direction + across * left;
       const cv::Point cell = truth.CellAt(at);
       if (IsFree(truth, cell)) continue;
-      const Eigen::Vector2d center =
-          truth.CellCenter(cell.y, cell.x) - begin.in_world.head<2>();
+      const Eigen::Vector2d center = truth.CellCenter(cell.y, cell.x) - begin.in_world.head<2>();
       if (std::abs(center.dot(left)) > aircraft_.path_half_width_m) continue;
       verdict.roll_fault = NameOfFault(truth, cell);
       verdict.is_thin = IsThinFault(truth, cell);

@@ -62,7 +62,8 @@ void WriteHeightGrid(const Mosaic& mosaic, double cell_size_m, const std::filesy
   altitudes_m.reserve(static_cast<size_t>(num_rows) * static_cast<size_t>(num_cols));
   for (int row = 0; row < num_rows; ++row) {
     for (int col = 0; col < num_cols; ++col) {
-      GeoPoint place{south_deg + row * step_latitude_deg, west_deg + col * step_longitude_deg,
+      GeoPoint place{south_deg + row * step_latitude_deg,
+                     west_deg + col * step_longitude_deg,
                      mosaic.origin().altitude_m};
       // Heights are above the tangent plane of the world.
       const double height = mosaic.PlaceOf(place).HeightAbove();

@@ -29,9 +29,8 @@ struct Arguments {
 FlownTrack TrackOf(const nlohmann::json& given) {
   FlownTrack track;
   track.id = given.at("id");
-  track.touchdown = {given.at("touchdown").at("latitude_deg"),
-                     given.at("touchdown").at("longitude_deg"),
-                     0.0};
+  track.touchdown = {
+      given.at("touchdown").at("latitude_deg"), given.at("touchdown").at("longitude_deg"), 0.0};
   track.heading = RadFromDeg(given.at("heading_deg").get<double>());
   for (const nlohmann::json& point : given.at("points")) {
     track.points.push_back({point.at(0), {point.at(1), point.at(2), point.at(3)}});
