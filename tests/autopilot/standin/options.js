@@ -49,7 +49,7 @@ const defaults = {
     // Of the wind estimate, after it has settled.
     wind_bias_ratio: 0.05,
     wind_bias_deg: 1.5,
-    wind_settle_s: 12,
+    wind_settle_s: 7,
     sends_rpm: true,
     sends_current: true,
     has_airspeed: true,
