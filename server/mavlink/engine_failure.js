@@ -81,6 +81,7 @@ export class EngineFailure {
     if (state.is_armed === false) this.#declared = undefined;
     if (this.#isAutomatic) this.#watch(state, now_us);
     this.#guidance.step(state, now_s);
+    this.#landings.missions.isHeld = this.#guidance.isOnFinal;
     this.#select(state, now_s);
   }
 

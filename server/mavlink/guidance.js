@@ -68,6 +68,7 @@ export class Guidance {
   }
 
   get isEngaged() { return this.#isEngaged; }
+  get isOnFinal() { return this.#isEngaged && this.#phase === 'final'; }
   get way() { return this.#way; }
   // The landing mission is in the autopilot, and the final has not begun.
   get isPrepared() { return this.#isEngaged && this.#phase !== 'final' && this.#prepared?.isReady === true; }

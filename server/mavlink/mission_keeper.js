@@ -57,6 +57,9 @@ export class MissionKeeper {
     this.#store = store;
   }
 
+  // While it is true, the mission is not read again: guidance is on the final.
+  isHeld = false;
+
   get isBusy() { return this.#task !== undefined; }
 
   // As `mission` of the link's state.
@@ -277,7 +280,7 @@ export class MissionKeeper {
     this.#task?.step(now_s);
     if (this.#task) return;
     this.#stepStart();
-    if (this.#isOnFinal) return;
+    if (this.#isOnFinal || this.isHeld) return;
     const isSuspect = this.#suspect_s !== undefined && now_s >= this.#suspect_s;
     const isDue = now_s - this.#checked_s > (this.#known?.site || this.#state.state === 'unknown' ? recheck_s : Infinity);
     const isFirst = !this.#known && now_s - this.#checked_s > reread_s;
