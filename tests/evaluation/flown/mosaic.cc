@@ -38,7 +38,8 @@ Mosaic MakeMosaic(uint64_t first_seed, int side) {
   options.aircraft = "small";
   for (int i = 0; i < side * side; ++i) {
     options.east_m = (i % side - 0.5 * (side - 1)) * options.world_size_m;
-    options.north_m = (i / side - 0.5 * (side - 1)) * options.world_size_m;
+    const int row = i / side;
+    options.north_m = (row - 0.5 * (side - 1)) * options.world_size_m;
     const uint64_t seed = first_seed + static_cast<uint64_t>(i);
     mosaic.Add(MakeScenario(seed, options, [](double) {}).world);
     std::cerr << "\rworld " << i + 1 << std::flush;
