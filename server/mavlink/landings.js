@@ -149,7 +149,7 @@ export class Landings {
     const answer = await this.#service.approach(siteId, known);
     return landingOfApproach(siteId, {
       ...answer, altitude_datum: answer.altitude_datum ?? properties.altitude_datum,
-      verdict: answer.plan?.verdict ?? verdict,
+      verdict: answer.plan?.verdict ?? answer.verdict ?? verdict,
     }, properties.aircraft?.landing_airspeed_mps);
   }
 }
