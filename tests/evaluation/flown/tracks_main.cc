@@ -74,6 +74,8 @@ void Run(const Arguments& arguments) {
   TrackJudge judge(mosaic, *aircraft);
   nlohmann::json verdicts = nlohmann::json::array();
   for (const nlohmann::json& given : tracks) {
+    // No place was told: nothing to judge.
+    if (!given.contains("touchdown")) continue;
     const FlownTrack track = TrackOf(given);
     verdicts.push_back(JsonOf(track, judge.Judge(track)));
   }
