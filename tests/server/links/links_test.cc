@@ -99,7 +99,7 @@ TEST_CASE(
 
 TEST_CASE("links: decisions are new once in each run") {
   LinkBoard board;
-  const auto put = [&](const char* run, std::vector<int> ids, int second) {
+  const auto put = [&](const char* run, const std::vector<int>& ids, int second) {
     nlohmann::json log = nlohmann::json::array();
     for (const int id : ids) {
       log.push_back({{"id", id}, {"at", "t"}, {"kind", "link"}, {"text", "x"}});
