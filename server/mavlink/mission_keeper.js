@@ -135,8 +135,8 @@ export class MissionKeeper {
 
   // The items before a landing sequence stay as they are, so that what is flown stays in place.
   #missionWith(landing, old) {
-    const { isArdupilot, parameters, home_altitude_m } = this.#vehicle();
-    const ours = isArdupilot ? ardupilotItems(landing, { parameters, home_altitude_m }) : px4Items(landing);
+    const { isArdupilot, parameters, home_altitude_m, landing_airspeed_mps } = this.#vehicle();
+    const ours = isArdupilot ? ardupilotItems(landing, { parameters, home_altitude_m, landing_airspeed_mps }) : px4Items(landing);
     const landingAt = old.findIndex((one) => one.command === command.landStart);
     const before = landingAt < 0 ? old : old.slice(0, landingAt);
     if (isArdupilot && before.length === 0) return [item(command.waypoint), ...ours];

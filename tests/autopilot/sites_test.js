@@ -63,7 +63,8 @@ test('every site of the service: its mission is read back equal, a rejected one 
     }
     assert.equal(state, 'done', `${site.id}: ${detail}`);
     assert.deepEqual({ state: rig.mission.state, site: rig.mission.site }, { state: 'current', site: site.id });
-    const ours = ardupilotItems(landingOfApproach(site.id, answers.approach), { parameters: rig.plane.parameters, home_altitude_m: rig.plane.home.altitude_m });
+    const ours = ardupilotItems(landingOfApproach(site.id, answers.approach), { parameters: rig.plane.parameters, home_altitude_m: rig.plane.home.altitude_m,
+      landing_airspeed_mps: 16 });
     const flown = rig.plane.mission.slice(-ours.length);
     // The autopilot's own altitude above home is measured with noise.
     assert.ok(areSame(flown.map((one) => ({ ...one, param1: 0 })), ours.map((one) => ({ ...one, param1: 0 }))), site.id);
