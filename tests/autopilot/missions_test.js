@@ -3,8 +3,8 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { ardupilotItems, landingOfApproach, landingOfRecall, landPointBehind_m, px4Items } from '../../server/mavlink/landing_items.js';
-import { isMixture, isSameItem } from '../../server/mavlink/mission_items.js';
+import { ardupilotItems, landingOfApproach, landingOfRecall, landPointBehind_m, px4Items } from '../../server/mavlink/mission/landing_items.js';
+import { isMixture, isSameItem } from '../../server/mavlink/mission/mission_items.js';
 import { allowed, NotAllowed, Outgoing } from '../../server/mavlink/outgoing.js';
 import { messageClasses } from '../../server/mavlink/messages.js';
 import { Random } from './standin/random.js';

@@ -5,8 +5,8 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { ardupilotItems, landingOfApproach } from '../../server/mavlink/landing_items.js';
-import { areSame } from '../../server/mavlink/mission_items.js';
+import { ardupilotItems, landingOfApproach } from '../../server/mavlink/mission/landing_items.js';
+import { areSame } from '../../server/mavlink/mission/mission_items.js';
 import { ServiceProblem } from '../../server/mavlink/service.js';
 import { Service } from '../../server/mavlink/service.js';
 import { Rig } from './mission_rig.js';
