@@ -4,8 +4,6 @@ export const defaultChoiceOptions = {
   // The way is flown as it is while the aircraft is so near it.
   maxHigh_m: 3,
   maxLow_m: 2,
-  // Nearer than this to the final it is held three times as closely: what is left then stays left.
-  close_s: 20,
   maxAside_m: 15,
   // A new way to the same site brings the aircraft so much nearer to the height of the final.
   gain_m: 1,
@@ -48,7 +46,7 @@ export function choose({ way, progress, answer, flightId, mayChangeSite = true }
   const same = told(answer, way.site.site_id);
   const other = mayChangeSite && better(sites, same, way, progress, options);
   if (other) return { site: other, reason: 'more margin than the present site' };
-  const off = deviation(progress, way.timeToFinal_s(progress.along_m) < options.close_s ? 1 / 3 : 1, options);
+  const off = deviation(progress, options);
   if (!off || !same || !hasWay(same)) return undefined;
   const isAside = progress.away_m > options.maxAside_m;
   const gain_m = cost_m(progress.energy_m + way.surplus_m) - cost_m(surplus_m(same));
@@ -58,16 +56,17 @@ export function choose({ way, progress, answer, flightId, mayChangeSite = true }
 // Too low is worse: height can be lost on the final, but not won.
 const cost_m = (height_m) => (height_m < 0 ? -2 * height_m : height_m);
 
-function deviation({ energy_m, away_m }, share, options) {
-  if (energy_m > share * options.maxHigh_m) return `${energy_m.toFixed(1)} m above the way`;
-  if (energy_m < -share * options.maxLow_m) return `${(-energy_m).toFixed(1)} m below the way`;
+function deviation({ energy_m, away_m }, options) {
+  if (energy_m > options.maxHigh_m) return `${energy_m.toFixed(1)} m above the way`;
+  if (energy_m < -options.maxLow_m) return `${(-energy_m).toFixed(1)} m below the way`;
   if (away_m > options.maxAside_m) return `${away_m.toFixed(0)} m beside the way`;
   return undefined;
 }
 
 // On the way, what is told of the worst wind no longer counts: the aircraft shows how it glides.
 function better(sites, same, way, progress, options) {
-  const [best] = sites.filter((site) => site.site_id !== way.site.site_id && isClear(site) && surplus_m(site) <= options.maxSurplus_m);
+  const isOther = (site) => site.site_id !== way.site.site_id;
+  const [best] = sites.filter((site) => isOther(site) && isClear(site) && surplus_m(site) <= options.maxSurplus_m);
   if (!best || progress.energy_m > -options.maxLow_m) return undefined;
   const margin_m = same?.arrival_margin_m ?? progress.energy_m;
   if (margin_m >= options.lowMargin_m) return undefined;
