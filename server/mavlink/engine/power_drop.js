@@ -3,6 +3,7 @@
 // With a running engine the excess power follows throttle, airspeed and bank as learned, with the noise of
 // power_noise.js. Without it the thrust is missing since one of the last moments. Evidence is the
 // logarithm of how much better the second explains the innovations, at the likeliest of these moments.
+// Beside it stands the absence: the same evidence from the power itself, since it began to be missing.
 //
 // An autopilot opens the throttle when the air sinks, so throttle and gusts of the same moment go
 // together, and power would seem to fall with the throttle. Thus the throttle of a second ago tells the
@@ -11,16 +12,17 @@
 
 import { LeastSquares } from './least_squares.js';
 import { featuresOf, priorMeans_mps, priorSds_mps, referenceAirspeed_mps } from './power_model.js';
-import { Innovations, numResiduals, PowerNoise } from './power_noise.js';
+import { defaultPowerNoise, Innovations, numResiduals, PowerNoise } from './power_noise.js';
 
 const gravity_mps2 = 9.81;
 
 export const defaultPowerDropOptions = {
   // Evidence that is a drop: e^12 is 160 000. Evidence from which nothing is learned for a while.
   limit: 12,
-  // The same if RPM or current has also gone.
+  // The same for thrust that is missing all the time, and if RPM or current has also gone.
+  limitAbsence: 8,
   limitConfirmed: 3,
-  doubt: 5,
+  doubt: 3,
   // The drop may have begun so long ago.
   onsets_s: 4,
   // Before this nothing is concluded.
@@ -48,7 +50,6 @@ export const defaultPowerDropOptions = {
   maxStep_s: 2,
   // Evidence that the thrust is back.
   recovery: 5,
-  gusts_s: 4,
 };
 
 const clamp = (value, low, high) => Math.min(high, Math.max(low, value));
@@ -74,7 +75,7 @@ class ThrottleHistory {
 }
 
 // The drop as it would look since one moment.
-class Onset {
+export class Onset {
   #signature = new Innovations();
   #likeness = 0;
   #size = 0;
@@ -105,6 +106,7 @@ export class PowerDrop {
   #onsets;
   #waiting;
   #learned_s = 0;
+  #absence = 0;
   #recovery = 0;
   evidence = 0;
 
@@ -116,8 +118,9 @@ export class PowerDrop {
   }
 
   isDrop(isConfirmed) {
-    const { limit, limitConfirmed } = this.#options;
-    return this.evidence > (isConfirmed ? limitConfirmed : limit);
+    const { limit, limitAbsence, limitConfirmed } = this.#options;
+    if (isConfirmed) return Math.max(this.evidence, this.#absence) > limitConfirmed;
+    return this.evidence > limit || this.#absence > limitAbsence;
   }
 
   // Nothing speaks against it while too little is learned.
@@ -133,6 +136,7 @@ export class PowerDrop {
     this.#onsets = [];
     this.#waiting = [];
     this.#noise.restart();
+    this.#absence = 0;
     this.#recovery = 0;
     this.evidence = 0;
   }
@@ -180,10 +184,14 @@ export class PowerDrop {
     const row = features.map((one, i) => this.#innovations.features[i].next(filter, one));
     this.#residuals_mps = [...this.#residuals_mps, power_mps - this.#fit.estimate(features)].slice(-numResiduals);
     if (this.#residuals_mps.length < numResiduals) return;
+    const absence = this.#absenceIn(sample, thrust_mps);
     if (hasFailed) {
-      this.#watchRecovery(thrust_mps, duration_s);
+      this.#watchRecovery(absence);
       return;
     }
+    this.#recovery = 0;
+    const isShown = this.#isLearned && sample.throttle >= options.minThrottle_ratio;
+    this.#absence = isShown ? Math.max(0, this.#absence + absence) : 0;
     const variance_mps2 = filter.variance_mps2 + this.#fit.variance(row) + (options.turn_mps * (load ** 2 - 1)) ** 2 +
       (options.change_ratio * row.at(-1) * Math.max(0, first)) ** 2 + (options.thrust_ratio * thrust_mps) ** 2;
     if (this.#isLearned) this.#weigh(sample, { filter, thrust_mps, innovation_mps: power - this.#fit.estimate(row), variance_mps2 });
@@ -205,7 +213,7 @@ export class PowerDrop {
   // From the innovations: they are independent of each other.
   #learn(time_s) {
     const { doubt, learnAfter_s, learnAfterDoubt_s } = this.#options;
-    const until_s = time_s - (this.evidence > doubt ? learnAfterDoubt_s : learnAfter_s);
+    const until_s = time_s - (Math.max(this.evidence, this.#absence) > doubt ? learnAfterDoubt_s : learnAfter_s);
     while (this.#waiting.length && this.#waiting[0].time_s < until_s) {
       const { row, power, variance_mps2, duration_s, residuals_mps } = this.#waiting.shift();
       this.#fit.learn(row, power, variance_mps2, duration_s);
@@ -214,14 +222,20 @@ export class PowerDrop {
     }
   }
 
-  // Here the power itself counts: over seconds, a gust is one sample.
-  #watchRecovery(thrust_mps, duration_s) {
-    const surplus_mps = this.#residuals_mps.at(-1) + thrust_mps / 2;
-    const evidence = (thrust_mps * surplus_mps) / this.#noise.gust_mps2;
-    this.#recovery = Math.max(0, this.#recovery + (evidence * duration_s) / this.#options.gusts_s);
-    this.#waiting = [];
-    this.#onsets = [];
+  // Evidence of one sample that the thrust is missing, from the power itself; over seconds, a gust is one sample.
+  #absenceIn({ duration_s, features }, thrust_mps) {
+    const { thrust_ratio } = this.#options;
+    const variance_mps2 = this.#noise.gust_mps2 + this.#fit.variance(features) + (thrust_ratio * thrust_mps) ** 2;
+    const missing_mps = -this.#residuals_mps.at(-1) - thrust_mps / 2;
+    return ((thrust_mps * missing_mps) / variance_mps2) * (duration_s / defaultPowerNoise.gusts_s);
+  }
+
+  #watchRecovery(absence) {
+    this.#recovery = Math.max(0, this.#recovery - absence);
+    this.#absence = 0;
     this.evidence = 0;
+    this.#onsets = [];
+    this.#waiting = [];
   }
 }
 

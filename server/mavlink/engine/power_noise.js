@@ -5,12 +5,14 @@
 //
 // How strong both are is learned. The filter (Kalman's, of this model) leaves what could not be foreseen.
 
-// Gusts last for about so long; only their strength is learned.
-const correlation_s = 4;
+export const defaultPowerNoise = {
+  // Gusts last for about so long; only their strength is learned.
+  gusts_s: 4,
+  // Before anything is learned.
+  gust_mps: 0.6,
+  error_m: 0.14,
+};
 const memory_s = 60;
-// Before anything is learned.
-const priorGust_mps = 0.6;
-const priorError_m = 0.14;
 // No gusts are never believed in.
 const minGust_mps = 0.2;
 const minError_m = 0.01;
@@ -19,15 +21,20 @@ const lags = [2, 3, 4];
 export const numResiduals = 5;
 
 const square = (value) => value * value;
-const keptOver = (duration_s) => Math.exp(-duration_s / correlation_s);
 
 export class PowerNoise {
-  #gust_mps2 = square(priorGust_mps);
-  #error_m2 = square(priorError_m);
+  #gusts_s;
+  #gust_mps2;
+  #error_m2;
   #products;
   #uncertainty;
 
-  constructor() { this.restart(); }
+  constructor({ gusts_s, gust_mps, error_m } = defaultPowerNoise) {
+    this.#gusts_s = gusts_s;
+    this.#gust_mps2 = square(gust_mps);
+    this.#error_m2 = square(error_m);
+    this.restart();
+  }
 
   get gust_mps2() { return this.#gust_mps2; }
 
@@ -36,7 +43,7 @@ export class PowerNoise {
 
   // residuals_mps: the newest last.
   learn(residuals_mps, duration_s) {
-    const kept = keptOver(duration_s);
+    const kept = Math.exp(-duration_s / this.#gusts_s);
     this.#products ??= [this.#gust_mps2 + (2 * this.#error_m2) / square(duration_s), ...lags.map((lag) => this.#gust_mps2 * kept ** lag)];
     const rate = duration_s / memory_s;
     [0, ...lags].forEach((lag, i) => {
@@ -52,7 +59,7 @@ export class PowerNoise {
   // The filter of the next sample, and the variance of what it leaves.
   next(duration_s) {
     const before = this.#uncertainty;
-    const kept = keptOver(duration_s);
+    const kept = Math.exp(-duration_s / this.#gusts_s);
     const rate_per_s = 1 / duration_s;
     const gust = kept * kept * before.gust + this.#gust_mps2 * (1 - kept * kept);
     const shared = gust - rate_per_s * kept * before.both;
