@@ -7,19 +7,17 @@ const globalFrame = 0;
 const changesMode = 1;
 const customMode = 1;
 const airspeed = 0;
-// Main mode and sub mode of DO_SET_MODE.
-const missionModes = { ardupilotmega: [10, 0], px4: [4, 4] };
+// AUTO of ArduPlane.
+const missionMode = 10;
 
 export class Autopilot {
   #send;
   #address;
-  #name;
 
-  // send(message name, fields). address(): targetSystem and targetComponent. name(): of the autopilot.
-  constructor({ send, address, name }) {
+  // send(message name, fields). address(): targetSystem and targetComponent.
+  constructor({ send, address }) {
     this.#send = send;
     this.#address = address;
-    this.#name = name;
   }
 
   // target: place with altitude_m above mean sea level, and radius_m.
@@ -35,8 +33,7 @@ export class Autopilot {
 
   // The mission is flown from its current item, which is the LAND.
   beginFinal() {
-    const [mode, subMode] = missionModes[this.#name()] ?? missionModes.ardupilotmega;
-    this.#command(doSetMode, [customMode, mode, subMode]);
+    this.#command(doSetMode, [customMode, missionMode]);
   }
 
   #command(command, params) {

@@ -1,7 +1,7 @@
 // One link to one autopilot: packets in; telemetry lines and a state out. No sockets, no files.
 
 import { BootClock } from './clock.js';
-import { EngineWatch } from './engine.js';
+import { EngineWatch } from './engine/engine_watch.js';
 import { packetsInDatagram, PacketReader } from './framing.js';
 import { heardMessages } from './mission/landings.js';
 import { fieldsOf, idOf, nameOf } from './messages.js';

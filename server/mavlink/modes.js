@@ -9,9 +9,11 @@ const ardupilot = 3;
 const px4 = 12;
 const px4MainModes = {
   1: 'MANUAL', 2: 'ALTCTL', 3: 'POSCTL', 4: 'AUTO', 5: 'ACRO', 6: 'OFFBOARD', 7: 'STABILIZED',
+  10: 'TERMINATION', 11: 'ALTITUDE_CRUISE',
 };
 const px4AutoModes = {
-  1: 'READY', 2: 'TAKEOFF', 3: 'LOITER', 4: 'MISSION', 5: 'RTL', 6: 'LAND', 8: 'FOLLOW_TARGET',
+  1: 'READY', 2: 'TAKEOFF', 3: 'LOITER', 4: 'MISSION', 5: 'RTL', 6: 'LAND', 8: 'FOLLOW_TARGET', 9: 'PRECLAND',
+  10: 'VTOL_TAKEOFF',
 };
 
 export const typeName = (type) => (MavType[type] ?? `type ${type}`).toLowerCase();

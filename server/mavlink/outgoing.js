@@ -11,8 +11,8 @@ export const ownComponent = 191;
 
 const mavCmd = { doSetMode: 176, doChangeSpeed: 178, doLandStart: 189, doReposition: 192 };
 const airspeed = 0;
-// GUIDED and AUTO of ArduPlane; AUTO of PX4.
-const autoModes = new Set([4, 10, 15]);
+// AUTO and GUIDED of ArduPlane.
+const autoModes = new Set([10, 15]);
 
 // Each one tells whether it may be sent, by its fields.
 const allowedCommands = {
@@ -29,8 +29,8 @@ export const allowed = {
   MISSION_REQUEST_LIST: () => true,
   MISSION_REQUEST_INT: () => true,
   MISSION_COUNT: ({ count }) => count > 0,
-  // An item with another `current` is a guided target or a change of altitude.
-  MISSION_ITEM_INT: ({ current }) => current === 0,
+  // 1: the item that is flown. An item with another `current` is a guided target or a change of altitude.
+  MISSION_ITEM_INT: ({ current }) => current === 0 || current === 1,
   MISSION_ACK: () => true,
   MISSION_SET_CURRENT: () => true,
   COMMAND_INT: isAllowedCommand,

@@ -7,8 +7,10 @@
 // Only turns tell p and q from the wind: on a straight line the uncertainty stays large.
 
 const window_s = 150;
-// Gusts last for about this long: samples closer together are not independent.
-const correlation_s = 3;
+// Samples closer together than gusts last are not independent. How long they last is measured from
+// what the solution leaves, between these.
+const minCorrelation_s = 3;
+const maxCorrelation_s = 30;
 const minNoise_mps = 0.3;
 const airspeedScaleSd = 0.15;
 const sideslipSd = 0.05;
@@ -67,10 +69,13 @@ export class DriftWind {
           sd: [airspeedSd_mps, sideslipSd * typicalAirspeed_mps] };
     // The noise is not known before the first solution.
     let noise_mps = 1;
+    let gust_s = minCorrelation_s;
     let solution;
     for (let round = 0; round < 3; ++round) {
-      solution = fit(rows, values, prior, noise_mps, independentShare(samples));
-      noise_mps = Math.max(minNoise_mps, spreadOf(rows, values, solution.x));
+      solution = fit(rows, values, prior, noise_mps, independentShare(samples, gust_s));
+      const residuals = residualsOf(rows, values, solution.x);
+      noise_mps = Math.max(minNoise_mps, spreadOf(residuals));
+      gust_s = correlation_s(samples, residuals);
     }
     const [, , east_mps, north_mps] = solution.x;
     const sd_mps = Math.sqrt(Math.max(solution.inverse[2][2], solution.inverse[3][3]));
@@ -78,8 +83,10 @@ export class DriftWind {
   }
 }
 
-function independentShare(samples) {
-  const duration_s = samples.at(-1).time_s - samples[0].time_s;
+const durationOf = (samples) => samples.at(-1).time_s - samples[0].time_s;
+
+function independentShare(samples, correlation_s) {
+  const duration_s = durationOf(samples);
   return Math.min(1, (duration_s / correlation_s + 1) / samples.length);
 }
 
@@ -114,10 +121,26 @@ function fit(rows, values, prior, noise_mps, share) {
   return solved(a, b);
 }
 
-function spreadOf(rows, values, x) {
-  let sum = 0;
-  rows.forEach((row, k) => {
-    sum += (values[k] - row.reduce((total, value, i) => total + value * x[i], 0)) ** 2;
-  });
-  return Math.sqrt(sum / Math.max(1, rows.length - numUnknowns));
+const residualsOf = (rows, values, x) =>
+  rows.map((row, k) => values[k] - row.reduce((total, value, i) => total + value * x[i], 0));
+
+const spreadOf = (residuals) =>
+  Math.sqrt(residuals.reduce((sum, one) => sum + one * one, 0) / Math.max(1, residuals.length - numUnknowns));
+
+// The sum of the autocorrelation up to its first zero, east and north together.
+function correlation_s(samples, residuals) {
+  const step_s = durationOf(samples) / (samples.length - 1);
+  const covariance = (lag) => {
+    let sum = 0;
+    for (let k = 2 * lag; k < residuals.length; ++k) sum += residuals[k] * residuals[k - 2 * lag];
+    return sum;
+  };
+  const variance = covariance(0);
+  let numCorrelated = 1;
+  for (let lag = 1; lag * step_s < maxCorrelation_s && lag < samples.length; ++lag) {
+    const one = covariance(lag) / variance;
+    if (!(one > 0)) break;
+    numCorrelated += 2 * one;
+  }
+  return Math.min(maxCorrelation_s, Math.max(minCorrelation_s, numCorrelated * step_s));
 }

@@ -2,6 +2,7 @@
 // flight. Stepped; nothing of it is an engine failure.
 
 import { Link } from '../../server/mavlink/link.js';
+import { KnowingWatch } from './knowing_watch.js';
 import { Standin } from './standin/aircraft.js';
 import { survey } from './standin/missions.js';
 import { Random } from './standin/random.js';
@@ -74,23 +75,31 @@ function planeOf(seed, random, withSigns) {
     sensors: { sends_rpm: withSigns, sends_current: withSigns } });
 }
 
-// Seconds from the end of the engine, in a survey, to the alarm.
+const longest_s = 40;
+
+// In a survey the engine ends. { delay_s: to the alarm, known_s: to that of one who knows all; Infinity if
+// there is none in time, hadAlarm: before it ended }.
 export function failAfterSurvey(seed, { withSigns = true } = {}) {
   const random = new Random(seed * 104729);
   const plane = planeOf(seed, random, withSigns);
-  let failed_s;
-  let stopped_s = Infinity;
+  const alarms_s = [];
   const link = new Link({ emit: () => {}, steady_us: () => plane.time_s * 1e6, onEvent: (sentence) => {
-    if (sentence.startsWith('ENGINE') && plane.time_s > stopped_s) failed_s ??= plane.time_s;
+    if (sentence.startsWith('ENGINE')) alarms_s.push(plane.time_s);
   } });
-  plane.onSend = (bytes) => link.take(bytes, '127.0.0.1 5760', true, plane.utc_us);
+  const knowing = new KnowingWatch(plane);
+  plane.onSend = (bytes, name) => {
+    link.take(bytes, '127.0.0.1 5760', true, plane.utc_us);
+    if (name === 'GLOBAL_POSITION_INT') knowing.step(bytes);
+  };
   plane.loadMission(survey(plane, { height_m: random.between(80, 200) }));
   plane.startInFlight({ height_m: 150, mode: 'AUTO' });
   plane.step(random.between(90, 300));
-  stopped_s = plane.time_s;
+  const stopped_s = plane.time_s;
+  const after_s = (times_s) => (times_s.find((time_s) => time_s > stopped_s) ?? Infinity) - stopped_s;
   plane.stopEngine();
-  while (failed_s === undefined && plane.time_s < stopped_s + 40) plane.step(0.1);
-  return failed_s === undefined ? undefined : failed_s - stopped_s;
+  const isOver = () => plane.time_s >= stopped_s + longest_s || plane.touchdown;
+  while (!isOver() && !(after_s(alarms_s) < Infinity && after_s(knowing.alarms_s) < Infinity)) plane.step(0.1);
+  return { delay_s: after_s(alarms_s), known_s: after_s(knowing.alarms_s), hadAlarm: alarms_s.some((time_s) => time_s <= stopped_s) };
 }
 
 // One flight of an hour. Gives the alarms of the link: [{ time_s, sentence, manoeuvre, truth }].
@@ -119,4 +128,24 @@ export function flyHour(seed, { duration_s = 3600, withSigns = true } = {}) {
     plane.step(0.5);
   }
   return { alarms, flown_s: plane.time_s, touchdown: plane.touchdown, engine: link.state(plane.utc_us).engine.state };
+}
+
+// A failure of 20 s in a survey at height. { wasFailed: until the engine was started, back_s: from then to
+// its being believed }.
+export function restartAfterFailure(seed) {
+  const plane = planeOf(seed, new Random(seed * 104729), false);
+  const link = new Link({ emit: () => {}, steady_us: () => plane.time_s * 1e6 });
+  const state = () => link.state(plane.utc_us).engine.state;
+  plane.onSend = (bytes) => link.take(bytes, '127.0.0.1 5760', true, plane.utc_us);
+  plane.loadMission(survey(plane, { height_m: 300 }));
+  plane.startInFlight({ height_m: 300, mode: 'AUTO' });
+  plane.step(240);
+  plane.stopEngine();
+  for (let i = 0; i < 40 && state() !== 'failed'; ++i) plane.step(1);
+  plane.step(10);
+  const wasFailed = state() === 'failed';
+  plane.startEngine();
+  const started_s = plane.time_s;
+  while (state() === 'failed' && plane.time_s < started_s + 120) plane.step(0.5);
+  return { wasFailed, back_s: plane.time_s - started_s };
 }

@@ -42,6 +42,9 @@ export function approachAnswer(plane, { east_m = 0, north_m = 0, heading_deg = 9
 
 export const siteAnswer = { properties: { verdict: 'landable', altitude_datum: 'amsl', aircraft: { landing_airspeed_mps: 16 } } };
 
+const jump = 177;
+const jumpsMoved = (items, by) => items.map((one) => (one.command === jump ? { ...one, param1: one.param1 + by } : one));
+
 export class Rig {
   log = [];
   told = new Map();
@@ -55,7 +58,9 @@ export class Rig {
     this.up = new Transport((bytes) => this.#reachPlanes(bytes), { ...radio, seed: 2 * seed });
     this.down = new Transport((bytes) => this.link.take(bytes, '127.0.0.1 5760', true, this.plane.utc_us), { ...radio, seed: 2 * seed + 1 });
     this.plane.onSend = (bytes) => this.down.send(bytes, this.plane.time_s);
-    this.plane.loadMission([...survey(this.plane, { width_m: 240, spacing_m: 80 }), ...landing(this.plane)]);
+    const items = [...survey(this.plane, { width_m: 240, spacing_m: 80 }), ...landing(this.plane)];
+    // Item 0, the home, is of ArduPlane.
+    this.plane.loadMission(this.plane.isPx4 ? jumpsMoved(items.slice(1), -1) : items);
     this.plane.startInFlight({ height_m: 120, mode });
     this.startProgram();
   }

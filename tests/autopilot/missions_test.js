@@ -80,7 +80,8 @@ test('items of ArduPlane: altitudes above mean sea level, whole radius, abort al
 
 test('items of PX4: leaves the circle towards the final, no yaw', () => {
   const rig = new Rig();
-  const [, circle, final] = px4Items(landingOfApproach('s1', approachAnswer(rig.plane)));
+  const [start, circle, final] = px4Items(landingOfApproach('s1', approachAnswer(rig.plane)));
+  assert.deepEqual([start.frame, start.x, start.y, start.z], [2, 0, 0, 0]);
   assert.deepEqual([circle.param1, circle.param2, circle.param4], [1, 41.3, 1]);
   assert.ok(Number.isNaN(final.param4));
   assert.ok(isSameItem(final, { ...final, frame: 5, param4: 0 }));
@@ -251,8 +252,9 @@ test('nothing else can be sent: no arming, take-off, parameter, servo or any oth
   }
   assert.deepEqual([...new Set(commands)], [176, 178, 189, 192]);
   // Neither MANUAL nor any other mode than GUIDED and AUTO.
-  for (const mode of [0, 1, 2, 5, 11, 13, 21]) assert.ok(!allowed.COMMAND_LONG({ command: 176, _param1: 1, _param2: mode }));
-  for (const current of [1, 2, 3]) assert.throws(() => outgoing.send('MISSION_ITEM_INT', { current }), NotAllowed);
+  for (const mode of [0, 1, 2, 4, 5, 11, 13, 21]) assert.ok(!allowed.COMMAND_LONG({ command: 176, _param1: 1, _param2: mode }));
+  // 1 marks the item that is flown; 2 and 3 are guided targets and changes of altitude.
+  for (const current of [2, 3]) assert.throws(() => outgoing.send('MISSION_ITEM_INT', { current }), NotAllowed);
   assert.throws(() => outgoing.send('MISSION_COUNT', { count: 0 }), NotAllowed);
   assert.equal(sent.length, 0);
   report(subject, 'messages that may be sent', `${Object.keys(allowed).length} of ${names.length}: ${Object.keys(allowed).join(', ')}`);

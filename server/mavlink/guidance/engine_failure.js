@@ -2,7 +2,7 @@
 
 import { Autopilot } from '../autopilot.js';
 import { Guidance } from './guidance.js';
-import { hasModes, isFlownByItself } from './guidance_modes.js';
+import { isFlownByItself, isGuidable } from './guidance_modes.js';
 
 const selectPeriod_s = 1;
 
@@ -35,7 +35,6 @@ export class EngineFailure {
       autopilot: new Autopilot({
         send: (name, fields) => outgoing.send(name, fields),
         address: () => this.#target(),
-        name: () => state().autopilot,
       }),
       mission: landings.missions,
       log,
@@ -113,5 +112,5 @@ export class EngineFailure {
 function refusalOf(state) {
   if (!state.is_connected) return 'the autopilot is silent';
   if (!state.is_armed) return 'it is not armed';
-  return hasModes(state.autopilot) ? undefined : `${state.autopilot} cannot be guided`;
+  return isGuidable(state.autopilot) ? undefined : `${state.autopilot} is not guided: only ArduPlane is`;
 }

@@ -1,34 +1,29 @@
 // Whether the autopilot is still in the mode that guidance has put it into. A person who changes
 // the mode ends guidance. Pure.
 
-const modesOf = {
-  ardupilotmega: { guided: 'GUIDED', mission: 'AUTO' },
-  px4: { guided: 'AUTO.LOITER', mission: 'AUTO.MISSION' },
-};
+// Of ArduPlane. PX4 is not guided: it circles every target at its own radius (NAV_LOITER_RAD), by the versions that
+// were read, and takes no final as steep as that of a glide.
+const modes = { guided: 'GUIDED', mission: 'AUTO' };
 // Modes in which the autopilot flies by itself. In the others a person flies by hand.
 const flownByItself = new Set([
   'AUTO', 'GUIDED', 'LOITER', 'CIRCLE', 'RTL', 'TAKEOFF', 'AVOID_ADSB', 'THERMAL', 'LOITER_ALT_QLAND',
-  'AUTO.MISSION', 'AUTO.LOITER', 'AUTO.RTL', 'AUTO.TAKEOFF', 'AUTO.READY',
 ]);
 // Heartbeats come once a second, and the change itself takes its time.
 const change_s = 4;
 const repeat_s = 1.5;
 
 export const isFlownByItself = (mode) => flownByItself.has(mode);
-export const hasModes = (autopilot) => autopilot in modesOf;
+export const isGuidable = (autopilot) => autopilot === 'ardupilotmega';
 
 export class ModeWatch {
-  #names;
+  #names = modes;
   #before;
   #wanted;
   #sent_s;
   #isThere = false;
   #now_s = 0;
 
-  constructor({ autopilot, mode }) {
-    this.#names = modesOf[autopilot] ?? modesOf.ardupilotmega;
-    this.#before = mode;
-  }
+  constructor({ mode }) { this.#before = mode; }
 
   // A target may change the mode only until the autopilot has been seen in it.
   get mayChange() { return !this.#isThere; }

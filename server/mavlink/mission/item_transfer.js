@@ -3,13 +3,15 @@
 
 import { itemOf } from './mission_items.js';
 
-const ack = { accepted: 0, invalidSequence: 13, denied: 14, cancelled: 15 };
+const ack = { accepted: 0, error: 1, invalidSequence: 13, denied: 14, cancelled: 15 };
 // After this the same message is sent again.
 const repeat_s = 0.8;
 // Somebody else uploads: the autopilot denies until it has ended or timed out (8 s in ArduPilot).
 const busy_s = 1;
 // Without any progress.
 const giveUp_s = 15;
+// A list that cannot be read so often in a row.
+const maxNumBroken = 3;
 
 const resultName = (code) => ({ 1: 'error', 2: 'unsupported frame', 3: 'unsupported', 4: 'no space', 5: 'invalid',
   14: 'denied', 15: 'cancelled' })[code] ?? `result ${code}`;
@@ -50,6 +52,7 @@ class Transfer {
 export class Download extends Transfer {
   #count;
   #items = [];
+  #numBroken = 0;
 
   _ask() {
     if (this.#count === undefined) this._send('MISSION_REQUEST_LIST', {});
@@ -61,8 +64,18 @@ export class Download extends Transfer {
     if (name === 'MISSION_COUNT' && this.#count === undefined) this.#begin(fields.count, now_s);
     else if (name === 'MISSION_ITEM_INT' && this.#count !== undefined) this.#take(fields, now_s);
     else if (name === 'MISSION_ACK' && fields.type === ack.denied) this._next_s = now_s + busy_s;
-    // The list has become shorter meanwhile.
-    else if (name === 'MISSION_ACK' && fields.type === 1) this._finish({ error: 'the list changed while it was read' });
+    else if (name === 'MISSION_ACK' && fields.type === ack.error) this.#beginAnew(now_s);
+  }
+
+  // The list has become shorter meanwhile, or a late copy of a request was one too many for PX4.
+  #beginAnew(now_s) {
+    if (++this.#numBroken > maxNumBroken) {
+      this._finish({ error: 'the list changed while it was read' });
+      return;
+    }
+    this.#count = undefined;
+    this.#items = [];
+    this._next_s = now_s + busy_s;
   }
 
   #begin(count, now_s) {
@@ -91,10 +104,13 @@ export class Upload extends Transfer {
   #items;
   #hasBegun = false;
   #isComplete = false;
+  #current;
 
-  constructor(out, type, items) {
+  // current: the item that is flown. PX4 begins a new mission at its first item, if none is marked.
+  constructor(out, type, items, current) {
     super(out, type);
     this.#items = items;
+    this.#current = current;
   }
 
   // Once it is asked for items, the autopilot asks again by itself.
@@ -116,13 +132,14 @@ export class Upload extends Transfer {
     this.#hasBegun = true;
     this.#isComplete ||= seq === this.#items.length - 1;
     this._advance(now_s);
-    this._send('MISSION_ITEM_INT', { ...one, seq, current: 0, autocontinue: 1 });
+    this._send('MISSION_ITEM_INT', { ...one, seq, current: Number(seq === this.#current), autocontinue: 1 });
   }
 
   #onAck(type, now_s) {
     if (type === ack.invalidSequence) return;
     if (type === ack.accepted && this.#isComplete) this._finish({ isAcknowledged: true });
-    else if (type === ack.denied && !this.#hasBegun) this._next_s = now_s + busy_s;
+    // PX4 says error where ArduPilot says denied.
+    else if ((type === ack.denied || type === ack.error) && !this.#hasBegun) this._next_s = now_s + busy_s;
     else if (type !== ack.accepted) this._finish({ error: resultName(type) });
   }
 }

@@ -1,6 +1,6 @@
 // From a landing that the service planned to the items that an autopilot flies.
 
-import { command, item } from './mission_items.js';
+import { command, frame, item } from './mission_items.js';
 
 const meanLatitude_m_per_deg = 111_195;
 const radians = (degrees) => (degrees * Math.PI) / 180;
@@ -142,11 +142,21 @@ export function ardupilotItems(landing, { parameters = {}, home_altitude_m, land
   ];
 }
 
-export function px4Items(landing) {
-  const { touchdown, centre, radius_m, isRight } = landing;
+// PX4 judges a mission as it takes it: a final steeper than FW_LND_ANG, or a LAND within the circle, and the
+// whole mission is not flown. Commands without a place are taken in one frame only.
+// https://docs.px4.io/main/en/flight_modes_fw/mission.html
+const slopeTolerance_deg = 0.1;
+
+export function px4Items(landing, { parameters = {} } = {}) {
+  const { touchdown, centre, start, radius_m, isRight } = landing;
+  const slope_deg = Math.atan2(start.altitude_m - touchdown.altitude_m, finalLength_m(landing)) / radians(1);
+  const { FW_LND_ANG } = parameters;
+  if (slope_deg > FW_LND_ANG + slopeTolerance_deg) {
+    throw new NoLanding(`the final descends by ${slope_deg.toFixed(1)} degrees, the autopilot takes at most ${FW_LND_ANG.toFixed(1)} (FW_LND_ANG)`);
+  }
   // param1: it leaves the circle in the direction of the next item.
   return [
-    item(command.landStart, centre),
+    item(command.landStart, undefined, [], frame.noPlace),
     item(command.loiterToAltitude, centre, [1, radius_m * (isRight ? 1 : -1), 0, 1]),
     item(command.land, touchdown, [0, 0, 0, NaN]),
   ];

@@ -4,7 +4,7 @@
 import { landingOfApproach, NoLanding } from './landing_items.js';
 import { MissionKeeper } from './mission_keeper.js';
 import { ownComponent } from '../outgoing.js';
-import { ParameterReader } from './parameters.js';
+import { landingParameters, ParameterReader, px4Parameters } from './parameters.js';
 import { RallyKeeper } from './rally_keeper.js';
 
 const minFlyingAirspeed_mps = 8;
@@ -27,6 +27,7 @@ export class Landings {
   #missions;
   #rally;
   #vehicle = {};
+  #autopilot;
   #boots;
   #wasConnected = false;
 
@@ -89,6 +90,10 @@ export class Landings {
     const state = this.#linkState();
     const before = this.#vehicle;
     const { position } = state;
+    if (state.autopilot !== this.#autopilot) {
+      this.#autopilot = state.autopilot;
+      this.#parameters.want(state.autopilot === 'px4' ? px4Parameters : landingParameters);
+    }
     this.#vehicle = {
       isConnected: state.is_connected, mode: state.mode, missionMode: missionModes[state.autopilot] ?? 'AUTO',
       isArdupilot: state.autopilot === 'ardupilotmega', isKnown: state.autopilot in missionModes,

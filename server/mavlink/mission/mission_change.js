@@ -33,13 +33,13 @@ function* readAgain(out, type, onTrouble) {
   }
 }
 
-function* restore({ out, type, old, wanted, earlier = [], rules, onTrouble }, found) {
+function* restore({ out, type, old, wanted, earlier = [], rules, flownItem = () => undefined, onTrouble }, found) {
   let items = found;
   for (;;) {
     if (areSame(items, old, rules)) return { outcome: outcome.restored, items };
     if (areSame(items, wanted, rules)) return { outcome: outcome.done, items };
     if (!isMixture(items, [old, wanted, ...earlier], rules)) return { outcome: outcome.foreign, items };
-    const { error } = yield new Upload(out, type, old);
+    const { error } = yield new Upload(out, type, old, flownItem());
     if (error) onTrouble(error);
     items = yield* readAgain(out, type, onTrouble);
     if (!areSame(items, old, rules)) yield retry_s;
@@ -55,10 +55,11 @@ export function* finishChange(setting) {
 // setting: out, type; rules as of areSame; wantedFrom(old items): the new list, or a sentence why there
 // must be none; mayWrite(): false while it must wait; known: the list that
 // the autopilot has, if it need not be read again; base: the old list and earlier: wanted ones of
-// changes that were given up; onWrite({ old, wanted }); onTrouble(why): from now on it is unknown what
+// changes that were given up; flownItem(): the item that must stay the current one, if any; onWrite({ old, wanted }); onTrouble(why): from now on it is unknown what
 // the autopilot has.
 // Gives { outcome, items, why? }.
-export function* changeItems({ out, type, rules, wantedFrom, mayWrite = () => true, base, known, earlier, onWrite, onTrouble }) {
+export function* changeItems({ out, type, rules, wantedFrom, mayWrite = () => true, base, known, earlier,
+  flownItem = () => undefined, onWrite, onTrouble }) {
   const isEnough = known && !areSame(known, wantedFrom(base ?? known), rules);
   const read = isEnough ? { items: known } : yield* readOf(out, type);
   if (!read.items) return { outcome: outcome.unchanged, why: `the old list cannot be read: ${read.error}` };
@@ -68,14 +69,14 @@ export function* changeItems({ out, type, rules, wantedFrom, mayWrite = () => tr
   if (areSame(read.items, wanted, rules)) return { outcome: outcome.done, items: read.items };
   while (!mayWrite()) yield wait_s;
   onWrite({ old, wanted });
-  const written = yield new Upload(out, type, wanted);
+  const written = yield new Upload(out, type, wanted, flownItem());
   if (written.error) onTrouble(written.error);
   const items = yield* readAgain(out, type, onTrouble);
   if (areSame(items, wanted, rules)) return { outcome: outcome.done, items };
   const why = written.error ?? 'what was read back differs';
   if (areSame(items, old, rules)) return { outcome: outcome.unchanged, items, why };
   onTrouble(why);
-  const end = yield* restore({ out, type, old, wanted, earlier, rules, onTrouble }, items);
+  const end = yield* restore({ out, type, old, wanted, earlier, rules, flownItem, onTrouble }, items);
   return { why, ...end };
 }
 

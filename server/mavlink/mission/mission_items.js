@@ -4,7 +4,7 @@ export const missionType = { mission: 0, rally: 2 };
 export const command = {
   waypoint: 16, land: 21, loiterToAltitude: 31, landStart: 189, rallyPoint: 5100,
 };
-export const frame = { amsl: 0, aboveHome: 3 };
+export const frame = { amsl: 0, noPlace: 2, aboveHome: 3 };
 
 const withoutInt = { 5: 0, 6: 3, 11: 10 };
 const params = ['param1', 'param2', 'param3', 'param4'];

@@ -1,7 +1,7 @@
 // The landing mission in the autopilot: puts it there, knows whether it is there, and starts it.
 // No sockets and no clock: step(now_s), hear(name, fields, now_s), and what it sends goes to `out`.
 
-import { ardupilotItems, knowsFlare, landingOfRecall, px4Items } from './landing_items.js';
+import { ardupilotItems, knowsFlare, landingOfRecall, NoLanding, px4Items } from './landing_items.js';
 import { changeItems, finishChange, outcome, Task } from './mission_change.js';
 import { areSame, command, item, missionType } from './mission_items.js';
 import { Download } from './item_transfer.js';
@@ -10,6 +10,8 @@ const landStart = 189;
 const requests = new Set(['MISSION_REQUEST', 'MISSION_REQUEST_INT']);
 const repeatStart_s = 1.5;
 const numStarts = 4;
+// From its word that it flies the landing until it is seen to.
+const startSeen_s = 8;
 // Somebody else's upload may still run when its first sign is heard.
 const suspicion_s = 1.5;
 const ownUpload_s = 5;
@@ -107,9 +109,10 @@ export class MissionKeeper {
     this.#task = new Task(changeItems({
       out: this.#out, type: missionType.mission, rules: this.#rules(), base: job.old, earlier: job.earlier,
       known: trustsKnown && this.#suspect_s === undefined && !left ? this.#known?.items : undefined,
-      wantedFrom: (old) => (keepsOthers && this.#whyNot(old)) || this.#missionWith(landing, keepsOthers ? old : old.slice(0, 1)),
+      wantedFrom: (old) => (keepsOthers && this.#whyNot(old)) || this.#missionWith(landing, keepsOthers ? old : old.slice(0, Number(this.#vehicle().isArdupilot))),
       // The item that is flown would end, and the autopilot return to launch.
       mayWrite: () => keepsOthers || !this.#fliesMission,
+      flownItem: () => this.#flownItem,
       onWrite: ({ old, wanted }) => {
         Object.assign(job, { old, wanted });
         this.#isWritten_s = this.#now_s;
@@ -126,6 +129,12 @@ export class MissionKeeper {
     return isFlying && mode === missionMode;
   }
 
+  // ArduPilot stays at the item of the same number.
+  get #flownItem() {
+    const { isArdupilot, current_item } = this.#vehicle();
+    return !isArdupilot && this.#fliesMission ? current_item : undefined;
+  }
+
   // Its own landing sequence would be replaced under it.
   #whyNot(old) {
     const landingAt = old.findIndex((one) => one.command === command.landStart);
@@ -133,10 +142,17 @@ export class MissionKeeper {
     return isLanding ? 'the autopilot flies a landing sequence: take another mode first' : undefined;
   }
 
-  // The items before a landing sequence stay as they are, so that what is flown stays in place.
+  // The items before a landing sequence stay as they are, so that what is flown stays in place. A sentence if
+  // this autopilot does not take the landing.
   #missionWith(landing, old) {
     const { isArdupilot, parameters, home_altitude_m, landing_airspeed_mps } = this.#vehicle();
-    const ours = isArdupilot ? ardupilotItems(landing, { parameters, home_altitude_m, landing_airspeed_mps }) : px4Items(landing);
+    let ours;
+    try {
+      ours = isArdupilot ? ardupilotItems(landing, { parameters, home_altitude_m, landing_airspeed_mps }) : px4Items(landing, { parameters });
+    } catch (error) {
+      if (error instanceof NoLanding) return error.message;
+      throw error;
+    }
     const landingAt = old.findIndex((one) => one.command === command.landStart);
     const before = landingAt < 0 ? old : old.slice(0, landingAt);
     if (isArdupilot && before.length === 0) return [item(command.waypoint), ...ours];
@@ -177,9 +193,10 @@ export class MissionKeeper {
   // A parameter is never written: the person decides.
   #warningOf({ airspeed_mps: planned_mps }) {
     const { landing_airspeed_mps: own_mps, isArdupilot, parameters } = this.#vehicle();
-    if (!isArdupilot) return undefined;
     const warnings = [];
-    if (!knowsFlare(parameters)) warnings.push('the autopilot\'s flare is not known: the final is flown lower than it was checked');
+    if (isArdupilot && !knowsFlare(parameters)) warnings.push('the autopilot\'s flare is not known: the final is flown lower than it was checked');
+    if (!isArdupilot && parameters.FW_LND_ANG === undefined) warnings.push('it is not known how steep a final the autopilot takes');
+    if (!isArdupilot) warnings.push('landings with PX4 have not been flown');
     if (own_mps === undefined) warnings.push('the autopilot\'s landing airspeed is not known');
     else if (Math.abs(own_mps - planned_mps) > maxSpeedDifference_mps) {
       warnings.push(`the autopilot lands at ${own_mps.toFixed(1)} m/s, the site was planned for ${planned_mps.toFixed(1)} m/s`);
@@ -194,6 +211,7 @@ export class MissionKeeper {
 
   #stepStart() {
     const start = this.#start;
+    if (start?.isAccepted) this.#watchStart(start);
     if (!start || start.isAccepted || this.#now_s - start.sent_s < repeatStart_s) return;
     if (start.numSent >= numStarts) {
       this.#start = undefined;
@@ -215,8 +233,23 @@ export class MissionKeeper {
       return;
     }
     start.isAccepted = true;
-    this.#log(`the autopilot flies the landing to ${start.site}`);
-    this.#told(start.commandId, 'done', 'flown');
+    start.accepted_s = this.#now_s;
+  }
+
+  // PX4 accepts the command also when it does not fly the mission.
+  #watchStart(start) {
+    if (start.isFlown) return;
+    const { mode, missionMode, current_item } = this.#vehicle();
+    const landingAt = this.#known.items.findIndex((one) => one.command === command.landStart);
+    if (mode === missionMode && !(current_item < landingAt)) {
+      start.isFlown = true;
+      this.#log(`the autopilot flies the landing to ${start.site}`);
+      this.#told(start.commandId, 'done', 'flown');
+    } else if (this.#now_s - start.accepted_s > startSeen_s) {
+      this.#start = undefined;
+      this.#log(`the autopilot does not fly the landing to ${start.site}: it is in ${mode}`);
+      this.#told(start.commandId, 'failed', `in the autopilot, and accepted, but it is not flown: mode ${mode}`);
+    }
   }
 
   // A person who takes another mode ends our part.
@@ -226,7 +259,7 @@ export class MissionKeeper {
     if (!start || mode === missionMode || (!start.isAccepted && mode === this.#modeAtStart)) return;
     this.#start = undefined;
     this.#log(`mode ${mode}: the link's part in the landing has ended`);
-    if (!start.isAccepted) this.#told(start.commandId, 'failed', `the mode was changed to ${mode}`);
+    if (!start.isFlown) this.#told(start.commandId, 'failed', `the mode was changed to ${mode}`);
   }
 
   // The autopilot was silent, or has started anew: what it has is read again.
@@ -329,6 +362,7 @@ export class MissionKeeper {
     this.#job = job;
     this.#task = new Task(finishChange({
       out: this.#out, type: missionType.mission, rules: this.#rules(), old, wanted, earlier,
+      flownItem: () => this.#flownItem,
       onTrouble: (why) => this.#alarm(alarmOf.trouble(why)),
     }), (end) => this.#end(job, end));
   }

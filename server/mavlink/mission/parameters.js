@@ -8,6 +8,9 @@ const longestName = 16;
 export const landingParameters = ['TECS_LAND_ARSPD', 'TECS_LAND_SINK', 'LAND_FLARE_SEC', 'LAND_FLARE_ALT',
   'LAND_FLARE_AIM', 'WP_LOITER_RAD', 'AIRSPEED_CRUISE', 'AIRSPEED_MIN', 'TRIM_ARSPD_CM', 'ARSPD_FBW_MIN'];
 
+// Of PX4: how steep and how fast it lands.
+export const px4Parameters = ['FW_LND_ANG', 'FW_LND_AIRSPD', 'FW_AIRSPD_MIN'];
+
 export class ParameterReader {
   #out;
   #wanted;
@@ -19,6 +22,9 @@ export class ParameterReader {
     this.#out = out;
     this.#wanted = new Set(names);
   }
+
+  // Other ones than before.
+  want(names) { this.#wanted = new Set(names); }
 
   // The autopilot may be another one, or have other values.
   restart() {
@@ -45,6 +51,9 @@ export class ParameterReader {
 
   // Without TECS_LAND_ARSPD, ArduPlane lands half way between its lowest and its usual airspeed.
   get landingAirspeed_mps() {
+    const { FW_LND_AIRSPD, FW_AIRSPD_MIN } = this.values;
+    // PX4: its lowest airspeed, if it is not set.
+    if (FW_LND_AIRSPD !== undefined) return FW_LND_AIRSPD > 0 ? FW_LND_AIRSPD : FW_AIRSPD_MIN;
     const { TECS_LAND_ARSPD, AIRSPEED_CRUISE, AIRSPEED_MIN, TRIM_ARSPD_CM, ARSPD_FBW_MIN } = this.values;
     if (TECS_LAND_ARSPD === undefined) return undefined;
     if (TECS_LAND_ARSPD > 0) return TECS_LAND_ARSPD;

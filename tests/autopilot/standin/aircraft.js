@@ -19,6 +19,7 @@ import { flat } from './ground.js';
 import { ItemProtocol } from './item_protocol.js';
 import { command, missionType, placeOf, stored } from './items.js';
 import { standinOptions } from './options.js';
+import { Px4ItemProtocol, storedByPx4, whyNotFlown } from './px4.js';
 import { Random } from './random.js';
 import { Sensors } from './sensors.js';
 import { Streams } from './streams.js';
@@ -32,7 +33,9 @@ const restSpeed_mps = 0.3;
 const hardSink_mps = 3.5;
 const hardBank_rad = radians(35);
 const itemMessages = new Set(['MISSION_COUNT', 'MISSION_ITEM_INT', 'MISSION_REQUEST_LIST', 'MISSION_REQUEST_INT',
-  'MISSION_REQUEST', 'MISSION_CLEAR_ALL']);
+  'MISSION_REQUEST', 'MISSION_CLEAR_ALL', 'MISSION_ACK']);
+const ardupilot = 3;
+const px4 = 12;
 const nameOfId = new Map([...messageIdOf].map(([name, id]) => [id, name]));
 
 export class Standin {
@@ -87,6 +90,9 @@ export class Standin {
   }
 
   get options() { return this.#options; }
+  get isPx4() { return this.#options.firmware === 'px4'; }
+  // Item 0 of ArduPlane is its home.
+  get #firstItem() { return this.isPx4 ? 0 : 1; }
   get time_s() { return this.#time_s; }
   get utc_us() { return Math.round(this.#options.start_us + this.#time_s * 1e6); }
   get frame() { return this.#frame; }
@@ -137,8 +143,15 @@ export class Standin {
 
   // Items as sent: frame, command, param1 to 4, x, y, z.
   loadMission(items) {
-    this.#protocols[missionType.mission].items = items.map((item) => stored(missionType.mission, item).item);
+    this.#protocols[missionType.mission].items = items.map((item) => this.#stored(item));
     this.parameters.MIS_TOTAL = items.length;
+  }
+
+  // A mission of missions.js is ArduPlane's.
+  #stored(item) {
+    if (!this.isPx4) return stored(missionType.mission, item).item;
+    const hasPlace = item.x !== 0 || item.y !== 0;
+    return storedByPx4(hasPlace ? item : { ...item, frame: 2 }).item;
   }
 
   // The autopilot starts anew in flight: it is silent, then its time begins again. Items stay.
@@ -248,7 +261,9 @@ export class Standin {
       rpm: aircraft.max_rpm * this.#body.power_ratio, current_a: this.#current_a(),
       battery_ratio: 1 - this.#used_as / 3600 / aircraft.battery_ah,
       sendsCurrent: sensors.sends_current, sendsRpm: sensors.sends_rpm,
-      missionIndex: this.control.mission.index, numItems: this.mission.length,
+      missionIndex: this.control.mission.index, numItems: this.mission.length, autopilot: this.isPx4 ? px4 : ardupilot,
+      totalItems: this.isPx4 ? this.mission.length || 0xffff : Math.max(0, this.mission.length - 1),
+      missionId: this.#protocols[missionType.mission].id ?? 0,
       isInMission: this.control.mode === 'AUTO', imageIndex: this.#imageIndex,
     };
   }
@@ -315,11 +330,28 @@ export class Standin {
       onText: (text) => this.#text(text, warn),
       home: () => this.#homeItem(),
     };
+    if (this.isPx4) {
+      return Object.fromEntries(Object.values(missionType).map((type) => [type, new Px4ItemProtocol(type, send, {
+        onComplete: (current) => type === missionType.mission && this.#beginMission(current) })]));
+    }
     return {
       [missionType.mission]: new ItemProtocol(missionType.mission, send, hooks),
       [missionType.fence]: new ItemProtocol(missionType.fence, send),
       [missionType.rally]: new ItemProtocol(missionType.rally, send),
     };
+  }
+
+  // Of PX4: a new mission begins with the item that is marked, else with the first.
+  #beginMission(current = 0) {
+    this.control.mission.select(current);
+    if (this.control.mode !== 'AUTO') return;
+    if (this.#whyNotFlown()) this.control.setMode('LOITER');
+    else this.control.mission.start(current);
+  }
+
+  #whyNotFlown() {
+    if (!this.isPx4) return this.mission.length < 2 ? 'no mission' : undefined;
+    return whyNotFlown(this.mission, { placeOf: (item) => this.#place(item), parameters: this.parameters });
   }
 
   // Before the first fix it is 0, 0.
@@ -337,6 +369,9 @@ export class Standin {
 
   #newControl() {
     return new FlightControl({
+      isPx4: this.isPx4,
+      firstItem: this.#firstItem,
+      whyNotFlown: () => this.#whyNotFlown(),
       now: () => this.#now(),
       parameters: this.parameters,
       items: () => this.mission,
@@ -351,6 +386,7 @@ export class Standin {
 
   #newCommands() {
     return new Commands({
+      isPx4: this.isPx4,
       control: this.control,
       parameters: this.parameters,
       send: (name, fields) => this.#emit(name, fields),

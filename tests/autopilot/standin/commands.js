@@ -1,6 +1,7 @@
 // COMMAND_LONG, COMMAND_INT and guided targets, with ArduPlane's answers.
 
 import { command, missionType } from './items.js';
+import { px4ModeName } from './px4.js';
 
 const result = { accepted: 0, temporarilyRejected: 1, denied: 2, unsupported: 3, failed: 4 };
 const globalFrames = new Set([0, 5]);
@@ -15,7 +16,7 @@ const ignoresPlace = 0b111;
 export class Commands {
   #plane;
 
-  // plane: control, arm(isArming, isForced), send, placeAt({ x, y, z, frame }), parameters, mission().
+  // plane: isPx4, control, arm(isArming, isForced), send, placeAt({ x, y, z, frame }), parameters, mission().
   constructor(plane) { this.#plane = plane; }
 
   take(name, fields, peer) { this.#handlers[name]?.call(this, fields, peer); }
@@ -46,9 +47,10 @@ export class Commands {
   #commands = {
     17: () => this.#mode('LOITER'),
     20: () => this.#mode('RTL'),
-    176: ({ params }) => (this.#plane.control.setModeNumber(params[2]) ? result.accepted : result.failed),
+    176: ({ params }) => (this.#setMode(params) ? result.accepted : result.failed),
     178: this.#changeSpeed,
-    189: () => (this.#plane.control.land() ? result.accepted : result.failed),
+    // PX4 accepts it in any case.
+    189: () => (this.#plane.control.land() || this.#plane.isPx4 ? result.accepted : result.failed),
     192: this.#reposition,
     224: ({ params }) => (this.#plane.control.setCurrent(params[1]) ? result.accepted : result.denied),
     300: () => this.#mode('AUTO'),
@@ -59,6 +61,13 @@ export class Commands {
   };
 
   #mode(name) { return this.#plane.control.setMode(name) ? result.accepted : result.failed; }
+
+  #setMode([, , main, sub]) {
+    const { control, isPx4 } = this.#plane;
+    if (!isPx4) return control.setModeNumber(main);
+    const name = px4ModeName(main, sub);
+    return name !== undefined && control.setMode(name);
+  }
 
   #changeSpeed({ params }) {
     const { control } = this.#plane;
@@ -81,7 +90,7 @@ export class Commands {
     if (!(params[2] & changeModeFlag) && control.mode !== 'GUIDED') return result.failed;
     control.setMode('GUIDED');
     const isCounterClockwise = Number.isFinite(params[4]) && params[4] !== 0;
-    const radius_m = Number.isFinite(params[3]) && params[3] > 0 ? params[3] : undefined;
+    const radius_m = this.#plane.isPx4 ? this.#plane.parameters.NAV_LOITER_RAD : Number.isFinite(params[3]) && params[3] > 0 ? params[3] : undefined;
     control.goTo(this.#plane.placeAt({ x, y, z, frame }), radius_m, isCounterClockwise ? -1 : 1);
     return result.accepted;
   }

@@ -3,6 +3,7 @@
 import { clamp, distance } from './frame.js';
 import { EnergyControl } from './energy.js';
 import { MissionFlight } from './mission_flight.js';
+import { px4ModeNumber } from './px4.js';
 import { bankForCircle, bankForLeg, bankLimit_rad } from './navigation.js';
 
 const radians = (degrees) => (degrees * Math.PI) / 180;
@@ -22,7 +23,7 @@ export class FlightControl {
   // What the pilot's sticks demand in MANUAL and FBWA.
   pilot = { bank_rad: 0, path_rad: 0, throttle: 0 };
 
-  // plane: now(), parameters, items(), placeOf(item), homeAltitude_m(), text(), reached(), rallyPlaces(), home().
+  // plane: isPx4, firstItem, whyNotFlown(), now(), parameters, items(), placeOf(item), homeAltitude_m(), text(), reached(), rallyPlaces(), home().
   constructor(plane) {
     this.#plane = plane;
     this.#energy = new EnergyControl(plane.parameters);
@@ -39,13 +40,13 @@ export class FlightControl {
     });
   }
 
-  get modeNumber() { return modeNumber[this.mode]; }
+  get modeNumber() { return this.#plane.isPx4 ? px4ModeNumber(this.mode) : modeNumber[this.mode]; }
 
   setModeNumber(number) { return modeNames[number] ? this.setMode(modeNames[number]) : false; }
 
   setMode(name) {
     if (!(name in modeNumber)) return false;
-    if (name === 'AUTO' && this.#plane.items().length < 2) return false;
+    if (name === 'AUTO' && this.#plane.whyNotFlown()) return false;
     if (name === this.mode) return true;
     this.mode = name;
     this.#guidedSpeed_mps = undefined;
@@ -66,7 +67,7 @@ export class FlightControl {
   // The DO_LAND_START of the mission, in AUTO.
   land() {
     const index = this.mission.landingStart();
-    if (index === undefined) return false;
+    if (index === undefined || this.#plane.whyNotFlown()) return false;
     if (this.mode !== 'AUTO') {
       this.mode = 'AUTO';
       this.#resetEnergy();
@@ -78,7 +79,7 @@ export class FlightControl {
 
   setCurrent(index) {
     if (index >= this.#plane.items().length) return false;
-    if (this.mode === 'AUTO') this.mission.start(Math.max(1, index));
+    if (this.mode === 'AUTO') this.mission.start(Math.max(this.#plane.firstItem, index));
     else this.mission.select(index);
     return true;
   }

@@ -21,7 +21,7 @@ export class MissionFlight {
   #jumps = new Map();
 
   // plane: items(), placeOf(item), parameters, now() (place, velocity, height above ground and so
-  // on), text(sentence), reached(index), changeSpeed(item), complete().
+  // on), firstItem (1 if item 0 is home), text(sentence), reached(index), changeSpeed(item), complete().
   constructor(plane) { this.#plane = plane; }
 
   get index() { return this.#index; }
@@ -40,7 +40,8 @@ export class MissionFlight {
   }
 
   resume() {
-    if (this.#index === 0 || this.#index >= this.#plane.items().length) this.start(1);
+    const first = this.#plane.firstItem;
+    if (this.#index < first || this.#index >= this.#plane.items().length) this.start(first);
     else this.start(this.#index);
   }
 
@@ -60,7 +61,7 @@ export class MissionFlight {
 
   landingStart() {
     const items = this.#plane.items();
-    const index = items.findIndex((item, i) => i > 0 && item.command === command.landStart);
+    const index = items.findIndex((item, i) => i >= this.#plane.firstItem && item.command === command.landStart);
     return index < 0 ? undefined : index;
   }
 

@@ -1,6 +1,10 @@
 // What can be set of the stand-in. The defaults are the aircraft of the two recordings.
 
+import { px4Parameters } from './px4.js';
+
 const defaults = {
+  // Or 'px4': what is otherwise there is in px4.js.
+  firmware: 'ardupilot',
   seed: 1,
   step_s: 0.02,
   system_id: 1,
@@ -57,7 +61,7 @@ const defaults = {
   // Messages a second; 0 sends none.
   rates_hz: {
     HEARTBEAT: 1, SYSTEM_TIME: 1, ATTITUDE: 5, GLOBAL_POSITION_INT: 5, GPS_RAW_INT: 2, VFR_HUD: 5,
-    WIND: 2, SYS_STATUS: 1, RPM: 1, MISSION_CURRENT: 2, HOME_POSITION: 0.1, CAMERA_FEEDBACK: 0,
+    WIND: 2, WIND_COV: 0, SYS_STATUS: 1, RPM: 1, MISSION_CURRENT: 2, HOME_POSITION: 0.1, CAMERA_FEEDBACK: 0,
   },
   parameters: {
     AIRSPEED_CRUISE: 22, AIRSPEED_MIN: 10, AIRSPEED_MAX: 30, ROLL_LIMIT_DEG: 45, PTCH_LIM_MAX_DEG: 20,
@@ -67,6 +71,7 @@ const defaults = {
     LAND_FLARE_ALT: 3, LAND_FLARE_SEC: 3, LAND_FLARE_AIM: 50, LAND_WIND_COMP: 50, LAND_DISARMDELAY: 20, NAVL1_PERIOD: 12,
     ALT_SLOPE_MIN: 15,
     MIS_TOTAL: 0, SYSID_THISMAV: 1,
+    ...px4Parameters,
   },
   // Arming is refused for so long after the start.
   arming_refused_s: 24,

@@ -8,7 +8,6 @@ const boundedWord = (value) => Math.min(65534, Math.max(0, Math.round(value)));
 const positive = (angle_deg) => (angle_deg + 360) % 360;
 
 const fixedWing = 1;
-const ardupilot = 3;
 const standby = 3;
 const active = 4;
 const armedMode = 217;
@@ -18,7 +17,7 @@ const resistance_ohm = 0.0148;
 
 // state: what plane.belief() gives, beside time, mode and so on.
 const makers = {
-  HEARTBEAT: (s) => ({ type: fixedWing, autopilot: ardupilot, baseMode: s.isArmed ? armedMode : safeMode,
+  HEARTBEAT: (s) => ({ type: fixedWing, autopilot: s.autopilot, baseMode: s.isArmed ? armedMode : safeMode,
     customMode: s.modeNumber, systemStatus: s.isArmed ? active : standby, mavlinkVersion: 3 }),
   SYSTEM_TIME: (s) => ({ timeUnixUsec: BigInt(Math.round(s.utc_us)), timeBootMs: s.boot_ms }),
   ATTITUDE: (s) => ({ timeBootMs: s.boot_ms, roll: s.roll_rad, pitch: s.pitch_rad, yaw: s.yaw_rad,
@@ -36,12 +35,14 @@ const makers = {
     climb: s.climb_mps }),
   WIND: (s) => ({ direction: degrees(Math.atan2(-s.wind.east_mps, -s.wind.north_mps)),
     speed: Math.hypot(s.wind.east_mps, s.wind.north_mps), speedZ: 0 }),
+  WIND_COV: (s) => ({ timeUsec: BigInt(s.boot_ms) * 1000n, windX: s.wind.north_mps, windY: s.wind.east_mps, windZ: 0, varHoriz: 0.1,
+    varVert: 0, windAlt: s.altitude_m, horizAccuracy: NaN, vertAccuracy: NaN }),
   SYS_STATUS: (s) => ({ onboardControlSensorsPresent: 325188671, onboardControlSensorsEnabled: 325188671,
     onboardControlSensorsHealth: 322042943, load: 0,
     voltageBattery: milli(emptyVoltage_v - resistance_ohm * s.current_a),
     currentBattery: s.sendsCurrent ? centi(s.current_a) : -1, batteryRemaining: Math.max(0, Math.round(100 * s.battery_ratio)) }),
   RPM: (s) => (s.sendsRpm ? { rpm1: s.rpm, rpm2: 0 } : undefined),
-  MISSION_CURRENT: (s) => ({ seq: s.missionIndex, total: Math.max(0, s.numItems - 1),
+  MISSION_CURRENT: (s) => ({ seq: s.missionIndex, total: s.totalItems, missionId: s.missionId,
     missionState: s.numItems < 2 ? 1 : s.isInMission ? 3 : 2, missionMode: s.isInMission ? 1 : 0 }),
   HOME_POSITION: (s) => ({ latitude: e7(s.home.latitude_deg), longitude: e7(s.home.longitude_deg),
     altitude: milli(s.home.altitude_m), q: [1, 0, 0, 0], timeUsec: BigInt(s.boot_ms) * 1000n }),

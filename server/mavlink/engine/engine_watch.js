@@ -3,10 +3,13 @@
 // Specific excess power e = climb + airspeed * acceleration / g, in m/s: the climb rate that would
 // be left at constant airspeed. The acceleration is that over ground along the heading: a gust
 // changes the airspeed at once, but hardly the speed over ground.
-// While the engine runs, the e of throttle demand, airspeed and bank is learned (power_model.js).
-// Energy that is missing against its lower bound, in metres of height, is summed up. RPM and
-// current, where the autopilot sends them, confirm a failure sooner; they never raise an alarm on their own.
+// While the engine runs, the e of throttle demand, airspeed and bank is learned (power_model.js). There are two
+// signs of a failure: the power has dropped within seconds (power_drop.js), or energy is missing: against the
+// lower bound of e, in metres of height, summed up. The second one is also there before much is learned, and
+// for an engine that fails slowly or at idle. RPM and current, where the autopilot sends them, confirm a
+// failure sooner; they never raise an alarm on their own.
 
+import { PowerDrop } from './power_drop.js';
 import { PowerModel } from './power_model.js';
 
 const gravity_mps2 = 9.81;
@@ -76,6 +79,7 @@ export class EngineWatch {
   #history = [];
   #throttles = [];
   #power = new PowerModel();
+  #drop = new PowerDrop();
   #highest_mps = 0;
   #signs = { rpm: new ThrottleMap(), current_a: new ThrottleMap() };
   #now = {};
@@ -91,6 +95,7 @@ export class EngineWatch {
   }
 
   get missing_m() { return this.#missing_m; }
+  get evidence() { return this.#drop.evidence; }
 
   // sign: 'rpm' or 'current_a'.
   hearSign(sign, value, time_s) {
@@ -100,6 +105,7 @@ export class EngineWatch {
   hearThrottle(throttle_ratio, time_s) {
     if (!Number.isFinite(throttle_ratio)) return;
     this.#throttles.push({ time_s, throttle: Math.min(1, Math.max(0, throttle_ratio)) });
+    this.#drop.hearThrottle(this.#throttles.at(-1).throttle, time_s);
     const oldest_s = time_s - this.#options.spoolUp_s;
     while (this.#throttles[0].time_s < oldest_s) this.#throttles.shift();
   }
@@ -115,6 +121,8 @@ export class EngineWatch {
     const isFlying = isArmed && airspeed_mps >= options.minAirspeed_mps &&
       !(height_m < options.minHeight_m);
     if (!isArmed) this.#land();
+    if (isFlying) this.#drop.step({ time_s, east_mps, north_mps, climb_mps, heading_rad, bank_rad, airspeed_mps }, this.state === 'failed');
+    else this.#drop.restart();
     const start = this.#history[0];
     const duration_s = time_s - start.time_s;
     const isFresh = duration_s > 0.3 && duration_s < 3;
@@ -141,11 +149,13 @@ export class EngineWatch {
     const expected_mps = this.#expectedPower({ throttle, airspeed_mps, load }, gone);
     const tolerance_mps = gone ? options.toleranceConfirmed_mps : this.#tolerance_mps(throttle);
     const allowed_mps = tolerance_mps + options.turnTolerance_mps * (load ** 2 - 1);
-    const deficit_mps = expected_mps === undefined || !isDemanded
+    const below_mps = expected_mps === undefined || !isDemanded
       ? -options.tolerance_mps : expected_mps - power_mps - allowed_mps;
+    // Without an engine only rising air lifts.
+    const deficit_mps = power_mps > 0 ? Math.min(below_mps, -power_mps) : below_mps;
     this.#missing_m = Math.max(0, this.#missing_m + deficit_mps * step_s);
     const limit_m = gone ? options.missingHeightConfirmed_m : options.missingHeight_m;
-    if (this.#missing_m > limit_m) this.#fail(time_s, gone);
+    if (this.#missing_m > limit_m || this.#drop.isDrop(gone)) this.#fail(time_s, gone);
     else if (this.state === 'failed') this.#recover(deficit_mps, isDemanded, gone, step_s);
     else if (isDemanded && expected_mps !== undefined) this.state = 'running';
     const isSteady = this.#throttles.every((one) => Math.abs(one.throttle - throttle) < 0.1);
@@ -219,7 +229,7 @@ export class EngineWatch {
   #recover(deficit_mps, isDemanded, gone, step_s) {
     const isWell = isDemanded && deficit_mps <= 0 && !gone;
     this.#well_s = isWell ? this.#well_s + step_s : 0;
-    if (this.#well_s >= this.#options.recovery_s) this.#clear('running');
+    if (this.#well_s >= this.#options.recovery_s && this.#drop.hasRecovered) this.#clear('running');
   }
 
   #land() {
@@ -232,5 +242,6 @@ export class EngineWatch {
     this.since_s = undefined;
     this.reason = undefined;
     this.#well_s = 0;
+    this.#drop.restart();
   }
 }
