@@ -10,6 +10,7 @@ import { parseCommandLine, usage } from './command_line.js';
 import { open } from './connection.js';
 import { Decisions } from './decisions.js';
 import { EngineFailure } from './engine_failure.js';
+import { Pictures } from './frames/pictures.js';
 import { heartbeat } from './heartbeat.js';
 import { Landings } from './landings.js';
 import { Link } from './link.js';
@@ -40,7 +41,7 @@ function parsed() {
 }
 
 function stateOf(parts, connection) {
-  const { link, spool, uplink, sessions, decisions, landings, engineFailure } = parts;
+  const { link, spool, uplink, sessions, decisions, pictures, landings, engineFailure } = parts;
   const heard = link.state();
   return {
     ...heard,
@@ -54,6 +55,7 @@ function stateOf(parts, connection) {
     spool: { waiting: spool.numWaiting, lost: spool.numLost, size_bytes: spool.numBytes,
       last_error: spool.lastError },
     ...(landings && { mission: landings.state() }),
+    ...(pictures && { pictures: pictures.state() }),
     run: decisions.run,
     log: decisions.newest,
   };
@@ -69,6 +71,7 @@ function saveAll(parts, config, connection) {
   try {
     parts.sessions.save();
     parts.signing?.save();
+    parts.pictures?.save();
     if (config.statusPath) saveState(config.statusPath, stateOf(parts, connection));
   } catch (error) {
     log(error.message);
@@ -85,8 +88,16 @@ function partsFrom(config) {
     new Signing(readKey(config.signingKeyPath), join(folder, 'signatures.json'));
   const service = new Service(config.url, config.token);
   const uplink = new Uplink({ service, spool, path: join(folder, 'flights.json'), fixedFlight: config.flight,
-    aircraft: config.aircraft });
+    request: config.flightRequest });
   const decisions = new Decisions();
+  const pictures = config.picturesFolder && new Pictures({
+    folder: config.picturesFolder, path: (name) => join(folder, name), service, limit_s: config.pictureClockError_s,
+    flightOf: (session) => uplink.flightOf(session), isCovered: (timestamp_us) => uplink.isCovered(timestamp_us),
+    log: (text) => {
+      log(text);
+      decisions.add('picture', text);
+    },
+  });
   const parts = {};
   const link = new Link({
     pin: new Pin({ systemId: config.systemId, peerHost: config.peerHost }),
@@ -96,9 +107,10 @@ function partsFrom(config) {
       decisions.add('link', sentence);
     },
     onMessage: (name, fields) => parts.landings?.hear(name, fields, performance.now() / 1000),
+    onTrigger: (trigger) => pictures?.hear({ ...trigger, session: sessions.at(trigger.timestamp_us, link.pin.systemId) }),
     emit: (line) => spool.append({ session: sessions.at(line.timestamp_us, link.pin.systemId), line }),
   });
-  return Object.assign(parts, { service, spool, sessions, signing, uplink, decisions, link });
+  return Object.assign(parts, { service, spool, sessions, signing, uplink, decisions, pictures, link });
 }
 
 function outgoingOf({ link, signing }, socket) {
@@ -181,6 +193,7 @@ async function run(config) {
       parts.engineFailure?.step(performance.now() / 1000, Date.now() * 1000);
       spool.flush();
       uplink.step();
+      parts.pictures?.step();
       reporter.step();
     }, flushPeriod_ms),
     setInterval(() => {
