@@ -12,6 +12,8 @@ import { Decisions } from './decisions.js';
 import { EngineFailure } from './engine_failure.js';
 import { Pictures } from './frames/pictures.js';
 import { heartbeat } from './heartbeat.js';
+import { Alternates } from './insurance/alternates.js';
+import { MissionInsurance } from './insurance/mission_insurance.js';
 import { Landings } from './landings.js';
 import { Link } from './link.js';
 import { lock } from './lock.js';
@@ -55,6 +57,7 @@ function stateOf(parts, connection) {
     spool: { waiting: spool.numWaiting, lost: spool.numLost, size_bytes: spool.numBytes,
       last_error: spool.lastError },
     ...(landings && { mission: landings.state() }),
+    ...parts.ahead?.state(),
     ...(pictures && { pictures: pictures.state() }),
     run: decisions.run,
     log: decisions.newest,
@@ -159,6 +162,28 @@ function engineFailureFrom(parts, { config, outgoing, reporter, state }) {
   });
 }
 
+// What the aircraft could reach: now, and on the rest of its mission.
+function aheadFrom({ service, decisions, landings, link, uplink, sessions }) {
+  const alternates = new Alternates((flight) => service.alternates(flight));
+  const insurance = new MissionInsurance({
+    check: (request) => service.checkRoute(request),
+    log: (text) => {
+      log(text);
+      decisions.add('insurance', text);
+    },
+  });
+  const now_s = () => performance.now() / 1000;
+  const vehicle = () => {
+    const { position, airspeed_mps } = link.state();
+    const { cruise_mps, ...known } = landings.vehicle;
+    return { ...known, position, airspeed_mps: cruise_mps ?? airspeed_mps, flight: { id: uplink.flightOf(sessions.name) } };
+  };
+  return {
+    step: () => [alternates, insurance].forEach((one) => one.step(now_s(), vehicle())),
+    state: () => ({ alternates: alternates.state(now_s()), insurance: insurance.state(now_s()) }),
+  };
+}
+
 async function run(config) {
   const parts = partsFrom(config);
   const { spool, uplink, link } = parts;
@@ -183,6 +208,7 @@ async function run(config) {
     const setting = { config, outgoing, reporter, state: () => stateOf(parts, state) };
     parts.landings = landingsFrom(parts, setting);
     parts.engineFailure = engineFailureFrom(parts, setting);
+    parts.ahead = aheadFrom(parts);
   }
   parts.decisions.onAdd = () => reporter.changed();
 
@@ -191,6 +217,7 @@ async function run(config) {
       link.tick();
       parts.landings?.step(performance.now() / 1000);
       parts.engineFailure?.step(performance.now() / 1000, Date.now() * 1000);
+      parts.ahead?.step();
       spool.flush();
       uplink.step();
       parts.pictures?.step();

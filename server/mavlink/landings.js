@@ -48,6 +48,8 @@ export class Landings {
 
   get isBusy() { return this.#missions.isBusy; }
   get missions() { return this.#missions; }
+  // What is known of the aircraft and its mission, for whoever plans ahead.
+  get vehicle() { return { ...this.#vehicle, items: this.#missions.items, cruise_mps: this.#parameters.cruise_mps }; }
 
   #target() {
     const { systemId, componentId } = this.#address();

@@ -2,7 +2,7 @@
 # only the native code for PROCESSOR is taken.
 file(REMOVE_RECURSE ${TO})
 file(GLOB files ${FROM}/*.js)
-file(COPY ${files} ${FROM}/package.json DESTINATION ${TO})
+file(COPY ${files} ${FROM}/package.json ${FROM}/frames ${FROM}/insurance DESTINATION ${TO})
 
 set(loaded node-mavlink mavlink-mappings mavlink-mappings-gen xml2js sax xmlbuilder
            serialport @serialport debug ms node-gyp-build)

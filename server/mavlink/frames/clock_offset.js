@@ -36,19 +36,37 @@ function windowsOf(differences, width_us) {
   return windows;
 }
 
-// { offset_us, numMatched } if only one offset explains what was seen; else nothing. pictures and
-// triggers: [{ time_us, order }], the newest last; order: of arrival, common to both. tolerance_us:
-// of a single difference. limit_us: largest offset.
-export function clockOffset(pictures, triggers, { tolerance_us, limit_us }) {
-  const windows = windowsOf(differencesOf(pictures, triggers, limit_us), 2 * tolerance_us);
+// Pictures from the time of the triggers that were heard.
+function numWithin(pictures, triggers, offset_us) {
+  const times_us = triggers.slice(-maxNumTriggers).map(({ time_us }) => time_us);
+  const [first_us, last_us] = [Math.min(...times_us), Math.max(...times_us)];
+  return pictures.slice(-maxNumPictures)
+    .filter(({ time_us }) => time_us - offset_us >= first_us && time_us - offset_us <= last_us).length;
+}
+
+function offsetWithin(pictures, triggers, differences, tolerance_us) {
+  const windows = windowsOf(differences, 2 * tolerance_us);
   let best;
   for (const window of windows) if (!best || window.numPictures > best.numPictures) best = window;
   if (!best || best.numPictures < minNumMatched) return undefined;
-  const allowed = faults(best.numPictures, Math.min(pictures.length, maxNumPictures) - best.numPictures);
+  const numUnmatched = Math.max(0, numWithin(pictures, triggers, best.offset_us) - best.numPictures);
+  const allowed = faults(best.numPictures, numUnmatched);
   const isOther = ({ offset_us, numPictures }) =>
     Math.abs(offset_us - best.offset_us) > tolerance_us && numPictures >= best.numPictures - allowed;
   // Triggers that are closer together than the times are sharp.
   const isCoarse = best.numPairs > best.numPictures + allowed;
   if (isCoarse || windows.some(isOther)) return undefined;
-  return { offset_us: best.offset_us, numMatched: best.numPictures };
+  return { offset_us: best.offset_us, tolerance_us };
+}
+
+// { offset_us, tolerance_us } if only one offset explains what was seen, with the least of the
+// tolerances that shows it; else nothing. pictures and triggers: [{ time_us, order }], the newest
+// last; order: of arrival, common to both. limit_us: largest offset.
+export function clockOffset(pictures, triggers, { tolerances_us, limit_us }) {
+  const differences = differencesOf(pictures, triggers, limit_us);
+  for (const tolerance_us of tolerances_us) {
+    const found = offsetWithin(pictures, triggers, differences, tolerance_us);
+    if (found) return found;
+  }
+  return undefined;
 }

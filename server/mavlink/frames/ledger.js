@@ -22,7 +22,7 @@ export class Ledger {
     const entries = linesOf(path).slice(-maxNum);
     this.#entries = new Map(entries.map((entry) => [entry.key, entry]));
     this.#digests = new Set(entries.map(({ sha256 }) => sha256).filter(Boolean));
-    if (!this.isNew) writeLines(path, this.#entries.values());
+    if (!this.isNew) writeLines(path, entries);
   }
 
   get entries() { return [...this.#entries.values()]; }

@@ -7,8 +7,9 @@
 
 import { clockOffset } from './clock_offset.js';
 
-// By kind of time. A whole second lies within half a second of its middle.
-export const tolerance_us = { exif: 200_000, exif_seconds: 600_000, file: 200_000 };
+// By kind of time, the least first: how evenly cameras and programs work is not known before. A whole
+// second lies within half a second of its middle.
+const tolerancesOf_us = { exif: [50_000, 100_000, 200_000], exif_seconds: [600_000], file: [50_000, 100_000, 200_000] };
 // No camera takes pictures as close together as this; a coarser time could be that of a neighbour.
 const coarse_us = 400_000;
 // Of one exposure several messages may tell; the best kind that is heard counts.
@@ -63,8 +64,8 @@ function hasUnheard(triggers, at) {
 }
 
 // The only trigger near the picture's time; nothing if there is none or a second one.
-function triggerAt(picture, triggers, times_us, offset_us) {
-  const tolerance = tolerance_us[picture.time_kind];
+function triggerAt(picture, triggers, times_us, { offset_us, tolerance_us: sharp_us }) {
+  const tolerance = Math.min(2 * sharp_us, tolerancesOf_us[picture.time_kind].at(-1));
   const time_us = picture.time_us - offset_us;
   const first = lowerBound(times_us, time_us - 2 * tolerance);
   const end = lowerBound(times_us, time_us + 2 * tolerance + 1);
@@ -94,15 +95,14 @@ export class Pairing {
     const times_us = triggers.map(({ time_us }) => time_us);
     const pairs = pairsByName(pictures, triggers);
     const unpaired = [];
-    for (const kind of Object.keys(tolerance_us)) {
+    for (const [kind, tolerances_us] of Object.entries(tolerancesOf_us)) {
       const group = pictures.filter((picture) => picture.time_kind === kind && !pairs.has(picture));
-      this.#offsets[kind] = group.length ? clockOffset(group, triggers, { tolerance_us: tolerance_us[kind], limit_us: this.#limit_us }) : undefined;
-      const { offset_us } = this.#offsets[kind] ?? {};
-      if (offset_us === undefined) continue;
-      for (const picture of group) {
-        const trigger = triggerAt(picture, triggers, times_us, offset_us);
+      const offset = clockOffset(group, triggers, { tolerances_us, limit_us: this.#limit_us });
+      this.#offsets[kind] = offset;
+      for (const picture of offset ? group : []) {
+        const trigger = triggerAt(picture, triggers, times_us, offset);
         if (trigger) pairs.set(picture, trigger);
-        else if (picture.time_us - offset_us + settle_us < (times_us.at(-1) ?? -Infinity)) unpaired.push(picture);
+        else if (picture.time_us - offset.offset_us + settle_us < (times_us.at(-1) ?? -Infinity)) unpaired.push(picture);
       }
     }
     return { pairs: withoutShared(pairs, unpaired), unpaired };
