@@ -45,6 +45,11 @@ class Links {
     this.#draw();
   }
 
+  // An aircraft is heard whose flight this is.
+  hears(flight) {
+    return !this.#isLost && this.#links.some((link) => link.is_connected && link.position && link.flight?.id === flight);
+  }
+
   // After another site was selected.
   drawSite() { this.#landHere.draw(); }
 

@@ -74,7 +74,6 @@ function saveAll(parts, config, connection) {
   try {
     parts.sessions.save();
     parts.signing?.save();
-    parts.pictures?.save();
     if (config.statusPath) saveState(config.statusPath, stateOf(parts, connection));
   } catch (error) {
     log(error.message);

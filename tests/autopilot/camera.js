@@ -50,11 +50,11 @@ export class Camera {
     return picture;
   }
 
-  // keepsTime: the file has the camera's time, as some copying programs leave it.
-  drop({ name, bytes, time_us }, { as = name, keepsTime = false } = {}) {
+  // fileTime_us: of the file; some copying programs leave the camera's time, others that of copying.
+  drop({ name, bytes }, { as = name, fileTime_us } = {}) {
     const path = join(this.#folder, as);
     writeFileSync(`${path}.part`, bytes);
-    if (keepsTime) utimesSync(`${path}.part`, time_us / 1e6, time_us / 1e6);
+    if (fileTime_us) utimesSync(`${path}.part`, fileTime_us / 1e6, fileTime_us / 1e6);
     renameSync(`${path}.part`, path);
   }
 

@@ -8,7 +8,7 @@ import { join } from 'node:path';
 
 import { exposureTime, isWhole } from './jpeg_file.js';
 import { keyOf, Ledger } from './ledger.js';
-import { Pairing } from './pairing.js';
+import { Pairing, triggersThatCount } from './pairing.js';
 import { PictureFolder } from './picture_folder.js';
 import { TriggerLog } from './trigger_log.js';
 
@@ -19,6 +19,7 @@ const numReadAtOnce = 20;
 const maxBytes = 64 * 1024 * 1024;
 const maxNumTimes = 5000;
 const pairPeriod_ms = 1000;
+const patience_ms = 5000;
 const firstPause_ms = 500;
 const longestPause_ms = 10_000;
 // A flight that was deleted.
@@ -57,6 +58,7 @@ export class Pictures {
   #isChanged = true;
   #numFailures = 0;
   #numMissing = 0;
+  #sentTo_us = -Infinity;
   #last;
   lastError;
   lastRefusal;
@@ -87,10 +89,9 @@ export class Pictures {
     if (isNew) this.#isChanged = true;
   }
 
-  save() { this.#triggers.save(); }
-
   // Often; it does nothing while it is at work or pauses.
   step(now_ms = performance.now()) {
+    this.#save();
     if (this.#running || now_ms < this.#notBefore_ms) return this.#running ?? Promise.resolve();
     this.#running = this.#work(now_ms)
       .catch((error) => { this.lastError = error.message; })
@@ -99,6 +100,14 @@ export class Pictures {
         this.#running = undefined;
       });
     return this.#running;
+  }
+
+  #save() {
+    try {
+      this.#triggers.save();
+    } catch (error) {
+      this.lastError = error.message;
+    }
   }
 
   async #work(now_ms) {
@@ -155,7 +164,7 @@ export class Pictures {
       return;
     }
     const taken = exposureTime(bytes);
-    this.#waiting.set(key, { ...file, sha256, order: ++this.#order,
+    this.#waiting.set(key, { ...file, sha256, order: ++this.#order, read_ms: performance.now(),
       time_us: taken?.time_us ?? file.mtime_ms * 1000,
       time_kind: !taken ? 'file' : taken.isFine ? 'exif' : 'exif_seconds' });
     this.#isChanged = true;
@@ -190,14 +199,24 @@ export class Pictures {
   async #send() {
     const ready = [...this.#paired.pairs].filter(([picture]) => this.#waiting.has(keyOf(picture)))
       .sort(([, a], [, b]) => a.time_us - b.time_us);
+    const taken = new Set(ready.map(([, trigger]) => trigger));
     const halted = new Set();
     for (const [picture, trigger] of ready) {
       const flight = this.#flightOf(trigger.session);
+      const mustWait = !flight || !this.#isCovered(trigger.time_us) || this.#isEarly(picture, trigger, taken);
       // The frames of one flight go in order.
-      if (!flight || !this.#isCovered(trigger.time_us)) halted.add(trigger.session);
+      if (mustWait) halted.add(trigger.session);
       if (halted.has(trigger.session)) continue;
       if (!await this.#sendOne(picture, trigger, flight)) return;
+      this.#sentTo_us = Math.max(this.#sentTo_us, trigger.time_us);
     }
+  }
+
+  // The picture of a trigger before this one may still come: the engine works in the order of arrival.
+  #isEarly({ read_ms }, { time_us }, taken) {
+    if (performance.now() - read_ms > patience_ms) return false;
+    return triggersThatCount(this.#triggers.triggers)
+      .some((one) => one.time_us > this.#sentTo_us && one.time_us < time_us && !taken.has(one));
   }
 
   async #sendOne(picture, trigger, flight) {

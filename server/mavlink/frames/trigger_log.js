@@ -52,7 +52,7 @@ export class TriggerLog {
     return true;
   }
 
-  // Once a second. Throws if the disk refuses; then the lines stay for the next time.
+  // Ten times a second. Throws if the disk refuses; then the lines stay for the next time.
   save() {
     if (this.#pending.length === 0) return;
     appendFileSync(this.#path, `\n${this.#pending.map((one) => JSON.stringify(one)).join('\n')}\n`, { mode: 0o600 });

@@ -1,13 +1,14 @@
 // Whether a site stays in reach without power on the rest of the mission: the service checks it again
 // and again, as the aircraft flies and the map grows.
 
-import { remainingRoute } from './remaining_route.js';
+import { moreOfMission, remainingRoute } from './remaining_route.js';
 
 const period_s = 30;
 const afterChange_s = 5;
-// Share of one processor of the service.
+// Of the service's time. A slow one is asked for less of the mission, then less often.
 const maxShare = 0.1;
-const longest_s = 1800;
+const lookAhead_s = [300, 1800];
+const firstLookAhead_s = 600;
 const windChange_mps = 1.5;
 const maxWindAge_s = 60;
 const maxNumPoints = 500;
@@ -40,6 +41,7 @@ export class MissionInsurance {
   #notBefore_s = -Infinity;
   #running;
   #hadGap;
+  #lookAhead_s = firstLookAhead_s;
 
   // check(request): answer of /v1/routes/check. log(text): one decision.
   constructor({ check, log = () => {} }) {
@@ -76,7 +78,7 @@ export class MissionInsurance {
     const wind = windOf(vehicle);
     const asked = { now_s, items, wind, flight: flight?.id };
     this.#asked = asked;
-    const { route, end } = remainingRoute({ ...vehicle, longest_m: longest_s * airspeed_mps });
+    const { route, end } = remainingRoute({ ...vehicle, longest_m: this.#lookAhead_s * airspeed_mps });
     const begun_ms = performance.now();
     try {
       // One point is where the aircraft is.
@@ -88,6 +90,8 @@ export class MissionInsurance {
       if (this.#asked === asked) this.#state = { ...this.#state, last_error: error.cause?.message ?? error.message };
     }
     const cost_s = (performance.now() - begun_ms) / 1000;
+    const affordable_s = (this.#lookAhead_s * period_s * maxShare) / Math.max(cost_s, 0.01);
+    this.#lookAhead_s = Math.min(lookAhead_s[1], Math.max(lookAhead_s[0], affordable_s));
     this.#notBefore_s = now_s + cost_s + Math.max(afterChange_s, cost_s / maxShare);
   }
 
@@ -99,7 +103,8 @@ export class MissionInsurance {
     }
     const { covered_ratio, time_s, gaps, point_of_no_return: noReturn } = answer;
     this.#state = { state: 'checked', covered_ratio, time_s, end, gaps: gaps.map(({ from_s, to_s, reason }) => ({ from_s, to_s, reason })),
-      no_return_s: noReturn?.time_s };
+      // Beyond what was looked at there may be sites again.
+      no_return_s: end === moreOfMission ? undefined : noReturn?.time_s };
     const hasGap = gaps.length > 0;
     if (hasGap !== this.#hadGap) {
       this.#log(hasGap ? `on the rest of the mission no site is in reach for ${Math.ceil((1 - covered_ratio) * time_s)} s of ${Math.round(time_s)} s`

@@ -12,6 +12,7 @@ const ends = {
 };
 const amsl = new Set([0, 5]);
 const aboveHome = new Set([3, 6]);
+export const moreOfMission = 'more of the mission';
 const metresPerDegree = 111_195;
 const maxNumSteps = 5000;
 const least_m = 1;
@@ -64,7 +65,7 @@ export function remainingRoute({ items, current_item, position, home_altitude_m,
       length_m += leg_m;
     }
     if (isLast) return { route, end: ends[one.command] };
-    if (length_m > longest_m) return { route, end: 'more of the mission' };
+    if (length_m > longest_m) return { route, end: moreOfMission };
   }
   return { route, end: 'the end of the mission' };
 }
