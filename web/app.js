@@ -391,7 +391,7 @@ const nameOf = (id) => siteName(id, rankOf(id), state.flights);
 const route = createRoute(map, {
   flight: () => state.flightJson, wind: () => state.triedWind ?? state.site?.properties.wind ?? null, nameOf, openSite,
 });
-const links = createLinks(map, { nameOf, site: () => state.site });
+const links = createLinks(map, { nameOf, site: () => state.site, open(siteId, planned) { state.recalled = { siteId, wind: planned }; openSite(siteId); } });
 const nextLook = createNextLook(map, {
   source: () => ({ flight: state.flight, map: flightMap.updatedAt, sites: state.sites.features }), nameOf, openSite,
 });

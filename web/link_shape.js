@@ -49,7 +49,8 @@ export function missionText({ mission }, nameOf) {
 export function guidanceText({ guidance }, nameOf) {
   if (!guidance) return null;
   const where = guidance.site_id ? ` to ${nameOf(guidance.site_id)}` : '';
-  const arrival = isKnown(guidance.arrival_margin_m) ? `, arrives ${Math.floor(guidance.arrival_margin_m)} m above the final` : '';
+  const margin_m = Math.floor(guidance.arrival_margin_m);
+  const arrival = isKnown(guidance.arrival_margin_m) ? `, arrives ${Math.abs(margin_m)} m ${margin_m < 0 ? 'BELOW' : 'above'} the final` : '';
   const time = isKnown(guidance.eta_s) ? `, ${age(guidance.eta_s)} left` : '';
   return `${guidance.phase ?? 'guided'}${where}${arrival}${time}${guidance.text ? `. ${guidance.text}` : ''}`;
 }
@@ -79,12 +80,11 @@ export function insuranceText({ insurance, is_connected }) {
   return `in reach for ${percent(covered_ratio)} of ${what}${gap ? `; ${gapText(gap)}` : ''}${after}${old}`;
 }
 
-// The best sites at this moment.
-export function alternatesText({ alternates, is_connected }, nameOf) {
+// The best sites at this moment: [{id, text}]; null if they are not known.
+export function alternatesOf({ alternates, is_connected }, nameOf) {
   if (!alternates || !is_connected) return null;
-  if (alternates.sites.length === 0) return 'NONE';
   return alternates.sites.map(({ site_id, verdict, arrival_margin_m }) =>
-    `${verdictSign[verdict] ?? ''} ${nameOf(site_id)} ${margin(arrival_margin_m)}`.trim()).join(', ');
+    ({ id: site_id, text: `${verdictSign[verdict] ?? ''} ${nameOf(site_id)}, ${margin(arrival_margin_m)}`.trim() }));
 }
 
 export function picturesText({ pictures }) {
@@ -130,7 +130,7 @@ export function linkRows(link, nameOf) {
     ['Engine', engineText(link), link.engine?.state === 'failed'],
     ['Mission', missionText(link, nameOf), Boolean(link.mission?.alarm)],
     link.guidance ? ['Guidance', guidanceText(link, nameOf)] : null,
-    optional('In reach now', alternatesText(link, nameOf), link.alternates?.sites.length === 0),
+    optional('In reach now', alternatesOf(link, nameOf)?.length === 0 ? 'NO SITE' : null, true),
     optional('Rest of the mission', insuranceText(link), link.insurance?.first_gap?.in_s < 1),
     optional('Pictures', picturesText(link), link.pictures?.refused > 0),
     link.is_signed === undefined ? null : ['Packets', link.is_signed ? 'signed' : 'not signed'],

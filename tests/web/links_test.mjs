@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
 import {
-  alarmsOf, alternatesText, commandText, engineText, heardText, insuranceText, landingWarnings, landingWind, linkRows, missionText,
+  alarmsOf, alternatesOf, commandText, engineText, guidanceText, heardText, insuranceText, landingWarnings, landingWind, linkRows, missionText,
   picturesText, refusalText, windLine,
 } from '../../web/link_shape.js';
 import { accessibilityFaults, flownSite, isOptional, launch, openPage, smallTargets, url } from './browser.mjs';
@@ -62,11 +62,18 @@ test('links: insurance of the rest of the mission, in one line', () => {
   assert.deepEqual([isAlarm(whole), isAlarm(gap), isAlarm({ ...gap, first_gap: { in_s: 0, lasts_s: 9 } })], [false, false, true]);
 });
 
+test('links: where guidance will arrive, above or below', () => {
+  const link = (arrival_margin_m) => ({ guidance: { phase: 'glide', site_id: 'f-r2', arrival_margin_m } });
+  assert.deepEqual([41.7, 0, -1.3].map((margin_m) => guidanceText(link(margin_m), nameOf)),
+    ['glide to site 2, arrives 41 m above the final', 'glide to site 2, arrives 0 m above the final', 'glide to site 2, arrives 2 m BELOW the final']);
+});
+
 test('links: sites in reach now, and what became of pictures', () => {
   const sites = [{ site_id: 'f-r2', verdict: 'landable', arrival_margin_m: 41.9 }, { site_id: 'f-r5', verdict: 'unverified', arrival_margin_m: 3 }];
-  assert.equal(alternatesText({ is_connected: true, alternates: { sites } }, nameOf), '✓ site 2 +41 m, ? site 5 +3 m');
-  assert.equal(alternatesText({ is_connected: true, alternates: { sites: [] } }, nameOf), 'NONE');
-  assert.equal(alternatesText({ is_connected: false, alternates: { sites } }, nameOf), null);
+  assert.deepEqual(alternatesOf({ is_connected: true, alternates: { sites } }, nameOf),
+    [{ id: 'f-r2', text: '✓ site 2, +41 m' }, { id: 'f-r5', text: '? site 5, +3 m' }]);
+  assert.deepEqual(linkRows({ is_connected: true, alternates: { sites: [] } }, nameOf).find(([name]) => name === 'In reach now'), ['In reach now', 'NO SITE', true]);
+  assert.equal(alternatesOf({ is_connected: false, alternates: { sites } }, nameOf), null);
   assert.equal(picturesText({ pictures: { sent: 12, waiting: 3, unpaired: 1, refused: 0, incomplete: 0, text: 'it is not sure yet' } }),
     '12 sent, 3 waiting, 1 without a sure trigger, not sent. it is not sure yet');
   assert.equal(picturesText({}), null);
@@ -190,6 +197,21 @@ test('links: a site without a landing in the present wind, or whose wind is not 
   await page.waitForTimeout(1500);
   await page.locator('#site-land').click();
   await page.locator('#land-warnings').getByText('this is the stored plan').waitFor(kWait);
+});
+
+test('links: what is in reach now leads to its site, and the rest of the mission is told', async (t) => {
+  const opened = await open(t, {}, {
+    alternates: { sites: [{ site_id: site.properties.id, verdict: 'landable', arrival_margin_m: 41.9 }], num_in_reach: 1, age_s: 1 },
+    insurance: { state: 'checked', covered_ratio: 0.9, time_s: 600, end: 'the landing', age_s: 2, num_gaps: 1, first_gap: { in_s: 0, lasts_s: 60, reason: 'too_low' } },
+    pictures: { sent: 12, waiting: 0, unpaired: 2, refused: 0, incomplete: 0 },
+  });
+  const { page } = opened;
+  await page.locator('#open-links').click();
+  const card = page.locator('[data-link="1"]');
+  assert.match(await card.innerText(), /NO SITE IN REACH NOW, for 1 min more \(too low\)[^]*12 sent, 2 without a sure trigger/);
+  await check(opened);
+  await card.getByRole('button', { name: '+41 m' }).click();
+  await page.locator('#site-land').waitFor(kWait);
 });
 
 test('links: a silent link takes no command, its sign is old, and no other aircraft takes its place', async (t) => {

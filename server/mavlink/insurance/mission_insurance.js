@@ -58,6 +58,7 @@ export class MissionInsurance {
       this.#asked = undefined;
       return undefined;
     }
+    if (!this.#asked && this.#state.state === 'none') this.#state = { state: 'waiting' };
     if (this.#running || now_s < this.#notBefore_s) return this.#running;
     const isDue = !this.#asked || now_s - this.#asked.now_s >= period_s || this.#isChanged(vehicle);
     if (!isDue) return undefined;
