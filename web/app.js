@@ -41,7 +41,7 @@ import { createWindRose } from './wind_rose.js';
 const state = {
   flight: null, flightJson: null, flights: [], sites: { features: [] }, regions: { features: [] },
   siteId: null, site: null, approach: null, triedWind: null, triedAircraft: null, planned: null, recalled: null,
-  drawn: '', drawnSite: '', numTracked: null,
+  drawn: '', drawnSite: '', trackVersion: null,
 };
 
 const map = createMap(byId('map'), {
@@ -239,7 +239,7 @@ function drawLists() {
 
 function chooseFlight(id) {
   Object.assign(state, { flight: id, siteId: null, site: null, approach: null, planned: null, drawn: '', drawnSite: '',
-    numTracked: null, flightJson: null, sites: { features: [] }, regions: { features: [] } });
+    trackVersion: null, flightJson: null, sites: { features: [] }, regions: { features: [] } });
   byId('flight').value = id ?? '';
   map.drawTrack(null);
   map.drawApproach(null);
@@ -265,13 +265,14 @@ async function drawFirst() {
   return map.fit();
 }
 
-// Requests the track only after more photographs were processed. The map follows it until a site exists.
+// Requests the track only after more photographs were processed, or every 5 s while a link sends it. The map follows it until a site exists.
 async function refreshTrack(flight, numProcessed) {
-  if (numProcessed === state.numTracked) return;
+  const version = `${numProcessed} ${links.hears(flight) ? Math.floor(Date.now() / 5000) : ''}`;
+  if (version === state.trackVersion) return;
   const track = await api.getTrack(flight);
   if (state.flight !== flight) return;
-  state.numTracked = numProcessed;
-  map.drawTrack(track);
+  state.trackVersion = version;
+  map.drawTrack(track, { hasMark: !links.hears(flight) });
   if (!state.siteId) map.fitUnlessMoved();
 }
 
@@ -390,7 +391,7 @@ const nameOf = (id) => siteName(id, rankOf(id), state.flights);
 const route = createRoute(map, {
   flight: () => state.flightJson, wind: () => state.triedWind ?? state.site?.properties.wind ?? null, nameOf, openSite,
 });
-const links = createLinks(map, { nameOf, site: () => state.site });
+const links = createLinks(map, { nameOf, site: () => state.site, open(siteId, planned) { state.recalled = { siteId, wind: planned }; openSite(siteId); } });
 const nextLook = createNextLook(map, {
   source: () => ({ flight: state.flight, map: flightMap.updatedAt, sites: state.sites.features }), nameOf, openSite,
 });

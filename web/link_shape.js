@@ -1,11 +1,12 @@
 // Texts of links to autopilots. No DOM.
 
-import { age, clockOf, distance, fixed, heading, isKnown, windFrom, windText, words } from './units.js';
+import { age, clockOf, distance, fixed, heading, isKnown, margin, verdictSign, windFrom, windText, words } from './units.js';
 
 export const linkName = (link) => (link.system_id && String(link.system_id) !== link.id
   ? `${link.id} (system ${link.system_id})` : `System ${link.id}`);
 
-const kindOf = ({ type, autopilot }) => [autopilot, type].filter(Boolean).join(', ');
+const autopilots = { ardupilotmega: 'ArduPilot', px4: 'PX4' };
+const kindOf = ({ type, autopilot }) => [autopilots[autopilot] ?? autopilot, type && words(type)].filter(Boolean).join(', ');
 
 export function modeText(link) {
   const armed = link.is_armed === true ? 'armed' : link.is_armed === false ? 'disarmed' : null;
@@ -42,15 +43,58 @@ export function missionText({ mission }, nameOf) {
   if (mission?.alarm) return `${state}: ${mission.alarm}`;
   if (state === 'uploading') return 'being uploaded';
   if (state === 'unknown') return `unknown${item}`;
-  return `${mission.site ? `landing at ${nameOf(mission.site)}` : mission.kind === 'other' ? 'not from here' : 'current'}${item}`;
+  return `${mission.site ? `landing at ${nameOf(mission.site)}` : mission.kind === 'other' ? "the autopilot's own" : 'current'}${item}`;
 }
 
 export function guidanceText({ guidance }, nameOf) {
   if (!guidance) return null;
   const where = guidance.site_id ? ` to ${nameOf(guidance.site_id)}` : '';
-  const arrival = isKnown(guidance.arrival_margin_m) ? `, arrives ${Math.floor(guidance.arrival_margin_m)} m above the final` : '';
+  const margin_m = Math.floor(guidance.arrival_margin_m);
+  const arrival = isKnown(guidance.arrival_margin_m) ? `, arrives ${Math.abs(margin_m)} m ${margin_m < 0 ? 'BELOW' : 'above'} the final` : '';
   const time = isKnown(guidance.eta_s) ? `, ${age(guidance.eta_s)} left` : '';
   return `${guidance.phase ?? 'guided'}${where}${arrival}${time}${guidance.text ? `. ${guidance.text}` : ''}`;
+}
+
+const gapReasons = {
+  too_low: 'too low', terrain: 'terrain or a known obstacle is in the way', no_approach: 'no safe approach in this wind',
+  no_site: 'no site is stored near', not_evaluated: 'not evaluated',
+};
+const kOldCheck_s = 90;
+const percent = (ratio) => `${Math.floor(100 * ratio + 1e-9)} %`;
+
+function gapText({ in_s, lasts_s, reason }) {
+  const why = gapReasons[reason] ? ` (${gapReasons[reason]})` : '';
+  return in_s < 1 ? `NO SITE IN REACH NOW, for ${age(lasts_s)} more${why}` : `none in ${age(in_s)}, for ${age(lasts_s)}${why}`;
+}
+
+// Whether a site stays in reach without power on the rest of the mission.
+export function insuranceText({ insurance, is_connected }) {
+  if (!insurance) return null;
+  if (!is_connected) return 'unknown: nothing is heard of the aircraft';
+  if (insurance.state !== 'checked') return insurance.why ?? insurance.last_error ?? 'not checked yet';
+  const { covered_ratio, time_s, end, first_gap: gap, point_of_no_return_in_s: last_s, age_s } = insurance;
+  const old = age_s > kOldCheck_s ? `. Checked ${age(age_s)} ago` : '';
+  const what = `the next ${age(time_s)}${end === 'more of the mission' ? '' : `, to ${end}`}`;
+  if (covered_ratio >= 1) return `a site, verified or not, is in reach on all of ${what}${old}`;
+  const after = isKnown(last_s) ? `; none at all ${last_s > 0 ? `after ${age(last_s)}` : 'any more'}` : '';
+  return `in reach for ${percent(covered_ratio)} of ${what}${gap ? `; ${gapText(gap)}` : ''}${after}${old}`;
+}
+
+// The best sites at this moment: [{id, text}]; null if they are not known.
+export function alternatesOf({ alternates, is_connected }, nameOf) {
+  if (!alternates || !is_connected) return null;
+  return alternates.sites.map(({ site_id, verdict, arrival_margin_m }) =>
+    ({ id: site_id, text: `${verdictSign[verdict] ?? ''} ${nameOf(site_id)}, ${margin(arrival_margin_m)}`.trim() }));
+}
+
+export function picturesText({ pictures }) {
+  if (!pictures) return null;
+  const parts = [`${pictures.sent} sent`];
+  if (pictures.waiting) parts.push(`${pictures.waiting} waiting`);
+  if (pictures.unpaired) parts.push(`${pictures.unpaired} without a sure trigger, not sent`);
+  if (pictures.refused) parts.push(`${pictures.refused} refused: ${pictures.last_refusal}`);
+  if (pictures.incomplete) parts.push(`${pictures.incomplete} not whole`);
+  return [parts.join(', '), pictures.text].filter(Boolean).join('. ');
 }
 
 // What a person must know at once.
@@ -72,6 +116,8 @@ export function commandText(command, nameOf) {
   return `${clockOf(command.issued_at)} ${commandNames[command.kind] ?? words(command.kind)}${site}: ${commandStates[command.state] ?? command.state}${detail}`;
 }
 
+const optional = (name, text, isAlarm) => (text === null ? null : [name, text, Boolean(isAlarm)]);
+
 // [name, text, whether it is an alarm]
 export function linkRows(link, nameOf) {
   const { position } = link;
@@ -84,6 +130,9 @@ export function linkRows(link, nameOf) {
     ['Engine', engineText(link), link.engine?.state === 'failed'],
     ['Mission', missionText(link, nameOf), Boolean(link.mission?.alarm)],
     link.guidance ? ['Guidance', guidanceText(link, nameOf)] : null,
+    optional('In reach now', alternatesOf(link, nameOf)?.length === 0 ? 'NO SITE' : null, true),
+    optional('Rest of the mission', insuranceText(link), link.insurance?.first_gap?.in_s < 1),
+    optional('Pictures', picturesText(link), link.pictures?.refused > 0),
     link.is_signed === undefined ? null : ['Packets', link.is_signed ? 'signed' : 'not signed'],
   ].filter(Boolean);
 }

@@ -5,7 +5,7 @@ import { confirmed } from './confirm.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el, notify } from './dom.js';
 import { createLandHere } from './land_here.js';
-import { alarmsOf, commandText, heardText, linkName, linkRows, refusalText } from './link_shape.js';
+import { alarmsOf, alternatesOf, commandText, heardText, landingWind, linkName, linkRows, refusalText } from './link_shape.js';
 import { offers } from './offers.js';
 import { clockOf } from './units.js';
 import { isVisible, showView } from './views.js';
@@ -43,6 +43,11 @@ class Links {
     showView('links');
     byId('links-title').focus();
     this.#draw();
+  }
+
+  // An aircraft is heard whose flight this is.
+  hears(flight) {
+    return !this.#isLost && this.#links.some((link) => link.is_connected && link.position && link.flight?.id === flight);
   }
 
   // After another site was selected.
@@ -105,8 +110,17 @@ class Links {
         link.position ? el('button', { type: 'button', class: 'wide', 'data-command': `${link.id} show`, onclick: () => this.#map.panTo(link.position) }, 'Show on the map') : null,
         button('Engine failed', 'danger', () => this.#declare(link)),
         button('Release', '', () => this.#release(link))),
+      this.#alternates(link),
       this.#list('Commands', [...(link.commands ?? [])].reverse().map((command) => el('li', {}, commandText(command, nameOf)))),
       this.#list('Decisions', [...(link.log ?? [])].reverse().map(logItem)));
+  }
+
+  // Each leads to its site in the present wind, where "Land here" is.
+  #alternates(link) {
+    const { nameOf, open } = this.#on;
+    const sites = alternatesOf(link, nameOf) ?? [];
+    return sites.length === 0 ? null : el('div', {}, el('h4', {}, 'In reach now, with arrival margin'), el('div', { class: 'link-sites' },
+      sites.map(({ id, text }) => el('button', { type: 'button', class: 'wide', 'data-command': `${link.id} ${id}`, onclick: () => open(id, landingWind(link)) }, text))));
   }
 
   #list(title, items) {
@@ -134,5 +148,5 @@ class Links {
   }
 }
 
-// on: {nameOf(site id), site(): the stored feature that is selected}
+// on: {nameOf(site id), site(): the stored feature that is selected, open(site id, wind of the plan that is shown, or null)}
 export const createLinks = (map, on) => new Links(map, on);

@@ -95,8 +95,8 @@ export function createMap(element, on) {
   };
 
   return {
-    drawTrack(collection) {
-      track.draw(collection);
+    drawTrack(collection, options) {
+      track.draw(collection, options);
       if (!collection) isMoved = false;
     },
     drawRegions: regions.draw,

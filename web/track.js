@@ -35,8 +35,9 @@ export function createTrack(map) {
   map.createPane('track').style.zIndex = 300;
   const group = L.featureGroup().addTo(map);
   return {
-    // collection: GeoJSON of the server, or null to remove the track.
-    draw(collection) {
+    // collection: GeoJSON of the server, or null to remove the track. hasMark: false where the aircraft's
+    // own sign is on the map: it is farther on by now.
+    draw(collection, { hasMark = true } = {}) {
       group.clearLayers();
       const positions = collection?.features[0]?.geometry.coordinates;
       if (!positions) return;
@@ -44,6 +45,7 @@ export function createTrack(map) {
       for (const className of ['track-casing', 'track']) {
         group.addLayer(L.polyline(places, { pane: 'track', interactive: false, className }));
       }
+      if (!hasMark) return;
       group.addLayer(L.marker(places.at(-1), {
         interactive: false, keyboard: false, zIndexOffset: -10000,
         icon: L.divIcon({ className: 'aircraft', html: mark(lastCourse(positions)), iconSize: [kMark, kMark] }),

@@ -18,6 +18,13 @@ export const usage = `freelsd-mavlink --connect ADDRESS --url URL [options]
   --name NAME          of the link in the service (default: the system id)
   --flight ID          existing flight that takes the telemetry; without it a new one
   --aircraft PROFILE   of new flights and of recall: techpod, atlantiksolar or small
+  --flight-request FILE
+                       JSON of what new flights are created with, such as camera and options
+                       (FlightRequest of /docs)
+  --pictures DIR       folder of the camera's JPEG files: they become frames of the flight
+  --picture-clock-error S
+                       the pictures' time (EXIF, else file) is right within S seconds (default
+                       54000: the offset must follow from the pattern of the times)
   --spool DIR          lines that wait for the service (default ~/.local/state/freelsd-mavlink)
   --spool-limit MIB    size of the spool (default 256)
   --status FILE        JSON state, as /v1/links tells it, written once a second
@@ -39,6 +46,9 @@ const options = {
   name: { type: 'string' },
   flight: { type: 'string' },
   aircraft: { type: 'string' },
+  'flight-request': { type: 'string' },
+  pictures: { type: 'string' },
+  'picture-clock-error': { type: 'string', default: '54000' },
   spool: { type: 'string' },
   'spool-limit': { type: 'string', default: '256' },
   status: { type: 'string' },
@@ -54,6 +64,17 @@ function wholeNumber(name, text, min, max) {
     throw new Error(`--${name} ${text}: must be a whole number from ${min} to ${max}`);
   }
   return number;
+}
+
+function positiveNumber(name, text, max) {
+  const number = Number(text);
+  if (number > 0 && number <= max) return number;
+  throw new Error(`--${name} ${text}: must be a number above 0, at most ${max}`);
+}
+
+function flightRequest({ 'flight-request': path, aircraft }) {
+  const request = path ? JSON.parse(readFileSync(path, 'utf8')) : {};
+  return { ...request, ...(aircraft && { aircraft: { profile: idOf('aircraft', aircraft) } }) };
 }
 
 function idOf(option, text) {
@@ -90,6 +111,9 @@ export function parseCommandLine(args) {
     name: values.name && idOf('name', values.name),
     flight: values.flight,
     aircraft: values.aircraft && idOf('aircraft', values.aircraft),
+    flightRequest: flightRequest(values),
+    picturesFolder: values.pictures,
+    pictureClockError_s: positiveNumber('picture-clock-error', values['picture-clock-error'], 1e9),
     spoolFolder: values.spool ?? defaultSpool(),
     spoolBytes: wholeNumber('spool-limit', values['spool-limit'], 2, 65536) * 1024 * 1024,
     statusPath: values.status,

@@ -9,8 +9,11 @@ import { ChangeStore } from './mission/change_store.js';
 import { parseCommandLine, usage } from './command_line.js';
 import { open } from './connection.js';
 import { Decisions } from './decisions.js';
+import { Pictures } from './frames/pictures.js';
 import { EngineFailure } from './guidance/engine_failure.js';
 import { heartbeat } from './heartbeat.js';
+import { Alternates } from './insurance/alternates.js';
+import { MissionInsurance } from './insurance/mission_insurance.js';
 import { Landings } from './mission/landings.js';
 import { Link } from './link.js';
 import { lock } from './lock.js';
@@ -40,7 +43,7 @@ function parsed() {
 }
 
 function stateOf(parts, connection) {
-  const { link, spool, uplink, sessions, decisions, landings, engineFailure } = parts;
+  const { link, spool, uplink, sessions, decisions, pictures, landings, engineFailure } = parts;
   const heard = link.state();
   return {
     ...heard,
@@ -54,6 +57,8 @@ function stateOf(parts, connection) {
     spool: { waiting: spool.numWaiting, lost: spool.numLost, size_bytes: spool.numBytes,
       last_error: spool.lastError },
     ...(landings && { mission: landings.state() }),
+    ...parts.ahead?.state(),
+    ...(pictures && { pictures: pictures.state() }),
     run: decisions.run,
     log: decisions.newest,
   };
@@ -85,8 +90,16 @@ function partsFrom(config) {
     new Signing(readKey(config.signingKeyPath), join(folder, 'signatures.json'));
   const service = new Service(config.url, config.token);
   const uplink = new Uplink({ service, spool, path: join(folder, 'flights.json'), fixedFlight: config.flight,
-    aircraft: config.aircraft });
+    request: config.flightRequest });
   const decisions = new Decisions();
+  const pictures = config.picturesFolder && new Pictures({
+    folder: config.picturesFolder, path: (name) => join(folder, name), service, limit_s: config.pictureClockError_s,
+    flightOf: (session) => uplink.flightOf(session), isCovered: (timestamp_us) => uplink.isCovered(timestamp_us),
+    log: (text) => {
+      log(text);
+      decisions.add('picture', text);
+    },
+  });
   const parts = {};
   const link = new Link({
     pin: new Pin({ systemId: config.systemId, peerHost: config.peerHost }),
@@ -96,9 +109,10 @@ function partsFrom(config) {
       decisions.add('link', sentence);
     },
     onMessage: (name, fields) => parts.landings?.hear(name, fields, performance.now() / 1000),
+    onTrigger: (trigger) => pictures?.hear({ ...trigger, session: sessions.at(trigger.timestamp_us, link.pin.systemId) }),
     emit: (line) => spool.append({ session: sessions.at(line.timestamp_us, link.pin.systemId), line }),
   });
-  return Object.assign(parts, { service, spool, sessions, signing, uplink, decisions, link });
+  return Object.assign(parts, { service, spool, sessions, signing, uplink, decisions, pictures, link });
 }
 
 function outgoingOf({ link, signing }, socket) {
@@ -147,6 +161,28 @@ function engineFailureFrom(parts, { config, outgoing, reporter, state }) {
   });
 }
 
+// What the aircraft could reach: now, and on the rest of its mission.
+function aheadFrom({ service, decisions, landings, link, uplink, sessions }) {
+  const alternates = new Alternates((flight) => service.alternates(flight));
+  const insurance = new MissionInsurance({
+    check: (request) => service.checkRoute(request),
+    log: (text) => {
+      log(text);
+      decisions.add('insurance', text);
+    },
+  });
+  const now_s = () => performance.now() / 1000;
+  const vehicle = () => {
+    const { position, airspeed_mps } = link.state();
+    const { cruise_mps, ...known } = landings.vehicle;
+    return { ...known, position, airspeed_mps: cruise_mps ?? airspeed_mps, flight: { id: uplink.flightOf(sessions.name) } };
+  };
+  return {
+    step: () => [alternates, insurance].forEach((one) => one.step(now_s(), vehicle())),
+    state: () => ({ alternates: alternates.state(now_s()), insurance: insurance.state(now_s()) }),
+  };
+}
+
 async function run(config) {
   const parts = partsFrom(config);
   const { spool, uplink, link } = parts;
@@ -171,6 +207,7 @@ async function run(config) {
     const setting = { config, outgoing, reporter, state: () => stateOf(parts, state) };
     parts.landings = landingsFrom(parts, setting);
     parts.engineFailure = engineFailureFrom(parts, setting);
+    parts.ahead = aheadFrom(parts);
   }
   parts.decisions.onAdd = () => reporter.changed();
 
@@ -179,8 +216,10 @@ async function run(config) {
       link.tick();
       parts.landings?.step(performance.now() / 1000);
       parts.engineFailure?.step(performance.now() / 1000, Date.now() * 1000);
+      parts.ahead?.step();
       spool.flush();
       uplink.step();
+      parts.pictures?.step();
       reporter.step();
     }, flushPeriod_ms),
     setInterval(() => {

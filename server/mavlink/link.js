@@ -2,6 +2,7 @@
 
 import { BootClock } from './clock.js';
 import { EngineWatch } from './engine/engine_watch.js';
+import { capturedOf, feedbackOf, isTriggerPlace, placeOf, triggerOf } from './frames/camera_messages.js';
 import { packetsInDatagram, PacketReader } from './framing.js';
 import { heardMessages } from './mission/landings.js';
 import { fieldsOf, idOf, nameOf } from './messages.js';
@@ -27,8 +28,10 @@ export class Link {
   #gate = new PositionGate();
   #clock;
   #samples;
+  #triggers;
   #wind;
   #engine = new EngineWatch();
+  #onTrigger;
   #onEvent;
   #onMessage;
   #steady_us;
@@ -46,16 +49,19 @@ export class Link {
   #numDamaged = 0;
   #refused = {};
 
-  // emit(line): one line of telemetry. onEvent(sentence): what a person wants to know.
+  // emit(line): one line of telemetry. onTrigger({ timestamp_us, kind, index, position?, attitude?, file? }):
+  // one of the camera. onEvent(sentence): what a person wants to know.
   // onMessage(name, fields): each believed message that is not of the telemetry. steady_us(): a clock
   // that never steps.
-  constructor({ pin = new Pin(), signing, clock = new BootClock(), emit, onEvent = () => {}, onMessage = () => {},
+  constructor({ pin = new Pin(), signing, clock = new BootClock(), emit, onTrigger = () => {}, onEvent = () => {}, onMessage = () => {},
     steady_us = () => performance.now() * 1000 }) {
     this.#pin = pin;
     this.#signing = signing;
     this.#clock = clock;
     this.#samples = new Samples(clock, emit);
+    this.#triggers = new Samples(clock, onTrigger);
     this.#wind = new WindSource((boot_ms, wind, now_us) => this.#samples.add('wind', boot_ms, { wind }, now_us));
+    this.#onTrigger = onTrigger;
     this.#onEvent = onEvent;
     this.#onMessage = onMessage;
     this.#steady_us = steady_us;
@@ -77,7 +83,10 @@ export class Link {
   }
 
   // Regularly, also while nothing arrives.
-  tick(now_us = Date.now() * 1000) { this.#samples.release(now_us); }
+  tick(now_us = Date.now() * 1000) {
+    this.#samples.release(now_us);
+    this.#triggers.release(now_us);
+  }
 
   #refuse(reason) { this.#refused[reason] = (this.#refused[reason] ?? 0) + 1; }
 
@@ -115,13 +124,9 @@ export class Link {
     [idOf.EFI_STATUS]: (efi) => this.#hearSign('rpm', efi.rpm),
     [idOf.ESC_TELEMETRY_1_TO_4]: (esc) => this.#hearSign('rpm', Math.max(...esc.rpm)),
     [idOf.MISSION_CURRENT]: (mission) => { this.#missionSequence = mission.seq; },
-    [idOf.CAMERA_TRIGGER]: (camera, now_us) =>
-      this.#onCamera(Number(camera.timeUsec), { index: camera.seq }, now_us),
-    [idOf.CAMERA_FEEDBACK]: (camera, now_us) =>
-      this.#onCamera(Number(camera.timeUsec), { index: camera.imgIdx, ...placeOf(camera.lat, camera.lng, camera.altMsl) }, now_us),
-    [idOf.CAMERA_IMAGE_CAPTURED]: (camera, now_us) =>
-      this.#onCamera(Number(camera.timeUtc) || camera.timeBootMs * 1000,
-        { index: camera.imageIndex, file: camera.fileUrl, ...placeOf(camera.lat, camera.lon, camera.alt / 1000) }, now_us),
+    [idOf.CAMERA_TRIGGER]: (camera, now_us) => this.#onCamera(triggerOf(camera), now_us),
+    [idOf.CAMERA_FEEDBACK]: (camera, now_us) => this.#onCamera(feedbackOf(camera), now_us),
+    [idOf.CAMERA_IMAGE_CAPTURED]: (camera, now_us) => this.#onCamera(capturedOf(camera), now_us),
   };
 
   #onHeartbeat(heartbeat) {
@@ -137,6 +142,7 @@ export class Link {
     if (this.#clock.hear(boot_ms, now_us)) return;
     this.#onEvent('the autopilot has restarted');
     this.#samples.restart();
+    this.#triggers.restart();
     this.#gate.restart();
     this.#wind.restart();
     this.#flyingSince_ms = undefined;
@@ -217,10 +223,18 @@ export class Link {
     this.#wind.hearTowards({ east_mps: windY, north_mps: windX }, this.#clock.newest_ms, now_us);
   }
 
-  #onCamera(time_us, details, now_us) {
-    const timestamp_us = time_us >= firstUnix_us ? time_us : this.#clock.utc_us(time_us / 1000, now_us);
+  #onCamera(trigger, now_us) {
+    if (!trigger) return;
+    const { time_us, position, attitude, ...details } = trigger;
+    const isUnix = time_us >= firstUnix_us;
+    const timestamp_us = isUnix ? time_us : this.#clock.utc_us(time_us / 1000, now_us);
     ++this.#camera.num_triggers;
-    this.#camera.last = { timestamp_us, ...details };
+    this.#camera.last = { timestamp_us, ...details, position };
+    // Without a time it fits to no picture.
+    if (time_us <= 0) return;
+    const told = isTriggerPlace(position, this.#position) ? { ...details, position, attitude } : details;
+    if (isUnix) this.#onTrigger({ timestamp_us, ...told });
+    else this.#triggers.add(details.kind, time_us / 1000, told, now_us);
   }
 
   // As an item of /v1/links.
@@ -273,8 +287,3 @@ export class Link {
 }
 
 const timeText = (time_us) => (time_us === undefined ? undefined : new Date(time_us / 1000).toISOString());
-
-const placeOf = (latitude_e7, longitude_e7, altitude_m) => ({
-  position: { latitude_deg: latitude_e7 / 1e7, longitude_deg: longitude_e7 / 1e7, altitude_m },
-});
-

@@ -7,6 +7,8 @@ const linkTimeout_ms = 3000;
 const landingTimeout_ms = 8000;
 // In the air a late answer is none.
 const emergencyTimeout_ms = 2500;
+const pictureTimeout_ms = 60_000;
+const routeTimeout_ms = 60_000;
 
 export class ServiceProblem extends Error {
   constructor(status, body) {
@@ -35,13 +37,9 @@ export class Service {
     this.#headers = token ? { Authorization: `Bearer ${token}` } : {};
   }
 
-  // aircraft: the name of a profile, or nothing.
-  async createFlight(name, aircraft) {
-    const flight = await this.#json('v1/flights', {
-      method: 'POST',
-      headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify({ name, altitude_datum: 'amsl', ...(aircraft && { aircraft: { profile: aircraft } }) }),
-    });
+  // request: what else the flight is created with.
+  async createFlight(name, request) {
+    const flight = await this.#post('v1/flights', { altitude_datum: 'amsl', ...request, name });
     return flight.id;
   }
 
@@ -58,6 +56,23 @@ export class Service {
       headers: { 'Content-Type': 'application/x-ndjson' },
       body: lines.map((line) => `${JSON.stringify(line)}\n`).join(''),
     });
+  }
+
+  // meta: as FrameMeta. Repeating it changes nothing.
+  putFrame(flightId, frameId, jpeg, meta) {
+    const body = new FormData();
+    body.append('image', new Blob([jpeg], { type: 'image/jpeg' }), 'image.jpg');
+    body.append('meta', JSON.stringify(meta));
+    return this.#json(`v1/flights/${encodeURIComponent(flightId)}/frames/${encodeURIComponent(frameId)}`,
+      { method: 'PUT', body, timeout_ms: pictureTimeout_ms });
+  }
+
+  // The landing insurance of a route: answer of /v1/routes/check.
+  checkRoute(request) { return this.#post('v1/routes/check', request, routeTimeout_ms); }
+
+  // The sites in reach now, as the service keeps them for the flight.
+  alternates(flightId) {
+    return this.#json(`v1/flights/${encodeURIComponent(flightId)}/alternates`, { timeout_ms: linkTimeout_ms });
   }
 
   // { commands: [{ id, kind, site_id?, issued_at }] }
@@ -84,6 +99,11 @@ export class Service {
   approach(siteId, wind) {
     const query = wind ? `?${new URLSearchParams({ wind_east_mps: wind.east_mps, wind_north_mps: wind.north_mps })}` : '';
     return this.#json(`v1/sites/${encodeURIComponent(siteId)}/approach${query}`, { timeout_ms: landingTimeout_ms });
+  }
+
+  #post(path, value, timeout_ms = longest_ms) {
+    return this.#json(path, {
+      method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(value), timeout_ms });
   }
 
   async #json(path, { headers = {}, timeout_ms = longest_ms, ...options } = {}) {

@@ -9,6 +9,7 @@ const batchBytes = 128 * 1024;
 const firstPause_ms = 200;
 const longestPause_ms = 5000;
 const maxNumSessions = 50;
+const covers_us = 1_000_000;
 
 const pauseOf = (numFailures) => Math.min(longestPause_ms, firstPause_ms * 2 ** numFailures);
 
@@ -18,7 +19,7 @@ export class Uplink {
   #path;
   #flights = {};
   #fixedFlight;
-  #aircraft;
+  #request;
   #numFailures = 0;
   #notBefore_ms = 0;
   #running;
@@ -27,19 +28,24 @@ export class Uplink {
   numDelivered = 0;
   numRejected = 0;
   lastRejection;
+  // Time of the newest line that the service has.
+  deliveredTo_us = -Infinity;
 
   // fixedFlight: the id of an existing flight that takes every session.
-  // aircraft: profile of new flights.
-  constructor({ service, spool, path, fixedFlight, aircraft }) {
+  // request: what new flights are created with.
+  constructor({ service, spool, path, fixedFlight, request }) {
     this.#service = service;
     this.#spool = spool;
     this.#path = path;
     this.#fixedFlight = fixedFlight;
-    this.#aircraft = aircraft;
+    this.#request = request;
     if (existsSync(path)) this.#flights = JSON.parse(readFileSync(path, 'utf8'));
   }
 
   flightOf(session) { return this.#fixedFlight ?? this.#flights[session]; }
+
+  // The service has what was heard up to a little after this time.
+  isCovered(timestamp_us) { return this.#spool.numWaiting === 0 || this.deliveredTo_us >= timestamp_us + covers_us; }
 
   // Call it often; it does nothing while a request runs or a pause lasts.
   step(now_ms = Date.now()) {
@@ -87,6 +93,7 @@ export class Uplink {
       if (error.status === 404 && !this.#fixedFlight) this.#remember(session, undefined);
       throw error;
     }
+    for (const { timestamp_us } of lines) this.deliveredTo_us = Math.max(this.deliveredTo_us, timestamp_us);
     this.numDelivered += answer.accepted;
     this.numRejected += answer.num_rejected ?? answer.rejected.length;
     if (answer.rejected.length) this.lastRejection = answer.rejected.at(-1).detail;
@@ -94,7 +101,7 @@ export class Uplink {
 
   async #create(session) {
     const flightId = await this.#service.flightNamed(session) ??
-      await this.#service.createFlight(session, this.#aircraft);
+      await this.#service.createFlight(session, this.#request);
     this.#remember(session, flightId);
     return flightId;
   }

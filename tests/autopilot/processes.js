@@ -13,6 +13,7 @@ import { recording, skipReason } from './tlog.js';
 const root = fileURLToPath(new URL('../..', import.meta.url));
 const server = process.env.FREELSD_SERVER ?? join(root, 'build/release/server/freelsd-server');
 const program = join(root, 'server/mavlink/freelsd-mavlink.js');
+export const hasServer = existsSync(server);
 export const path = recording('arduplane_landing.tlog');
 export const skip = !path ? skipReason
   : !existsSync(server) ? 'no freelsd-server: build it or set FREELSD_SERVER' : false;
@@ -66,7 +67,7 @@ export async function setUp(t) {
 }
 
 function start(setup, command, args) {
-  const child = spawn(command, args, { stdio: 'ignore' });
+  const child = spawn(command, args, { stdio: process.env.FREELSD_NOISY ? 'inherit' : 'ignore' });
   setup.children.push(child);
   return child;
 }

@@ -5,7 +5,8 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 
 import {
-  alarmsOf, commandText, engineText, heardText, landingWarnings, landingWind, missionText, refusalText, windLine,
+  alarmsOf, alternatesOf, commandText, engineText, guidanceText, heardText, insuranceText, landingWarnings, landingWind, linkRows, missionText,
+  picturesText, refusalText, windLine,
 } from '../../web/link_shape.js';
 import { accessibilityFaults, flownSite, isOptional, launch, openPage, smallTargets, url } from './browser.mjs';
 import { overflow_px } from './ground_page.mjs';
@@ -44,6 +45,38 @@ test('links: a failure, a broken mission and a guided aircraft that is silent al
   assert.equal(alarmsOf(failed).length, 2);
   assert.match(alarmsOf(failed)[0], /^System 1: engine FAILED since \d\d:\d\d: climb and speed/);
   assert.match(alarmsOf({ ...failed, is_connected: false, heard_age_s: 8 })[2], /silent for 8 s while it was guided/);
+});
+
+test('links: insurance of the rest of the mission, in one line', () => {
+  const link = (insurance, more) => ({ is_connected: true, insurance, ...more });
+  assert.equal(insuranceText(link(undefined)), null);
+  assert.equal(insuranceText(link({ state: 'none', why: 'it does not fly' })), 'it does not fly');
+  const whole = { state: 'checked', covered_ratio: 1, time_s: 724, end: 'the landing', age_s: 3, num_gaps: 0 };
+  assert.equal(insuranceText(link(whole)), 'a site, verified or not, is in reach on all of the next 12 min, to the landing');
+  assert.equal(insuranceText(link({ ...whole, age_s: 200 })), 'a site, verified or not, is in reach on all of the next 12 min, to the landing. Checked 3 min ago');
+  const gap = { ...whole, covered_ratio: 0.9399, first_gap: { in_s: 130, lasts_s: 35, reason: 'too_low' }, num_gaps: 2, point_of_no_return_in_s: 540 };
+  assert.equal(insuranceText(link(gap)), 'in reach for 93 % of the next 12 min, to the landing; none in 2 min, for 35 s (too low); none at all after 9 min');
+  assert.match(insuranceText(link({ ...gap, first_gap: { in_s: 0, lasts_s: 35 } })), /NO SITE IN REACH NOW, for 35 s more/);
+  assert.equal(insuranceText(link(gap, { is_connected: false })), 'unknown: nothing is heard of the aircraft');
+  const isAlarm = (insurance) => linkRows(link(insurance), (id) => id).find(([name]) => name === 'Rest of the mission')[2];
+  assert.deepEqual([isAlarm(whole), isAlarm(gap), isAlarm({ ...gap, first_gap: { in_s: 0, lasts_s: 9 } })], [false, false, true]);
+});
+
+test('links: where guidance will arrive, above or below', () => {
+  const link = (arrival_margin_m) => ({ guidance: { phase: 'glide', site_id: 'f-r2', arrival_margin_m } });
+  assert.deepEqual([41.7, 0, -1.3].map((margin_m) => guidanceText(link(margin_m), nameOf)),
+    ['glide to site 2, arrives 41 m above the final', 'glide to site 2, arrives 0 m above the final', 'glide to site 2, arrives 2 m BELOW the final']);
+});
+
+test('links: sites in reach now, and what became of pictures', () => {
+  const sites = [{ site_id: 'f-r2', verdict: 'landable', arrival_margin_m: 41.9 }, { site_id: 'f-r5', verdict: 'unverified', arrival_margin_m: 3 }];
+  assert.deepEqual(alternatesOf({ is_connected: true, alternates: { sites } }, nameOf),
+    [{ id: 'f-r2', text: '✓ site 2, +41 m' }, { id: 'f-r5', text: '? site 5, +3 m' }]);
+  assert.deepEqual(linkRows({ is_connected: true, alternates: { sites: [] } }, nameOf).find(([name]) => name === 'In reach now'), ['In reach now', 'NO SITE', true]);
+  assert.equal(alternatesOf({ is_connected: false, alternates: { sites } }, nameOf), null);
+  assert.equal(picturesText({ pictures: { sent: 12, waiting: 3, unpaired: 1, refused: 0, incomplete: 0, text: 'it is not sure yet' } }),
+    '12 sent, 3 waiting, 1 without a sure trigger, not sent. it is not sure yet');
+  assert.equal(picturesText({}), null);
 });
 
 test('links: warnings before a landing: the verdict, another wind, no wind, a failed engine', () => {
@@ -89,7 +122,7 @@ for (const [name, options] of [['desktop', {}], ['desktop-dark', { colorScheme: 
     await page.locator('#open-links').click();
     const card = page.locator('[data-link="1"]');
     const text = await card.innerText();
-    for (const part of [/AUTO, armed/, /heard \d s ago/, /from drift/, /running/, /not from here, item 4 of 9/, /armed/]) assert.match(text, part);
+    for (const part of [/AUTO, armed/, /heard \d s ago/, /from drift/, /running/, /the autopilot's own, item 4 of 9/, /armed/]) assert.match(text, part);
     assert.equal(await page.locator('#link-alarms p').count(), 0);
     await check(opened);
     Object.assign(links.list[0], sampleFailure(site.properties.id));
@@ -164,6 +197,21 @@ test('links: a site without a landing in the present wind, or whose wind is not 
   await page.waitForTimeout(1500);
   await page.locator('#site-land').click();
   await page.locator('#land-warnings').getByText('this is the stored plan').waitFor(kWait);
+});
+
+test('links: what is in reach now leads to its site, and the rest of the mission is told', async (t) => {
+  const opened = await open(t, {}, {
+    alternates: { sites: [{ site_id: site.properties.id, verdict: 'landable', arrival_margin_m: 41.9 }], num_in_reach: 1, age_s: 1 },
+    insurance: { state: 'checked', covered_ratio: 0.9, time_s: 600, end: 'the landing', age_s: 2, num_gaps: 1, first_gap: { in_s: 0, lasts_s: 60, reason: 'too_low' } },
+    pictures: { sent: 12, waiting: 0, unpaired: 2, refused: 0, incomplete: 0 },
+  });
+  const { page } = opened;
+  await page.locator('#open-links').click();
+  const card = page.locator('[data-link="1"]');
+  assert.match(await card.innerText(), /NO SITE IN REACH NOW, for 1 min more \(too low\)[^]*12 sent, 2 without a sure trigger/);
+  await check(opened);
+  await card.getByRole('button', { name: '+41 m' }).click();
+  await page.locator('#site-land').waitFor(kWait);
 });
 
 test('links: a silent link takes no command, its sign is old, and no other aircraft takes its place', async (t) => {

@@ -81,6 +81,7 @@ export class EngineFailure {
     if (this.#isAutomatic) this.#watch(state, now_us);
     this.#guidance.step(state, now_s);
     this.#landings.missions.isHeld = this.#guidance.isOnFinal;
+    this.#landings.isGuided = this.#guidance.isEngaged;
     this.#select(state, now_s);
   }
 

@@ -30,6 +30,8 @@ export class Landings {
   #autopilot;
   #boots;
   #wasConnected = false;
+  // After an engine failure the rally points stay as they are.
+  isGuided = false;
 
   // service: site(id), approach(id, wind), emergency(query). out: Outgoing. address(): systemId and
   // componentId of the autopilot. linkState(): of the link. recall(): a promise of the sites in reach,
@@ -49,6 +51,8 @@ export class Landings {
 
   get isBusy() { return this.#missions.isBusy; }
   get missions() { return this.#missions; }
+  // What is known of the aircraft and its mission, for whoever plans ahead.
+  get vehicle() { return { ...this.#vehicle, items: this.#missions.items, cruise_mps: this.#parameters.cruise_mps }; }
 
   #target() {
     const { systemId, componentId } = this.#address();
@@ -80,7 +84,7 @@ export class Landings {
     if (!this.#vehicle.isConnected) return;
     this.#parameters.step(now_s);
     this.#missions.step(now_s);
-    const mayWrite = !this.#missions.isBusy && !this.#isLanding;
+    const mayWrite = !this.#missions.isBusy && !this.#isLanding && !this.isGuided;
     this.#rally?.step(now_s, { mayWrite, home_altitude_m: this.#vehicle.home_altitude_m });
   }
 
@@ -148,13 +152,13 @@ export class Landings {
     const { verdict, superseded_by, superseded_detail, reject_detail } = properties;
     if (superseded_by) throw new NoLanding(`the site is superseded: ${superseded_detail ?? superseded_by}`);
     if (verdict === 'rejected') throw new NoLanding(`the site is rejected: ${reject_detail ?? ''}`);
-    if (verdict !== 'landable') this.#log('mission', `${siteId} is UNVERIFIED: not everything was seen`);
     const { wind } = this.#vehicle;
     const known = confirmed ?? (wind && wind.age_s <= maxWindAge_s ? wind : undefined);
     const answer = await this.#service.approach(siteId, known);
+    const planned = answer.plan?.verdict ?? answer.verdict ?? verdict;
+    if (planned !== 'landable') this.#log('mission', `${siteId} is UNVERIFIED: not everything was seen`);
     return landingOfApproach(siteId, {
-      ...answer, altitude_datum: answer.altitude_datum ?? properties.altitude_datum,
-      verdict: answer.plan?.verdict ?? answer.verdict ?? verdict,
+      ...answer, altitude_datum: answer.altitude_datum ?? properties.altitude_datum, verdict: planned,
     }, properties.aircraft?.landing_airspeed_mps);
   }
 }

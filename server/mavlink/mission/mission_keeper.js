@@ -63,6 +63,8 @@ export class MissionKeeper {
   isHeld = false;
 
   get isBusy() { return this.#task !== undefined; }
+  // What the autopilot has, as it was read last; nothing while that is not known.
+  get items() { return this.#state.state === 'current' ? this.#known?.items : undefined; }
 
   // As `mission` of the link's state.
   state() { return { ...this.#state, current_item: this.#vehicle().current_item, num_items: this.#known?.items.length }; }

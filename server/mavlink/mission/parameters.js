@@ -49,15 +49,20 @@ export class ParameterReader {
     }
   }
 
+  get cruise_mps() {
+    const { AIRSPEED_CRUISE, TRIM_ARSPD_CM } = this.values;
+    return AIRSPEED_CRUISE ?? (TRIM_ARSPD_CM === undefined ? undefined : TRIM_ARSPD_CM / 100);
+  }
+
   // Without TECS_LAND_ARSPD, ArduPlane lands half way between its lowest and its usual airspeed.
   get landingAirspeed_mps() {
     const { FW_LND_AIRSPD, FW_AIRSPD_MIN } = this.values;
     // PX4: its lowest airspeed, if it is not set.
     if (FW_LND_AIRSPD !== undefined) return FW_LND_AIRSPD > 0 ? FW_LND_AIRSPD : FW_AIRSPD_MIN;
-    const { TECS_LAND_ARSPD, AIRSPEED_CRUISE, AIRSPEED_MIN, TRIM_ARSPD_CM, ARSPD_FBW_MIN } = this.values;
+    const { TECS_LAND_ARSPD, AIRSPEED_MIN, ARSPD_FBW_MIN } = this.values;
     if (TECS_LAND_ARSPD === undefined) return undefined;
     if (TECS_LAND_ARSPD > 0) return TECS_LAND_ARSPD;
-    const cruise_mps = AIRSPEED_CRUISE ?? (TRIM_ARSPD_CM === undefined ? undefined : TRIM_ARSPD_CM / 100);
+    const { cruise_mps } = this;
     const min_mps = AIRSPEED_MIN ?? ARSPD_FBW_MIN;
     return cruise_mps === undefined || min_mps === undefined ? undefined : (cruise_mps + min_mps) / 2;
   }

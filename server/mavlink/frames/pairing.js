@@ -1,0 +1,121 @@
+// Which trigger took which picture. What is not sure is not paired. Pure.
+//
+// 1. By name, if a message told it (CAMERA_IMAGE_CAPTURED): one message and one picture of that name.
+// 2. By time: pictures whose time is of the same kind (EXIF, EXIF in whole seconds, file) have one
+//    offset to the triggers. If only one offset explains the intervals, a picture belongs to the
+//    trigger at its time, unless another trigger, or another picture, is near.
+
+import { clockOffset } from './clock_offset.js';
+
+// By kind of time, the least first: how evenly cameras and programs work is not known before. A whole
+// second lies within half a second of its middle.
+const tolerancesOf_us = { exif: [50_000, 100_000, 200_000], exif_seconds: [600_000], file: [50_000, 100_000, 200_000] };
+// No camera takes pictures as close together as this; a coarser time could be that of a neighbour.
+const coarse_us = 400_000;
+// Of one exposure several messages may tell; the best kind that is heard counts.
+const kinds = ['CAMERA_IMAGE_CAPTURED', 'CAMERA_FEEDBACK', 'CAMERA_TRIGGER'];
+// A message comes later than its exposure.
+const settle_us = 3_000_000;
+
+const fileName = (path) => path.split(/[\\/]/).at(-1).toLowerCase();
+
+function countsOf(names) {
+  const counts = new Map();
+  for (const name of names) counts.set(name, (counts.get(name) ?? 0) + 1);
+  return counts;
+}
+
+export function triggersThatCount(triggers) {
+  const best = kinds.find((kind) => triggers.some((trigger) => trigger.kind === kind));
+  return triggers.filter((trigger) => trigger.kind === best).sort((a, b) => a.time_us - b.time_us);
+}
+
+// pictures: [{ name, time_us, time_kind, order }]; triggers: of triggersThatCount.
+function pairsByName(pictures, triggers) {
+  const named = triggers.filter(({ file }) => file);
+  const numTriggers = countsOf(named.map(({ file }) => fileName(file)));
+  const numPictures = countsOf(pictures.map(({ name }) => name.toLowerCase()));
+  const triggerOf = new Map(named.map((trigger) => [fileName(trigger.file), trigger]));
+  const isSure = ({ name, order }) => {
+    const key = name.toLowerCase();
+    return numTriggers.get(key) === 1 && numPictures.get(key) === 1 && triggerOf.get(key).order < order;
+  };
+  return new Map(pictures.filter(isSure).map((picture) => [picture, triggerOf.get(picture.name.toLowerCase())]));
+}
+
+// Index of the first value that is not less.
+function lowerBound(values, value) {
+  let low = 0;
+  let high = values.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (values[middle] < value) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+// Beside this trigger there may have been another one that was not heard.
+function hasUnheard(triggers, at) {
+  const isNext = (a, b) => b.index === a.index + 1;
+  const [before, trigger, after] = [triggers[at - 1], triggers[at], triggers[at + 1]];
+  const isFirst = !before && trigger.index <= 1;
+  return !(isFirst || (before && isNext(before, trigger))) || !after || !isNext(trigger, after);
+}
+
+// The only trigger near the picture's time; nothing if there is none or a second one.
+function triggerAt(picture, triggers, times_us, { offset_us, tolerance_us: sharp_us }) {
+  const tolerance = Math.min(2 * sharp_us, tolerancesOf_us[picture.time_kind].at(-1));
+  const time_us = picture.time_us - offset_us;
+  const first = lowerBound(times_us, time_us - 2 * tolerance);
+  const end = lowerBound(times_us, time_us + 2 * tolerance + 1);
+  if (end - first !== 1) return undefined;
+  const trigger = triggers[first];
+  if (tolerance >= coarse_us && hasUnheard(triggers, first)) return undefined;
+  return Math.abs(trigger.time_us - time_us) <= tolerance && trigger.order < picture.order ? trigger : undefined;
+}
+
+export class Pairing {
+  #limit_us;
+  #offsets = {};
+
+  // limit_us: how far the clock of pictures is from UTC at most.
+  constructor({ limit_us }) { this.#limit_us = limit_us; }
+
+  // By kind of time: seconds, if it is known.
+  get offsets_s() {
+    return Object.fromEntries(Object.entries(this.#offsets).filter(([, one]) => one)
+      .map(([kind, { offset_us }]) => [kind, offset_us / 1e6]));
+  }
+
+  // { pairs: Map of picture to trigger, unpaired: pictures for which the offset is known and yet no
+  // trigger is sure }. The others wait. pictures: all, also those that were paired before.
+  pair(pictures, allTriggers) {
+    const triggers = triggersThatCount(allTriggers);
+    const times_us = triggers.map(({ time_us }) => time_us);
+    const pairs = pairsByName(pictures, triggers);
+    const unpaired = [];
+    for (const [kind, tolerances_us] of Object.entries(tolerancesOf_us)) {
+      const group = pictures.filter((picture) => picture.time_kind === kind && !pairs.has(picture));
+      const offset = clockOffset(group, triggers, { tolerances_us, limit_us: this.#limit_us });
+      this.#offsets[kind] = offset;
+      for (const picture of offset ? group : []) {
+        const trigger = triggerAt(picture, triggers, times_us, offset);
+        if (trigger) pairs.set(picture, trigger);
+        else if (picture.time_us - offset.offset_us + settle_us < (times_us.at(-1) ?? -Infinity)) unpaired.push(picture);
+      }
+    }
+    return { pairs: withoutShared(pairs, unpaired), unpaired };
+  }
+}
+
+// Two pictures of one trigger: neither is sure.
+function withoutShared(pairs, unpaired) {
+  const numPictures = countsOf(pairs.values());
+  for (const [picture, trigger] of pairs) {
+    if (numPictures.get(trigger) === 1) continue;
+    pairs.delete(picture);
+    unpaired.push(picture);
+  }
+  return pairs;
+}

@@ -1,0 +1,71 @@
+// The part of the autopilot's mission that is not flown yet, as a route: from where the aircraft is,
+// through the places that the items name, to where the landing begins. Pure.
+
+const command = {
+  waypoint: 16, loiterUnlimited: 17, loiterTurns: 18, loiterTime: 19, returnToLaunch: 20, land: 21, loiterToAltitude: 31,
+  spline: 82, verticalLand: 85, jump: 177, landStart: 189,
+};
+const places = new Set([command.waypoint, command.loiterTurns, command.loiterTime, command.loiterToAltitude, command.spline]);
+const ends = {
+  [command.landStart]: 'the landing', [command.land]: 'the landing', [command.verticalLand]: 'the landing',
+  [command.returnToLaunch]: 'the return to launch', [command.loiterUnlimited]: 'the loiter',
+};
+const amsl = new Set([0, 5]);
+const aboveHome = new Set([3, 6]);
+export const moreOfMission = 'more of the mission';
+const metresPerDegree = 111_195;
+const maxNumSteps = 5000;
+const least_m = 1;
+
+export function distance_m(a, b) {
+  const north_m = (b.latitude_deg - a.latitude_deg) * metresPerDegree;
+  const wrapped_deg = ((b.longitude_deg - a.longitude_deg + 540) % 360) - 180;
+  return Math.hypot(north_m, wrapped_deg * metresPerDegree * Math.cos((a.latitude_deg * Math.PI) / 180));
+}
+
+// Nothing if its height is above the terrain, which the link does not know.
+function placeOf({ frame, x, y, z }, before, home_altitude_m) {
+  const base_m = amsl.has(frame) ? 0 : aboveHome.has(frame) ? home_altitude_m : undefined;
+  if (base_m === undefined) return undefined;
+  const { latitude_deg, longitude_deg } = x === 0 && y === 0 ? before : { latitude_deg: x / 1e7, longitude_deg: y / 1e7 };
+  return { latitude_deg, longitude_deg, altitude_m: base_m + z };
+}
+
+// The items in the order in which they are flown. How often a jump was made already is not known, so
+// it counts in full.
+function* flownItems(items, first) {
+  const jumps = new Map();
+  for (let at = first, step = 0; at < items.length && step < maxNumSteps; ++step) {
+    const one = items[at];
+    if (one.command !== command.jump) {
+      yield { ...one, seq: at };
+      ++at;
+      continue;
+    }
+    const left = jumps.get(at) ?? (one.param2 < 0 ? Infinity : one.param2);
+    jumps.set(at, left - 1);
+    at = left > 0 ? one.param1 : at + 1;
+  }
+}
+
+// { route: [{ latitude_deg, longitude_deg, altitude_m }], end: what comes after it }. items: of the
+// autopilot. position: where the aircraft is. longest_m: a longer mission is cut there.
+export function remainingRoute({ items, current_item, position, home_altitude_m, longest_m }) {
+  const { latitude_deg, longitude_deg, altitude_m } = position;
+  const route = [{ latitude_deg, longitude_deg, altitude_m }];
+  let length_m = 0;
+  for (const one of flownItems(items, Math.max(1, current_item))) {
+    const last = route.at(-1);
+    const isLast = one.command in ends;
+    if (places.has(one.command) || one.command === command.loiterUnlimited) {
+      const place = placeOf(one, last, home_altitude_m);
+      if (!place) return { route, end: `item ${one.seq}, whose height is above the terrain` };
+      const leg_m = distance_m(last, place);
+      if (leg_m >= least_m) route.push(place);
+      length_m += leg_m;
+    }
+    if (isLast) return { route, end: ends[one.command] };
+    if (length_m > longest_m) return { route, end: moreOfMission };
+  }
+  return { route, end: 'the end of the mission' };
+}

@@ -1,0 +1,127 @@
+// Insurance of the rest of the mission: the route that is checked, when it is, and what is told.
+
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import { Alternates } from '../../server/mavlink/insurance/alternates.js';
+import { MissionInsurance } from '../../server/mavlink/insurance/mission_insurance.js';
+import { distance_m, remainingRoute } from '../../server/mavlink/insurance/remaining_route.js';
+import { Standin } from './standin/aircraft.js';
+import { landing, survey } from './standin/missions.js';
+
+const plane = new Standin({ home: { latitude_deg: 47.3977, longitude_deg: 8.5456, altitude_m: 430 } });
+const position = { ...plane.frame.toGlobal({ east_m: 0, north_m: 0 }), altitude_m: 550 };
+const mission = (repeats) => [...survey(plane, { width_m: 120, spacing_m: 60, repeats }), ...landing(plane)];
+const routeOf = (items, more = {}) =>
+  remainingRoute({ items, current_item: 1, position, home_altitude_m: 430, longest_m: 30_000, ...more });
+const lengthOf = (route) => route.slice(1).reduce((sum, place, i) => sum + distance_m(route[i], place), 0);
+
+test('the rest of the mission begins at the aircraft, has heights above the sea and ends at the landing', () => {
+  const { route, end } = routeOf(mission(0), { current_item: 3 });
+  assert.equal(end, 'the landing');
+  assert.deepEqual(route[0], position);
+  // Three lines have six ends; two are behind it.
+  assert.equal(route.length, 1 + 4);
+  assert.ok(route.slice(1).every(({ altitude_m }) => altitude_m === 550));
+});
+
+test('jumps are flown as often as the item says, and for ever only as far as is looked', () => {
+  assert.equal(routeOf(mission(0)).route.length, 1 + 6);
+  assert.equal(routeOf(mission(2)).route.length, 1 + 3 * 6);
+  const { route, end } = routeOf(mission(-1), { longest_m: 20_000 });
+  assert.equal(end, 'more of the mission');
+  assert.ok(lengthOf(route) > 20_000 && lengthOf(route) < 21_000);
+});
+
+test('a jump to itself ends, and a height above terrain is not guessed', () => {
+  const waypoint = mission(0)[1];
+  const jump = { ...waypoint, command: 177, param1: 2, param2: -1 };
+  assert.equal(routeOf([waypoint, waypoint, jump]).end, 'the end of the mission');
+  assert.equal(routeOf([waypoint, waypoint, { ...waypoint, frame: 10 }]).end, 'item 2, whose height is above the terrain');
+  assert.equal(routeOf([waypoint, waypoint, { ...waypoint, command: 20 }]).end, 'the return to launch');
+});
+
+const vehicle = (more = {}) => ({
+  isConnected: true, isFlying: true, mode: 'AUTO', missionMode: 'AUTO', items: mission(0), current_item: 1, position,
+  home_altitude_m: 430, airspeed_mps: 15, flight: { id: 'f1' }, wind: { east_mps: 3, north_mps: 0, sd_mps: 0.5, age_s: 1 }, ...more,
+});
+const answer = (gaps) => ({ covered_ratio: 0.8, time_s: 100, gaps, point_of_no_return: { time_s: 80 } });
+
+test('it is checked at once, every 30 s, after another mission or wind, and not while it does not fly its mission', async () => {
+  const requests = [];
+  const insurance = new MissionInsurance({ check: async (request) => { requests.push(request); return answer([]); } });
+  const items = mission(0);
+  const stepped = (from_s, to_s, more) => (async () => {
+    for (let now_s = from_s; now_s < to_s; ++now_s) await insurance.step(now_s, vehicle({ items, ...more }));
+    return requests.length;
+  })();
+  assert.equal(await stepped(0, 29), 1);
+  assert.equal(requests[0].flight, 'f1');
+  assert.equal(requests[0].airspeed_mps, 15);
+  assert.deepEqual(requests[0].wind, { east_mps: 3, north_mps: 0, sd_mps: 0.5 });
+  assert.equal(await stepped(29, 61), 3);
+  assert.equal(await stepped(70, 71, { wind: { east_mps: 6, north_mps: 0, age_s: 1 } }), 4);
+  assert.equal(await stepped(80, 85, { wind: { east_mps: 6, north_mps: 0, age_s: 1 }, items: mission(1) }), 5);
+  assert.equal(await stepped(90, 200, { mode: 'LOITER' }), 5);
+  assert.match(insurance.state(200).why, /mode LOITER/);
+});
+
+test('a slow service is asked less often: at most a tenth of the time', async () => {
+  let numAsked = 0;
+  const insurance = new MissionInsurance({ check: async () => {
+    ++numAsked;
+    await new Promise((resolve) => { setTimeout(resolve, 400); });
+    return answer([]);
+  } });
+  for (let now_s = 0; now_s < 4; now_s += 0.1) await insurance.step(now_s, vehicle({ items: mission(numAsked) }));
+  assert.equal(numAsked, 1);
+});
+
+test('times are told from now, a gap that is behind is not told, a change is a decision', async () => {
+  const log = [];
+  let gaps = [{ from_s: 10, to_s: 20, reason: 'too_low' }, { from_s: 80, to_s: 100, reason: 'no_site' }];
+  const insurance = new MissionInsurance({ check: async () => answer(gaps), log: (text) => log.push(text) });
+  const items = mission(0);
+  await insurance.step(0, vehicle({ items }));
+  const { first_gap, num_gaps, point_of_no_return_in_s } = insurance.state(4);
+  assert.deepEqual({ first_gap, num_gaps, point_of_no_return_in_s },
+    { first_gap: { in_s: 6, lasts_s: 10, reason: 'too_low' }, num_gaps: 2, point_of_no_return_in_s: 76 });
+  assert.deepEqual(insurance.state(12).first_gap, { in_s: 0, lasts_s: 8, reason: 'too_low' });
+  assert.equal(insurance.state(25).first_gap.in_s, 55);
+  assert.match(log.at(-1), /no site is in reach for 20 s of 100 s/);
+  await insurance.step(31, vehicle({ items }));
+  assert.equal(log.length, 1);
+  gaps = [];
+  await insurance.step(62, vehicle({ items }));
+  assert.match(log.at(-1), /in reach on all the rest/);
+});
+
+test('a service that fails is told, and the last answer is told with its age', async () => {
+  let isAway = false;
+  const insurance = new MissionInsurance({ check: async () => {
+    if (isAway) throw new Error('away');
+    return answer([]);
+  } });
+  const items = mission(0);
+  await insurance.step(0, vehicle({ items }));
+  isAway = true;
+  await insurance.step(31, vehicle({ items }));
+  const state = insurance.state(40);
+  assert.deepEqual([state.state, state.last_error, state.age_s], ['checked', 'away', 40]);
+});
+
+test('alternates: asked every 5 s in flight, forgotten on the ground', async () => {
+  let numAsked = 0;
+  const alternates = new Alternates(async () => {
+    ++numAsked;
+    return { sites: [{ site_id: 'a', verdict: 'landable', arrival_margin_m: 12, path: {} }] };
+  });
+  for (let now_s = 0; now_s < 12; ++now_s) {
+    alternates.step(now_s, { isFlying: true, flight: { id: 'f1' } });
+    await new Promise((resolve) => { setImmediate(resolve); });
+  }
+  assert.equal(numAsked, 3);
+  assert.deepEqual(alternates.state(12), { sites: [{ site_id: 'a', verdict: 'landable', arrival_margin_m: 12 }], num_in_reach: 1, age_s: 2 });
+  alternates.step(13, { isFlying: false, flight: { id: 'f1' } });
+  assert.equal(alternates.state(13), undefined);
+});

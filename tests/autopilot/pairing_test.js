@@ -1,0 +1,90 @@
+// Pairing of pictures with triggers, without files: whatever is missing, late, twice or extra, no
+// picture gets another one's trigger.
+
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import { Pairing } from '../../server/mavlink/frames/pairing.js';
+import { report } from './report.js';
+import { Random } from './standin/random.js';
+
+const numFlights = 30;
+const noon_us = Date.UTC(2026, 5, 1, 12) * 1000;
+
+// Seconds between exposures.
+const intervals = {
+  'irregular, 0.8 to 4 s': (random) => random.between(0.8, 4),
+  // Legs with and against the wind, and turns.
+  'by distance, legs and turns': (random, i) => {
+    const leg = Math.floor(i / 12);
+    return (i % 12 === 11 ? 9 : leg % 2 ? 1.4 : 2.3) + 0.05 * random.gauss();
+  },
+  'regular, 1.5 s': (random) => 1.5 + 0.002 * random.gauss(),
+  'regular, 1.0 s': (random) => 1 + 0.002 * random.gauss(),
+};
+
+// How the pictures tell their time.
+const kinds = {
+  exif: (time_us, random) => time_us + 1e6 * 0.03 * random.gauss(),
+  exif_seconds: (time_us) => 1e6 * Math.floor(time_us / 1e6) + 5e5,
+  file: (time_us, random) => time_us + 1e6 * random.between(0.1, 0.3),
+};
+
+function flight(seed, { interval, kind, numTriggers = 100, offset_s, missing = 0.05, unheard = 0.05, numExtra = 3 }) {
+  const random = new Random(seed);
+  const triggers = [];
+  const pictures = [];
+  let time_us = noon_us;
+  let order = 0;
+  const timeOf = (true_us) => kinds[kind](true_us + 1e6 * offset_s, random);
+  for (let i = 0; i < numTriggers; ++i) {
+    time_us += 1e6 * interval(random, i);
+    const trigger = { kind: 'CAMERA_FEEDBACK', index: i + 1, time_us, order: ++order };
+    const isHeard = random.uniform() >= unheard;
+    if (isHeard) triggers.push(trigger);
+    if (random.uniform() < missing) continue;
+    pictures.push({ name: `p${i}.jpg`, time_us: timeOf(time_us), time_kind: kind, order: ++order, truth: isHeard ? trigger : undefined });
+  }
+  for (let i = 0; i < numExtra; ++i) {
+    pictures.push({ name: `x${i}.jpg`, time_us: timeOf(random.between(noon_us, time_us)), time_kind: kind, order: ++order, isExtra: true });
+  }
+  return { triggers, pictures };
+}
+
+// Seen at several moments of the flight, not only at its end.
+function outcomeOf({ triggers, pictures }, limit_us) {
+  const sum = { paired: 0, of: 0, wrong: 0, extra: 0 };
+  for (const share of [0.05, 0.1, 0.2, 0.3, 0.6, 1]) {
+    const seen = pictures.slice(0, Math.ceil(share * pictures.length));
+    const heard = triggers.filter(({ order }) => order <= seen.at(-1).order);
+    const { pairs } = new Pairing({ limit_us }).pair(seen, heard);
+    for (const [picture, trigger] of pairs) if (!picture.isExtra && picture.truth !== trigger) ++sum.wrong;
+    if (share < 1) continue;
+    sum.paired = [...pairs].filter(([picture, trigger]) => picture.truth === trigger).length;
+    sum.of = pictures.filter(({ truth }) => truth).length;
+    // A picture nobody triggered, at the time of a trigger whose own picture is missing.
+    sum.extra = [...pairs.keys()].filter(({ isExtra }) => isExtra).length;
+  }
+  return sum;
+}
+
+const added = (a, b) => Object.fromEntries(Object.keys(a).map((key) => [key, a[key] + b[key]]));
+const clocks = [['clock unknown', 7263.4, 54_000e6], ['clock right to 0.45 s', 0.1, 450_000]];
+
+for (const [intervalName, interval] of Object.entries(intervals)) {
+  for (const kind of Object.keys(kinds)) {
+    for (const [clock, offset_s, limit_us] of clocks) {
+      test(`${intervalName}, ${kind}, ${clock}: no wrong pair`, () => {
+        let sum = { paired: 0, of: 0, wrong: 0, extra: 0 };
+        for (let seed = 1; seed <= numFlights; ++seed) {
+          for (const faults of [{}, { missing: 0, unheard: 0, numExtra: 0 }, { missing: 0.3, unheard: 0.3, numExtra: 20 }]) {
+            sum = added(sum, outcomeOf(flight(seed, { interval, kind, offset_s, ...faults }), limit_us));
+          }
+        }
+        report('pairing', `${intervalName}, ${kind}, ${clock}`,
+          `${sum.paired} of ${sum.of} pictures paired, ${sum.wrong} wrongly; of ${23 * numFlights} that nobody triggered ${sum.extra}`);
+        assert.equal(sum.wrong, 0);
+      });
+    }
+  }
+}
