@@ -5,18 +5,18 @@
 import { mkdirSync, renameSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { ChangeStore } from './change_store.js';
+import { ChangeStore } from './mission/change_store.js';
 import { parseCommandLine, usage } from './command_line.js';
 import { open } from './connection.js';
 import { Decisions } from './decisions.js';
-import { EngineFailure } from './engine_failure.js';
+import { EngineFailure } from './guidance/engine_failure.js';
 import { heartbeat } from './heartbeat.js';
-import { Landings } from './landings.js';
+import { Landings } from './mission/landings.js';
 import { Link } from './link.js';
 import { lock } from './lock.js';
 import { Outgoing } from './outgoing.js';
 import { Pin } from './pin.js';
-import { queryOf } from './recall_query.js';
+import { queryOf } from './guidance/recall_query.js';
 import { Reporter } from './reporter.js';
 import { Service } from './service.js';
 import { Sessions } from './sessions.js';

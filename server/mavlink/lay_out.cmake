@@ -2,7 +2,7 @@
 # only the native code for PROCESSOR is taken.
 file(REMOVE_RECURSE ${TO})
 file(GLOB files ${FROM}/*.js)
-file(COPY ${files} ${FROM}/engine ${FROM}/package.json DESTINATION ${TO})
+file(COPY ${files} ${FROM}/engine ${FROM}/guidance ${FROM}/mission ${FROM}/package.json DESTINATION ${TO})
 
 set(loaded node-mavlink mavlink-mappings mavlink-mappings-gen xml2js sax xmlbuilder
            serialport @serialport debug ms node-gyp-build)

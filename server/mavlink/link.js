@@ -3,7 +3,7 @@
 import { BootClock } from './clock.js';
 import { EngineWatch } from './engine/engine_watch.js';
 import { packetsInDatagram, PacketReader } from './framing.js';
-import { heardMessages } from './landings.js';
+import { heardMessages } from './mission/landings.js';
 import { fieldsOf, idOf, nameOf } from './messages.js';
 import { autopilotName, modeName, typeName } from './modes.js';
 import { Pin } from './pin.js';

@@ -3,9 +3,9 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { EngineFailure } from '../../server/mavlink/engine_failure.js';
+import { EngineFailure } from '../../server/mavlink/guidance/engine_failure.js';
 import { FlatFrame } from '../../server/mavlink/flat_frame.js';
-import { Landings } from '../../server/mavlink/landings.js';
+import { Landings } from '../../server/mavlink/mission/landings.js';
 import { Link } from '../../server/mavlink/link.js';
 import { Outgoing } from '../../server/mavlink/outgoing.js';
 import { parseCommandLine } from '../../server/mavlink/command_line.js';

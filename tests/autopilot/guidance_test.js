@@ -4,12 +4,12 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import { FlatFrame } from '../../server/mavlink/flat_frame.js';
-import { choose } from '../../server/mavlink/guidance_choice.js';
-import { FinalGate } from '../../server/mavlink/guidance_final.js';
-import { ModeWatch } from '../../server/mavlink/guidance_modes.js';
-import { targetOn } from '../../server/mavlink/guidance_target.js';
-import { queryOf, WindHold } from '../../server/mavlink/recall_query.js';
-import { ToldWay } from '../../server/mavlink/told_way.js';
+import { choose } from '../../server/mavlink/guidance/guidance_choice.js';
+import { FinalGate } from '../../server/mavlink/guidance/guidance_final.js';
+import { ModeWatch } from '../../server/mavlink/guidance/guidance_modes.js';
+import { targetOn } from '../../server/mavlink/guidance/guidance_target.js';
+import { queryOf, WindHold } from '../../server/mavlink/guidance/recall_query.js';
+import { ToldWay } from '../../server/mavlink/guidance/told_way.js';
 
 const touchdown = { latitude_deg: 47.35, longitude_deg: 8.45, altitude_m: 450 };
 const frame = new FlatFrame(touchdown);

@@ -1,7 +1,7 @@
 // A stand-in, a radio with faults and the link's landings, in stepped time.
 
 import { Link } from '../../server/mavlink/link.js';
-import { Landings } from '../../server/mavlink/landings.js';
+import { Landings } from '../../server/mavlink/mission/landings.js';
 import { Outgoing } from '../../server/mavlink/outgoing.js';
 import { Standin } from './standin/aircraft.js';
 import { landing, survey } from './standin/missions.js';

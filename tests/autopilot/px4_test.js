@@ -3,8 +3,8 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { EngineFailure } from '../../server/mavlink/engine_failure.js';
-import { areSame } from '../../server/mavlink/mission_items.js';
+import { EngineFailure } from '../../server/mavlink/guidance/engine_failure.js';
+import { areSame } from '../../server/mavlink/mission/mission_items.js';
 import { approachAnswer, Rig } from './mission_rig.js';
 import { report } from './report.js';
 import { storedByPx4 } from './standin/px4.js';

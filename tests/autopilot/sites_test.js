@@ -5,8 +5,8 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { ardupilotItems, landingOfApproach } from '../../server/mavlink/landing_items.js';
-import { areSame } from '../../server/mavlink/mission_items.js';
+import { ardupilotItems, landingOfApproach } from '../../server/mavlink/mission/landing_items.js';
+import { areSame } from '../../server/mavlink/mission/mission_items.js';
 import { ServiceProblem } from '../../server/mavlink/service.js';
 import { Service } from '../../server/mavlink/service.js';
 import { Rig } from './mission_rig.js';
@@ -63,7 +63,8 @@ test('every site of the service: its mission is read back equal, a rejected one 
     }
     assert.equal(state, 'done', `${site.id}: ${detail}`);
     assert.deepEqual({ state: rig.mission.state, site: rig.mission.site }, { state: 'current', site: site.id });
-    const ours = ardupilotItems(landingOfApproach(site.id, answers.approach), { parameters: rig.plane.parameters, home_altitude_m: rig.plane.home.altitude_m });
+    const ours = ardupilotItems(landingOfApproach(site.id, answers.approach), { parameters: rig.plane.parameters, home_altitude_m: rig.plane.home.altitude_m,
+      landing_airspeed_mps: 16 });
     const flown = rig.plane.mission.slice(-ours.length);
     // The autopilot's own altitude above home is measured with noise.
     assert.ok(areSame(flown.map((one) => ({ ...one, param1: 0 })), ours.map((one) => ({ ...one, param1: 0 }))), site.id);

@@ -5,9 +5,9 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import { packetsInDatagram } from '../../server/mavlink/framing.js';
-import { Upload } from '../../server/mavlink/item_transfer.js';
+import { Upload } from '../../server/mavlink/mission/item_transfer.js';
 import { fieldsOf, nameOf } from '../../server/mavlink/messages.js';
-import { areSame } from '../../server/mavlink/mission_items.js';
+import { areSame } from '../../server/mavlink/mission/mission_items.js';
 import { Rig } from './mission_rig.js';
 import { report } from './report.js';
 import { stored } from './standin/items.js';

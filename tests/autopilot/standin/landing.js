@@ -25,8 +25,10 @@ export class Landing {
     this.#watch(height_m, sink_mps, leg.share, power_ratio);
     const altitude_m = from.altitude_m - final.slope * leg.along_m;
     if (!this.isFlaring) {
+      // TECS_LAND_SPDWGT is -1 by default: height counts for all at the end.
+      const speedWeight = this.#parameters.TECS_SPDWEIGHT * (1 - clamp(leg.share, 0, 1));
       return { altitude_m: clamp(altitude_m, to.altitude_m - 30, from.altitude_m),
-        airspeed_mps: this.#airspeed_mps(headwind_mps), speedWeight: 1, timeConstant_s: this.#parameters.TECS_LAND_TCONST, slope: final.slope };
+        airspeed_mps: this.#airspeed_mps(headwind_mps), speedWeight, timeConstant_s: this.#parameters.TECS_LAND_TCONST, slope: final.slope };
     }
     return this.#flare(height_m, groundSpeed_mps);
   }

@@ -2,11 +2,11 @@
 // link guides it down. Simulated time waits while the service answers; the answer comes as much
 // later as it took.
 
-import { EngineFailure } from '../../../server/mavlink/engine_failure.js';
-import { Landings } from '../../../server/mavlink/landings.js';
+import { EngineFailure } from '../../../server/mavlink/guidance/engine_failure.js';
+import { Landings } from '../../../server/mavlink/mission/landings.js';
 import { Link } from '../../../server/mavlink/link.js';
 import { Outgoing } from '../../../server/mavlink/outgoing.js';
-import { queryOf } from '../../../server/mavlink/recall_query.js';
+import { queryOf } from '../../../server/mavlink/guidance/recall_query.js';
 import { Random } from '../standin/random.js';
 import { defaultTrialOptions, planeOver, startRoute } from './trial_plane.js';
 

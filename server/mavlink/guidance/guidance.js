@@ -21,7 +21,7 @@ export const defaultGuidanceOptions = {
   // Another site at the earliest after so long.
   minStay_s: 10,
   // The way is flown so much lower: turns and airspeed that is left end above it.
-  aimLow_m: 0.5,
+  aimLow_m: 1.5,
   choice: defaultChoiceOptions,
   target: defaultTargetOptions,
 };
@@ -138,7 +138,7 @@ export class Guidance {
     const wind = this.#wind.take(state.wind, (text) => this.#isEngaged && this.#decide(text, 'wind'));
     try {
       const answer = await this.#recall(queryOf(state, wind, {
-        airspeed_m: this.#surplus_m(state), better_m: this.#better_m(state) }));
+        airspeed_m: this.#surplus_m(state), better_m: this.#better_m(state), lower_m: this.#isEngaged && this.#way ? this.#options.aimLow_m : 0 }));
       this.#answer = { answer, asked_s: now_s, isNew: true };
       this.#tellReachable(true);
     } catch (error) {

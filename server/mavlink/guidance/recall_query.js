@@ -23,9 +23,9 @@ const clearance_m = 10;
 const rounded = (value, digits) => Number(value.toFixed(digits));
 
 // airspeed_m: height that surplus airspeed is worth. better_m: height that will not be lost,
-// because the aircraft glides better than told. The aircraft is not there, so terrain must stay
-// as much lower.
-export function queryOf({ position, velocity, flight }, wind, { airspeed_m = 0, better_m = 0 } = {}) {
+// because the aircraft glides better than told. lower_m: how far the way is flown below the told one;
+// the position has it already. The aircraft is not there, so terrain must stay as much lower.
+export function queryOf({ position, velocity, flight }, wind, { airspeed_m = 0, better_m = 0, lower_m = 0 } = {}) {
   const course_deg = (Math.atan2(velocity.east_mps, velocity.north_mps) * 180) / Math.PI;
   const query = {
     latitude_deg: rounded(position.latitude_deg, 7),
@@ -33,10 +33,10 @@ export function queryOf({ position, velocity, flight }, wind, { airspeed_m = 0, 
     altitude_m: rounded(position.altitude_m + airspeed_m + better_m, 2),
     altitude_datum: position.altitude_datum,
     heading_deg: rounded(course_deg, 1),
-    limit: 5,
+    limit: 10,
   };
   if (wind) Object.assign(query, { wind_east_mps: rounded(wind.east_mps, 2), wind_north_mps: rounded(wind.north_mps, 2) });
-  const missing_m = Math.max(0, airspeed_m + better_m);
+  const missing_m = Math.max(0, airspeed_m + better_m + lower_m);
   if (missing_m > 0) query.terrain_clearance_m = rounded(clearance_m + missing_m, 1);
   if (flight?.id) query.flight = flight.id;
   return query;

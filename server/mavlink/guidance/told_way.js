@@ -1,7 +1,7 @@
 // The way to a site as emergency recall tells it: where on it an aircraft is, and what lies ahead.
 // Pure: no sockets, no clock.
 
-import { FlatFrame } from './flat_frame.js';
+import { FlatFrame } from '../flat_frame.js';
 
 // The service writes places of one path to a centimetre.
 const samePlace_m = 0.2;

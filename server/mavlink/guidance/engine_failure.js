@@ -1,6 +1,6 @@
 // Ties guidance to a link: when it begins, on whose word, and when it is over.
 
-import { Autopilot } from './autopilot.js';
+import { Autopilot } from '../autopilot.js';
 import { Guidance } from './guidance.js';
 import { isFlownByItself, isGuidable } from './guidance_modes.js';
 

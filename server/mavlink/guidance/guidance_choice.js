@@ -2,13 +2,13 @@
 
 export const defaultChoiceOptions = {
   // The way is flown as it is while the aircraft is so near it.
-  maxHigh_m: 1.5,
+  maxHigh_m: 3,
   maxLow_m: 2,
   maxAside_m: 15,
   // A new way to the same site brings the aircraft so much nearer to the height of the final.
   gain_m: 1,
-  // So little before the final no other way helps.
-  committed_s: 5,
+  // So shortly before the final no other way is taken: it would turn low above the ground.
+  committed_s: 8,
   // Another site: the present one is about to be lost, and the other has so much more margin.
   lowMargin_m: 3,
   betterBy_m: 10,
@@ -22,13 +22,13 @@ const hasWay = (site) => site.path?.coordinates?.length >= 3;
 const surplus_m = (site) => site.path.coordinates.at(-2)[2] - site.approach.start.altitude_m;
 
 // Sites of an answer that can be flown to, best first. The service orders them. Those through
-// forbidden airspace come last, and verified ones first; of these, those whose way ends at the
-// height of the final; of these, those that this flight has mapped, because the error of its
-// altimeter is in them too.
+// forbidden airspace come last. Then come those that this flight has mapped: the error of its altimeter
+// is in them too, and without power 1 m of height is 7 m of the final. Of these, first those whose
+// way ends at the height of the final, then verified ones.
 export function flyable(answer, flightId, options = defaultChoiceOptions) {
-  const worth = (site) => (isClear(site) ? 8 : 0) + (site.verdict === 'landable' ? 4 : 0) +
-    (surplus_m(site) <= options.maxSurplus_m ? 2 : 0) +
-    (flightId !== undefined && site.flight_id === flightId ? 1 : 0);
+  const worth = (site) => (isClear(site) ? 8 : 0) +
+    (flightId !== undefined && site.flight_id === flightId ? 4 : 0) +
+    (surplus_m(site) <= options.maxSurplus_m ? 2 : 0) + (site.verdict === 'landable' ? 1 : 0);
   return (answer?.sites ?? []).filter(hasWay).sort((a, b) => worth(b) - worth(a));
 }
 
@@ -57,15 +57,16 @@ export function choose({ way, progress, answer, flightId, mayChangeSite = true }
 const cost_m = (height_m) => (height_m < 0 ? -2 * height_m : height_m);
 
 function deviation({ energy_m, away_m }, options) {
-  if (energy_m > options.maxHigh_m) return `${energy_m.toFixed(0)} m above the way`;
-  if (energy_m < -options.maxLow_m) return `${(-energy_m).toFixed(0)} m below the way`;
+  if (energy_m > options.maxHigh_m) return `${energy_m.toFixed(1)} m above the way`;
+  if (energy_m < -options.maxLow_m) return `${(-energy_m).toFixed(1)} m below the way`;
   if (away_m > options.maxAside_m) return `${away_m.toFixed(0)} m beside the way`;
   return undefined;
 }
 
 // On the way, what is told of the worst wind no longer counts: the aircraft shows how it glides.
 function better(sites, same, way, progress, options) {
-  const [best] = sites.filter((site) => site.site_id !== way.site.site_id && isClear(site));
+  const isOther = (site) => site.site_id !== way.site.site_id;
+  const [best] = sites.filter((site) => isOther(site) && isClear(site) && surplus_m(site) <= options.maxSurplus_m);
   if (!best || progress.energy_m > -options.maxLow_m) return undefined;
   const margin_m = same?.arrival_margin_m ?? progress.energy_m;
   if (margin_m >= options.lowMargin_m) return undefined;

@@ -43,7 +43,7 @@ export function landingOfApproach(siteId, answer, airspeed_mps) {
   if (!final || !circle) throw new NoLanding('the site has no approach');
   const [start, touchdown] = final.geometry.coordinates.map(placeOf);
   return checked({
-    site_id: siteId, verdict: answer.verdict, reject_detail: answer.reject_detail, altitude_datum: answer.altitude_datum,
+    site_id: siteId, hasPower: true, verdict: answer.verdict, reject_detail: answer.reject_detail, altitude_datum: answer.altitude_datum,
     touchdown, start, centre: { ...centreOf(circle.geometry.coordinates), altitude_m: start.altitude_m },
     radius_m: circle.properties.radius_m, isRight: circle.properties.direction === 'right',
     heading_deg: final.properties.heading_deg, ground_speed_mps: final.properties.ground_speed_mps,
@@ -51,13 +51,13 @@ export function landingOfApproach(siteId, answer, airspeed_mps) {
   });
 }
 
-// site: of an answer of /v1/emergency.
+// site: of an answer of /v1/emergency, for an aircraft without power.
 export function landingOfRecall(site) {
   const { approach, touchdown } = site;
   if (!approach?.loiter_center || !approach.start) throw new NoLanding('the site has no approach');
   const altitude_m = touchdown.altitude_m + approach.height_m;
   return checked({
-    site_id: site.site_id, verdict: site.verdict, altitude_datum: site.altitude_datum, touchdown,
+    site_id: site.site_id, hasPower: false, verdict: site.verdict, altitude_datum: site.altitude_datum, touchdown,
     start: { ...approach.start, altitude_m }, centre: { ...approach.loiter_center, altitude_m },
     radius_m: approach.loiter_radius_m, isRight: approach.loiter_direction === 'right',
     heading_deg: approach.heading_deg, ground_speed_mps: site.ground_speed_mps ?? approach.ground_speed_mps,
@@ -75,21 +75,29 @@ function moved({ latitude_deg, longitude_deg, altitude_m }, heading_deg, distanc
   };
 }
 
-// ArduPlane flies a straight line from the end of the circle to a point above and before the LAND
-// point, where it flares. That line is the checked final if the LAND point lies so far behind the
-// touchdown. parameters: LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM and TECS_LAND_SINK; 0 if one is
-// missing. https://ardupilot.org/plane/docs/automatic-landing.html
-export function landPointBehind_m(landing, parameters) {
+// How far a flare goes, of the way to the ground on the final that it ends. With power the throttle
+// is cut in it: in a recording of ArduPlane 36 m of 50. Without power nothing is cut: in the stand-in
+// it ends where the final would.
+const flareShare = { withPower: 0.72, withoutPower: 1 };
+
+// Behind the touchdown, so that the aircraft touches it: ArduPlane flies a straight line from the end
+// of the circle to a point above and before the LAND point, where it flares. parameters: of the
+// autopilot; 0 if one of the flare is missing. own_mps: its airspeed on a final, if known.
+// https://ardupilot.org/plane/docs/automatic-landing.html
+export function landPointBehind_m(landing, parameters, own_mps = landing.airspeed_mps) {
   const { LAND_FLARE_SEC, LAND_FLARE_ALT, LAND_FLARE_AIM, TECS_LAND_SINK } = parameters;
   if (!knowsFlare(parameters) || !Number.isFinite(landing.ground_speed_mps)) return 0;
-  const { start, touchdown, ground_speed_mps } = landing;
+  const { start, touchdown } = landing;
+  const faster_mps = Number.isFinite(own_mps - landing.airspeed_mps) ? own_mps - landing.airspeed_mps : 0;
+  const groundSpeed_mps = Math.max(1, landing.ground_speed_mps + faster_mps);
   const slope = (start.altitude_m - touchdown.altitude_m) / finalLength_m(landing);
-  const sink_mps = slope * ground_speed_mps;
+  const sink_mps = slope * groundSpeed_mps;
   const aim_m = Math.min(LAND_FLARE_SEC > 0 ? LAND_FLARE_SEC * sink_mps : LAND_FLARE_ALT, 2 * LAND_FLARE_ALT);
   const share = Math.min(1, Math.max(0, LAND_FLARE_AIM / 100));
   const flareSink_mps = Math.max(0.1, share * TECS_LAND_SINK + (1 - share) * sink_mps);
-  const flare_m = (ground_speed_mps * aim_m) / flareSink_mps;
-  return Math.max(0, flare_m - aim_m / slope);
+  const planned_m = (groundSpeed_mps * aim_m) / flareSink_mps;
+  const flown_m = (flareShare[landing.hasPower ? 'withPower' : 'withoutPower'] * aim_m) / slope;
+  return Math.max(0, planned_m - flown_m);
 }
 
 function finalLength_m({ start, touchdown }) {
@@ -117,18 +125,20 @@ function placeOnFinal({ start, touchdown, radius_m }, length_m, { WP_LOITER_RAD 
 }
 
 // home_altitude_m: for the height to which an aborted landing climbs.
-export function ardupilotItems(landing, { parameters = {}, home_altitude_m } = {}) {
+// landing_airspeed_mps: of the autopilot, if known.
+export function ardupilotItems(landing, { parameters = {}, home_altitude_m, landing_airspeed_mps } = {}) {
   const { touchdown, centre, start, heading_deg, radius_m, isRight } = landing;
   // Stored as a whole number of metres. A wider circle needs less bank.
   const radius = Math.ceil(radius_m - 0.25) * (isRight ? 1 : -1);
   const abort_m = home_altitude_m === undefined ? 0 : Math.max(1, Math.ceil(start.altitude_m - home_altitude_m));
+  const behind_m = landPointBehind_m(landing, parameters, landing_airspeed_mps);
   const onFinal = placeOnFinal(landing, finalLength_m(landing), parameters);
   return [
     item(command.landStart, centre),
     item(command.loiterToAltitude, centre, [0, radius, 0, 1]),
     ...(onFinal ? [item(command.waypoint, onFinal)] : []),
     // Read back as 1 unless it is negative: the direction of a deep stall.
-    item(command.land, moved(touchdown, heading_deg, landPointBehind_m(landing, parameters)), [abort_m, 0, 0, 1]),
+    item(command.land, moved(touchdown, heading_deg, behind_m), [abort_m, 0, 0, 1]),
   ];
 }
 

@@ -3,7 +3,7 @@
 
 import { landingOfApproach, NoLanding } from './landing_items.js';
 import { MissionKeeper } from './mission_keeper.js';
-import { ownComponent } from './outgoing.js';
+import { ownComponent } from '../outgoing.js';
 import { landingParameters, ParameterReader, px4Parameters } from './parameters.js';
 import { RallyKeeper } from './rally_keeper.js';
 

@@ -149,10 +149,10 @@ export class MissionKeeper {
   // The items before a landing sequence stay as they are, so that what is flown stays in place. A sentence if
   // this autopilot does not take the landing.
   #missionWith(landing, old) {
-    const { isArdupilot, parameters, home_altitude_m } = this.#vehicle();
+    const { isArdupilot, parameters, home_altitude_m, landing_airspeed_mps } = this.#vehicle();
     let ours;
     try {
-      ours = isArdupilot ? ardupilotItems(landing, { parameters, home_altitude_m }) : px4Items(landing, { parameters });
+      ours = isArdupilot ? ardupilotItems(landing, { parameters, home_altitude_m, landing_airspeed_mps }) : px4Items(landing, { parameters });
     } catch (error) {
       if (error instanceof NoLanding) return error.message;
       throw error;
