@@ -5,7 +5,7 @@
 #
 # FREELSD_SERVER names the service if it is not at build/release/server/freelsd-server. FREELSD_SITES_URL
 # names a running service with stored sites, for the missions to all of them. With 10 hours of flying
-# and 200 uploads it takes about 10 minutes on two idle processors.
+# and 200 uploads it takes about 15 minutes on two idle processors.
 set -Eeuo pipefail
 cd "$(dirname "$0")/../.."
 

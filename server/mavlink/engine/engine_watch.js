@@ -152,7 +152,7 @@ export class EngineWatch {
     const below_mps = expected_mps === undefined || !isDemanded
       ? -options.tolerance_mps : expected_mps - power_mps - allowed_mps;
     // Without an engine only rising air lifts.
-    const deficit_mps = power_mps > 0 ? Math.min(below_mps, -power_mps) : below_mps;
+    const deficit_mps = power_mps > 0 && !gone ? Math.min(below_mps, -power_mps) : below_mps;
     this.#missing_m = Math.max(0, this.#missing_m + deficit_mps * step_s);
     const limit_m = gone ? options.missingHeightConfirmed_m : options.missingHeight_m;
     if (this.#missing_m > limit_m || this.#drop.isDrop(gone)) this.#fail(time_s, gone);

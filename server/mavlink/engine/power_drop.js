@@ -17,8 +17,8 @@ import { defaultPowerNoise, Innovations, numResiduals, PowerNoise } from './powe
 const gravity_mps2 = 9.81;
 
 export const defaultPowerDropOptions = {
-  // Evidence that is a drop: e^12 is 160 000. Evidence from which nothing is learned for a while.
-  limit: 12,
+  // Evidence that is a drop: e^11 is 60 000. Evidence from which nothing is learned for a while.
+  limit: 11,
   // The same for thrust that is missing all the time, and if RPM or current has also gone.
   limitAbsence: 8,
   limitConfirmed: 3,
@@ -32,12 +32,12 @@ export const defaultPowerDropOptions = {
   answer_s: 1.0,
   // Below this demand a stopped engine looks like an idle one.
   minThrottle_ratio: 0.1,
-  // The thrust that is missing, as a share of the one that is expected.
+  // The thrust that is missing, as a share of the one that is expected; in gusts too little is expected.
   leastShare: 0.7,
-  mostShare: 1.3,
-  // Standard deviations that are not of the noise: of the thrust, of its change, and per (1 / cos^2 bank - 1).
+  mostShare: 2,
+  // Standard deviations that are not of the noise: of the thrust, and per (1 / cos^2 bank - 1). What the throttle
+  // changes within answer_s is not counted on at all.
   thrust_ratio: 0.1,
-  change_ratio: 0.5,
   turn_mps: 1.0,
   // No sample says more than so many standard deviations.
   maxDeviation: 3,
@@ -193,7 +193,7 @@ export class PowerDrop {
     const isShown = this.#isLearned && sample.throttle >= options.minThrottle_ratio;
     this.#absence = isShown ? Math.max(0, this.#absence + absence) : 0;
     const variance_mps2 = filter.variance_mps2 + this.#fit.variance(row) + (options.turn_mps * (load ** 2 - 1)) ** 2 +
-      (options.change_ratio * row.at(-1) * Math.max(0, first)) ** 2 + (options.thrust_ratio * thrust_mps) ** 2;
+      (row.at(-1) * Math.max(0, first)) ** 2 + (options.thrust_ratio * thrust_mps) ** 2;
     if (this.#isLearned) this.#weigh(sample, { filter, thrust_mps, innovation_mps: power - this.#fit.estimate(row), variance_mps2 });
     this.#waiting.push({ time_s, duration_s, row, power, variance_mps2: filter.variance_mps2, residuals_mps: this.#residuals_mps });
     this.#learn(time_s);

@@ -18,6 +18,9 @@ const ownUpload_s = 5;
 const maxSpeedDifference_mps = 1;
 const recheck_s = 30;
 const reread_s = 10;
+// How often it is asked whether somebody writes: while a list is written, ArduPilot denies to tell its length.
+const probe_s = 1;
+const denied = 14;
 
 const alarmOf = {
   trouble: (why) => `it is not known which mission the autopilot has: ${why}`,
@@ -41,6 +44,7 @@ export class MissionKeeper {
   #isWritten_s = -Infinity;
   #suspect_s;
   #checked_s = -Infinity;
+  #probed_s = -Infinity;
   #total;
   #start;
   #modeAtStart;
@@ -286,13 +290,20 @@ export class MissionKeeper {
     else if (name === 'MISSION_CURRENT') this.#onCurrent(fields);
     else if (name === 'STATUSTEXT') this.#onText(fields.text);
     else if (fields.isForeign) this.#onForeign(name, fields);
-    else this.#task?.hear(name, fields, now_s);
+    else if (this.#task) this.#task.hear(name, fields, now_s);
+    else this.#onProbe(name, fields);
     if (!fields.isForeign && requests.has(name)) this.#isWritten_s = now_s;
   }
 
   #onForeign(name, { missionType: type }) {
     const isOfUpload = requests.has(name) || name === 'MISSION_ACK';
     if (type === missionType.mission && isOfUpload) this.#suspect('another ground station writes');
+  }
+
+  #onProbe(name, { missionType: type, type: code, count }) {
+    if (type !== missionType.mission || !this.#known?.site) return;
+    const isWriting = name === 'MISSION_ACK' && code === denied;
+    if (isWriting || (name === 'MISSION_COUNT' && count !== this.#known.items.length)) this.#suspect('another ground station writes');
   }
 
   #onText(text) {
@@ -320,6 +331,15 @@ export class MissionKeeper {
     const isDue = now_s - this.#checked_s > (this.#known?.site || this.#state.state === 'unknown' ? recheck_s : Infinity);
     const isFirst = !this.#known && now_s - this.#checked_s > reread_s;
     if (isSuspect || isDue || isFirst) this.#check();
+    else this.#probe();
+  }
+
+  // PX4 tells another list by its number.
+  #probe() {
+    const isWanted = this.#vehicle().isArdupilot && this.#known?.site && this.#suspect_s === undefined;
+    if (!isWanted || this.#now_s - this.#probed_s < probe_s) return;
+    this.#probed_s = this.#now_s;
+    this.#out.send('MISSION_REQUEST_LIST', { missionType: missionType.mission });
   }
 
   // Nothing is sent on the final.

@@ -16,10 +16,10 @@ import { Commands, isGuidedItem } from './commands.js';
 import { FlightControl } from './flight_control.js';
 import { distance, LocalFrame } from './frame.js';
 import { flat } from './ground.js';
-import { ItemProtocol } from './item_protocol.js';
-import { command, missionType, placeOf, stored } from './items.js';
+import { itemLists, storedItem } from './item_lists.js';
+import { command, missionType, placeOf } from './items.js';
 import { standinOptions } from './options.js';
-import { Px4ItemProtocol, storedByPx4, whyNotFlown } from './px4.js';
+import { whyNotFlown } from './px4.js';
 import { Random } from './random.js';
 import { Sensors } from './sensors.js';
 import { Streams } from './streams.js';
@@ -143,15 +143,8 @@ export class Standin {
 
   // Items as sent: frame, command, param1 to 4, x, y, z.
   loadMission(items) {
-    this.#protocols[missionType.mission].items = items.map((item) => this.#stored(item));
+    this.#protocols[missionType.mission].items = items.map((item) => storedItem(this.isPx4, item));
     this.parameters.MIS_TOTAL = items.length;
-  }
-
-  // A mission of missions.js is ArduPlane's.
-  #stored(item) {
-    if (!this.isPx4) return stored(missionType.mission, item).item;
-    const hasPlace = item.x !== 0 || item.y !== 0;
-    return storedByPx4(hasPlace ? item : { ...item, frame: 2 }).item;
   }
 
   // The autopilot starts anew in flight: it is silent, then its time begins again. Items stay.
@@ -329,16 +322,9 @@ export class Standin {
       onComplete: () => this.#text('Flight plan received'),
       onText: (text) => this.#text(text, warn),
       home: () => this.#homeItem(),
+      onNewMission: (current) => this.#beginMission(current),
     };
-    if (this.isPx4) {
-      return Object.fromEntries(Object.values(missionType).map((type) => [type, new Px4ItemProtocol(type, send, {
-        onComplete: (current) => type === missionType.mission && this.#beginMission(current) })]));
-    }
-    return {
-      [missionType.mission]: new ItemProtocol(missionType.mission, send, hooks),
-      [missionType.fence]: new ItemProtocol(missionType.fence, send),
-      [missionType.rally]: new ItemProtocol(missionType.rally, send),
-    };
+    return itemLists(this.isPx4, send, hooks);
   }
 
   // Of PX4: a new mission begins with the item that is marked, else with the first.
