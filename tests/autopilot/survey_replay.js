@@ -212,7 +212,7 @@ async function run(children) {
   for (let i = 0; i < 600 && state().pictures.sent < frames.length; ++i) await sleep(200);
   const { pictures, flight } = state();
   console.log(`pictures: ${pictures.sent} sent of ${frames.length}, ${pictures.waiting} wait, ${pictures.unpaired} unpaired, offset ${JSON.stringify(pictures.clock_offset_s)} s`);
-  if (values.verbose) console.log('before the end', (await get(`/v1/flights/${flight.id}/sites`)).features.length, 'sites', (await get(`/v1/flights/${flight.id}`)).state);
+  console.log(`before the finish: ${(await get(`/v1/flights/${flight.id}/sites`)).features.length} sites`);
   const sites = await sitesOf(flight.id);
   console.log(`through the link: ${shown(sites)}`);
   const { createHash } = await import('node:crypto');
