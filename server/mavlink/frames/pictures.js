@@ -189,21 +189,23 @@ export class Pictures {
   }
 
   #pair(now_ms) {
-    if (!this.#isChanged || now_ms - this.#pairedAt_ms < pairPeriod_ms) return;
+    const isOpen = this.#waiting.size > 0 && now_ms - this.#pairedAt_ms >= longestPause_ms;
+    if (!(this.#isChanged || isOpen) || now_ms - this.#pairedAt_ms < pairPeriod_ms) return;
     this.#pairedAt_ms = now_ms;
     this.#isChanged = false;
     const pictures = [...this.#times, ...this.#waiting.values()];
-    this.#paired = this.#pairing.pair(pictures, this.#triggers.triggers);
+    this.#paired = this.#pairing.pair(pictures, this.#triggers.triggers, now_ms);
   }
 
   async #send() {
     const ready = [...this.#paired.pairs].filter(([picture]) => this.#waiting.has(keyOf(picture)))
       .sort(([, a], [, b]) => a.time_us - b.time_us);
     const taken = new Set(ready.map(([, trigger]) => trigger));
+    const open = ready.length === 0 ? [] : triggersThatCount(this.#triggers.triggers).filter((trigger) => !taken.has(trigger));
     const halted = new Set();
     for (const [picture, trigger] of ready) {
       const flight = this.#flightOf(trigger.session);
-      const mustWait = !flight || !this.#isCovered(trigger.time_us) || this.#isEarly(picture, trigger, taken);
+      const mustWait = !flight || !this.#isCovered(trigger.time_us) || this.#isEarly(picture, trigger, open);
       // The frames of one flight go in order.
       if (mustWait) halted.add(trigger.session);
       if (halted.has(trigger.session)) continue;
@@ -213,10 +215,9 @@ export class Pictures {
   }
 
   // The picture of a trigger before this one may still come: the engine works in the order of arrival.
-  #isEarly({ read_ms }, { time_us }, taken) {
+  #isEarly({ read_ms }, { time_us }, open) {
     if (performance.now() - read_ms > patience_ms) return false;
-    return triggersThatCount(this.#triggers.triggers)
-      .some((one) => one.time_us > this.#sentTo_us && one.time_us < time_us && !taken.has(one));
+    return open.some((one) => one.time_us > this.#sentTo_us && one.time_us < time_us);
   }
 
   async #sendOne(picture, trigger, flight) {
