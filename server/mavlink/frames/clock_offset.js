@@ -5,7 +5,7 @@ const minNumMatched = 3;
 // Another offset that explains nearly as many pictures could as well be the true one: pictures may be
 // missing, and triggers may not have been heard. Pictures without a trigger show how often that is.
 const faults = (numMatched, numUnmatched) => 5 + 0.2 * numMatched + numUnmatched;
-const maxNumPictures = 64;
+const maxNumPictures = 120;
 const maxNumTriggers = 1000;
 // Differences are sorted as whole numbers of this unit, each with the number of its picture.
 const unit_us = 100;
