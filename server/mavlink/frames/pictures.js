@@ -51,6 +51,7 @@ export class Pictures {
   #paired = { pairs: new Map(), unpaired: [] };
   #incomplete = new Map();
   #numOf;
+  #numVanished = 0;
   #running;
   #notBefore_ms = 0;
   #lookCost_ms = 0;
@@ -129,7 +130,11 @@ export class Pictures {
   #forgetGone(files) {
     const keys = new Set(files.map(keyOf));
     for (const held of [this.#waiting, this.#incomplete]) {
-      for (const key of held.keys()) if (!keys.has(key)) held.delete(key);
+      for (const key of held.keys()) {
+        if (keys.has(key)) continue;
+        held.delete(key);
+        if (held === this.#waiting) ++this.#numVanished;
+      }
     }
   }
 
@@ -261,7 +266,7 @@ export class Pictures {
     const waiting = this.#waiting.size - unpaired;
     return {
       folder: this.#folder, num_triggers: this.#triggers.triggers.length, sent, waiting, unpaired,
-      duplicates: duplicate, refused, incomplete: this.#incomplete.size, earlier, ignored: this.#look.numIgnored,
+      duplicates: duplicate, refused, incomplete: this.#incomplete.size, vanished: this.#numVanished, earlier, ignored: this.#look.numIgnored,
       clock_offset_s: this.#pairing.offsets_s, last_sent: this.#last, last_error: this.lastError, last_refusal: this.lastRefusal,
       text: this.#text(waiting),
     };
