@@ -48,6 +48,7 @@ export function missionText({ mission }, nameOf) {
 
 export function guidanceText({ guidance }, nameOf) {
   if (!guidance) return null;
+  if (guidance.phase === 'ended') return guidance.text || 'ended';
   const where = guidance.site_id ? ` to ${nameOf(guidance.site_id)}` : '';
   const margin_m = Math.floor(guidance.arrival_margin_m);
   const arrival = isKnown(guidance.arrival_margin_m) ? `, arrives ${Math.abs(margin_m)} m ${margin_m < 0 ? 'BELOW' : 'above'} the final` : '';

@@ -28,6 +28,7 @@ class Links {
   #drawn = '';
   #timer = 0;
   #landHere;
+  #places = new Map();
 
   constructor(map, on) {
     this.#map = map;
@@ -75,9 +76,22 @@ class Links {
     byId('open-links').hidden = this.#links.length === 0;
     byId('num-links').textContent = this.#links.length;
     this.#drawAlarms();
-    this.#map.drawLinks(this.#links.map((link) => ({ ...link, isStale: this.#isLost || !link.is_connected })));
+    this.#map.drawLinks(this.#links.map((link) => ({ ...link, isStale: this.#isLost || !link.is_connected, target: this.#targetOf(link) })));
     if (isVisible('links')) this.#drawCards();
     this.#landHere.takeLinks(this.#isLost ? [] : this.#links.filter((link) => link.is_connected));
+  }
+
+  // The stored touchdown of the site that the link guides to; it is asked for once.
+  #targetOf({ guidance }) {
+    const id = guidance?.phase === 'ended' ? null : guidance?.site_id;
+    if (!id) return null;
+    if (!this.#places.has(id)) {
+      this.#places.set(id, null);
+      api.getSite(id).then(({ geometry: { coordinates: [longitude_deg, latitude_deg] } }) => {
+        this.#places.set(id, { latitude_deg, longitude_deg, name: this.#on.nameOf(id) });
+      }, () => this.#places.delete(id));
+    }
+    return this.#places.get(id);
   }
 
   // Only a change is announced.

@@ -183,6 +183,15 @@ function aheadFrom({ service, decisions, landings, link, uplink, sessions }) {
   };
 }
 
+// Each problem once, not at each try.
+function problemLog(uplink) {
+  let last;
+  return () => {
+    if (uplink.lastError && uplink.lastError !== last) log(`not sent yet: ${uplink.lastError}`);
+    last = uplink.lastError;
+  };
+}
+
 async function run(config) {
   const parts = partsFrom(config);
   const { spool, uplink, link } = parts;
@@ -210,7 +219,7 @@ async function run(config) {
     parts.ahead = aheadFrom(parts);
   }
   parts.decisions.onAdd = () => reporter.changed();
-
+  const logProblem = problemLog(uplink);
   const timers = [
     setInterval(() => {
       link.tick();
@@ -224,6 +233,7 @@ async function run(config) {
     }, flushPeriod_ms),
     setInterval(() => {
       spool.sync();
+      logProblem();
       saveAll(parts, config, state);
     }, 1000),
   ];

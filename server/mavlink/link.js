@@ -229,7 +229,7 @@ export class Link {
     const isUnix = time_us >= firstUnix_us;
     const timestamp_us = isUnix ? time_us : this.#clock.utc_us(time_us / 1000, now_us);
     ++this.#camera.num_triggers;
-    this.#camera.last = { timestamp_us, ...details, position };
+    this.#camera.last = { timestamp_us, ...details, ...(position && { position }) };
     // Without a time it fits to no picture.
     if (time_us <= 0) return;
     const told = isTriggerPlace(position, this.#position) ? { ...details, position, attitude } : details;

@@ -182,6 +182,30 @@ test('PX4: wind says where the air moves, and a camera is heard', () => {
   take(bytesOf('WIND_COV', { timeUsec: 0n, windX: 3, windY: -4, windZ: 0, varHoriz: 0, varVert: 0, windAlt: 0, horizAccuracy: 0, vertAccuracy: 0 }));
   assert.deepEqual(lines.at(-1).wind, { east_mps: -4, north_mps: 3, source: 'autopilot' });
   take(bytesOf('CAMERA_TRIGGER', { timeUsec: 1_500_000n, seq: 7 }));
-  assert.deepEqual(link.state().camera, { num_triggers: 1, last: { timestamp_us: start_us + 1_500_000, index: 7 } });
+  assert.deepEqual(link.state().camera, { num_triggers: 1, last: { timestamp_us: start_us + 1_500_000, kind: 'CAMERA_TRIGGER', index: 7 } });
   assert.equal(idOf.WIND, 168);
+});
+
+const feedback = (more) => bytesOf('CAMERA_FEEDBACK', { timeUsec: 1_500_000n, targetSystem: 1, camIdx: 0, imgIdx: 3, lat: 474000100, lng: 85000100,
+  altMsl: 500, altRel: 70, roll: 3, pitch: -2, yaw: 90, focLen: 0, flags: 0, completedCaptures: 0, ...more });
+
+test('a trigger waits for UTC, comes once, and a pose far from the aircraft is not believed', () => {
+  const triggers = [];
+  const { take, link } = newLink({ onTrigger: (trigger) => triggers.push(trigger) });
+  take(heartbeat());
+  take(position(1200));
+  take(feedback());
+  assert.equal(triggers.length, 0);
+  take(time(1600));
+  link.tick(start_us);
+  take(feedback());
+  assert.equal(triggers.length, 1);
+  const { timestamp_us, kind, index, attitude } = triggers[0];
+  assert.deepEqual({ timestamp_us, kind, index, attitude }, { timestamp_us: start_us + 1_500_000, kind: 'CAMERA_FEEDBACK', index: 3,
+    attitude: { roll_deg: 3, pitch_deg: -2, yaw_deg: 90 } });
+  take(feedback({ imgIdx: 4, timeUsec: 2_500_000n, lat: 484000000 }));
+  take(feedback({ imgIdx: 5, timeUsec: 0n }));
+  assert.equal(triggers.length, 2);
+  assert.deepEqual([triggers[1].index, triggers[1].position, triggers[1].attitude], [4, undefined, undefined]);
+  assert.equal(link.state().camera.num_triggers, 4);
 });

@@ -13,7 +13,7 @@ const plane = new Standin({ home: { latitude_deg: 47.3977, longitude_deg: 8.5456
 const position = { ...plane.frame.toGlobal({ east_m: 0, north_m: 0 }), altitude_m: 550 };
 const mission = (repeats) => [...survey(plane, { width_m: 120, spacing_m: 60, repeats }), ...landing(plane)];
 const routeOf = (items, more = {}) =>
-  remainingRoute({ items, current_item: 1, position, home_altitude_m: 430, longest_m: 30_000, ...more });
+  remainingRoute({ items, current_item: 1, isArdupilot: true, position, home_altitude_m: 430, longest_m: 30_000, ...more });
 const lengthOf = (route) => route.slice(1).reduce((sum, place, i) => sum + distance_m(route[i], place), 0);
 
 test('the rest of the mission begins at the aircraft, has heights above the sea and ends at the landing', () => {
@@ -39,6 +39,12 @@ test('a jump to itself ends, and a height above terrain is not guessed', () => {
   assert.equal(routeOf([waypoint, waypoint, jump]).end, 'the end of the mission');
   assert.equal(routeOf([waypoint, waypoint, { ...waypoint, frame: 10 }]).end, 'item 2, whose height is above the terrain');
   assert.equal(routeOf([waypoint, waypoint, { ...waypoint, command: 20 }]).end, 'the return to launch');
+});
+
+test('the first item of ArduPilot is its home, that of PX4 is flown', () => {
+  const items = mission(0);
+  assert.equal(routeOf(items, { current_item: 0 }).route.length, 1 + 6);
+  assert.equal(routeOf(items.slice(1), { current_item: 0, isArdupilot: false }).route.length, 1 + 6);
 });
 
 const vehicle = (more = {}) => ({

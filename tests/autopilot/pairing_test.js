@@ -88,3 +88,35 @@ for (const [intervalName, interval] of Object.entries(intervals)) {
     }
   }
 }
+
+const named = (file, time_s, order) => ({ kind: 'CAMERA_IMAGE_CAPTURED', index: order, file, time_us: noon_us + 1e6 * time_s, order });
+const picture = (name, time_s, order) => ({ name, time_us: noon_us + 1e6 * time_s, time_kind: 'file', order });
+const pairsOf = (pictures, triggers) => [...new Pairing({ limit_us: 54_000e6 }).pair(pictures, triggers).pairs]
+  .map(([{ name }, { order }]) => [name, order]);
+
+test('a name that the camera tells pairs at once, whatever the times are', () => {
+  const triggers = [named('/DCIM/100/a.jpg', 1, 1), named('/DCIM/100/b.jpg', 2, 2)];
+  assert.deepEqual(pairsOf([picture('B.JPG', 700, 3), picture('c.jpg', 1, 4)], triggers), [['B.JPG', 2]]);
+});
+
+test('a name that comes again, or a file that was there before, pairs nothing', () => {
+  const triggers = [named('a.jpg', 1, 1), named('/2/a.jpg', 2, 2), named('b.jpg', 3, 4)];
+  assert.deepEqual(pairsOf([picture('a.jpg', 1, 5), picture('b.jpg', 3, 3)], triggers), []);
+});
+
+test('of one exposure that several messages tell, the best kind counts', () => {
+  const { triggers, pictures } = flight(3, { interval: intervals['irregular, 0.8 to 4 s'], kind: 'exif', offset_s: 5 });
+  const both = triggers.flatMap((trigger) => [{ ...trigger, kind: 'CAMERA_TRIGGER', time_us: trigger.time_us - 90_000 }, trigger]);
+  const { pairs } = new Pairing({ limit_us: 54_000e6 }).pair(pictures, both);
+  assert.ok(pairs.size > 50);
+  assert.ok([...pairs].every(([one, trigger]) => one.isExtra || one.truth === trigger));
+});
+
+test('a search does not stop the link', () => {
+  const { triggers, pictures } = flight(4, { interval: intervals['regular, 1.5 s'], kind: 'exif', offset_s: 5, numTriggers: 20_000 });
+  const begun_ms = performance.now();
+  new Pairing({ limit_us: 54_000e6 }).pair(pictures.slice(-5000), triggers);
+  const taken_ms = performance.now() - begun_ms;
+  report('pairing', '5000 pictures and 20 000 triggers, offset not found', `${taken_ms.toFixed(0)} ms, at most every 5 s`);
+  assert.ok(taken_ms < 1000, `${taken_ms}`);
+});

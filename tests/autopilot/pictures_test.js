@@ -154,9 +154,10 @@ test('copied after the flight: with the camera\'s time all are sent, with the ti
     camera.drop(picture, { as: `copied ${picture.name}`, fileTime_us: plane.utc_us });
     await sleep(50);
   }
+  const numHeld = ({ waiting, unpaired }) => waiting + unpaired;
+  await until('the copies', () => numHeld(setup.state().pictures) === 40, patience_ms);
   await sleep(6000);
   assert.equal(setup.state().pictures.sent, 0);
-  assert.equal(setup.state().pictures.waiting + setup.state().pictures.unpaired, 40);
   for (const picture of camera.taken.slice(40)) camera.drop(picture, { fileTime_us: picture.time_us });
   await until('the pictures', () => setup.state().pictures.sent === 40, patience_ms).finally(() => console.log(setup.state().pictures));
   assertOwnPoses(framesOf(setup), camera);

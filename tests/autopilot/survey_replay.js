@@ -4,8 +4,9 @@
 //
 //   FREELSD_SERVER=… survey_replay.js FOLDER [--speed 4] [--late SECONDS]
 //
-// Prints, for three flights over the same photographs, the sites and how far apart they are: through
-// the link; sent frame by frame with what the link's flight was computed from; the rendered poses as a batch.
+// Prints the sites of four flights over the same photographs, and how far apart they are: through the
+// link; sent frame by frame with the frames and telemetry that the service has of that; the same with the
+// rendered poses; and these as a batch, whose wind is that of the frames.
 
 import { execFileSync, spawn } from 'node:child_process';
 import { copyFileSync, mkdirSync, mkdtempSync, readFileSync, renameSync, rmSync, utimesSync, writeFileSync } from 'node:fs';
@@ -178,13 +179,20 @@ function givenMeta({ ned_from_body_wxyz: quaternion_wxyz, ...meta }) {
   return { ...meta, attitude: { quaternion_wxyz } };
 }
 
+function renderedMeta(_, image) {
+  const { time_s, latitude_deg, longitude_deg, altitude_m, roll_deg, pitch_deg, yaw_deg } = frames.find((frame) => frame.image === image);
+  return { timestamp_us: Math.round(1e6 * time_s), position: { latitude_deg, longitude_deg, altitude_m }, altitude_datum: 'amsl',
+    attitude: { roll_deg, pitch_deg, yaw_deg } };
+}
+
 // The telemetry and the frames that the service has of a flight, for another flight.
-async function directly(request, linkFlight, digestOf) {
+async function directly(request, linkFlight, digestOf, metaOf) {
   const { id } = await post('/v1/flights', JSON.stringify({ ...request, name: 'frame by frame' }));
   const lines = storedTelemetry(linkFlight);
   while (lines.length) await service.sendTelemetry(id, lines.splice(0, 1000));
   for (const [frame, sha256, meta] of storedFrames(linkFlight)) {
-    await service.putFrame(id, frame, readFileSync(join(folder, digestOf.get(sha256))), givenMeta(JSON.parse(meta)));
+    const image = digestOf.get(sha256);
+    await service.putFrame(id, frame, readFileSync(join(folder, image)), metaOf(JSON.parse(meta), image));
   }
   return id;
 }
@@ -212,12 +220,13 @@ async function run(children) {
   for (let i = 0; i < 600 && state().pictures.sent < frames.length; ++i) await sleep(200);
   const { pictures, flight } = state();
   console.log(`pictures: ${pictures.sent} sent of ${frames.length}, ${pictures.waiting} wait, ${pictures.unpaired} unpaired, offset ${JSON.stringify(pictures.clock_offset_s)} s`);
-  if (values.verbose) console.log('before the end', (await get(`/v1/flights/${flight.id}/sites`)).features.length, 'sites', (await get(`/v1/flights/${flight.id}`)).state);
+  console.log(`before the finish: ${(await get(`/v1/flights/${flight.id}/sites`)).features.length} sites`);
   const sites = await sitesOf(flight.id);
   console.log(`through the link: ${shown(sites)}`);
   const { createHash } = await import('node:crypto');
   const digestOf = new Map(frames.map(({ image }) => [createHash('sha256').update(readFileSync(join(folder, image))).digest('hex'), image]));
-  compare('frame by frame, same meta', sites, await sitesOf(await directly(request, flight.id, digestOf)));
+  compare('frame by frame, same meta and telemetry', sites, await sitesOf(await directly(request, flight.id, digestOf, givenMeta)));
+  compare('frame by frame, rendered poses, same telemetry', sites, await sitesOf(await directly(request, flight.id, digestOf, renderedMeta)));
   compare('batch, rendered poses', sites, await sitesOf(await asBatch(request)));
 }
 

@@ -128,6 +128,7 @@ for (const [name, options] of [['desktop', {}], ['desktop-dark', { colorScheme: 
     Object.assign(links.list[0], sampleFailure(site.properties.id));
     await page.locator('#link-alarms p').first().waitFor(kWait);
     assert.match(await page.locator('#link-alarms').innerText(), /engine FAILED/);
+    await page.locator('.link-target-name', { hasText: /^1 to site \d/ }).waitFor(kWait);
     assert.match(await card.innerText(), /glide to site \d, arrives 41 m above the final, 1 min left/);
     await shoot(page, `links-${name}`);
     await check(opened);

@@ -6,32 +6,45 @@ const minNumMatched = 3;
 // missing, and triggers may not have been heard. Pictures without a trigger show how often that is.
 const faults = (numMatched, numUnmatched) => 5 + 0.2 * numMatched + numUnmatched;
 const maxNumPictures = 120;
-const maxNumTriggers = 2000;
+const maxNumTriggers = 1000;
+// Differences are sorted as whole numbers of this unit, each with the number of its picture.
+const unit_us = 100;
 
-// Differences of all pairs that may belong together, sorted: { offset_us, picture (its number) }.
+// Differences of all pairs that may belong together, sorted: units times maxNumPictures, plus the
+// number of the picture.
 function differencesOf(pictures, triggers, limit_us) {
   const differences = [];
+  const newest = triggers.slice(-maxNumTriggers);
   for (const [number, picture] of pictures.slice(-maxNumPictures).entries()) {
-    for (const trigger of triggers.slice(-maxNumTriggers)) {
+    for (const trigger of newest) {
       const offset_us = picture.time_us - trigger.time_us;
       // A picture that was there before its trigger is of another one.
-      if (Math.abs(offset_us) <= limit_us && trigger.order < picture.order) differences.push({ offset_us, picture: number });
+      const isPossible = Math.abs(offset_us) <= limit_us && trigger.order < picture.order;
+      if (isPossible) differences.push(Math.round(offset_us / unit_us) * maxNumPictures + number);
     }
   }
-  return differences.sort((a, b) => a.offset_us - b.offset_us);
+  return Float64Array.from(differences).sort();
 }
 
-// Offsets, with how many pictures have a trigger there, and how many pairs there are.
+const offsetOf = (difference) => Math.floor(difference / maxNumPictures) * unit_us;
+const pictureOf = (difference) => difference - Math.floor(difference / maxNumPictures) * maxNumPictures;
+
+// For the window that begins at each difference: how many pictures have a trigger in it, how many
+// pairs there are, and its middle.
 function windowsOf(differences, width_us) {
-  const windows = [];
+  const offsets_us = Float64Array.from(differences, offsetOf);
+  const count = differences.length;
+  const windows = { numPictures: new Int32Array(count), numPairs: new Int32Array(count), middles_us: new Float64Array(count) };
   const numOf = new Int32Array(maxNumPictures);
   let numPictures = 0;
-  for (let first = 0, end = 0; first < differences.length; ++first) {
-    for (; end < differences.length && differences[end].offset_us - differences[first].offset_us <= width_us; ++end) {
-      if (numOf[differences[end].picture]++ === 0) ++numPictures;
+  for (let first = 0, end = 0; first < count; ++first) {
+    for (; end < count && offsets_us[end] <= offsets_us[first] + width_us; ++end) {
+      if (numOf[pictureOf(differences[end])]++ === 0) ++numPictures;
     }
-    windows.push({ offset_us: differences[(first + end - 1) >> 1].offset_us, numPictures, numPairs: end - first });
-    if (--numOf[differences[first].picture] === 0) --numPictures;
+    windows.numPictures[first] = numPictures;
+    windows.numPairs[first] = end - first;
+    windows.middles_us[first] = offsets_us[(first + end - 1) >> 1];
+    if (--numOf[pictureOf(differences[first])] === 0) --numPictures;
   }
   return windows;
 }
@@ -45,18 +58,16 @@ function numWithin(pictures, triggers, offset_us) {
 }
 
 function offsetWithin(pictures, triggers, differences, tolerance_us) {
-  const windows = windowsOf(differences, 2 * tolerance_us);
-  let best;
-  for (const window of windows) if (!best || window.numPictures > best.numPictures) best = window;
-  if (!best || best.numPictures < minNumMatched) return undefined;
-  const numUnmatched = Math.max(0, numWithin(pictures, triggers, best.offset_us) - best.numPictures);
-  const allowed = faults(best.numPictures, numUnmatched);
-  const isOther = ({ offset_us, numPictures }) =>
-    Math.abs(offset_us - best.offset_us) > tolerance_us && numPictures >= best.numPictures - allowed;
+  const { numPictures, numPairs, middles_us } = windowsOf(differences, 2 * tolerance_us);
+  const most = numPictures.reduce((best, count) => Math.max(best, count), 0);
+  if (most < minNumMatched) return undefined;
+  const best = numPictures.indexOf(most);
+  const offset_us = middles_us[best];
+  const allowed = faults(most, Math.max(0, numWithin(pictures, triggers, offset_us) - most));
+  const isOther = (count, i) => count >= most - allowed && Math.abs(middles_us[i] - offset_us) > tolerance_us;
   // Triggers that are closer together than the times are sharp.
-  const isCoarse = best.numPairs > best.numPictures + allowed;
-  if (isCoarse || windows.some(isOther)) return undefined;
-  return { offset_us: best.offset_us, tolerance_us };
+  const isCoarse = numPairs[best] > most + allowed;
+  return isCoarse || numPictures.some(isOther) ? undefined : { offset_us, tolerance_us };
 }
 
 // { offset_us, tolerance_us } if only one offset explains what was seen, with the least of the

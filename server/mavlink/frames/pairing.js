@@ -16,6 +16,8 @@ const coarse_us = 400_000;
 const kinds = ['CAMERA_IMAGE_CAPTURED', 'CAMERA_FEEDBACK', 'CAMERA_TRIGGER'];
 // A message comes later than its exposure.
 const settle_us = 3_000_000;
+const sureFor_ms = 30_000;
+const unsureFor_ms = 5000;
 
 const fileName = (path) => path.split(/[\\/]/).at(-1).toLowerCase();
 
@@ -77,28 +79,38 @@ function triggerAt(picture, triggers, times_us, { offset_us, tolerance_us: sharp
 
 export class Pairing {
   #limit_us;
-  #offsets = {};
+  // By kind of time: when the offset was searched last, and the offset if it was found.
+  #searches = {};
 
   // limit_us: how far the clock of pictures is from UTC at most.
   constructor({ limit_us }) { this.#limit_us = limit_us; }
 
   // By kind of time: seconds, if it is known.
   get offsets_s() {
-    return Object.fromEntries(Object.entries(this.#offsets).filter(([, one]) => one)
-      .map(([kind, { offset_us }]) => [kind, offset_us / 1e6]));
+    return Object.fromEntries(Object.entries(this.#searches).filter(([, { offset }]) => offset)
+      .map(([kind, { offset }]) => [kind, offset.offset_us / 1e6]));
+  }
+
+  // A search takes long on a slow board, and guidance must not wait for it.
+  #offsetOf(kind, group, triggers, now_ms) {
+    const last = this.#searches[kind];
+    if (last && now_ms - last.at_ms < (last.offset ? sureFor_ms : unsureFor_ms)) return last.offset;
+    const offset = clockOffset(group, triggers, { tolerances_us: tolerancesOf_us[kind], limit_us: this.#limit_us });
+    this.#searches[kind] = { at_ms: now_ms, offset };
+    return offset;
   }
 
   // { pairs: Map of picture to trigger, unpaired: pictures for which the offset is known and yet no
-  // trigger is sure }. The others wait. pictures: all, also those that were paired before.
-  pair(pictures, allTriggers) {
+  // trigger is sure }. The others wait. pictures: all, also those that were paired before. now_ms: a
+  // clock that never steps.
+  pair(pictures, allTriggers, now_ms = performance.now()) {
     const triggers = triggersThatCount(allTriggers);
     const times_us = triggers.map(({ time_us }) => time_us);
     const pairs = pairsByName(pictures, triggers);
     const unpaired = [];
-    for (const [kind, tolerances_us] of Object.entries(tolerancesOf_us)) {
+    for (const kind of Object.keys(tolerancesOf_us)) {
       const group = pictures.filter((picture) => picture.time_kind === kind && !pairs.has(picture));
-      const offset = clockOffset(group, triggers, { tolerances_us, limit_us: this.#limit_us });
-      this.#offsets[kind] = offset;
+      const offset = group.length ? this.#offsetOf(kind, group, triggers, now_ms) : undefined;
       for (const picture of offset ? group : []) {
         const trigger = triggerAt(picture, triggers, times_us, offset);
         if (trigger) pairs.set(picture, trigger);

@@ -51,6 +51,7 @@ export class Pictures {
   #paired = { pairs: new Map(), unpaired: [] };
   #incomplete = new Map();
   #numOf;
+  #numVanished = 0;
   #running;
   #notBefore_ms = 0;
   #lookCost_ms = 0;
@@ -129,7 +130,11 @@ export class Pictures {
   #forgetGone(files) {
     const keys = new Set(files.map(keyOf));
     for (const held of [this.#waiting, this.#incomplete]) {
-      for (const key of held.keys()) if (!keys.has(key)) held.delete(key);
+      for (const key of held.keys()) {
+        if (keys.has(key)) continue;
+        held.delete(key);
+        if (held === this.#waiting) ++this.#numVanished;
+      }
     }
   }
 
@@ -189,21 +194,23 @@ export class Pictures {
   }
 
   #pair(now_ms) {
-    if (!this.#isChanged || now_ms - this.#pairedAt_ms < pairPeriod_ms) return;
+    const isOpen = this.#waiting.size > 0 && now_ms - this.#pairedAt_ms >= longestPause_ms;
+    if (!(this.#isChanged || isOpen) || now_ms - this.#pairedAt_ms < pairPeriod_ms) return;
     this.#pairedAt_ms = now_ms;
     this.#isChanged = false;
     const pictures = [...this.#times, ...this.#waiting.values()];
-    this.#paired = this.#pairing.pair(pictures, this.#triggers.triggers);
+    this.#paired = this.#pairing.pair(pictures, this.#triggers.triggers, now_ms);
   }
 
   async #send() {
     const ready = [...this.#paired.pairs].filter(([picture]) => this.#waiting.has(keyOf(picture)))
       .sort(([, a], [, b]) => a.time_us - b.time_us);
     const taken = new Set(ready.map(([, trigger]) => trigger));
+    const open = ready.length === 0 ? [] : triggersThatCount(this.#triggers.triggers).filter((trigger) => !taken.has(trigger));
     const halted = new Set();
     for (const [picture, trigger] of ready) {
       const flight = this.#flightOf(trigger.session);
-      const mustWait = !flight || !this.#isCovered(trigger.time_us) || this.#isEarly(picture, trigger, taken);
+      const mustWait = !flight || !this.#isCovered(trigger.time_us) || this.#isEarly(picture, trigger, open);
       // The frames of one flight go in order.
       if (mustWait) halted.add(trigger.session);
       if (halted.has(trigger.session)) continue;
@@ -213,10 +220,9 @@ export class Pictures {
   }
 
   // The picture of a trigger before this one may still come: the engine works in the order of arrival.
-  #isEarly({ read_ms }, { time_us }, taken) {
+  #isEarly({ read_ms }, { time_us }, open) {
     if (performance.now() - read_ms > patience_ms) return false;
-    return triggersThatCount(this.#triggers.triggers)
-      .some((one) => one.time_us > this.#sentTo_us && one.time_us < time_us && !taken.has(one));
+    return open.some((one) => one.time_us > this.#sentTo_us && one.time_us < time_us);
   }
 
   async #sendOne(picture, trigger, flight) {
@@ -260,7 +266,7 @@ export class Pictures {
     const waiting = this.#waiting.size - unpaired;
     return {
       folder: this.#folder, num_triggers: this.#triggers.triggers.length, sent, waiting, unpaired,
-      duplicates: duplicate, refused, incomplete: this.#incomplete.size, earlier, ignored: this.#look.numIgnored,
+      duplicates: duplicate, refused, incomplete: this.#incomplete.size, vanished: this.#numVanished, earlier, ignored: this.#look.numIgnored,
       clock_offset_s: this.#pairing.offsets_s, last_sent: this.#last, last_error: this.lastError, last_refusal: this.lastRefusal,
       text: this.#text(waiting),
     };

@@ -49,12 +49,12 @@ function* flownItems(items, first) {
 }
 
 // { route: [{ latitude_deg, longitude_deg, altitude_m }], end: what comes after it }. items: of the
-// autopilot. position: where the aircraft is. longest_m: a longer mission is cut there.
-export function remainingRoute({ items, current_item, position, home_altitude_m, longest_m }) {
+// autopilot; ArduPilot's first is its home. position: where the aircraft is. longest_m: a longer mission is cut there.
+export function remainingRoute({ items, current_item, isArdupilot, position, home_altitude_m, longest_m }) {
   const { latitude_deg, longitude_deg, altitude_m } = position;
   const route = [{ latitude_deg, longitude_deg, altitude_m }];
   let length_m = 0;
-  for (const one of flownItems(items, Math.max(1, current_item))) {
+  for (const one of flownItems(items, Math.max(isArdupilot ? 1 : 0, current_item))) {
     const last = route.at(-1);
     const isLast = one.command in ends;
     if (places.has(one.command) || one.command === command.loiterUnlimited) {
