@@ -53,6 +53,14 @@ constexpr size_t kMaxBytesOfTerrain = size_t{128} << 20;
 // Emergency answers take milliseconds, and whole requests alone reach these threads.
 constexpr int kNumEmergencyThreads = 32;
 
+StorageOptions StorageOf(const Config& config) {
+  StorageOptions options;
+  options.folder = config.data;
+  options.database_url = config.database;
+  options.images_folder = config.images;
+  return options;
+}
+
 HttpOptions OptionsOf(const Config& config, Listener listener) {
   const bool is_main = listener == Listener::kMain;
   HttpOptions options;
@@ -74,7 +82,7 @@ HttpServer::Handler HandlerFor(Service& service, Listener listener) {
 App::App(const Config& config)
     : config_(config),
       base_map_(config_),
-      storage_(config_.data),
+      storage_(StorageOf(config_)),
       maps_(kMaxBytesOfSites, kMaxBytesOfTerrain),
       intake_(config_, storage_, events_),
       alternates_(storage_, maps_, events_, static_cast<size_t>(config_.num_alternates)),

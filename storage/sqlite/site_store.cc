@@ -1,11 +1,10 @@
-#include "storage/site_store.h"
-
 #include <algorithm>
 
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/site_standings.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 namespace {
@@ -18,9 +17,9 @@ std::vector<std::string> IdsOf(Statement& statement) {
 
 }  // namespace
 
-uint64_t SiteStore::Version() const { return state_.sites_version; }
+uint64_t SqliteSiteStore::Version() const { return state_.sites_version; }
 
-void SiteStore::Put(const SiteRow& site, std::string_view map_blob, const Standings& others) {
+void SqliteSiteStore::Put(const SiteRow& site, std::string_view map_blob, const Standings& others) {
   const auto lock = state_.LockForWriting();
   state_.WriteSites([&](const Connection& connection) {
     PutSiteRows(connection, site, map_blob);
@@ -28,7 +27,7 @@ void SiteStore::Put(const SiteRow& site, std::string_view map_blob, const Standi
   });
 }
 
-void SiteStore::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
+void SqliteSiteStore::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
   const auto lock = state_.LockForWriting();
   const std::vector<std::string> files = OwnPhotoFiles(state_.writer, rows.forgotten_maps);
   state_.WriteSites([&](const Connection& connection) {
@@ -41,23 +40,23 @@ void SiteStore::PutEvaluation(const EvaluationRows& rows, const Standings& other
   for (const std::string& sha256 : files) state_.images.Remove(sha256);
 }
 
-std::optional<SiteRow> SiteStore::Find(const std::string& site_id) const {
+std::optional<SiteRow> SqliteSiteStore::Find(const std::string& site_id) const {
   return state_.FindOfSite(
       [&](const Connection& connection) { return FindSiteRow(connection, site_id); });
 }
 
-std::vector<SiteRow> SiteStore::List(const std::optional<std::string>& flight_id,
-                                     const std::optional<BoundingBox>& box) const {
+std::vector<SiteRow> SqliteSiteStore::List(const std::optional<std::string>& flight_id,
+                                           const std::optional<BoundingBox>& box) const {
   return state_.ReadSites(
       [&](const Connection& connection) { return ListSiteRows(connection, flight_id, box); });
 }
 
-std::optional<std::string> SiteStore::ReadMap(const std::string& site_id) const {
+std::optional<std::string> SqliteSiteStore::ReadMap(const std::string& site_id) const {
   return state_.FindOfSite(
       [&](const Connection& connection) { return ReadMapBlob(connection, site_id); });
 }
 
-RecallBounds SiteStore::BoundsOfRecallable() const {
+RecallBounds SqliteSiteStore::BoundsOfRecallable() const {
   const uint64_t version = state_.sites_version;
   {
     const std::lock_guard lock(state_.bounds_mutex);
@@ -79,11 +78,11 @@ RecallBounds SiteStore::BoundsOfRecallable() const {
   return state_.bounds = std::move(bounds);
 }
 
-SharedRows<RecallRow> SiteStore::ListRecallable(const BoundingBox& box) const {
+SharedRows<RecallRow> SqliteSiteStore::ListRecallable(const BoundingBox& box) const {
   return state_.RowsWithin(state_.recall_rows, box, ListRecallRows);
 }
 
-int64_t SiteStore::CountRecallable() const {
+int64_t SqliteSiteStore::CountRecallable() const {
   return state_.ReadForRecall([](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT count(*) FROM site_numbers JOIN sites ON sites.id = site_id "
@@ -93,7 +92,7 @@ int64_t SiteStore::CountRecallable() const {
   });
 }
 
-bool SiteStore::HasRecallable(const std::string& flight_id) const {
+bool SqliteSiteStore::HasRecallable(const std::string& flight_id) const {
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT 1 FROM sites JOIN site_numbers ON site_id = sites.id "
@@ -102,7 +101,7 @@ bool SiteStore::HasRecallable(const std::string& flight_id) const {
   });
 }
 
-int64_t SiteStore::CountOverruled(const BoundingBox& box) const {
+int64_t SqliteSiteStore::CountOverruled(const BoundingBox& box) const {
   return state_.ReadForRecall([&](const Connection& connection) {
     int64_t count = 0;
     ForEachMeeting(
@@ -117,13 +116,13 @@ int64_t SiteStore::CountOverruled(const BoundingBox& box) const {
   });
 }
 
-void SiteStore::SetStandings(const Standings& standings) {
+void SqliteSiteStore::SetStandings(const Standings& standings) {
   if (standings.empty()) return;
   const auto lock = state_.LockForWriting();
   state_.WriteSites([&](const Connection& connection) { PutStandings(connection, standings); });
 }
 
-std::vector<std::string> SiteStore::ListDependents(const std::string& site_id) const {
+std::vector<std::string> SqliteSiteStore::ListDependents(const std::string& site_id) const {
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT id FROM sites WHERE superseded_by = ?1 UNION SELECT id FROM sites "
@@ -132,7 +131,7 @@ std::vector<std::string> SiteStore::ListDependents(const std::string& site_id) c
   });
 }
 
-std::vector<std::string> SiteStore::ListDependentsOfMap(const std::string& map_id) const {
+std::vector<std::string> SqliteSiteStore::ListDependentsOfMap(const std::string& map_id) const {
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT id FROM sites WHERE superseded_by_map = ?1 UNION SELECT id FROM sites "
@@ -141,7 +140,7 @@ std::vector<std::string> SiteStore::ListDependentsOfMap(const std::string& map_i
   });
 }
 
-std::vector<std::string> SiteStore::ListUnchecked() const {
+std::vector<std::string> SqliteSiteStore::ListUnchecked() const {
   return state_.ReadSites([](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT sites.id FROM sites JOIN site_numbers ON site_id = sites.id "
@@ -150,11 +149,11 @@ std::vector<std::string> SiteStore::ListUnchecked() const {
   });
 }
 
-SharedRows<MapRow> SiteStore::ListMaps(const BoundingBox& box) const {
+SharedRows<MapRow> SqliteSiteStore::ListMaps(const BoundingBox& box) const {
   return state_.RowsWithin(state_.map_rows, box, ListMapRows);
 }
 
-std::vector<std::string> SiteStore::ListAccepted(const BoundingBox& box) const {
+std::vector<std::string> SqliteSiteStore::ListAccepted(const BoundingBox& box) const {
   return state_.ReadSites([&](const Connection& connection) {
     std::vector<std::string> ids;
     ForEachMeeting(connection,
@@ -167,7 +166,7 @@ std::vector<std::string> SiteStore::ListAccepted(const BoundingBox& box) const {
   });
 }
 
-bool SiteStore::Delete(const std::string& site_id, const Standings& others) {
+bool SqliteSiteStore::Delete(const std::string& site_id, const Standings& others) {
   const auto lock = state_.LockForWriting();
   bool was_there = false;
   state_.WriteSites([&](const Connection& connection) {

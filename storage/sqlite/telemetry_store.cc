@@ -1,9 +1,8 @@
-#include "storage/telemetry_store.h"
-
 #include <algorithm>
 
 #include "storage/sqlite/arrivals.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 namespace {
@@ -20,7 +19,8 @@ std::optional<TelemetryRow> NextRow(Statement& statement, TelemetryKind kind) {
 
 }  // namespace
 
-bool TelemetryStore::Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) {
+bool SqliteTelemetryStore::Put(const std::string& flight_id,
+                               const std::vector<TelemetryRow>& rows) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
   Statement flight = state_.writer.Prepare("SELECT 1 FROM flights WHERE id = ?1");
@@ -45,9 +45,9 @@ bool TelemetryStore::Put(const std::string& flight_id, const std::vector<Telemet
   return true;
 }
 
-std::vector<TelemetryRow> TelemetryStore::LastArrived(const std::string& flight_id,
-                                                      TelemetryKind kind,
-                                                      int max_num_rows) const {
+std::vector<TelemetryRow> SqliteTelemetryStore::LastArrived(const std::string& flight_id,
+                                                            TelemetryKind kind,
+                                                            int max_num_rows) const {
   const Reader reader(state_.readers);
   Statement statement = reader->Prepare(
       "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
@@ -58,9 +58,9 @@ std::vector<TelemetryRow> TelemetryStore::LastArrived(const std::string& flight_
   return rows;
 }
 
-TelemetryPair TelemetryStore::Around(const std::string& flight_id,
-                                     TelemetryKind kind,
-                                     int64_t timestamp_us) const {
+TelemetryPair SqliteTelemetryStore::Around(const std::string& flight_id,
+                                           TelemetryKind kind,
+                                           int64_t timestamp_us) const {
   const Reader reader(state_.readers);
   Statement before = reader->Prepare(
       "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "

@@ -22,6 +22,22 @@ TEST_CASE("config: data and address suffice") {
   CHECK(config->port == 9000);
 }
 
+TEST_CASE("config: a PostgreSQL database needs a folder of images, and SQLite has its own") {
+  const auto config =
+      Read({"--data", "/tmp/x", "--database", "postgresql://a/b", "--images", "/i"});
+  REQUIRE(config);
+  CHECK(config->database == "postgresql://a/b");
+  CHECK(config->images == "/i");
+  CHECK_THROWS_WITH_AS(Read({"--data", "/tmp/x", "--database", "postgresql://a/b"}),
+                       doctest::Contains("--images"),
+                       ConfigError);
+  CHECK_THROWS_WITH_AS(
+      Read({"--data", "/tmp/x", "--images", "/i"}), doctest::Contains("--database"), ConfigError);
+  CHECK_THROWS_WITH_AS(Read({"--data", "/tmp/x", "--database", "mysql://a/b", "--images", "/i"}),
+                       doctest::Contains("postgresql://"),
+                       ConfigError);
+}
+
 TEST_CASE("config: the command line wins over the file") {
   const TemporaryFolder folder;
   const std::string file = folder.path() / "config.json";
