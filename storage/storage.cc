@@ -19,10 +19,6 @@ void EmptyFolder(const std::filesystem::path& folder) {
   if (error) throw StorageError("create folder " + folder.string(), error.message());
 }
 
-std::unique_ptr<StorageBackend> OpenPostgres(const StorageOptions&) {
-  throw StorageError("open the database", "PostgreSQL is not supported yet");
-}
-
 Storage::Storage(const std::filesystem::path& folder) : Storage(OpenSqlite(folder)) {}
 
 Storage::Storage(const StorageOptions& options)
