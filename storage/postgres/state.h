@@ -1,4 +1,5 @@
-// The state that all stores share: pools of connections, the image files, and caches for recall.
+// The state that all stores share: pools of connections, the image files, and
+// caches for recall.
 #pragma once
 
 #include <atomic>
@@ -10,33 +11,37 @@
 #include "storage/box_cache.h"
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
+#include "storage/postgres/ownership.h"
 #include "storage/postgres/pool.h"
 #include "storage/storage.h"
 
 namespace freelsd {
 
-// Thread-safe. Readers and writers have pools of their own, so that readers never wait for writers.
+// Thread-safe. Readers and writers have pools of their own, so that readers
+// never wait for writers.
 struct PostgresState {
   // Opens the database and creates or migrates its schema.
-  explicit PostgresState(const StorageOptions& given);
+  explicit PostgresState(const StorageOptions &given);
 
-  // Runs `act` with a connection on which each statement is a transaction of its own. `act` may run
-  // twice.
-  template <typename Act>
-  auto Read(const Act& act) {
+  // Runs `act` with a connection on which each statement is a transaction of
+  // its own. `act` may run twice.
+  template <typename Act> auto Read(const Act &act) {
     return WithConnection(readers, act);
   }
   // Throws StorageError after MarkDamaged.
-  ConnectionPool& Writers();
-  void MarkDamaged(const std::string& why);
+  ConnectionPool &Writers();
+  void MarkDamaged(const std::string &why);
   // The version of 'sites' or 'obstacles'.
-  uint64_t VersionOf(const std::string& name);
+  uint64_t VersionOf(const std::string &name);
 
   StorageOptions options;
   FolderLock lock;
   ImageFiles images;
   ConnectionPool readers;
   ConnectionPool writers;
+  // Of one connection. Empty if the database is shared.
+  ConnectionPool owner_pool;
+  std::optional<Ownership> ownership;
   std::atomic<bool> is_damaged{false};
   // Guards notices.
   std::mutex notices_mutex;
@@ -51,13 +56,14 @@ struct PostgresState {
 
 // A transaction on one of the state's connections for writing.
 class PostgresWrite : public PostgresTransaction {
- public:
-  explicit PostgresWrite(PostgresState& state);
+public:
+  explicit PostgresWrite(PostgresState &state);
 };
 
-// Increases the version of sites. Writers of sites then take turns until they commit.
-void StepSites(PostgresConnection& writer);
+// Increases the version of sites. Writers of sites then take turns until they
+// commit.
+void StepSites(PostgresConnection &writer);
 // The same for obstacles and sites.
-void StepObstacles(PostgresConnection& writer);
+void StepObstacles(PostgresConnection &writer);
 
-}  // namespace freelsd
+} // namespace freelsd

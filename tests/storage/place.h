@@ -1,5 +1,5 @@
-// A fresh place for a storage, in the database that the suite runs on: PostgreSQL, if
-// FREELSD_TEST_DATABASE is a URI of one, or else SQLite.
+// A fresh place for a storage, in the database that the suite runs on:
+// PostgreSQL, if FREELSD_TEST_DATABASE is a URI of one, or else SQLite.
 #pragma once
 
 #include <filesystem>
@@ -12,24 +12,28 @@ namespace freelsd {
 
 // Removed at the end: the folder, and in PostgreSQL a schema of its own.
 class StoragePlace {
- public:
+public:
   StoragePlace();
   ~StoragePlace();
-  StoragePlace(const StoragePlace&) = delete;
-  StoragePlace& operator=(const StoragePlace&) = delete;
+  StoragePlace(const StoragePlace &) = delete;
+  StoragePlace &operator=(const StoragePlace &) = delete;
 
   static DatabaseKind Kind();
   // Images that nothing refers to are removed at the next start, however young.
   StorageOptions options() const;
-  // For a second process on the same database: another folder, the same images.
+  // For several processes on the same database: the same images, and for the
+  // second one another folder.
+  StorageOptions OptionsOfOne() const;
   StorageOptions OptionsOfOther() const;
-  std::filesystem::path images_folder() const { return folder_.path() / "images"; }
+  std::filesystem::path images_folder() const {
+    return folder_.path() / "images";
+  }
   // Runs SQL in the PostgreSQL schema.
-  void Execute(const std::string& sql) const;
+  void Execute(const std::string &sql) const;
 
- private:
+private:
   TemporaryFolder folder_;
   std::string schema_;
 };
 
-}  // namespace freelsd
+} // namespace freelsd

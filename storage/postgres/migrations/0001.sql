@@ -14,6 +14,14 @@ CREATE TABLE versions (
 );
 INSERT INTO versions VALUES ('sites', 1), ('obstacles', 1);
 
+-- The process that has the database for itself: it has the token that it put here. Its writes hold
+-- the row, so whoever takes the database waits for them, and later ones are refused.
+CREATE TABLE owners (
+  is_only boolean PRIMARY KEY DEFAULT true CHECK (is_only),
+  token bigint NOT NULL
+);
+INSERT INTO owners (token) VALUES (0);
+
 -- When images that nothing refers to were last looked for. One process at a time does.
 CREATE TABLE sweeps (
   name text COLLATE "C" PRIMARY KEY,
