@@ -61,29 +61,29 @@ class Storage {
   // Declared before the stores, because they refer to it.
   std::unique_ptr<StorageBackend> backend_;
 
-public:
+ public:
   // SQLite: opens the folder, or creates it with the database. Removes image
   // files that no frame refers to. Sites and obstacles are stored in the main
   // database and, as a second copy, in a database of their own. A damaged main
   // database is moved aside together with its images; a new one then starts
   // with the sites of the second copy. Throws StorageError and changes nothing
   // if another process uses the folder or a newer program wrote it.
-  explicit Storage(const std::filesystem::path &folder);
+  explicit Storage(const std::filesystem::path& folder);
   // PostgreSQL, if options.database_url is given: creates or migrates the
   // schema. Throws StorageError and changes nothing if the database cannot be
   // reached, another process uses the folder or the database, or a newer
   // program wrote the schema.
-  explicit Storage(const StorageOptions &options);
+  explicit Storage(const StorageOptions& options);
   ~Storage();
 
-  FlightStore &flights;
-  FrameStore &frames;
-  ImageStore &images;
-  JobStore &jobs;
-  TelemetryStore &telemetry;
-  SiteStore &sites;
-  MapStore &maps;
-  ObstacleStore &obstacles;
+  FlightStore& flights;
+  FrameStore& frames;
+  ImageStore& images;
+  JobStore& jobs;
+  TelemetryStore& telemetry;
+  SiteStore& sites;
+  MapStore& maps;
+  ObstacleStore& obstacles;
 
   DatabaseKind Kind() const;
   // Folder for uploads that are not acknowledged yet. Opening the storage
@@ -95,13 +95,13 @@ public:
   // Reports that the main database is damaged. After this call this process
   // writes nothing. SQLite: sites are read from the second copy, and the next
   // start moves the database aside.
-  void MarkDamaged(const std::string &why) const;
+  void MarkDamaged(const std::string& why) const;
   // Sentences for the operator about detected damage and about files that were
   // moved aside at this start.
   std::vector<std::string> Notices() const;
 
-private:
+ private:
   explicit Storage(std::unique_ptr<StorageBackend> backend);
 };
 
-} // namespace freelsd
+}  // namespace freelsd

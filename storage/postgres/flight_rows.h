@@ -9,15 +9,16 @@
 namespace freelsd {
 
 // The columns of a flight, and the row that they give.
-extern const char *const kFlightColumns;
-FlightRow FlightRowOf(const PostgresRow &row);
+extern const char* const kFlightColumns;
+FlightRow FlightRowOf(const PostgresRow& row);
 // Other writers of the flight's row, frames and telemetry wait until the
 // transaction ends. False if there is no such flight.
-bool LockFlight(PostgresConnection &writer, const std::string &flight_id);
+bool LockFlight(PostgresConnection& writer, const std::string& flight_id);
 // Locks the row. False if there is no such flight.
-bool ChangeFlight(PostgresConnection &writer, const std::string &flight_id,
-                  const FlightChange &change);
+bool ChangeFlight(PostgresConnection& writer,
+                  const std::string& flight_id,
+                  const FlightChange& change);
 // Least allowed arrived_at_us of the next row or frame of a locked flight.
-int64_t NextArrivalOf(PostgresConnection &writer, const std::string &flight_id);
+int64_t NextArrivalOf(PostgresConnection& writer, const std::string& flight_id);
 
-} // namespace freelsd
+}  // namespace freelsd

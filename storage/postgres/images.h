@@ -11,10 +11,9 @@ namespace freelsd {
 struct PostgresState;
 
 // Removes each image that neither a frame nor a photo tile refers to.
-void RemoveUnusedImages(PostgresState &state,
-                        const std::vector<std::string> &images);
+void RemoveUnusedImages(PostgresState& state, const std::vector<std::string>& images);
 // Removes unused images that are older than unused_image_age_s. Does nothing if
 // a process has done so within that time.
-void SweepImages(PostgresState &state);
+void SweepImages(PostgresState& state);
 
-} // namespace freelsd
+}  // namespace freelsd

@@ -6,6 +6,6 @@
 
 namespace freelsd {
 
-void InsertJob(PostgresConnection &writer, const JobRow &job);
+void InsertJob(PostgresConnection& writer, const JobRow& job);
 
-} // namespace freelsd
+}  // namespace freelsd

@@ -2,40 +2,33 @@
 
 #include <string>
 
-extern const char *const kPostgresMigrations[];
+extern const char* const kPostgresMigrations[];
 
 namespace freelsd {
 namespace {
 
 constexpr int64_t kNumMigrations = 1;
 
-int64_t SchemaVersion(PostgresConnection &connection) {
+int64_t SchemaVersion(PostgresConnection& connection) {
   const bool is_new =
-      !connection.Run("SELECT to_regclass('schema_migrations') IS NOT NULL")[0]
-           .Bool(0);
-  if (is_new)
-    return 0;
-  return connection
-      .Run("SELECT coalesce(max(version), 0) FROM schema_migrations")[0]
-      .Int(0);
+      !connection.Run("SELECT to_regclass('schema_migrations') IS NOT NULL")[0].Bool(0);
+  if (is_new) return 0;
+  return connection.Run("SELECT coalesce(max(version), 0) FROM schema_migrations")[0].Int(0);
 }
 
 void RefuseNewer(int64_t version) {
-  if (version <= kNumMigrations)
-    return;
-  throw StorageError(
-      "open the database",
-      "a newer freelsd wrote it: its schema has version " +
-          std::to_string(version) + ", this program supports versions up to " +
-          std::to_string(kNumMigrations) + "; nothing was changed",
-      StorageFault::kNewer);
+  if (version <= kNumMigrations) return;
+  throw StorageError("open the database",
+                     "a newer freelsd wrote it: its schema has version " + std::to_string(version) +
+                         ", this program supports versions up to " +
+                         std::to_string(kNumMigrations) + "; nothing was changed",
+                     StorageFault::kNewer);
 }
 
-void ApplyMissing(PostgresConnection &connection) {
+void ApplyMissing(PostgresConnection& connection) {
   // The lock ends with the transaction. Another process may have migrated
   // meanwhile.
-  connection.Run(
-      "SELECT pg_advisory_xact_lock(hashtextextended(current_schema(), 0))");
+  connection.Run("SELECT pg_advisory_xact_lock(hashtextextended(current_schema(), 0))");
   int64_t version = SchemaVersion(connection);
   RefuseNewer(version);
   if (version == 0) {
@@ -45,26 +38,24 @@ void ApplyMissing(PostgresConnection &connection) {
   }
   while (version < kNumMigrations) {
     connection.Execute(kPostgresMigrations[version]);
-    connection.Run("INSERT INTO schema_migrations (version) VALUES ($1)",
-                   ++version);
+    connection.Run("INSERT INTO schema_migrations (version) VALUES ($1)", ++version);
   }
 }
 
-} // namespace
+}  // namespace
 
-void MigrateDatabase(PostgresConnection &connection) {
+void MigrateDatabase(PostgresConnection& connection) {
   const int64_t version = SchemaVersion(connection);
   RefuseNewer(version);
-  if (version == kNumMigrations)
-    return;
+  if (version == kNumMigrations) return;
   connection.Execute("BEGIN");
   try {
     ApplyMissing(connection);
     connection.Execute("COMMIT");
-  } catch (const StorageError &) {
+  } catch (const StorageError&) {
     connection.Execute("ROLLBACK");
     throw;
   }
 }
 
-} // namespace freelsd
+}  // namespace freelsd

@@ -12,16 +12,16 @@ namespace freelsd {
 // which every write compares, then differs. Throws StorageError if another
 // process has the database.
 class Ownership {
-public:
-  explicit Ownership(ConnectionPool &pool);
+ public:
+  explicit Ownership(ConnectionPool& pool);
 
   // Within a transaction. Throws StorageError if another process took the
   // database.
-  void Check(PostgresConnection &writer) const;
+  void Check(PostgresConnection& writer) const;
 
-private:
+ private:
   ConnectionLease lease_;
   int64_t token_;
 };
 
-} // namespace freelsd
+}  // namespace freelsd

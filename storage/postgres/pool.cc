@@ -15,25 +15,21 @@ std::chrono::milliseconds MillisecondsOf(double seconds) {
   return std::chrono::milliseconds(static_cast<int64_t>(seconds * 1000.0));
 }
 
-} // namespace
+}  // namespace
 
-ConnectionPool::ConnectionPool(const StorageOptions &options)
-    : url_(options.database_url), timeouts_{MillisecondsOf(
-                                                options.connection_timeout_s),
-                                            MillisecondsOf(
-                                                options.statement_timeout_s)},
+ConnectionPool::ConnectionPool(const StorageOptions& options)
+    : url_(options.database_url),
+      timeouts_{MillisecondsOf(options.connection_timeout_s),
+                MillisecondsOf(options.statement_timeout_s)},
       max_num_connections_(options.max_num_connections) {}
 
 std::unique_ptr<PostgresConnection> ConnectionPool::Take() {
   const auto deadline = SteadyClock::now() + timeouts_.connection;
   {
     std::unique_lock lock(mutex_);
-    const bool is_free = given_back_.wait_until(lock, deadline, [this] {
-      return !idle_.empty() || num_open_ < max_num_connections_;
-    });
-    if (!is_free)
-      throw StorageError("connect to the database",
-                         "all connections are in use");
+    const bool is_free = given_back_.wait_until(
+        lock, deadline, [this] { return !idle_.empty() || num_open_ < max_num_connections_; });
+    if (!is_free) throw StorageError("connect to the database", "all connections are in use");
     if (!idle_.empty()) {
       std::unique_ptr<PostgresConnection> connection = std::move(idle_.back());
       idle_.pop_back();
@@ -43,7 +39,7 @@ std::unique_ptr<PostgresConnection> ConnectionPool::Take() {
   }
   try {
     return Connect(deadline);
-  } catch (const StorageError &) {
+  } catch (const StorageError&) {
     const std::lock_guard lock(mutex_);
     --num_open_;
     given_back_.notify_one();
@@ -51,13 +47,13 @@ std::unique_ptr<PostgresConnection> ConnectionPool::Take() {
   }
 }
 
-std::unique_ptr<PostgresConnection>
-ConnectionPool::Connect(SteadyClock::time_point deadline) const {
+std::unique_ptr<PostgresConnection> ConnectionPool::Connect(
+    SteadyClock::time_point deadline) const {
   std::chrono::milliseconds pause = kFirstPause;
   for (;;) {
     try {
       return std::make_unique<PostgresConnection>(url_, timeouts_);
-    } catch (const ConnectionLost &error) {
+    } catch (const ConnectionLost& error) {
       if (SteadyClock::now() + pause > deadline) {
         throw StorageError("reach the database", error.what());
       }
@@ -81,11 +77,11 @@ void ConnectionPool::GiveBack(std::unique_ptr<PostgresConnection> connection) {
 }
 
 // Nothing was done before BEGIN, so it may be sent twice.
-PostgresTransaction::PostgresTransaction(ConnectionPool &pool)
+PostgresTransaction::PostgresTransaction(ConnectionPool& pool)
     : lease_(std::make_unique<ConnectionLease>(pool)) {
   try {
     (*lease_)->Execute("BEGIN");
-  } catch (const ConnectionLost &) {
+  } catch (const ConnectionLost&) {
     lease_.reset();
     lease_ = std::make_unique<ConnectionLease>(pool);
     (*lease_)->Execute("BEGIN");
@@ -93,11 +89,10 @@ PostgresTransaction::PostgresTransaction(ConnectionPool &pool)
 }
 
 PostgresTransaction::~PostgresTransaction() {
-  if (!is_open_)
-    return;
+  if (!is_open_) return;
   try {
     (*lease_)->Execute("ROLLBACK");
-  } catch (const StorageError &) {
+  } catch (const StorageError&) {
     // The connection is broken: the server rolls back, and the pool closes the
     // connection.
     is_open_ = false;
@@ -109,4 +104,4 @@ void PostgresTransaction::Commit() {
   is_open_ = false;
 }
 
-} // namespace freelsd
+}  // namespace freelsd

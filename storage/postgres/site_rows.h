@@ -11,19 +11,16 @@
 namespace freelsd {
 
 // Writes are within the caller's transaction.
-void PutSite(PostgresConnection &writer, const SiteRow &site,
-             std::string_view map_blob);
+void PutSite(PostgresConnection& writer, const SiteRow& site, std::string_view map_blob);
 // Ids without a site are ignored.
-void PutSiteStandings(PostgresConnection &writer, const Standings &standings);
+void PutSiteStandings(PostgresConnection& writer, const Standings& standings);
 
 // Columns of a site without recall and map_box, and the row that they give.
-extern const char *const kSiteColumns;
-SiteRow SiteRowOf(const PostgresRow &row);
+extern const char* const kSiteColumns;
+SiteRow SiteRowOf(const PostgresRow& row);
 
 // The box must not cross the antimeridian.
-BoxCache<RecallRow>::Rows SelectRecallRows(PostgresConnection &connection,
-                                           const BoundingBox &box);
-BoxCache<MapRow>::Rows SelectMapRows(PostgresConnection &connection,
-                                     const BoundingBox &box);
+BoxCache<RecallRow>::Rows SelectRecallRows(PostgresConnection& connection, const BoundingBox& box);
+BoxCache<MapRow>::Rows SelectMapRows(PostgresConnection& connection, const BoundingBox& box);
 
-} // namespace freelsd
+}  // namespace freelsd

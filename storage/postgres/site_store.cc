@@ -12,20 +12,16 @@ namespace {
 
 constexpr BoundingBox kWholeEarth{-180.0, -90.0, 180.0, 90.0};
 
-bool DeleteSite(PostgresConnection &writer, const std::string &site_id) {
-  return writer.Run("DELETE FROM sites WHERE id = $1", site_id).NumChanges() >
-         0;
+bool DeleteSite(PostgresConnection& writer, const std::string& site_id) {
+  return writer.Run("DELETE FROM sites WHERE id = $1", site_id).NumChanges() > 0;
 }
 
-std::vector<std::string> PhotosOf(PostgresConnection &writer,
-                                  const std::vector<std::string> &map_ids) {
+std::vector<std::string> PhotosOf(PostgresConnection& writer,
+                                  const std::vector<std::string>& map_ids) {
   std::vector<std::string> images;
-  for (const std::string &id : map_ids) {
+  for (const std::string& id : map_ids) {
     const std::vector<std::string> some =
-        writer
-            .Run("SELECT DISTINCT sha256 FROM photo_tiles WHERE map_id = $1",
-                 id)
-            .Texts();
+        writer.Run("SELECT DISTINCT sha256 FROM photo_tiles WHERE map_id = $1", id).Texts();
     images.insert(images.end(), some.begin(), some.end());
   }
   std::sort(images.begin(), images.end());
@@ -33,21 +29,20 @@ std::vector<std::string> PhotosOf(PostgresConnection &writer,
   return images;
 }
 
-std::vector<std::string> ReadIds(PostgresState &state, const std::string &sql,
-                                 const std::string &value) {
-  return state.Read([&](PostgresConnection &connection) {
-    return connection.Run(sql, value).Texts();
-  });
+std::vector<std::string> ReadIds(PostgresState& state,
+                                 const std::string& sql,
+                                 const std::string& value) {
+  return state.Read(
+      [&](PostgresConnection& connection) { return connection.Run(sql, value).Texts(); });
 }
 
-} // namespace
+}  // namespace
 
-uint64_t PostgresSiteStore::Version() const {
-  return state_.VersionOf("sites");
-}
+uint64_t PostgresSiteStore::Version() const { return state_.VersionOf("sites"); }
 
-void PostgresSiteStore::Put(const SiteRow &site, std::string_view map_blob,
-                            const Standings &others) {
+void PostgresSiteStore::Put(const SiteRow& site,
+                            std::string_view map_blob,
+                            const Standings& others) {
   PostgresWrite writer(state_);
   StepSites(*writer);
   PutSite(*writer, site, map_blob);
@@ -55,69 +50,58 @@ void PostgresSiteStore::Put(const SiteRow &site, std::string_view map_blob,
   writer.Commit();
 }
 
-void PostgresSiteStore::PutEvaluation(const EvaluationRows &rows,
-                                      const Standings &others) {
+void PostgresSiteStore::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
   std::vector<std::string> images;
   {
     PostgresWrite writer(state_);
     StepSites(*writer);
     images = PhotosOf(*writer, rows.forgotten_maps);
-    for (const std::string &id : rows.forgotten_sites)
-      DeleteSite(*writer, id);
-    for (const std::string &id : rows.forgotten_maps) {
+    for (const std::string& id : rows.forgotten_sites) DeleteSite(*writer, id);
+    for (const std::string& id : rows.forgotten_maps) {
       writer->Run("DELETE FROM maps WHERE id = $1", id);
     }
-    for (const std::string &id : rows.new_maps) {
+    for (const std::string& id : rows.new_maps) {
       writer->Run("UPDATE maps SET is_in_force = true WHERE id = $1", id);
     }
-    for (const SiteRow &site : rows.sites)
-      PutSite(*writer, site, {});
+    for (const SiteRow& site : rows.sites) PutSite(*writer, site, {});
     PutSiteStandings(*writer, others);
     writer.Commit();
   }
   RemoveUnusedImages(state_, images);
 }
 
-bool PostgresSiteStore::Delete(const std::string &site_id,
-                               const Standings &others) {
+bool PostgresSiteStore::Delete(const std::string& site_id, const Standings& others) {
   PostgresWrite writer(state_);
   StepSites(*writer);
-  if (!DeleteSite(*writer, site_id))
-    return false;
+  if (!DeleteSite(*writer, site_id)) return false;
   PutSiteStandings(*writer, others);
   writer.Commit();
   return true;
 }
 
-void PostgresSiteStore::SetStandings(const Standings &standings) {
-  if (standings.empty())
-    return;
+void PostgresSiteStore::SetStandings(const Standings& standings) {
+  if (standings.empty()) return;
   PostgresWrite writer(state_);
   StepSites(*writer);
   PutSiteStandings(*writer, standings);
   writer.Commit();
 }
 
-std::optional<SiteRow>
-PostgresSiteStore::Find(const std::string &site_id) const {
-  return state_.Read(
-      [&](PostgresConnection &connection) -> std::optional<SiteRow> {
-        const PostgresRows rows = connection.Run(
-            std::string("SELECT ") + kSiteColumns + " FROM sites WHERE id = $1",
-            site_id);
-        if (rows.empty())
-          return std::nullopt;
-        return SiteRowOf(rows[0]);
-      });
+std::optional<SiteRow> PostgresSiteStore::Find(const std::string& site_id) const {
+  return state_.Read([&](PostgresConnection& connection) -> std::optional<SiteRow> {
+    const PostgresRows rows = connection.Run(
+        std::string("SELECT ") + kSiteColumns + " FROM sites WHERE id = $1", site_id);
+    if (rows.empty()) return std::nullopt;
+    return SiteRowOf(rows[0]);
+  });
 }
 
-std::vector<SiteRow>
-PostgresSiteStore::List(const std::optional<std::string> &flight_id,
-                        const std::optional<BoundingBox> &box) const {
+std::vector<SiteRow> PostgresSiteStore::List(const std::optional<std::string>& flight_id,
+                                             const std::optional<BoundingBox>& box) const {
   const BoundingBox wanted = box.value_or(kWholeEarth);
   // The index finds a few more than the box holds; the degrees decide.
   const BoundingBox unrolled = Unrolled(wanted);
-  return state_.Read([&](PostgresConnection &connection) {
+  return state_.Read([&](PostgresConnection& connection) {
     return connection
         .Run(std::string("SELECT ") + kSiteColumns +
                  " FROM sites WHERE (NOT $1 OR flight_id = $2) "
@@ -127,27 +111,27 @@ PostgresSiteStore::List(const std::optional<std::string> &flight_id,
                  "AND (touchdown && ST_MakeEnvelope($4, $3, $7, $5, 4326) "
                  "OR touchdown && ST_MakeEnvelope($4 - 360, $3, $7 - 360, $5, "
                  "4326)) ORDER BY id",
-             flight_id.has_value(), flight_id.value_or(""), wanted.south_deg,
-             wanted.west_deg, wanted.north_deg, wanted.east_deg,
+             flight_id.has_value(),
+             flight_id.value_or(""),
+             wanted.south_deg,
+             wanted.west_deg,
+             wanted.north_deg,
+             wanted.east_deg,
              unrolled.east_deg)
         .Each(SiteRowOf);
   });
 }
 
-std::optional<std::string>
-PostgresSiteStore::ReadMap(const std::string &site_id) const {
-  return state_.Read(
-      [&](PostgresConnection &connection) -> std::optional<std::string> {
-        const PostgresRows rows = connection.Run(
-            "SELECT map FROM site_maps WHERE site_id = $1", site_id);
-        if (rows.empty())
-          return std::nullopt;
-        return rows[0].Text(0);
-      });
+std::optional<std::string> PostgresSiteStore::ReadMap(const std::string& site_id) const {
+  return state_.Read([&](PostgresConnection& connection) -> std::optional<std::string> {
+    const PostgresRows rows =
+        connection.Run("SELECT map FROM site_maps WHERE site_id = $1", site_id);
+    if (rows.empty()) return std::nullopt;
+    return rows[0].Text(0);
+  });
 }
 
-std::vector<std::string>
-PostgresSiteStore::ListDependents(const std::string &site_id) const {
+std::vector<std::string> PostgresSiteStore::ListDependents(const std::string& site_id) const {
   return ReadIds(state_,
                  "SELECT id FROM sites WHERE superseded_by = $1 UNION SELECT "
                  "id FROM sites "
@@ -156,8 +140,7 @@ PostgresSiteStore::ListDependents(const std::string &site_id) const {
                  site_id);
 }
 
-std::vector<std::string>
-PostgresSiteStore::ListDependentsOfMap(const std::string &map_id) const {
+std::vector<std::string> PostgresSiteStore::ListDependentsOfMap(const std::string& map_id) const {
   return ReadIds(state_,
                  "SELECT id FROM sites WHERE superseded_by_map = $1 UNION "
                  "SELECT id FROM sites "
@@ -167,56 +150,50 @@ PostgresSiteStore::ListDependentsOfMap(const std::string &map_id) const {
 }
 
 std::vector<std::string> PostgresSiteStore::ListUnchecked() const {
-  return state_.Read([](PostgresConnection &connection) {
+  return state_.Read([](PostgresConnection& connection) {
     return connection
-        .Run("SELECT id FROM sites WHERE is_recallable AND NOT is_checked "
-             "ORDER BY id")
+        .Run(
+            "SELECT id FROM sites WHERE is_recallable AND NOT is_checked "
+            "ORDER BY id")
         .Texts();
   });
 }
 
-SharedRows<MapRow> PostgresSiteStore::ListMaps(const BoundingBox &box) const {
-  return RowsWithin<MapRow>(
-      state_.map_rows, box, Version(), [&](const BoundingBox &wide) {
-        return state_.Read([&](PostgresConnection &connection) {
-          return SelectMapRows(connection, wide);
-        });
-      });
+SharedRows<MapRow> PostgresSiteStore::ListMaps(const BoundingBox& box) const {
+  return RowsWithin<MapRow>(state_.map_rows, box, Version(), [&](const BoundingBox& wide) {
+    return state_.Read(
+        [&](PostgresConnection& connection) { return SelectMapRows(connection, wide); });
+  });
 }
 
-std::vector<std::string>
-PostgresSiteStore::ListAccepted(const BoundingBox &box) const {
-  return state_.Read([&](PostgresConnection &connection) {
+std::vector<std::string> PostgresSiteStore::ListAccepted(const BoundingBox& box) const {
+  return state_.Read([&](PostgresConnection& connection) {
     std::vector<std::string> ids =
-        SelectSitesMeeting(connection,
-                           "SELECT id FROM sites WHERE is_recallable AND id IN",
-                           box)
+        SelectSitesMeeting(connection, "SELECT id FROM sites WHERE is_recallable AND id IN", box)
             .Texts();
     std::sort(ids.begin(), ids.end());
     return ids;
   });
 }
 
-SharedRows<RecallRow>
-PostgresSiteStore::ListRecallable(const BoundingBox &box) const {
-  return RowsWithin<RecallRow>(
-      state_.recall_rows, box, Version(), [&](const BoundingBox &wide) {
-        return state_.Read([&](PostgresConnection &connection) {
-          return SelectRecallRows(connection, wide);
-        });
-      });
+SharedRows<RecallRow> PostgresSiteStore::ListRecallable(const BoundingBox& box) const {
+  return RowsWithin<RecallRow>(state_.recall_rows, box, Version(), [&](const BoundingBox& wide) {
+    return state_.Read(
+        [&](PostgresConnection& connection) { return SelectRecallRows(connection, wide); });
+  });
 }
 
 int64_t PostgresSiteStore::CountRecallable() const {
-  return state_.Read([](PostgresConnection &connection) {
+  return state_.Read([](PostgresConnection& connection) {
     return connection
-        .Run("SELECT count(*) FROM sites WHERE is_recallable AND superseded_by "
-             "IS NULL")[0]
+        .Run(
+            "SELECT count(*) FROM sites WHERE is_recallable AND superseded_by "
+            "IS NULL")[0]
         .Int(0);
   });
 }
 
-bool PostgresSiteStore::HasRecallable(const std::string &flight_id) const {
+bool PostgresSiteStore::HasRecallable(const std::string& flight_id) const {
   return !ReadIds(state_,
                   "SELECT id FROM sites WHERE flight_id = $1 AND is_recallable "
                   "LIMIT 1",
@@ -228,19 +205,20 @@ RecallBounds PostgresSiteStore::BoundsOfRecallable() const {
   const uint64_t version = Version();
   {
     const std::lock_guard lock(state_.bounds_mutex);
-    if (state_.bounds_version == version)
-      return state_.bounds;
+    if (state_.bounds_version == version) return state_.bounds;
   }
-  RecallBounds bounds = state_.Read([](PostgresConnection &connection) {
+  RecallBounds bounds = state_.Read([](PostgresConnection& connection) {
     RecallBounds read;
     read.min_altitude_m = connection
-                              .Run("SELECT coalesce(min(altitude_m), 0) FROM "
-                                   "sites WHERE is_recallable")[0]
+                              .Run(
+                                  "SELECT coalesce(min(altitude_m), 0) FROM "
+                                  "sites WHERE is_recallable")[0]
                               .Real(0);
     read.aircraft_jsons = connection
-                              .Run("SELECT DISTINCT aircraft_json COLLATE "
-                                   "\"C\" FROM sites WHERE is_recallable "
-                                   "ORDER BY 1")
+                              .Run(
+                                  "SELECT DISTINCT aircraft_json COLLATE "
+                                  "\"C\" FROM sites WHERE is_recallable "
+                                  "ORDER BY 1")
                               .Texts();
     return read;
   });
@@ -249,15 +227,14 @@ RecallBounds PostgresSiteStore::BoundsOfRecallable() const {
   return state_.bounds = std::move(bounds);
 }
 
-int64_t PostgresSiteStore::CountOverruled(const BoundingBox &box) const {
-  return state_.Read([&](PostgresConnection &connection) {
-    return SelectSitesMeeting(
-               connection,
-               "SELECT count(*) FROM sites WHERE superseded_by IS NOT NULL "
-               "AND is_recallable AND id IN",
-               box)[0]
+int64_t PostgresSiteStore::CountOverruled(const BoundingBox& box) const {
+  return state_.Read([&](PostgresConnection& connection) {
+    return SelectSitesMeeting(connection,
+                              "SELECT count(*) FROM sites WHERE superseded_by IS NOT NULL "
+                              "AND is_recallable AND id IN",
+                              box)[0]
         .Int(0);
   });
 }
 
-} // namespace freelsd
+}  // namespace freelsd

@@ -21,18 +21,19 @@ namespace freelsd {
 // never wait for writers.
 struct PostgresState {
   // Opens the database and creates or migrates its schema.
-  explicit PostgresState(const StorageOptions &given);
+  explicit PostgresState(const StorageOptions& given);
 
   // Runs `act` with a connection on which each statement is a transaction of
   // its own. `act` may run twice.
-  template <typename Act> auto Read(const Act &act) {
+  template <typename Act>
+  auto Read(const Act& act) {
     return WithConnection(readers, act);
   }
   // Throws StorageError after MarkDamaged.
-  ConnectionPool &Writers();
-  void MarkDamaged(const std::string &why);
+  ConnectionPool& Writers();
+  void MarkDamaged(const std::string& why);
   // The version of 'sites' or 'obstacles'.
-  uint64_t VersionOf(const std::string &name);
+  uint64_t VersionOf(const std::string& name);
 
   StorageOptions options;
   FolderLock lock;
@@ -56,14 +57,14 @@ struct PostgresState {
 
 // A transaction on one of the state's connections for writing.
 class PostgresWrite : public PostgresTransaction {
-public:
-  explicit PostgresWrite(PostgresState &state);
+ public:
+  explicit PostgresWrite(PostgresState& state);
 };
 
 // Increases the version of sites. Writers of sites then take turns until they
 // commit.
-void StepSites(PostgresConnection &writer);
+void StepSites(PostgresConnection& writer);
 // The same for obstacles and sites.
-void StepObstacles(PostgresConnection &writer);
+void StepObstacles(PostgresConnection& writer);
 
-} // namespace freelsd
+}  // namespace freelsd

@@ -10,22 +10,21 @@ namespace freelsd {
 namespace {
 
 std::string DatabaseUrl() {
-  const char *const url = std::getenv("FREELSD_TEST_DATABASE");
+  const char* const url = std::getenv("FREELSD_TEST_DATABASE");
   return url == nullptr ? "" : url;
 }
 
-void ExecuteAt(const std::string &url, const std::string &sql) {
-  PGconn *const connection = PQconnectdb(url.c_str());
-  PGresult *const result = PQexec(connection, sql.c_str());
+void ExecuteAt(const std::string& url, const std::string& sql) {
+  PGconn* const connection = PQconnectdb(url.c_str());
+  PGresult* const result = PQexec(connection, sql.c_str());
   const ExecStatusType status = PQresultStatus(result);
   const std::string error = PQerrorMessage(connection);
   PQclear(result);
   PQfinish(connection);
-  if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK)
-    throw std::runtime_error(error);
+  if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK) throw std::runtime_error(error);
 }
 
-std::string UrlOf(const std::string &schema) {
+std::string UrlOf(const std::string& schema) {
   const std::string url = DatabaseUrl();
   const char separator = url.find('?') == std::string::npos ? '?' : '&';
   return url + separator + "options=-csearch_path%3D" + schema + "%2Cpublic";
@@ -36,30 +35,26 @@ std::string NewSchema() {
   return "test_" + std::to_string(::getpid()) + "_" + std::to_string(next++);
 }
 
-} // namespace
+}  // namespace
 
 StoragePlace::StoragePlace() : schema_(NewSchema()) {
-  if (Kind() == DatabaseKind::kPostgres)
-    ExecuteAt(DatabaseUrl(), "CREATE SCHEMA " + schema_);
+  if (Kind() == DatabaseKind::kPostgres) ExecuteAt(DatabaseUrl(), "CREATE SCHEMA " + schema_);
 }
 
 StoragePlace::~StoragePlace() {
-  if (Kind() != DatabaseKind::kPostgres)
-    return;
-  ExecuteAt(DatabaseUrl(), "SET client_min_messages = warning; DROP SCHEMA " +
-                               schema_ + " CASCADE");
+  if (Kind() != DatabaseKind::kPostgres) return;
+  ExecuteAt(DatabaseUrl(),
+            "SET client_min_messages = warning; DROP SCHEMA " + schema_ + " CASCADE");
 }
 
 DatabaseKind StoragePlace::Kind() {
-  return DatabaseUrl().empty() ? DatabaseKind::kSqlite
-                               : DatabaseKind::kPostgres;
+  return DatabaseUrl().empty() ? DatabaseKind::kSqlite : DatabaseKind::kPostgres;
 }
 
 StorageOptions StoragePlace::options() const {
   StorageOptions options;
   options.folder = folder_.path();
-  if (Kind() == DatabaseKind::kSqlite)
-    return options;
+  if (Kind() == DatabaseKind::kSqlite) return options;
   options.folder = folder_.path() / "data";
   options.database_url = UrlOf(schema_);
   options.images_folder = images_folder();
@@ -79,8 +74,6 @@ StorageOptions StoragePlace::OptionsOfOther() const {
   return other;
 }
 
-void StoragePlace::Execute(const std::string &sql) const {
-  ExecuteAt(UrlOf(schema_), sql);
-}
+void StoragePlace::Execute(const std::string& sql) const { ExecuteAt(UrlOf(schema_), sql); }
 
-} // namespace freelsd
+}  // namespace freelsd

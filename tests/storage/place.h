@@ -12,11 +12,11 @@ namespace freelsd {
 
 // Removed at the end: the folder, and in PostgreSQL a schema of its own.
 class StoragePlace {
-public:
+ public:
   StoragePlace();
   ~StoragePlace();
-  StoragePlace(const StoragePlace &) = delete;
-  StoragePlace &operator=(const StoragePlace &) = delete;
+  StoragePlace(const StoragePlace&) = delete;
+  StoragePlace& operator=(const StoragePlace&) = delete;
 
   static DatabaseKind Kind();
   // Images that nothing refers to are removed at the next start, however young.
@@ -25,15 +25,13 @@ public:
   // second one another folder.
   StorageOptions OptionsOfOne() const;
   StorageOptions OptionsOfOther() const;
-  std::filesystem::path images_folder() const {
-    return folder_.path() / "images";
-  }
+  std::filesystem::path images_folder() const { return folder_.path() / "images"; }
   // Runs SQL in the PostgreSQL schema.
-  void Execute(const std::string &sql) const;
+  void Execute(const std::string& sql) const;
 
-private:
+ private:
   TemporaryFolder folder_;
   std::string schema_;
 };
 
-} // namespace freelsd
+}  // namespace freelsd

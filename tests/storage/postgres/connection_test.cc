@@ -17,11 +17,10 @@ namespace freelsd {
 namespace {
 
 // pg_ctl of the suite's own cluster.
-void ControlCluster(const std::string &command) {
-  const char *const control = std::getenv("FREELSD_TEST_CLUSTER");
+void ControlCluster(const std::string& command) {
+  const char* const control = std::getenv("FREELSD_TEST_CLUSTER");
   REQUIRE(control != nullptr);
-  REQUIRE(std::system(
-              (control + (" " + command) + " >/dev/null 2>&1").c_str()) == 0);
+  REQUIRE(std::system((control + (" " + command) + " >/dev/null 2>&1").c_str()) == 0);
 }
 
 TEST_CASE("postgres: a newer schema is refused and stays as it is") {
@@ -31,7 +30,7 @@ TEST_CASE("postgres: a newer schema is refused and stays as it is") {
   try {
     const Storage storage(place.options());
     FAIL("it was opened");
-  } catch (const StorageError &error) {
+  } catch (const StorageError& error) {
     CHECK(error.fault == StorageFault::kNewer);
     CHECK(std::string(error.what()).find("version 99") != std::string::npos);
   }
@@ -39,25 +38,25 @@ TEST_CASE("postgres: a newer schema is refused and stays as it is") {
   CHECK(Storage(place.options()).flights.Find("f"));
 }
 
-TEST_CASE(
-    "postgres: a second process is refused unless the database is shared") {
+TEST_CASE("postgres: a second process is refused unless the database is shared") {
   const StoragePlace place;
   const Storage storage(place.options());
   StorageOptions other = place.OptionsOfOther();
   other.is_shared = false;
-  CHECK_THROWS_WITH_AS(Storage{other},
-                       doctest::Contains("another freelsd-server uses it"),
-                       StorageError);
+  CHECK_THROWS_WITH_AS(
+      Storage{other}, doctest::Contains("another freelsd-server uses it"), StorageError);
 }
 
-TEST_CASE("postgres: a process writes nothing after another one took the "
-          "database from it") {
+TEST_CASE(
+    "postgres: a process writes nothing after another one took the "
+    "database from it") {
   const StoragePlace place;
   Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   // Its lock is gone with its connections.
-  place.Execute("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE "
-                "application_name = 'freelsd'");
+  place.Execute(
+      "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE "
+      "application_name = 'freelsd'");
   StorageOptions options = place.OptionsOfOther();
   options.is_shared = false;
   Storage other(options);
@@ -74,15 +73,13 @@ TEST_CASE("postgres: two processes create the schema at the same time, once") {
   const StoragePlace place;
   std::atomic<int> num_open{0};
   std::vector<std::thread> threads;
-  for (const StorageOptions &options :
-       {place.OptionsOfOne(), place.OptionsOfOther()}) {
+  for (const StorageOptions& options : {place.OptionsOfOne(), place.OptionsOfOther()}) {
     threads.emplace_back([&num_open, options] {
       const Storage storage(options);
       ++num_open;
     });
   }
-  for (std::thread &thread : threads)
-    thread.join();
+  for (std::thread& thread : threads) thread.join();
   CHECK(num_open == 2);
 }
 
@@ -93,14 +90,13 @@ TEST_CASE("postgres: a URI with a password is refused without telling it") {
   try {
     const Storage storage(options);
     FAIL("it was opened");
-  } catch (const StorageError &error) {
+  } catch (const StorageError& error) {
     CHECK(std::string(error.what()).find("password") != std::string::npos);
     CHECK(std::string(error.what()).find("secret") == std::string::npos);
   }
 }
 
-TEST_CASE(
-    "postgres: a database that cannot be reached is an error within the time") {
+TEST_CASE("postgres: a database that cannot be reached is an error within the time") {
   const StoragePlace place;
   StorageOptions options = place.options();
   options.database_url = "postgresql://someone@localhost:1/freelsd";
@@ -115,11 +111,11 @@ TEST_CASE("postgres: connections that the server ends are replaced") {
   Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   for (int i = 0; i < 3; ++i) {
-    place.Execute("SELECT pg_terminate_backend(pid) FROM pg_stat_activity "
-                  "WHERE application_name = 'freelsd'");
+    place.Execute(
+        "SELECT pg_terminate_backend(pid) FROM pg_stat_activity "
+        "WHERE application_name = 'freelsd'");
     CHECK(storage.flights.Find("f"));
-    CHECK(storage.flights.Change(
-        "f", [](FlightRow &flight) { ++flight.num_rejected_frames; }));
+    CHECK(storage.flights.Change("f", [](FlightRow& flight) { ++flight.num_rejected_frames; }));
     CHECK_FALSE(storage.WhyNotWritable());
   }
   CHECK(storage.flights.Find("f")->num_rejected_frames == 3);
@@ -131,19 +127,18 @@ TEST_CASE("postgres: a statement that waits too long is given up") {
   options.statement_timeout_s = 0.5;
   Storage storage(options);
   storage.flights.Insert(SomeFlight("f"));
-  std::thread holder([&place] {
-    place.Execute("BEGIN; LOCK TABLE flights; SELECT pg_sleep(3); COMMIT");
-  });
+  std::thread holder(
+      [&place] { place.Execute("BEGIN; LOCK TABLE flights; SELECT pg_sleep(3); COMMIT"); });
   std::this_thread::sleep_for(std::chrono::seconds(1));
   CHECK_THROWS_WITH_AS(storage.flights.Insert(SomeFlight("g")),
-                       doctest::Contains("statement timeout"), StorageError);
+                       doctest::Contains("statement timeout"),
+                       StorageError);
   holder.join();
   storage.flights.Insert(SomeFlight("g"));
   CHECK(storage.flights.Count() == 2);
 }
 
-TEST_CASE(
-    "postgres: after MarkDamaged nothing is written, and the reason is told") {
+TEST_CASE("postgres: after MarkDamaged nothing is written, and the reason is told") {
   const StoragePlace place;
   Storage storage(place.options());
   storage.MarkDamaged("site s: its map cannot be read");
@@ -153,16 +148,14 @@ TEST_CASE(
   CHECK(storage.Notices().back().find("site s") != std::string::npos);
 }
 
-TEST_CASE(
-    "postgres: the suite's own cluster is durable, so there is no notice") {
+TEST_CASE("postgres: the suite's own cluster is durable, so there is no notice") {
   const StoragePlace place;
   CHECK(Storage(place.options()).Notices().empty());
 }
 
 // Frames are stored while the cluster is stopped without a checkpoint and
 // started again.
-TEST_CASE(
-    "postgres: no frame whose insert returned is lost by immediate shutdowns") {
+TEST_CASE("postgres: no frame whose insert returned is lost by immediate shutdowns") {
   constexpr int kNumShutdowns = 3;
   const StoragePlace place;
   Storage storage(place.options());
@@ -176,7 +169,7 @@ TEST_CASE(
       try {
         storage.frames.Insert("f", {SomeFrame("f", std::to_string(i))});
         acknowledged.push_back(std::to_string(i));
-      } catch (const StorageError &) {
+      } catch (const StorageError&) {
         ++num_failed;
       }
     }
@@ -189,10 +182,9 @@ TEST_CASE(
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   is_over = true;
   sender.join();
-  MESSAGE(acknowledged.size()
-          << " frames acknowledged, " << num_failed << " inserts failed");
+  MESSAGE(acknowledged.size() << " frames acknowledged, " << num_failed << " inserts failed");
   CHECK(acknowledged.size() > 10);
-  for (const std::string &id : acknowledged) {
+  for (const std::string& id : acknowledged) {
     CAPTURE(id);
     CHECK(storage.frames.Find("f", id));
   }
@@ -202,7 +194,7 @@ TEST_CASE(
   }
 }
 
-} // namespace
-} // namespace freelsd
+}  // namespace
+}  // namespace freelsd
 
 TEST_SUITE_END();

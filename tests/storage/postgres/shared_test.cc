@@ -26,34 +26,30 @@ std::string ImageName(int number) {
 }
 
 // Runs `act` with both storages at the same time.
-void InBoth(Storage &one, Storage &other,
-            const std::function<void(Storage &, int)> &act) {
+void InBoth(Storage& one, Storage& other, const std::function<void(Storage&, int)>& act) {
   std::thread first([&] { act(one, 0); });
   std::thread second([&] { act(other, 1); });
   first.join();
   second.join();
 }
 
-TEST_CASE(
-    "postgres: frames from two processes have sequence numbers without a gap") {
+TEST_CASE("postgres: frames from two processes have sequence numbers without a gap") {
   constexpr int kNumFrames = 20;
   const StoragePlace place;
   Storage one(place.OptionsOfOne());
   Storage other(place.OptionsOfOther());
   one.flights.Insert(SomeFlight("f"));
   one.images.Write(kImage, "pixels");
-  InBoth(one, other, [](Storage &storage, int who) {
+  InBoth(one, other, [](Storage& storage, int who) {
     for (int i = 0; i < kNumFrames; ++i) {
-      storage.frames.Insert(
-          "f", {SomeFrame("f", std::to_string(who) + "-" + std::to_string(i))});
+      storage.frames.Insert("f", {SomeFrame("f", std::to_string(who) + "-" + std::to_string(i))});
     }
   });
   const std::vector<FrameRow> frames = one.frames.List("f");
   REQUIRE(frames.size() == 2 * kNumFrames);
   for (size_t i = 0; i < frames.size(); ++i) {
     CHECK(frames[i].sequence == static_cast<int64_t>(i) + 1);
-    if (i > 0)
-      CHECK(frames[i].arrived_at_us > frames[i - 1].arrived_at_us);
+    if (i > 0) CHECK(frames[i].arrived_at_us > frames[i - 1].arrived_at_us);
   }
 }
 
@@ -65,12 +61,12 @@ TEST_CASE("postgres: the same frame sent to two processes is stored once") {
   one.flights.Insert(SomeFlight("f"));
   one.images.Write(kImage, "pixels");
   std::atomic<int> num_stored{0}, num_refused{0};
-  InBoth(one, other, [&](Storage &storage, int) {
+  InBoth(one, other, [&](Storage& storage, int) {
     for (int i = 0; i < kNumFrames; ++i) {
       try {
         storage.frames.Insert("f", {SomeFrame("f", std::to_string(i))});
         ++num_stored;
-      } catch (const StorageError &) {
+      } catch (const StorageError&) {
         ++num_refused;
       }
     }
@@ -86,17 +82,17 @@ TEST_CASE("postgres: changes of one flight from two processes are all kept") {
   Storage one(place.OptionsOfOne());
   Storage other(place.OptionsOfOther());
   one.flights.Insert(SomeFlight("f"));
-  InBoth(one, other, [](Storage &storage, int) {
+  InBoth(one, other, [](Storage& storage, int) {
     for (int i = 0; i < kNumChanges; ++i) {
-      storage.flights.Change(
-          "f", [](FlightRow &flight) { ++flight.num_rejected_frames; });
+      storage.flights.Change("f", [](FlightRow& flight) { ++flight.num_rejected_frames; });
     }
   });
   CHECK(one.flights.Find("f")->num_rejected_frames == 2 * kNumChanges);
 }
 
-TEST_CASE("postgres: what another process changes of sites and obstacles is "
-          "seen at once") {
+TEST_CASE(
+    "postgres: what another process changes of sites and obstacles is "
+    "seen at once") {
   const StoragePlace place;
   Storage one(place.OptionsOfOne());
   Storage other(place.OptionsOfOther());
@@ -111,8 +107,7 @@ TEST_CASE("postgres: what another process changes of sites and obstacles is "
   CHECK(other.sites.Delete("f-r1"));
   CHECK(one.sites.ListRecallable(kAround).empty());
   const uint64_t no_wire = one.obstacles.Version();
-  other.obstacles.Put({{"wire", "{}", {7.0, 49.0, 8.0, 50.0}, std::nullopt, 1}},
-                      0);
+  other.obstacles.Put({{"wire", "{}", {7.0, 49.0, 8.0, 50.0}, std::nullopt, 1}}, 0);
   CHECK(one.obstacles.Version() > no_wire);
   CHECK(one.obstacles.List().size() == 1);
 }
@@ -123,7 +118,7 @@ TEST_CASE("postgres: ids of maps differ between processes") {
   Storage one(place.OptionsOfOne());
   Storage other(place.OptionsOfOther());
   std::array<std::vector<std::string>, 2> ids;
-  InBoth(one, other, [&](Storage &storage, int who) {
+  InBoth(one, other, [&](Storage& storage, int who) {
     for (int i = 0; i < kNumMaps; ++i) {
       ids[static_cast<size_t>(who)].push_back(storage.maps.NewId("f"));
     }
@@ -135,44 +130,43 @@ TEST_CASE("postgres: ids of maps differ between processes") {
 
 // One process deletes flights, which removes their image, while the other
 // stores frames with the same image.
-TEST_CASE("postgres: a stored frame has its image, while another process "
-          "removes the same image") {
+TEST_CASE(
+    "postgres: a stored frame has its image, while another process "
+    "removes the same image") {
   constexpr int kNumRounds = 40;
   const StoragePlace place;
   Storage one(place.OptionsOfOne());
   Storage other(place.OptionsOfOther());
   int num_stored = 0;
-  InBoth(one, other, [&](Storage &storage, int who) {
+  InBoth(one, other, [&](Storage& storage, int who) {
     for (int i = 0; i < kNumRounds; ++i) {
-      const std::string flight =
-          (who == 0 ? "gone-" : "kept-") + std::to_string(i);
+      const std::string flight = (who == 0 ? "gone-" : "kept-") + std::to_string(i);
       storage.flights.Insert(SomeFlight(flight));
       FrameRow frame = SomeFrame(flight, "one");
       frame.sha256 = ImageName(i / 4);
       storage.images.Write(frame.sha256, "pixels");
       try {
         storage.frames.Insert(flight, {frame});
-        if (who == 1)
-          ++num_stored;
-      } catch (const StorageError &) {
+        if (who == 1) ++num_stored;
+      } catch (const StorageError&) {
         // The image was removed between the two calls; a client sends it again.
       }
-      if (who == 0)
-        storage.flights.Delete(flight, true);
+      if (who == 0) storage.flights.Delete(flight, true);
     }
   });
   CHECK(num_stored > 0);
   int num_with_image = 0;
-  for (const FlightRow &flight : one.flights.List()) {
-    for (const FrameRow &frame : one.frames.List(flight.id)) {
+  for (const FlightRow& flight : one.flights.List()) {
+    for (const FrameRow& frame : one.frames.List(flight.id)) {
       num_with_image += one.images.Read(frame.sha256) == "pixels" ? 1 : 0;
     }
   }
   CHECK(num_with_image == num_stored);
 }
 
-TEST_CASE("postgres: a start leaves young images and unfinished maps, which "
-          "others may be writing") {
+TEST_CASE(
+    "postgres: a start leaves young images and unfinished maps, which "
+    "others may be writing") {
   const StoragePlace place;
   Storage one(place.OptionsOfOne());
   one.images.Write(kImage, "just written");
@@ -192,14 +186,14 @@ TEST_CASE("postgres: a start removes files that were left without a row") {
   { const Storage storage(place.options()); }
   const std::filesystem::path shelf = place.images_folder() / "aa";
   std::filesystem::create_directories(shelf);
-  for (const std::string &name : {kImage, kImage + ".1.2-part"}) {
+  for (const std::string& name : {kImage, kImage + ".1.2-part"}) {
     CHECK(std::system(("echo left > " + (shelf / name).string()).c_str()) == 0);
   }
   const Storage storage(place.options());
   CHECK(std::filesystem::is_empty(shelf));
 }
 
-} // namespace
-} // namespace freelsd
+}  // namespace
+}  // namespace freelsd
 
 TEST_SUITE_END();
