@@ -22,8 +22,7 @@ struct Edges {
 };
 
 constexpr char kBoxes[] =
-    "unnest($1::float8[], $2::float8[], $3::float8[], $4::float8[]) WITH "
-    "ORDINALITY "
+    "unnest($1::float8[], $2::float8[], $3::float8[], $4::float8[]) WITH ORDINALITY "
     "AS box (west_deg, south_deg, east_deg, north_deg, part)";
 constexpr char kEnvelope[] = "ST_MakeEnvelope(west_deg, south_deg, east_deg, north_deg, 4326)";
 

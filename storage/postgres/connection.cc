@@ -11,8 +11,7 @@ namespace {
 
 using SteadyClock = std::chrono::steady_clock;
 
-// The server ends a statement itself; the client gives up only if the server is
-// silent.
+// The server ends a statement itself; the client gives up only if the server is silent.
 constexpr std::chrono::milliseconds kSilence{2000};
 // A transaction whose process stands still gives up its locks.
 constexpr std::chrono::milliseconds kMaxIdleInTransaction{60000};
@@ -63,8 +62,7 @@ PGconn* Connect(const std::string& url, const PostgresTimeouts& timeouts) {
   return PQconnectdbParams(words.data(), values.data(), 1);
 }
 
-// What the server has to say beside answers, e.g. that it shuts down, comes as
-// errors too.
+// libpq would print them, e.g. that the server shuts down; what matters comes as an error too.
 void IgnoreNotice(void*, const char*) {}
 
 // libpq ends its messages with line breaks.
@@ -108,8 +106,7 @@ PostgresConnection::PostgresConnection(const std::string& url, const PostgresTim
   PQsetNoticeProcessor(connection_.get(), IgnoreNotice, nullptr);
   PQsetnonblocking(connection_.get(), 1);
   Execute(
-      "SET synchronous_commit = on; SET client_min_messages = warning; SET "
-      "statement_timeout = " +
+      "SET synchronous_commit = on; SET client_min_messages = warning; SET statement_timeout = " +
       Milliseconds(timeouts_.statement) +
       "; SET idle_in_transaction_session_timeout = " + Milliseconds(kMaxIdleInTransaction));
 }

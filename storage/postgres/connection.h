@@ -17,8 +17,8 @@
 
 namespace freelsd {
 
-// The connection broke, or the database did not answer in time. What it was
-// doing may or may not have happened.
+// The connection broke, or the database did not answer in time. What it was doing may or may not
+// have happened.
 struct ConnectionLost : StorageError {
   using StorageError::StorageError;
 };
@@ -74,8 +74,7 @@ struct PostgresTimeouts {
 // Only one thread may use a connection at a time.
 class PostgresConnection {
  public:
-  // Throws ConnectionLost if there is none within the time. It refuses servers
-  // that are read-only.
+  // Throws ConnectionLost if there is none within the time. It refuses servers that are read-only.
   PostgresConnection(const std::string& url, const PostgresTimeouts& timeouts);
   PostgresConnection(const PostgresConnection&) = delete;
   PostgresConnection& operator=(const PostgresConnection&) = delete;
@@ -109,8 +108,7 @@ class PostgresConnection {
   bool is_broken_ = false;
 };
 
-// Throws StorageError if the URI is none, or has a password: a command line is
-// no place for it.
+// Throws StorageError if the URI is none, or has a password: a command line is no place for it.
 void CheckDatabaseUrl(const std::string& url);
 
 }  // namespace freelsd

@@ -5,8 +5,7 @@
 namespace freelsd {
 
 const char* const kFlightColumns =
-    "id, name, request_json, rig_json, warnings_json, stages_json, "
-    "created_at_us, "
+    "id, name, request_json, rig_json, warnings_json, stages_json, created_at_us, "
     "num_rejected_frames, has_failed, ground_altitude_m, has_retired_images";
 
 FlightRow FlightRowOf(const PostgresRow& row) {
@@ -38,8 +37,7 @@ bool ChangeFlight(PostgresConnection& writer,
   FlightRow flight = FlightRowOf(rows[0]);
   change(flight);
   writer.Run(
-      "UPDATE flights SET name = $2, rig_json = $3, warnings_json = $4, "
-      "stages_json = $5, "
+      "UPDATE flights SET name = $2, rig_json = $3, warnings_json = $4, stages_json = $5, "
       "num_rejected_frames = $6, has_failed = $7, ground_altitude_m = $8, "
       "has_retired_images = $9 WHERE id = $1",
       flight_id,
@@ -58,14 +56,10 @@ int64_t NextArrivalOf(PostgresConnection& writer, const std::string& flight_id) 
   // One search of an index for each part: a flight may have a million samples.
   const PostgresRows rows = writer.Run(
       "SELECT greatest("
-      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = "
-      "$1 AND kind = 0), "
-      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = "
-      "$1 AND kind = 1), "
-      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = "
-      "$1 AND kind = 2), "
-      "(SELECT arrived_at_us FROM frames WHERE flight_id = $1 ORDER "
-      "BY sequence DESC LIMIT 1))",
+      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = $1 AND kind = 0), "
+      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = $1 AND kind = 1), "
+      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = $1 AND kind = 2), "
+      "(SELECT arrived_at_us FROM frames WHERE flight_id = $1 ORDER BY sequence DESC LIMIT 1))",
       flight_id);
   const std::optional<int64_t> last = rows[0].OptionalInt(0);
   return last ? *last + 1 : std::numeric_limits<int64_t>::min();

@@ -11,8 +11,8 @@ namespace freelsd {
 // The columns of a flight, and the row that they give.
 extern const char* const kFlightColumns;
 FlightRow FlightRowOf(const PostgresRow& row);
-// Other writers of the flight's row, frames and telemetry wait until the
-// transaction ends. False if there is no such flight.
+// Other writers of the flight's row, frames and telemetry wait until the transaction ends. False if
+// there is no such flight.
 bool LockFlight(PostgresConnection& writer, const std::string& flight_id);
 // Locks the row. False if there is no such flight.
 bool ChangeFlight(PostgresConnection& writer,

@@ -13,8 +13,7 @@ constexpr int kNumFlightColumns = 11;
 
 // Each count comes from an index. Sequence numbers run from 1 without a gap.
 constexpr char kSelectCounts[] =
-    ", (SELECT coalesce(max(sequence), 0) FROM frames WHERE flight_id = "
-    "flights.id), "
+    ", (SELECT coalesce(max(sequence), 0) FROM frames WHERE flight_id = flights.id), "
     "(SELECT count(*) FROM frames WHERE flight_id = flights.id AND state = 0), "
     "(SELECT count(*) FROM regions WHERE flight_id = flights.id), "
     "(SELECT count(*) FROM sites WHERE flight_id = flights.id), "
@@ -54,8 +53,7 @@ std::vector<std::string> ImagesOfPhotoTiles(PostgresConnection& writer,
                                             const std::string& flight_id) {
   return writer
       .Run(
-          "SELECT DISTINCT sha256 FROM photo_tiles JOIN maps ON maps.id = "
-          "map_id "
+          "SELECT DISTINCT sha256 FROM photo_tiles JOIN maps ON maps.id = map_id "
           "WHERE flight_id = $1",
           flight_id)
       .Texts();
@@ -135,8 +133,7 @@ std::vector<std::string> PostgresFlightStore::ListWithQueuedFrames() const {
     return connection
         .Run(
             "SELECT id FROM flights WHERE EXISTS (SELECT 1 FROM frames "
-            "WHERE flight_id = flights.id AND state = 0) ORDER BY "
-            "created_at_us, id")
+            "WHERE flight_id = flights.id AND state = 0) ORDER BY created_at_us, id")
         .Texts();
   });
 }
@@ -192,8 +189,7 @@ std::vector<RegionRow> PostgresFlightStore::ListRegions(const std::string& fligh
   return state_.Read([&](PostgresConnection& connection) {
     return connection
         .Run(
-            "SELECT id, feature_json, history_json FROM regions WHERE "
-            "flight_id = $1 ORDER BY rank",
+            "SELECT id, feature_json, history_json FROM regions WHERE flight_id = $1 ORDER BY rank",
             flight_id)
         .Each([](const PostgresRow& row) {
           return RegionRow{row.Int(0), row.Text(1), row.Text(2)};

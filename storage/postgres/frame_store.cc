@@ -9,8 +9,7 @@ namespace freelsd {
 namespace {
 
 constexpr char kSelectFrames[] =
-    "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, "
-    "is_from_batch, "
+    "SELECT flight_id, sequence, id, sha256, meta_json, state, reason, is_from_batch, "
     "tags_json, resolved_json, arrived_at_us FROM frames ";
 
 FrameRow FrameRowOf(const PostgresRow& row) {
@@ -42,8 +41,7 @@ int64_t LastSequence(PostgresConnection& writer, const std::string& flight_id) {
 
 void InsertFrame(PostgresConnection& writer, const FrameRow& frame) {
   writer.Run(
-      "INSERT INTO frames (flight_id, sequence, id, sha256, "
-      "stored_image, meta_json, state, "
+      "INSERT INTO frames (flight_id, sequence, id, sha256, stored_image, meta_json, state, "
       "reason, is_from_batch, tags_json, resolved_json, arrived_at_us) "
       "VALUES ($1, $2, $3, $4, $4, $5, $6, $7, $8, $9, $10, $11)",
       frame.flight_id,
@@ -103,13 +101,11 @@ void PostgresFrameStore::SetState(const std::string& flight_id,
                                   FrameState state,
                                   const std::string& reason) {
   PostgresWrite writer(state_);
-  writer->Run(
-      "UPDATE frames SET state = $3, reason = $4 WHERE flight_id = $1 "
-      "AND id = $2",
-      flight_id,
-      frame_id,
-      static_cast<int>(state),
-      reason);
+  writer->Run("UPDATE frames SET state = $3, reason = $4 WHERE flight_id = $1 AND id = $2",
+              flight_id,
+              frame_id,
+              static_cast<int>(state),
+              reason);
   writer.Commit();
 }
 
@@ -135,8 +131,7 @@ void PostgresFrameStore::ForEachResolved(
   // `take` may read from the storage, so it is called without a connection.
   const PostgresRows rows = state_.Read([&](PostgresConnection& connection) {
     return connection.Run(
-        "SELECT resolved_json FROM frames WHERE flight_id = "
-        "$1 AND resolved_json <> '' "
+        "SELECT resolved_json FROM frames WHERE flight_id = $1 AND resolved_json <> '' "
         "ORDER BY sequence",
         flight_id);
   });
@@ -176,8 +171,7 @@ std::optional<int64_t> PostgresFrameStore::NextQueuedSequence(const std::string&
                                                               int64_t after_sequence) const {
   return state_.Read([&](PostgresConnection& connection) -> std::optional<int64_t> {
     const PostgresRows rows = connection.Run(
-        "SELECT sequence FROM frames WHERE flight_id = $1 "
-        "AND sequence > $2 AND state = 0 "
+        "SELECT sequence FROM frames WHERE flight_id = $1 AND sequence > $2 AND state = 0 "
         "ORDER BY sequence LIMIT 1",
         flight_id,
         after_sequence);

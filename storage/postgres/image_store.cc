@@ -6,8 +6,7 @@ namespace freelsd {
 
 void PostgresImageStore::Write(const std::string& sha256, std::string_view bytes) {
   PostgresWrite writer(state_);
-  // The row's lock comes first: nobody removes the file until the row is
-  // committed.
+  // The row's lock comes first: nobody removes the file until the row is committed.
   writer->Run(
       "INSERT INTO images (sha256, num_bytes) VALUES ($1, $2) "
       "ON CONFLICT (sha256) DO UPDATE SET num_bytes = $2, written_at = now()",

@@ -9,8 +9,8 @@ namespace {
 
 void RemoveUnused(PostgresState& state, const std::string& sha256) {
   PostgresWrite writer(state);
-  // Locks the row, also where there is none yet. The next statement sees all
-  // that was committed before; who then refers to the image waits and fails.
+  // Locks the row, also where there is none yet. The next statement sees all that was committed
+  // before; who then refers to the image waits and fails.
   writer->Run(
       "INSERT INTO images (sha256, num_bytes) VALUES ($1, 0) "
       "ON CONFLICT (sha256) DO UPDATE SET num_bytes = images.num_bytes",
@@ -31,13 +31,13 @@ void RemoveUnused(PostgresState& state, const std::string& sha256) {
 
 bool TakeSweep(PostgresState& state) {
   PostgresWrite writer(state);
-  const bool is_due = writer
-                          ->Run(
-                              "UPDATE sweeps SET swept_at = clock_timestamp() WHERE name = "
-                              "'images' "
-                              "AND swept_at <= clock_timestamp() - make_interval(secs => $1)",
-                              state.options.unused_image_age_s)
-                          .NumChanges() > 0;
+  const bool is_due =
+      writer
+          ->Run(
+              "UPDATE sweeps SET swept_at = clock_timestamp() WHERE name = 'images' "
+              "AND swept_at <= clock_timestamp() - make_interval(secs => $1)",
+              state.options.unused_image_age_s)
+          .NumChanges() > 0;
   writer.Commit();
   return is_due;
 }
@@ -46,12 +46,9 @@ std::vector<std::string> OldUnusedRows(PostgresState& state) {
   return state.Read([&](PostgresConnection& connection) {
     return connection
         .Run(
-            "SELECT sha256 FROM images WHERE written_at <= now() - "
-            "make_interval(secs => $1) "
-            "AND NOT EXISTS (SELECT 1 FROM frames WHERE stored_image = "
-            "images.sha256) "
-            "AND NOT EXISTS (SELECT 1 FROM photo_tiles WHERE sha256 = "
-            "images.sha256)",
+            "SELECT sha256 FROM images WHERE written_at <= now() - make_interval(secs => $1) "
+            "AND NOT EXISTS (SELECT 1 FROM frames WHERE stored_image = images.sha256) "
+            "AND NOT EXISTS (SELECT 1 FROM photo_tiles WHERE sha256 = images.sha256)",
             state.options.unused_image_age_s)
         .Texts();
   });
@@ -61,10 +58,7 @@ std::vector<std::string> OldUnusedRows(PostgresState& state) {
 std::set<std::string> RowsOfShelf(PostgresState& state, const std::string& shelf) {
   const std::vector<std::string> rows = state.Read([&](PostgresConnection& connection) {
     return connection
-        .Run(
-            "SELECT sha256 FROM images WHERE sha256 >= $1 AND sha256 < $1 "
-            "|| 'g'",
-            shelf)
+        .Run("SELECT sha256 FROM images WHERE sha256 >= $1 AND sha256 < $1 || 'g'", shelf)
         .Texts();
   });
   return {rows.begin(), rows.end()};

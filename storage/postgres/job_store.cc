@@ -8,8 +8,7 @@ namespace freelsd {
 namespace {
 
 constexpr char kSelectJobs[] =
-    "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, "
-    "created_at_us, "
+    "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, created_at_us, "
     "number FROM jobs ";
 
 JobRow JobRowOf(const PostgresRow& row) {
@@ -37,8 +36,7 @@ bool HasOlderJob(PostgresState& state, const JobRow& job) {
 
 void InsertJob(PostgresConnection& writer, const JobRow& job) {
   writer.Run(
-      "INSERT INTO jobs (id, kind, flight_id, state, progress_ratio, "
-      "stage, detail_json, "
+      "INSERT INTO jobs (id, kind, flight_id, state, progress_ratio, stage, detail_json, "
       "created_at_us) VALUES ($1, $2, $3, $4, $5, $6, $7, $8)",
       job.id,
       job.kind,
@@ -59,8 +57,7 @@ void PostgresJobStore::Insert(const JobRow& job) {
 void PostgresJobStore::Update(const JobRow& job) {
   PostgresWrite writer(state_);
   writer->Run(
-      "UPDATE jobs SET state = $2, progress_ratio = $3, stage = $4, "
-      "detail_json = $5 "
+      "UPDATE jobs SET state = $2, progress_ratio = $3, stage = $4, detail_json = $5 "
       "WHERE id = $1 AND state < 2",
       job.id,
       static_cast<int>(job.state),
@@ -81,22 +78,16 @@ std::optional<JobRow> PostgresJobStore::Find(const std::string& job_id) const {
 JobPage PostgresJobStore::ListPage(size_t limit,
                                    std::optional<int64_t> before_number,
                                    size_t max_bytes) const {
-  // The sum before a row counts the rows before it: the row that exceeds is the
-  // last one.
+  // The sum before a row counts the rows before it: the row that exceeds is the last one.
   JobPage page;
   page.jobs = state_.Read([&](PostgresConnection& connection) {
     return connection
         .Run(
-            "SELECT id, kind, flight_id, state, progress_ratio, stage, "
-            "detail_json, "
-            "created_at_us, number FROM (SELECT *, "
-            "coalesce(sum(octet_length(detail_json)) OVER "
-            "(ORDER BY number DESC ROWS BETWEEN UNBOUNDED PRECEDING AND 1 "
-            "PRECEDING), 0) AS "
-            "num_bytes_before FROM (SELECT * FROM jobs WHERE number < $1 "
-            "ORDER BY number DESC "
-            "LIMIT $2) AS newest) AS page WHERE num_bytes_before <= $3 ORDER "
-            "BY number DESC",
+            "SELECT id, kind, flight_id, state, progress_ratio, stage, detail_json, "
+            "created_at_us, number FROM (SELECT *, coalesce(sum(octet_length(detail_json)) OVER "
+            "(ORDER BY number DESC ROWS BETWEEN UNBOUNDED PRECEDING AND 1 PRECEDING), 0) AS "
+            "num_bytes_before FROM (SELECT * FROM jobs WHERE number < $1 ORDER BY number DESC "
+            "LIMIT $2) AS newest) AS page WHERE num_bytes_before <= $3 ORDER BY number DESC",
             before_number.value_or(std::numeric_limits<int64_t>::max()),
             static_cast<int64_t>(limit) + 1,
             static_cast<int64_t>(max_bytes))

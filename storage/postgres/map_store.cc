@@ -7,8 +7,7 @@ namespace freelsd {
 namespace {
 
 constexpr char kSelectMaps[] =
-    "SELECT id, flight_id, head_json, altitude_datum, west_deg, south_deg, "
-    "east_deg, north_deg, "
+    "SELECT id, flight_id, head_json, altitude_datum, west_deg, south_deg, east_deg, north_deg, "
     "updated_at_us, seen_at_us FROM maps ";
 
 FlightMapRow MapRowOf(const PostgresRow& row) {
@@ -26,11 +25,9 @@ FlightMapRow MapRowOf(const PostgresRow& row) {
 // The number is the one at the end of '<flight>/<number>'.
 void InsertStagedMap(PostgresConnection& writer, const FlightMapRow& map) {
   writer.Run(
-      "INSERT INTO maps (id, flight_id, number, head_json, "
-      "altitude_datum, west_deg, south_deg, "
+      "INSERT INTO maps (id, flight_id, number, head_json, altitude_datum, west_deg, south_deg, "
       "east_deg, north_deg, updated_at_us, seen_at_us, is_in_force) "
-      "VALUES ($1, $2, coalesce(substring($1 from "
-      "'/([0-9]+)$')::bigint, 0), $3, $4, $5, $6, $7, "
+      "VALUES ($1, $2, coalesce(substring($1 from '/([0-9]+)$')::bigint, 0), $3, $4, $5, $6, $7, "
       "$8, $9, $10, false)",
       map.id,
       map.flight_id,
@@ -51,8 +48,7 @@ void PutTiles(PostgresConnection& writer,
               const PhotoTiles& photo_tiles) {
   for (const auto& [key, tile] : tiles) {
     writer.Run(
-        "INSERT INTO map_tiles (map_id, level, row, col, tile) VALUES "
-        "($1, $2, $3, $4, $5) "
+        "INSERT INTO map_tiles (map_id, level, row, col, tile) VALUES ($1, $2, $3, $4, $5) "
         "ON CONFLICT (map_id, level, row, col) DO UPDATE SET tile = $5",
         map_id,
         key.level,
@@ -62,8 +58,7 @@ void PutTiles(PostgresConnection& writer,
   }
   for (const auto& [key, sha256] : photo_tiles) {
     writer.Run(
-        "INSERT INTO photo_tiles (map_id, level, row, col, sha256) VALUES ($1, "
-        "$2, $3, $4, $5) "
+        "INSERT INTO photo_tiles (map_id, level, row, col, sha256) VALUES ($1, $2, $3, $4, $5) "
         "ON CONFLICT (map_id, level, row, col) DO UPDATE SET sha256 = $5",
         map_id,
         key.level,
@@ -79,12 +74,9 @@ std::string PostgresMapStore::NewId(const std::string& flight_id) {
   PostgresWrite writer(state_);
   const PostgresRows rows = writer->Run(
       "INSERT INTO map_numbers (flight_id, last) "
-      "VALUES ($1, 1 + (SELECT coalesce(max(number), 0) FROM maps "
-      "WHERE flight_id = $1)) "
-      "ON CONFLICT (flight_id) DO UPDATE SET last = 1 + "
-      "greatest(map_numbers.last, "
-      "(SELECT coalesce(max(number), 0) FROM maps WHERE flight_id "
-      "= $1)) RETURNING last",
+      "VALUES ($1, 1 + (SELECT coalesce(max(number), 0) FROM maps WHERE flight_id = $1)) "
+      "ON CONFLICT (flight_id) DO UPDATE SET last = 1 + greatest(map_numbers.last, "
+      "(SELECT coalesce(max(number), 0) FROM maps WHERE flight_id = $1)) RETURNING last",
       flight_id);
   std::string id = flight_id + "/" + std::to_string(rows[0].Int(0));
   writer.Commit();
@@ -141,8 +133,7 @@ std::optional<std::string> PostgresMapStore::ReadTile(const std::string& map_id,
                                                       const TileKey& key) const {
   return state_.Read([&](PostgresConnection& connection) -> std::optional<std::string> {
     const PostgresRows rows = connection.Run(
-        "SELECT tile FROM map_tiles WHERE map_id = $1 AND "
-        "level = $2 AND row = $3 AND col = $4",
+        "SELECT tile FROM map_tiles WHERE map_id = $1 AND level = $2 AND row = $3 AND col = $4",
         map_id,
         key.level,
         key.row,
@@ -176,8 +167,7 @@ PhotoTiles PostgresMapStore::ListPhotoTiles(const std::string& map_id, int64_t l
   return state_.Read([&](PostgresConnection& connection) {
     return connection
         .Run(
-            "SELECT row, col, sha256 FROM photo_tiles WHERE map_id = $1 AND "
-            "level = $2 "
+            "SELECT row, col, sha256 FROM photo_tiles WHERE map_id = $1 AND level = $2 "
             "ORDER BY row, col",
             map_id,
             level)
@@ -190,10 +180,8 @@ PhotoTiles PostgresMapStore::ListPhotoTiles(const std::string& map_id, int64_t l
 std::vector<int64_t> PostgresMapStore::CountPhotoTiles(const std::string& map_id) const {
   return state_.Read([&](PostgresConnection& connection) {
     return connection
-        .Run(
-            "SELECT count(*) FROM photo_tiles WHERE map_id = $1 GROUP BY "
-            "level ORDER BY level",
-            map_id)
+        .Run("SELECT count(*) FROM photo_tiles WHERE map_id = $1 GROUP BY level ORDER BY level",
+             map_id)
         .Each([](const PostgresRow& row) { return row.Int(0); });
   });
 }

@@ -26,8 +26,7 @@ void RefuseNewer(int64_t version) {
 }
 
 void ApplyMissing(PostgresConnection& connection) {
-  // The lock ends with the transaction. Another process may have migrated
-  // meanwhile.
+  // The lock ends with the transaction. Another process may have migrated meanwhile.
   connection.Run("SELECT pg_advisory_xact_lock(hashtextextended(current_schema(), 0))");
   int64_t version = SchemaVersion(connection);
   RefuseNewer(version);

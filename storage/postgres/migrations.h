@@ -5,9 +5,9 @@
 
 namespace freelsd {
 
-// Applies the migrations that the schema lacks, all in one transaction. One
-// process at a time does so; others wait. Throws StorageError kNewer, and
-// changes nothing, if a newer program wrote the schema.
+// Applies the migrations that the schema lacks, all in one transaction. One process at a time does
+// so; others wait. Throws StorageError kNewer, and changes nothing, if a newer program wrote the
+// schema.
 void MigrateDatabase(PostgresConnection& connection);
 
 }  // namespace freelsd

@@ -5,8 +5,7 @@ namespace freelsd {
 namespace {
 
 constexpr char kSelectObstacles[] =
-    "SELECT id, feature_json, west_deg, south_deg, east_deg, north_deg, "
-    "expires_at_us, "
+    "SELECT id, feature_json, west_deg, south_deg, east_deg, north_deg, expires_at_us, "
     "updated_at_us FROM obstacles ";
 
 ObstacleRow ObstacleRowOf(const PostgresRow& row) {
@@ -21,11 +20,9 @@ ObstacleRow ObstacleRowOf(const PostgresRow& row) {
 
 void PutObstacle(PostgresConnection& writer, const ObstacleRow& obstacle) {
   writer.Run(
-      "INSERT INTO obstacles (id, feature_json, west_deg, south_deg, east_deg, "
-      "north_deg, "
+      "INSERT INTO obstacles (id, feature_json, west_deg, south_deg, east_deg, north_deg, "
       "expires_at_us, updated_at_us) VALUES ($1, $2, $3, $4, $5, $6, $7, $8) "
-      "ON CONFLICT (id) DO UPDATE SET feature_json = $2, west_deg = $3, "
-      "south_deg = $4, "
+      "ON CONFLICT (id) DO UPDATE SET feature_json = $2, west_deg = $3, south_deg = $4, "
       "east_deg = $5, north_deg = $6, expires_at_us = $7, updated_at_us = $8",
       obstacle.id,
       obstacle.feature_json,

@@ -93,8 +93,7 @@ PostgresTransaction::~PostgresTransaction() {
   try {
     (*lease_)->Execute("ROLLBACK");
   } catch (const StorageError&) {
-    // The connection is broken: the server rolls back, and the pool closes the
-    // connection.
+    // The connection is broken: the server rolls back, and the pool closes the connection.
     is_open_ = false;
   }
 }

@@ -12,17 +12,16 @@
 
 namespace freelsd {
 
-// It grows to the number of connections in use at the same time, at most
-// max_num_connections. Thread-safe.
+// It grows to the number of connections in use at the same time, at most max_num_connections.
+// Thread-safe.
 class ConnectionPool {
  public:
   explicit ConnectionPool(const StorageOptions& options);
 
-  // Waits for a connection, and tries again with growing pauses if the database
-  // cannot be reached. Throws StorageError when connection_timeout_s is over.
+  // Waits for a connection, and tries again with growing pauses if the database cannot be reached.
+  // Throws StorageError when connection_timeout_s is over.
   std::unique_ptr<PostgresConnection> Take();
-  // A broken connection is closed, and those that are idle with it: the
-  // database was restarted.
+  // A broken connection is closed, and those that are idle with it: the database was restarted.
   void GiveBack(std::unique_ptr<PostgresConnection> connection);
 
  private:
@@ -53,8 +52,8 @@ class ConnectionLease {
   std::unique_ptr<PostgresConnection> connection_;
 };
 
-// Runs `act` with a connection, once more with a new one if the connection
-// breaks. Only for what may run twice.
+// Runs `act` with a connection, once more with a new one if the connection breaks. Only for what
+// may run twice.
 template <typename Act>
 auto WithConnection(ConnectionPool& pool, const Act& act) {
   try {
@@ -75,8 +74,7 @@ class PostgresTransaction {
   PostgresTransaction& operator=(const PostgresTransaction&) = delete;
   PostgresConnection& operator*() const { return **lease_; }
   PostgresConnection* operator->() const { return &**lease_; }
-  // If the connection breaks meanwhile, throws ConnectionLost, and the data may
-  // be stored or not.
+  // If the connection breaks meanwhile, throws ConnectionLost, and the data may be stored or not.
   void Commit();
 
  private:

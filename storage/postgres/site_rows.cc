@@ -62,12 +62,9 @@ Boxed<MapRow> BoxedMapRow(const PostgresRow& row) {
 }  // namespace
 
 const char* const kSiteColumns =
-    "id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, "
-    "approach_json, "
-    "replan_json, updated_at_us, seen_at_us, map_id, superseded_by, "
-    "superseded_at_us, "
-    "superseded_reason, superseded_detail, confirmed_at_us, is_checked, "
-    "superseded_by_map";
+    "id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
+    "replan_json, updated_at_us, seen_at_us, map_id, superseded_by, superseded_at_us, "
+    "superseded_reason, superseded_detail, confirmed_at_us, is_checked, superseded_by_map";
 
 SiteRow SiteRowOf(const PostgresRow& row) {
   SiteRow site;
@@ -93,24 +90,15 @@ void PutSite(PostgresConnection& writer, const SiteRow& site, std::string_view m
       site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg};
   const BoundingBox box = site.map_box.value_or(touchdown);
   writer.Run(
-      "INSERT INTO sites (id, flight_id, region_id, map_id, "
-      "latitude_deg, longitude_deg, "
-      "feature_json, approach_json, replan_json, updated_at_us, "
-      "seen_at_us, is_recallable, "
-      "is_landable, altitude_m, altitude_datum, score, aircraft_json, "
-      "west_deg, south_deg, "
-      "east_deg, north_deg) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, "
-      "$10, $11, $12, $13, $14, "
-      "$15, $16, $17, $18, $19, $20, $21) ON CONFLICT (id) DO UPDATE "
-      "SET flight_id = $2, "
-      "region_id = $3, map_id = $4, latitude_deg = $5, longitude_deg = "
-      "$6, feature_json = $7, "
-      "approach_json = $8, replan_json = $9, updated_at_us = $10, "
-      "seen_at_us = $11, "
-      "is_recallable = $12, is_landable = $13, altitude_m = $14, "
-      "altitude_datum = $15, "
-      "score = $16, aircraft_json = $17, west_deg = $18, south_deg = "
-      "$19, east_deg = $20, "
+      "INSERT INTO sites (id, flight_id, region_id, map_id, latitude_deg, longitude_deg, "
+      "feature_json, approach_json, replan_json, updated_at_us, seen_at_us, is_recallable, "
+      "is_landable, altitude_m, altitude_datum, score, aircraft_json, west_deg, south_deg, "
+      "east_deg, north_deg) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, "
+      "$15, $16, $17, $18, $19, $20, $21) ON CONFLICT (id) DO UPDATE SET flight_id = $2, "
+      "region_id = $3, map_id = $4, latitude_deg = $5, longitude_deg = $6, feature_json = $7, "
+      "approach_json = $8, replan_json = $9, updated_at_us = $10, seen_at_us = $11, "
+      "is_recallable = $12, is_landable = $13, altitude_m = $14, altitude_datum = $15, "
+      "score = $16, aircraft_json = $17, west_deg = $18, south_deg = $19, east_deg = $20, "
       "north_deg = $21",
       site.id,
       site.flight_id,
@@ -141,10 +129,8 @@ void PutSite(PostgresConnection& writer, const SiteRow& site, std::string_view m
 void PutSiteStandings(PostgresConnection& writer, const Standings& standings) {
   for (const auto& [id, standing] : standings) {
     writer.Run(
-        "UPDATE sites SET superseded_by = nullif($2, ''), "
-        "superseded_at_us = nullif($3, 0), "
-        "superseded_reason = $4, superseded_detail = $5, "
-        "confirmed_at_us = nullif($6, 0), "
+        "UPDATE sites SET superseded_by = nullif($2, ''), superseded_at_us = nullif($3, 0), "
+        "superseded_reason = $4, superseded_detail = $5, confirmed_at_us = nullif($6, 0), "
         "is_checked = $7, superseded_by_map = $8 WHERE id = $1",
         id,
         standing.superseded_by.value_or(""),
@@ -158,15 +144,13 @@ void PutSiteStandings(PostgresConnection& writer, const Standings& standings) {
 }
 
 BoxCache<RecallRow>::Rows SelectRecallRows(PostgresConnection& connection, const BoundingBox& box) {
-  return SelectSitesMeeting(connection,
-                            "SELECT id, flight_id, map_id, latitude_deg, longitude_deg, "
-                            "updated_at_us, "
-                            "seen_at_us, confirmed_at_us, is_landable, altitude_m, "
-                            "altitude_datum, score, "
-                            "aircraft_json, west_deg, south_deg, east_deg, north_deg FROM "
-                            "sites "
-                            "WHERE is_recallable AND superseded_by IS NULL AND id IN",
-                            box)
+  return SelectSitesMeeting(
+             connection,
+             "SELECT id, flight_id, map_id, latitude_deg, longitude_deg, updated_at_us, "
+             "seen_at_us, confirmed_at_us, is_landable, altitude_m, altitude_datum, score, "
+             "aircraft_json, west_deg, south_deg, east_deg, north_deg FROM sites "
+             "WHERE is_recallable AND superseded_by IS NULL AND id IN",
+             box)
       .Each(BoxedRecallRow);
 }
 
@@ -180,8 +164,7 @@ BoxCache<MapRow>::Rows SelectMapRows(PostgresConnection& connection, const Bound
           .Each(BoxedMapRow);
   BoxCache<MapRow>::Rows own =
       SelectSitesMeeting(connection,
-                         "SELECT id, flight_id, updated_at_us, altitude_datum, "
-                         "seen_at_us, false, "
+                         "SELECT id, flight_id, updated_at_us, altitude_datum, seen_at_us, false, "
                          "west_deg, south_deg, east_deg, north_deg FROM sites "
                          "WHERE map_id = '' AND id IN",
                          box)

@@ -109,8 +109,7 @@ std::vector<SiteRow> PostgresSiteStore::List(const std::optional<std::string>& f
                  "THEN longitude_deg BETWEEN $4 AND $6 "
                  "ELSE longitude_deg >= $4 OR longitude_deg <= $6 END "
                  "AND (touchdown && ST_MakeEnvelope($4, $3, $7, $5, 4326) "
-                 "OR touchdown && ST_MakeEnvelope($4 - 360, $3, $7 - 360, $5, "
-                 "4326)) ORDER BY id",
+                 "OR touchdown && ST_MakeEnvelope($4 - 360, $3, $7 - 360, $5, 4326)) ORDER BY id",
              flight_id.has_value(),
              flight_id.value_or(""),
              wanted.south_deg,
@@ -133,28 +132,21 @@ std::optional<std::string> PostgresSiteStore::ReadMap(const std::string& site_id
 
 std::vector<std::string> PostgresSiteStore::ListDependents(const std::string& site_id) const {
   return ReadIds(state_,
-                 "SELECT id FROM sites WHERE superseded_by = $1 UNION SELECT "
-                 "id FROM sites "
-                 "WHERE confirmed_at_us = (SELECT seen_at_us FROM sites WHERE "
-                 "id = $1) ORDER BY id",
+                 "SELECT id FROM sites WHERE superseded_by = $1 UNION SELECT id FROM sites "
+                 "WHERE confirmed_at_us = (SELECT seen_at_us FROM sites WHERE id = $1) ORDER BY id",
                  site_id);
 }
 
 std::vector<std::string> PostgresSiteStore::ListDependentsOfMap(const std::string& map_id) const {
   return ReadIds(state_,
-                 "SELECT id FROM sites WHERE superseded_by_map = $1 UNION "
-                 "SELECT id FROM sites "
-                 "WHERE confirmed_at_us = (SELECT seen_at_us FROM maps WHERE "
-                 "id = $1) ORDER BY id",
+                 "SELECT id FROM sites WHERE superseded_by_map = $1 UNION SELECT id FROM sites "
+                 "WHERE confirmed_at_us = (SELECT seen_at_us FROM maps WHERE id = $1) ORDER BY id",
                  map_id);
 }
 
 std::vector<std::string> PostgresSiteStore::ListUnchecked() const {
   return state_.Read([](PostgresConnection& connection) {
-    return connection
-        .Run(
-            "SELECT id FROM sites WHERE is_recallable AND NOT is_checked "
-            "ORDER BY id")
+    return connection.Run("SELECT id FROM sites WHERE is_recallable AND NOT is_checked ORDER BY id")
         .Texts();
   });
 }
@@ -186,17 +178,14 @@ SharedRows<RecallRow> PostgresSiteStore::ListRecallable(const BoundingBox& box) 
 int64_t PostgresSiteStore::CountRecallable() const {
   return state_.Read([](PostgresConnection& connection) {
     return connection
-        .Run(
-            "SELECT count(*) FROM sites WHERE is_recallable AND superseded_by "
-            "IS NULL")[0]
+        .Run("SELECT count(*) FROM sites WHERE is_recallable AND superseded_by IS NULL")[0]
         .Int(0);
   });
 }
 
 bool PostgresSiteStore::HasRecallable(const std::string& flight_id) const {
   return !ReadIds(state_,
-                  "SELECT id FROM sites WHERE flight_id = $1 AND is_recallable "
-                  "LIMIT 1",
+                  "SELECT id FROM sites WHERE flight_id = $1 AND is_recallable LIMIT 1",
                   flight_id)
               .empty();
 }
@@ -209,17 +198,15 @@ RecallBounds PostgresSiteStore::BoundsOfRecallable() const {
   }
   RecallBounds bounds = state_.Read([](PostgresConnection& connection) {
     RecallBounds read;
-    read.min_altitude_m = connection
-                              .Run(
-                                  "SELECT coalesce(min(altitude_m), 0) FROM "
-                                  "sites WHERE is_recallable")[0]
-                              .Real(0);
-    read.aircraft_jsons = connection
-                              .Run(
-                                  "SELECT DISTINCT aircraft_json COLLATE "
-                                  "\"C\" FROM sites WHERE is_recallable "
-                                  "ORDER BY 1")
-                              .Texts();
+    read.min_altitude_m =
+        connection.Run("SELECT coalesce(min(altitude_m), 0) FROM sites WHERE is_recallable")[0]
+            .Real(0);
+    read.aircraft_jsons =
+        connection
+            .Run(
+                "SELECT DISTINCT aircraft_json COLLATE \"C\" FROM sites WHERE is_recallable "
+                "ORDER BY 1")
+            .Texts();
     return read;
   });
   const std::lock_guard lock(state_.bounds_mutex);

@@ -18,24 +18,20 @@ StorageOptions Checked(const StorageOptions& options) {
   return options;
 }
 
-// What the database must be set to so that an acknowledged row survives a
-// crash, and damage of its files is noticed.
+// What the database must be set to so that an acknowledged row survives a crash, and damage of its
+// files is noticed.
 std::vector<std::string> NoticesOf(PostgresConnection& connection) {
   std::vector<std::string> notices;
   if (connection.Run("SHOW fsync")[0].Text(0) != "on") {
-    notices.emplace_back(
-        "PostgreSQL runs with fsync off: a power failure can "
-        "lose the database");
+    notices.emplace_back("PostgreSQL runs with fsync off: a power failure can lose the database");
   }
   if (connection.Run("SHOW full_page_writes")[0].Text(0) != "on") {
     notices.emplace_back(
-        "PostgreSQL runs with full_page_writes off: a power "
-        "failure can damage the database");
+        "PostgreSQL runs with full_page_writes off: a power failure can damage the database");
   }
   if (connection.Run("SHOW data_checksums")[0].Text(0) != "on") {
     notices.emplace_back(
-        "PostgreSQL has no data checksums: damage of its "
-        "files may stay unnoticed (see "
+        "PostgreSQL has no data checksums: damage of its files may stay unnoticed (see "
         "pg_checksums --enable)");
   }
   return notices;
@@ -43,8 +39,7 @@ std::vector<std::string> NoticesOf(PostgresConnection& connection) {
 
 void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
   writer.Run(
-      "DELETE FROM maps WHERE NOT is_in_force AND staged_at <= now() - "
-      "make_interval(secs => $1)",
+      "DELETE FROM maps WHERE NOT is_in_force AND staged_at <= now() - make_interval(secs => $1)",
       age_s);
 }
 

@@ -1,5 +1,4 @@
-// The state that all stores share: pools of connections, the image files, and
-// caches for recall.
+// The state that all stores share: pools of connections, the image files, and caches for recall.
 #pragma once
 
 #include <atomic>
@@ -17,14 +16,13 @@
 
 namespace freelsd {
 
-// Thread-safe. Readers and writers have pools of their own, so that readers
-// never wait for writers.
+// Thread-safe. Readers and writers have pools of their own, so that readers never wait for writers.
 struct PostgresState {
   // Opens the database and creates or migrates its schema.
   explicit PostgresState(const StorageOptions& given);
 
-  // Runs `act` with a connection on which each statement is a transaction of
-  // its own. `act` may run twice.
+  // Runs `act` with a connection on which each statement is a transaction of its own. `act` may run
+  // twice.
   template <typename Act>
   auto Read(const Act& act) {
     return WithConnection(readers, act);
@@ -40,8 +38,9 @@ struct PostgresState {
   ImageFiles images;
   ConnectionPool readers;
   ConnectionPool writers;
-  // Of one connection. Empty if the database is shared.
+  // Of one connection.
   ConnectionPool owner_pool;
+  // Empty if the database is shared.
   std::optional<Ownership> ownership;
   std::atomic<bool> is_damaged{false};
   // Guards notices.
@@ -61,8 +60,7 @@ class PostgresWrite : public PostgresTransaction {
   explicit PostgresWrite(PostgresState& state);
 };
 
-// Increases the version of sites. Writers of sites then take turns until they
-// commit.
+// Increases the version of sites. Writers of sites then take turns until they commit.
 void StepSites(PostgresConnection& writer);
 // The same for obstacles and sites.
 void StepObstacles(PostgresConnection& writer);

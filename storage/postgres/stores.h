@@ -1,5 +1,4 @@
-// The stores in PostgreSQL: each reads and writes through the state that all
-// share.
+// The stores in PostgreSQL: each reads and writes through the state that all share.
 #pragma once
 
 #include "storage/storage.h"

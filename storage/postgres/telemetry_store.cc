@@ -10,8 +10,7 @@ namespace freelsd {
 namespace {
 
 constexpr char kSelectTelemetry[] =
-    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us, "
-    "kind FROM telemetry ";
+    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us, kind FROM telemetry ";
 
 TelemetryRow TelemetryRowOf(const PostgresRow& row) {
   TelemetryRow sample;
@@ -27,8 +26,7 @@ std::optional<TelemetryRow> FirstSample(const PostgresRows& rows) {
   return TelemetryRowOf(rows[0]);
 }
 
-// A statement may write a row only once: of samples with the same time, the
-// last one counts.
+// A statement may write a row only once: of samples with the same time, the last one counts.
 std::vector<TelemetryRow> WithArrivals(const std::vector<TelemetryRow>& rows, int64_t next_us) {
   std::map<std::pair<TelemetryKind, int64_t>, TelemetryRow> by_time;
   for (TelemetryRow row : rows) {
@@ -53,13 +51,10 @@ void PutSamples(PostgresConnection& writer,
     for (size_t i = 0; i < values.size(); ++i) values[i].push_back(row.values[i]);
   }
   writer.Run(
-      "INSERT INTO telemetry (flight_id, kind, timestamp_us, value_0, value_1, "
-      "value_2, value_3, "
+      "INSERT INTO telemetry (flight_id, kind, timestamp_us, value_0, value_1, value_2, value_3, "
       "arrived_at_us) SELECT $1, * FROM unnest($2, $3, $4, $5, $6, $7, $8) "
-      "ON CONFLICT (flight_id, kind, timestamp_us) DO UPDATE SET value_0 = "
-      "excluded.value_0, "
-      "value_1 = excluded.value_1, value_2 = excluded.value_2, value_3 = "
-      "excluded.value_3, "
+      "ON CONFLICT (flight_id, kind, timestamp_us) DO UPDATE SET value_0 = excluded.value_0, "
+      "value_1 = excluded.value_1, value_2 = excluded.value_2, value_3 = excluded.value_3, "
       "arrived_at_us = excluded.arrived_at_us",
       flight_id,
       kinds,
@@ -88,8 +83,7 @@ std::vector<TelemetryRow> PostgresTelemetryStore::LastArrived(const std::string&
   return state_.Read([&](PostgresConnection& connection) {
     return connection
         .Run(std::string(kSelectTelemetry) +
-                 "WHERE flight_id = $1 AND kind = $2 ORDER BY arrived_at_us "
-                 "DESC LIMIT $3",
+                 "WHERE flight_id = $1 AND kind = $2 ORDER BY arrived_at_us DESC LIMIT $3",
              flight_id,
              static_cast<int>(kind),
              max_num_rows)

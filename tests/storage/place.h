@@ -1,5 +1,5 @@
-// A fresh place for a storage, in the database that the suite runs on:
-// PostgreSQL, if FREELSD_TEST_DATABASE is a URI of one, or else SQLite.
+// A fresh place for a storage, in the database that the suite runs on: PostgreSQL, if
+// FREELSD_TEST_DATABASE is a URI of one, or else SQLite.
 #pragma once
 
 #include <filesystem>
@@ -21,8 +21,7 @@ class StoragePlace {
   static DatabaseKind Kind();
   // Images that nothing refers to are removed at the next start, however young.
   StorageOptions options() const;
-  // For several processes on the same database: the same images, and for the
-  // second one another folder.
+  // For two processes that share a database and its images; each has a folder of its own.
   StorageOptions OptionsOfOne() const;
   StorageOptions OptionsOfOther() const;
   std::filesystem::path images_folder() const { return folder_.path() / "images"; }

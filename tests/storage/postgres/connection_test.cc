@@ -47,16 +47,13 @@ TEST_CASE("postgres: a second process is refused unless the database is shared")
       Storage{other}, doctest::Contains("another freelsd-server uses it"), StorageError);
 }
 
-TEST_CASE(
-    "postgres: a process writes nothing after another one took the "
-    "database from it") {
+TEST_CASE("postgres: a process writes nothing after another one took the database from it") {
   const StoragePlace place;
   Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   // Its lock is gone with its connections.
   place.Execute(
-      "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE "
-      "application_name = 'freelsd'");
+      "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE application_name = 'freelsd'");
   StorageOptions options = place.OptionsOfOther();
   options.is_shared = false;
   Storage other(options);
@@ -153,8 +150,7 @@ TEST_CASE("postgres: the suite's own cluster is durable, so there is no notice")
   CHECK(Storage(place.options()).Notices().empty());
 }
 
-// Frames are stored while the cluster is stopped without a checkpoint and
-// started again.
+// Frames are stored while the cluster is stopped without a checkpoint and started again.
 TEST_CASE("postgres: no frame whose insert returned is lost by immediate shutdowns") {
   constexpr int kNumShutdowns = 3;
   const StoragePlace place;

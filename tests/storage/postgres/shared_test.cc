@@ -1,5 +1,4 @@
-// Several processes on one PostgreSQL database: each Storage here stands for
-// one.
+// Several processes on one PostgreSQL database: each Storage here stands for one.
 #include <atomic>
 #include <chrono>
 #include <filesystem>
@@ -90,9 +89,7 @@ TEST_CASE("postgres: changes of one flight from two processes are all kept") {
   CHECK(one.flights.Find("f")->num_rejected_frames == 2 * kNumChanges);
 }
 
-TEST_CASE(
-    "postgres: what another process changes of sites and obstacles is "
-    "seen at once") {
+TEST_CASE("postgres: what another process changes of sites and obstacles is seen at once") {
   const StoragePlace place;
   Storage one(place.OptionsOfOne());
   Storage other(place.OptionsOfOther());
@@ -128,11 +125,9 @@ TEST_CASE("postgres: ids of maps differ between processes") {
   CHECK(all.size() == 2 * kNumMaps);
 }
 
-// One process deletes flights, which removes their image, while the other
-// stores frames with the same image.
-TEST_CASE(
-    "postgres: a stored frame has its image, while another process "
-    "removes the same image") {
+// One process deletes flights, which removes their image, while the other stores frames with the
+// same image.
+TEST_CASE("postgres: a stored frame has its image, while another process removes the same image") {
   constexpr int kNumRounds = 40;
   const StoragePlace place;
   Storage one(place.OptionsOfOne());
@@ -165,8 +160,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "postgres: a start leaves young images and unfinished maps, which "
-    "others may be writing") {
+    "postgres: a start leaves young images and unfinished maps, which others may be writing") {
   const StoragePlace place;
   Storage one(place.OptionsOfOne());
   one.images.Write(kImage, "just written");
