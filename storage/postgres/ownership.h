@@ -7,16 +7,14 @@
 
 namespace freelsd {
 
-// Holds an advisory lock during its lifetime, with a connection of its own. If
-// that connection breaks, another process can take the database; the token,
-// which every write compares, then differs. Throws StorageError if another
-// process has the database.
+// Holds an advisory lock during its lifetime, with a connection of its own. If that connection
+// breaks, another process can take the database; the token, which every write compares, then
+// differs. Throws StorageError if another process has the database.
 class Ownership {
  public:
   explicit Ownership(ConnectionPool& pool);
 
-  // Within a transaction. Throws StorageError if another process took the
-  // database.
+  // Within a transaction. Throws StorageError if another process took the database.
   void Check(PostgresConnection& writer) const;
 
  private:
