@@ -175,6 +175,22 @@ TEST_CASE(
   CHECK(one.maps.ReadTile("f/1", {0, 0, 0}) == "tile");
 }
 
+TEST_CASE("postgres: removing an image waits for a frame that another process is storing") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.flights.Insert(SomeFlight("f"));
+  storage.images.Write(kImage, "pixels");
+  storage.frames.Insert("f", {SomeFrame("f", "one")});
+  place.Execute("UPDATE frames SET stored_image = NULL");
+  std::thread other([&place] {
+    place.Execute("BEGIN; UPDATE frames SET stored_image = sha256; SELECT pg_sleep(3); COMMIT");
+  });
+  std::this_thread::sleep_for(std::chrono::seconds(1));
+  storage.images.RemoveUnused(kImage);
+  other.join();
+  CHECK(storage.images.Read(kImage) == "pixels");
+}
+
 TEST_CASE("postgres: a start removes files that were left without a row") {
   const StoragePlace place;
   { const Storage storage(place.options()); }
