@@ -187,6 +187,19 @@ struct RouteLimits {
   size_t max_num_recalls = 30000;
 };
 
+// Links to autopilots. All they report is held in memory.
+struct LinkLimits {
+  size_t max_num_links = 100;
+  size_t max_bytes = size_t{64} << 10;
+  size_t max_text_bytes = 1000;
+  // Of one report.
+  size_t max_num_decisions = 100;
+  size_t max_num_reported_commands = 200;
+  // Commands of one link that wait to be handed over, and those whose outcome is remembered.
+  size_t max_num_queued_commands = 8;
+  size_t max_num_commands = 50;
+};
+
 // The operator's base map.
 struct BaseMapLimits {
   size_t max_tile_bytes = size_t{2} << 20;
@@ -210,6 +223,7 @@ struct Limits {
   ObstacleLimits obstacles;
   RouteLimits routes;
   BaseMapLimits base_map;
+  LinkLimits links;
   // The metadata part sent with one image, also in a stream.
   size_t max_frame_meta_bytes = size_t{64} << 10;
   // The body of an emergency request.

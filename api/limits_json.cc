@@ -14,6 +14,16 @@ nlohmann::json ObstacleLimitsJson(const ObstacleLimits& limits) {
           {"max_airspace_leg_m", limits.max_airspace_leg_m}};
 }
 
+nlohmann::json LinkLimitsJson(const LinkLimits& limits) {
+  return {{"max_num_links", limits.max_num_links},
+          {"max_link_bytes", limits.max_bytes},
+          {"max_link_text_bytes", limits.max_text_bytes},
+          {"max_num_link_decisions", limits.max_num_decisions},
+          {"max_num_reported_commands", limits.max_num_reported_commands},
+          {"max_num_queued_commands", limits.max_num_queued_commands},
+          {"max_num_commands", limits.max_num_commands}};
+}
+
 // Images, their tags, archives and pose files.
 nlohmann::json FileLimitsJson(const Limits& limits) {
   return {{"max_image_megapixels", limits.image.max_megapixels},
@@ -87,6 +97,7 @@ nlohmann::json LimitsJson(const Limits& limits) {
                         {"max_base_map_tile_bytes", limits.base_map.max_tile_bytes}};
   object.update(FileLimitsJson(limits));
   object.update(ObstacleLimitsJson(limits.obstacles));
+  object.update(LinkLimitsJson(limits.links));
   return object;
 }
 

@@ -81,6 +81,23 @@ build() {
   cmake --build --preset "$preset" -j "$(num_build_jobs)" "${targets[@]}"
 }
 
+# pack PRESET: the Debian package of what that preset has built.
+pack() {
+  local folder="build/$1"
+  # Dates in the package are those of the sources, so that the same sources make the same package.
+  SOURCE_DATE_EPOCH="${SOURCE_DATE_EPOCH:-$(git log -1 --format=%ct 2>/dev/null || date +%s)}"
+  export SOURCE_DATE_EPOCH
+  rm -f "$folder"/freelsd_*.deb
+  cpack -G DEB --config "$folder/CPackConfig.cmake" -B "$folder" >"$folder/package.log" 2>&1 || {
+    cat "$folder/package.log" >&2
+    fail "cpack failed"
+  }
+  local package
+  for package in "$folder"/freelsd_*.deb; do
+    echo "$package: $(stat -c %s "$package") bytes, installed $(dpkg-deb -f "$package" Installed-Size) KiB"
+  done
+}
+
 # free_port FIRST: of this machine, from there on.
 free_port() {
   local port

@@ -31,7 +31,7 @@ struct Route {
   const char* more_parameters = "";
 };
 
-// The scope that a token needs: read, ingest or admin. Some POST need only read, because they
+// The scope that a token needs. Some POST need only read, because they
 // change nothing.
 Scope ScopeOf(const Route& route) {
   const std::string_view path = route.path;
@@ -40,6 +40,7 @@ Scope ScopeOf(const Route& route) {
   const bool changes_nothing = method == "GET" || path == "/v1/emergency" || path == "/v1/reach" ||
                                path == "/v1/routes/check";
   if (changes_nothing) return Scope::kRead;
+  if (method == "POST" && path.starts_with("/v1/links")) return Scope::kCommand;
   // Whoever may add obstacles could hide every site.
   if (method == "DELETE" || path.starts_with("/v1/obstacles")) return Scope::kAdmin;
   return Scope::kIngest;
@@ -53,12 +54,14 @@ constexpr char kAircraft[] =
     "min_ground_speed_mps climb_gradient_deg ground_roll_m max_failure_probability min_area_m2";
 
 constexpr char kEmergency[] =
-    "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps heading_deg "
+    "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps "
+    "wind_sd_mps heading_deg "
     "glide_ratio terrain_clearance_m arrival_height_m aircraft limit flight f home_altitude_m "
     "firmware";
 
 constexpr char kReach[] =
-    "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps heading_deg "
+    "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps "
+    "wind_sd_mps heading_deg "
     "glide_ratio terrain_clearance_m arrival_height_m aircraft limit flight";
 
 constexpr Route kRoutes[] = {
@@ -134,6 +137,12 @@ constexpr Route kRoutes[] = {
     {"DELETE", "/v1/obstacles/{obstacle}", DeleteObstacle},
     {"POST", "/v1/obstacles", PostObstacles},
     {"GET", "/v1/obstacles", GetObstacles, "bbox"},
+    {"GET", "/v1/links", GetLinks},
+    {"GET", "/v1/links/{link}", GetLink},
+    {"PUT", "/v1/links/{link}", PutLink},
+    {"POST", "/v1/links/{link}/mission", PostLinkMission},
+    {"POST", "/v1/links/{link}/engine-failure", PostEngineFailure},
+    {"POST", "/v1/links/{link}/release", PostRelease},
     {"GET", "/v1/emergency", GetEmergency, kEmergency, Listeners::kBoth},
     {"POST", "/v1/emergency", PostEmergency, kEmergency, Listeners::kBoth},
     {"GET",

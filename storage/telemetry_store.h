@@ -13,7 +13,8 @@ enum class TelemetryKind { kPosition, kAttitude, kWind };
 
 // Values by kind. Position: latitude, longitude (deg), altitude (m), and the altitude's datum: 0
 // not given, 1 amsl, 2 ellipsoid. Attitude: quaternion ned_from_body w, x, y, z. Wind: east, north
-// (m/s), the direction in which the air moves.
+// (m/s), the direction in which the air moves; its standard deviation (m/s, 0 unknown), and its
+// source: 0 not given, 1 autopilot, 2 drift.
 struct TelemetryRow {
   TelemetryKind kind = TelemetryKind::kPosition;
   int64_t timestamp_us = 0;
@@ -44,6 +45,13 @@ class TelemetryStore {
   virtual std::vector<TelemetryRow> LastArrived(const std::string& flight_id,
                                                 TelemetryKind kind,
                                                 int max_num_rows) const = 0;
+  // The rows of a kind with the latest timestamps, the latest first.
+  virtual std::vector<TelemetryRow> Latest(const std::string& flight_id,
+                                           TelemetryKind kind,
+                                           int max_num_rows) const = 0;
+  // The row of a kind that arrived first, of those that are stored.
+  virtual std::optional<TelemetryRow> FirstArrived(const std::string& flight_id,
+                                                   TelemetryKind kind) const = 0;
   virtual TelemetryPair Around(const std::string& flight_id,
                                TelemetryKind kind,
                                int64_t timestamp_us) const = 0;

@@ -96,6 +96,8 @@ export const paths = {
   routeCheck: '/v1/routes/check',
   // options: {legs, f, home_altitude_m}
   nextLook: (flight, options) => `/v1/flights/${part(flight)}/next-look${query(options)}`,
+  links: '/v1/links',
+  link: (link, command) => `/v1/links/${part(link)}/${command}`,
   newLook: (limit) => `/v1/sites${query({ order: 'new_look', limit })}`,
 };
 
@@ -123,6 +125,7 @@ export const getObstacle = (id) => getIfThere(paths.obstacle(id));
 export const getNewLook = (limit) => getJson(paths.newLook(limit));
 // path: of paths.nextLook.
 export const getNextLook = (path, signal) => getJson(path, { signal });
+export const getLinks = async () => (await getJson(paths.links)).links;
 export const getOpenApi = () => getJson('/openapi.json');
 
 export const getWindRose = (site, speeds_mps, signal) => getJson(paths.windRose(site, speeds_mps), { signal });
@@ -188,6 +191,10 @@ export async function getFile(path, fallbackName) {
 const postJson = async (path, object, signal) => (await call(path, {
   method: 'POST', body: JSON.stringify(object), signal, headers: { 'Content-Type': 'application/json' },
 })).json();
+// wind: what the confirmed approach is planned for, or null.
+export const landAt = (link, site_id, wind) => postJson(paths.link(link, 'mission'), wind ? { site_id, wind } : { site_id });
+export const declareEngineFailure = (link) => postJson(paths.link(link, 'engine-failure'), {});
+export const releaseLink = (link) => postJson(paths.link(link, 'release'), {});
 export const createFlight = (request) => postJson('/v1/flights', request);
 export const checkRoute = (request, signal) => postJson(paths.routeCheck, request, signal);
 export const finishFlight = async (flight) => (await call(paths.finish(flight), { method: 'POST' })).json();

@@ -14,6 +14,7 @@ import { createFlightMap } from './flight_map.js';
 import { drawHistory } from './history.js';
 import { createLayers } from './layers.js';
 import { setKey } from './key.js';
+import { createLinks } from './links.js';
 import { createLive } from './live.js';
 import { createMap } from './map.js';
 import { createNewLook } from './new_look.js';
@@ -115,6 +116,7 @@ const shownSite = () => state.planned ?? state.site;
 
 function drawShownSite() {
   drawSite(shownSite(), { place: showRejection, wind: () => state.triedWind, strip: (id) => watch.find(id), obstacles });
+  links.drawSite();
   drawLists();
 }
 
@@ -388,6 +390,7 @@ const nameOf = (id) => siteName(id, rankOf(id), state.flights);
 const route = createRoute(map, {
   flight: () => state.flightJson, wind: () => state.triedWind ?? state.site?.properties.wind ?? null, nameOf, openSite,
 });
+const links = createLinks(map, { nameOf, site: () => state.site });
 const nextLook = createNextLook(map, {
   source: () => ({ flight: state.flight, map: flightMap.updatedAt, sites: state.sites.features }), nameOf, openSite,
 });

@@ -58,9 +58,9 @@ function fillKept() {
   for (const name of keptFields) if (known[name] !== undefined) input(name).value = known[name];
 }
 
-const since = (age_s) => (isKnown(age_s) ? `received ${age(age_s)} ago` : 'received at an unknown time');
+const since = (age_s) => (isKnown(age_s) ? `${age(age_s)} old` : 'of unknown age');
 
-// pose and wind: of the flight's last data, as its alternates tell them. Ages count from their arrival.
+// pose and wind: of the flight's last data, as its alternates tell them. Ages count from when they were measured.
 function fillFromFlight({ pose, wind }, flightName) {
   const from = windFrom(wind ?? null);
   const isOld = !isKnown(pose.age_s) || pose.age_s > kOld_s;

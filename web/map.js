@@ -5,6 +5,7 @@ import { createCursor } from './cursor.js';
 import { byId } from './dom.js';
 import { Graticule } from './graticule.js';
 import { createGround } from './ground.js';
+import { createLinkOverlay } from './link_overlay.js';
 import { createMeasure } from './measure.js';
 import { createDraftOverlay, createObstacleOverlay } from './obstacle_overlay.js';
 import {
@@ -66,6 +67,7 @@ export function createMap(element, on) {
   const answer = createAnswer(map);
   const bearings = createBearings(map);
   const measure = createMeasure(map);
+  const links = createLinkOverlay(map);
   // Once the user has moved the map, it no longer follows the track.
   let isMoved = false;
   for (const type of ['pointerdown', 'wheel', 'keydown']) {
@@ -125,6 +127,7 @@ export function createMap(element, on) {
     closeAnswer: answer.close,
     drawBearings: bearings.draw,
     drawReach: reach.draw,
+    drawLinks: links.draw,
     drawNewLook: (shown) => looks.draw(shown.map((mark) => ({ ...mark, className: 'new-look' }))),
     drawNewThings: things.draw,
     drawObstacles: obstacles.draw,

@@ -1,6 +1,7 @@
 // The obstacles of the part of the map in view: lists them, draws new ones, deletes them.
 
 import * as api from './api.js';
+import { confirmed } from './confirm.js';
 import { curlButton, curlOf } from './curl.js';
 import { byId, el, notify } from './dom.js';
 import { createObstacleForm } from './obstacle_form.js';
@@ -8,18 +9,6 @@ import { nameOf, signOf } from './obstacle_overlay.js';
 import { extentOf, kinds, shownName } from './obstacle_shape.js';
 import { boxText, createObstacleSource } from './obstacle_source.js';
 import { isVisible, showView } from './views.js';
-
-// Asks for a yes. Resolves to whether the user gave it.
-function confirmed(question, yes) {
-  const dialog = byId('confirm');
-  byId('confirm-text').textContent = question;
-  byId('confirm-yes').textContent = yes;
-  dialog.returnValue = '';
-  dialog.showModal();
-  return new Promise((resolve) => {
-    dialog.addEventListener('close', () => resolve(dialog.returnValue === 'yes'), { once: true });
-  });
-}
 
 class Obstacles {
   #map;

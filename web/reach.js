@@ -88,7 +88,7 @@ class Reach {
     if (!flight) return null;
     const answer = await api.getAlternates(flight);
     if (!isLive(answer.pose)) return null;
-    return { request: requestOf(flight, answer, this.#on.glideRatio()), text: `position received ${age(answer.pose.age_s)} ago` };
+    return { request: requestOf(flight, answer, this.#on.glideRatio()), text: `position ${age(answer.pose.age_s)} old` };
   }
 
   async #ask({ request, text }, limit) {

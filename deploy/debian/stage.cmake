@@ -13,6 +13,8 @@ endfunction()
 
 put(deploy/config.example.json ${root}/etc/freelsd/config.json)
 put(deploy/freelsd.service ${root}/lib/systemd/system/freelsd.service)
+put(deploy/freelsd-mavlink@.service ${root}/lib/systemd/system/freelsd-mavlink@.service)
+put(deploy/mavlink.example.conf ${doc}/examples/mavlink.conf)
 put(deploy/debian/copyright ${doc}/copyright)
 put(deploy/debian/lintian-overrides ${root}/usr/share/lintian/overrides/freelsd)
 put(deploy/README.md ${doc}/README.md)
@@ -34,7 +36,7 @@ file(WRITE ${doc}/changelog.Debian
 ")
 
 # As dh_strip does.
-run(strip --strip-unneeded --remove-section=.comment --remove-section=.note ${root}/usr/bin/freelsd-server)
+run(${CPACK_FREELSD_STRIP} --strip-unneeded --remove-section=.comment --remove-section=.note ${root}/usr/bin/freelsd-server)
 file(GLOB pages ${root}/usr/share/man/man*/*.[1-9])
 foreach(file ${doc}/changelog ${doc}/changelog.Debian ${pages})
   run(gzip -9nf ${file})

@@ -46,6 +46,7 @@ void GlideOptions::Check() const {
   const FieldCheck check("glide");
   check.Inside("unknown_wind_mps", unknown_wind_mps, 0.0, 50.0);
   check.Inside("num_unknown_winds", num_unknown_winds, 4, 360);
+  check.Inside("num_wind_deviations", num_wind_deviations, 0.0, 5.0);
   check.Inside("num_unknown_headings", num_unknown_headings, 8, 360);
   check.Inside("terrain_clearance_m", terrain_clearance_m, 0.0, 1000.0);
   check.Inside("datum_penalty_m", datum_penalty_m, 0.0, 1000.0);

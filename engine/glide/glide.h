@@ -24,6 +24,8 @@ struct GlideOptions {
   // counts.
   int num_unknown_winds = 8;
   int num_unknown_headings = 16;
+  // Standard deviations of a known wind that are reckoned with.
+  double num_wind_deviations = 2.0;
   // Clearance to keep above the terrain of stored maps on the way to the approach's start.
   double terrain_clearance_m = 10.0;
   // Subtracted from the arrival height if two altitudes cannot be compared exactly, and the geoid's
@@ -45,6 +47,8 @@ struct GlideStart {
   // Direction of travel, radians clockwise from north.
   std::optional<double> heading;
   std::optional<Eigen::Vector2d> wind_in_world;
+  // Standard deviation of the known wind in each axis; 0: unknown.
+  double wind_sd_mps = 0.0;
 };
 
 struct Glide {
@@ -60,7 +64,8 @@ struct Glide {
 Aircraft Unpowered(Aircraft aircraft, std::optional<double> glide_ratio);
 
 // The result with the lowest arrival, over all combinations of these values:
-// - Known wind: the wind itself, and turned by the crosswind uncertainty to either side.
+// - Known wind: the wind itself, and turned by the crosswind uncertainty to either side. If its
+//   standard deviation is known, also two deviations more in every direction.
 // - Unknown wind: calm, and unknown_wind_mps from every direction.
 // - Unknown heading: every heading.
 // Nothing if one of these winds is too strong to arrive. `aircraft` must be Unpowered.

@@ -16,6 +16,18 @@ double TimeOf(const TurnPath& path, const Performance& performance) {
   return (path.Turned() * performance.turn_radius + path.straight_m) / performance.Airspeed();
 }
 
+// Winds that differ from `wind` by `difference_mps`, evenly in every direction.
+std::vector<Eigen::Vector2d> WindsAround(const Eigen::Vector2d& wind,
+                                         double difference_mps,
+                                         const GlideOptions& options) {
+  std::vector<Eigen::Vector2d> winds;
+  winds.reserve(static_cast<size_t>(options.num_unknown_winds));
+  for (int i = 0; i < options.num_unknown_winds; ++i) {
+    winds.push_back(wind + difference_mps * DirectionOf(2.0 * kPi * i / options.num_unknown_winds));
+  }
+  return winds;
+}
+
 }  // namespace
 
 std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOptions& options) {
@@ -31,14 +43,16 @@ std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOpt
 std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
                                                const Aircraft& aircraft,
                                                const GlideOptions& options) {
-  std::vector<Eigen::Vector2d> winds;
   if (!start.wind_in_world) {
-    winds.push_back(Eigen::Vector2d::Zero());
-    for (int i = 0; i < options.num_unknown_winds; ++i) {
-      winds.push_back(options.unknown_wind_mps *
-                      DirectionOf(2.0 * kPi * i / options.num_unknown_winds));
-    }
+    std::vector<Eigen::Vector2d> winds =
+        WindsAround(Eigen::Vector2d::Zero(), options.unknown_wind_mps, options);
+    winds.insert(winds.begin(), Eigen::Vector2d::Zero());
     return winds;
+  }
+  std::vector<Eigen::Vector2d> winds;
+  if (start.wind_sd_mps > 0.0) {
+    winds =
+        WindsAround(*start.wind_in_world, options.num_wind_deviations * start.wind_sd_mps, options);
   }
   const double turned = RadFromDeg(aircraft.crosswind_uncertainty_deg);
   for (const double angle : {0.0, turned, -turned}) {

@@ -16,7 +16,8 @@ inline constexpr double kMaxRadiusRatio = 6.0;
 // unknown.
 std::vector<double> HeadingsToReckonWith(const GlideStart& start, const GlideOptions& options);
 
-// The known wind, itself and turned by the aircraft's uncertainty; or calm and unknown winds.
+// The known wind, itself, turned by the aircraft's uncertainty, and changed by its deviation; or
+// calm and unknown winds.
 std::vector<Eigen::Vector2d> WindsToReckonWith(const GlideStart& start,
                                                const Aircraft& aircraft,
                                                const GlideOptions& options);

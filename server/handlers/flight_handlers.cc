@@ -63,6 +63,8 @@ void AnswerFlight(const Service& service,
   const std::optional<FlightSummary> summary = service.storage.flights.FindSummary(flight_id);
   if (!summary) throw ApiError("NoSuchFlight", "there is no such flight");
   nlohmann::json flight = FlightJson(service, *summary);
+  const std::optional<LiveWind> wind = LiveWindOf(service.storage, flight_id, ArrivalNowUs());
+  flight["wind"] = wind ? WindJson(*wind) : nlohmann::json();
   flight["options"] = GivenOptionsJson(ParseStoredFlightRequest(summary->flight.request_json));
   response.set_content(flight.dump(), "application/json");
 }

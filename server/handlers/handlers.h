@@ -89,6 +89,14 @@ void GetObstacles(Service& service, const Call& call, httplib::Response& respons
 void GetObstacle(Service& service, const Call& call, httplib::Response& response);
 void DeleteObstacle(Service& service, const Call& call, httplib::Response& response);
 
+// links/link_handlers.cc
+void PutLink(Service& service, const Call& call, httplib::Response& response);
+void GetLinks(Service& service, const Call& call, httplib::Response& response);
+void GetLink(Service& service, const Call& call, httplib::Response& response);
+void PostLinkMission(Service& service, const Call& call, httplib::Response& response);
+void PostEngineFailure(Service& service, const Call& call, httplib::Response& response);
+void PostRelease(Service& service, const Call& call, httplib::Response& response);
+
 // reach_handler.cc
 void GetReach(Service& service, const Call& call, httplib::Response& response);
 void PostReach(Service& service, const Call& call, httplib::Response& response);

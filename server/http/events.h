@@ -13,7 +13,7 @@ namespace freelsd {
 
 struct Event {
   int64_t number = 0;
-  std::string type;  // frame, region, site, job, alternates, resync
+  std::string type;  // frame, region, site, job, alternates, link, resync
   std::string flight_id;
   std::string data;  // JSON, one line
 };

@@ -24,8 +24,9 @@ Scope ScopeOf(const std::string& name) {
   if (name == "read") return Scope::kRead;
   if (name == "ingest") return Scope::kIngest;
   if (name == "admin") return Scope::kAdmin;
+  if (name == "command") return Scope::kCommand;
   throw ConfigError("token file: \"" + name +
-                    "\" is not a scope; scopes are read, ingest and admin");
+                    "\" is not a scope; scopes are read, ingest, admin and command");
 }
 
 bool IsHash(const std::string& text) {
@@ -79,7 +80,12 @@ TokenList TokenList::Read(const std::filesystem::path& file) {
 }
 
 void TokenList::Require(Scope scope, const std::string& authorization) const {
-  if (!is_asked_for_ || scope == Scope::kNone) return;
+  if (scope == Scope::kNone || (!is_asked_for_ && scope != Scope::kCommand)) return;
+  if (!is_asked_for_) {
+    throw ApiError("Unauthorized",
+                   "a command needs a token with the scope command, and this server was started "
+                   "without a token file");
+  }
   constexpr std::string_view kScheme = "Bearer ";
   const bool is_bearer = authorization.size() > kScheme.size() &&
                          authorization.size() <= kScheme.size() + kMaxTokenBytes &&

@@ -8,14 +8,16 @@
 namespace freelsd {
 
 // The scope that a route requires, or that a token grants. kNone: no token is needed.
-enum class Scope { kNone, kRead, kIngest, kAdmin };
+// kCommand: what an aircraft may do; it needs a token even if nothing else does.
+enum class Scope { kNone, kRead, kIngest, kAdmin, kCommand };
 
 // The accepted tokens. Immutable, so thread-safe.
 class TokenList {
  public:
-  // An empty list: requests need no token.
+  // An empty list: requests need no token, and none may command.
   TokenList() = default;
-  // Reads JSON: [{"sha256": hex of the token's SHA-256, "scopes": ["read", "ingest", "admin"]}].
+  // Reads JSON: [{"sha256": hex of the token's SHA-256, "scopes": ["read", "ingest", "admin",
+  // "command"]}].
   // Throws ConfigError if the file is invalid, or if anyone but the owner has access to it.
   static TokenList Read(const std::filesystem::path& file);
 

@@ -18,4 +18,18 @@ int64_t ArrivalNowUs();
 // stored the row, the server's clock was not set at that time, or it was set back since.
 std::optional<double> AgeS(int64_t arrived_at_us, int64_t now_us);
 
+// Ages of one flight's samples. A sample may arrive long after it was taken: a link delivers what
+// it kept during an outage. The sample's own time says so, if the aircraft's clock shows about the
+// server's time. A constant difference is an error of a clock, not a delay.
+class FlightClock {
+ public:
+  // A sample of the flight; the more, the better the difference of the clocks is known.
+  void Hear(int64_t timestamp_us, int64_t arrived_at_us);
+  // Seconds since the sample was taken, and never less than since it arrived. Nothing: unknown.
+  std::optional<double> AgeS(int64_t timestamp_us, int64_t arrived_at_us, int64_t now_us) const;
+
+ private:
+  std::optional<int64_t> least_delay_us_;
+};
+
 }  // namespace freelsd

@@ -16,6 +16,10 @@ constexpr double kMicrosecond = 1e-6;
 // Names by the number in a row of kind kPosition. 0 means that no datum was given.
 constexpr std::array<const char*, 3> kDatums{"", "amsl", "ellipsoid"};
 
+// Likewise for a row of kind kWind.
+constexpr std::array<const char*, 3> kWindSources{"", "autopilot", "drift"};
+constexpr double kMaxWindSdMps = 100.0;
+
 double NumberOfDatum(const std::optional<std::string>& datum) {
   const auto found = std::find(kDatums.begin(), kDatums.end(), datum.value_or(""));
   return static_cast<double>(found - kDatums.begin());
@@ -90,6 +94,44 @@ void SetField(TelemetryKind kind, const std::array<double, 4>& values, FrameMeta
   }
 }
 
+[[noreturn]] void RefuseWind(const std::string& key, const std::string& rule) {
+  const std::string detail = key + ": " + rule;
+  throw ApiError("InvalidValue", detail, {{"/wind/" + key, detail}});
+}
+
+// As in a row of kind kWind.
+struct WindQuality {
+  double sd_mps = 0.0;
+  double source = 0.0;
+};
+
+double NumberOfSource(const nlohmann::json& value) {
+  const std::string name = value.is_string() ? value.get<std::string>() : "";
+  const auto* const found = std::find(kWindSources.begin() + 1, kWindSources.end(), name);
+  if (found == kWindSources.end()) RefuseWind("source", "must be autopilot or drift");
+  return static_cast<double>(found - kWindSources.begin());
+}
+
+// Takes out of a line what the wind of a frame does not have. Null counts as absent.
+WindQuality TakeWindQuality(nlohmann::json& line) {
+  WindQuality quality;
+  const auto wind = line.find("wind");
+  if (wind == line.end() || !wind->is_object()) return quality;
+  if (const auto sd = wind->find("sd_mps"); sd != wind->end()) {
+    const bool is_number = sd->is_number() && std::isfinite(sd->get<double>());
+    const double sd_mps = is_number ? sd->get<double>() : 0.0;
+    const bool is_valid = sd->is_null() || (sd_mps > 0.0 && sd_mps <= kMaxWindSdMps);
+    if (!is_valid) RefuseWind("sd_mps", "must be in (0, 100]");
+    quality.sd_mps = sd_mps;
+    wind->erase(sd);
+  }
+  if (const auto source = wind->find("source"); source != wind->end()) {
+    if (!source->is_null()) quality.source = NumberOfSource(*source);
+    wind->erase(source);
+  }
+  return quality;
+}
+
 constexpr TelemetryKind kKinds[] = {
     TelemetryKind::kPosition, TelemetryKind::kAttitude, TelemetryKind::kWind};
 
@@ -103,14 +145,15 @@ void RefuseFutureTime(int64_t timestamp_us, int64_t now_us) {
 }
 
 std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line) {
-  const nlohmann::json object = ParseJson(line);
+  nlohmann::json object = ParseJson(line);
   for (const auto& [key, value] : object.items()) {
     const bool is_known = key == "timestamp_us" || key == "position" || key == "attitude" ||
                           key == "wind" || key == "altitude_datum";
     if (is_known) continue;
     throw ApiError("UnknownKey", key + ": is unknown", {{"/" + key, "is unknown"}});
   }
-  const FrameMeta meta = ParseFrameMeta(line);
+  const WindQuality quality = TakeWindQuality(object);
+  const FrameMeta meta = ParseFrameMeta(object.dump());
   if (!meta.timestamp_us) {
     throw ApiError("InvalidValue", "timestamp_us: is missing", {{"/timestamp_us", "is missing"}});
   }
@@ -129,7 +172,7 @@ std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line) {
     add(TelemetryKind::kAttitude, {turn->w(), turn->x(), turn->y(), turn->z()});
   }
   if (const auto& wind = meta.wind_in_world) {
-    add(TelemetryKind::kWind, {wind->x(), wind->y()});
+    add(TelemetryKind::kWind, {wind->x(), wind->y(), quality.sd_mps, quality.source});
   }
   return rows;
 }
@@ -168,6 +211,16 @@ std::vector<MeasuredWind> WindsBetween(const Storage& storage,
   }
   std::reverse(winds.begin(), winds.end());
   return winds;
+}
+
+std::optional<std::string> WindSourceOf(const TelemetryRow& wind) {
+  const auto number = static_cast<size_t>(wind.values[3]);
+  if (number == 0 || number >= kWindSources.size()) return std::nullopt;
+  return kWindSources.at(number);
+}
+
+std::optional<double> WindSdMps(const TelemetryRow& wind) {
+  return wind.values[2] > 0.0 ? std::optional(wind.values[2]) : std::nullopt;
 }
 
 std::optional<std::string> AltitudeDatumOf(const TelemetryRow& position) {

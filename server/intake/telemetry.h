@@ -16,7 +16,8 @@ namespace freelsd {
 // accepted.
 void RefuseFutureTime(int64_t timestamp_us, int64_t now_us);
 
-// Parses one line of NDJSON: {timestamp_us, position?, attitude?, wind?}. Throws ApiError.
+// Parses one line of NDJSON: {timestamp_us, position?, attitude?, wind?}. The wind may have sd_mps
+// and source ("autopilot" or "drift"). Throws ApiError.
 std::vector<TelemetryRow> ParseTelemetryLine(const std::string& line);
 
 // Position, attitude and wind at `timestamp_us`. Each is interpolated between the samples before
@@ -43,6 +44,11 @@ std::vector<MeasuredWind> WindsBetween(const Storage& storage,
                                        const std::string& flight_id,
                                        int64_t after_us,
                                        int64_t before_us);
+
+// Where a row of kind kWind is from, "autopilot" or "drift", and its standard deviation. Nothing if
+// the wind was sent without it.
+std::optional<std::string> WindSourceOf(const TelemetryRow& wind);
+std::optional<double> WindSdMps(const TelemetryRow& wind);
 
 // Datum of the altitude in a row of kind kPosition; nothing if the position was sent without a
 // datum.

@@ -9,6 +9,7 @@
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/jobs/progress_board.h"
+#include "server/links/links.h"
 #include "server/maps/maps.h"
 #include "server/recall/recall.h"
 
@@ -59,6 +60,7 @@ struct Service {
   TokenList tokens;
   Metrics metrics;
   ProgressBoard progress;
+  LinkBoard links;
 
   // Guards the rows in storage.sites. It is held while a flight or a site is deleted, and while the
   // worker stores a flight's sites.

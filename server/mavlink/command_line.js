@@ -15,11 +15,17 @@ export const usage = `freelsd-mavlink --connect ADDRESS --url URL [options]
                        64 hexadecimal digits, or a passphrase
   --system ID          believe only this system; without it the first autopilot heard
   --peer ADDRESS       believe only this host (UDP)
+  --name NAME          of the link in the service (default: the system id)
   --flight ID          existing flight that takes the telemetry; without it a new one
+  --aircraft PROFILE   of new flights and of recall: techpod, atlantiksolar or small
   --spool DIR          lines that wait for the service (default ~/.local/state/freelsd-mavlink)
   --spool-limit MIB    size of the spool (default 256)
   --status FILE        JSON state, as /v1/links tells it, written once a second
-  --silent             send no heartbeat
+  --rally              keep the autopilot's rally points at the best sites in reach
+  --on-engine-failure land
+                       fly to the best site in reach without a person's word; only over serial or
+                       with --signing-key
+  --silent             send nothing to the autopilot: no heartbeat, no mission
   --help
 `;
 
@@ -30,10 +36,14 @@ const options = {
   'signing-key': { type: 'string' },
   system: { type: 'string' },
   peer: { type: 'string' },
+  name: { type: 'string' },
   flight: { type: 'string' },
+  aircraft: { type: 'string' },
   spool: { type: 'string' },
   'spool-limit': { type: 'string', default: '256' },
   status: { type: 'string' },
+  'on-engine-failure': { type: 'string' },
+  rally: { type: 'boolean', default: false },
   silent: { type: 'boolean', default: false },
   help: { type: 'boolean', default: false },
 };
@@ -46,25 +56,44 @@ function wholeNumber(name, text, min, max) {
   return number;
 }
 
+function idOf(option, text) {
+  if (/^[A-Za-z0-9._-]{1,128}$/.test(text)) return text;
+  throw new Error(`--${option} ${text}: must be letters, digits, ".", "_" and "-", at most 128`);
+}
+
 const defaultSpool = () =>
   join(process.env.XDG_STATE_HOME ?? join(homedir(), '.local', 'state'), 'freelsd-mavlink');
+
+// Whoever can send from the autopilot's address could pretend the failure.
+function isAutomatic({ 'on-engine-failure': wanted, 'signing-key': key, silent }, { kind }) {
+  if (wanted === undefined) return false;
+  if (wanted !== 'land') throw new Error(`--on-engine-failure ${wanted}: must be land`);
+  if (kind !== 'serial' && !key) throw new Error('--on-engine-failure: only over serial or with --signing-key');
+  if (silent) throw new Error('--on-engine-failure: not with --silent');
+  return true;
+}
 
 export function parseCommandLine(args) {
   const { values } = parseArgs({ args, options });
   if (values.help) return { isHelp: true };
   for (const name of ['connect', 'url']) if (!values[name]) throw new Error(`--${name} is missing`);
+  const address = parseAddress(values.connect);
   return {
-    address: parseAddress(values.connect),
+    address,
+    isAutomatic: isAutomatic(values, address),
     connect: values.connect,
     url: values.url,
     token: values['token-file'] && readFileSync(values['token-file'], 'utf8').trim(),
     signingKeyPath: values['signing-key'],
     systemId: values.system && wholeNumber('system', values.system, 1, 255),
     peerHost: values.peer,
+    name: values.name && idOf('name', values.name),
     flight: values.flight,
+    aircraft: values.aircraft && idOf('aircraft', values.aircraft),
     spoolFolder: values.spool ?? defaultSpool(),
     spoolBytes: wholeNumber('spool-limit', values['spool-limit'], 2, 65536) * 1024 * 1024,
     statusPath: values.status,
+    isRally: values.rally,
     isSilent: values.silent,
   };
 }

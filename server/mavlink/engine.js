@@ -3,9 +3,11 @@
 // Specific excess power e = climb + airspeed * acceleration / g, in m/s: the climb rate that would
 // be left at constant airspeed. The acceleration is that over ground along the heading: a gust
 // changes the airspeed at once, but hardly the speed over ground.
-// While the engine runs, the highest e that each throttle demand gave is learned. Energy that is
-// missing against it, in metres of height, is summed up. RPM and current, where the autopilot
-// sends them, confirm a failure sooner; they never raise an alarm on their own.
+// While the engine runs, the e of throttle demand, airspeed and bank is learned (power_model.js).
+// Energy that is missing against its lower bound, in metres of height, is summed up. RPM and
+// current, where the autopilot sends them, confirm a failure sooner; they never raise an alarm on their own.
+
+import { PowerModel } from './power_model.js';
 
 const gravity_mps2 = 9.81;
 
@@ -15,23 +17,33 @@ export const defaultEngineOptions = {
   // The engine is given this long to follow the throttle.
   spoolUp_s: 1.0,
   // Below this demand a stopped engine looks like an idle one.
-  minThrottle_ratio: 0.3,
+  minThrottle_ratio: 0.1,
   // Sinking air and turbulence take this much without a failure.
   tolerance_mps: 2.0,
-  // More for the drag of a turn, times (1 / cos^2 bank - 1).
-  turnTolerance_mps: 2.0,
+  // The same if every sign of the engine has gone: a good glider sinks no faster than that.
+  toleranceConfirmed_mps: 0.2,
+  // How many standard deviations below its estimate the power is expected.
+  numSds: 2,
+  numSdsConfirmed: 0.5,
+  // More for a hard turn, times (1 / cos^2 bank - 1).
+  turnTolerance_mps: 1.0,
   // Missing height that is a failure; the smaller one if RPM or current has also gone.
   missingHeight_m: 12.0,
-  missingHeightConfirmed_m: 1.5,
+  missingHeightConfirmed_m: 0.8,
   // RPM or current below this share of what the same throttle gave has gone.
   goneShare_ratio: 0.25,
   // Not in flight below these.
   minAirspeed_mps: 8.0,
   minHeight_m: 5.0,
-  // A demand counts as learned after so many seconds.
+  // RPM and current of a demand count as learned after so many seconds.
   minLearned_s: 3.0,
-  // A demand that was never learned should hold height from here upwards.
+  // Power counts as learned after so many seconds.
+  minPowerLearned_s: 30.0,
+  // Up to the usual airspeed, this demand should hold height, and full throttle should climb so fast.
   levelThrottle_ratio: 0.7,
+  fullPower_mps: 1.0,
+  // Less doubt at full throttle.
+  toleranceFull_mps: 1.0,
   // The engine is believed again after it has delivered for this long.
   recovery_s: 5.0,
 };
@@ -63,11 +75,13 @@ export class EngineWatch {
   #options;
   #history = [];
   #throttles = [];
-  #power = new ThrottleMap();
+  #power = new PowerModel();
+  #highest_mps = 0;
   #signs = { rpm: new ThrottleMap(), current_a: new ThrottleMap() };
   #now = {};
   #missing_m = 0;
   #well_s = 0;
+  #demandedSince_s;
   state = 'unknown';
   since_s;
   reason;
@@ -94,7 +108,7 @@ export class EngineWatch {
   step({ time_s, east_mps, north_mps, climb_mps, heading_rad, bank_rad, airspeed_mps, isArmed, height_m }) {
     const before = this.state;
     const options = this.#options;
-    this.#history.push({ time_s, east_mps, north_mps });
+    this.#history.push({ time_s, east_mps, north_mps, heading_rad });
     while (this.#history.length > 2 && this.#history[1].time_s <= time_s - options.window_s) {
       this.#history.shift();
     }
@@ -105,63 +119,92 @@ export class EngineWatch {
     const duration_s = time_s - start.time_s;
     const isFresh = duration_s > 0.3 && duration_s < 3;
     if (!isFlying || !isFresh || this.#throttles.length === 0) return this.state !== before;
-    const forward_mps2 = ((east_mps - start.east_mps) * Math.sin(heading_rad) +
-      (north_mps - start.north_mps) * Math.cos(heading_rad)) / duration_s;
+    // Along the heading half way through a turn, to which the turn's own acceleration is square.
+    const turned_rad = Math.atan2(Math.sin(heading_rad - start.heading_rad), Math.cos(heading_rad - start.heading_rad));
+    const middle_rad = start.heading_rad + turned_rad / 2;
+    const forward_mps2 = ((east_mps - start.east_mps) * Math.sin(middle_rad) +
+      (north_mps - start.north_mps) * Math.cos(middle_rad)) / duration_s;
     const power_mps = climb_mps + (airspeed_mps * forward_mps2) / gravity_mps2;
     const step_s = Math.min(1, time_s - this.#history.at(-2).time_s);
-    this.#judge({ power_mps, bank_rad, time_s, step_s });
+    this.#judge({ power_mps, bank_rad, airspeed_mps, time_s, step_s });
     return this.state !== before;
   }
 
-  #judge({ power_mps, bank_rad, time_s, step_s }) {
+  #judge({ power_mps, bank_rad, airspeed_mps, time_s, step_s }) {
     const options = this.#options;
     // The least demand of the last second: the engine has had its time to follow.
     const throttle = Math.min(...this.#throttles.map((one) => one.throttle));
-    const turn = 1 / Math.max(0.2, Math.cos(bank_rad)) ** 2 - 1;
-    const allowed_mps = options.tolerance_mps + options.turnTolerance_mps * turn;
-    const expected_mps = this.#expectedPower(throttle);
+    const load = 1 / Math.max(0.4, Math.cos(bank_rad));
     const isDemanded = throttle >= options.minThrottle_ratio;
+    this.#demandedSince_s = isDemanded ? this.#demandedSince_s ?? time_s : undefined;
+    const gone = this.#goneSigns(throttle, time_s);
+    const expected_mps = this.#expectedPower({ throttle, airspeed_mps, load }, gone);
+    const tolerance_mps = gone ? options.toleranceConfirmed_mps : this.#tolerance_mps(throttle);
+    const allowed_mps = tolerance_mps + options.turnTolerance_mps * (load ** 2 - 1);
     const deficit_mps = expected_mps === undefined || !isDemanded
       ? -options.tolerance_mps : expected_mps - power_mps - allowed_mps;
     this.#missing_m = Math.max(0, this.#missing_m + deficit_mps * step_s);
-    const gone = this.#goneSign(throttle, time_s);
     const limit_m = gone ? options.missingHeightConfirmed_m : options.missingHeight_m;
     if (this.#missing_m > limit_m) this.#fail(time_s, gone);
     else if (this.state === 'failed') this.#recover(deficit_mps, isDemanded, gone, step_s);
     else if (isDemanded && expected_mps !== undefined) this.state = 'running';
     const isSteady = this.#throttles.every((one) => Math.abs(one.throttle - throttle) < 0.1);
     if (this.state !== 'failed' && this.#missing_m === 0 && isSteady) {
-      this.#learn(throttle, power_mps, time_s, step_s);
+      this.#learn({ throttle, airspeed_mps, load }, power_mps, time_s, step_s);
     }
     // A long failure is not undone by a short burst, and not paid back for minutes either.
     this.#missing_m = Math.min(this.#missing_m, 2 * options.missingHeight_m);
   }
 
-  #expectedPower(throttle) {
-    const options = this.#options;
-    const learned_mps = this.#power.expected(throttle, options.minLearned_s);
-    if (learned_mps !== undefined) return learned_mps;
-    return throttle >= options.levelThrottle_ratio ? 0 : undefined;
+  // 0 at the demand that holds height, 1 at full throttle; negative below.
+  #shareOfFull(throttle) {
+    const { levelThrottle_ratio } = this.#options;
+    return Math.min(1, (throttle - levelThrottle_ratio) / (0.95 - levelThrottle_ratio));
   }
 
-  #learn(throttle, power_mps, time_s, step_s) {
-    this.#power.learn(throttle, power_mps, step_s);
+  #tolerance_mps(throttle) {
+    const { tolerance_mps, toleranceFull_mps } = this.#options;
+    return tolerance_mps + Math.max(0, this.#shareOfFull(throttle)) * (toleranceFull_mps - tolerance_mps);
+  }
+
+  #expectedPower(state, gone) {
+    const options = this.#options;
+    const isLearned = this.#power.seconds >= options.minPowerLearned_s;
+    const numSds = gone ? options.numSdsConfirmed : options.numSds;
+    const learned_mps = isLearned ? this.#power.bound_mps(state, this.#highest_mps, numSds) : undefined;
+    const share = this.#shareOfFull(state.throttle);
+    const isUsual = !isLearned || state.airspeed_mps <= this.#highest_mps + 1;
+    if (share < 0 || !isUsual) return learned_mps;
+    return Math.max(learned_mps ?? 0, share * options.fullPower_mps);
+  }
+
+  #learn(state, power_mps, time_s, step_s) {
+    const throttles = this.#throttles.map((one) => one.throttle);
+    const throttle = throttles.reduce((sum, one) => sum + one, 0) / throttles.length;
+    this.#power.learn({ ...state, throttle }, power_mps, step_s);
+    // The highest airspeed that lasts.
+    this.#highest_mps += (state.airspeed_mps > this.#highest_mps ? 0.1 : 0.005) * step_s *
+      (state.airspeed_mps - this.#highest_mps);
     for (const [sign, map] of Object.entries(this.#signs)) {
       const now = this.#now[sign];
       if (now && time_s - now.time_s < 2) map.learn(throttle, now.value, step_s);
     }
   }
 
-  // The name of a measurement that says that the engine stands.
-  #goneSign(throttle, time_s) {
-    if (throttle < this.#options.minThrottle_ratio) return undefined;
+  // What says that the engine stands, if nothing says that it runs: "rpm and current_a".
+  #goneSigns(throttle, time_s) {
+    if (this.#demandedSince_s === undefined) return undefined;
+    const names = [];
     for (const [sign, map] of Object.entries(this.#signs)) {
       const now = this.#now[sign];
       const usual = map.expected(throttle, this.#options.minLearned_s);
       if (!now || !usual || time_s - now.time_s > 2) continue;
-      if (now.value < this.#options.goneShare_ratio * usual) return sign;
+      // Measured before the engine could follow.
+      if (now.time_s < this.#demandedSince_s) return undefined;
+      if (now.value >= this.#options.goneShare_ratio * usual) return undefined;
+      names.push(sign);
     }
-    return undefined;
+    return names.length ? names.join(' and ') : undefined;
   }
 
   #fail(time_s, gone) {

@@ -1,16 +1,23 @@
 #!/usr/bin/env node
-// Listens to an autopilot and sends its telemetry to freelsd-server. The only message that it sends
-// to the autopilot is its own heartbeat.
+// Listens to an autopilot, sends its telemetry to freelsd-server, and brings landing missions to it.
+// What it may send to the autopilot is in outgoing.js.
 
 import { mkdirSync, renameSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
+import { ChangeStore } from './change_store.js';
 import { parseCommandLine, usage } from './command_line.js';
 import { open } from './connection.js';
-import { heartbeatBytes } from './heartbeat.js';
+import { Decisions } from './decisions.js';
+import { EngineFailure } from './engine_failure.js';
+import { heartbeat } from './heartbeat.js';
+import { Landings } from './landings.js';
 import { Link } from './link.js';
 import { lock } from './lock.js';
+import { Outgoing } from './outgoing.js';
 import { Pin } from './pin.js';
+import { queryOf } from './recall_query.js';
+import { Reporter } from './reporter.js';
 import { Service } from './service.js';
 import { Sessions } from './sessions.js';
 import { readKey, Signing } from './signing.js';
@@ -33,9 +40,11 @@ function parsed() {
 }
 
 function stateOf(parts, connection) {
-  const { link, spool, uplink, sessions } = parts;
+  const { link, spool, uplink, sessions, decisions, landings, engineFailure } = parts;
+  const heard = link.state();
   return {
-    ...link.state(),
+    ...heard,
+    ...engineFailure?.stateParts(heard.engine),
     connection,
     flight: sessions.name && { id: uplink.flightOf(sessions.name), name: sessions.name },
     service: {
@@ -44,6 +53,9 @@ function stateOf(parts, connection) {
     },
     spool: { waiting: spool.numWaiting, lost: spool.numLost, size_bytes: spool.numBytes,
       last_error: spool.lastError },
+    ...(landings && { mission: landings.state() }),
+    run: decisions.run,
+    log: decisions.newest,
   };
 }
 
@@ -71,44 +83,113 @@ function partsFrom(config) {
   const sessions = new Sessions(join(folder, 'session.json'));
   const signing = config.signingKeyPath &&
     new Signing(readKey(config.signingKeyPath), join(folder, 'signatures.json'));
-  const uplink = new Uplink({
-    service: new Service(config.url, config.token), spool, path: join(folder, 'flights.json'),
-    fixedFlight: config.flight,
-  });
+  const service = new Service(config.url, config.token);
+  const uplink = new Uplink({ service, spool, path: join(folder, 'flights.json'), fixedFlight: config.flight,
+    aircraft: config.aircraft });
+  const decisions = new Decisions();
+  const parts = {};
   const link = new Link({
     pin: new Pin({ systemId: config.systemId, peerHost: config.peerHost }),
     signing,
-    onEvent: log,
+    onEvent: (sentence) => {
+      log(sentence);
+      decisions.add('link', sentence);
+    },
+    onMessage: (name, fields) => parts.landings?.hear(name, fields, performance.now() / 1000),
     emit: (line) => spool.append({ session: sessions.at(line.timestamp_us, link.pin.systemId), line }),
   });
-  return { spool, sessions, signing, uplink, link };
+  return Object.assign(parts, { service, spool, sessions, signing, uplink, decisions, link });
+}
+
+function outgoingOf({ link, signing }, socket) {
+  return new Outgoing({
+    send: (bytes) => { if (link.pin.peer) socket.send(bytes, link.pin.peer); },
+    systemId: () => link.pin.systemId,
+    signing,
+  });
+}
+
+function landingsFrom(parts, { config, outgoing, reporter, state }) {
+  const { link, service, decisions } = parts;
+  const recall = () => {
+    const now = state();
+    return now.position && now.velocity ? service.emergency(queryOf(now, now.wind, 0)) : undefined;
+  };
+  return new Landings({
+    service,
+    out: outgoing,
+    address: () => link.pin,
+    linkState: () => link.state(),
+    log: (kind, text) => {
+      log(text);
+      decisions.add(kind, text);
+    },
+    told: (id, result, detail) => reporter.told(id, result, detail),
+    store: new ChangeStore(join(config.spoolFolder, 'mission.json')),
+    recall: config.isRally ? recall : undefined,
+  });
+}
+
+function engineFailureFrom(parts, { config, outgoing, reporter, state }) {
+  const { link, service, decisions, landings } = parts;
+  return new EngineFailure({
+    recall: (query) => service.emergency(config.aircraft ? { ...query, aircraft: config.aircraft } : query),
+    outgoing,
+    landings,
+    address: () => link.pin,
+    state,
+    log: (text, kind) => {
+      log(text);
+      decisions.add(kind, text);
+    },
+    told: (id, result, detail) => reporter.told(id, result, detail),
+    isAutomatic: config.isAutomatic,
+  });
 }
 
 async function run(config) {
   const parts = partsFrom(config);
-  const { spool, signing, uplink, link } = parts;
+  const { spool, uplink, link } = parts;
   const state = { address: config.connect, state: 'closed' };
   const socket = await open(config.address,
     (bytes, from, isDatagram) => link.take(bytes, from, isDatagram),
     (text) => { state.state = text; });
   log(`listening at ${config.connect}, sending to ${config.url}`);
+  const reporter = new Reporter({
+    service: parts.service,
+    name: config.name,
+    state: () => stateOf(parts, state),
+    onCommand: (command) => {
+      const isTaken = parts.engineFailure?.take(command, Date.now() * 1000);
+      if (isTaken || parts.landings?.take(command)) return;
+      if (command.kind === 'release') reporter.told(command.id, 'done');
+      else reporter.told(command.id, 'failed', parts.landings ? `this program does not know the command ${command.kind}` : 'the link is silent');
+    },
+  });
+  const outgoing = outgoingOf(parts, socket);
+  if (!config.isSilent) {
+    const setting = { config, outgoing, reporter, state: () => stateOf(parts, state) };
+    parts.landings = landingsFrom(parts, setting);
+    parts.engineFailure = engineFailureFrom(parts, setting);
+  }
+  parts.decisions.onAdd = () => reporter.changed();
 
   const timers = [
     setInterval(() => {
       link.tick();
+      parts.landings?.step(performance.now() / 1000);
+      parts.engineFailure?.step(performance.now() / 1000, Date.now() * 1000);
       spool.flush();
       uplink.step();
+      reporter.step();
     }, flushPeriod_ms),
     setInterval(() => {
       spool.sync();
       saveAll(parts, config, state);
     }, 1000),
   ];
-  let sequence = 0;
   if (!config.isSilent) {
-    timers.push(setInterval(() => {
-      if (link.pin.peer) socket.send(heartbeatBytes(link.pin.systemId, sequence++, signing), link.pin.peer);
-    }, heartbeatPeriod_ms));
+    timers.push(setInterval(() => { if (link.pin.peer) outgoing.send('HEARTBEAT', heartbeat); }, heartbeatPeriod_ms));
   }
   const stop = () => {
     timers.forEach(clearInterval);

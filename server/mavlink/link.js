@@ -3,7 +3,8 @@
 import { BootClock } from './clock.js';
 import { EngineWatch } from './engine.js';
 import { packetsInDatagram, PacketReader } from './framing.js';
-import { fieldsOf, idOf } from './messages.js';
+import { heardMessages } from './landings.js';
+import { fieldsOf, idOf, nameOf } from './messages.js';
 import { autopilotName, modeName, typeName } from './modes.js';
 import { Pin } from './pin.js';
 import { isAttitude, PositionGate } from './plausibility.js';
@@ -14,6 +15,7 @@ const armedFlag = 128;
 const degrees = (radians) => (radians * 180) / Math.PI;
 // From here upwards a time is UNIX time, not time since boot.
 const firstUnix_us = 1e15;
+const otherMessages = new Set(heardMessages.map((name) => idOf[name]));
 const silent_s = 5;
 const minFlyingAirspeed_mps = 8;
 const minFlyingHeight_m = 5;
@@ -28,11 +30,13 @@ export class Link {
   #wind;
   #engine = new EngineWatch();
   #onEvent;
+  #onMessage;
   #steady_us;
   #heartbeat;
   #heard_us;
   #attitude;
   #position;
+  #velocity;
   #hud;
   #gps;
   #missionSequence;
@@ -43,8 +47,9 @@ export class Link {
   #refused = {};
 
   // emit(line): one line of telemetry. onEvent(sentence): what a person wants to know.
-  // steady_us(): a clock that never steps.
-  constructor({ pin = new Pin(), signing, clock = new BootClock(), emit, onEvent = () => {},
+  // onMessage(name, fields): each believed message that is not of the telemetry. steady_us(): a clock
+  // that never steps.
+  constructor({ pin = new Pin(), signing, clock = new BootClock(), emit, onEvent = () => {}, onMessage = () => {},
     steady_us = () => performance.now() * 1000 }) {
     this.#pin = pin;
     this.#signing = signing;
@@ -52,6 +57,7 @@ export class Link {
     this.#samples = new Samples(clock, emit);
     this.#wind = new WindSource((boot_ms, wind, now_us) => this.#samples.add('wind', boot_ms, { wind }, now_us));
     this.#onEvent = onEvent;
+    this.#onMessage = onMessage;
     this.#steady_us = steady_us;
   }
 
@@ -87,7 +93,11 @@ export class Link {
     if (this.#pin.peer !== wasPinned) this.#onEvent(`system ${packet.systemId} is heard at ${from}`);
     ++this.#numAccepted;
     const handler = this.#handlers[packet.messageId];
-    if (handler) handler.call(this, heartbeat ?? fieldsOf(packet), now_us);
+    const isOther = otherMessages.has(packet.messageId);
+    if (!handler && !isOther) return undefined;
+    const fields = heartbeat ?? fieldsOf(packet);
+    if (handler) handler.call(this, fields, now_us);
+    if (isOther) this.#onMessage(nameOf(packet.messageId), fields);
     return undefined;
   }
 
@@ -155,6 +165,7 @@ export class Link {
     const refusal = this.#gate.refusal({ ...position, time_s: message.timeBootMs / 1000 });
     if (refusal) return this.#refuse(refusal);
     this.#position = { ...position, height_above_home_m: message.relativeAlt / 1000 };
+    this.#velocity = { east_mps: message.vy / 100, north_mps: message.vx / 100, climb_mps: -message.vz / 100 };
     this.#samples.add('position', message.timeBootMs, { position, altitude_datum: 'amsl' }, now_us);
     return this.#onMotion(message, now_us);
   }
@@ -229,6 +240,7 @@ export class Link {
       is_armed: heartbeat && this.#isArmed,
       is_signed: Boolean(this.#signing),
       position: this.#position && { ...this.#position, altitude_datum: 'amsl' },
+      velocity: this.#velocity,
       airspeed_mps: this.#hud?.airspeed,
       ground_speed_mps: this.#hud?.groundspeed,
       climb_mps: this.#hud?.climb,

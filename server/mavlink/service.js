@@ -1,6 +1,12 @@
 // The only file that sends requests to freelsd-server.
 
-const timeout_ms = 20_000;
+const longest_ms = 20_000;
+// A command must not wait behind an answer that does not come.
+const linkTimeout_ms = 3000;
+// A plan for another wind may take its time.
+const landingTimeout_ms = 8000;
+// In the air a late answer is none.
+const emergencyTimeout_ms = 2500;
 
 export class ServiceProblem extends Error {
   constructor(status, body) {
@@ -29,11 +35,12 @@ export class Service {
     this.#headers = token ? { Authorization: `Bearer ${token}` } : {};
   }
 
-  async createFlight(name) {
+  // aircraft: the name of a profile, or nothing.
+  async createFlight(name, aircraft) {
     const flight = await this.#json('v1/flights', {
       method: 'POST',
       headers: { 'Content-Type': 'application/json' },
-      body: JSON.stringify({ name, altitude_datum: 'amsl' }),
+      body: JSON.stringify({ name, altitude_datum: 'amsl', ...(aircraft && { aircraft: { profile: aircraft } }) }),
     });
     return flight.id;
   }
@@ -53,13 +60,39 @@ export class Service {
     });
   }
 
-  async #json(path, { headers = {}, ...options } = {}) {
+  // { commands: [{ id, kind, site_id?, issued_at }] }
+  putLink(linkId, state) {
+    return this.#json(`v1/links/${encodeURIComponent(linkId)}`, {
+      method: 'PUT',
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify(state),
+      timeout_ms: linkTimeout_ms,
+    });
+  }
+
+  // Query and answer of /v1/emergency.
+  emergency(query, limit_ms = emergencyTimeout_ms) {
+    return this.#json(`v1/emergency?${new URLSearchParams(query)}`, { timeout_ms: limit_ms });
+  }
+
+  // A site as a GeoJSON feature.
+  site(siteId) {
+    return this.#json(`v1/sites/${encodeURIComponent(siteId)}`, { timeout_ms: linkTimeout_ms });
+  }
+
+  // Path of a site, planned for a wind if it is known.
+  approach(siteId, wind) {
+    const query = wind ? `?${new URLSearchParams({ wind_east_mps: wind.east_mps, wind_north_mps: wind.north_mps })}` : '';
+    return this.#json(`v1/sites/${encodeURIComponent(siteId)}/approach${query}`, { timeout_ms: landingTimeout_ms });
+  }
+
+  async #json(path, { headers = {}, timeout_ms = longest_ms, ...options } = {}) {
     const base = this.#url.href.endsWith('/') ? this.#url : new URL(`${this.#url.href}/`);
     const response = await fetch(new URL(path, base), {
+      signal: AbortSignal.timeout(timeout_ms),
       ...options,
       headers: { ...this.#headers, ...headers },
       redirect: 'error',
-      signal: AbortSignal.timeout(timeout_ms),
     });
     if (!response.ok) throw await problemOf(response);
     return response.json();

@@ -18,6 +18,7 @@ export class Uplink {
   #path;
   #flights = {};
   #fixedFlight;
+  #aircraft;
   #numFailures = 0;
   #notBefore_ms = 0;
   #running;
@@ -28,11 +29,13 @@ export class Uplink {
   lastRejection;
 
   // fixedFlight: the id of an existing flight that takes every session.
-  constructor({ service, spool, path, fixedFlight }) {
+  // aircraft: profile of new flights.
+  constructor({ service, spool, path, fixedFlight, aircraft }) {
     this.#service = service;
     this.#spool = spool;
     this.#path = path;
     this.#fixedFlight = fixedFlight;
+    this.#aircraft = aircraft;
     if (existsSync(path)) this.#flights = JSON.parse(readFileSync(path, 'utf8'));
   }
 
@@ -91,7 +94,7 @@ export class Uplink {
 
   async #create(session) {
     const flightId = await this.#service.flightNamed(session) ??
-      await this.#service.createFlight(session);
+      await this.#service.createFlight(session, this.#aircraft);
     this.#remember(session, flightId);
     return flightId;
   }

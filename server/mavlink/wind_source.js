@@ -18,7 +18,7 @@ export class WindSource {
   #offered;
   #driftOffered_ms = -Infinity;
 
-  // emit(boot_ms, { east_mps, north_mps }, now_us)
+  // emit(boot_ms, { east_mps, north_mps, source, sd_mps? }, now_us)
   constructor(emit) { this.#emit = emit; }
 
   // WIND of ArduPilot: the direction that the wind comes from.
@@ -65,6 +65,6 @@ export class WindSource {
 
   #offer(wind, boot_ms, now_us) {
     this.#offered = { wind, boot_ms };
-    this.#emit(boot_ms, { east_mps: wind.east_mps, north_mps: wind.north_mps }, now_us);
+    this.#emit(boot_ms, wind, now_us);
   }
 }

@@ -26,29 +26,15 @@ constexpr double kMaxPlannedChangeMps = 1.0;
 // A flight that was not woken for this time has landed, or a client only requested its list.
 constexpr std::chrono::seconds kLiveFor{60};
 
-// Sets the two members that poses and winds share.
-void TellTimes(const std::optional<int64_t>& timestamp_us,
-               const std::optional<double>& age_s,
-               nlohmann::json& sample) {
-  if (timestamp_us) sample["timestamp_us"] = *timestamp_us;
-  sample["age_s"] = nullptr;
-  if (age_s) sample["age_s"] = *age_s;
-}
-
 nlohmann::json PoseJson(const LivePose& pose, const std::string& altitude_datum) {
   nlohmann::json object{{"latitude_deg", pose.place.latitude_deg},
                         {"longitude_deg", pose.place.longitude_deg},
                         {"altitude_m", pose.place.altitude_m},
-                        {"altitude_datum", altitude_datum}};
+                        {"altitude_datum", altitude_datum},
+                        {"age_s", nullptr}};
   if (pose.heading_deg) object["heading_deg"] = *pose.heading_deg;
-  TellTimes(pose.timestamp_us, pose.age_s, object);
-  return object;
-}
-
-nlohmann::json WindJson(const LiveWind& wind) {
-  nlohmann::json object{{"east_mps", wind.wind_in_world.x()},
-                        {"north_mps", wind.wind_in_world.y()}};
-  TellTimes(wind.timestamp_us, wind.age_s, object);
+  if (pose.timestamp_us) object["timestamp_us"] = *pose.timestamp_us;
+  if (pose.age_s) object["age_s"] = *pose.age_s;
   return object;
 }
 
@@ -67,7 +53,10 @@ nlohmann::json AnswerOf(const StoredSites& stored,
   request.place = pose->place;
   request.altitude_datum = AltitudeDatumOf(flight);
   request.flight_id = flight.id;
-  if (pose->wind) request.wind_in_world = pose->wind->wind_in_world;
+  if (pose->wind) {
+    request.wind_in_world = pose->wind->wind_in_world;
+    request.wind_sd_mps = pose->wind->sd_mps.value_or(0.0);
+  }
   // If the heading is unknown, recall assumes the worst heading, and adds a warning.
   request.heading_deg = pose->heading_deg;
   request.aircraft = flight_request.aircraft;

@@ -12,6 +12,7 @@ namespace {
 constexpr double kMaxAltitudeM = 20000.0;
 constexpr double kMinAltitudeM = -1000.0;
 constexpr double kMaxWindMps = 100.0;
+constexpr double kMaxWindSdMps = 20.0;
 constexpr double kMaxSafetyHeightM = 1000.0;
 
 [[noreturn]] void Refuse(const std::string& key, const std::string& detail) {
@@ -100,6 +101,10 @@ EmergencyRequest ParseEmergencyRequest(const nlohmann::json& given) {
   request.place.longitude_deg = TakeNeeded(object, "longitude_deg", -180.0, 180.0);
   request.place.altitude_m = TakeNeeded(object, "altitude_m", kMinAltitudeM, kMaxAltitudeM);
   request.wind_in_world = TakeWind(object);
+  request.wind_sd_mps = TakeNumber(object, "wind_sd_mps", 0.0, kMaxWindSdMps).value_or(0.0);
+  if (request.wind_sd_mps > 0.0 && !request.wind_in_world) {
+    Refuse("wind_sd_mps", "needs a wind, whose deviation it is");
+  }
   request.heading_deg = TakeNumber(object, "heading_deg", -36000.0, 36000.0);
   request.glide_ratio = TakeNumber(object, "glide_ratio", 1.0, 100.0);
   request.terrain_clearance_m = TakeNumber(object, "terrain_clearance_m", 0.0, kMaxSafetyHeightM)

@@ -24,6 +24,8 @@ struct EmergencyRequest {
   std::optional<std::string> flight_id;
   // East and north, m/s: the direction in which the air moves. Empty: unknown.
   std::optional<Eigen::Vector2d> wind_in_world;
+  // Standard deviation of the wind in each axis; 0: unknown.
+  double wind_sd_mps = 0.0;
   std::optional<double> heading_deg;
   std::optional<double> glide_ratio;
   // Safety heights: above the stored terrain below the path, and above the start of the final.

@@ -42,9 +42,8 @@ CompletedRequest CompletedFromFlight(const Storage& storage, const EmergencyRequ
   }
   if (pose && pose->wind && !request.wind_in_world) {
     request.wind_in_world = pose->wind->wind_in_world;
-    taken["wind"] = {{"east_mps", request.wind_in_world->x()},
-                     {"north_mps", request.wind_in_world->y()}};
-    if (pose->wind->age_s) taken["wind"]["age_s"] = *pose->wind->age_s;
+    request.wind_sd_mps = pose->wind->sd_mps.value_or(0.0);
+    taken["wind"] = WindJson(*pose->wind);
   }
   if (const auto course_deg = CourseAt(given.place, pose); course_deg && !request.heading_deg) {
     request.heading_deg = course_deg;

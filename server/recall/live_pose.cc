@@ -1,6 +1,12 @@
 #include "server/recall/live_pose.h"
 
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
 #include <vector>
+
+#include <nlohmann/json.hpp>
 
 #include "api/stored/stored.h"
 #include "server/intake/intake.h"
@@ -12,54 +18,94 @@ namespace {
 // Enough for a course at 50 samples a second.
 constexpr int kMaxNumSamples = 100;
 constexpr int kMaxNumFrames = 8;
+// For this time a wind that someone measured counts more than one from drift.
+constexpr double kGivenWindHoldsForS = 60.0;
 
-struct ArrivedWind {
-  LiveWind wind;
-  int64_t arrived_at_us = 0;
+// A sample and its age; the age of one whose time of arrival is unknown is infinite.
+struct AgedRow {
+  TelemetryRow row;
+  std::optional<double> age_s;
+
+  double SortAgeS() const { return age_s.value_or(std::numeric_limits<double>::infinity()); }
 };
 
-// Positions and last wind from one source.
+// Positions from one source.
 struct Track {
-  // In the order of arrival, the latest first.
+  // The latest first.
   std::vector<PassedPosition> passed;
   std::optional<int64_t> timestamp_us;
   std::optional<std::string> altitude_datum;
-  std::optional<ArrivedWind> wind;
+  std::optional<double> age_s;
 };
 
-Track TrackOfTelemetry(const Storage& storage, const std::string& flight_id) {
-  Track track;
-  const auto last = [&](TelemetryKind kind, int max_num_rows) {
-    return storage.telemetry.LastArrived(flight_id, kind, max_num_rows);
-  };
-  for (const TelemetryRow& row : last(TelemetryKind::kPosition, kMaxNumSamples)) {
-    const GeoPoint place{row.values[0], row.values[1], row.values[2]};
-    if (track.passed.empty()) track.altitude_datum = AltitudeDatumOf(row);
-    track.passed.push_back({place, row.timestamp_us, row.arrived_at_us});
+FlightClock ClockOf(const Storage& storage, const std::string& flight_id) {
+  FlightClock clock;
+  for (const TelemetryKind kind : {TelemetryKind::kPosition, TelemetryKind::kWind}) {
+    if (const auto first = storage.telemetry.FirstArrived(flight_id, kind)) {
+      clock.Hear(first->timestamp_us, first->arrived_at_us);
+    }
+    for (const auto& row : storage.telemetry.LastArrived(flight_id, kind, kMaxNumSamples)) {
+      clock.Hear(row.timestamp_us, row.arrived_at_us);
+    }
   }
-  if (!track.passed.empty()) track.timestamp_us = track.passed.front().timestamp_us;
-  for (const TelemetryRow& row : last(TelemetryKind::kWind, 1)) {
-    const LiveWind wind{{row.values[0], row.values[1]}, row.timestamp_us, std::nullopt};
-    track.wind = ArrivedWind{wind, row.arrived_at_us};
+  return clock;
+}
+
+// The youngest rows, the latest first. What arrived last may be old, and the row with the latest
+// timestamp may be of a clock that was wrong.
+std::vector<AgedRow> YoungestRows(const Storage& storage,
+                                  const std::string& flight_id,
+                                  TelemetryKind kind,
+                                  int64_t now_us) {
+  const FlightClock clock = ClockOf(storage, flight_id);
+  std::map<int64_t, TelemetryRow> rows;
+  for (const auto& each : {storage.telemetry.LastArrived(flight_id, kind, kMaxNumSamples),
+                           storage.telemetry.Latest(flight_id, kind, kMaxNumSamples)}) {
+    for (const TelemetryRow& row : each) rows[row.timestamp_us] = row;
+  }
+  std::vector<AgedRow> aged;
+  aged.reserve(rows.size());
+  for (const auto& [timestamp_us, row] : rows) {
+    aged.push_back({row, clock.AgeS(timestamp_us, row.arrived_at_us, now_us)});
+  }
+  std::sort(aged.begin(), aged.end(), [](const AgedRow& a, const AgedRow& b) {
+    return std::pair(a.SortAgeS(), -a.row.arrived_at_us) <
+           std::pair(b.SortAgeS(), -b.row.arrived_at_us);
+  });
+  if (aged.size() > static_cast<size_t>(kMaxNumSamples)) aged.resize(kMaxNumSamples);
+  return aged;
+}
+
+Track TrackOfTelemetry(const Storage& storage, const std::string& flight_id, int64_t now_us) {
+  Track track;
+  for (const auto& [row, age_s] :
+       YoungestRows(storage, flight_id, TelemetryKind::kPosition, now_us)) {
+    if (track.passed.empty()) {
+      track.timestamp_us = row.timestamp_us;
+      track.altitude_datum = AltitudeDatumOf(row);
+      track.age_s = age_s;
+    }
+    const GeoPoint place{row.values[0], row.values[1], row.values[2]};
+    track.passed.push_back({place, row.timestamp_us, row.arrived_at_us});
   }
   return track;
 }
 
+FrameMeta MetaOf(const FrameRow& frame) {
+  return Merged(ParseStoredFrameMeta(frame.meta_json), ParseStoredFrameMeta(frame.tags_json));
+}
+
 // Uses only the metadata that arrived with the frames. Their metadata from telemetry arrived
 // earlier.
-Track TrackOfFrames(const Storage& storage, const std::string& flight_id) {
+Track TrackOfFrames(const Storage& storage, const std::string& flight_id, int64_t now_us) {
   Track track;
   for (const FrameRow& frame : storage.frames.LastArrived(flight_id, kMaxNumFrames)) {
-    const FrameMeta meta =
-        Merged(ParseStoredFrameMeta(frame.meta_json), ParseStoredFrameMeta(frame.tags_json));
-    if (meta.wind_in_world && !track.wind) {
-      const LiveWind wind{*meta.wind_in_world, meta.timestamp_us, std::nullopt};
-      track.wind = ArrivedWind{wind, frame.arrived_at_us};
-    }
+    const FrameMeta meta = MetaOf(frame);
     if (!meta.position) continue;
     if (track.passed.empty()) {
       track.timestamp_us = meta.timestamp_us;
       track.altitude_datum = meta.altitude_datum;
+      track.age_s = AgeS(frame.arrived_at_us, now_us);
     }
     // Without times, only the latest one counts.
     if (!track.passed.empty() && !(meta.timestamp_us && track.timestamp_us)) continue;
@@ -68,38 +114,88 @@ Track TrackOfFrames(const Storage& storage, const std::string& flight_id) {
   return track;
 }
 
+// Where ages are unknown, the order of arrival counts.
 bool IsLater(const Track& a, const Track& b) {
   if (a.passed.empty() || b.passed.empty()) return b.passed.empty();
+  if (a.age_s && b.age_s) return *a.age_s < *b.age_s;
   return a.passed.front().arrived_at_us > b.passed.front().arrived_at_us;
 }
 
-std::optional<LiveWind> LatestWind(const std::optional<ArrivedWind>& a,
-                                   const std::optional<ArrivedWind>& b,
-                                   int64_t now_us) {
-  if (!a && !b) return std::nullopt;
-  const bool is_a = !b || (a && a->arrived_at_us > b->arrived_at_us);
-  const ArrivedWind& latest = is_a ? *a : *b;
-  LiveWind wind = latest.wind;
-  wind.age_s = AgeS(latest.arrived_at_us, now_us);
-  return wind;
+std::optional<LiveWind> WindOfFrames(const Storage& storage,
+                                     const std::string& flight_id,
+                                     int64_t now_us) {
+  for (const FrameRow& frame : storage.frames.LastArrived(flight_id, kMaxNumFrames)) {
+    const FrameMeta meta = MetaOf(frame);
+    if (!meta.wind_in_world) continue;
+    return LiveWind{*meta.wind_in_world,
+                    meta.timestamp_us,
+                    AgeS(frame.arrived_at_us, now_us),
+                    "frame",
+                    std::nullopt};
+  }
+  return std::nullopt;
+}
+
+std::vector<LiveWind> WindsOf(const Storage& storage,
+                              const std::string& flight_id,
+                              int64_t now_us) {
+  std::vector<LiveWind> winds;
+  for (const auto& [row, age_s] : YoungestRows(storage, flight_id, TelemetryKind::kWind, now_us)) {
+    winds.push_back({{row.values[0], row.values[1]},
+                     row.timestamp_us,
+                     age_s,
+                     WindSourceOf(row),
+                     WindSdMps(row)});
+  }
+  if (const auto wind = WindOfFrames(storage, flight_id, now_us)) winds.push_back(*wind);
+  return winds;
+}
+
+// Least for the wind to take.
+std::pair<bool, double> OrderOf(const LiveWind& wind) {
+  const double age_s = wind.age_s.value_or(std::numeric_limits<double>::infinity());
+  const bool is_given = wind.source != "drift" && age_s <= kGivenWindHoldsForS;
+  return {!is_given, age_s};
 }
 
 }  // namespace
 
+std::optional<LiveWind> LiveWindOf(const Storage& storage,
+                                   const std::string& flight_id,
+                                   int64_t now_us) {
+  const std::vector<LiveWind> winds = WindsOf(storage, flight_id, now_us);
+  const auto best =
+      std::min_element(winds.begin(), winds.end(), [](const LiveWind& a, const LiveWind& b) {
+        return OrderOf(a) < OrderOf(b);
+      });
+  return best == winds.end() ? std::nullopt : std::optional(*best);
+}
+
+nlohmann::json WindJson(const LiveWind& wind) {
+  nlohmann::json object{{"east_mps", wind.wind_in_world.x()},
+                        {"north_mps", wind.wind_in_world.y()},
+                        {"age_s", nullptr}};
+  if (wind.source) object["source"] = *wind.source;
+  if (wind.sd_mps) object["sd_mps"] = *wind.sd_mps;
+  if (wind.timestamp_us) object["timestamp_us"] = *wind.timestamp_us;
+  if (wind.age_s) object["age_s"] = *wind.age_s;
+  return object;
+}
+
 std::optional<LivePose> LivePoseOf(const Storage& storage,
                                    const std::string& flight_id,
                                    int64_t now_us) {
-  const Track telemetry = TrackOfTelemetry(storage, flight_id);
-  const Track frames = TrackOfFrames(storage, flight_id);
+  const Track telemetry = TrackOfTelemetry(storage, flight_id, now_us);
+  const Track frames = TrackOfFrames(storage, flight_id, now_us);
   const Track& track = IsLater(telemetry, frames) ? telemetry : frames;
   if (track.passed.empty()) return std::nullopt;
   LivePose pose;
   pose.place = track.passed.front().place;
   pose.altitude_datum = track.altitude_datum;
   pose.timestamp_us = track.timestamp_us;
-  pose.age_s = AgeS(track.passed.front().arrived_at_us, now_us);
+  pose.age_s = track.age_s;
   if (pose.age_s && *pose.age_s <= kMaxCourseAgeS) pose.heading_deg = CourseDeg(track.passed);
-  pose.wind = LatestWind(telemetry.wind, frames.wind, now_us);
+  pose.wind = LiveWindOf(storage, flight_id, now_us);
   return pose;
 }
 

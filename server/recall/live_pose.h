@@ -1,10 +1,14 @@
-// The latest position, course and wind of a flight's aircraft, from telemetry and frames. "Latest"
-// is by time of arrival, because the aircraft's clock may be wrong.
+// The latest position, course and wind of a flight's aircraft, from telemetry and frames. The
+// latest sample of telemetry is the youngest one by its own time (FlightClock), because a link
+// delivers old samples after an outage. Of frames it is the one that arrived last: cameras' clocks
+// are often wrong.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "engine/flight/flight.h"
 #include "storage/storage.h"
@@ -16,8 +20,13 @@ struct LiveWind {
   Eigen::Vector2d wind_in_world = Eigen::Vector2d::Zero();
   // The sample's own time, as the aircraft gave it.
   std::optional<int64_t> timestamp_us;
-  // Since the server received it; nothing: unknown.
+  // Since it was measured; nothing: unknown.
   std::optional<double> age_s;
+  // "autopilot": its own estimate. "drift": from ground velocity, heading and airspeed. "frame":
+  // sent with an image. Nothing: the sender did not say.
+  std::optional<std::string> source;
+  // Standard deviation in each axis; nothing: unknown.
+  std::optional<double> sd_mps;
 };
 
 struct LivePose {
@@ -26,7 +35,7 @@ struct LivePose {
   std::optional<std::string> altitude_datum;
   // The position's own time, as the aircraft gave it.
   std::optional<int64_t> timestamp_us;
-  // Since the server received it; nothing: unknown.
+  // Since the aircraft was there; nothing: unknown.
   std::optional<double> age_s;
   // Direction of travel over ground, computed from the last positions. Nothing if they do not
   // determine it. Trap: the attitude does not give it, because in wind the aircraft does not fly
@@ -43,5 +52,12 @@ constexpr double kMaxCourseAgeS = 3.0;
 std::optional<LivePose> LivePoseOf(const Storage& storage,
                                    const std::string& flight_id,
                                    int64_t now_us);
+
+// The flight's wind. One from drift counts only where no other is known, or none that is recent.
+std::optional<LiveWind> LiveWindOf(const Storage& storage,
+                                   const std::string& flight_id,
+                                   int64_t now_us);
+// {east_mps, north_mps, source?, sd_mps?, timestamp_us?, age_s}
+nlohmann::json WindJson(const LiveWind& wind);
 
 }  // namespace freelsd

@@ -142,6 +142,7 @@ GlideStart StartOf(const EmergencyRequest& request, const Eigen::Vector3d& posit
   start.position_in_world = position_in_world;
   if (request.heading_deg) start.heading = RadFromDeg(*request.heading_deg);
   start.wind_in_world = request.wind_in_world;
+  start.wind_sd_mps = request.wind_sd_mps;
   return start;
 }
 

@@ -26,6 +26,22 @@ std::optional<TelemetryRow> FirstSample(const PostgresRows& rows) {
   return TelemetryRowOf(rows[0]);
 }
 
+std::vector<TelemetryRow> RowsOf(PostgresState& state,
+                                 const std::string& order,
+                                 const std::string& flight_id,
+                                 TelemetryKind kind,
+                                 int max_num_rows) {
+  return state.Read([&](PostgresConnection& connection) {
+    return connection
+        .Run(kSelectTelemetry + ("WHERE flight_id = $1 AND kind = $2 ORDER BY " + order) +
+                 " LIMIT $3",
+             flight_id,
+             static_cast<int>(kind),
+             max_num_rows)
+        .Each(TelemetryRowOf);
+  });
+}
+
 // A statement may write a row only once: of samples with the same time, the last one counts.
 std::vector<TelemetryRow> WithArrivals(const std::vector<TelemetryRow>& rows, int64_t next_us) {
   std::map<std::pair<TelemetryKind, int64_t>, TelemetryRow> by_time;
@@ -80,15 +96,19 @@ bool PostgresTelemetryStore::Put(const std::string& flight_id,
 std::vector<TelemetryRow> PostgresTelemetryStore::LastArrived(const std::string& flight_id,
                                                               TelemetryKind kind,
                                                               int max_num_rows) const {
-  return state_.Read([&](PostgresConnection& connection) {
-    return connection
-        .Run(std::string(kSelectTelemetry) +
-                 "WHERE flight_id = $1 AND kind = $2 ORDER BY arrived_at_us DESC LIMIT $3",
-             flight_id,
-             static_cast<int>(kind),
-             max_num_rows)
-        .Each(TelemetryRowOf);
-  });
+  return RowsOf(state_, "arrived_at_us DESC", flight_id, kind, max_num_rows);
+}
+
+std::vector<TelemetryRow> PostgresTelemetryStore::Latest(const std::string& flight_id,
+                                                         TelemetryKind kind,
+                                                         int max_num_rows) const {
+  return RowsOf(state_, "timestamp_us DESC", flight_id, kind, max_num_rows);
+}
+
+std::optional<TelemetryRow> PostgresTelemetryStore::FirstArrived(const std::string& flight_id,
+                                                                 TelemetryKind kind) const {
+  const std::vector<TelemetryRow> rows = RowsOf(state_, "arrived_at_us", flight_id, kind, 1);
+  return rows.empty() ? std::nullopt : std::optional(rows.front());
 }
 
 TelemetryPair PostgresTelemetryStore::Around(const std::string& flight_id,

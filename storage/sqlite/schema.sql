@@ -45,8 +45,8 @@ CREATE TABLE telemetry (
   timestamp_us INTEGER NOT NULL,             -- microseconds since 1970
   value_0 REAL NOT NULL,                     -- latitude_deg | w | east_mps
   value_1 REAL NOT NULL,                     -- longitude_deg | x | north_mps
-  value_2 REAL NOT NULL,                     -- altitude_m | y | 0
-  value_3 REAL NOT NULL,                     -- datum: 0 not told, 1 amsl, 2 ellipsoid | z | 0
+  value_2 REAL NOT NULL,                     -- altitude_m | y | deviation of the wind, mps; 0 unknown
+  value_3 REAL NOT NULL,                     -- datum: 0 not told, 1 amsl, 2 ellipsoid | z | source: 0 not told, 1 autopilot, 2 drift
   arrived_at_us INTEGER NOT NULL DEFAULT 0,  -- when the server received it; <= 0: unknown, an order only
   PRIMARY KEY (flight_id, kind, timestamp_us)
 ) STRICT, WITHOUT ROWID;

@@ -96,6 +96,11 @@ class SqliteTelemetryStore final : public TelemetryStore {
   std::vector<TelemetryRow> LastArrived(const std::string& flight_id,
                                         TelemetryKind kind,
                                         int max_num_rows) const override;
+  std::vector<TelemetryRow> Latest(const std::string& flight_id,
+                                   TelemetryKind kind,
+                                   int max_num_rows) const override;
+  std::optional<TelemetryRow> FirstArrived(const std::string& flight_id,
+                                           TelemetryKind kind) const override;
   TelemetryPair Around(const std::string& flight_id,
                        TelemetryKind kind,
                        int64_t timestamp_us) const override;

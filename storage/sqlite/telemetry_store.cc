@@ -17,6 +17,30 @@ std::optional<TelemetryRow> NextRow(Statement& statement, TelemetryKind kind) {
   return row;
 }
 
+// `sql` selects the columns of NextRow, for flight, kind and limit.
+std::vector<TelemetryRow> RowsOf(StorageState& state,
+                                 const char* sql,
+                                 const std::string& flight_id,
+                                 TelemetryKind kind,
+                                 int max_num_rows) {
+  const Reader reader(state.readers);
+  Statement statement = reader->Prepare(sql);
+  statement.Bind(flight_id, static_cast<int>(kind), max_num_rows);
+  std::vector<TelemetryRow> rows;
+  while (const auto row = NextRow(statement, kind)) rows.push_back(*row);
+  return rows;
+}
+
+constexpr char kLastArrived[] =
+    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
+    "WHERE flight_id = ?1 AND kind = ?2 ORDER BY arrived_at_us DESC LIMIT ?3";
+constexpr char kFirstArrived[] =
+    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
+    "WHERE flight_id = ?1 AND kind = ?2 ORDER BY arrived_at_us LIMIT ?3";
+constexpr char kLatest[] =
+    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
+    "WHERE flight_id = ?1 AND kind = ?2 ORDER BY timestamp_us DESC LIMIT ?3";
+
 }  // namespace
 
 bool SqliteTelemetryStore::Put(const std::string& flight_id,
@@ -46,16 +70,21 @@ bool SqliteTelemetryStore::Put(const std::string& flight_id,
 }
 
 std::vector<TelemetryRow> SqliteTelemetryStore::LastArrived(const std::string& flight_id,
-                                                            TelemetryKind kind,
-                                                            int max_num_rows) const {
-  const Reader reader(state_.readers);
-  Statement statement = reader->Prepare(
-      "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
-      "WHERE flight_id = ?1 AND kind = ?2 ORDER BY arrived_at_us DESC LIMIT ?3");
-  statement.Bind(flight_id, static_cast<int>(kind), max_num_rows);
-  std::vector<TelemetryRow> rows;
-  while (const auto row = NextRow(statement, kind)) rows.push_back(*row);
-  return rows;
+                                                      TelemetryKind kind,
+                                                      int max_num_rows) const {
+  return RowsOf(state_, kLastArrived, flight_id, kind, max_num_rows);
+}
+
+std::vector<TelemetryRow> SqliteTelemetryStore::Latest(const std::string& flight_id,
+                                                 TelemetryKind kind,
+                                                 int max_num_rows) const {
+  return RowsOf(state_, kLatest, flight_id, kind, max_num_rows);
+}
+
+std::optional<TelemetryRow> SqliteTelemetryStore::FirstArrived(const std::string& flight_id,
+                                                         TelemetryKind kind) const {
+  const std::vector<TelemetryRow> rows = RowsOf(state_, kFirstArrived, flight_id, kind, 1);
+  return rows.empty() ? std::nullopt : std::optional(rows.front());
 }
 
 TelemetryPair SqliteTelemetryStore::Around(const std::string& flight_id,

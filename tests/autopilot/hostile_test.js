@@ -180,7 +180,7 @@ test('PX4: wind says where the air moves, and a camera is heard', () => {
   take(time(1000));
   take(position(1200));
   take(bytesOf('WIND_COV', { timeUsec: 0n, windX: 3, windY: -4, windZ: 0, varHoriz: 0, varVert: 0, windAlt: 0, horizAccuracy: 0, vertAccuracy: 0 }));
-  assert.deepEqual(lines.at(-1).wind, { east_mps: -4, north_mps: 3 });
+  assert.deepEqual(lines.at(-1).wind, { east_mps: -4, north_mps: 3, source: 'autopilot' });
   take(bytesOf('CAMERA_TRIGGER', { timeUsec: 1_500_000n, seq: 7 }));
   assert.deepEqual(link.state().camera, { num_triggers: 1, last: { timestamp_us: start_us + 1_500_000, index: 7 } });
   assert.equal(idOf.WIND, 168);

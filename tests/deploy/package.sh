@@ -46,6 +46,25 @@ check_paths() {
   echo "paths: none of the build's"
 }
 
+# Every module that the link loads is in the package.
+check_link() {
+  step="starting the packed freelsd-mavlink"
+  if ! command -v node >/dev/null; then
+    skip "freelsd-mavlink, node is not installed"
+    return
+  fi
+  dpkg-deb -x "$package" "$work/unpacked"
+  (cd / && "$work/unpacked/usr/bin/freelsd-mavlink" --help) >"$work/link.txt"
+  grep -q -- '--connect' "$work/link.txt" || fail "freelsd-mavlink does not explain itself"
+  local opened
+  opened="$(cd "$work/unpacked/usr/lib/freelsd/mavlink" &&
+    node -e "import('serialport').then(({ SerialPort }) => new SerialPort({ path: '/dev/none', baudRate: 57600 })
+      .on('error', ({ message }) => console.log(message)))")"
+  [[ "$opened" == *"No such file"* ]] || fail "serial ports cannot be opened: $opened"
+  rm -r "$work/unpacked"
+  echo "freelsd-mavlink starts, with its serial ports"
+}
+
 # Says why there can be no clean root; nothing where there can.
 hindrance() {
   if [ "$clean_root" = no ]; then
@@ -104,6 +123,7 @@ expect_there() {
 check_installed() {
   apt install "/$(basename "$package")"
   expect_there etc/freelsd/config.json lib/systemd/system/freelsd.service \
+    lib/systemd/system/freelsd-mavlink@.service usr/bin/freelsd-mavlink \
     usr/share/freelsd/grass_model.yml usr/share/doc/freelsd/copyright \
     etc/systemd/system/multi-user.target.wants/freelsd.service
   [ "$(stat -c %a:%u:%g "$root/etc/freelsd/config.json")" = 644:0:0 ] || fail "modes of the configuration"
@@ -197,6 +217,7 @@ work="$(mktemp -d)"
 trap 'rm -rf --one-file-system "$work"' EXIT
 check_with_lintian
 check_paths
+check_link
 why="$(hindrance)"
 if [ -n "$why" ]; then
   skip "the clean root: $why"

@@ -22,6 +22,7 @@ const std::vector<FuzzTarget>& FuzzTargets() {
                                                 {"poses", FuzzPoses},
                                                 {"side_files", FuzzSideFiles},
                                                 {"telemetry", FuzzTelemetry},
+                                                {"links", FuzzLinks},
                                                 {"obstacles", FuzzObstacles},
                                                 {"open_air", FuzzOpenAir},
                                                 {"query", FuzzQuery, 512},

@@ -26,6 +26,7 @@ void FuzzJsonBodies(std::string_view bytes);
 void FuzzPoses(std::string_view bytes);
 void FuzzSideFiles(std::string_view bytes);
 void FuzzTelemetry(std::string_view bytes);
+void FuzzLinks(std::string_view bytes);
 void FuzzObstacles(std::string_view bytes);
 void FuzzOpenAir(std::string_view bytes);
 void FuzzQuery(std::string_view bytes);

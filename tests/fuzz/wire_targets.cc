@@ -7,6 +7,7 @@
 
 #include "api/api.h"
 #include "api/import/import.h"
+#include "api/import/links/links.h"
 #include "api/import/obstacles/obstacles.h"
 #include "api/import/poses/poses.h"
 #include "api/stored/stored.h"
@@ -96,6 +97,19 @@ void FuzzTelemetry(std::string_view bytes) {
     } catch (const ApiError&) {
       continue;
     }
+  }
+}
+
+// What a link reports, and a command for it.
+void FuzzLinks(std::string_view bytes) {
+  const std::string text(bytes);
+  try {
+    Demand(IsValidId(ParseMissionRequest(text).site_id));
+  } catch (const ApiError&) {
+    const LinkReport report = ParseLinkReport(text);
+    Demand(!report.run.empty() && report.state.is_object());
+    // It is told again as it is kept.
+    Demand(ParseLinkReport(report.state.dump()).run == report.run);
   }
 }
 

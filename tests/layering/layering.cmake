@@ -13,7 +13,7 @@ set(server_may_include server api engine storage)
 set(engine_order check geometry footprint flight tracks segmentation classification regions wind adjustment
                  stereo provenance terrain heights cover mosaic watch hazard risk approach obstacles glide route
                  selection next_look)
-set(server_order config http base_map intake maps recall jobs handlers)
+set(server_order config http base_map links intake maps recall jobs handlers)
 # In these folders a header is private to its folder and the folders below, but for the one named
 # like its folder.
 set(with_private_headers engine api storage server)
@@ -74,6 +74,7 @@ set(num_includes 0)
 set(between_headers "")
 foreach(folder engine storage api server)
   file(GLOB_RECURSE files RELATIVE ${root} ${root}/${folder}/*.h ${root}/${folder}/*.cc)
+  list(FILTER files EXCLUDE REGEX "/node_modules/")
   foreach(file IN LISTS files)
     file(STRINGS ${root}/${file} lines REGEX "^#include \"")
     foreach(line IN LISTS lines)

@@ -56,6 +56,22 @@ TEST_CASE(
   CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kWind, 1).empty());
 }
 
+TEST_CASE("telemetry store: rows by their own time, and the one that arrived first") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.flights.Insert(SomeFlight("f"));
+  CHECK_FALSE(storage.telemetry.FirstArrived("f", TelemetryKind::kPosition));
+  for (const int64_t timestamp_us : {300, 500, 100}) {
+    storage.telemetry.Put("f", {{TelemetryKind::kPosition, timestamp_us, {47.0, 8.0, 400.0, 0.0}}});
+  }
+  const auto latest = storage.telemetry.Latest("f", TelemetryKind::kPosition, 2);
+  REQUIRE(latest.size() == 2);
+  CHECK(latest[0].timestamp_us == 500);
+  CHECK(latest[1].timestamp_us == 300);
+  CHECK(storage.telemetry.FirstArrived("f", TelemetryKind::kPosition)->timestamp_us == 300);
+  CHECK(storage.telemetry.Latest("f", TelemetryKind::kWind, 2).empty());
+}
+
 TEST_CASE("telemetry store: nothing is written for a flight that does not exist") {
   const StoragePlace place;
   Storage storage(place.options());

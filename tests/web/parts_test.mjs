@@ -75,7 +75,7 @@ test('reach: a live flight shows it, unknown terrain looks different, margins st
   // Rounded down: a margin never promises more than it is.
   assert.deepEqual((await page.locator('#map .arrival').allTextContents()).sort(), ['+86 m', '−12 m'].sort());
   await page.locator('#key', { hasText: 'in reach, terrain unknown' }).waitFor(kWait);
-  assert.match(await page.locator('#key').textContent(), /Reach, position received 2 s ago/);
+  assert.match(await page.locator('#key').textContent(), /Reach, position 2 s old/);
   await shoot(page, 'reach');
   const [asked] = asksFor(server, '/v1/reach');
   const sent = new URL(asked, url).searchParams;

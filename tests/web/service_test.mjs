@@ -243,7 +243,7 @@ test('emergency: position and altitude are those of the selected flight, and say
   await page.locator('#sites button').first().waitFor(kWait);
   const { pose } = await getJson(`/v1/flights/${site.flight}/alternates`);
   await page.keyboard.press('e');
-  await page.locator('#em-source', { hasText: /^Position and altitude of flight .*, received \d+ \w+ ago\. (Wind of the same flight, received \d+ \w+ ago|Wind unknown)\. Heading/ }).waitFor(kWait);
+  await page.locator('#em-source', { hasText: /^Position and altitude of flight .*, \d+ \w+ old\. (Wind of the same flight, \d+ \w+ old|Wind unknown)\. Heading/ }).waitFor(kWait);
   assert.equal(await page.locator('#em-altitude_m').inputValue(), pose.altitude_m.toFixed(0));
   assert.equal(await page.locator('#em-latitude_deg').inputValue(), pose.latitude_deg.toFixed(6));
   // What is entered is not overwritten, and gone after a reload.
@@ -297,7 +297,7 @@ test('emergency: a live flight fills position, heading and wind, with their ages
   const flying = setInterval(sendFour, 1000);
   t.after(() => clearInterval(flying));
   await page.keyboard.press('e');
-  await page.locator('#em-source', { hasText: /^Position and altitude of flight Live one, received \d s ago\. Wind of the same flight, received \d s ago\. Heading from its track\.$/ }).waitFor(kWait);
+  await page.locator('#em-source', { hasText: /^Position and altitude of flight Live one, \d s old\. Wind of the same flight, \d s old\. Heading from its track\.$/ }).waitFor(kWait);
   for (const [name, value] of [['altitude_m', '900'], ['heading_deg', '90'], ['wind_speed_mps', '3.0'], ['wind_from_deg', '270']]) {
     assert.equal(await page.locator(`#em-${name}`).inputValue(), value, name);
   }

@@ -3,6 +3,7 @@
 
 import http from 'node:http';
 
+import { playLinks } from './sample_links.mjs';
 import { playMap } from './sample_map.mjs';
 import { samplePatch } from './sample_proof.mjs';
 
@@ -23,13 +24,14 @@ async function bodyOf(request) {
 }
 
 // The API description with and without the optional parts.
-function described(contract, { reach, obstacles, newLook, map, baseMap, landing, route, legs }) {
+function described(contract, { reach, obstacles, newLook, map, baseMap, landing, route, legs, links }) {
   const set = (path, part) => {
     if (part === null) delete contract.paths[path];
     else if (part !== undefined) contract.paths[path] ??= { get: {} };
   };
   set('/v1/reach', reach);
   set('/v1/obstacles', obstacles);
+  set('/v1/links', links);
   for (const name of ['map', 'why']) set(`/v1/flights/{flight}/${name}`, map);
   set('/v1/flights/{flight}/landing', landing);
   set('/v1/base-map', baseMap);
@@ -64,7 +66,7 @@ async function playObstacles(request, response, path, obstacles) {
 
 // Closes after the test t. emergency: the answer of /v1/emergency, null for 404, or 'real' for that of the server. reach (a function of the query's
 // parameters), obstacles (an array of features), newLook (a collection), map (see sample_map.mjs; also `why`, and `lost`: frames without a photograph), landing (a collection, or a
-// text: the refusal), route (a function of the request's body; throws a text: the refusal), legs (a function of the query's parameters of
+// text: the refusal), route (a function of the request's body; throws a text: the refusal), links (see sample_links.mjs), legs (a function of the query's parameters of
 // next-look; throws {status, code, detail}: the refusal), baseMap (a TileJSON), outside (the origin of a base map elsewhere): undefined passes the request on, null is a
 // server without this part. rewrite(path, json): changes an answer of the real server.
 export async function startStandIn(t, target, {
@@ -142,12 +144,13 @@ export async function startStandIn(t, target, {
       return true;
     }
     const isNewLook = path === '/v1/sites' && request.url.includes('order=new_look');
-    const part = path === '/v1/reach' ? parts.reach : path.startsWith('/v1/obstacles') ? parts.obstacles
+    const part = path.startsWith('/v1/links') ? parts.links : path === '/v1/reach' ? parts.reach : path.startsWith('/v1/obstacles') ? parts.obstacles
       : path === '/v1/routes/check' ? parts.route : isNewLook ? parts.newLook : undefined;
     if (part === undefined) return false;
     if (part === null) answer(response, 404, problem(404, 'nothing here'));
     else if (part === parts.reach) playReach(request, response);
     else if (part === parts.route) playRoute(request, response);
+    else if (part === parts.links) playLinks(request, response, path, part);
     else if (part === parts.obstacles) playObstacles(request, response, path, part);
     else answer(response, 200, part, kGeoJson);
     return true;

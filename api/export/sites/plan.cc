@@ -122,8 +122,8 @@ std::vector<std::string> WarningsOf(const StoredSite& site) {
   std::string text = "UNVERIFIED: no hazard is known, but not everything was measured";
   if (site.unseen_ratio.value_or(0.0) > 0.0) {
     const double percent = std::max(1.0, 100.0 * *site.unseen_ratio);
-    text += ": along " + FixedText(percent, 0) +
-            " % of the loiter circle some ground is not measured";
+    text +=
+        ": along " + FixedText(percent, 0) + " % of the loiter circle some ground is not measured";
   }
   warnings.insert(warnings.begin(), text);
   return warnings;

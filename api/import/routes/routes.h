@@ -29,6 +29,9 @@ struct RouteRequest {
   // The winds to reckon with. Empty: the wind is unknown. A wind with a standard deviation per axis
   // becomes five winds with its mean and covariance.
   std::vector<WeightedWind> winds;
+  // As in emergency recall, for each of the winds. Not of the object: a wind taken from a flight
+  // has it.
+  double wind_sd_mps = 0.0;
   // Empty: each site is evaluated for the aircraft for which it was planned.
   std::optional<Aircraft> aircraft;
   std::optional<double> glide_ratio;

@@ -71,7 +71,12 @@ cv::Mat_<int8_t>& CueStepsIn(const std::string& cue, MapRasters& rasters) {
 
 MapRasters UnseenRasters(const Grid& grid) {
   const cv::Size size(grid.num_cols, grid.num_rows);
-  const auto unknown = [&size] { return cv::Mat1f(size, std::numeric_limits<float>::quiet_NaN()); };
+  // A fill of its own: OpenCV's is slow, and recall makes many of these.
+  const auto unknown = [&size] {
+    cv::Mat1f raster(size);
+    std::fill_n(raster.ptr<float>(), raster.total(), std::numeric_limits<float>::quiet_NaN());
+    return raster;
+  };
   MapRasters rasters;
   auto& [map, layers] = rasters.site_map;
   map.grid = layers.grid = grid;

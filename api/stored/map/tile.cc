@@ -78,8 +78,14 @@ Steps ReadSteps(const std::string& bytes, size_t start) {
   Steps steps(kNumCells);
   const auto* const low = reinterpret_cast<const uint8_t*>(bytes.data() + start);
   const uint8_t* const high = low + kNumCells;
-  for (size_t i = 0; i < kNumCells; ++i) {
-    steps[i] = static_cast<uint16_t>((low[i] | (high[i] << 8)) + Before(steps, i));
+  uint16_t first_of_row = 0;
+  for (size_t row = 0; row < kNumCells; row += kTileCells) {
+    uint16_t value = first_of_row;
+    for (size_t i = row; i < row + kTileCells; ++i) {
+      value = static_cast<uint16_t>(value + (low[i] | (high[i] << 8)));
+      steps[i] = value;
+    }
+    first_of_row = steps[row];
   }
   return steps;
 }
@@ -100,7 +106,7 @@ Steps StepsOf(const cv::Mat1f& raster, float step) {
 
 cv::Mat1f ValuesOf(const Steps& steps, float step) {
   cv::Mat1f raster(kTileCells, kTileCells);
-  std::transform(steps.begin(), steps.end(), raster.begin(), [step](uint16_t count) {
+  std::transform(steps.begin(), steps.end(), raster.ptr<float>(), [step](uint16_t count) {
     return count == kUnknown ? kNaN : static_cast<float>(count) * step;
   });
   return raster;
@@ -258,11 +264,12 @@ void ReadPlanning(const std::string& content, SiteMap& ground) {
   const auto height = [base](int steps) {
     return static_cast<float>(base + steps) * MapSteps::kHeightM;
   };
-  auto lower_cell = map.elevation.begin(), upper_cell = map.upper.begin();
-  for (size_t i = 0; i < kNumCells; ++i, ++lower_cell, ++upper_cell) {
+  auto* const lower_cell = map.elevation.ptr<float>();
+  auto* const upper_cell = map.upper.ptr<float>();
+  for (size_t i = 0; i < kNumCells; ++i) {
     const bool is_known = elevation[i] != kUnknown;
-    if (is_known) *lower_cell = height(elevation[i]);
-    if (upper[i] != kUnknown) *upper_cell = height(upper[i] + (is_known ? elevation[i] : 0));
+    if (is_known) lower_cell[i] = height(elevation[i]);
+    if (upper[i] != kUnknown) upper_cell[i] = height(upper[i] + (is_known ? elevation[i] : 0));
   }
   map.standard_deviation = ValuesOf(steps_of(2), MapSteps::kHeightM);
   map.num_points = ValuesOf(steps_of(3), 1.0f);

@@ -1,4 +1,5 @@
 #include <array>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -32,11 +33,12 @@ nlohmann::json ObjectOfPlan(const Call& call, const nlohmann::json& plan) {
   return object;
 }
 
-// Takes what the request does not say from the flight that it names.
-nlohmann::json Completed(const Service& service, nlohmann::json object) {
-  if (!object.is_object() || !object.contains("flight")) return object;
+// Takes what the request does not say from the flight that it names, as emergency recall does.
+RouteRequest Completed(const Service& service, nlohmann::json object) {
+  const bool names_flight =
+      object.is_object() && object.contains("flight") && object.at("flight").is_string();
+  if (!names_flight) return ParseRouteRequest(object);
   EmergencyRequest given;
-  if (!object.at("flight").is_string()) return object;
   given.flight_id = object.at("flight").get<std::string>();
   const EmergencyRequest flight = CompletedFromFlight(service.storage, given).request;
   // The altitudes of a plan are above mean sea level.
@@ -44,24 +46,28 @@ nlohmann::json Completed(const Service& service, nlohmann::json object) {
     object["altitude_datum"] = *flight.altitude_datum;
   }
   if (!object.contains("aircraft")) object["aircraft"] = AircraftJson(*flight.aircraft);
-  if (flight.wind_in_world && !object.contains("wind") && !object.contains("winds")) {
+  const bool takes_wind =
+      flight.wind_in_world && !object.contains("wind") && !object.contains("winds");
+  if (takes_wind) {
     object["wind"] = {{"east_mps", flight.wind_in_world->x()},
                       {"north_mps", flight.wind_in_world->y()}};
   }
-  return object;
+  RouteRequest request = ParseRouteRequest(object);
+  if (takes_wind) request.wind_sd_mps = flight.wind_sd_mps;
+  return request;
 }
 
 RouteRequest RequestOf(const Service& service, const Call& call) {
-  const nlohmann::json body =
+  nlohmann::json body =
       ParseJson(call.body.ReadAll(kLimits.routes.max_bytes), kLimits.routes.max_bytes);
-  if (IsQgcPlan(body)) return ParseRouteRequest(Completed(service, ObjectOfPlan(call, body)));
+  if (IsQgcPlan(body)) return Completed(service, ObjectOfPlan(call, body));
   for (const auto& [name, value] : call.request.params) {
     if (name == "f") continue;
     throw ApiError("InvalidQuery",
                    name + ": is part of the body, unless the body is a plan",
                    {{name, "is part of the body, unless the body is a plan"}});
   }
-  return ParseRouteRequest(Completed(service, body));
+  return Completed(service, std::move(body));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct PassedPosition {
   int64_t arrived_at_us = 0;
 };
 
-// Degrees clockwise from north, in [0, 360). `passed`: in the order of arrival, the latest first.
+// Degrees clockwise from north, in [0, 360). `passed`: the latest first.
 // Needs three positions within a few seconds, roughly on a line. The first and the last must be
 // much farther apart than the noise of positions. Otherwise returns nothing.
 std::optional<double> CourseDeg(const std::vector<PassedPosition>& passed);

@@ -194,6 +194,7 @@ EmergencyRequest RouteJudge::RequestAt(const RouteMoment& moment,
   request.altitude_datum = request_.altitude_datum;
   request.flight_id = request_.flight_id;
   request.wind_in_world = wind_in_world;
+  request.wind_sd_mps = request_.wind_sd_mps;
   request.heading_deg = moment.heading_deg;
   request.glide_ratio = request_.glide_ratio;
   request.terrain_clearance_m = request_.terrain_clearance_m.value_or(request.terrain_clearance_m);

@@ -79,8 +79,8 @@ CREATE TABLE telemetry (
   timestamp_us bigint NOT NULL,
   value_0 double precision NOT NULL,          -- latitude_deg | w | east_mps
   value_1 double precision NOT NULL,          -- longitude_deg | x | north_mps
-  value_2 double precision NOT NULL,          -- altitude_m | y | 0
-  value_3 double precision NOT NULL,          -- datum: 0 not given, 1 amsl, 2 ellipsoid | z | 0
+  value_2 double precision NOT NULL,          -- altitude_m | y | deviation of the wind, mps; 0 unknown
+  value_3 double precision NOT NULL,          -- datum: 0 not told, 1 amsl, 2 ellipsoid | z | source: 0 not told, 1 autopilot, 2 drift
   arrived_at_us bigint NOT NULL,              -- when a server received it; <= 0: an order only
   PRIMARY KEY (flight_id, kind, timestamp_us)
 );

@@ -124,6 +124,22 @@ TEST_CASE("glide: what is unknown costs height, never gives any") {
   }
 }
 
+TEST_CASE("glide: a deviation of the wind costs about what two deviations of head wind cost") {
+  const Aircraft aircraft = Unpowered(Aircraft{}, std::nullopt);
+  const Eigen::Vector3d final_start(0.0, 2000.0, 0.0);
+  GlideStart start{{0.0, 0.0, 500.0}, 0.0, Eigen::Vector2d(0.0, 0.0)};
+  const auto arrival = [&] {
+    return GlideTo(start, final_start, 0.0, aircraft, {}).value().arrival_height_m;
+  };
+  const double calm_m = arrival();
+  start.wind_sd_mps = 1.0;
+  const double uncertain_m = arrival();
+  start.wind_sd_mps = 0.0;
+  start.wind_in_world = Eigen::Vector2d(0.0, -2.0);
+  CHECK(uncertain_m < calm_m - 20.0);
+  CHECK(uncertain_m == doctest::Approx(arrival()).epsilon(1e-3));
+}
+
 TEST_CASE("glide: the least height is never more than the glide's, in any wind") {
   std::mt19937 random(13);
   std::uniform_real_distribution<double> place(-2000.0, 2000.0), angle(0.0, 2.0 * kPi);

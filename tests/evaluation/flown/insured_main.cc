@@ -13,7 +13,6 @@
 #include <CLI/CLI.hpp>
 
 #include "tests/evaluation/flown/insured_routes.h"
-#include "tests/evaluation/synthetic_flight.h"
 
 namespace freelsd {
 namespace {
@@ -31,29 +30,11 @@ constexpr size_t kMaxBytesOfCache = size_t{512} << 20;
 constexpr uint64_t kSeedsOfMosaic = 100;
 constexpr int kNumResamples = 10000;
 
-Mosaic MosaicOf(const Arguments& arguments, uint64_t first_seed) {
-  Mosaic mosaic;
-  ScenarioOptions options;
-  options.takes_photographs = false;
-  options.aircraft = "small";
-  for (int i = 0; i < arguments.side * arguments.side; ++i) {
-    const int row = i / arguments.side;
-    const int col = i % arguments.side;
-    options.east_m = (col - 0.5 * (arguments.side - 1)) * options.world_size_m;
-    options.north_m = (row - 0.5 * (arguments.side - 1)) * options.world_size_m;
-    const uint64_t seed = first_seed + static_cast<uint64_t>(i);
-    mosaic.Add(MakeScenario(seed, options, [](double) {}).world);
-    std::cerr << "\rworld " << i + 1 << std::flush;
-  }
-  std::cerr << "\n";
-  return mosaic;
-}
-
 std::vector<FlownRoute> FlyMosaic(const Arguments& arguments, int index) {
   const uint64_t seed = arguments.seed + kSeedsOfMosaic * static_cast<uint64_t>(index);
   const Storage storage(std::filesystem::path(arguments.folder) / std::to_string(seed));
   MapCache maps(kMaxBytesOfCache, kMaxBytesOfCache);
-  const Mosaic mosaic = MosaicOf(arguments, seed);
+  const Mosaic mosaic = MakeMosaic(seed, arguments.side);
   RouteFlyer flyer({storage, maps}, mosaic);
   std::mt19937 random(static_cast<uint32_t>(seed));
   std::vector<FlownRoute> routes;

@@ -1,7 +1,10 @@
 #include "tests/evaluation/flown/mosaic.h"
 
+#include <iostream>
 #include <limits>
 #include <utility>
+
+#include "tests/evaluation/synthetic_flight.h"
 
 namespace freelsd {
 
@@ -26,6 +29,23 @@ MosaicPlace Mosaic::PlaceOf(const GeoPoint& place) const {
     nearest = {&worlds_[i], in_world};
   }
   return nearest;
+}
+
+Mosaic MakeMosaic(uint64_t first_seed, int side) {
+  Mosaic mosaic;
+  ScenarioOptions options;
+  options.takes_photographs = false;
+  options.aircraft = "small";
+  for (int i = 0; i < side * side; ++i) {
+    options.east_m = (i % side - 0.5 * (side - 1)) * options.world_size_m;
+    const int row = i / side;
+    options.north_m = (row - 0.5 * (side - 1)) * options.world_size_m;
+    const uint64_t seed = first_seed + static_cast<uint64_t>(i);
+    mosaic.Add(MakeScenario(seed, options, [](double) {}).world);
+    std::cerr << "\rworld " << i + 1 << std::flush;
+  }
+  std::cerr << "\n";
+  return mosaic;
 }
 
 }  // namespace freelsd

@@ -1,6 +1,7 @@
 // Worlds side by side, whose truth is known everywhere between their outer edges.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 
 #include "tests/synthetic/world.h"
@@ -31,5 +32,9 @@ class Mosaic {
   std::deque<World> worlds_;
   std::deque<LocalFrame> frames_;
 };
+
+// side x side worlds of 500 m as insurance.sh surveys them, seed by seed from the south-west,
+// row by row. Tells its progress on the standard error.
+Mosaic MakeMosaic(uint64_t first_seed, int side);
 
 }  // namespace freelsd

@@ -25,6 +25,37 @@ TEST_CASE("arrival clock: an age is told where the time of arrival is known, and
   CHECK_FALSE(AgeS(-5, 100 * kSecondUs));
 }
 
+TEST_CASE("flight clock: what arrives late is old, by its own time") {
+  FlightClock clock;
+  clock.Hear(kNowUs - 200 * kSecondUs, kNowUs - 199 * kSecondUs);
+  // A constant second is the way there, or a difference of clocks.
+  CHECK(clock.AgeS(kNowUs - 200 * kSecondUs, kNowUs - 199 * kSecondUs, kNowUs) == 199.0);
+  clock.Hear(kNowUs - 90 * kSecondUs, kNowUs);
+  CHECK(clock.AgeS(kNowUs - 90 * kSecondUs, kNowUs, kNowUs) == 89.0);
+  CHECK(clock.AgeS(kNowUs - 90 * kSecondUs, kNowUs, kNowUs + 3 * kSecondUs) == 92.0);
+}
+
+TEST_CASE("flight clock: a clock that is off by a minute makes no sample old, an hour does") {
+  for (const int64_t error_s : {-3000, -60, 60}) {
+    FlightClock clock;
+    clock.Hear(kNowUs - error_s * kSecondUs, kNowUs);
+    CHECK(clock.AgeS(kNowUs - error_s * kSecondUs, kNowUs, kNowUs) == 0.0);
+  }
+  // Nothing of this flight ever arrived sooner.
+  FlightClock clock;
+  clock.Hear(kNowUs - 3600 * kSecondUs, kNowUs);
+  CHECK(clock.AgeS(kNowUs - 3600 * kSecondUs, kNowUs, kNowUs) == 3600.0);
+}
+
+TEST_CASE("flight clock: times of another day, or of a clock that was never set, say nothing") {
+  FlightClock clock;
+  for (const int64_t timestamp_us : {kNowUs - 2 * 86400 * kSecondUs, 50 * kSecondUs}) {
+    clock.Hear(timestamp_us, kNowUs);
+    CHECK(clock.AgeS(timestamp_us, kNowUs, kNowUs + kSecondUs) == 1.0);
+  }
+  CHECK_FALSE(clock.AgeS(kNowUs, 0, kNowUs));
+}
+
 TEST_CASE("arrival clock: it goes with the wall clock and never back") {
   const int64_t first_us = ArrivalNowUs();
   CHECK(std::abs(first_us - NowUs()) < 10 * kSecondUs);

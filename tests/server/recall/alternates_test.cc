@@ -138,7 +138,7 @@ TEST_CASE("alternates: a sample far ahead of the server's clock is refused, the 
   }));
 }
 
-TEST_CASE("alternates: the latest pose is the one that arrived last, of whatever time it says") {
+TEST_CASE("alternates: of poses of another day the latest is the one that arrived last") {
   const MeadowServer meadow(StoreAmslMeadow);
   httplib::Client& client = *meadow.client;
   const std::string flight = NewAmslFlight(client);

@@ -1,5 +1,6 @@
 // The landing insurance of routes over HTTP: it is recall at each second, and its fixes do what
 // they say.
+#include <chrono>
 #include <cmath>
 #include <optional>
 
@@ -270,6 +271,55 @@ TEST_CASE("route check: what is not said is taken from the flight that is named"
   const auto refused = Post(client, named);
   CheckProblem(refused, 422, "InvalidValue");
   CHECK(refused->body.find("/flight") != std::string::npos);
+}
+
+TEST_CASE("route check: a flight's wind comes with its deviation, as in recall") {
+  const MeadowServer meadow(StoreAmslMeadow);
+  httplib::Client& client = *meadow.client;
+  const auto flight =
+      client.Post("/v1/flights",
+                  R"({"name":"x","altitude_datum":"amsl","aircraft":{"profile":"small"}})",
+                  "application/json");
+  REQUIRE(flight->status == 201);
+  const std::string id = nlohmann::json::parse(flight->body)["id"];
+  const int64_t now_us = std::chrono::duration_cast<std::chrono::microseconds>(
+                             std::chrono::system_clock::now().time_since_epoch())
+                             .count();
+  const nlohmann::json line{
+      {"timestamp_us", now_us},
+      {"position", PointAt(0.0, 0.0, 500.0)},
+      {"wind", {{"east_mps", 2.0}, {"north_mps", -1.0}, {"sd_mps", 1.5}, {"source", "drift"}}}};
+  const auto stored =
+      client.Post("/v1/flights/" + id + "/telemetry", line.dump() + "\n", "application/x-ndjson");
+  REQUIRE(stored->status == 200);
+  nlohmann::json named = Request(460.0);
+  const nlohmann::json exact = Check(client, named);
+  named.erase("wind");
+  named["flight"] = id;
+  const nlohmann::json taken = Check(client, named);
+  int num_lower = 0;
+  REQUIRE(taken["samples"].size() == exact["samples"].size());
+  for (size_t i = 0; i < taken["samples"].size(); i += 10) {
+    const nlohmann::json& sample = taken["samples"][i];
+    const nlohmann::json request{{"latitude_deg", sample["latitude_deg"]},
+                                 {"longitude_deg", sample["longitude_deg"]},
+                                 {"altitude_m", sample["altitude_m"]},
+                                 {"heading_deg", sample["heading_deg"]},
+                                 {"flight", id},
+                                 {"limit", 1}};
+    const auto result = client.Post("/v1/emergency", request.dump(), "application/json");
+    REQUIRE(result->status == 200);
+    const nlohmann::json recall = nlohmann::json::parse(result->body);
+    const bool is_covered = sample["covered"];
+    CHECK(is_covered == !recall["sites"].empty());
+    if (is_covered) {
+      CHECK(sample["arrival_margin_m"] == recall["sites"][0]["arrival_margin_m"]);
+    }
+    const nlohmann::json& exactly = exact["samples"][i];
+    num_lower += exactly["covered"] &&
+                 (!is_covered || sample["arrival_margin_m"] < exactly["arrival_margin_m"]);
+  }
+  CHECK(num_lower > 0);
 }
 
 TEST_CASE("route check: GeoJSON colours the whole line") {

@@ -1,0 +1,47 @@
+// What guidance tells the autopilot, as commands of MAVLink.
+
+const doSetMode = 176;
+const doChangeSpeed = 178;
+const doReposition = 192;
+const globalFrame = 0;
+const changesMode = 1;
+const customMode = 1;
+const airspeed = 0;
+// Main mode and sub mode of DO_SET_MODE.
+const missionModes = { ardupilotmega: [10, 0], px4: [4, 4] };
+
+export class Autopilot {
+  #send;
+  #address;
+  #name;
+
+  // send(message name, fields). address(): targetSystem and targetComponent. name(): of the autopilot.
+  constructor({ send, address, name }) {
+    this.#send = send;
+    this.#address = address;
+    this.#name = name;
+  }
+
+  // target: place with altitude_m above mean sea level, and radius_m.
+  goTo({ latitude_deg, longitude_deg, altitude_m, radius_m }, mayChangeMode) {
+    this.#send('COMMAND_INT', {
+      ...this.#address(), frame: globalFrame, command: doReposition, current: 0, autocontinue: 0,
+      _param1: -1, _param2: mayChangeMode ? changesMode : 0, _param3: radius_m, _param4: NaN,
+      _param5: Math.round(latitude_deg * 1e7), _param6: Math.round(longitude_deg * 1e7), _param7: altitude_m,
+    });
+  }
+
+  setSpeed(airspeed_mps) { this.#command(doChangeSpeed, [airspeed, airspeed_mps, -1]); }
+
+  // The mission is flown from its current item, which is the LAND.
+  beginFinal() {
+    const [mode, subMode] = missionModes[this.#name()] ?? missionModes.ardupilotmega;
+    this.#command(doSetMode, [customMode, mode, subMode]);
+  }
+
+  #command(command, params) {
+    const fields = { ...this.#address(), command, confirmation: 0 };
+    for (let i = 0; i < 7; ++i) fields[`_param${i + 1}`] = params[i] ?? 0;
+    this.#send('COMMAND_LONG', fields);
+  }
+}

@@ -1,0 +1,117 @@
+// Ties guidance to a link: when it begins, on whose word, and when it is over.
+
+import { Autopilot } from './autopilot.js';
+import { Guidance } from './guidance.js';
+import { hasModes, isFlownByItself } from './guidance_modes.js';
+
+const selectPeriod_s = 1;
+
+export class EngineFailure {
+  #guidance;
+  #landings;
+  #outgoing;
+  #state;
+  #address;
+  #log;
+  #told;
+  #isAutomatic;
+  #handled;
+  #declared;
+  #selected_s = -Infinity;
+
+  // recall(query): answer of /v1/emergency. outgoing: Outgoing. address(): of the autopilot. state(): of
+  // the link, with its flight. log(text, kind), told(id, state, detail) of a command. isAutomatic:
+  // the operator wants it without a person's word.
+  constructor({ recall, outgoing, landings, address, state, log, told, isAutomatic }) {
+    this.#landings = landings;
+    this.#outgoing = outgoing;
+    this.#state = state;
+    this.#address = address;
+    this.#log = log;
+    this.#told = told;
+    this.#isAutomatic = isAutomatic;
+    this.#guidance = new Guidance({
+      recall,
+      autopilot: new Autopilot({
+        send: (name, fields) => outgoing.send(name, fields),
+        address: () => this.#target(),
+        name: () => state().autopilot,
+      }),
+      mission: landings.missions,
+      log,
+    });
+  }
+
+  get guidance() { return this.#guidance; }
+
+  #target() {
+    const { systemId, componentId } = this.#address();
+    return { targetSystem: systemId, targetComponent: componentId };
+  }
+
+  // Parts of the link's state.
+  stateParts(engine) {
+    const guidance = this.#guidance.state();
+    return { engine: { ...engine, declared_by: this.#declared }, ...(guidance && { guidance }) };
+  }
+
+  // command: { id, kind, confirmed_by }. False if the kind is not of this file.
+  take({ id, kind, confirmed_by }, now_us) {
+    if (kind === 'release') {
+      this.#declared = undefined;
+      this.#guidance.release('released by a person');
+      return false;
+    }
+    if (kind !== 'engine_failure') return false;
+    const state = this.#state();
+    const refusal = refusalOf(state);
+    if (refusal) {
+      this.#told(id, 'failed', refusal);
+      return true;
+    }
+    this.#declared = confirmed_by ?? 'a person';
+    this.#guidance.engage(state, `declared by ${this.#declared}`, now_us);
+    this.#told(id, 'done', 'guidance has begun');
+    return true;
+  }
+
+  // Ten times a second. now_s: a clock that never steps.
+  step(now_s, now_us) {
+    const state = this.#state();
+    if (state.is_armed === false) this.#declared = undefined;
+    if (this.#isAutomatic) this.#watch(state, now_us);
+    this.#guidance.step(state, now_s);
+    this.#landings.missions.isHeld = this.#guidance.isOnFinal;
+    this.#select(state, now_s);
+  }
+
+  // Each failure once: who ended guidance does not want it again.
+  #watch(state, now_us) {
+    const { engine } = state;
+    if (engine.state !== 'failed') {
+      this.#handled = undefined;
+      return;
+    }
+    if (this.#handled || this.#guidance.isEngaged) return;
+    this.#handled = true;
+    const refusal = refusalOf(state) ??
+      (isFlownByItself(state.mode) ? undefined : `${state.mode} is flown by hand: nothing is sent`);
+    if (refusal) this.#log(`engine failure, no guidance: ${refusal}`, 'engine');
+    else this.#guidance.engage(state, engine.reason, now_us);
+  }
+
+  // The LAND stays the current item of the prepared mission; the message may be lost.
+  #select(state, now_s) {
+    const { state: known, num_items, current_item } = state.mission;
+    const isWanted = this.#guidance.isPrepared && known === 'current' && current_item !== num_items - 1;
+    if (!isWanted || now_s - this.#selected_s < selectPeriod_s) return;
+    this.#selected_s = now_s;
+    this.#outgoing.send('MISSION_SET_CURRENT', { ...this.#target(), seq: num_items - 1 });
+  }
+}
+
+function refusalOf(state) {
+  if (!state.is_connected) return 'the autopilot is silent';
+  if (!state.is_armed) return 'it is not armed';
+  return hasModes(state.autopilot) ? undefined : `${state.autopilot} cannot be guided`;
+}

@@ -1,0 +1,284 @@
+// Flies an aircraft whose engine has failed to a site: by targets to the start of the final, then
+// by a landing mission, on which nothing is sent. No sockets: what it asks and sends is handed in.
+
+import { GlideShare } from './glide_share.js';
+import { choose, defaultChoiceOptions } from './guidance_choice.js';
+import { FinalGate } from './guidance_final.js';
+import { ModeWatch } from './guidance_modes.js';
+import { defaultTargetOptions, glideAirspeed_mps, kinetic_m, targetOn } from './guidance_target.js';
+import { queryOf, WindHold } from './recall_query.js';
+import { isSameFinal, ToldWay } from './told_way.js';
+
+export const defaultGuidanceOptions = {
+  recallPeriod_s: 1,
+  // Before a failure: the answer that is there if the service cannot be reached then.
+  watchPeriod_s: 5,
+  targetPeriod_s: 0.5,
+  // An answer is for where the aircraft was; on a worse link it is of no use.
+  maxAnswerAge_s: 3,
+  // A way is searched ahead of the last place on it, as far as the aircraft gets in this time.
+  search_s: 6,
+  // Another site at the earliest after so long.
+  minStay_s: 10,
+  // The way is flown so much lower: turns and airspeed that is left end above it.
+  aimLow_m: 0.5,
+  choice: defaultChoiceOptions,
+  target: defaultTargetOptions,
+};
+
+// What is left of airspeed that becomes height.
+const kineticShare = 0.9;
+const lastLook_s = 2;
+
+export class Guidance {
+  #recall;
+  #autopilot;
+  #mission;
+  #log;
+  #options;
+  #wind = new WindHold();
+  #modes;
+  #gate;
+  #glide;
+  #answer;
+  #isAsking = false;
+  #asked_s = -Infinity;
+  #sent_s = -Infinity;
+  #isReachable = true;
+  #isEngaged = false;
+  #way;
+  #progress;
+  #prepared;
+  #told_m;
+  #taken_s = -Infinity;
+  #since;
+  #text;
+  #phase;
+  #hasToldNothing = false;
+
+  // recall(query): answer of /v1/emergency. autopilot: goTo(target, mayChangeMode), setSpeed(mps),
+  // beginFinal(). mission: prepare(site), a promise of the landing mission in the autopilot.
+  // log(text, kind): one decision.
+  constructor({ recall, autopilot, mission, log, options = {} }) {
+    this.#recall = recall;
+    this.#autopilot = autopilot;
+    this.#mission = mission;
+    this.#log = log;
+    this.#options = { ...defaultGuidanceOptions, ...options };
+  }
+
+  get isEngaged() { return this.#isEngaged; }
+  get isOnFinal() { return this.#isEngaged && this.#phase === 'final'; }
+  get way() { return this.#way; }
+  // The landing mission is in the autopilot, and the final has not begun.
+  get isPrepared() { return this.#isEngaged && this.#phase !== 'final' && this.#prepared?.isReady === true; }
+
+  // reason: why the engine counts as failed. now_us: UTC.
+  engage(state, reason, now_us) {
+    if (this.#isEngaged) return;
+    this.#isEngaged = true;
+    this.#modes = new ModeWatch(state);
+    this.#gate = new FinalGate();
+    this.#glide = new GlideShare();
+    this.#way = undefined;
+    this.#prepared = undefined;
+    this.#hasToldNothing = false;
+    this.#phase = undefined;
+    this.#since = new Date(now_us / 1000).toISOString();
+    this.#asked_s = -Infinity;
+    this.#decide(`engine failure: ${reason}`, 'engine');
+  }
+
+  release(reason) {
+    if (!this.#isEngaged) return;
+    this.#isEngaged = false;
+    this.#phase = 'ended';
+    this.#decide(`guidance ended: ${reason}`, 'guidance');
+  }
+
+  // Several times a second. now_s: a clock that never steps.
+  step(heard, now_s) {
+    if (!heard.position || !heard.velocity) return;
+    const lower_m = this.#isEngaged && this.#way ? this.#options.aimLow_m : 0;
+    const altitude_m = heard.position.altitude_m + lower_m;
+    const state = { ...heard, position: { ...heard.position, altitude_m } };
+    const period_s = this.#isEngaged ? this.#options.recallPeriod_s : this.#options.watchPeriod_s;
+    const isWanted = this.#isEngaged ? this.#phase !== 'final' : state.is_armed;
+    if (isWanted && !this.#isAsking && now_s - this.#asked_s >= period_s) this.#ask(state, now_s);
+    if (!this.#isEngaged) return;
+    const interference = this.#modes.interference(state, now_s);
+    if (interference) this.release(interference);
+    else if (this.#phase === 'final') this.#watchFinal(state);
+    else if (this.#way) this.#fly(state, now_s);
+    else this.#begin(state, now_s);
+  }
+
+  state() {
+    if (!this.#phase) return undefined;
+    const way = this.#way;
+    return {
+      phase: this.#phase,
+      site_id: way?.site.site_id,
+      arrival_margin_m: way && this.#progress?.height_m + way.surplus_m,
+      told_margin_m: this.#told_m,
+      eta_s: way && this.#progress && way.timeToTouchdown_s(this.#progress.along_m),
+      since: this.#since,
+      text: this.#text,
+    };
+  }
+
+  #decide(text, kind) {
+    this.#text = text;
+    this.#log(text, kind);
+  }
+
+  async #ask(state, now_s) {
+    this.#isAsking = true;
+    this.#asked_s = now_s;
+    const wind = this.#wind.take(state.wind, (text) => this.#isEngaged && this.#decide(text, 'wind'));
+    try {
+      const answer = await this.#recall(queryOf(state, wind, {
+        airspeed_m: this.#surplus_m(state), better_m: this.#better_m(state) }));
+      this.#answer = { answer, asked_s: now_s, isNew: true };
+      this.#tellReachable(true);
+    } catch (error) {
+      this.#tellReachable(false, error.message);
+    } finally {
+      this.#isAsking = false;
+    }
+  }
+
+  // Only a way that is flown counts on airspeed and on a better glide: a site is chosen without.
+  #surplus_m(state) {
+    if (!this.#way || !this.#isEngaged || state.airspeed_mps === undefined) return 0;
+    return kineticShare * kinetic_m(state.airspeed_mps, glideAirspeed_mps(this.#way.site));
+  }
+
+  // Height that the way may be planned higher, because less of it will be lost.
+  #better_m(state) {
+    if (!this.#way || !this.#isEngaged) return 0;
+    const left_m = state.position.altitude_m - this.#way.site.approach.start.altitude_m;
+    return Math.max(0, left_m) * (1 / this.#glide.share - 1);
+  }
+
+  #nearest(state, from_m, to_m) {
+    const nearest = this.#way.nearest(state.position, from_m, to_m);
+    const energy_m = nearest.height_m + this.#surplus_m(state);
+    const { altitude_m } = this.#way.at(nearest.along_m);
+    this.#glide.add(this.#way, altitude_m, energy_m);
+    const left_m = Math.max(0, altitude_m - this.#way.finalStartAltitude_m);
+    return { ...nearest, energy_m: energy_m + (1 - this.#glide.share) * left_m };
+  }
+
+  #tellReachable(isReachable, why) {
+    if (isReachable === this.#isReachable) return;
+    this.#isReachable = isReachable;
+    if (!this.#isEngaged) return;
+    if (isReachable) this.#decide('the service answers again', 'service');
+    else this.#decide(`the service does not answer (${why}): the last way is flown on`, 'service');
+  }
+
+  // An old answer is better than none, when the service is away.
+  #begin(state, now_s) {
+    if (this.#isAsking && now_s - this.#asked_s < 1) return;
+    if (!this.#answer?.isNew && this.#isReachable) return;
+    const chosen = choose({ answer: this.#answer?.answer, flightId: state.flight?.id }, this.#options.choice);
+    if (this.#answer) this.#answer.isNew = false;
+    if (chosen) {
+      this.#take(chosen, state, now_s);
+      this.#fly(state, now_s);
+    } else if (!this.#hasToldNothing) {
+      this.#hasToldNothing = true;
+      this.#decide('no site is in reach: nothing is sent', 'guidance');
+    }
+  }
+
+  #take({ site, reason }, state, now_s) {
+    const isOther = site.site_id !== this.#way?.site.site_id;
+    const isOtherFinal = isOther || !isSameFinal(site, this.#way.site);
+    this.#way = new ToldWay(site);
+    this.#progress = this.#nearest(state, 0, 60);
+    if (this.#progress.away_m > 60) this.#progress = this.#nearest(state);
+    const what = `${this.#way.length_m.toFixed(0)} m, ${this.#way.numCircles} circles`;
+    if (isOtherFinal) this.#prepare(site);
+    if (!isOther) {
+      this.#decide(`new way to ${site.site_id}: ${reason}; ${what}`, 'guidance');
+      return;
+    }
+    this.#told_m = site.arrival_margin_m;
+    this.#taken_s = now_s;
+    this.#decide(`to site ${site.site_id}: ${reason}; margin ${this.#told_m.toFixed(1)} m, ${what}`, 'guidance');
+    this.#sent_s = now_s - this.#options.targetPeriod_s;
+  }
+
+  #prepare(site) {
+    const prepared = { isReady: false };
+    this.#prepared = prepared;
+    this.#mission.prepare(site).then(() => {
+      prepared.isReady = true;
+      if (this.#prepared === prepared) this.#decide('the landing mission is in the autopilot', 'mission');
+    }, (error) => {
+      if (this.#prepared === prepared) this.#decide(`no landing mission: ${error.message}`, 'mission');
+    });
+  }
+
+  #fly(state, now_s) {
+    const reach_m = this.#options.search_s * state.ground_speed_mps + 10;
+    const from_m = this.#progress.along_m - 5;
+    this.#progress = this.#nearest(state, from_m, from_m + reach_m);
+    this.#reconsider(state, now_s);
+    this.#addCircle();
+    if (this.#gate.isOpen(this.#way, this.#progress, state) && this.#prepared.isReady) {
+      this.#beginFinal(state, now_s);
+      return;
+    }
+    this.#phase = this.#progress.along_m < this.#way.arrival_m ? 'glide' : 'circle';
+    if (now_s - this.#sent_s < this.#options.targetPeriod_s - 0.02) return;
+    this.#sent_s = now_s;
+    const target = targetOn(this.#way, this.#progress, state, this.#options.target);
+    target.altitude_m -= this.#options.aimLow_m;
+    this.#autopilot.goTo(target, this.#modes.mayChange);
+    this.#modes.sendsGuided(now_s);
+    if (this.#modes.isGuided) this.#autopilot.setSpeed(glideAirspeed_mps(this.#way.site));
+  }
+
+  #reconsider(state, now_s) {
+    const given = this.#answer;
+    if (!given?.isNew || now_s - given.asked_s > this.#options.maxAnswerAge_s) return;
+    given.isNew = false;
+    const chosen = choose(
+      { way: this.#way, progress: this.#progress, answer: given.answer, flightId: state.flight?.id,
+        mayChangeSite: now_s - this.#taken_s > this.#options.minStay_s },
+      this.#options.choice);
+    if (chosen) this.#take(chosen, state, now_s);
+  }
+
+  // Where no told way loses the surplus: once more around, if the aircraft then arrives nearer to
+  // the height of the final.
+  #addCircle() {
+    const way = this.#way;
+    if (way.timeToFinal_s(this.#progress.along_m) > lastLook_s) return;
+    const surplus_m = this.#progress.energy_m + way.surplus_m;
+    if (surplus_m < this.#options.choice.maxSurplus_m) return;
+    const longer = way.withCircle(way.site.aircraft.glide_ratio, glideAirspeed_mps(way.site));
+    const left_m = this.#progress.energy_m + longer.surplus_m;
+    if (left_m < -this.#options.choice.maxLow_m) return;
+    this.#way = longer;
+    this.#decide(`one more circle: ${surplus_m.toFixed(0)} m above the start of the final`, 'guidance');
+  }
+
+  #beginFinal(state, now_s) {
+    this.#phase = 'final';
+    this.#autopilot.beginFinal();
+    this.#modes.sendsMission(now_s);
+    const margin_m = this.#progress.height_m + this.#way.surplus_m;
+    this.#decide(`final to ${this.#way.site.site_id}: ${margin_m.toFixed(1)} m above its start; ` +
+      'nothing more is sent', 'guidance');
+  }
+
+  // The command itself may be lost.
+  #watchFinal(state) {
+    if (state.is_armed === false) this.release('landed and disarmed');
+    else if (this.#modes.isMissionLate) this.#autopilot.beginFinal();
+  }
+}

@@ -1,0 +1,335 @@
+// The landing mission in the autopilot: puts it there, knows whether it is there, and starts it.
+// No sockets and no clock: step(now_s), hear(name, fields, now_s), and what it sends goes to `out`.
+
+import { ardupilotItems, knowsFlare, landingOfRecall, px4Items } from './landing_items.js';
+import { changeItems, finishChange, outcome, Task } from './mission_change.js';
+import { areSame, command, item, missionType } from './mission_items.js';
+import { Download } from './item_transfer.js';
+
+const landStart = 189;
+const requests = new Set(['MISSION_REQUEST', 'MISSION_REQUEST_INT']);
+const repeatStart_s = 1.5;
+const numStarts = 4;
+// Somebody else's upload may still run when its first sign is heard.
+const suspicion_s = 1.5;
+const ownUpload_s = 5;
+const maxSpeedDifference_mps = 1;
+const recheck_s = 30;
+const reread_s = 10;
+
+const alarmOf = {
+  trouble: (why) => `it is not known which mission the autopilot has: ${why}`,
+  restored: 'the landing mission could not be written; the former mission is back',
+  foreign: 'another ground station has changed the mission',
+};
+
+export class MissionKeeper {
+  #out;
+  #vehicle;
+  #log;
+  #store;
+  #told;
+  #task;
+  #job;
+  #now_s = 0;
+  #known;
+  // The last one that was written: items, site, warning.
+  #landing;
+  #state = { state: 'unknown' };
+  #isWritten_s = -Infinity;
+  #suspect_s;
+  #checked_s = -Infinity;
+  #total;
+  #start;
+  #modeAtStart;
+  // An alarm that stays until the next landing is wanted.
+  #lasting;
+
+  // out.send(name, fields): with the autopilot's address. vehicle(): what the link knows: isArdupilot,
+  // isFlying, mode, missionMode, home_altitude_m, parameters, landing_airspeed_mps, current_item.
+  // log(text): one decision. told(id, state, detail): what became of a command.
+  // store: load(), save(value), clear() of a change that is under way.
+  constructor({ out, vehicle, log, told = () => {}, store = { load() {}, save() {}, clear() {} } }) {
+    this.#out = out;
+    this.#vehicle = vehicle;
+    this.#log = log;
+    this.#told = told;
+    this.#store = store;
+  }
+
+  // While it is true, the mission is not read again: guidance is on the final.
+  isHeld = false;
+
+  get isBusy() { return this.#task !== undefined; }
+
+  // As `mission` of the link's state.
+  state() { return { ...this.#state, current_item: this.#vehicle().current_item, num_items: this.#known?.items.length }; }
+
+  // A person's command. landing: as of landing_items.js.
+  land(commandId, landing) {
+    const wasMode = this.#vehicle().mode;
+    this.#begin({ landing, keepsOthers: true, finish: (isThere, why) => {
+      const { isFlying, mode } = this.#vehicle();
+      const hindrance = !isFlying ? 'it does not fly' : mode !== wasMode ? 'the mode was changed' : undefined;
+      if (!isThere) this.#told(commandId, 'failed', why);
+      else if (hindrance) this.#told(commandId, 'done', `in the autopilot; not started, because ${hindrance}`);
+      else this.#beginStart(commandId, landing);
+    } });
+  }
+
+  // For guidance: resolves when the landing mission is in the autopilot and its LAND is the current
+  // item. site: of an answer of /v1/emergency.
+  prepare(site) {
+    return new Promise((resolve, reject) => {
+      this.#begin({ landing: landingOfRecall(site), keepsOthers: false, trustsKnown: true, finish: (isThere, why) => {
+        if (!isThere) {
+          reject(new Error(why));
+          return;
+        }
+        this.#out.send('MISSION_SET_CURRENT', { seq: this.#known.items.length - 1 });
+        resolve();
+      } });
+    });
+  }
+
+  // The last word: nothing is started any more.
+  release() { this.#start = undefined; }
+
+  #begin({ landing, keepsOthers, trustsKnown = false, finish }) {
+    const left = this.#job ?? this.#store.load();
+    this.#job?.finish(false, 'another landing was wanted');
+    const job = { finish, landing, old: left?.old, wanted: undefined,
+      earlier: left?.wanted ? [...(left.earlier ?? []), left.wanted] : [] };
+    this.#job = job;
+    this.#start = undefined;
+    this.#lasting = undefined;
+    this.#state = { state: 'uploading', site: landing.site_id, kind: 'landing' };
+    this.#task = new Task(changeItems({
+      out: this.#out, type: missionType.mission, rules: this.#rules(), base: job.old, earlier: job.earlier,
+      known: trustsKnown && this.#suspect_s === undefined && !left ? this.#known?.items : undefined,
+      wantedFrom: (old) => (keepsOthers && this.#whyNot(old)) || this.#missionWith(landing, keepsOthers ? old : old.slice(0, 1)),
+      // The item that is flown would end, and the autopilot return to launch.
+      mayWrite: () => keepsOthers || !this.#fliesMission,
+      onWrite: ({ old, wanted }) => {
+        Object.assign(job, { old, wanted });
+        this.#isWritten_s = this.#now_s;
+        this.#store.save({ old, wanted, earlier: job.earlier, site: landing.site_id });
+      },
+      onTrouble: (why) => this.#alarm(alarmOf.trouble(why)),
+    }), (end) => this.#end(job, end));
+  }
+
+  #rules() { return { hasHome: this.#vehicle().isArdupilot }; }
+
+  get #fliesMission() {
+    const { isFlying, mode, missionMode } = this.#vehicle();
+    return isFlying && mode === missionMode;
+  }
+
+  // Its own landing sequence would be replaced under it.
+  #whyNot(old) {
+    const landingAt = old.findIndex((one) => one.command === command.landStart);
+    const isLanding = this.#fliesMission && landingAt >= 0 && this.#vehicle().current_item >= landingAt;
+    return isLanding ? 'the autopilot flies a landing sequence: take another mode first' : undefined;
+  }
+
+  // The items before a landing sequence stay as they are, so that what is flown stays in place.
+  #missionWith(landing, old) {
+    const { isArdupilot, parameters, home_altitude_m } = this.#vehicle();
+    const ours = isArdupilot ? ardupilotItems(landing, { parameters, home_altitude_m }) : px4Items(landing);
+    const landingAt = old.findIndex((one) => one.command === command.landStart);
+    const before = landingAt < 0 ? old : old.slice(0, landingAt);
+    if (isArdupilot && before.length === 0) return [item(command.waypoint), ...ours];
+    return [...before, ...ours];
+  }
+
+  #end(job, { outcome: how, items, why }) {
+    this.#task = undefined;
+    this.#job = undefined;
+    this.#store.clear();
+    this.#checked_s = this.#now_s;
+    this.#total = undefined;
+    if (how === outcome.done) {
+      this.#landing = { items, site: job.landing.site_id, warning: this.#warningOf(job.landing) };
+      this.#know(items);
+      this.#log(`the landing mission to ${job.landing.site_id} is in the autopilot, read back equal`);
+      job.finish(true);
+      return;
+    }
+    this.#lasting = { [outcome.foreign]: alarmOf.foreign, [outcome.restored]: alarmOf.restored }[how];
+    if (items) this.#know(items);
+    else this.#state = { state: 'unknown', alarm: alarmOf.trouble(why) };
+    this.#log(`no landing mission: ${[why, this.#lasting].filter(Boolean).join('; ')}`);
+    job.finish(false, why ?? this.#lasting);
+  }
+
+  // What the autopilot has was read, and whether it is the last landing that was written.
+  #know(items) {
+    const { items: ours, site, warning } = this.#landing ?? {};
+    const isLanding = ours !== undefined && areSame(items, ours, this.#rules());
+    this.#known = { items, site: isLanding ? site : undefined };
+    this.#state = {
+      state: 'current', kind: isLanding ? 'landing' : 'other', ...(isLanding && { site }),
+      ...(isLanding && warning && { warning }), ...(this.#lasting && { alarm: this.#lasting }),
+    };
+  }
+
+  // A parameter is never written: the person decides.
+  #warningOf({ airspeed_mps: planned_mps }) {
+    const { landing_airspeed_mps: own_mps, isArdupilot, parameters } = this.#vehicle();
+    if (!isArdupilot) return undefined;
+    const warnings = [];
+    if (!knowsFlare(parameters)) warnings.push('the autopilot\'s flare is not known: the final is flown lower than it was checked');
+    if (own_mps === undefined) warnings.push('the autopilot\'s landing airspeed is not known');
+    else if (Math.abs(own_mps - planned_mps) > maxSpeedDifference_mps) {
+      warnings.push(`the autopilot lands at ${own_mps.toFixed(1)} m/s, the site was planned for ${planned_mps.toFixed(1)} m/s`);
+    }
+    warnings.forEach((text) => this.#log(text));
+    return warnings.join('; ') || undefined;
+  }
+
+  #beginStart(commandId, landing) {
+    this.#start = { commandId, site: landing.site_id, sent_s: -Infinity, numSent: 0, isAccepted: false };
+  }
+
+  #stepStart() {
+    const start = this.#start;
+    if (!start || start.isAccepted || this.#now_s - start.sent_s < repeatStart_s) return;
+    if (start.numSent >= numStarts) {
+      this.#start = undefined;
+      this.#told(start.commandId, 'failed', 'in the autopilot, but it did not start it');
+      return;
+    }
+    this.#modeAtStart ??= this.#vehicle().mode;
+    start.sent_s = this.#now_s;
+    ++start.numSent;
+    this.#out.send('COMMAND_INT', { command: landStart, frame: 0, current: 0, autocontinue: 0 });
+  }
+
+  #onCommandAck({ command: id, result }) {
+    const start = this.#start;
+    if (!start || id !== landStart || start.isAccepted) return;
+    if (result !== 0) {
+      this.#start = undefined;
+      this.#told(start.commandId, 'failed', `in the autopilot, but it refused to start it (${result})`);
+      return;
+    }
+    start.isAccepted = true;
+    this.#log(`the autopilot flies the landing to ${start.site}`);
+    this.#told(start.commandId, 'done', 'flown');
+  }
+
+  // A person who takes another mode ends our part.
+  onMode(mode) {
+    const { missionMode } = this.#vehicle();
+    const start = this.#start;
+    if (!start || mode === missionMode || (!start.isAccepted && mode === this.#modeAtStart)) return;
+    this.#start = undefined;
+    this.#log(`mode ${mode}: the link's part in the landing has ended`);
+    if (!start.isAccepted) this.#told(start.commandId, 'failed', `the mode was changed to ${mode}`);
+  }
+
+  // The autopilot was silent, or has started anew: what it has is read again.
+  doubt(why) {
+    if (this.#known || this.#task) this.#suspect(why, 0);
+  }
+
+  #suspect(why, delay_s = suspicion_s) {
+    if (this.#suspect_s !== undefined) return;
+    this.#suspect_s = this.#now_s + delay_s;
+    if (this.#known?.site && !this.#task) this.#alarm(alarmOf.trouble(why));
+  }
+
+  #alarm(text) {
+    if (this.#state.state !== 'unknown' || this.#state.alarm !== text) this.#log(text);
+    this.#state = { ...this.#state, state: 'unknown', alarm: text };
+  }
+
+  hear(name, fields, now_s) {
+    this.#now_s = now_s;
+    if (name === 'COMMAND_ACK') this.#onCommandAck(fields);
+    else if (name === 'MISSION_CURRENT') this.#onCurrent(fields);
+    else if (name === 'STATUSTEXT') this.#onText(fields.text);
+    else if (fields.isForeign) this.#onForeign(name, fields);
+    else this.#task?.hear(name, fields, now_s);
+    if (!fields.isForeign && requests.has(name)) this.#isWritten_s = now_s;
+  }
+
+  #onForeign(name, { missionType: type }) {
+    const isOfUpload = requests.has(name) || name === 'MISSION_ACK';
+    if (type === missionType.mission && isOfUpload) this.#suspect('another ground station writes');
+  }
+
+  #onText(text) {
+    if (!/flight plan received/i.test(text) || this.#now_s - this.#isWritten_s < ownUpload_s) return;
+    this.#suspect('another ground station has written');
+  }
+
+  // total: how many items there are; missionId: of PX4.
+  #onCurrent({ total, missionId }) {
+    const sign = `${total}/${missionId}`;
+    const isOwn = this.#task || this.#now_s - this.#isWritten_s < ownUpload_s;
+    if (this.#total !== undefined && sign !== this.#total && !isOwn) this.#suspect('the number of items has changed');
+    this.#total = sign;
+  }
+
+  step(now_s) {
+    this.#now_s = now_s;
+    // A mere look at what is there ends when the final begins.
+    if (this.#isOnFinal && this.#task && !this.#job) this.#task = undefined;
+    this.#task?.step(now_s);
+    if (this.#task) return;
+    this.#stepStart();
+    if (this.#isOnFinal || this.isHeld) return;
+    const isSuspect = this.#suspect_s !== undefined && now_s >= this.#suspect_s;
+    const isDue = now_s - this.#checked_s > (this.#known?.site || this.#state.state === 'unknown' ? recheck_s : Infinity);
+    const isFirst = !this.#known && now_s - this.#checked_s > reread_s;
+    if (isSuspect || isDue || isFirst) this.#check();
+  }
+
+  // Nothing is sent on the final.
+  get #isOnFinal() {
+    const { current_item, mode, missionMode } = this.#vehicle();
+    return this.#known?.site !== undefined && this.#known.items[current_item]?.command === command.land && mode === missionMode;
+  }
+
+  #check() {
+    this.#suspect_s = undefined;
+    this.#checked_s = this.#now_s;
+    const left = this.#known ? undefined : this.#store.load();
+    if (left) {
+      this.#finishLeft(left);
+      return;
+    }
+    const download = new Download(this.#out, missionType.mission);
+    const read = function* read() { return yield download; };
+    this.#task = new Task(read(), (result) => {
+      this.#task = undefined;
+      this.#checked_s = this.#now_s;
+      if (result.items) this.#compare(result.items);
+      else if (this.#known?.site) this.#alarm(alarmOf.trouble(result.error));
+    });
+  }
+
+  #compare(items) {
+    const hadLanding = this.#known?.site !== undefined;
+    const isSame = this.#known && areSame(items, this.#known.items, this.#rules());
+    if (hadLanding && !isSame) {
+      this.#lasting = alarmOf.foreign;
+      this.#log(this.#lasting);
+      this.#start = undefined;
+    }
+    this.#know(items);
+  }
+
+  // The program was ended during a change.
+  #finishLeft({ old, wanted, earlier, site }) {
+    this.#state = { state: 'uploading', site, kind: 'landing' };
+    const job = { finish: () => {}, landing: { site_id: site }, old, wanted, earlier };
+    this.#job = job;
+    this.#task = new Task(finishChange({
+      out: this.#out, type: missionType.mission, rules: this.#rules(), old, wanted, earlier,
+      onTrouble: (why) => this.#alarm(alarmOf.trouble(why)),
+    }), (end) => this.#end(job, end));
+  }
+}

@@ -1,0 +1,43 @@
+// What emergency recall is asked: from the present state, in a wind that is held. Pure.
+
+// Sites are planned for the wind. An estimate that wanders would move their finals all the time.
+const held_mps = 1.5;
+
+export class WindHold {
+  #wind;
+
+  // onChange(sentence): called when another wind is taken.
+  take(wind, onChange = () => {}) {
+    if (!wind) return this.#wind;
+    const held = this.#wind;
+    if (held && Math.hypot(wind.east_mps - held.east_mps, wind.north_mps - held.north_mps) < held_mps) return held;
+    if (held) onChange(`the wind is now ${Math.hypot(wind.east_mps, wind.north_mps).toFixed(1)} m/s: ways are planned for it`);
+    this.#wind = { east_mps: wind.east_mps, north_mps: wind.north_mps };
+    return this.#wind;
+  }
+}
+
+// As the service has it by default.
+const clearance_m = 10;
+
+const rounded = (value, digits) => Number(value.toFixed(digits));
+
+// airspeed_m: height that surplus airspeed is worth. better_m: height that will not be lost,
+// because the aircraft glides better than told. The aircraft is not there, so terrain must stay
+// as much lower.
+export function queryOf({ position, velocity, flight }, wind, { airspeed_m = 0, better_m = 0 } = {}) {
+  const course_deg = (Math.atan2(velocity.east_mps, velocity.north_mps) * 180) / Math.PI;
+  const query = {
+    latitude_deg: rounded(position.latitude_deg, 7),
+    longitude_deg: rounded(position.longitude_deg, 7),
+    altitude_m: rounded(position.altitude_m + airspeed_m + better_m, 2),
+    altitude_datum: position.altitude_datum,
+    heading_deg: rounded(course_deg, 1),
+    limit: 5,
+  };
+  if (wind) Object.assign(query, { wind_east_mps: rounded(wind.east_mps, 2), wind_north_mps: rounded(wind.north_mps, 2) });
+  const missing_m = Math.max(0, airspeed_m + better_m);
+  if (missing_m > 0) query.terrain_clearance_m = rounded(clearance_m + missing_m, 1);
+  if (flight?.id) query.flight = flight.id;
+  return query;
+}
