@@ -166,6 +166,18 @@ start_step "faults, short form"
 tests/faults/run.sh --short
 passed
 
+# Tests that have a long form run their short one.
+start_step "link to an autopilot, short form"
+npm ci --ignore-scripts --omit=optional --no-audit --no-fund --loglevel=error --prefix server/mavlink
+FREELSD_SHORT=1 FREELSD_SERVER="$PWD/build/release/server/freelsd-server" \
+  timeout 400 node --test tests/autopilot/*_test.js >"$work/autopilot.log" 2>&1 || {
+  cat "$work/autopilot.log" >&2
+  fail "tests of the link failed"
+}
+grep -E '^# (pass|fail|skipped) ' "$work/autopilot.log"
+passed
+while read -r line; do skipped "$line"; done < <(sed -nE 's/^ok [0-9]+ - (.*) # SKIP ?(.*)$/\1: \2/p' "$work/autopilot.log")
+
 start_step "freelsdctl"
 tests/deploy/freelsdctl.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
   "$work/demo/sample-flight-1-72"
@@ -174,6 +186,11 @@ passed
 start_step "commands of the documents"
 tests/deploy/documents.sh build/release "$work/demo/sample-flight-1-72"
 passed
+
+start_step "server on PostgreSQL"
+{ tests/deploy/postgresql.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/postgresql.log"
+passed_but "$work/postgresql.log"
 
 start_step "nginx in front"
 if command -v nginx >/dev/null; then
@@ -198,12 +215,16 @@ else
   skipped "no groff at hand"
 fi
 
-start_step "service unit"
+start_step "service units"
 if command -v systemd-analyze >/dev/null; then
-  sed 's|/usr/bin/freelsd-server|/bin/true|' deploy/freelsd.service >"$work/freelsd.service"
-  systemd-analyze verify "$work/freelsd.service"
+  for unit in freelsd.service freelsd-mavlink@.service; do
+    sed -E 's|/usr/bin/freelsd-[a-z]+|/bin/true|' "deploy/$unit" >"$work/$unit"
+  done
+  systemd-analyze verify "$work/freelsd.service" "$work/freelsd-mavlink@wing.service"
   # Tenths: an exposure of 2.0 at most.
-  systemd-analyze security --offline=true --threshold=20 "$work/freelsd.service" | tail -n 1
+  for unit in freelsd.service freelsd-mavlink@.service; do
+    systemd-analyze security --offline=true --threshold=20 "$work/$unit" | tail -n 1
+  done
   passed
 else
   skipped "no systemd-analyze at hand"
