@@ -20,6 +20,7 @@ struct Stores {
   SiteStore& sites;
   MapStore& maps;
   ObstacleStore& obstacles;
+  ClaimStore& claims;
 };
 
 // Its methods do what those of Storage with the same names do.

@@ -127,6 +127,30 @@ struct RecallBounds {
   std::vector<std::string> aircraft_jsons;
 };
 
+// A turn to change sites. While it lasts nobody else has one, in this process or in another, so
+// that what is read meanwhile about sites and about maps in force stays true. It ends with the
+// first of its writes, or unused with its lifetime. A turn that lasts longer than a minute may be
+// lost: its write then throws StorageError and changes nothing.
+class SiteTurn {
+ public:
+  virtual ~SiteTurn() = default;
+  SiteTurn(const SiteTurn&) = delete;
+  SiteTurn& operator=(const SiteTurn&) = delete;
+
+  // Inserts or replaces the site and its map. An empty map_blob means no map. Writes the standings
+  // of other sites in the same commit.
+  virtual void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) = 0;
+  // Applies the result of an evaluation and the standings of other sites in one commit.
+  virtual void PutEvaluation(const EvaluationRows& rows, const Standings& others) = 0;
+  // Deletes the site, and writes the standings of other sites in the same commit. If there is no
+  // such site, writes nothing and returns false.
+  virtual bool Delete(const std::string& site_id, const Standings& others) = 0;
+  virtual void SetStandings(const Standings& standings) = 0;
+
+ protected:
+  SiteTurn() = default;
+};
+
 // Invariant of SQLite: each site, its map and its box are stored in two databases. If the main
 // database is damaged, sites are read from the second copy.
 class SiteStore {
@@ -135,17 +159,19 @@ class SiteStore {
   SiteStore(const SiteStore&) = delete;
   SiteStore& operator=(const SiteStore&) = delete;
 
-  // Inserts or replaces the site and its map. An empty map_blob means no map. Writes the standings
-  // of other sites in the same commit.
-  virtual void Put(const SiteRow& site,
-                   std::string_view map_blob,
-                   const Standings& others = {}) = 0;
-  // Applies the result of an evaluation and the standings of other sites in one commit.
-  virtual void PutEvaluation(const EvaluationRows& rows, const Standings& others) = 0;
-  // Deletes the site, and writes the standings of other sites in the same commit. If there is no
-  // such site, writes nothing and returns false.
-  virtual bool Delete(const std::string& site_id, const Standings& others = {}) = 0;
-  virtual void SetStandings(const Standings& standings) = 0;
+  // Waits for the turn; what a thread with a turn must not do.
+  virtual std::unique_ptr<SiteTurn> TakeTurn() = 0;
+  // Each of them takes a turn for itself.
+  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others = {}) {
+    TakeTurn()->Put(site, map_blob, others);
+  }
+  void PutEvaluation(const EvaluationRows& rows, const Standings& others) {
+    TakeTurn()->PutEvaluation(rows, others);
+  }
+  bool Delete(const std::string& site_id, const Standings& others = {}) {
+    return TakeTurn()->Delete(site_id, others);
+  }
+  void SetStandings(const Standings& standings) { TakeTurn()->SetStandings(standings); }
 
   // Rows from Find and List have no recall, map_box and map_datum.
   virtual std::optional<SiteRow> Find(const std::string& site_id) const = 0;

@@ -33,7 +33,8 @@ Storage::Storage(std::unique_ptr<StorageBackend> backend)
       telemetry(backend_->stores().telemetry),
       sites(backend_->stores().sites),
       maps(backend_->stores().maps),
-      obstacles(backend_->stores().obstacles) {}
+      obstacles(backend_->stores().obstacles),
+      claims(backend_->stores().claims) {}
 
 Storage::~Storage() = default;
 

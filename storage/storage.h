@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/claim_store.h"
 #include "storage/flight_store.h"
 #include "storage/frame_store.h"
 #include "storage/image_store.h"
@@ -39,10 +40,14 @@ struct StorageOptions {
   std::string database_url;
   // PostgreSQL: folder of the images, which all processes on the same database share.
   std::filesystem::path images_folder;
-  // PostgreSQL: whether other processes may use the database at the same time. They must then agree
-  // on who works on which flight, and on who compares sites. Otherwise a second process is refused,
-  // and one that lost the database for a while, so that another took it, writes nothing any more.
+  // PostgreSQL: whether other processes may use the database at the same time. Otherwise a second
+  // process is refused, and one that lost the database for a while, so that another took it, writes
+  // nothing any more.
   bool is_shared = false;
+  // A shared database: whether this process works on flights (ClaimStore), and how long others wait
+  // for a sign of it until they take its flights.
+  bool is_worker = false;
+  double lease_s = 8.0;
   // PostgreSQL: most connections at the same time, longest statement, longest wait for a connection
   // or for the database to come back, and how old an image must be to be removed at a start because
   // no row refers to it.
@@ -77,6 +82,7 @@ class Storage {
   SiteStore& sites;
   MapStore& maps;
   ObstacleStore& obstacles;
+  ClaimStore& claims;
 
   DatabaseKind Kind() const;
   // Folder for uploads that are not acknowledged yet. Opening the storage empties it.

@@ -1,3 +1,5 @@
+#include <set>
+
 #include "storage/postgres/area_rows.h"
 #include "storage/postgres/images.h"
 #include "storage/postgres/state.h"
@@ -42,6 +44,19 @@ void InsertStagedMap(PostgresConnection& writer, const FlightMapRow& map) {
   PutMapArea(writer, map.id, map.box);
 }
 
+// Rows of images whose files come later, in one order for all who lock several.
+void PutImagesToCome(PostgresConnection& writer, const PhotoTiles& photo_tiles) {
+  std::set<std::string> images;
+  for (const auto& [key, sha256] : photo_tiles) images.insert(sha256);
+  for (const std::string& sha256 : images) {
+    // Locks the row, also where it is already there: nobody removes it before the commit.
+    writer.Run(
+        "INSERT INTO images (sha256, num_bytes) VALUES ($1, 0) "
+        "ON CONFLICT (sha256) DO UPDATE SET num_bytes = images.num_bytes",
+        sha256);
+  }
+}
+
 void PutTiles(PostgresConnection& writer,
               const std::string& map_id,
               const Tiles& tiles,
@@ -56,6 +71,7 @@ void PutTiles(PostgresConnection& writer,
         key.col,
         Bytes{tile});
   }
+  PutImagesToCome(writer, photo_tiles);
   for (const auto& [key, sha256] : photo_tiles) {
     writer.Run(
         "INSERT INTO photo_tiles (map_id, level, row, col, sha256) VALUES ($1, $2, $3, $4, $5) "

@@ -1,4 +1,5 @@
-// Gives one process a database for itself, as a folder lock does for SQLite.
+// Who may use a database: one process alone, as a folder lock does for SQLite, or several that
+// share.
 #pragma once
 
 #include <cstdint>
@@ -7,14 +8,17 @@
 
 namespace freelsd {
 
+enum class OwnershipKind { kAlone, kShared };
+
 // Holds an advisory lock during its lifetime, with a connection of its own. If that connection
-// breaks, another process can take the database; the token, which every write compares, then
-// differs. Throws StorageError if another process has the database.
+// breaks, a process can take the database for itself alone; the token, which every write compares,
+// then differs. Throws StorageError if another process has the database for itself, or for kAlone
+// if any has it.
 class Ownership {
  public:
-  explicit Ownership(ConnectionPool& pool);
+  Ownership(ConnectionPool& pool, OwnershipKind kind);
 
-  // Within a transaction. Throws StorageError if another process took the database.
+  // Within a transaction. Throws StorageError if another process took the database for itself.
   void Check(PostgresConnection& writer) const;
 
  private:

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <mutex>
+#include <optional>
 
 #include "storage/boxes.h"
 #include "storage/postgres/area_rows.h"
@@ -29,6 +31,60 @@ std::vector<std::string> PhotosOf(PostgresConnection& writer,
   return images;
 }
 
+// Holds the row of the version of sites, which all who change sites need.
+class PostgresSiteTurn final : public SiteTurn {
+ public:
+  explicit PostgresSiteTurn(PostgresState& state) : state_(state), lock_(state.turns_mutex) {
+    writer_.emplace(state_);
+    StepSites(**writer_);
+  }
+
+  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) override {
+    PutSite(**writer_, site, map_blob);
+    PutSiteStandings(**writer_, others);
+    End();
+  }
+  void PutEvaluation(const EvaluationRows& rows, const Standings& others) override;
+  bool Delete(const std::string& site_id, const Standings& others) override {
+    const bool was_there = DeleteSite(**writer_, site_id);
+    if (was_there) PutSiteStandings(**writer_, others);
+    End();
+    return was_there;
+  }
+  void SetStandings(const Standings& standings) override {
+    PutSiteStandings(**writer_, standings);
+    End();
+  }
+
+ private:
+  void End() {
+    writer_->Commit();
+    writer_.reset();
+    lock_.unlock();
+  }
+
+  PostgresState& state_;
+  // One connection of each process waits for the row.
+  std::unique_lock<std::mutex> lock_;
+  std::optional<PostgresWrite> writer_;
+};
+
+void PostgresSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
+  PostgresWrite& writer = *writer_;
+  const std::vector<std::string> images = PhotosOf(*writer, rows.forgotten_maps);
+  for (const std::string& id : rows.forgotten_sites) DeleteSite(*writer, id);
+  for (const std::string& id : rows.forgotten_maps) {
+    writer->Run("DELETE FROM maps WHERE id = $1", id);
+  }
+  for (const std::string& id : rows.new_maps) {
+    writer->Run("UPDATE maps SET is_in_force = true WHERE id = $1", id);
+  }
+  for (const SiteRow& site : rows.sites) PutSite(*writer, site, {});
+  PutSiteStandings(*writer, others);
+  End();
+  RemoveUnusedImages(state_, images);
+}
+
 std::vector<std::string> ReadIds(PostgresState& state,
                                  const std::string& sql,
                                  const std::string& value) {
@@ -40,51 +96,8 @@ std::vector<std::string> ReadIds(PostgresState& state,
 
 uint64_t PostgresSiteStore::Version() const { return state_.VersionOf("sites"); }
 
-void PostgresSiteStore::Put(const SiteRow& site,
-                            std::string_view map_blob,
-                            const Standings& others) {
-  PostgresWrite writer(state_);
-  StepSites(*writer);
-  PutSite(*writer, site, map_blob);
-  PutSiteStandings(*writer, others);
-  writer.Commit();
-}
-
-void PostgresSiteStore::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
-  std::vector<std::string> images;
-  {
-    PostgresWrite writer(state_);
-    StepSites(*writer);
-    images = PhotosOf(*writer, rows.forgotten_maps);
-    for (const std::string& id : rows.forgotten_sites) DeleteSite(*writer, id);
-    for (const std::string& id : rows.forgotten_maps) {
-      writer->Run("DELETE FROM maps WHERE id = $1", id);
-    }
-    for (const std::string& id : rows.new_maps) {
-      writer->Run("UPDATE maps SET is_in_force = true WHERE id = $1", id);
-    }
-    for (const SiteRow& site : rows.sites) PutSite(*writer, site, {});
-    PutSiteStandings(*writer, others);
-    writer.Commit();
-  }
-  RemoveUnusedImages(state_, images);
-}
-
-bool PostgresSiteStore::Delete(const std::string& site_id, const Standings& others) {
-  PostgresWrite writer(state_);
-  StepSites(*writer);
-  if (!DeleteSite(*writer, site_id)) return false;
-  PutSiteStandings(*writer, others);
-  writer.Commit();
-  return true;
-}
-
-void PostgresSiteStore::SetStandings(const Standings& standings) {
-  if (standings.empty()) return;
-  PostgresWrite writer(state_);
-  StepSites(*writer);
-  PutSiteStandings(*writer, standings);
-  writer.Commit();
+std::unique_ptr<SiteTurn> PostgresSiteStore::TakeTurn() {
+  return std::make_unique<PostgresSiteTurn>(state_);
 }
 
 std::optional<SiteRow> PostgresSiteStore::Find(const std::string& site_id) const {

@@ -55,7 +55,10 @@ PostgresState::PostgresState(const StorageOptions& given)
   {
     const ConnectionLease writer(writers);
     MigrateDatabase(*writer);
-    if (!options.is_shared) ownership.emplace(owner_pool);
+    ownership.emplace(owner_pool,
+                      options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
+    if (options.is_shared && options.is_worker) registration.emplace(owner_pool, options.lease_s);
+    origin = (*writer).Run("SELECT gen_random_uuid()::text")[0].Text(0);
     notices = NoticesOf(*writer);
     DeleteUnfinishedMaps(*writer, options.unused_image_age_s);
   }
@@ -84,6 +87,7 @@ uint64_t PostgresState::VersionOf(const std::string& name) {
 
 PostgresWrite::PostgresWrite(PostgresState& state) : PostgresTransaction(state.Writers()) {
   if (state.ownership) state.ownership->Check(**this);
+  if (state.registration) state.registration->Check(**this);
 }
 
 void StepSites(PostgresConnection& writer) {

@@ -12,6 +12,7 @@
 #include "storage/image_files.h"
 #include "storage/postgres/ownership.h"
 #include "storage/postgres/pool.h"
+#include "storage/postgres/registration.h"
 #include "storage/storage.h"
 
 namespace freelsd {
@@ -40,9 +41,15 @@ struct PostgresState {
   ConnectionPool writers;
   // Of one connection.
   ConnectionPool owner_pool;
-  // Empty if the database is shared.
+  // Set once the schema is there.
   std::optional<Ownership> ownership;
+  // Empty unless this process is a worker on a shared database.
+  std::optional<Registration> registration;
+  // Of this process, for the others.
+  std::string origin;
   std::atomic<bool> is_damaged{false};
+  // Guards the turn to change sites, within this process.
+  std::mutex turns_mutex;
   // Guards notices.
   std::mutex notices_mutex;
   std::vector<std::string> notices;

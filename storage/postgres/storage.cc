@@ -12,7 +12,7 @@ class PostgresBackend final : public StorageBackend {
   }
 
   Stores stores() override {
-    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_};
+    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_};
   }
   DatabaseKind Kind() const override { return DatabaseKind::kPostgres; }
   std::filesystem::path SpoolFolder() const override { return state_.options.folder / "spool"; }
@@ -33,6 +33,7 @@ class PostgresBackend final : public StorageBackend {
   PostgresSiteStore sites_{state_};
   PostgresMapStore maps_{state_};
   PostgresObstacleStore obstacles_{state_};
+  PostgresClaimStore claims_{state_};
 };
 
 std::optional<std::string> PostgresBackend::WhyNotWritable() {

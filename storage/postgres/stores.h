@@ -112,10 +112,7 @@ class PostgresTelemetryStore final : public TelemetryStore {
 class PostgresSiteStore final : public SiteStore {
  public:
   explicit PostgresSiteStore(PostgresState& state) : state_(state) {}
-  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) override;
-  void PutEvaluation(const EvaluationRows& rows, const Standings& others) override;
-  bool Delete(const std::string& site_id, const Standings& others) override;
-  void SetStandings(const Standings& standings) override;
+  std::unique_ptr<SiteTurn> TakeTurn() override;
   std::optional<SiteRow> Find(const std::string& site_id) const override;
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const override;
@@ -169,6 +166,23 @@ class PostgresObstacleStore final : public ObstacleStore {
   std::optional<ObstacleRow> Find(const std::string& id) const override;
   std::vector<ObstacleRow> List() const override;
   uint64_t Version() const override;
+
+ private:
+  PostgresState& state_;
+};
+
+class PostgresClaimStore final : public ClaimStore {
+ public:
+  explicit PostgresClaimStore(PostgresState& state) : state_(state) {}
+  bool IsShared() const override;
+  std::optional<Claim> ClaimNext() override;
+  std::vector<std::string> ListClaimed() const override;
+  void Release(const std::string& flight_id) override;
+  bool Renew() override;
+  void Tell(const SharedEvent& event) override;
+  std::vector<SharedEvent> ListTold(int64_t after_number, int limit) const override;
+  int64_t LastTold() const override;
+  void ForgetOldTold() override;
 
  private:
   PostgresState& state_;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <mutex>
 
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_queries.h"
@@ -15,19 +16,33 @@ std::vector<std::string> IdsOf(Statement& statement) {
   return ids;
 }
 
-}  // namespace
+class SqliteSiteTurn final : public SiteTurn {
+ public:
+  explicit SqliteSiteTurn(StorageState& state) : state_(state), turn_(state.turns_mutex) {}
 
-uint64_t SqliteSiteStore::Version() const { return state_.sites_version; }
+  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) override {
+    const auto lock = state_.LockForWriting();
+    state_.WriteSites([&](const Connection& connection) {
+      PutSiteRows(connection, site, map_blob);
+      PutStandings(connection, others);
+    });
+    turn_.unlock();
+  }
+  void PutEvaluation(const EvaluationRows& rows, const Standings& others) override;
+  bool Delete(const std::string& site_id, const Standings& others) override;
+  void SetStandings(const Standings& standings) override {
+    if (standings.empty()) return turn_.unlock();
+    const auto lock = state_.LockForWriting();
+    state_.WriteSites([&](const Connection& connection) { PutStandings(connection, standings); });
+    turn_.unlock();
+  }
 
-void SqliteSiteStore::Put(const SiteRow& site, std::string_view map_blob, const Standings& others) {
-  const auto lock = state_.LockForWriting();
-  state_.WriteSites([&](const Connection& connection) {
-    PutSiteRows(connection, site, map_blob);
-    PutStandings(connection, others);
-  });
-}
+ private:
+  StorageState& state_;
+  std::unique_lock<std::mutex> turn_;
+};
 
-void SqliteSiteStore::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
+void SqliteSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
   const auto lock = state_.LockForWriting();
   const std::vector<std::string> files = OwnPhotoFiles(state_.writer, rows.forgotten_maps);
   state_.WriteSites([&](const Connection& connection) {
@@ -37,7 +52,28 @@ void SqliteSiteStore::PutEvaluation(const EvaluationRows& rows, const Standings&
     for (const SiteRow& site : rows.sites) PutSiteRows(connection, site, {});
     PutStandings(connection, others);
   });
+  turn_.unlock();
   for (const std::string& sha256 : files) state_.images.Remove(sha256);
+}
+
+bool SqliteSiteTurn::Delete(const std::string& site_id, const Standings& others) {
+  const auto lock = state_.LockForWriting();
+  bool was_there = false;
+  state_.WriteSites([&](const Connection& connection) {
+    if (!DeleteSiteRows(connection, site_id)) return;
+    was_there = true;
+    PutStandings(connection, others);
+  });
+  turn_.unlock();
+  return was_there;
+}
+
+}  // namespace
+
+uint64_t SqliteSiteStore::Version() const { return state_.sites_version; }
+
+std::unique_ptr<SiteTurn> SqliteSiteStore::TakeTurn() {
+  return std::make_unique<SqliteSiteTurn>(state_);
 }
 
 std::optional<SiteRow> SqliteSiteStore::Find(const std::string& site_id) const {
@@ -116,12 +152,6 @@ int64_t SqliteSiteStore::CountOverruled(const BoundingBox& box) const {
   });
 }
 
-void SqliteSiteStore::SetStandings(const Standings& standings) {
-  if (standings.empty()) return;
-  const auto lock = state_.LockForWriting();
-  state_.WriteSites([&](const Connection& connection) { PutStandings(connection, standings); });
-}
-
 std::vector<std::string> SqliteSiteStore::ListDependents(const std::string& site_id) const {
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
@@ -164,17 +194,6 @@ std::vector<std::string> SqliteSiteStore::ListAccepted(const BoundingBox& box) c
     std::sort(ids.begin(), ids.end());
     return ids;
   });
-}
-
-bool SqliteSiteStore::Delete(const std::string& site_id, const Standings& others) {
-  const auto lock = state_.LockForWriting();
-  bool was_there = false;
-  state_.WriteSites([&](const Connection& connection) {
-    if (!DeleteSiteRows(connection, site_id)) return;
-    was_there = true;
-    PutStandings(connection, others);
-  });
-  return was_there;
 }
 
 }  // namespace freelsd

@@ -132,6 +132,8 @@ struct StorageState {
   std::mutex notices_mutex;
   std::vector<std::string> notices;
   ImageFiles images;
+  // Guards the turn to change sites. Taken before write_mutex.
+  std::mutex turns_mutex;
   // Guards writer and copy_writer.
   std::mutex write_mutex;
   Connection writer;

@@ -12,7 +12,7 @@ class SqliteBackend final : public StorageBackend {
   }
 
   Stores stores() override {
-    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_};
+    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_};
   }
   DatabaseKind Kind() const override { return DatabaseKind::kSqlite; }
   std::filesystem::path SpoolFolder() const override { return state_->folder / "spool"; }
@@ -33,6 +33,7 @@ class SqliteBackend final : public StorageBackend {
   SqliteSiteStore sites_{*state_};
   SqliteMapStore maps_{*state_};
   SqliteObstacleStore obstacles_{*state_};
+  SqliteClaimStore claims_;
 };
 
 std::optional<std::string> SqliteBackend::WhyNotWritable() {

@@ -112,10 +112,7 @@ class SqliteTelemetryStore final : public TelemetryStore {
 class SqliteSiteStore final : public SiteStore {
  public:
   explicit SqliteSiteStore(StorageState& state) : state_(state) {}
-  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) override;
-  void PutEvaluation(const EvaluationRows& rows, const Standings& others) override;
-  bool Delete(const std::string& site_id, const Standings& others) override;
-  void SetStandings(const Standings& standings) override;
+  std::unique_ptr<SiteTurn> TakeTurn() override;
   std::optional<SiteRow> Find(const std::string& site_id) const override;
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const override;
@@ -172,6 +169,22 @@ class SqliteObstacleStore final : public ObstacleStore {
 
  private:
   StorageState& state_;
+};
+
+// One process has the folder for itself.
+class SqliteClaimStore final : public ClaimStore {
+ public:
+  bool IsShared() const override { return false; }
+  std::optional<Claim> ClaimNext() override { return std::nullopt; }
+  std::vector<std::string> ListClaimed() const override { return {}; }
+  void Release(const std::string& /*flight_id*/) override {}
+  bool Renew() override { return true; }
+  void Tell(const SharedEvent& /*event*/) override {}
+  std::vector<SharedEvent> ListTold(int64_t /*after_number*/, int /*limit*/) const override {
+    return {};
+  }
+  int64_t LastTold() const override { return 0; }
+  void ForgetOldTold() override {}
 };
 
 }  // namespace freelsd

@@ -65,6 +65,23 @@ TEST_CASE("maps: an unfinished map is gone after a restart, and its picture's fi
   CHECK_FALSE(storage.images.Read("ab01"));
 }
 
+TEST_CASE("maps: a picture's rows may come before its files, which they then keep") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.images.Write("ab02", "also another flight's");
+  storage.maps.Stage(SomeMap("f/1", "f", kHere), {}, {});
+  storage.maps.StageTiles("f/1", {}, {{{0, 0, 0}, "ab01"}, {{0, 0, 1}, "ab02"}});
+  storage.images.RemoveUnused("ab02");
+  CHECK(storage.images.Read("ab02") == "also another flight's");
+  CHECK_FALSE(storage.images.Read("ab01"));
+  storage.images.Write("ab01", "picture");
+  storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
+  CHECK(storage.images.Read("ab01") == "picture");
+  CHECK(storage.maps.FindPhotoTile("f/1", {0, 0, 0}) == "ab01");
+  storage.sites.PutEvaluation({{}, {}, {}, {"f/1"}}, {});
+  CHECK_FALSE(storage.images.Read("ab01"));
+}
+
 TEST_CASE("maps: they outlive their flight unless its sites are forgotten") {
   for (const bool forget : {false, true}) {
     const StoragePlace place;

@@ -1,5 +1,8 @@
 #include "storage/site_store.h"
 
+#include <chrono>
+#include <future>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -23,6 +26,25 @@ TEST_CASE("site store: sites are found by box, also across the antimeridian") {
   CHECK(storage.sites.List(std::nullopt, BoundingBox{179.0, -18.0, -179.0, -16.0}).size() == 2);
   CHECK(storage.sites.List("g", std::nullopt).empty());
   CHECK(storage.sites.List("f", std::nullopt).size() == 3);
+}
+
+TEST_CASE("site store: who wants to change sites waits until a turn has ended") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
+  std::future<void> other = std::async(
+      std::launch::async, [&storage] { storage.sites.Put(SomeSite("other", 50.0, 8.0), ""); });
+  CHECK(other.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout);
+  CHECK_FALSE(storage.sites.Find("other"));
+  turn->Put(SomeSite("own", 50.0, 8.0), "", {});
+  other.get();
+  CHECK(storage.sites.Find("own"));
+  CHECK(storage.sites.Find("other"));
+  // A turn that is not used ends too, and changes nothing.
+  const uint64_t version = storage.sites.Version();
+  storage.sites.TakeTurn();
+  CHECK(storage.sites.Version() == version);
+  CHECK(storage.sites.Delete("own"));
 }
 
 TEST_CASE("site store: a site put again replaces its map, an empty one removes it") {

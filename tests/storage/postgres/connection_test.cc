@@ -47,6 +47,33 @@ TEST_CASE("postgres: a second process is refused unless the database is shared")
       Storage{other}, doctest::Contains("another freelsd-server uses it"), StorageError);
 }
 
+TEST_CASE("postgres: who shares a database and who wants it alone exclude each other") {
+  const StoragePlace place;
+  StorageOptions alone = place.OptionsOfOther();
+  alone.is_shared = false;
+  {
+    Storage one(place.OptionsOfOne());
+    CHECK_THROWS_WITH_AS(
+        Storage{alone}, doctest::Contains("another freelsd-server uses it"), StorageError);
+    // Its lock is gone with its connections, and the other one comes.
+    place.Execute(
+        "SELECT pg_terminate_backend(pid) FROM pg_stat_activity "
+        "WHERE application_name = 'freelsd'");
+    const Storage other(alone);
+    CHECK_THROWS_WITH_AS(one.flights.Insert(SomeFlight("f")),
+                         doctest::Contains("took the database over"),
+                         StorageError);
+    CHECK_THROWS_WITH_AS(Storage{[&place] {
+                           StorageOptions third = place.OptionsOfOne();
+                           third.folder /= "third";
+                           return third;
+                         }()},
+                         doctest::Contains("another freelsd-server uses it"),
+                         StorageError);
+  }
+  CHECK_NOTHROW(Storage{place.OptionsOfOne()});
+}
+
 TEST_CASE("postgres: a process writes nothing after another one took the database from it") {
   const StoragePlace place;
   Storage storage(place.options());

@@ -2,6 +2,8 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <future>
+#include <memory>
 #include <set>
 #include <string>
 #include <thread>
@@ -189,6 +191,34 @@ TEST_CASE("postgres: removing an image waits for a frame that another process is
   storage.images.RemoveUnused(kImage);
   other.join();
   CHECK(storage.images.Read(kImage) == "pixels");
+}
+
+TEST_CASE("postgres: a turn to change sites is one among all processes") {
+  const StoragePlace place;
+  Storage one(place.OptionsOfOne());
+  Storage other(place.OptionsOfOther());
+  std::unique_ptr<SiteTurn> turn = one.sites.TakeTurn();
+  std::future<uint64_t> seen = std::async(std::launch::async, [&other] {
+    const std::unique_ptr<SiteTurn> next = other.sites.TakeTurn();
+    return other.sites.Find("own") ? other.sites.Version() : 0;
+  });
+  CHECK(seen.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout);
+  turn->Put(SomeSite("own", 50.0, 8.0), "", {});
+  CHECK(seen.get() == one.sites.Version());
+}
+
+TEST_CASE("postgres: a turn whose connection was lost writes nothing, and the next one begins") {
+  const StoragePlace place;
+  Storage one(place.OptionsOfOne());
+  Storage other(place.OptionsOfOther());
+  std::unique_ptr<SiteTurn> turn = one.sites.TakeTurn();
+  place.Execute(
+      "SELECT pg_terminate_backend(pid) FROM pg_stat_activity "
+      "WHERE state = 'idle in transaction'");
+  other.sites.Put(SomeSite("next", 50.0, 8.0), "");
+  CHECK_THROWS_AS(turn->Put(SomeSite("late", 50.0, 8.0), "", {}), StorageError);
+  CHECK_FALSE(one.sites.Find("late"));
+  CHECK(one.sites.Find("next"));
 }
 
 TEST_CASE("postgres: a start removes files that were left without a row") {
