@@ -192,6 +192,11 @@ start_step "server on PostgreSQL"
   "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/postgresql.log"
 passed_but "$work/postgresql.log"
 
+start_step "roles on PostgreSQL"
+{ tests/deploy/roles.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/roles.log"
+passed_but "$work/roles.log"
+
 start_step "nginx in front"
 if command -v nginx >/dev/null; then
   tests/deploy/nginx.sh build/release/server/freelsd-server engine/classification/grass_model.yml

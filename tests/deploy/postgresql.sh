@@ -19,69 +19,10 @@ source "$root/deploy/steps.sh"
 trap clear_away EXIT
 export XDG_STATE_HOME="$work/state"
 
-declare -A url=() flight=() process=()
+source "$root/tests/deploy/compared_servers.sh"
+
 on_sqlite=(--data "$work/sqlite")
 on_postgresql=(--database "$FREELSD_TEST_DATABASE" --images "$work/images")
-
-# start_server NAME ARGUMENTS...: sets url and process of the name.
-start_server() {
-  local name="$1" log _
-  shift
-  log="$(mktemp "$work/$name-XXXXXX.log")"
-  "$server" --listen 127.0.0.1:0 --model "$model" "$@" >"$log" 2>&1 &
-  process[$name]=$!
-  pids+=($!)
-  for _ in $(seq 200); do
-    url[$name]="$(sed -n 's|.*listens on \(http://127.0.0.1:[0-9]*\)/.*|\1|p' "$log")"
-    if [ -n "${url[$name]}" ]; then return; fi
-    sleep 0.05
-  done
-  fail "the server on $name did not start: $(cat "$log")"
-}
-
-kill_server() {
-  kill -KILL "${process[$1]}"
-  wait "${process[$1]}" 2>/dev/null || true
-}
-
-# control NAME ARGUMENTS...: freelsdctl, towards the server of that name.
-control() {
-  local log="$work/$1.txt"
-  "$root/deploy/freelsdctl" "${@:2}" --url "${url[$1]}" >"$log" 2>&1 || fail "freelsdctl ${*:2}: $(tail -n 5 "$log")"
-}
-
-submit() {
-  control "$1" submit "$photos" --no-wait
-  flight[$1]="$(curl -fsS "${url[$1]}/v1/flights" | jq -r '.flights[0].id')"
-}
-
-# get NAME PATH: the answer, with FLIGHT for the flight's id, there and in the path. Of JSON without what depends on
-# when it was asked and on how fast this machine is.
-get() {
-  local of="${flight[$1]}" type
-  type="$(curl -fsS --globoff -o "$work/answer" -w '%{content_type}' "${url[$1]}${2//FLIGHT/$of}")" ||
-    fail "$1 does not answer $2"
-  case "$type" in
-    *json*)
-      jq 'walk(if type == "object" then del(.age_s, .updated_at, .created_at, .elapsed_ms, .mean_ms) else . end)' \
-        "$work/answer" ;;
-    *) cat "$work/answer" ;;
-  esac | sed "s/$of/FLIGHT/g"
-}
-
-# same_answers PATH...: from both servers, byte by byte.
-same_answers() {
-  local path
-  for path in "$@"; do
-    get sqlite "$path" >"$work/sqlite.answer"
-    get postgresql "$path" >"$work/postgresql.answer"
-    [ -s "$work/sqlite.answer" ] || fail "$path is empty"
-    cmp "$work/sqlite.answer" "$work/postgresql.answer" || {
-      diff -a "$work/sqlite.answer" "$work/postgresql.answer" | head -n 20 >&2
-      fail "$path differs between SQLite and PostgreSQL"
-    }
-  done
-}
 
 # The best site's place, at 200 m above it.
 test_answers() {
@@ -90,7 +31,7 @@ test_answers() {
   place="$(get sqlite "/v1/sites/$best" | jq -r '"latitude_deg=\(.geometry.coordinates[1])&" +
     "longitude_deg=\(.geometry.coordinates[0])&altitude_m=\(.properties.elevation_m + 200)&altitude_datum=amsl"')"
   paths=(
-    /v1/sites "/v1/sites?bbox=5,45,11,48&include=rejected" /v1/flights/FLIGHT /v1/flights/FLIGHT/sites
+    /v1/sites "/v1/sites?bbox=5,45,11,48&include=superseded" /v1/flights/FLIGHT /v1/flights/FLIGHT/sites
     /v1/flights/FLIGHT/regions /v1/flights/FLIGHT/frames /v1/flights/FLIGHT/map /v1/flights/FLIGHT/map/slope.tif
     "/v1/flights/FLIGHT/sites?f=plan&home_altitude_m=400" "/v1/sites/$best" "/v1/sites/$best/approach"
     "/v1/sites/$best/layers" "/v1/sites/$best/layers/elevation.tif"

@@ -67,6 +67,26 @@ TEST_CASE("config: there is no base map unless the file names one") {
       Read({"--config", file.c_str()}), doctest::Contains("base_map_max_zoom"), ConfigError);
 }
 
+TEST_CASE("config: a role is for a PostgreSQL database, by command line or by file") {
+  const auto read = [](const char* role) {
+    return Read(
+        {"--data", "/x", "--database", "postgresql://a/b", "--images", "/i", "--role", role});
+  };
+  CHECK(read("api")->role == Role::kApi);
+  CHECK(read("worker")->role == Role::kWorker);
+  CHECK(read("all")->role == Role::kAll);
+  CHECK_FALSE(Read({"--data", "/tmp/x"})->role);
+  CHECK_THROWS_WITH_AS(read("boss"), doctest::Contains("api, worker and all"), ConfigError);
+  CHECK_THROWS_WITH_AS(Read({"--data", "/tmp/x", "--role", "all"}),
+                       doctest::Contains("--role needs --database"),
+                       ConfigError);
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "config.json";
+  std::ofstream(file)
+      << R"({"data": "/x", "database": "postgresql://a/b", "images": "/i", "role": "worker"})";
+  CHECK(Read({"--config", file.c_str()})->role == Role::kWorker);
+}
+
 TEST_CASE("config: strips are watched only where the file says so") {
   const TemporaryFolder folder;
   const std::string file = folder.path() / "config.json";

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "storage/storage.h"
-#include "tests/storage/rows.h"
+#include "tests/storage/temporary_folder.h"
 
 namespace freelsd {
 

@@ -13,6 +13,7 @@
 
 #include "storage/storage.h"
 #include "tests/storage/place.h"
+#include "tests/storage/rows.h"
 
 TEST_SUITE_BEGIN("postgresql");
 
