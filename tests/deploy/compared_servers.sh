@@ -36,10 +36,10 @@ submit() {
 }
 
 # get NAME PATH: the answer, with FLIGHT for the flight's id, there and in the path, and URL for the server's. Of JSON without what depends on
-# when it was asked and on how fast this machine is; the score of an emergency falls with the age of the photographs.
+# when it was asked and on how fast this machine is; the scores of recall fall with the age of the photographs.
 get() {
   local of="${flight[$1]}" type timely=".age_s, .updated_at, .created_at, .mean_ms"
-  case "$2" in /v1/emergency*) timely+=", .score" ;; esac
+  case "$2" in /v1/emergency* | /v1/reach*) timely+=", .score" ;; esac
   type="$(curl -fsS --globoff -o "$work/answer" -w '%{content_type}' "${url[$1]}${2//FLIGHT/$of}")" ||
     fail "$1 does not answer $2"
   case "$type" in
