@@ -74,9 +74,9 @@ void CheckRoom(const std::filesystem::path& folder, size_t num_bytes) {
 
 // Two writers of the same image need two temporary names, also in two processes or on two machines.
 std::string UniqueSuffix() {
-  static const uint64_t process = uint64_t{std::random_device()()} << 32U | std::random_device()();
+  static const uint64_t kProcess = uint64_t{std::random_device()()} << 32U | std::random_device()();
   static std::atomic<uint64_t> next{0};
-  return std::to_string(process) + '.' + std::to_string(next++) + kUnfinishedSuffix;
+  return std::to_string(kProcess) + '.' + std::to_string(next++) + kUnfinishedSuffix;
 }
 
 }  // namespace

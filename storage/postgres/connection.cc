@@ -168,6 +168,7 @@ const std::string& PostgresConnection::Prepared(const std::string& sql,
     return found->second;
   }
   std::vector<Oid> types;
+  types.reserve(parameters.size());
   for (const PostgresParameter& parameter : parameters) types.push_back(parameter.type);
   const std::string name = "statement_" + std::to_string(prepared_.size());
   Await(StepName(sql),

@@ -51,6 +51,7 @@ std::vector<TelemetryRow> WithArrivals(const std::vector<TelemetryRow>& rows, in
     by_time[{row.kind, row.timestamp_us}] = row;
   }
   std::vector<TelemetryRow> last;
+  last.reserve(by_time.size());
   for (const auto& [time, row] : by_time) last.push_back(row);
   return last;
 }

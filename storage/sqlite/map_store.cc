@@ -9,6 +9,7 @@ namespace {
 
 std::vector<std::string> IdsOf(const std::vector<FlightMapRow>& maps) {
   std::vector<std::string> ids;
+  ids.reserve(maps.size());
   for (const FlightMapRow& map : maps) ids.push_back(map.id);
   return ids;
 }

@@ -174,8 +174,11 @@ TEST_SUITE("postgresql") {
   TEST_CASE("memory of maps: results that two processes store at the same time see each other") {
     constexpr int kNumTimes = 20;
     Memory planned;
-    planned.EvaluateFirst();
-    const SiteRow site = planned.First();
+    const SiteRow site =
+        PlannedSite(planned.storage,
+                    planned.maps,
+                    StageMeadowMap(planned.storage, Meadow(), "first", kFirst, std::nullopt, 8.0),
+                    8.0);
     for (int i = 0; i < kNumTimes; ++i) {
       const StoragePlace place;
       Process one{Storage(place.OptionsOfOne())};
