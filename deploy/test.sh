@@ -62,6 +62,12 @@ run_unit_tests() {
   grep -q '^100% tests passed' "$work/ctest.log" || fail "unit tests failed"
 }
 
+# Where there is no PostgreSQL, the tests on it are skipped.
+report_skipped_tests() {
+  local name
+  while read -r name; do skipped "$name"; done < <(grep -oE '[a-z_]+ \.+\*{3}Skipped' "$work/ctest.log" | awk '{ print $1 }')
+}
+
 # The demo's result must be served again by a new process, set up as the example says.
 restart_on_demo_data() {
   build/release/server/freelsd-server --config deploy/config.example.json \
@@ -102,6 +108,7 @@ passed
 start_step "unit tests (release)"
 run_unit_tests release
 passed
+report_skipped_tests
 if [ -z "${FREELSD_DATA:-}" ]; then skipped "tests on recorded flights: FREELSD_DATA is not set"; fi
 
 # Worlds of the tuning seeds with 15 fields to find; 8 are found where this was written, and another
@@ -179,6 +186,16 @@ passed
 start_step "commands of the documents"
 tests/deploy/documents.sh build/release "$work/demo/sample-flight-1-72"
 passed
+
+start_step "server on PostgreSQL"
+{ tests/deploy/postgresql.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/postgresql.log"
+passed_but "$work/postgresql.log"
+
+start_step "roles on PostgreSQL"
+{ tests/deploy/roles.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/roles.log"
+passed_but "$work/roles.log"
 
 start_step "nginx in front"
 if command -v nginx >/dev/null; then

@@ -1,5 +1,6 @@
 #include "server/app.h"
 
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 
@@ -46,12 +47,25 @@ Page ReadPageFiles(const Config& config) {
   return page;
 }
 
+// As main.cc's for what a later start may mend.
+constexpr int kExitLostLease = 75;
+
 // Memory of recall's caches: sites with their maps, and terrain below the way to a site.
 constexpr size_t kMaxBytesOfSites = size_t{192} << 20;
 constexpr size_t kMaxBytesOfTerrain = size_t{128} << 20;
 
 // Emergency answers take milliseconds, and whole requests alone reach these threads.
 constexpr int kNumEmergencyThreads = 32;
+
+StorageOptions StorageOf(const Config& config) {
+  StorageOptions options;
+  options.folder = config.data;
+  options.database_url = config.database;
+  options.images_folder = config.images;
+  options.is_shared = config.role.has_value();
+  options.is_worker = config.role && *config.role != Role::kApi;
+  return options;
+}
 
 HttpOptions OptionsOf(const Config& config, Listener listener) {
   const bool is_main = listener == Listener::kMain;
@@ -74,23 +88,40 @@ HttpServer::Handler HandlerFor(Service& service, Listener listener) {
 App::App(const Config& config)
     : config_(config),
       base_map_(config_),
-      storage_(config_.data),
+      storage_(StorageOf(config_)),
       maps_(kMaxBytesOfSites, kMaxBytesOfTerrain),
       intake_(config_, storage_, events_),
       alternates_(storage_, maps_, events_, static_cast<size_t>(config_.num_alternates)),
       service_(intake_, maps_, alternates_, base_map_),
       http_(OptionsOf(config_, Listener::kMain), HandlerFor(service_, Listener::kMain)),
       port_(http_.Bind(config_.host, config_.port)),
-      worker_(service_, ReadModels(config_)) {
+      sharing_(storage_, events_, CallsOfSharing()) {
   service_.page = ReadPageFiles(config_);
   if (!config_.token_file.empty()) service_.tokens = TokenList::Read(config_.token_file);
   events_.CallOnNews(http_.NewsCall());
-  intake_.wake_worker = [this] { worker_.Wake(); };
+  intake_.wake_worker = [this] {
+    if (worker_) worker_->Wake();
+  };
   intake_.on_new_pose = [this](const std::string& flight_id) { alternates_.Wake(flight_id); };
-  if (!config_.emergency) return;
-  emergency_http_ = std::make_unique<HttpServer>(OptionsOf(config_, Listener::kEmergency),
-                                                 HandlerFor(service_, Listener::kEmergency));
-  emergency_port_ = emergency_http_->Bind(config_.emergency->host, config_.emergency->port);
+  if (config_.emergency) {
+    emergency_http_ = std::make_unique<HttpServer>(OptionsOf(config_, Listener::kEmergency),
+                                                   HandlerFor(service_, Listener::kEmergency));
+    emergency_port_ = emergency_http_->Bind(config_.emergency->host, config_.emergency->port);
+  }
+  if (config_.role != Role::kApi) worker_.emplace(service_, ReadModels(config_));
+  sharing_.Start();
+}
+
+SharingCalls App::CallsOfSharing() {
+  SharingCalls calls;
+  calls.on_work = [this] { intake_.wake_worker(); };
+  calls.on_changed_sites = [this] { alternates_.WakeAll(); };
+  // What its threads are doing is another server's work by now, and a new start is clean.
+  calls.on_lost_lease = [] {
+    spdlog::critical("this server's lease was over, and another server has its flights: it ends");
+    std::_Exit(kExitLostLease);
+  };
+  return calls;
 }
 
 void App::Run() {
@@ -121,7 +152,7 @@ bool App::Stop(std::chrono::milliseconds patience) {
   alternates_.Stop();
   http_.Stop();
   if (emergency_http_) emergency_http_->Stop();
-  return worker_.Stop(patience);
+  return !worker_ || worker_->Stop(patience);
 }
 
 }  // namespace freelsd

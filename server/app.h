@@ -8,6 +8,7 @@
 #include "server/config.h"
 #include "server/http/http.h"
 #include "server/jobs/jobs.h"
+#include "server/sharing/sharing.h"
 
 namespace freelsd {
 
@@ -29,6 +30,8 @@ class App {
   bool CanRecall() const;
 
  private:
+  SharingCalls CallsOfSharing();
+
   Config config_;
   BaseMap base_map_;
   Storage storage_;
@@ -41,7 +44,10 @@ class App {
   int port_;
   std::unique_ptr<HttpServer> emergency_http_;
   std::optional<int> emergency_port_;
-  Worker worker_;
+  // Empty if others work for this server.
+  std::optional<Worker> worker_;
+  // The last one: its threads call the others.
+  Sharing sharing_;
 };
 
 }  // namespace freelsd

@@ -75,9 +75,26 @@ void TakeBaseMap(nlohmann::json& object, Config& config) {
   Take(object, "base_map_max_zoom", *config.base_map_max_zoom);
 }
 
+void SetRole(const std::string& role, Config& config) {
+  if (role == "api") {
+    config.role = Role::kApi;
+  } else if (role == "worker") {
+    config.role = Role::kWorker;
+  } else if (role == "all") {
+    config.role = Role::kAll;
+  } else {
+    throw ConfigError("role: \"" + role + "\" is none; roles are api, worker and all");
+  }
+}
+
 void ReadConfigFile(const std::string& path, Config& config) {
   nlohmann::json object = ReadFile(path);
   TakePath(object, "data", config.data);
+  Take(object, "database", config.database);
+  TakePath(object, "images", config.images);
+  std::string role;
+  Take(object, "role", role);
+  if (!role.empty()) SetRole(role, config);
   TakePath(object, "model", config.model);
   TakePath(object, "page", config.page);
   std::string listen;
@@ -110,11 +127,29 @@ void CheckAddress(const std::string& host, const Config& config) {
                     " is not a loopback address; other addresses need a --token-file");
 }
 
+void CheckDatabase(const Config& config) {
+  if (config.data.empty()) {
+    throw ConfigError("--data is required: the folder for the database and the images");
+  }
+  if (config.database.empty()) {
+    if (config.role)
+      throw ConfigError("--role needs --database: roles share a PostgreSQL database");
+    if (config.images.empty()) return;
+    throw ConfigError("--images needs --database: with SQLite, images are in the folder of --data");
+  }
+  if (!config.database.starts_with("postgresql://") &&
+      !config.database.starts_with("postgres://")) {
+    throw ConfigError("--database: must be a URI postgresql://[USER@]HOST[:PORT]/NAME");
+  }
+  if (config.images.empty()) {
+    throw ConfigError("--database needs --images: the folder that all servers on it share");
+  }
+}
+
 void Check(const Config& config) {
   CheckAddress(config.host, config);
   if (config.emergency) CheckAddress(config.emergency->host, config);
-  if (config.data.empty())
-    throw ConfigError("--data is required: the folder for the database and the images");
+  CheckDatabase(config);
   if (config.num_http_threads < 2 || config.num_http_threads > 512) {
     throw ConfigError("num_http_threads: must be in [2, 512]");
   }
@@ -146,8 +181,13 @@ Address ParseAddress(const std::string& listen) {
 
 std::optional<Config> ReadConfig(int argc, const char* const* argv) {
   CLI::App app("HTTP/JSON service that finds landing sites for small planes.", "freelsd-server");
-  std::string data, listen, emergency_listen, config_file, model, page, token_file;
+  std::string data, database, images, role, listen, emergency_listen, config_file, model, page,
+      token_file;
   app.add_option("--data", data, "Folder for the database and the images");
+  app.add_option("--database", database, "PostgreSQL URI without a password, default: SQLite");
+  app.add_option("--images", images, "Folder of the images beside a PostgreSQL database");
+  app.add_option(
+      "--role", role, "api, worker or all: what this server does among several on the database");
   app.add_option("--listen", listen, "ADDRESS:PORT, default 127.0.0.1:8080");
   app.add_option("--emergency-listen",
                  emergency_listen,
@@ -168,6 +208,9 @@ std::optional<Config> ReadConfig(int argc, const char* const* argv) {
   Config config;
   if (!config_file.empty()) ReadConfigFile(config_file, config);
   if (!data.empty()) config.data = data;
+  if (!database.empty()) config.database = database;
+  if (!images.empty()) config.images = images;
+  if (!role.empty()) SetRole(role, config);
   if (!listen.empty()) SetListen(listen, config);
   if (!emergency_listen.empty()) config.emergency = ParseAddress(emergency_listen);
   if (!token_file.empty()) config.token_file = token_file;

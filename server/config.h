@@ -17,9 +17,19 @@ struct Address {
   int port = 8080;
 };
 
+// What a server does among several on one PostgreSQL database: kApi answers and stores, kWorker
+// computes, kAll does both.
+enum class Role { kApi, kWorker, kAll };
+
 struct Config {
-  // Folder of the database and the images.
+  // Folder of the database and the images; with `database`, of this process's uploads alone.
   std::filesystem::path data;
+  // URI of a PostgreSQL database, without a password; empty: SQLite in `data`.
+  std::string database;
+  // Folder of the images, which all servers on the same PostgreSQL database share.
+  std::filesystem::path images;
+  // Empty: the server has its database for itself.
+  std::optional<Role> role;
   std::string host = "127.0.0.1";
   // 0: any free port.
   int port = 8080;

@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <mutex>
+#include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -114,5 +117,27 @@ class BoxCache {
   BoundingBox box_{};
   std::shared_ptr<const FromSouth> kept_;
 };
+
+inline const std::string& IdOf(const RecallRow& row) { return row.site_id; }
+inline const std::string& IdOf(const MapRow& row) { return row.id; }
+
+// Reads the rows within the box through the cache, each once. The box may cross the antimeridian.
+template <typename Row>
+SharedRows<Row> RowsWithin(BoxCache<Row>& cache,
+                           const BoundingBox& box,
+                           uint64_t version,
+                           const typename BoxCache<Row>::Read& read) {
+  SharedRows<Row> rows;
+  const std::vector<BoundingBox> parts = PlainBoxes(box);
+  for (const BoundingBox& part : parts) {
+    SharedRows<Row> some = cache.Within(part, version, read);
+    std::move(some.begin(), some.end(), std::back_inserter(rows));
+  }
+  if (parts.size() > 1) {
+    std::set<std::string> ids;
+    std::erase_if(rows, [&ids](const auto& row) { return !ids.insert(IdOf(*row)).second; });
+  }
+  return rows;
+}
 
 }  // namespace freelsd

@@ -22,6 +22,16 @@ std::vector<BoundingBox> PlainBoxes(const BoundingBox& box) {
           {-180.0, box.south_deg, east_deg, box.north_deg}};
 }
 
+std::vector<BoundingBox> TouchingBoxes(const BoundingBox& box) {
+  std::vector<BoundingBox> boxes = PlainBoxes(box);
+  const bool touches_from_east = boxes.front().west_deg == -180.0;
+  const bool touches_from_west = boxes.back().east_deg == 180.0;
+  if (boxes.size() > 1) return boxes;
+  if (touches_from_east) boxes.push_back({180.0, box.south_deg, 180.0, box.north_deg});
+  if (touches_from_west) boxes.push_back({-180.0, box.south_deg, -180.0, box.north_deg});
+  return boxes;
+}
+
 bool Meets(const BoundingBox& a, const BoundingBox& plain) {
   if (a.south_deg > plain.north_deg || a.north_deg < plain.south_deg) return false;
   const bool begins_before_end = a.west_deg <= plain.east_deg;

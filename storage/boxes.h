@@ -15,6 +15,10 @@ std::vector<BoundingBox> PlainBoxes(const BoundingBox& box);
 // True if the boxes overlap. `a` may cross the antimeridian, `plain` must not.
 bool Meets(const BoundingBox& a, const BoundingBox& plain);
 
+// The parts of `box` as PlainBoxes gives them, and the antimeridian's other side where they touch
+// it.
+std::vector<BoundingBox> TouchingBoxes(const BoundingBox& box);
+
 // An R*Tree needs west <= east. If the box crosses the antimeridian, its east exceeds 180 degrees.
 BoundingBox Unrolled(const BoundingBox& box);
 BoundingBox Rolled(const BoundingBox& unrolled);

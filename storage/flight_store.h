@@ -9,8 +9,6 @@
 
 namespace freelsd {
 
-struct StorageState;
-
 struct FlightRow {
   std::string id;
   std::string name;
@@ -59,35 +57,36 @@ struct RegionRow {
 // Invariant: a flight's frames, jobs, telemetry and regions exist only while the flight does.
 class FlightStore {
  public:
-  explicit FlightStore(StorageState& state) : state_(state) {}
+  virtual ~FlightStore() = default;
   FlightStore(const FlightStore&) = delete;
   FlightStore& operator=(const FlightStore&) = delete;
 
-  void Insert(const FlightRow& flight);
+  virtual void Insert(const FlightRow& flight) = 0;
   // Reads, changes and writes the row in one transaction. Changes to id, request_json and
   // created_at_us are ignored. False if there is no such flight.
-  bool Change(const std::string& flight_id, const FlightChange& change);
-  std::optional<FlightRow> Find(const std::string& flight_id) const;
-  std::optional<FlightSummary> FindSummary(const std::string& flight_id) const;
-  std::vector<FlightRow> List() const;  // newest first
+  virtual bool Change(const std::string& flight_id, const FlightChange& change) = 0;
+  virtual std::optional<FlightRow> Find(const std::string& flight_id) const = 0;
+  virtual std::optional<FlightSummary> FindSummary(const std::string& flight_id) const = 0;
+  virtual std::vector<FlightRow> List() const = 0;  // newest first
   // Newest first. The page begins with the flight before `before_number`, or with the newest
   // flight. The duration depends on `limit`, not on the number of flights.
-  FlightPage ListPage(size_t limit, std::optional<int64_t> before_number) const;
-  int64_t Count() const;
-  std::vector<std::string> ListWithQueuedFrames() const;  // ids, oldest first
+  virtual FlightPage ListPage(size_t limit, std::optional<int64_t> before_number) const = 0;
+  virtual int64_t Count() const = 0;
+  virtual std::vector<std::string> ListWithQueuedFrames() const = 0;  // ids, oldest first
   // Deletes the flight, and the images that no other flight needs. If forget_sites is true, also
   // deletes its sites. False if there is no such flight.
-  bool Delete(const std::string& flight_id, bool forget_sites);
+  virtual bool Delete(const std::string& flight_id, bool forget_sites) = 0;
   // Removes the images that no other flight needs, and sets has_retired_images.
-  void RetireImages(const std::string& flight_id);
+  virtual void RetireImages(const std::string& flight_id) = 0;
 
   // Replaces all regions of the flight in one commit. Order: best first.
-  void ReplaceRegions(const std::string& flight_id, const std::vector<RegionRow>& regions);
-  std::vector<RegionRow> ListRegions(const std::string& flight_id) const;
-  int64_t CountRegions(const std::string& flight_id) const;
+  virtual void ReplaceRegions(const std::string& flight_id,
+                              const std::vector<RegionRow>& regions) = 0;
+  virtual std::vector<RegionRow> ListRegions(const std::string& flight_id) const = 0;
+  virtual int64_t CountRegions(const std::string& flight_id) const = 0;
 
- private:
-  StorageState& state_;
+ protected:
+  FlightStore() = default;
 };
 
 }  // namespace freelsd

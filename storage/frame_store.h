@@ -39,44 +39,49 @@ struct FrameRow {
 // frame is stored before the frame.
 class FrameStore {
  public:
-  explicit FrameStore(StorageState& state) : state_(state) {}
+  virtual ~FrameStore() = default;
   FrameStore(const FrameStore&) = delete;
   FrameStore& operator=(const FrameStore&) = delete;
 
   // Inserts frames of one flight, inserts the job that waits for them, and applies `change` to the
   // flight, all in one commit. Assigns sequence numbers in the given order. Throws StorageError and
-  // stores nothing if a frame id exists already or an image is missing.
-  void Insert(const std::string& flight_id,
-              const std::vector<FrameRow>& frames,
-              const std::optional<JobRow>& job = std::nullopt,
-              const FlightChange& change = {});
+  // stores nothing if a frame id exists already or an image is missing. Writers of one flight, also
+  // in other processes, take turns.
+  virtual void Insert(const std::string& flight_id,
+                      const std::vector<FrameRow>& frames,
+                      const std::optional<JobRow>& job = std::nullopt,
+                      const FlightChange& change = {}) = 0;
   // Sets the frame's resolved_json and applies `change` to the flight, in one commit.
-  void Resolve(const std::string& flight_id,
-               const std::string& frame_id,
-               const std::string& resolved_json,
-               const FlightChange& change = {});
-  void SetState(const std::string& flight_id,
-                const std::string& frame_id,
-                FrameState state,
-                const std::string& reason);
+  virtual void Resolve(const std::string& flight_id,
+                       const std::string& frame_id,
+                       const std::string& resolved_json,
+                       const FlightChange& change = {}) = 0;
+  virtual void SetState(const std::string& flight_id,
+                        const std::string& frame_id,
+                        FrameState state,
+                        const std::string& reason) = 0;
 
-  std::optional<FrameRow> Find(const std::string& flight_id, const std::string& frame_id) const;
-  std::vector<FrameRow> List(const std::string& flight_id) const;  // by sequence
+  virtual std::optional<FrameRow> Find(const std::string& flight_id,
+                                       const std::string& frame_id) const = 0;
+  virtual std::vector<FrameRow> List(const std::string& flight_id) const = 0;  // by sequence
   // Calls `take` with each resolved_json that is not empty, by sequence.
-  void ForEachResolved(const std::string& flight_id,
-                       const std::function<void(const std::string& resolved_json)>& take) const;
+  virtual void ForEachResolved(
+      const std::string& flight_id,
+      const std::function<void(const std::string& resolved_json)>& take) const = 0;
   // Queued frames of all flights, without frames of batches.
-  int64_t CountQueued() const;
+  virtual int64_t CountQueued() const = 0;
   // The flight's first frame after `after_sequence`, whatever its state.
-  std::optional<FrameRow> Next(const std::string& flight_id, int64_t after_sequence) const;
+  virtual std::optional<FrameRow> Next(const std::string& flight_id,
+                                       int64_t after_sequence) const = 0;
   // The flight's frames with the highest sequence numbers, the last one first.
-  std::vector<FrameRow> LastArrived(const std::string& flight_id, int max_num_frames) const;
+  virtual std::vector<FrameRow> LastArrived(const std::string& flight_id,
+                                            int max_num_frames) const = 0;
   // Sequence number of the flight's first queued frame after `after_sequence`.
-  std::optional<int64_t> NextQueuedSequence(const std::string& flight_id,
-                                            int64_t after_sequence) const;
+  virtual std::optional<int64_t> NextQueuedSequence(const std::string& flight_id,
+                                                    int64_t after_sequence) const = 0;
 
- private:
-  StorageState& state_;
+ protected:
+  FrameStore() = default;
 };
 
 }  // namespace freelsd

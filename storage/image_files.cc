@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <random>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -71,10 +72,11 @@ void CheckRoom(const std::filesystem::path& folder, size_t num_bytes) {
   }
 }
 
-// Two writers of the same image need two temporary names.
+// Two writers of the same image need two temporary names, also in two processes or on two machines.
 std::string UniqueSuffix() {
+  static const uint64_t kProcess = uint64_t{std::random_device()()} << 32U | std::random_device()();
   static std::atomic<uint64_t> next{0};
-  return std::to_string(next++).append(kUnfinishedSuffix);
+  return std::to_string(kProcess) + '.' + std::to_string(next++) + kUnfinishedSuffix;
 }
 
 }  // namespace
@@ -88,15 +90,37 @@ ImageFiles::ImageFiles(const std::filesystem::path& folder) : folder_(folder) {
   std::filesystem::create_directories(folder_, error);
   if (error) throw StorageError("create images folder", error.message());
   // All shelves are made at start, so that writing an image never has to sync a new folder's name.
-  for (int shelf = 0; shelf < kNumShelves; ++shelf) {
-    char name[3];
-    std::snprintf(name, sizeof(name), "%02x", shelf);
+  for (const std::string& name : Shelves()) {
     if (::mkdir((folder_ / name).c_str(), 0750) != 0 && errno != EEXIST) {
       Fail("create images folder");
     }
   }
   SyncFolder(folder_);
   SyncFolder(folder_.parent_path());
+}
+
+std::vector<std::string> ImageFiles::Shelves() {
+  std::vector<std::string> shelves;
+  for (int shelf = 0; shelf < kNumShelves; ++shelf) {
+    char name[3];
+    std::snprintf(name, sizeof(name), "%02x", shelf);
+    shelves.emplace_back(name);
+  }
+  return shelves;
+}
+
+bool ImageFiles::IsUnfinished(const std::string& name) { return name.ends_with(kUnfinishedSuffix); }
+
+std::vector<std::string> ImageFiles::Old(const std::string& shelf, double age_s) const {
+  const auto limit = std::filesystem::file_time_type::clock::now();
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& file : std::filesystem::directory_iterator(folder_ / shelf, error)) {
+    const auto written = file.last_write_time(error);
+    if (error || std::chrono::duration<double>(limit - written).count() < age_s) continue;
+    names.push_back(file.path().filename().string());
+  }
+  return names;
 }
 
 std::filesystem::path ImageFiles::PathOf(const std::string& sha256) const {

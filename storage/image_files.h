@@ -1,5 +1,5 @@
 // Image files, named by their SHA-256 and distributed over 256 folders: images/ab/abcd... A file
-// with its final name is complete and synced to disk.
+// with its final name is complete and synced to disk. Several processes may share the folder.
 #pragma once
 
 #include <filesystem>
@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace freelsd {
 
@@ -22,6 +23,11 @@ class ImageFiles {
   void Remove(const std::string& sha256) const;
   // Total size of all files.
   uint64_t NumBytes() const;
+  // Names of the 256 subfolders.
+  static std::vector<std::string> Shelves();
+  // Names of files in a subfolder that were written at least age_s ago, unfinished ones too.
+  std::vector<std::string> Old(const std::string& shelf, double age_s) const;
+  static bool IsUnfinished(const std::string& name);
   // Removes every file that is not needed, including unfinished files.
   void RemoveUnless(const std::function<bool(const std::string& sha256)>& is_needed) const;
 

@@ -8,27 +8,26 @@
 
 namespace freelsd {
 
-struct StorageState;
-
 // Invariants: a stored image is complete, and it stays while a frame or a photo tile refers to it,
-// unless FlightStore::RetireImages removes it.
+// unless FlightStore::RetireImages removes it. A name with its file is given up in one step, also
+// if several processes share the folder.
 class ImageStore {
  public:
-  explicit ImageStore(StorageState& state) : state_(state) {}
+  virtual ~ImageStore() = default;
   ImageStore(const ImageStore&) = delete;
   ImageStore& operator=(const ImageStore&) = delete;
 
   // Call it before inserting frames that refer to the image. Does nothing if the image is already
   // stored.
-  void Write(const std::string& sha256, std::string_view bytes);
-  std::optional<std::string> Read(const std::string& sha256) const;
+  virtual void Write(const std::string& sha256, std::string_view bytes) = 0;
+  virtual std::optional<std::string> Read(const std::string& sha256) const = 0;
   // Removes the image unless a frame or a photo tile refers to it.
-  void RemoveUnused(const std::string& sha256);
+  virtual void RemoveUnused(const std::string& sha256) = 0;
   // Total size of all images.
-  uint64_t NumBytes() const;
+  virtual uint64_t NumBytes() const = 0;
 
- private:
-  StorageState& state_;
+ protected:
+  ImageStore() = default;
 };
 
 }  // namespace freelsd

@@ -8,8 +8,6 @@
 
 namespace freelsd {
 
-struct StorageState;
-
 enum class JobState { kQueued, kRunning, kDone, kFailed, kCancelled };
 
 struct JobRow {
@@ -34,23 +32,25 @@ struct JobPage {
 // Invariant: a job that is done, failed or cancelled never changes its state.
 class JobStore {
  public:
-  explicit JobStore(StorageState& state) : state_(state) {}
+  virtual ~JobStore() = default;
   JobStore(const JobStore&) = delete;
   JobStore& operator=(const JobStore&) = delete;
 
-  void Insert(const JobRow& job);
+  virtual void Insert(const JobRow& job) = 0;
   // Writes state, progress, stage and detail. Does nothing if the stored job has ended.
-  void Update(const JobRow& job);
-  std::optional<JobRow> Find(const std::string& job_id) const;
+  virtual void Update(const JobRow& job) = 0;
+  virtual std::optional<JobRow> Find(const std::string& job_id) const = 0;
   // Newest first. The page begins with the job before `before_number`, or with the newest job. It
   // ends early with the job at which the total size of detail_json exceeds `max_bytes`.
-  JobPage ListPage(size_t limit, std::optional<int64_t> before_number, size_t max_bytes) const;
-  std::vector<JobRow> ListOf(const std::string& flight_id) const;  // newest first, all
-  std::vector<JobRow> ListUnfinished() const;  // queued or running, oldest first
-  bool Delete(const std::string& job_id);
+  virtual JobPage ListPage(size_t limit,
+                           std::optional<int64_t> before_number,
+                           size_t max_bytes) const = 0;
+  virtual std::vector<JobRow> ListOf(const std::string& flight_id) const = 0;  // newest first, all
+  virtual std::vector<JobRow> ListUnfinished() const = 0;  // queued or running, oldest first
+  virtual bool Delete(const std::string& job_id) = 0;
 
- private:
-  StorageState& state_;
+ protected:
+  JobStore() = default;
 };
 
 }  // namespace freelsd

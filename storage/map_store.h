@@ -43,44 +43,52 @@ using Tiles = std::vector<std::pair<TileKey, std::string>>;
 // SHA-256 of image files, by place.
 using PhotoTiles = std::vector<std::pair<TileKey, std::string>>;
 
-// Invariants: each map and its tiles are stored in two databases, as sites are. A map counts only
-// once SiteStore::PutEvaluation has put it in force, in one commit with the sites on it. Maps that
-// are not in force are removed when the storage is opened.
+// Invariants: a map counts only once SiteStore::PutEvaluation has put it in force, in one commit
+// with the sites on it. SQLite stores each map and its tiles in two databases, as sites are, and
+// removes maps that are not in force when the storage is opened. PostgreSQL removes them once they
+// are older than StorageOptions::unused_image_age_s, because another process may be writing them.
 class MapStore {
  public:
-  explicit MapStore(StorageState& state) : state_(state) {}
+  virtual ~MapStore() = default;
   MapStore(const MapStore&) = delete;
   MapStore& operator=(const MapStore&) = delete;
 
   // An id for a new map of the flight. No other map has or had it since the storage was opened.
-  std::string NewId(const std::string& flight_id);
-  // Stores a map that is not in force yet, and its tiles. Files of photo tiles are stored before
-  // (ImageStore).
-  void Stage(const FlightMapRow& map, const Tiles& tiles, const PhotoTiles& photo_tiles);
+  virtual std::string NewId(const std::string& flight_id) = 0;
+  // Stores a map that is not in force yet, and its tiles. The files of its photo tiles may be stored
+  // later (ImageStore), when these rows keep them.
+  virtual void Stage(const FlightMapRow& map,
+                     const Tiles& tiles,
+                     const PhotoTiles& photo_tiles) = 0;
   // Adds tiles to a map that is not in force yet.
-  void StageTiles(const std::string& map_id, const Tiles& tiles, const PhotoTiles& photo_tiles);
+  virtual void StageTiles(const std::string& map_id,
+                          const Tiles& tiles,
+                          const PhotoTiles& photo_tiles) = 0;
   // Removes a map that is not in force.
-  void Discard(const std::string& map_id);
+  virtual void Discard(const std::string& map_id) = 0;
 
   // Maps in force. Newest first.
-  std::vector<FlightMapRow> ListOf(const std::string& flight_id) const;
+  virtual std::vector<FlightMapRow> ListOf(const std::string& flight_id) const = 0;
   // Also a map that is not in force yet.
-  std::optional<FlightMapRow> Find(const std::string& map_id) const;
-  std::optional<std::string> ReadTile(const std::string& map_id, const TileKey& key) const;
-  // The same from the second copy.
-  std::optional<std::string> ReadTileCopy(const std::string& map_id, const TileKey& key) const;
-  std::optional<std::string> FindPhotoTile(const std::string& map_id, const TileKey& key) const;
+  virtual std::optional<FlightMapRow> Find(const std::string& map_id) const = 0;
+  virtual std::optional<std::string> ReadTile(const std::string& map_id,
+                                              const TileKey& key) const = 0;
+  // The same from the second copy, if the database has one.
+  virtual std::optional<std::string> ReadTileCopy(const std::string& map_id,
+                                                  const TileKey& key) const = 0;
+  virtual std::optional<std::string> FindPhotoTile(const std::string& map_id,
+                                                   const TileKey& key) const = 0;
   // All of one level.
-  PhotoTiles ListPhotoTiles(const std::string& map_id, int64_t level) const;
+  virtual PhotoTiles ListPhotoTiles(const std::string& map_id, int64_t level) const = 0;
   // Number of photo tiles at each level from 0 on.
-  std::vector<int64_t> CountPhotoTiles(const std::string& map_id) const;
+  virtual std::vector<int64_t> CountPhotoTiles(const std::string& map_id) const = 0;
   // Removes the photo tiles of the flight's maps, and their files that nothing else needs.
-  void RemovePhotoTiles(const std::string& flight_id);
+  virtual void RemovePhotoTiles(const std::string& flight_id) = 0;
   // Flights whose maps have photo tiles, the least recently updated first.
-  std::vector<std::string> ListFlightsWithPhotoTiles() const;
+  virtual std::vector<std::string> ListFlightsWithPhotoTiles() const = 0;
 
- private:
-  StorageState& state_;
+ protected:
+  MapStore() = default;
 };
 
 }  // namespace freelsd

@@ -22,28 +22,28 @@ struct ObstacleRow {
   int64_t updated_at_us = 0;
 };
 
-// Invariant: each obstacle is stored in two databases, as sites are: a lost obstacle would make a
-// place look safe.
+// Invariant of SQLite: each obstacle is stored in two databases, as sites are: a lost obstacle
+// would make a place look safe.
 class ObstacleStore {
  public:
-  explicit ObstacleStore(StorageState& state) : state_(state) {}
+  virtual ~ObstacleStore() = default;
   ObstacleStore(const ObstacleStore&) = delete;
   ObstacleStore& operator=(const ObstacleStore&) = delete;
 
   // Inserts or replaces all, in one commit, and removes those that expired before now_us.
-  void Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us);
+  virtual void Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) = 0;
   // False if there is no such obstacle.
-  bool Delete(const std::string& id);
+  virtual bool Delete(const std::string& id) = 0;
 
   // Expired ones included, if no write has removed them yet.
-  std::optional<ObstacleRow> Find(const std::string& id) const;
+  virtual std::optional<ObstacleRow> Find(const std::string& id) const = 0;
   // Ordered by id.
-  std::vector<ObstacleRow> List() const;
+  virtual std::vector<ObstacleRow> List() const = 0;
   // Increases with every change of any obstacle, before the change returns.
-  uint64_t Version() const;
+  virtual uint64_t Version() const = 0;
 
- private:
-  StorageState& state_;
+ protected:
+  ObstacleStore() = default;
 };
 
 }  // namespace freelsd

@@ -12,8 +12,6 @@
 
 namespace freelsd {
 
-struct StorageState;
-
 // WGS84. A box with west > east crosses the antimeridian.
 struct BoundingBox {
   double west_deg, south_deg, east_deg, north_deg;
@@ -129,55 +127,83 @@ struct RecallBounds {
   std::vector<std::string> aircraft_jsons;
 };
 
-// Invariant: each site, its map and its box are stored in two databases. If the main database is
-// damaged, sites are read from the second copy.
-class SiteStore {
+// A turn to change sites. While it lasts nobody else has one, in this process or in another, so
+// that what is read meanwhile about sites and about maps in force stays true. It ends with the
+// first of its writes, or unused with its lifetime. A turn that lasts longer than a minute may be
+// lost: its write then throws StorageError and changes nothing.
+class SiteTurn {
  public:
-  explicit SiteStore(StorageState& state) : state_(state) {}
-  SiteStore(const SiteStore&) = delete;
-  SiteStore& operator=(const SiteStore&) = delete;
+  virtual ~SiteTurn() = default;
+  SiteTurn(const SiteTurn&) = delete;
+  SiteTurn& operator=(const SiteTurn&) = delete;
 
   // Inserts or replaces the site and its map. An empty map_blob means no map. Writes the standings
   // of other sites in the same commit.
-  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others = {});
+  virtual void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) = 0;
   // Applies the result of an evaluation and the standings of other sites in one commit.
-  void PutEvaluation(const EvaluationRows& rows, const Standings& others);
+  virtual void PutEvaluation(const EvaluationRows& rows, const Standings& others) = 0;
   // Deletes the site, and writes the standings of other sites in the same commit. If there is no
   // such site, writes nothing and returns false.
-  bool Delete(const std::string& site_id, const Standings& others = {});
-  void SetStandings(const Standings& standings);
+  virtual bool Delete(const std::string& site_id, const Standings& others) = 0;
+  virtual void SetStandings(const Standings& standings) = 0;
+
+ protected:
+  SiteTurn() = default;
+};
+
+// Invariant of SQLite: each site, its map and its box are stored in two databases. If the main
+// database is damaged, sites are read from the second copy.
+class SiteStore {
+ public:
+  virtual ~SiteStore() = default;
+  SiteStore(const SiteStore&) = delete;
+  SiteStore& operator=(const SiteStore&) = delete;
+
+  // Waits for the turn; what a thread with a turn must not do.
+  virtual std::unique_ptr<SiteTurn> TakeTurn() = 0;
+  // Each of them takes a turn for itself.
+  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others = {}) {
+    TakeTurn()->Put(site, map_blob, others);
+  }
+  void PutEvaluation(const EvaluationRows& rows, const Standings& others) {
+    TakeTurn()->PutEvaluation(rows, others);
+  }
+  bool Delete(const std::string& site_id, const Standings& others = {}) {
+    return TakeTurn()->Delete(site_id, others);
+  }
+  void SetStandings(const Standings& standings) { TakeTurn()->SetStandings(standings); }
 
   // Rows from Find and List have no recall, map_box and map_datum.
-  std::optional<SiteRow> Find(const std::string& site_id) const;
-  std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
-                            const std::optional<BoundingBox>& box) const;
+  virtual std::optional<SiteRow> Find(const std::string& site_id) const = 0;
+  virtual std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
+                                    const std::optional<BoundingBox>& box) const = 0;
   // A number that increases with every change of a site. It has increased before the changing call
   // returns.
-  uint64_t Version() const;
-  std::optional<std::string> ReadMap(const std::string& site_id) const;
+  virtual uint64_t Version() const = 0;
+  virtual std::optional<std::string> ReadMap(const std::string& site_id) const = 0;
   // Ids of sites whose standing depends on this site's own map.
-  std::vector<std::string> ListDependents(const std::string& site_id) const;
+  virtual std::vector<std::string> ListDependents(const std::string& site_id) const = 0;
   // The same for a flight's map.
-  std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const;
+  virtual std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const = 0;
   // Ids of accepted sites that were never checked on later maps.
-  std::vector<std::string> ListUnchecked() const;
+  virtual std::vector<std::string> ListUnchecked() const = 0;
   // Maps of flights, and sites' own maps (of rejected sites too), that may meet the box.
-  SharedRows<MapRow> ListMaps(const BoundingBox& box) const;
+  virtual SharedRows<MapRow> ListMaps(const BoundingBox& box) const = 0;
   // Ids of accepted sites, superseded ones included, whose map or touchdown may meet the box.
-  std::vector<std::string> ListAccepted(const BoundingBox& box) const;
+  virtual std::vector<std::string> ListAccepted(const BoundingBox& box) const = 0;
 
   // Recallable sites whose map or touchdown intersects the box.
-  SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const;
-  int64_t CountRecallable() const;
+  virtual SharedRows<RecallRow> ListRecallable(const BoundingBox& box) const = 0;
+  virtual int64_t CountRecallable() const = 0;
   // Whether any site of the flight may be recalled.
-  bool HasRecallable(const std::string& flight_id) const;
-  RecallBounds BoundsOfRecallable() const;
+  virtual bool HasRecallable(const std::string& flight_id) const = 0;
+  virtual RecallBounds BoundsOfRecallable() const = 0;
   // Number of accepted sites that recall leaves out because they are superseded. Only sites with a
   // map in the box are counted.
-  int64_t CountOverruled(const BoundingBox& box) const;
+  virtual int64_t CountOverruled(const BoundingBox& box) const = 0;
 
- private:
-  StorageState& state_;
+ protected:
+  SiteStore() = default;
 };
 
 }  // namespace freelsd

@@ -2,9 +2,10 @@
 // JSON text and blobs. Does not depend on engine types. This is the only public header of storage/;
 // it also gives MbTiles, which reads map tiles of others.
 //
-// When a call returns, its data are on disk (WAL, synchronous=FULL). An image file and its folder
-// are synced before a row that refers to the image is committed. There is one writer; readers never
-// wait for it. All methods are thread-safe.
+// The rows are in SQLite databases in a folder, or in a PostgreSQL database that several processes
+// share. When a call returns, its data are on disk (SQLite: WAL, synchronous=FULL; PostgreSQL:
+// synchronous_commit=on). An image file and its folder are synced before a row that refers to the
+// image is committed. Readers never wait for a writer. All methods are thread-safe.
 #pragma once
 
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/claim_store.h"
 #include "storage/flight_store.h"
 #include "storage/frame_store.h"
 #include "storage/image_store.h"
@@ -26,39 +28,77 @@
 
 namespace freelsd {
 
+class StorageBackend;
+
+enum class DatabaseKind { kSqlite, kPostgres };
+
+// Where a storage is.
+struct StorageOptions {
+  // Folder of this process alone: its uploads, and with SQLite also the databases and the images.
+  std::filesystem::path folder;
+  // PostgreSQL: URI as libpq reads it, without a password. Empty: SQLite.
+  std::string database_url;
+  // PostgreSQL: folder of the images, which all processes on the same database share.
+  std::filesystem::path images_folder;
+  // PostgreSQL: whether other processes may use the database at the same time. Otherwise a second
+  // process is refused, and one that lost the database for a while, so that another took it, writes
+  // nothing any more.
+  bool is_shared = false;
+  // A shared database: whether this process works on flights (ClaimStore), and how long others wait
+  // for a sign of it until they take its flights.
+  bool is_worker = false;
+  double lease_s = 8.0;
+  // PostgreSQL: most connections at the same time, longest statement, longest wait for a connection
+  // or for the database to come back, and how old an image must be to be removed at a start because
+  // no row refers to it.
+  int max_num_connections = 16;
+  double statement_timeout_s = 30.0;
+  double connection_timeout_s = 5.0;
+  double unused_image_age_s = 86400.0;
+};
+
 class Storage {
   // Declared before the stores, because they refer to it.
-  std::unique_ptr<StorageState> state_;
+  std::unique_ptr<StorageBackend> backend_;
 
  public:
-  // Opens the folder, or creates it with the database. Removes image files that no frame refers to.
-  // Sites and obstacles are stored in the main database and, as a second copy, in a database of
-  // their own. A damaged main database is moved aside together with its images; a new one then
-  // starts with the sites of the second copy. Throws StorageError and changes nothing if another
-  // process uses the folder or a newer program wrote it.
+  // SQLite: opens the folder, or creates it with the database. Removes image files that no frame
+  // refers to. Sites and obstacles are stored in the main database and, as a second copy, in a
+  // database of their own. A damaged main database is moved aside together with its images; a new
+  // one then starts with the sites of the second copy. Throws StorageError and changes nothing if
+  // another process uses the folder or a newer program wrote it.
   explicit Storage(const std::filesystem::path& folder);
+  // PostgreSQL, if options.database_url is given: creates or migrates the schema. Throws
+  // StorageError and changes nothing if the database cannot be reached, another process uses the
+  // folder or the database, or a newer program wrote the schema.
+  explicit Storage(const StorageOptions& options);
   ~Storage();
 
-  FlightStore flights;
-  FrameStore frames;
-  ImageStore images;
-  JobStore jobs;
-  TelemetryStore telemetry;
-  SiteStore sites;
-  MapStore maps;
-  ObstacleStore obstacles;
+  FlightStore& flights;
+  FrameStore& frames;
+  ImageStore& images;
+  JobStore& jobs;
+  TelemetryStore& telemetry;
+  SiteStore& sites;
+  MapStore& maps;
+  ObstacleStore& obstacles;
+  ClaimStore& claims;
 
+  DatabaseKind Kind() const;
   // Folder for uploads that are not acknowledged yet. Opening the storage empties it.
   std::filesystem::path SpoolFolder() const;
   // The reason why the storage cannot be written to now: damage, little free disk space, or a
   // failing write. Nothing if it can be written to.
   std::optional<std::string> WhyNotWritable() const;
-  // Reports that the main database is damaged. After this call nothing is written, sites are read
-  // from the second copy, and the next start moves the database aside.
+  // Reports that the main database is damaged. After this call this process writes nothing. SQLite:
+  // sites are read from the second copy, and the next start moves the database aside.
   void MarkDamaged(const std::string& why) const;
   // Sentences for the operator about detected damage and about files that were moved aside at this
   // start.
   std::vector<std::string> Notices() const;
+
+ private:
+  explicit Storage(std::unique_ptr<StorageBackend> backend);
 };
 
 }  // namespace freelsd

@@ -9,8 +9,6 @@
 
 namespace freelsd {
 
-struct StorageState;
-
 enum class TelemetryKind { kPosition, kAttitude, kWind };
 
 // Values by kind. Position: latitude, longitude (deg), altitude (m), and the altitude's datum: 0
@@ -34,7 +32,7 @@ struct TelemetryPair {
 // Invariant: a flight has at most one row of a kind with the same timestamp.
 class TelemetryStore {
  public:
-  explicit TelemetryStore(StorageState& state) : state_(state) {}
+  virtual ~TelemetryStore() = default;
   TelemetryStore(const TelemetryStore&) = delete;
   TelemetryStore& operator=(const TelemetryStore&) = delete;
 
@@ -42,23 +40,24 @@ class TelemetryStore {
   // necessary, increases arrived_at_us: it must exceed arrived_at_us of all stored rows and frames
   // of the flight. The order of arrival is therefore correct even if the clock was set back. If
   // there is no such flight, writes nothing and returns false.
-  bool Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows);
+  virtual bool Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) = 0;
   // The rows of a kind that arrived last, the latest first.
-  std::vector<TelemetryRow> LastArrived(const std::string& flight_id,
-                                        TelemetryKind kind,
-                                        int max_num_rows) const;
+  virtual std::vector<TelemetryRow> LastArrived(const std::string& flight_id,
+                                                TelemetryKind kind,
+                                                int max_num_rows) const = 0;
   // The rows of a kind with the latest timestamps, the latest first.
-  std::vector<TelemetryRow> Latest(const std::string& flight_id,
-                                   TelemetryKind kind,
-                                   int max_num_rows) const;
+  virtual std::vector<TelemetryRow> Latest(const std::string& flight_id,
+                                           TelemetryKind kind,
+                                           int max_num_rows) const = 0;
   // The row of a kind that arrived first, of those that are stored.
-  std::optional<TelemetryRow> FirstArrived(const std::string& flight_id, TelemetryKind kind) const;
-  TelemetryPair Around(const std::string& flight_id,
-                       TelemetryKind kind,
-                       int64_t timestamp_us) const;
+  virtual std::optional<TelemetryRow> FirstArrived(const std::string& flight_id,
+                                                   TelemetryKind kind) const = 0;
+  virtual TelemetryPair Around(const std::string& flight_id,
+                               TelemetryKind kind,
+                               int64_t timestamp_us) const = 0;
 
- private:
-  StorageState& state_;
+ protected:
+  TelemetryStore() = default;
 };
 
 }  // namespace freelsd

@@ -104,11 +104,10 @@ void GetFlight(Service& service, const Call& call, httplib::Response& response) 
 void DeleteFlight(Service& service, const Call& call, httplib::Response& response) {
   const bool forget_sites = call.QueryFlag("forget_sites");
   const FlightRow flight = ExistingFlight(service, call);
-  {
-    const std::lock_guard lock(service.sites_mutex);
-    if (forget_sites) ForgetFlight(service.storage, service.maps, flight.id);
-    service.storage.flights.Delete(flight.id, forget_sites);
-  }
+  if (forget_sites) ForgetFlight(service.storage, service.maps, flight.id);
+  service.storage.flights.Delete(flight.id, false);
+  // Those that a worker stored meanwhile; without its flight it stores no more.
+  if (forget_sites) ForgetFlight(service.storage, service.maps, flight.id);
   service.alternates.Forget(flight.id);
   if (forget_sites) service.alternates.WakeAll();
   service.intake.wake_worker();

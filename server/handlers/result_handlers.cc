@@ -108,10 +108,7 @@ void GetSite(Service& service, const Call& call, httplib::Response& response) {
 }
 
 void DeleteSite(Service& service, const Call& call, httplib::Response& response) {
-  {
-    const std::lock_guard lock(service.sites_mutex);
-    ForgetSite(service.storage, service.maps, ExistingSite(service, call).id);
-  }
+  ForgetSite(service.storage, service.maps, ExistingSite(service, call).id);
   service.alternates.WakeAll();
   response.status = 204;
 }

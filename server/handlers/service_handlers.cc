@@ -108,6 +108,7 @@ void GetInfo(Service& service, const Call&, httplib::Response& response) {
   nlohmann::json info = OptionsJson();
   info["name"] = "freelsd";
   info["version"] = FREELSD_VERSION;
+  info["database"] = service.storage.Kind() == DatabaseKind::kSqlite ? "sqlite" : "postgresql";
   info["limits"] = LimitsOf(service);
   info["emergency"] = EmergencyInfo();
   info["obstacles"] = ObstaclesInfo();

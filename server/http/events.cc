@@ -22,6 +22,13 @@ EventLog::EventLog() : epoch_(std::to_string(NowUs())) {}
 void EventLog::Publish(const std::string& type,
                        const std::string& flight_id,
                        const std::string& data) {
+  Relay(type, flight_id, data);
+  tell_({0, type, flight_id, data});
+}
+
+void EventLog::Relay(const std::string& type,
+                     const std::string& flight_id,
+                     const std::string& data) {
   const bool is_too_large = data.size() > kLimits.events.max_event_bytes;
   const std::lock_guard lock(mutex_);
   events_.push_back(

@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace freelsd {
@@ -26,6 +27,11 @@ class EventLog {
   // If `data` is larger than kLimits.events.max_event_bytes, publishes an event "resync" instead.
   // The client must then fetch the state.
   void Publish(const std::string& type, const std::string& flight_id, const std::string& data);
+  // The same for an event that another server published.
+  void Relay(const std::string& type, const std::string& flight_id, const std::string& data);
+  // `tell` is called with each event of Publish, by the thread that publishes. It must not wait. To
+  // be set before the first event.
+  void CallWithPublished(std::function<void(const Event& event)> tell) { tell_ = std::move(tell); }
   // Marks the end of the log for all listeners.
   void Stop();
   // `call` is called after each event and after Stop, by the thread that publishes. It must not
@@ -56,6 +62,7 @@ class EventLog {
   void DropOld();
 
   std::string epoch_;
+  std::function<void(const Event& event)> tell_ = [](const Event&) {};
   // Guards all members below.
   mutable std::mutex mutex_;
   std::function<void()> on_news_ = [] {};

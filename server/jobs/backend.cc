@@ -48,6 +48,18 @@ class JobProgress {
   bool is_wanted_ = true;
 };
 
+// Sets a mark during its lifetime.
+class Mark {
+ public:
+  explicit Mark(std::atomic<bool>& mark) : mark_(mark) { mark_ = true; }
+  ~Mark() { mark_ = false; }
+  Mark(const Mark&) = delete;
+  Mark& operator=(const Mark&) = delete;
+
+ private:
+  std::atomic<bool>& mark_;
+};
+
 }  // namespace
 
 std::vector<JobRow> Worker::ReadyFinishes() const {
@@ -75,6 +87,7 @@ bool Worker::StepBackend() {
   const std::vector<JobRow> finishes = ReadyFinishes();
   for (const JobRow& job : finishes) due_.Add(job.flight_id);
   const std::optional<std::string> flight_id = due_.Take();
+  const Mark mark(is_evaluating_);
   if (!flight_id) return ReplayNext();
   const SessionPointer session = open_flights_.Find(*flight_id);
   if (!session) return true;
@@ -96,10 +109,7 @@ bool Worker::CheckNextSite() {
   const std::string site_id = unchecked_sites_->back();
   // A site whose check fails is not tried again before the next start.
   unchecked_sites_->pop_back();
-  {
-    const std::lock_guard lock(service_.sites_mutex);
-    CheckUnchecked(service_.storage, service_.maps, site_id);
-  }
+  CheckUnchecked(service_.storage, service_.maps, site_id);
   service_.alternates.WakeAll();
   return true;
 }
@@ -118,7 +128,7 @@ void Worker::RunFinish(JobRow job, FlightSession& session) {
 
 // Runs the oldest replay that waits. False if none does.
 bool Worker::ReplayNext() {
-  for (JobRow& job : service_.storage.jobs.ListUnfinished()) {
+  for (JobRow& job : claims_.UnfinishedJobs()) {
     if (job.kind != "replay") continue;
     const auto num_frames =
         static_cast<int64_t>(service_.storage.frames.List(job.flight_id).size());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -100,7 +101,7 @@ void StoreResult(Service& service,
                  const std::vector<NewSite>& sites,
                  StagedMaps& maps,
                  EvaluationScope scope) {
-  const std::lock_guard lock(service.sites_mutex);
+  const std::unique_ptr<SiteTurn> turn = service.storage.sites.TakeTurn();
   if (!service.storage.flights.Find(flight_id)) return;
   const std::vector<SiteRow> stored = service.storage.sites.List(flight_id, std::nullopt);
   EvaluationRows rows;
@@ -115,7 +116,7 @@ void StoreResult(Service& service,
   for (const FlightMapRow& map : maps.rows()) rows.new_maps.push_back(map.id);
   rows.forgotten_maps =
       OutOfDateMaps(service.storage.maps.ListOf(flight_id), maps.rows(), needed, scope);
-  StoreEvaluation(service.storage, service.maps, std::move(rows));
+  StoreEvaluation(service.storage, service.maps, *turn, std::move(rows));
   for (const NewSite& site : sites) {
     service.events.Publish(
         "site", flight_id, nlohmann::json{{"id", site.row.id}, {"flight_id", flight_id}}.dump());

@@ -13,6 +13,13 @@ constexpr std::chrono::seconds kMinIdleTime{120};
 
 }  // namespace
 
+std::set<std::string> OpenFlights::Ids() const {
+  const std::lock_guard lock(mutex_);
+  std::set<std::string> ids;
+  for (const auto& [flight_id, open] : open_) ids.insert(flight_id);
+  return ids;
+}
+
 OpenFlights::SessionPointer OpenFlights::Find(const std::string& flight_id) const {
   const std::lock_guard lock(mutex_);
   const auto found = open_.find(flight_id);

@@ -24,6 +24,7 @@ class OpenFlights {
   OpenFlights(const Storage& storage, int max_num_open)
       : storage_(storage), max_num_open_(static_cast<size_t>(max_num_open)) {}
 
+  std::set<std::string> Ids() const;
   SessionPointer Find(const std::string& flight_id) const;
   // True if the flight is open, or if there is room for it and for all flights that wait longer. If
   // false, the flight waits from now on.

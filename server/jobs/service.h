@@ -62,9 +62,6 @@ struct Service {
   ProgressBoard progress;
   LinkBoard links;
 
-  // Guards the rows in storage.sites. It is held while a flight or a site is deleted, and while the
-  // worker stores a flight's sites.
-  std::mutex sites_mutex;
   // Guards the number of stored obstacles, from its check until they are stored.
   std::mutex obstacles_mutex;
   // Limits the number of wind roses computed at the same time; other requests wait. One wind rose

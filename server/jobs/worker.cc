@@ -21,6 +21,10 @@ namespace {
 constexpr std::chrono::seconds kIdlePeriod{2};
 // Least time between two writes of a flight's regions and progress.
 constexpr std::chrono::milliseconds kStorePeriod{500};
+// How often a server that evaluates leaves flights to others before it claims one.
+constexpr int kNumWaitsWhileEvaluating = 2;
+// A flight that has ended so many workers in a row is given up.
+constexpr int64_t kMaxNumLost = 3;
 // Most jobs in last_sequences_.
 constexpr size_t kMaxNumKnownJobs = 1000;
 
@@ -37,6 +41,7 @@ void TellOfFrame(Service& service, const FrameRow& frame) {
 Worker::Worker(Service& service, Classifiers classifiers)
     : service_(service),
       classifiers_(std::move(classifiers)),
+      claims_(service.storage),
       open_flights_(service.storage, service.config.max_num_open_flights),
       watching_(service),
       frontend_thread_([this] { RunFrontend(); }),
@@ -97,16 +102,22 @@ void Worker::RunBackend() { Repeat(&Worker::StepBackend); }
 
 // Processes one frame of one flight; flights take turns.
 bool Worker::StepFrontend() {
-  const std::vector<JobRow> jobs = service_.storage.jobs.ListUnfinished();
+  const std::vector<JobRow> jobs = claims_.UnfinishedJobs();
   std::set<std::string> busy_flights, flights_with_jobs;
   for (const JobRow& job : jobs) flights_with_jobs.insert(job.flight_id);
   busy_flights = flights_with_jobs;
-  for (const std::string& id : service_.storage.flights.ListWithQueuedFrames()) {
+  for (const std::string& id : claims_.FlightsWithQueuedFrames()) {
     if (flights_with_jobs.contains(id) || !open_flights_.IsParked(id)) busy_flights.insert(id);
   }
   for (const std::string& id : open_flights_.CloseIdle(busy_flights, flights_with_jobs)) Forget(id);
-  std::vector<std::string> turns(busy_flights.upper_bound(last_flight_id_), busy_flights.end());
-  turns.insert(turns.end(), busy_flights.begin(), busy_flights.upper_bound(last_flight_id_));
+  if (StepOneOf(busy_flights, jobs)) return true;
+  claims_.Release(open_flights_.Ids());
+  return ClaimAnother();
+}
+
+bool Worker::StepOneOf(const std::set<std::string>& flights, const std::vector<JobRow>& jobs) {
+  std::vector<std::string> turns(flights.upper_bound(last_flight_id_), flights.end());
+  turns.insert(turns.end(), flights.begin(), flights.upper_bound(last_flight_id_));
   for (const std::string& flight_id : turns) {
     last_flight_id_ = flight_id;
     try {
@@ -122,6 +133,20 @@ bool Worker::StepFrontend() {
     }
   }
   return false;
+}
+
+// While this server evaluates, others that are idle have the first chance.
+bool Worker::ClaimAnother() {
+  if (is_evaluating_ && ++num_waits_ < kNumWaitsWhileEvaluating) return false;
+  num_waits_ = 0;
+  const std::optional<Claim> claim = claims_.Next();
+  if (!claim) return false;
+  spdlog::info("takes flight {}", claim->flight_id);
+  if (claim->num_lost >= kMaxNumLost) {
+    FailFlight(claim->flight_id,
+               std::to_string(claim->num_lost) + " workers in a row ended while they had it");
+  }
+  return true;
 }
 
 bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>& jobs) {

@@ -10,6 +10,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -17,6 +18,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "server/jobs/claims/claims.h"
 #include "server/jobs/evaluation_pace.h"
 #include "server/jobs/evaluation_queue.h"
 #include "server/jobs/open_flights.h"
@@ -44,6 +46,10 @@ class Worker {
   // --- Frontend thread ---
   void RunFrontend();
   bool StepFrontend();
+  // Of what this server has, by flight: one step of the first that has something to do.
+  bool StepOneOf(const std::set<std::string>& flights, const std::vector<JobRow>& jobs);
+  // Claims a flight that no server works on. False if there is none.
+  bool ClaimAnother();
   bool StepFlight(const std::string& flight_id, const std::vector<JobRow>& jobs);
   bool ResolveFirst(const FlightRow& flight);
   // True while the frame may wait for telemetry that gives its position.
@@ -87,10 +93,12 @@ class Worker {
 
   Service& service_;
   Classifiers classifiers_;
+  Claims claims_;
   OpenFlights open_flights_;
   // Only the frontend thread uses it.
   StripWatching watching_;
   std::atomic<bool> is_stopping_{false};
+  std::atomic<bool> is_evaluating_{false};
 
   // Guards num_wakes_ and num_running_threads_.
   mutable std::mutex mutex_;
@@ -100,7 +108,8 @@ class Worker {
   // Flights that have a finish job that can run, or whose best regions are due for an evaluation.
   EvaluationQueue due_;
 
-  // Only the frontend thread uses the next five members.
+  // Only the frontend thread uses the next six members.
+  int num_waits_ = 0;
   std::string last_flight_id_;
   std::map<std::string, int64_t> last_sequences_;
   std::map<std::string, EvaluationPace> pace_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -253,7 +254,7 @@ BoundingBox BoxOf(const SiteRow& site) {
 
 }  // namespace
 
-void StoreEvaluation(Storage& storage, MapCache& maps, EvaluationRows rows) {
+void StoreEvaluation(Storage& storage, MapCache& maps, SiteTurn& turn, EvaluationRows rows) {
   const StoredSites stored{storage, maps};
   Change change;
   change.gone_maps.insert(rows.forgotten_maps.begin(), rows.forgotten_maps.end());
@@ -275,11 +276,12 @@ void StoreEvaluation(Storage& storage, MapCache& maps, EvaluationRows rows) {
     others.AddDependents(storage.sites.ListDependentsOfMap(id));
   }
   for (const FlightMapRow& map : change.new_maps) others.AddEarlier(map.box, map.flight_id);
-  storage.sites.PutEvaluation(rows, others.standings());
+  turn.PutEvaluation(rows, others.standings());
   ReportAll(maps, rows.sites, others.standings());
 }
 
 void StoreSite(Storage& storage, MapCache& maps, SiteRow site, const std::string& map_blob) {
+  const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
   const StoredSites stored{storage, maps};
   Change change;
   change.gone_maps.insert(site.id);
@@ -293,21 +295,23 @@ void StoreSite(Storage& storage, MapCache& maps, SiteRow site, const std::string
   NewStandings others(stored, change);
   others.AddDependents(storage.sites.ListDependents(site.id));
   if (!map_blob.empty()) others.AddEarlier(BoxOf(site), site.flight_id);
-  storage.sites.Put(site, map_blob, others.standings());
+  turn->Put(site, map_blob, others.standings());
   ReportAll(maps, {site}, others.standings());
 }
 
 bool ForgetSite(Storage& storage, MapCache& maps, const std::string& site_id) {
+  const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
   const StoredSites stored{storage, maps};
   Change change;
   change.gone_maps.insert(site_id);
   change.gone_sites.insert(site_id);
   NewStandings others(stored, change);
   others.AddDependents(storage.sites.ListDependents(site_id));
-  return storage.sites.Delete(site_id, others.standings());
+  return turn->Delete(site_id, others.standings());
 }
 
 void ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id) {
+  const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
   EvaluationRows rows;
   for (const SiteRow& site : storage.sites.List(flight_id, std::nullopt)) {
     rows.forgotten_sites.push_back(site.id);
@@ -315,16 +319,18 @@ void ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id
   for (const FlightMapRow& map : storage.maps.ListOf(flight_id)) {
     rows.forgotten_maps.push_back(map.id);
   }
-  StoreEvaluation(storage, maps, std::move(rows));
+  if (rows.forgotten_sites.empty() && rows.forgotten_maps.empty()) return;
+  StoreEvaluation(storage, maps, *turn, std::move(rows));
 }
 
 void CheckUnchecked(Storage& storage, MapCache& maps, const std::string& site_id) {
+  const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
   const std::optional<SiteRow> site = storage.sites.Find(site_id);
   if (!site || site->is_checked) return;
   const StoredSites stored{storage, maps};
   const Change change;
   const Standing standing = Checks(stored, change).StandingOf(*site);
-  storage.sites.SetStandings({{site_id, standing}});
+  turn->SetStandings({{site_id, standing}});
   Report(maps, site_id, standing);
 }
 

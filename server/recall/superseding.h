@@ -3,7 +3,8 @@
 // and wind. The order in which the flights arrived does not matter. Result:
 // - The plan fails on one of the maps: the site is superseded while that map is stored.
 // - The plan holds on one of the maps: the site counts as last seen when that map was photographed.
-// Nothing else supersedes. The caller holds Service::sites_mutex.
+// Nothing else supersedes. Each change has the turn to change sites (SiteTurn) from its first check
+// to its commit: two changes at the same time would each miss the other's map.
 #pragma once
 
 #include <string>
@@ -14,8 +15,9 @@
 namespace freelsd {
 
 // Stores the result of an evaluation in one commit: its sites with their standings, its staged
-// maps, what they replace, and the standings of other flights' sites that change.
-void StoreEvaluation(Storage& storage, MapCache& maps, EvaluationRows rows);
+// maps, what they replace, and the standings of other flights' sites that change. The caller has
+// had the turn since it read what `rows` are made from.
+void StoreEvaluation(Storage& storage, MapCache& maps, SiteTurn& turn, EvaluationRows rows);
 
 // Stores a site with a map of its own and its standing. An empty map_blob means no map. The
 // standings of other sites that the map changes are stored in the same commit.

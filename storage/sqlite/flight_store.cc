@@ -1,11 +1,10 @@
-#include "storage/flight_store.h"
-
 #include <limits>
 
 #include "storage/sqlite/flight_rows.h"
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 namespace {
@@ -106,7 +105,7 @@ bool ChangeFlightRow(const Connection& writer,
   return true;
 }
 
-void FlightStore::Insert(const FlightRow& flight) {
+void SqliteFlightStore::Insert(const FlightRow& flight) {
   const auto lock = state_.LockForWriting();
   state_.writer
       .Prepare(
@@ -126,7 +125,7 @@ void FlightStore::Insert(const FlightRow& flight) {
       .Run();
 }
 
-bool FlightStore::Change(const std::string& flight_id, const FlightChange& change) {
+bool SqliteFlightStore::Change(const std::string& flight_id, const FlightChange& change) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
   const bool is_there = ChangeFlightRow(state_.writer, flight_id, change);
@@ -134,12 +133,12 @@ bool FlightStore::Change(const std::string& flight_id, const FlightChange& chang
   return is_there;
 }
 
-std::optional<FlightRow> FlightStore::Find(const std::string& flight_id) const {
+std::optional<FlightRow> SqliteFlightStore::Find(const std::string& flight_id) const {
   const Reader reader(state_.readers);
   return FindFlightRow(*reader, flight_id);
 }
 
-std::vector<FlightRow> FlightStore::List() const {
+std::vector<FlightRow> SqliteFlightStore::List() const {
   const Reader reader(state_.readers);
   Statement statement = SelectFlights(*reader, "ORDER BY created_at_us DESC, id");
   std::vector<FlightRow> flights;
@@ -147,14 +146,14 @@ std::vector<FlightRow> FlightStore::List() const {
   return flights;
 }
 
-std::optional<FlightSummary> FlightStore::FindSummary(const std::string& flight_id) const {
+std::optional<FlightSummary> SqliteFlightStore::FindSummary(const std::string& flight_id) const {
   const Reader reader(state_.readers);
   Statement statement = SelectSummaries(*reader, "WHERE id = ?1");
   if (!statement.Bind(flight_id).Step()) return std::nullopt;
   return SummaryOf(statement);
 }
 
-FlightPage FlightStore::ListPage(size_t limit, std::optional<int64_t> before_number) const {
+FlightPage SqliteFlightStore::ListPage(size_t limit, std::optional<int64_t> before_number) const {
   const Reader reader(state_.readers);
   Statement statement = SelectSummaries(*reader, "WHERE rowid < ?1 ORDER BY rowid DESC LIMIT ?2");
   statement.Bind(before_number.value_or(std::numeric_limits<int64_t>::max()),
@@ -166,14 +165,14 @@ FlightPage FlightStore::ListPage(size_t limit, std::optional<int64_t> before_num
   return page;
 }
 
-int64_t FlightStore::Count() const {
+int64_t SqliteFlightStore::Count() const {
   const Reader reader(state_.readers);
   Statement statement = reader->Prepare("SELECT count(*) FROM flights");
   statement.Step();
   return statement.Int(0);
 }
 
-std::vector<std::string> FlightStore::ListWithQueuedFrames() const {
+std::vector<std::string> SqliteFlightStore::ListWithQueuedFrames() const {
   const Reader reader(state_.readers);
   Statement statement = reader->Prepare(
       "SELECT id FROM flights WHERE EXISTS (SELECT 1 FROM frames WHERE flight_id = flights.id AND "
@@ -183,7 +182,7 @@ std::vector<std::string> FlightStore::ListWithQueuedFrames() const {
   return flights;
 }
 
-void FlightStore::RetireImages(const std::string& flight_id) {
+void SqliteFlightStore::RetireImages(const std::string& flight_id) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
   const std::vector<std::string> images = OwnImages(state_.writer, flight_id);
@@ -193,7 +192,7 @@ void FlightStore::RetireImages(const std::string& flight_id) {
   for (const std::string& sha256 : images) state_.images.Remove(sha256);
 }
 
-bool FlightStore::Delete(const std::string& flight_id, bool forget_sites) {
+bool SqliteFlightStore::Delete(const std::string& flight_id, bool forget_sites) {
   const auto lock = state_.LockForWriting();
   std::vector<std::string> images;
   bool was_there = false;
@@ -218,8 +217,8 @@ bool FlightStore::Delete(const std::string& flight_id, bool forget_sites) {
   return was_there;
 }
 
-void FlightStore::ReplaceRegions(const std::string& flight_id,
-                                 const std::vector<RegionRow>& regions) {
+void SqliteFlightStore::ReplaceRegions(const std::string& flight_id,
+                                       const std::vector<RegionRow>& regions) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
   state_.writer.Prepare("DELETE FROM regions WHERE flight_id = ?1").Bind(flight_id).Run();
@@ -232,7 +231,7 @@ void FlightStore::ReplaceRegions(const std::string& flight_id,
   transaction.Commit();
 }
 
-std::vector<RegionRow> FlightStore::ListRegions(const std::string& flight_id) const {
+std::vector<RegionRow> SqliteFlightStore::ListRegions(const std::string& flight_id) const {
   const Reader reader(state_.readers);
   Statement statement = reader->Prepare(
       "SELECT id, feature_json, history_json FROM regions WHERE flight_id = ?1 ORDER BY rank");
@@ -244,7 +243,7 @@ std::vector<RegionRow> FlightStore::ListRegions(const std::string& flight_id) co
   return regions;
 }
 
-int64_t FlightStore::CountRegions(const std::string& flight_id) const {
+int64_t SqliteFlightStore::CountRegions(const std::string& flight_id) const {
   const Reader reader(state_.readers);
   Statement statement = reader->Prepare("SELECT count(*) FROM regions WHERE flight_id = ?1");
   statement.Bind(flight_id).Step();

@@ -1,11 +1,10 @@
-#include "storage/frame_store.h"
-
 #include <algorithm>
 
 #include "storage/sqlite/arrivals.h"
 #include "storage/sqlite/flight_rows.h"
 #include "storage/sqlite/job_rows.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 namespace {
@@ -62,10 +61,10 @@ void InsertFrameRow(const Connection& writer, const FrameRow& frame, int64_t seq
 
 }  // namespace
 
-void FrameStore::Insert(const std::string& flight_id,
-                        const std::vector<FrameRow>& frames,
-                        const std::optional<JobRow>& job,
-                        const FlightChange& change) {
+void SqliteFrameStore::Insert(const std::string& flight_id,
+                              const std::vector<FrameRow>& frames,
+                              const std::optional<JobRow>& job,
+                              const FlightChange& change) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
   int64_t sequence = LastSequence(state_.writer, flight_id);
@@ -81,15 +80,15 @@ void FrameStore::Insert(const std::string& flight_id,
   transaction.Commit();
 }
 
-std::optional<FrameRow> FrameStore::Find(const std::string& flight_id,
-                                         const std::string& frame_id) const {
+std::optional<FrameRow> SqliteFrameStore::Find(const std::string& flight_id,
+                                               const std::string& frame_id) const {
   const Reader reader(state_.readers);
   Statement statement = SelectFrames(*reader, "WHERE flight_id = ?1 AND id = ?2");
   if (!statement.Bind(flight_id, frame_id).Step()) return std::nullopt;
   return FrameRowOf(statement);
 }
 
-std::vector<FrameRow> FrameStore::List(const std::string& flight_id) const {
+std::vector<FrameRow> SqliteFrameStore::List(const std::string& flight_id) const {
   const Reader reader(state_.readers);
   Statement statement = SelectFrames(*reader, "WHERE flight_id = ?1 ORDER BY sequence");
   statement.Bind(flight_id);
@@ -98,7 +97,7 @@ std::vector<FrameRow> FrameStore::List(const std::string& flight_id) const {
   return frames;
 }
 
-void FrameStore::ForEachResolved(
+void SqliteFrameStore::ForEachResolved(
     const std::string& flight_id,
     const std::function<void(const std::string& resolved_json)>& take) const {
   const Reader reader(state_.readers);
@@ -109,7 +108,7 @@ void FrameStore::ForEachResolved(
   while (statement.Step()) take(statement.Text(0));
 }
 
-int64_t FrameStore::CountQueued() const {
+int64_t SqliteFrameStore::CountQueued() const {
   const Reader reader(state_.readers);
   Statement statement =
       reader->Prepare("SELECT count(*) FROM frames WHERE state = 0 AND is_from_batch = 0");
@@ -117,8 +116,8 @@ int64_t FrameStore::CountQueued() const {
   return statement.Int(0);
 }
 
-std::optional<FrameRow> FrameStore::Next(const std::string& flight_id,
-                                         int64_t after_sequence) const {
+std::optional<FrameRow> SqliteFrameStore::Next(const std::string& flight_id,
+                                               int64_t after_sequence) const {
   const Reader reader(state_.readers);
   Statement statement =
       SelectFrames(*reader, "WHERE flight_id = ?1 AND sequence > ?2 ORDER BY sequence LIMIT 1");
@@ -126,8 +125,8 @@ std::optional<FrameRow> FrameStore::Next(const std::string& flight_id,
   return FrameRowOf(statement);
 }
 
-std::vector<FrameRow> FrameStore::LastArrived(const std::string& flight_id,
-                                              int max_num_frames) const {
+std::vector<FrameRow> SqliteFrameStore::LastArrived(const std::string& flight_id,
+                                                    int max_num_frames) const {
   const Reader reader(state_.readers);
   Statement statement =
       SelectFrames(*reader, "WHERE flight_id = ?1 ORDER BY sequence DESC LIMIT ?2");
@@ -137,8 +136,8 @@ std::vector<FrameRow> FrameStore::LastArrived(const std::string& flight_id,
   return frames;
 }
 
-std::optional<int64_t> FrameStore::NextQueuedSequence(const std::string& flight_id,
-                                                      int64_t after_sequence) const {
+std::optional<int64_t> SqliteFrameStore::NextQueuedSequence(const std::string& flight_id,
+                                                            int64_t after_sequence) const {
   const Reader reader(state_.readers);
   Statement statement = reader->Prepare(
       "SELECT sequence FROM frames WHERE flight_id = ?1 AND sequence > ?2 AND state = 0 "
@@ -147,10 +146,10 @@ std::optional<int64_t> FrameStore::NextQueuedSequence(const std::string& flight_
   return statement.Int(0);
 }
 
-void FrameStore::SetState(const std::string& flight_id,
-                          const std::string& frame_id,
-                          FrameState state,
-                          const std::string& reason) {
+void SqliteFrameStore::SetState(const std::string& flight_id,
+                                const std::string& frame_id,
+                                FrameState state,
+                                const std::string& reason) {
   const auto lock = state_.LockForWriting();
   state_.writer
       .Prepare("UPDATE frames SET state = ?3, reason = ?4 WHERE flight_id = ?1 AND id = ?2")
@@ -158,10 +157,10 @@ void FrameStore::SetState(const std::string& flight_id,
       .Run();
 }
 
-void FrameStore::Resolve(const std::string& flight_id,
-                         const std::string& frame_id,
-                         const std::string& resolved_json,
-                         const FlightChange& change) {
+void SqliteFrameStore::Resolve(const std::string& flight_id,
+                               const std::string& frame_id,
+                               const std::string& resolved_json,
+                               const FlightChange& change) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
   state_.writer.Prepare("UPDATE frames SET resolved_json = ?3 WHERE flight_id = ?1 AND id = ?2")

@@ -1,9 +1,8 @@
-#include "storage/job_store.h"
-
 #include <limits>
 
 #include "storage/sqlite/job_rows.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 namespace {
@@ -53,12 +52,12 @@ void InsertJobRow(const Connection& writer, const JobRow& job) {
       .Run();
 }
 
-void JobStore::Insert(const JobRow& job) {
+void SqliteJobStore::Insert(const JobRow& job) {
   const auto lock = state_.LockForWriting();
   InsertJobRow(state_.writer, job);
 }
 
-void JobStore::Update(const JobRow& job) {
+void SqliteJobStore::Update(const JobRow& job) {
   const auto lock = state_.LockForWriting();
   state_.writer
       .Prepare(
@@ -68,16 +67,16 @@ void JobStore::Update(const JobRow& job) {
       .Run();
 }
 
-std::optional<JobRow> JobStore::Find(const std::string& job_id) const {
+std::optional<JobRow> SqliteJobStore::Find(const std::string& job_id) const {
   const Reader reader(state_.readers);
   Statement statement = SelectJobs(*reader, "WHERE id = ?1");
   if (!statement.Bind(job_id).Step()) return std::nullopt;
   return JobRowOf(statement);
 }
 
-JobPage JobStore::ListPage(size_t limit,
-                           std::optional<int64_t> before_number,
-                           size_t max_bytes) const {
+JobPage SqliteJobStore::ListPage(size_t limit,
+                                 std::optional<int64_t> before_number,
+                                 size_t max_bytes) const {
   const Reader reader(state_.readers);
   Statement statement = SelectJobs(*reader, "WHERE number < ?1 ORDER BY number DESC");
   statement.Bind(before_number.value_or(std::numeric_limits<int64_t>::max()));
@@ -92,19 +91,19 @@ JobPage JobStore::ListPage(size_t limit,
   return page;
 }
 
-std::vector<JobRow> JobStore::ListOf(const std::string& flight_id) const {
+std::vector<JobRow> SqliteJobStore::ListOf(const std::string& flight_id) const {
   const Reader reader(state_.readers);
   Statement statement = SelectJobs(*reader, "WHERE flight_id = ?1 ORDER BY number DESC");
   return RowsOf(statement.Bind(flight_id));
 }
 
-std::vector<JobRow> JobStore::ListUnfinished() const {
+std::vector<JobRow> SqliteJobStore::ListUnfinished() const {
   const Reader reader(state_.readers);
   Statement statement = SelectJobs(*reader, "WHERE state < 2 ORDER BY number");
   return RowsOf(statement);
 }
 
-bool JobStore::Delete(const std::string& job_id) {
+bool SqliteJobStore::Delete(const std::string& job_id) {
   const auto lock = state_.LockForWriting();
   state_.writer.Prepare("DELETE FROM jobs WHERE id = ?1").Bind(job_id).Run();
   return state_.writer.NumChanges() > 0;

@@ -1,22 +1,22 @@
-#include "storage/map_store.h"
-
 #include <algorithm>
 
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 namespace {
 
 std::vector<std::string> IdsOf(const std::vector<FlightMapRow>& maps) {
   std::vector<std::string> ids;
+  ids.reserve(maps.size());
   for (const FlightMapRow& map : maps) ids.push_back(map.id);
   return ids;
 }
 
 }  // namespace
 
-std::string MapStore::NewId(const std::string& flight_id) {
+std::string SqliteMapStore::NewId(const std::string& flight_id) {
   const auto lock = state_.LockForWriting();
   Statement statement =
       state_.writer.Prepare("SELECT coalesce(max(number), 0) FROM maps WHERE flight_id = ?1");
@@ -26,7 +26,9 @@ std::string MapStore::NewId(const std::string& flight_id) {
   return flight_id + "/" + std::to_string(last);
 }
 
-void MapStore::Stage(const FlightMapRow& map, const Tiles& tiles, const PhotoTiles& photo_tiles) {
+void SqliteMapStore::Stage(const FlightMapRow& map,
+                           const Tiles& tiles,
+                           const PhotoTiles& photo_tiles) {
   const auto lock = state_.LockForWriting();
   state_.WriteUnseen([&](const Connection& connection) {
     PutMapRow(connection, map, false);
@@ -34,15 +36,15 @@ void MapStore::Stage(const FlightMapRow& map, const Tiles& tiles, const PhotoTil
   });
 }
 
-void MapStore::StageTiles(const std::string& map_id,
-                          const Tiles& tiles,
-                          const PhotoTiles& photo_tiles) {
+void SqliteMapStore::StageTiles(const std::string& map_id,
+                                const Tiles& tiles,
+                                const PhotoTiles& photo_tiles) {
   const auto lock = state_.LockForWriting();
   state_.WriteUnseen(
       [&](const Connection& connection) { PutTileRows(connection, map_id, tiles, photo_tiles); });
 }
 
-void MapStore::Discard(const std::string& map_id) {
+void SqliteMapStore::Discard(const std::string& map_id) {
   const auto lock = state_.LockForWriting();
   const std::vector<std::string> files = OwnPhotoFiles(state_.writer, {map_id});
   state_.WriteUnseen([&](const Connection& connection) {
@@ -51,29 +53,30 @@ void MapStore::Discard(const std::string& map_id) {
   for (const std::string& sha256 : files) state_.images.Remove(sha256);
 }
 
-std::vector<FlightMapRow> MapStore::ListOf(const std::string& flight_id) const {
+std::vector<FlightMapRow> SqliteMapStore::ListOf(const std::string& flight_id) const {
   return state_.ReadSites(
       [&](const Connection& connection) { return ListMapRowsOf(connection, flight_id); });
 }
 
-std::optional<FlightMapRow> MapStore::Find(const std::string& map_id) const {
+std::optional<FlightMapRow> SqliteMapStore::Find(const std::string& map_id) const {
   return state_.FindOfSite(
       [&](const Connection& connection) { return FindMapRow(connection, map_id); });
 }
 
-std::optional<std::string> MapStore::ReadTile(const std::string& map_id, const TileKey& key) const {
+std::optional<std::string> SqliteMapStore::ReadTile(const std::string& map_id,
+                                                    const TileKey& key) const {
   return state_.ReadSites(
       [&](const Connection& connection) { return ReadTileRow(connection, map_id, key); });
 }
 
-std::optional<std::string> MapStore::ReadTileCopy(const std::string& map_id,
-                                                  const TileKey& key) const {
+std::optional<std::string> SqliteMapStore::ReadTileCopy(const std::string& map_id,
+                                                        const TileKey& key) const {
   return state_.ReadForRecall(
       [&](const Connection& connection) { return ReadTileRow(connection, map_id, key); });
 }
 
-std::optional<std::string> MapStore::FindPhotoTile(const std::string& map_id,
-                                                   const TileKey& key) const {
+std::optional<std::string> SqliteMapStore::FindPhotoTile(const std::string& map_id,
+                                                         const TileKey& key) const {
   return state_.ReadSites([&](const Connection& connection) -> std::optional<std::string> {
     Statement statement = connection.Prepare(
         "SELECT sha256 FROM photo_tiles WHERE map_id = ?1 AND level = ?2 AND row = ?3 AND col = "
@@ -83,7 +86,7 @@ std::optional<std::string> MapStore::FindPhotoTile(const std::string& map_id,
   });
 }
 
-PhotoTiles MapStore::ListPhotoTiles(const std::string& map_id, int64_t level) const {
+PhotoTiles SqliteMapStore::ListPhotoTiles(const std::string& map_id, int64_t level) const {
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT row, col, sha256 FROM photo_tiles WHERE map_id = ?1 AND level = ?2 "
@@ -97,7 +100,7 @@ PhotoTiles MapStore::ListPhotoTiles(const std::string& map_id, int64_t level) co
   });
 }
 
-std::vector<int64_t> MapStore::CountPhotoTiles(const std::string& map_id) const {
+std::vector<int64_t> SqliteMapStore::CountPhotoTiles(const std::string& map_id) const {
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT count(*) FROM photo_tiles WHERE map_id = ?1 GROUP BY level ORDER BY level");
@@ -108,7 +111,7 @@ std::vector<int64_t> MapStore::CountPhotoTiles(const std::string& map_id) const 
   });
 }
 
-void MapStore::RemovePhotoTiles(const std::string& flight_id) {
+void SqliteMapStore::RemovePhotoTiles(const std::string& flight_id) {
   const auto lock = state_.LockForWriting();
   const std::vector<std::string> files =
       OwnPhotoFiles(state_.writer, IdsOf(ListMapRowsOf(state_.writer, flight_id)));
@@ -117,7 +120,7 @@ void MapStore::RemovePhotoTiles(const std::string& flight_id) {
   for (const std::string& sha256 : files) state_.images.Remove(sha256);
 }
 
-std::vector<std::string> MapStore::ListFlightsWithPhotoTiles() const {
+std::vector<std::string> SqliteMapStore::ListFlightsWithPhotoTiles() const {
   return state_.ReadSites([](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT flight_id FROM maps WHERE is_in_force = 1 AND "

@@ -1,15 +1,14 @@
-#include "storage/obstacle_store.h"
-
 #include <algorithm>
 
 #include "storage/sqlite/obstacle_rows.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 
-uint64_t ObstacleStore::Version() const { return state_.obstacles_version; }
+uint64_t SqliteObstacleStore::Version() const { return state_.obstacles_version; }
 
-void ObstacleStore::Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) {
+void SqliteObstacleStore::Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) {
   const auto lock = state_.LockForWriting();
   state_.WriteObstacles([&](const Connection& connection) {
     DeleteExpiredObstacleRows(connection, now_us);
@@ -17,7 +16,7 @@ void ObstacleStore::Put(const std::vector<ObstacleRow>& obstacles, int64_t now_u
   });
 }
 
-bool ObstacleStore::Delete(const std::string& id) {
+bool SqliteObstacleStore::Delete(const std::string& id) {
   const auto lock = state_.LockForWriting();
   bool was_there = false;
   state_.WriteObstacles([&](const Connection& connection) {
@@ -26,7 +25,7 @@ bool ObstacleStore::Delete(const std::string& id) {
   return was_there;
 }
 
-std::optional<ObstacleRow> ObstacleStore::Find(const std::string& id) const {
+std::optional<ObstacleRow> SqliteObstacleStore::Find(const std::string& id) const {
   for (ObstacleRow& obstacle : List()) {
     if (obstacle.id == id) return std::move(obstacle);
   }
@@ -34,7 +33,7 @@ std::optional<ObstacleRow> ObstacleStore::Find(const std::string& id) const {
 }
 
 // As recall reads sites: damage can remove rows from the main database undetected.
-std::vector<ObstacleRow> ObstacleStore::List() const {
+std::vector<ObstacleRow> SqliteObstacleStore::List() const {
   return state_.ReadForRecall(ListObstacleRows);
 }
 

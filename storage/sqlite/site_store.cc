@@ -1,11 +1,11 @@
-#include "storage/site_store.h"
-
 #include <algorithm>
+#include <mutex>
 
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/sqlite/site_standings.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 namespace {
@@ -16,19 +16,33 @@ std::vector<std::string> IdsOf(Statement& statement) {
   return ids;
 }
 
-}  // namespace
+class SqliteSiteTurn final : public SiteTurn {
+ public:
+  explicit SqliteSiteTurn(StorageState& state) : state_(state), turn_(state.turns_mutex) {}
 
-uint64_t SiteStore::Version() const { return state_.sites_version; }
+  void Put(const SiteRow& site, std::string_view map_blob, const Standings& others) override {
+    const auto lock = state_.LockForWriting();
+    state_.WriteSites([&](const Connection& connection) {
+      PutSiteRows(connection, site, map_blob);
+      PutStandings(connection, others);
+    });
+    turn_.unlock();
+  }
+  void PutEvaluation(const EvaluationRows& rows, const Standings& others) override;
+  bool Delete(const std::string& site_id, const Standings& others) override;
+  void SetStandings(const Standings& standings) override {
+    if (standings.empty()) return turn_.unlock();
+    const auto lock = state_.LockForWriting();
+    state_.WriteSites([&](const Connection& connection) { PutStandings(connection, standings); });
+    turn_.unlock();
+  }
 
-void SiteStore::Put(const SiteRow& site, std::string_view map_blob, const Standings& others) {
-  const auto lock = state_.LockForWriting();
-  state_.WriteSites([&](const Connection& connection) {
-    PutSiteRows(connection, site, map_blob);
-    PutStandings(connection, others);
-  });
-}
+ private:
+  StorageState& state_;
+  std::unique_lock<std::mutex> turn_;
+};
 
-void SiteStore::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
+void SqliteSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
   const auto lock = state_.LockForWriting();
   const std::vector<std::string> files = OwnPhotoFiles(state_.writer, rows.forgotten_maps);
   state_.WriteSites([&](const Connection& connection) {
@@ -38,26 +52,47 @@ void SiteStore::PutEvaluation(const EvaluationRows& rows, const Standings& other
     for (const SiteRow& site : rows.sites) PutSiteRows(connection, site, {});
     PutStandings(connection, others);
   });
+  turn_.unlock();
   for (const std::string& sha256 : files) state_.images.Remove(sha256);
 }
 
-std::optional<SiteRow> SiteStore::Find(const std::string& site_id) const {
+bool SqliteSiteTurn::Delete(const std::string& site_id, const Standings& others) {
+  const auto lock = state_.LockForWriting();
+  bool was_there = false;
+  state_.WriteSites([&](const Connection& connection) {
+    if (!DeleteSiteRows(connection, site_id)) return;
+    was_there = true;
+    PutStandings(connection, others);
+  });
+  turn_.unlock();
+  return was_there;
+}
+
+}  // namespace
+
+uint64_t SqliteSiteStore::Version() const { return state_.sites_version; }
+
+std::unique_ptr<SiteTurn> SqliteSiteStore::TakeTurn() {
+  return std::make_unique<SqliteSiteTurn>(state_);
+}
+
+std::optional<SiteRow> SqliteSiteStore::Find(const std::string& site_id) const {
   return state_.FindOfSite(
       [&](const Connection& connection) { return FindSiteRow(connection, site_id); });
 }
 
-std::vector<SiteRow> SiteStore::List(const std::optional<std::string>& flight_id,
-                                     const std::optional<BoundingBox>& box) const {
+std::vector<SiteRow> SqliteSiteStore::List(const std::optional<std::string>& flight_id,
+                                           const std::optional<BoundingBox>& box) const {
   return state_.ReadSites(
       [&](const Connection& connection) { return ListSiteRows(connection, flight_id, box); });
 }
 
-std::optional<std::string> SiteStore::ReadMap(const std::string& site_id) const {
+std::optional<std::string> SqliteSiteStore::ReadMap(const std::string& site_id) const {
   return state_.FindOfSite(
       [&](const Connection& connection) { return ReadMapBlob(connection, site_id); });
 }
 
-RecallBounds SiteStore::BoundsOfRecallable() const {
+RecallBounds SqliteSiteStore::BoundsOfRecallable() const {
   const uint64_t version = state_.sites_version;
   {
     const std::lock_guard lock(state_.bounds_mutex);
@@ -79,11 +114,11 @@ RecallBounds SiteStore::BoundsOfRecallable() const {
   return state_.bounds = std::move(bounds);
 }
 
-SharedRows<RecallRow> SiteStore::ListRecallable(const BoundingBox& box) const {
+SharedRows<RecallRow> SqliteSiteStore::ListRecallable(const BoundingBox& box) const {
   return state_.RowsWithin(state_.recall_rows, box, ListRecallRows);
 }
 
-int64_t SiteStore::CountRecallable() const {
+int64_t SqliteSiteStore::CountRecallable() const {
   return state_.ReadForRecall([](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT count(*) FROM site_numbers JOIN sites ON sites.id = site_id "
@@ -93,7 +128,7 @@ int64_t SiteStore::CountRecallable() const {
   });
 }
 
-bool SiteStore::HasRecallable(const std::string& flight_id) const {
+bool SqliteSiteStore::HasRecallable(const std::string& flight_id) const {
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT 1 FROM sites JOIN site_numbers ON site_id = sites.id "
@@ -102,7 +137,7 @@ bool SiteStore::HasRecallable(const std::string& flight_id) const {
   });
 }
 
-int64_t SiteStore::CountOverruled(const BoundingBox& box) const {
+int64_t SqliteSiteStore::CountOverruled(const BoundingBox& box) const {
   return state_.ReadForRecall([&](const Connection& connection) {
     int64_t count = 0;
     ForEachMeeting(
@@ -117,13 +152,7 @@ int64_t SiteStore::CountOverruled(const BoundingBox& box) const {
   });
 }
 
-void SiteStore::SetStandings(const Standings& standings) {
-  if (standings.empty()) return;
-  const auto lock = state_.LockForWriting();
-  state_.WriteSites([&](const Connection& connection) { PutStandings(connection, standings); });
-}
-
-std::vector<std::string> SiteStore::ListDependents(const std::string& site_id) const {
+std::vector<std::string> SqliteSiteStore::ListDependents(const std::string& site_id) const {
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT id FROM sites WHERE superseded_by = ?1 UNION SELECT id FROM sites "
@@ -132,7 +161,7 @@ std::vector<std::string> SiteStore::ListDependents(const std::string& site_id) c
   });
 }
 
-std::vector<std::string> SiteStore::ListDependentsOfMap(const std::string& map_id) const {
+std::vector<std::string> SqliteSiteStore::ListDependentsOfMap(const std::string& map_id) const {
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT id FROM sites WHERE superseded_by_map = ?1 UNION SELECT id FROM sites "
@@ -141,7 +170,7 @@ std::vector<std::string> SiteStore::ListDependentsOfMap(const std::string& map_i
   });
 }
 
-std::vector<std::string> SiteStore::ListUnchecked() const {
+std::vector<std::string> SqliteSiteStore::ListUnchecked() const {
   return state_.ReadSites([](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT sites.id FROM sites JOIN site_numbers ON site_id = sites.id "
@@ -150,11 +179,11 @@ std::vector<std::string> SiteStore::ListUnchecked() const {
   });
 }
 
-SharedRows<MapRow> SiteStore::ListMaps(const BoundingBox& box) const {
+SharedRows<MapRow> SqliteSiteStore::ListMaps(const BoundingBox& box) const {
   return state_.RowsWithin(state_.map_rows, box, ListMapRows);
 }
 
-std::vector<std::string> SiteStore::ListAccepted(const BoundingBox& box) const {
+std::vector<std::string> SqliteSiteStore::ListAccepted(const BoundingBox& box) const {
   return state_.ReadSites([&](const Connection& connection) {
     std::vector<std::string> ids;
     ForEachMeeting(connection,
@@ -165,17 +194,6 @@ std::vector<std::string> SiteStore::ListAccepted(const BoundingBox& box) const {
     std::sort(ids.begin(), ids.end());
     return ids;
   });
-}
-
-bool SiteStore::Delete(const std::string& site_id, const Standings& others) {
-  const auto lock = state_.LockForWriting();
-  bool was_there = false;
-  state_.WriteSites([&](const Connection& connection) {
-    if (!DeleteSiteRows(connection, site_id)) return;
-    was_there = true;
-    PutStandings(connection, others);
-  });
-  return was_there;
 }
 
 }  // namespace freelsd

@@ -5,11 +5,9 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -44,9 +42,6 @@ class VersionStep {
   std::atomic<uint64_t>& version_;
 };
 
-inline const std::string& IdOf(const RecallRow& row) { return row.site_id; }
-inline const std::string& IdOf(const MapRow& row) { return row.id; }
-
 // The open data folder. Thread-safe: readers come from pools, and writers hold LockForWriting.
 struct StorageState {
   // Opens or creates both databases, and makes their sites and obstacles equal.
@@ -78,20 +73,9 @@ struct StorageState {
                              const BoundingBox& box,
                              typename BoxCache<Row>::Rows (*list)(const Connection&,
                                                                   const BoundingBox&)) {
-    const uint64_t version = sites_version;
-    SharedRows<Row> rows;
-    const std::vector<BoundingBox> parts = PlainBoxes(box);
-    for (const BoundingBox& part : parts) {
-      SharedRows<Row> some = cache.Within(part, version, [&](const BoundingBox& wide) {
-        return ReadForRecall([&](const Connection& connection) { return list(connection, wide); });
-      });
-      std::move(some.begin(), some.end(), std::back_inserter(rows));
-    }
-    if (parts.size() > 1) {
-      std::set<std::string> ids;
-      std::erase_if(rows, [&ids](const auto& row) { return !ids.insert(IdOf(*row)).second; });
-    }
-    return rows;
+    return freelsd::RowsWithin<Row>(cache, box, sites_version, [&](const BoundingBox& wide) {
+      return ReadForRecall([&](const Connection& connection) { return list(connection, wide); });
+    });
   }
   // Reads from the copy, or from the main database if the copy is damaged. Recall uses this
   // function, because damage can remove rows from the main database undetected, and the copy is a
@@ -148,6 +132,8 @@ struct StorageState {
   std::mutex notices_mutex;
   std::vector<std::string> notices;
   ImageFiles images;
+  // Guards the turn to change sites. Taken before write_mutex.
+  std::mutex turns_mutex;
   // Guards writer and copy_writer.
   std::mutex write_mutex;
   Connection writer;

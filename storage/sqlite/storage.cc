@@ -1,48 +1,44 @@
-#include "storage/storage.h"
-
+#include "storage/backend.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 namespace {
 
-// With less free space the service reports that it is not ready, so that results still fit.
-constexpr uint64_t kMinFreeBytes = uint64_t{256} << 20;
+class SqliteBackend final : public StorageBackend {
+ public:
+  explicit SqliteBackend(const std::filesystem::path& folder) : state_(OpenState(folder)) {
+    EmptyFolder(SpoolFolder());
+  }
 
-}  // namespace
+  Stores stores() override {
+    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_};
+  }
+  DatabaseKind Kind() const override { return DatabaseKind::kSqlite; }
+  std::filesystem::path SpoolFolder() const override { return state_->folder / "spool"; }
+  std::optional<std::string> WhyNotWritable() override;
+  void MarkDamaged(const std::string& why) override { state_->MarkDamaged(why); }
+  std::vector<std::string> Notices() override {
+    const std::lock_guard lock(state_->notices_mutex);
+    return state_->notices;
+  }
 
-Storage::Storage(const std::filesystem::path& folder)
-    : state_(OpenState(folder)),
-      flights(*state_),
-      frames(*state_),
-      images(*state_),
-      jobs(*state_),
-      telemetry(*state_),
-      sites(*state_),
-      maps(*state_),
-      obstacles(*state_) {
-  std::error_code error;
-  std::filesystem::remove_all(SpoolFolder(), error);
-  std::filesystem::create_directories(SpoolFolder(), error);
-  if (error) throw StorageError("create folder " + SpoolFolder().string(), error.message());
-}
+ private:
+  std::unique_ptr<StorageState> state_;
+  SqliteFlightStore flights_{*state_};
+  SqliteFrameStore frames_{*state_};
+  SqliteImageStore images_{*state_};
+  SqliteJobStore jobs_{*state_};
+  SqliteTelemetryStore telemetry_{*state_};
+  SqliteSiteStore sites_{*state_};
+  SqliteMapStore maps_{*state_};
+  SqliteObstacleStore obstacles_{*state_};
+  SqliteClaimStore claims_;
+};
 
-Storage::~Storage() = default;
-
-std::filesystem::path Storage::SpoolFolder() const { return state_->folder / "spool"; }
-
-void Storage::MarkDamaged(const std::string& why) const { state_->MarkDamaged(why); }
-
-std::vector<std::string> Storage::Notices() const {
-  const std::lock_guard lock(state_->notices_mutex);
-  return state_->notices;
-}
-
-std::optional<std::string> Storage::WhyNotWritable() const {
+std::optional<std::string> SqliteBackend::WhyNotWritable() {
   if (state_->is_damaged) return "the database is damaged";
-  std::error_code error;
-  const std::filesystem::space_info space = std::filesystem::space(state_->folder, error);
-  if (error) return error.message();
-  if (space.available < kMinFreeBytes) return "less than 256 MiB are free on the disk";
+  if (auto reason = WhyDiskIsFull(state_->folder)) return reason;
   try {
     const auto lock = state_->LockForWriting();
     const Transaction transaction(state_->writer);
@@ -50,6 +46,12 @@ std::optional<std::string> Storage::WhyNotWritable() const {
     return failure.what();
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::unique_ptr<StorageBackend> OpenSqlite(const std::filesystem::path& folder) {
+  return std::make_unique<SqliteBackend>(folder);
 }
 
 }  // namespace freelsd

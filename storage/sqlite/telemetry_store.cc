@@ -1,9 +1,8 @@
-#include "storage/telemetry_store.h"
-
 #include <algorithm>
 
 #include "storage/sqlite/arrivals.h"
 #include "storage/sqlite/state.h"
+#include "storage/sqlite/stores.h"
 
 namespace freelsd {
 namespace {
@@ -44,7 +43,8 @@ constexpr char kLatest[] =
 
 }  // namespace
 
-bool TelemetryStore::Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) {
+bool SqliteTelemetryStore::Put(const std::string& flight_id,
+                               const std::vector<TelemetryRow>& rows) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
   Statement flight = state_.writer.Prepare("SELECT 1 FROM flights WHERE id = ?1");
@@ -69,27 +69,27 @@ bool TelemetryStore::Put(const std::string& flight_id, const std::vector<Telemet
   return true;
 }
 
-std::vector<TelemetryRow> TelemetryStore::LastArrived(const std::string& flight_id,
+std::vector<TelemetryRow> SqliteTelemetryStore::LastArrived(const std::string& flight_id,
                                                       TelemetryKind kind,
                                                       int max_num_rows) const {
   return RowsOf(state_, kLastArrived, flight_id, kind, max_num_rows);
 }
 
-std::vector<TelemetryRow> TelemetryStore::Latest(const std::string& flight_id,
+std::vector<TelemetryRow> SqliteTelemetryStore::Latest(const std::string& flight_id,
                                                  TelemetryKind kind,
                                                  int max_num_rows) const {
   return RowsOf(state_, kLatest, flight_id, kind, max_num_rows);
 }
 
-std::optional<TelemetryRow> TelemetryStore::FirstArrived(const std::string& flight_id,
+std::optional<TelemetryRow> SqliteTelemetryStore::FirstArrived(const std::string& flight_id,
                                                          TelemetryKind kind) const {
   const std::vector<TelemetryRow> rows = RowsOf(state_, kFirstArrived, flight_id, kind, 1);
   return rows.empty() ? std::nullopt : std::optional(rows.front());
 }
 
-TelemetryPair TelemetryStore::Around(const std::string& flight_id,
-                                     TelemetryKind kind,
-                                     int64_t timestamp_us) const {
+TelemetryPair SqliteTelemetryStore::Around(const std::string& flight_id,
+                                           TelemetryKind kind,
+                                           int64_t timestamp_us) const {
   const Reader reader(state_.readers);
   Statement before = reader->Prepare(
       "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "

@@ -22,6 +22,22 @@ TEST_CASE("config: data and address suffice") {
   CHECK(config->port == 9000);
 }
 
+TEST_CASE("config: a PostgreSQL database needs a folder of images, and SQLite has its own") {
+  const auto config =
+      Read({"--data", "/tmp/x", "--database", "postgresql://a/b", "--images", "/i"});
+  REQUIRE(config);
+  CHECK(config->database == "postgresql://a/b");
+  CHECK(config->images == "/i");
+  CHECK_THROWS_WITH_AS(Read({"--data", "/tmp/x", "--database", "postgresql://a/b"}),
+                       doctest::Contains("--images"),
+                       ConfigError);
+  CHECK_THROWS_WITH_AS(
+      Read({"--data", "/tmp/x", "--images", "/i"}), doctest::Contains("--database"), ConfigError);
+  CHECK_THROWS_WITH_AS(Read({"--data", "/tmp/x", "--database", "mysql://a/b", "--images", "/i"}),
+                       doctest::Contains("postgresql://"),
+                       ConfigError);
+}
+
 TEST_CASE("config: the command line wins over the file") {
   const TemporaryFolder folder;
   const std::string file = folder.path() / "config.json";
@@ -49,6 +65,26 @@ TEST_CASE("config: there is no base map unless the file names one") {
   std::ofstream(file) << R"({"data": "/tmp/y", "base_map_max_zoom": "far"})";
   CHECK_THROWS_WITH_AS(
       Read({"--config", file.c_str()}), doctest::Contains("base_map_max_zoom"), ConfigError);
+}
+
+TEST_CASE("config: a role is for a PostgreSQL database, by command line or by file") {
+  const auto read = [](const char* role) {
+    return Read(
+        {"--data", "/x", "--database", "postgresql://a/b", "--images", "/i", "--role", role});
+  };
+  CHECK(read("api")->role == Role::kApi);
+  CHECK(read("worker")->role == Role::kWorker);
+  CHECK(read("all")->role == Role::kAll);
+  CHECK_FALSE(Read({"--data", "/tmp/x"})->role);
+  CHECK_THROWS_WITH_AS(read("boss"), doctest::Contains("api, worker and all"), ConfigError);
+  CHECK_THROWS_WITH_AS(Read({"--data", "/tmp/x", "--role", "all"}),
+                       doctest::Contains("--role needs --database"),
+                       ConfigError);
+  const TemporaryFolder folder;
+  const std::string file = folder.path() / "config.json";
+  std::ofstream(file)
+      << R"({"data": "/x", "database": "postgresql://a/b", "images": "/i", "role": "worker"})";
+  CHECK(Read({"--config", file.c_str()})->role == Role::kWorker);
 }
 
 TEST_CASE("config: strips are watched only where the file says so") {

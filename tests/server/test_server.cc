@@ -38,13 +38,6 @@ std::string TrainedModelText() {
 
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "freelsd-XXXXXX").string();
-  path_ = ::mkdtemp(name.data());
-}
-
-TemporaryFolder::~TemporaryFolder() { std::filesystem::remove_all(path_); }
-
 std::filesystem::path TestModel() {
   static const TemporaryFolder kFolder;
   static const std::filesystem::path kPath = [] {

@@ -11,20 +11,9 @@
 
 #include "server/app.h"
 #include "server/http/http_library.h"
+#include "tests/storage/temporary_folder.h"
 
 namespace freelsd {
-
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 // A small model trained on coloured noise; made once per process.
 std::filesystem::path TestModel();

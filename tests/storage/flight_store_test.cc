@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
+#include "tests/storage/place.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
@@ -14,8 +15,8 @@ namespace {
 
 TEST_CASE(
     "flight store: deleting a flight keeps its sites and the images that another flight needs") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   FrameRow own = SomeFrame("f", "own");
   own.sha256 = kOtherImage;
   storage.flights.Insert(SomeFlight("f"));
@@ -35,8 +36,8 @@ TEST_CASE(
 }
 
 TEST_CASE("flight store: pages list every flight once, newest first, with its numbers") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   for (const char* const id : {"a", "b", "c"}) storage.flights.Insert(SomeFlight(id));
   storage.images.Write(kImage, "image");
   storage.frames.Insert("b", {SomeFrame("b", "one"), SomeFrame("b", "two")}, SomeJob("j", "b"));
@@ -63,8 +64,8 @@ TEST_CASE("flight store: pages list every flight once, newest first, with its nu
 }
 
 TEST_CASE("flight store: deleting a flight forgets its sites when asked") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), "map");
   CHECK(storage.flights.Delete("f", true));
@@ -74,8 +75,8 @@ TEST_CASE("flight store: deleting a flight forgets its sites when asked") {
 
 TEST_CASE(
     "flight store: retired images are gone, unless another flight needs them, and rows stay") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   storage.flights.Insert(SomeFlight("g"));
   storage.images.Write(kImage, "shared");
@@ -96,8 +97,8 @@ TEST_CASE(
 TEST_CASE("flight store: changes of one flight from several threads are all kept") {
   constexpr int kNumThreads = 4;
   constexpr int kNumChanges = 20;
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   std::vector<std::thread> threads;
   threads.reserve(kNumThreads);
@@ -115,8 +116,8 @@ TEST_CASE("flight store: changes of one flight from several threads are all kept
 }
 
 TEST_CASE("flight store: regions are replaced as one snapshot and keep their order") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   storage.flights.ReplaceRegions("f", {{7, "seven", "h7"}, {2, "two", "h2"}});
   storage.flights.ReplaceRegions("f", {{9, "nine", "h9"}, {7, "seven", "h7"}});
@@ -128,8 +129,8 @@ TEST_CASE("flight store: regions are replaced as one snapshot and keep their ord
 }
 
 TEST_CASE("flight store: text that looks like SQL is data") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   FlightRow flight = SomeFlight("f");
   flight.name = "'); DROP TABLE flights; --";
   storage.flights.Insert(flight);

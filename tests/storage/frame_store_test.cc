@@ -6,14 +6,15 @@
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
+#include "tests/storage/place.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
 namespace {
 
 TEST_CASE("frame store: what the engine took of frames comes in their order, of those it took") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   storage.images.Write(kImage, "pixels");
   storage.frames.Insert("f", {SomeFrame("f", "z"), SomeFrame("f", "m"), SomeFrame("f", "a")});
@@ -25,8 +26,8 @@ TEST_CASE("frame store: what the engine took of frames comes in their order, of 
 }
 
 TEST_CASE("frame store: frames of a refused insert are not there, nor is their job") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   storage.images.Write(kImage, "pixels");
   storage.frames.Insert("f", {SomeFrame("f", "one")});
@@ -38,16 +39,16 @@ TEST_CASE("frame store: frames of a refused insert are not there, nor is their j
 }
 
 TEST_CASE("frame store: a frame without its image file is refused") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   CHECK_THROWS_AS(storage.frames.Insert("f", {SomeFrame("f", "one")}), StorageError);
   CHECK(storage.frames.List("f").empty());
 }
 
 TEST_CASE("frame store: frames are counted by state and taken in order") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   storage.images.Write(kImage, "pixels");
   storage.frames.Insert("f", {SomeFrame("f", "b"), SomeFrame("f", "a"), SomeFrame("f", "c")});

@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
+#include "tests/storage/place.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
@@ -19,8 +20,8 @@ size_t NumFiles(const std::filesystem::path& folder) {
 }
 
 TEST_CASE("image store: an image that was written for nothing can be taken back") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   storage.images.Write(kImage, "used");
   storage.images.Write(kOtherImage, "unused");
@@ -32,16 +33,16 @@ TEST_CASE("image store: an image that was written for nothing can be taken back"
 }
 
 TEST_CASE("image store: image files that no frame names are removed at start") {
-  const TemporaryFolder folder;
+  const StoragePlace place;
   {
-    Storage storage(folder.path());
+    Storage storage(place.options());
     storage.flights.Insert(SomeFlight("f"));
     storage.images.Write(kImage, "kept");
     storage.images.Write(kOtherImage, "left by a crash");
     storage.frames.Insert("f", {SomeFrame("f", "one")});
   }
-  const Storage storage(folder.path());
-  CHECK(NumFiles(folder.path() / "images") == 1);
+  const Storage storage(place.options());
+  CHECK(NumFiles(place.images_folder()) == 1);
   CHECK(storage.images.Read(kImage) == "kept");
 }
 

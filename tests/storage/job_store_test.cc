@@ -3,14 +3,15 @@
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
+#include "tests/storage/place.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
 namespace {
 
 TEST_CASE("job store: a finished job is not changed any more") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   JobRow job = SomeJob("j", "f");
   storage.jobs.Insert(job);
@@ -26,8 +27,8 @@ TEST_CASE("job store: a finished job is not changed any more") {
 }
 
 TEST_CASE("job store: pages list every job once, newest first, and end early for large details") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   for (int i = 0; i < 5; ++i) {
     JobRow job = SomeJob("j" + std::to_string(i), "f");

@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
+#include "tests/storage/place.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
@@ -22,9 +23,10 @@ constexpr BoundingBox kHere{8.0, 50.0, 8.01, 50.01};
 constexpr BoundingBox kAround{7.9, 49.9, 8.1, 50.1};
 
 TEST_CASE("maps: a staged map counts only once an evaluation puts it in force, with its sites") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   CHECK(storage.maps.NewId("f") == "f/1");
+  storage.images.Write("ab", "picture");
   const uint64_t before = storage.sites.Version();
   storage.maps.Stage(SomeMap("f/1", "f", kHere), {{{0, -1, 2}, "tile"}}, {{{0, 0, 0}, "ab"}});
   storage.maps.StageTiles("f/1", {{{1, 0, 0}, "coarse"}}, {});
@@ -51,43 +53,39 @@ TEST_CASE("maps: a staged map counts only once an evaluation puts it in force, w
   CHECK(storage.sites.ListAccepted(kAround) == std::vector<std::string>{"f-r1"});
 }
 
-TEST_CASE("maps: an evaluation replaces sites and maps in one commit, in both databases") {
-  const TemporaryFolder folder;
-  {
-    Storage storage(folder.path());
-    storage.maps.Stage(SomeMap("f/1", "f", kHere), {{{0, 0, 0}, "old"}}, {});
-    storage.sites.PutEvaluation({{SomeSite("f-r1", 50.0, 8.0)}, {}, {"f/1"}, {}}, {});
-    storage.maps.Stage(SomeMap(storage.maps.NewId("f"), "f", kHere), {{{0, 0, 0}, "new"}}, {});
-    storage.sites.PutEvaluation({{SomeSite("f-r2", 50.0, 8.0)}, {"f-r1"}, {"f/2"}, {"f/1"}}, {});
-    CHECK(storage.maps.NewId("f") == "f/3");
-  }
-  // The main database is lost; all comes from the copy.
-  std::filesystem::remove(folder.path() / "freelsd.db");
-  std::filesystem::remove(folder.path() / "freelsd.db-wal");
-  const Storage storage(folder.path());
-  CHECK_FALSE(storage.sites.Find("f-r1"));
-  CHECK(storage.sites.Find("f-r2"));
-  REQUIRE(storage.maps.ListOf("f").size() == 1);
-  CHECK(storage.maps.ReadTile("f/2", {0, 0, 0}) == "new");
-  CHECK_FALSE(storage.maps.ReadTile("f/1", {0, 0, 0}));
-}
-
 TEST_CASE("maps: an unfinished map is gone after a restart, and its picture's files too") {
-  const TemporaryFolder folder;
+  const StoragePlace place;
   {
-    Storage storage(folder.path());
+    Storage storage(place.options());
     storage.images.Write("ab01", "picture");
     storage.maps.Stage(SomeMap("f/1", "f", kHere), {{{0, 0, 0}, "tile"}}, {{{0, 0, 0}, "ab01"}});
   }
-  const Storage storage(folder.path());
+  const Storage storage(place.options());
   CHECK_FALSE(storage.maps.ReadTile("f/1", {0, 0, 0}));
+  CHECK_FALSE(storage.images.Read("ab01"));
+}
+
+TEST_CASE("maps: a picture's rows may come before its files, which they then keep") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.images.Write("ab02", "also another flight's");
+  storage.maps.Stage(SomeMap("f/1", "f", kHere), {}, {});
+  storage.maps.StageTiles("f/1", {}, {{{0, 0, 0}, "ab01"}, {{0, 0, 1}, "ab02"}});
+  storage.images.RemoveUnused("ab02");
+  CHECK(storage.images.Read("ab02") == "also another flight's");
+  CHECK_FALSE(storage.images.Read("ab01"));
+  storage.images.Write("ab01", "picture");
+  storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
+  CHECK(storage.images.Read("ab01") == "picture");
+  CHECK(storage.maps.FindPhotoTile("f/1", {0, 0, 0}) == "ab01");
+  storage.sites.PutEvaluation({{}, {}, {}, {"f/1"}}, {});
   CHECK_FALSE(storage.images.Read("ab01"));
 }
 
 TEST_CASE("maps: they outlive their flight unless its sites are forgotten") {
   for (const bool forget : {false, true}) {
-    const TemporaryFolder folder;
-    Storage storage(folder.path());
+    const StoragePlace place;
+    Storage storage(place.options());
     storage.flights.Insert(SomeFlight("f"));
     storage.images.Write("ab01", "picture");
     storage.maps.Stage(SomeMap("f/1", "f", kHere), {{{0, 0, 0}, "tile"}}, {{{0, 0, 0}, "ab01"}});
@@ -101,8 +99,8 @@ TEST_CASE("maps: they outlive their flight unless its sites are forgotten") {
 }
 
 TEST_CASE("maps: pictures can be removed without the map") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.images.Write("ab01", "picture");
   storage.images.Write("ab02", "shared");
   storage.maps.Stage(SomeMap("f/1", "f", kHere), {}, {{{0, 0, 0}, "ab01"}, {{0, 0, 1}, "ab02"}});
@@ -121,67 +119,65 @@ TEST_CASE("maps: pictures can be removed without the map") {
 // On both sides of the antimeridian.
 constexpr BoundingBox kAcross{179.9, -17.1, -179.95, -16.9};
 
-TEST_CASE("maps: a map across the antimeridian is found at its own ground and nowhere else") {
-  const TemporaryFolder folder;
-  for (const bool from_copy : {false, true}) {
-    if (from_copy) {
-      std::filesystem::remove(folder.path() / "freelsd.db");
-      std::filesystem::remove(folder.path() / "freelsd.db-wal");
-    }
-    Storage storage(folder.path());
-    if (!from_copy) {
-      storage.maps.Stage(SomeMap("f/1", "f", kAcross), {}, {});
-      SiteRow site = SomeSite("g-r1", -17.0, 179.95);
-      site.map_box = kAcross;
-      site.recall = RecallData{};
-      storage.sites.Put(site, "map");
-      storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
-    }
-    CAPTURE(from_copy);
-    // The last three boxes cross the antimeridian; the last of them leaves [-180, 180].
-    for (const BoundingBox& box : {BoundingBox{179.92, -17.0, 179.93, -17.0},
-                                   BoundingBox{-179.97, -17.0, -179.96, -17.0},
-                                   BoundingBox{180.0, -17.0, 180.0, -17.0},
-                                   BoundingBox{-180.0, -17.0, -180.0, -17.0},
-                                   BoundingBox{-180.0, -90.0, 180.0, 90.0},
-                                   BoundingBox{179.99, -17.0, -179.99, -17.0},
-                                   BoundingBox{179.0, -17.0, -179.0, -17.0},
-                                   BoundingBox{179.98, -17.0, 180.015, -17.0}}) {
-      CAPTURE(box.west_deg);
-      CAPTURE(box.east_deg);
-      CHECK(storage.sites.ListMaps(box).size() == 2);
-      CHECK(storage.sites.ListRecallable(box).size() == 1);
-      CHECK(storage.sites.ListAccepted(box) == std::vector<std::string>{"g-r1"});
-    }
-    for (const BoundingBox& box : {BoundingBox{0.0, -17.0, 1.0, -17.0},
-                                   BoundingBox{-179.9, -17.0, 179.8, -17.0},
-                                   BoundingBox{179.92, -16.0, 179.93, -15.0}}) {
-      CAPTURE(box.west_deg);
-      CHECK(storage.sites.ListMaps(box).empty());
-      CHECK(storage.sites.ListRecallable(box).empty());
-      CHECK(storage.sites.ListAccepted(box).empty());
-    }
-  }
+TEST_CASE("maps: an evaluation replaces sites and maps") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.maps.Stage(SomeMap("f/1", "f", kHere), {{{0, 0, 0}, "old"}}, {});
+  storage.sites.PutEvaluation({{SomeSite("f-r1", 50.0, 8.0)}, {}, {"f/1"}, {}}, {});
+  storage.maps.Stage(SomeMap("f/2", "f", kHere), {{{0, 0, 0}, "new"}}, {});
+  storage.sites.PutEvaluation({{SomeSite("f-r2", 50.0, 8.0)}, {"f-r1"}, {"f/2"}, {"f/1"}}, {});
+  CHECK_FALSE(storage.sites.Find("f-r1"));
+  CHECK(storage.sites.Find("f-r2"));
+  REQUIRE(storage.maps.ListOf("f").size() == 1);
+  CHECK(storage.maps.ReadTile("f/2", {0, 0, 0}) == "new");
+  CHECK_FALSE(storage.maps.ReadTile("f/1", {0, 0, 0}));
 }
 
-TEST_CASE("maps: boxes around the earth that older programs stored are mended at the start") {
-  const TemporaryFolder folder;
-  const BoundingBox around{
-      kAcross.east_deg, kAcross.south_deg, kAcross.west_deg, kAcross.north_deg};
+TEST_CASE("maps: a new id is the flight's highest, also beside maps that are stored") {
+  const StoragePlace place;
   {
-    Storage storage(folder.path());
-    storage.maps.Stage(SomeMap("f/1", "f", around), {}, {});
-    SiteRow site = SomeSite("g-r1", -17.0, 179.95);
-    site.map_box = around;
-    storage.sites.Put(site, "map");
-    storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
+    Storage storage(place.options());
+    CHECK(storage.maps.NewId("f") == "f/1");
+    storage.maps.Stage(SomeMap("f/7", "f", kHere), {}, {});
+    storage.sites.PutEvaluation({{}, {}, {"f/7"}, {}}, {});
+    CHECK(storage.maps.NewId("f") == "f/8");
+    CHECK(storage.maps.NewId("g") == "g/1");
   }
-  for (int start = 0; start < 2; ++start) {
-    const Storage storage(folder.path());
-    CHECK(storage.sites.ListMaps({179.92, -17.0, 179.93, -17.0}).size() == 2);
-    CHECK(storage.sites.ListMaps({-179.97, -17.0, -179.96, -17.0}).size() == 2);
-    CHECK(storage.sites.ListMaps({0.0, -17.0, 1.0, -17.0}).empty());
-    CHECK(storage.maps.Find("f/1").has_value());
+  Storage storage(place.options());
+  CHECK(std::stoi(storage.maps.NewId("f").substr(2)) > 7);
+}
+
+TEST_CASE("maps: a map across the antimeridian is found at its own ground and nowhere else") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.maps.Stage(SomeMap("f/1", "f", kAcross), {}, {});
+  SiteRow site = SomeSite("g-r1", -17.0, 179.95);
+  site.map_box = kAcross;
+  site.recall = RecallData{};
+  storage.sites.Put(site, "map");
+  storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
+  // The last three boxes cross the antimeridian; the last of them leaves [-180, 180].
+  for (const BoundingBox& box : {BoundingBox{179.92, -17.0, 179.93, -17.0},
+                                 BoundingBox{-179.97, -17.0, -179.96, -17.0},
+                                 BoundingBox{180.0, -17.0, 180.0, -17.0},
+                                 BoundingBox{-180.0, -17.0, -180.0, -17.0},
+                                 BoundingBox{-180.0, -90.0, 180.0, 90.0},
+                                 BoundingBox{179.99, -17.0, -179.99, -17.0},
+                                 BoundingBox{179.0, -17.0, -179.0, -17.0},
+                                 BoundingBox{179.98, -17.0, 180.015, -17.0}}) {
+    CAPTURE(box.west_deg);
+    CAPTURE(box.east_deg);
+    CHECK(storage.sites.ListMaps(box).size() == 2);
+    CHECK(storage.sites.ListRecallable(box).size() == 1);
+    CHECK(storage.sites.ListAccepted(box) == std::vector<std::string>{"g-r1"});
+  }
+  for (const BoundingBox& box : {BoundingBox{0.0, -17.0, 1.0, -17.0},
+                                 BoundingBox{-179.9, -17.0, 179.8, -17.0},
+                                 BoundingBox{179.92, -16.0, 179.93, -15.0}}) {
+    CAPTURE(box.west_deg);
+    CHECK(storage.sites.ListMaps(box).empty());
+    CHECK(storage.sites.ListRecallable(box).empty());
+    CHECK(storage.sites.ListAccepted(box).empty());
   }
 }
 

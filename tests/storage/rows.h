@@ -1,27 +1,12 @@
-// Rows to store, and the folder to store them in.
+// Rows to store.
 #pragma once
 
-#include <cstdlib>
-#include <filesystem>
 #include <string>
 
 #include "storage/storage.h"
+#include "tests/storage/temporary_folder.h"
 
 namespace freelsd {
-
-// A fresh folder, removed at the end.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "freelsd-XXXXXX").string();
-    path_ = ::mkdtemp(name.data());
-  }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 inline const std::string kImage(64, 'a');
 inline const std::string kOtherImage(64, 'b');

@@ -1,19 +1,23 @@
 #include "storage/site_store.h"
 
+#include <chrono>
+#include <future>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
+#include "tests/storage/place.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
 namespace {
 
 TEST_CASE("site store: sites are found by box, also across the antimeridian") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.sites.Put(SomeSite("home", 50.0, 8.0), "");
   storage.sites.Put(SomeSite("fiji", -17.0, 179.5), "");
   storage.sites.Put(SomeSite("taveuni", -17.0, -179.9), "");
@@ -24,9 +28,28 @@ TEST_CASE("site store: sites are found by box, also across the antimeridian") {
   CHECK(storage.sites.List("f", std::nullopt).size() == 3);
 }
 
+TEST_CASE("site store: who wants to change sites waits until a turn has ended") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
+  std::future<void> other = std::async(
+      std::launch::async, [&storage] { storage.sites.Put(SomeSite("other", 50.0, 8.0), ""); });
+  CHECK(other.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout);
+  CHECK_FALSE(storage.sites.Find("other"));
+  turn->Put(SomeSite("own", 50.0, 8.0), "", {});
+  other.get();
+  CHECK(storage.sites.Find("own"));
+  CHECK(storage.sites.Find("other"));
+  // A turn that is not used ends too, and changes nothing.
+  const uint64_t version = storage.sites.Version();
+  storage.sites.TakeTurn();
+  CHECK(storage.sites.Version() == version);
+  CHECK(storage.sites.Delete("own"));
+}
+
 TEST_CASE("site store: a site put again replaces its map, an empty one removes it") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.sites.Put(SomeSite("s", 50.0, 8.0), "old");
   SiteRow site = SomeSite("s", 51.0, 8.0);
   site.approach_json = "{}";
@@ -42,8 +65,8 @@ TEST_CASE("site store: a site put again replaces its map, an empty one removes i
 
 // A square of the map keeps its id when the tracks of another evaluation put it in another region.
 TEST_CASE("site store: a site put again may lie in another region") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   SiteRow site = SomeSite("s", 50.0, 8.0);
   storage.sites.Put(site, "");
   site.region_id = 4;
@@ -53,8 +76,8 @@ TEST_CASE("site store: a site put again may lie in another region") {
 
 TEST_CASE(
     "site store: recall finds sites by box, also over the antimeridian, and forgets deleted ones") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   SiteRow site = SomeSite("fiji", -17.0, 179.95);
   site.recall = RecallData{true, 10.0, "amsl", 0.5, "{}"};
   storage.sites.Put(site, "");
@@ -79,8 +102,8 @@ TEST_CASE(
 }
 
 TEST_CASE("site store: a superseded site is not recalled, until what superseded it is gone") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   SiteRow old_site = SomeSite("f-r1", 50.0, 8.0);
   old_site.recall = RecallData{true, 300.0, "amsl", 0.7, "{}"};
   storage.sites.Put(old_site, "map");
@@ -115,8 +138,8 @@ TEST_CASE("site store: a superseded site is not recalled, until what superseded 
 }
 
 TEST_CASE("site store: what bounds the reach of sites follows them") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   SiteRow high = SomeSite("f-r1", 50.0, 8.0);
   high.recall = RecallData{true, 300.0, "amsl", 0.7, "{}"};
   storage.sites.Put(high, "");

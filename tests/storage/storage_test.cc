@@ -6,21 +6,22 @@
 
 #include <doctest/doctest.h>
 
+#include "tests/storage/place.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
 namespace {
 
 TEST_CASE("storage: what was stored is there after opening the folder again") {
-  const TemporaryFolder folder;
+  const StoragePlace place;
   {
-    Storage storage(folder.path());
+    Storage storage(place.options());
     storage.flights.Insert(SomeFlight("f"));
     storage.images.Write(kImage, std::string_view("pixels\0more", 11));
     storage.frames.Insert("f", {SomeFrame("f", "one"), SomeFrame("f", "two")}, SomeJob("j", "f"));
     storage.sites.Put(SomeSite("f-r3", 50.0, 8.0), std::string("map\0blob", 8));
   }
-  const Storage storage(folder.path());
+  const Storage storage(place.options());
   REQUIRE(storage.flights.Find("f"));
   CHECK(storage.flights.Find("f")->created_at_us == 1700000000000000);
   CHECK(storage.images.Read(kImage) == std::string("pixels\0more", 11));
@@ -31,15 +32,20 @@ TEST_CASE("storage: what was stored is there after opening the folder again") {
 }
 
 TEST_CASE("storage: a second process is refused while the folder is in use") {
-  const TemporaryFolder folder;
-  const Storage storage(folder.path());
+  const StoragePlace place;
+  const Storage storage(place.options());
   CHECK_THROWS_WITH_AS(
-      Storage(folder.path()), doctest::Contains("another freelsd-server"), StorageError);
+      Storage(place.options()), doctest::Contains("another freelsd-server"), StorageError);
+}
+
+TEST_CASE("storage: the kind of database is known") {
+  const StoragePlace place;
+  CHECK(Storage(place.options()).Kind() == StoragePlace::Kind());
 }
 
 TEST_CASE("storage: a fresh folder can be written") {
-  const TemporaryFolder folder;
-  const Storage storage(folder.path());
+  const StoragePlace place;
+  const Storage storage(place.options());
   CHECK_FALSE(storage.WhyNotWritable());
   CHECK(std::filesystem::is_empty(storage.SpoolFolder()));
 }

@@ -3,14 +3,15 @@
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
+#include "tests/storage/place.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
 namespace {
 
 TEST_CASE("telemetry store: telemetry is found on both sides of a time, by kind") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   storage.telemetry.Put("f",
                         {{TelemetryKind::kPosition, 10, {47.0, 8.0, 400.0, 0.0}},
@@ -29,8 +30,8 @@ TEST_CASE("telemetry store: telemetry is found on both sides of a time, by kind"
 
 TEST_CASE(
     "telemetry store: what arrived last comes first, whatever its own time and the clock say") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   const auto put = [&](int64_t timestamp_us, int64_t arrived_at_us) {
     TelemetryRow row{TelemetryKind::kPosition, timestamp_us, {47.0, 8.0, 400.0, 0.0}};
@@ -56,8 +57,8 @@ TEST_CASE(
 }
 
 TEST_CASE("telemetry store: rows by their own time, and the one that arrived first") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
   CHECK_FALSE(storage.telemetry.FirstArrived("f", TelemetryKind::kPosition));
   for (const int64_t timestamp_us : {300, 500, 100}) {
@@ -72,8 +73,8 @@ TEST_CASE("telemetry store: rows by their own time, and the one that arrived fir
 }
 
 TEST_CASE("telemetry store: nothing is written for a flight that does not exist") {
-  const TemporaryFolder folder;
-  Storage storage(folder.path());
+  const StoragePlace place;
+  Storage storage(place.options());
   CHECK_FALSE(
       storage.telemetry.Put("f", {{TelemetryKind::kPosition, 10, {47.0, 8.0, 400.0, 0.0}}}));
   storage.flights.Insert(SomeFlight("f"));

@@ -1,8 +1,12 @@
 // Later maps of flights and the sites that they supersede.
+#include <latch>
+#include <thread>
+
 #include <doctest/doctest.h>
 
 #include "server/recall/recall.h"
 #include "tests/server/meadow_map.h"
+#include "tests/storage/place.h"
 
 namespace freelsd {
 namespace {
@@ -61,7 +65,7 @@ struct Memory {
         StageMeadowMap(storage, ground, flight_id, seen_at_us, std::nullopt, longitude_deg);
     EvaluationRows rows;
     rows.new_maps = {map.id};
-    StoreEvaluation(storage, maps, std::move(rows));
+    StoreEvaluation(storage, maps, *storage.sites.TakeTurn(), std::move(rows));
   }
   void EvaluateFirst(double longitude_deg = 8.0) {
     const FlightMapRow map =
@@ -69,7 +73,7 @@ struct Memory {
     EvaluationRows rows;
     rows.sites = {PlannedSite(storage, maps, map, longitude_deg)};
     rows.new_maps = {map.id};
-    StoreEvaluation(storage, maps, std::move(rows));
+    StoreEvaluation(storage, maps, *storage.sites.TakeTurn(), std::move(rows));
   }
   SiteRow First() const { return *storage.sites.Find("first-r1"); }
 };
@@ -99,7 +103,7 @@ TEST_CASE(
   EvaluationRows rows;
   rows.new_maps = {free.id};
   rows.forgotten_maps = {"later/1"};
-  StoreEvaluation(memory.storage, memory.maps, std::move(rows));
+  StoreEvaluation(memory.storage, memory.maps, *memory.storage.sites.TakeTurn(), std::move(rows));
   CHECK_FALSE(memory.First().superseded_by);
   memory.Evaluate("latest", MeadowWithWall(), kLater + 1);
   CHECK(memory.First().superseded_by == "latest");
@@ -152,6 +156,54 @@ TEST_CASE(
     REQUIRE(kept);
     REQUIRE(kept->other_maps.size() == 1);
     CHECK(kept->other_maps[0]->id == "later/1");
+  }
+}
+
+// One of several processes on a database.
+struct Process {
+  Storage storage;
+  MapCache maps{size_t{1} << 26, size_t{1} << 22};
+
+  void Store(EvaluationRows rows) {
+    const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
+    StoreEvaluation(storage, maps, *turn, std::move(rows));
+  }
+};
+
+TEST_SUITE("postgresql") {
+  TEST_CASE("memory of maps: results that two processes store at the same time see each other") {
+    constexpr int kNumTimes = 20;
+    Memory planned;
+    const SiteRow site =
+        PlannedSite(planned.storage,
+                    planned.maps,
+                    StageMeadowMap(planned.storage, Meadow(), "first", kFirst, std::nullopt, 8.0),
+                    8.0);
+    for (int i = 0; i < kNumTimes; ++i) {
+      const StoragePlace place;
+      Process one{Storage(place.OptionsOfOne())};
+      Process other{Storage(place.OptionsOfOther())};
+      EvaluationRows first;
+      first.sites = {site};
+      first.new_maps = {
+          StageMeadowMap(one.storage, Meadow(), "first", kFirst, std::nullopt, 8.0).id};
+      REQUIRE(first.new_maps[0] == site.map_id);
+      EvaluationRows later;
+      later.new_maps = {
+          StageMeadowMap(other.storage, MeadowWithWall(), "later", kLater, std::nullopt, 8.0).id};
+      std::latch begin(2);
+      std::thread of_one([&] {
+        begin.arrive_and_wait();
+        one.Store(first);
+      });
+      std::thread of_other([&] {
+        begin.arrive_and_wait();
+        other.Store(later);
+      });
+      of_one.join();
+      of_other.join();
+      CHECK(one.storage.sites.Find(site.id)->superseded_by == "later");
+    }
   }
 }
 

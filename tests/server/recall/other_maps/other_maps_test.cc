@@ -137,7 +137,7 @@ TEST_CASE("other maps: a plan for another wind must hold on a later map, not on 
         storage, MeadowWithWallInTheNorth(), "other", is_later ? kFirst + 1 : kFirst - 1);
     EvaluationRows rows;
     rows.new_maps = {other.id};
-    StoreEvaluation(storage, maps, std::move(rows));
+    StoreEvaluation(storage, maps, *storage.sites.TakeTurn(), std::move(rows));
     // Into the wind: this final comes from the south, and the circle lies there.
     CHECK(plan_for(to_south).verdict != Verdict::kRejected);
     const Plan over_wall = plan_for(to_north);
@@ -163,7 +163,7 @@ TEST_CASE("other maps: a later map counts although the own map is newer elsewher
       StageMeadowMap(storage, MeadowWithWallInTheNorth(), "other", kFirst + 5);
   EvaluationRows rows;
   rows.new_maps = {other.id};
-  StoreEvaluation(storage, maps, std::move(rows));
+  StoreEvaluation(storage, maps, *storage.sites.TakeTurn(), std::move(rows));
   const auto kept = maps.Get(storage, site.id, site.updated_at_us);
   REQUIRE(kept);
   const Aircraft aircraft = *AircraftProfile("small");

@@ -1,0 +1,114 @@
+// RAII wrappers for libpq: connection and rows. All of them throw StorageError.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <libpq-fe.h>
+
+#include "storage/postgres/parameters.h"
+#include "storage/storage_error.h"
+
+namespace freelsd {
+
+// The connection broke, or the database did not answer in time. What it was doing may or may not
+// have happened.
+struct ConnectionLost : StorageError {
+  using StorageError::StorageError;
+};
+
+// One row of a result; must not outlive it. Columns count from 0.
+class PostgresRow {
+ public:
+  PostgresRow(const PGresult* result, int row) : result_(result), row_(row) {}
+
+  int64_t Int(int column) const { return IntegerIn(View(column)); }
+  bool Bool(int column) const { return Int(column) != 0; }
+  double Real(int column) const { return RealIn(View(column)); }
+  std::string Text(int column) const { return std::string(View(column)); }
+  std::optional<int64_t> OptionalInt(int column) const;
+  std::optional<double> OptionalReal(int column) const;
+
+ private:
+  std::string_view View(int column) const;
+
+  const PGresult* result_;
+  int row_;
+};
+
+class PostgresRows {
+ public:
+  explicit PostgresRows(PGresult* result) : result_(result, PQclear) {}
+
+  int size() const { return PQntuples(result_.get()); }
+  bool empty() const { return size() == 0; }
+  PostgresRow operator[](int row) const { return {result_.get(), row}; }
+  // Rows that an INSERT, UPDATE or DELETE changed.
+  int64_t NumChanges() const;
+  // Calls `make` with each row and collects the results.
+  template <typename Make>
+  auto Each(Make make) const {
+    std::vector<decltype(make((*this)[0]))> all;
+    all.reserve(static_cast<size_t>(size()));
+    for (int row = 0; row < size(); ++row) all.push_back(make((*this)[row]));
+    return all;
+  }
+  // Texts of the first column.
+  std::vector<std::string> Texts() const;
+
+ private:
+  std::unique_ptr<PGresult, decltype(&PQclear)> result_;
+};
+
+struct PostgresTimeouts {
+  std::chrono::milliseconds connection;
+  std::chrono::milliseconds statement;
+};
+
+// Only one thread may use a connection at a time.
+class PostgresConnection {
+ public:
+  // Throws ConnectionLost if there is none within the time. It refuses servers that are read-only.
+  PostgresConnection(const std::string& url, const PostgresTimeouts& timeouts);
+  PostgresConnection(const PostgresConnection&) = delete;
+  PostgresConnection& operator=(const PostgresConnection&) = delete;
+
+  // Prepares the statement once, binds $1, $2, ... in order and runs it.
+  template <typename... Values>
+  PostgresRows Run(const std::string& sql, const Values&... values) {
+    return RunPrepared(sql, {ParameterOf(values)...});
+  }
+  // Runs several statements without parameters.
+  void Execute(const std::string& sql);
+  // False after ConnectionLost, and within a transaction.
+  bool IsIdle() const {
+    return !is_broken_ && PQtransactionStatus(connection_.get()) == PQTRANS_IDLE;
+  }
+
+ private:
+  PostgresRows RunPrepared(const std::string& sql,
+                           const std::vector<PostgresParameter>& parameters);
+  const std::string& Prepared(const std::string& sql,
+                              const std::vector<PostgresParameter>& parameters);
+  // Waits for all results of what was sent and returns the last.
+  PostgresRows Await(const std::string& step, int was_sent);
+  void WaitForServer(const std::string& step, std::chrono::steady_clock::time_point deadline);
+  [[noreturn]] void Lose(const std::string& step, const std::string& reason);
+
+  std::unique_ptr<PGconn, decltype(&PQfinish)> connection_;
+  PostgresTimeouts timeouts_;
+  // Names of prepared statements, by their text.
+  std::map<std::string, std::string> prepared_;
+  bool is_broken_ = false;
+};
+
+// Throws StorageError if the URI is none, or has a password: a command line is no place for it.
+void CheckDatabaseUrl(const std::string& url);
+
+}  // namespace freelsd

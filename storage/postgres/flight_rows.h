@@ -1,0 +1,24 @@
+// Reads and changes a flight's row within the caller's transaction.
+#pragma once
+
+#include <string>
+
+#include "storage/flight_store.h"
+#include "storage/postgres/connection.h"
+
+namespace freelsd {
+
+// The columns of a flight, and the row that they give.
+extern const char* const kFlightColumns;
+FlightRow FlightRowOf(const PostgresRow& row);
+// Other writers of the flight's row, frames and telemetry wait until the transaction ends. False if
+// there is no such flight.
+bool LockFlight(PostgresConnection& writer, const std::string& flight_id);
+// Locks the row. False if there is no such flight.
+bool ChangeFlight(PostgresConnection& writer,
+                  const std::string& flight_id,
+                  const FlightChange& change);
+// Least allowed arrived_at_us of the next row or frame of a locked flight.
+int64_t NextArrivalOf(PostgresConnection& writer, const std::string& flight_id);
+
+}  // namespace freelsd

@@ -1,0 +1,85 @@
+#include "storage/postgres/parameters.h"
+
+#include <bit>
+
+namespace freelsd {
+namespace {
+
+// Numbers of PostgreSQL's own types; they never change.
+constexpr Oid kBoolType = 16;
+constexpr Oid kByteaType = 17;
+constexpr Oid kInt8Type = 20;
+constexpr Oid kTextType = 25;
+constexpr Oid kFloat8Type = 701;
+constexpr Oid kInt8ArrayType = 1016;
+constexpr Oid kFloat8ArrayType = 1022;
+
+// Most significant byte first.
+template <typename Number>
+std::string BytesOf(Number number) {
+  std::string bytes(sizeof(number), '\0');
+  for (size_t i = 0; i < sizeof(number); ++i) {
+    bytes[sizeof(number) - 1 - i] = static_cast<char>(static_cast<uint64_t>(number) >> (8 * i));
+  }
+  return bytes;
+}
+
+std::string BytesOf(double number) { return BytesOf(std::bit_cast<int64_t>(number)); }
+
+// One dimension, no NULLs, the first element is number 1.
+template <typename Number>
+PostgresParameter ArrayOf(Oid type, Oid element_type, const std::vector<Number>& values) {
+  const int32_t num_dimensions = values.empty() ? 0 : 1;
+  std::string bytes = BytesOf(num_dimensions) + BytesOf(int32_t{0}) + BytesOf(element_type);
+  if (num_dimensions > 0) {
+    bytes += BytesOf(static_cast<int32_t>(values.size())) + BytesOf(int32_t{1});
+  }
+  for (const Number value : values) {
+    bytes += BytesOf(static_cast<int32_t>(sizeof(value))) + BytesOf(value);
+  }
+  return {type, std::move(bytes)};
+}
+
+}  // namespace
+
+PostgresParameter ParameterOf(int64_t value) { return {kInt8Type, BytesOf(value)}; }
+
+PostgresParameter ParameterOf(int value) { return ParameterOf(static_cast<int64_t>(value)); }
+
+PostgresParameter ParameterOf(bool value) {
+  return {kBoolType, std::string(1, value ? '\1' : '\0')};
+}
+
+PostgresParameter ParameterOf(double value) { return {kFloat8Type, BytesOf(value)}; }
+
+PostgresParameter ParameterOf(const std::optional<int64_t>& value) {
+  return value ? ParameterOf(*value) : PostgresParameter{kInt8Type, std::nullopt};
+}
+
+PostgresParameter ParameterOf(const std::optional<double>& value) {
+  return value ? ParameterOf(*value) : PostgresParameter{kFloat8Type, std::nullopt};
+}
+
+PostgresParameter ParameterOf(const std::string& value) { return {kTextType, value}; }
+
+PostgresParameter ParameterOf(const Bytes& value) { return {kByteaType, std::string(value.bytes)}; }
+
+PostgresParameter ParameterOf(const std::vector<int64_t>& values) {
+  return ArrayOf(kInt8ArrayType, kInt8Type, values);
+}
+
+PostgresParameter ParameterOf(const std::vector<double>& values) {
+  return ArrayOf(kFloat8ArrayType, kFloat8Type, values);
+}
+
+int64_t IntegerIn(std::string_view bytes) {
+  if (bytes.empty()) return 0;
+  const bool is_negative = (static_cast<unsigned char>(bytes.front()) & 0x80U) != 0;
+  uint64_t number = is_negative ? ~uint64_t{0} : 0;
+  for (const char byte : bytes) number = number << 8U | static_cast<unsigned char>(byte);
+  return static_cast<int64_t>(number);
+}
+
+double RealIn(std::string_view bytes) { return std::bit_cast<double>(IntegerIn(bytes)); }
+
+}  // namespace freelsd

@@ -1,0 +1,102 @@
+#include "storage/postgres/state.h"
+
+#include "storage/postgres/images.h"
+#include "storage/postgres/migrations.h"
+
+namespace freelsd {
+namespace {
+
+std::filesystem::path MadeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw StorageError("create folder " + folder.string(), error.message());
+  return folder;
+}
+
+StorageOptions Checked(const StorageOptions& options) {
+  CheckDatabaseUrl(options.database_url);
+  return options;
+}
+
+// What the database must be set to so that an acknowledged row survives a crash, and damage of its
+// files is noticed.
+std::vector<std::string> NoticesOf(PostgresConnection& connection) {
+  std::vector<std::string> notices;
+  if (connection.Run("SHOW fsync")[0].Text(0) != "on") {
+    notices.emplace_back("PostgreSQL runs with fsync off: a power failure can lose the database");
+  }
+  if (connection.Run("SHOW full_page_writes")[0].Text(0) != "on") {
+    notices.emplace_back(
+        "PostgreSQL runs with full_page_writes off: a power failure can damage the database");
+  }
+  if (connection.Run("SHOW data_checksums")[0].Text(0) != "on") {
+    notices.emplace_back(
+        "PostgreSQL has no data checksums: damage of its files may stay unnoticed (see "
+        "pg_checksums --enable)");
+  }
+  return notices;
+}
+
+void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
+  writer.Run(
+      "DELETE FROM maps WHERE NOT is_in_force AND staged_at <= now() - make_interval(secs => $1)",
+      age_s);
+}
+
+}  // namespace
+
+PostgresState::PostgresState(const StorageOptions& given)
+    : options(Checked(given)),
+      lock(MadeFolder(options.folder)),
+      images(options.images_folder),
+      readers(options),
+      writers(options),
+      owner_pool(options) {
+  {
+    const ConnectionLease writer(writers);
+    MigrateDatabase(*writer);
+    ownership.emplace(owner_pool,
+                      options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
+    if (options.is_shared && options.is_worker) registration.emplace(owner_pool, options.lease_s);
+    origin = (*writer).Run("SELECT gen_random_uuid()::text")[0].Text(0);
+    notices = NoticesOf(*writer);
+    DeleteUnfinishedMaps(*writer, options.unused_image_age_s);
+  }
+  SweepImages(*this);
+}
+
+ConnectionPool& PostgresState::Writers() {
+  if (is_damaged) throw StorageError("write", "the database is damaged");
+  return writers;
+}
+
+void PostgresState::MarkDamaged(const std::string& why) {
+  if (is_damaged.exchange(true)) return;
+  const std::lock_guard guard(notices_mutex);
+  notices.push_back("the database is damaged (" + why +
+                    "): this server writes nothing until its next start");
+}
+
+uint64_t PostgresState::VersionOf(const std::string& name) {
+  return Read([&](PostgresConnection& connection) {
+    const PostgresRows rows = connection.Run("SELECT value FROM versions WHERE name = $1", name);
+    if (rows.empty()) throw StorageError("read a version", "its row is missing");
+    return static_cast<uint64_t>(rows[0].Int(0));
+  });
+}
+
+PostgresWrite::PostgresWrite(PostgresState& state) : PostgresTransaction(state.Writers()) {
+  if (state.ownership) state.ownership->Check(**this);
+  if (state.registration) state.registration->Check(**this);
+}
+
+void StepSites(PostgresConnection& writer) {
+  writer.Run("UPDATE versions SET value = value + 1 WHERE name = 'sites'");
+}
+
+void StepObstacles(PostgresConnection& writer) {
+  writer.Run("UPDATE versions SET value = value + 1 WHERE name = 'obstacles'");
+  StepSites(writer);
+}
+
+}  // namespace freelsd

@@ -1,0 +1,75 @@
+// The state that all stores share: pools of connections, the image files, and caches for recall.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "storage/box_cache.h"
+#include "storage/folder_lock.h"
+#include "storage/image_files.h"
+#include "storage/postgres/ownership.h"
+#include "storage/postgres/pool.h"
+#include "storage/postgres/registration.h"
+#include "storage/storage.h"
+
+namespace freelsd {
+
+// Thread-safe. Readers and writers have pools of their own, so that readers never wait for writers.
+struct PostgresState {
+  // Opens the database and creates or migrates its schema.
+  explicit PostgresState(const StorageOptions& given);
+
+  // Runs `act` with a connection on which each statement is a transaction of its own. `act` may run
+  // twice.
+  template <typename Act>
+  auto Read(const Act& act) {
+    return WithConnection(readers, act);
+  }
+  // Throws StorageError after MarkDamaged.
+  ConnectionPool& Writers();
+  void MarkDamaged(const std::string& why);
+  // The version of 'sites' or 'obstacles'.
+  uint64_t VersionOf(const std::string& name);
+
+  StorageOptions options;
+  FolderLock lock;
+  ImageFiles images;
+  ConnectionPool readers;
+  ConnectionPool writers;
+  // Of one connection.
+  ConnectionPool owner_pool;
+  // Set once the schema is there.
+  std::optional<Ownership> ownership;
+  // Empty unless this process is a worker on a shared database.
+  std::optional<Registration> registration;
+  // Of this process, for the others.
+  std::string origin;
+  std::atomic<bool> is_damaged{false};
+  // Guards the turn to change sites, within this process.
+  std::mutex turns_mutex;
+  // Guards notices.
+  std::mutex notices_mutex;
+  std::vector<std::string> notices;
+  BoxCache<RecallRow> recall_rows;
+  BoxCache<MapRow> map_rows;
+  // Guards bounds_version and bounds.
+  std::mutex bounds_mutex;
+  uint64_t bounds_version = 0;
+  RecallBounds bounds;
+};
+
+// A transaction on one of the state's connections for writing.
+class PostgresWrite : public PostgresTransaction {
+ public:
+  explicit PostgresWrite(PostgresState& state);
+};
+
+// Increases the version of sites. Writers of sites then take turns until they commit.
+void StepSites(PostgresConnection& writer);
+// The same for obstacles and sites.
+void StepObstacles(PostgresConnection& writer);
+
+}  // namespace freelsd

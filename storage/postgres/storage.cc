@@ -1,0 +1,59 @@
+#include "storage/backend.h"
+#include "storage/postgres/state.h"
+#include "storage/postgres/stores.h"
+
+namespace freelsd {
+namespace {
+
+class PostgresBackend final : public StorageBackend {
+ public:
+  explicit PostgresBackend(const StorageOptions& options) : state_(options) {
+    EmptyFolder(SpoolFolder());
+  }
+
+  Stores stores() override {
+    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_};
+  }
+  DatabaseKind Kind() const override { return DatabaseKind::kPostgres; }
+  std::filesystem::path SpoolFolder() const override { return state_.options.folder / "spool"; }
+  std::optional<std::string> WhyNotWritable() override;
+  void MarkDamaged(const std::string& why) override { state_.MarkDamaged(why); }
+  std::vector<std::string> Notices() override {
+    const std::lock_guard lock(state_.notices_mutex);
+    return state_.notices;
+  }
+
+ private:
+  PostgresState state_;
+  PostgresFlightStore flights_{state_};
+  PostgresFrameStore frames_{state_};
+  PostgresImageStore images_{state_};
+  PostgresJobStore jobs_{state_};
+  PostgresTelemetryStore telemetry_{state_};
+  PostgresSiteStore sites_{state_};
+  PostgresMapStore maps_{state_};
+  PostgresObstacleStore obstacles_{state_};
+  PostgresClaimStore claims_{state_};
+};
+
+std::optional<std::string> PostgresBackend::WhyNotWritable() {
+  for (const auto& folder : {state_.options.images_folder, state_.options.folder}) {
+    if (auto reason = WhyDiskIsFull(folder)) return reason;
+  }
+  try {
+    PostgresWrite writer(state_);
+    // Refused on a server that is read-only.
+    writer->Execute("LOCK TABLE versions IN ROW EXCLUSIVE MODE");
+  } catch (const StorageError& failure) {
+    return failure.what();
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::unique_ptr<StorageBackend> OpenPostgres(const StorageOptions& options) {
+  return std::make_unique<PostgresBackend>(options);
+}
+
+}  // namespace freelsd

@@ -1,0 +1,154 @@
+#include <filesystem>
+#include <string>
+
+#include <doctest/doctest.h>
+
+#include "storage/storage.h"
+#include "tests/storage/rows.h"
+#include "tests/storage/sqlite/damage.h"
+
+namespace freelsd {
+namespace {
+
+FlightMapRow SomeMap(const std::string& id, const std::string& flight_id, BoundingBox box) {
+  FlightMapRow map;
+  map.id = id;
+  map.flight_id = flight_id;
+  map.head_json = "{}";
+  map.altitude_datum = "amsl";
+  map.box = box;
+  map.updated_at_us = 5;
+  map.seen_at_us = 4;
+  return map;
+}
+
+constexpr BoundingBox kHere{8.0, 50.0, 8.01, 50.01};
+// On both sides of the antimeridian.
+constexpr BoundingBox kAcross{179.9, -17.1, -179.95, -16.9};
+
+TEST_CASE("maps: an evaluation replaces sites and maps in one commit, in both databases") {
+  const TemporaryFolder folder;
+  {
+    Storage storage(folder.path());
+    storage.maps.Stage(SomeMap("f/1", "f", kHere), {{{0, 0, 0}, "old"}}, {});
+    storage.sites.PutEvaluation({{SomeSite("f-r1", 50.0, 8.0)}, {}, {"f/1"}, {}}, {});
+    storage.maps.Stage(SomeMap(storage.maps.NewId("f"), "f", kHere), {{{0, 0, 0}, "new"}}, {});
+    storage.sites.PutEvaluation({{SomeSite("f-r2", 50.0, 8.0)}, {"f-r1"}, {"f/2"}, {"f/1"}}, {});
+    CHECK(storage.maps.NewId("f") == "f/3");
+  }
+  // The main database is lost; all comes from the copy.
+  std::filesystem::remove(folder.path() / "freelsd.db");
+  std::filesystem::remove(folder.path() / "freelsd.db-wal");
+  const Storage storage(folder.path());
+  CHECK_FALSE(storage.sites.Find("f-r1"));
+  CHECK(storage.sites.Find("f-r2"));
+  REQUIRE(storage.maps.ListOf("f").size() == 1);
+  CHECK(storage.maps.ReadTile("f/2", {0, 0, 0}) == "new");
+  CHECK_FALSE(storage.maps.ReadTile("f/1", {0, 0, 0}));
+}
+
+TEST_CASE("maps: a map across the antimeridian is found at its own ground and nowhere else") {
+  const TemporaryFolder folder;
+  for (const bool from_copy : {false, true}) {
+    if (from_copy) {
+      std::filesystem::remove(folder.path() / "freelsd.db");
+      std::filesystem::remove(folder.path() / "freelsd.db-wal");
+    }
+    Storage storage(folder.path());
+    if (!from_copy) {
+      storage.maps.Stage(SomeMap("f/1", "f", kAcross), {}, {});
+      SiteRow site = SomeSite("g-r1", -17.0, 179.95);
+      site.map_box = kAcross;
+      site.recall = RecallData{};
+      storage.sites.Put(site, "map");
+      storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
+    }
+    CAPTURE(from_copy);
+    // The last three boxes cross the antimeridian; the last of them leaves [-180, 180].
+    for (const BoundingBox& box : {BoundingBox{179.92, -17.0, 179.93, -17.0},
+                                   BoundingBox{-179.97, -17.0, -179.96, -17.0},
+                                   BoundingBox{180.0, -17.0, 180.0, -17.0},
+                                   BoundingBox{-180.0, -17.0, -180.0, -17.0},
+                                   BoundingBox{-180.0, -90.0, 180.0, 90.0},
+                                   BoundingBox{179.99, -17.0, -179.99, -17.0},
+                                   BoundingBox{179.0, -17.0, -179.0, -17.0},
+                                   BoundingBox{179.98, -17.0, 180.015, -17.0}}) {
+      CAPTURE(box.west_deg);
+      CAPTURE(box.east_deg);
+      CHECK(storage.sites.ListMaps(box).size() == 2);
+      CHECK(storage.sites.ListRecallable(box).size() == 1);
+      CHECK(storage.sites.ListAccepted(box) == std::vector<std::string>{"g-r1"});
+    }
+    for (const BoundingBox& box : {BoundingBox{0.0, -17.0, 1.0, -17.0},
+                                   BoundingBox{-179.9, -17.0, 179.8, -17.0},
+                                   BoundingBox{179.92, -16.0, 179.93, -15.0}}) {
+      CAPTURE(box.west_deg);
+      CHECK(storage.sites.ListMaps(box).empty());
+      CHECK(storage.sites.ListRecallable(box).empty());
+      CHECK(storage.sites.ListAccepted(box).empty());
+    }
+  }
+}
+
+TEST_CASE("maps: boxes around the earth that older programs stored are mended at the start") {
+  const TemporaryFolder folder;
+  const BoundingBox around{
+      kAcross.east_deg, kAcross.south_deg, kAcross.west_deg, kAcross.north_deg};
+  {
+    Storage storage(folder.path());
+    storage.maps.Stage(SomeMap("f/1", "f", around), {}, {});
+    SiteRow site = SomeSite("g-r1", -17.0, 179.95);
+    site.map_box = around;
+    storage.sites.Put(site, "map");
+    storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
+  }
+  for (int start = 0; start < 2; ++start) {
+    const Storage storage(folder.path());
+    CHECK(storage.sites.ListMaps({179.92, -17.0, 179.93, -17.0}).size() == 2);
+    CHECK(storage.sites.ListMaps({-179.97, -17.0, -179.96, -17.0}).size() == 2);
+    CHECK(storage.sites.ListMaps({0.0, -17.0, 1.0, -17.0}).empty());
+    CHECK(storage.maps.Find("f/1").has_value());
+  }
+}
+
+constexpr int64_t kNowUs = 1700000000000000;
+
+ObstacleRow SomeObstacle(const std::string& id, const std::string& feature = R"({"a":1})") {
+  return {id, feature, {7.0, 46.0, 8.0, 47.0}, std::nullopt, kNowUs};
+}
+
+TEST_CASE("obstacles: they survive the loss of either file") {
+  for (const char* const lost : {"freelsd.db", "recall.db"}) {
+    CAPTURE(lost);
+    const TemporaryFolder folder;
+    { Storage(folder.path()).obstacles.Put({SomeObstacle("wire")}, kNowUs); }
+    for (const char* const suffix : {"", "-wal", "-shm"}) {
+      std::filesystem::remove(folder.path() / (lost + std::string(suffix)));
+    }
+    CHECK(Storage(folder.path()).obstacles.Find("wire"));
+    // Once more: it is in both files again.
+    const Storage storage(folder.path());
+    CHECK(storage.obstacles.Find("wire"));
+  }
+}
+
+TEST_CASE("obstacles: a change that reached the main database alone reaches the copy") {
+  const TemporaryFolder folder;
+  { Storage(folder.path()).obstacles.Put({SomeObstacle("wire")}, kNowUs); }
+  // As if the process was killed between the two commits.
+  Execute(folder.path() / "recall.db", "DELETE FROM obstacles");
+  CHECK(Storage(folder.path()).obstacles.Find("wire"));
+}
+
+TEST_CASE("obstacles: a row that was changed outside counts as damage, the copy's is read") {
+  const TemporaryFolder folder;
+  { Storage(folder.path()).obstacles.Put({SomeObstacle("wire")}, kNowUs); }
+  Execute(folder.path() / "recall.db", "UPDATE obstacles SET feature_json = '{}'");
+  const Storage storage(folder.path());
+  REQUIRE(storage.obstacles.Find("wire"));
+  CHECK(storage.obstacles.Find("wire")->feature_json == R"({"a":1})");
+  CHECK_FALSE(AwaitNotices(storage).empty());
+}
+
+}  // namespace
+}  // namespace freelsd
