@@ -8,6 +8,7 @@ import test from 'node:test';
 
 import { Camera } from './camera.js';
 import { ended, hasServer, isReady, setUp, sleep, until } from './processes.js';
+import { quaternionOf } from './quaternion.js';
 import { report } from './report.js';
 import { Standin } from './standin/aircraft.js';
 import { landing, survey } from './standin/missions.js';
@@ -45,15 +46,6 @@ async function flying(t, { seed, ...cameraOptions }, ...linkArgs) {
   return { setup, plane, served, camera, startLink };
 }
 
-// w, x, y, z with w not negative.
-function quaternionOf({ roll, pitch, yaw }) {
-  const [r, p, y] = [roll, pitch, yaw].map((angle_deg) => (angle_deg * Math.PI) / 360);
-  const { cos, sin } = Math;
-  const q = [cos(r) * cos(p) * cos(y) + sin(r) * sin(p) * sin(y), sin(r) * cos(p) * cos(y) - cos(r) * sin(p) * sin(y),
-    cos(r) * sin(p) * cos(y) + sin(r) * cos(p) * sin(y), cos(r) * cos(p) * sin(y) - sin(r) * sin(p) * cos(y)];
-  return q[0] < 0 ? q.map((part) => -part) : q;
-}
-
 // Each picture that is there has the time and the place of its own trigger, and no other is there.
 function assertOwnPoses(frames, camera) {
   const bySha = new Map(camera.taken.map((picture) => [picture.sha256, picture]));
@@ -67,7 +59,7 @@ function assertOwnPoses(frames, camera) {
     assert.ok(Math.abs(position.latitude_deg - message.lat / 1e7) < 2e-7, `${name}: another latitude`);
     assert.ok(Math.abs(position.longitude_deg - message.lng / 1e7) < 2e-7);
     assert.ok(Math.abs(position.altitude_m - message.altMsl) < 0.01);
-    quaternionOf(message).forEach((part, i) => assert.ok(Math.abs(part - attitude[i]) < 1e-4, `${name}: another attitude`));
+    quaternionOf({ roll_deg: message.roll, pitch_deg: message.pitch, yaw_deg: message.yaw }).forEach((part, i) => assert.ok(Math.abs(part - attitude[i]) < 1e-4, `${name}: another attitude`));
   }
 }
 

@@ -17,6 +17,7 @@ import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 
 import { Service } from '../../server/mavlink/service.js';
+import { quaternionOf } from './quaternion.js';
 import { Random } from './standin/random.js';
 import { allZero, Sender } from './standin/wire.js';
 
@@ -185,6 +186,21 @@ function renderedMeta(_, image) {
     attitude: { roll_deg, pitch_deg, yaw_deg } };
 }
 
+// How far the stored poses are from the rendered ones at most: MAVLink rounds them.
+function showRounding(flight, digestOf) {
+  let place_m = 0;
+  let attitude_deg = 0;
+  for (const [, sha256, text] of storedFrames(flight)) {
+    const { position: a, ned_from_body_wxyz: q } = JSON.parse(text);
+    const { position: b, attitude } = renderedMeta(undefined, digestOf.get(sha256));
+    const flat_m = distance_m([a.longitude_deg, a.latitude_deg], [b.longitude_deg, b.latitude_deg]);
+    place_m = Math.max(place_m, Math.hypot(flat_m, a.altitude_m - b.altitude_m));
+    const same = quaternionOf(attitude).reduce((sum, part, i) => sum + part * q[i], 0);
+    attitude_deg = Math.max(attitude_deg, (2 * Math.acos(Math.min(1, Math.abs(same))) * 180) / Math.PI);
+  }
+  console.log(`poses of the frames against the rendered ones: at most ${(100 * place_m).toFixed(2)} cm and ${attitude_deg.toFixed(5)} deg`);
+}
+
 // The telemetry and the frames that the service has of a flight, for another flight.
 async function directly(request, linkFlight, digestOf, metaOf) {
   const { id } = await post('/v1/flights', JSON.stringify({ ...request, name: 'frame by frame' }));
@@ -225,6 +241,7 @@ async function run(children) {
   console.log(`through the link: ${shown(sites)}`);
   const { createHash } = await import('node:crypto');
   const digestOf = new Map(frames.map(({ image }) => [createHash('sha256').update(readFileSync(join(folder, image))).digest('hex'), image]));
+  showRounding(flight.id, digestOf);
   compare('frame by frame, same meta and telemetry', sites, await sitesOf(await directly(request, flight.id, digestOf, givenMeta)));
   compare('frame by frame, rendered poses, same telemetry', sites, await sitesOf(await directly(request, flight.id, digestOf, renderedMeta)));
   compare('batch, rendered poses', sites, await sitesOf(await asBatch(request)));
