@@ -199,7 +199,8 @@ export class Guidance {
     this.#way = new ToldWay(site);
     this.#progress = this.#nearest(state, 0, 60);
     if (this.#progress.away_m > 60) this.#progress = this.#nearest(state);
-    const what = `${this.#way.length_m.toFixed(0)} m, ${this.#way.numCircles} circles`;
+    const { numCircles } = this.#way;
+    const what = `${this.#way.length_m.toFixed(0)} m, ${numCircles} ${numCircles === 1 ? 'circle' : 'circles'}`;
     if (isOtherFinal) this.#prepare(site);
     if (!isOther) {
       this.#decide(`new way to ${site.site_id}: ${reason}; ${what}`, 'guidance');
