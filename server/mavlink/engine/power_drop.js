@@ -17,8 +17,8 @@ import { defaultPowerNoise, Innovations, numResiduals, PowerNoise } from './powe
 const gravity_mps2 = 9.81;
 
 export const defaultPowerDropOptions = {
-  // Evidence that is a drop: e^11 is 60 000. Evidence from which nothing is learned for a while.
-  limit: 11,
+  // Evidence that is a drop: e^12 is 160 000. Evidence from which nothing is learned for a while.
+  limit: 12,
   // The same for thrust that is missing all the time, and if RPM or current has also gone.
   limitAbsence: 8,
   limitConfirmed: 3,
@@ -39,6 +39,8 @@ export const defaultPowerDropOptions = {
   // changes within answer_s is not counted on at all.
   thrust_ratio: 0.1,
   turn_mps: 1.0,
+  // So much less demand than answer_s ago: then the search begins anew.
+  fall_ratio: 0.03,
   // No sample says more than so many standard deviations.
   maxDeviation: 3,
   smooth_s: 1.0,
@@ -171,7 +173,7 @@ export class PowerDrop {
       (this.#airspeed_mps / referenceAirspeed_mps) * (throttle - earlier)];
     const power_mps = between(before.climb_mps, motion.climb_mps, 0.5) +
       (airspeed_mps * forward_mps2(before, motion, duration_s)) / gravity_mps2;
-    return { time_s: motion.time_s, duration_s, throttle, load, features, power_mps };
+    return { time_s: motion.time_s, duration_s, throttle, earlier, load, features, power_mps };
   }
 
   #take(sample, hasFailed) {
@@ -194,6 +196,8 @@ export class PowerDrop {
     this.#absence = isShown ? Math.max(0, this.#absence + absence) : 0;
     const variance_mps2 = filter.variance_mps2 + this.#fit.variance(row) + (options.turn_mps * (load ** 2 - 1)) ** 2 +
       (row.at(-1) * Math.max(0, first)) ** 2 + (options.thrust_ratio * thrust_mps) ** 2;
+    // A demand that has fallen explains less power by itself.
+    if (sample.throttle < sample.earlier - options.fall_ratio) this.#onsets = [];
     if (this.#isLearned) this.#weigh(sample, { filter, thrust_mps, innovation_mps: power - this.#fit.estimate(row), variance_mps2 });
     this.#waiting.push({ time_s, duration_s, row, power, variance_mps2: filter.variance_mps2, residuals_mps: this.#residuals_mps });
     this.#learn(time_s);
