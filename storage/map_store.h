@@ -55,8 +55,8 @@ class MapStore {
 
   // An id for a new map of the flight. No other map has or had it since the storage was opened.
   virtual std::string NewId(const std::string& flight_id) = 0;
-  // Stores a map that is not in force yet, and its tiles. The files of its photo tiles may be stored
-  // later (ImageStore), when these rows keep them.
+  // Stores a map that is not in force yet, and its tiles. The files of its photo tiles may be
+  // stored later (ImageStore), when these rows keep them.
   virtual void Stage(const FlightMapRow& map,
                      const Tiles& tiles,
                      const PhotoTiles& photo_tiles) = 0;

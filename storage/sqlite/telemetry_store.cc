@@ -70,19 +70,19 @@ bool SqliteTelemetryStore::Put(const std::string& flight_id,
 }
 
 std::vector<TelemetryRow> SqliteTelemetryStore::LastArrived(const std::string& flight_id,
-                                                      TelemetryKind kind,
-                                                      int max_num_rows) const {
+                                                            TelemetryKind kind,
+                                                            int max_num_rows) const {
   return RowsOf(state_, kLastArrived, flight_id, kind, max_num_rows);
 }
 
 std::vector<TelemetryRow> SqliteTelemetryStore::Latest(const std::string& flight_id,
-                                                 TelemetryKind kind,
-                                                 int max_num_rows) const {
+                                                       TelemetryKind kind,
+                                                       int max_num_rows) const {
   return RowsOf(state_, kLatest, flight_id, kind, max_num_rows);
 }
 
 std::optional<TelemetryRow> SqliteTelemetryStore::FirstArrived(const std::string& flight_id,
-                                                         TelemetryKind kind) const {
+                                                               TelemetryKind kind) const {
   const std::vector<TelemetryRow> rows = RowsOf(state_, kFirstArrived, flight_id, kind, 1);
   return rows.empty() ? std::nullopt : std::optional(rows.front());
 }
