@@ -47,7 +47,7 @@ for (const [withSigns, leastShares] of [[true, [1, 0.6, 0.6]], [false, [1, 0.5, 
       const delays_s = failures.map(({ delay_s }) => delay_s);
       const name = `failure in a survey, ${label}, glide ratio ${glide_ratio}`;
       report(subject, `${name}: ${numFailures} flights`, textOf(delays_s));
-      if (!withSigns) report(subject, `the same if model and noise were known`, textOf(failures.map(({ known_s }) => known_s)));
+      if (!withSigns) report(subject, `the same flights, if model and noise were known`, textOf(failures.map(({ known_s }) => known_s)));
       assert.ok(failures.every(({ hadAlarm }) => !hadAlarm), `${name}: false alarm`);
       assert.ok(shareInGoal(delays_s) >= leastShares[kind], `${name}: ${textOf(delays_s)}`);
     }
