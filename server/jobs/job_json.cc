@@ -94,6 +94,13 @@ nlohmann::json JobView::Json(const JobRow& job) {
   return json;
 }
 
+// Another server works on it, which alone knows how long it takes.
+bool JobView::RunsElsewhere(const JobRow& job) const {
+  const bool is_evaluated = evaluation_ && evaluation_->job_id == job.id;
+  return job.state == JobState::kRunning && service_.storage.claims.IsShared() && !is_evaluated &&
+         !service_.progress.TimingOf(job.id);
+}
+
 JobView::Outlook JobView::OutlookOf(const JobRow& job) {
   if (job.state == JobState::kCancelled) return {"Cancelled", "Cancelled", std::nullopt, false};
   if (!IsUnfinished(job)) {
@@ -101,6 +108,7 @@ JobView::Outlook JobView::OutlookOf(const JobRow& job) {
     if (job.state == JobState::kDone) return {"Done", SummaryOfDone(detail), std::nullopt, false};
     return {"Failed", "Failed: " + detail.value("message", "unknown reason"), std::nullopt, false};
   }
+  if (RunsElsewhere(job)) return OutlookOfRunning(job, std::nullopt);
   // A job that ran before a restart waits until its work goes on.
   if (job.kind != "batch") {
     const bool is_evaluated = evaluation_ && evaluation_->job_id == job.id;

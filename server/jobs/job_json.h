@@ -28,6 +28,7 @@ class JobView {
     // Nothing unless another flight's evaluation comes first.
     bool waits_for_evaluation = false;
   };
+  bool RunsElsewhere(const JobRow& job) const;
   Outlook OutlookOf(const JobRow& job);
   Outlook OutlookOfRunning(const JobRow& job, std::optional<double> time_left_s) const;
   Outlook OutlookOfWaiting(const JobRow& job);

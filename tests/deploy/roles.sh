@@ -5,6 +5,8 @@
 #
 #   tests/deploy/roles.sh FREELSD_SERVER GRASS_MODEL FLIGHT_FOLDER
 #
+# A flight that three workers in a row did not survive fails, with that reason.
+#
 # Runs beside a cluster of its own; status 77 and a line "skipped: why" where there is no PostgreSQL with PostGIS.
 # Needs curl, jq and psql.
 set -Eeuo pipefail
@@ -79,6 +81,11 @@ submit_new
 killed="${flight[api]}"
 sleep 3
 [ "$(ask_database 'SELECT count(*) FROM claims')" = 0 ] || fail "the API's server works"
+mkdir "$work/few"
+cp "$photos"/frame_000[1-3].jpg "$photos/flight.json" "$photos/poses.csv" "$work/few"
+control api submit "$work/few" --no-wait
+deadly="$(curl -fsS "${url[api]}/v1/flights" | jq -r '.flights[0].id')"
+ask_database "INSERT INTO claims (flight_id, num_lost) VALUES ('$deadly', 3)"
 start_role one worker
 token="$(await_claim "$killed" 0)"
 sleep 4
@@ -86,6 +93,8 @@ kill_server one
 start_role two worker
 taken_over "$killed" "$token" "killed"
 control api watch "$killed"
+grep -Eq 'Comparing pairs|Judging the ground|Planning approaches|Drawing the picture' "$work/api.txt" ||
+  fail "nothing was told of what the worker does: $(cat "$work/api.txt")"
 same_sites "$killed"
 
 submit_new
@@ -102,6 +111,11 @@ wait "${process[two]}" || status=$?
 control api watch "$paused"
 same_sites "$paused"
 get api /v1/sites >/dev/null
-[ "$(curl -fsS "${url[api]}/v1/flights" | jq '[.flights[] | select(.state != "idle")] | length')" = 0 ] ||
+[ "$(curl -fsS "${url[api]}/v1/flights" |
+  jq --arg deadly "$deadly" '[.flights[] | select(.id != $deadly and .state != "idle")] | length')" = 0 ] ||
   fail "a flight is not done"
+control api watch "$deadly"
+curl -fsS "${url[api]}/v1/flights/$deadly" | jq -e '.state == "failed" and (.warnings | tostring |
+  contains("3 workers in a row ended while they had it"))' >/dev/null || fail "the deadly flight goes on"
+echo "a flight that ended three workers has failed"
 echo "roles.sh: everything that ran has passed"
