@@ -62,6 +62,16 @@ run_unit_tests() {
   grep -q '^100% tests passed' "$work/ctest.log" || fail "unit tests failed"
 }
 
+# CTest passes too if it has not found the tests of the programs.
+check_that_all_were_found() {
+  local num_found num_there=0 program
+  num_found="$(sed -nE 's/^100% tests passed.* out of ([0-9]+)$/\1/p' "$work/ctest.log")"
+  for program in build/release/tests/*_tests; do
+    num_there=$((num_there + $("$program" --count | grep -oE '[0-9]+$')))
+  done
+  if [ "$num_found" -lt "$num_there" ]; then fail "only $num_found of $num_there unit tests were found"; fi
+}
+
 # Where there is no PostgreSQL, the tests on it are skipped.
 report_skipped_tests() {
   local name
@@ -107,6 +117,7 @@ passed
 
 start_step "unit tests (release)"
 run_unit_tests release
+check_that_all_were_found
 passed
 report_skipped_tests
 if [ -z "${FREELSD_DATA:-}" ]; then skipped "tests on recorded flights: FREELSD_DATA is not set"; fi

@@ -134,14 +134,19 @@ ask_all() {
   done < <(jq -r '.features[].geometry.coordinates | "\(.[1]) \(.[0])"' "$work/amd64.sites")
 }
 
+# Without what depends on how long it took: under qemu not every site in reach is evaluated in time.
+# shellcheck disable=SC2016
+readonly timeless='del(.. | .age_s?, .evaluated_in_s?)
+  | .warnings |= map(select(contains("not every stored site in reach was evaluated") | not))'
+
 # The same stored maps, asked on both.
 compare_recall() {
   cp -r "$work/amd64" "$work/copy"
   start recall-amd64 "$work/amd64" "${amd64_server[@]}"
-  ask_all | jq -cS 'del(.. | .age_s?, .evaluated_in_s?)' >"$work/amd64.recall"
+  ask_all | jq -cS "$timeless" >"$work/amd64.recall"
   end_server
   start recall-arm64 "$work/copy" "${arm64_server[@]}"
-  ask_all | jq -cS 'del(.. | .age_s?, .evaluated_in_s?)' >"$work/arm64.recall"
+  ask_all | jq -cS "$timeless" >"$work/arm64.recall"
   end_server
   local num_answers
   num_answers="$(grep -c . "$work/amd64.recall")"
