@@ -86,8 +86,9 @@ bool Worker::StepBackend() {
   RetireImages();
   const std::vector<JobRow> finishes = ReadyFinishes();
   for (const JobRow& job : finishes) due_.Add(job.flight_id);
-  const std::optional<std::string> flight_id = due_.Take();
+  // Before the flight is looked up: what is evaluated is not released.
   const Mark mark(is_evaluating_);
+  const std::optional<std::string> flight_id = due_.Take();
   if (!flight_id) return ReplayNext();
   const SessionPointer session = open_flights_.Find(*flight_id);
   if (!session) return true;

@@ -111,7 +111,8 @@ bool Worker::StepFrontend() {
   }
   for (const std::string& id : open_flights_.CloseIdle(busy_flights, flights_with_jobs)) Forget(id);
   if (StepOneOf(busy_flights, jobs)) return true;
-  claims_.Release(open_flights_.Ids());
+  // A flight that has just been closed may still be evaluated.
+  if (!is_evaluating_) claims_.Release(open_flights_.Ids());
   return ClaimAnother();
 }
 

@@ -76,10 +76,11 @@ void Sharing::TellOwn() {
     {
       const std::lock_guard lock(mutex_);
       if (own_.empty()) return;
-      event = std::move(own_.front());
-      own_.pop_front();
+      event = own_.front();
     }
     storage_.claims.Tell({0, event.type, event.flight_id, event.data});
+    const std::lock_guard lock(mutex_);
+    own_.pop_front();
   }
 }
 

@@ -106,6 +106,8 @@ void PostgresFrameStore::SetState(const std::string& flight_id,
               frame_id,
               static_cast<int>(state),
               reason);
+  // A flight that goes on has not ended its workers.
+  writer->Run("UPDATE claims SET num_lost = 0 WHERE flight_id = $1 AND num_lost > 0", flight_id);
   writer.Commit();
 }
 

@@ -13,18 +13,23 @@ bool TryLock(PostgresConnection& connection, OwnershipKind kind) {
       .Bool(0);
 }
 
-int64_t Take(PostgresConnection& connection, OwnershipKind kind) {
-  if (!TryLock(connection, kind)) {
-    throw StorageError("open the database", "another freelsd-server uses it");
-  }
-  if (kind == OwnershipKind::kShared) return connection.Run("SELECT token FROM owners")[0].Int(0);
-  return connection.Run("UPDATE owners SET token = token + 1 RETURNING token")[0].Int(0);
-}
-
 }  // namespace
 
-Ownership::Ownership(ConnectionPool& pool, OwnershipKind kind)
-    : lease_(pool), token_(Take(*lease_, kind)) {}
+Ownership::Ownership(ConnectionPool& pool, OwnershipKind kind) : kind_(kind), lease_(pool) {
+  if (!TryLock(*lease_, kind)) {
+    throw StorageError("open the database", "another freelsd-server uses it");
+  }
+}
+
+void Ownership::Begin() {
+  if (kind_ == OwnershipKind::kAlone) {
+    lease_->Run("UPDATE owners SET token = token + 1, is_alone = true");
+  } else {
+    // Who had it alone, and does not know yet that its lock is gone, writes nothing more.
+    lease_->Run("UPDATE owners SET token = token + 1, is_alone = false WHERE is_alone");
+  }
+  token_ = lease_->Run("SELECT token FROM owners")[0].Int(0);
+}
 
 void Ownership::Check(PostgresConnection& writer) const {
   const PostgresRows rows = writer.Run("SELECT 1 FROM owners WHERE token = $1 FOR SHARE", token_);

@@ -11,19 +11,23 @@ namespace freelsd {
 enum class OwnershipKind { kAlone, kShared };
 
 // Holds an advisory lock during its lifetime, with a connection of its own. If that connection
-// breaks, a process can take the database for itself alone; the token, which every write compares,
-// then differs. Throws StorageError if another process has the database for itself, or for kAlone
-// if any has it.
+// breaks, a process can take the database for itself alone, or others can share it; the token,
+// which every write compares, then differs. The constructor changes nothing. It throws StorageError
+// if another process has the database for itself, or for kAlone if any has it.
 class Ownership {
  public:
   Ownership(ConnectionPool& pool, OwnershipKind kind);
+
+  // Takes the token. Before the first Check, and after the migrations.
+  void Begin();
 
   // Within a transaction. Throws StorageError if another process took the database for itself.
   void Check(PostgresConnection& writer) const;
 
  private:
+  OwnershipKind kind_;
   ConnectionLease lease_;
-  int64_t token_;
+  int64_t token_ = 0;
 };
 
 }  // namespace freelsd

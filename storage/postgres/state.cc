@@ -54,9 +54,10 @@ PostgresState::PostgresState(const StorageOptions& given)
       owner_pool(options) {
   {
     const ConnectionLease writer(writers);
-    MigrateDatabase(*writer);
     ownership.emplace(owner_pool,
                       options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
+    MigrateDatabase(*writer);
+    ownership->Begin();
     if (options.is_shared && options.is_worker) registration.emplace(owner_pool, options.lease_s);
     origin = (*writer).Run("SELECT gen_random_uuid()::text")[0].Text(0);
     notices = NoticesOf(*writer);

@@ -18,7 +18,8 @@ INSERT INTO versions VALUES ('sites', 1), ('obstacles', 1);
 -- the row, so whoever takes the database waits for them, and later ones are refused.
 CREATE TABLE owners (
   is_only boolean PRIMARY KEY DEFAULT true CHECK (is_only),
-  token bigint NOT NULL
+  token bigint NOT NULL,
+  is_alone boolean NOT NULL DEFAULT true
 );
 INSERT INTO owners (token) VALUES (0);
 

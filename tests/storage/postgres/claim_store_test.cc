@@ -174,6 +174,23 @@ TEST_CASE("claims: workers in a row that end without a word are counted") {
   }
 }
 
+TEST_CASE("claims: a flight that went on meanwhile has ended no worker") {
+  const StoragePlace place;
+  Storage one(AsWorker(place.OptionsOfOne()));
+  Storage other(AsWorker(place.OptionsOfOther()));
+  one.images.Write(kImage, "pixels");
+  InsertFlightWithFrame(one, "f");
+  CHECK(one.claims.ClaimNext());
+  EndLeases(place);
+  CHECK(other.claims.ClaimNext()->num_lost == 1);
+  other.frames.SetState("f", "1", FrameState::kProcessed, "");
+  other.frames.SetState("f", "1", FrameState::kQueued, "");
+  EndLeases(place);
+  StorageOptions third = AsWorker(place.OptionsOfOther());
+  third.folder /= "third";
+  CHECK(Storage(third).claims.ClaimNext()->num_lost == 1);
+}
+
 TEST_CASE("claims: who is no worker claims nothing") {
   const StoragePlace place;
   Storage storage(place.OptionsOfOne());

@@ -94,6 +94,24 @@ TEST_CASE("postgres: a process writes nothing after another one took the databas
   CHECK_FALSE(other.WhyNotWritable());
 }
 
+TEST_CASE("postgres: who had a database alone writes nothing after others began to share it") {
+  const StoragePlace place;
+  StorageOptions alone = place.OptionsOfOne();
+  alone.is_shared = false;
+  Storage storage(alone);
+  place.Execute(
+      "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE application_name = 'freelsd'");
+  Storage other(place.OptionsOfOther());
+  StorageOptions third = place.OptionsOfOther();
+  third.folder /= "third";
+  Storage another(third);
+  CHECK_THROWS_WITH_AS(storage.flights.Insert(SomeFlight("f")),
+                       doctest::Contains("took the database over"),
+                       StorageError);
+  CHECK_NOTHROW(other.flights.Insert(SomeFlight("g")));
+  CHECK_NOTHROW(another.flights.Insert(SomeFlight("h")));
+}
+
 TEST_CASE("postgres: two processes create the schema at the same time, once") {
   const StoragePlace place;
   std::atomic<int> num_open{0};
