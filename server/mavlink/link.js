@@ -145,6 +145,7 @@ export class Link {
     this.#triggers.restart();
     this.#gate.restart();
     this.#wind.restart();
+    this.#engine = new EngineWatch();
     this.#flyingSince_ms = undefined;
   }
 
