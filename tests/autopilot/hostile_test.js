@@ -209,3 +209,26 @@ test('a trigger waits for UTC, comes once, and a pose far from the aircraft is n
   assert.deepEqual([triggers[1].index, triggers[1].position, triggers[1].attitude], [4, undefined, undefined]);
   assert.equal(link.state().camera.num_triggers, 4);
 });
+
+const captured = (fields, more) => bytesOf('CAMERA_IMAGE_CAPTURED', { timeBootMs: 1400, timeUtc: 0n, cameraId: 0, lat: 474000000, lon: 85000000,
+  alt: 500000, relativeAlt: 70000, q: [1, 0, 0, 0], imageIndex: 1, captureResult: 1, fileUrl: '', ...fields }, more);
+
+test("a camera has another boot than the autopilot, and its UTC counts only near the link's own", () => {
+  const triggers = [];
+  const { take, link } = newLink({ onTrigger: (trigger) => triggers.push(trigger) });
+  const camera = { componentId: 100 };
+  take(heartbeat());
+  const utc = (boot_ms) => BigInt(start_us + boot_ms * 1000);
+  take(captured({ timeUtc: utc(0) }, camera));
+  take(time(1000));
+  take(position(1200));
+  take(captured({}, camera));
+  take(bytesOf('CAMERA_TRIGGER', { timeUsec: 1_400_000n, seq: 1 }, camera));
+  for (const boot_ms of [-3_600_000, -2000, 5000, 86_400_000]) take(captured({ timeUtc: utc(boot_ms) }, camera));
+  take(captured({ timeBootMs: 60_000 }));
+  assert.deepEqual(triggers, []);
+  assert.equal(link.state().packets.refused.trigger_time, 8);
+  take(captured({ timeUtc: utc(-1000), imageIndex: 2 }, camera));
+  take(captured({ imageIndex: 3 }));
+  assert.deepEqual(triggers.map(({ timestamp_us, index }) => [timestamp_us - start_us, index]), [[-1e6, 2], [1_400_000, 3]]);
+});
