@@ -109,7 +109,7 @@ function partsFrom(config) {
       decisions.add('link', sentence);
     },
     onMessage: (name, fields) => parts.landings?.hear(name, fields, performance.now() / 1000),
-    onTrigger: (trigger) => pictures?.hear({ ...trigger, session: sessions.at(trigger.timestamp_us, link.pin.systemId) }),
+    onTrigger: (trigger) => pictures?.hear({ ...trigger, session: sessions.find(trigger.timestamp_us, link.pin.systemId) }),
     emit: (line) => spool.append({ session: sessions.at(line.timestamp_us, link.pin.systemId), line }),
   });
   return Object.assign(parts, { service, spool, sessions, signing, uplink, decisions, pictures, link });

@@ -9,6 +9,7 @@ import test from 'node:test';
 import { packetsInDatagram } from '../../server/mavlink/framing.js';
 import { Link } from '../../server/mavlink/link.js';
 import { checksumExtraOf, idOf, messageOf, packetBytes } from '../../server/mavlink/messages.js';
+import { Sessions } from '../../server/mavlink/sessions.js';
 import { Signing } from '../../server/mavlink/signing.js';
 import { Spool } from '../../server/mavlink/spool.js';
 import { report } from './report.js';
@@ -231,4 +232,17 @@ test("a camera has another boot than the autopilot, and its UTC counts only near
   take(captured({ timeUtc: utc(-1000), imageIndex: 2 }, camera));
   take(captured({ imageIndex: 3 }));
   assert.deepEqual(triggers.map(({ timestamp_us, index }) => [timestamp_us - start_us, index]), [[-1e6, 2], [1_400_000, 3]]);
+});
+
+test('a trigger begins no flight, whatever its time is', (t) => {
+  const sessions = new Sessions(join(temporaryFolder(t), 'session.json'));
+  assert.equal(sessions.find(start_us, 1), undefined);
+  const name = sessions.at(start_us, 1);
+  for (const hours of [-24, -1, 1, 24]) assert.equal(sessions.find(start_us + hours * 3600e6, 1), undefined);
+  assert.equal(sessions.find(start_us, 2), undefined);
+  // Such triggers, each near the last one, lead nowhere.
+  for (let minutes = 0; minutes <= 60; minutes += 10) sessions.find(start_us + minutes * 60e6, 1);
+  assert.equal(sessions.find(start_us - 2e6, 1), name);
+  assert.equal(sessions.at(start_us + 1e6, 1), name);
+  assert.equal(sessions.name, name);
 });

@@ -84,8 +84,10 @@ export class Pictures {
     for (const { fate } of entries) ++this.#numOf[fate];
   }
 
-  // trigger: { kind, index, timestamp_us, session, position?, attitude?, file? }.
+  // trigger: { kind, index, timestamp_us, session, position?, attitude?, file? }. Without a session there is
+  // no telemetry of its time.
   hear({ timestamp_us, ...trigger }) {
+    if (!trigger.session) return;
     const isNew = this.#triggers.add({ ...trigger, time_us: timestamp_us, order: ++this.#order });
     if (isNew) this.#isChanged = true;
   }
