@@ -94,7 +94,7 @@ function partsFrom(config) {
   const decisions = new Decisions();
   const pictures = config.picturesFolder && new Pictures({
     folder: config.picturesFolder, path: (name) => join(folder, name), service, limit_s: config.pictureClockError_s,
-    flightOf: (session) => uplink.flightOf(session), isCovered: (timestamp_us) => uplink.isCovered(timestamp_us),
+    flightOf: (session) => uplink.flightOf(session), session: () => sessions.name, isCovered: (timestamp_us) => uplink.isCovered(timestamp_us),
     log: (text) => {
       log(text);
       decisions.add('picture', text);
