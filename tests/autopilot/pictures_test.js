@@ -191,7 +191,7 @@ test('the names of a formatted card begin anew: no picture of today gets a pose 
   mkdirSync(card);
   const sent = [];
   let session = 'yesterday';
-  let now_ms = 0;
+  let now_ms = performance.now();
   const evening_us = Date.UTC(2026, 5, 1, 20) * 1000;
   const morning_us = evening_us + 12 * 3600e6;
   const start = () => new Pictures({ folder: card, path: (name) => join(folder, name), limit_s: 54_000, session: () => session,
