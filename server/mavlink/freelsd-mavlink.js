@@ -94,7 +94,7 @@ function partsFrom(config) {
   const decisions = new Decisions();
   const pictures = config.picturesFolder && new Pictures({
     folder: config.picturesFolder, path: (name) => join(folder, name), service, limit_s: config.pictureClockError_s,
-    flightOf: (session) => uplink.flightOf(session), isCovered: (timestamp_us) => uplink.isCovered(timestamp_us),
+    flightOf: (session) => uplink.flightOf(session), session: () => sessions.name, isCovered: (timestamp_us) => uplink.isCovered(timestamp_us),
     log: (text) => {
       log(text);
       decisions.add('picture', text);
@@ -109,7 +109,7 @@ function partsFrom(config) {
       decisions.add('link', sentence);
     },
     onMessage: (name, fields) => parts.landings?.hear(name, fields, performance.now() / 1000),
-    onTrigger: (trigger) => pictures?.hear({ ...trigger, session: sessions.at(trigger.timestamp_us, link.pin.systemId) }),
+    onTrigger: (trigger) => pictures?.hear({ ...trigger, session: sessions.find(trigger.timestamp_us, link.pin.systemId) }),
     emit: (line) => spool.append({ session: sessions.at(line.timestamp_us, link.pin.systemId), line }),
   });
   return Object.assign(parts, { service, spool, sessions, signing, uplink, decisions, pictures, link });

@@ -16,6 +16,8 @@ const armedFlag = 128;
 const degrees = (radians) => (radians * 180) / Math.PI;
 // From here upwards a time is UNIX time, not time since boot.
 const firstUnix_us = 1e15;
+// A message of the camera comes soon after its exposure.
+const maxTriggerDelay_us = 3e6;
 const otherMessages = new Set(heardMessages.map((name) => idOf[name]));
 const silent_s = 5;
 const minFlyingAirspeed_mps = 8;
@@ -105,7 +107,7 @@ export class Link {
     const isOther = otherMessages.has(packet.messageId);
     if (!handler && !isOther) return undefined;
     const fields = heartbeat ?? fieldsOf(packet);
-    if (handler) handler.call(this, fields, now_us);
+    if (handler) handler.call(this, fields, now_us, packet.componentId === this.#pin.componentId);
     if (isOther) this.#onMessage(nameOf(packet.messageId), fields);
     return undefined;
   }
@@ -124,9 +126,9 @@ export class Link {
     [idOf.EFI_STATUS]: (efi) => this.#hearSign('rpm', efi.rpm),
     [idOf.ESC_TELEMETRY_1_TO_4]: (esc) => this.#hearSign('rpm', Math.max(...esc.rpm)),
     [idOf.MISSION_CURRENT]: (mission) => { this.#missionSequence = mission.seq; },
-    [idOf.CAMERA_TRIGGER]: (camera, now_us) => this.#onCamera(triggerOf(camera), now_us),
-    [idOf.CAMERA_FEEDBACK]: (camera, now_us) => this.#onCamera(feedbackOf(camera), now_us),
-    [idOf.CAMERA_IMAGE_CAPTURED]: (camera, now_us) => this.#onCamera(capturedOf(camera), now_us),
+    [idOf.CAMERA_TRIGGER]: (camera, ...more) => this.#onCamera(triggerOf(camera), ...more),
+    [idOf.CAMERA_FEEDBACK]: (camera, ...more) => this.#onCamera(feedbackOf(camera), ...more),
+    [idOf.CAMERA_IMAGE_CAPTURED]: (camera, ...more) => this.#onCamera(capturedOf(camera), ...more),
   };
 
   #onHeartbeat(heartbeat) {
@@ -145,6 +147,7 @@ export class Link {
     this.#triggers.restart();
     this.#gate.restart();
     this.#wind.restart();
+    this.#engine = new EngineWatch();
     this.#flyingSince_ms = undefined;
   }
 
@@ -223,18 +226,24 @@ export class Link {
     this.#wind.hearTowards({ east_mps: windY, north_mps: windX }, this.#clock.newest_ms, now_us);
   }
 
-  #onCamera(trigger, now_us) {
-    if (!trigger) return;
+  // Time since boot is of the autopilot's boot only if the autopilot tells it.
+  #isTriggerTime(time_us, now_us, isAutopilot) {
+    const isUnix = time_us >= firstUnix_us;
+    const own_us = isUnix ? this.#clock.utc_us(this.#clock.newest_ms, now_us) : this.#clock.newest_ms * 1000;
+    return (isUnix || (isAutopilot && time_us > 0)) && Math.abs(own_us - time_us) <= maxTriggerDelay_us;
+  }
+
+  #onCamera(trigger, now_us, isAutopilot) {
+    if (!trigger) return undefined;
     const { time_us, position, attitude, ...details } = trigger;
+    ++this.#camera.num_triggers;
+    // Without such a time it fits to no picture.
+    if (!this.#isTriggerTime(time_us, now_us, isAutopilot)) return this.#refuse('trigger_time');
     const isUnix = time_us >= firstUnix_us;
     const timestamp_us = isUnix ? time_us : this.#clock.utc_us(time_us / 1000, now_us);
-    ++this.#camera.num_triggers;
     this.#camera.last = { timestamp_us, ...details, ...(position && { position }) };
-    // Without a time it fits to no picture.
-    if (time_us <= 0) return;
     const told = isTriggerPlace(position, this.#position) ? { ...details, position, attitude } : details;
-    if (isUnix) this.#onTrigger({ timestamp_us, ...told });
-    else this.#triggers.add(details.kind, time_us / 1000, told, now_us);
+    return isUnix ? this.#onTrigger({ timestamp_us, ...told }) : this.#triggers.add(details.kind, time_us / 1000, told, now_us);
   }
 
   // As an item of /v1/links.

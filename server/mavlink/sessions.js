@@ -17,18 +17,23 @@ export class Sessions {
     if (existsSync(path)) this.#current = JSON.parse(readFileSync(path, 'utf8'));
   }
 
-  // The name of the flight.
+  // The name of the flight of a line of telemetry, which may begin another one.
   at(timestamp_us, systemId) {
-    const pause_us = timestamp_us - (this.#current?.last_us ?? -Infinity);
-    const isSame = this.#current?.system_id === systemId &&
-      pause_us <= longestPause_us && pause_us >= -longestStepBack_us;
-    if (!isSame) {
+    if (!this.#isIn(timestamp_us, systemId)) {
       const began = new Date(timestamp_us / 1000).toISOString();
       this.#current = { name: `MAVLink system ${systemId}, ${began}`, system_id: systemId, last_us: timestamp_us };
     }
     this.#current.last_us = Math.max(this.#current.last_us, timestamp_us);
     this.#isSaved = false;
     return this.#current.name;
+  }
+
+  // The name of the flight of what does not begin one; nothing if it is not the current one.
+  find(timestamp_us, systemId) { return this.#isIn(timestamp_us, systemId) ? this.#current.name : undefined; }
+
+  #isIn(timestamp_us, systemId) {
+    const pause_us = timestamp_us - (this.#current?.last_us ?? -Infinity);
+    return this.#current?.system_id === systemId && pause_us <= longestPause_us && pause_us >= -longestStepBack_us;
   }
 
   get name() { return this.#current?.name; }

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
-import { failAfterSurvey, flyHour, restartAfterFailure } from './hours.js';
+import { failAfterReboot, failAfterSurvey, flyHour, restartAfterFailure } from './hours.js';
 import { report } from './report.js';
 
 // A short form for every run; all of it with FREELSD_HOURS=10.
@@ -60,4 +60,10 @@ test('an engine that runs again is believed again, and a stopped one is not', { 
     assert.ok(wasFailed, `kind ${kind}: it stays failed`);
     assert.ok(back_s <= 60, `kind ${kind}: back after ${back_s} s`);
   }
+});
+
+test('after a restart of the autopilot in the air a failure is still told', { timeout: 600_000 }, () => {
+  const { delay_s, hadAlarm } = failAfterReboot(firstFailure);
+  assert.ok(!hadAlarm);
+  assert.ok(delay_s <= 10, `after ${delay_s} s`);
 });

@@ -9,6 +9,7 @@ import test from 'node:test';
 import { packetsInDatagram } from '../../server/mavlink/framing.js';
 import { Link } from '../../server/mavlink/link.js';
 import { checksumExtraOf, idOf, messageOf, packetBytes } from '../../server/mavlink/messages.js';
+import { Sessions } from '../../server/mavlink/sessions.js';
 import { Signing } from '../../server/mavlink/signing.js';
 import { Spool } from '../../server/mavlink/spool.js';
 import { report } from './report.js';
@@ -208,4 +209,40 @@ test('a trigger waits for UTC, comes once, and a pose far from the aircraft is n
   assert.equal(triggers.length, 2);
   assert.deepEqual([triggers[1].index, triggers[1].position, triggers[1].attitude], [4, undefined, undefined]);
   assert.equal(link.state().camera.num_triggers, 4);
+});
+
+const captured = (fields, more) => bytesOf('CAMERA_IMAGE_CAPTURED', { timeBootMs: 1400, timeUtc: 0n, cameraId: 0, lat: 474000000, lon: 85000000,
+  alt: 500000, relativeAlt: 70000, q: [1, 0, 0, 0], imageIndex: 1, captureResult: 1, fileUrl: '', ...fields }, more);
+
+test("a camera has another boot than the autopilot, and its UTC counts only near the link's own", () => {
+  const triggers = [];
+  const { take, link } = newLink({ onTrigger: (trigger) => triggers.push(trigger) });
+  const camera = { componentId: 100 };
+  take(heartbeat());
+  const utc = (boot_ms) => BigInt(start_us + boot_ms * 1000);
+  take(captured({ timeUtc: utc(0) }, camera));
+  take(time(1000));
+  take(position(1200));
+  take(captured({}, camera));
+  take(bytesOf('CAMERA_TRIGGER', { timeUsec: 1_400_000n, seq: 1 }, camera));
+  for (const boot_ms of [-3_600_000, -2000, 5000, 86_400_000]) take(captured({ timeUtc: utc(boot_ms) }, camera));
+  take(captured({ timeBootMs: 60_000 }));
+  assert.deepEqual(triggers, []);
+  assert.equal(link.state().packets.refused.trigger_time, 8);
+  take(captured({ timeUtc: utc(-1000), imageIndex: 2 }, camera));
+  take(captured({ imageIndex: 3 }));
+  assert.deepEqual(triggers.map(({ timestamp_us, index }) => [timestamp_us - start_us, index]), [[-1e6, 2], [1_400_000, 3]]);
+});
+
+test('a trigger begins no flight, whatever its time is', (t) => {
+  const sessions = new Sessions(join(temporaryFolder(t), 'session.json'));
+  assert.equal(sessions.find(start_us, 1), undefined);
+  const name = sessions.at(start_us, 1);
+  for (const hours of [-24, -1, 1, 24]) assert.equal(sessions.find(start_us + hours * 3600e6, 1), undefined);
+  assert.equal(sessions.find(start_us, 2), undefined);
+  // Such triggers, each near the last one, lead nowhere.
+  for (let minutes = 0; minutes <= 60; minutes += 10) sessions.find(start_us + minutes * 60e6, 1);
+  assert.equal(sessions.find(start_us - 2e6, 1), name);
+  assert.equal(sessions.at(start_us + 1e6, 1), name);
+  assert.equal(sessions.name, name);
 });

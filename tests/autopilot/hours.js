@@ -149,3 +149,22 @@ export function restartAfterFailure(seed) {
   while (state() === 'failed' && plane.time_s < started_s + 120) plane.step(0.5);
   return { wasFailed, back_s: plane.time_s - started_s };
 }
+
+// The autopilot starts anew in a survey, and later the engine ends. { delay_s: to the alarm; Infinity if
+// there is none in time, hadAlarm: before it ended }.
+export function failAfterReboot(seed) {
+  const plane = planeOf(seed, new Random(seed * 104729), false);
+  const link = new Link({ emit: () => {}, steady_us: () => plane.time_s * 1e6 });
+  const hasFailed = () => link.state(plane.utc_us).engine.state === 'failed';
+  plane.onSend = (bytes) => link.take(bytes, '127.0.0.1 5760', true, plane.utc_us);
+  plane.loadMission(survey(plane, { height_m: 300 }));
+  plane.startInFlight({ height_m: 300, mode: 'AUTO' });
+  plane.step(60);
+  plane.restart();
+  plane.step(90);
+  const hadAlarm = hasFailed();
+  const stopped_s = plane.time_s;
+  plane.stopEngine();
+  while (!hasFailed() && plane.time_s < stopped_s + longest_s) plane.step(0.1);
+  return { delay_s: hasFailed() ? plane.time_s - stopped_s : Infinity, hadAlarm };
+}

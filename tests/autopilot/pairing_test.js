@@ -91,10 +91,10 @@ for (const [intervalName, interval] of Object.entries(intervals)) {
 
 const named = (file, time_s, order) => ({ kind: 'CAMERA_IMAGE_CAPTURED', index: order, file, time_us: noon_us + 1e6 * time_s, order });
 const picture = (name, time_s, order) => ({ name, time_us: noon_us + 1e6 * time_s, time_kind: 'file', order });
-const pairsOf = (pictures, triggers) => [...new Pairing({ limit_us: 54_000e6 }).pair(pictures, triggers).pairs]
+const pairsOf = (pictures, triggers, more) => [...new Pairing({ limit_us: 54_000e6 }).pair(pictures, triggers, more).pairs]
   .map(([{ name }, { order }]) => [name, order]);
 
-test('a name that the camera tells pairs at once, whatever the times are', () => {
+test('a name that the camera tells pairs at once, by whatever offset the times differ', () => {
   const triggers = [named('/DCIM/100/a.jpg', 1, 1), named('/DCIM/100/b.jpg', 2, 2)];
   assert.deepEqual(pairsOf([picture('B.JPG', 700, 3), picture('c.jpg', 1, 4)], triggers), [['B.JPG', 2]]);
 });
@@ -102,6 +102,38 @@ test('a name that the camera tells pairs at once, whatever the times are', () =>
 test('a name that comes again, or a file that was there before, pairs nothing', () => {
   const triggers = [named('a.jpg', 1, 1), named('/2/a.jpg', 2, 2), named('b.jpg', 3, 4)];
   assert.deepEqual(pairsOf([picture('a.jpg', 1, 5), picture('b.jpg', 3, 3)], triggers), []);
+});
+
+test('a camera that begins its names anew: a picture pairs with no trigger of another flight, another time or another picture', () => {
+  const of = (session, trigger) => ({ ...trigger, session });
+  const today = picture('DSC1.JPG', 600, 9);
+  const yesterday = of('yesterday', named('DSC1.JPG', 1, 1));
+  // The picture of yesterday's trigger never came; that of today was not heard, or was.
+  for (const session of ['yesterday', undefined]) assert.deepEqual(pairsOf([today], [of('another', named('DSC1.JPG', 1, 1))], { session }), []);
+  assert.deepEqual(pairsOf([today], [yesterday], { session: 'today' }), []);
+  assert.deepEqual(pairsOf([today], [yesterday, of('today', named('DSC1.JPG', 500, 5))], { session: 'today' }), [['DSC1.JPG', 5]]);
+  assert.deepEqual(pairsOf([picture('DSC1.JPG', 54_500, 9)], [named('DSC1.JPG', 1, 1)]), []);
+  // The card is formatted in one flight.
+  const used_us = new Set([named('DSC1.JPG', 1, 1).time_us]);
+  assert.deepEqual(pairsOf([today], [named('DSC1.JPG', 1, 1)], { used_us }), []);
+  const twice = [named('DSC1.JPG', 1, 1), named('DSC1.JPG', 500, 5)];
+  assert.deepEqual(pairsOf([picture('DSC1.JPG', 2, 2), today], twice, { used_us }), [['DSC1.JPG', 5]]);
+  assert.deepEqual(pairsOf([today], twice), []);
+});
+
+test('a trigger whose picture was sent pairs no other picture by time', () => {
+  const { triggers, pictures } = flight(3, { interval: intervals['irregular, 0.8 to 4 s'], kind: 'exif', offset_s: 5 });
+  const all = new Pairing({ limit_us: 54_000e6 }).pair(pictures, triggers);
+  const used_us = new Set([...all.pairs.values()].slice(0, 20).map(({ time_us }) => time_us));
+  const left = new Pairing({ limit_us: 54_000e6 }).pair(pictures, triggers, { used_us });
+  assert.equal(left.pairs.size, all.pairs.size - 20);
+  assert.ok([...left.pairs.values()].every(({ time_us }) => !used_us.has(time_us)));
+});
+
+test('a message of a better kind counts in its own flight only', () => {
+  const { triggers, pictures } = flight(3, { interval: intervals['irregular, 0.8 to 4 s'], kind: 'exif', offset_s: 5 });
+  const stray = { ...named('', -5000, -1), session: 'yesterday' };
+  assert.ok(pairsOf(pictures, [stray, ...triggers.map((trigger) => ({ ...trigger, session: 'today' }))], { session: 'today' }).length > 50);
 });
 
 test('of one exposure that several messages tell, the best kind counts', () => {

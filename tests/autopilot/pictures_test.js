@@ -2,10 +2,12 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
-import { mkdirSync, writeFileSync } from 'node:fs';
+import { mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test from 'node:test';
 
+import { Pictures } from '../../server/mavlink/frames/pictures.js';
 import { Camera } from './camera.js';
 import { ended, hasServer, isReady, setUp, sleep, until } from './processes.js';
 import { quaternionOf } from './quaternion.js';
@@ -14,7 +16,7 @@ import { Standin } from './standin/aircraft.js';
 import { landing, survey } from './standin/missions.js';
 import { Random } from './standin/random.js';
 import { serveUdp } from './standin/udp.js';
-import { tinyCamera } from './tiny_jpeg.js';
+import { tinyCamera, tinyJpeg } from './tiny_jpeg.js';
 
 const hasPython = spawnSync('python3', ['-c', 'import sqlite3']).status === 0;
 const skip = !hasServer ? 'no freelsd-server: build it or set FREELSD_SERVER' : !hasPython && 'python3 reads the database';
@@ -180,4 +182,45 @@ test('regular pictures wait until the operator vouches for the clock', { skip, t
   setup.startLink('--pictures', join(setup.folder, 'pictures'), '--picture-clock-error', '0.7');
   await until('the pictures', () => setup.state().pictures.sent === 60, patience_ms).finally(() => console.log(setup.state().pictures));
   assertOwnPoses(framesOf(setup), camera);
+});
+
+test('the names of a formatted card begin anew: no picture of today gets a pose of yesterday', async (t) => {
+  const folder = mkdtempSync(join(tmpdir(), 'freelsd-pictures-'));
+  t.after(() => rmSync(folder, { recursive: true, force: true }));
+  const card = join(folder, 'card');
+  mkdirSync(card);
+  const sent = [];
+  let session = 'yesterday';
+  let now_ms = performance.now();
+  const evening_us = Date.UTC(2026, 5, 1, 20) * 1000;
+  const morning_us = evening_us + 12 * 3600e6;
+  const start = () => new Pictures({ folder: card, path: (name) => join(folder, name), limit_s: 54_000, session: () => session,
+    flightOf: (name) => name, isCovered: () => true, service: { putFrame: async (flight, _, __, { timestamp_us }) => sent.push([flight, timestamp_us]) } });
+  const trigger = (number, timestamp_us) => ({ kind: 'CAMERA_IMAGE_CAPTURED', index: number, file: `DSC${number}.JPG`, timestamp_us, session });
+  const drop = (number, time_us) => writeFileSync(join(card, `DSC${number}.JPG`), tinyJpeg(`${number} ${time_us}`, time_us));
+  const settle = async (pictures) => { for (let i = 0; i < 4; ++i) await pictures.step(now_ms += 11_000); };
+  const before = start();
+  await settle(before);
+  before.hear(trigger(1, evening_us));
+  before.hear(trigger(2, evening_us + 5e6));
+  drop(1, evening_us + 1e5);
+  await settle(before);
+  assert.deepEqual(sent, [['yesterday', evening_us]]);
+  rmSync(join(card, 'DSC1.JPG'));
+  const after = start();
+  // A picture whose bytes are others, of the trigger that is used.
+  drop(1, evening_us + 2e5);
+  await settle(after);
+  session = 'today';
+  drop(2, morning_us);
+  await settle(after);
+  after.hear(trigger(3, morning_us + 9e6));
+  after.hear({ ...trigger(4, morning_us + 9e6), session: undefined });
+  drop(3, morning_us + 9e6);
+  drop(4, morning_us + 9e6);
+  await settle(after);
+  // The picture of yesterday's other trigger is waited for.
+  await sleep(5100);
+  await settle(after);
+  assert.deepEqual(sent.slice(1), [['today', morning_us + 9e6]]);
 });

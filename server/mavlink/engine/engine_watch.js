@@ -94,9 +94,6 @@ export class EngineWatch {
     this.#options = { ...defaultEngineOptions, ...options };
   }
 
-  get missing_m() { return this.#missing_m; }
-  get evidence() { return this.#drop.evidence; }
-
   // sign: 'rpm' or 'current_a'.
   hearSign(sign, value, time_s) {
     if (Number.isFinite(value) && value >= 0) this.#now[sign] = { value, time_s };

@@ -110,7 +110,7 @@ export class PowerDrop {
   #learned_s = 0;
   #absence = 0;
   #recovery = 0;
-  evidence = 0;
+  #evidence = 0;
 
   constructor(options = {}) {
     this.#options = { ...defaultPowerDropOptions, ...options };
@@ -121,8 +121,8 @@ export class PowerDrop {
 
   isDrop(isConfirmed) {
     const { limit, limitAbsence, limitConfirmed } = this.#options;
-    if (isConfirmed) return Math.max(this.evidence, this.#absence) > limitConfirmed;
-    return this.evidence > limit || this.#absence > limitAbsence;
+    if (isConfirmed) return Math.max(this.#evidence, this.#absence) > limitConfirmed;
+    return this.#evidence > limit || this.#absence > limitAbsence;
   }
 
   // Nothing speaks against it while too little is learned.
@@ -140,7 +140,7 @@ export class PowerDrop {
     this.#noise.restart();
     this.#absence = 0;
     this.#recovery = 0;
-    this.evidence = 0;
+    this.#evidence = 0;
   }
 
   hearThrottle(throttle_ratio, time_s) { this.#throttles.hear(throttle_ratio, time_s); }
@@ -211,13 +211,13 @@ export class PowerDrop {
     while (this.#onsets[0].time_s <= time_s - onsets_s) this.#onsets.shift();
     this.#onsets.forEach((one) => one.add(filter, thrust_mps, believed_mps, variance_mps2));
     const evidences = this.#onsets.map((one) => one.evidence(leastShare, mostShare));
-    this.evidence = throttle < minThrottle_ratio ? 0 : Math.max(0, ...evidences);
+    this.#evidence = throttle < minThrottle_ratio ? 0 : Math.max(0, ...evidences);
   }
 
   // From the innovations: they are independent of each other.
   #learn(time_s) {
     const { doubt, learnAfter_s, learnAfterDoubt_s } = this.#options;
-    const until_s = time_s - (Math.max(this.evidence, this.#absence) > doubt ? learnAfterDoubt_s : learnAfter_s);
+    const until_s = time_s - (Math.max(this.#evidence, this.#absence) > doubt ? learnAfterDoubt_s : learnAfter_s);
     while (this.#waiting.length && this.#waiting[0].time_s < until_s) {
       const { row, power, variance_mps2, duration_s, residuals_mps } = this.#waiting.shift();
       this.#fit.learn(row, power, variance_mps2, duration_s);
@@ -237,7 +237,7 @@ export class PowerDrop {
   #watchRecovery(absence) {
     this.#recovery = Math.max(0, this.#recovery - absence);
     this.#absence = 0;
-    this.evidence = 0;
+    this.#evidence = 0;
     this.#onsets = [];
     this.#waiting = [];
   }

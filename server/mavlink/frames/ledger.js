@@ -13,6 +13,8 @@ export class Ledger {
   #path;
   #entries;
   #digests;
+  // Times of the triggers whose pictures were sent.
+  usedTriggers_us;
   // The folder was never looked at before.
   isNew;
 
@@ -22,6 +24,7 @@ export class Ledger {
     const entries = linesOf(path).slice(-maxNum);
     this.#entries = new Map(entries.map((entry) => [entry.key, entry]));
     this.#digests = new Set(entries.map(({ sha256 }) => sha256).filter(Boolean));
+    this.usedTriggers_us = new Set(entries.map(({ trigger_us }) => trigger_us).filter(Boolean));
     if (!this.isNew) writeLines(path, entries);
   }
 
@@ -43,6 +46,7 @@ export class Ledger {
     for (const entry of entries) {
       this.#entries.set(entry.key, entry);
       if (entry.sha256) this.#digests.add(entry.sha256);
+      if (entry.trigger_us) this.usedTriggers_us.add(entry.trigger_us);
     }
     this.#bound();
   }

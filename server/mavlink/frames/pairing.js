@@ -1,6 +1,7 @@
 // Which trigger took which picture. What is not sure is not paired. Pure.
 //
-// 1. By name, if a message told it (CAMERA_IMAGE_CAPTURED): one message and one picture of that name.
+// 1. By name, if a message of the current flight told it (CAMERA_IMAGE_CAPTURED): one message and one
+//    picture of that name at about that time.
 // 2. By time: pictures whose time is of the same kind (EXIF, EXIF in whole seconds, file) have one
 //    offset to the triggers. If only one offset explains the intervals, a picture belongs to the
 //    trigger at its time, unless another trigger, or another picture, is near.
@@ -12,7 +13,7 @@ import { clockOffset } from './clock_offset.js';
 const tolerancesOf_us = { exif: [50_000, 100_000, 200_000], exif_seconds: [600_000], file: [50_000, 100_000, 200_000] };
 // No camera takes pictures as close together as this; a coarser time could be that of a neighbour.
 const coarse_us = 400_000;
-// Of one exposure several messages may tell; the best kind that is heard counts.
+// Of one exposure several messages may tell; the best kind that is heard in a flight counts.
 const kinds = ['CAMERA_IMAGE_CAPTURED', 'CAMERA_FEEDBACK', 'CAMERA_TRIGGER'];
 // A message comes later than its exposure.
 const settle_us = 3_000_000;
@@ -28,21 +29,32 @@ function countsOf(names) {
 }
 
 export function triggersThatCount(triggers) {
-  const best = kinds.find((kind) => triggers.some((trigger) => trigger.kind === kind));
-  return triggers.filter((trigger) => trigger.kind === best).sort((a, b) => a.time_us - b.time_us);
+  const best = new Map();
+  for (const { session, kind } of triggers) best.set(session, Math.min(best.get(session) ?? kinds.length, kinds.indexOf(kind)));
+  return triggers.filter(({ session, kind }) => kinds.indexOf(kind) === best.get(session)).sort((a, b) => a.time_us - b.time_us);
 }
 
-// pictures: [{ name, time_us, time_kind, order }]; triggers: of triggersThatCount.
-function pairsByName(pictures, triggers) {
-  const named = triggers.filter(({ file }) => file);
-  const numTriggers = countsOf(named.map(({ file }) => fileName(file)));
-  const numPictures = countsOf(pictures.map(({ name }) => name.toLowerCase()));
-  const triggerOf = new Map(named.map((trigger) => [fileName(trigger.file), trigger]));
-  const isSure = ({ name, order }) => {
-    const key = name.toLowerCase();
-    return numTriggers.get(key) === 1 && numPictures.get(key) === 1 && triggerOf.get(key).order < order;
-  };
-  return new Map(pictures.filter(isSure).map((picture) => [picture, triggerOf.get(picture.name.toLowerCase())]));
+function grouped(values, keyOf) {
+  const groups = new Map();
+  for (const value of values) {
+    const key = keyOf(value);
+    if (groups.has(key)) groups.get(key).push(value);
+    else groups.set(key, [value]);
+  }
+  return groups;
+}
+
+// pictures: [{ name, time_us, time_kind, order }]; triggers: with a file, of one session: a camera may
+// begin its names anew.
+function pairsByName(pictures, triggers, limit_us) {
+  const picturesOf = grouped(pictures, ({ name }) => name.toLowerCase());
+  const pairs = new Map();
+  for (const [name, [trigger, ...others]] of grouped(triggers, ({ file }) => fileName(file))) {
+    const fitting = (picturesOf.get(name) ?? []).filter(({ time_us, order }) =>
+      trigger.order < order && Math.abs(time_us - trigger.time_us) <= limit_us);
+    if (others.length === 0 && fitting.length === 1) pairs.set(fitting[0], trigger);
+  }
+  return pairs;
 }
 
 // Index of the first value that is not less.
@@ -101,12 +113,14 @@ export class Pairing {
   }
 
   // { pairs: Map of picture to trigger, unpaired: pictures for which the offset is known and yet no
-  // trigger is sure }. The others wait. pictures: all, also those that were paired before. now_ms: a
-  // clock that never steps.
-  pair(pictures, allTriggers, now_ms = performance.now()) {
+  // trigger is sure }. The others wait. pictures: all, also those that were paired before. session: the
+  // current one. used_us: Set of the times of triggers whose picture was sent. now_ms: a clock that
+  // never steps.
+  pair(pictures, allTriggers, { session, used_us = new Set(), now_ms = performance.now() } = {}) {
     const triggers = triggersThatCount(allTriggers);
     const times_us = triggers.map(({ time_us }) => time_us);
-    const pairs = pairsByName(pictures, triggers);
+    const named = triggers.filter((trigger) => trigger.session === session && trigger.file && !used_us.has(trigger.time_us));
+    const pairs = pairsByName(pictures, named, this.#limit_us);
     const unpaired = [];
     for (const kind of Object.keys(tolerancesOf_us)) {
       const group = pictures.filter((picture) => picture.time_kind === kind && !pairs.has(picture));
@@ -117,15 +131,15 @@ export class Pairing {
         else if (picture.time_us - offset.offset_us + settle_us < (times_us.at(-1) ?? -Infinity)) unpaired.push(picture);
       }
     }
-    return { pairs: withoutShared(pairs, unpaired), unpaired };
+    return { pairs: withoutTaken(pairs, unpaired, used_us), unpaired };
   }
 }
 
 // Two pictures of one trigger: neither is sure.
-function withoutShared(pairs, unpaired) {
+function withoutTaken(pairs, unpaired, used_us) {
   const numPictures = countsOf(pairs.values());
   for (const [picture, trigger] of pairs) {
-    if (numPictures.get(trigger) === 1) continue;
+    if (numPictures.get(trigger) === 1 && !used_us.has(trigger.time_us)) continue;
     pairs.delete(picture);
     unpaired.push(picture);
   }

@@ -39,6 +39,7 @@ export class Pictures {
   #look;
   #service;
   #flightOf;
+  #session;
   #isCovered;
   #log;
   #ledger;
@@ -65,13 +66,14 @@ export class Pictures {
   lastRefusal;
 
   // folder: of the pictures. path(name): of a file of its own. service: putFrame(flight, frame, bytes,
-  // meta). flightOf(session): id of a flight. isCovered(timestamp_us): the service has the telemetry
-  // of that time. limit_s: how far the pictures' clock is from UTC at most. log(text).
-  constructor({ folder, path, service, flightOf, isCovered, limit_s, log = () => {} }) {
+  // meta). flightOf(session): id of a flight. session(): the current one. isCovered(timestamp_us): the
+  // service has the telemetry of that time. limit_s: how far the pictures' clock is from UTC at most. log(text).
+  constructor({ folder, path, service, flightOf, session, isCovered, limit_s, log = () => {} }) {
     this.#folder = folder;
     this.#look = new PictureFolder(folder);
     this.#service = service;
     this.#flightOf = flightOf;
+    this.#session = session;
     this.#isCovered = isCovered;
     this.#log = log;
     this.#ledger = new Ledger(path('pictures.ndjson'));
@@ -84,8 +86,10 @@ export class Pictures {
     for (const { fate } of entries) ++this.#numOf[fate];
   }
 
-  // trigger: { kind, index, timestamp_us, session, position?, attitude?, file? }.
+  // trigger: { kind, index, timestamp_us, session, position?, attitude?, file? }. Without a session there is
+  // no telemetry of its time.
   hear({ timestamp_us, ...trigger }) {
+    if (!trigger.session) return;
     const isNew = this.#triggers.add({ ...trigger, time_us: timestamp_us, order: ++this.#order });
     if (isNew) this.#isChanged = true;
   }
@@ -199,7 +203,8 @@ export class Pictures {
     this.#pairedAt_ms = now_ms;
     this.#isChanged = false;
     const pictures = [...this.#times, ...this.#waiting.values()];
-    this.#paired = this.#pairing.pair(pictures, this.#triggers.triggers, now_ms);
+    this.#paired = this.#pairing.pair(pictures, this.#triggers.triggers,
+      { session: this.#session(), used_us: this.#ledger.usedTriggers_us, now_ms });
   }
 
   async #send() {

@@ -28,7 +28,6 @@ export class TriggerLog {
   #pending = [];
   #numLines;
   triggers;
-  numForgotten = 0;
 
   constructor(path, { maxNum = defaultMaxNum } = {}) {
     this.#path = path;
@@ -45,10 +44,7 @@ export class TriggerLog {
     if (this.triggers.slice(-50).some(isSame)) return false;
     this.triggers.push(trigger);
     this.#pending.push(trigger);
-    if (this.triggers.length > this.#maxNum) {
-      this.triggers.shift();
-      ++this.numForgotten;
-    }
+    if (this.triggers.length > this.#maxNum) this.triggers.shift();
     return true;
   }
 
