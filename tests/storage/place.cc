@@ -1,6 +1,8 @@
 #include "tests/storage/place.h"
 
 #include <atomic>
+#include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 
 #include <libpq-fe.h>
@@ -42,9 +44,13 @@ StoragePlace::StoragePlace() : schema_(NewSchema()) {
 }
 
 StoragePlace::~StoragePlace() {
-  if (Kind() != DatabaseKind::kPostgres) return;
-  ExecuteAt(DatabaseUrl(),
-            "SET client_min_messages = warning; DROP SCHEMA " + schema_ + " CASCADE");
+  try {
+    if (Kind() != DatabaseKind::kPostgres) return;
+    ExecuteAt(DatabaseUrl(),
+              "SET client_min_messages = warning; DROP SCHEMA " + schema_ + " CASCADE");
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", schema_.c_str(), error.what());
+  }
 }
 
 DatabaseKind StoragePlace::Kind() {
