@@ -36,9 +36,22 @@ test('jumps are flown as often as the item says, and for ever only as far as is 
 test('a jump to itself ends, and a height above terrain is not guessed', () => {
   const waypoint = mission(0)[1];
   const jump = { ...waypoint, command: 177, param1: 2, param2: -1 };
-  assert.equal(routeOf([waypoint, waypoint, jump]).end, 'the end of the mission');
+  assert.equal(routeOf([waypoint, waypoint, jump]).end, 'more of the mission');
   assert.equal(routeOf([waypoint, waypoint, { ...waypoint, frame: 10 }]).end, 'item 2, whose height is above the terrain');
   assert.equal(routeOf([waypoint, waypoint, { ...waypoint, command: 20 }]).end, 'the return to launch');
+});
+
+test('a jump to no item ends the route, and the check of it does not throw', async () => {
+  const waypoint = mission(0)[1];
+  const jumpTo = (param1) => [waypoint, waypoint, { ...waypoint, command: 177, param1, param2: 1 }, waypoint];
+  for (const param1 of [-1, 0, 1.5, 4, NaN]) assert.equal(routeOf(jumpTo(param1)).end, 'item 2, a jump to no item', `${param1}`);
+  assert.equal(routeOf(jumpTo(1)).end, 'the end of the mission');
+  assert.equal(routeOf(jumpTo(0), { current_item: 0, isArdupilot: false }).end, 'the end of the mission');
+  const insurance = new MissionInsurance({ check: async () => answer([]) });
+  await insurance.step(0, vehicle({ items: jumpTo(-1) }));
+  // What is not a mission at all.
+  await insurance.step(40, vehicle({ items: [waypoint, undefined] }));
+  assert.ok(insurance.state(40).last_error);
 });
 
 test('the first item of ArduPilot is its home, that of PX4 is flown', () => {

@@ -79,9 +79,9 @@ export class MissionInsurance {
     const wind = windOf(vehicle);
     const asked = { now_s, items, wind, flight: flight?.id };
     this.#asked = asked;
-    const { route, end } = remainingRoute({ ...vehicle, longest_m: this.#lookAhead_s * airspeed_mps });
     const begun_ms = performance.now();
     try {
+      const { route, end } = remainingRoute({ ...vehicle, longest_m: this.#lookAhead_s * airspeed_mps });
       // One point is where the aircraft is.
       const answer = route.length < 2 ? undefined : await this.#check({
         route: route.slice(0, maxNumPoints).map(pointOf), altitude_datum: 'amsl', airspeed_mps: rounded(airspeed_mps, 1),

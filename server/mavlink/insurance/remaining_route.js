@@ -31,11 +31,13 @@ function placeOf({ frame, x, y, z }, before, home_altitude_m) {
   return { latitude_deg, longitude_deg, altitude_m: base_m + z };
 }
 
-// The items in the order in which they are flown. How often a jump was made already is not known, so
-// it counts in full.
-function* flownItems(items, first) {
+// The items in the order in which they are flown, then { end } unless there are too many.
+// How often a jump was made already is not known, so it counts in full.
+function* flownItems(items, first, lowest) {
   const jumps = new Map();
-  for (let at = first, step = 0; at < items.length && step < maxNumSteps; ++step) {
+  let at = Math.max(lowest, first);
+  for (let step = 0; at < items.length; ++step) {
+    if (step >= maxNumSteps) return;
     const one = items[at];
     if (one.command !== command.jump) {
       yield { ...one, seq: at };
@@ -43,9 +45,15 @@ function* flownItems(items, first) {
       continue;
     }
     const left = jumps.get(at) ?? (one.param2 < 0 ? Infinity : one.param2);
+    const target = one.param1;
+    if (left > 0 && !(Number.isInteger(target) && target >= lowest && target < items.length)) {
+      yield { end: `item ${at}, a jump to no item` };
+      return;
+    }
     jumps.set(at, left - 1);
-    at = left > 0 ? one.param1 : at + 1;
+    at = left > 0 ? target : at + 1;
   }
+  yield { end: 'the end of the mission' };
 }
 
 // { route: [{ latitude_deg, longitude_deg, altitude_m }], end: what comes after it }. items: of the
@@ -54,7 +62,8 @@ export function remainingRoute({ items, current_item, isArdupilot, position, hom
   const { latitude_deg, longitude_deg, altitude_m } = position;
   const route = [{ latitude_deg, longitude_deg, altitude_m }];
   let length_m = 0;
-  for (const one of flownItems(items, Math.max(isArdupilot ? 1 : 0, current_item))) {
+  for (const one of flownItems(items, current_item, isArdupilot ? 1 : 0)) {
+    if (one.end) return { route, end: one.end };
     const last = route.at(-1);
     const isLast = one.command in ends;
     if (places.has(one.command) || one.command === command.loiterUnlimited) {
@@ -67,5 +76,5 @@ export function remainingRoute({ items, current_item, isArdupilot, position, hom
     if (isLast) return { route, end: ends[one.command] };
     if (length_m > longest_m) return { route, end: moreOfMission };
   }
-  return { route, end: 'the end of the mission' };
+  return { route, end: moreOfMission };
 }
