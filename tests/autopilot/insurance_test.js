@@ -33,6 +33,13 @@ test('jumps are flown as often as the item says, and for ever only as far as is 
   assert.ok(lengthOf(route) > 20_000 && lengthOf(route) < 21_000);
 });
 
+test('a route of more points than the service takes is cut, and does not end with the mission', () => {
+  const waypoint = mission(0)[1];
+  const items = Array.from({ length: 600 }, (_, i) => ({ ...waypoint, x: waypoint.x + 200 * i }));
+  const { route, end } = routeOf(items);
+  assert.deepEqual([route.length, end], [500, 'more of the mission']);
+});
+
 test('a jump to itself ends, and a height above terrain is not guessed', () => {
   const waypoint = mission(0)[1];
   const jump = { ...waypoint, command: 177, param1: 2, param2: -1 };

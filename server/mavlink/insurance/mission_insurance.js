@@ -11,7 +11,6 @@ const lookAhead_s = [300, 1800];
 const firstLookAhead_s = 600;
 const windChange_mps = 1.5;
 const maxWindAge_s = 60;
-const maxNumPoints = 500;
 
 const rounded = (value, digits) => Number(value.toFixed(digits));
 const pointOf = ({ latitude_deg, longitude_deg, altitude_m }) =>
@@ -84,7 +83,7 @@ export class MissionInsurance {
       const { route, end } = remainingRoute({ ...vehicle, longest_m: this.#lookAhead_s * airspeed_mps });
       // One point is where the aircraft is.
       const answer = route.length < 2 ? undefined : await this.#check({
-        route: route.slice(0, maxNumPoints).map(pointOf), altitude_datum: 'amsl', airspeed_mps: rounded(airspeed_mps, 1),
+        route: route.map(pointOf), altitude_datum: 'amsl', airspeed_mps: rounded(airspeed_mps, 1),
         with_fixes: false, ...(wind && { wind }), ...(flight?.id && { flight: flight.id }) });
       if (this.#asked === asked) this.#take(answer, { now_s, end });
     } catch (error) {

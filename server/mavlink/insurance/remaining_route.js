@@ -15,6 +15,8 @@ const aboveHome = new Set([3, 6]);
 export const moreOfMission = 'more of the mission';
 const metresPerDegree = 111_195;
 const maxNumSteps = 5000;
+// As many as /v1/routes/check takes.
+const maxNumPoints = 500;
 const least_m = 1;
 
 export function distance_m(a, b) {
@@ -74,7 +76,7 @@ export function remainingRoute({ items, current_item, isArdupilot, position, hom
       length_m += leg_m;
     }
     if (isLast) return { route, end: ends[one.command] };
-    if (length_m > longest_m) return { route, end: moreOfMission };
+    if (length_m > longest_m || route.length >= maxNumPoints) return { route, end: moreOfMission };
   }
   return { route, end: moreOfMission };
 }
