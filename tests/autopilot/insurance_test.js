@@ -33,7 +33,7 @@ test('jumps are flown as often as the item says, and for ever only as far as is 
   assert.ok(lengthOf(route) > 20_000 && lengthOf(route) < 21_000);
 });
 
-test('a route of more points than the service takes is cut, and does not end with the mission', () => {
+test('a route of too many points is cut, and does not end with the mission', () => {
   const waypoint = mission(0)[1];
   const items = Array.from({ length: 600 }, (_, i) => ({ ...waypoint, x: waypoint.x + 200 * i }));
   const { route, end } = routeOf(items);
@@ -114,12 +114,30 @@ test('times are told from now, a gap that is behind is not told, a change is a d
     { first_gap: { in_s: 6, lasts_s: 10, reason: 'too_low' }, num_gaps: 2, point_of_no_return_in_s: 76 });
   assert.deepEqual(insurance.state(12).first_gap, { in_s: 0, lasts_s: 8, reason: 'too_low' });
   assert.equal(insurance.state(25).first_gap.in_s, 55);
-  assert.match(log.at(-1), /no site is in reach for 20 s of 100 s/);
+  assert.match(log.at(-1), /^no site, verified or not, is in reach for 20 s of the next 100 s, to the landing$/);
   await insurance.step(31, vehicle({ items }));
   assert.equal(log.length, 1);
   gaps = [];
   await insurance.step(62, vehicle({ items }));
-  assert.match(log.at(-1), /in reach on all the rest/);
+  assert.match(log.at(-1), /^a site, verified or not, is in reach on all of the next 100 s, to the landing$/);
+});
+
+test('where the route ends before the mission, the decision says so, and no last second is told', async () => {
+  const [home, waypoint] = mission(0);
+  const away = { ...waypoint, x: waypoint.x + 1_000_000 };
+  const cases = {
+    'more of the mission': [home, ...Array.from({ length: 600 }, (_, i) => ({ ...waypoint, x: waypoint.x + 200 * i }))],
+    'item 2, whose height is above the terrain': [home, away, { ...waypoint, frame: 10 }],
+    'item 2, a jump to no item': [home, away, { ...waypoint, command: 177, param1: -1, param2: 1 }],
+    'the end of the mission': [home, away],
+  };
+  for (const [end, items] of Object.entries(cases)) {
+    const log = [];
+    const insurance = new MissionInsurance({ check: async () => answer([{ from_s: 80, to_s: 100 }]), log: (text) => log.push(text) });
+    await insurance.step(0, vehicle({ items, airspeed_mps: 40 }));
+    assert.match(log[0], new RegExp(`100 s, to ${end}$`));
+    assert.equal(insurance.state(0).point_of_no_return_in_s, end === 'the end of the mission' ? 80 : undefined, end);
+  }
 });
 
 test('a service that fails is told, and the last answer is told with its age', async () => {

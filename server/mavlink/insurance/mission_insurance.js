@@ -1,7 +1,7 @@
 // Whether a site stays in reach without power on the rest of the mission: the service checks it again
 // and again, as the aircraft flies and the map grows.
 
-import { moreOfMission, remainingRoute } from './remaining_route.js';
+import { remainingRoute } from './remaining_route.js';
 
 const period_s = 30;
 const afterChange_s = 5;
@@ -80,12 +80,12 @@ export class MissionInsurance {
     this.#asked = asked;
     const begun_ms = performance.now();
     try {
-      const { route, end } = remainingRoute({ ...vehicle, longest_m: this.#lookAhead_s * airspeed_mps });
+      const { route, ...end } = remainingRoute({ ...vehicle, longest_m: this.#lookAhead_s * airspeed_mps });
       // One point is where the aircraft is.
       const answer = route.length < 2 ? undefined : await this.#check({
         route: route.map(pointOf), altitude_datum: 'amsl', airspeed_mps: rounded(airspeed_mps, 1),
         with_fixes: false, ...(wind && { wind }), ...(flight?.id && { flight: flight.id }) });
-      if (this.#asked === asked) this.#take(answer, { now_s, end });
+      if (this.#asked === asked) this.#take(answer, { now_s, ...end });
     } catch (error) {
       if (this.#asked === asked) this.#state = { ...this.#state, last_error: error.cause?.message ?? error.message };
     }
@@ -95,7 +95,7 @@ export class MissionInsurance {
     this.#notBefore_s = now_s + cost_s + Math.max(afterChange_s, cost_s / maxShare);
   }
 
-  #take(answer, { now_s, end }) {
+  #take(answer, { now_s, end, isWhole }) {
     this.#checked_s = now_s;
     if (!answer) {
       this.#state = { state: 'none', why: `nothing is left before ${end}` };
@@ -104,11 +104,12 @@ export class MissionInsurance {
     const { covered_ratio, time_s, gaps, point_of_no_return: noReturn } = answer;
     this.#state = { state: 'checked', covered_ratio, time_s, end, gaps: gaps.map(({ from_s, to_s, reason }) => ({ from_s, to_s, reason })),
       // Beyond what was looked at there may be sites again.
-      no_return_s: end === moreOfMission ? undefined : noReturn?.time_s };
+      no_return_s: isWhole ? noReturn?.time_s : undefined };
     const hasGap = gaps.length > 0;
     if (hasGap !== this.#hadGap) {
-      this.#log(hasGap ? `on the rest of the mission no site is in reach for ${Math.ceil((1 - covered_ratio) * time_s)} s of ${Math.round(time_s)} s`
-        : `a site is in reach on all the rest of the mission (${Math.round(time_s)} s)`);
+      const what = `the next ${Math.round(time_s)} s, to ${end}`;
+      this.#log(hasGap ? `no site, verified or not, is in reach for ${Math.ceil((1 - covered_ratio) * time_s)} s of ${what}`
+        : `a site, verified or not, is in reach on all of ${what}`);
     }
     this.#hadGap = hasGap;
   }
