@@ -1,7 +1,8 @@
 // The landing mission in the autopilot: puts it there, knows whether it is there, and starts it.
 // No sockets and no clock: step(now_s), hear(name, fields, now_s), and what it sends goes to `out`.
 
-import { ardupilotItems, knowsFlare, landingOfRecall, NoLanding, px4Items } from './landing_items.js';
+import { ardupilotItems, landingOfRecall, NoLanding, px4Items } from './landing_items.js';
+import { warningsOf } from './landing_warnings.js';
 import { changeItems, finishChange, outcome, Task } from './mission_change.js';
 import { areSame, command, item, missionType } from './mission_items.js';
 import { Download } from './item_transfer.js';
@@ -15,7 +16,6 @@ const startSeen_s = 8;
 // Somebody else's upload may still run when its first sign is heard.
 const suspicion_s = 1.5;
 const ownUpload_s = 5;
-const maxSpeedDifference_mps = 1;
 const recheck_s = 30;
 const reread_s = 10;
 // How often it is asked whether somebody writes: while a list is written, ArduPilot denies to tell its length.
@@ -172,7 +172,7 @@ export class MissionKeeper {
     this.#checked_s = this.#now_s;
     this.#total = undefined;
     if (how === outcome.done) {
-      this.#landing = { items, site: job.landing.site_id, warning: this.#warningOf(job.landing) };
+      this.#landing = { items, site: job.landing.site_id, warning: this.#warned(job.landing) };
       this.#know(items);
       this.#log(`the landing mission to ${job.landing.site_id} is in the autopilot, read back equal`);
       job.finish(true);
@@ -185,6 +185,12 @@ export class MissionKeeper {
     job.finish(false, why ?? this.#lasting);
   }
 
+  #warned(landing) {
+    const warnings = warningsOf(landing, this.#vehicle());
+    warnings.forEach((text) => this.#log(text));
+    return warnings.join('; ') || undefined;
+  }
+
   // What the autopilot has was read, and whether it is the last landing that was written.
   #know(items) {
     const { items: ours, site, warning } = this.#landing ?? {};
@@ -194,21 +200,6 @@ export class MissionKeeper {
       state: 'current', kind: isLanding ? 'landing' : 'other', ...(isLanding && { site }),
       ...(isLanding && warning && { warning }), ...(this.#lasting && { alarm: this.#lasting }),
     };
-  }
-
-  // A parameter is never written: the person decides.
-  #warningOf({ airspeed_mps: planned_mps }) {
-    const { landing_airspeed_mps: own_mps, isArdupilot, parameters } = this.#vehicle();
-    const warnings = [];
-    if (isArdupilot && !knowsFlare(parameters)) warnings.push('the autopilot\'s flare is not known: the final is flown lower than it was checked');
-    if (!isArdupilot && parameters.FW_LND_ANG === undefined) warnings.push('it is not known how steep a final the autopilot takes');
-    if (!isArdupilot) warnings.push('landings with PX4 have not been flown');
-    if (own_mps === undefined) warnings.push('the autopilot\'s landing airspeed is not known');
-    else if (Math.abs(own_mps - planned_mps) > maxSpeedDifference_mps) {
-      warnings.push(`the autopilot lands at ${own_mps.toFixed(1)} m/s, the site was planned for ${planned_mps.toFixed(1)} m/s`);
-    }
-    warnings.forEach((text) => this.#log(text));
-    return warnings.join('; ') || undefined;
   }
 
   #beginStart(commandId, landing) {
