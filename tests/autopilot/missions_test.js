@@ -236,6 +236,47 @@ test('rally points of the best sites in reach, and only verified ones', async ()
   assert.equal(rig.outgoing.counts.MISSION_COUNT, sent, 'not written again');
 });
 
+test('a mission of somebody else is read again every 30 s, and is a new one only if it differs', async () => {
+  const rig = new Rig();
+  await rig.step(5);
+  const { items } = rig.landings.vehicle;
+  const read = rig.outgoing.counts.MISSION_REQUEST_INT;
+  await rig.step(35);
+  assert.ok(rig.outgoing.counts.MISSION_REQUEST_INT > read);
+  assert.equal(rig.landings.vehicle.items, items);
+  rig.plane.mission[3].z += 50;
+  await rig.step(35);
+  assert.equal(rig.landings.vehicle.items[3].z, rig.plane.mission[3].z);
+  assert.deepEqual([rig.mission.state, rig.mission.kind, rig.mission.alarm], ['current', 'other', undefined]);
+});
+
+test('a mission of somebody else that cannot be read after a restart is unknown, alarms, and is read later', async () => {
+  const rig = new Rig();
+  await rig.step(5);
+  rig.up.send = () => {};
+  rig.plane.restart(3);
+  await rig.step(25);
+  assert.ok(rig.link.state(rig.plane.utc_us).is_connected);
+  assert.equal(rig.mission.state, 'unknown');
+  assert.match(rig.mission.alarm, /not known which mission/);
+  assert.equal(rig.landings.vehicle.items, undefined);
+  delete rig.up.send;
+  await rig.step(35);
+  assert.deepEqual([rig.mission.state, rig.mission.alarm], ['current', undefined]);
+});
+
+test('on the final of somebody else\'s landing nothing is read', async () => {
+  const rig = new Rig();
+  await rig.step(5);
+  const landAt = rig.plane.mission.findIndex((one) => one.command === 21);
+  rig.plane.control.setCurrent(landAt);
+  await rig.step(2);
+  const sent = rig.outgoing.counts.MISSION_REQUEST_LIST;
+  await rig.step(40);
+  assert.equal(rig.plane.control.mission.index, landAt);
+  assert.equal(rig.outgoing.counts.MISSION_REQUEST_LIST, sent);
+});
+
 test('nothing else can be sent: no arming, take-off, parameter, servo or any other message', () => {
   const sent = [];
   const outgoing = new Outgoing({ send: (bytes) => sent.push(bytes), systemId: () => 1 });

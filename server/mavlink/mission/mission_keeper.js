@@ -191,8 +191,10 @@ export class MissionKeeper {
     return warnings.join('; ') || undefined;
   }
 
-  // What the autopilot has was read, and whether it is the last landing that was written.
-  #know(items) {
+  // What the autopilot has was read, and whether it is the last landing that was written. While it stays
+  // the same, `items` stays the same array.
+  #know(read) {
+    const items = this.#known && areSame(read, this.#known.items, this.#rules()) ? this.#known.items : read;
     const { items: ours, site, warning } = this.#landing ?? {};
     const isLanding = ours !== undefined && areSame(items, ours, this.#rules());
     this.#known = { items, site: isLanding ? site : undefined };
@@ -267,7 +269,7 @@ export class MissionKeeper {
   #suspect(why, delay_s = suspicion_s) {
     if (this.#suspect_s !== undefined) return;
     this.#suspect_s = this.#now_s + delay_s;
-    if (this.#known?.site && !this.#task) this.#alarm(alarmOf.trouble(why));
+    if (this.#known && !this.#task) this.#alarm(alarmOf.trouble(why));
   }
 
   #alarm(text) {
@@ -319,9 +321,8 @@ export class MissionKeeper {
     this.#stepStart();
     if (this.#isOnFinal || this.isHeld) return;
     const isSuspect = this.#suspect_s !== undefined && now_s >= this.#suspect_s;
-    const isDue = now_s - this.#checked_s > (this.#known?.site || this.#state.state === 'unknown' ? recheck_s : Infinity);
-    const isFirst = !this.#known && now_s - this.#checked_s > reread_s;
-    if (isSuspect || isDue || isFirst) this.#check();
+    const isDue = now_s - this.#checked_s > (this.#known ? recheck_s : reread_s);
+    if (isSuspect || isDue) this.#check();
     else this.#probe();
   }
 
@@ -336,7 +337,7 @@ export class MissionKeeper {
   // Nothing is sent on the final.
   get #isOnFinal() {
     const { current_item, mode, missionMode } = this.#vehicle();
-    return this.#known?.site !== undefined && this.#known.items[current_item]?.command === command.land && mode === missionMode;
+    return this.#known?.items[current_item]?.command === command.land && mode === missionMode;
   }
 
   #check() {
@@ -353,7 +354,7 @@ export class MissionKeeper {
       this.#task = undefined;
       this.#checked_s = this.#now_s;
       if (result.items) this.#compare(result.items);
-      else if (this.#known?.site) this.#alarm(alarmOf.trouble(result.error));
+      else if (this.#known) this.#alarm(alarmOf.trouble(result.error));
     });
   }
 
