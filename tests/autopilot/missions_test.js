@@ -96,6 +96,18 @@ test('the same landing from an answer of recall', () => {
   for (const [i, one] of ardupilotItems(fromRecall).entries()) assert.ok(isSameItem(one, ardupilotItems(ours)[i]));
 });
 
+test('a start is not told as flown while it is not known which item is flown', async () => {
+  const rig = new Rig();
+  const { onSend } = rig.plane;
+  rig.plane.onSend = (bytes, name) => { if (name !== 'MISSION_CURRENT') onSend(bytes, name); };
+  await rig.step(5);
+  land(rig);
+  await rig.step(30);
+  assert.equal(rig.plane.control.mode, 'AUTO');
+  assert.deepEqual([rig.mission.kind, rig.told.get('c1').state], ['landing', 'failed']);
+  assert.match(rig.told.get('c1').detail, /not flown as far as is known: mode AUTO, item unknown/);
+});
+
 test('what must not be landed at: rejected, superseded, of another altitude reference, without approach', async () => {
   const cases = {
     rejected: [{ ...siteAnswer, properties: { ...siteAnswer.properties, verdict: 'rejected' } }],

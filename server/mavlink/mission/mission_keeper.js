@@ -240,14 +240,14 @@ export class MissionKeeper {
     if (start.isFlown) return;
     const { mode, missionMode, current_item } = this.#vehicle();
     const landingAt = this.#known.items.findIndex((one) => one.command === command.landStart);
-    if (mode === missionMode && !(current_item < landingAt)) {
+    if (mode === missionMode && landingAt >= 0 && current_item >= landingAt) {
       start.isFlown = true;
       this.#log(`the autopilot flies the landing to ${start.site}`);
       this.#told(start.commandId, 'done', 'flown');
     } else if (this.#now_s - start.accepted_s > startSeen_s) {
       this.#start = undefined;
-      this.#log(`the autopilot does not fly the landing to ${start.site}: it is in ${mode}`);
-      this.#told(start.commandId, 'failed', `in the autopilot, and accepted, but it is not flown: mode ${mode}`);
+      this.#log(`the autopilot is not seen to fly the landing to ${start.site}: mode ${mode}, item ${current_item ?? 'unknown'}`);
+      this.#told(start.commandId, 'failed', `in the autopilot, and accepted, but not flown as far as is known: mode ${mode}, item ${current_item ?? 'unknown'}`);
     }
   }
 
