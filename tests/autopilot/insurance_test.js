@@ -140,18 +140,41 @@ test('where the route ends before the mission, the decision says so, and no last
   }
 });
 
-test('a service that fails is told, and the last answer is told with its age', async () => {
-  let isAway = false;
-  const insurance = new MissionInsurance({ check: async () => {
-    if (isAway) throw new Error('away');
-    return answer([]);
-  } });
-  const items = mission(0);
-  await insurance.step(0, vehicle({ items }));
-  isAway = true;
-  await insurance.step(31, vehicle({ items }));
-  const state = insurance.state(40);
-  assert.deepEqual([state.state, state.last_error, state.age_s], ['checked', 'away', 40]);
+test('a service that fails is told, and the last answer is told with its age, for what is left of it and not for ever', async () => {
+  for (const [time_s, longest_s] of [[100, 100], [1000, 180]]) {
+    let isAway = false;
+    const insurance = new MissionInsurance({ check: async () => {
+      if (isAway) throw new Error('away');
+      return { ...answer([{ from_s: 20, to_s: 50, reason: 'too_low' }]), time_s };
+    } });
+    const items = mission(0);
+    await insurance.step(0, vehicle({ items }));
+    isAway = true;
+    await insurance.step(31, vehicle({ items }));
+    const state = insurance.state(40);
+    assert.deepEqual([state.state, state.last_error, state.age_s, state.time_s], ['checked', 'away', 40, time_s - 40]);
+    assert.equal(state.covered_ratio, 1 - 10 / (time_s - 40));
+    assert.equal(insurance.state(longest_s - 1).state, 'checked');
+    const old = insurance.state(longest_s);
+    assert.deepEqual([old.state, old.why, old.last_error], ['none', `the last check is ${longest_s} s old`, 'away']);
+  }
+});
+
+test('after a change of the mission neither the old result nor an answer for the old mission is told', async () => {
+  const answers = [];
+  const insurance = new MissionInsurance({ check: () => new Promise((resolve) => { answers.push(() => resolve(answer([]))); }) });
+  const [old, changed] = [mission(0), mission(1)];
+  const asked = insurance.step(0, vehicle({ items: old }));
+  insurance.step(1, vehicle({ items: changed }));
+  answers[0]();
+  await asked;
+  assert.equal(insurance.state(2).state, 'waiting');
+  const askedAgain = insurance.step(10, vehicle({ items: changed }));
+  answers[1]();
+  await askedAgain;
+  assert.equal(insurance.state(11).state, 'checked');
+  insurance.step(12, vehicle({ items: mission(2) }));
+  assert.deepEqual(insurance.state(12), { state: 'waiting', why: undefined, last_error: undefined });
 });
 
 test('alternates: asked every 5 s in flight, forgotten on the ground', async () => {

@@ -53,7 +53,9 @@ test('links: insurance of the rest of the mission, in one line', () => {
   assert.equal(insuranceText(link({ state: 'none', why: 'it does not fly' })), 'it does not fly');
   const whole = { state: 'checked', covered_ratio: 1, time_s: 724, end: 'the landing', age_s: 3, num_gaps: 0 };
   assert.equal(insuranceText(link(whole)), 'a site, verified or not, is in reach on all of the next 12 min, to the landing');
-  assert.equal(insuranceText(link({ ...whole, age_s: 200 })), 'a site, verified or not, is in reach on all of the next 12 min, to the landing. Checked 3 min ago');
+  assert.equal(insuranceText(link({ ...whole, age_s: 150 })), 'a site, verified or not, is in reach on all of the next 12 min, to the landing. Checked 2 min ago');
+  assert.equal(insuranceText(link({ ...whole, age_s: 200 })), 'unknown: the age of the last check is 3 min');
+  assert.equal(insuranceText(link({ ...whole, age_s: undefined })), 'unknown: the age of the last check is unknown');
   const gap = { ...whole, covered_ratio: 0.9399, first_gap: { in_s: 130, lasts_s: 35, reason: 'too_low' }, num_gaps: 2, point_of_no_return_in_s: 540 };
   assert.equal(insuranceText(link(gap)), 'in reach for 93 % of the next 12 min, to the landing; none in 2 min, for 35 s (too low); none at all after 9 min');
   assert.match(insuranceText(link({ ...gap, first_gap: { in_s: 0, lasts_s: 35 } })), /NO SITE IN REACH NOW, for 35 s more/);
