@@ -83,9 +83,11 @@ export function insuranceText({ insurance, is_connected }) {
   return `in reach for ${percent(covered_ratio)} of ${what}${gap ? `; ${gapText(gap)}` : ''}${after}${old}`;
 }
 
+const kOldPlace_s = 15;
+
 // The best sites at this moment: [{id, text}]; null if they are not known.
-export function alternatesOf({ alternates, is_connected }, nameOf) {
-  if (!alternates || !is_connected) return null;
+export function alternatesOf({ alternates, is_connected, heard_age_s = 0 }, nameOf) {
+  if (!is_connected || !(alternates?.age_s + heard_age_s <= kOldPlace_s)) return null;
   return alternates.sites.map(({ site_id, verdict, arrival_margin_m }) =>
     ({ id: site_id, text: `${verdictSign[verdict] ?? ''} ${nameOf(site_id)}, ${margin(arrival_margin_m)}`.trim() }));
 }

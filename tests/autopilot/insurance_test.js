@@ -177,18 +177,56 @@ test('after a change of the mission neither the old result nor an answer for the
   assert.deepEqual(insurance.state(12), { state: 'waiting', why: undefined, last_error: undefined });
 });
 
-test('alternates: asked every 5 s in flight, forgotten on the ground', async () => {
+const settled = () => new Promise((resolve) => { setImmediate(resolve); });
+const inReach = (pose) => ({ sites: [{ site_id: 'a', verdict: 'landable', arrival_margin_m: 12, path: {} }], pose });
+const inFlight = { isFlying: true, flight: { id: 'f1' } };
+
+test('alternates: asked every 5 s in flight, told with the age of the place, forgotten on the ground', async () => {
   let numAsked = 0;
   const alternates = new Alternates(async () => {
     ++numAsked;
-    return { sites: [{ site_id: 'a', verdict: 'landable', arrival_margin_m: 12, path: {} }] };
+    return inReach({ age_s: 0.5 });
   });
   for (let now_s = 0; now_s < 12; ++now_s) {
-    alternates.step(now_s, { isFlying: true, flight: { id: 'f1' } });
-    await new Promise((resolve) => { setImmediate(resolve); });
+    alternates.step(now_s, inFlight);
+    await settled();
   }
   assert.equal(numAsked, 3);
-  assert.deepEqual(alternates.state(12), { sites: [{ site_id: 'a', verdict: 'landable', arrival_margin_m: 12 }], num_in_reach: 1, age_s: 2 });
-  alternates.step(13, { isFlying: false, flight: { id: 'f1' } });
+  assert.deepEqual(alternates.state(12), { sites: [{ site_id: 'a', verdict: 'landable', arrival_margin_m: 12 }], num_in_reach: 1, age_s: 2.5 });
+  alternates.step(13, { ...inFlight, isFlying: false });
   assert.equal(alternates.state(13), undefined);
+});
+
+test('alternates: none of an old or unknown place, of an answer that fails for long, or of another flight', async () => {
+  let answer = async () => inReach({ age_s: 12 });
+  const alternates = new Alternates(() => answer());
+  const asked = async (now_s, vehicle = inFlight) => {
+    alternates.step(now_s, vehicle);
+    await settled();
+    return alternates.state(now_s);
+  };
+  assert.equal((await asked(0)).age_s, 12);
+  assert.equal(alternates.state(3).age_s, 15);
+  assert.equal(alternates.state(3.1), undefined);
+  for (const [i, pose] of [{ age_s: 16 }, { age_s: null }, undefined].entries()) {
+    answer = async () => inReach(pose);
+    assert.equal(await asked(10 + 5 * i), undefined, JSON.stringify(pose));
+  }
+  answer = async () => inReach({ age_s: 0 });
+  assert.ok(await asked(30));
+  answer = async () => { throw new Error('away'); };
+  assert.equal((await asked(35)).age_s, 5);
+  answer = async () => null;
+  assert.equal((await asked(40)).age_s, 10);
+  assert.equal(await asked(46), undefined);
+  let arrive;
+  answer = () => new Promise((resolve) => { arrive = () => resolve(inReach({ age_s: 0 })); });
+  await asked(60);
+  await asked(61, { isFlying: true, flight: { id: 'f2' } });
+  arrive();
+  await settled();
+  assert.equal(alternates.state(62), undefined);
+  answer = async () => inReach({ age_s: 0 });
+  assert.ok(await asked(70, { isFlying: true, flight: { id: 'f2' } }));
+  assert.equal(await asked(71), undefined);
 });

@@ -72,10 +72,12 @@ test('links: where guidance will arrive, above or below', () => {
 
 test('links: sites in reach now, and what became of pictures', () => {
   const sites = [{ site_id: 'f-r2', verdict: 'landable', arrival_margin_m: 41.9 }, { site_id: 'f-r5', verdict: 'unverified', arrival_margin_m: 3 }];
-  assert.deepEqual(alternatesOf({ is_connected: true, alternates: { sites } }, nameOf),
+  assert.deepEqual(alternatesOf({ is_connected: true, alternates: { sites, age_s: 3 } }, nameOf),
     [{ id: 'f-r2', text: '✓ site 2, +41 m' }, { id: 'f-r5', text: '? site 5, +3 m' }]);
-  assert.deepEqual(linkRows({ is_connected: true, alternates: { sites: [] } }, nameOf).find(([name]) => name === 'In reach now'), ['In reach now', 'NO SITE', true]);
-  assert.equal(alternatesOf({ is_connected: false, alternates: { sites } }, nameOf), null);
+  assert.deepEqual(linkRows({ is_connected: true, alternates: { sites: [], age_s: 3 } }, nameOf).find(([name]) => name === 'In reach now'), ['In reach now', 'NO SITE', true]);
+  for (const [more, age_s] of [[{ is_connected: false }, 3], [{}, 16], [{ heard_age_s: 4 }, 12], [{}, undefined]]) {
+    assert.equal(alternatesOf({ is_connected: true, alternates: { sites, age_s }, ...more }, nameOf), null);
+  }
   assert.equal(picturesText({ pictures: { sent: 12, waiting: 3, unpaired: 1, refused: 0, incomplete: 0, text: 'it is not sure yet' } }),
     '12 sent, 3 waiting, 1 without a sure trigger, not sent. it is not sure yet');
   assert.equal(picturesText({}), null);
