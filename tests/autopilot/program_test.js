@@ -85,7 +85,9 @@ test('a command of the service becomes a mission that the autopilot flies', { ti
 test('a fault that nobody catches is told once and does not end the program', { timeout: 400_000 }, async (t) => {
   const setup = await setUp(t);
   const faulty = join(setup.folder, 'faulty.cjs');
-  writeFileSync(faulty, "setInterval(() => Promise.reject(new Error('nobody waits')), 200);\n");
+  const status = JSON.stringify(join(setup.folder, 'status.json'));
+  // Once it runs.
+  writeFileSync(faulty, `setInterval(() => { if (require('node:fs').existsSync(${status})) Promise.reject(new Error('nobody waits')); }, 200);\n`);
   process.env.NODE_OPTIONS = `--require ${faulty}`;
   t.after(() => { delete process.env.NODE_OPTIONS; });
   const link = setup.startLink();
