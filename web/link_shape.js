@@ -61,6 +61,7 @@ const gapReasons = {
   no_site: 'no site is stored near', not_evaluated: 'not evaluated',
 };
 const kOldCheck_s = 90;
+const kTooOldCheck_s = 180;
 const percent = (ratio) => `${Math.floor(100 * ratio + 1e-9)} %`;
 
 function gapText({ in_s, lasts_s, reason }) {
@@ -74,6 +75,7 @@ export function insuranceText({ insurance, is_connected }) {
   if (!is_connected) return 'unknown: nothing is heard of the aircraft';
   if (insurance.state !== 'checked') return insurance.why ?? insurance.last_error ?? 'not checked yet';
   const { covered_ratio, time_s, end, first_gap: gap, point_of_no_return_in_s: last_s, age_s } = insurance;
+  if (!(age_s <= kTooOldCheck_s)) return `unknown: the age of the last check is ${age(age_s)}`;
   const old = age_s > kOldCheck_s ? `. Checked ${age(age_s)} ago` : '';
   const what = `the next ${age(time_s)}${end === 'more of the mission' ? '' : `, to ${end}`}`;
   if (covered_ratio >= 1) return `a site, verified or not, is in reach on all of ${what}${old}`;
@@ -81,9 +83,11 @@ export function insuranceText({ insurance, is_connected }) {
   return `in reach for ${percent(covered_ratio)} of ${what}${gap ? `; ${gapText(gap)}` : ''}${after}${old}`;
 }
 
+const kOldPlace_s = 15;
+
 // The best sites at this moment: [{id, text}]; null if they are not known.
-export function alternatesOf({ alternates, is_connected }, nameOf) {
-  if (!alternates || !is_connected) return null;
+export function alternatesOf({ alternates, is_connected, heard_age_s = 0 }, nameOf) {
+  if (!is_connected || !(alternates?.age_s + heard_age_s <= kOldPlace_s)) return null;
   return alternates.sites.map(({ site_id, verdict, arrival_margin_m }) =>
     ({ id: site_id, text: `${verdictSign[verdict] ?? ''} ${nameOf(site_id)}, ${margin(arrival_margin_m)}`.trim() }));
 }

@@ -192,8 +192,21 @@ function problemLog(uplink) {
   };
 }
 
+// A fault of one part must not end the link in the air. Each once, not at each try.
+function logFaults(decisions) {
+  let last;
+  process.on('unhandledRejection', (reason) => {
+    const text = `fault: ${reason?.message ?? reason}`;
+    if (text === last) return;
+    last = text;
+    log(reason?.stack ?? text);
+    decisions.add('link', text);
+  });
+}
+
 async function run(config) {
   const parts = partsFrom(config);
+  logFaults(parts.decisions);
   const { spool, uplink, link } = parts;
   const state = { address: config.connect, state: 'closed' };
   const socket = await open(config.address,

@@ -96,6 +96,18 @@ test('the same landing from an answer of recall', () => {
   for (const [i, one] of ardupilotItems(fromRecall).entries()) assert.ok(isSameItem(one, ardupilotItems(ours)[i]));
 });
 
+test('a start is not told as flown while it is not known which item is flown', async () => {
+  const rig = new Rig();
+  const { onSend } = rig.plane;
+  rig.plane.onSend = (bytes, name) => { if (name !== 'MISSION_CURRENT') onSend(bytes, name); };
+  await rig.step(5);
+  land(rig);
+  await rig.step(30);
+  assert.equal(rig.plane.control.mode, 'AUTO');
+  assert.deepEqual([rig.mission.kind, rig.told.get('c1').state], ['landing', 'failed']);
+  assert.match(rig.told.get('c1').detail, /not flown as far as is known: mode AUTO, item unknown/);
+});
+
 test('what must not be landed at: rejected, superseded, of another altitude reference, without approach', async () => {
   const cases = {
     rejected: [{ ...siteAnswer, properties: { ...siteAnswer.properties, verdict: 'rejected' } }],
@@ -234,6 +246,47 @@ test('rally points of the best sites in reach, and only verified ones', async ()
   const sent = rig.outgoing.counts.MISSION_COUNT;
   await rig.step(70);
   assert.equal(rig.outgoing.counts.MISSION_COUNT, sent, 'not written again');
+});
+
+test('a mission of somebody else is read again every 30 s, and is a new one only if it differs', async () => {
+  const rig = new Rig();
+  await rig.step(5);
+  const { items } = rig.landings.vehicle;
+  const read = rig.outgoing.counts.MISSION_REQUEST_INT;
+  await rig.step(35);
+  assert.ok(rig.outgoing.counts.MISSION_REQUEST_INT > read);
+  assert.equal(rig.landings.vehicle.items, items);
+  rig.plane.mission[3].z += 50;
+  await rig.step(35);
+  assert.equal(rig.landings.vehicle.items[3].z, rig.plane.mission[3].z);
+  assert.deepEqual([rig.mission.state, rig.mission.kind, rig.mission.alarm], ['current', 'other', undefined]);
+});
+
+test('a mission of somebody else that cannot be read after a restart is unknown, alarms, and is read later', async () => {
+  const rig = new Rig();
+  await rig.step(5);
+  rig.up.send = () => {};
+  rig.plane.restart(3);
+  await rig.step(25);
+  assert.ok(rig.link.state(rig.plane.utc_us).is_connected);
+  assert.equal(rig.mission.state, 'unknown');
+  assert.match(rig.mission.alarm, /not known which mission/);
+  assert.equal(rig.landings.vehicle.items, undefined);
+  delete rig.up.send;
+  await rig.step(35);
+  assert.deepEqual([rig.mission.state, rig.mission.alarm], ['current', undefined]);
+});
+
+test('on the final of somebody else\'s landing nothing is read', async () => {
+  const rig = new Rig();
+  await rig.step(5);
+  const landAt = rig.plane.mission.findIndex((one) => one.command === 21);
+  rig.plane.control.setCurrent(landAt);
+  await rig.step(2);
+  const sent = rig.outgoing.counts.MISSION_REQUEST_LIST;
+  await rig.step(40);
+  assert.equal(rig.plane.control.mission.index, landAt);
+  assert.equal(rig.outgoing.counts.MISSION_REQUEST_LIST, sent);
 });
 
 test('nothing else can be sent: no arming, take-off, parameter, servo or any other message', () => {

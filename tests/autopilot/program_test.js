@@ -82,6 +82,21 @@ test('a command of the service becomes a mission that the autopilot flies', { ti
   await until('the circle', () => service.last().mission.current_item > plane.mission.findIndex((one) => one.command === 189));
 });
 
+test('a fault that nobody catches is told once and does not end the program', { timeout: 400_000 }, async (t) => {
+  const setup = await setUp(t);
+  const faulty = join(setup.folder, 'faulty.cjs');
+  const status = JSON.stringify(join(setup.folder, 'status.json'));
+  // Once it runs.
+  writeFileSync(faulty, `setInterval(() => { if (require('node:fs').existsSync(${status})) Promise.reject(new Error('nobody waits')); }, 200);\n`);
+  process.env.NODE_OPTIONS = `--require ${faulty}`;
+  t.after(() => { delete process.env.NODE_OPTIONS; });
+  const link = setup.startLink();
+  const faults = () => setup.state().log.filter(({ text }) => text === 'fault: nobody waits');
+  await until('the fault', () => faults().length > 0);
+  await sleep(1500);
+  assert.deepEqual([faults().length, link.exitCode], [1, null]);
+});
+
 // Each as often as the others.
 function forged(plane, signing) {
   const other = new Sender({ systemId: 9, componentId: 1 });

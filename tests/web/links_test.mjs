@@ -53,7 +53,9 @@ test('links: insurance of the rest of the mission, in one line', () => {
   assert.equal(insuranceText(link({ state: 'none', why: 'it does not fly' })), 'it does not fly');
   const whole = { state: 'checked', covered_ratio: 1, time_s: 724, end: 'the landing', age_s: 3, num_gaps: 0 };
   assert.equal(insuranceText(link(whole)), 'a site, verified or not, is in reach on all of the next 12 min, to the landing');
-  assert.equal(insuranceText(link({ ...whole, age_s: 200 })), 'a site, verified or not, is in reach on all of the next 12 min, to the landing. Checked 3 min ago');
+  assert.equal(insuranceText(link({ ...whole, age_s: 150 })), 'a site, verified or not, is in reach on all of the next 12 min, to the landing. Checked 2 min ago');
+  assert.equal(insuranceText(link({ ...whole, age_s: 200 })), 'unknown: the age of the last check is 3 min');
+  assert.equal(insuranceText(link({ ...whole, age_s: undefined })), 'unknown: the age of the last check is unknown');
   const gap = { ...whole, covered_ratio: 0.9399, first_gap: { in_s: 130, lasts_s: 35, reason: 'too_low' }, num_gaps: 2, point_of_no_return_in_s: 540 };
   assert.equal(insuranceText(link(gap)), 'in reach for 93 % of the next 12 min, to the landing; none in 2 min, for 35 s (too low); none at all after 9 min');
   assert.match(insuranceText(link({ ...gap, first_gap: { in_s: 0, lasts_s: 35 } })), /NO SITE IN REACH NOW, for 35 s more/);
@@ -70,10 +72,12 @@ test('links: where guidance will arrive, above or below', () => {
 
 test('links: sites in reach now, and what became of pictures', () => {
   const sites = [{ site_id: 'f-r2', verdict: 'landable', arrival_margin_m: 41.9 }, { site_id: 'f-r5', verdict: 'unverified', arrival_margin_m: 3 }];
-  assert.deepEqual(alternatesOf({ is_connected: true, alternates: { sites } }, nameOf),
+  assert.deepEqual(alternatesOf({ is_connected: true, alternates: { sites, age_s: 3 } }, nameOf),
     [{ id: 'f-r2', text: '✓ site 2, +41 m' }, { id: 'f-r5', text: '? site 5, +3 m' }]);
-  assert.deepEqual(linkRows({ is_connected: true, alternates: { sites: [] } }, nameOf).find(([name]) => name === 'In reach now'), ['In reach now', 'NO SITE', true]);
-  assert.equal(alternatesOf({ is_connected: false, alternates: { sites } }, nameOf), null);
+  assert.deepEqual(linkRows({ is_connected: true, alternates: { sites: [], age_s: 3 } }, nameOf).find(([name]) => name === 'In reach now'), ['In reach now', 'NO SITE', true]);
+  for (const [more, age_s] of [[{ is_connected: false }, 3], [{}, 16], [{ heard_age_s: 4 }, 12], [{}, undefined]]) {
+    assert.equal(alternatesOf({ is_connected: true, alternates: { sites, age_s }, ...more }, nameOf), null);
+  }
   assert.equal(picturesText({ pictures: { sent: 12, waiting: 3, unpaired: 1, refused: 0, incomplete: 0, text: 'it is not sure yet' } }),
     '12 sent, 3 waiting, 1 without a sure trigger, not sent. it is not sure yet');
   assert.equal(picturesText({}), null);

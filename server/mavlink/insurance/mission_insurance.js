@@ -1,7 +1,7 @@
 // Whether a site stays in reach without power on the rest of the mission: the service checks it again
 // and again, as the aircraft flies and the map grows.
 
-import { moreOfMission, remainingRoute } from './remaining_route.js';
+import { remainingRoute } from './remaining_route.js';
 
 const period_s = 30;
 const afterChange_s = 5;
@@ -11,7 +11,8 @@ const lookAhead_s = [300, 1800];
 const firstLookAhead_s = 600;
 const windChange_mps = 1.5;
 const maxWindAge_s = 60;
-const maxNumPoints = 500;
+// An older check is none.
+const maxAge_s = 180;
 
 const rounded = (value, digits) => Number(value.toFixed(digits));
 const pointOf = ({ latitude_deg, longitude_deg, altitude_m }) =>
@@ -58,7 +59,8 @@ export class MissionInsurance {
       this.#asked = undefined;
       return undefined;
     }
-    if (!this.#asked && this.#state.state === 'none') this.#state = { state: 'waiting' };
+    if (this.#asked && vehicle.items !== this.#asked.items) this.#asked = undefined;
+    if (!this.#asked) this.#state = { state: 'waiting' };
     if (this.#running || now_s < this.#notBefore_s) return this.#running;
     const isDue = !this.#asked || now_s - this.#asked.now_s >= period_s || this.#isChanged(vehicle);
     if (!isDue) return undefined;
@@ -66,12 +68,12 @@ export class MissionInsurance {
     return this.#running;
   }
 
-  #isChanged({ items, flight, ...vehicle }) {
+  #isChanged({ flight, ...vehicle }) {
     const { wind: before } = this.#asked;
     const wind = windOf(vehicle);
     const isOtherWind = Boolean(wind) !== Boolean(before) ||
       (wind && Math.hypot(wind.east_mps - before.east_mps, wind.north_mps - before.north_mps) > windChange_mps);
-    return items !== this.#asked.items || flight?.id !== this.#asked.flight || isOtherWind;
+    return flight?.id !== this.#asked.flight || isOtherWind;
   }
 
   async #ask(now_s, vehicle) {
@@ -79,14 +81,14 @@ export class MissionInsurance {
     const wind = windOf(vehicle);
     const asked = { now_s, items, wind, flight: flight?.id };
     this.#asked = asked;
-    const { route, end } = remainingRoute({ ...vehicle, longest_m: this.#lookAhead_s * airspeed_mps });
     const begun_ms = performance.now();
     try {
+      const { route, ...end } = remainingRoute({ ...vehicle, longest_m: this.#lookAhead_s * airspeed_mps });
       // One point is where the aircraft is.
       const answer = route.length < 2 ? undefined : await this.#check({
-        route: route.slice(0, maxNumPoints).map(pointOf), altitude_datum: 'amsl', airspeed_mps: rounded(airspeed_mps, 1),
+        route: route.map(pointOf), altitude_datum: 'amsl', airspeed_mps: rounded(airspeed_mps, 1),
         with_fixes: false, ...(wind && { wind }), ...(flight?.id && { flight: flight.id }) });
-      if (this.#asked === asked) this.#take(answer, { now_s, end });
+      if (this.#asked === asked) this.#take(answer, { now_s, ...end });
     } catch (error) {
       if (this.#asked === asked) this.#state = { ...this.#state, last_error: error.cause?.message ?? error.message };
     }
@@ -96,34 +98,37 @@ export class MissionInsurance {
     this.#notBefore_s = now_s + cost_s + Math.max(afterChange_s, cost_s / maxShare);
   }
 
-  #take(answer, { now_s, end }) {
+  #take(answer, { now_s, end, isWhole }) {
     this.#checked_s = now_s;
     if (!answer) {
       this.#state = { state: 'none', why: `nothing is left before ${end}` };
       return;
     }
     const { covered_ratio, time_s, gaps, point_of_no_return: noReturn } = answer;
-    this.#state = { state: 'checked', covered_ratio, time_s, end, gaps: gaps.map(({ from_s, to_s, reason }) => ({ from_s, to_s, reason })),
+    this.#state = { state: 'checked', time_s, end, gaps: gaps.map(({ from_s, to_s, reason }) => ({ from_s, to_s, reason })),
       // Beyond what was looked at there may be sites again.
-      no_return_s: end === moreOfMission ? undefined : noReturn?.time_s };
+      no_return_s: isWhole ? noReturn?.time_s : undefined };
     const hasGap = gaps.length > 0;
     if (hasGap !== this.#hadGap) {
-      this.#log(hasGap ? `on the rest of the mission no site is in reach for ${Math.ceil((1 - covered_ratio) * time_s)} s of ${Math.round(time_s)} s`
-        : `a site is in reach on all the rest of the mission (${Math.round(time_s)} s)`);
+      const what = `the next ${Math.round(time_s)} s, to ${end}`;
+      this.#log(hasGap ? `no site, verified or not, is in reach for ${Math.ceil((1 - covered_ratio) * time_s)} s of ${what}`
+        : `a site, verified or not, is in reach on all of ${what}`);
     }
     this.#hadGap = hasGap;
   }
 
-  // As `insurance` of the link's state. Times count from now.
+  // As `insurance` of the link's state. Times count from now, and so does the covered ratio.
   state(now_s) {
-    const { state, gaps = [], no_return_s, ...rest } = this.#state;
-    if (state !== 'checked') return { state, ...rest };
+    const { state, why, last_error, end, gaps, time_s, no_return_s } = this.#state;
+    if (state !== 'checked') return { state, why, last_error };
     const age_s = now_s - this.#checked_s;
-    const next = gaps.find(({ to_s }) => to_s > age_s);
+    if (!(age_s < Math.min(maxAge_s, time_s))) return { state: 'none', why: `the last check is ${Math.round(age_s)} s old`, last_error };
+    const ahead = gaps.filter(({ to_s }) => to_s > age_s)
+      .map(({ from_s, to_s, reason }) => ({ in_s: Math.max(0, from_s - age_s), lasts_s: to_s - Math.max(from_s, age_s), reason }));
+    const left_s = time_s - age_s;
     return {
-      state, ...rest, age_s,
-      first_gap: next && { in_s: Math.max(0, next.from_s - age_s), lasts_s: next.to_s - Math.max(next.from_s, age_s), reason: next.reason },
-      num_gaps: gaps.filter(({ to_s }) => to_s > age_s).length,
+      state, last_error, covered_ratio: 1 - ahead.reduce((sum, { lasts_s }) => sum + lasts_s, 0) / left_s, time_s: left_s, end, age_s,
+      first_gap: ahead[0], num_gaps: ahead.length,
       point_of_no_return_in_s: no_return_s === undefined ? undefined : no_return_s - age_s,
     };
   }

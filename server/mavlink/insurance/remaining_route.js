@@ -12,9 +12,11 @@ const ends = {
 };
 const amsl = new Set([0, 5]);
 const aboveHome = new Set([3, 6]);
-export const moreOfMission = 'more of the mission';
+const moreOfMission = 'more of the mission';
 const metresPerDegree = 111_195;
 const maxNumSteps = 5000;
+// Fewer than /v1/routes/check takes.
+const maxNumPoints = 500;
 const least_m = 1;
 
 export function distance_m(a, b) {
@@ -31,11 +33,13 @@ function placeOf({ frame, x, y, z }, before, home_altitude_m) {
   return { latitude_deg, longitude_deg, altitude_m: base_m + z };
 }
 
-// The items in the order in which they are flown. How often a jump was made already is not known, so
-// it counts in full.
-function* flownItems(items, first) {
+// The items in the order in which they are flown, then { end, isWhole } unless there are too many.
+// How often a jump was made already is not known, so it counts in full.
+function* flownItems(items, first, lowest) {
   const jumps = new Map();
-  for (let at = first, step = 0; at < items.length && step < maxNumSteps; ++step) {
+  let at = Math.max(lowest, first);
+  for (let step = 0; at < items.length; ++step) {
+    if (step >= maxNumSteps) return;
     const one = items[at];
     if (one.command !== command.jump) {
       yield { ...one, seq: at };
@@ -43,29 +47,37 @@ function* flownItems(items, first) {
       continue;
     }
     const left = jumps.get(at) ?? (one.param2 < 0 ? Infinity : one.param2);
+    const target = one.param1;
+    if (left > 0 && !(Number.isInteger(target) && target >= lowest && target < items.length)) {
+      yield { end: `item ${at}, a jump to no item`, isWhole: false };
+      return;
+    }
     jumps.set(at, left - 1);
-    at = left > 0 ? one.param1 : at + 1;
+    at = left > 0 ? target : at + 1;
   }
+  yield { end: 'the end of the mission', isWhole: true };
 }
 
-// { route: [{ latitude_deg, longitude_deg, altitude_m }], end: what comes after it }. items: of the
-// autopilot; ArduPilot's first is its home. position: where the aircraft is. longest_m: a longer mission is cut there.
+// { route: [{ latitude_deg, longitude_deg, altitude_m }], end: what comes after it, isWhole: nothing of the
+// mission does }. items: of the autopilot; ArduPilot's first is its home. position: where the aircraft
+// is. longest_m: a longer mission is cut there.
 export function remainingRoute({ items, current_item, isArdupilot, position, home_altitude_m, longest_m }) {
   const { latitude_deg, longitude_deg, altitude_m } = position;
   const route = [{ latitude_deg, longitude_deg, altitude_m }];
   let length_m = 0;
-  for (const one of flownItems(items, Math.max(isArdupilot ? 1 : 0, current_item))) {
+  for (const one of flownItems(items, current_item, isArdupilot ? 1 : 0)) {
+    if (one.end) return { route, ...one };
     const last = route.at(-1);
     const isLast = one.command in ends;
     if (places.has(one.command) || one.command === command.loiterUnlimited) {
       const place = placeOf(one, last, home_altitude_m);
-      if (!place) return { route, end: `item ${one.seq}, whose height is above the terrain` };
+      if (!place) return { route, end: `item ${one.seq}, whose height is above the terrain`, isWhole: false };
       const leg_m = distance_m(last, place);
       if (leg_m >= least_m) route.push(place);
       length_m += leg_m;
     }
-    if (isLast) return { route, end: ends[one.command] };
-    if (length_m > longest_m) return { route, end: moreOfMission };
+    if (isLast) return { route, end: ends[one.command], isWhole: true };
+    if (length_m > longest_m || route.length >= maxNumPoints) return { route, end: moreOfMission, isWhole: false };
   }
-  return { route, end: 'the end of the mission' };
+  return { route, end: moreOfMission, isWhole: false };
 }

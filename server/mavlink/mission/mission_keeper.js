@@ -1,7 +1,8 @@
 // The landing mission in the autopilot: puts it there, knows whether it is there, and starts it.
 // No sockets and no clock: step(now_s), hear(name, fields, now_s), and what it sends goes to `out`.
 
-import { ardupilotItems, knowsFlare, landingOfRecall, NoLanding, px4Items } from './landing_items.js';
+import { ardupilotItems, landingOfRecall, NoLanding, px4Items } from './landing_items.js';
+import { warningsOf } from './landing_warnings.js';
 import { changeItems, finishChange, outcome, Task } from './mission_change.js';
 import { areSame, command, item, missionType } from './mission_items.js';
 import { Download } from './item_transfer.js';
@@ -15,7 +16,6 @@ const startSeen_s = 8;
 // Somebody else's upload may still run when its first sign is heard.
 const suspicion_s = 1.5;
 const ownUpload_s = 5;
-const maxSpeedDifference_mps = 1;
 const recheck_s = 30;
 const reread_s = 10;
 // How often it is asked whether somebody writes: while a list is written, ArduPilot denies to tell its length.
@@ -172,7 +172,7 @@ export class MissionKeeper {
     this.#checked_s = this.#now_s;
     this.#total = undefined;
     if (how === outcome.done) {
-      this.#landing = { items, site: job.landing.site_id, warning: this.#warningOf(job.landing) };
+      this.#landing = { items, site: job.landing.site_id, warning: this.#warned(job.landing) };
       this.#know(items);
       this.#log(`the landing mission to ${job.landing.site_id} is in the autopilot, read back equal`);
       job.finish(true);
@@ -185,8 +185,16 @@ export class MissionKeeper {
     job.finish(false, why ?? this.#lasting);
   }
 
-  // What the autopilot has was read, and whether it is the last landing that was written.
-  #know(items) {
+  #warned(landing) {
+    const warnings = warningsOf(landing, this.#vehicle());
+    warnings.forEach((text) => this.#log(text));
+    return warnings.join('; ') || undefined;
+  }
+
+  // What the autopilot has was read, and whether it is the last landing that was written. While it stays
+  // the same, `items` stays the same array.
+  #know(read) {
+    const items = this.#known && areSame(read, this.#known.items, this.#rules()) ? this.#known.items : read;
     const { items: ours, site, warning } = this.#landing ?? {};
     const isLanding = ours !== undefined && areSame(items, ours, this.#rules());
     this.#known = { items, site: isLanding ? site : undefined };
@@ -194,21 +202,6 @@ export class MissionKeeper {
       state: 'current', kind: isLanding ? 'landing' : 'other', ...(isLanding && { site }),
       ...(isLanding && warning && { warning }), ...(this.#lasting && { alarm: this.#lasting }),
     };
-  }
-
-  // A parameter is never written: the person decides.
-  #warningOf({ airspeed_mps: planned_mps }) {
-    const { landing_airspeed_mps: own_mps, isArdupilot, parameters } = this.#vehicle();
-    const warnings = [];
-    if (isArdupilot && !knowsFlare(parameters)) warnings.push('the autopilot\'s flare is not known: the final is flown lower than it was checked');
-    if (!isArdupilot && parameters.FW_LND_ANG === undefined) warnings.push('it is not known how steep a final the autopilot takes');
-    if (!isArdupilot) warnings.push('landings with PX4 have not been flown');
-    if (own_mps === undefined) warnings.push('the autopilot\'s landing airspeed is not known');
-    else if (Math.abs(own_mps - planned_mps) > maxSpeedDifference_mps) {
-      warnings.push(`the autopilot lands at ${own_mps.toFixed(1)} m/s, the site was planned for ${planned_mps.toFixed(1)} m/s`);
-    }
-    warnings.forEach((text) => this.#log(text));
-    return warnings.join('; ') || undefined;
   }
 
   #beginStart(commandId, landing) {
@@ -247,14 +240,14 @@ export class MissionKeeper {
     if (start.isFlown) return;
     const { mode, missionMode, current_item } = this.#vehicle();
     const landingAt = this.#known.items.findIndex((one) => one.command === command.landStart);
-    if (mode === missionMode && !(current_item < landingAt)) {
+    if (mode === missionMode && landingAt >= 0 && current_item >= landingAt) {
       start.isFlown = true;
       this.#log(`the autopilot flies the landing to ${start.site}`);
       this.#told(start.commandId, 'done', 'flown');
     } else if (this.#now_s - start.accepted_s > startSeen_s) {
       this.#start = undefined;
-      this.#log(`the autopilot does not fly the landing to ${start.site}: it is in ${mode}`);
-      this.#told(start.commandId, 'failed', `in the autopilot, and accepted, but it is not flown: mode ${mode}`);
+      this.#log(`the autopilot is not seen to fly the landing to ${start.site}: mode ${mode}, item ${current_item ?? 'unknown'}`);
+      this.#told(start.commandId, 'failed', `in the autopilot, and accepted, but not flown as far as is known: mode ${mode}, item ${current_item ?? 'unknown'}`);
     }
   }
 
@@ -276,7 +269,7 @@ export class MissionKeeper {
   #suspect(why, delay_s = suspicion_s) {
     if (this.#suspect_s !== undefined) return;
     this.#suspect_s = this.#now_s + delay_s;
-    if (this.#known?.site && !this.#task) this.#alarm(alarmOf.trouble(why));
+    if (this.#known && !this.#task) this.#alarm(alarmOf.trouble(why));
   }
 
   #alarm(text) {
@@ -328,9 +321,8 @@ export class MissionKeeper {
     this.#stepStart();
     if (this.#isOnFinal || this.isHeld) return;
     const isSuspect = this.#suspect_s !== undefined && now_s >= this.#suspect_s;
-    const isDue = now_s - this.#checked_s > (this.#known?.site || this.#state.state === 'unknown' ? recheck_s : Infinity);
-    const isFirst = !this.#known && now_s - this.#checked_s > reread_s;
-    if (isSuspect || isDue || isFirst) this.#check();
+    const isDue = now_s - this.#checked_s > (this.#known ? recheck_s : reread_s);
+    if (isSuspect || isDue) this.#check();
     else this.#probe();
   }
 
@@ -345,7 +337,7 @@ export class MissionKeeper {
   // Nothing is sent on the final.
   get #isOnFinal() {
     const { current_item, mode, missionMode } = this.#vehicle();
-    return this.#known?.site !== undefined && this.#known.items[current_item]?.command === command.land && mode === missionMode;
+    return this.#known?.items[current_item]?.command === command.land && mode === missionMode;
   }
 
   #check() {
@@ -362,7 +354,7 @@ export class MissionKeeper {
       this.#task = undefined;
       this.#checked_s = this.#now_s;
       if (result.items) this.#compare(result.items);
-      else if (this.#known?.site) this.#alarm(alarmOf.trouble(result.error));
+      else if (this.#known) this.#alarm(alarmOf.trouble(result.error));
     });
   }
 
