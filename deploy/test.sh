@@ -181,7 +181,7 @@ passed
 start_step "link to an autopilot, short form"
 npm ci --ignore-scripts --omit=optional --no-audit --no-fund --loglevel=error --prefix server/mavlink
 FREELSD_SHORT=1 FREELSD_SERVER="$PWD/build/release/server/freelsd-server" \
-  timeout 400 node --test tests/autopilot/*_test.js >"$work/autopilot.log" 2>&1 || {
+  timeout 600 node --test tests/autopilot/*_test.js >"$work/autopilot.log" 2>&1 || {
   cat "$work/autopilot.log" >&2
   fail "tests of the link failed"
 }

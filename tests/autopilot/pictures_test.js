@@ -21,6 +21,9 @@ import { tinyCamera, tinyJpeg } from './tiny_jpeg.js';
 const hasPython = spawnSync('python3', ['-c', 'import sqlite3']).status === 0;
 const skip = !hasServer ? 'no freelsd-server: build it or set FREELSD_SERVER' : !hasPython && 'python3 reads the database';
 const speed = 4;
+// Two of three flights in real time are only for the long form.
+const skipLong = skip || (process.env.FREELSD_SHORT ? 'FREELSD_SHORT' : false);
+const besideExtra_us = 600_000;
 const patience_ms = 60_000;
 
 // What the engine works with, by digest of the image.
@@ -93,9 +96,13 @@ test('late, out of order, missing, extra, twice, half written, service and link 
   const drops = [];
   const unsure = new Set();
   let isDeaf = false;
+  let extra;
   const later = (action) => { drops.push(sleep(8000 * random.uniform()).then(action)); };
   await takePictures(flight, 160, (number) => {
-    if (number === 60) later(() => camera.drop(camera.expose({ isTriggered: false })));
+    if (number === 60) later(() => {
+      extra = camera.expose({ isTriggered: false });
+      camera.drop(extra);
+    });
     const picture = camera.expose();
     // What was heard just before the kill was not on disk yet.
     if (isDeaf || number === 99 || number === 100) unsure.add(picture.sha256);
@@ -113,7 +120,9 @@ test('late, out of order, missing, extra, twice, half written, service and link 
     if (number === 116) isDeaf = false;
   });
   await Promise.all(drops);
-  const expected = camera.taken.filter(({ sha256, message }) => message && !unsure.has(sha256));
+  // Which of two pictures of one moment was triggered is not sure.
+  const isBesideExtra = ({ time_us }) => Math.abs(time_us - extra.time_us) < besideExtra_us;
+  const expected = camera.taken.filter((picture) => picture.message && !unsure.has(picture.sha256) && !isBesideExtra(picture));
   const stored = () => new Set(framesOf(setup).map(({ sha256 }) => sha256));
   await until('the pictures', () => {
     const known = stored();
@@ -135,7 +144,7 @@ test('late, out of order, missing, extra, twice, half written, service and link 
     `${frames.length} frames of ${camera.taken.length} pictures, 0 with another pose; not sent: ${pictures.unpaired + pictures.waiting}`);
 });
 
-test('copied after the flight: with the camera\'s time all are sent, with the time of copying none', { skip, timeout: 300_000 }, async (t) => {
+test('copied after the flight: with the camera\'s time all are sent, with the time of copying none', { skip: skipLong, timeout: 300_000 }, async (t) => {
   const flight = await flying(t, { seed: 6, isExif: false, clockOffset_s: -41.7 });
   const { setup, camera, plane } = flight;
   setup.startServer();
@@ -157,7 +166,7 @@ test('copied after the flight: with the camera\'s time all are sent, with the ti
   assertOwnPoses(framesOf(setup), camera);
 });
 
-test('regular pictures wait until the operator vouches for the clock', { skip, timeout: 300_000 }, async (t) => {
+test('regular pictures wait until the operator vouches for the clock', { skip: skipLong, timeout: 300_000 }, async (t) => {
   const flight = await flying(t, { seed: 7, isExif: false, clockOffset_s: 0.1 });
   const { setup, camera, served, plane } = flight;
   setup.startServer();

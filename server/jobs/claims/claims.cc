@@ -21,7 +21,7 @@ std::vector<std::string> Claims::FlightsWithQueuedFrames() const {
 }
 
 std::optional<Claim> Claims::Next() {
-  const std::optional<Claim> claim = storage_.claims.ClaimNext();
+  std::optional<Claim> claim = storage_.claims.ClaimNext();
   if (!claim) return std::nullopt;
   const std::lock_guard lock(mutex_);
   claimed_.insert(claim->flight_id);
