@@ -83,6 +83,17 @@ with_tokens() {
   expect '"flights":'
 }
 
+# The link and the aircraft for some seconds, with the packages that deploy/test.sh has installed.
+# shellcheck disable=SC2016
+with_autopilot() {
+  local port
+  port="$(free_port 18450)"
+  ln -sfn "$root/server" "$work/clone/server"
+  ln -sfn "$root/tests" "$work/clone/tests"
+  play "$1" "s|^npm ci .*|true|; s|udp:14550\\(.*\\)|udp:$port\\1 --spool spool \&|; s|^tests/autopilot/standin.*|timeout 12 & --to 127.0.0.1:$port \|\| [ \$? = 124 ]|; \$a curl -s \"\$U/v1/links\""
+  expect '"is_connected": ?true'
+}
+
 # run_block NAME FIRST-LINE
 # shellcheck disable=SC2016  # these are lines of documents
 run_block() {
@@ -116,6 +127,7 @@ run_block() {
         compgen -G '*.plan' >/dev/null && compgen -G '*.rally' >/dev/null) || fail "$1: files that cannot be read"
       ;;
     'TOKEN='*) with_tokens "$1" ;;
+    'npm ci --prefix server/mavlink') with_autopilot "$1" ;;
     # Nothing in reach from the place in the document is an answer too, status 4.
     'freelsdctl submit'*)
       play "$1" "s/^freelsdctl emergency [^#]*/&|| [ \$? = 4 ] /; s/f-18bbe14dc42d-r1/$site/"
