@@ -24,7 +24,6 @@ Sharing::Sharing(Storage& storage, EventLog& events, SharingCalls calls)
   events_.CallWithPublished([this](const Event& event) {
     const std::lock_guard lock(mutex_);
     if (own_.size() < kMaxNumWaiting) own_.push_back(event);
-    changed_.notify_all();
   });
 }
 

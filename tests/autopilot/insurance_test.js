@@ -48,6 +48,17 @@ test('a jump to itself ends, and a height above terrain is not guessed', () => {
   assert.equal(routeOf([waypoint, waypoint, { ...waypoint, command: 20 }]).end, 'the return to launch');
 });
 
+test('a route ends before an item that may lead elsewhere, and passes one that does not', () => {
+  const waypoint = mission(0)[1];
+  const after = (number) => routeOf([waypoint, waypoint, { ...waypoint, command: number }, waypoint]);
+  for (const number of [30, 92, 601]) {
+    const { route, end, isWhole } = after(number);
+    assert.deepEqual([route.length, end, isWhole], [2, `item 2, command ${number}, whose way is not known`, false]);
+  }
+  // A take-off, a change of speed.
+  for (const number of [22, 178]) assert.equal(after(number).end, 'the end of the mission');
+});
+
 test('a jump to no item ends the route, and the check of it does not throw', async () => {
   const waypoint = mission(0)[1];
   const jumpTo = (param1) => [waypoint, waypoint, { ...waypoint, command: 177, param1, param2: 1 }, waypoint];

@@ -1,23 +1,12 @@
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
+#include "tests/storage/antimeridian.h"
 #include "tests/storage/place.h"
 #include "tests/storage/rows.h"
 
 namespace freelsd {
 namespace {
-
-FlightMapRow SomeMap(const std::string& id, const std::string& flight_id, BoundingBox box) {
-  FlightMapRow map;
-  map.id = id;
-  map.flight_id = flight_id;
-  map.head_json = "{}";
-  map.altitude_datum = "amsl";
-  map.box = box;
-  map.updated_at_us = 5;
-  map.seen_at_us = 4;
-  return map;
-}
 
 constexpr BoundingBox kHere{8.0, 50.0, 8.01, 50.01};
 constexpr BoundingBox kAround{7.9, 49.9, 8.1, 50.1};
@@ -116,9 +105,6 @@ TEST_CASE("maps: pictures can be removed without the map") {
   CHECK(storage.images.Read("ab02") == "shared");
 }
 
-// On both sides of the antimeridian.
-constexpr BoundingBox kAcross{179.9, -17.1, -179.95, -16.9};
-
 TEST_CASE("maps: an evaluation replaces sites and maps") {
   const StoragePlace place;
   Storage storage(place.options());
@@ -150,35 +136,8 @@ TEST_CASE("maps: a new id is the flight's highest, also beside maps that are sto
 TEST_CASE("maps: a map across the antimeridian is found at its own ground and nowhere else") {
   const StoragePlace place;
   Storage storage(place.options());
-  storage.maps.Stage(SomeMap("f/1", "f", kAcross), {}, {});
-  SiteRow site = SomeSite("g-r1", -17.0, 179.95);
-  site.map_box = kAcross;
-  site.recall = RecallData{};
-  storage.sites.Put(site, "map");
-  storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
-  // The last three boxes cross the antimeridian; the last of them leaves [-180, 180].
-  for (const BoundingBox& box : {BoundingBox{179.92, -17.0, 179.93, -17.0},
-                                 BoundingBox{-179.97, -17.0, -179.96, -17.0},
-                                 BoundingBox{180.0, -17.0, 180.0, -17.0},
-                                 BoundingBox{-180.0, -17.0, -180.0, -17.0},
-                                 BoundingBox{-180.0, -90.0, 180.0, 90.0},
-                                 BoundingBox{179.99, -17.0, -179.99, -17.0},
-                                 BoundingBox{179.0, -17.0, -179.0, -17.0},
-                                 BoundingBox{179.98, -17.0, 180.015, -17.0}}) {
-    CAPTURE(box.west_deg);
-    CAPTURE(box.east_deg);
-    CHECK(storage.sites.ListMaps(box).size() == 2);
-    CHECK(storage.sites.ListRecallable(box).size() == 1);
-    CHECK(storage.sites.ListAccepted(box) == std::vector<std::string>{"g-r1"});
-  }
-  for (const BoundingBox& box : {BoundingBox{0.0, -17.0, 1.0, -17.0},
-                                 BoundingBox{-179.9, -17.0, 179.8, -17.0},
-                                 BoundingBox{179.92, -16.0, 179.93, -15.0}}) {
-    CAPTURE(box.west_deg);
-    CHECK(storage.sites.ListMaps(box).empty());
-    CHECK(storage.sites.ListRecallable(box).empty());
-    CHECK(storage.sites.ListAccepted(box).empty());
-  }
+  PutAcross(storage);
+  CheckFoundAcross(storage);
 }
 
 }  // namespace

@@ -48,4 +48,16 @@ inline SiteRow SomeSite(const std::string& id, double latitude_deg, double longi
   return site;
 }
 
+inline FlightMapRow SomeMap(const std::string& id, const std::string& flight_id, BoundingBox box) {
+  FlightMapRow map;
+  map.id = id;
+  map.flight_id = flight_id;
+  map.head_json = "{}";
+  map.altitude_datum = "amsl";
+  map.box = box;
+  map.updated_at_us = 5;
+  map.seen_at_us = 4;
+  return map;
+}
+
 }  // namespace freelsd

@@ -3,13 +3,18 @@
 
 const command = {
   waypoint: 16, loiterUnlimited: 17, loiterTurns: 18, loiterTime: 19, returnToLaunch: 20, land: 21, loiterToAltitude: 31,
-  spline: 82, verticalLand: 85, jump: 177, landStart: 189,
+  takeoff: 22, regionOfInterest: 80, spline: 82, verticalLand: 85, lastNavigation: 95, jump: 177, landStart: 189, jumpTag: 601,
 };
 const places = new Set([command.waypoint, command.loiterTurns, command.loiterTime, command.loiterToAltitude, command.spline]);
 const ends = {
   [command.landStart]: 'the landing', [command.land]: 'the landing', [command.verticalLand]: 'the landing',
   [command.returnToLaunch]: 'the return to launch', [command.loiterUnlimited]: 'the loiter',
 };
+// They do not lead elsewhere.
+const stays = new Set([command.takeoff, command.regionOfInterest]);
+// DO_JUMP_TAG, and navigation that is not flown to a place.
+const isUnknownWay = (number) => number === command.jumpTag ||
+  (number < command.lastNavigation && !places.has(number) && !(number in ends) && !stays.has(number));
 const amsl = new Set([0, 5]);
 const aboveHome = new Set([3, 6]);
 const moreOfMission = 'more of the mission';
@@ -67,6 +72,7 @@ export function remainingRoute({ items, current_item, isArdupilot, position, hom
   let length_m = 0;
   for (const one of flownItems(items, current_item, isArdupilot ? 1 : 0)) {
     if (one.end) return { route, ...one };
+    if (isUnknownWay(one.command)) return { route, end: `item ${one.seq}, command ${one.command}, whose way is not known`, isWhole: false };
     const last = route.at(-1);
     const isLast = one.command in ends;
     if (places.has(one.command) || one.command === command.loiterUnlimited) {

@@ -4,27 +4,20 @@
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
+#include "tests/storage/antimeridian.h"
 #include "tests/storage/rows.h"
 #include "tests/storage/sqlite/damage.h"
 
 namespace freelsd {
 namespace {
 
-FlightMapRow SomeMap(const std::string& id, const std::string& flight_id, BoundingBox box) {
-  FlightMapRow map;
-  map.id = id;
-  map.flight_id = flight_id;
-  map.head_json = "{}";
-  map.altitude_datum = "amsl";
-  map.box = box;
-  map.updated_at_us = 5;
-  map.seen_at_us = 4;
-  return map;
-}
-
 constexpr BoundingBox kHere{8.0, 50.0, 8.01, 50.01};
-// On both sides of the antimeridian.
-constexpr BoundingBox kAcross{179.9, -17.1, -179.95, -16.9};
+
+// All comes from the copy then.
+void LoseMainDatabase(const TemporaryFolder& folder) {
+  std::filesystem::remove(folder.path() / "freelsd.db");
+  std::filesystem::remove(folder.path() / "freelsd.db-wal");
+}
 
 TEST_CASE("maps: an evaluation replaces sites and maps in one commit, in both databases") {
   const TemporaryFolder folder;
@@ -36,9 +29,7 @@ TEST_CASE("maps: an evaluation replaces sites and maps in one commit, in both da
     storage.sites.PutEvaluation({{SomeSite("f-r2", 50.0, 8.0)}, {"f-r1"}, {"f/2"}, {"f/1"}}, {});
     CHECK(storage.maps.NewId("f") == "f/3");
   }
-  // The main database is lost; all comes from the copy.
-  std::filesystem::remove(folder.path() / "freelsd.db");
-  std::filesystem::remove(folder.path() / "freelsd.db-wal");
+  LoseMainDatabase(folder);
   const Storage storage(folder.path());
   CHECK_FALSE(storage.sites.Find("f-r1"));
   CHECK(storage.sites.Find("f-r2"));
@@ -47,47 +38,14 @@ TEST_CASE("maps: an evaluation replaces sites and maps in one commit, in both da
   CHECK_FALSE(storage.maps.ReadTile("f/1", {0, 0, 0}));
 }
 
-TEST_CASE("maps: a map across the antimeridian is found at its own ground and nowhere else") {
+TEST_CASE("maps: a map across the antimeridian is found in the copy too, and nowhere else") {
   const TemporaryFolder folder;
-  for (const bool from_copy : {false, true}) {
-    if (from_copy) {
-      std::filesystem::remove(folder.path() / "freelsd.db");
-      std::filesystem::remove(folder.path() / "freelsd.db-wal");
-    }
+  {
     Storage storage(folder.path());
-    if (!from_copy) {
-      storage.maps.Stage(SomeMap("f/1", "f", kAcross), {}, {});
-      SiteRow site = SomeSite("g-r1", -17.0, 179.95);
-      site.map_box = kAcross;
-      site.recall = RecallData{};
-      storage.sites.Put(site, "map");
-      storage.sites.PutEvaluation({{}, {}, {"f/1"}, {}}, {});
-    }
-    CAPTURE(from_copy);
-    // The last three boxes cross the antimeridian; the last of them leaves [-180, 180].
-    for (const BoundingBox& box : {BoundingBox{179.92, -17.0, 179.93, -17.0},
-                                   BoundingBox{-179.97, -17.0, -179.96, -17.0},
-                                   BoundingBox{180.0, -17.0, 180.0, -17.0},
-                                   BoundingBox{-180.0, -17.0, -180.0, -17.0},
-                                   BoundingBox{-180.0, -90.0, 180.0, 90.0},
-                                   BoundingBox{179.99, -17.0, -179.99, -17.0},
-                                   BoundingBox{179.0, -17.0, -179.0, -17.0},
-                                   BoundingBox{179.98, -17.0, 180.015, -17.0}}) {
-      CAPTURE(box.west_deg);
-      CAPTURE(box.east_deg);
-      CHECK(storage.sites.ListMaps(box).size() == 2);
-      CHECK(storage.sites.ListRecallable(box).size() == 1);
-      CHECK(storage.sites.ListAccepted(box) == std::vector<std::string>{"g-r1"});
-    }
-    for (const BoundingBox& box : {BoundingBox{0.0, -17.0, 1.0, -17.0},
-                                   BoundingBox{-179.9, -17.0, 179.8, -17.0},
-                                   BoundingBox{179.92, -16.0, 179.93, -15.0}}) {
-      CAPTURE(box.west_deg);
-      CHECK(storage.sites.ListMaps(box).empty());
-      CHECK(storage.sites.ListRecallable(box).empty());
-      CHECK(storage.sites.ListAccepted(box).empty());
-    }
+    PutAcross(storage);
   }
+  LoseMainDatabase(folder);
+  CheckFoundAcross(Storage(folder.path()));
 }
 
 TEST_CASE("maps: boxes around the earth that older programs stored are mended at the start") {
