@@ -1,5 +1,8 @@
 // East and north in metres about a place, by the radii of WGS84 there. Good for some kilometres.
 
+// Of latitude, on a sphere: where a few metres in a kilometre do not matter.
+export const metresPerDegree = 111_195;
+
 const semiMajorAxis_m = 6378137;
 const eccentricity2 = 6.69437999014e-3;
 const radians = (degrees) => (degrees * Math.PI) / 180;
@@ -33,4 +36,11 @@ export class FlatFrame {
       longitude_deg: this.#origin.longitude_deg + east_m / this.#east_m_per_deg,
     };
   }
+}
+
+// Across the ground, from anywhere to anywhere near it.
+export function distance_m(a, b) {
+  const north_m = (b.latitude_deg - a.latitude_deg) * metresPerDegree;
+  const wrapped_deg = ((b.longitude_deg - a.longitude_deg + 540) % 360) - 180;
+  return Math.hypot(north_m, wrapped_deg * metresPerDegree * Math.cos(radians(a.latitude_deg)));
 }

@@ -1,6 +1,7 @@
 // Refuses positions and attitudes that no small plane can have.
 
-const metresPerDegree = 111_195;
+import { distance_m } from './flat_frame.js';
+
 const minAltitude_m = -500;
 const maxAltitude_m = 12_000;
 // Ground speed of a small plane in a storm.
@@ -9,12 +10,7 @@ const slack_m = 50;
 // A jump is believed when the aircraft stays there: its navigation was wrong before.
 const jumpIsTrueAfter_s = 5;
 
-function distance_m(a, b) {
-  const north_m = (a.latitude_deg - b.latitude_deg) * metresPerDegree;
-  const wrapped_deg = ((a.longitude_deg - b.longitude_deg + 540) % 360) - 180;
-  const east_m = wrapped_deg * metresPerDegree * Math.cos((a.latitude_deg * Math.PI) / 180);
-  return Math.hypot(north_m, east_m, a.altitude_m - b.altitude_m);
-}
+const apart_m = (a, b) => Math.hypot(distance_m(a, b), a.altitude_m - b.altitude_m);
 
 function isPlace({ latitude_deg, longitude_deg, altitude_m }) {
   // Before the first fix autopilots send 0, 0 or what their filter drifts to from there.
@@ -24,7 +20,7 @@ function isPlace({ latitude_deg, longitude_deg, altitude_m }) {
 }
 
 const follows = (next, last) =>
-  distance_m(next, last) <= slack_m + maxSpeed_mps * Math.abs(next.time_s - last.time_s);
+  apart_m(next, last) <= slack_m + maxSpeed_mps * Math.abs(next.time_s - last.time_s);
 
 export class PositionGate {
   #last;

@@ -3,9 +3,10 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import { distance_m } from '../../server/mavlink/flat_frame.js';
 import { Alternates } from '../../server/mavlink/insurance/alternates.js';
 import { MissionInsurance } from '../../server/mavlink/insurance/mission_insurance.js';
-import { distance_m, remainingRoute } from '../../server/mavlink/insurance/remaining_route.js';
+import { remainingRoute } from '../../server/mavlink/insurance/remaining_route.js';
 import { Standin } from './standin/aircraft.js';
 import { landing, survey } from './standin/missions.js';
 

@@ -1,7 +1,8 @@
 // What the camera's messages tell of one exposure: { kind, index, time_us, position?, attitude?, file? }.
 // time_us: since boot, or since 1970. Pure.
 
-const metresPerDegree = 111_195;
+import { distance_m } from '../flat_frame.js';
+
 // From where the aircraft was heard last.
 const maxAway_m = 500;
 
@@ -31,7 +32,5 @@ export const capturedOf = (camera) => (camera.captureResult === 0 ? undefined : 
 // A place is believed near the aircraft's own. Otherwise the pose comes from telemetry.
 export function isTriggerPlace(position, aircraft) {
   if (!position || !aircraft) return false;
-  const north_m = (position.latitude_deg - aircraft.latitude_deg) * metresPerDegree;
-  const east_m = (position.longitude_deg - aircraft.longitude_deg) * metresPerDegree * Math.cos((aircraft.latitude_deg * Math.PI) / 180);
-  return Math.hypot(east_m, north_m, position.altitude_m - aircraft.altitude_m) <= maxAway_m;
+  return Math.hypot(distance_m(position, aircraft), position.altitude_m - aircraft.altitude_m) <= maxAway_m;
 }

@@ -88,10 +88,9 @@ export class EngineFailure {
   // Each failure once: who ended guidance does not want it again.
   #watch(state, now_us) {
     const { engine } = state;
-    if (engine.state !== 'failed') {
-      this.#handled = undefined;
-      return;
-    }
+    // A watch that has begun anew knows nothing yet.
+    if (engine.state === 'running' || state.is_armed === false) this.#handled = undefined;
+    if (engine.state !== 'failed') return;
     if (this.#handled || this.#guidance.isEngaged) return;
     this.#handled = true;
     const refusal = refusalOf(state) ??

@@ -1,6 +1,8 @@
 // The part of the autopilot's mission that is not flown yet, as a route: from where the aircraft is,
 // through the places that the items name, to where the landing begins. Pure.
 
+import { distance_m } from '../flat_frame.js';
+
 const command = {
   waypoint: 16, loiterUnlimited: 17, loiterTurns: 18, loiterTime: 19, returnToLaunch: 20, land: 21, loiterToAltitude: 31,
   takeoff: 22, regionOfInterest: 80, spline: 82, verticalLand: 85, lastNavigation: 95, jump: 177, landStart: 189, jumpTag: 601,
@@ -18,17 +20,10 @@ const isUnknownWay = (number) => number === command.jumpTag ||
 const amsl = new Set([0, 5]);
 const aboveHome = new Set([3, 6]);
 const moreOfMission = 'more of the mission';
-const metresPerDegree = 111_195;
 const maxNumSteps = 5000;
 // Fewer than /v1/routes/check takes.
 const maxNumPoints = 500;
 const least_m = 1;
-
-export function distance_m(a, b) {
-  const north_m = (b.latitude_deg - a.latitude_deg) * metresPerDegree;
-  const wrapped_deg = ((b.longitude_deg - a.longitude_deg + 540) % 360) - 180;
-  return Math.hypot(north_m, wrapped_deg * metresPerDegree * Math.cos((a.latitude_deg * Math.PI) / 180));
-}
 
 // Nothing if its height is above the terrain, which the link does not know.
 function placeOf({ frame, x, y, z }, before, home_altitude_m) {

@@ -1,8 +1,8 @@
 // From a landing that the service planned to the items that an autopilot flies.
 
+import { metresPerDegree } from '../flat_frame.js';
 import { command, frame, item } from './mission_items.js';
 
-const meanLatitude_m_per_deg = 111_195;
 const radians = (degrees) => (degrees * Math.PI) / 180;
 
 export class NoLanding extends Error {}
@@ -69,8 +69,8 @@ function moved({ latitude_deg, longitude_deg, altitude_m }, heading_deg, distanc
   const north_m = distance_m * Math.cos(radians(heading_deg));
   const east_m = distance_m * Math.sin(radians(heading_deg));
   return {
-    latitude_deg: latitude_deg + north_m / meanLatitude_m_per_deg,
-    longitude_deg: longitude_deg + east_m / (meanLatitude_m_per_deg * Math.cos(radians(latitude_deg))),
+    latitude_deg: latitude_deg + north_m / metresPerDegree,
+    longitude_deg: longitude_deg + east_m / (metresPerDegree * Math.cos(radians(latitude_deg))),
     altitude_m,
   };
 }
@@ -101,8 +101,8 @@ export function landPointBehind_m(landing, parameters, own_mps = landing.airspee
 }
 
 function finalLength_m({ start, touchdown }) {
-  const north_m = (touchdown.latitude_deg - start.latitude_deg) * meanLatitude_m_per_deg;
-  const east_m = (touchdown.longitude_deg - start.longitude_deg) * meanLatitude_m_per_deg *
+  const north_m = (touchdown.latitude_deg - start.latitude_deg) * metresPerDegree;
+  const east_m = (touchdown.longitude_deg - start.longitude_deg) * metresPerDegree *
     Math.cos(radians(touchdown.latitude_deg));
   return Math.max(1, Math.hypot(north_m, east_m));
 }
