@@ -74,7 +74,10 @@ class Chain {
       x: Math.round(latitude_deg * 1e7), y: Math.round(longitude_deg * 1e7), z: 520 };
   }
 
-  state() { return { ...this.link.state(this.plane.utc_us), mission: this.landings.state() }; }
+  // engine: instead of what the link tells.
+  state() {
+    return { ...this.link.state(this.plane.utc_us), mission: this.landings.state(), ...(this.engine && { engine: this.engine }) };
+  }
 
   async recall() {
     ++this.numAsked;
@@ -159,6 +162,26 @@ test('a person who changes the mode ends guidance, and is not overruled', async 
   assert.equal(chain.plane.control.mode, 'FBWA');
   assert.ok(chain.targets().every(({ time_s }) => time_s < changed_s + 1.5));
   assert.ok(chain.targets().filter(({ time_s }) => time_s >= changed_s).every(({ fields }) => fields._param2 === 0));
+});
+
+test('a watch that begins anew does not call back guidance that a person ended', async () => {
+  const chain = new Chain();
+  await chain.failEngine();
+  await chain.fly(3);
+  chain.plane.pilotMode('RTL');
+  await chain.fly(3);
+  assert.equal(chain.failure.guidance.isEngaged, false);
+  chain.engine = { state: 'unknown' };
+  await chain.fly(1);
+  chain.engine = { state: 'failed', reason: 'again' };
+  await chain.fly(2);
+  assert.equal(chain.failure.guidance.isEngaged, false);
+  // After it has run, a failure is another one.
+  chain.engine = { state: 'running' };
+  await chain.fly(1);
+  chain.engine = { state: 'failed', reason: 'another' };
+  await chain.fly(1);
+  assert.equal(chain.failure.guidance.isEngaged, true);
 });
 
 test('an aircraft that is flown by hand is not taken over, but a person may declare the failure', async () => {
