@@ -56,13 +56,16 @@ constexpr char kAircraft[] =
 constexpr char kEmergency[] =
     "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps "
     "wind_sd_mps heading_deg "
-    "glide_ratio terrain_clearance_m arrival_height_m aircraft limit flight f home_altitude_m "
+    "glide_ratio touchdown_uncertainty_m terrain_clearance_m arrival_height_m aircraft limit "
+    "flight "
+    "f home_altitude_m "
     "firmware";
 
 constexpr char kReach[] =
     "latitude_deg longitude_deg altitude_m altitude_datum wind_east_mps wind_north_mps "
     "wind_sd_mps heading_deg "
-    "glide_ratio terrain_clearance_m arrival_height_m aircraft limit flight";
+    "glide_ratio touchdown_uncertainty_m terrain_clearance_m arrival_height_m aircraft limit "
+    "flight";
 
 constexpr Route kRoutes[] = {
     {"POST", "/v1/flights", PostFlight},

@@ -32,6 +32,9 @@ export const usage = `freelsd-mavlink --connect ADDRESS --url URL [options]
   --on-engine-failure land
                        fly to the best site in reach without a person's word; only over serial or
                        with --signing-key
+  --touchdown-uncertainty M
+                       without an engine the autopilot comes down within M metres of the touchdown,
+                       the ground of which is judged (default 14, or more as the aircraft has it)
   --silent             send nothing to the autopilot: no heartbeat, no mission
   --help
 `;
@@ -53,6 +56,7 @@ const options = {
   'spool-limit': { type: 'string', default: '256' },
   status: { type: 'string' },
   'on-engine-failure': { type: 'string' },
+  'touchdown-uncertainty': { type: 'string' },
   rally: { type: 'boolean', default: false },
   silent: { type: 'boolean', default: false },
   help: { type: 'boolean', default: false },
@@ -94,6 +98,10 @@ function isAutomatic({ 'on-engine-failure': wanted, 'signing-key': key, silent }
   return true;
 }
 
+function guidanceOptions({ 'touchdown-uncertainty': text }) {
+  return text === undefined ? {} : { touchdownUncertainty_m: positiveNumber('touchdown-uncertainty', text, 500) };
+}
+
 export function parseCommandLine(args) {
   const { values } = parseArgs({ args, options });
   if (values.help) return { isHelp: true };
@@ -117,6 +125,7 @@ export function parseCommandLine(args) {
     spoolFolder: values.spool ?? defaultSpool(),
     spoolBytes: wholeNumber('spool-limit', values['spool-limit'], 2, 65536) * 1024 * 1024,
     statusPath: values.status,
+    guidanceOptions: guidanceOptions(values),
     isRally: values.rally,
     isSilent: values.silent,
   };

@@ -158,6 +158,7 @@ function engineFailureFrom(parts, { config, outgoing, reporter, state }) {
     },
     told: (id, result, detail) => reporter.told(id, result, detail),
     isAutomatic: config.isAutomatic,
+    options: config.guidanceOptions,
   });
 }
 

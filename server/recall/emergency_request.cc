@@ -14,6 +14,7 @@ constexpr double kMinAltitudeM = -1000.0;
 constexpr double kMaxWindMps = 100.0;
 constexpr double kMaxWindSdMps = 20.0;
 constexpr double kMaxSafetyHeightM = 1000.0;
+constexpr double kMaxTouchdownUncertaintyM = 500.0;
 
 [[noreturn]] void Refuse(const std::string& key, const std::string& detail) {
   throw ApiError("InvalidValue", key + ": " + detail, {{"/" + key, detail}});
@@ -107,6 +108,8 @@ EmergencyRequest ParseEmergencyRequest(const nlohmann::json& given) {
   }
   request.heading_deg = TakeNumber(object, "heading_deg", -36000.0, 36000.0);
   request.glide_ratio = TakeNumber(object, "glide_ratio", 1.0, 100.0);
+  request.touchdown_uncertainty_m =
+      TakeNumber(object, "touchdown_uncertainty_m", 0.0, kMaxTouchdownUncertaintyM).value_or(0.0);
   request.terrain_clearance_m = TakeNumber(object, "terrain_clearance_m", 0.0, kMaxSafetyHeightM)
                                     .value_or(request.terrain_clearance_m);
   request.arrival_height_m = TakeNumber(object, "arrival_height_m", 0.0, kMaxSafetyHeightM)

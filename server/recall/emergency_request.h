@@ -28,6 +28,8 @@ struct EmergencyRequest {
   double wind_sd_mps = 0.0;
   std::optional<double> heading_deg;
   std::optional<double> glide_ratio;
+  // The least touchdown_uncertainty_m to plan for: an autopilot may need more than a pilot.
+  double touchdown_uncertainty_m = 0.0;
   // Safety heights: above the stored terrain below the path, and above the start of the final.
   double terrain_clearance_m = GlideOptions{}.terrain_clearance_m;
   double arrival_height_m = 0.0;

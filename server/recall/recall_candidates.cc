@@ -103,13 +103,20 @@ double LeastGlide(const EmergencyRequest& request, const Aircraft& aircraft) {
   return (glide.airspeed_mps - wind) / glide.sink_rate_mps;
 }
 
+Aircraft AsRequested(const EmergencyRequest& request, const Aircraft& given) {
+  Aircraft aircraft = Unpowered(given, request.glide_ratio);
+  aircraft.touchdown_uncertainty_m =
+      std::max(aircraft.touchdown_uncertainty_m, request.touchdown_uncertainty_m);
+  return aircraft;
+}
+
 }  // namespace
 
 std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
                                    const std::string& aircraft_json) {
   try {
     const Aircraft stored = ParseAircraft(ParseJson(aircraft_json), "/aircraft");
-    return Unpowered(request.aircraft.value_or(stored), request.glide_ratio);
+    return AsRequested(request, request.aircraft.value_or(stored));
   } catch (const ApiError& error) {
     spdlog::error("a stored aircraft cannot be used: {}", error.what());
     return std::nullopt;
@@ -220,14 +227,14 @@ void SortNext(std::vector<RecallCandidate>& candidates, size_t begin, size_t num
 }
 
 Aircraft LeastGlidingAircraft(const EmergencyRequest& request, const RecallBounds& bounds) {
-  if (request.aircraft) return Unpowered(*request.aircraft, request.glide_ratio);
+  if (request.aircraft) return AsRequested(request, *request.aircraft);
   std::optional<Aircraft> least;
   for (const std::string& json : bounds.aircraft_jsons) {
     const std::optional<Aircraft> aircraft = AircraftOf(request, json);
     if (!aircraft) continue;
     if (!least || LeastGlide(request, *aircraft) < LeastGlide(request, *least)) least = aircraft;
   }
-  return least.value_or(Unpowered(Aircraft{}, request.glide_ratio));
+  return least.value_or(AsRequested(request, Aircraft{}));
 }
 
 }  // namespace freelsd

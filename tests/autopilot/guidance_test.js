@@ -176,4 +176,5 @@ test('recall is asked in a wind that is held until it changes by more than it wa
   const query = queryOf({ position: { ...place(0, 0, 500), altitude_datum: 'amsl' }, velocity: { east_mps: 10, north_mps: 0 } }, { east_mps: 5, north_mps: 0 });
   assert.equal(query.heading_deg, 90);
   assert.equal(query.wind_east_mps, 5);
+  assert.ok(!('touchdown_uncertainty_m' in query));
 });

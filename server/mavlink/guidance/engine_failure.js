@@ -21,8 +21,8 @@ export class EngineFailure {
 
   // recall(query): answer of /v1/emergency. outgoing: Outgoing. address(): of the autopilot. state(): of
   // the link, with its flight. log(text, kind), told(id, state, detail) of a command. isAutomatic:
-  // the operator wants it without a person's word.
-  constructor({ recall, outgoing, landings, address, state, log, told, isAutomatic }) {
+  // the operator wants it without a person's word. options: of Guidance.
+  constructor({ recall, outgoing, landings, address, state, log, told, isAutomatic, options }) {
     this.#landings = landings;
     this.#outgoing = outgoing;
     this.#state = state;
@@ -38,6 +38,7 @@ export class EngineFailure {
       }),
       mission: landings.missions,
       log,
+      options,
     });
   }
 

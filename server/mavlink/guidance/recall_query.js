@@ -25,7 +25,9 @@ const rounded = (value, digits) => Number(value.toFixed(digits));
 // airspeed_m: height that surplus airspeed is worth. better_m: height that will not be lost,
 // because the aircraft glides better than told. lower_m: how far the way is flown below the told one;
 // the position has it already. The aircraft is not there, so terrain must stay as much lower.
-export function queryOf({ position, velocity, flight }, wind, { airspeed_m = 0, better_m = 0, lower_m = 0 } = {}) {
+// touchdownUncertainty_m: so far from the told touchdown the autopilot comes down.
+export function queryOf({ position, velocity, flight }, wind,
+  { airspeed_m = 0, better_m = 0, lower_m = 0, touchdownUncertainty_m = 0 } = {}) {
   const course_deg = (Math.atan2(velocity.east_mps, velocity.north_mps) * 180) / Math.PI;
   const query = {
     latitude_deg: rounded(position.latitude_deg, 7),
@@ -38,6 +40,7 @@ export function queryOf({ position, velocity, flight }, wind, { airspeed_m = 0, 
   if (wind) Object.assign(query, { wind_east_mps: rounded(wind.east_mps, 2), wind_north_mps: rounded(wind.north_mps, 2) });
   const missing_m = Math.max(0, airspeed_m + better_m + lower_m);
   if (missing_m > 0) query.terrain_clearance_m = rounded(clearance_m + missing_m, 1);
+  if (touchdownUncertainty_m > 0) query.touchdown_uncertainty_m = touchdownUncertainty_m;
   if (flight?.id) query.flight = flight.id;
   return query;
 }

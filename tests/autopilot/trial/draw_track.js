@@ -19,7 +19,6 @@ const flight = JSON.parse(readFileSync(values.tracks, 'utf8')).tracks.find(({ id
 const ground = new TrueGround(values.ground);
 const around_m = Number(values.around);
 const perMetre = 2;
-const disc_m = 8;
 const size = 2 * around_m * perMetre;
 const frame = new FlatFrame(flight.touchdown);
 const picture = new Picture(size, size);
@@ -52,7 +51,7 @@ function drawLines() {
   flight.points.slice(1).forEach(([time_s, latitude_deg, longitude_deg], i) => picture.line(
     pixel({ latitude_deg: flight.points[i][1], longitude_deg: flight.points[i][2] }), pixel({ latitude_deg, longitude_deg }),
     flight.final && time_s > flight.final.time_s ? [255, 80, 80] : [255, 255, 255]));
-  picture.circle(pixel(flight.touchdown), disc_m * perMetre, [60, 255, 60]);
+  picture.circle(pixel(flight.touchdown), flight.touchdown_uncertainty_m * perMetre, [60, 255, 60]);
   if (flight.contact) picture.circle(pixel(flight.contact), 2 * perMetre, [255, 0, 0]);
 }
 

@@ -3,6 +3,7 @@
 // later as it took.
 
 import { EngineFailure } from '../../../server/mavlink/guidance/engine_failure.js';
+import { defaultGuidanceOptions } from '../../../server/mavlink/guidance/guidance.js';
 import { Landings } from '../../../server/mavlink/mission/landings.js';
 import { Link } from '../../../server/mavlink/link.js';
 import { Outgoing } from '../../../server/mavlink/outgoing.js';
@@ -163,7 +164,7 @@ export class FlownTrial {
     const end_s = this.#plane.time_s + maxFlight_s;
     while (this.#plane.time_s < end_s) {
       const state = this.#state();
-      const answer = await this.#service.emergency(withoutFlight(queryOf(state, state.wind))).catch(() => undefined);
+      const answer = await this.#service.emergency(withoutFlight(queryOf(state, state.wind, { touchdownUncertainty_m: defaultGuidanceOptions.touchdownUncertainty_m }))).catch(() => undefined);
       if (answer?.sites.length) return answer;
       await this.#pass(2);
     }
@@ -181,7 +182,7 @@ export class FlownTrial {
       detection_s: this.#detected_s - this.#stopped_s, first_target_s: this.#firstTarget_s - this.#detected_s,
       flight_s: (touchdown?.time_s ?? NaN) - this.#stopped_s,
       survey: this.#survey, site_flight_id: way?.site.flight_id,
-      touchdown: way && way.site.touchdown, heading_deg: way?.site.approach.heading_deg,
+      touchdown: way && way.site.touchdown, touchdown_uncertainty_m: way?.site.aircraft.touchdown_uncertainty_m, heading_deg: way?.site.approach.heading_deg,
       ground_speed_mps: way?.site.ground_speed_mps, verdict: way?.site.verdict,
       failure_probability: way?.site.failure_probability, told_margin_m: this.#guidance.state()?.told_margin_m,
       final: this.#final, num_ways: this.#ways.length, sites: [...new Set(this.#ways.map((one) => one.way.site.site_id))],

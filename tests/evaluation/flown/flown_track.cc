@@ -101,7 +101,7 @@ TrackVerdict TrackJudge::Judge(const FlownTrack& track) {
     const Eigen::Vector2d forward = DirectionOf(track.heading);
     verdict.along_m = offset.dot(forward);
     verdict.across_m = offset.dot(Eigen::Vector2d(-forward.y(), forward.x()));
-    verdict.is_in_disc = offset.norm() <= aircraft_.touchdown_uncertainty_m;
+    verdict.is_in_disc = offset.norm() <= track.touchdown_uncertainty_m;
     verdict.ground_speed_mps = motion.speed_mps;
     if (contact.is_free) JudgeRoll(track, motion.direction, verdict);
   };

@@ -26,6 +26,7 @@ struct FlownTrack {
   std::vector<TrackPoint> points;
   // As told.
   GeoPoint touchdown;
+  double touchdown_uncertainty_m = 0.0;
   // Of the final, radians clockwise from north.
   double heading = 0.0;
 };

@@ -28,6 +28,7 @@ FlownTrack TrackTo(const Mosaic& mosaic, double aim_m) {
   FlownTrack track;
   track.id = "track";
   track.touchdown = mosaic.origin();
+  track.touchdown_uncertainty_m = 8.0;
   for (double north = -70.0; north <= aim_m + 15.0; north += 1.0) {
     const double height = std::max(0.0, (aim_m - north) / 7.0);
     track.points.push_back({(north + 70.0) / 10.0, frame.GeoFromWorld({0.0, north, height})});
@@ -54,9 +55,12 @@ TEST_CASE("flown track: a touchdown on a meadow is a landing in the told disc") 
 
 TEST_CASE("flown track: beyond the disc it is a landing, but not in the disc") {
   const Mosaic mosaic = MosaicOf(Meadow());
-  const TrackVerdict verdict = VerdictOf(mosaic, TrackTo(mosaic, 20.0));
+  FlownTrack track = TrackTo(mosaic, 20.0);
+  const TrackVerdict verdict = VerdictOf(mosaic, track);
   CHECK(verdict.IsLanding());
   CHECK_FALSE(verdict.is_in_disc);
+  track.touchdown_uncertainty_m = 25.0;
+  CHECK(VerdictOf(mosaic, track).is_in_disc);
 }
 
 TEST_CASE("flown track: a hedge on the final is hit, one on the roll is a fault") {

@@ -1,7 +1,8 @@
 // freelsd-judge-tracks: what the tracks of flights over a mosaic of seeded worlds met; and the true
 // surface of the mosaic, for the simulator that flies them.
 //
-// The file of tracks: {"tracks": [{"id", "touchdown": {latitude_deg, longitude_deg}, "heading_deg",
+// The file of tracks: {"tracks": [{"id", "touchdown": {latitude_deg, longitude_deg},
+// "touchdown_uncertainty_m", "heading_deg",
 // "points": [[time_s, latitude_deg, longitude_deg, altitude_m], ...]}]}.
 #include <exception>
 #include <fstream>
@@ -31,6 +32,7 @@ FlownTrack TrackOf(const nlohmann::json& given) {
   track.id = given.at("id");
   track.touchdown = {
       given.at("touchdown").at("latitude_deg"), given.at("touchdown").at("longitude_deg"), 0.0};
+  track.touchdown_uncertainty_m = given.at("touchdown_uncertainty_m");
   track.heading = RadFromDeg(given.at("heading_deg").get<double>());
   for (const nlohmann::json& point : given.at("points")) {
     track.points.push_back({point.at(0), {point.at(1), point.at(2), point.at(3)}});

@@ -116,5 +116,24 @@ TEST_CASE("emergency: safety heights are kept above the terrain and on arrival")
   CheckProblem(meadow.client->Get(Query(900.0, "&terrain_clearance_m=-1")), 422, "InvalidValue");
 }
 
+TEST_CASE("emergency: a touchdown is planned for at least the uncertainty that is asked for") {
+  const MeadowServer meadow(StoreAmslMeadow);
+  const auto site = [&](const std::string& more) {
+    return GetJson(*meadow.client, Query(900.0, kCalmNorth + more));
+  };
+  const auto uncertainty_m = [&](const std::string& more) {
+    const nlohmann::json sites = site(more).at("sites");
+    REQUIRE(sites.size() == 1);
+    return sites[0]["aircraft"]["touchdown_uncertainty_m"].get<double>();
+  };
+  CHECK(uncertainty_m("") == 8.0);
+  CHECK(uncertainty_m("&touchdown_uncertainty_m=5") == 8.0);
+  CHECK(uncertainty_m("&touchdown_uncertainty_m=14") == 14.0);
+  // The meadow's free ground ends before.
+  CHECK(site("&touchdown_uncertainty_m=400").at("sites").empty());
+  CheckProblem(
+      meadow.client->Get(Query(900.0, "&touchdown_uncertainty_m=-1")), 422, "InvalidValue");
+}
+
 }  // namespace
 }  // namespace freelsd
