@@ -22,6 +22,11 @@ std::vector<std::string> ArgumentsOf(const ChildOptions& options) {
                                      options.listen,
                                      "--model",
                                      options.model};
+  const StorageOptions storage = StorageAt(options.folder / "data");
+  if (!storage.database_url.empty()) {
+    arguments.insert(arguments.end(),
+                     {"--database", storage.database_url, "--images", storage.images_folder});
+  }
   arguments.insert(arguments.end(), options.more_arguments.begin(), options.more_arguments.end());
   return arguments;
 }

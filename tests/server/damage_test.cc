@@ -15,7 +15,7 @@ constexpr char kQuery[] =
     "&wind_east_mps=0&wind_north_mps=0&heading_deg=0";
 
 void StoreMeadow(const std::filesystem::path& folder) {
-  Storage storage(folder);
+  Storage storage(StorageAt(folder));
   storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Meadow()));
 }
 

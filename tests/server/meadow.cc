@@ -59,7 +59,7 @@ Standing SupersededBy(const std::string& site_id) {
 MeadowServer::MeadowServer(const std::function<void(Storage&)>& fill,
                            const std::function<void(Config&)>& change) {
   {
-    Storage storage(folder.path() / "data");
+    Storage storage(StorageAt(folder.path() / "data"));
     storage.sites.Put(MeadowSite(), SerializeSiteMap(Meadow()));
     SiteRow bare = MeadowSite();
     bare.id = std::string("f-r2");

@@ -51,7 +51,10 @@ std::filesystem::path TestModel() {
 Config TestConfig(const std::filesystem::path& folder) {
   spdlog::set_level(spdlog::level::err);
   Config config;
-  config.data = folder;
+  const StorageOptions storage = StorageAt(folder);
+  config.data = storage.folder;
+  config.database = storage.database_url;
+  config.images = storage.images_folder;
   config.port = 0;
   config.model = TestModel();
   return config;

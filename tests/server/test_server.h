@@ -11,6 +11,7 @@
 
 #include "server/app.h"
 #include "server/http/http_library.h"
+#include "tests/storage/place.h"
 #include "tests/storage/temporary_folder.h"
 
 namespace freelsd {

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 
 #include <libpq-fe.h>
@@ -37,7 +39,28 @@ std::string NewSchema() {
   return "test_" + std::to_string(::getpid()) + "_" + std::to_string(next++);
 }
 
+DatabaseKind KindOfDatabase() {
+  return DatabaseUrl().empty() ? DatabaseKind::kSqlite : DatabaseKind::kPostgres;
+}
+
 }  // namespace
+
+StorageOptions StorageAt(const std::filesystem::path& folder) {
+  static std::mutex mutex;
+  static std::map<std::filesystem::path, std::string> schemas;
+  StorageOptions options;
+  options.folder = folder;
+  if (KindOfDatabase() == DatabaseKind::kSqlite) return options;
+  const std::lock_guard lock(mutex);
+  std::string& schema = schemas[folder];
+  if (schema.empty()) {
+    schema = NewSchema();
+    ExecuteAt(DatabaseUrl(), "CREATE SCHEMA " + schema);
+  }
+  options.database_url = UrlOf(schema);
+  options.images_folder = folder / "images";
+  return options;
+}
 
 StoragePlace::StoragePlace() : schema_(NewSchema()) {
   if (Kind() == DatabaseKind::kPostgres) ExecuteAt(DatabaseUrl(), "CREATE SCHEMA " + schema_);
@@ -53,9 +76,7 @@ StoragePlace::~StoragePlace() {
   }
 }
 
-DatabaseKind StoragePlace::Kind() {
-  return DatabaseUrl().empty() ? DatabaseKind::kSqlite : DatabaseKind::kPostgres;
-}
+DatabaseKind StoragePlace::Kind() { return KindOfDatabase(); }
 
 StorageOptions StoragePlace::options() const {
   StorageOptions options;

@@ -10,6 +10,9 @@
 
 namespace freelsd {
 
+// The storage of a folder, always the same: in PostgreSQL a schema of its own, which stays.
+StorageOptions StorageAt(const std::filesystem::path& folder);
+
 // Removed at the end: the folder, and in PostgreSQL a schema of its own.
 class StoragePlace {
  public:

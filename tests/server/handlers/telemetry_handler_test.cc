@@ -162,7 +162,7 @@ TEST_CASE("telemetry: lines of a long chunked upload are durable while it goes o
 
 TEST_CASE("telemetry: attitude turns the short way, positions go straight, nothing goes too far") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   FlightRow flight;
   flight.id = std::string("f");
   storage.flights.Insert(flight);
@@ -188,7 +188,7 @@ TEST_CASE("telemetry: attitude turns the short way, positions go straight, nothi
 
 TEST_CASE("telemetry: winds between two frames are found where the aircraft was") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   FlightRow flight;
   flight.id = std::string("f");
   storage.flights.Insert(flight);

@@ -8,6 +8,7 @@
 
 #include "server/maps/maps.h"
 #include "tests/server/sample_flight.h"
+#include "tests/storage/place.h"
 
 namespace freelsd {
 namespace {
@@ -55,7 +56,7 @@ TEST_CASE("flight map: frames one by one and all at once give the same tiles, fo
     one_by_one = Evaluate(client, {{"profile", "small"}}, 1);
     for_techpod = Evaluate(client, {{"profile", "techpod"}}, kNumSampleFrames);
   }
-  const Storage storage(folder.path());
+  const Storage storage(StorageAt(folder.path()));
   const TileBytes tiles = TilesOf(storage, at_once);
   CHECK(tiles.size() > 4);
   CHECK((TilesOf(storage, one_by_one) == tiles));

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "tests/server/sample_flight.h"
+#include "tests/storage/place.h"
 
 namespace freelsd {
 namespace {
@@ -122,7 +123,7 @@ TEST_CASE("job progress: a job that ran before a restart waits, and does not tel
   const TemporaryFolder folder;
   {
     // As a killed server leaves it.
-    Storage storage(folder.path() / "data");
+    Storage storage(StorageAt(folder.path() / "data"));
     FlightRow flight;
     flight.id = "f-1";
     flight.request_json = "{}";

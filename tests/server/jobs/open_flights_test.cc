@@ -28,7 +28,7 @@ OpenFlights::SessionPointer SomeSession() {
 TEST_CASE(
     "open flights: of those that wait for room the longest waiting is next, whatever its id") {
   const TemporaryFolder folder;
-  const Storage storage(folder.path());
+  const Storage storage(StorageAt(folder.path()));
   const OpenFlights::SessionPointer session = SomeSession();
   OpenFlights flights(storage, 1);
   REQUIRE(flights.MayOpen("m"));

@@ -24,7 +24,7 @@ SiteMap Slope() {
 
 TEST_CASE("flight maps: any window of a stored map has the cells of the map, and the rest unseen") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   const SiteMap slope = Slope();
   StoreMeadowMap(storage, slope);
   FlightMaps maps(size_t{1} << 20);  // one tile or two
@@ -50,7 +50,7 @@ TEST_CASE("flight maps: any window of a stored map has the cells of the map, and
 
 TEST_CASE("flight maps: a coarse level keeps the highest, and is free only if all cells are") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   SiteMap meadow = Meadow();
   meadow.map.upper(301, 301) = 9.0f;
   meadow.layers.hazard(301, 301) = kHazard;
@@ -79,15 +79,15 @@ TEST_CASE(
     const std::filesystem::path copy = folder.path() / "data/recall.db",
                                 kept = folder.path() / "kept";
     {
-      Storage storage(folder.path() / "data");
+      Storage storage(StorageAt(folder.path() / "data"));
       StoreMeadowMap(storage, Meadow());
     }
     std::filesystem::copy_file(copy, kept);
-    Storage(folder.path() / "data").maps.StageTiles("f/1", {{{0, 0, 0}, "no tile"}}, {});
+    Storage(StorageAt(folder.path() / "data")).maps.StageTiles("f/1", {{{0, 0, 0}, "no tile"}}, {});
     if (!is_copy_damaged) {
       std::filesystem::copy_file(kept, copy, std::filesystem::copy_options::overwrite_existing);
     }
-    const Storage storage(folder.path() / "data");
+    const Storage storage(StorageAt(folder.path() / "data"));
     FlightMaps maps(size_t{1} << 24);
     const auto map = maps.Find(storage, "f/1");
     REQUIRE(map);
@@ -102,7 +102,7 @@ TEST_CASE(
 
 TEST_CASE("flight maps: a box larger than the map asks only for photo tiles on the map") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   FlightMaps maps(size_t{1} << 24);
   const FlightMapRow row =
       StageMeadowMap(storage, Meadow(), "f", 1600000000000000, PhotoLattice{1.0, 512, 1});

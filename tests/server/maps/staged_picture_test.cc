@@ -30,7 +30,7 @@ void AddTiles(StagedPicture& picture, int num_tiles) {
 
 TEST_CASE("staged picture: if it ends early, no file is left without a row") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   const FlightMapRow map = StageMeadowMap(storage, Meadow());
   {
     StagedPicture picture(storage, map.id);
@@ -44,7 +44,7 @@ TEST_CASE("staged picture: if it ends early, no file is left without a row") {
 
 TEST_CASE("staged picture: if a file cannot be written, those before it go with the map") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   const FlightMapRow map = StageMeadowMap(storage, Meadow());
   StagedPicture picture(storage, map.id);
   AddTiles(picture, 50);
@@ -60,7 +60,7 @@ TEST_CASE("staged picture: if a file cannot be written, those before it go with 
 TEST_CASE("staged picture: a file that another flight had stays when that flight is deleted") {
   for (const bool is_deleted_first : {false, true}) {
     const TemporaryFolder folder;
-    Storage storage(folder.path());
+    Storage storage(StorageAt(folder.path()));
     std::string first_id, second_id;
     for (std::string* id : {&first_id, &second_id}) {
       *id = StageMeadowMap(storage, Meadow(), id == &first_id ? "f" : "g").id;

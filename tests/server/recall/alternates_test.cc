@@ -78,7 +78,7 @@ bool Becomes(httplib::Client& client,
 
 TEST_CASE("alternates: a flight that is never silent does not starve the others") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   MapCache maps(1 << 20, 1 << 20);
   EventLog events;
   // Its id comes first.
@@ -265,7 +265,7 @@ TEST_CASE("alternates: a site is gone from the list when its deletion is answere
 
 TEST_CASE("alternates: new, changed and superseded sites count at once, also of a silent flight") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   MapCache maps(size_t{64} << 20, size_t{16} << 20);
   EventLog events;
   FlightRow row;

@@ -200,7 +200,7 @@ TEST_CASE("nothing in reach beside a field: all maps of a flight are stored with
     REQUIRE_FALSE(sites.empty());
     for (const nlohmann::json& site : sites) CHECK(site["properties"]["altitude_datum"] == "amsl");
   }
-  const Storage storage(folder.path());
+  const Storage storage(StorageAt(folder.path()));
   const SharedRows<MapRow> maps = storage.sites.ListMaps({-180.0, -90.0, 180.0, 90.0});
   REQUIRE_FALSE(maps.empty());
   for (const auto& map : maps) CHECK(map->altitude_datum == "amsl");
@@ -320,7 +320,7 @@ TEST_CASE("emergency: an unknown flight is 404, on both listeners") {
 TEST_CASE("emergency: without the geoid's grid its greatest height is taken, with a warning") {
   const TemporaryFolder folder;
   {
-    Storage storage(folder.path() / "data");
+    Storage storage(StorageAt(folder.path() / "data"));
     StoreAmslMeadow(storage);
   }
   setenv("PROJ_DATA", "/nonexistent", 1);

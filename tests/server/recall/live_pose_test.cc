@@ -15,7 +15,7 @@ constexpr int64_t kNowUs = 1700000000 * kSecondUs;
 
 struct FlightInStorage {
   TemporaryFolder folder;
-  Storage storage{folder.path()};
+  Storage storage{StorageAt(folder.path())};
 
   FlightInStorage() {
     FlightRow flight;

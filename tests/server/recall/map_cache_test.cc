@@ -19,7 +19,7 @@ std::shared_ptr<const RecallRow> OnlyRow(const Storage& storage) {
 
 TEST_CASE("map cache: a plan stays when its map is dropped, but not for another wind or update") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(Meadow()));
   SiteRow other = MeadowSite("amsl", 5000.0);
   other.id = std::string("f-r2");
@@ -50,7 +50,7 @@ TEST_CASE("map cache: a plan stays when its map is dropped, but not for another 
 TEST_CASE(
     "map cache: terrain in blocks is never lower than the map, nor seen where the map is not") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   SiteMap bumpy = Meadow();
   for (int row = 0; row < 600; ++row) {
     for (int col = 0; col < 600; ++col) {

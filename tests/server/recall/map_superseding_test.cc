@@ -54,7 +54,7 @@ SiteRow PlannedSite(Storage& storage,
 
 struct Memory {
   TemporaryFolder folder;
-  Storage storage{folder.path()};
+  Storage storage{StorageAt(folder.path())};
   MapCache maps{size_t{1} << 26, size_t{1} << 22};
 
   void Evaluate(const std::string& flight_id,

@@ -237,7 +237,7 @@ TEST_CASE("emergency: connections that say nothing, more than it has threads, do
 TEST_CASE("emergency: the answer is the same after kill -9 and a cold start") {
   const TemporaryFolder folder;
   {
-    Storage storage(folder.path() / "data");
+    Storage storage(StorageAt(folder.path() / "data"));
     StoreAmslMeadow(storage);
   }
   const auto ask = [&folder] {

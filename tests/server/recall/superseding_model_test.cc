@@ -195,7 +195,7 @@ class Walk {
   }
 
   void Open() {
-    storage_ = std::make_unique<Storage>(folder_.path());
+    storage_ = std::make_unique<Storage>(StorageAt(folder_.path()));
     maps_ = std::make_unique<MapCache>(size_t{1} << 24, size_t{1} << 22);
   }
 

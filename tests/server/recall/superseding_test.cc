@@ -230,7 +230,7 @@ TEST_CASE("memory: sites of an older program are checked once at the start of th
 // What is stored of the first flight's site once both are.
 SiteRow After(const Flown& first, const Flown& later) {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   MapCache maps(size_t{1} << 24, size_t{1} << 22);
   Store(storage, maps, first);
   Store(storage, maps, later);

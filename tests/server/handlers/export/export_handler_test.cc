@@ -24,7 +24,7 @@ struct SitesServer {
   explicit SitesServer(const std::string& datum = "amsl",
                        const std::function<void(Replan&)>& change = {}) {
     {
-      Storage storage(folder.path() / "data");
+      Storage storage(StorageAt(folder.path() / "data"));
       FlightRow flight;
       flight.id = "f1";
       flight.name = "meadows";

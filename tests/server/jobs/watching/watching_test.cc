@@ -63,7 +63,7 @@ void PutPicture(Storage& storage, const std::string& map_id, const PhotoLattice&
 struct WatchedService {
   TemporaryFolder folder;
   Config config = TestConfig(folder.path() / "data");
-  Storage storage{folder.path() / "data"};
+  Storage storage{StorageAt(folder.path() / "data")};
   EventLog events;
   MapCache maps{size_t{64} << 20, size_t{64} << 20};
   Intake intake{config, storage, events};

@@ -166,7 +166,7 @@ TEST_CASE("obstructed: people count until they expire") {
 
 TEST_CASE("obstructed: what obstacles block is not superseded: nothing of it is stored") {
   TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   MapCache maps(size_t{1} << 24, size_t{1} << 22);
   Store(storage, maps, Field());
   const nlohmann::json wire = WireAcross(-30.0);

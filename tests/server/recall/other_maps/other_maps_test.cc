@@ -119,7 +119,7 @@ TEST_CASE("other maps: a plan for another wind must hold on a later map, not on 
   for (const bool is_later : {true, false}) {
     CAPTURE(is_later);
     const TemporaryFolder folder;
-    Storage storage(folder.path());
+    Storage storage(StorageAt(folder.path()));
     MapCache maps(size_t{1} << 26, size_t{1} << 22);
     const FlightMapRow map = StageMeadowMap(storage, Meadow(), "first", kFirst);
     const SiteRow site = SiteOnMap(map);
@@ -153,7 +153,7 @@ TEST_CASE("other maps: a plan for another wind must hold on a later map, not on 
 // The site's own map got photographs of other ground later.
 TEST_CASE("other maps: a later map counts although the own map is newer elsewhere") {
   const TemporaryFolder folder;
-  Storage storage(folder.path());
+  Storage storage(StorageAt(folder.path()));
   MapCache maps(size_t{1} << 26, size_t{1} << 22);
   const FlightMapRow own = StageMeadowMap(storage, Meadow(), "first", kFirst + 10);
   SiteRow site = SiteOnMap(own);
