@@ -208,6 +208,11 @@ start_step "roles on PostgreSQL"
   "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/roles.log"
 passed_but "$work/roles.log"
 
+start_step "a fleet"
+{ tests/deploy/fleet.sh build/release/server/freelsd-server "$work/demo/sample-flight-1-72" ||
+  [ $? -eq 77 ]; } 2>&1 | tee "$work/fleet.log"
+passed_but "$work/fleet.log"
+
 start_step "nginx in front"
 if command -v nginx >/dev/null; then
   tests/deploy/nginx.sh build/release/server/freelsd-server engine/classification/grass_model.yml
