@@ -70,6 +70,11 @@ done
 fleet status || fail "not all runs again: $(cat "$work/fleet.txt")"
 echo "both flights are finished after $SECONDS s, although a worker and an API server were killed"
 
+ask /metrics >"$work/metrics"
+for gauge in 'workers 3' 'waiting_flights 0' 'oldest_queued_frame_seconds 0' 'database_connections_in_use{pool="readers"} [0-9]'; do
+  grep -q "^freelsd_$gauge" "$work/metrics" || fail "no line freelsd_$gauge in the metrics"
+done
+
 fleet backup || fail "no backup: $(cat "$work/fleet.txt")"
 backup="$(tail -n 1 "$work/fleet.txt")"
 third="$(new_flight "$work/photos")"
