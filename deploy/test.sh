@@ -213,6 +213,11 @@ start_step "a fleet"
   [ $? -eq 77 ]; } 2>&1 | tee "$work/fleet.log"
 passed_but "$work/fleet.log"
 
+start_step "move to PostgreSQL and back"
+{ tests/deploy/migrate.sh build/release engine/classification/grass_model.yml \
+  "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/migrate.log"
+passed_but "$work/migrate.log"
+
 start_step "faults of a fleet, short form"
 { tests/faults/fleet.sh --flight "$work/demo/sample-flight-1-72" --rows commit,pause,api || [ $? -eq 77 ]; } 2>&1 |
   tee "$work/fleet-faults.log"

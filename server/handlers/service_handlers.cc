@@ -153,6 +153,7 @@ nlohmann::json LimitsOf(const Service& service) {
                      {"max_telemetry_gap_s", config.max_telemetry_gap_s},
                      {"max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s},
                      {"telemetry_wait_s", config.telemetry_wait_s},
+                     {"max_num_streams", config.max_num_streams},
                      {"max_num_queued_frames", config.max_num_queued_frames},
                      {"max_num_open_flights", config.max_num_open_flights},
                      {"num_alternates", config.num_alternates},

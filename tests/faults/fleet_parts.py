@@ -46,9 +46,10 @@ class Fleet:
     def start(self, name):
         url = (f"postgresql://freelsd@127.0.0.1:{self.proxies[name].port}/postgres"
                "?sslmode=disable&gssencmode=disable")
-        server = Server(self.tools, self.folder / name, config={
-            "database": url, "images": str(self.folder / "images"), "role": name.split("-")[0]})
-        self.servers[name] = server.start()
+        if name not in self.servers:
+            self.servers[name] = Server(self.tools, self.folder / name, config={
+                "database": url, "images": str(self.folder / "images"), "role": name.split("-")[0]})
+        server = self.servers[name].start()
         if name.startswith("api"):
             self.to_api[name] = Proxy(server.port)
         else:

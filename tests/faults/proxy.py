@@ -41,10 +41,10 @@ class Proxy:
             for end in connection:
                 try:
                     end.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-                    end.shutdown(socket.SHUT_RDWR)
+                    # Wakes the thread that reads; the close of both then resets.
+                    end.shutdown(socket.SHUT_RD)
                 except OSError:
                     pass
-                end.close()
 
     def _connect(self):
         if isinstance(self.target, int):
@@ -69,8 +69,18 @@ class Proxy:
             with self.lock:
                 self.connections.append((client, server))
             reader = StatementReader(number, self.on_statement) if self.on_statement else None
-            threading.Thread(target=self._pass, args=(client, server, reader), daemon=True).start()
-            threading.Thread(target=self._pass, args=(server, client, None), daemon=True).start()
+            threading.Thread(target=self._serve, args=(client, server, reader), daemon=True).start()
+
+    def _serve(self, client, server, reader):
+        back = threading.Thread(target=self._pass, args=(server, client, None), daemon=True)
+        back.start()
+        self._pass(client, server, reader)
+        back.join()
+        client.close()
+        server.close()
+        with self.lock:
+            if (client, server) in self.connections:
+                self.connections.remove((client, server))
 
     def _pass(self, source, target, reader):
         try:
@@ -81,9 +91,11 @@ class Proxy:
                 target.sendall(data)
         except OSError:
             pass
+        with self.lock:
+            is_reset = (source, target) not in self.connections and (target, source) not in self.connections
         for end in (source, target):
             try:
-                end.shutdown(socket.SHUT_RDWR)
+                end.shutdown(socket.SHUT_RD if is_reset else socket.SHUT_RDWR)
             except OSError:
                 pass
 
