@@ -1,7 +1,7 @@
 # cmake --install: the server with what it looks for beside itself, ../share/freelsd, and freelsdctl.
 # Not freelsd-train: it works on the labelled photographs of the sources.
 include(GNUInstallDirs)
-install(TARGETS freelsd-server RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS freelsd-server freelsd-migrate RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/freelsdctl DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.bash-completion
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME freelsdctl)

@@ -32,10 +32,14 @@ is_installed() {
     command -v "$1" >/dev/null
 }
 
-install_packages() {
+# shellcheck disable=SC2046
+install_packages() { install_missing $(listed_packages "$@"); }
+
+# install_missing PACKAGE...
+install_missing() {
   local package
   local missing=()
-  for package in $(listed_packages "$@"); do
+  for package in "$@"; do
     is_installed "$package" || missing+=("$package")
   done
   if [ ${#missing[@]} -eq 0 ]; then

@@ -208,6 +208,21 @@ start_step "roles on PostgreSQL"
   "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/roles.log"
 passed_but "$work/roles.log"
 
+start_step "a fleet"
+{ tests/deploy/fleet.sh build/release/server/freelsd-server "$work/demo/sample-flight-1-72" ||
+  [ $? -eq 77 ]; } 2>&1 | tee "$work/fleet.log"
+passed_but "$work/fleet.log"
+
+start_step "move to PostgreSQL and back"
+{ tests/deploy/migrate.sh build/release engine/classification/grass_model.yml \
+  "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/migrate.log"
+passed_but "$work/migrate.log"
+
+start_step "faults of a fleet, short form"
+{ tests/faults/fleet.sh --flight "$work/demo/sample-flight-1-72" --rows commit,pause,api || [ $? -eq 77 ]; } 2>&1 |
+  tee "$work/fleet-faults.log"
+if grep -q '^skipped: ' "$work/fleet-faults.log"; then passed_but "$work/fleet-faults.log"; else passed; fi
+
 start_step "nginx in front"
 if command -v nginx >/dev/null; then
   tests/deploy/nginx.sh build/release/server/freelsd-server engine/classification/grass_model.yml

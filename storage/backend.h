@@ -36,6 +36,7 @@ class StorageBackend {
   virtual std::optional<std::string> WhyNotWritable() = 0;
   virtual void MarkDamaged(const std::string& why) = 0;
   virtual std::vector<std::string> Notices() = 0;
+  virtual std::vector<PoolState> Pools() { return {}; }
 
  protected:
   StorageBackend() = default;

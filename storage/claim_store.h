@@ -23,6 +23,16 @@ struct SharedEvent {
   std::string data;
 };
 
+// Of all processes on the database.
+struct LeaseCounts {
+  // Workers whose lease goes on, and those whose lease is over but nobody has taken note.
+  int64_t num_workers = 0;
+  int64_t num_expired_workers = 0;
+  int64_t num_claimed_flights = 0;
+  // Flights that have work and no worker.
+  int64_t num_waiting_flights = 0;
+};
+
 // A worker (StorageOptions::is_worker) has a lease, which Renew prolongs by the database's clock. A
 // worker whose lease is over may lose its claims to others; from then on each of its writes throws
 // StorageError and changes nothing. With SQLite, and with a PostgreSQL database that one process
@@ -44,6 +54,7 @@ class ClaimStore {
   virtual void Release(const std::string& flight_id) = 0;
   // False if the lease was over and another worker has taken note.
   virtual bool Renew() = 0;
+  virtual LeaseCounts CountLeases() const = 0;
 
   // Stores an event for other processes. A crash of the database may lose the latest.
   virtual void Tell(const SharedEvent& event) = 0;

@@ -70,6 +70,8 @@ class FrameStore {
       const std::function<void(const std::string& resolved_json)>& take) const = 0;
   // Queued frames of all flights, without frames of batches.
   virtual int64_t CountQueued() const = 0;
+  // When the frame arrived that waits longest, those of batches included. Nothing if none waits.
+  virtual std::optional<int64_t> OldestQueuedArrival() const = 0;
   // The flight's first frame after `after_sequence`, whatever its state.
   virtual std::optional<FrameRow> Next(const std::string& flight_id,
                                        int64_t after_sequence) const = 0;

@@ -37,6 +37,8 @@ class JobStore {
   JobStore& operator=(const JobStore&) = delete;
 
   virtual void Insert(const JobRow& job) = 0;
+  // False, and nothing is stored, if the flight has an unfinished job of that kind.
+  virtual bool InsertAlone(const JobRow& job) = 0;
   // Writes state, progress, stage and detail. Does nothing if the stored job has ended.
   virtual void Update(const JobRow& job) = 0;
   virtual std::optional<JobRow> Find(const std::string& job_id) const = 0;

@@ -42,6 +42,8 @@ DatabaseKind Storage::Kind() const { return backend_->Kind(); }
 
 std::filesystem::path Storage::SpoolFolder() const { return backend_->SpoolFolder(); }
 
+std::vector<PoolState> Storage::Pools() const { return backend_->Pools(); }
+
 std::optional<std::string> Storage::WhyNotWritable() const { return backend_->WhyNotWritable(); }
 
 void Storage::MarkDamaged(const std::string& why) const { backend_->MarkDamaged(why); }

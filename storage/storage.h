@@ -57,6 +57,18 @@ struct StorageOptions {
   double unused_image_age_s = 86400.0;
 };
 
+// Connections to PostgreSQL that this process keeps for one purpose.
+struct PoolState {
+  // 'readers' or 'writers'.
+  std::string name;
+  int num_open = 0;
+  int num_in_use = 0;
+  int max_num_connections = 0;
+  // Since the start: how often all were in use, and how long one was waited for.
+  int64_t num_waits = 0;
+  double waited_s = 0.0;
+};
+
 class Storage {
   // Declared before the stores, because they refer to it.
   std::unique_ptr<StorageBackend> backend_;
@@ -96,6 +108,8 @@ class Storage {
   // Sentences for the operator about detected damage and about files that were moved aside at this
   // start.
   std::vector<std::string> Notices() const;
+  // Empty with SQLite.
+  std::vector<PoolState> Pools() const;
 
  private:
   explicit Storage(std::unique_ptr<StorageBackend> backend);

@@ -7,8 +7,9 @@
 namespace freelsd {
 
 // kFull: the disk or a quota is full. kDamaged: the content of a database file is damaged. kNewer:
-// a newer program wrote the folder.
-enum class StorageFault { kOther, kFull, kDamaged, kNewer };
+// a newer program wrote the folder. kConflict: another process has stored a row with the same key
+// meanwhile.
+enum class StorageFault { kOther, kFull, kDamaged, kNewer, kConflict };
 
 // Its text names the SQL statement or file operation that failed, and the reason.
 class StorageError : public std::runtime_error {

@@ -242,6 +242,29 @@ nlohmann::json DryRun(const Service& service,
   return answer;
 }
 
+JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload) {
+  const FlightRow stored = ExistingFlight(service, call);
+  const Admission admission = Admit(service.intake, stored, upload);
+  const JobRow job = NewBatchJob(stored.id, admission, upload);
+  service.storage.frames.Insert(stored.id, admission.frames, job, [&](FlightRow& flight) {
+    // A stored rig is kept, because another request may have added a datum to it since it was read.
+    if (flight.rig_json.empty()) flight.rig_json = admission.rig_json;
+    flight.num_rejected_frames += admission.num_rejected;
+    flight.warnings_json = AddWarnings(flight.warnings_json, "images", admission.warnings);
+  });
+  return job;
+}
+
+// Looks at the frames again if another server has stored one of them meanwhile.
+JobRow StoreBatchBesideOthers(Service& service, const Call& call, const BatchUpload& upload) {
+  try {
+    return StoreBatch(service, call, upload);
+  } catch (const StorageError& error) {
+    if (error.fault != StorageFault::kConflict) throw;
+    return StoreBatch(service, call, upload);
+  }
+}
+
 }  // namespace
 
 void PostBatch(Service& service, const Call& call, httplib::Response& response) {
@@ -261,14 +284,7 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
   upload.ParsePoses(ParseStoredFlightRequest(ExistingFlight(service, call).request_json).origin);
   if (!options.may_have_extra_poses) RefuseUnknownImages(service, flight_id, upload);
   const std::lock_guard lock(service.intake.intake_mutex);
-  const Admission admission = Admit(service.intake, ExistingFlight(service, call), upload);
-  const JobRow job = NewBatchJob(flight_id, admission, upload);
-  service.storage.frames.Insert(flight_id, admission.frames, job, [&](FlightRow& flight) {
-    // A stored rig is kept, because another request may have added a datum to it since it was read.
-    if (flight.rig_json.empty()) flight.rig_json = admission.rig_json;
-    flight.num_rejected_frames += admission.num_rejected;
-    flight.warnings_json = AddWarnings(flight.warnings_json, "images", admission.warnings);
-  });
+  const JobRow job = StoreBatchBesideOthers(service, call, upload);
   service.events.Publish("job", flight_id, JobJson(service, job).dump());
   service.intake.wake_worker();
   service.intake.on_new_pose(flight_id);

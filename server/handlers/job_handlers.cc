@@ -20,6 +20,25 @@ std::vector<JobRow> FinishJobs(const Service& service, const std::string& flight
   return jobs;
 }
 
+// The flight's unfinished job of that kind. Another server may have finished it meanwhile.
+std::optional<JobRow> UnfinishedJob(const Service& service,
+                                    const std::string& flight_id,
+                                    const std::string& kind) {
+  for (const JobRow& job : service.storage.jobs.ListOf(flight_id)) {
+    if (job.kind == kind && IsUnfinished(job)) return job;
+  }
+  return std::nullopt;
+}
+
+// The new job, unless another server was faster: then that server's.
+JobRow StoreJob(Service& service, const JobRow& job) {
+  while (!service.storage.jobs.InsertAlone(job)) {
+    if (const auto running = UnfinishedJob(service, job.flight_id, job.kind)) return *running;
+  }
+  service.events.Publish("job", job.flight_id, JobJson(service, job).dump());
+  return job;
+}
+
 // The job that answers this finish: the running one, else a new one. A new one is done at once if
 // nothing arrived since the last.
 JobRow FinishJob(Service& service, const std::string& flight_id, bool is_over) {
@@ -46,9 +65,7 @@ JobRow FinishJob(Service& service, const std::string& flight_id, bool is_over) {
     job.state = JobState::kDone;
     job.progress_ratio = 1.0;
   }
-  service.storage.jobs.Insert(job);
-  service.events.Publish("job", flight_id, JobJson(service, job).dump());
-  return job;
+  return StoreJob(service, job);
 }
 
 }  // namespace
@@ -69,19 +86,17 @@ void PostReplay(Service& service, const Call& call, httplib::Response& response)
     return job.kind == "finish" && job.state == JobState::kDone;
   });
   if (!is_finished) throw ApiError("Conflict", "no finish of this flight is done");
-  const auto running = std::find_if(jobs.begin(), jobs.end(), [](const JobRow& job) {
-    return job.kind == "replay" && IsUnfinished(job);
-  });
-  if (running != jobs.end()) return AnswerJob(service, *running, response);
+  if (const auto running = UnfinishedJob(service, flight.id, "replay")) {
+    return AnswerJob(service, *running, response);
+  }
   JobRow job;
   job.id = NewId("j");
   job.kind = "replay";
   job.flight_id = flight.id;
   job.created_at_us = NowUs();
-  service.storage.jobs.Insert(job);
-  service.events.Publish("job", flight.id, JobJson(service, job).dump());
+  const JobRow stored = StoreJob(service, job);
   service.intake.wake_worker();
-  AnswerJob(service, job, response);
+  AnswerJob(service, stored, response);
 }
 
 void GetJobs(Service& service, const Call& call, httplib::Response& response) {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <sstream>
 
 #include <nlohmann/json.hpp>
@@ -46,15 +47,89 @@ void GetReadiness(Service& service, const Call&, httplib::Response& response) {
   response.set_header("Retry-After", std::to_string(RetryAfterSeconds("Unavailable").value_or(1)));
 }
 
+namespace {
+
+template <typename Value>
+void WriteGauge(std::ostream& text, const char* name, const char* help, Value value) {
+  text << "# HELP freelsd_" << name << ' ' << help << "\n# TYPE freelsd_" << name
+       << " gauge\nfreelsd_" << name << ' ' << value << '\n';
+}
+
+// 0 where nothing waits.
+double AgeOf(const std::optional<int64_t>& since_us) {
+  constexpr double kUsPerS = 1e6;
+  if (!since_us) return 0.0;
+  return std::max(0.0, static_cast<double>(NowUs() - *since_us) / kUsPerS);
+}
+
+void WriteQueues(std::ostream& text, const Storage& storage) {
+  WriteGauge(
+      text, "queued_frames", "Frames that wait for the engine.", storage.frames.CountQueued());
+  WriteGauge(text,
+             "oldest_queued_frame_seconds",
+             "Age of the frame that waits longest, frames of batches included.",
+             AgeOf(storage.frames.OldestQueuedArrival()));
+  const std::vector<JobRow> jobs = storage.jobs.ListUnfinished();
+  WriteGauge(text, "unfinished_jobs", "Jobs queued or running.", jobs.size());
+  const auto queued = std::find_if(
+      jobs.begin(), jobs.end(), [](const JobRow& job) { return job.state == JobState::kQueued; });
+  WriteGauge(text,
+             "oldest_queued_job_seconds",
+             "Age of the job that waits longest.",
+             queued == jobs.end() ? 0.0 : AgeOf(queued->created_at_us));
+}
+
+void WriteLeases(std::ostream& text, const Storage& storage) {
+  if (!storage.claims.IsShared()) return;
+  const LeaseCounts counts = storage.claims.CountLeases();
+  WriteGauge(text, "workers", "Workers whose lease goes on.", counts.num_workers);
+  WriteGauge(text,
+             "expired_workers",
+             "Workers whose lease is over and whose flights nobody has taken yet.",
+             counts.num_expired_workers);
+  WriteGauge(
+      text, "claimed_flights", "Flights that a worker works on.", counts.num_claimed_flights);
+  WriteGauge(
+      text, "waiting_flights", "Flights that have work and no worker.", counts.num_waiting_flights);
+}
+
+void WritePools(std::ostream& text, const std::vector<PoolState>& pools) {
+  if (pools.empty()) return;
+  const auto of_each = [&](const char* name, const char* kind, const char* help, auto value_of) {
+    text << "# HELP freelsd_database_" << name << ' ' << help << "\n# TYPE freelsd_database_"
+         << name << ' ' << kind << '\n';
+    for (const PoolState& pool : pools) {
+      text << "freelsd_database_" << name << "{pool=\"" << pool.name << "\"} " << value_of(pool)
+           << '\n';
+    }
+  };
+  of_each("connections", "gauge", "Open connections of this server.", [](const PoolState& pool) {
+    return pool.num_open;
+  });
+  of_each("connections_in_use", "gauge", "Those that are in use.", [](const PoolState& pool) {
+    return pool.num_in_use;
+  });
+  of_each("max_connections", "gauge", "Most that this server opens.", [](const PoolState& pool) {
+    return pool.max_num_connections;
+  });
+  of_each("waits_total", "counter", "How often all were in use.", [](const PoolState& pool) {
+    return pool.num_waits;
+  });
+  of_each("waited_seconds_total", "counter", "Time waited for one.", [](const PoolState& pool) {
+    return pool.waited_s;
+  });
+}
+
+}  // namespace
+
 // Gauges are read from storage for each request, so that they agree with it.
 void GetMetrics(Service& service, const Call&, httplib::Response& response) {
   std::ostringstream text;
   const auto gauge = [&text](const char* name, const char* help, auto value) {
-    text << "# HELP freelsd_" << name << ' ' << help << "\n# TYPE freelsd_" << name
-         << " gauge\nfreelsd_" << name << ' ' << value << '\n';
+    WriteGauge(text, name, help, value);
   };
-  gauge("queued_frames", "Frames that wait for the engine.", service.storage.frames.CountQueued());
-  gauge("unfinished_jobs", "Jobs queued or running.", service.storage.jobs.ListUnfinished().size());
+  WriteQueues(text, service.storage);
+  WriteLeases(text, service.storage);
   gauge("flights", "Stored flights.", service.storage.flights.Count());
   gauge("recallable_sites",
         "Sites that emergency recall may answer with.",
@@ -63,6 +138,7 @@ void GetMetrics(Service& service, const Call&, httplib::Response& response) {
   gauge("stored_image_bytes", "Total size of all image files.", service.storage.images.NumBytes());
   gauge(
       "writable", "1 if storage accepts writes, else 0.", service.storage.WhyNotWritable() ? 0 : 1);
+  WritePools(text, service.storage.Pools());
   response.set_content(text.str() + service.metrics.Text(), "text/plain; version=0.0.4");
 }
 
@@ -77,6 +153,7 @@ nlohmann::json LimitsOf(const Service& service) {
                      {"max_telemetry_gap_s", config.max_telemetry_gap_s},
                      {"max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s},
                      {"telemetry_wait_s", config.telemetry_wait_s},
+                     {"max_num_streams", config.max_num_streams},
                      {"max_num_queued_frames", config.max_num_queued_frames},
                      {"max_num_open_flights", config.max_num_open_flights},
                      {"num_alternates", config.num_alternates},

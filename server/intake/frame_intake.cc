@@ -83,7 +83,15 @@ TakenFrame TakeFrame(Intake& intake,
   {
     const std::lock_guard lock(intake.intake_mutex);
     if (const auto stored = SameFrame(intake, frame)) return {*stored, false};
-    StoreFrame(intake, upload, frame, image, given);
+    try {
+      StoreFrame(intake, upload, frame, image, given);
+    } catch (const StorageError& error) {
+      // Another server may have stored it meanwhile.
+      const auto stored =
+          error.fault == StorageFault::kConflict ? SameFrame(intake, frame) : std::nullopt;
+      if (!stored) throw;
+      return {*stored, false};
+    }
   }
   intake.events.Publish("frame", flight_id, FrameJson(frame).dump());
   intake.wake_worker();

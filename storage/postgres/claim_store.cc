@@ -26,6 +26,9 @@ bool PostgresClaimStore::IsShared() const { return state_.options.is_shared; }
 
 std::optional<Claim> PostgresClaimStore::ClaimNext() {
   if (!state_.registration) return std::nullopt;
+  state_.Read([this](PostgresConnection& connection) {
+    EndSessionsOfDeadWorkers(connection, state_.registration->token());
+  });
   PostgresWrite writer(state_);
   DropDeadWorkers(*writer, state_.registration->token());
   std::optional<Claim> claim;
@@ -64,6 +67,19 @@ void PostgresClaimStore::Release(const std::string& flight_id) {
 }
 
 bool PostgresClaimStore::Renew() { return !state_.registration || state_.registration->Renew(); }
+
+LeaseCounts PostgresClaimStore::CountLeases() const {
+  return state_.Read([](PostgresConnection& connection) {
+    const PostgresRows rows = connection.Run(
+        "SELECT (SELECT count(*) FROM workers WHERE expires_at >= clock_timestamp()), "
+        "(SELECT count(*) FROM workers WHERE expires_at < clock_timestamp()), "
+        "(SELECT count(*) FROM claims WHERE token IS NOT NULL), "
+        "(SELECT count(*) FROM (SELECT flight_id FROM frames WHERE state = 0 UNION SELECT "
+        "flight_id FROM jobs WHERE state < 2) AS with_work WHERE NOT EXISTS (SELECT 1 FROM claims "
+        "WHERE claims.flight_id = with_work.flight_id AND token IS NOT NULL))");
+    return LeaseCounts{rows[0].Int(0), rows[0].Int(1), rows[0].Int(2), rows[0].Int(3)};
+  });
+}
 
 void PostgresClaimStore::Tell(const SharedEvent& event) {
   if (!IsShared()) return;

@@ -17,6 +17,7 @@ constexpr std::chrono::milliseconds kSilence{2000};
 constexpr std::chrono::milliseconds kMaxIdleInTransaction{60000};
 
 StorageFault FaultOf(std::string_view sql_state) {
+  if (sql_state == "23505") return StorageFault::kConflict;
   if (sql_state == "53100") return StorageFault::kFull;
   if (sql_state == "XX001" || sql_state == "XX002") return StorageFault::kDamaged;
   return StorageFault::kOther;

@@ -84,6 +84,9 @@ class PostgresConnection {
   PostgresRows Run(const std::string& sql, const Values&... values) {
     return RunPrepared(sql, {ParameterOf(values)...});
   }
+  // The same with any number of values.
+  PostgresRows RunPrepared(const std::string& sql,
+                           const std::vector<PostgresParameter>& parameters);
   // Runs several statements without parameters.
   void Execute(const std::string& sql);
   // False after ConnectionLost, and within a transaction.
@@ -92,8 +95,6 @@ class PostgresConnection {
   }
 
  private:
-  PostgresRows RunPrepared(const std::string& sql,
-                           const std::vector<PostgresParameter>& parameters);
   const std::string& Prepared(const std::string& sql,
                               const std::vector<PostgresParameter>& parameters);
   // Waits for all results of what was sent and returns the last.

@@ -147,6 +147,13 @@ int64_t PostgresFrameStore::CountQueued() const {
   });
 }
 
+std::optional<int64_t> PostgresFrameStore::OldestQueuedArrival() const {
+  return state_.Read([](PostgresConnection& connection) {
+    return connection.Run("SELECT min(arrived_at_us) FROM frames WHERE state = 0")[0].OptionalInt(
+        0);
+  });
+}
+
 std::optional<FrameRow> PostgresFrameStore::Next(const std::string& flight_id,
                                                  int64_t after_sequence) const {
   return state_.Read([&](PostgresConnection& connection) {

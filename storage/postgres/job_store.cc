@@ -1,5 +1,6 @@
 #include <limits>
 
+#include "storage/postgres/flight_rows.h"
 #include "storage/postgres/job_rows.h"
 #include "storage/postgres/state.h"
 #include "storage/postgres/stores.h"
@@ -52,6 +53,19 @@ void PostgresJobStore::Insert(const JobRow& job) {
   PostgresWrite writer(state_);
   InsertJob(*writer, job);
   writer.Commit();
+}
+
+bool PostgresJobStore::InsertAlone(const JobRow& job) {
+  PostgresWrite writer(state_);
+  LockFlight(*writer, job.flight_id);
+  const PostgresRows unfinished =
+      writer->Run("SELECT 1 FROM jobs WHERE flight_id = $1 AND kind = $2 AND state < 2 LIMIT 1",
+                  job.flight_id,
+                  job.kind);
+  if (!unfinished.empty()) return false;
+  InsertJob(*writer, job);
+  writer.Commit();
+  return true;
 }
 
 void PostgresJobStore::Update(const JobRow& job) {

@@ -27,9 +27,8 @@ std::unique_ptr<PostgresConnection> ConnectionPool::Take() {
   const auto deadline = SteadyClock::now() + timeouts_.connection;
   {
     std::unique_lock lock(mutex_);
-    const bool is_free = given_back_.wait_until(
-        lock, deadline, [this] { return !idle_.empty() || num_open_ < max_num_connections_; });
-    if (!is_free) throw StorageError("connect to the database", "all connections are in use");
+    if (!AwaitFree(lock, deadline))
+      throw StorageError("connect to the database", "all connections are in use");
     if (!idle_.empty()) {
       std::unique_ptr<PostgresConnection> connection = std::move(idle_.back());
       idle_.pop_back();
@@ -45,6 +44,29 @@ std::unique_ptr<PostgresConnection> ConnectionPool::Take() {
     given_back_.notify_one();
     throw;
   }
+}
+
+bool ConnectionPool::AwaitFree(std::unique_lock<std::mutex>& lock,
+                               SteadyClock::time_point deadline) {
+  const auto is_free = [this] { return !idle_.empty() || num_open_ < max_num_connections_; };
+  if (is_free()) return true;
+  ++num_waits_;
+  const auto begin = SteadyClock::now();
+  const bool has_come = given_back_.wait_until(lock, deadline, is_free);
+  waited_s_ += std::chrono::duration<double>(SteadyClock::now() - begin).count();
+  return has_come;
+}
+
+PoolState ConnectionPool::State(const std::string& name) const {
+  const std::lock_guard lock(mutex_);
+  PoolState state;
+  state.name = name;
+  state.num_open = num_open_;
+  state.num_in_use = num_open_ - static_cast<int>(idle_.size());
+  state.max_num_connections = max_num_connections_;
+  state.num_waits = num_waits_;
+  state.waited_s = waited_s_;
+  return state;
 }
 
 std::unique_ptr<PostgresConnection> ConnectionPool::Connect(

@@ -23,17 +23,23 @@ class ConnectionPool {
   std::unique_ptr<PostgresConnection> Take();
   // A broken connection is closed, and those that are idle with it: the database was restarted.
   void GiveBack(std::unique_ptr<PostgresConnection> connection);
+  PoolState State(const std::string& name) const;
 
  private:
+  // Within the lock. False if none is free at the deadline.
+  bool AwaitFree(std::unique_lock<std::mutex>& lock,
+                 std::chrono::steady_clock::time_point deadline);
   std::unique_ptr<PostgresConnection> Connect(std::chrono::steady_clock::time_point deadline) const;
 
   std::string url_;
   PostgresTimeouts timeouts_;
   int max_num_connections_;
-  // Guards num_open_ and idle_.
-  std::mutex mutex_;
+  // Guards the fields below.
+  mutable std::mutex mutex_;
   std::condition_variable given_back_;
   int num_open_ = 0;
+  int64_t num_waits_ = 0;
+  double waited_s_ = 0.0;
   std::vector<std::unique_ptr<PostgresConnection>> idle_;
 };
 

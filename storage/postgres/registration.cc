@@ -5,6 +5,9 @@
 namespace freelsd {
 namespace {
 
+// The name of a worker's session while a transaction of it goes on.
+constexpr char kSessionName[] = "'freelsd worker ' || current_schema() || ' ' || token";
+
 int64_t Register(ConnectionPool& pool, double lease_s) {
   return WithConnection(pool, [lease_s](PostgresConnection& connection) {
     return connection
@@ -35,7 +38,9 @@ Registration::~Registration() {
 
 void Registration::Check(PostgresConnection& writer) const {
   const PostgresRows rows =
-      writer.Run("SELECT 1 FROM workers WHERE token = $1 FOR KEY SHARE", token_);
+      writer.Run(std::string("SELECT set_config('application_name', ") + kSessionName +
+                     ", true) FROM workers WHERE token = $1 FOR KEY SHARE",
+                 token_);
   if (rows.empty()) throw StorageError("write", "this worker's lease was over");
 }
 
@@ -49,6 +54,15 @@ bool Registration::Renew() {
                    lease_s_)
                .NumChanges() > 0;
   });
+}
+
+void EndSessionsOfDeadWorkers(PostgresConnection& connection, int64_t own_token) {
+  connection.Run(
+      std::string("SELECT pg_terminate_backend(pid) FROM workers JOIN pg_stat_activity ON "
+                  "application_name = ") +
+          kSessionName +
+          " WHERE expires_at < clock_timestamp() AND token <> $1 AND datname = current_database()",
+      own_token);
 }
 
 void DropDeadWorkers(PostgresConnection& writer, int64_t own_token) {

@@ -28,6 +28,10 @@ class Registration {
   int64_t token_;
 };
 
+// Ends the transactions of other workers whose lease is over: one that stands still would keep its
+// row and others for a minute.
+void EndSessionsOfDeadWorkers(PostgresConnection& connection, int64_t own_token);
+
 // Deletes other workers whose lease is over, unless one of their writes is going on; their flights
 // have no worker then.
 void DropDeadWorkers(PostgresConnection& writer, int64_t own_token);

@@ -22,6 +22,9 @@ class PostgresBackend final : public StorageBackend {
     const std::lock_guard lock(state_.notices_mutex);
     return state_.notices;
   }
+  std::vector<PoolState> Pools() override {
+    return {state_.readers.State("readers"), state_.writers.State("writers")};
+  }
 
  private:
   PostgresState state_;

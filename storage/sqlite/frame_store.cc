@@ -116,6 +116,13 @@ int64_t SqliteFrameStore::CountQueued() const {
   return statement.Int(0);
 }
 
+std::optional<int64_t> SqliteFrameStore::OldestQueuedArrival() const {
+  const Reader reader(state_.readers);
+  Statement statement = reader->Prepare("SELECT min(arrived_at_us) FROM frames WHERE state = 0");
+  statement.Step();
+  return statement.OptionalInt(0);
+}
+
 std::optional<FrameRow> SqliteFrameStore::Next(const std::string& flight_id,
                                                int64_t after_sequence) const {
   const Reader reader(state_.readers);

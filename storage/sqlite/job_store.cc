@@ -57,6 +57,15 @@ void SqliteJobStore::Insert(const JobRow& job) {
   InsertJobRow(state_.writer, job);
 }
 
+bool SqliteJobStore::InsertAlone(const JobRow& job) {
+  const auto lock = state_.LockForWriting();
+  Statement unfinished =
+      state_.writer.Prepare("SELECT 1 FROM jobs WHERE flight_id = ?1 AND kind = ?2 AND state < 2");
+  if (unfinished.Bind(job.flight_id, job.kind).Step()) return false;
+  InsertJobRow(state_.writer, job);
+  return true;
+}
+
 void SqliteJobStore::Update(const JobRow& job) {
   const auto lock = state_.LockForWriting();
   state_.writer

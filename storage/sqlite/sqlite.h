@@ -31,6 +31,13 @@ class Statement {
     (BindOne(++index, values), ...);
     return *this;
   }
+  // Binds ?index. What is bound must live until Run or the last Step.
+  void BindOne(int index, int64_t value);
+  void BindOne(int index, int value) { BindOne(index, static_cast<int64_t>(value)); }
+  void BindOne(int index, double value);
+  void BindOne(int index, const std::optional<double>& value);
+  void BindOne(int index, const std::string& value);
+  void BindOne(int index, const Blob& value);
   // Steps to the next row; false at the end.
   bool Step();
   // Steps to the end and resets.
@@ -43,12 +50,6 @@ class Statement {
   std::string Text(int column) const;
 
  private:
-  void BindOne(int index, int64_t value);
-  void BindOne(int index, int value) { BindOne(index, static_cast<int64_t>(value)); }
-  void BindOne(int index, double value);
-  void BindOne(int index, const std::optional<double>& value);
-  void BindOne(int index, const std::string& value);
-  void BindOne(int index, const Blob& value);
   void Check(int result) const;
 
   sqlite3* database_;

@@ -50,6 +50,7 @@ class SqliteFrameStore final : public FrameStore {
       const std::string& flight_id,
       const std::function<void(const std::string& resolved_json)>& take) const override;
   int64_t CountQueued() const override;
+  std::optional<int64_t> OldestQueuedArrival() const override;
   std::optional<FrameRow> Next(const std::string& flight_id, int64_t after_sequence) const override;
   std::vector<FrameRow> LastArrived(const std::string& flight_id,
                                     int max_num_frames) const override;
@@ -76,6 +77,7 @@ class SqliteJobStore final : public JobStore {
  public:
   explicit SqliteJobStore(StorageState& state) : state_(state) {}
   void Insert(const JobRow& job) override;
+  bool InsertAlone(const JobRow& job) override;
   void Update(const JobRow& job) override;
   std::optional<JobRow> Find(const std::string& job_id) const override;
   JobPage ListPage(size_t limit,
@@ -179,6 +181,7 @@ class SqliteClaimStore final : public ClaimStore {
   std::vector<std::string> ListClaimed() const override { return {}; }
   void Release(const std::string& /*flight_id*/) override {}
   bool Renew() override { return true; }
+  LeaseCounts CountLeases() const override { return {}; }
   void Tell(const SharedEvent& /*event*/) override {}
   std::vector<SharedEvent> ListTold(int64_t /*after_number*/, int /*limit*/) const override {
     return {};

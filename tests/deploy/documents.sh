@@ -101,6 +101,7 @@ run_block() {
     'deploy/demo.sh'*) elsewhere "$1" "deploy/test.sh" ;;
     'sudo apt-get install $(sed'*) elsewhere "$1" "deploy/test.sh, step by step" ;;
     'deploy/package.sh') elsewhere "$1" "tests/deploy/package.sh" ;;
+    'sudo deploy/fleet.sh up') elsewhere "$1" "tests/deploy/fleet.sh, without systemd" ;;
     'sudo apt install ./freelsd_'*) elsewhere "$1" "tests/deploy/package.sh, without systemd" ;;
     'sudo cmake --install'*) elsewhere "$1" "deploy/package.sh, which packs what is installed so" ;;
     'deploy/freelsdctl submit'*)

@@ -53,6 +53,7 @@ TEST_CASE("frame store: frames are counted by state and taken in order") {
   storage.images.Write(kImage, "pixels");
   storage.frames.Insert("f", {SomeFrame("f", "b"), SomeFrame("f", "a"), SomeFrame("f", "c")});
   CHECK(storage.frames.CountQueued() == 3);
+  CHECK(storage.frames.OldestQueuedArrival() == storage.frames.List("f")[0].arrived_at_us);
   CHECK(storage.frames.Next("f", 0)->id == "b");
   CHECK(storage.frames.Next("f", 1)->id == "a");
   storage.frames.SetState("f", "b", FrameState::kProcessed, "");

@@ -26,6 +26,19 @@ TEST_CASE("job store: a finished job is not changed any more") {
   CHECK(storage.jobs.Delete("j"));
 }
 
+TEST_CASE("job store: of one kind, a flight has one unfinished job") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.flights.Insert(SomeFlight("f"));
+  JobRow job = SomeJob("one", "f");
+  CHECK(storage.jobs.InsertAlone(job));
+  CHECK_FALSE(storage.jobs.InsertAlone(SomeJob("other", "f")));
+  CHECK(storage.jobs.ListOf("f").size() == 1);
+  job.state = JobState::kDone;
+  storage.jobs.Update(job);
+  CHECK(storage.jobs.InsertAlone(SomeJob("other", "f")));
+}
+
 TEST_CASE("job store: pages list every job once, newest first, and end early for large details") {
   const StoragePlace place;
   Storage storage(place.options());

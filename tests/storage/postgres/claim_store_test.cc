@@ -1,7 +1,9 @@
 // Workers that share the flights of a PostgreSQL database: each Storage here stands for one.
 #include "storage/claim_store.h"
 
+#include <chrono>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <thread>
@@ -29,6 +31,15 @@ void EndLeases(const StoragePlace& place) {
   place.Execute(
       "UPDATE workers SET expires_at = clock_timestamp() - interval '1 ms' "
       "WHERE token IN (SELECT token FROM claims)");
+}
+
+std::optional<Claim> ClaimWithin(Storage& storage, std::chrono::seconds patience) {
+  const auto deadline = std::chrono::steady_clock::now() + patience;
+  while (std::chrono::steady_clock::now() < deadline) {
+    if (std::optional<Claim> claim = storage.claims.ClaimNext()) return claim;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  return std::nullopt;
 }
 
 void InsertFlightWithFrame(Storage& storage, const std::string& id) {
@@ -128,7 +139,7 @@ TEST_CASE("claims: a worker that renews its lease keeps its flights") {
   CHECK_FALSE(one.claims.Renew());
 }
 
-TEST_CASE("claims: a write that a silent worker has begun is waited for") {
+TEST_CASE("claims: a write that a silent worker has begun is ended, so nobody waits for it") {
   const StoragePlace place;
   Storage silent(AsWorker(place.OptionsOfOne()));
   Storage other(AsWorker(place.OptionsOfOther()));
@@ -137,10 +148,44 @@ TEST_CASE("claims: a write that a silent worker has begun is waited for") {
   CHECK(silent.claims.ClaimNext());
   EndLeases(place);
   std::unique_ptr<SiteTurn> turn = silent.sites.TakeTurn();
-  CHECK_FALSE(other.claims.ClaimNext());
-  turn->Put(SomeSite("s", 50.0, 8.0), "", {});
-  CHECK(other.claims.ClaimNext());
-  CHECK(other.sites.Find("s"));
+  const std::optional<Claim> taken = ClaimWithin(other, std::chrono::seconds(5));
+  REQUIRE(taken);
+  CHECK(taken->num_lost == 1);
+  CHECK_THROWS_AS(turn->Put(SomeSite("s", 50.0, 8.0), "", {}), StorageError);
+  CHECK_FALSE(other.sites.Find("s"));
+}
+
+TEST_CASE("claims: leases and waiting flights are counted for the operator") {
+  const StoragePlace place;
+  Storage one(AsWorker(place.OptionsOfOne()));
+  Storage other(AsWorker(place.OptionsOfOther()));
+  one.images.Write(kImage, "pixels");
+  InsertFlightWithFrame(one, "f");
+  InsertFlightWithFrame(one, "g");
+  CHECK(one.claims.ClaimNext());
+  EndLeases(place);
+  const LeaseCounts counts = other.claims.CountLeases();
+  CHECK(counts.num_workers == 1);
+  CHECK(counts.num_expired_workers == 1);
+  CHECK(counts.num_claimed_flights == 1);
+  CHECK(counts.num_waiting_flights == 1);
+}
+
+TEST_CASE("shared: a frame that another server has stored meanwhile is a conflict") {
+  const StoragePlace place;
+  Storage one(place.OptionsOfOne());
+  one.images.Write(kImage, "pixels");
+  InsertFlightWithFrame(one, "f");
+  const StorageFault fault = [&] {
+    try {
+      one.frames.Insert("f", {SomeFrame("f", "1")});
+    } catch (const StorageError& error) {
+      return error.fault;
+    }
+    return StorageFault::kOther;
+  }();
+  CHECK(fault == StorageFault::kConflict);
+  CHECK(one.frames.List("f").size() == 1);
 }
 
 TEST_CASE("claims: a worker that ends in order gives its flights back without a mark") {
