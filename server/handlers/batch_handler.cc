@@ -263,6 +263,7 @@ void PostBatch(Service& service, const Call& call, httplib::Response& response) 
   const std::lock_guard lock(service.intake.intake_mutex);
   const Admission admission = Admit(service.intake, ExistingFlight(service, call), upload);
   const JobRow job = NewBatchJob(flight_id, admission, upload);
+  RefuseOverQuota(service.intake, {0, static_cast<int64_t>(admission.frames.size()), 1});
   service.storage.frames.Insert(flight_id, admission.frames, job, [&](FlightRow& flight) {
     // A stored rig is kept, because another request may have added a datum to it since it was read.
     if (flight.rig_json.empty()) flight.rig_json = admission.rig_json;

@@ -45,6 +45,8 @@ JobRow FinishJob(Service& service, const std::string& flight_id, bool is_over) {
   if (is_nothing_new) {
     job.state = JobState::kDone;
     job.progress_ratio = 1.0;
+  } else {
+    RefuseOverQuota(service.intake, {0, 0, 1});
   }
   service.storage.jobs.Insert(job);
   service.events.Publish("job", flight_id, JobJson(service, job).dump());
@@ -75,6 +77,7 @@ void PostReplay(Service& service, const Call& call, httplib::Response& response)
   if (running != jobs.end()) return AnswerJob(service, *running, response);
   JobRow job;
   job.id = NewId("j");
+  RefuseOverQuota(service.intake, {0, 0, 1});
   job.kind = "replay";
   job.flight_id = flight.id;
   job.created_at_us = NowUs();
