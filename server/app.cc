@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include <spdlog/spdlog.h>
 
@@ -50,10 +51,6 @@ Page ReadPageFiles(const Config& config) {
 // As main.cc's for what a later start may mend.
 constexpr int kExitLostLease = 75;
 
-// Memory of recall's caches: sites with their maps, and terrain below the way to a site.
-constexpr size_t kMaxBytesOfSites = size_t{192} << 20;
-constexpr size_t kMaxBytesOfTerrain = size_t{128} << 20;
-
 // Emergency answers take milliseconds, and whole requests alone reach these threads.
 constexpr int kNumEmergencyThreads = 32;
 
@@ -76,10 +73,10 @@ HttpOptions OptionsOf(const Config& config, Listener listener) {
   return options;
 }
 
-HttpServer::Handler HandlerFor(Service& service, Listener listener) {
-  return [&service, listener](
+HttpServer::Handler HandlerFor(Organisations& organisations, Listener listener) {
+  return [&organisations, listener](
              const httplib::Request& request, BodyReader& body, httplib::Response& response) {
-    Serve(service, listener, request, body, response);
+    Serve(organisations, listener, request, body, response);
   };
 }
 
@@ -88,34 +85,63 @@ HttpServer::Handler HandlerFor(Service& service, Listener listener) {
 App::App(const Config& config)
     : config_(config),
       base_map_(config_),
-      storage_(StorageOf(config_)),
-      maps_(kMaxBytesOfSites, kMaxBytesOfTerrain),
-      intake_(config_, storage_, events_),
-      alternates_(storage_, maps_, events_, static_cast<size_t>(config_.num_alternates)),
-      service_(intake_, maps_, alternates_, base_map_),
-      http_(OptionsOf(config_, Listener::kMain), HandlerFor(service_, Listener::kMain)),
+      organisations_(config_, std::make_unique<Storage>(StorageOf(config_)), base_map_),
+      http_(OptionsOf(config_, Listener::kMain), HandlerFor(organisations_, Listener::kMain)),
       port_(http_.Bind(config_.host, config_.port)),
-      sharing_(storage_, events_, CallsOfSharing()) {
-  service_.page = ReadPageFiles(config_);
-  if (!config_.token_file.empty()) service_.tokens = TokenList::Read(config_.token_file);
-  events_.CallOnNews(http_.NewsCall());
-  intake_.wake_worker = [this] {
-    if (worker_) worker_->Wake();
-  };
-  intake_.on_new_pose = [this](const std::string& flight_id) { alternates_.Wake(flight_id); };
+      sharing_(organisations_.Default().storage, CallsOfSharing()) {
+  organisations_.Default().page = ReadPageFiles(config_);
+  OpenOrganisations();
   if (config_.emergency) {
-    emergency_http_ = std::make_unique<HttpServer>(OptionsOf(config_, Listener::kEmergency),
-                                                   HandlerFor(service_, Listener::kEmergency));
+    emergency_http_ = std::make_unique<HttpServer>(
+        OptionsOf(config_, Listener::kEmergency), HandlerFor(organisations_, Listener::kEmergency));
     emergency_port_ = emergency_http_->Bind(config_.emergency->host, config_.emergency->port);
   }
-  if (config_.role != Role::kApi) worker_.emplace(service_, ReadModels(config_));
+  if (config_.role != Role::kApi) worker_.emplace(organisations_, ReadModels(config_));
   sharing_.Start();
+}
+
+// Those of the tokens and the settings, and those that have work from earlier.
+void App::OpenOrganisations() {
+  Service& service = organisations_.Default();
+  organisations_.CallWithEach([this](const std::string& name, Organisation& organisation) {
+    organisation.events.CallOnNews(http_.NewsCall());
+    sharing_.CarryFrom(name, organisation.events);
+    organisation.intake.wake_worker = [this] {
+      if (worker_) worker_->Wake();
+    };
+    if (is_running_) organisation.alternates.Start();
+  });
+  if (!config_.token_file.empty()) service.tokens = TokenList::Read(config_.token_file);
+  std::set<std::string> names = service.tokens.Organisations();
+  for (const auto& [name, settings] : config_.organisations) names.insert(name);
+  names.erase(kDefaultOrganisation);
+  if (!names.empty() && service.storage.Kind() == DatabaseKind::kSqlite) {
+    throw ConfigError("token file: organisation " + *names.begin() +
+                      " needs --database: SQLite has one organisation");
+  }
+  for (const std::string& name : names) organisations_.Of(name);
+  for (const std::string& name : service.storage.claims.ListOrganisations()) {
+    organisations_.Of(name);
+  }
+  for (const auto& [name, settings] : config_.organisations) {
+    organisations_.Of(name).storage.ShareSites(settings.shares_sites);
+  }
 }
 
 SharingCalls App::CallsOfSharing() {
   SharingCalls calls;
-  calls.on_work = [this] { intake_.wake_worker(); };
-  calls.on_changed_sites = [this] { alternates_.WakeAll(); };
+  calls.on_work = [this] {
+    if (worker_) worker_->Wake();
+  };
+  calls.on_event = [this](const SharedEvent& event) {
+    Organisation* const organisation = organisations_.Find(event.organisation);
+    if (organisation == nullptr) return;
+    organisation->events.Relay(event.type, event.flight_id, event.data);
+  };
+  calls.on_changed_sites = [this] {
+    organisations_.ForEach(
+        [](const std::string&, Organisation& each) { each.alternates.WakeAll(); });
+  };
   // What its threads are doing is another server's work by now, and a new start is clean.
   calls.on_lost_lease = [] {
     spdlog::critical("this server's lease was over, and another server has its flights: it ends");
@@ -130,7 +156,8 @@ void App::Run() {
     emergency = std::thread([this] { emergency_http_->Run(); });
     GiveWay();
   }
-  alternates_.Start();
+  is_running_ = true;
+  organisations_.ForEach([](const std::string&, Organisation& each) { each.alternates.Start(); });
   http_.Run();
   if (emergency.joinable()) emergency.join();
 }
@@ -138,7 +165,7 @@ void App::Run() {
 bool App::CanRecall() const {
   try {
     // A site that does not exist is never cached, so this reads the database file.
-    storage_.sites.Find("none");
+    organisations_.Default().storage.sites.Find("none");
     return true;
   } catch (const std::exception& error) {
     spdlog::error("sites cannot be read: {}", error.what());
@@ -147,9 +174,11 @@ bool App::CanRecall() const {
 }
 
 bool App::Stop(std::chrono::milliseconds patience) {
-  intake_.is_stopping = true;
-  events_.Stop();
-  alternates_.Stop();
+  organisations_.ForEach([](const std::string&, Organisation& each) {
+    each.intake.is_stopping = true;
+    each.events.Stop();
+    each.alternates.Stop();
+  });
   http_.Stop();
   if (emergency_http_) emergency_http_->Stop();
   return !worker_ || worker_->Stop(patience);

@@ -1,6 +1,7 @@
 // The whole service: owns storage, worker and HTTP, and starts and stops them in the right order.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -32,14 +33,13 @@ class App {
  private:
   SharingCalls CallsOfSharing();
 
+  void OpenOrganisations();
+
   Config config_;
   BaseMap base_map_;
-  Storage storage_;
-  EventLog events_;
-  MapCache maps_;
-  Intake intake_;
-  Alternates alternates_;
-  Service service_;
+  Organisations organisations_;
+  // Whether the threads of organisations that are opened later are to be started.
+  std::atomic<bool> is_running_{false};
   HttpServer http_;
   int port_;
   std::unique_ptr<HttpServer> emergency_http_;

@@ -247,7 +247,9 @@ bool ServePage(const Service& service,
   throw ApiError("MethodNotAllowed", "this path supports only " + allow);
 }
 
-void Dispatch(Service& service,
+// `service`: the default organisation's, until the token says whose the request is.
+void Dispatch(Organisations& organisations,
+              Service*& service,
               Listener listener,
               const httplib::Request& request,
               BodyReader& body,
@@ -258,9 +260,10 @@ void Dispatch(Service& service,
     std::optional<std::map<std::string, std::string>> ids = Match(route.path, request.path);
     if (!ids) continue;
     if (IsMethod(route, request.method)) {
-      service.tokens.Require(ScopeOf(route), request.get_header_value("Authorization"));
+      service = &organisations.Of(
+          service->tokens.Require(ScopeOf(route), request.get_header_value("Authorization")));
       RefuseUnknownParameters(route, request);
-      route.handler(service, {request, body, std::move(*ids)}, response);
+      route.handler(*service, {request, body, std::move(*ids)}, response);
       return;
     }
     allow += (allow.empty() ? "" : ", ") + std::string(route.method);
@@ -270,24 +273,25 @@ void Dispatch(Service& service,
   if (listener == Listener::kEmergency) {
     throw ApiError("NotFound", "this listener serves only /v1/emergency, its export and /healthz");
   }
-  if (ServePage(service, request, response)) return;
-  if (service.page.contains(request.path)) RefuseMethod("GET, HEAD", response);
+  if (ServePage(*service, request, response)) return;
+  if (service->page.contains(request.path)) RefuseMethod("GET, HEAD", response);
   throw ApiError("NotFound", "there is nothing at this path");
 }
 
 // Turns every failure into an answer. Details that are not meant for clients go to the log only.
-void DispatchSafely(Service& service,
+void DispatchSafely(Organisations& organisations,
+                    Service*& service,
                     Listener listener,
                     const httplib::Request& request,
                     BodyReader& body,
                     httplib::Response& response) {
   try {
-    Dispatch(service, listener, request, body, response);
+    Dispatch(organisations, service, listener, request, body, response);
   } catch (const ApiError& error) {
     AnswerProblem(error, response);
   } catch (const StorageError& error) {
     spdlog::error("storage: {}", error.what());
-    if (error.fault == StorageFault::kDamaged) service.storage.MarkDamaged(error.what());
+    if (error.fault == StorageFault::kDamaged) service->storage.MarkDamaged(error.what());
     AnswerProblem(error.fault == StorageFault::kFull
                       ? ApiError("StorageFull", "the disk is full")
                       : ApiError("Unavailable", "storage failed; try again later"),
@@ -314,20 +318,23 @@ std::string Loggable(const std::string& text) {
 
 }  // namespace
 
-void Serve(Service& service,
+void Serve(Organisations& organisations,
            Listener listener,
            const httplib::Request& request,
            BodyReader& body,
            httplib::Response& response) {
   const auto begin = std::chrono::steady_clock::now();
   response.set_header("X-Content-Type-Options", "nosniff");
-  DispatchSafely(service, listener, request, body, response);
+  Service* service = &organisations.Default();
+  DispatchSafely(organisations, service, listener, request, body, response);
   if (!response.has_header("Cache-Control")) response.set_header("Cache-Control", "no-store");
   if (response.status == -1) response.status = 200;
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - begin;
-  service.metrics.CountRequest(
-      request.method, RouteOf(service, request), response.status, elapsed.count() * 1e-3);
+  service->metrics.CountRequest(request.method,
+                                RouteOf(organisations.Default(), request),
+                                response.status,
+                                elapsed.count() * 1e-3);
   spdlog::info("{} {} {} {:.1f} ms",
                request.method,
                Loggable(request.path),

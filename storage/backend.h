@@ -21,6 +21,7 @@ struct Stores {
   MapStore& maps;
   ObstacleStore& obstacles;
   ClaimStore& claims;
+  QuotaStore& quotas;
 };
 
 // Its methods do what those of Storage with the same names do.
@@ -32,6 +33,8 @@ class StorageBackend {
 
   virtual Stores stores() = 0;
   virtual DatabaseKind Kind() const = 0;
+  virtual std::unique_ptr<StorageBackend> ForOrganisation(const std::string& name) = 0;
+  virtual void ShareSites(bool is_shared) = 0;
   virtual std::filesystem::path SpoolFolder() const = 0;
   virtual std::optional<std::string> WhyNotWritable() = 0;
   virtual void MarkDamaged(const std::string& why) = 0;

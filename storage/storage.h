@@ -22,6 +22,8 @@
 #include "storage/map_store.h"
 #include "storage/mbtiles.h"
 #include "storage/obstacle_store.h"
+#include "storage/organisation.h"
+#include "storage/quota_store.h"
 #include "storage/site_store.h"
 #include "storage/storage_error.h"
 #include "storage/telemetry_store.h"
@@ -86,6 +88,15 @@ class Storage {
   explicit Storage(const StorageOptions& options);
   ~Storage();
 
+  // PostgreSQL: the storage of another organisation on the same database, by the same connections.
+  // This one is of kDefaultOrganisation. Each sees its own rows and images, and the sites, maps and
+  // obstacles of organisations that share them; of those it changes at most the standing of sites,
+  // if it shares its own. Obstacles of others have the id <organisation>:<id>. Throws StorageError
+  // for SQLite.
+  std::unique_ptr<Storage> ForOrganisation(const std::string& name) const;
+  // Whether other organisations may read this one's sites, maps and obstacles.
+  void ShareSites(bool is_shared) const;
+
   FlightStore& flights;
   FrameStore& frames;
   ImageStore& images;
@@ -95,6 +106,7 @@ class Storage {
   MapStore& maps;
   ObstacleStore& obstacles;
   ClaimStore& claims;
+  QuotaStore& quotas;
 
   DatabaseKind Kind() const;
   // Folder for uploads that are not acknowledged yet. Opening the storage empties it.

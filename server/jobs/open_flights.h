@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -21,8 +22,11 @@ class OpenFlights {
  public:
   using SessionPointer = std::shared_ptr<FlightSession>;
 
-  OpenFlights(const Storage& storage, int max_num_open)
-      : storage_(storage), max_num_open_(static_cast<size_t>(max_num_open)) {}
+  // `storage_of`: the storage that has the flight.
+  using StorageOf = std::function<const Storage&(const std::string& flight_id)>;
+
+  OpenFlights(StorageOf storage_of, int max_num_open)
+      : storage_of_(std::move(storage_of)), max_num_open_(static_cast<size_t>(max_num_open)) {}
 
   std::set<std::string> Ids() const;
   SessionPointer Find(const std::string& flight_id) const;
@@ -57,7 +61,7 @@ class OpenFlights {
       const std::set<std::string>& flights_with_jobs) const;
   void Park(const std::string& flight_id);
 
-  const Storage& storage_;
+  StorageOf storage_of_;
   size_t max_num_open_;
   // Guards open_, parked_at_ and waiting_.
   mutable std::mutex mutex_;

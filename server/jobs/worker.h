@@ -29,7 +29,7 @@ namespace freelsd {
 
 class Worker {
  public:
-  Worker(Service& service, Classifiers classifiers);
+  Worker(Organisations& organisations, Classifiers classifiers);
   // Requires that Stop returned true.
   ~Worker();
   Worker(const Worker&) = delete;
@@ -84,19 +84,24 @@ class Worker {
   bool ReplayNext();
   void RunJob(JobRow& job, const std::function<nlohmann::json(const Progress& progress)>& work);
   void RunPeriodic(const std::string& flight_id, FlightSession& session);
-  bool TellProgress(double done_ratio);
-  // Removes images of idle flights as the settings require.
+  bool TellProgress(Service& service, double done_ratio);
+  // Removes images of idle flights as the settings require, for each organisation alone.
   void RetireImages();
+  void RetireImagesOf(Service& service);
 
   // Repeats a step while it finds work; waits otherwise.
   void Repeat(bool (Worker::*step)());
 
-  Service& service_;
+  // Of the flight's organisation.
+  Service& ServiceOf(const std::string& flight_id) const { return claims_.ServiceOf(flight_id); }
+
+  Organisations& organisations_;
+  const Config& config_;
   Classifiers classifiers_;
   Claims claims_;
   OpenFlights open_flights_;
-  // Only the frontend thread uses it.
-  StripWatching watching_;
+  // By organisation. Only the frontend thread uses it.
+  std::map<Service*, StripWatching> watching_;
   std::atomic<bool> is_stopping_{false};
   std::atomic<bool> is_evaluating_{false};
 
@@ -120,8 +125,8 @@ class Worker {
   // The following three belong to the backend thread.
   std::chrono::steady_clock::time_point retired_at_{};
   std::chrono::steady_clock::time_point told_waiting_at_{};
-  // Ids of the sites that CheckNextSite still has to check; nothing before its first call.
-  std::optional<std::vector<std::string>> unchecked_sites_;
+  // Sites that CheckNextSite still has to check; nothing before its first call.
+  std::optional<std::vector<std::pair<Service*, std::string>>> unchecked_sites_;
 
   std::thread frontend_thread_;
   std::thread backend_thread_;

@@ -88,6 +88,8 @@ nlohmann::json AfterSeconds(nlohmann::json answer, double seconds, size_t limit)
 Alternates::~Alternates() { Stop(); }
 
 void Alternates::Start() {
+  const std::lock_guard lock(mutex_);
+  if (update_thread_.joinable()) return;
   update_thread_ = std::thread([this] { RunUpdates(); });
   plan_thread_ = std::thread([this] { RunPlans(); });
 }

@@ -36,6 +36,7 @@ class Alternates {
   Alternates(const Alternates&) = delete;
   Alternates& operator=(const Alternates&) = delete;
 
+  // Does nothing if it was called before.
   void Start();
   void Stop();
   // Call it when the flight's pose or wind changed. Returns at once; the threads update the flights

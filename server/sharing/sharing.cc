@@ -16,14 +16,19 @@ constexpr int kMaxNumHeard = 500;
 
 }  // namespace
 
-Sharing::Sharing(Storage& storage, EventLog& events, SharingCalls calls)
-    : storage_(storage), events_(events), calls_(std::move(calls)) {
+Sharing::Sharing(Storage& storage, SharingCalls calls)
+    : storage_(storage), calls_(std::move(calls)) {
   if (!storage_.claims.IsShared()) return;
   heard_ = storage_.claims.LastTold();
   sites_version_ = storage_.sites.Version();
-  events_.CallWithPublished([this](const Event& event) {
+}
+
+void Sharing::CarryFrom(const std::string& organisation, EventLog& events) {
+  if (!storage_.claims.IsShared()) return;
+  events.CallWithPublished([this, organisation](const Event& event) {
     const std::lock_guard lock(mutex_);
-    if (own_.size() < kMaxNumWaiting) own_.push_back(event);
+    if (own_.size() >= kMaxNumWaiting) return;
+    own_.push_back({0, event.type, event.flight_id, event.data, organisation});
   });
 }
 
@@ -71,13 +76,13 @@ void Sharing::Carry() {
 
 void Sharing::TellOwn() {
   while (true) {
-    Event event;
+    SharedEvent event;
     {
       const std::lock_guard lock(mutex_);
       if (own_.empty()) return;
       event = own_.front();
     }
-    storage_.claims.Tell({0, event.type, event.flight_id, event.data});
+    storage_.claims.Tell(event);
     const std::lock_guard lock(mutex_);
     own_.pop_front();
   }
@@ -88,7 +93,7 @@ void Sharing::HearOthers() {
   for (const SharedEvent& event : storage_.claims.ListTold(heard_, kMaxNumHeard)) {
     heard_ = event.number;
     has_heard = true;
-    events_.Relay(event.type, event.flight_id, event.data);
+    calls_.on_event(event);
   }
   if (has_heard) calls_.on_work();
   const uint64_t version = storage_.sites.Version();

@@ -6,6 +6,7 @@
 #include <deque>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "server/http/http.h"
@@ -18,6 +19,8 @@ struct SharingCalls {
   // Something may be there to work on.
   std::function<void()> on_work;
   std::function<void()> on_changed_sites;
+  // Another server published an event.
+  std::function<void(const SharedEvent& event)> on_event;
   // This server's lease was over, and another one has its flights: it must end.
   std::function<void()> on_lost_lease;
 };
@@ -26,12 +29,13 @@ struct SharingCalls {
 // storage is not shared.
 class Sharing {
  public:
-  // Before the first event is published.
-  Sharing(Storage& storage, EventLog& events, SharingCalls calls);
+  Sharing(Storage& storage, SharingCalls calls);
   ~Sharing();
   Sharing(const Sharing&) = delete;
   Sharing& operator=(const Sharing&) = delete;
 
+  // Others get the events of this log from now on. Before the first one is published.
+  void CarryFrom(const std::string& organisation, EventLog& events);
   void Start();
 
  private:
@@ -43,13 +47,12 @@ class Sharing {
   bool Wait(std::chrono::milliseconds period);
 
   Storage& storage_;
-  EventLog& events_;
   SharingCalls calls_;
 
   // Guards the next two members.
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Event> own_;
+  std::deque<SharedEvent> own_;
   bool is_stopping_ = false;
 
   // They belong to the carrying thread.

@@ -5,6 +5,7 @@
 #include "storage/move/structs.h"
 #include "storage/postgres/area_rows.h"
 #include "storage/postgres/migrations.h"
+#include "storage/postgres/organisations/organisations.h"
 #include "storage/postgres/ownership.h"
 #include "storage/postgres/pool.h"
 #include "storage/postgres/site_rows.h"
@@ -128,7 +129,11 @@ bool IsUnfinished(PostgresConnection& connection) {
 class PostgresSide : public RowTarget {
  public:
   explicit PostgresSide(const std::string& url)
-      : pool_(OptionsOf(url)), owner_(pool_, OwnershipKind::kAlone), connection_(pool_) {}
+      : pool_(OptionsOf(url)), owner_(pool_, OwnershipKind::kAlone), connection_(pool_) {
+    // For as long as the connection lasts.
+    connection_->Execute(std::string("SELECT set_config('freelsd.organisation', '") +
+                         kDefaultOrganisation + "', false)");
+  }
   ~PostgresSide() override = default;
 
   bool IsComplete() const override { return is_complete_; }
@@ -151,6 +156,7 @@ class PostgresSide : public RowTarget {
  private:
   bool HasRows();
   void RefuseUnknownColumns();
+  void RefuseOtherOrganisations();
 
   bool is_complete_ = false;
   ConnectionPool pool_;
@@ -164,6 +170,7 @@ void PostgresSide::BeginAsSource() {
   }
   MigrateDatabase(*connection_);
   RefuseUnknownColumns();
+  RefuseOtherOrganisations();
   connection_->Execute("BEGIN ISOLATION LEVEL REPEATABLE READ");
 }
 
@@ -191,7 +198,7 @@ bool PostgresSide::HasRows() {
 void PostgresSide::RefuseUnknownColumns() {
   for (const MovedTable& table : MovedTables()) {
     std::string known = ColumnList(table) +
-                        ", number, stored_image, touchdown, area, is_in_force, "
+                        ", number, organisation, stored_image, touchdown, area, is_in_force, "
                         "staged_at, superseded_by, superseded_at_us, "
                         "confirmed_at_us, expires_at_us";
     const std::vector<std::string> unknown =
@@ -209,6 +216,19 @@ void PostgresSide::RefuseUnknownColumns() {
       if (!connection_->Run(sql)[0].Bool(0)) continue;
       throw StorageError("move to SQLite", "it has no column " + table.name + "." + column);
     }
+  }
+}
+
+void PostgresSide::RefuseOtherOrganisations() {
+  connection_->Execute("BEGIN");
+  ServeAllOrganisations(*connection_);
+  const bool has_others = connection_
+                              ->Run("SELECT EXISTS (SELECT 1 FROM organisations WHERE name <> $1)",
+                                    std::string(kDefaultOrganisation))[0]
+                              .Bool(0);
+  connection_->Execute("ROLLBACK");
+  if (has_others) {
+    throw StorageError("move to SQLite", "the database has organisations, which SQLite has not");
   }
 }
 

@@ -5,7 +5,9 @@ namespace freelsd {
 namespace {
 
 constexpr char kSelectObstacles[] =
-    "SELECT id, feature_json, west_deg, south_deg, east_deg, north_deg, expires_at_us, "
+    "SELECT CASE WHEN organisation = current_setting('freelsd.organisation') THEN id "
+    "ELSE organisation || ':' || id END AS id, feature_json, west_deg, south_deg, east_deg, "
+    "north_deg, expires_at_us, "
     "updated_at_us FROM obstacles ";
 
 ObstacleRow ObstacleRowOf(const PostgresRow& row) {
@@ -22,7 +24,8 @@ void PutObstacle(PostgresConnection& writer, const ObstacleRow& obstacle) {
   writer.Run(
       "INSERT INTO obstacles (id, feature_json, west_deg, south_deg, east_deg, north_deg, "
       "expires_at_us, updated_at_us) VALUES ($1, $2, $3, $4, $5, $6, $7, $8) "
-      "ON CONFLICT (id) DO UPDATE SET feature_json = $2, west_deg = $3, south_deg = $4, "
+      "ON CONFLICT (organisation, id) DO UPDATE SET feature_json = $2, west_deg = $3, south_deg = "
+      "$4, "
       "east_deg = $5, north_deg = $6, expires_at_us = $7, updated_at_us = $8",
       obstacle.id,
       obstacle.feature_json,
@@ -36,7 +39,7 @@ void PutObstacle(PostgresConnection& writer, const ObstacleRow& obstacle) {
 
 }  // namespace
 
-uint64_t PostgresObstacleStore::Version() const { return state_.VersionOf("obstacles"); }
+uint64_t PostgresObstacleStore::Version() const { return state_.process->VersionOf("obstacles"); }
 
 void PostgresObstacleStore::Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) {
   PostgresWrite writer(state_);
@@ -56,7 +59,10 @@ bool PostgresObstacleStore::Delete(const std::string& id) {
 
 std::optional<ObstacleRow> PostgresObstacleStore::Find(const std::string& id) const {
   return state_.Read([&](PostgresConnection& connection) -> std::optional<ObstacleRow> {
-    const PostgresRows rows = connection.Run(std::string(kSelectObstacles) + "WHERE id = $1", id);
+    const PostgresRows rows = connection.Run(
+        std::string(kSelectObstacles) +
+            "WHERE id = $1 AND organisation = current_setting('freelsd.organisation')",
+        id);
     if (rows.empty()) return std::nullopt;
     return ObstacleRowOf(rows[0]);
   });
@@ -64,7 +70,7 @@ std::optional<ObstacleRow> PostgresObstacleStore::Find(const std::string& id) co
 
 std::vector<ObstacleRow> PostgresObstacleStore::List() const {
   return state_.Read([](PostgresConnection& connection) {
-    return connection.Run(std::string(kSelectObstacles) + "ORDER BY id").Each(ObstacleRowOf);
+    return connection.Run(std::string(kSelectObstacles) + "ORDER BY 1").Each(ObstacleRowOf);
   });
 }
 

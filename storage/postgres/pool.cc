@@ -17,8 +17,9 @@ std::chrono::milliseconds MillisecondsOf(double seconds) {
 
 }  // namespace
 
-ConnectionPool::ConnectionPool(const StorageOptions& options)
+ConnectionPool::ConnectionPool(const StorageOptions& options, const std::string& role)
     : url_(options.database_url),
+      role_(role),
       timeouts_{MillisecondsOf(options.connection_timeout_s),
                 MillisecondsOf(options.statement_timeout_s)},
       max_num_connections_(options.max_num_connections) {}
@@ -74,7 +75,9 @@ std::unique_ptr<PostgresConnection> ConnectionPool::Connect(
   std::chrono::milliseconds pause = kFirstPause;
   for (;;) {
     try {
-      return std::make_unique<PostgresConnection>(url_, timeouts_);
+      auto connection = std::make_unique<PostgresConnection>(url_, timeouts_);
+      if (!role_.empty()) connection->Execute("SET ROLE " + role_);
+      return connection;
     } catch (const ConnectionLost& error) {
       if (SteadyClock::now() + pause > deadline) {
         throw StorageError("reach the database", error.what());
@@ -99,14 +102,14 @@ void ConnectionPool::GiveBack(std::unique_ptr<PostgresConnection> connection) {
 }
 
 // Nothing was done before BEGIN, so it may be sent twice.
-PostgresTransaction::PostgresTransaction(ConnectionPool& pool)
+PostgresTransaction::PostgresTransaction(ConnectionPool& pool, const std::string& begin)
     : lease_(std::make_unique<ConnectionLease>(pool)) {
   try {
-    (*lease_)->Execute("BEGIN");
+    (*lease_)->Execute(begin);
   } catch (const ConnectionLost&) {
     lease_.reset();
     lease_ = std::make_unique<ConnectionLease>(pool);
-    (*lease_)->Execute("BEGIN");
+    (*lease_)->Execute(begin);
   }
 }
 
@@ -123,6 +126,20 @@ PostgresTransaction::~PostgresTransaction() {
 void PostgresTransaction::Commit() {
   (*lease_)->Execute("COMMIT");
   is_open_ = false;
+}
+
+PostgresReading::PostgresReading(PostgresConnection& connection, const std::string& begin)
+    : connection_(connection) {
+  connection_.Execute(begin);
+}
+
+PostgresReading::~PostgresReading() {
+  try {
+    connection_.Execute("ROLLBACK");
+  } catch (const StorageError&) {
+    // The connection is broken, which the pool sees: what was read is whole.
+    return;
+  }
 }
 
 }  // namespace freelsd

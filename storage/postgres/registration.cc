@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "storage/postgres/organisations/organisations.h"
+
 namespace freelsd {
 namespace {
 
@@ -27,6 +29,7 @@ Registration::Registration(ConnectionPool& pool, double lease_s)
 Registration::~Registration() {
   try {
     PostgresTransaction writer(pool_);
+    ServeAllOrganisations(*writer);
     writer->Run("UPDATE claims SET token = NULL, num_lost = 0 WHERE token = $1", token_);
     writer->Run("DELETE FROM workers WHERE token = $1", token_);
     writer.Commit();
@@ -56,13 +59,16 @@ bool Registration::Renew() {
   });
 }
 
-void EndSessionsOfDeadWorkers(PostgresConnection& connection, int64_t own_token) {
-  connection.Run(
-      std::string("SELECT pg_terminate_backend(pid) FROM workers JOIN pg_stat_activity ON "
-                  "application_name = ") +
-          kSessionName +
-          " WHERE expires_at < clock_timestamp() AND token <> $1 AND datname = current_database()",
-      own_token);
+// As the user of the URI, who may end sessions of the same user.
+void Registration::EndSessionsOfDead() {
+  WithConnection(pool_, [this](PostgresConnection& connection) {
+    connection.Run(std::string("SELECT pg_terminate_backend(pid) FROM workers JOIN "
+                               "pg_stat_activity ON application_name = ") +
+                       kSessionName +
+                       " WHERE expires_at < clock_timestamp() AND token <> $1 AND datname = "
+                       "current_database()",
+                   token_);
+  });
 }
 
 void DropDeadWorkers(PostgresConnection& writer, int64_t own_token) {

@@ -21,16 +21,15 @@ class Registration {
   void Check(PostgresConnection& writer) const;
   // False if the registration is gone.
   bool Renew();
+  // Ends the transactions of other workers whose lease is over: one that stands still would keep
+  // its row and others for a minute.
+  void EndSessionsOfDead();
 
  private:
   ConnectionPool& pool_;
   double lease_s_;
   int64_t token_;
 };
-
-// Ends the transactions of other workers whose lease is over: one that stands still would keep its
-// row and others for a minute.
-void EndSessionsOfDeadWorkers(PostgresConnection& connection, int64_t own_token);
 
 // Deletes other workers whose lease is over, unless one of their writes is going on; their flights
 // have no worker then.

@@ -34,7 +34,8 @@ std::vector<std::string> PhotosOf(PostgresConnection& writer,
 // Holds the row of the version of sites, which all who change sites need.
 class PostgresSiteTurn final : public SiteTurn {
  public:
-  explicit PostgresSiteTurn(PostgresState& state) : state_(state), lock_(state.turns_mutex) {
+  explicit PostgresSiteTurn(PostgresState& state)
+      : state_(state), lock_(state.process->turns_mutex) {
     writer_.emplace(state_);
     StepSites(**writer_);
   }
@@ -94,7 +95,7 @@ std::vector<std::string> ReadIds(PostgresState& state,
 
 }  // namespace
 
-uint64_t PostgresSiteStore::Version() const { return state_.VersionOf("sites"); }
+uint64_t PostgresSiteStore::Version() const { return state_.process->VersionOf("sites"); }
 
 std::unique_ptr<SiteTurn> PostgresSiteStore::TakeTurn() {
   return std::make_unique<PostgresSiteTurn>(state_);

@@ -34,7 +34,17 @@ std::vector<std::string> NoticesOf(PostgresConnection& connection) {
         "PostgreSQL has no data checksums: damage of its files may stay unnoticed (see "
         "pg_checksums --enable)");
   }
+  if (!FindsBoxesByIndex(connection)) {
+    notices.emplace_back(
+        "recall reads all sites: a superuser must run ALTER FUNCTION geometry_overlaps(geometry, "
+        "geometry) LEAKPROOF");
+  }
   return notices;
+}
+
+// The same image of two organisations is stored twice: nobody learns what others have.
+std::filesystem::path ImagesOf(const std::filesystem::path& folder, const std::string& name) {
+  return name == kDefaultOrganisation ? folder : folder / "organisations" / name;
 }
 
 void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
@@ -45,50 +55,62 @@ void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
 
 }  // namespace
 
-PostgresState::PostgresState(const StorageOptions& given)
+PostgresProcess::PostgresProcess(const StorageOptions& given)
     : options(Checked(given)),
       lock(MadeFolder(options.folder)),
-      images(options.images_folder),
-      readers(options),
-      writers(options),
+      readers(options, kAppRole),
+      writers(options, kAppRole),
       owner_pool(options) {
-  {
-    const ConnectionLease writer(writers);
-    ownership.emplace(owner_pool,
-                      options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
-    MigrateDatabase(*writer);
-    ownership->Begin();
-    if (options.is_shared && options.is_worker) registration.emplace(owner_pool, options.lease_s);
-    origin = (*writer).Run("SELECT gen_random_uuid()::text")[0].Text(0);
-    notices = NoticesOf(*writer);
-    DeleteUnfinishedMaps(*writer, options.unused_image_age_s);
-  }
-  SweepImages(*this);
+  // As the user of the URI, who may own the schema.
+  ConnectionPool owner(options);
+  const ConnectionLease connection(owner);
+  ownership.emplace(owner_pool, options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
+  MigrateDatabase(*connection);
+  ownership->Begin();
+  if (options.is_shared && options.is_worker) registration.emplace(owner_pool, options.lease_s);
+  origin = (*connection).Run("SELECT gen_random_uuid()::text")[0].Text(0);
+  notices = NoticesOf(*connection);
 }
 
-ConnectionPool& PostgresState::Writers() {
+ConnectionPool& PostgresProcess::Writers() {
   if (is_damaged) throw StorageError("write", "the database is damaged");
   return writers;
 }
 
-void PostgresState::MarkDamaged(const std::string& why) {
+void PostgresProcess::MarkDamaged(const std::string& why) {
   if (is_damaged.exchange(true)) return;
   const std::lock_guard guard(notices_mutex);
   notices.push_back("the database is damaged (" + why +
                     "): this server writes nothing until its next start");
 }
 
-uint64_t PostgresState::VersionOf(const std::string& name) {
-  return Read([&](PostgresConnection& connection) {
+uint64_t PostgresProcess::VersionOf(const std::string& name) {
+  return WithConnection(readers, [&](PostgresConnection& connection) {
     const PostgresRows rows = connection.Run("SELECT value FROM versions WHERE name = $1", name);
     if (rows.empty()) throw StorageError("read a version", "its row is missing");
     return static_cast<uint64_t>(rows[0].Int(0));
   });
 }
 
-PostgresWrite::PostgresWrite(PostgresState& state) : PostgresTransaction(state.Writers()) {
-  if (state.ownership) state.ownership->Check(**this);
-  if (state.registration) state.registration->Check(**this);
+PostgresState::PostgresState(std::shared_ptr<PostgresProcess> opened, const std::string& name)
+    : process(std::move(opened)),
+      organisation(name),
+      begin(BeginFor(name)),
+      images(ImagesOf(process->options.images_folder, name)) {
+  {
+    PostgresWrite writer(*this);
+    RegisterOrganisation(*writer, organisation);
+    DeleteUnfinishedMaps(*writer, process->options.unused_image_age_s);
+    writer.Commit();
+  }
+  SweepImages(*this);
+}
+
+PostgresWrite::PostgresWrite(PostgresState& state)
+    : PostgresTransaction(state.process->Writers(), state.begin) {
+  const PostgresProcess& process = *state.process;
+  if (process.ownership) process.ownership->Check(**this);
+  if (process.registration) process.registration->Check(**this);
 }
 
 void StepSites(PostgresConnection& writer) {

@@ -1,7 +1,9 @@
 // The state that all stores share: pools of connections, the image files, and caches for recall.
+// Each organisation has stores and a state of its own, so that no cache is common to two.
 #pragma once
 
 #include <atomic>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -10,6 +12,7 @@
 #include "storage/box_cache.h"
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
+#include "storage/postgres/organisations/organisations.h"
 #include "storage/postgres/ownership.h"
 #include "storage/postgres/pool.h"
 #include "storage/postgres/registration.h"
@@ -17,17 +20,12 @@
 
 namespace freelsd {
 
-// Thread-safe. Readers and writers have pools of their own, so that readers never wait for writers.
-struct PostgresState {
+// What this process has of the database. Thread-safe. Readers and writers have pools of their own,
+// so that readers never wait for writers.
+struct PostgresProcess {
   // Opens the database and creates or migrates its schema.
-  explicit PostgresState(const StorageOptions& given);
+  explicit PostgresProcess(const StorageOptions& given);
 
-  // Runs `act` with a connection on which each statement is a transaction of its own. `act` may run
-  // twice.
-  template <typename Act>
-  auto Read(const Act& act) {
-    return WithConnection(readers, act);
-  }
   // Throws StorageError after MarkDamaged.
   ConnectionPool& Writers();
   void MarkDamaged(const std::string& why);
@@ -36,7 +34,6 @@ struct PostgresState {
 
   StorageOptions options;
   FolderLock lock;
-  ImageFiles images;
   ConnectionPool readers;
   ConnectionPool writers;
   // Of one connection.
@@ -53,6 +50,26 @@ struct PostgresState {
   // Guards notices.
   std::mutex notices_mutex;
   std::vector<std::string> notices;
+};
+
+// What is an organisation's. Thread-safe.
+struct PostgresState {
+  PostgresState(std::shared_ptr<PostgresProcess> opened, const std::string& name);
+
+  // Runs `act` with a connection in a transaction of the organisation. `act` may run twice.
+  template <typename Act>
+  auto Read(const Act& act) {
+    return WithConnection(process->readers, [&](PostgresConnection& connection) {
+      const PostgresReading reading(connection, begin);
+      return act(connection);
+    });
+  }
+
+  std::shared_ptr<PostgresProcess> process;
+  std::string organisation;
+  // Begins its transactions.
+  std::string begin;
+  ImageFiles images;
   BoxCache<RecallRow> recall_rows;
   BoxCache<MapRow> map_rows;
   // Guards bounds_version and bounds.
@@ -61,7 +78,7 @@ struct PostgresState {
   RecallBounds bounds;
 };
 
-// A transaction on one of the state's connections for writing.
+// A transaction of the organisation on a connection for writing.
 class PostgresWrite : public PostgresTransaction {
  public:
   explicit PostgresWrite(PostgresState& state);

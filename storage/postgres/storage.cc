@@ -7,20 +7,26 @@ namespace {
 
 class PostgresBackend final : public StorageBackend {
  public:
-  explicit PostgresBackend(const StorageOptions& options) : state_(options) {
-    EmptyFolder(SpoolFolder());
-  }
+  PostgresBackend(std::shared_ptr<PostgresProcess> process, const std::string& organisation)
+      : state_(std::move(process), organisation) {}
 
   Stores stores() override {
-    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_};
+    return {
+        flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_, quotas_};
   }
   DatabaseKind Kind() const override { return DatabaseKind::kPostgres; }
-  std::filesystem::path SpoolFolder() const override { return state_.options.folder / "spool"; }
+  std::filesystem::path SpoolFolder() const override {
+    return state_.process->options.folder / "spool";
+  }
   std::optional<std::string> WhyNotWritable() override;
-  void MarkDamaged(const std::string& why) override { state_.MarkDamaged(why); }
+  std::unique_ptr<StorageBackend> ForOrganisation(const std::string& name) override {
+    return std::make_unique<PostgresBackend>(state_.process, name);
+  }
+  void ShareSites(bool is_shared) override;
+  void MarkDamaged(const std::string& why) override { state_.process->MarkDamaged(why); }
   std::vector<std::string> Notices() override {
-    const std::lock_guard lock(state_.notices_mutex);
-    return state_.notices;
+    const std::lock_guard lock(state_.process->notices_mutex);
+    return state_.process->notices;
   }
   std::vector<PoolState> Pools() override {
     return {state_.readers.State("readers"), state_.writers.State("writers")};
@@ -37,10 +43,12 @@ class PostgresBackend final : public StorageBackend {
   PostgresMapStore maps_{state_};
   PostgresObstacleStore obstacles_{state_};
   PostgresClaimStore claims_{state_};
+  PostgresQuotaStore quotas_{state_};
 };
 
 std::optional<std::string> PostgresBackend::WhyNotWritable() {
-  for (const auto& folder : {state_.options.images_folder, state_.options.folder}) {
+  for (const auto& folder :
+       {state_.process->options.images_folder, state_.process->options.folder}) {
     if (auto reason = WhyDiskIsFull(folder)) return reason;
   }
   try {
@@ -53,10 +61,25 @@ std::optional<std::string> PostgresBackend::WhyNotWritable() {
   return std::nullopt;
 }
 
+void PostgresBackend::ShareSites(bool is_shared) {
+  PostgresWrite writer(state_);
+  const bool has_changed =
+      writer
+          ->Run("UPDATE organisations SET shares_sites = $2 WHERE name = $1 AND shares_sites <> $2",
+                state_.organisation,
+                is_shared)
+          .NumChanges() > 0;
+  // What others have read of it, or not, is out of date.
+  if (has_changed) StepObstacles(*writer);
+  writer.Commit();
+}
+
 }  // namespace
 
 std::unique_ptr<StorageBackend> OpenPostgres(const StorageOptions& options) {
-  return std::make_unique<PostgresBackend>(options);
+  auto process = std::make_shared<PostgresProcess>(options);
+  EmptyFolder(options.folder / "spool");
+  return std::make_unique<PostgresBackend>(std::move(process), kDefaultOrganisation);
 }
 
 }  // namespace freelsd

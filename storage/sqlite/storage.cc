@@ -12,11 +12,15 @@ class SqliteBackend final : public StorageBackend {
   }
 
   Stores stores() override {
-    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_};
+    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_, quotas_};
   }
   DatabaseKind Kind() const override { return DatabaseKind::kSqlite; }
   std::filesystem::path SpoolFolder() const override { return state_->folder / "spool"; }
   std::optional<std::string> WhyNotWritable() override;
+  std::unique_ptr<StorageBackend> ForOrganisation(const std::string& name) override {
+    throw StorageError("open the storage of " + name, "SQLite has no organisations");
+  }
+  void ShareSites(bool /*is_shared*/) override {}
   void MarkDamaged(const std::string& why) override { state_->MarkDamaged(why); }
   std::vector<std::string> Notices() override {
     const std::lock_guard lock(state_->notices_mutex);
@@ -34,6 +38,7 @@ class SqliteBackend final : public StorageBackend {
   SqliteMapStore maps_{*state_};
   SqliteObstacleStore obstacles_{*state_};
   SqliteClaimStore claims_;
+  SqliteQuotaStore quotas_;
 };
 
 std::optional<std::string> SqliteBackend::WhyNotWritable() {
