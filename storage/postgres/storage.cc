@@ -29,7 +29,7 @@ class PostgresBackend final : public StorageBackend {
     return state_.process->notices;
   }
   std::vector<PoolState> Pools() override {
-    return {state_.readers.State("readers"), state_.writers.State("writers")};
+    return {state_.process->readers.State("readers"), state_.process->writers.State("writers")};
   }
 
  private:
