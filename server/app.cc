@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "api/import/import.h"
+#include "server/intake/num_streams.h"
 #include "server/jobs/jobs.h"
 #include "server/routes.h"
 
@@ -98,6 +99,7 @@ App::App(const Config& config)
       sharing_(storage_, events_, CallsOfSharing()) {
   service_.page = ReadPageFiles(config_);
   if (!config_.token_file.empty()) service_.tokens = TokenList::Read(config_.token_file);
+  intake_.streams.release(MaxNumStreams(config_) - kLimits.concurrency.max_num_streams);
   events_.CallOnNews(http_.NewsCall());
   intake_.wake_worker = [this] {
     if (worker_) worker_->Wake();
