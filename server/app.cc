@@ -8,6 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include "api/import/import.h"
+#include "server/intake/num_streams.h"
 #include "server/jobs/jobs.h"
 #include "server/routes.h"
 
@@ -105,6 +106,8 @@ void App::OpenOrganisations() {
   Service& service = organisations_.Default();
   organisations_.CallWithEach([this](const std::string& name, Organisation& organisation) {
     organisation.events.CallOnNews(http_.NewsCall());
+    organisation.intake.streams.release(MaxNumStreams(config_) -
+                                        kLimits.concurrency.max_num_streams);
     sharing_.CarryFrom(name, organisation.events);
     organisation.intake.wake_worker = [this] {
       if (worker_) worker_->Wake();

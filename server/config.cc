@@ -139,7 +139,6 @@ void ReadConfigFile(const std::string& path, Config& config) {
   TakePath(object, "token_file", config.token_file);
   Take(object, "allowed_hosts", config.allowed_hosts);
   Take(object, "num_http_threads", config.num_http_threads);
-  Take(object, "max_num_streams", config.max_num_streams);
   Take(object, "max_num_queued_frames", config.max_num_queued_frames);
   Take(object, "max_num_open_flights", config.max_num_open_flights);
   Take(object, "num_alternates", config.num_alternates);
@@ -190,9 +189,6 @@ void Check(const Config& config) {
   CheckDatabase(config);
   if (config.num_http_threads < 2 || config.num_http_threads > 512) {
     throw ConfigError("num_http_threads: must be in [2, 512]");
-  }
-  if (config.max_num_streams < 1 || config.max_num_streams > 4096) {
-    throw ConfigError("max_num_streams: must be in [1, 4096]");
   }
   for (const double seconds : {config.telemetry_wait_s,
                                config.max_telemetry_gap_s,

@@ -56,8 +56,6 @@ struct Config {
   // Host names that a request's Host header may contain in addition to loopback names.
   std::vector<std::string> allowed_hosts;
   int num_http_threads = 32;
-  // Largest number of streams and telemetry requests at the same time. Each holds a thread.
-  int max_num_streams = 8;
   // Largest number of frames that wait to be processed. Frames of batches do not count.
   int64_t max_num_queued_frames = 256;
   // Largest number of flights that the engine holds in memory. Frames of other flights wait.

@@ -54,7 +54,8 @@ write_server_settings() {
       --arg listen "127.0.0.1:$(port_of "$name")" --arg emergency "127.0.0.1:$(emergency_port_of "$name")" \
       --arg tokens "$root/secrets/tokens.json" --arg host "${setting[host]}" \
       '{data: $data, database: $database, images: $images, role: $role, listen: $listen, token_file: $tokens,
-        allowed_hosts: [$host]} + if $role == "api" then {emergency_listen: $emergency} else {} end' \
+        allowed_hosts: [$host]} +
+        if $role == "api" then {emergency_listen: $emergency, num_http_threads: 512} else {} end' \
       >"$root/servers/$name.json"
     make_folder "$root/servers/$name" 750 freelsd
   done

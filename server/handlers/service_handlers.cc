@@ -8,6 +8,7 @@
 #include "engine/obstacles/obstacles.h"
 #include "server/handlers/handlers.h"
 #include "server/http/http.h"
+#include "server/intake/num_streams.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
@@ -153,7 +154,7 @@ nlohmann::json LimitsOf(const Service& service) {
                      {"max_telemetry_gap_s", config.max_telemetry_gap_s},
                      {"max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s},
                      {"telemetry_wait_s", config.telemetry_wait_s},
-                     {"max_num_streams", config.max_num_streams},
+                     {"max_num_streams", MaxNumStreams(config)},
                      {"max_num_queued_frames", config.max_num_queued_frames},
                      {"max_num_open_flights", config.max_num_open_flights},
                      {"num_alternates", config.num_alternates},

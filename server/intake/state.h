@@ -42,7 +42,7 @@ struct Intake {
   // in memory.
   std::counting_semaphore<> uploads{kLimits.concurrency.max_num_uploads};
   // Limits the number of requests that last as long as a flight. Each of them holds a thread.
-  std::counting_semaphore<> streams{config.max_num_streams};
+  std::counting_semaphore<> streams{kLimits.concurrency.max_num_streams};
   // Guards `receiving`.
   mutable std::mutex receiving_mutex;
   // Ids of flights: one entry for each upload or stream that is being read.

@@ -173,18 +173,18 @@ MovedTable Obstacles() {
 }  // namespace
 
 const std::vector<MovedTable>& MovedTables() {
-  static const std::vector<MovedTable> tables{Flights(),
-                                              Frames(),
-                                              Telemetry(),
-                                              Jobs(),
-                                              Regions(),
-                                              Maps(),
-                                              TilesOf("map_tiles", {"tile", kBytes}),
-                                              TilesOf("photo_tiles", {"sha256", kText}),
-                                              Sites(),
-                                              SiteMaps(),
-                                              Obstacles()};
-  return tables;
+  static const std::vector<MovedTable> kTables{Flights(),
+                                               Frames(),
+                                               Telemetry(),
+                                               Jobs(),
+                                               Regions(),
+                                               Maps(),
+                                               TilesOf("map_tiles", {"tile", kBytes}),
+                                               TilesOf("photo_tiles", {"sha256", kText}),
+                                               Sites(),
+                                               SiteMaps(),
+                                               Obstacles()};
+  return kTables;
 }
 
 std::string ColumnList(const MovedTable& table) {

@@ -89,7 +89,8 @@ async function readAlternates(aircraft, offsetMs) {
     count("alternates", answer);
     if (answer.status === 200) {
       const list = JSON.parse(answer.text);
-      if (list.age_s !== null && list.age_s !== undefined) agesS.push(list.age_s);
+      // From sending the pose that the list is computed from to reading it.
+      agesS.push(Date.now() / 1000 - list.pose.timestamp_us * 1e-6);
     }
     await new Promise((resolve) => setTimeout(resolve, alternatesPeriodS * 1000));
   }

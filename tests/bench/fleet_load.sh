@@ -2,7 +2,7 @@
 # Load on a fleet of this machine (deploy/fleet.sh): stored sites over a continent, live aircraft, recalls, and a flight
 # that is evaluated in each worker. Takes half an hour; not part of the tests.
 #
-#   tests/bench/fleet_load.sh [--sites N] [--aircraft N] [--seconds N] [--root DIR] [--build DIR] [--flight DIR]
+#   tests/bench/fleet_load.sh [--sites N] [--aircraft N] [--seconds N] [--root DIR] [--build DIR] [--flight DIR] [--internal-port N]
 #                             [--step fill|live|sqlite|workers]
 #
 # Without --step, all in turn. Results are lines of JSON on standard output. Needs nginx, PostgreSQL, node, python3, jq.
@@ -11,7 +11,7 @@ root="$(cd "$(dirname "$0")/../.." && pwd)"
 program="fleet_load.sh"
 source "$root/deploy/steps.sh"
 num_sites=1000000 num_aircraft=1000 seconds=60 sites_of_map=20
-place=/var/tmp/freelsd-load build="$root/build/release" flight="" steps="fill live sqlite workers"
+place=/var/tmp/freelsd-load build="$root/build/release" flight="" internal=19300 steps="fill live sqlite workers"
 while [ $# -gt 0 ]; do
   case "$1" in
     --sites) num_sites="$2" ;;
@@ -21,13 +21,13 @@ while [ $# -gt 0 ]; do
     --build) build="$(realpath "$2")" ;;
     --flight) flight="$(realpath "$2")" ;;
     --step) steps="$2" ;;
+    --internal-port) internal="$2" ;;
     *) sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0" >&2; exit 2 ;;
   esac
   shift 2
 done
-internal=19300
 fleet() { "$root/deploy/fleet.sh" "$@" --root "$place/fleet" >>"$place/log" 2>&1 || { tail -n 20 "$place/log" >&2; fail "fleet.sh $*"; }; }
-up() { fleet up --internal-port "$internal" --port 19743 --server "$build/server/freelsd-server" "$@"; }
+up() { fleet up --internal-port "$internal" --port $((internal + 443)) --server "$build/server/freelsd-server" "$@"; }
 ask() {
   setpriv --reuid=postgres --regid=postgres --clear-groups env PGPASSFILE="$place/fleet/secrets/database.pass" \
     psql -qAtX -h 127.0.0.1 -p "$internal" -U postgres -d freelsd -v ON_ERROR_STOP=1 "$@"
@@ -90,13 +90,27 @@ live() {
       telemetry_table: $sizes.tables.telemetry}' "$place/live.json"
 }
 
-# The same rows in SQLite, by freelsd-migrate; recalls alone.
+# One server on SQLite, with a tenth of the sites on a tenth of the continent's maps.
 sqlite() {
-  local begin=$SECONDS pid
-  fleet stop
-  "$root/deploy/fleet.sh" up --root "$place/fleet" >/dev/null 2>&1
-  for name in api-1 api-2 worker-1 worker-2; do true; done
-  fail "see README: use freelsd-migrate"
+  local data="$place/sqlite" port=$((internal + 25)) pid url
+  url="http://127.0.0.1:$port"
+  rm -rf "$data"
+  "$build/server/freelsd-server" --data "$data" --listen "127.0.0.1:$port" >"$place/sqlite.log" 2>&1 &
+  pid=$!
+  await_server "$url" "$pid" "$place/sqlite.log"
+  "$root/deploy/freelsdctl" submit "$flight" --new --url "$url" >>"$place/log" 2>&1
+  stop_server "$pid"
+  python3 "$root/tests/bench/fleet_sites_sqlite.py" "$data" $((num_sites / 10)) "$sites_of_map" "$place/sqlite.places"
+  "$build/server/freelsd-server" --data "$data" --listen "127.0.0.1:$port" --emergency-listen "127.0.0.1:$((port + 1))" \
+    --config <(echo '{"num_http_threads": 512}') >"$place/sqlite.log" 2>&1 &
+  pid=$!
+  await_server "$url" "$pid" "$place/sqlite.log"
+  node "$root/tests/bench/fleet_load.mjs" --api "$url" --recall "http://127.0.0.1:$((port + 1))" --places "$place/sqlite.places" \
+    --aircraft "$num_aircraft" --seconds "$seconds" >"$place/sqlite.json" 2>"$place/sqlite.err" || fail "$(cat "$place/sqlite.err")"
+  jq -c --argjson bytes "$(du -sb "$data" | cut -f1)" --arg load "$(cut -d' ' -f1-3 /proc/loadavg)" --argjson s "$(
+    awk '{ print ($14 + $15) / 100 }' "/proc/$pid/stat")" \
+    '. + {step: "sqlite", data_bytes: $bytes, load_average: $load, processor_s_since_start: $s}' "$place/sqlite.json"
+  stop_server "$pid"
 }
 
 # Flights a minute with 1, 2 and 4 workers, and who spends the processor.
@@ -110,7 +124,7 @@ workers() {
     begin="$(date +%s%N)"
     for _ in $(seq 4); do flights+=("$(submit)"); done
     for id in "${flights[@]}"; do await_done "$id"; done
-    jq -nc --argjson workers "$number" --argjson s "$(($(date +%s%N) - begin))e-9" \
+      jq -nc --argjson workers "$number" --argjson s "$(($(date +%s%N) - begin))e-9" \
       --argjson spent "$(difference "$before" "$(processors)")" --arg load "$(cut -d' ' -f1-3 /proc/loadavg)" \
       '{step: "workers", workers: $workers, flights: 4, seconds: $s, flights_a_minute: (240 / $s), processor_s: $spent,
         database_ratio: ($spent.database / ($spent.api + $spent.worker + $spent.database)), load_average: $load}'

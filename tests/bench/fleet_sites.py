@@ -66,4 +66,5 @@ COMMIT;
 ANALYZE;""")
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -2,6 +2,8 @@
 
 import argparse
 import collections
+import http.client
+import json
 import os
 import signal
 import subprocess
@@ -156,6 +158,39 @@ def harm_link(run):
     time.sleep(0.5)
 
 
+def from_both(run, method, path, body=None, headers=None):
+    """The answers of both API servers to the same request at once."""
+    answers = {}
+
+    def ask(name):
+        connection = http.client.HTTPConnection("127.0.0.1", run.fleet.servers[name].port, timeout=60)
+        connection.request(method, path, body, headers or {})
+        answer = connection.getresponse()
+        answers[name] = (answer.status, answer.read())
+        connection.close()
+    threads = [threading.Thread(target=ask, args=(name,)) for name in ("api-1", "api-2")]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return [answers[name] for name in sorted(answers)]
+
+
+def harm_together(run):
+    run.create()
+    for number, name in enumerate(run.files.names[:NUM_FRAMES]):
+        body, headers = run.frame_body(number)
+        answers = from_both(run, "PUT", f"/v1/flights/{run.flight}/frames/{name}", body, headers)
+        check(sorted(status for status, _ in answers) in ([200, 201], [200, 200]), f"PUT twice: {answers}")
+        run.acknowledge(number)
+    answers = from_both(run, "POST", f"/v1/flights/{run.flight}/finish")
+    check(all(status in (200, 202) for status, _ in answers), f"finish twice: {answers}")
+    jobs = {json.loads(text)["id"] for _, text in answers}
+    check(len(jobs) == 1, f"two finishes: {answers}")
+    run.job = jobs.pop()
+    run.await_end()
+
+
 def harm_pause(run):
     name = evaluate_for_a_while(run)
     if not name:
@@ -183,6 +218,7 @@ ROWS = [
     ("api", "SIGKILL of an API server under upload", harm_api),
     ("database", "immediate shutdown of PostgreSQL", harm_database),
     ("link", "a link that stalls or resets", harm_link),
+    ("together", "the same frames and finishes to two API servers at once", harm_together),
     ("pause", "a worker paused past its lease", harm_pause),
 ]
 

@@ -26,6 +26,7 @@ class Fleet:
         self.tools, self.folder = tools, folder
         self.database = os.environ["FREELSD_TEST_DATABASE"]
         self.cluster = shlex.split(os.environ["FREELSD_TEST_CLUSTER"])
+        self.psql = os.path.join(os.path.dirname(next(word for word in self.cluster if word.endswith("/pg_ctl"))), "psql")
         query = urllib.parse.urlsplit(self.database).query
         self.socket = socket_path(urllib.parse.parse_qs(query)["host"][0])
         self.statement_calls = {}
@@ -76,7 +77,7 @@ class Fleet:
         self.restart_ended()
 
     def ask(self, sql):
-        return subprocess.run(["psql", "-qAtX", self.database, "-c", sql], capture_output=True, text=True,
+        return subprocess.run([self.psql, "-qAtX", self.database, "-c", sql], capture_output=True, text=True,
                               check=True, timeout=60).stdout.strip()
 
     def request(self, method, path, body=None, headers=None, *, patience_s=60):
@@ -137,12 +138,18 @@ class Run:
     def put_all(self, between=lambda number: None):
         for number, name in enumerate(self.files.names[:NUM_FRAMES]):
             between(number)
-            body, kind = multipart([("image", "i.jpg", self.files.images[number]),
-                                    ("meta", None, json.dumps(self.metas[number]))])
-            status, text = self.fleet.request(
-                "PUT", f"/v1/flights/{self.flight}/frames/{name}", body, {"Content-Type": kind})
+            body, headers = self.frame_body(number)
+            status, text = self.fleet.request("PUT", f"/v1/flights/{self.flight}/frames/{name}", body, headers)
             check(status in (200, 201), f"PUT: {status} {text[:200]!r}")
-            self.acknowledged[name] = hashlib.sha256(self.files.images[number]).hexdigest()
+            self.acknowledge(number)
+
+    def frame_body(self, number):
+        body, kind = multipart([("image", "i.jpg", self.files.images[number]),
+                                ("meta", None, json.dumps(self.metas[number]))])
+        return body, {"Content-Type": kind}
+
+    def acknowledge(self, number):
+        self.acknowledged[self.files.names[number]] = hashlib.sha256(self.files.images[number]).hexdigest()
 
     def finish(self):
         status, text = self.fleet.request("POST", f"/v1/flights/{self.flight}/finish")

@@ -1,0 +1,71 @@
+"""The same sites as fleet_sites.py, in a data folder with SQLite that holds the accepted sites of one flight.
+
+    python3 tests/bench/fleet_sites_sqlite.py DATA_FOLDER NUM_SITES SITES_OF_A_MAP PLACES_FILE
+"""
+
+import json
+import random
+import sqlite3
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "faults"))
+import many_sites
+from fleet_sites import EAST, NORTH, SOUTH, WEST, head_of
+
+
+def spots(centre, sites_of_map):
+    for site in range(sites_of_map):
+        yield centre[0] + (site % 5 - 2) * 0.0004, centre[1] + (site // 5 - sites_of_map // 10) * 0.0004
+
+
+def map_row(base, number, latitude, longitude):
+    box = (longitude - 0.0027, latitude - 0.0018, longitude + 0.0027, latitude + 0.0018)
+    row = [f"many/{number}", "many", json.dumps(head_of(json.loads(base["head_json"]), latitude, longitude)), "amsl", *box,
+           base["updated_at_us"], base["seen_at_us"]]
+    return row[:2] + [number] + row[2:] + [1, many_sites.checksum(*row)]
+
+
+def fill(database, centres, sites_of_map, maps):
+    columns = [row[1] for row in database.execute("PRAGMA table_info(sites)")]
+    base = dict(zip(columns, database.execute(
+        "SELECT sites.* FROM sites JOIN site_numbers ON site_id = id WHERE is_recallable ORDER BY is_landable DESC").fetchone()))
+    aircraft = database.execute("SELECT aircraft_json FROM site_numbers WHERE is_recallable").fetchone()[0]
+    replan = dict(json.loads(base["replan_json"]), altitude_m=450.0, area_m2=14400.0,
+                  footprint_m=[[-60, -60], [60, -60], [60, 60], [-60, 60]])
+    tile = many_sites.flat_tile()
+    number = 1000
+    for centre, row in zip(centres, maps):
+        many_sites.insert(database, "maps", row)
+        for key in many_sites.tile_keys():
+            many_sites.insert(database, "map_tiles", [row[0], *key, tile])
+        for latitude, longitude in spots(centre, sites_of_map):
+            number += 1
+            replan["latitude_deg"], replan["longitude_deg"] = latitude, longitude
+            site = dict(base, id=f"many-r{number}", flight_id="many", region_id=number, latitude_deg=latitude,
+                        longitude_deg=longitude, replan_json=json.dumps(replan), checksum=None, superseded_by=None,
+                        is_checked=1, map_id=row[0])
+            many_sites.insert(database, "sites", list(site.values()))
+            many_sites.insert(database, "site_numbers", [number, site["id"], 1, 1, 450.0, "amsl", 0.8, aircraft, None])
+            many_sites.insert(database, "site_boxes", [number, longitude - 0.0027, longitude + 0.0027,
+                                                       latitude - 0.0018, latitude + 0.0018])
+
+
+def main():
+    folder, num_sites, sites_of_map = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
+    generator = random.Random(7)
+    centres = [(generator.uniform(SOUTH, NORTH), generator.uniform(WEST, EAST)) for _ in range(num_sites // sites_of_map)]
+    maps = None
+    for name in ("freelsd.db", "recall.db"):
+        database = sqlite3.connect(folder / name)
+        base = many_sites.first_row(database, "maps")
+        maps = maps or [map_row(base, number, *centre) for number, centre in enumerate(centres, start=1000)]
+        fill(database, centres, sites_of_map, maps)
+        database.commit()
+        database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
+        database.close()
+    Path(sys.argv[4]).write_text("".join(f"{latitude} {longitude}\n" for latitude, longitude in centres[::5]))
+
+
+if __name__ == "__main__":
+    main()
