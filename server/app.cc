@@ -101,7 +101,7 @@ App::App(const Config& config)
   sharing_.Start();
 }
 
-// Those of the tokens and the settings, and those that have work from earlier.
+// Those of the tokens and the settings.
 void App::OpenOrganisations() {
   Service& service = organisations_.Default();
   organisations_.CallWithEach([this](const std::string& name, Organisation& organisation) {
@@ -123,8 +123,11 @@ void App::OpenOrganisations() {
                       " needs --database: SQLite has one organisation");
   }
   for (const std::string& name : names) organisations_.Of(name);
-  for (const std::string& name : service.storage.claims.ListOrganisations()) {
-    organisations_.Of(name);
+  // Nobody else works for those of earlier tokens; on a shared database, a claim opens them.
+  if (!service.storage.claims.IsShared()) {
+    for (const std::string& name : service.storage.claims.ListOrganisations()) {
+      organisations_.Of(name);
+    }
   }
   for (const auto& [name, settings] : config_.organisations) {
     organisations_.Of(name).storage.ShareSites(settings.shares_sites);

@@ -29,7 +29,7 @@ struct Walk {
   std::string path;
   int other_gets = 404;
   int owner_gets = 200;
-  std::string body;
+  std::string body = std::string();
 };
 
 std::vector<Walk> WalksOfFlights() {
@@ -216,11 +216,10 @@ TEST_SUITE("postgresql" * doctest::skip()) {
     const TwoOrganisations two;
     httplib::Client owner = two.As("north");
     httplib::Client other = two.As("south");
-    const RawConnection listener(two.server->port());
-    listener.Send(
+    RawConnection heard(two.server->port());
+    heard.Send(
         "GET /v1/events HTTP/1.1\r\nHost: 127.0.0.1\r\nAuthorization: Bearer token of "
         "south\r\n\r\n");
-    RawConnection& heard = const_cast<RawConnection&>(listener);
     heard.ReceiveUntil("retry: ");
     REQUIRE(owner.Put("/v1/links/north-link", kLink, "application/json")->status == 200);
     two.north->claims.Tell({0, "frame", "north-flight", R"({"id":"north-frame"})", "north"});
