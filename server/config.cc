@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
-#include "storage/organisation.h"
+#include "storage/storage.h"
 
 namespace freelsd {
 namespace {

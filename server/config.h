@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "storage/quota_store.h"
+#include "storage/storage.h"
 
 namespace freelsd {
 

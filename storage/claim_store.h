@@ -66,8 +66,8 @@ class ClaimStore {
 
   // Stores an event for other processes. A crash of the database may lose the latest.
   virtual void Tell(const SharedEvent& event) = 0;
-  // Events of other processes after that number, oldest first. Those older than ten minutes are
-  // gone.
+  // Events of other processes after that number, oldest first. Waits for up to 250 ms if there are
+  // none. For one thread. Those older than ten minutes are gone.
   virtual std::vector<SharedEvent> ListTold(int64_t after_number, int limit) const = 0;
   virtual int64_t LastTold() const = 0;
   virtual void ForgetOldTold() = 0;

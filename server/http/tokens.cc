@@ -12,7 +12,7 @@
 #include "api/api.h"
 #include "api/import/import.h"
 #include "server/config.h"
-#include "storage/organisation.h"
+#include "storage/storage.h"
 
 namespace freelsd {
 namespace {

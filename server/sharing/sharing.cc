@@ -8,7 +8,10 @@ namespace freelsd {
 namespace {
 
 constexpr std::chrono::milliseconds kLeasePeriod{1500};
-constexpr std::chrono::milliseconds kCarryPeriod{250};
+// Until others are heard again after a failure.
+constexpr std::chrono::milliseconds kHearAgainAfter{250};
+// Until something is told again after a failure.
+constexpr std::chrono::milliseconds kTellAgainAfter{250};
 constexpr std::chrono::minutes kForgetPeriod{1};
 // Of this server's events that wait to be told. More are left out: they only say what to fetch.
 constexpr size_t kMaxNumWaiting = 4096;
@@ -29,6 +32,7 @@ void Sharing::CarryFrom(const std::string& organisation, EventLog& events) {
     const std::lock_guard lock(mutex_);
     if (own_.size() >= kMaxNumWaiting) return;
     own_.push_back({0, event.type, event.flight_id, event.data, organisation});
+    changed_.notify_all();
   });
 }
 
@@ -39,13 +43,15 @@ Sharing::~Sharing() {
   }
   changed_.notify_all();
   if (lease_thread_.joinable()) lease_thread_.join();
-  if (carrier_thread_.joinable()) carrier_thread_.join();
+  if (telling_thread_.joinable()) telling_thread_.join();
+  if (hearing_thread_.joinable()) hearing_thread_.join();
 }
 
 void Sharing::Start() {
   if (!storage_.claims.IsShared()) return;
   lease_thread_ = std::thread([this] { KeepLease(); });
-  carrier_thread_ = std::thread([this] { Carry(); });
+  telling_thread_ = std::thread([this] { Tell(); });
+  hearing_thread_ = std::thread([this] { Hear(); });
 }
 
 bool Sharing::Wait(std::chrono::milliseconds period) {
@@ -63,15 +69,31 @@ void Sharing::KeepLease() {
   } while (Wait(kLeasePeriod));
 }
 
-void Sharing::Carry() {
-  do {
+void Sharing::Tell() {
+  while (true) {
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return is_stopping_ || !own_.empty(); });
+      if (is_stopping_) return;
+    }
     try {
       TellOwn();
+    } catch (const StorageError& error) {
+      spdlog::warn("no news to other servers: {}", error.what());
+      if (!Wait(kTellAgainAfter)) return;
+    }
+  }
+}
+
+void Sharing::Hear() {
+  do {
+    try {
       HearOthers();
     } catch (const StorageError& error) {
       spdlog::warn("no news from other servers: {}", error.what());
+      if (!Wait(kHearAgainAfter)) return;
     }
-  } while (Wait(kCarryPeriod));
+  } while (Wait(std::chrono::milliseconds{0}));
 }
 
 void Sharing::TellOwn() {

@@ -40,7 +40,8 @@ class Sharing {
 
  private:
   void KeepLease();
-  void Carry();
+  void Tell();
+  void Hear();
   void TellOwn();
   void HearOthers();
   // False if the server is stopping.
@@ -55,13 +56,14 @@ class Sharing {
   std::deque<SharedEvent> own_;
   bool is_stopping_ = false;
 
-  // They belong to the carrying thread.
+  // They belong to the hearing thread.
   int64_t heard_ = 0;
   uint64_t sites_version_ = 0;
   std::chrono::steady_clock::time_point forgot_at_{};
 
   std::thread lease_thread_;
-  std::thread carrier_thread_;
+  std::thread telling_thread_;
+  std::thread hearing_thread_;
 };
 
 }  // namespace freelsd

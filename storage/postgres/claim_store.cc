@@ -21,6 +21,37 @@ SharedEvent EventOf(const PostgresRow& row) {
   return {row.Int(0), row.Text(1), row.Text(2), row.Text(3), row.Text(4)};
 }
 
+constexpr std::chrono::milliseconds kLongestWait{250};
+
+// A NOTIFY only wakes: what was told is in the table, also if the NOTIFY was lost.
+void AwaitTold(PostgresProcess& process) {
+  try {
+    if (process.listener) {
+      (*process.listener)->AwaitNotification(kLongestWait);
+      return;
+    }
+    process.listener.emplace(process.listener_pool);
+    (*process.listener)->Execute("LISTEN freelsd_told");
+  } catch (const StorageError&) {
+    process.listener.reset();
+    throw;
+  }
+}
+
+std::vector<SharedEvent> ReadTold(PostgresState& state, int64_t after_number, int limit) {
+  return state.Read([&](PostgresConnection& connection) {
+    ServeAllOrganisations(connection);
+    return connection
+        .Run(
+            "SELECT number, type, flight_id, data, organisation FROM told_events WHERE number > $1 "
+            "AND origin <> $2 ORDER BY number LIMIT $3",
+            after_number,
+            state.process->origin,
+            limit)
+        .Each(EventOf);
+  });
+}
+
 // A transaction of the process, which serves all organisations.
 class ProcessWrite : public PostgresWrite {
  public:
@@ -117,21 +148,15 @@ void PostgresClaimStore::Tell(const SharedEvent& event) {
       event.flight_id,
       event.data,
       event.organisation);
+  writer->Execute("NOTIFY freelsd_told");
   writer.Commit();
 }
 
 std::vector<SharedEvent> PostgresClaimStore::ListTold(int64_t after_number, int limit) const {
-  return state_.Read([&](PostgresConnection& connection) {
-    ServeAllOrganisations(connection);
-    return connection
-        .Run(
-            "SELECT number, type, flight_id, data, organisation FROM told_events WHERE number > $1 "
-            "AND origin <> $2 ORDER BY number LIMIT $3",
-            after_number,
-            state_.process->origin,
-            limit)
-        .Each(EventOf);
-  });
+  std::vector<SharedEvent> told = ReadTold(state_, after_number, limit);
+  if (!told.empty()) return told;
+  AwaitTold(*state_.process);
+  return ReadTold(state_, after_number, limit);
 }
 
 int64_t PostgresClaimStore::LastTold() const {

@@ -163,6 +163,30 @@ void PostgresConnection::Execute(const std::string& sql) {
   Await(StepName(sql), PQsendQuery(connection_.get(), sql.c_str()));
 }
 
+bool PostgresConnection::AwaitNotification(std::chrono::milliseconds time) {
+  const std::string step = "wait for news";
+  const auto deadline = SteadyClock::now() + time;
+  for (bool is_over = false;;) {
+    bool has_come = false;
+    while (PGnotify* const notification = PQnotifies(connection_.get())) {
+      PQfreemem(notification);
+      has_come = true;
+    }
+    if (has_come || is_over) return has_come;
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - SteadyClock::now());
+    is_over = left.count() <= 0;
+    pollfd waiting{PQsocket(connection_.get()), POLLIN, 0};
+    const int timeout_ms = is_over ? 0 : static_cast<int>(left.count()) + 1;
+    if (::poll(&waiting, 1, timeout_ms) < 0 && errno != EINTR) {
+      Lose(step, "the connection to the database failed");
+    }
+    if (waiting.revents != 0 && PQconsumeInput(connection_.get()) == 0) {
+      Lose(step, OneLine(PQerrorMessage(connection_.get())));
+    }
+  }
+}
+
 const std::string& PostgresConnection::Prepared(const std::string& sql,
                                                 const std::vector<PostgresParameter>& parameters) {
   if (const auto found = prepared_.find(sql); found != prepared_.end()) {

@@ -89,6 +89,8 @@ class PostgresConnection {
                            const std::vector<PostgresParameter>& parameters);
   // Runs several statements without parameters.
   void Execute(const std::string& sql);
+  // After LISTEN: waits for a NOTIFY of another session. False if there was none in that time.
+  bool AwaitNotification(std::chrono::milliseconds time);
   // False after ConnectionLost, and within a transaction.
   bool IsIdle() const {
     return !is_broken_ && PQtransactionStatus(connection_.get()) == PQTRANS_IDLE;

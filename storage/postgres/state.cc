@@ -60,7 +60,8 @@ PostgresProcess::PostgresProcess(const StorageOptions& given)
       lock(MadeFolder(options.folder)),
       readers(options, kAppRole),
       writers(options, kAppRole),
-      owner_pool(options) {
+      owner_pool(options),
+      listener_pool(options, kAppRole) {
   // As the user of the URI, who may own the schema.
   ConnectionPool owner(options);
   const ConnectionLease connection(owner);

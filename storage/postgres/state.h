@@ -38,6 +38,10 @@ struct PostgresProcess {
   ConnectionPool writers;
   // Of one connection.
   ConnectionPool owner_pool;
+  // The same, for `listener`: it hears when others tell something. Empty until it is needed, and
+  // after the connection broke. Only the thread that calls ListTold uses it.
+  ConnectionPool listener_pool;
+  std::optional<ConnectionLease> listener;
   // Set once the schema is there.
   std::optional<Ownership> ownership;
   // Empty unless this process is a worker on a shared database.

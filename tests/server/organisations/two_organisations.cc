@@ -21,7 +21,9 @@ void FillFlight(Storage& north) {
   frame.id = "north-frame";
   frame.sha256 = Sha256Hex(image);
   frame.meta_json = frame.tags_json = "{}";
-  frame.resolved_json = SomeMeta();
+  frame.resolved_json =
+      R"({"timestamp_us":1600000000000000,)"
+      R"("position":{"latitude_deg":47.0,"longitude_deg":8.0,"altitude_m":600.0}})";
   frame.state = FrameState::kProcessed;
   JobRow job;
   job.id = "north-job";
@@ -37,7 +39,7 @@ void FillFlight(Storage& north) {
       flight.id,
       {{1,
         R"({"type":"Feature","geometry":{"type":"Point","coordinates":[8,47]},"properties":{"id":1}})",
-        "[]"}});
+        R"({"region_id":1,"history":[]})"}});
 }
 
 void FillGround(Storage& north) {
@@ -46,9 +48,11 @@ void FillGround(Storage& north) {
   PutMeadowPicture(north, map);
   SiteRow site = SiteOnMap(map);
   site.id = "north-site";
+  site.feature_json.replace(site.feature_json.find("f-r1"), 4, site.id);
   north.sites.PutEvaluation({{site}, {}, {map.id}, {}}, {});
   SiteRow own = MeadowSite("amsl", 5000.0);
   own.id = "north-old";
+  own.feature_json.replace(own.feature_json.find("f-r1"), 4, own.id);
   own.flight_id = "north-flight";
   north.sites.Put(own, SerializeSiteMap(Meadow()));
   ObstacleRow mast;
