@@ -21,6 +21,7 @@ struct Stores {
   MapStore& maps;
   ObstacleStore& obstacles;
   ClaimStore& claims;
+  ChangeStore& changes;
 };
 
 // Its methods do what those of Storage with the same names do.

@@ -34,7 +34,8 @@ Storage::Storage(std::unique_ptr<StorageBackend> backend)
       sites(backend_->stores().sites),
       maps(backend_->stores().maps),
       obstacles(backend_->stores().obstacles),
-      claims(backend_->stores().claims) {}
+      claims(backend_->stores().claims),
+      changes(backend_->stores().changes) {}
 
 Storage::~Storage() = default;
 

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/change_store.h"
 #include "storage/claim_store.h"
 #include "storage/flight_store.h"
 #include "storage/frame_store.h"
@@ -83,6 +84,7 @@ class Storage {
   MapStore& maps;
   ObstacleStore& obstacles;
   ClaimStore& claims;
+  ChangeStore& changes;
 
   DatabaseKind Kind() const;
   // Folder for uploads that are not acknowledged yet. Opening the storage empties it.

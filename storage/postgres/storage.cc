@@ -12,7 +12,16 @@ class PostgresBackend final : public StorageBackend {
   }
 
   Stores stores() override {
-    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_};
+    return {flights_,
+            frames_,
+            images_,
+            jobs_,
+            telemetry_,
+            sites_,
+            maps_,
+            obstacles_,
+            claims_,
+            changes_};
   }
   DatabaseKind Kind() const override { return DatabaseKind::kPostgres; }
   std::filesystem::path SpoolFolder() const override { return state_.options.folder / "spool"; }
@@ -34,6 +43,7 @@ class PostgresBackend final : public StorageBackend {
   PostgresMapStore maps_{state_};
   PostgresObstacleStore obstacles_{state_};
   PostgresClaimStore claims_{state_};
+  PostgresChangeStore changes_{state_};
 };
 
 std::optional<std::string> PostgresBackend::WhyNotWritable() {

@@ -12,7 +12,16 @@ class SqliteBackend final : public StorageBackend {
   }
 
   Stores stores() override {
-    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_};
+    return {flights_,
+            frames_,
+            images_,
+            jobs_,
+            telemetry_,
+            sites_,
+            maps_,
+            obstacles_,
+            claims_,
+            changes_};
   }
   DatabaseKind Kind() const override { return DatabaseKind::kSqlite; }
   std::filesystem::path SpoolFolder() const override { return state_->folder / "spool"; }
@@ -34,6 +43,7 @@ class SqliteBackend final : public StorageBackend {
   SqliteMapStore maps_{*state_};
   SqliteObstacleStore obstacles_{*state_};
   SqliteClaimStore claims_;
+  SqliteChangeStore changes_{*state_};
 };
 
 std::optional<std::string> SqliteBackend::WhyNotWritable() {
