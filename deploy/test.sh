@@ -208,6 +208,16 @@ start_step "roles on PostgreSQL"
   "$work/demo/sample-flight-1-72" || [ $? -eq 77 ]; } 2>&1 | tee "$work/roles.log"
 passed_but "$work/roles.log"
 
+start_step "edges that follow a centre, short form"
+tests/deploy/edge.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  build/release/tests/freelsd-fly-over
+passed
+
+start_step "edges that follow a centre on PostgreSQL, short form"
+{ tests/deploy/edge.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  build/release/tests/freelsd-fly-over --postgresql || [ $? -eq 77 ]; } 2>&1 | tee "$work/edge.log"
+passed_but "$work/edge.log"
+
 start_step "nginx in front"
 if command -v nginx >/dev/null; then
   tests/deploy/nginx.sh build/release/server/freelsd-server engine/classification/grass_model.yml

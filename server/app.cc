@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "api/import/import.h"
@@ -67,6 +68,19 @@ StorageOptions StorageOf(const Config& config) {
   return options;
 }
 
+FollowOptions FollowOptionsOf(const Config& config) {
+  FollowOptions options;
+  options.url = config.follow;
+  options.area_text = config.area;
+  try {
+    options.area = ParseArea(config.area);
+  } catch (const ApiError& error) {
+    throw ConfigError(std::string("--area: ") + error.what());
+  }
+  if (!config.follow_token_file.empty()) options.token = ReadFollowToken(config.follow_token_file);
+  return options;
+}
+
 HttpOptions OptionsOf(const Config& config, Listener listener) {
   const bool is_main = listener == Listener::kMain;
   HttpOptions options;
@@ -110,6 +124,20 @@ App::App(const Config& config)
   }
   if (config_.role != Role::kApi) worker_.emplace(service_, ReadModels(config_));
   sharing_.Start();
+  if (!config_.follow.empty()) BeginToFollow();
+}
+
+void App::BeginToFollow() {
+  follower_ = std::make_unique<Follower>(
+      storage_, maps_, service_.copy, FollowOptionsOf(config_), [this](const MergeResult& merged) {
+        for (const SiteRow& site : merged.sites) {
+          events_.Publish("site",
+                          site.flight_id,
+                          nlohmann::json{{"id", site.id}, {"flight_id", site.flight_id}}.dump());
+        }
+        alternates_.WakeAll();
+      });
+  follower_->Start();
 }
 
 SharingCalls App::CallsOfSharing() {
@@ -150,6 +178,7 @@ bool App::Stop(std::chrono::milliseconds patience) {
   intake_.is_stopping = true;
   events_.Stop();
   alternates_.Stop();
+  if (follower_) follower_->Stop();
   http_.Stop();
   if (emergency_http_) emergency_http_->Stop();
   return !worker_ || worker_->Stop(patience);

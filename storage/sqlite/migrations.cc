@@ -242,6 +242,7 @@ WHEN EXISTS (SELECT 1 FROM feed) BEGIN
     south_deg = min(south_deg, excluded.south_deg),
     east_deg = max(east_deg, excluded.east_deg),
     north_deg = max(north_deg, excluded.north_deg),
+    origin = iif(stamp_us = excluded.stamp_us, origin, ''),
     is_known_above = excluded.is_known_above;
 END;
 CREATE TRIGGER site_is_stored AFTER INSERT ON sites BEGIN

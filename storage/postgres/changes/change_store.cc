@@ -130,8 +130,9 @@ void PostgresChangeStore::SetOrigins(const std::vector<ChangeRow>& changes) {
   LockNumbers(*writer);
   for (const ChangeRow& change : changes) {
     writer->Run(
-        "UPDATE changes SET origin = $3 WHERE subject = $1 AND id = $2 AND origin = '' AND $3 <> "
-        "(SELECT id FROM feed)",
+        "UPDATE changes SET number = nextval('change_numbers'), origin = named.origin FROM (SELECT "
+        "CASE WHEN $3 = id THEN '' ELSE $3 END AS origin FROM feed) AS named "
+        "WHERE subject = $1 AND changes.id = $2 AND changes.origin <> named.origin",
         SubjectOf(change.key),
         change.key.id,
         change.origin);

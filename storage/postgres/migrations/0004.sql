@@ -44,7 +44,8 @@ BEGIN
     west_deg = least(known.west_deg, excluded.west_deg),
     south_deg = least(known.south_deg, excluded.south_deg),
     east_deg = greatest(known.east_deg, excluded.east_deg),
-    north_deg = greatest(known.north_deg, excluded.north_deg);
+    north_deg = greatest(known.north_deg, excluded.north_deg),
+    origin = CASE WHEN known.stamp_us = excluded.stamp_us THEN known.origin ELSE '' END;
 END $$;
 
 CREATE FUNCTION tell_site() RETURNS trigger LANGUAGE plpgsql AS $$

@@ -135,10 +135,12 @@ void SqliteChangeStore::Repeat(const std::vector<ChangeKey>& keys) {
 void SqliteChangeStore::SetOrigins(const std::vector<ChangeRow>& changes) {
   WriteMain(state_, [&](const Connection& writer) {
     for (const ChangeRow& change : changes) {
+      writer.Execute("UPDATE feed SET number = number + 1");
       writer
           .Prepare(
-              "UPDATE changes SET origin = ?3 WHERE subject = ?1 AND id = ?2 AND origin = '' AND "
-              "?3 <> (SELECT id FROM feed)")
+              "UPDATE changes SET number = (SELECT number FROM feed), "
+              "origin = iif(?3 = (SELECT id FROM feed), '', ?3) WHERE subject = ?1 AND id = ?2 "
+              "AND origin <> iif(?3 = (SELECT id FROM feed), '', ?3)")
           .Bind(SubjectOf(change.key), change.key.id, change.origin)
           .Run();
     }
