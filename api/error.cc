@@ -47,6 +47,7 @@ constexpr ErrorKind kErrorKinds[] = {
     {"FrameConflict", 409, "The frame is stored with another image or meta", 0},
     {"NoApproach", 409, "The site has no approach", 0},
     {"SiteRejected", 409, "The site is rejected", 0},
+    {"MapMissing", 409, "A map has to be sent first", 0},
     {"SiteSuperseded", 409, "A later map refutes the site", 0},
     {"LinkSilent", 409, "The link is not heard", 1},
     {"LinkInUse", 409, "Another program reports as this link", 1},

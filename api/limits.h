@@ -187,6 +187,14 @@ struct RouteLimits {
   size_t max_num_recalls = 30000;
 };
 
+// Servers that follow this one.
+struct FollowingLimits {
+  // What a follower sends back at once.
+  size_t max_changes_bytes = size_t{64} << 20;
+  // One map of a flight.
+  size_t max_map_bytes = size_t{512} << 20;
+};
+
 // Links to autopilots. All they report is held in memory.
 struct LinkLimits {
   size_t max_num_links = 100;
@@ -224,6 +232,7 @@ struct Limits {
   RouteLimits routes;
   BaseMapLimits base_map;
   LinkLimits links;
+  FollowingLimits following;
   // The metadata part sent with one image, also in a stream.
   size_t max_frame_meta_bytes = size_t{64} << 10;
   // The body of an emergency request.

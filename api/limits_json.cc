@@ -94,6 +94,8 @@ nlohmann::json LimitsJson(const Limits& limits) {
                         {"max_num_listed_errors", limits.answer.max_num_listed_errors},
                         {"max_num_listed_rejections", limits.answer.max_num_listed_rejections},
                         {"max_num_map_cells", limits.max_num_map_cells},
+                        {"max_changes_bytes", limits.following.max_changes_bytes},
+                        {"max_map_bytes", limits.following.max_map_bytes},
                         {"max_base_map_tile_bytes", limits.base_map.max_tile_bytes}};
   object.update(FileLimitsJson(limits));
   object.update(ObstacleLimitsJson(limits.obstacles));

@@ -223,6 +223,16 @@ start_step "faults of a fleet, short form"
   tee "$work/fleet-faults.log"
 if grep -q '^skipped: ' "$work/fleet-faults.log"; then passed_but "$work/fleet-faults.log"; else passed; fi
 
+start_step "edges that follow a centre, short form"
+tests/deploy/edge.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  build/release/tests/freelsd-fly-over
+passed
+
+start_step "edges that follow a centre on PostgreSQL, short form"
+{ tests/deploy/edge.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
+  build/release/tests/freelsd-fly-over --postgresql || [ $? -eq 77 ]; } 2>&1 | tee "$work/edge.log"
+passed_but "$work/edge.log"
+
 start_step "nginx in front"
 if command -v nginx >/dev/null; then
   tests/deploy/nginx.sh build/release/server/freelsd-server engine/classification/grass_model.yml

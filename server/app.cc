@@ -5,6 +5,7 @@
 #include <iterator>
 #include <set>
 
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "api/import/import.h"
@@ -65,6 +66,19 @@ StorageOptions StorageOf(const Config& config) {
   return options;
 }
 
+FollowOptions FollowOptionsOf(const Config& config) {
+  FollowOptions options;
+  options.url = config.follow;
+  options.area_text = config.area;
+  try {
+    options.area = ParseArea(config.area);
+  } catch (const ApiError& error) {
+    throw ConfigError(std::string("--area: ") + error.what());
+  }
+  if (!config.follow_token_file.empty()) options.token = ReadFollowToken(config.follow_token_file);
+  return options;
+}
+
 HttpOptions OptionsOf(const Config& config, Listener listener) {
   const bool is_main = listener == Listener::kMain;
   HttpOptions options;
@@ -99,6 +113,27 @@ App::App(const Config& config)
   }
   if (config_.role != Role::kApi) worker_.emplace(organisations_, ReadModels(config_));
   sharing_.Start();
+  if (!config_.follow.empty()) BeginToFollow();
+}
+
+void App::BeginToFollow() {
+  Organisation& own = *organisations_.Find(kDefaultOrganisation);
+  follower_ = std::make_unique<Follower>(*own.storage,
+                                         own.maps,
+                                         own.service.copy,
+                                         FollowOptionsOf(config_),
+                                         [&own](const MergeResult& merged) {
+                                           for (const SiteRow& site : merged.sites) {
+                                             own.events.Publish("site",
+                                                                site.flight_id,
+                                                                nlohmann::json{
+                                                                    {"id", site.id},
+                                                                    {"flight_id", site.flight_id}}
+                                                                    .dump());
+                                           }
+                                           own.alternates.WakeAll();
+                                         });
+  follower_->Start();
 }
 
 // Those of the tokens and the settings.
@@ -185,6 +220,7 @@ bool App::Stop(std::chrono::milliseconds patience) {
     each.events.Stop();
     each.alternates.Stop();
   });
+  if (follower_) follower_->Stop();
   http_.Stop();
   if (emergency_http_) emergency_http_->Stop();
   return !worker_ || worker_->Stop(patience);

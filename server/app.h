@@ -32,6 +32,7 @@ class App {
 
  private:
   SharingCalls CallsOfSharing();
+  void BeginToFollow();
 
   void OpenOrganisations();
 
@@ -46,8 +47,9 @@ class App {
   std::optional<int> emergency_port_;
   // Empty if others work for this server.
   std::optional<Worker> worker_;
-  // The last one: its threads call the others.
+  // The last ones: their threads call the others.
   Sharing sharing_;
+  std::unique_ptr<Follower> follower_;
 };
 
 }  // namespace freelsd

@@ -151,6 +151,9 @@ void ReadConfigFile(const std::string& path, Config& config) {
   Take(object, "max_telemetry_extrapolation_s", config.max_telemetry_extrapolation_s);
   TakeBaseMap(object, config);
   TakeOrganisations(object, config);
+  Take(object, "follow", config.follow);
+  Take(object, "area", config.area);
+  TakePath(object, "follow_token_file", config.follow_token_file);
   if (!object.empty()) throw ConfigError("config file: unknown key " + object.begin().key());
 }
 
@@ -183,10 +186,25 @@ void CheckDatabase(const Config& config) {
   }
 }
 
+void CheckFollow(const Config& config) {
+  if (config.follow.empty()) {
+    if (config.area.empty() && config.follow_token_file.empty()) return;
+    throw ConfigError("--area and --follow-token-file need --follow");
+  }
+  if (!config.follow.starts_with("https://") && !config.follow.starts_with("http://")) {
+    throw ConfigError("--follow: must be https://HOST[:PORT] or http://HOST[:PORT]");
+  }
+  if (config.area.empty()) throw ConfigError("--follow needs --area WEST,SOUTH,EAST,NORTH");
+  if (!config.database.empty()) {
+    throw ConfigError("--follow: only a server on SQLite follows another one");
+  }
+}
+
 void Check(const Config& config) {
   CheckAddress(config.host, config);
   if (config.emergency) CheckAddress(config.emergency->host, config);
   CheckDatabase(config);
+  CheckFollow(config);
   if (config.num_http_threads < 2 || config.num_http_threads > 512) {
     throw ConfigError("num_http_threads: must be in [2, 512]");
   }
@@ -219,7 +237,7 @@ Address ParseAddress(const std::string& listen) {
 std::optional<Config> ReadConfig(int argc, const char* const* argv) {
   CLI::App app("HTTP/JSON service that finds landing sites for small planes.", "freelsd-server");
   std::string data, database, images, role, listen, emergency_listen, config_file, model, page,
-      token_file;
+      token_file, follow, area, follow_token_file;
   app.add_option("--data", data, "Folder for the database and the images");
   app.add_option("--database", database, "PostgreSQL URI without a password, default: SQLite");
   app.add_option("--images", images, "Folder of the images beside a PostgreSQL database");
@@ -230,6 +248,9 @@ std::optional<Config> ReadConfig(int argc, const char* const* argv) {
                  emergency_listen,
                  "ADDRESS:PORT of a second listener, for /v1/emergency, with its own threads");
   app.add_option("--token-file", token_file, "JSON list of token hashes and their scopes");
+  app.add_option("--follow", follow, "https://HOST of the server to keep a copy of and to send to");
+  app.add_option("--area", area, "WEST,SOUTH,EAST,NORTH in degrees, of the copy");
+  app.add_option("--follow-token-file", follow_token_file, "File with the token for that server");
   app.add_option("--config", config_file, "JSON file with these and further settings");
   app.add_option("--model", model, "Grass classifier, default: beside the program");
   app.add_option("--page", page, "Folder of the page, default: beside the program");
@@ -253,6 +274,9 @@ std::optional<Config> ReadConfig(int argc, const char* const* argv) {
   if (!token_file.empty()) config.token_file = token_file;
   if (!model.empty()) config.model = model;
   if (!page.empty()) config.page = page;
+  if (!follow.empty()) config.follow = follow;
+  if (!area.empty()) config.area = area;
+  if (!follow_token_file.empty()) config.follow_token_file = follow_token_file;
   Check(config);
   return config;
 }

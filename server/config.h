@@ -83,6 +83,11 @@ struct Config {
   std::string base_map_attribution;
   // Largest zoom level that the page may ask for. Nothing: 19, or the file's.
   std::optional<int> base_map_max_zoom;
+  // Address of a server whose sites, maps and obstacles this one keeps a copy of, the area of the
+  // copy ("west,south,east,north" in degrees), and the file with the token for it. Empty: none.
+  std::string follow;
+  std::string area;
+  std::filesystem::path follow_token_file;
 };
 
 // Thrown if a setting is invalid. what() is a sentence for the operator.

@@ -41,8 +41,11 @@ Scope ScopeOf(const Route& route) {
                                path == "/v1/routes/check";
   if (changes_nothing) return Scope::kRead;
   if (method == "POST" && path.starts_with("/v1/links")) return Scope::kCommand;
-  // Whoever may add obstacles could hide every site.
-  if (method == "DELETE" || path.starts_with("/v1/obstacles")) return Scope::kAdmin;
+  // Whoever may add obstacles could hide every site, and who may tell changes could invent some.
+  if (method == "DELETE" || path.starts_with("/v1/obstacles") || path.starts_with("/v1/changes") ||
+      path.starts_with("/v1/maps")) {
+    return Scope::kAdmin;
+  }
   return Scope::kIngest;
 }
 
@@ -140,6 +143,10 @@ constexpr Route kRoutes[] = {
     {"DELETE", "/v1/obstacles/{obstacle}", DeleteObstacle},
     {"POST", "/v1/obstacles", PostObstacles},
     {"GET", "/v1/obstacles", GetObstacles, "bbox"},
+    {"GET", "/v1/changes", GetChanges, "since bbox subjects limit wait_s"},
+    {"POST", "/v1/changes", PostChanges},
+    {"GET", "/v1/maps/{flight}/{number}", GetStoredMap},
+    {"PUT", "/v1/maps/{flight}/{number}", PutStoredMap},
     {"GET", "/v1/links", GetLinks},
     {"GET", "/v1/links/{link}", GetLink},
     {"PUT", "/v1/links/{link}", PutLink},

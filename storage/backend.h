@@ -22,6 +22,7 @@ struct Stores {
   ObstacleStore& obstacles;
   ClaimStore& claims;
   QuotaStore& quotas;
+  ChangeStore& changes;
 };
 
 // Its methods do what those of Storage with the same names do.

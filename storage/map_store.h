@@ -73,7 +73,9 @@ class MapStore {
   virtual std::optional<FlightMapRow> Find(const std::string& map_id) const = 0;
   virtual std::optional<std::string> ReadTile(const std::string& map_id,
                                               const TileKey& key) const = 0;
-  // The same from the second copy, if the database has one.
+  // In order.
+  virtual std::vector<TileKey> ListTiles(const std::string& map_id) const = 0;
+  // ReadTile from the second copy, if the database has one.
   virtual std::optional<std::string> ReadTileCopy(const std::string& map_id,
                                                   const TileKey& key) const = 0;
   virtual std::optional<std::string> FindPhotoTile(const std::string& map_id,

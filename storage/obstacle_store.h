@@ -34,6 +34,9 @@ class ObstacleStore {
   virtual void Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) = 0;
   // False if there is no such obstacle.
   virtual bool Delete(const std::string& id) = 0;
+  // What the server that this one follows told (ChangeRow::is_known_above), in one commit.
+  virtual void PutFollowed(const std::vector<ObstacleRow>& obstacles,
+                           const std::vector<std::string>& removed) = 0;
 
   // Expired ones included, if no write has removed them yet.
   virtual std::optional<ObstacleRow> Find(const std::string& id) const = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -115,7 +116,19 @@ struct EvaluationRows {
   // Staged maps that come in force.
   std::vector<std::string> new_maps;
   std::vector<std::string> forgotten_maps;
+  // By site, of those of `sites` that have a map of their own.
+  std::map<std::string, std::string> own_maps;
+  // Told by the server that this one follows (ChangeRow::is_known_above).
+  bool is_from_above = false;
+  // Those whose rows that server does not know all the same.
+  std::vector<std::string> sites_unknown_above;
 };
+
+// The site's own map; empty: it has none.
+inline std::string_view OwnMapIn(const EvaluationRows& rows, const std::string& site_id) {
+  const auto found = rows.own_maps.find(site_id);
+  return found != rows.own_maps.end() ? std::string_view(found->second) : std::string_view();
+}
 
 // Standings to write, by site id.
 using Standings = std::vector<std::pair<std::string, Standing>>;
@@ -177,6 +190,8 @@ class SiteStore {
   virtual std::optional<SiteRow> Find(const std::string& site_id) const = 0;
   virtual std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                                     const std::optional<BoundingBox>& box) const = 0;
+  // With recall, map_box and map_datum.
+  virtual std::optional<SiteRow> FindWhole(const std::string& site_id) const = 0;
   // A number that increases with every change of a site. It has increased before the changing call
   // returns.
   virtual uint64_t Version() const = 0;

@@ -41,7 +41,8 @@ Storage::Storage(std::unique_ptr<StorageBackend> backend)
       maps(backend_->stores().maps),
       obstacles(backend_->stores().obstacles),
       claims(backend_->stores().claims),
-      quotas(backend_->stores().quotas) {}
+      quotas(backend_->stores().quotas),
+      changes(backend_->stores().changes) {}
 
 Storage::~Storage() = default;
 

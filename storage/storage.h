@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "storage/change_store.h"
 #include "storage/claim_store.h"
 #include "storage/flight_store.h"
 #include "storage/frame_store.h"
@@ -107,6 +108,7 @@ class Storage {
   ObstacleStore& obstacles;
   ClaimStore& claims;
   QuotaStore& quotas;
+  ChangeStore& changes;
 
   DatabaseKind Kind() const;
   // Folder for uploads that are not acknowledged yet. Opening the storage empties it.

@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "api/api.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
@@ -17,13 +19,20 @@ std::optional<size_t> ParseLimit(const Call& call) {
   return static_cast<size_t>(*limit);
 }
 
+std::string WithCopy(const Service& service, const std::string& text) {
+  nlohmann::json answer = nlohmann::json::parse(text);
+  service.copy.AddTo(answer, NowUs());
+  return answer.dump();
+}
+
 }  // namespace
 
 void GetAlternates(Service& service, const Call& call, httplib::Response& response) {
   const std::string flight_id = ExistingFlight(service, call).id;
   const std::string answer = service.alternates.Answer(flight_id, ParseLimit(call));
   if (answer.empty()) throw ApiError("NoSuchFlight", "there is no such flight");
-  response.set_content(answer, "application/json");
+  response.set_content(service.copy.IsThere() ? WithCopy(service, answer) : answer,
+                       "application/json");
 }
 
 }  // namespace freelsd

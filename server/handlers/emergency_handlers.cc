@@ -48,6 +48,7 @@ void AnswerEmergency(Service& service,
   const CompletedCall completed = CompletedFor(service, request);
   nlohmann::json answer = RecallSites({service.storage, service.maps}, completed.request.request);
   completed.AddTo(answer);
+  service.copy.AddTo(answer, NowUs());
   if (format != "json") return AnswerLanding(service, answer, format, options, response);
   response.set_content(answer.dump(), "application/json");
 }

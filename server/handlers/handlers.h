@@ -89,6 +89,12 @@ void GetObstacles(Service& service, const Call& call, httplib::Response& respons
 void GetObstacle(Service& service, const Call& call, httplib::Response& response);
 void DeleteObstacle(Service& service, const Call& call, httplib::Response& response);
 
+// following/change_handlers.cc
+void GetChanges(Service& service, const Call& call, httplib::Response& response);
+void PostChanges(Service& service, const Call& call, httplib::Response& response);
+void GetStoredMap(Service& service, const Call& call, httplib::Response& response);
+void PutStoredMap(Service& service, const Call& call, httplib::Response& response);
+
 // links/link_handlers.cc
 void PutLink(Service& service, const Call& call, httplib::Response& response);
 void GetLinks(Service& service, const Call& call, httplib::Response& response);

@@ -15,6 +15,7 @@ void AnswerReach(Service& service, const EmergencyRequest& request, httplib::Res
   nlohmann::json answer =
       ReachFrom({service.storage, service.maps}, service.ground_patches, completed.request.request);
   completed.AddTo(answer);
+  service.copy.AddTo(answer, NowUs());
   response.set_content(answer.dump(), "application/geo+json");
 }
 

@@ -13,8 +13,10 @@
 
 namespace freelsd {
 
-void GetHealth(Service&, const Call&, httplib::Response& response) {
-  response.set_content(R"({"status":"ok"})", "application/json");
+void GetHealth(Service& service, const Call&, httplib::Response& response) {
+  nlohmann::json health{{"status", "ok"}};
+  if (service.copy.IsThere()) health["copy"] = service.copy.Json(NowUs());
+  response.set_content(health.dump(), "application/json");
 }
 
 namespace {
@@ -140,6 +142,9 @@ void GetMetrics(Service& service, const Call&, httplib::Response& response) {
   gauge(
       "writable", "1 if storage accepts writes, else 0.", service.storage.WhyNotWritable() ? 0 : 1);
   WritePools(text, service.storage.Pools());
+  if (const std::optional<double> age_s = service.copy.AgeS(NowUs())) {
+    gauge("copy_age_seconds", "Since this copy of the followed server was in step.", *age_s);
+  }
   response.set_content(text.str() + service.metrics.Text(), "text/plain; version=0.0.4");
 }
 

@@ -2,10 +2,13 @@
 // engine.
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <mutex>
 #include <semaphore>
 
 #include "server/base_map/base_map.h"
+#include "server/following/following.h"
 #include "server/http/http.h"
 #include "server/intake/intake.h"
 #include "server/jobs/progress_board.h"
@@ -17,6 +20,9 @@ namespace freelsd {
 
 // Memory of reach's cache: 5 bytes for each 4 square metres of stored maps.
 constexpr size_t kMaxBytesOfGroundPatches = size_t{64} << 20;
+
+// Of at least 32 HTTP threads.
+constexpr int kMaxNumChangeWaiters = 8;
 
 // Memory of finished pictures of flights' maps.
 constexpr size_t kMaxBytesOfPictures = size_t{32} << 20;
@@ -61,6 +67,11 @@ struct Service {
   Metrics metrics;
   ProgressBoard progress;
   LinkBoard links;
+  // Of the server that this one follows.
+  Copy copy;
+  // Limits clients that wait for changes in a thread.
+  std::counting_semaphore<> change_waiters{kMaxNumChangeWaiters};
+  std::atomic<int64_t> removals_forgotten_at_us{0};
 
   // Guards the number of stored obstacles, from its check until they are stored.
   std::mutex obstacles_mutex;

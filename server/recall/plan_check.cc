@@ -233,4 +233,23 @@ PlanCheck CheckPlan(const StoredPlan& plan, const GeoPoint& map_origin, const Si
   return {PlanVerdict::kFails, lenient.rejection->reason, lenient.rejection->detail};
 }
 
+double ReachOfPlans(const RecallBounds& bounds) {
+  double reach_m = 2200.0;
+  ApproachOptions options;
+  for (const std::string& aircraft_json : bounds.aircraft_jsons) {
+    try {
+      Aircraft aircraft = ParseAircraft(ParseJson(aircraft_json), "/aircraft");
+      const double beside_m = aircraft.touchdown_uncertainty_m + aircraft.ground_roll_m;
+      options.unknown_wind_mps = aircraft.landing_airspeed_mps;
+      // PlanReach counts the lowest start height only.
+      aircraft.approach_height_m *= options.start_height_ratios.back();
+      reach_m = std::max(reach_m, PlanReach(aircraft, std::nullopt, 0.0, 0.0, options) + beside_m);
+    } catch (const ApiError& error) {
+      // The plans of this aircraft cannot be read either.
+      spdlog::error("a stored aircraft cannot be used: {}", error.what());
+    }
+  }
+  return reach_m;
+}
+
 }  // namespace freelsd

@@ -47,6 +47,10 @@ struct PlanCheck {
 // Checks the plan on the map of another flight, with the plan's own aircraft, wind and options.
 // Those of the other flight do not matter, because only a change of the ground counts.
 PlanCheck CheckPlan(const StoredPlan& plan, const GeoPoint& map_origin, const SiteMap& site_map);
+// How far from their touchdowns the plans of stored sites need ground, at least 2.2 km. It holds
+// for the stored aircraft in any wind in which they make headway. It may not hold for a flight
+// whose options allow start heights above the usual ones.
+double ReachOfPlans(const RecallBounds& bounds);
 // What obstacles break of the plan, on its own map; nothing if it holds with them. What is unsure
 // counts against the plan.
 std::optional<PlanCheck> BrokenByObstacles(const StoredPlan& plan,

@@ -31,28 +31,6 @@ BoundingBox Widened(const BoundingBox& box, double reach_m) {
           box.north_deg + dlat_deg};
 }
 
-// How far from their touchdowns the plans of stored sites need ground, at least 2.2 km. It holds
-// for the stored aircraft in any wind in which they make headway. It may not hold for a flight
-// whose options allow start heights above the usual ones.
-double ReachOfPlans(const RecallBounds& bounds) {
-  double reach_m = 2200.0;
-  ApproachOptions options;
-  for (const std::string& aircraft_json : bounds.aircraft_jsons) {
-    try {
-      Aircraft aircraft = ParseAircraft(ParseJson(aircraft_json), "/aircraft");
-      const double beside_m = aircraft.touchdown_uncertainty_m + aircraft.ground_roll_m;
-      options.unknown_wind_mps = aircraft.landing_airspeed_mps;
-      // PlanReach counts the lowest start height only.
-      aircraft.approach_height_m *= options.start_height_ratios.back();
-      reach_m = std::max(reach_m, PlanReach(aircraft, std::nullopt, 0.0, 0.0, options) + beside_m);
-    } catch (const ApiError& error) {
-      // The plans of this aircraft cannot be read either.
-      spdlog::error("a stored aircraft cannot be used: {}", error.what());
-    }
-  }
-  return reach_m;
-}
-
 // A site's own map that is about to be stored, before storage has it.
 struct NewOwnMap {
   const SiteRow& site;
@@ -198,11 +176,14 @@ class NewStandings {
     }
   }
 
-  // Earlier sites of other flights, around a new map.
-  void AddEarlier(const BoundingBox& box, const std::string& flight_id) {
+  // Earlier sites of other flights, around a new map; those of `among`, if it is given.
+  void AddEarlier(const BoundingBox& box,
+                  const std::string& flight_id,
+                  const std::set<std::string>* among = nullptr) {
     const SiteStore& sites = stored_.storage.sites;
     const double reach_m = ReachOfPlans(sites.BoundsOfRecallable());
     for (const std::string& id : sites.ListAccepted(Widened(box, reach_m))) {
+      if (among != nullptr && !among->contains(id)) continue;
       const std::optional<SiteRow> site = FindKept(id);
       if (!site || site->flight_id == flight_id) continue;
       Standing after = checks_.Renewed(*site);
@@ -252,7 +233,73 @@ BoundingBox BoxOf(const SiteRow& site) {
       BoundingBox{site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg});
 }
 
+std::vector<FlightMapRow> MapsOf(const Storage& storage, const std::vector<std::string>& ids) {
+  std::vector<FlightMapRow> maps;
+  for (const std::string& id : ids) {
+    if (std::optional<FlightMapRow> map = storage.maps.Find(id)) maps.push_back(*std::move(map));
+  }
+  return maps;
+}
+
+// New standings of sites that the followed server does not know.
+Standings UnknownStandings(const StoredSites& stored,
+                           const Change& change,
+                           const UnknownAbove& unknown) {
+  NewStandings standings(stored, change);
+  if (unknown.sites.empty()) return {};
+  for (const std::string& id : change.gone_maps) {
+    for (std::vector<std::string> dependents :
+         {stored.storage.sites.ListDependents(id), stored.storage.sites.ListDependentsOfMap(id)}) {
+      std::erase_if(dependents, [&](const auto& site) { return !unknown.sites.contains(site); });
+      standings.AddDependents(dependents);
+    }
+  }
+  for (const FlightMapRow& map : change.new_maps) {
+    standings.AddEarlier(map.box, map.flight_id, &unknown.sites);
+  }
+  return standings.standings();
+}
+
 }  // namespace
+
+void StoreFollowed(Storage& storage,
+                   MapCache& maps,
+                   SiteTurn& turn,
+                   EvaluationRows rows,
+                   const Standings& told,
+                   const UnknownAbove& unknown) {
+  const StoredSites stored{storage, maps};
+  Change own;
+  own.new_maps = unknown.maps;
+  const Checks checks(stored, own);
+  Standings others;
+  for (SiteRow& site : rows.sites) {
+    Standing standing = checks.Renewed(site);
+    if (!(standing == static_cast<const Standing&>(site))) {
+      rows.sites_unknown_above.push_back(site.id);
+    }
+    static_cast<Standing&>(site) = std::move(standing);
+  }
+  for (const auto& [id, told_standing] : told) {
+    std::optional<SiteRow> site = storage.sites.Find(id);
+    if (!site) continue;
+    static_cast<Standing&>(*site) = told_standing;
+    others.emplace_back(id, checks.Renewed(*site));
+    if (!(others.back().second == told_standing)) rows.sites_unknown_above.push_back(id);
+  }
+  Change change;
+  change.gone_maps.insert(rows.forgotten_maps.begin(), rows.forgotten_maps.end());
+  change.gone_maps.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
+  change.gone_sites.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
+  change.new_sites = rows.sites;
+  change.new_maps = MapsOf(storage, rows.new_maps);
+  for (auto& [id, standing] : UnknownStandings(stored, change, unknown)) {
+    rows.sites_unknown_above.push_back(id);
+    others.emplace_back(id, std::move(standing));
+  }
+  turn.PutEvaluation(rows, others);
+  ReportAll(maps, rows.sites, others);
+}
 
 void StoreEvaluation(Storage& storage, MapCache& maps, SiteTurn& turn, EvaluationRows rows) {
   const StoredSites stored{storage, maps};
@@ -261,11 +308,7 @@ void StoreEvaluation(Storage& storage, MapCache& maps, SiteTurn& turn, Evaluatio
   change.gone_maps.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
   change.gone_sites.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
   change.new_sites = rows.sites;
-  for (const std::string& id : rows.new_maps) {
-    if (std::optional<FlightMapRow> map = storage.maps.Find(id)) {
-      change.new_maps.push_back(*std::move(map));
-    }
-  }
+  change.new_maps = MapsOf(storage, rows.new_maps);
   // A site that had a map of its own may get the flight's.
   for (const SiteRow& site : rows.sites) change.gone_maps.insert(site.id);
   const Checks checks(stored, change);
@@ -274,6 +317,12 @@ void StoreEvaluation(Storage& storage, MapCache& maps, SiteTurn& turn, Evaluatio
   for (const std::string& id : change.gone_maps) {
     others.AddDependents(storage.sites.ListDependents(id));
     others.AddDependents(storage.sites.ListDependentsOfMap(id));
+  }
+  // What a map supersedes names the nearest site on it.
+  for (const SiteRow& site : rows.sites) {
+    if (!site.map_id.empty()) {
+      others.AddDependents(storage.sites.ListDependentsOfMap(site.map_id));
+    }
   }
   for (const FlightMapRow& map : change.new_maps) others.AddEarlier(map.box, map.flight_id);
   turn.PutEvaluation(rows, others.standings());

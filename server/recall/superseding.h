@@ -7,7 +7,9 @@
 // to its commit: two changes at the same time would each miss the other's map.
 #pragma once
 
+#include <set>
 #include <string>
+#include <vector>
 
 #include "server/recall/map_cache.h"
 #include "storage/storage.h"
@@ -18,6 +20,21 @@ namespace freelsd {
 // maps, what they replace, and the standings of other flights' sites that change. The caller has
 // had the turn since it read what `rows` are made from.
 void StoreEvaluation(Storage& storage, MapCache& maps, SiteTurn& turn, EvaluationRows rows);
+
+// What the server that this one follows does not know: maps and sites that are stored here.
+struct UnknownAbove {
+  std::vector<FlightMapRow> maps;
+  std::set<std::string> sites;
+};
+// Stores what the followed server told, in one commit: sites with their told standings, staged
+// maps, what is forgotten, and told standings of sites that are stored already. What that server
+// does not know counts too: its maps for the told sites, and the told maps for its sites.
+void StoreFollowed(Storage& storage,
+                   MapCache& maps,
+                   SiteTurn& turn,
+                   EvaluationRows rows,
+                   const Standings& told,
+                   const UnknownAbove& unknown);
 
 // Stores a site with a map of its own and its standing. An empty map_blob means no map. The
 // standings of other sites that the map changes are stored in the same commit.

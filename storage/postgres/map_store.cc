@@ -159,6 +159,17 @@ std::optional<std::string> PostgresMapStore::ReadTile(const std::string& map_id,
   });
 }
 
+std::vector<TileKey> PostgresMapStore::ListTiles(const std::string& map_id) const {
+  return state_.Read([&](PostgresConnection& connection) {
+    return connection
+        .Run("SELECT level, row, col FROM map_tiles WHERE map_id = $1 ORDER BY level, row, col",
+             map_id)
+        .Each([](const PostgresRow& row) {
+          return TileKey{row.Int(0), row.Int(1), row.Int(2)};
+        });
+  });
+}
+
 std::optional<std::string> PostgresMapStore::ReadTileCopy(const std::string& map_id,
                                                           const TileKey& key) const {
   return ReadTile(map_id, key);

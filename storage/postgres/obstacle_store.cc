@@ -57,6 +57,15 @@ bool PostgresObstacleStore::Delete(const std::string& id) {
   return was_there;
 }
 
+void PostgresObstacleStore::PutFollowed(const std::vector<ObstacleRow>& obstacles,
+                                        const std::vector<std::string>& removed) {
+  PostgresWrite writer(state_);
+  StepObstacles(*writer);
+  for (const std::string& id : removed) writer->Run("DELETE FROM obstacles WHERE id = $1", id);
+  for (const ObstacleRow& obstacle : obstacles) PutObstacle(*writer, obstacle);
+  writer.Commit();
+}
+
 std::optional<ObstacleRow> PostgresObstacleStore::Find(const std::string& id) const {
   return state_.Read([&](PostgresConnection& connection) -> std::optional<ObstacleRow> {
     const PostgresRows rows = connection.Run(

@@ -83,6 +83,25 @@ SiteRow SiteRowOf(const PostgresRow& row) {
   return site;
 }
 
+const char* const kRecallColumns =
+    "is_recallable, is_landable, altitude_m, altitude_datum, score, aircraft_json, west_deg, "
+    "south_deg, east_deg, north_deg";
+
+SiteRow WholeSiteRowOf(const PostgresRow& row) {
+  constexpr int kFirst = 18;
+  SiteRow site = SiteRowOf(row);
+  site.map_datum = row.Text(kFirst + 3);
+  if (row.Bool(kFirst)) {
+    site.recall = RecallData{row.Bool(kFirst + 1),
+                             row.Real(kFirst + 2),
+                             row.Text(kFirst + 3),
+                             row.Real(kFirst + 4),
+                             row.Text(kFirst + 5)};
+  }
+  site.map_box = BoxAt(row, kFirst + 6);
+  return site;
+}
+
 void PutSite(PostgresConnection& writer, const SiteRow& site, std::string_view map_blob) {
   RecallData data = site.recall.value_or(RecallData{});
   if (!site.recall) data.altitude_datum = site.map_datum;

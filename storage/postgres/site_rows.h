@@ -18,6 +18,9 @@ void PutSiteStandings(PostgresConnection& writer, const Standings& standings);
 // Columns of a site without recall and map_box, and the row that they give.
 extern const char* const kSiteColumns;
 SiteRow SiteRowOf(const PostgresRow& row);
+// Of both lists of columns.
+extern const char* const kRecallColumns;
+SiteRow WholeSiteRowOf(const PostgresRow& row);
 
 // The box must not cross the antimeridian.
 BoxCache<RecallRow>::Rows SelectRecallRows(PostgresConnection& connection, const BoundingBox& box);

@@ -80,7 +80,7 @@ void PostgresSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings
   for (const std::string& id : rows.new_maps) {
     writer->Run("UPDATE maps SET is_in_force = true WHERE id = $1", id);
   }
-  for (const SiteRow& site : rows.sites) PutSite(*writer, site, {});
+  for (const SiteRow& site : rows.sites) PutSite(*writer, site, OwnMapIn(rows, site.id));
   PutSiteStandings(*writer, others);
   End();
   RemoveUnusedImages(state_, images);
@@ -107,6 +107,16 @@ std::optional<SiteRow> PostgresSiteStore::Find(const std::string& site_id) const
         std::string("SELECT ") + kSiteColumns + " FROM sites WHERE id = $1", site_id);
     if (rows.empty()) return std::nullopt;
     return SiteRowOf(rows[0]);
+  });
+}
+
+std::optional<SiteRow> PostgresSiteStore::FindWhole(const std::string& site_id) const {
+  return state_.Read([&](PostgresConnection& connection) -> std::optional<SiteRow> {
+    const PostgresRows rows = connection.Run(
+        std::string("SELECT ") + kSiteColumns + ", " + kRecallColumns + " FROM sites WHERE id = $1",
+        site_id);
+    if (rows.empty()) return std::nullopt;
+    return WholeSiteRowOf(rows[0]);
   });
 }
 

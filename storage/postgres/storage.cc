@@ -11,8 +11,17 @@ class PostgresBackend final : public StorageBackend {
       : state_(std::move(process), organisation) {}
 
   Stores stores() override {
-    return {
-        flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_, quotas_};
+    return {flights_,
+            frames_,
+            images_,
+            jobs_,
+            telemetry_,
+            sites_,
+            maps_,
+            obstacles_,
+            claims_,
+            quotas_,
+            changes_};
   }
   DatabaseKind Kind() const override { return DatabaseKind::kPostgres; }
   std::filesystem::path SpoolFolder() const override {
@@ -44,6 +53,7 @@ class PostgresBackend final : public StorageBackend {
   PostgresObstacleStore obstacles_{state_};
   PostgresClaimStore claims_{state_};
   PostgresQuotaStore quotas_{state_};
+  PostgresChangeStore changes_{state_};
 };
 
 std::optional<std::string> PostgresBackend::WhyNotWritable() {

@@ -69,6 +69,19 @@ std::optional<std::string> SqliteMapStore::ReadTile(const std::string& map_id,
       [&](const Connection& connection) { return ReadTileRow(connection, map_id, key); });
 }
 
+std::vector<TileKey> SqliteMapStore::ListTiles(const std::string& map_id) const {
+  return state_.ReadSites([&](const Connection& connection) {
+    Statement statement = connection.Prepare(
+        "SELECT level, row, col FROM map_tiles WHERE map_id = ?1 ORDER BY level, row, col");
+    statement.Bind(map_id);
+    std::vector<TileKey> keys;
+    while (statement.Step()) {
+      keys.push_back({statement.Int(0), statement.Int(1), statement.Int(2)});
+    }
+    return keys;
+  });
+}
+
 std::optional<std::string> SqliteMapStore::ReadTileCopy(const std::string& map_id,
                                                         const TileKey& key) const {
   return state_.ReadForRecall(

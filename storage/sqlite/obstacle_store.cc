@@ -25,6 +25,16 @@ bool SqliteObstacleStore::Delete(const std::string& id) {
   return was_there;
 }
 
+void SqliteObstacleStore::PutFollowed(const std::vector<ObstacleRow>& obstacles,
+                                      const std::vector<std::string>& removed) {
+  const auto lock = state_.LockForWriting();
+  const auto write = [&](const Connection& connection) {
+    for (const std::string& id : removed) DeleteObstacleRow(connection, id);
+    for (const ObstacleRow& obstacle : obstacles) PutObstacleRow(connection, obstacle);
+  };
+  state_.WriteObstacles(write, Teller::kAbove);
+}
+
 std::optional<ObstacleRow> SqliteObstacleStore::Find(const std::string& id) const {
   for (ObstacleRow& obstacle : List()) {
     if (obstacle.id == id) return std::move(obstacle);

@@ -1,4 +1,4 @@
--- All durable data except the image files. This is user_version 8; application_id holds the version
+-- All durable data except the image files. This is user_version 9; application_id holds the version
 -- too (migrations.h). migrations.cc migrates older versions.
 -- A second file, recall.db, has the same schema and holds a second copy of the tables of sites,
 -- obstacles and maps. It is read if this file is damaged.
@@ -179,4 +179,118 @@ CREATE TABLE obstacles (
   expires_at_us INTEGER,                     -- microseconds since 1970; it counts no longer then; NULL: never
   updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
   checksum INTEGER NOT NULL                  -- of the row
+) STRICT;
+
+-- The feed of changes. One row; none in the second copy, which keeps no changes.
+CREATE TABLE feed (
+  id TEXT NOT NULL,                          -- random; numbers of another feed mean something else
+  number INTEGER NOT NULL,                   -- of the last change
+  forgotten_through INTEGER NOT NULL,        -- removals up to this number may be forgotten
+  is_from_above INTEGER NOT NULL             -- 1 within a commit of what the followed server told
+) STRICT;
+INSERT INTO feed VALUES (lower(hex(randomblob(8))), 0, 0, 0);
+
+-- The last change of each site, map in force and obstacle; triggers write it.
+CREATE TABLE changes (
+  subject INTEGER NOT NULL,                  -- 0 site, 1 map, 2 obstacle
+  id TEXT NOT NULL,                          -- of the site, map or obstacle
+  number INTEGER NOT NULL UNIQUE,            -- increases with every change of anything
+  kind INTEGER NOT NULL,                     -- 0 stored, 1 updated, 2 superseded, 3 confirmed, 4 removed, 5 expired
+  changed_at_us INTEGER NOT NULL,            -- microseconds since 1970
+  stamp_us INTEGER NOT NULL,                 -- updated_at_us of the row, or of the removed row
+  west_deg REAL NOT NULL,                    -- WGS84 box of where it is, and was; never crosses the antimeridian
+  south_deg REAL NOT NULL,                   -- WGS84 degrees
+  east_deg REAL NOT NULL,                    -- WGS84 degrees
+  north_deg REAL NOT NULL,                   -- WGS84 degrees
+  origin TEXT NOT NULL DEFAULT '',           -- feed of the server that has made it; '': this one's
+  is_known_above INTEGER NOT NULL,           -- 1: the followed server has it as it is
+  PRIMARY KEY (subject, id)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX changes_unknown_above ON changes (number) WHERE is_known_above = 0;
+CREATE INDEX changes_removed ON changes (changed_at_us) WHERE kind >= 4;
+
+CREATE VIEW told_changes AS
+  SELECT subject, id, kind, stamp_us, west_deg, south_deg, east_deg, north_deg FROM changes;
+CREATE TRIGGER change_is_told INSTEAD OF INSERT ON told_changes
+WHEN EXISTS (SELECT 1 FROM feed) BEGIN
+  UPDATE feed SET number = number + 1;
+  INSERT INTO changes (subject, id, number, kind, changed_at_us, stamp_us, west_deg, south_deg,
+    east_deg, north_deg, is_known_above)
+  SELECT NEW.subject, NEW.id, number, NEW.kind,
+    CAST((julianday('now') - 2440587.5) * 86400000000.0 AS INTEGER), NEW.stamp_us, NEW.west_deg,
+    NEW.south_deg, NEW.east_deg, NEW.north_deg, is_from_above FROM feed WHERE true
+  ON CONFLICT (subject, id) DO UPDATE SET
+    number = excluded.number,
+    kind = CASE WHEN excluded.kind = 0 AND kind < 4 THEN 1 ELSE excluded.kind END,
+    changed_at_us = excluded.changed_at_us,
+    stamp_us = excluded.stamp_us,
+    west_deg = min(west_deg, excluded.west_deg),
+    south_deg = min(south_deg, excluded.south_deg),
+    east_deg = max(east_deg, excluded.east_deg),
+    north_deg = max(north_deg, excluded.north_deg),
+    origin = iif(stamp_us = excluded.stamp_us, origin, ''),
+    is_known_above = excluded.is_known_above;
+END;
+
+CREATE TRIGGER site_is_stored AFTER INSERT ON sites BEGIN
+  INSERT INTO told_changes VALUES (0, NEW.id, 0, NEW.updated_at_us, NEW.longitude_deg,
+    NEW.latitude_deg, NEW.longitude_deg, NEW.latitude_deg);
+END;
+CREATE TRIGGER site_is_updated AFTER UPDATE OF feature_json ON sites BEGIN
+  INSERT INTO told_changes VALUES (0, NEW.id, 1, NEW.updated_at_us, NEW.longitude_deg,
+    NEW.latitude_deg, NEW.longitude_deg, NEW.latitude_deg);
+END;
+CREATE TRIGGER site_stands_otherwise AFTER UPDATE OF superseded_by ON sites
+WHEN NEW.superseded_by IS NOT OLD.superseded_by
+  OR NEW.superseded_by_map <> OLD.superseded_by_map
+  OR NEW.superseded_at_us IS NOT OLD.superseded_at_us
+  OR NEW.superseded_reason <> OLD.superseded_reason
+  OR NEW.superseded_detail <> OLD.superseded_detail
+  OR NEW.confirmed_at_us IS NOT OLD.confirmed_at_us BEGIN
+  INSERT INTO told_changes VALUES (0, NEW.id,
+    CASE WHEN NEW.superseded_by IS NOT NULL THEN 2
+         WHEN NEW.confirmed_at_us IS NOT OLD.confirmed_at_us THEN 3 ELSE 1 END,
+    NEW.updated_at_us, NEW.longitude_deg, NEW.latitude_deg, NEW.longitude_deg, NEW.latitude_deg);
+END;
+CREATE TRIGGER site_is_removed AFTER DELETE ON sites BEGIN
+  INSERT INTO told_changes VALUES (0, OLD.id, 4, OLD.updated_at_us, OLD.longitude_deg,
+    OLD.latitude_deg, OLD.longitude_deg, OLD.latitude_deg);
+END;
+
+CREATE TRIGGER map_is_stored AFTER INSERT ON maps WHEN NEW.is_in_force = 1 BEGIN
+  INSERT INTO told_changes VALUES (1, NEW.id, 0, NEW.updated_at_us,
+    iif(NEW.west_deg > NEW.east_deg, -180, NEW.west_deg), NEW.south_deg,
+    iif(NEW.west_deg > NEW.east_deg, 180, NEW.east_deg), NEW.north_deg);
+END;
+CREATE TRIGGER map_comes_in_force AFTER UPDATE OF is_in_force ON maps
+WHEN NEW.is_in_force = 1 AND OLD.is_in_force = 0 BEGIN
+  INSERT INTO told_changes VALUES (1, NEW.id, 0, NEW.updated_at_us,
+    iif(NEW.west_deg > NEW.east_deg, -180, NEW.west_deg), NEW.south_deg,
+    iif(NEW.west_deg > NEW.east_deg, 180, NEW.east_deg), NEW.north_deg);
+END;
+CREATE TRIGGER map_is_removed AFTER DELETE ON maps WHEN OLD.is_in_force = 1 BEGIN
+  INSERT INTO told_changes VALUES (1, OLD.id, 4, OLD.updated_at_us,
+    iif(OLD.west_deg > OLD.east_deg, -180, OLD.west_deg), OLD.south_deg,
+    iif(OLD.west_deg > OLD.east_deg, 180, OLD.east_deg), OLD.north_deg);
+END;
+
+CREATE TRIGGER obstacle_is_stored AFTER INSERT ON obstacles BEGIN
+  INSERT INTO told_changes VALUES (2, NEW.id, 0, NEW.updated_at_us, NEW.west_deg, NEW.south_deg,
+    NEW.east_deg, NEW.north_deg);
+END;
+CREATE TRIGGER obstacle_is_updated AFTER UPDATE OF feature_json ON obstacles BEGIN
+  INSERT INTO told_changes VALUES (2, NEW.id, 1, NEW.updated_at_us, NEW.west_deg, NEW.south_deg,
+    NEW.east_deg, NEW.north_deg);
+END;
+CREATE TRIGGER obstacle_is_removed AFTER DELETE ON obstacles BEGIN
+  INSERT INTO told_changes VALUES (2, OLD.id,
+    iif(OLD.expires_at_us < (julianday('now') - 2440587.5) * 86400000000.0, 5, 4),
+    OLD.updated_at_us, OLD.west_deg, OLD.south_deg, OLD.east_deg, OLD.north_deg);
+END;
+
+-- What a follower keeps of the server that it follows.
+CREATE TABLE follow_state (
+  followed TEXT PRIMARY KEY,                 -- address and area
+  next TEXT NOT NULL,                        -- where to go on in its feed; '': from the beginning
+  in_step_at_us INTEGER                      -- when this copy was last in step, microseconds since 1970; NULL: never
 ) STRICT;

@@ -178,28 +178,6 @@ void PutRecall(const Connection& writer, const SiteRow& site) {
       .Run();
 }
 
-// A site with recall and map_box, to be copied to the other database.
-SiteRow WholeSite(const Connection& connection, const std::string& site_id) {
-  std::optional<SiteRow> found = FindSiteRow(connection, site_id);
-  // The table has the site, but the index does not: the index is damaged.
-  if (!found)
-    throw StorageError("read a site", "its row is missing from an index", StorageFault::kDamaged);
-  SiteRow site = std::move(*found);
-  Statement recall = connection.Prepare(
-      "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
-      "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "confirmed_at_us, map_id, is_recallable, west_deg, south_deg, east_deg, north_deg "
-      "FROM site_numbers "
-      "JOIN sites ON sites.id = site_id "
-      "JOIN site_boxes USING (number) WHERE site_id = ?1");
-  if (!recall.Bind(site_id).Step()) return site;
-  const RecallData data = RecallRowOf(recall).data;
-  site.map_datum = data.altitude_datum;
-  if (recall.Int(14) != 0) site.recall = data;
-  site.map_box = BoxOf(recall, 15);
-  return site;
-}
-
 }  // namespace
 
 void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view map_blob) {
@@ -220,6 +198,25 @@ std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::stri
   Statement statement = SelectSites(connection, "WHERE id = ?1");
   if (!statement.Bind(site_id).Step()) return std::nullopt;
   return RowOf(statement);
+}
+
+std::optional<SiteRow> FindWholeSiteRow(const Connection& connection, const std::string& site_id) {
+  std::optional<SiteRow> found = FindSiteRow(connection, site_id);
+  if (!found) return std::nullopt;
+  SiteRow site = std::move(*found);
+  Statement recall = connection.Prepare(
+      "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
+      "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
+      "confirmed_at_us, map_id, is_recallable, west_deg, south_deg, east_deg, north_deg "
+      "FROM site_numbers "
+      "JOIN sites ON sites.id = site_id "
+      "JOIN site_boxes USING (number) WHERE site_id = ?1");
+  if (!recall.Bind(site_id).Step()) return site;
+  const RecallData data = RecallRowOf(recall).data;
+  site.map_datum = data.altitude_datum;
+  if (recall.Int(14) != 0) site.recall = data;
+  site.map_box = BoxOf(recall, 15);
+  return site;
 }
 
 std::vector<SiteRow> ListSiteRows(const Connection& connection,
@@ -380,7 +377,11 @@ void CopySites(const Connection& from, const Connection& to) {
   for (const auto& [id, stamp] : wanted) {
     const auto found = present.find(id);
     if (found != present.end() && found->second == stamp) continue;
-    PutSiteRows(to, WholeSite(from, id), ReadMapBlob(from, id).value_or(""));
+    const std::optional<SiteRow> site = FindWholeSiteRow(from, id);
+    // The table has the site, but the index does not: the index is damaged.
+    if (!site)
+      throw StorageError("read a site", "its row is missing from an index", StorageFault::kDamaged);
+    PutSiteRows(to, *site, ReadMapBlob(from, id).value_or(""));
   }
   CopyObstacles(from, to);
   CopyMaps(from, to);

@@ -18,6 +18,8 @@ void PutSiteRows(const Connection& writer, const SiteRow& site, std::string_view
 
 // Rows have neither recall nor map_box. Throws StorageError kDamaged if a checksum is wrong.
 std::optional<SiteRow> FindSiteRow(const Connection& connection, const std::string& site_id);
+// With recall, map_box and map_datum.
+std::optional<SiteRow> FindWholeSiteRow(const Connection& connection, const std::string& site_id);
 std::vector<SiteRow> ListSiteRows(const Connection& connection,
                                   const std::optional<std::string>& flight_id,
                                   const std::optional<BoundingBox>& box);

@@ -16,6 +16,14 @@ std::vector<std::string> IdsOf(Statement& statement) {
   return ids;
 }
 
+void SetSitesUnknownAbove(const Connection& connection, const std::vector<std::string>& ids) {
+  for (const std::string& id : ids) {
+    connection.Prepare("UPDATE changes SET is_known_above = 0 WHERE subject = 0 AND id = ?1")
+        .Bind(id)
+        .Run();
+  }
+}
+
 class SqliteSiteTurn final : public SiteTurn {
  public:
   explicit SqliteSiteTurn(StorageState& state) : state_(state), turn_(state.turns_mutex) {}
@@ -45,13 +53,17 @@ class SqliteSiteTurn final : public SiteTurn {
 void SqliteSiteTurn::PutEvaluation(const EvaluationRows& rows, const Standings& others) {
   const auto lock = state_.LockForWriting();
   const std::vector<std::string> files = OwnPhotoFiles(state_.writer, rows.forgotten_maps);
-  state_.WriteSites([&](const Connection& connection) {
+  const auto write = [&](const Connection& connection) {
     for (const std::string& id : rows.forgotten_sites) DeleteSiteRows(connection, id);
     for (const std::string& id : rows.forgotten_maps) DeleteMapRow(connection, id);
     for (const std::string& id : rows.new_maps) PutMapInForce(connection, id);
-    for (const SiteRow& site : rows.sites) PutSiteRows(connection, site, {});
+    for (const SiteRow& site : rows.sites) {
+      PutSiteRows(connection, site, OwnMapIn(rows, site.id));
+    }
     PutStandings(connection, others);
-  });
+    SetSitesUnknownAbove(connection, rows.sites_unknown_above);
+  };
+  state_.WriteSites(write, rows.is_from_above ? Teller::kAbove : Teller::kThisServer);
   turn_.unlock();
   for (const std::string& sha256 : files) state_.images.Remove(sha256);
 }
@@ -79,6 +91,11 @@ std::unique_ptr<SiteTurn> SqliteSiteStore::TakeTurn() {
 std::optional<SiteRow> SqliteSiteStore::Find(const std::string& site_id) const {
   return state_.FindOfSite(
       [&](const Connection& connection) { return FindSiteRow(connection, site_id); });
+}
+
+std::optional<SiteRow> SqliteSiteStore::FindWhole(const std::string& site_id) const {
+  return state_.FindOfSite(
+      [&](const Connection& connection) { return FindWholeSiteRow(connection, site_id); });
 }
 
 std::vector<SiteRow> SqliteSiteStore::List(const std::optional<std::string>& flight_id,

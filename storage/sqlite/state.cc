@@ -215,7 +215,11 @@ void StorageState::BringTogether() {
       throw CopyDamaged(error.what());
     }
   };
-  on_copy([&] { OpenSchema(copy_writer); });
+  on_copy([&] {
+    OpenSchema(copy_writer);
+    // Without a feed it keeps no changes.
+    copy_writer.Execute("DELETE FROM feed; DELETE FROM changes");
+  });
   DeleteUnfinishedMaps(writer);
   on_copy([&] { DeleteUnfinishedMaps(copy_writer); });
   MendBoxes(writer);

@@ -30,6 +30,9 @@ struct CopyDamaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Whose change it is: kAbove, if the server that this one follows told it.
+enum class Teller { kThisServer, kAbove };
+
 // Its destructor increases the version, whether the change succeeded or failed.
 class VersionStep {
  public:
@@ -103,17 +106,19 @@ struct StorageState {
   // Applies the same change of sites or maps to both databases, each in its own transaction. The
   // caller holds LockForWriting.
   template <typename Write>
-  void WriteSites(Write write) {
+  void WriteSites(Write write, Teller teller = Teller::kThisServer) {
     const VersionStep step(sites_version);
-    WriteUnseen(write);
+    WriteUnseen(write, teller);
   }
 
   // The same for a change that no reader sees: of maps that are not in force.
   template <typename Write>
-  void WriteUnseen(Write write) {
+  void WriteUnseen(Write write, Teller teller = Teller::kThisServer) {
     {
       Transaction transaction(writer);
+      if (teller == Teller::kAbove) writer.Execute("UPDATE feed SET is_from_above = 1");
       write(writer);
+      if (teller == Teller::kAbove) writer.Execute("UPDATE feed SET is_from_above = 0");
       transaction.Commit();
     }
     WriteCopy(write);
@@ -121,9 +126,9 @@ struct StorageState {
 
   // The same for obstacles. obstacles_version increases even if a write fails.
   template <typename Write>
-  void WriteObstacles(Write write) {
+  void WriteObstacles(Write write, Teller teller = Teller::kThisServer) {
     const VersionStep step(obstacles_version);
-    WriteSites(write);
+    WriteSites(write, teller);
   }
 
   std::filesystem::path folder;

@@ -12,7 +12,17 @@ class SqliteBackend final : public StorageBackend {
   }
 
   Stores stores() override {
-    return {flights_, frames_, images_, jobs_, telemetry_, sites_, maps_, obstacles_, claims_, quotas_};
+    return {flights_,
+            frames_,
+            images_,
+            jobs_,
+            telemetry_,
+            sites_,
+            maps_,
+            obstacles_,
+            claims_,
+            quotas_,
+            changes_};
   }
   DatabaseKind Kind() const override { return DatabaseKind::kSqlite; }
   std::filesystem::path SpoolFolder() const override { return state_->folder / "spool"; }
@@ -39,6 +49,7 @@ class SqliteBackend final : public StorageBackend {
   SqliteObstacleStore obstacles_{*state_};
   SqliteClaimStore claims_;
   SqliteQuotaStore quotas_;
+  SqliteChangeStore changes_{*state_};
 };
 
 std::optional<std::string> SqliteBackend::WhyNotWritable() {

@@ -116,6 +116,7 @@ class SqliteSiteStore final : public SiteStore {
   explicit SqliteSiteStore(StorageState& state) : state_(state) {}
   std::unique_ptr<SiteTurn> TakeTurn() override;
   std::optional<SiteRow> Find(const std::string& site_id) const override;
+  std::optional<SiteRow> FindWhole(const std::string& site_id) const override;
   std::vector<SiteRow> List(const std::optional<std::string>& flight_id,
                             const std::optional<BoundingBox>& box) const override;
   uint64_t Version() const override;
@@ -147,6 +148,7 @@ class SqliteMapStore final : public MapStore {
   std::vector<FlightMapRow> ListOf(const std::string& flight_id) const override;
   std::optional<FlightMapRow> Find(const std::string& map_id) const override;
   std::optional<std::string> ReadTile(const std::string& map_id, const TileKey& key) const override;
+  std::vector<TileKey> ListTiles(const std::string& map_id) const override;
   std::optional<std::string> ReadTileCopy(const std::string& map_id,
                                           const TileKey& key) const override;
   std::optional<std::string> FindPhotoTile(const std::string& map_id,
@@ -165,6 +167,8 @@ class SqliteObstacleStore final : public ObstacleStore {
   explicit SqliteObstacleStore(StorageState& state) : state_(state) {}
   void Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) override;
   bool Delete(const std::string& id) override;
+  void PutFollowed(const std::vector<ObstacleRow>& obstacles,
+                   const std::vector<std::string>& removed) override;
   std::optional<ObstacleRow> Find(const std::string& id) const override;
   std::vector<ObstacleRow> List() const override;
   uint64_t Version() const override;
@@ -180,6 +184,31 @@ class SqliteQuotaStore final : public QuotaStore {
                                     const QuotaDemand& /*demand*/) override {
     return std::nullopt;
   }
+};
+
+class SqliteChangeStore final : public ChangeStore {
+ public:
+  explicit SqliteChangeStore(StorageState& state) : state_(state) {}
+  std::string FeedId() const override;
+  int64_t LastNumber() const override;
+  int64_t ForgottenThrough() const override;
+  ChangePage List(int64_t after_number,
+                  size_t limit,
+                  const std::optional<ChangeArea>& area) const override;
+  std::optional<ChangeRow> Find(const ChangeKey& key) const override;
+  void Repeat(const std::vector<ChangeKey>& keys) override;
+  void SetOrigins(const std::vector<ChangeRow>& changes) override;
+  void PutRemoval(const ChangeRow& removal) override;
+  void ForgetRemoved(int64_t before_us) override;
+  std::vector<ChangeRow> ListUnknownAbove(size_t limit) const override;
+  void SetKnownAbove(const std::vector<ChangeRow>& changes) override;
+  void SetUnknownAbove(const std::vector<ChangeKey>& keys) override;
+  void SetAllUnknownAbove(const std::string& except_origin) override;
+  std::optional<FollowState> FindFollowState() const override;
+  void PutFollowState(const FollowState& state) override;
+
+ private:
+  StorageState& state_;
 };
 
 // One process has the folder for itself.

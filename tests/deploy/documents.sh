@@ -127,6 +127,10 @@ run_block() {
       (cd "$work/clone" && gdalinfo slope.tif >/dev/null && xmllint --noout site.kml report.html flight.html &&
         compgen -G '*.plan' >/dev/null && compgen -G '*.rally' >/dev/null) || fail "$1: files that cannot be read"
       ;;
+    'build/release/server/freelsd-server --data demo-data/field'*)
+      play "$1" "s|127.0.0.1:8091|127.0.0.1:$(free_port 18500)|g"
+      expect '^[0-9.]+$'
+      ;;
     'TOKEN='*) with_tokens "$1" ;;
     'npm ci --prefix server/mavlink') with_autopilot "$1" ;;
     # Nothing in reach from the place in the document is an answer too, status 4.

@@ -13,7 +13,7 @@ set(server_may_include server api engine storage)
 set(engine_order check geometry footprint flight tracks segmentation classification regions wind adjustment
                  stereo provenance terrain heights cover mosaic watch hazard risk approach obstacles glide route
                  selection next_look)
-set(server_order config http sharing base_map links intake maps recall jobs handlers)
+set(server_order config http sharing base_map links intake maps recall following jobs handlers)
 # In these folders a header is private to its folder and the folders below, but for the one named
 # like its folder.
 set(with_private_headers engine api storage server)

@@ -67,6 +67,33 @@ TEST_CASE("config: there is no base map unless the file names one") {
       Read({"--config", file.c_str()}), doctest::Contains("base_map_max_zoom"), ConfigError);
 }
 
+TEST_CASE("config: a server follows another one over an area, on SQLite") {
+  const auto config = Read({"--data", "/x", "--follow", "https://centre", "--area", "7,46,9,48"});
+  CHECK(config->follow == "https://centre");
+  CHECK(config->area == "7,46,9,48");
+  CHECK_THROWS_WITH_AS(Read({"--data", "/x", "--follow", "https://centre"}),
+                       doctest::Contains("--follow needs --area"),
+                       ConfigError);
+  CHECK_THROWS_WITH_AS(Read({"--data", "/x", "--area", "7,46,9,48"}),
+                       doctest::Contains("need --follow"),
+                       ConfigError);
+  CHECK_THROWS_WITH_AS(Read({"--data", "/x", "--follow", "centre", "--area", "7,46,9,48"}),
+                       doctest::Contains("must be https://"),
+                       ConfigError);
+  CHECK_THROWS_WITH_AS(Read({"--data",
+                             "/x",
+                             "--database",
+                             "postgresql://a/b",
+                             "--images",
+                             "/i",
+                             "--follow",
+                             "https://centre",
+                             "--area",
+                             "7,46,9,48"}),
+                       doctest::Contains("only a server on SQLite"),
+                       ConfigError);
+}
+
 TEST_CASE("config: a role is for a PostgreSQL database, by command line or by file") {
   const auto read = [](const char* role) {
     return Read(

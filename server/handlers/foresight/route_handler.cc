@@ -80,7 +80,8 @@ void PostRouteCheck(Service& service, const Call& call, httplib::Response& respo
   }
   const RouteRequest request = RequestOf(service, call);
   const SemaphoreSlot slot(service.route_planners);
-  const nlohmann::json answer = CheckRoute({service.storage, service.maps}, request);
+  nlohmann::json answer = CheckRoute({service.storage, service.maps}, request);
+  service.copy.AddTo(answer, NowUs());
   if (format == "geojson") {
     response.set_content(RouteGeoJson(answer).dump(), "application/geo+json");
   } else {

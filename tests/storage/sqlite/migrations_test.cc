@@ -255,6 +255,9 @@ TEST_CASE("migrations: a database of version 6 gets obstacles in both files and 
   { Storage(folder.path()).sites.Put(SomeSite("f-r3", 50.0, 8.0), "map"); }
   for (const char* const name : {"freelsd.db", "recall.db"}) {
     const std::string sql =
+        "DROP TABLE feed; DROP TABLE follow_state; DROP VIEW told_changes; DROP TABLE changes; "
+        "DROP TRIGGER site_is_stored; DROP TRIGGER site_is_updated; "
+        "DROP TRIGGER site_stands_otherwise; DROP TRIGGER site_is_removed; "
         "DROP TABLE obstacles; DROP TABLE photo_tiles; DROP TABLE map_tiles; DROP TABLE maps; "
         "PRAGMA user_version = 6; PRAGMA application_id = " +
         std::to_string(ApplicationId(6));
