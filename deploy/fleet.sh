@@ -195,6 +195,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 read_settings
+if [ "${words[0]:-}" != up ] && [ "${#words[@]}" -gt 0 ] && [ ! -e "$root/settings" ]; then fail "there is no fleet in $root"; fi
 for key in port internal-port workers; do
   [[ "${setting[$key]}" =~ ^[1-9][0-9]{0,4}$ ]] || fail "--$key must be a number, not \"${setting[$key]}\""
 done

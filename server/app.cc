@@ -9,7 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "api/import/import.h"
-#include "server/intake/num_streams.h"
+#include "server/intake/intake.h"
 #include "server/jobs/jobs.h"
 #include "server/routes.h"
 

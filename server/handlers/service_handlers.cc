@@ -8,7 +8,7 @@
 #include "engine/obstacles/obstacles.h"
 #include "server/handlers/handlers.h"
 #include "server/http/http.h"
-#include "server/intake/num_streams.h"
+#include "server/intake/intake.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {

@@ -7,6 +7,7 @@
 #include "server/intake/flight_datum.h"
 #include "server/intake/frame_intake.h"
 #include "server/intake/frame_resolution.h"
+#include "server/intake/num_streams.h"
 #include "server/intake/quota.h"
 #include "server/intake/state.h"
 #include "server/intake/stored_images.h"

@@ -17,6 +17,13 @@ constexpr std::chrono::minutes kForgetPeriod{1};
 constexpr size_t kMaxNumWaiting = 4096;
 constexpr int kMaxNumHeard = 500;
 
+// Others tell each step of their work, and whoever is woken looks for work in the database. What is
+// missed here is found at the worker's next look by itself.
+bool IsOfWork(const SharedEvent& event) {
+  return (event.type == "frame" || event.type == "job") &&
+         event.data.find("\"state\":\"queued\"") != std::string::npos;
+}
+
 }  // namespace
 
 Sharing::Sharing(Storage& storage, SharingCalls calls)
@@ -111,13 +118,13 @@ void Sharing::TellOwn() {
 }
 
 void Sharing::HearOthers() {
-  bool has_heard = false;
+  bool may_be_work = false;
   for (const SharedEvent& event : storage_.claims.ListTold(heard_, kMaxNumHeard)) {
     heard_ = event.number;
-    has_heard = true;
+    may_be_work = may_be_work || IsOfWork(event);
     calls_.on_event(event);
   }
-  if (has_heard) calls_.on_work();
+  if (may_be_work) calls_.on_work();
   const uint64_t version = storage_.sites.Version();
   if (std::exchange(sites_version_, version) != version) calls_.on_changed_sites();
   const auto now = std::chrono::steady_clock::now();

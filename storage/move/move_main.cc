@@ -8,9 +8,7 @@
 #include <openssl/evp.h>
 
 #include "storage/image_files.h"
-#include "storage/move/postgres_side.h"
-#include "storage/move/rows.h"
-#include "storage/move/sqlite_side.h"
+#include "storage/move/move.h"
 #include "storage/storage_error.h"
 
 namespace freelsd {

@@ -1,4 +1,4 @@
-#include "storage/move/rows.h"
+#include "storage/move/move.h"
 
 namespace freelsd {
 namespace {

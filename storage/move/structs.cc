@@ -1,6 +1,5 @@
-#include "storage/move/structs.h"
-
 #include "storage/boxes.h"
+#include "storage/move/move.h"
 
 namespace freelsd {
 namespace {

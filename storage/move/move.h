@@ -2,10 +2,16 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "storage/map_store.h"
+#include "storage/obstacle_store.h"
+#include "storage/site_store.h"
 
 namespace freelsd {
 
@@ -62,5 +68,19 @@ class RowTarget : public RowSource {
   virtual void PutImageRow(const std::string& sha256, int64_t num_bytes) = 0;
   virtual void Complete() = 0;
 };
+
+// Rows of tables that the stores write themselves, because other rows or checksums belong to them.
+SiteRow SiteIn(const MovedRow& row);
+FlightMapRow MapIn(const MovedRow& row);
+ObstacleRow ObstacleIn(const MovedRow& row);
+
+// All of these throw StorageError if a server uses the folder or the database.
+// Of a folder with the current schema.
+std::unique_ptr<RowSource> OpenSqliteSource(const std::filesystem::path& folder);
+// Fills a file beside the database's own name, which Complete renames.
+std::unique_ptr<RowTarget> OpenSqliteTarget(const std::filesystem::path& folder);
+std::unique_ptr<RowSource> OpenPostgresSource(const std::string& url);
+// While the move is unfinished, servers refuse the schema as a newer program's.
+std::unique_ptr<RowTarget> OpenPostgresTarget(const std::string& url);
 
 }  // namespace freelsd

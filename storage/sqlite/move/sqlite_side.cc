@@ -1,10 +1,8 @@
-#include "storage/move/sqlite_side.h"
-
 #include <optional>
 
 #include "storage/folder_lock.h"
 #include "storage/image_files.h"
-#include "storage/move/structs.h"
+#include "storage/move/move.h"
 #include "storage/sqlite/damage.h"
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/migrations.h"

@@ -1,8 +1,6 @@
-#include "storage/move/postgres_side.h"
-
 #include <optional>
 
-#include "storage/move/structs.h"
+#include "storage/move/move.h"
 #include "storage/postgres/area_rows.h"
 #include "storage/postgres/migrations.h"
 #include "storage/postgres/organisations/organisations.h"
