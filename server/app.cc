@@ -118,21 +118,19 @@ App::App(const Config& config)
 
 void App::BeginToFollow() {
   Organisation& own = *organisations_.Find(kDefaultOrganisation);
-  follower_ = std::make_unique<Follower>(*own.storage,
-                                         own.maps,
-                                         own.service.copy,
-                                         FollowOptionsOf(config_),
-                                         [&own](const MergeResult& merged) {
-                                           for (const SiteRow& site : merged.sites) {
-                                             own.events.Publish("site",
-                                                                site.flight_id,
-                                                                nlohmann::json{
-                                                                    {"id", site.id},
-                                                                    {"flight_id", site.flight_id}}
-                                                                    .dump());
-                                           }
-                                           own.alternates.WakeAll();
-                                         });
+  follower_ = std::make_unique<Follower>(
+      *own.storage,
+      own.maps,
+      own.service.copy,
+      FollowOptionsOf(config_),
+      [&own](const MergeResult& merged) {
+        for (const SiteRow& site : merged.sites) {
+          own.events.Publish("site",
+                             site.flight_id,
+                             nlohmann::json{{"id", site.id}, {"flight_id", site.flight_id}}.dump());
+        }
+        own.alternates.WakeAll();
+      });
   follower_->Start();
 }
 
