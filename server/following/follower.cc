@@ -12,6 +12,7 @@
 #include <spdlog/spdlog.h>
 
 #include "api/api.h"
+#include "api/import/import.h"
 #include "server/config.h"
 #include "server/following/feed.h"
 #include "server/following/told_map.h"
@@ -285,7 +286,11 @@ void Follower::FetchMaps(const std::vector<ToldChange>& changes) {
     const httplib::Result result = client_.Get(path_prefix_ + "/v1/maps/" + id);
     // Removed meanwhile: what lies on it was told with a later number.
     if (result && result->status == 404) continue;
-    const TakenMap taken = ParseMapBytes(Expect2xx(result).body, id);
+    const std::string& bytes = Expect2xx(result).body;
+    if (result->get_header_value("ETag") != "\"" + Sha256Hex(bytes) + "\"") {
+      throw LinkFailure("the bytes of map " + id + " do not match their digest");
+    }
+    const TakenMap taken = ParseMapBytes(bytes, id);
     storage_.maps.Stage(taken.map, taken.tiles, {});
   }
 }
