@@ -36,7 +36,7 @@ struct ChangeRow {
   // updated_at_us of the row; if it was removed, of the row that was removed.
   int64_t stamp_us = 0;
   // Feed of the server that has made it. Empty: this one's.
-  std::string origin;
+  std::string origin = {};
   // Whether the server that this one follows has it as it is.
   bool is_known_above = false;
 };
@@ -85,7 +85,7 @@ class ChangeStore {
   virtual std::optional<ChangeRow> Find(const ChangeKey& key) const = 0;
   // Gives each of them a new number, so that followers get it again.
   virtual void Repeat(const std::vector<ChangeKey>& keys) = 0;
-  // Sets the origin of those that have none.
+  // Where the origin changes, followers get the change again.
   virtual void SetOrigins(const std::vector<ChangeRow>& changes) = 0;
   // Keeps the removal of something that is not here, or was removed with an earlier stamp.
   virtual void PutRemoval(const ChangeRow& removal) = 0;

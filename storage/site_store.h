@@ -117,11 +117,11 @@ struct EvaluationRows {
   std::vector<std::string> new_maps;
   std::vector<std::string> forgotten_maps;
   // By site, of those of `sites` that have a map of their own.
-  std::map<std::string, std::string> own_maps;
+  std::map<std::string, std::string> own_maps = {};
   // Told by the server that this one follows (ChangeRow::is_known_above).
   bool is_from_above = false;
   // Those whose rows that server does not know all the same.
-  std::vector<std::string> sites_unknown_above;
+  std::vector<std::string> sites_unknown_above = {};
 };
 
 // The site's own map; empty: it has none.
