@@ -46,6 +46,7 @@ DatabaseKind KindOfDatabase() {
 }  // namespace
 
 StorageOptions StorageAt(const std::filesystem::path& folder) {
+  // Guards schemas.
   static std::mutex mutex;
   static std::map<std::filesystem::path, std::string> schemas;
   StorageOptions options;
