@@ -19,6 +19,7 @@
 # TIME is as PostgreSQL reads it, e.g. "2026-11-27 21:30:00+00". Passwords and tokens are in ROOT/secrets (mode 600).
 set -Eeuo pipefail
 deploy="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
+# shellcheck disable=SC2034
 program="fleet.sh"
 source "$deploy/steps.sh"
 source "$deploy/fleet/cluster.sh"
@@ -27,6 +28,7 @@ source "$deploy/fleet/supervision.sh"
 source "$deploy/fleet/backups.sh"
 
 # What the first `up` was told counts until another one is told something else.
+# shellcheck disable=SC2034
 num_apis=2
 root=/var/lib/freelsd-fleet
 declare -A setting=([port]=8443 [internal-port]=18100 [workers]=3 [host]="$(hostname)" [server]="")
