@@ -107,6 +107,18 @@ SiteRow PlannedOn(Storage& storage, const FlightMapRow& map, const Replan& repla
   return site;
 }
 
+ToldChange ChangeOf(ChangeSubject subject,
+                    const std::string& id,
+                    int64_t stamp_us,
+                    const std::string& origin) {
+  ToldChange told;
+  told.change.key.subject = subject;
+  told.change.key.id = id;
+  told.change.stamp_us = stamp_us;
+  told.change.origin = origin;
+  return told;
+}
+
 }  // namespace
 
 ToldFlight Fly(const SimulatedFlight& flight) {
@@ -116,17 +128,13 @@ ToldFlight Fly(const SimulatedFlight& flight) {
   const FlightMapRow map = StageField(storage, flight, replan);
   ToldFlight told;
   told.map_bytes[map.id] = MapBytes(storage, map);
-  ToldChange of_map;
-  of_map.change = {
-      .key = {ChangeSubject::kMap, map.id}, .stamp_us = map.updated_at_us, .origin = flight.origin};
+  ToldChange of_map = ChangeOf(ChangeSubject::kMap, map.id, map.updated_at_us, flight.origin);
   of_map.map = map;
   told.changes.push_back(of_map);
   if (!flight.has_site) return told;
-  ToldChange of_site;
-  of_site.site = PlannedOn(storage, map, replan);
-  of_site.change = {.key = {ChangeSubject::kSite, of_site.site->id},
-                    .stamp_us = of_site.site->updated_at_us,
-                    .origin = flight.origin};
+  const SiteRow site = PlannedOn(storage, map, replan);
+  ToldChange of_site = ChangeOf(ChangeSubject::kSite, site.id, site.updated_at_us, flight.origin);
+  of_site.site = site;
   told.changes.push_back(of_site);
   return told;
 }
