@@ -169,8 +169,9 @@ cut_at=$SECONDS
 flying=()
 seed=10
 for name in centre one other; do
-  fly "$name" 60 "$num_minutes" $((seed++)) >"$work/$name.flown" 2>&1 &
+  fly "$name" 60 "$num_minutes" "$seed" >"$work/$name.flown" 2>&1 &
   flying+=($!)
+  seed=$((seed + 1))
 done
 sleep 1
 kill_server one
