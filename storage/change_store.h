@@ -23,7 +23,7 @@ struct ChangeKey {
   ChangeSubject subject = ChangeSubject::kSite;
   std::string id;
 
-  auto operator<=>(const ChangeKey&) const = default;
+  auto operator<=>(const ChangeKey&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 
 // Its last change. A removed one keeps its row until ForgetRemoved.
