@@ -245,7 +245,7 @@ nlohmann::json DryRun(const Service& service,
 JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload) {
   const FlightRow stored = ExistingFlight(service, call);
   const Admission admission = Admit(service.intake, stored, upload);
-  const JobRow job = NewBatchJob(stored.id, admission, upload);
+  JobRow job = NewBatchJob(stored.id, admission, upload);
   RefuseOverQuota(service.intake, {0, static_cast<int64_t>(admission.frames.size()), 1});
   service.storage.frames.Insert(stored.id, admission.frames, job, [&](FlightRow& flight) {
     // A stored rig is kept, because another request may have added a datum to it since it was read.
