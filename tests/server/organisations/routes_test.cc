@@ -96,6 +96,7 @@ std::vector<Walk> WalksOfSites() {
 
 std::vector<Walk> OtherWalks() {
   return {
+      {"GET /v1/changes", "/v1/changes", 200},
       {"GET /v1/events", "/v1/events?flight=north-flight", 404, 0},
       {"GET /v1/jobs", "/v1/jobs", 200},
       {"GET /v1/jobs/{job}", "/v1/jobs/north-job"},
@@ -120,7 +121,6 @@ std::vector<Walk> OtherWalks() {
       {"POST /v1/links/{link}/engine-failure", "/v1/links/north-link/engine-failure", 404, 0, "{}"},
       {"POST /v1/links/{link}/release", "/v1/links/north-link/release", 404, 0, "{}"},
       {"PUT /v1/links/{link}", "/v1/links/south-link", 200, 0, kLink},
-      {"GET /v1/changes", "/v1/changes", 200},
       {"POST /v1/changes", "/v1/changes", 200, 0, R"({"changes":[]})"},
       {"GET /v1/maps/{flight}/{number}", "/v1/maps/north-flight/1"},
       {"PUT /v1/maps/{flight}/{number}", "/v1/maps/north-flight/1", 422, 0, "no map"},
