@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
 
 #include "api/export/layers/layers.h"

@@ -166,6 +166,7 @@ class FlyOver {
 }  // namespace
 }  // namespace freelsd
 
+// NOLINTNEXTLINE(bugprone-exception-escape): what is printed is short.
 int main(int argc, char** argv) {
   freelsd::Options options;
   CLI::App app("Simulated flights over a row of fields.", "freelsd-fly-over");

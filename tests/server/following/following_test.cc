@@ -151,7 +151,8 @@ TEST_CASE("changes over HTTP: what is wrong is refused by its place, and changes
            {"/site/standing", nullptr},
            {"/site/map_box", {1, 2, 3}},
            {"/site/own_map", "no base64"}}) {
-    CAPTURE(pointer);
+    const std::string place = pointer;
+    CAPTURE(place);
     const httplib::Result result = post(with(pointer, value));
     CheckProblem(result, 422, "InvalidValue");
     CHECK(result->body.find("/changes/0/site") != std::string::npos);
