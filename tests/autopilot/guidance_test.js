@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import { FlatFrame } from '../../server/mavlink/flat_frame.js';
+import { Guidance } from '../../server/mavlink/guidance/guidance.js';
 import { choose } from '../../server/mavlink/guidance/guidance_choice.js';
 import { FinalGate } from '../../server/mavlink/guidance/guidance_final.js';
 import { ModeWatch } from '../../server/mavlink/guidance/guidance_modes.js';
@@ -177,4 +178,49 @@ test('recall is asked in a wind that is held until it changes by more than it wa
   assert.equal(query.heading_deg, 90);
   assert.equal(query.wind_east_mps, 5);
   assert.ok(!('touchdown_uncertainty_m' in query));
+});
+
+// A field with room for a touchdown within so much; recall tells it to whoever asks for no more.
+function guidanceOver(room_m) {
+  const asked = [];
+  const log = [];
+  const told = site();
+  const guidance = new Guidance({
+    recall: async (query) => {
+      const { touchdown_uncertainty_m: wanted_m = 8 } = query;
+      asked.push(query.touchdown_uncertainty_m);
+      const aircraft = { landing_airspeed_mps: 10, glide_ratio: 7, touchdown_uncertainty_m: Math.max(8, wanted_m) };
+      return { sites: aircraft.touchdown_uncertainty_m <= room_m ? [{ ...told, aircraft }] : [] };
+    },
+    autopilot: { goTo: () => {}, setSpeed: () => {}, beginFinal: () => {} },
+    mission: { prepare: async () => {} },
+    log: (text) => log.push(text),
+  });
+  const flying = { ...state({ position: place(0, -390, 519) }), mode: 'GUIDED', is_armed: true };
+  return { asked, log, guidance, flying };
+}
+
+async function flyFor(guidance, flying, seconds) {
+  for (let now_s = 0; now_s <= seconds; now_s += 0.5) {
+    guidance.step(flying, now_s);
+    await new Promise((resolve) => { setImmediate(resolve); });
+  }
+}
+
+test('a site is planned for as much scatter as autopilots have; where none has room, for the aircraft\'s, which is told', async () => {
+  const wide = guidanceOver(20);
+  wide.guidance.engage(wide.flying, 'test', 0);
+  await flyFor(wide.guidance, wide.flying, 4);
+  assert.ok(wide.guidance.way, wide.log.join('; '));
+  assert.equal(wide.guidance.way.site.aircraft.touchdown_uncertainty_m, 14);
+  assert.ok(wide.asked.every((asked_m) => asked_m === 14), String(wide.asked));
+  assert.ok(!wide.log.some((text) => /autopilots need/.test(text)));
+
+  const narrow = guidanceOver(10);
+  narrow.guidance.engage(narrow.flying, 'test', 0);
+  await flyFor(narrow.guidance, narrow.flying, 4);
+  assert.equal(narrow.guidance.way.site.aircraft.touchdown_uncertainty_m, 8);
+  // On the way, recall is asked for what is flown.
+  assert.deepEqual(narrow.asked.slice(0, 3), [14, undefined, 8]);
+  assert.ok(narrow.log.some((text) => /within 8 m, autopilots need 14 m/.test(text)), narrow.log.join('; '));
 });

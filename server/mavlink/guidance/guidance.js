@@ -140,10 +140,7 @@ export class Guidance {
     this.#asked_s = now_s;
     const wind = this.#wind.take(state.wind, (text) => this.#isEngaged && this.#decide(text, 'wind'));
     try {
-      const answer = await this.#recall(queryOf(state, wind, {
-        airspeed_m: this.#surplus_m(state), better_m: this.#better_m(state),
-        lower_m: this.#isEngaged && this.#way ? this.#options.aimLow_m : 0,
-        touchdownUncertainty_m: this.#options.touchdownUncertainty_m }));
+      const answer = await this.#answerFor(state, wind);
       this.#answer = { answer, asked_s: now_s, isNew: true };
       this.#tellReachable(true);
     } catch (error) {
@@ -151,6 +148,17 @@ export class Guidance {
     } finally {
       this.#isAsking = false;
     }
+  }
+
+  // A field that is too small for the autopilot's scatter is still better than none.
+  async #answerFor(state, wind) {
+    const isOnWay = this.#isEngaged && this.#way !== undefined;
+    const ask = (touchdownUncertainty_m) => this.#recall(queryOf(state, wind, {
+      airspeed_m: this.#surplus_m(state), better_m: this.#better_m(state),
+      lower_m: isOnWay ? this.#options.aimLow_m : 0, touchdownUncertainty_m }));
+    if (isOnWay) return ask(this.#way.site.aircraft.touchdown_uncertainty_m);
+    const answer = await ask(this.#options.touchdownUncertainty_m);
+    return answer.sites.length > 0 ? answer : ask();
   }
 
   // Only a way that is flown counts on airspeed and on a better glide: a site is chosen without.
@@ -213,8 +221,15 @@ export class Guidance {
     }
     this.#told_m = site.arrival_margin_m;
     this.#taken_s = now_s;
-    this.#decide(`to site ${site.site_id}: ${reason}; margin ${this.#told_m.toFixed(1)} m, ${what}`, 'guidance');
+    this.#decide(`to site ${site.site_id}: ${reason}; margin ${this.#told_m.toFixed(1)} m, ${what}${this.#scatterOf(site)}`,
+      'guidance');
     this.#sent_s = now_s - this.#options.targetPeriod_s;
+  }
+
+  #scatterOf({ aircraft }) {
+    const free_m = aircraft.touchdown_uncertainty_m;
+    const wanted_m = this.#options.touchdownUncertainty_m;
+    return free_m < wanted_m ? `; planned for a touchdown within ${free_m} m, autopilots need ${wanted_m} m` : '';
   }
 
   #prepare(site) {
