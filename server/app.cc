@@ -162,8 +162,16 @@ void App::OpenOrganisations() {
       organisations_.Of(name);
     }
   }
-  for (const auto& [name, settings] : config_.organisations) {
-    organisations_.Of(name).storage.ShareSites(settings.shares_sites);
+  if (config_.role == Role::kWorker || service.storage.Kind() == DatabaseKind::kSqlite) return;
+  // Who is no longer in the settings shares no longer.
+  for (const std::string& name : service.storage.claims.ListOrganisations()) {
+    const auto found = config_.organisations.find(name);
+    const bool is_shared = found != config_.organisations.end() && found->second.shares_sites;
+    if (const Organisation* open = organisations_.Find(name)) {
+      open->storage->ShareSites(is_shared);
+    } else {
+      service.storage.ForOrganisation(name)->ShareSites(is_shared);
+    }
   }
 }
 

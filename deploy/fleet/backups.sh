@@ -55,6 +55,10 @@ restore() {
   begin "restoring images"
   copy_images "$folder/images" "$root/images"
   check_images
+  # Numbers of changes go on from an earlier one: whoever follows begins anew.
+  if [ "$(ask "SELECT to_regclass('feed') IS NOT NULL")" = t ]; then
+    ask "UPDATE feed SET id = replace(gen_random_uuid()::text, '-', '')" >/dev/null
+  fi
   echo "restored; the former database is in $former"
   echo "start the servers again with: deploy/fleet.sh up --root $root"
 }

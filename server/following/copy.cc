@@ -1,6 +1,5 @@
 #include "server/following/copy.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
@@ -33,8 +32,9 @@ bool Copy::IsThere() const {
 
 std::optional<double> Copy::AgeS(int64_t now_us) const {
   const std::lock_guard lock(mutex_);
-  if (!in_step_at_us_) return std::nullopt;
-  return 1e-6 * static_cast<double>(std::max(int64_t{0}, now_us - *in_step_at_us_));
+  // A clock that was set back knows no age.
+  if (!in_step_at_us_ || now_us < *in_step_at_us_) return std::nullopt;
+  return 1e-6 * static_cast<double>(now_us - *in_step_at_us_);
 }
 
 nlohmann::json Copy::Json(int64_t now_us) const {
@@ -54,7 +54,7 @@ void Copy::AddTo(nlohmann::json& answer, int64_t now_us) const {
   std::string warning = "answered from a copy of " + copy["of"].get<std::string>();
   warning += copy.contains("age_s")
                  ? ", " + std::to_string(std::lround(copy["age_s"].get<double>())) + " s old"
-                 : " that is not complete yet";
+                 : ", whose age is not known";
   answer["copy"] = copy;
   answer["warnings"].push_back(warning + "; nothing newer, and nothing outside its area, is known");
 }

@@ -115,7 +115,6 @@ nlohmann::json FeedPage(const Storage& storage, const FeedRequest& request) {
   int64_t last_number = since.number;
   bool has_more = page.has_more;
   size_t num_bytes = 0;
-  bool is_cut = false;
   for (const ChangeRow& change : page.changes) {
     if (num_bytes > kMaxPageBytes) {
       has_more = true;
@@ -126,8 +125,8 @@ nlohmann::json FeedPage(const Storage& storage, const FeedRequest& request) {
     std::optional<ToldChange> told;
     if (is_wanted) told = ReadTold(storage, change);
     if (is_wanted && !told) {
-      // It changes just now: the next page has it.
-      is_cut = true;
+      // It changes just now: the next page has it, and until then the feed is not at its end.
+      has_more = true;
       break;
     }
     last_number = change.number;
@@ -137,7 +136,7 @@ nlohmann::json FeedPage(const Storage& storage, const FeedRequest& request) {
     answer["changes"].push_back(ToldJson(*told, feed));
     num_bytes += answer["changes"].back().dump().size();
   }
-  if (!has_more && !is_cut) last_number = page.last_number;
+  if (!has_more) last_number = page.last_number;
   answer["next"] = TextOf({feed, last_number, begun_at});
   answer["has_more"] = has_more;
   return answer;

@@ -69,14 +69,16 @@ bool IsSentBefore(const ChangeRow& a, const ChangeRow& b) {
   return order(a) < order(b);
 }
 
-// A site that cannot be read counts as gone: what is known of it here is out of date.
-std::optional<ToldChange> ReadChange(const nlohmann::json& change) {
+// A site that cannot be read counts as gone: what is known of it here is out of date. Without an
+// obstacle or a map sites would look safe, so the copy stays behind until it can be read.
+ToldChange ReadChange(const nlohmann::json& change) {
   try {
     return ParseTold(change, "/changes");
   } catch (const ApiError& error) {
-    spdlog::error("a change that was told cannot be used: {}", error.what());
+    const std::string what = std::string("a change that was told cannot be used: ") + error.what();
+    if (!change.is_object() || change.value("subject", "") != "site") throw LinkFailure(what);
+    spdlog::error(what);
   }
-  if (!change.is_object() || change.value("subject", "") != "site") return std::nullopt;
   ToldChange gone;
   gone.change.key = {ChangeSubject::kSite, change.value("id", "")};
   gone.has_left = true;
@@ -128,6 +130,10 @@ Follower::Follower(Storage& storage,
   const std::string followed = options_.url + " " + options_.area_text;
   const std::optional<FollowState> known = storage_.changes.FindFollowState();
   state_ = known && known->followed == followed ? *known : FollowState{followed, "", {}};
+  // Another server knows nothing of what the former one was sent.
+  if (known && known->followed != followed && !known->next.empty()) {
+    storage_.changes.SetAllUnknownAbove(ParseFeedPlace(known->next).feed);
+  }
   is_anew_ = state_.next.empty();
   copy_.Begin(options_.url, options_.area, state_.in_step_at_us);
 }
@@ -220,6 +226,8 @@ bool Follower::Pull(int wait_s) {
   if (!page["changes"].empty()) remembered_at_us_ = 0;
   Remember(!has_more, asked_at_us);
   copy_.SetLink("");
+  // The next change cannot be read at this moment.
+  if (has_more && page["changes"].empty()) Pause(kEarlyPauseS);
   return has_more;
 }
 
@@ -268,7 +276,7 @@ void Follower::BeginAnew(const std::string& why) {
 void Follower::TakePage(const nlohmann::json& page) {
   std::vector<ToldChange> changes;
   for (const nlohmann::json& each : page) {
-    if (std::optional<ToldChange> told = ReadChange(each)) changes.push_back(*std::move(told));
+    changes.push_back(ReadChange(each));
   }
   if (changes.empty()) return;
   FetchMaps(changes);
@@ -285,7 +293,9 @@ void Follower::FetchMaps(const std::vector<ToldChange>& changes) {
   for (const std::string& id : MapsToFetch(storage_, changes)) {
     const httplib::Result result = client_.Get(path_prefix_ + "/v1/maps/" + id);
     // Removed meanwhile: what lies on it was told with a later number.
-    if (result && result->status == 404) continue;
+    if (result && result->status == 404 && result->body.find("\"NoMap\"") != std::string::npos) {
+      continue;
+    }
     const std::string& bytes = Expect2xx(result).body;
     if (result->get_header_value("ETag") != "\"" + Sha256Hex(bytes) + "\"") {
       throw LinkFailure("the bytes of map " + id + " do not match their digest");
@@ -301,6 +311,9 @@ bool Follower::Push() {
   if (unknown.empty()) return false;
   std::sort(unknown.begin(), unknown.end(), IsSentBefore);
   unknown.resize(std::min(unknown.size(), kMaxNumPushed));
+  // What changes just now is sent as it is then.
+  std::erase_if(unknown, [this](const ChangeRow& each) { return !ReadTold(storage_, each); });
+  if (unknown.empty()) return false;
   Send(unknown);
   return true;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <set>
-#include <tuple>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -10,51 +9,11 @@
 
 #include "api/api.h"
 #include "server/following/feed.h"
+#include "server/following/later.h"
 #include "server/http/http.h"
 
 namespace freelsd {
 namespace {
-
-enum class Choice {
-  kTake,  // what was told is later
-  kSame,
-  kKeep  // what is stored is later
-};
-
-std::string EvidenceDigestOf(const SiteRow& site) {
-  const nlohmann::json feature = nlohmann::json::parse(site.feature_json, nullptr, false);
-  if (!feature.is_object()) return {};
-  return feature.value(nlohmann::json::json_pointer("/properties/evidence_digest"), std::string());
-}
-
-// The same text for the same values.
-std::string Canonical(const std::string& json) {
-  return json.empty() ? json : nlohmann::json::parse(json).dump();
-}
-
-auto RankOf(const SiteRow& site) {
-  return std::tuple(site.updated_at_us,
-                    site.seen_at_us,
-                    EvidenceDigestOf(site),
-                    Canonical(site.feature_json),
-                    Canonical(site.approach_json),
-                    Canonical(site.replan_json),
-                    site.map_id);
-}
-
-auto RankOf(const ObstacleRow& obstacle) {
-  return std::tuple(obstacle.updated_at_us, Canonical(obstacle.feature_json));
-}
-
-auto RankOf(const FlightMapRow& map) { return std::tuple(map.updated_at_us); }
-
-template <typename Row>
-Choice Between(const Row& told, const std::optional<Row>& stored) {
-  if (!stored) return Choice::kTake;
-  const auto told_rank = RankOf(told), stored_rank = RankOf(*stored);
-  if (told_rank == stored_rank) return Choice::kSame;
-  return stored_rank < told_rank ? Choice::kTake : Choice::kKeep;
-}
 
 // What the change says, against what is stored under its key.
 class Choices {
@@ -66,11 +25,17 @@ class Choices {
     const bool is_here = last && !IsRemoval(last->kind);
     if (told.IsRemoval()) {
       if (!last) return Choice::kTake;
+      if (is_here && told.change.kind == ChangeKind::kExpired && !HasExpired(told.change.key.id)) {
+        return Choice::kKeep;
+      }
       if (is_here) return last->stamp_us <= told.change.stamp_us ? Choice::kTake : Choice::kKeep;
       return last->stamp_us < told.change.stamp_us ? Choice::kTake : Choice::kSame;
     }
     if (last && !is_here) {
-      return told.change.stamp_us > last->stamp_us ? Choice::kTake : Choice::kKeep;
+      // What had left, or was withdrawn, comes back as it was.
+      const bool is_newer = told.change.stamp_us > last->stamp_us ||
+                            (last->is_known_above && told.change.stamp_us == last->stamp_us);
+      return is_newer ? Choice::kTake : Choice::kKeep;
     }
     return !is_here ? Choice::kTake : OfStored(told);
   }
@@ -82,6 +47,11 @@ class Choices {
   bool IsMapHere(const std::string& id) const { return IsHere({ChangeSubject::kMap, id}); }
 
  private:
+  // By this server's clock: that of the teller may be wrong.
+  bool HasExpired(const std::string& obstacle_id) const {
+    const std::optional<ObstacleRow> obstacle = storage_.obstacles.Find(obstacle_id);
+    return !obstacle || (obstacle->expires_at_us && *obstacle->expires_at_us <= NowUs());
+  }
   Choice OfStored(const ToldChange& told) const {
     const std::string& id = told.change.key.id;
     if (told.site) return Between(*told.site, storage_.sites.Find(id));

@@ -242,11 +242,13 @@ nlohmann::json DryRun(const Service& service,
   return answer;
 }
 
-JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload) {
+JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload, bool is_counted) {
   const FlightRow stored = ExistingFlight(service, call);
   const Admission admission = Admit(service.intake, stored, upload);
   JobRow job = NewBatchJob(stored.id, admission, upload);
-  RefuseOverQuota(service.intake, {0, static_cast<int64_t>(admission.frames.size()), 1});
+  if (!is_counted) {
+    RefuseOverQuota(service.intake, {0, static_cast<int64_t>(admission.frames.size()), 1});
+  }
   service.storage.frames.Insert(stored.id, admission.frames, job, [&](FlightRow& flight) {
     // A stored rig is kept, because another request may have added a datum to it since it was read.
     if (flight.rig_json.empty()) flight.rig_json = admission.rig_json;
@@ -259,10 +261,10 @@ JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload)
 // Looks at the frames again if another server has stored one of them meanwhile.
 JobRow StoreBatchBesideOthers(Service& service, const Call& call, const BatchUpload& upload) {
   try {
-    return StoreBatch(service, call, upload);
+    return StoreBatch(service, call, upload, false);
   } catch (const StorageError& error) {
     if (error.fault != StorageFault::kConflict) throw;
-    return StoreBatch(service, call, upload);
+    return StoreBatch(service, call, upload, true);
   }
 }
 

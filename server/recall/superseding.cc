@@ -241,6 +241,16 @@ std::vector<FlightMapRow> MapsOf(const Storage& storage, const std::vector<std::
   return maps;
 }
 
+Change ChangeOf(const Storage& storage, const EvaluationRows& rows) {
+  Change change;
+  change.gone_maps.insert(rows.forgotten_maps.begin(), rows.forgotten_maps.end());
+  change.gone_maps.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
+  change.gone_sites.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
+  change.new_sites = rows.sites;
+  change.new_maps = MapsOf(storage, rows.new_maps);
+  return change;
+}
+
 // New standings of sites that the followed server does not know.
 Standings UnknownStandings(const StoredSites& stored,
                            const Change& change,
@@ -287,12 +297,7 @@ void StoreFollowed(Storage& storage,
     others.emplace_back(id, checks.Renewed(*site));
     if (!(others.back().second == told_standing)) rows.sites_unknown_above.push_back(id);
   }
-  Change change;
-  change.gone_maps.insert(rows.forgotten_maps.begin(), rows.forgotten_maps.end());
-  change.gone_maps.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
-  change.gone_sites.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
-  change.new_sites = rows.sites;
-  change.new_maps = MapsOf(storage, rows.new_maps);
+  const Change change = ChangeOf(storage, rows);
   for (auto& [id, standing] : UnknownStandings(stored, change, unknown)) {
     rows.sites_unknown_above.push_back(id);
     others.emplace_back(id, std::move(standing));
@@ -303,12 +308,7 @@ void StoreFollowed(Storage& storage,
 
 void StoreEvaluation(Storage& storage, MapCache& maps, SiteTurn& turn, EvaluationRows rows) {
   const StoredSites stored{storage, maps};
-  Change change;
-  change.gone_maps.insert(rows.forgotten_maps.begin(), rows.forgotten_maps.end());
-  change.gone_maps.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
-  change.gone_sites.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
-  change.new_sites = rows.sites;
-  change.new_maps = MapsOf(storage, rows.new_maps);
+  Change change = ChangeOf(storage, rows);
   // A site that had a map of its own may get the flight's.
   for (const SiteRow& site : rows.sites) change.gone_maps.insert(site.id);
   const Checks checks(stored, change);

@@ -1,5 +1,7 @@
 #include "storage/postgres/state.h"
 
+#include <algorithm>
+
 #include "storage/postgres/images.h"
 #include "storage/postgres/migrations.h"
 
@@ -47,6 +49,8 @@ std::filesystem::path ImagesOf(const std::filesystem::path& folder, const std::s
   return name == kDefaultOrganisation ? folder : folder / "organisations" / name;
 }
 
+constexpr double kMigrationTimeoutS = 3600.0;
+
 void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
   writer.Run(
       "DELETE FROM maps WHERE NOT is_in_force AND staged_at <= now() - make_interval(secs => $1)",
@@ -62,8 +66,10 @@ PostgresProcess::PostgresProcess(const StorageOptions& given)
       writers(options, kAppRole),
       owner_pool(options),
       listener_pool(options, kAppRole) {
-  // As the user of the URI, who may own the schema.
-  ConnectionPool owner(options);
+  // As the user of the URI, who may own the schema. A migration rewrites whole tables.
+  StorageOptions of_owner = options;
+  of_owner.statement_timeout_s = std::max(kMigrationTimeoutS, options.statement_timeout_s);
+  ConnectionPool owner(of_owner);
   const ConnectionLease connection(owner);
   ownership.emplace(owner_pool, options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
   MigrateDatabase(*connection);

@@ -216,7 +216,8 @@ void SqliteChangeStore::SetUnknownAbove(const std::vector<ChangeKey>& keys) {
 
 void SqliteChangeStore::SetAllUnknownAbove(const std::string& except_origin) {
   WriteMain(state_, [&](const Connection& writer) {
-    writer.Prepare("UPDATE changes SET is_known_above = 0 WHERE origin <> ?1")
+    // What the former server had withdrawn is nobody's wish to remove it from another one.
+    writer.Prepare("UPDATE changes SET is_known_above = 0 WHERE origin <> ?1 AND kind < 4")
         .Bind(except_origin)
         .Run();
   });
