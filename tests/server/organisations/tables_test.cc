@@ -29,6 +29,7 @@ class Session {
       return {PQresultErrorField(result.get(), PG_DIAG_SQLSTATE)};
     }
     std::vector<std::string> texts;
+    texts.reserve(static_cast<std::size_t>(PQntuples(result.get())) + 1);
     for (int row = 0; row < PQntuples(result.get()); ++row) {
       texts.emplace_back(PQgetvalue(result.get(), row, 0));
     }
