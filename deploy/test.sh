@@ -230,7 +230,7 @@ passed
 
 start_step "edges that follow a centre on PostgreSQL, short form"
 { tests/deploy/edge.sh build/release/server/freelsd-server engine/classification/grass_model.yml \
-  build/release/tests/freelsd-fly-over --postgresql || [ $? -eq 77 ]; } 2>&1 | tee "$work/edge.log"
+  build/release/tests/freelsd-fly-over --postgresql --tls || [ $? -eq 77 ]; } 2>&1 | tee "$work/edge.log"
 passed_but "$work/edge.log"
 
 start_step "nginx in front"

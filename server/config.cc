@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <string_view>
 #include <type_traits>
 
 #include <CLI/CLI.hpp>
@@ -16,7 +17,18 @@ namespace freelsd {
 namespace {
 
 bool IsLoopback(const std::string& host) {
-  return host == "localhost" || host == "::1" || host.starts_with("127.");
+  const bool is_ipv4 = host.find_first_not_of("0123456789.") == std::string::npos;
+  return host == "localhost" || host == "::1" || (is_ipv4 && host.starts_with("127."));
+}
+
+// Nobody between the two reads along.
+bool IsSecret(const std::string& url) {
+  constexpr std::string_view kPlain = "http://";
+  if (!url.starts_with(kPlain)) return true;
+  const std::string authority = url.substr(kPlain.size(), url.find('/', kPlain.size()));
+  const bool is_ipv6 = authority.starts_with('[');
+  return IsLoopback(is_ipv6 ? authority.substr(1, authority.find(']') - 1)
+                            : authority.substr(0, authority.find(':')));
 }
 
 int ParsePort(const std::string& text) {
@@ -193,6 +205,9 @@ void CheckFollow(const Config& config) {
   }
   if (!config.follow.starts_with("https://") && !config.follow.starts_with("http://")) {
     throw ConfigError("--follow: must be https://HOST[:PORT] or http://HOST[:PORT]");
+  }
+  if (!config.follow_token_file.empty() && !IsSecret(config.follow)) {
+    throw ConfigError("--follow: a token goes over https:// only, or to this machine");
   }
   if (config.area.empty()) throw ConfigError("--follow needs --area WEST,SOUTH,EAST,NORTH");
   if (!config.database.empty()) {

@@ -22,6 +22,20 @@ struct ObstacleRow {
   int64_t updated_at_us = 0;
 };
 
+// The end of an obstacle as it was up to that time; a later one stays.
+struct ObstacleRemoval {
+  std::string id;
+  int64_t through_us = 0;
+};
+
+// What another server told.
+struct ToldObstacles {
+  std::vector<ObstacleRow> stored;
+  std::vector<ObstacleRemoval> removed;
+  // The server that this one follows told it (ChangeRow::is_known_above).
+  bool is_from_above = false;
+};
+
 // Invariant of SQLite: each obstacle is stored in two databases, as sites are: a lost obstacle
 // would make a place look safe.
 class ObstacleStore {
@@ -34,9 +48,8 @@ class ObstacleStore {
   virtual void Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) = 0;
   // False if there is no such obstacle.
   virtual bool Delete(const std::string& id) = 0;
-  // What the server that this one follows told (ChangeRow::is_known_above), in one commit.
-  virtual void PutFollowed(const std::vector<ObstacleRow>& obstacles,
-                           const std::vector<std::string>& removed) = 0;
+  // In one commit, each unless a later version is stored by then.
+  virtual void Merge(const ToldObstacles& told) = 0;
 
   // Expired ones included, if no write has removed them yet.
   virtual std::optional<ObstacleRow> Find(const std::string& id) const = 0;

@@ -20,6 +20,11 @@ void Copy::SetInStep(int64_t at_us) {
   in_step_at_us_ = at_us;
 }
 
+void Copy::SetNumUnsent(size_t num) {
+  const std::lock_guard lock(mutex_);
+  num_unsent_ = num;
+}
+
 void Copy::SetLink(const std::string& failure) {
   const std::lock_guard lock(mutex_);
   link_failure_ = failure;
@@ -42,7 +47,8 @@ nlohmann::json Copy::Json(int64_t now_us) const {
   const std::lock_guard lock(mutex_);
   if (of_.empty()) return nullptr;
   nlohmann::json copy{{"of", of_},
-                      {"area", {area_.west_deg, area_.south_deg, area_.east_deg, area_.north_deg}}};
+                      {"area", {area_.west_deg, area_.south_deg, area_.east_deg, area_.north_deg}},
+                      {"num_unsent", num_unsent_}};
   if (age_s) copy["age_s"] = *age_s;
   if (!link_failure_.empty()) copy["link_failure"] = link_failure_;
   return copy;

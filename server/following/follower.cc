@@ -28,6 +28,8 @@ constexpr int kConnectS = 5;
 constexpr int kAnswerS = 20;
 constexpr double kFirstPauseS = 0.5;
 constexpr double kLongestPauseS = 30.0;
+// Its token, or what it refused, may have been mended meanwhile.
+constexpr std::chrono::minutes kRefusedFor{10};
 constexpr size_t kMaxNumPushed = 100;
 constexpr size_t kMaxNumListed = 20000;
 constexpr size_t kMaxPushedBytes = size_t{4} << 20;
@@ -240,6 +242,7 @@ void Follower::PullGround(std::string since) {
     since = page["next"].get<std::string>();
     has_more = page["has_more"].get<bool>();
   }
+  if (has_more) throw LinkFailure("this server is stopping");
 }
 
 void Follower::EndPass() {
@@ -307,6 +310,9 @@ void Follower::FetchMaps(const std::vector<ToldChange>& changes) {
 
 bool Follower::Push() {
   std::vector<ChangeRow> unknown = storage_.changes.ListUnknownAbove(kMaxNumListed);
+  copy_.SetNumUnsent(unknown.size());
+  const auto now = std::chrono::steady_clock::now();
+  std::erase_if(refused_, [&](const auto& each) { return now - each.second > kRefusedFor; });
   std::erase_if(unknown, [&](const ChangeRow& each) { return refused_.contains(each.number); });
   if (unknown.empty()) return false;
   std::sort(unknown.begin(), unknown.end(), IsSentBefore);
@@ -333,36 +339,40 @@ void Follower::Send(const std::vector<ChangeRow>& changes) {
     num_bytes += body["changes"].back().dump().size();
   }
   if (sent.empty()) return;
-  httplib::Result result = Post(body, "MapMissing");
+  httplib::Result result = Post(body);
   if (result && result->status == 409) {
     SendMaps(ParseAnswer(result->body));
-    result = Post(body, "");
+    result = Post(body);
   }
   if (result && (result->status == 401 || result->status == 403)) {
     spdlog::error("{} takes nothing from here: its token needs the scope admin", options_.url);
-    for (const ChangeRow& change : sent) refused_.insert(change.number);
+    Refuse(sent);
     return;
   }
-  if (result && (result->status == 422 || result->status == 413)) {
+  // 409: of several changes, one whose map cannot be told holds back no other.
+  if (result && (result->status == 409 || result->status == 413 || result->status == 422)) {
     if (sent.size() > 1) {
       for (const ChangeRow& change : sent) Send({change});
       return;
     }
     spdlog::error("{} refuses {}: {}", options_.url, sent[0].key.id, result->body);
-    refused_.insert(sent[0].number);
+    Refuse(sent);
     return;
   }
   Expect2xx(result);
   storage_.changes.SetKnownAbove(sent);
 }
 
-httplib::Result Follower::Post(const nlohmann::json& body, const std::string& accepted_code) {
+void Follower::Refuse(const std::vector<ChangeRow>& changes) {
+  const auto now = std::chrono::steady_clock::now();
+  for (const ChangeRow& change : changes) refused_[change.number] = now;
+}
+
+httplib::Result Follower::Post(const nlohmann::json& body) {
   httplib::Result result =
       client_.Post(path_prefix_ + "/v1/changes", body.dump(), "application/json");
-  if (result && result->status == 409 &&
-      ParseAnswer(result->body).value("code", "") != accepted_code) {
-    Expect2xx(result);
-  }
+  const bool is_conflict = result && result->status == 409;
+  if (is_conflict && ParseAnswer(result->body).value("code", "") != "MapMissing") Expect2xx(result);
   return result;
 }
 

@@ -2,12 +2,13 @@
 // was made here, in a thread of its own.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
-#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -70,8 +71,10 @@ class Follower {
   // Some of what the followed server does not know; false if it knows everything.
   bool Push();
   void Send(const std::vector<ChangeRow>& changes);
-  // Nothing if the answer is 2xx or its code is `accepted_code`.
-  httplib::Result Post(const nlohmann::json& body, const std::string& accepted_code);
+  // Not sent again for a while.
+  void Refuse(const std::vector<ChangeRow>& changes);
+  // Throws LinkFailure at a 409 that is not for a missing map.
+  httplib::Result Post(const nlohmann::json& body);
   void SendMaps(const nlohmann::json& problem);
   void Remember(bool is_in_step, int64_t asked_at_us);
   // False if it is stopping.
@@ -93,8 +96,8 @@ class Follower {
   int64_t remembered_at_us_ = 0;
   // Maps and obstacles up to the last page are known.
   bool has_ground_ = false;
-  // Numbers of changes that the followed server refused.
-  std::set<int64_t> refused_;
+  // Numbers of changes that the followed server refused, and when.
+  std::map<int64_t, std::chrono::steady_clock::time_point> refused_;
 
   // Guards is_stopping_.
   std::mutex mutex_;

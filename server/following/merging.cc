@@ -99,12 +99,12 @@ void RefuseMissingMaps(const Storage& storage, const std::vector<ToldChange>& ch
 struct Taken {
   EvaluationRows rows;
   std::vector<const ToldChange*> sites_with_own_maps;
-  std::vector<ObstacleRow> obstacles;
-  std::vector<std::string> removed_obstacles;
+  ToldObstacles obstacles;
   std::vector<ChangeRow> changes;
 };
 
-void TakeRemoval(const Choices& choices, const ChangeKey& key, Taken& taken) {
+// `through_us`: of an obstacle that has changed meanwhile, nothing is removed.
+void TakeRemoval(const Choices& choices, const ChangeKey& key, int64_t through_us, Taken& taken) {
   if (!choices.IsHere(key)) return;
   switch (key.subject) {
     case ChangeSubject::kSite:
@@ -114,7 +114,7 @@ void TakeRemoval(const Choices& choices, const ChangeKey& key, Taken& taken) {
       taken.rows.forgotten_maps.push_back(key.id);
       break;
     case ChangeSubject::kObstacle:
-      taken.removed_obstacles.push_back(key.id);
+      taken.obstacles.removed.push_back({key.id, through_us});
       break;
   }
 }
@@ -126,7 +126,7 @@ Taken TakenFromBelow(const Storage& storage, const std::vector<ToldChange>& chan
     if (choices.Of(told) != Choice::kTake) continue;
     taken.changes.push_back(told.change);
     if (told.IsRemoval()) {
-      TakeRemoval(choices, told.change.key, taken);
+      TakeRemoval(choices, told.change.key, told.change.stamp_us, taken);
     } else if (told.site && told.own_map.empty()) {
       taken.rows.sites.push_back(*told.site);
     } else if (told.site) {
@@ -134,7 +134,7 @@ Taken TakenFromBelow(const Storage& storage, const std::vector<ToldChange>& chan
     } else if (told.map) {
       taken.rows.new_maps.push_back(told.map->id);
     } else if (told.obstacle) {
-      taken.obstacles.push_back(*told.obstacle);
+      taken.obstacles.stored.push_back(*told.obstacle);
     }
   }
   return taken;
@@ -202,13 +202,13 @@ class FromAbove {
     as_told.push_back(change.change);
     if (choice == Choice::kSame) return AddSame(change);
     if (change.IsRemoval()) {
-      TakeRemoval(choices_, change.change.key, taken);
+      TakeRemoval(choices_, change.change.key, change.change.stamp_us, taken);
     } else if (change.site) {
       AddSite(change);
     } else if (change.map && IsStaged(storage_, *change.map)) {
       AddMap(change.map->id);
     } else if (change.obstacle) {
-      taken.obstacles.push_back(*change.obstacle);
+      taken.obstacles.stored.push_back(*change.obstacle);
     }
     taken.changes.push_back(change.change);
   }
@@ -239,7 +239,8 @@ class FromAbove {
   // What this server has made stays.
   void AddLeft(const ToldChange& told) {
     const std::optional<ChangeRow> last = storage_.changes.Find(told.change.key);
-    if (last && last->is_known_above) TakeRemoval(choices_, told.change.key, taken);
+    if (!last || !last->is_known_above) return;
+    TakeRemoval(choices_, told.change.key, last->stamp_us, taken);
   }
 
   const Storage& storage_;
@@ -276,12 +277,12 @@ MergeResult MergeFromBelow(Storage& storage,
   MergeResult merged;
   const Taken before = TakenFromBelow(storage, changes);
   // First: no site is known without its obstacles.
-  if (!before.obstacles.empty()) storage.obstacles.Put(before.obstacles, NowUs());
+  if (!before.obstacles.stored.empty()) storage.obstacles.Merge({before.obstacles.stored, {}});
   const Taken taken = TakeSites(storage, maps, changes);
   for (const ToldChange* told : taken.sites_with_own_maps) {
     StoreSite(storage, maps, *told->site, told->own_map);
   }
-  for (const std::string& id : taken.removed_obstacles) storage.obstacles.Delete(id);
+  if (!taken.obstacles.removed.empty()) storage.obstacles.Merge({{}, taken.obstacles.removed});
   for (ChangeRow change : before.changes) {
     change.changed_at_us = NowUs();
     if (IsRemoval(change.kind)) storage.changes.PutRemoval(change);
@@ -318,13 +319,12 @@ MergeResult MergeFromAbove(Storage& storage,
   FromAbove sorted(storage, changes);
   const Standings standings = Changed(storage, sorted.standings);
   Taken& taken = sorted.taken;
-  if (!taken.obstacles.empty()) storage.obstacles.PutFollowed(taken.obstacles, {});
+  ToldObstacles& obstacles = taken.obstacles;
+  if (!obstacles.stored.empty()) storage.obstacles.Merge({obstacles.stored, {}, true});
   if (!IsEmpty(taken.rows) || !standings.empty()) {
     StoreFollowed(storage, maps, *turn, taken.rows, standings, UnknownAboveIn(storage));
   }
-  if (!taken.removed_obstacles.empty()) {
-    storage.obstacles.PutFollowed({}, taken.removed_obstacles);
-  }
+  if (!obstacles.removed.empty()) storage.obstacles.Merge({{}, obstacles.removed, true});
   std::erase_if(sorted.same, [&standings](const ChangeRow& same) {
     return same.key.subject == ChangeSubject::kSite &&
            std::any_of(standings.begin(), standings.end(), [&same](const auto& standing) {
@@ -356,13 +356,14 @@ void RemoveUntold(Storage& storage,
   for (const ChangeRow& change : storage.changes.List(0, kAll, std::nullopt).changes) {
     const bool may_stay = change.origin.empty() && !near.contains(change.key);
     if (!change.is_known_above || IsRemoval(change.kind) || may_stay) continue;
-    if (!known.contains(change.key)) TakeRemoval(choices, change.key, taken);
+    if (known.contains(change.key)) continue;
+    TakeRemoval(choices, change.key, change.stamp_us, taken);
   }
   if (!IsEmpty(taken.rows)) {
     StoreFollowed(storage, maps, *turn, taken.rows, {}, UnknownAboveIn(storage));
   }
-  if (!taken.removed_obstacles.empty()) {
-    storage.obstacles.PutFollowed({}, taken.removed_obstacles);
+  if (!taken.obstacles.removed.empty()) {
+    storage.obstacles.Merge({{}, taken.obstacles.removed, true});
   }
 }
 

@@ -33,8 +33,7 @@ ObstacleRow RowOf(const GivenObstacle& obstacle, const std::string& pointer) {
   return {obstacle.id,
           ObstacleFeature(obstacle).dump(),
           BoxOfPoints(obstacle.points),
-          obstacle.expires_at_us,
-          NowUs()};
+          obstacle.expires_at_us};
 }
 
 nlohmann::json FeatureOf(const ObstacleRow& row) {
@@ -63,10 +62,18 @@ void RefuseTooMany(const Service& service, const std::vector<ObstacleRow>& added
   throw error;
 }
 
-void Store(Service& service, const std::vector<ObstacleRow>& rows) {
+// Later than what is stored, or was removed, with the stamp of a clock that is ahead of this one.
+int64_t StampFor(const Service& service, const std::string& id) {
+  const auto last = service.storage.changes.Find({ChangeSubject::kObstacle, id});
+  return last ? std::max(NowUs(), last->stamp_us + 1) : NowUs();
+}
+
+// Stamps them.
+void Store(Service& service, std::vector<ObstacleRow>& rows) {
   {
     const std::lock_guard lock(service.obstacles_mutex);
     RefuseTooMany(service, rows);
+    for (ObstacleRow& row : rows) row.updated_at_us = StampFor(service, row.id);
     service.storage.obstacles.Put(rows, NowUs());
   }
   service.alternates.WakeAll();
@@ -140,10 +147,10 @@ void PutObstacle(Service& service, const Call& call, httplib::Response& response
   }
   obstacle.id = id;
   const bool is_new = !Find(service, id);
-  const ObstacleRow row = RowOf(obstacle, "");
-  Store(service, {row});
+  std::vector<ObstacleRow> rows{RowOf(obstacle, "")};
+  Store(service, rows);
   response.status = is_new ? 201 : 200;
-  response.set_content(FeatureOf(row).dump(), kGeoJson);
+  response.set_content(FeatureOf(rows[0]).dump(), kGeoJson);
 }
 
 void PostObstacles(Service& service, const Call& call, httplib::Response& response) {
@@ -151,7 +158,7 @@ void PostObstacles(Service& service, const Call& call, httplib::Response& respon
   ImportedObstacles imported =
       IsJson(body, MediaTypeOf(call)) ? ParseObstacles(body) : ParseOpenAir(body);
   const std::vector<std::string> warnings = imported.warnings;
-  const std::vector<ObstacleRow> rows = RowsOf(std::move(imported));
+  std::vector<ObstacleRow> rows = RowsOf(std::move(imported));
   Store(service, rows);
   nlohmann::json ids = nlohmann::json::array();
   for (const ObstacleRow& row : rows) ids.push_back(row.id);

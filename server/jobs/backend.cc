@@ -18,6 +18,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kProgressPeriod{300};
 constexpr std::chrono::seconds kRetirePeriod{30};
+// Another server may have marked sites, as maps that others share now.
+constexpr std::chrono::minutes kListUncheckedPeriod{10};
 // Time between two events of a finish that waits, and the largest number of such jobs that have
 // events.
 constexpr std::chrono::seconds kWaitingPeriod{2};
@@ -105,18 +107,20 @@ bool Worker::StepBackend() {
 }
 
 bool Worker::CheckNextSite() {
-  if (!unchecked_sites_) {
-    unchecked_sites_.emplace();
+  const auto now = std::chrono::steady_clock::now();
+  if (!unchecked_listed_at_ || now - *unchecked_listed_at_ > kListUncheckedPeriod) {
+    unchecked_listed_at_ = now;
+    unchecked_sites_.clear();
     organisations_.ForEach([this](const std::string&, Organisation& each) {
       for (const std::string& id : each.storage->sites.ListUnchecked()) {
-        unchecked_sites_->emplace_back(&each.service, id);
+        unchecked_sites_.emplace_back(&each.service, id);
       }
     });
   }
-  if (unchecked_sites_->empty()) return false;
-  const auto [service, site_id] = unchecked_sites_->back();
-  // A site whose check fails is not tried again before the next start.
-  unchecked_sites_->pop_back();
+  if (unchecked_sites_.empty()) return false;
+  const auto [service, site_id] = unchecked_sites_.back();
+  // A site whose check fails is tried again when they are listed again.
+  unchecked_sites_.pop_back();
   CheckUnchecked(service->storage, service->maps, site_id);
   service->alternates.WakeAll();
   return true;

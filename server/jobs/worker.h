@@ -122,11 +122,12 @@ class Worker {
   std::map<std::string, std::pair<int64_t, std::chrono::steady_clock::time_point>> waiting_;
   std::map<std::string, std::chrono::steady_clock::time_point> stored_at_;
 
-  // The following three belong to the backend thread.
+  // The following four belong to the backend thread.
   std::chrono::steady_clock::time_point retired_at_{};
   std::chrono::steady_clock::time_point told_waiting_at_{};
-  // Sites that CheckNextSite still has to check; nothing before its first call.
-  std::optional<std::vector<std::pair<Service*, std::string>>> unchecked_sites_;
+  // Sites that CheckNextSite still has to check, and when they were listed.
+  std::vector<std::pair<Service*, std::string>> unchecked_sites_;
+  std::optional<std::chrono::steady_clock::time_point> unchecked_listed_at_;
 
   std::thread frontend_thread_;
   std::thread backend_thread_;

@@ -43,6 +43,11 @@ void ApplyMissing(PostgresConnection& connection) {
 
 }  // namespace
 
+bool NeedsMigration(PostgresConnection& connection) {
+  const int64_t version = SchemaVersion(connection);
+  return version > 0 && version < kNumMigrations;
+}
+
 void MigrateDatabase(PostgresConnection& connection) {
   const int64_t version = SchemaVersion(connection);
   RefuseNewer(version);

@@ -57,12 +57,25 @@ bool PostgresObstacleStore::Delete(const std::string& id) {
   return was_there;
 }
 
-void PostgresObstacleStore::PutFollowed(const std::vector<ObstacleRow>& obstacles,
-                                        const std::vector<std::string>& removed) {
+void PostgresObstacleStore::Merge(const ToldObstacles& told) {
   PostgresWrite writer(state_);
+  // Whoever writes obstacles waits here for others who do.
   StepObstacles(*writer);
-  for (const std::string& id : removed) writer->Run("DELETE FROM obstacles WHERE id = $1", id);
-  for (const ObstacleRow& obstacle : obstacles) PutObstacle(*writer, obstacle);
+  const auto is_later = [&writer](const std::string& id, int64_t stamp_us) {
+    const PostgresRows later = writer->Run(
+        "SELECT 1 FROM obstacles WHERE id = $1 AND updated_at_us > $2 AND organisation = "
+        "current_setting('freelsd.organisation')",
+        id,
+        stamp_us);
+    return !later.empty();
+  };
+  for (const ObstacleRemoval& removal : told.removed) {
+    if (is_later(removal.id, removal.through_us)) continue;
+    writer->Run("DELETE FROM obstacles WHERE id = $1", removal.id);
+  }
+  for (const ObstacleRow& obstacle : told.stored) {
+    if (!is_later(obstacle.id, obstacle.updated_at_us)) PutObstacle(*writer, obstacle);
+  }
   writer.Commit();
 }
 

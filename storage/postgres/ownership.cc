@@ -5,19 +5,27 @@
 namespace freelsd {
 namespace {
 
-bool TryLock(PostgresConnection& connection, OwnershipKind kind) {
-  const std::string function =
-      kind == OwnershipKind::kAlone ? "pg_try_advisory_lock" : "pg_try_advisory_lock_shared";
+bool CallOnLock(PostgresConnection& connection, const std::string& function, OwnershipKind kind) {
+  const std::string suffix = kind == OwnershipKind::kAlone ? "" : "_shared";
   return connection
-      .Run("SELECT " + function + "(hashtextextended(current_schema() || ' owner', 0))")[0]
+      .Run("SELECT " + function + suffix + "(hashtextextended(current_schema() || ' owner', 0))")[0]
       .Bool(0);
 }
 
 }  // namespace
 
 Ownership::Ownership(ConnectionPool& pool, OwnershipKind kind) : kind_(kind), lease_(pool) {
-  if (!TryLock(*lease_, kind)) {
+  if (!CallOnLock(*lease_, "pg_try_advisory_lock", kind)) {
     throw StorageError("open the database", "another freelsd-server uses it");
+  }
+}
+
+Ownership::~Ownership() {
+  try {
+    CallOnLock(*lease_, "pg_advisory_unlock", kind_);
+  } catch (const StorageError&) {
+    // The lock ended with its connection.
+    return;
   }
 }
 

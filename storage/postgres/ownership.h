@@ -17,6 +17,9 @@ enum class OwnershipKind { kAlone, kShared };
 class Ownership {
  public:
   Ownership(ConnectionPool& pool, OwnershipKind kind);
+  ~Ownership();
+  Ownership(const Ownership&) = delete;
+  Ownership& operator=(const Ownership&) = delete;
 
   // Takes the token. Before the first Check, and after the migrations.
   void Begin();

@@ -51,6 +51,21 @@ std::filesystem::path ImagesOf(const std::filesystem::path& folder, const std::s
 
 constexpr double kMigrationTimeoutS = 3600.0;
 
+// Before this process shares the schema. Those that share it now know only the former version: they
+// must have stopped. One whose lock was lost with its connection writes nothing more.
+void MigrateAlone(PostgresConnection& connection, ConnectionPool& owner_pool) {
+  std::optional<Ownership> alone;
+  try {
+    alone.emplace(owner_pool, OwnershipKind::kAlone);
+  } catch (const StorageError& failure) {
+    throw StorageError("migrate the database",
+                       std::string(failure.what()) +
+                           "; stop all servers of the former version before one of this starts");
+  }
+  alone->Begin();
+  MigrateDatabase(connection);
+}
+
 void DeleteUnfinishedMaps(PostgresConnection& writer, double age_s) {
   writer.Run(
       "DELETE FROM maps WHERE NOT is_in_force AND staged_at <= now() - make_interval(secs => $1)",
@@ -71,6 +86,7 @@ PostgresProcess::PostgresProcess(const StorageOptions& given)
   of_owner.statement_timeout_s = std::max(kMigrationTimeoutS, options.statement_timeout_s);
   ConnectionPool owner(of_owner);
   const ConnectionLease connection(owner);
+  if (NeedsMigration(*connection)) MigrateAlone(*connection, owner_pool);
   ownership.emplace(owner_pool, options.is_shared ? OwnershipKind::kShared : OwnershipKind::kAlone);
   MigrateDatabase(*connection);
   ownership->Begin();

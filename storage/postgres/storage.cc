@@ -71,6 +71,23 @@ std::optional<std::string> PostgresBackend::WhyNotWritable() {
   return std::nullopt;
 }
 
+// Within the transaction that shares them: others' sites on its maps were never checked on these.
+void CheckSitesAgain(PostgresConnection& writer, const std::string& sharing) {
+  ServeAllOrganisations(writer);
+  const std::vector<std::string> names =
+      writer.Run("SELECT name FROM organisations WHERE name <> $1 ORDER BY name", sharing).Texts();
+  writer.Execute("SELECT set_config('freelsd.all_organisations', 'off', true)");
+  for (const std::string& name : names) {
+    writer.Run("SELECT set_config('freelsd.organisation', $1, true)", name);
+    writer.Run(
+        "UPDATE sites SET is_checked = false WHERE organisation = $1 AND is_recallable AND EXISTS "
+        "(SELECT 1 FROM site_areas AS own JOIN map_areas AS others ON own.area && others.area "
+        "WHERE own.organisation = $1 AND own.site_id = sites.id AND others.organisation = $2)",
+        name,
+        sharing);
+  }
+}
+
 void PostgresBackend::ShareSites(bool is_shared) {
   PostgresWrite writer(state_);
   const bool has_changed =
@@ -81,6 +98,7 @@ void PostgresBackend::ShareSites(bool is_shared) {
           .NumChanges() > 0;
   // What others have read of it, or not, is out of date.
   if (has_changed) StepObstacles(*writer);
+  if (has_changed && is_shared) CheckSitesAgain(*writer, state_.organisation);
   writer.Commit();
 }
 

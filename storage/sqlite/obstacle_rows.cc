@@ -55,6 +55,13 @@ bool DeleteObstacleRow(const Connection& writer, const std::string& id) {
   return writer.NumChanges() > 0;
 }
 
+std::optional<int64_t> FindObstacleStamp(const Connection& connection, const std::string& id) {
+  Statement statement = connection.Prepare("SELECT updated_at_us FROM obstacles WHERE id = ?1");
+  statement.Bind(id);
+  if (!statement.Step()) return std::nullopt;
+  return statement.Int(0);
+}
+
 void DeleteExpiredObstacleRows(const Connection& writer, int64_t now_us) {
   writer.Prepare("DELETE FROM obstacles WHERE expires_at_us < ?1").Bind(now_us).Run();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace freelsd {
 void PutObstacleRow(const Connection& writer, const ObstacleRow& obstacle);
 // True if it existed.
 bool DeleteObstacleRow(const Connection& writer, const std::string& id);
+// Its updated_at_us.
+std::optional<int64_t> FindObstacleStamp(const Connection& connection, const std::string& id);
 void DeleteExpiredObstacleRows(const Connection& writer, int64_t now_us);
 // Throws StorageError kDamaged if a checksum is wrong.
 std::vector<ObstacleRow> ListObstacleRows(const Connection& connection);

@@ -25,14 +25,21 @@ bool SqliteObstacleStore::Delete(const std::string& id) {
   return was_there;
 }
 
-void SqliteObstacleStore::PutFollowed(const std::vector<ObstacleRow>& obstacles,
-                                      const std::vector<std::string>& removed) {
+void SqliteObstacleStore::Merge(const ToldObstacles& told) {
   const auto lock = state_.LockForWriting();
   const auto write = [&](const Connection& connection) {
-    for (const std::string& id : removed) DeleteObstacleRow(connection, id);
-    for (const ObstacleRow& obstacle : obstacles) PutObstacleRow(connection, obstacle);
+    const auto is_later = [&](const std::string& id, int64_t stamp_us) {
+      const std::optional<int64_t> stored_us = FindObstacleStamp(connection, id);
+      return stored_us && *stored_us > stamp_us;
+    };
+    for (const ObstacleRemoval& removal : told.removed) {
+      if (!is_later(removal.id, removal.through_us)) DeleteObstacleRow(connection, removal.id);
+    }
+    for (const ObstacleRow& obstacle : told.stored) {
+      if (!is_later(obstacle.id, obstacle.updated_at_us)) PutObstacleRow(connection, obstacle);
+    }
   };
-  state_.WriteObstacles(write, Teller::kAbove);
+  state_.WriteObstacles(write, told.is_from_above ? Teller::kAbove : Teller::kThisServer);
 }
 
 std::optional<ObstacleRow> SqliteObstacleStore::Find(const std::string& id) const {

@@ -167,8 +167,7 @@ class SqliteObstacleStore final : public ObstacleStore {
   explicit SqliteObstacleStore(StorageState& state) : state_(state) {}
   void Put(const std::vector<ObstacleRow>& obstacles, int64_t now_us) override;
   bool Delete(const std::string& id) override;
-  void PutFollowed(const std::vector<ObstacleRow>& obstacles,
-                   const std::vector<std::string>& removed) override;
+  void Merge(const ToldObstacles& told) override;
   std::optional<ObstacleRow> Find(const std::string& id) const override;
   std::vector<ObstacleRow> List() const override;
   uint64_t Version() const override;

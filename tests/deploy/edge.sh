@@ -4,20 +4,22 @@
 # links come back, stalling and resetting. Afterwards all three tell the same, byte by byte but for ages; meanwhile the
 # edges answered from their copies and said how old they are.
 #
-#   tests/deploy/edge.sh FREELSD_SERVER GRASS_MODEL FREELSD_FLY_OVER [--long] [--postgresql]
+#   tests/deploy/edge.sh FREELSD_SERVER GRASS_MODEL FREELSD_FLY_OVER [--long] [--postgresql] [--tls]
 #
 # --long: a flight each minute of the hour on each server instead of one in five. --postgresql: the centre is a server on
-# PostgreSQL, beside a cluster of its own; status 77 where there is none.
-# Needs curl, jq, openssl and python3.
+# PostgreSQL, beside a cluster of its own; status 77 where there is none. --tls: the edges follow over https.
+# Needs curl, jq, openssl, python3 and, for --tls, socat.
 set -Eeuo pipefail
 root="$(cd "$(dirname "$0")/../.." && pwd)"
 num_minutes=12
 num_recalls=300
 centre_on=sqlite
+scheme=http
 for argument in "${@:4}"; do
   case "$argument" in
     --long) num_minutes=60 num_recalls=5000 ;;
     --postgresql) centre_on=postgresql ;;
+    --tls) scheme=https ;;
   esac
 done
 if [ "$centre_on" = postgresql ] && [ -z "${FREELSD_TEST_CLUSTER:-}" ]; then
@@ -42,15 +44,28 @@ umask 077
 echo "$token" >"$work/token"
 printf '[{"sha256": "%s", "scopes": ["read", "ingest", "admin"]}]' \
   "$(printf %s "$token" | sha256sum | cut -d' ' -f1)" >"$work/tokens.json"
+echo "Authorization: Bearer $token" >"$work/header"
 area=7,46,9,48
 
 # ask NAME PATH
-ask() { curl -fsS --globoff -H "Authorization: Bearer $token" "${url[$1]}$2"; }
+ask() { curl -fsS --globoff -H "@$work/header" "${url[$1]}$2"; }
 
 set_links() { for edge in one other; do echo "$1" >"$work/$edge.mode"; done; }
 
+# In front of the centre; the edges trust its certificate alone.
+start_tls() {
+  openssl req -x509 -newkey rsa:2048 -nodes -days 2 -subj /CN=127.0.0.1 -addext subjectAltName=IP:127.0.0.1 \
+    -keyout "$work/key.pem" -out "$work/certificate.pem" 2>/dev/null
+  cat "$work/key.pem" "$work/certificate.pem" >"$work/both.pem"
+  link_target="$(free_port 18443)"
+  socat "OPENSSL-LISTEN:$link_target,bind=127.0.0.1,reuseaddr,fork,cert=$work/both.pem,verify=0" \
+    "TCP:127.0.0.1:${url[centre]##*:}" 2>/dev/null &
+  pids+=($!)
+  export SSL_CERT_FILE="$work/certificate.pem"
+}
+
 start_link() { # EDGE
-  "$root/tests/deploy/link_proxy.py" "$work/$1.port" "$work/$1.mode" "${url[centre]##*:}" &
+  "$root/tests/deploy/link_proxy.py" "$work/$1.port" "$work/$1.mode" "$link_target" &
   pids+=($!)
   local _
   for _ in $(seq 100); do
@@ -62,7 +77,7 @@ start_link() { # EDGE
 
 start_edge() {
   start_server "$1" --data "$work/$1" --token-file "$work/tokens.json" \
-    --follow "http://127.0.0.1:$(cat "$work/$1.port")" --area "$area" --follow-token-file "$work/token"
+    --follow "$scheme://127.0.0.1:$(cat "$work/$1.port")" --area "$area" --follow-token-file "$work/token"
 }
 
 fly() { # NAME FIRST_MINUTE NUM_MINUTES SEED
@@ -155,6 +170,8 @@ if [ "$centre_on" = postgresql ]; then
 else
   start_server centre --data "$work/centre" --token-file "$work/tokens.json"
 fi
+link_target="${url[centre]##*:}"
+if [ "$scheme" = https ]; then start_tls; fi
 set_links pass
 for edge in one other; do
   start_link "$edge"

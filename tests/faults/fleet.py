@@ -158,6 +158,33 @@ def harm_link(run):
     time.sleep(0.5)
 
 
+def harm_all_links(run):
+    """All along, one after another, those of clients and those to the database, several at a time."""
+    fleet = run.fleet
+    run.create()
+    is_over = threading.Event()
+
+    def disturb():
+        while not is_over.wait(run.random.uniform(0.05, 0.5)):
+            proxy = run.random.choice([*fleet.proxies.values(), *fleet.to_api.values()])
+            if run.random.random() < 0.5:
+                proxy.reset()
+                continue
+            proxy.stall()
+            threading.Timer(run.random.uniform(0.1, 3.0), proxy.resume).start()
+    disturber = threading.Thread(target=disturb)
+    disturber.start()
+    try:
+        run.put_all(lambda number: time.sleep(0.1))
+        run.finish()
+        time.sleep(4.0)
+    finally:
+        is_over.set()
+        disturber.join()
+    time.sleep(3.0)
+    run.await_end()
+
+
 def from_both(run, method, path, body=None, headers=None):
     """The answers of both API servers to the same request at once."""
     answers = {}
@@ -218,6 +245,7 @@ ROWS = [
     ("api", "SIGKILL of an API server under upload", harm_api),
     ("database", "immediate shutdown of PostgreSQL", harm_database),
     ("link", "a link that stalls or resets", harm_link),
+    ("links", "all links that stall and reset all along", harm_all_links),
     ("together", "the same frames and finishes to two API servers at once", harm_together),
     ("pause", "a worker paused past its lease", harm_pause),
 ]

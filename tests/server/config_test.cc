@@ -80,6 +80,16 @@ TEST_CASE("config: a server follows another one over an area, on SQLite") {
   CHECK_THROWS_WITH_AS(Read({"--data", "/x", "--follow", "centre", "--area", "7,46,9,48"}),
                        doctest::Contains("must be https://"),
                        ConfigError);
+  for (const char* const url : {"http://centre", "http://127.evil.example", "http://[::2]:80/x"}) {
+    CHECK_THROWS_WITH_AS(
+        Read({"--data", "/x", "--follow", url, "--area", "7,46,9,48", "--follow-token-file", "/t"}),
+        doctest::Contains("over https:// only"),
+        ConfigError);
+  }
+  for (const char* const url : {"https://centre", "http://127.0.0.1:80", "http://[::1]:80/x"}) {
+    CHECK(Read(
+        {"--data", "/x", "--follow", url, "--area", "7,46,9,48", "--follow-token-file", "/t"}));
+  }
   CHECK_THROWS_WITH_AS(Read({"--data",
                              "/x",
                              "--database",

@@ -154,7 +154,7 @@ TEST_CASE("changes: the feed keeps its id and its numbers over a start") {
   CHECK(storage.changes.LastNumber() == number + 1);
 }
 
-TEST_CASE("changes: a removal of what is not here is kept; of what is here it changes nothing") {
+TEST_CASE("changes: a removal of what is not here is kept, of what is here it changes nothing") {
   const StoragePlace place;
   Storage storage(place.options());
   ChangeRow removal;
@@ -198,7 +198,7 @@ TEST_CASE("changes: a follower knows what the followed server does not know") {
   rows.sites = {StampedSite("told", 8.0, 1)};
   rows.is_from_above = true;
   storage.sites.PutEvaluation(rows, {});
-  storage.obstacles.PutFollowed({Wire("wire")}, {});
+  storage.obstacles.Merge({{Wire("wire")}, {}, true});
   std::vector<ChangeRow> unknown = storage.changes.ListUnknownAbove(10);
   REQUIRE(unknown.size() == 1);
   CHECK(unknown[0].key.id == "own");
@@ -209,7 +209,7 @@ TEST_CASE("changes: a follower knows what the followed server does not know") {
   REQUIRE(unknown.size() == 1);
   storage.changes.SetKnownAbove(unknown);
   CHECK(storage.changes.ListUnknownAbove(10).empty());
-  storage.obstacles.PutFollowed({}, {"wire"});
+  storage.obstacles.Merge({{}, {{"wire", kNowUs}}, true});
   CHECK(storage.changes.ListUnknownAbove(10).empty());
   storage.obstacles.Put({Wire("wire")}, kNowUs);
   CHECK(storage.changes.ListUnknownAbove(10).size() == 1);

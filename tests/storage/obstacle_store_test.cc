@@ -51,6 +51,25 @@ TEST_CASE("obstacles: the same id replaces, deletion removes, and each change ha
   CHECK(storage.obstacles.List().empty());
 }
 
+TEST_CASE("obstacles: what was told removes and replaces nothing that is later by then") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  storage.obstacles.Put({SomeObstacle("wire")}, kNowUs);
+  ObstacleRow told = SomeObstacle("wire", R"({"a":2})");
+  const auto with_stamp = [&told](int64_t updated_at_us) {
+    told.updated_at_us = updated_at_us;
+    return told;
+  };
+  for (const bool is_from_above : {false, true}) {
+    storage.obstacles.Merge({{with_stamp(kNowUs - 1)}, {{"wire", kNowUs - 1}}, is_from_above});
+    CHECK(storage.obstacles.Find("wire")->feature_json == R"({"a":1})");
+  }
+  storage.obstacles.Merge({{with_stamp(kNowUs)}, {{"none", kNowUs}}, false});
+  CHECK(storage.obstacles.Find("wire")->feature_json == R"({"a":2})");
+  storage.obstacles.Merge({{}, {{"wire", kNowUs}}, true});
+  CHECK(storage.obstacles.List().empty());
+}
+
 TEST_CASE("obstacles: the next write removes those that have expired") {
   const StoragePlace place;
   Storage storage(place.options());

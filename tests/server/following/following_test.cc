@@ -1,4 +1,5 @@
 // The feed over HTTP, and a server that follows another one.
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <thread>
@@ -53,7 +54,7 @@ std::vector<std::string> IdsIn(const nlohmann::json& page) {
 
 using Ids = std::vector<std::string>;
 
-// Within ten seconds.
+// Within half a minute.
 bool Becomes(const std::function<bool()>& is_so) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (!is_so()) {
@@ -239,6 +240,32 @@ TEST_CASE("following: a centre with another database gets what an edge has made"
   // What the centre itself had made is told by nobody any more.
   CHECK(Becomes([&] { return FeedOf(client).find("centre-mast") == std::string::npos; }));
   CHECK(GetJson(client, "/v1/obstacles")["features"].size() == 1);
+}
+
+TEST_CASE("following: a centre is left for another one, and followed again") {
+  const TemporaryFolder folder;
+  FreshServer first, second;
+  PutMast(first.client, "mast-of-first");
+  PutMast(second.client, "mast-of-second");
+  const auto follow = [&folder](FreshServer& centre, const Ids& names) {
+    TestServer edge(Following(TestConfig(folder.path()), centre.server.port()));
+    httplib::Client client = edge.Client();
+    if (names.size() == 1) PutMast(client, "own-mast");
+    const auto has_all = [&names](const std::string& feed) {
+      return std::all_of(names.begin(), names.end(), [&feed](const std::string& name) {
+        return feed.find(name) != std::string::npos;
+      });
+    };
+    CHECK(Becomes([&] {
+      const std::string feed = FeedOf(client);
+      return feed == FeedOf(centre.client) && has_all(feed);
+    }));
+    CHECK(Becomes([&] { return GetJson(client, "/healthz")["copy"]["num_unsent"] == 0; }));
+    CHECK(GetJson(client, "/v1/obstacles")["features"].size() == 2);
+  };
+  follow(first, {"mast-of-first"});
+  follow(second, {"mast-of-second", "own-mast"});
+  follow(first, {"mast-of-first", "own-mast"});
 }
 
 TEST_CASE("following: settings that cannot be are refused") {

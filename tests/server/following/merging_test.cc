@@ -282,7 +282,7 @@ TEST_CASE("merging: a copy begun anew keeps what was made here and drops what is
   TellAll(centre.storage, edge);
   StageAll(edge.storage, own);
   TakeInOrder(edge.storage, edge.maps, own.changes);
-  edge.storage.obstacles.PutFollowed({*Wire(5, 47.0).obstacle}, {});
+  edge.storage.obstacles.Merge({{*Wire(5, 47.0).obstacle}, {}, true});
   RemoveUntold(edge.storage, edge.maps, {{ChangeSubject::kMap, "told/1"}}, {7.0, 46.0, 9.0, 48.0});
   CHECK_FALSE(edge.storage.sites.Find("told-r1"));
   CHECK(edge.storage.maps.Find("told/1"));
@@ -292,7 +292,34 @@ TEST_CASE("merging: a copy begun anew keeps what was made here and drops what is
   CHECK(edge.storage.changes.ListUnknownAbove(10).size() == 2);
 }
 
-TEST_CASE("maps as bytes: the same on both servers; cut or changed bytes are refused") {
+TEST_CASE("merging: a withdrawn obstacle comes back as it was") {
+  Server edge;
+  const ToldChange wire = Wire(5, 47.0);
+  ToldChange left;
+  left.change.key = wire.change.key;
+  left.has_left = true;
+  MergeFromAbove(edge.storage, edge.maps, {wire});
+  MergeFromAbove(edge.storage, edge.maps, {left});
+  CHECK_FALSE(edge.storage.obstacles.Find("wire"));
+  CHECK(edge.storage.changes.ListUnknownAbove(10).empty());
+  MergeFromAbove(edge.storage, edge.maps, {wire});
+  CHECK(edge.storage.obstacles.Find("wire"));
+}
+
+TEST_CASE("merging: what another clock takes for expired stays until it is by the own one") {
+  Server server;
+  ToldChange wire = Wire(5, 47.0);
+  wire.obstacle->expires_at_us = NowUs() + 60 * kMinute;
+  MergeFromBelow(server.storage, server.maps, {wire});
+  ToldChange expired = Removal(ChangeSubject::kObstacle, "wire", 5);
+  expired.change.kind = ChangeKind::kExpired;
+  MergeFromBelow(server.storage, server.maps, {expired});
+  CHECK(server.storage.obstacles.Find("wire"));
+  MergeFromAbove(server.storage, server.maps, {expired});
+  CHECK(server.storage.obstacles.Find("wire"));
+}
+
+TEST_CASE("maps as bytes: the same on both servers, and cut or changed bytes are refused") {
   const ToldFlight flight = Fly({.id = "a", .seen_at_us = kFirst});
   const std::string& bytes = flight.map_bytes.at("a/1");
   Server server;

@@ -96,6 +96,22 @@ TEST_CASE("obstacles: the list is that of the box, over the antimeridian too") {
   }
 }
 
+TEST_CASE("obstacles: an edit is later than what a clock that is ahead has stamped") {
+  FreshServer fresh;
+  httplib::Client& client = fresh.client;
+  REQUIRE(Put(client, "line-1", Wire())->status == 201);
+  nlohmann::json page = nlohmann::json::parse(client.Get("/v1/changes")->body);
+  nlohmann::json told = page["changes"][0];
+  const int64_t ahead_us = told["obstacle"]["updated_at_us"].get<int64_t>() + 3'600'000'000;
+  told["obstacle"]["updated_at_us"] = ahead_us;
+  told["origin"] = "elsewhere";
+  const std::string body = nlohmann::json{{"changes", {told}}}.dump();
+  REQUIRE(client.Post("/v1/changes", body, kJson)->status == 200);
+  REQUIRE(Put(client, "line-1", Wire())->status == 200);
+  page = nlohmann::json::parse(client.Get("/v1/changes")->body);
+  CHECK(page["changes"][0]["obstacle"]["updated_at_us"] == ahead_us + 1);
+}
+
 TEST_CASE("obstacles: a collection is stored as a whole or not at all") {
   FreshServer fresh;
   httplib::Client& client = fresh.client;

@@ -7,6 +7,8 @@
 #include <doctest/doctest.h>
 #include <libpq-fe.h>
 
+#include "api/stored/stored.h"
+#include "tests/server/meadow.h"
 #include "tests/server/organisations/two_organisations.h"
 
 namespace freelsd {
@@ -146,6 +148,26 @@ TEST_SUITE("postgresql" * doctest::skip()) {
     CHECK(In(session, "south", "UPDATE sites SET is_checked = true") == "2");
     CHECK(In(session, "south", "UPDATE sites SET score = 1") == kNoRights);
     CHECK(In(session, "south", "DELETE FROM sites") == "0");
+  }
+
+  TEST_CASE("organisations: sites are checked again on maps that others share from now on") {
+    const TwoOrganisations two;
+    const std::unique_ptr<Storage> south = two.storage->ForOrganisation("south");
+    SiteRow site = MeadowSite("amsl", 5000.0);
+    site.id = "south-old";
+    south->sites.Put(site, SerializeSiteMap(Meadow()));
+    SiteRow far = site;
+    far.id = "south-far";
+    far.longitude_deg = 9.0;
+    far.map_box = BoundingBox{8.99, 46.99, 9.01, 47.01};
+    south->sites.Put(far, SerializeSiteMap(Meadow()));
+    Standing checked;
+    checked.is_checked = true;
+    south->sites.TakeTurn()->SetStandings({{"south-old", checked}, {"south-far", checked}});
+    REQUIRE(south->sites.ListUnchecked().empty());
+    two.north->ShareSites(true);
+    CHECK(south->sites.ListUnchecked() == std::vector<std::string>{"south-old"});
+    CHECK(two.north->sites.ListUnchecked().empty());
   }
 
   TEST_CASE("organisations: places are found by index below row-level security") {

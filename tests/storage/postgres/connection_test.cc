@@ -39,6 +39,25 @@ TEST_CASE("postgres: a newer schema is refused and stays as it is") {
   CHECK(Storage(place.options()).flights.Find("f"));
 }
 
+TEST_CASE("postgres: nobody migrates a schema that others share") {
+  const StoragePlace place;
+  {
+    Storage former(place.OptionsOfOne());
+    place.Execute("DELETE FROM schema_migrations WHERE version = 4");
+    CHECK_THROWS_WITH_AS(Storage{place.OptionsOfOther()},
+                         doctest::Contains("stop all servers of the former version"),
+                         StorageError);
+    former.flights.Insert(SomeFlight("f"));
+  }
+  place.Execute(
+      "DROP TABLE feed, changes; DROP SEQUENCE change_numbers; DROP FUNCTION tell_change, "
+      "tell_site, tell_map, tell_obstacle CASCADE");
+  Storage one(place.OptionsOfOther());
+  CHECK(one.flights.Find("f"));
+  CHECK(one.changes.LastNumber() == 0);
+  CHECK_NOTHROW(Storage{place.OptionsOfOne()});
+}
+
 TEST_CASE("postgres: a second process is refused unless the database is shared") {
   const StoragePlace place;
   const Storage storage(place.options());
