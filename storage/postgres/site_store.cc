@@ -170,7 +170,10 @@ std::vector<std::string> PostgresSiteStore::ListDependentsOfMap(const std::strin
 
 std::vector<std::string> PostgresSiteStore::ListUnchecked() const {
   return state_.Read([](PostgresConnection& connection) {
-    return connection.Run("SELECT id FROM sites WHERE is_recallable AND NOT is_checked ORDER BY id")
+    return connection
+        .Run(
+            "SELECT id FROM sites WHERE is_recallable AND NOT is_checked AND organisation = "
+            "current_setting('freelsd.organisation') ORDER BY id")
         .Texts();
   });
 }
