@@ -153,7 +153,7 @@ TEST_SUITE("postgresql" * doctest::skip()) {
   TEST_CASE("organisations: sites are checked again on maps that others share from now on") {
     const TwoOrganisations two;
     const std::unique_ptr<Storage> south = two.storage->ForOrganisation("south");
-    SiteRow site = MeadowSite("amsl", 5000.0);
+    SiteRow site = MeadowSite("amsl");
     site.id = "south-old";
     south->sites.Put(site, SerializeSiteMap(Meadow()));
     SiteRow far = site;
