@@ -71,7 +71,8 @@ std::vector<JobRow> Worker::ReadyFinishes() const {
     const SessionPointer session = open_flights_.Find(job.flight_id);
     const int64_t last_sequence = LastSequenceOf(job, ServiceOf(job.flight_id).storage);
     if (!session || session->flushed_through() < last_sequence) continue;
-    if (!session->HasSettledBefore(last_sequence)) ready.push_back(job);
+    if (session->HasUnstoredResults() || session->HasSettledBefore(last_sequence)) continue;
+    ready.push_back(job);
   }
   return ready;
 }

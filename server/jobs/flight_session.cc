@@ -44,6 +44,8 @@ std::vector<FrameResult> FlightSession::Give(const FrameRow& row,
   std::vector<FrameResult> results = frontend_.Process(std::move(frame));
   AddReports(frontend_.TakeReports());
   cursor_ = row.sequence;
+  is_stored_ = false;
+  has_unstored_results_ = has_unstored_results_ || !results.empty();
   return results;
 }
 
@@ -58,6 +60,9 @@ std::vector<FrameResult> FlightSession::Flush(int64_t through_sequence) {
   AddReports(frontend_.TakeReports());
   std::erase_if(flush_points_, [&](int64_t sequence) { return sequence <= through_sequence; });
   if (!results.empty()) first_settled_at_ = std::min(first_settled_at_.load(), through_sequence);
+  is_stored_ = false;
+  // Before a finish that waits for this flush sees it.
+  has_unstored_results_ = has_unstored_results_ || !results.empty();
   flushed_through_ = through_sequence;
   return results;
 }
@@ -71,13 +76,23 @@ std::optional<int64_t> FlightSession::NextFlushPoint() const {
   return *flush_points_.begin();
 }
 
-void FlightSession::AddNotes(const std::vector<FrameResult>& results) {
-  const std::lock_guard lock(statistics_mutex_);
-  for (const FrameResult& result : results) {
-    if (result.note.empty()) continue;
-    NoteCount& note = notes_[result.note];
-    if (note.count++ == 0) note.first_frame_id = result.frame_id;
+void FlightSession::StoreResults(const std::vector<FrameResult>& results,
+                                 const std::function<void(const FrameResult&)>& store) {
+  {
+    const std::lock_guard lock(statistics_mutex_);
+    for (const FrameResult& result : results) {
+      if (result.note.empty()) continue;
+      NoteCount& note = notes_[result.note];
+      if (note.count++ == 0) note.first_frame_id = result.frame_id;
+    }
   }
+  unstored_results_.insert(unstored_results_.end(), results.begin(), results.end());
+  has_unstored_results_ = !unstored_results_.empty();
+  while (!unstored_results_.empty()) {
+    store(unstored_results_.front());
+    unstored_results_.pop_front();
+  }
+  has_unstored_results_ = false;
 }
 
 std::pair<Snapshot, int64_t> FlightSession::TakeSnapshot() {
@@ -147,6 +162,7 @@ void FlightSession::Store(Storage& storage) {
     flight.warnings_json = ReplaceWarnings(flight.warnings_json, "frames", NoteSentences());
     if (ground_altitude_m) flight.ground_altitude_m = ground_altitude_m;
   });
+  is_stored_ = true;
 }
 
 }  // namespace freelsd

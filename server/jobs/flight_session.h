@@ -2,6 +2,8 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
+#include <functional>
 #include <limits>
 #include <map>
 #include <mutex>
@@ -58,8 +60,10 @@ class FlightSession {
   // Requests a flush after this frame, because the next frame may come much later.
   void AddFlushPoint(int64_t sequence);
   std::optional<int64_t> NextFlushPoint() const;
-  // Collects the frontend's notes on frames.
-  void AddNotes(const std::vector<FrameResult>& results);
+  // Collects the frontend's notes on frames, and passes each result to `store`. What one call does
+  // not store, because `store` throws, comes first in the next.
+  void StoreResults(const std::vector<FrameResult>& results,
+                    const std::function<void(const FrameResult&)>& store);
 
   // Where the frontend has placed a frame; nothing if it was dropped.
   std::optional<View> FindView(const std::string& frame_id);
@@ -73,6 +77,9 @@ class FlightSession {
   // True if a flush before `sequence` processed or rejected frames that still waited for
   // neighbours. A new session could process them better, because more neighbours have arrived.
   bool HasSettledBefore(int64_t sequence) const { return first_settled_at_ < sequence; }
+  bool HasUnstoredResults() const { return has_unstored_results_; }
+  // Regions, stages and warnings are stored as they are.
+  bool IsStored() const { return is_stored_; }
   // With the sequence number of the last frame passed in before it was taken.
   std::pair<Snapshot, int64_t> TakeSnapshot();
   void AddReports(const std::vector<StageReport>& reports);
@@ -100,7 +107,11 @@ class FlightSession {
   std::atomic<int64_t> cursor_{0};
   std::atomic<int64_t> flushed_through_{0};
   std::atomic<int64_t> first_settled_at_{std::numeric_limits<int64_t>::max()};
+  std::atomic<bool> has_unstored_results_{false};
+  std::atomic<bool> is_stored_{true};
   std::set<int64_t> flush_points_;
+  // Only the frontend thread uses it.
+  std::deque<FrameResult> unstored_results_;
   // Latest timestamp of a frame that was passed in. Only the frontend thread uses it.
   std::optional<int64_t> last_frame_us_;
 

@@ -168,6 +168,8 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
   }
   const SessionPointer session = OpenSession(*flight);
   if (!session) return false;
+  // A step that failed has left them.
+  if (session->HasUnstoredResults()) ApplyResults(flight_id, *session, {});
   std::optional<FrameRow> row = service.storage.frames.Next(flight_id, session->cursor());
   const std::optional<int64_t> flush_point = session->NextFlushPoint();
   if (flush_point && (!row || row->sequence > *flush_point)) {
@@ -177,6 +179,7 @@ bool Worker::StepFlight(const std::string& flight_id, const std::vector<JobRow>&
     return true;
   }
   if (!row) {
+    if (!session->IsStored()) StoreProgress(flight_id, *session, jobs);
     UpdateBatchJobs(flight_id, jobs);
     return false;
   }
@@ -253,12 +256,11 @@ void Worker::ApplyResults(const std::string& flight_id,
                           FlightSession& session,
                           const std::vector<FrameResult>& results) {
   Service& service = ServiceOf(flight_id);
-  session.AddNotes(results);
-  for (const FrameResult& result : results) {
+  session.StoreResults(results, [&](const FrameResult& result) {
     const auto frame = service.storage.frames.Find(flight_id, result.frame_id);
     const FrameState state = result.is_processed ? FrameState::kProcessed : FrameState::kRejected;
     // A replay may change the stored state, because the frame has more neighbours now.
-    if (!frame || frame->state == state) continue;
+    if (!frame || frame->state == state) return;
     service.storage.frames.SetState(flight_id, result.frame_id, state, result.note);
     FrameRow told = *frame;
     told.state = state;
@@ -266,7 +268,7 @@ void Worker::ApplyResults(const std::string& flight_id,
     TellOfFrame(service, told);
     if (result.is_processed && config_.watches_strips) WatchStrips(session, told);
     pace_[flight_id].AddFrame();
-  }
+  });
   if (!IsEvaluationDue(flight_id, session)) return;
   pace_[flight_id].BeginEvaluation();
   due_.Add(flight_id);
