@@ -48,5 +48,23 @@ TEST_CASE(
   CHECK(flights.MayOpen("b"));
 }
 
+TEST_CASE("flight session: a result that could not be stored is the first of the next call") {
+  const OpenFlights::SessionPointer session = SomeSession();
+  std::vector<std::string> stored;
+  const auto store = [&stored](const FrameResult& result) {
+    if (result.frame_id == "b" && stored.size() == 1) {
+      stored.emplace_back("failed");
+      throw StorageError("write", "the database is out of reach");
+    }
+    stored.push_back(result.frame_id);
+  };
+  CHECK_THROWS_AS(session->StoreResults({{"a", true, ""}, {"b", true, ""}, {"c", true, ""}}, store),
+                  StorageError);
+  CHECK(session->HasUnstoredResults());
+  session->StoreResults({{"d", true, ""}}, store);
+  CHECK(stored == std::vector<std::string>{"a", "failed", "b", "c", "d"});
+  CHECK_FALSE(session->HasUnstoredResults());
+}
+
 }  // namespace
 }  // namespace freelsd
