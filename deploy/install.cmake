@@ -6,6 +6,7 @@ install(PROGRAMS ${PROJECT_SOURCE_DIR}/deploy/freelsdctl DESTINATION ${CMAKE_INS
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.bash-completion
         DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME freelsdctl)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsdctl.1 ${PROJECT_SOURCE_DIR}/deploy/freelsd-mavlink.1
+              ${PROJECT_SOURCE_DIR}/deploy/freelsd-migrate.1
         DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/freelsd-server.8 DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
 install(FILES ${PROJECT_SOURCE_DIR}/engine/classification/grass_model.yml
