@@ -5,7 +5,7 @@
 #   deploy/lint.sh --all        clang-tidy on every file
 #
 # Both forms check format, length of files, number of files in a folder and comments of mutexes everywhere.
-# The first form starts no clang-tidy after 7 minutes. It takes the newest commits' files first, and lists what it
+# The first form starts no clang-tidy after 5 minutes. It takes the newest commits' files first, and lists what it
 # leaves out. Status 0 means no findings.
 set -Eeuo pipefail
 cd "$(dirname "$0")/.."
@@ -16,8 +16,7 @@ source deploy/steps.sh
 readonly max_file_lines=400
 # 16 units of a header and a source, and the folder's own header and main program.
 readonly max_folder_files=34
-readonly max_tidy_seconds=420
-readonly default_num_commits=20
+readonly max_tidy_seconds=300
 
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
@@ -72,12 +71,6 @@ silent_mutexes() {
     }
     { comment = /^ *\/\// ? comment $0 : "" }
   '
-}
-
-first_revision() {
-  git describe --tags --abbrev=0 2>/dev/null ||
-    git rev-parse --verify --quiet "HEAD~$default_num_commits" ||
-    git rev-list --max-parents=0 HEAD | tail -n 1
 }
 
 # Sources and headers that changed since the revision, the newest first.

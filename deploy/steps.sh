@@ -59,6 +59,13 @@ install_missing() {
     apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
+# The last tag, or else 20 commits ago.
+first_revision() {
+  git describe --tags --abbrev=0 2>/dev/null ||
+    git rev-parse --verify --quiet "HEAD~20" ||
+    git rev-list --max-parents=0 HEAD | tail -n 1
+}
+
 # As many compilers at once as there are cores, and 1.5 GB of memory for each.
 num_build_jobs() {
   local by_memory
