@@ -138,10 +138,10 @@ else
 fi
 
 start_step "building (sanitizers)"
-# Folders in which something has changed, or in what they include. Without a history: all.
+# Folders in which something has changed, or in what they include or how they are built. Without a history: all.
 sanitized=()
 for folder in engine storage api; do
-  watched=("$folder" "tests/$folder")
+  watched=("$folder" "tests/$folder" CMakeLists.txt CMakePresets.json)
   if [ "$folder" = api ]; then watched+=(engine); fi
   if ! git rev-parse --verify --quiet HEAD >/dev/null || ! git diff --quiet "$(first_revision)" -- "${watched[@]}"; then
     sanitized+=("$folder")

@@ -44,7 +44,7 @@ std::vector<FrameResult> FlightSession::Give(const FrameRow& row,
   std::vector<FrameResult> results = frontend_.Process(std::move(frame));
   AddReports(frontend_.TakeReports());
   cursor_ = row.sequence;
-  is_stored_ = false;
+  ++num_steps_;
   has_unstored_results_ = has_unstored_results_ || !results.empty();
   return results;
 }
@@ -60,7 +60,7 @@ std::vector<FrameResult> FlightSession::Flush(int64_t through_sequence) {
   AddReports(frontend_.TakeReports());
   std::erase_if(flush_points_, [&](int64_t sequence) { return sequence <= through_sequence; });
   if (!results.empty()) first_settled_at_ = std::min(first_settled_at_.load(), through_sequence);
-  is_stored_ = false;
+  ++num_steps_;
   // Before a finish that waits for this flush sees it.
   has_unstored_results_ = has_unstored_results_ || !results.empty();
   flushed_through_ = through_sequence;
@@ -149,6 +149,8 @@ void FlightSession::StoreRegions(Storage& storage) {
 }
 
 void FlightSession::Store(Storage& storage) {
+  // The frontend may go on meanwhile.
+  const int64_t num_steps = num_steps_;
   StoreRegions(storage);
   std::optional<double> ground_altitude_m;
   {
@@ -162,7 +164,7 @@ void FlightSession::Store(Storage& storage) {
     flight.warnings_json = ReplaceWarnings(flight.warnings_json, "frames", NoteSentences());
     if (ground_altitude_m) flight.ground_altitude_m = ground_altitude_m;
   });
-  is_stored_ = true;
+  num_stored_steps_ = num_steps;
 }
 
 }  // namespace freelsd

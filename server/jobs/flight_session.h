@@ -79,7 +79,7 @@ class FlightSession {
   bool HasSettledBefore(int64_t sequence) const { return first_settled_at_ < sequence; }
   bool HasUnstoredResults() const { return has_unstored_results_; }
   // Regions, stages and warnings are stored as they are.
-  bool IsStored() const { return is_stored_; }
+  bool IsStored() const { return num_steps_ == num_stored_steps_; }
   // With the sequence number of the last frame passed in before it was taken.
   std::pair<Snapshot, int64_t> TakeSnapshot();
   void AddReports(const std::vector<StageReport>& reports);
@@ -108,7 +108,9 @@ class FlightSession {
   std::atomic<int64_t> flushed_through_{0};
   std::atomic<int64_t> first_settled_at_{std::numeric_limits<int64_t>::max()};
   std::atomic<bool> has_unstored_results_{false};
-  std::atomic<bool> is_stored_{true};
+  // Frames given and flushes, and how many of them the last Store has seen.
+  std::atomic<int64_t> num_steps_{0};
+  std::atomic<int64_t> num_stored_steps_{0};
   std::set<int64_t> flush_points_;
   // Only the frontend thread uses it.
   std::deque<FrameResult> unstored_results_;
