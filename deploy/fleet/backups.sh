@@ -43,9 +43,8 @@ restore() {
   [ -e "$folder/complete" ] || fail "$folder is no complete backup"
   if [[ "${given[to]:-}" == *\'* ]]; then fail "--to must be a time"; fi
   begin "stopping the servers and the database"
-  # The latest rows are in the archive only when their file is.
-  if cluster_answers; then ask 'SELECT pg_switch_wal()' postgres >/dev/null && await_archive; fi
   stop_servers
+  if cluster_answers; then archive_latest; fi
   stop_cluster
   former="$root/database.before-$(date -u +%Y%m%dT%H%M%SZ)"
   mv "$root/database" "$former"
@@ -63,9 +62,10 @@ restore() {
   echo "start the servers again with: deploy/fleet.sh up --root $root"
 }
 
-await_archive() {
+# The latest rows are in the archive only when their file is. What is written meanwhile belongs to the next file.
+archive_latest() {
   local _ wanted
-  wanted="$(ask 'SELECT pg_walfile_name(pg_current_wal_lsn() - 1)' postgres)"
+  wanted="$(ask 'SELECT pg_walfile_name(pg_switch_wal() - 1)' postgres)"
   for _ in $(seq 300); do
     if as_user postgres test -e "$root/archive/$wanted"; then return; fi
     sleep 0.1
