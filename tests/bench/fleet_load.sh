@@ -67,7 +67,7 @@ fill() {
   local head begin=$SECONDS
   head="$(ask -c "SELECT head_json FROM maps WHERE is_in_force LIMIT 1")"
   python3 "$root/tests/bench/fleet_sites.py" "$num_sites" "$sites_of_map" "$head" | ask >>"$place/log"
-  ask -c "SELECT latitude_deg || ' ' || longitude_deg FROM sites WHERE flight_id = 'many' ORDER BY id LIMIT 100000" |
+  ask -c "SELECT latitude_deg || ' ' || longitude_deg FROM sites WHERE flight_id LIKE 'many%' ORDER BY id LIMIT 100000" |
     awk 'NR % 97 == 0' >"$place/places"
   jq -nc --argjson sites "$(ask -c 'SELECT count(*) FROM sites')" --argjson s $((SECONDS - begin)) --argjson sizes "$(sizes)" \
     '{step: "fill", sites: $sites, seconds: $s, sizes: $sizes}'
@@ -91,7 +91,7 @@ live() {
       telemetry_table: $sizes.tables.telemetry}' "$place/live.json"
 }
 
-# One server on SQLite, with a tenth of the sites on a tenth of the continent's maps.
+# One server on SQLite, with as many sites.
 sqlite() {
   local data="$place/sqlite" port=$((internal + 25)) pid url
   url="http://127.0.0.1:$port"
@@ -101,7 +101,7 @@ sqlite() {
   await_server "$url" "$pid" "$place/sqlite.log"
   "$root/deploy/freelsdctl" submit "$flight" --new --url "$url" >>"$place/log" 2>&1
   stop_server "$pid"
-  python3 "$root/tests/bench/fleet_sites_sqlite.py" "$data" $((num_sites / 10)) "$sites_of_map" "$place/sqlite.places"
+  python3 "$root/tests/bench/fleet_sites_sqlite.py" "$data" "$num_sites" "$sites_of_map" "$place/sqlite.places"
   "$build/server/freelsd-server" --data "$data" --listen "127.0.0.1:$port" --emergency-listen "127.0.0.1:$((port + 1))" \
     --config <(echo '{"num_http_threads": 512}') >"$place/sqlite.log" 2>&1 &
   pid=$!

@@ -1,8 +1,8 @@
-"""SQL that fills a PostgreSQL database with sites over a continent, on maps that they share; for psql's input.
+"""SQL that fills a PostgreSQL database with sites over a continent, each flight with one map; for psql's input.
 
     python3 tests/bench/fleet_sites.py NUM_SITES SITES_OF_A_MAP MAP_HEAD_JSON | psql ...
 
-The database must hold the accepted sites of one flight and its map: the new rows are theirs, elsewhere.
+The database must hold the accepted sites of one flight and its map: the new rows are copies of theirs, elsewhere.
 """
 
 import json
@@ -41,26 +41,25 @@ def main():
 CREATE TEMP TABLE base AS SELECT * FROM sites WHERE is_recallable ORDER BY is_landable DESC LIMIT 1;
 INSERT INTO maps (id, flight_id, number, head_json, altitude_datum, west_deg, south_deg, east_deg, north_deg, updated_at_us,
     seen_at_us, is_in_force)
-  SELECT 'many/' || number, 'many', number, head, 'amsl', longitude - 0.0027, latitude - 0.0018, longitude + 0.0027,
+  SELECT 'many' || number || '/1', 'many' || number, 1, head, 'amsl', longitude - 0.0027, latitude - 0.0018, longitude + 0.0027,
     latitude + 0.0018, updated_at_us, seen_at_us, true FROM places, base;
 INSERT INTO map_areas SELECT id, 1, ST_MakeEnvelope(west_deg, south_deg, east_deg, north_deg, 4326) FROM maps
-  WHERE flight_id = 'many';
-INSERT INTO map_tiles SELECT 'many/' || number, level, row, col, '\\x{many_sites.flat_tile().hex()}'::bytea
+  WHERE flight_id LIKE 'many%';
+INSERT INTO map_tiles SELECT 'many' || number || '/1', level, row, col, '\\x{many_sites.flat_tile().hex()}'::bytea
   FROM places, (VALUES {keys}) AS keys (level, row, col);
-CREATE TEMP TABLE spots AS SELECT 'many-r' || number * {sites_of_map} + site AS id, number * {sites_of_map} + site AS region,
-    'many/' || number AS map_id, latitude + (site % 5 - 2) * 0.0004 AS latitude,
+CREATE TEMP TABLE spots AS SELECT 'many' || number AS flight, site + 1 AS region, latitude + (site % 5 - 2) * 0.0004 AS latitude,
     longitude + (site / 5 - {sites_of_map // 10}) * 0.0004 AS longitude
   FROM places, generate_series(0, {sites_of_map - 1}) AS site;
 INSERT INTO sites (id, flight_id, region_id, map_id, latitude_deg, longitude_deg, feature_json, approach_json, replan_json,
     updated_at_us, seen_at_us, is_checked, is_recallable, is_landable, altitude_m, altitude_datum, score, aircraft_json,
     west_deg, south_deg, east_deg, north_deg)
-  SELECT spots.id, 'many', region, spots.map_id, latitude, longitude, feature_json, approach_json,
+  SELECT flight || '-r' || region, flight, region, flight || '/1', latitude, longitude, feature_json, approach_json,
     (replan_json::jsonb || jsonb_build_object('latitude_deg', latitude, 'longitude_deg', longitude, 'altitude_m', 450.0,
       'area_m2', 14400.0, 'footprint_m', '[[-60, -60], [60, -60], [60, 60], [-60, 60]]'::jsonb))::text,
     updated_at_us, seen_at_us, true, true, true, 450.0, 'amsl', 0.8, aircraft_json,
     longitude - 0.0027, latitude - 0.0018, longitude + 0.0027, latitude + 0.0018 FROM spots, base;
 INSERT INTO site_areas SELECT id, 1, ST_MakeEnvelope(west_deg, south_deg, east_deg, north_deg, 4326) FROM sites
-  WHERE flight_id = 'many';
+  WHERE flight_id LIKE 'many%';
 UPDATE versions SET value = value + 1;
 COMMIT;
 ANALYZE;""")

@@ -21,9 +21,9 @@ def spots(centre, sites_of_map):
 
 def map_row(base, number, latitude, longitude):
     box = (longitude - 0.0027, latitude - 0.0018, longitude + 0.0027, latitude + 0.0018)
-    row = [f"many/{number}", "many", json.dumps(head_of(json.loads(base["head_json"]), latitude, longitude)), "amsl", *box,
+    row = [f"many{number}/1", f"many{number}", json.dumps(head_of(json.loads(base["head_json"]), latitude, longitude)), "amsl", *box,
            base["updated_at_us"], base["seen_at_us"]]
-    return row[:2] + [number] + row[2:] + [1, many_sites.checksum(*row)]
+    return row[:2] + [1] + row[2:] + [1, many_sites.checksum(*row)]
 
 
 def fill(database, centres, sites_of_map, maps):
@@ -42,7 +42,7 @@ def fill(database, centres, sites_of_map, maps):
         for latitude, longitude in spots(centre, sites_of_map):
             number += 1
             replan["latitude_deg"], replan["longitude_deg"] = latitude, longitude
-            site = dict(base, id=f"many-r{number}", flight_id="many", region_id=number, latitude_deg=latitude,
+            site = dict(base, id=f"{row[1]}-r{number}", flight_id=row[1], region_id=number, latitude_deg=latitude,
                         longitude_deg=longitude, replan_json=json.dumps(replan), checksum=None, superseded_by=None,
                         is_checked=1, map_id=row[0])
             many_sites.insert(database, "sites", list(site.values()))
