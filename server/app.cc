@@ -198,13 +198,14 @@ SharingCalls App::CallsOfSharing() {
 }
 
 void App::Run() {
+  is_running_ = true;
+  // Alternates are for emergencies too: before others give way to these.
+  organisations_.ForEach([](const std::string&, Organisation& each) { each.alternates.Start(); });
   std::thread emergency;
   if (emergency_http_) {
     emergency = std::thread([this] { emergency_http_->Run(); });
     GiveWay();
   }
-  is_running_ = true;
-  organisations_.ForEach([](const std::string&, Organisation& each) { each.alternates.Start(); });
   http_.Run();
   if (emergency.joinable()) emergency.join();
 }

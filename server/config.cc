@@ -154,6 +154,7 @@ void ReadConfigFile(const std::string& path, Config& config) {
   Take(object, "max_num_queued_frames", config.max_num_queued_frames);
   Take(object, "max_num_open_flights", config.max_num_open_flights);
   Take(object, "num_alternates", config.num_alternates);
+  Take(object, "recall_cache_mib", config.recall_cache_mib);
   Take(object, "watches_strips", config.watches_strips);
   Take(object, "max_batch_bytes", config.max_batch_bytes);
   Take(object, "max_image_age_days", config.max_image_age_days);
@@ -233,6 +234,10 @@ void Check(const Config& config) {
   if (!(config.max_image_age_days >= 0.0)) throw ConfigError("max_image_age_days: must be >= 0");
   if (config.max_num_queued_frames < 1) throw ConfigError("max_num_queued_frames: must be >= 1");
   if (config.max_num_open_flights < 1) throw ConfigError("max_num_open_flights: must be >= 1");
+  constexpr int kMinCacheMib = 96, kMaxCacheMib = 1 << 20;
+  if (config.recall_cache_mib < kMinCacheMib || config.recall_cache_mib > kMaxCacheMib) {
+    throw ConfigError("recall_cache_mib: must be in [96, 1048576]");
+  }
   constexpr int kMaxNumAlternates = static_cast<int>(kLimits.answer.max_num_alternates);
   if (config.num_alternates < 1 || config.num_alternates > kMaxNumAlternates) {
     throw ConfigError("num_alternates: must be in [1, " + std::to_string(kMaxNumAlternates) + "]");

@@ -62,6 +62,8 @@ struct Config {
   int max_num_open_flights = 16;
   // Sites in the list of alternates that is kept for each live flight.
   int num_alternates = 3;
+  // Memory for what recall keeps between answers: sites with their maps, terrain, plans.
+  int recall_cache_mib = 384;
   // Whether new photographs are compared with stored strips (0036: many false alarms).
   bool watches_strips = false;
   uint64_t max_batch_bytes = uint64_t{2} << 30;

@@ -41,6 +41,7 @@ class StorageBackend {
   virtual void MarkDamaged(const std::string& why) = 0;
   virtual std::vector<std::string> Notices() = 0;
   virtual std::vector<PoolState> Pools() { return {}; }
+  virtual std::unique_ptr<VersionHold> HoldVersions() { return nullptr; }
 
  protected:
   StorageBackend() = default;

@@ -1,12 +1,13 @@
 // A cache of rows with bounding boxes. It answers from memory if no site has changed and the
-// requested box lies within the box read last. This is usual, because an aircraft that asks for its
-// surroundings moves little between two requests, and because the box grows to hold those of
-// several aircraft near each other. Rows are shared, not copied.
+// requested box lies within one that was read. This is usual, because an aircraft that asks for its
+// surroundings moves little between two requests, and because a box grows to hold those of several
+// aircraft near each other. Rows are shared, not copied.
 #pragma once
 
 #include <algorithm>
 #include <functional>
 #include <iterator>
+#include <list>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -37,14 +38,11 @@ class BoxCache {
   // gets `version` before this call. If rows change between the two calls, the next call reads them
   // again.
   SharedRows<Row> Within(const BoundingBox& box, uint64_t version, const Read& read) {
-    std::shared_ptr<const FromSouth> kept = Kept(box, version);
+    std::shared_ptr<const FromSouth> kept = Find(box, version);
     if (!kept) {
       const BoundingBox wide = Grown(WithKept(box, version));
       kept = std::make_shared<const FromSouth>(read(wide));
-      const std::lock_guard lock(mutex_);
-      box_ = wide;
-      version_ = version;
-      kept_ = kept;
+      Keep({wide, version, kept});
     }
     SharedRows<Row> met;
     for (auto each = kept->First(box.south_deg);
@@ -77,27 +75,63 @@ class BoxCache {
     double tallest_deg = 0.0;
   };
 
-  std::shared_ptr<const FromSouth> Kept(const BoundingBox& box, uint64_t version) {
-    const std::lock_guard lock(mutex_);
-    const bool holds = kept_ && version_ == version && box.west_deg >= box_.west_deg &&
-                       box.east_deg <= box_.east_deg && box.south_deg >= box_.south_deg &&
-                       box.north_deg <= box_.north_deg;
-    return holds ? kept_ : nullptr;
+  struct Part {
+    BoundingBox box{};
+    uint64_t version = 0;
+    std::shared_ptr<const FromSouth> rows;
+  };
+
+  static constexpr size_t kMaxNumRowsTogether = 5000;
+  // Some 100 MB of sites, and boxes of a thousand aircraft.
+  static constexpr size_t kMaxNumRows = 100000;
+  static constexpr size_t kMaxNumParts = 2000;
+
+  static bool Holds(const BoundingBox& outer, const BoundingBox& inner) {
+    return inner.west_deg >= outer.west_deg && inner.east_deg <= outer.east_deg &&
+           inner.south_deg >= outer.south_deg && inner.north_deg <= outer.north_deg;
   }
 
-  // The box, or one that also holds the kept one, if that costs little.
+  std::shared_ptr<const FromSouth> Find(const BoundingBox& box, uint64_t version) {
+    const std::lock_guard lock(mutex_);
+    const auto found = std::find_if(parts_.begin(), parts_.end(), [&](const Part& part) {
+      return part.version == version && Holds(part.box, box);
+    });
+    if (found == parts_.end()) return nullptr;
+    parts_.splice(parts_.begin(), parts_, found);
+    return found->rows;
+  }
+
+  // The box, or one that also holds a kept one, if that costs little.
   BoundingBox WithKept(const BoundingBox& box, uint64_t version) {
-    constexpr size_t kMaxNumRows = 5000;
     constexpr double kMaxDeg = 1.0;
     const std::lock_guard lock(mutex_);
-    if (!kept_ || version_ != version || kept_->rows.size() > kMaxNumRows) return box;
-    const BoundingBox both{std::min(box.west_deg, box_.west_deg),
-                           std::min(box.south_deg, box_.south_deg),
-                           std::max(box.east_deg, box_.east_deg),
-                           std::max(box.north_deg, box_.north_deg)};
-    const bool is_small =
-        both.east_deg - both.west_deg <= kMaxDeg && both.north_deg - both.south_deg <= kMaxDeg;
-    return is_small ? both : box;
+    for (const Part& part : parts_) {
+      if (part.version != version || part.rows->rows.size() > kMaxNumRowsTogether) continue;
+      const BoundingBox both{std::min(box.west_deg, part.box.west_deg),
+                             std::min(box.south_deg, part.box.south_deg),
+                             std::max(box.east_deg, part.box.east_deg),
+                             std::max(box.north_deg, part.box.north_deg)};
+      const bool is_small =
+          both.east_deg - both.west_deg <= kMaxDeg && both.north_deg - both.south_deg <= kMaxDeg;
+      if (is_small) return both;
+    }
+    return box;
+  }
+
+  // Drops what it replaces, and the least recently used.
+  void Keep(Part part) {
+    const std::lock_guard lock(mutex_);
+    parts_.remove_if([&part](const Part& old) {
+      return old.version < part.version ||
+             (old.version == part.version && Holds(part.box, old.box));
+    });
+    parts_.push_front(std::move(part));
+    size_t num_rows = 0, num_parts = 0;
+    const auto first_too_many = std::find_if(parts_.begin(), parts_.end(), [&](const Part& each) {
+      num_rows += each.rows->rows.size();
+      return ++num_parts > kMaxNumParts || (num_parts > 1 && num_rows > kMaxNumRows);
+    });
+    parts_.erase(first_too_many, parts_.end());
   }
 
   // Enlarges the box by a quarter of its size, but at least 0.02 degrees, on each side.
@@ -111,15 +145,15 @@ class BoxCache {
             std::min(90.0, box.north_deg + dlat_deg)};
   }
 
-  // Guards version_, box_ and kept_.
+  // Guards parts_.
   std::mutex mutex_;
-  uint64_t version_ = 0;
-  BoundingBox box_{};
-  std::shared_ptr<const FromSouth> kept_;
+  // The most recently used first.
+  std::list<Part> parts_;
 };
 
 inline const std::string& IdOf(const RecallRow& row) { return row.site_id; }
 inline const std::string& IdOf(const MapRow& row) { return row.id; }
+inline const std::string& IdOf(const std::string& id) { return id; }
 
 // Reads the rows within the box through the cache, each once. The box may cross the antimeridian.
 template <typename Row>

@@ -56,6 +56,8 @@ DatabaseKind Storage::Kind() const { return backend_->Kind(); }
 
 std::filesystem::path Storage::SpoolFolder() const { return backend_->SpoolFolder(); }
 
+std::unique_ptr<VersionHold> Storage::HoldVersions() const { return backend_->HoldVersions(); }
+
 std::vector<PoolState> Storage::Pools() const { return backend_->Pools(); }
 
 std::optional<std::string> Storage::WhyNotWritable() const { return backend_->WhyNotWritable(); }

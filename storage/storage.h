@@ -72,6 +72,17 @@ struct PoolState {
   double waited_s = 0.0;
 };
 
+// See Storage::HoldVersions.
+class VersionHold {
+ public:
+  virtual ~VersionHold() = default;
+  VersionHold(const VersionHold&) = delete;
+  VersionHold& operator=(const VersionHold&) = delete;
+
+ protected:
+  VersionHold() = default;
+};
+
 class Storage {
   // Declared before the stores, because they refer to it.
   std::unique_ptr<StorageBackend> backend_;
@@ -124,6 +135,11 @@ class Storage {
   std::vector<std::string> Notices() const;
   // Empty with SQLite.
   std::vector<PoolState> Pools() const;
+  // For an answer that asks for sites and maps many times: while the returned object lives, this
+  // thread takes the versions of sites and obstacles (SiteStore::Version) as they are now. The
+  // answer is then as of this call, or later. The object must stay in this thread. Nothing with
+  // SQLite, where a version costs nothing.
+  std::unique_ptr<VersionHold> HoldVersions() const;
 
  private:
   explicit Storage(std::unique_ptr<StorageBackend> backend);

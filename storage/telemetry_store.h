@@ -36,22 +36,17 @@ class TelemetryStore {
   TelemetryStore(const TelemetryStore&) = delete;
   TelemetryStore& operator=(const TelemetryStore&) = delete;
 
-  // Writes all rows in one commit. A row replaces the row of the same kind and timestamp. If
-  // necessary, increases arrived_at_us: it must exceed arrived_at_us of all stored rows and frames
-  // of the flight. The order of arrival is therefore correct even if the clock was set back. If
-  // there is no such flight, writes nothing and returns false.
+  // Writes all rows in one commit, with those that other threads give at the same time. A row
+  // replaces the row of the same kind and timestamp. If necessary, increases arrived_at_us: it must
+  // exceed arrived_at_us of all stored rows and frames of the flight. The order of arrival is
+  // therefore correct even if the clock was set back. If there is no such flight, writes nothing
+  // and returns false.
   virtual bool Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) = 0;
-  // The rows of a kind that arrived last, the latest first.
-  virtual std::vector<TelemetryRow> LastArrived(const std::string& flight_id,
-                                                TelemetryKind kind,
-                                                int max_num_rows) const = 0;
-  // The rows of a kind with the latest timestamps, the latest first.
-  virtual std::vector<TelemetryRow> Latest(const std::string& flight_id,
+  // Of a kind: the row that arrived first, the max_num_rows that arrived last, and the max_num_rows
+  // with the latest timestamps. Each once, in the order of arrival.
+  virtual std::vector<TelemetryRow> Recent(const std::string& flight_id,
                                            TelemetryKind kind,
                                            int max_num_rows) const = 0;
-  // The row of a kind that arrived first, of those that are stored.
-  virtual std::optional<TelemetryRow> FirstArrived(const std::string& flight_id,
-                                                   TelemetryKind kind) const = 0;
   virtual TelemetryPair Around(const std::string& flight_id,
                                TelemetryKind kind,
                                int64_t timestamp_us) const = 0;

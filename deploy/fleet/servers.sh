@@ -55,7 +55,7 @@ write_server_settings() {
       --arg tokens "$root/secrets/tokens.json" --arg host "${setting[host]}" \
       '{data: $data, database: $database, images: $images, role: $role, listen: $listen, token_file: $tokens,
         allowed_hosts: [$host]} +
-        if $role == "api" then {emergency_listen: $emergency, num_http_threads: 512} else {} end' \
+        if $role == "api" then {emergency_listen: $emergency, num_http_threads: 512, recall_cache_mib: 1024} else {} end' \
       >"$root/servers/$name.json"
     make_folder "$root/servers/$name" 750 freelsd
   done

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -25,6 +26,12 @@ constexpr double kSameWindMps = 0.25;
 constexpr double kMaxPlannedChangeMps = 1.0;
 // A flight that was not woken for this time has landed, or a client only requested its list.
 constexpr std::chrono::seconds kLiveFor{60};
+
+std::chrono::nanoseconds ProcessorTimeOfThread() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+}
 
 nlohmann::json PoseJson(const LivePose& pose, const std::string& altitude_datum) {
   nlohmann::json object{{"latitude_deg", pose.place.latitude_deg},
@@ -193,13 +200,14 @@ Alternates::PlannedWind Alternates::ChooseWind(const std::string& flight_id,
 }
 
 std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id,
-                                                    size_t limit,
+                                                    size_t num_sites,
                                                     WindToPlanFor wind) {
   List list;
   {
     const std::lock_guard lock(mutex_);
     list.number = ++num_lists_;
   }
+  const auto hold = storage_.HoldVersions();
   list.sites_version = storage_.sites.Version();
   list.computed_at_us = ArrivalNowUs();
   const std::optional<FlightRow> flight = storage_.flights.Find(flight_id);
@@ -210,7 +218,11 @@ std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id
     const double seconds = kMaxCourseAgeS - pose->age_s.value_or(0.0);
     list.holds_until_us = list.computed_at_us + static_cast<int64_t>(seconds * 1e6);
   }
-  list.answer = AnswerOf({storage_, maps_}, *flight, pose, limit);
+  // With plans also for the sites that a recall tells if nobody gives a limit.
+  const size_t num_planned = std::max(num_sites, EmergencyRequest{}.limit);
+  list.answer = AnswerOf({storage_, maps_}, *flight, pose, num_planned);
+  nlohmann::json& sites = list.answer["sites"];
+  while (sites.size() > num_sites) sites.erase(sites.size() - 1);
   return list;
 }
 
@@ -290,8 +302,12 @@ void Alternates::RunUpdates() {
     std::erase(due_, flight_id);
     updated_at_[flight_id] = Clock::now();
     lock.unlock();
+    const std::chrono::nanoseconds before = ProcessorTimeOfThread();
     Update(flight_id, WindToPlanFor::kPlanned);
+    const std::chrono::nanoseconds spent = ProcessorTimeOfThread() - before;
     lock.lock();
+    // With many live flights, updates never end: half of a processor is left for what they need.
+    changed_.wait_for(lock, spent, [this] { return is_stopping_; });
   }
 }
 

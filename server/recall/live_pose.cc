@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <utility>
 #include <vector>
 
@@ -38,35 +37,39 @@ struct Track {
   std::optional<double> age_s;
 };
 
-FlightClock ClockOf(const Storage& storage, const std::string& flight_id) {
+// Telemetry of a flight, from which poses and winds are taken.
+struct FlightSamples {
+  std::vector<TelemetryRow> positions, winds;
   FlightClock clock;
-  for (const TelemetryKind kind : {TelemetryKind::kPosition, TelemetryKind::kWind}) {
-    if (const auto first = storage.telemetry.FirstArrived(flight_id, kind)) {
-      clock.Hear(first->timestamp_us, first->arrived_at_us);
-    }
-    for (const auto& row : storage.telemetry.LastArrived(flight_id, kind, kMaxNumSamples)) {
-      clock.Hear(row.timestamp_us, row.arrived_at_us);
-    }
+};
+
+// Hears the first of the rows and the last ones. Rows are in the order of arrival.
+void Hear(const std::vector<TelemetryRow>& rows, FlightClock& clock) {
+  const size_t num_last = std::min<size_t>(kMaxNumSamples, rows.size());
+  if (!rows.empty()) clock.Hear(rows.front().timestamp_us, rows.front().arrived_at_us);
+  for (size_t i = rows.size() - num_last; i < rows.size(); ++i) {
+    clock.Hear(rows[i].timestamp_us, rows[i].arrived_at_us);
   }
-  return clock;
+}
+
+FlightSamples SamplesOf(const Storage& storage, const std::string& flight_id) {
+  FlightSamples samples;
+  samples.positions = storage.telemetry.Recent(flight_id, TelemetryKind::kPosition, kMaxNumSamples);
+  samples.winds = storage.telemetry.Recent(flight_id, TelemetryKind::kWind, kMaxNumSamples);
+  Hear(samples.positions, samples.clock);
+  Hear(samples.winds, samples.clock);
+  return samples;
 }
 
 // The youngest rows, the latest first. What arrived last may be old, and the row with the latest
 // timestamp may be of a clock that was wrong.
-std::vector<AgedRow> YoungestRows(const Storage& storage,
-                                  const std::string& flight_id,
-                                  TelemetryKind kind,
-                                  int64_t now_us) {
-  const FlightClock clock = ClockOf(storage, flight_id);
-  std::map<int64_t, TelemetryRow> rows;
-  for (const auto& each : {storage.telemetry.LastArrived(flight_id, kind, kMaxNumSamples),
-                           storage.telemetry.Latest(flight_id, kind, kMaxNumSamples)}) {
-    for (const TelemetryRow& row : each) rows[row.timestamp_us] = row;
-  }
+std::vector<AgedRow> Youngest(const std::vector<TelemetryRow>& rows,
+                              const FlightClock& clock,
+                              int64_t now_us) {
   std::vector<AgedRow> aged;
   aged.reserve(rows.size());
-  for (const auto& [timestamp_us, row] : rows) {
-    aged.push_back({row, clock.AgeS(timestamp_us, row.arrived_at_us, now_us)});
+  for (const TelemetryRow& row : rows) {
+    aged.push_back({row, clock.AgeS(row.timestamp_us, row.arrived_at_us, now_us)});
   }
   std::sort(aged.begin(), aged.end(), [](const AgedRow& a, const AgedRow& b) {
     return std::pair(a.SortAgeS(), -a.row.arrived_at_us) <
@@ -76,10 +79,9 @@ std::vector<AgedRow> YoungestRows(const Storage& storage,
   return aged;
 }
 
-Track TrackOfTelemetry(const Storage& storage, const std::string& flight_id, int64_t now_us) {
+Track TrackOfTelemetry(const FlightSamples& samples, int64_t now_us) {
   Track track;
-  for (const auto& [row, age_s] :
-       YoungestRows(storage, flight_id, TelemetryKind::kPosition, now_us)) {
+  for (const auto& [row, age_s] : Youngest(samples.positions, samples.clock, now_us)) {
     if (track.passed.empty()) {
       track.timestamp_us = row.timestamp_us;
       track.altitude_datum = AltitudeDatumOf(row);
@@ -97,9 +99,9 @@ FrameMeta MetaOf(const FrameRow& frame) {
 
 // Uses only the metadata that arrived with the frames. Their metadata from telemetry arrived
 // earlier.
-Track TrackOfFrames(const Storage& storage, const std::string& flight_id, int64_t now_us) {
+Track TrackOfFrames(const std::vector<FrameRow>& frames, int64_t now_us) {
   Track track;
-  for (const FrameRow& frame : storage.frames.LastArrived(flight_id, kMaxNumFrames)) {
+  for (const FrameRow& frame : frames) {
     const FrameMeta meta = MetaOf(frame);
     if (!meta.position) continue;
     if (track.passed.empty()) {
@@ -121,10 +123,8 @@ bool IsLater(const Track& a, const Track& b) {
   return a.passed.front().arrived_at_us > b.passed.front().arrived_at_us;
 }
 
-std::optional<LiveWind> WindOfFrames(const Storage& storage,
-                                     const std::string& flight_id,
-                                     int64_t now_us) {
-  for (const FrameRow& frame : storage.frames.LastArrived(flight_id, kMaxNumFrames)) {
+std::optional<LiveWind> WindOfFrames(const std::vector<FrameRow>& frames, int64_t now_us) {
+  for (const FrameRow& frame : frames) {
     const FrameMeta meta = MetaOf(frame);
     if (!meta.wind_in_world) continue;
     return LiveWind{*meta.wind_in_world,
@@ -136,21 +136,6 @@ std::optional<LiveWind> WindOfFrames(const Storage& storage,
   return std::nullopt;
 }
 
-std::vector<LiveWind> WindsOf(const Storage& storage,
-                              const std::string& flight_id,
-                              int64_t now_us) {
-  std::vector<LiveWind> winds;
-  for (const auto& [row, age_s] : YoungestRows(storage, flight_id, TelemetryKind::kWind, now_us)) {
-    winds.push_back({{row.values[0], row.values[1]},
-                     row.timestamp_us,
-                     age_s,
-                     WindSourceOf(row),
-                     WindSdMps(row)});
-  }
-  if (const auto wind = WindOfFrames(storage, flight_id, now_us)) winds.push_back(*wind);
-  return winds;
-}
-
 // Least for the wind to take.
 std::pair<bool, double> OrderOf(const LiveWind& wind) {
   const double age_s = wind.age_s.value_or(std::numeric_limits<double>::infinity());
@@ -158,17 +143,32 @@ std::pair<bool, double> OrderOf(const LiveWind& wind) {
   return {!is_given, age_s};
 }
 
-}  // namespace
-
-std::optional<LiveWind> LiveWindOf(const Storage& storage,
-                                   const std::string& flight_id,
-                                   int64_t now_us) {
-  const std::vector<LiveWind> winds = WindsOf(storage, flight_id, now_us);
+std::optional<LiveWind> WindOf(const FlightSamples& samples,
+                               const std::vector<FrameRow>& frames,
+                               int64_t now_us) {
+  std::vector<LiveWind> winds;
+  for (const auto& [row, age_s] : Youngest(samples.winds, samples.clock, now_us)) {
+    winds.push_back({{row.values[0], row.values[1]},
+                     row.timestamp_us,
+                     age_s,
+                     WindSourceOf(row),
+                     WindSdMps(row)});
+  }
+  if (const auto wind = WindOfFrames(frames, now_us)) winds.push_back(*wind);
   const auto best =
       std::min_element(winds.begin(), winds.end(), [](const LiveWind& a, const LiveWind& b) {
         return OrderOf(a) < OrderOf(b);
       });
   return best == winds.end() ? std::nullopt : std::optional(*best);
+}
+
+}  // namespace
+
+std::optional<LiveWind> LiveWindOf(const Storage& storage,
+                                   const std::string& flight_id,
+                                   int64_t now_us) {
+  return WindOf(
+      SamplesOf(storage, flight_id), storage.frames.LastArrived(flight_id, kMaxNumFrames), now_us);
 }
 
 nlohmann::json WindJson(const LiveWind& wind) {
@@ -185,9 +185,11 @@ nlohmann::json WindJson(const LiveWind& wind) {
 std::optional<LivePose> LivePoseOf(const Storage& storage,
                                    const std::string& flight_id,
                                    int64_t now_us) {
-  const Track telemetry = TrackOfTelemetry(storage, flight_id, now_us);
-  const Track frames = TrackOfFrames(storage, flight_id, now_us);
-  const Track& track = IsLater(telemetry, frames) ? telemetry : frames;
+  const FlightSamples samples = SamplesOf(storage, flight_id);
+  const std::vector<FrameRow> frames = storage.frames.LastArrived(flight_id, kMaxNumFrames);
+  const Track of_telemetry = TrackOfTelemetry(samples, now_us);
+  const Track of_frames = TrackOfFrames(frames, now_us);
+  const Track& track = IsLater(of_telemetry, of_frames) ? of_telemetry : of_frames;
   if (track.passed.empty()) return std::nullopt;
   LivePose pose;
   pose.place = track.passed.front().place;
@@ -195,7 +197,7 @@ std::optional<LivePose> LivePoseOf(const Storage& storage,
   pose.timestamp_us = track.timestamp_us;
   pose.age_s = track.age_s;
   if (pose.age_s && *pose.age_s <= kMaxCourseAgeS) pose.heading_deg = CourseDeg(track.passed);
-  pose.wind = LiveWindOf(storage, flight_id, now_us);
+  pose.wind = WindOf(samples, frames, now_us);
   return pose;
 }
 

@@ -2,11 +2,14 @@
 // plans approaches on these maps and checks the terrain below the path to a site.
 #pragma once
 
+#include <algorithm>
 #include <list>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <semaphore>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "api/export/layers/layers.h"
@@ -51,17 +54,20 @@ struct KeptPlan {
   std::string surroundings_key = {};
 };
 
-// Thread-safe. Returned objects stay valid and never change. The constructor's arguments limit the
-// memory.
+struct CacheSizes {
+  size_t max_bytes_of_sites;
+  size_t max_bytes_of_terrain;
+  size_t max_bytes_of_plans = size_t{64} << 20;
+};
+
+// Thread-safe. Returned objects stay valid and never change.
 class MapCache {
  public:
-  MapCache(size_t max_bytes_of_sites,
-           size_t max_bytes_of_terrain,
-           size_t max_bytes_of_tiles = kMaxBytesOfTiles)
-      : flight_maps_(max_bytes_of_tiles),
-        sites_(max_bytes_of_sites),
-        plans_(kMaxBytesOfPlans),
-        terrains_(max_bytes_of_terrain),
+  explicit MapCache(const CacheSizes& sizes)
+      : flight_maps_(kMaxBytesOfTiles),
+        sites_(sizes.max_bytes_of_sites),
+        plans_(sizes.max_bytes_of_plans),
+        terrains_(sizes.max_bytes_of_terrain),
         obstructions_(kMaxBytesOfObstructions) {}
 
   FlightMaps& flight_maps() { return flight_maps_; }
@@ -115,7 +121,6 @@ class MapCache {
   static constexpr size_t kMaxNumPlannersKept = 2;
 
  private:
-  static constexpr size_t kMaxBytesOfPlans = size_t{64} << 20;
   static constexpr size_t kMaxBytesOfTiles = size_t{64} << 20;
   struct Planner {
     std::string aircraft_key;
@@ -164,6 +169,14 @@ class MapCache {
                     double reach);
   std::shared_ptr<const KeptTerrain> ReadTerrain(const Storage& storage, const std::string& map_id);
 
+  // The plan of this key (aircraft and wind) if it holds in what is near now.
+  std::optional<KeptPlan> FindPlan(const Storage& storage,
+                                   const RecallRow& row,
+                                   const std::string& key);
+
+  // Making a plan takes one processor and a map in memory: more at once only take each other's.
+  std::counting_semaphore<> planning_{
+      1 + static_cast<std::ptrdiff_t>(std::max(1U, std::thread::hardware_concurrency()))};
   ObstacleCache obstacles_;
   FlightMaps flight_maps_;
   // By aircraft and wind, the latest first.

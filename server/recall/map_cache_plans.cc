@@ -22,6 +22,20 @@ std::string WindKey(const std::optional<Eigen::Vector2d>& wind) {
   return {reinterpret_cast<const char*>(wind->data()), 2 * sizeof(double)};
 }
 
+// Holds a place of the semaphore.
+class Turn {
+ public:
+  explicit Turn(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
+    semaphore_.acquire();
+  }
+  ~Turn() { semaphore_.release(); }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  std::counting_semaphore<>& semaphore_;
+};
+
 }  // namespace
 
 MapCache::Planned* MapCache::FindSame(const std::shared_ptr<const KeptSite>& site) {
@@ -64,28 +78,34 @@ void MapCache::DropPlans(const std::string& site_id) {
   plans_.Erase(site_id);
 }
 
+std::optional<KeptPlan> MapCache::FindPlan(const Storage& storage,
+                                           const RecallRow& row,
+                                           const std::string& key) {
+  std::optional<KeptPlan> kept;
+  {
+    const std::lock_guard lock(mutex_);
+    PlansOfSite* const plans = plans_.Find(row.site_id, row.updated_at_us);
+    if (plans == nullptr) return std::nullopt;
+    const auto found = std::find_if(
+        plans->begin(), plans->end(), [&key](const auto& each) { return each.first == key; });
+    if (found == plans->end()) return std::nullopt;
+    plans->splice(plans->begin(), *plans, found);
+    kept = found->second;
+  }
+  const std::string now = SurroundingsOf(storage, row.flight_id, kept->surroundings).Key();
+  return now == kept->surroundings_key ? kept : std::nullopt;
+}
+
 std::optional<KeptPlan> MapCache::PlanOf(const Storage& storage,
                                          const RecallRow& row,
                                          const Aircraft& aircraft,
                                          const std::string& aircraft_key,
                                          const std::optional<Eigen::Vector2d>& wind_in_world) {
   const std::string key = WindKey(wind_in_world) + aircraft_key;
-  std::optional<KeptPlan> kept_plan;
-  {
-    const std::lock_guard lock(mutex_);
-    if (PlansOfSite* const plans = plans_.Find(row.site_id, row.updated_at_us)) {
-      const auto found = std::find_if(
-          plans->begin(), plans->end(), [&key](const auto& each) { return each.first == key; });
-      if (found != plans->end()) {
-        plans->splice(plans->begin(), *plans, found);
-        kept_plan = found->second;
-      }
-    }
-  }
-  if (kept_plan && SurroundingsOf(storage, row.flight_id, kept_plan->surroundings).Key() ==
-                       kept_plan->surroundings_key) {
-    return kept_plan;
-  }
+  if (auto kept = FindPlan(storage, row, key)) return kept;
+  const Turn turn(planning_);
+  // Whoever had a turn meanwhile may have made it.
+  if (auto kept = FindPlan(storage, row, key)) return kept;
   auto site = Get(storage, row.site_id, row.updated_at_us);
   if (!site) return std::nullopt;
   site = Covering(storage, site, aircraft, wind_in_world);

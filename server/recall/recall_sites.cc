@@ -146,6 +146,7 @@ std::vector<std::string> WarningsOf(const EmergencyRequest& request,
 }  // namespace
 
 nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& request) {
+  const auto hold = stored.storage.HoldVersions();
   GlidingFleet fleet;
   Search search = SearchSites(stored, request, kTimeBudget, fleet);
   nlohmann::json answer{{"sites", nlohmann::json::array()}};

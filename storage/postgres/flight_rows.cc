@@ -28,6 +28,14 @@ bool LockFlight(PostgresConnection& writer, const std::string& flight_id) {
   return !writer.Run("SELECT 1 FROM flights WHERE id = $1 FOR NO KEY UPDATE", flight_id).empty();
 }
 
+std::vector<std::string> LockFreeFlights(PostgresConnection& writer,
+                                         const std::vector<std::string>& flight_ids) {
+  return writer
+      .Run("SELECT id FROM flights WHERE id = ANY($1) ORDER BY id FOR NO KEY UPDATE SKIP LOCKED",
+           flight_ids)
+      .Texts();
+}
+
 bool ChangeFlight(PostgresConnection& writer,
                   const std::string& flight_id,
                   const FlightChange& change) {
@@ -52,17 +60,23 @@ bool ChangeFlight(PostgresConnection& writer,
   return true;
 }
 
-int64_t NextArrivalOf(PostgresConnection& writer, const std::string& flight_id) {
+std::map<std::string, int64_t> NextArrivalsOf(PostgresConnection& writer,
+                                              const std::vector<std::string>& flight_ids) {
   // One search of an index for each part: a flight may have a million samples.
   const PostgresRows rows = writer.Run(
-      "SELECT greatest("
-      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = $1 AND kind = 0), "
-      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = $1 AND kind = 1), "
-      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = $1 AND kind = 2), "
-      "(SELECT arrived_at_us FROM frames WHERE flight_id = $1 ORDER BY sequence DESC LIMIT 1))",
-      flight_id);
-  const std::optional<int64_t> last = rows[0].OptionalInt(0);
-  return last ? *last + 1 : std::numeric_limits<int64_t>::min();
+      "SELECT flight, greatest("
+      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = flight AND kind = 0), "
+      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = flight AND kind = 1), "
+      "(SELECT max(arrived_at_us) FROM telemetry WHERE flight_id = flight AND kind = 2), "
+      "(SELECT arrived_at_us FROM frames WHERE flight_id = flight ORDER BY sequence DESC LIMIT 1)) "
+      "FROM unnest($1) AS flight",
+      flight_ids);
+  std::map<std::string, int64_t> next;
+  for (int i = 0; i < rows.size(); ++i) {
+    const std::optional<int64_t> last = rows[i].OptionalInt(1);
+    next[rows[i].Text(0)] = last ? *last + 1 : std::numeric_limits<int64_t>::min();
+  }
+  return next;
 }
 
 }  // namespace freelsd

@@ -66,7 +66,7 @@ void PostgresFrameStore::Insert(const std::string& flight_id,
   PostgresWrite writer(state_);
   LockFlight(*writer, flight_id);
   int64_t sequence = LastSequence(*writer, flight_id);
-  int64_t next_us = NextArrivalOf(*writer, flight_id);
+  int64_t next_us = NextArrivalsOf(*writer, {flight_id}).at(flight_id);
   for (FrameRow frame : frames) {
     frame.sequence = ++sequence;
     frame.arrived_at_us = std::max(frame.arrived_at_us, next_us);

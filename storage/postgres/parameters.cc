@@ -11,6 +11,7 @@ constexpr Oid kByteaType = 17;
 constexpr Oid kInt8Type = 20;
 constexpr Oid kTextType = 25;
 constexpr Oid kFloat8Type = 701;
+constexpr Oid kTextArrayType = 1009;
 constexpr Oid kInt8ArrayType = 1016;
 constexpr Oid kFloat8ArrayType = 1022;
 
@@ -26,16 +27,19 @@ std::string BytesOf(Number number) {
 
 std::string BytesOf(double number) { return BytesOf(std::bit_cast<int64_t>(number)); }
 
+std::string BytesOf(const std::string& text) { return text; }
+
 // One dimension, no NULLs, the first element is number 1.
-template <typename Number>
-PostgresParameter ArrayOf(Oid type, Oid element_type, const std::vector<Number>& values) {
+template <typename Value>
+PostgresParameter ArrayOf(Oid type, Oid element_type, const std::vector<Value>& values) {
   const int32_t num_dimensions = values.empty() ? 0 : 1;
   std::string bytes = BytesOf(num_dimensions) + BytesOf(int32_t{0}) + BytesOf(element_type);
   if (num_dimensions > 0) {
     bytes += BytesOf(static_cast<int32_t>(values.size())) + BytesOf(int32_t{1});
   }
-  for (const Number value : values) {
-    bytes += BytesOf(static_cast<int32_t>(sizeof(value))) + BytesOf(value);
+  for (const Value& value : values) {
+    const std::string own = BytesOf(value);
+    bytes += BytesOf(static_cast<int32_t>(own.size())) + own;
   }
   return {type, std::move(bytes)};
 }
@@ -70,6 +74,10 @@ PostgresParameter ParameterOf(const std::vector<int64_t>& values) {
 
 PostgresParameter ParameterOf(const std::vector<double>& values) {
   return ArrayOf(kFloat8ArrayType, kFloat8Type, values);
+}
+
+PostgresParameter ParameterOf(const std::vector<std::string>& values) {
+  return ArrayOf(kTextArrayType, kTextType, values);
 }
 
 int64_t IntegerIn(std::string_view bytes) {

@@ -32,6 +32,7 @@ PostgresParameter ParameterOf(const std::string& value);
 PostgresParameter ParameterOf(const Bytes& value);
 PostgresParameter ParameterOf(const std::vector<int64_t>& values);
 PostgresParameter ParameterOf(const std::vector<double>& values);
+PostgresParameter ParameterOf(const std::vector<std::string>& values);
 // It would become a bool.
 PostgresParameter ParameterOf(const char* value) = delete;
 

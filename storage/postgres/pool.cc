@@ -128,14 +128,9 @@ void PostgresTransaction::Commit() {
   is_open_ = false;
 }
 
-PostgresReading::PostgresReading(PostgresConnection& connection, const std::string& begin)
-    : connection_(connection) {
-  connection_.Execute(begin);
-}
-
 PostgresReading::~PostgresReading() {
   try {
-    connection_.Execute("ROLLBACK");
+    connection_.EndReading();
   } catch (const StorageError&) {
     // The connection is broken, which the pool sees: what was read is whole.
     return;

@@ -94,7 +94,11 @@ class PostgresTransaction {
 // A transaction that only reads, on a connection that the caller has.
 class PostgresReading {
  public:
-  PostgresReading(PostgresConnection& connection, const std::string& begin);
+  // `setting`: a statement that it begins with.
+  PostgresReading(PostgresConnection& connection, const std::string& setting)
+      : connection_(connection) {
+    connection_.BeginReading(setting);
+  }
   ~PostgresReading();
   PostgresReading(const PostgresReading&) = delete;
   PostgresReading& operator=(const PostgresReading&) = delete;

@@ -173,6 +173,17 @@ BoxCache<RecallRow>::Rows SelectRecallRows(PostgresConnection& connection, const
       .Each(BoxedRecallRow);
 }
 
+BoxCache<std::string>::Rows SelectOverruledIds(PostgresConnection& connection,
+                                               const BoundingBox& box) {
+  return SelectSitesMeeting(connection,
+                            "SELECT id, west_deg, south_deg, east_deg, north_deg FROM sites "
+                            "WHERE superseded_by IS NOT NULL AND is_recallable AND id IN",
+                            box)
+      .Each([](const PostgresRow& row) {
+        return Boxed<std::string>{BoxAt(row, 1), std::make_shared<const std::string>(row.Text(0))};
+      });
+}
+
 BoxCache<MapRow>::Rows SelectMapRows(PostgresConnection& connection, const BoundingBox& box) {
   BoxCache<MapRow>::Rows rows =
       SelectMapsMeeting(connection,

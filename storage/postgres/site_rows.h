@@ -24,6 +24,9 @@ SiteRow WholeSiteRowOf(const PostgresRow& row);
 
 // The box must not cross the antimeridian.
 BoxCache<RecallRow>::Rows SelectRecallRows(PostgresConnection& connection, const BoundingBox& box);
+// Of sites that a later map has superseded.
+BoxCache<std::string>::Rows SelectOverruledIds(PostgresConnection& connection,
+                                               const BoundingBox& box);
 BoxCache<MapRow>::Rows SelectMapRows(PostgresConnection& connection, const BoundingBox& box);
 
 }  // namespace freelsd

@@ -228,11 +228,15 @@ RecallBounds PostgresSiteStore::BoundsOfRecallable() const {
     read.min_altitude_m =
         connection.Run("SELECT coalesce(min(altitude_m), 0) FROM sites WHERE is_recallable")[0]
             .Real(0);
+    // One search of an index for each aircraft: many sites are of the same.
     read.aircraft_jsons =
         connection
             .Run(
-                "SELECT DISTINCT aircraft_json COLLATE \"C\" FROM sites WHERE is_recallable "
-                "ORDER BY 1")
+                "WITH RECURSIVE found AS ((SELECT aircraft_json COLLATE \"C\" AS json FROM sites "
+                "WHERE is_recallable ORDER BY 1 LIMIT 1) UNION ALL SELECT (SELECT aircraft_json "
+                "COLLATE \"C\" FROM sites WHERE is_recallable AND aircraft_json COLLATE \"C\" > "
+                "json ORDER BY 1 LIMIT 1) FROM found WHERE json IS NOT NULL) "
+                "SELECT json FROM found WHERE json IS NOT NULL")
             .Texts();
     return read;
   });
@@ -242,13 +246,12 @@ RecallBounds PostgresSiteStore::BoundsOfRecallable() const {
 }
 
 int64_t PostgresSiteStore::CountOverruled(const BoundingBox& box) const {
-  return state_.Read([&](PostgresConnection& connection) {
-    return SelectSitesMeeting(connection,
-                              "SELECT count(*) FROM sites WHERE superseded_by IS NOT NULL "
-                              "AND is_recallable AND id IN",
-                              box)[0]
-        .Int(0);
-  });
+  const auto ids =
+      RowsWithin<std::string>(state_.overruled_ids, box, Version(), [&](const BoundingBox& wide) {
+        return state_.Read(
+            [&](PostgresConnection& connection) { return SelectOverruledIds(connection, wide); });
+      });
+  return static_cast<int64_t>(ids.size());
 }
 
 }  // namespace freelsd

@@ -107,7 +107,40 @@ void PostgresProcess::MarkDamaged(const std::string& why) {
                     "): this server writes nothing until its next start");
 }
 
+namespace {
+
+// The latest of this thread.
+thread_local const HeldVersions* held_versions = nullptr;
+
+}  // namespace
+
+HeldVersions::HeldVersions(PostgresProcess& process) : process_(process), before_(held_versions) {
+  if (before_ != nullptr && &before_->process_ == &process) {
+    versions_ = before_->versions_;
+  } else {
+    versions_ = WithConnection(process.readers, [](PostgresConnection& connection) {
+      std::map<std::string, uint64_t> read;
+      const PostgresRows rows = connection.Run("SELECT name, value FROM versions");
+      for (int i = 0; i < rows.size(); ++i) {
+        read[rows[i].Text(0)] = static_cast<uint64_t>(rows[i].Int(1));
+      }
+      return read;
+    });
+  }
+  held_versions = this;
+}
+
+HeldVersions::~HeldVersions() { held_versions = before_; }
+
+std::optional<uint64_t> HeldVersions::Find(const PostgresProcess& process,
+                                           const std::string& name) {
+  if (held_versions == nullptr || &held_versions->process_ != &process) return std::nullopt;
+  const auto found = held_versions->versions_.find(name);
+  return found == held_versions->versions_.end() ? std::nullopt : std::optional(found->second);
+}
+
 uint64_t PostgresProcess::VersionOf(const std::string& name) {
+  if (const auto held = HeldVersions::Find(*this, name)) return *held;
   return WithConnection(readers, [&](PostgresConnection& connection) {
     const PostgresRows rows = connection.Run("SELECT value FROM versions WHERE name = $1", name);
     if (rows.empty()) throw StorageError("read a version", "its row is missing");
@@ -118,7 +151,7 @@ uint64_t PostgresProcess::VersionOf(const std::string& name) {
 PostgresState::PostgresState(std::shared_ptr<PostgresProcess> opened, const std::string& name)
     : process(std::move(opened)),
       organisation(name),
-      begin(BeginFor(name)),
+      setting(SettingOf(name)),
       images(ImagesOf(process->options.images_folder, name)) {
   {
     PostgresWrite writer(*this);
@@ -130,7 +163,7 @@ PostgresState::PostgresState(std::shared_ptr<PostgresProcess> opened, const std:
 }
 
 PostgresWrite::PostgresWrite(PostgresState& state)
-    : PostgresTransaction(state.process->Writers(), state.begin) {
+    : PostgresTransaction(state.process->Writers(), "BEGIN; " + state.setting) {
   const PostgresProcess& process = *state.process;
   if (process.ownership) process.ownership->Check(**this);
   if (process.registration) process.registration->Check(**this);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -56,6 +57,20 @@ struct PostgresProcess {
   std::vector<std::string> notices;
 };
 
+// While it lives, its thread is told these versions, and does not ask the database again.
+class HeldVersions : public VersionHold {
+ public:
+  explicit HeldVersions(PostgresProcess& process);
+  ~HeldVersions() override;
+  // Nothing if this thread holds no versions of the process.
+  static std::optional<uint64_t> Find(const PostgresProcess& process, const std::string& name);
+
+ private:
+  const PostgresProcess& process_;
+  const HeldVersions* before_;
+  std::map<std::string, uint64_t> versions_;
+};
+
 // What is an organisation's. Thread-safe.
 struct PostgresState {
   PostgresState(std::shared_ptr<PostgresProcess> opened, const std::string& name);
@@ -64,18 +79,19 @@ struct PostgresState {
   template <typename Act>
   auto Read(const Act& act) {
     return WithConnection(process->readers, [&](PostgresConnection& connection) {
-      const PostgresReading reading(connection, begin);
+      const PostgresReading reading(connection, setting);
       return act(connection);
     });
   }
 
   std::shared_ptr<PostgresProcess> process;
   std::string organisation;
-  // Begins its transactions.
-  std::string begin;
+  // Its transactions begin with it.
+  std::string setting;
   ImageFiles images;
   BoxCache<RecallRow> recall_rows;
   BoxCache<MapRow> map_rows;
+  BoxCache<std::string> overruled_ids;
   // Guards bounds_version and bounds.
   std::mutex bounds_mutex;
   uint64_t bounds_version = 0;

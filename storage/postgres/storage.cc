@@ -37,6 +37,9 @@ class PostgresBackend final : public StorageBackend {
     const std::lock_guard lock(state_.process->notices_mutex);
     return state_.process->notices;
   }
+  std::unique_ptr<VersionHold> HoldVersions() override {
+    return std::make_unique<HeldVersions>(*state_.process);
+  }
   std::vector<PoolState> Pools() override {
     return {state_.process->readers.State("readers"), state_.process->writers.State("writers")};
   }

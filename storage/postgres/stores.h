@@ -1,6 +1,7 @@
 // The stores in PostgreSQL: each reads and writes through the state that all share.
 #pragma once
 
+#include "storage/grouped_writes.h"
 #include "storage/storage.h"
 
 namespace freelsd {
@@ -104,20 +105,23 @@ class PostgresTelemetryStore final : public TelemetryStore {
  public:
   explicit PostgresTelemetryStore(PostgresState& state) : state_(state) {}
   bool Put(const std::string& flight_id, const std::vector<TelemetryRow>& rows) override;
-  std::vector<TelemetryRow> LastArrived(const std::string& flight_id,
-                                        TelemetryKind kind,
-                                        int max_num_rows) const override;
-  std::vector<TelemetryRow> Latest(const std::string& flight_id,
+  std::vector<TelemetryRow> Recent(const std::string& flight_id,
                                    TelemetryKind kind,
                                    int max_num_rows) const override;
-  std::optional<TelemetryRow> FirstArrived(const std::string& flight_id,
-                                           TelemetryKind kind) const override;
   TelemetryPair Around(const std::string& flight_id,
                        TelemetryKind kind,
                        int64_t timestamp_us) const override;
 
  private:
+  struct Samples {
+    std::string flight_id;
+    const std::vector<TelemetryRow>& rows;
+    bool is_stored = false;
+  };
+  void PutTogether(const std::vector<Samples*>& group);
+
   PostgresState& state_;
+  GroupedWrites<Samples> grouped_;
 };
 
 class PostgresSiteStore final : public SiteStore {

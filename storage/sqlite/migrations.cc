@@ -312,6 +312,9 @@ INSERT INTO told_changes SELECT 2, id, 0, updated_at_us, west_deg, south_deg, ea
   FROM obstacles ORDER BY id;
 )sql";
 
+constexpr char kFrom9To10[] =
+    "CREATE INDEX site_numbers_by_aircraft ON site_numbers (aircraft_json) WHERE is_recallable = 1";
+
 }  // namespace
 
 void Migrate(const Connection& writer, int64_t version) {
@@ -323,6 +326,7 @@ void Migrate(const Connection& writer, int64_t version) {
   if (version < 7) writer.Execute(kFrom6To7);
   if (version < 8) writer.Execute(kFrom7To8);
   if (version < 9) writer.Execute(kFrom8To9);
+  if (version < 10) writer.Execute(kFrom9To10);
 }
 
 }  // namespace freelsd

@@ -124,6 +124,7 @@ CREATE TABLE site_numbers (
   checksum INTEGER                           -- of the row and the site's position; NULL: not computed
 ) STRICT;
 CREATE INDEX site_numbers_by_altitude ON site_numbers (altitude_m) WHERE is_recallable = 1;
+CREATE INDEX site_numbers_by_aircraft ON site_numbers (aircraft_json) WHERE is_recallable = 1;
 CREATE VIRTUAL TABLE site_boxes USING rtree (
   number,                                    -- of site_numbers
   -- WGS84: area of the site's map, touchdown included. Across the antimeridian, east_deg > 180.

@@ -121,8 +121,12 @@ RecallBounds SqliteSiteStore::BoundsOfRecallable() const {
         "SELECT coalesce(min(altitude_m), 0) FROM site_numbers WHERE is_recallable = 1");
     lowest.Step();
     read.min_altitude_m = lowest.Real(0);
+    // One search of an index for each aircraft: many sites are of the same.
     Statement aircraft = connection.Prepare(
-        "SELECT DISTINCT aircraft_json FROM site_numbers WHERE is_recallable = 1 ORDER BY 1");
+        "WITH RECURSIVE found (json) AS (SELECT min(aircraft_json) FROM site_numbers "
+        "WHERE is_recallable = 1 UNION ALL SELECT (SELECT min(aircraft_json) FROM site_numbers "
+        "WHERE is_recallable = 1 AND aircraft_json > json) FROM found WHERE json IS NOT NULL) "
+        "SELECT json FROM found WHERE json IS NOT NULL");
     while (aircraft.Step()) read.aircraft_jsons.push_back(aircraft.Text(0));
     return read;
   });
@@ -155,18 +159,8 @@ bool SqliteSiteStore::HasRecallable(const std::string& flight_id) const {
 }
 
 int64_t SqliteSiteStore::CountOverruled(const BoundingBox& box) const {
-  return state_.ReadForRecall([&](const Connection& connection) {
-    int64_t count = 0;
-    ForEachMeeting(
-        connection,
-        // CROSS JOIN fixes the order: few sites are superseded, but many may lie in the box.
-        "SELECT count(*) FROM sites CROSS JOIN site_numbers ON site_id = sites.id "
-        "CROSS JOIN site_boxes USING (number) "
-        "WHERE superseded_by IS NOT NULL AND is_recallable = 1 AND",
-        box,
-        [&count](const Statement& statement) { count += statement.Int(0); });
-    return count;
-  });
+  return static_cast<int64_t>(
+      state_.RowsWithin(state_.overruled_ids, box, ListOverruledIds).size());
 }
 
 std::vector<std::string> SqliteSiteStore::ListDependents(const std::string& site_id) const {

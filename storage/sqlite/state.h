@@ -155,6 +155,7 @@ struct StorageState {
   std::atomic<uint64_t> obstacles_version{1};
   BoxCache<RecallRow> recall_rows;
   BoxCache<MapRow> map_rows;
+  BoxCache<std::string> overruled_ids;
   // Guards bounds_version and bounds.
   std::mutex bounds_mutex;
   uint64_t bounds_version = 0;

@@ -17,44 +17,23 @@ std::optional<TelemetryRow> NextRow(Statement& statement, TelemetryKind kind) {
   return row;
 }
 
-// `sql` selects the columns of NextRow, for flight, kind and limit.
-std::vector<TelemetryRow> RowsOf(StorageState& state,
-                                 const char* sql,
-                                 const std::string& flight_id,
-                                 TelemetryKind kind,
-                                 int max_num_rows) {
-  const Reader reader(state.readers);
-  Statement statement = reader->Prepare(sql);
-  statement.Bind(flight_id, static_cast<int>(kind), max_num_rows);
-  std::vector<TelemetryRow> rows;
-  while (const auto row = NextRow(statement, kind)) rows.push_back(*row);
-  return rows;
-}
+// Each part is one search of an index.
+constexpr char kSelectRecent[] =
+    "WITH own AS NOT MATERIALIZED (SELECT timestamp_us, value_0, value_1, value_2, value_3, "
+    "arrived_at_us FROM telemetry WHERE flight_id = ?1 AND kind = ?2) "
+    "SELECT * FROM (SELECT * FROM own ORDER BY arrived_at_us LIMIT 1) UNION "
+    "SELECT * FROM (SELECT * FROM own ORDER BY arrived_at_us DESC LIMIT ?3) UNION "
+    "SELECT * FROM (SELECT * FROM own ORDER BY timestamp_us DESC LIMIT ?3) "
+    "ORDER BY arrived_at_us";
 
-constexpr char kLastArrived[] =
-    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
-    "WHERE flight_id = ?1 AND kind = ?2 ORDER BY arrived_at_us DESC LIMIT ?3";
-constexpr char kFirstArrived[] =
-    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
-    "WHERE flight_id = ?1 AND kind = ?2 ORDER BY arrived_at_us LIMIT ?3";
-constexpr char kLatest[] =
-    "SELECT timestamp_us, value_0, value_1, value_2, value_3, arrived_at_us FROM telemetry "
-    "WHERE flight_id = ?1 AND kind = ?2 ORDER BY timestamp_us DESC LIMIT ?3";
-
-}  // namespace
-
-bool SqliteTelemetryStore::Put(const std::string& flight_id,
-                               const std::vector<TelemetryRow>& rows) {
-  const auto lock = state_.LockForWriting();
-  Transaction transaction(state_.writer);
-  Statement flight = state_.writer.Prepare("SELECT 1 FROM flights WHERE id = ?1");
-  if (!flight.Bind(flight_id).Step()) return false;
-  int64_t next_us = NextArrival(state_.writer, flight_id);
+void PutSamples(const Connection& writer,
+                const std::string& flight_id,
+                const std::vector<TelemetryRow>& rows) {
+  int64_t next_us = NextArrival(writer, flight_id);
   for (const TelemetryRow& row : rows) {
     const int64_t arrived_at_us = std::max(row.arrived_at_us, next_us);
     next_us = arrived_at_us + 1;
-    state_.writer
-        .Prepare("INSERT OR REPLACE INTO telemetry VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")
+    writer.Prepare("INSERT OR REPLACE INTO telemetry VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)")
         .Bind(flight_id,
               static_cast<int>(row.kind),
               row.timestamp_us,
@@ -65,26 +44,37 @@ bool SqliteTelemetryStore::Put(const std::string& flight_id,
               arrived_at_us)
         .Run();
   }
+}
+
+}  // namespace
+
+void SqliteTelemetryStore::PutTogether(const std::vector<Samples*>& group) {
+  const auto lock = state_.LockForWriting();
+  Transaction transaction(state_.writer);
+  for (Samples* const each : group) {
+    Statement flight = state_.writer.Prepare("SELECT 1 FROM flights WHERE id = ?1");
+    each->has_flight = flight.Bind(each->flight_id).Step();
+    if (each->has_flight) PutSamples(state_.writer, each->flight_id, each->rows);
+  }
   transaction.Commit();
-  return true;
 }
 
-std::vector<TelemetryRow> SqliteTelemetryStore::LastArrived(const std::string& flight_id,
-                                                            TelemetryKind kind,
-                                                            int max_num_rows) const {
-  return RowsOf(state_, kLastArrived, flight_id, kind, max_num_rows);
+bool SqliteTelemetryStore::Put(const std::string& flight_id,
+                               const std::vector<TelemetryRow>& rows) {
+  Samples samples{flight_id, rows};
+  grouped_.Run(samples, [this](const std::vector<Samples*>& group) { PutTogether(group); });
+  return samples.has_flight;
 }
 
-std::vector<TelemetryRow> SqliteTelemetryStore::Latest(const std::string& flight_id,
+std::vector<TelemetryRow> SqliteTelemetryStore::Recent(const std::string& flight_id,
                                                        TelemetryKind kind,
                                                        int max_num_rows) const {
-  return RowsOf(state_, kLatest, flight_id, kind, max_num_rows);
-}
-
-std::optional<TelemetryRow> SqliteTelemetryStore::FirstArrived(const std::string& flight_id,
-                                                               TelemetryKind kind) const {
-  const std::vector<TelemetryRow> rows = RowsOf(state_, kFirstArrived, flight_id, kind, 1);
-  return rows.empty() ? std::nullopt : std::optional(rows.front());
+  const Reader reader(state_.readers);
+  Statement statement = reader->Prepare(kSelectRecent);
+  statement.Bind(flight_id, static_cast<int>(kind), max_num_rows);
+  std::vector<TelemetryRow> rows;
+  while (const auto row = NextRow(statement, kind)) rows.push_back(*row);
+  return rows;
 }
 
 TelemetryPair SqliteTelemetryStore::Around(const std::string& flight_id,

@@ -1,10 +1,10 @@
 // Simulated aircraft over stored sites: telemetry, standing alternates and recalls, timed.
 //
 //   node tests/bench/fleet_load.mjs --api URL,URL --recall URL,URL --token FILE --places FILE --aircraft N --seconds N
-//     [--hz 1] [--recalls-per-second 20]
+//     [--hz 1] [--recalls-per-second 5]
 //
-// Each aircraft sends one line of telemetry (position and wind) a second and reads its alternates every 10 s. PLACES has a
-// line "latitude longitude" for each. Prints one JSON object.
+// Each aircraft sends one line of telemetry (position and wind) a second and reads its alternates every 10 s. Measuring
+// begins when the lists are fresh. PLACES has a line "latitude longitude" for each. Prints one JSON object.
 import { readFileSync } from "node:fs";
 import http from "node:http";
 import { performance } from "node:perf_hooks";
@@ -18,11 +18,13 @@ const places = readFileSync(option.get("places"), "utf8").trim().split("\n").map
 const numAircraft = Number(option.get("aircraft"));
 const seconds = Number(option.get("seconds"));
 const hz = Number(option.get("hz") ?? 1);
-const recallsPerSecond = Number(option.get("recalls-per-second") ?? 20);
+const recallsPerSecond = Number(option.get("recalls-per-second") ?? 5);
 const agent = new http.Agent({ keepAlive: true, maxSockets: 48 });
 const recallAgent = new http.Agent({ keepAlive: true, maxSockets: 32 });
 const speedDegPerS = 15 / 111195;
 const alternatesPeriodS = 10;
+// The start is cold. It is over when nearly all aircraft were last told a list of this age.
+const settledAgeS = 10, settledShare = 0.95, longestWarmupS = 420;
 
 function request(method, url, body, via = agent) {
   return new Promise((resolve) => {
@@ -53,7 +55,7 @@ async function createAircraft(number) {
     { name: `load ${number}`, altitude_datum: "amsl", aircraft: { profile: "small" } }));
   if (answer.status !== 201) throw new Error(`a new flight: ${answer.status} ${answer.text}`);
   const [latitude, longitude] = places[number % places.length];
-  return { id: JSON.parse(answer.text).id, api, latitude, longitude, begin: Date.now(), wind: [(number % 7) - 3, (number % 5) - 2] };
+  return { id: JSON.parse(answer.text).id, api, recall: recalls[number % recalls.length], latitude, longitude, begin: Date.now(), wind: [(number % 7) - 3, (number % 5) - 2] };
 }
 
 function positionOf(aircraft) {
@@ -65,6 +67,7 @@ function positionOf(aircraft) {
 }
 
 const sendMs = [], recallMs = [], agesS = [];
+const lastAgeS = new Map();
 let numRows = 0, numSites = 0, numWithSites = 0, stop = false;
 
 async function fly(aircraft, offsetMs) {
@@ -90,7 +93,8 @@ async function readAlternates(aircraft, offsetMs) {
     if (answer.status === 200) {
       const list = JSON.parse(answer.text);
       // From sending the pose that the list is computed from to reading it.
-      agesS.push(Date.now() / 1000 - list.pose.timestamp_us * 1e-6);
+      lastAgeS.set(aircraft.id, Date.now() / 1000 - list.pose.timestamp_us * 1e-6);
+      agesS.push(lastAgeS.get(aircraft.id));
     }
     await new Promise((resolve) => setTimeout(resolve, alternatesPeriodS * 1000));
   }
@@ -101,10 +105,8 @@ async function recall(fleet) {
   while (!stop) {
     const aircraft = fleet[Math.floor(Math.random() * fleet.length)];
     const { latitude_deg, longitude_deg, altitude_m } = positionOf(aircraft);
-    const query = `latitude_deg=${latitude_deg}&longitude_deg=${longitude_deg}&altitude_m=${altitude_m}` +
-      "&altitude_datum=amsl&aircraft=small&wind_east_mps=2&wind_north_mps=1";
-    const base = recalls[Math.floor(Math.random() * recalls.length)];
-    request("GET", `${base}/v1/emergency?${query}`, undefined, recallAgent).then((answer) => {
+    const query = `latitude_deg=${latitude_deg}&longitude_deg=${longitude_deg}&altitude_m=${altitude_m}&flight=${aircraft.id}`;
+    request("GET", `${aircraft.recall}/v1/emergency?${query}`, undefined, recallAgent).then((answer) => {
       count("recall", answer);
       if (answer.status !== 200) return;
       recallMs.push(answer.ms);
@@ -124,19 +126,26 @@ function percentiles(values) {
 }
 
 const fleet = [];
-for (let number = 0; number < numAircraft; ++number) fleet.push(await createAircraft(number));
-const warmupMs = Math.min(15000, seconds * 250);
+for (let number = 0; number < numAircraft; number += 16) {
+  const some = Array.from({ length: Math.min(16, numAircraft - number) }, (_, i) => createAircraft(number + i));
+  fleet.push(...await Promise.all(some));
+}
+const begin = performance.now();
 const loops = fleet.flatMap((aircraft, number) =>
   [fly(aircraft, (1000 * number) / numAircraft), readAlternates(aircraft, (10000 * number) / numAircraft)]);
 loops.push(recall(fleet));
-await new Promise((resolve) => setTimeout(resolve, warmupMs));
+const numFresh = () => [...lastAgeS.values()].filter((age) => age <= settledAgeS).length;
+while (numFresh() < settledShare * numAircraft && performance.now() - begin < longestWarmupS * 1000) {
+  await new Promise((resolve) => setTimeout(resolve, 200));
+}
+const warmupS = (performance.now() - begin) / 1000, numFreshAfterWarmup = numFresh();
 sendMs.length = recallMs.length = agesS.length = 0;
 numRows = numSites = numWithSites = 0;
 for (const key of Object.keys(statuses)) delete statuses[key];
 const usage = process.cpuUsage();
 process.stderr.write("measuring\n");
 await new Promise((resolve) => setTimeout(resolve, seconds * 1000));
-console.log(JSON.stringify({ aircraft: numAircraft, seconds, telemetry_rows_per_s: numRows / seconds,
+console.log(JSON.stringify({ aircraft: numAircraft, warmup_s: warmupS, fresh_after_warmup: numFreshAfterWarmup, seconds, telemetry_rows_per_s: numRows / seconds,
   telemetry_ms: percentiles(sendMs), recall_ms: percentiles(recallMs), recalls_with_sites: numWithSites,
   sites_told: numSites, alternates_age_s: percentiles(agesS), statuses,
   client_processor_s: (process.cpuUsage(usage).user + process.cpuUsage(usage).system) / 1e6 }));

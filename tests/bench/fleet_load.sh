@@ -10,7 +10,7 @@ set -Eeuo pipefail
 root="$(cd "$(dirname "$0")/../.." && pwd)"
 program="fleet_load.sh"
 source "$root/deploy/steps.sh"
-num_sites=1000000 num_aircraft=1000 seconds=60 sites_of_map=20
+num_sites=1000000 num_aircraft=1000 seconds=60
 place=/var/tmp/freelsd-load build="$root/build/release" flight="" internal=19300 steps="fill live sqlite workers"
 while [ $# -gt 0 ]; do
   case "$1" in
@@ -66,9 +66,9 @@ fill() {
   await_done "$(submit)"
   local head begin=$SECONDS
   head="$(ask -c "SELECT head_json FROM maps WHERE is_in_force LIMIT 1")"
-  python3 "$root/tests/bench/fleet_sites.py" "$num_sites" "$sites_of_map" "$head" | ask >>"$place/log"
+  python3 "$root/tests/bench/fleet_sites.py" "$num_sites" "$head" | ask >>"$place/log"
   ask -c "SELECT latitude_deg || ' ' || longitude_deg FROM sites WHERE flight_id LIKE 'many%' ORDER BY id LIMIT 100000" |
-    awk 'NR % 97 == 0' >"$place/places"
+    awk 'NR % 90 == 5' >"$place/places"
   jq -nc --argjson sites "$(ask -c 'SELECT count(*) FROM sites')" --argjson s $((SECONDS - begin)) --argjson sizes "$(sizes)" \
     '{step: "fill", sites: $sites, seconds: $s, sizes: $sizes}'
 }
@@ -82,9 +82,8 @@ live() {
     --places "$place/places" --aircraft "$num_aircraft" --seconds "$seconds" >"$place/live.json" 2>"$place/live.err" &
   pid=$!
   until grep -q measuring "$place/live.err"; do kill -0 "$pid" || fail "$(cat "$place/live.err")"; sleep 0.2; done
-  submit >/dev/null
-  submit >/dev/null
   before="$(processors)"
+  { submit && submit; } >/dev/null &
   wait "$pid"
   jq -c --argjson spent "$(difference "$before" "$(processors)")" --argjson sizes "$(sizes)" --arg load "$(cut -d' ' -f1-3 /proc/loadavg)" \
     '. + {step: "live", processor_s: $spent, load_average: $load, database_bytes: $sizes.database_bytes,
@@ -101,7 +100,7 @@ sqlite() {
   await_server "$url" "$pid" "$place/sqlite.log"
   "$root/deploy/freelsdctl" submit "$flight" --new --url "$url" >>"$place/log" 2>&1
   stop_server "$pid"
-  python3 "$root/tests/bench/fleet_sites_sqlite.py" "$data" "$num_sites" "$sites_of_map" "$place/sqlite.places"
+  python3 "$root/tests/bench/fleet_sites_sqlite.py" "$data" "$num_sites" "$place/sqlite.places"
   "$build/server/freelsd-server" --data "$data" --listen "127.0.0.1:$port" --emergency-listen "127.0.0.1:$((port + 1))" \
     --config <(echo '{"num_http_threads": 512}') >"$place/sqlite.log" 2>&1 &
   pid=$!

@@ -1,9 +1,10 @@
 """The same sites as fleet_sites.py, in a data folder with SQLite that holds the accepted sites of one flight.
 
-    python3 tests/bench/fleet_sites_sqlite.py DATA_FOLDER NUM_SITES SITES_OF_A_MAP PLACES_FILE
+    python3 tests/bench/fleet_sites_sqlite.py DATA_FOLDER NUM_SITES PLACES_FILE
 """
 
 import json
+import math
 import random
 import sqlite3
 import sys
@@ -11,12 +12,15 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "faults"))
 import many_sites
-from fleet_sites import EAST, NORTH, SOUTH, WEST, head_of
+from fleet_sites import (EAST, HALF_FIELD_M, METRES_PER_DEGREE, NORTH, SITES_OF_MAP, SOUTH, SPACING_M, WEST, footprint,
+                         head_of)
 
 
-def spots(centre, sites_of_map):
-    for site in range(sites_of_map):
-        yield centre[0] + (site % 5 - 2) * 0.0004, centre[1] + (site // 5 - sites_of_map // 10) * 0.0004
+def spots(centre):
+    step_deg = SPACING_M / METRES_PER_DEGREE
+    for site in range(SITES_OF_MAP):
+        yield (centre[0] + (site // 3 - 1) * step_deg,
+               centre[1] + (site % 3 - 1) * step_deg / math.cos(math.radians(centre[0])))
 
 
 def map_row(base, number, latitude, longitude):
@@ -26,20 +30,20 @@ def map_row(base, number, latitude, longitude):
     return row[:2] + [1] + row[2:] + [1, many_sites.checksum(*row)]
 
 
-def fill(database, centres, sites_of_map, maps):
+def fill(database, centres, maps):
     columns = [row[1] for row in database.execute("PRAGMA table_info(sites)")]
     base = dict(zip(columns, database.execute(
         "SELECT sites.* FROM sites JOIN site_numbers ON site_id = id WHERE is_recallable ORDER BY is_landable DESC").fetchone()))
     aircraft = database.execute("SELECT aircraft_json FROM site_numbers WHERE is_recallable").fetchone()[0]
-    replan = dict(json.loads(base["replan_json"]), altitude_m=450.0, area_m2=14400.0,
-                  footprint_m=[[-60, -60], [60, -60], [60, 60], [-60, 60]])
+    replan = dict(json.loads(base["replan_json"]), altitude_m=450.0, area_m2=4 * HALF_FIELD_M**2,
+                  footprint_m=footprint())
     tile = many_sites.flat_tile()
     number = 1000
     for centre, row in zip(centres, maps):
         many_sites.insert(database, "maps", row)
         for key in many_sites.tile_keys():
             many_sites.insert(database, "map_tiles", [row[0], *key, tile])
-        for latitude, longitude in spots(centre, sites_of_map):
+        for latitude, longitude in spots(centre):
             number += 1
             replan["latitude_deg"], replan["longitude_deg"] = latitude, longitude
             site = dict(base, id=f"{row[1]}-r{number}", flight_id=row[1], region_id=number, latitude_deg=latitude,
@@ -52,19 +56,19 @@ def fill(database, centres, sites_of_map, maps):
 
 
 def main():
-    folder, num_sites, sites_of_map = Path(sys.argv[1]), int(sys.argv[2]), int(sys.argv[3])
+    folder, num_sites = Path(sys.argv[1]), int(sys.argv[2])
     generator = random.Random(7)
-    centres = [(generator.uniform(SOUTH, NORTH), generator.uniform(WEST, EAST)) for _ in range(num_sites // sites_of_map)]
+    centres = [(generator.uniform(SOUTH, NORTH), generator.uniform(WEST, EAST)) for _ in range(num_sites // SITES_OF_MAP)]
     maps = None
     for name in ("freelsd.db", "recall.db"):
         database = sqlite3.connect(folder / name)
         base = many_sites.first_row(database, "maps")
         maps = maps or [map_row(base, number, *centre) for number, centre in enumerate(centres, start=1000)]
-        fill(database, centres, sites_of_map, maps)
+        fill(database, centres, maps)
         database.commit()
         database.execute("PRAGMA wal_checkpoint(TRUNCATE)")
         database.close()
-    Path(sys.argv[4]).write_text("".join(f"{latitude} {longitude}\n" for latitude, longitude in centres[::5]))
+    Path(sys.argv[3]).write_text("".join(f"{latitude} {longitude}\n" for latitude, longitude in centres[::5]))
 
 
 if __name__ == "__main__":

@@ -46,5 +46,48 @@ TEST_CASE("box cache: what is kept gives the rows that meet a box, tall ones fro
   CHECK(num_reads == 2);
 }
 
+TEST_CASE("box cache: boxes far apart are kept beside each other until rows change") {
+  BoxCache<int> cache;
+  int num_reads = 0;
+  const auto read = [&](const BoundingBox& box) {
+    ++num_reads;
+    return BoxCache<int>::Rows{{box, std::make_shared<const int>(num_reads)}};
+  };
+  const auto ask = [&](double west_deg, uint64_t version) {
+    return *cache.Within({west_deg, 50.0, west_deg + 0.1, 50.1}, version, read).at(0);
+  };
+  for (const int turn : {0, 1}) {
+    CAPTURE(turn);
+    CHECK(ask(0.0, 1) == 1);
+    CHECK(ask(10.0, 1) == 2);
+    CHECK(ask(20.0, 1) == 3);
+  }
+  // Near a kept one, a box is read that holds both.
+  CHECK(ask(20.4, 1) == 4);
+  CHECK(ask(20.0, 1) == 4);
+  CHECK(ask(10.0, 2) == 5);
+  CHECK(ask(10.0, 2) == 5);
+  CHECK(ask(0.0, 2) == 6);
+}
+
+TEST_CASE("box cache: no more rows are kept than fit, and those last asked for stay") {
+  BoxCache<int> cache;
+  int num_reads = 0;
+  const auto read = [&](const BoundingBox& box) {
+    ++num_reads;
+    return BoxCache<int>::Rows(40000, {box, std::make_shared<const int>(0)});
+  };
+  const auto ask = [&](double west_deg) {
+    cache.Within({west_deg, 50.0, west_deg + 0.1, 50.1}, 1, read);
+    return num_reads;
+  };
+  CHECK(ask(0.0) == 1);
+  CHECK(ask(10.0) == 2);
+  CHECK(ask(0.0) == 2);
+  CHECK(ask(20.0) == 3);
+  CHECK(ask(0.0) == 3);
+  CHECK(ask(10.0) == 4);
+}
+
 }  // namespace
 }  // namespace freelsd

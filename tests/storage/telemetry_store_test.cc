@@ -1,5 +1,12 @@
 #include "storage/telemetry_store.h"
 
+#include <array>
+#include <atomic>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
 #include <doctest/doctest.h>
 
 #include "storage/storage.h"
@@ -28,8 +35,13 @@ TEST_CASE("telemetry store: telemetry is found on both sides of a time, by kind"
   CHECK(storage.telemetry.Around("f", TelemetryKind::kPosition, 20).before->timestamp_us == 20);
 }
 
-TEST_CASE(
-    "telemetry store: what arrived last comes first, whatever its own time and the clock say") {
+std::vector<int64_t> TimesOf(const std::vector<TelemetryRow>& rows) {
+  std::vector<int64_t> timestamps_us;
+  for (const TelemetryRow& row : rows) timestamps_us.push_back(row.timestamp_us);
+  return timestamps_us;
+}
+
+TEST_CASE("telemetry store: rows in the order of arrival, whatever their own times and the clock") {
   const StoragePlace place;
   Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
@@ -42,34 +54,65 @@ TEST_CASE(
   put(100, 2000);
   // The clock was set back meanwhile.
   put(300, 50);
-  std::vector<int64_t> timestamps, arrivals;
-  for (const auto& row : storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 3)) {
-    timestamps.push_back(row.timestamp_us);
-    arrivals.push_back(row.arrived_at_us);
-  }
-  CHECK(timestamps == std::vector<int64_t>{300, 100, 500});
-  CHECK(arrivals == std::vector<int64_t>{2001, 2000, 1000});
+  const auto recent = [&storage](int max_num_rows) {
+    return storage.telemetry.Recent("f", TelemetryKind::kPosition, max_num_rows);
+  };
+  std::vector<int64_t> arrivals_us;
+  for (const auto& row : recent(3)) arrivals_us.push_back(row.arrived_at_us);
+  CHECK(TimesOf(recent(3)) == std::vector<int64_t>{500, 100, 300});
+  CHECK(arrivals_us == std::vector<int64_t>{1000, 2000, 2001});
   // A sample sent again is the latest again.
   put(500, 3000);
-  CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 9).size() == 3);
-  CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 1)[0].timestamp_us == 500);
-  CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kWind, 1).empty());
+  CHECK(TimesOf(recent(9)) == std::vector<int64_t>{100, 300, 500});
+  CHECK(storage.telemetry.Recent("f", TelemetryKind::kWind, 1).empty());
 }
 
-TEST_CASE("telemetry store: rows by their own time, and the one that arrived first") {
+TEST_CASE("telemetry store: the row that arrived first, the last ones, and those of latest times") {
   const StoragePlace place;
   Storage storage(place.options());
   storage.flights.Insert(SomeFlight("f"));
-  CHECK_FALSE(storage.telemetry.FirstArrived("f", TelemetryKind::kPosition));
-  for (const int64_t timestamp_us : {300, 500, 100}) {
+  const auto recent = [&storage](int max_num_rows) {
+    return TimesOf(storage.telemetry.Recent("f", TelemetryKind::kPosition, max_num_rows));
+  };
+  CHECK(recent(2).empty());
+  for (const int64_t timestamp_us : {300, 900, 800, 700, 600, 500, 400}) {
     storage.telemetry.Put("f", {{TelemetryKind::kPosition, timestamp_us, {47.0, 8.0, 400.0, 0.0}}});
   }
-  const auto latest = storage.telemetry.Latest("f", TelemetryKind::kPosition, 2);
-  REQUIRE(latest.size() == 2);
-  CHECK(latest[0].timestamp_us == 500);
-  CHECK(latest[1].timestamp_us == 300);
-  CHECK(storage.telemetry.FirstArrived("f", TelemetryKind::kPosition)->timestamp_us == 300);
-  CHECK(storage.telemetry.Latest("f", TelemetryKind::kWind, 2).empty());
+  CHECK(recent(1) == std::vector<int64_t>{300, 900, 400});
+  CHECK(recent(2) == std::vector<int64_t>{300, 900, 800, 500, 400});
+  CHECK(recent(100) == std::vector<int64_t>{300, 900, 800, 700, 600, 500, 400});
+}
+
+TEST_CASE("telemetry store: what several threads give is stored, each in the order it was given") {
+  const StoragePlace place;
+  Storage storage(place.options());
+  constexpr int kNumThreads = 8, kNumRows = 40;
+  for (int i = 0; i < kNumThreads / 2; ++i) storage.flights.Insert(SomeFlight(std::to_string(i)));
+  std::vector<std::thread> threads;
+  std::atomic<int> num_refused{0};
+  for (int i = 0; i < kNumThreads; ++i) {
+    threads.emplace_back([&, i] {
+      for (int64_t row = 0; row < kNumRows; ++row) {
+        const int64_t timestamp_us = 1000 * (i % 2) + row;
+        const TelemetryRow sample{TelemetryKind::kWind, timestamp_us, {1.0, 2.0, 0.0, 0.0}};
+        if (!storage.telemetry.Put(std::to_string(i / 2), {sample})) ++num_refused;
+        if (storage.telemetry.Put("none", {sample})) ++num_refused;
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(num_refused == 0);
+  for (int i = 0; i < kNumThreads / 2; ++i) {
+    const auto rows = storage.telemetry.Recent(std::to_string(i), TelemetryKind::kWind, 1000);
+    REQUIRE(rows.size() == 2 * kNumRows);
+    std::array<int64_t, 2> next_us{0, 1000};
+    std::set<int64_t> arrivals_us;
+    for (const TelemetryRow& row : rows) {
+      CHECK(row.timestamp_us == next_us.at(row.timestamp_us < 1000 ? 0 : 1)++);
+      arrivals_us.insert(row.arrived_at_us);
+    }
+    CHECK(arrivals_us.size() == rows.size());
+  }
 }
 
 TEST_CASE("telemetry store: nothing is written for a flight that does not exist") {

@@ -7,14 +7,12 @@
 namespace freelsd {
 namespace {
 
-// Memory of recall's caches: sites with their maps, and terrain below the way to a site.
-constexpr size_t kMaxBytesOfSites = size_t{192} << 20;
-constexpr size_t kMaxBytesOfTerrain = size_t{128} << 20;
-// What each organisation has at least, so that a site and its map fit.
-constexpr size_t kMinBytes = size_t{32} << 20;
-
-size_t ShareOf(size_t num_bytes, size_t num_organisations) {
-  return std::max(kMinBytes, num_bytes / num_organisations);
+// Of recall's memory that the organisation has. Each has enough for a site with its map.
+CacheSizes CacheSizesOf(const Config& config, size_t num_organisations) {
+  constexpr size_t kMinBytes = size_t{96} << 20;
+  const size_t num_bytes =
+      std::max(kMinBytes, (static_cast<size_t>(config.recall_cache_mib) << 20) / num_organisations);
+  return {num_bytes / 2, num_bytes / 3, num_bytes / 6};
 }
 
 }  // namespace
@@ -25,8 +23,7 @@ Organisation::Organisation(const Config& config,
                            const BaseMap& base_map,
                            size_t num_organisations)
     : storage(std::move(opened)),
-      maps(ShareOf(kMaxBytesOfSites, num_organisations),
-           ShareOf(kMaxBytesOfTerrain, num_organisations)),
+      maps(CacheSizesOf(config, num_organisations)),
       intake(config, *storage, events),
       alternates(*storage, maps, events, static_cast<size_t>(config.num_alternates)),
       service(intake, maps, alternates, base_map) {

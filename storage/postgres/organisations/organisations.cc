@@ -6,12 +6,12 @@ namespace freelsd {
 
 const char* const kAppRole = "freelsd_app";
 
-std::string BeginFor(const std::string& organisation) {
+std::string SettingOf(const std::string& organisation) {
   // The name goes into the text.
   if (!IsOrganisationName(organisation)) {
     throw StorageError("begin a transaction", "\"" + organisation + "\" is no organisation's name");
   }
-  return "BEGIN; SELECT set_config('freelsd.organisation', '" + organisation + "', true)";
+  return "SELECT set_config('freelsd.organisation', '" + organisation + "', true)";
 }
 
 void ServeAllOrganisations(PostgresConnection& connection) {

@@ -10,8 +10,9 @@ namespace freelsd {
 // What all connections act as, once the schema is there.
 extern const char* const kAppRole;
 
-// Begins a transaction that sees and writes rows of this organisation, and reads what others share.
-std::string BeginFor(const std::string& organisation);
+// A statement: its transaction sees and writes rows of this organisation, and reads what others
+// share.
+std::string SettingOf(const std::string& organisation);
 // From now on, the transaction also sees which flights of any organisation have work, claims and
 // events, and may change the last two.
 void ServeAllOrganisations(PostgresConnection& connection);

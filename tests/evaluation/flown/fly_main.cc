@@ -85,7 +85,7 @@ void FlyWorld(const Arguments& arguments, int index, Counts& counts) {
     throw std::runtime_error("no data folder of a server: " + data.string());
   }
   const Storage storage(data);
-  MapCache maps(kMaxBytesOfCache, kMaxBytesOfCache);
+  MapCache maps({kMaxBytesOfCache, kMaxBytesOfCache});
   ScenarioOptions options;
   options.takes_photographs = false;
   Mosaic mosaic;

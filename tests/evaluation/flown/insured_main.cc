@@ -33,7 +33,7 @@ constexpr int kNumResamples = 10000;
 std::vector<FlownRoute> FlyMosaic(const Arguments& arguments, int index) {
   const uint64_t seed = arguments.seed + kSeedsOfMosaic * static_cast<uint64_t>(index);
   const Storage storage(std::filesystem::path(arguments.folder) / std::to_string(seed));
-  MapCache maps(kMaxBytesOfCache, kMaxBytesOfCache);
+  MapCache maps({kMaxBytesOfCache, kMaxBytesOfCache});
   const Mosaic mosaic = MakeMosaic(seed, arguments.side);
   RouteFlyer flyer({storage, maps}, mosaic);
   std::mt19937 random(static_cast<uint32_t>(seed));

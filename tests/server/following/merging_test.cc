@@ -81,7 +81,7 @@ void StageAll(Storage& storage, const Arrivals& all) {
 struct Server {
   TemporaryFolder folder;
   Storage storage{folder.path()};
-  MapCache maps{size_t{1} << 26, size_t{1} << 22};
+  MapCache maps{{size_t{1} << 26, size_t{1} << 22}};
 };
 
 // What is left of the order: a change whose map is not here yet waits.

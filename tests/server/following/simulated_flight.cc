@@ -88,7 +88,7 @@ SiteRow PlannedOn(Storage& storage, const FlightMapRow& map, const Replan& repla
   rows.sites = {site};
   rows.new_maps = {map.id};
   storage.sites.PutEvaluation(rows, {});
-  MapCache maps(size_t{1} << 26, size_t{1} << 22);
+  MapCache maps({size_t{1} << 26, size_t{1} << 22});
   const auto kept = maps.Get(storage, site.id, site.updated_at_us);
   if (!kept) throw std::logic_error("the field's map cannot be read");
   const Aircraft& aircraft = replan.flight.aircraft;

@@ -79,7 +79,7 @@ bool Becomes(httplib::Client& client,
 TEST_CASE("alternates: a flight that is never silent does not starve the others") {
   const TemporaryFolder folder;
   Storage storage(StorageAt(folder.path()));
-  MapCache maps(1 << 20, 1 << 20);
+  MapCache maps({1 << 20, 1 << 20});
   EventLog events;
   // Its id comes first.
   for (const char* const id : {"a", "b", "c"}) {
@@ -266,7 +266,7 @@ TEST_CASE("alternates: a site is gone from the list when its deletion is answere
 TEST_CASE("alternates: new, changed and superseded sites count at once, also of a silent flight") {
   const TemporaryFolder folder;
   Storage storage(StorageAt(folder.path()));
-  MapCache maps(size_t{64} << 20, size_t{16} << 20);
+  MapCache maps({size_t{64} << 20, size_t{16} << 20});
   EventLog events;
   FlightRow row;
   row.id = std::string("x");

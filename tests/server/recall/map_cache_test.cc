@@ -26,7 +26,7 @@ TEST_CASE("map cache: a plan stays when its map is dropped, but not for another 
   other.recall.reset();
   storage.sites.Put(other, SerializeSiteMap(Meadow()));
   // Room for one map.
-  MapCache maps(1, 1);
+  MapCache maps({1, 1});
   const auto row = OnlyRow(storage);
   const Aircraft aircraft = Unpowered(*AircraftProfile("small"), std::nullopt);
   const Eigen::Vector2d wind(1.0, 2.0);
@@ -59,7 +59,7 @@ TEST_CASE(
     }
   }
   storage.sites.Put(MeadowSite("amsl"), SerializeSiteMap(bumpy));
-  MapCache maps(1, 1);
+  MapCache maps({1, 1});
   const auto row = OnlyRow(storage);
   const auto terrain = maps.TerrainOf(storage, row->site_id, row->updated_at_us);
   REQUIRE(terrain);

@@ -55,7 +55,7 @@ SiteRow PlannedSite(Storage& storage,
 struct Memory {
   TemporaryFolder folder;
   Storage storage{StorageAt(folder.path())};
-  MapCache maps{size_t{1} << 26, size_t{1} << 22};
+  MapCache maps{{size_t{1} << 26, size_t{1} << 22}};
 
   void Evaluate(const std::string& flight_id,
                 const SiteMap& ground,
@@ -162,7 +162,7 @@ TEST_CASE(
 // One of several processes on a database.
 struct Process {
   Storage storage;
-  MapCache maps{size_t{1} << 26, size_t{1} << 22};
+  MapCache maps{{size_t{1} << 26, size_t{1} << 22}};
 
   void Store(EvaluationRows rows) {
     const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();

@@ -196,7 +196,7 @@ class Walk {
 
   void Open() {
     storage_ = std::make_unique<Storage>(StorageAt(folder_.path()));
-    maps_ = std::make_unique<MapCache>(size_t{1} << 24, size_t{1} << 22);
+    maps_ = std::make_unique<MapCache>(CacheSizes{size_t{1} << 24, size_t{1} << 22});
   }
 
   std::mt19937 random_;

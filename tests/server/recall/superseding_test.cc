@@ -34,7 +34,7 @@ Flown Later(Ground ground, const std::string& flight_id = "later", int64_t seen_
 struct FieldServer : MeadowServer {
   explicit FieldServer(const std::vector<Flown>& flights)
       : MeadowServer([&flights](Storage& storage) {
-          MapCache maps(size_t{1} << 24, size_t{1} << 22);
+          MapCache maps({size_t{1} << 24, size_t{1} << 22});
           for (const Flown& flown : flights) Store(storage, maps, flown);
         }) {}
 
@@ -231,7 +231,7 @@ TEST_CASE("memory: sites of an older program are checked once at the start of th
 SiteRow After(const Flown& first, const Flown& later) {
   const TemporaryFolder folder;
   Storage storage(StorageAt(folder.path()));
-  MapCache maps(size_t{1} << 24, size_t{1} << 22);
+  MapCache maps({size_t{1} << 24, size_t{1} << 22});
   Store(storage, maps, first);
   Store(storage, maps, later);
   return *storage.sites.Find(IdOf(first));

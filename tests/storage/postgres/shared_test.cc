@@ -55,6 +55,46 @@ TEST_CASE("postgres: frames from two processes have sequence numbers without a g
   }
 }
 
+TEST_CASE("postgres: who waits for one flight does not keep telemetry of others") {
+  const StoragePlace place;
+  Storage one(place.OptionsOfOne());
+  Storage other(place.OptionsOfOther());
+  for (const char* const id : {"held", "free"}) one.flights.Insert(SomeFlight(id));
+  const std::vector<TelemetryRow> rows{{TelemetryKind::kWind, 1, {1.0, 2.0, 0.0, 0.0}}};
+  std::promise<void> is_held, may_end;
+  std::thread holder([&] {
+    other.flights.Change("held", [&](FlightRow&) {
+      is_held.set_value();
+      may_end.get_future().wait();
+    });
+  });
+  is_held.get_future().wait();
+  auto held = std::async(std::launch::async, [&] { return one.telemetry.Put("held", rows); });
+  CHECK(held.wait_for(std::chrono::milliseconds(200)) == std::future_status::timeout);
+  CHECK(one.telemetry.Put("free", rows));
+  CHECK(held.wait_for(std::chrono::seconds(0)) == std::future_status::timeout);
+  may_end.set_value();
+  holder.join();
+  CHECK(held.get());
+  CHECK(one.telemetry.Recent("held", TelemetryKind::kWind, 9).size() == 1);
+}
+
+TEST_CASE("postgres: versions that are held are told until the hold ends") {
+  const StoragePlace place;
+  Storage one(place.OptionsOfOne());
+  Storage other(place.OptionsOfOther());
+  uint64_t before = one.sites.Version();
+  {
+    const auto hold = one.HoldVersions();
+    other.obstacles.Put({}, 0);
+    CHECK(one.sites.Version() == before);
+    CHECK(std::async(std::launch::async, [&] { return one.sites.Version(); }).get() == before + 1);
+    const auto within = one.HoldVersions();
+    CHECK(one.sites.Version() == before);
+  }
+  CHECK(one.sites.Version() == before + 1);
+}
+
 TEST_CASE("postgres: the same frame sent to two processes is stored once") {
   constexpr int kNumFrames = 20;
   const StoragePlace place;

@@ -239,15 +239,15 @@ TEST_CASE("migrations: samples of 0.1.0 keep their order, and what arrives now i
   Storage storage(folder.path());
   const auto latitudes = [&storage] {
     std::vector<double> found;
-    for (const auto& row : storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 9)) {
+    for (const auto& row : storage.telemetry.Recent("f", TelemetryKind::kPosition, 9)) {
       found.push_back(row.values[0]);
     }
     return found;
   };
-  CHECK(latitudes() == std::vector<double>{48.0, 47.0, 46.0});
-  CHECK(storage.telemetry.LastArrived("f", TelemetryKind::kPosition, 1)[0].arrived_at_us <= 0);
+  CHECK(latitudes() == std::vector<double>{46.0, 47.0, 48.0});
+  CHECK(storage.telemetry.Recent("f", TelemetryKind::kPosition, 1).back().arrived_at_us <= 0);
   storage.telemetry.Put("f", {{TelemetryKind::kPosition, 1, {45.0, 8.0, 400.0, 0.0}}});
-  CHECK(latitudes() == std::vector<double>{45.0, 48.0, 47.0, 46.0});
+  CHECK(latitudes() == std::vector<double>{46.0, 47.0, 48.0, 45.0});
 }
 
 TEST_CASE("migrations: a database of version 6 gets obstacles in both files and keeps its sites") {
@@ -258,6 +258,7 @@ TEST_CASE("migrations: a database of version 6 gets obstacles in both files and 
         "DROP TABLE feed; DROP TABLE follow_state; DROP VIEW told_changes; DROP TABLE changes; "
         "DROP TRIGGER site_is_stored; DROP TRIGGER site_is_updated; "
         "DROP TRIGGER site_stands_otherwise; DROP TRIGGER site_is_removed; "
+        "DROP INDEX site_numbers_by_aircraft; "
         "DROP TABLE obstacles; DROP TABLE photo_tiles; DROP TABLE map_tiles; DROP TABLE maps; "
         "PRAGMA user_version = 6; PRAGMA application_id = " +
         std::to_string(ApplicationId(6));

@@ -65,7 +65,7 @@ struct WatchedService {
   Config config = TestConfig(folder.path() / "data");
   Storage storage{StorageAt(folder.path() / "data")};
   EventLog events;
-  MapCache maps{size_t{64} << 20, size_t{64} << 20};
+  MapCache maps{{size_t{64} << 20, size_t{64} << 20}};
   Intake intake{config, storage, events};
   Alternates alternates{storage, maps, events, 3};
   BaseMap base_map{config};

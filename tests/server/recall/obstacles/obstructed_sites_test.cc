@@ -55,7 +55,7 @@ nlohmann::json SquareAround(const GeoPoint& middle,
 struct FieldServer : MeadowServer {
   explicit FieldServer(const std::function<void(Storage&)>& more = {})
       : MeadowServer([&more](Storage& storage) {
-          MapCache maps(size_t{1} << 24, size_t{1} << 22);
+          MapCache maps({size_t{1} << 24, size_t{1} << 22});
           Store(storage, maps, Field());
           if (more) more(storage);
         }) {
@@ -167,7 +167,7 @@ TEST_CASE("obstructed: people count until they expire") {
 TEST_CASE("obstructed: what obstacles block is not superseded: nothing of it is stored") {
   TemporaryFolder folder;
   Storage storage(StorageAt(folder.path()));
-  MapCache maps(size_t{1} << 24, size_t{1} << 22);
+  MapCache maps({size_t{1} << 24, size_t{1} << 22});
   Store(storage, maps, Field());
   const nlohmann::json wire = WireAcross(-30.0);
   storage.obstacles.Put({{"line", wire.dump(), {7.99, 47.03, 8.01, 47.05}, std::nullopt, 1}}, 1);

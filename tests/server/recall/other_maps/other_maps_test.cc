@@ -120,7 +120,7 @@ TEST_CASE("other maps: a plan for another wind must hold on a later map, not on 
     CAPTURE(is_later);
     const TemporaryFolder folder;
     Storage storage(StorageAt(folder.path()));
-    MapCache maps(size_t{1} << 26, size_t{1} << 22);
+    MapCache maps({size_t{1} << 26, size_t{1} << 22});
     const FlightMapRow map = StageMeadowMap(storage, Meadow(), "first", kFirst);
     const SiteRow site = SiteOnMap(map);
     storage.sites.PutEvaluation({{site}, {}, {map.id}, {}}, {});
@@ -154,7 +154,7 @@ TEST_CASE("other maps: a plan for another wind must hold on a later map, not on 
 TEST_CASE("other maps: a later map counts although the own map is newer elsewhere") {
   const TemporaryFolder folder;
   Storage storage(StorageAt(folder.path()));
-  MapCache maps(size_t{1} << 26, size_t{1} << 22);
+  MapCache maps({size_t{1} << 26, size_t{1} << 22});
   const FlightMapRow own = StageMeadowMap(storage, Meadow(), "first", kFirst + 10);
   SiteRow site = SiteOnMap(own);
   site.seen_at_us = kFirst;
