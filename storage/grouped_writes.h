@@ -44,6 +44,7 @@ class GroupedWrites {
     std::exception_ptr failure;
     try {
       std::vector<Item*> items;
+      items.reserve(group.size());
       for (const Waiting* const each : group) items.push_back(each->item);
       write(items);
     } catch (...) {

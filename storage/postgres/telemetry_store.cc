@@ -101,6 +101,7 @@ void PostgresTelemetryStore::PutTogether(const std::vector<Samples*>& group) {
   PostgresWrite writer(state_);
   std::map<std::string, std::vector<TelemetryRow>> rows_of;
   std::vector<std::string> ids;
+  ids.reserve(group.size());
   for (const Samples* const each : group) ids.push_back(each->flight_id);
   const std::vector<std::string> locked = LockFreeFlights(*writer, ids);
   const std::set<std::string> is_locked(locked.begin(), locked.end());

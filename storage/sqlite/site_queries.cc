@@ -277,22 +277,6 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
   return rows;
 }
 
-BoxCache<std::string>::Rows ListOverruledIds(const Connection& connection, const BoundingBox& box) {
-  BoxCache<std::string>::Rows rows;
-  ForEachMeeting(
-      connection,
-      // CROSS JOIN fixes the order: few sites are superseded, but many may lie in the box.
-      "SELECT sites.id, west_deg, south_deg, east_deg, north_deg FROM sites "
-      "CROSS JOIN site_numbers ON site_id = sites.id CROSS JOIN site_boxes USING (number) "
-      "WHERE superseded_by IS NOT NULL AND is_recallable = 1 AND",
-      box,
-      [&rows](const Statement& statement) {
-        rows.push_back(
-            {BoxOf(statement, 1), std::make_shared<const std::string>(statement.Text(0))});
-      });
-  return rows;
-}
-
 BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box) {
   BoxCache<MapRow>::Rows rows = ListFlightMapRows(connection, box);
   ForEachMeeting(

@@ -32,8 +32,6 @@ void ForEachMeeting(const Connection& connection,
                     const std::function<void(const Statement&)>& visit);
 // In ListRecallRows and ListMapRows, the box must not cross the antimeridian.
 BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const BoundingBox& box);
-// Of sites that a later map has superseded.
-BoxCache<std::string>::Rows ListOverruledIds(const Connection& connection, const BoundingBox& box);
 BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingBox& box);
 
 // Also deletes the site's R*Tree row, because an R*Tree has no foreign keys. True if the site

@@ -80,6 +80,25 @@ bool SqliteSiteTurn::Delete(const std::string& site_id, const Standings& others)
   return was_there;
 }
 
+// Of sites that a later map has superseded.
+BoxCache<std::string>::Rows ListOverruledIds(const Connection& connection,
+                                             const BoundingBox& within) {
+  BoxCache<std::string>::Rows rows;
+  ForEachMeeting(
+      connection,
+      // CROSS JOIN fixes the order: few sites are superseded, but many may lie in the box.
+      "SELECT sites.id, west_deg, south_deg, east_deg, north_deg FROM sites "
+      "CROSS JOIN site_numbers ON site_id = sites.id CROSS JOIN site_boxes USING (number) "
+      "WHERE superseded_by IS NOT NULL AND is_recallable = 1 AND",
+      within,
+      [&rows](const Statement& statement) {
+        const BoundingBox box =
+            Rolled({statement.Real(1), statement.Real(2), statement.Real(3), statement.Real(4)});
+        rows.push_back({box, std::make_shared<const std::string>(statement.Text(0))});
+      });
+  return rows;
+}
+
 }  // namespace
 
 uint64_t SqliteSiteStore::Version() const { return state_.sites_version; }

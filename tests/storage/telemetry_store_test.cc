@@ -37,6 +37,7 @@ TEST_CASE("telemetry store: telemetry is found on both sides of a time, by kind"
 
 std::vector<int64_t> TimesOf(const std::vector<TelemetryRow>& rows) {
   std::vector<int64_t> timestamps_us;
+  timestamps_us.reserve(rows.size());
   for (const TelemetryRow& row : rows) timestamps_us.push_back(row.timestamp_us);
   return timestamps_us;
 }
@@ -89,6 +90,7 @@ TEST_CASE("telemetry store: what several threads give is stored, each in the ord
   constexpr int kNumThreads = 8, kNumRows = 40;
   for (int i = 0; i < kNumThreads / 2; ++i) storage.flights.Insert(SomeFlight(std::to_string(i)));
   std::vector<std::thread> threads;
+  threads.reserve(kNumThreads);
   std::atomic<int> num_refused{0};
   for (int i = 0; i < kNumThreads; ++i) {
     threads.emplace_back([&, i] {
