@@ -10,6 +10,7 @@
 #include "server/base_map/base_map.h"
 #include "server/following/following.h"
 #include "server/http/http.h"
+#include "server/http/semaphore_slot.h"
 #include "server/intake/intake.h"
 #include "server/jobs/progress_board.h"
 #include "server/links/links.h"
@@ -26,20 +27,6 @@ constexpr int kMaxNumChangeWaiters = 8;
 
 // Memory of finished pictures of flights' maps.
 constexpr size_t kMaxBytesOfPictures = size_t{32} << 20;
-
-// Holds one place of a semaphore. The constructor waits for it.
-class SemaphoreSlot {
- public:
-  explicit SemaphoreSlot(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
-    semaphore_.acquire();
-  }
-  ~SemaphoreSlot() { semaphore_.release(); }
-  SemaphoreSlot(const SemaphoreSlot&) = delete;
-  SemaphoreSlot& operator=(const SemaphoreSlot&) = delete;
-
- private:
-  std::counting_semaphore<>& semaphore_;
-};
 
 // Refers to objects that the App owns. Thread-safe, because of the mutex and the semaphores.
 struct Service {

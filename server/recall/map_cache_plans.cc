@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "server/http/semaphore_slot.h"
 #include "server/recall/map_cache.h"
 #include "server/recall/other_maps/other_maps.h"
 
@@ -21,20 +22,6 @@ std::string WindKey(const std::optional<Eigen::Vector2d>& wind) {
   if (!wind) return {};
   return {reinterpret_cast<const char*>(wind->data()), 2 * sizeof(double)};
 }
-
-// Holds a place of the semaphore.
-class Turn {
- public:
-  explicit Turn(std::counting_semaphore<>& semaphore) : semaphore_(semaphore) {
-    semaphore_.acquire();
-  }
-  ~Turn() { semaphore_.release(); }
-  Turn(const Turn&) = delete;
-  Turn& operator=(const Turn&) = delete;
-
- private:
-  std::counting_semaphore<>& semaphore_;
-};
 
 }  // namespace
 
@@ -103,7 +90,7 @@ std::optional<KeptPlan> MapCache::PlanOf(const Storage& storage,
                                          const std::optional<Eigen::Vector2d>& wind_in_world) {
   const std::string key = WindKey(wind_in_world) + aircraft_key;
   if (auto kept = FindPlan(storage, row, key)) return kept;
-  const Turn turn(planning_);
+  const SemaphoreSlot turn(planning_);
   // Whoever had a turn meanwhile may have made it.
   if (auto kept = FindPlan(storage, row, key)) return kept;
   auto site = Get(storage, row.site_id, row.updated_at_us);
