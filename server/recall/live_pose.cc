@@ -97,6 +97,14 @@ FrameMeta MetaOf(const FrameRow& frame) {
   return Merged(ParseStoredFrameMeta(frame.meta_json), ParseStoredFrameMeta(frame.tags_json));
 }
 
+// A batch arrives long after its photographs were taken: only their own times say when.
+std::optional<double> FrameAgeS(const FrameRow& frame, const FrameMeta& meta, int64_t now_us) {
+  if (!frame.is_from_batch) return AgeS(frame.arrived_at_us, now_us);
+  if (!meta.timestamp_us || *meta.timestamp_us < kFirstPlausibleUs) return std::nullopt;
+  if (*meta.timestamp_us > std::min(now_us, frame.arrived_at_us)) return std::nullopt;
+  return static_cast<double>(now_us - *meta.timestamp_us) * 1e-6;
+}
+
 // Uses only the metadata that arrived with the frames. Their metadata from telemetry arrived
 // earlier.
 Track TrackOfFrames(const std::vector<FrameRow>& frames, int64_t now_us) {
@@ -107,7 +115,7 @@ Track TrackOfFrames(const std::vector<FrameRow>& frames, int64_t now_us) {
     if (track.passed.empty()) {
       track.timestamp_us = meta.timestamp_us;
       track.altitude_datum = meta.altitude_datum;
-      track.age_s = AgeS(frame.arrived_at_us, now_us);
+      track.age_s = FrameAgeS(frame, meta, now_us);
     }
     // Without times, only the latest one counts.
     if (!track.passed.empty() && !(meta.timestamp_us && track.timestamp_us)) continue;
@@ -129,7 +137,7 @@ std::optional<LiveWind> WindOfFrames(const std::vector<FrameRow>& frames, int64_
     if (!meta.wind_in_world) continue;
     return LiveWind{*meta.wind_in_world,
                     meta.timestamp_us,
-                    AgeS(frame.arrived_at_us, now_us),
+                    FrameAgeS(frame, meta, now_us),
                     "frame",
                     std::nullopt};
   }

@@ -1,7 +1,7 @@
 // The latest position, course and wind of a flight's aircraft, from telemetry and frames. The
 // latest sample of telemetry is the youngest one by its own time (FlightClock), because a link
 // delivers old samples after an outage. Of frames it is the one that arrived last: cameras' clocks
-// are often wrong.
+// are often wrong. The age of a frame counts from its arrival, of one of a batch from its own time.
 #pragma once
 
 #include <cstdint>

@@ -76,6 +76,31 @@ TEST_CASE("live pose: a flight of which all arrives late is late") {
   CHECK(flight.Pose(1000).age_s.value() == doctest::Approx(991.0).epsilon(0.001));
 }
 
+TEST_CASE("live pose: photographs of a batch are as old as they say, streamed ones as their arrival") {
+  FlightInStorage flight;
+  const auto take = [&](const char* id, bool is_from_batch, int64_t taken_at_us) {
+    FrameRow frame;
+    frame.flight_id = "f";
+    frame.id = id;
+    frame.sha256 = std::string(64, 'a');
+    flight.storage.images.Write(frame.sha256, "pixels");
+    frame.meta_json = nlohmann::json{
+        {"timestamp_us", taken_at_us},
+        {"position",
+         {{"latitude_deg", 47.0}, {"longitude_deg", 8.0}, {"altitude_m", 500.0}}}}.dump();
+    frame.is_from_batch = is_from_batch;
+    frame.arrived_at_us = kNowUs;
+    flight.storage.frames.Insert("f", {frame});
+  };
+  take("yesterday", true, kNowUs - 86400 * kSecondUs);
+  CHECK(flight.Pose(60).age_s == doctest::Approx(86460.0));
+  CHECK_FALSE(flight.Pose(60).heading_deg);
+  take("clock-never-set", true, 1000 * kSecondUs);
+  CHECK_FALSE(flight.Pose(60).age_s);
+  take("streamed", false, kNowUs - 86400 * kSecondUs);
+  CHECK(flight.Pose(60).age_s == doctest::Approx(60.0).epsilon(0.01));
+}
+
 TEST_CASE("live wind: its source and deviation are those that were sent") {
   FlightInStorage flight;
   flight.Fly(0, 0);
