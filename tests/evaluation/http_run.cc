@@ -152,7 +152,8 @@ Site SiteOf(const Json& feature, const LocalFrame& frame) {
   const Json& properties = feature.at("properties");
   Site site;
   site.region = RegionOf(properties.at("footprint"), properties, frame);
-  site.region.id = properties.at("region_id").get<int>();
+  const Json& region_id = properties.at("region_id");
+  site.region.id = region_id.is_null() ? kNoRegion : region_id.get<int>();
   Plan& plan = site.plan;
   plan.verdict = VerdictNamed(properties.at("verdict"));
   if (plan.verdict == Verdict::kRejected) {
