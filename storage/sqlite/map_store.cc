@@ -22,7 +22,7 @@ std::string SqliteMapStore::NewId(const std::string& flight_id) {
       state_.writer.Prepare("SELECT coalesce(max(number), 0) FROM maps WHERE flight_id = ?1");
   statement.Bind(flight_id).Step();
   int64_t& last = state_.last_map_numbers[flight_id];
-  last = std::max(last, statement.Int(0)) + 1;
+  last = std::max({last + 1, statement.Int(0) + 1, state_.first_map_number});
   return flight_id + "/" + std::to_string(last);
 }
 

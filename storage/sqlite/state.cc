@@ -3,6 +3,7 @@
 #include <chrono>
 #include <set>
 
+#include "storage/sqlite/changes/restored.h"
 #include "storage/sqlite/damage.h"
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/migrations.h"
@@ -76,7 +77,9 @@ bool OpenSchema(const Connection& writer) {
   return version == 0;
 }
 
-// The path of the copy. Removes a copy that cannot be read or has another version; it is rebuilt.
+// The path of the copy. Removes a copy that cannot be read or is of a newer program; it is rebuilt.
+// One of an older program is migrated as the database is: until that is known to be whole, the copy
+// may be all that is left of the sites.
 std::filesystem::path UsableCopy(const std::filesystem::path& folder, bool is_database_whole) {
   std::filesystem::path file = folder / kCopyName;
   if (TakeMarkOfCopy(folder) && is_database_whole) RemoveDatabase(file);
@@ -85,7 +88,7 @@ std::filesystem::path UsableCopy(const std::filesystem::path& folder, bool is_da
     Statement version = copy.Prepare("PRAGMA user_version");
     version.Step();
     if (version.Int(0) == 0) return file;
-    if (version.Int(0) == kSchemaVersion) {
+    if (version.Int(0) > 0 && version.Int(0) <= kSchemaVersion) {
       // Reads only the columns that each start needs: checking the whole file takes too long.
       Statement ids = copy.Prepare("SELECT count(id), max(updated_at_us) FROM sites");
       ids.Step();
@@ -207,6 +210,7 @@ void StorageState::WriteCopy(const std::function<void(const Connection&)>& write
 
 void StorageState::BringTogether() {
   const bool is_new = OpenSchema(writer);
+  first_map_number = FirstMapNumberOf(folder, folder / kDatabaseName, writer);
   const auto on_copy = [](const auto& act) {
     try {
       return act();

@@ -162,6 +162,7 @@ struct StorageState {
   RecallBounds bounds;
   // By flight. Guarded by write_mutex.
   std::map<std::string, int64_t> last_map_numbers;
+  int64_t first_map_number = 1;
 
  private:
   void WriteCopy(const std::function<void(const Connection&)>& write);

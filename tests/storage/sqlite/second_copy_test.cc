@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <string>
+#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -106,6 +107,32 @@ TEST_CASE("obstacles: a row that was changed outside counts as damage, the copy'
   REQUIRE(storage.obstacles.Find("wire"));
   CHECK(storage.obstacles.Find("wire")->feature_json == R"({"a":1})");
   CHECK_FALSE(AwaitNotices(storage).empty());
+}
+
+TEST_CASE("second copy: one of an older program still has the sites when the database is damaged") {
+  const TemporaryFolder folder;
+  StoreTwoSites(folder.path());
+  Execute(folder.path() / "recall.db",
+          "DROP INDEX site_numbers_by_aircraft; PRAGMA user_version = 9");
+  LoseMainDatabase(folder);
+  CHECK(HasBoth(Storage(folder.path())));
+}
+
+TEST_CASE("feed: a database that was put back tells another feed, and gives no map's number again") {
+  const TemporaryFolder folder;
+  const auto open = [&folder] {
+    Storage storage(folder.path());
+    return std::pair(storage.changes.FeedId(), storage.maps.NewId("f"));
+  };
+  const auto first = open();
+  CHECK(first.second == "f/1");
+  CHECK(open() == first);
+  std::filesystem::copy_file(folder.path() / "freelsd.db", folder.path() / "backup");
+  std::filesystem::rename(folder.path() / "backup", folder.path() / "freelsd.db");
+  const auto second = open();
+  CHECK(second.first != first.first);
+  CHECK(second.second == "f/1000001");
+  CHECK(open() == second);
 }
 
 }  // namespace
