@@ -147,9 +147,14 @@ void ImageFiles::Write(const std::string& sha256, std::string_view bytes) const 
 }
 
 std::optional<std::string> ImageFiles::Read(const std::string& sha256) const {
-  std::ifstream file(PathOf(sha256), std::ios::binary);
-  if (!file) return std::nullopt;
-  return std::string(std::istreambuf_iterator<char>(file), {});
+  const std::filesystem::path path = PathOf(sha256);
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file && errno == ENOENT) return std::nullopt;
+  if (!file) Fail("open image");
+  std::string bytes(static_cast<size_t>(file.tellg()), '\0');
+  file.seekg(0).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!file) throw StorageError("read image", "its bytes cannot be read");
+  return bytes;
 }
 
 bool ImageFiles::Has(const std::string& sha256) const {

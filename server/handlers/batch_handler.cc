@@ -250,6 +250,8 @@ JobRow StoreBatch(Service& service, const Call& call, const BatchUpload& upload,
     RefuseOverQuota(service.intake, {0, static_cast<int64_t>(admission.frames.size()), 1});
   }
   service.storage.frames.Insert(stored.id, admission.frames, job, [&](FlightRow& flight) {
+    // Since the upload began.
+    RefuseWhenRetired(flight);
     // A stored rig is kept, because another request may have added a datum to it since it was read.
     if (flight.rig_json.empty()) flight.rig_json = admission.rig_json;
     flight.num_rejected_frames += admission.num_rejected;

@@ -42,13 +42,14 @@ void StoreFrame(Intake& intake,
   intake.storage.images.Write(image.sha256, upload.image);
   try {
     intake.storage.frames.Insert(frame.flight_id, {frame}, std::nullopt, [&](FlightRow& flight) {
+      RefuseWhenRetired(flight);
       // A stored rig is kept, because another request may have added a datum to it since it was
       // read.
       if (flight.rig_json.empty()) flight.rig_json = resolver.RigJson();
       flight.warnings_json =
           AddWarnings(flight.warnings_json, "images", resolver.RelevantWarnings(image));
     });
-  } catch (const StorageError&) {
+  } catch (...) {
     // A refused image must not occupy a full disk.
     intake.storage.images.RemoveUnused(image.sha256);
     throw;

@@ -83,16 +83,17 @@ bool Worker::IsReadyToFinish(const std::string& flight_id) const {
       ready.begin(), ready.end(), [&](const JobRow& job) { return job.flight_id == flight_id; });
 }
 
-// Evaluates one flight: for its finish, else its best regions. Flights take turns.
+// Evaluates one flight: for its finish, else its best regions. Flights take turns, and so do sites
+// that are to be checked on later maps.
 bool Worker::StepBackend() {
-  if (CheckNextSite()) return true;
+  const bool has_checked = CheckNextSite();
   RetireImages();
   const std::vector<JobRow> finishes = ReadyFinishes();
   for (const JobRow& job : finishes) due_.Add(job.flight_id);
   // Before the flight is looked up: what is evaluated is not released.
   const Mark mark(is_evaluating_);
   const std::optional<std::string> flight_id = due_.Take();
-  if (!flight_id) return ReplayNext();
+  if (!flight_id) return ReplayNext() || has_checked;
   const SessionPointer session = open_flights_.Find(*flight_id);
   if (!session) return true;
   const auto finish = std::find_if(finishes.begin(), finishes.end(), [&](const JobRow& job) {
@@ -235,15 +236,19 @@ void Worker::RetireImages() {
     return;
   }
   retired_at_ = now;
+  // Also those of which nothing was claimed.
+  for (const std::string& name : organisations_.Default().storage.claims.ListOrganisations()) {
+    organisations_.Of(name);
+  }
   organisations_.ForEach(
       [this](const std::string&, Organisation& each) { RetireImagesOf(each.service); });
 }
 
 void Worker::RetireImagesOf(Service& service) {
   for (const std::string& id : FlightsToRetire(service)) {
+    if (!service.storage.flights.RetireImages(id)) continue;
     open_flights_.Close(id);
     spdlog::info("removed the images of flight {} to free disk space", id);
-    service.storage.flights.RetireImages(id);
   }
   for (const std::string& id : FlightsToRetirePicturesOf(service)) {
     spdlog::info("removed the picture of the ground of flight {} to free disk space", id);

@@ -58,7 +58,9 @@ std::vector<std::string> FlightsToRetirePicturesOf(const Service& service) {
   for (const std::string& id : service.storage.maps.ListFlightsWithPhotoTiles()) {
     const std::vector<FlightMapRow> maps = service.storage.maps.ListOf(id);
     const bool is_old = !maps.empty() && IsOld(config, maps.front().updated_at_us);
-    if (is_old || (is_too_much && ids.empty())) ids.push_back(id);
+    // Those after it are younger.
+    if (!is_old && !(is_too_much && ids.empty())) break;
+    ids.push_back(id);
   }
   return ids;
 }

@@ -138,13 +138,24 @@ std::vector<std::string> PostgresFlightStore::ListWithQueuedFrames() const {
   });
 }
 
-void PostgresFlightStore::RetireImages(const std::string& flight_id) {
+bool PostgresFlightStore::RetireImages(const std::string& flight_id) {
   PostgresWrite writer(state_);
+  LockFlight(*writer, flight_id);
+  const PostgresRows in_use = writer->Run(
+      "SELECT 1 FROM (SELECT (extract(epoch FROM clock_timestamp()) - 600) * 1000000 AS us) AS quiet "
+      "WHERE EXISTS (SELECT 1 FROM frames WHERE flight_id = $1 AND "
+      "(state = 0 OR ($2 AND arrived_at_us > us))) "
+      "OR EXISTS (SELECT 1 FROM jobs WHERE flight_id = $1 AND state < 2) "
+      "OR EXISTS (SELECT 1 FROM flights WHERE id = $1 AND $2 AND created_at_us > us)",
+      flight_id,
+      state_.process->options.is_shared);
+  if (!in_use.empty()) return false;
   ChangeFlight(*writer, flight_id, [](FlightRow& flight) { flight.has_retired_images = true; });
   const std::vector<std::string> images = ImagesOfFrames(*writer, flight_id);
   writer->Run("UPDATE frames SET stored_image = NULL WHERE flight_id = $1", flight_id);
   writer.Commit();
   RemoveUnusedImages(state_, images);
+  return true;
 }
 
 bool PostgresFlightStore::Delete(const std::string& flight_id, bool forget_sites) {

@@ -182,14 +182,19 @@ std::vector<std::string> SqliteFlightStore::ListWithQueuedFrames() const {
   return flights;
 }
 
-void SqliteFlightStore::RetireImages(const std::string& flight_id) {
+bool SqliteFlightStore::RetireImages(const std::string& flight_id) {
   const auto lock = state_.LockForWriting();
   Transaction transaction(state_.writer);
+  Statement in_use = state_.writer.Prepare(
+      "SELECT 1 FROM frames WHERE flight_id = ?1 AND state = 0 "
+      "UNION ALL SELECT 1 FROM jobs WHERE flight_id = ?1 AND state < 2");
+  if (in_use.Bind(flight_id).Step()) return false;
   const std::vector<std::string> images = OwnImages(state_.writer, flight_id);
   ChangeFlightRow(
       state_.writer, flight_id, [](FlightRow& flight) { flight.has_retired_images = true; });
   transaction.Commit();
   for (const std::string& sha256 : images) state_.images.Remove(sha256);
+  return true;
 }
 
 bool SqliteFlightStore::Delete(const std::string& flight_id, bool forget_sites) {

@@ -86,7 +86,13 @@ TEST_CASE(
   storage.frames.Insert("f", {SomeFrame("f", "one"), own});
   storage.frames.Insert("g", {SomeFrame("g", "one")});
   CHECK(storage.images.NumBytes() == 9);
-  storage.flights.RetireImages("f");
+  CHECK_FALSE(storage.flights.RetireImages("f"));
+  CHECK(storage.images.Read(kOtherImage));
+  CHECK_FALSE(storage.flights.Find("f")->has_retired_images);
+  for (const char* const id : {"one", "two"}) {
+    storage.frames.SetState("f", id, FrameState::kProcessed, "");
+  }
+  CHECK(storage.flights.RetireImages("f"));
   CHECK(storage.images.Read(kImage));
   CHECK_FALSE(storage.images.Read(kOtherImage));
   CHECK(storage.images.NumBytes() == 6);
