@@ -54,9 +54,11 @@ restore() {
   begin "restoring images"
   copy_images "$folder/images" "$root/images"
   check_images
-  # Numbers of changes go on from an earlier one: whoever follows begins anew.
+  # Numbers of changes go on from an earlier one: whoever follows begins anew. It may still have maps that are lost
+  # here, so none of their numbers is given again.
   if [ "$(ask "SELECT to_regclass('feed') IS NOT NULL")" = t ]; then
     ask "UPDATE feed SET id = replace(gen_random_uuid()::text, '-', '')" >/dev/null
+    ask "UPDATE map_numbers SET last = last + 1000000" >/dev/null
   fi
   echo "restored; the former database is in $former"
   echo "start the servers again with: deploy/fleet.sh up --root $root"

@@ -42,7 +42,7 @@ max_connections = $((40 + 33 * num_servers))
 password_encryption = scram-sha-256
 wal_level = replica
 archive_mode = on
-archive_command = 'test -f $root/archive/%f || { cp %p $root/archive/%f.new && sync $root/archive/%f.new && mv $root/archive/%f.new $root/archive/%f; }'
+archive_command = 'if test -f $root/archive/%f; then cmp -s %p $root/archive/%f; else cp %p $root/archive/%f.new && sync $root/archive/%f.new && mv $root/archive/%f.new $root/archive/%f; fi'
 archive_timeout = 60
 restore_command = 'cp $root/archive/%f %p'
 END

@@ -185,12 +185,8 @@ void Follower::KeepInStep() {
   while (Pull(0)) {
     if (!Pause(0.0)) return;
   }
-  bool has_pushed = false;
-  while (Push()) {
-    has_pushed = true;
-    if (!Pause(0.0)) return;
-  }
-  if (has_pushed) return;
+  // What the other one has new comes before the next portion.
+  if (Push()) return;
   const auto begin = std::chrono::steady_clock::now();
   const bool has_more = Pull(kWaitS);
   // It has too many clients that wait, or something has changed.

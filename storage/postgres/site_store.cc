@@ -225,18 +225,24 @@ RecallBounds PostgresSiteStore::BoundsOfRecallable() const {
   }
   RecallBounds bounds = state_.Read([](PostgresConnection& connection) {
     RecallBounds read;
+    // One search of an index for each organisation that is seen.
     read.min_altitude_m =
-        connection.Run("SELECT coalesce(min(altitude_m), 0) FROM sites WHERE is_recallable")[0]
+        connection
+            .Run(
+                "SELECT coalesce(min((SELECT altitude_m FROM sites WHERE organisation = name AND "
+                "is_recallable ORDER BY altitude_m LIMIT 1)), 0) FROM organisations")[0]
             .Real(0);
-    // One search of an index for each aircraft: many sites are of the same.
+    // And for each aircraft: many sites are of the same.
     read.aircraft_jsons =
         connection
             .Run(
-                "WITH RECURSIVE found AS ((SELECT aircraft_json COLLATE \"C\" AS json FROM sites "
-                "WHERE is_recallable ORDER BY 1 LIMIT 1) UNION ALL SELECT (SELECT aircraft_json "
-                "COLLATE \"C\" FROM sites WHERE is_recallable AND aircraft_json COLLATE \"C\" > "
-                "json ORDER BY 1 LIMIT 1) FROM found WHERE json IS NOT NULL) "
-                "SELECT json FROM found WHERE json IS NOT NULL")
+                "WITH RECURSIVE found AS (SELECT name, (SELECT aircraft_json COLLATE \"C\" FROM "
+                "sites WHERE organisation = name AND is_recallable ORDER BY aircraft_json COLLATE "
+                "\"C\" LIMIT 1) AS json FROM organisations UNION ALL SELECT name, (SELECT "
+                "aircraft_json COLLATE \"C\" FROM sites WHERE organisation = name AND "
+                "is_recallable AND aircraft_json COLLATE \"C\" > json ORDER BY aircraft_json "
+                "COLLATE \"C\" LIMIT 1) FROM found WHERE json IS NOT NULL) "
+                "SELECT DISTINCT json FROM found WHERE json IS NOT NULL ORDER BY json")
             .Texts();
     return read;
   });

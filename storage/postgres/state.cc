@@ -36,7 +36,7 @@ std::vector<std::string> NoticesOf(PostgresConnection& connection) {
         "PostgreSQL has no data checksums: damage of its files may stay unnoticed (see "
         "pg_checksums --enable)");
   }
-  if (!FindsBoxesByIndex(connection)) {
+  if (!MarkedBoxesFound(connection)) {
     notices.emplace_back(
         "recall reads all sites: a superuser must run ALTER FUNCTION geometry_overlaps(geometry, "
         "geometry) LEAKPROOF");
@@ -159,7 +159,22 @@ PostgresState::PostgresState(std::shared_ptr<PostgresProcess> opened, const std:
     DeleteUnfinishedMaps(*writer, process->options.unused_image_age_s);
     writer.Commit();
   }
+  CheckThatImagesAreThere();
   SweepImages(*this);
+}
+
+// A server that sees another folder, or none, would take every stored photograph for lost.
+void PostgresState::CheckThatImagesAreThere() {
+  const std::vector<std::string> stored = Read([&](PostgresConnection& connection) {
+    return connection.Run("SELECT sha256 FROM images WHERE organisation = $1 LIMIT 20", organisation)
+        .Texts();
+  });
+  const auto is_there = [this](const std::string& sha256) { return images.Has(sha256); };
+  if (stored.empty() || std::any_of(stored.begin(), stored.end(), is_there)) return;
+  throw StorageError("open the images",
+                     "none of the stored ones is in " +
+                         ImagesOf(process->options.images_folder, organisation).string() +
+                         ": is the folder mounted?");
 }
 
 PostgresWrite::PostgresWrite(PostgresState& state)

@@ -96,6 +96,9 @@ struct PostgresState {
   std::mutex bounds_mutex;
   uint64_t bounds_version = 0;
   RecallBounds bounds;
+
+ private:
+  void CheckThatImagesAreThere();
 };
 
 // A transaction of the organisation on a connection for writing.

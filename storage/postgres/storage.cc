@@ -1,4 +1,5 @@
 #include "storage/backend.h"
+#include "storage/postgres/organisations/organisations.h"
 #include "storage/postgres/state.h"
 #include "storage/postgres/stores.h"
 
@@ -74,35 +75,75 @@ std::optional<std::string> PostgresBackend::WhyNotWritable() {
   return std::nullopt;
 }
 
-// Within the transaction that shares them: others' sites on its maps were never checked on these.
-void CheckSitesAgain(PostgresConnection& writer, const std::string& sharing) {
-  ServeAllOrganisations(writer);
-  const std::vector<std::string> names =
-      writer.Run("SELECT name FROM organisations WHERE name <> $1 ORDER BY name", sharing).Texts();
-  writer.Execute("SELECT set_config('freelsd.all_organisations', 'off', true)");
-  for (const std::string& name : names) {
-    writer.Run("SELECT set_config('freelsd.organisation', $1, true)", name);
-    writer.Run(
-        "UPDATE sites SET is_checked = false WHERE organisation = $1 AND is_recallable AND EXISTS "
-        "(SELECT 1 FROM site_areas AS own JOIN map_areas AS others ON own.area && others.area "
-        "WHERE own.organisation = $1 AND own.site_id = sites.id AND others.organisation = $2)",
-        name,
-        sharing);
+// Marks the organisation's next sites, after the one of that id, that lie on a map of `sharing`: they
+// were never checked on these. All of them where no index finds maps. Returns the last id; "" if there
+// was none left.
+std::string MarkNextUnchecked(PostgresConnection& writer,
+                              const std::string& name,
+                              const std::string& after_id,
+                              const std::string& sharing) {
+  writer.Run("SELECT set_config('freelsd.organisation', $1, true)", name);
+  const PostgresRows last = writer.Run(
+      "WITH next AS (SELECT id FROM sites WHERE organisation = $1 AND is_recallable AND id > $2 "
+      "ORDER BY id LIMIT 1000), "
+      "marked AS (UPDATE sites SET is_checked = false WHERE id IN (SELECT id FROM next) AND ($4 OR "
+      "EXISTS (SELECT 1 FROM site_areas AS own JOIN map_areas AS others ON own.area && others.area "
+      "WHERE own.organisation = $1 AND own.site_id = sites.id AND others.organisation = $3))) "
+      "SELECT coalesce(max(id), '') FROM next",
+      name,
+      after_id,
+      sharing,
+      !FindsBoxesByIndex(writer));
+  return last[0].Text(0);
+}
+
+// Other organisations' sites on the ground that this one has begun to share. In many commits: there
+// may be a million. A start that was interrupted goes on with it.
+void MarkUnchecked(PostgresState& state) {
+  std::vector<std::string> others;
+  {
+    PostgresWrite writer(state);
+    if (writer
+            ->Run("SELECT 1 FROM organisations WHERE name = $1 AND has_unchecked_ground",
+                  state.organisation)
+            .empty()) {
+      return;
+    }
+    ServeAllOrganisations(*writer);
+    others = writer
+                 ->Run("SELECT name FROM organisations WHERE name <> $1 ORDER BY name",
+                       state.organisation)
+                 .Texts();
   }
+  for (const std::string& name : others) {
+    std::string last;
+    do {
+      PostgresWrite writer(state);
+      last = MarkNextUnchecked(*writer, name, last, state.organisation);
+      writer.Commit();
+    } while (!last.empty());
+  }
+  PostgresWrite writer(state);
+  writer->Run("UPDATE organisations SET has_unchecked_ground = false WHERE name = $1",
+              state.organisation);
+  writer.Commit();
 }
 
 void PostgresBackend::ShareSites(bool is_shared) {
-  PostgresWrite writer(state_);
-  const bool has_changed =
-      writer
-          ->Run("UPDATE organisations SET shares_sites = $2 WHERE name = $1 AND shares_sites <> $2",
-                state_.organisation,
-                is_shared)
-          .NumChanges() > 0;
-  // What others have read of it, or not, is out of date.
-  if (has_changed) StepObstacles(*writer);
-  if (has_changed && is_shared) CheckSitesAgain(*writer, state_.organisation);
-  writer.Commit();
+  {
+    PostgresWrite writer(state_);
+    const bool has_changed = writer
+                                 ->Run("UPDATE organisations SET shares_sites = $2, "
+                                       "has_unchecked_ground = $2 "
+                                       "WHERE name = $1 AND shares_sites <> $2",
+                                       state_.organisation,
+                                       is_shared)
+                                 .NumChanges() > 0;
+    // What others have read of it, or not, is out of date.
+    if (has_changed) StepObstacles(*writer);
+    writer.Commit();
+  }
+  if (is_shared) MarkUnchecked(state_);
 }
 
 }  // namespace

@@ -60,7 +60,8 @@ PostgresRows RowsAfter(PostgresConnection& connection,
 int64_t HighestNumber(PostgresConnection& connection) {
   return connection
       .Run(
-          "SELECT greatest((SELECT coalesce(max(number), 0) FROM changes), "
+          "SELECT greatest((SELECT coalesce(max((SELECT number FROM changes WHERE organisation = "
+          "name ORDER BY number DESC LIMIT 1)), 0) FROM organisations), "
           "(SELECT forgotten_through FROM feed))")[0]
       .Int(0);
 }

@@ -28,7 +28,11 @@ bool FindsBoxesByIndex(PostgresConnection& connection) {
   constexpr char kIsMarked[] =
       "SELECT bool_and(proleakproof) FROM pg_proc JOIN pg_operator ON oprcode = pg_proc.oid "
       "WHERE oprname = '&&' AND oprleft = 'geometry'::regtype AND oprright = 'geometry'::regtype";
-  if (connection.Run(kIsMarked)[0].Bool(0)) return true;
+  return connection.Run(kIsMarked)[0].Bool(0);
+}
+
+bool MarkedBoxesFound(PostgresConnection& connection) {
+  if (FindsBoxesByIndex(connection)) return true;
   try {
     connection.Execute("ALTER FUNCTION geometry_overlaps(geometry, geometry) LEAKPROOF");
   } catch (const ConnectionLost&) {

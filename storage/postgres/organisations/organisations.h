@@ -21,8 +21,10 @@ void ServeAllOrganisations(PostgresConnection& connection);
 void RegisterOrganisation(PostgresConnection& writer, const std::string& name);
 
 // Row-level security keeps a condition from an index unless its function is marked LEAKPROOF, which
-// PostGIS leaves to the operator; only a superuser may. Marks it where it can. False if the boxes
-// of geometries are not found by index.
+// PostGIS leaves to the operator; only a superuser may. False if the boxes of geometries are not
+// found by index.
 bool FindsBoxesByIndex(PostgresConnection& connection);
+// Marks it where it can. Outside of a transaction.
+bool MarkedBoxesFound(PostgresConnection& connection);
 
 }  // namespace freelsd

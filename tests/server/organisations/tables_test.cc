@@ -169,6 +169,19 @@ TEST_SUITE("postgresql" * doctest::skip()) {
     CHECK(south->sites.ListUnchecked() == std::vector<std::string>{"south-old"});
   }
 
+  TEST_CASE("organisations: the bounds of what may be recalled are those of what is seen") {
+    const TwoOrganisations two;
+    const std::unique_ptr<Storage> south = two.storage->ForOrganisation("south");
+    CHECK(south->sites.BoundsOfRecallable().aircraft_jsons.empty());
+    const RecallBounds of_north = two.north->sites.BoundsOfRecallable();
+    CHECK(of_north.aircraft_jsons.size() == 1);
+    two.north->ShareSites(true);
+    CHECK(south->sites.BoundsOfRecallable().aircraft_jsons == of_north.aircraft_jsons);
+    CHECK(south->sites.BoundsOfRecallable().min_altitude_m == of_north.min_altitude_m);
+    CHECK(south->changes.LastNumber() == 0);
+    CHECK(two.north->changes.LastNumber() > 0);
+  }
+
   TEST_CASE("organisations: places are found by index below row-level security") {
     const TwoOrganisations two;
     Session session(two.place.options().database_url);

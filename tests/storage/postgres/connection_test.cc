@@ -50,9 +50,9 @@ TEST_CASE("postgres: nobody migrates a schema that others share") {
     former.flights.Insert(SomeFlight("f"));
   }
   place.Execute(
-      "DROP INDEX sites_by_aircraft; DROP TABLE feed, changes; DROP SEQUENCE change_numbers; DROP "
-      "FUNCTION tell_change, "
-      "tell_site, tell_map, tell_obstacle CASCADE");
+      "ALTER TABLE organisations DROP COLUMN has_unchecked_ground; DROP INDEX sites_by_aircraft; "
+      "DROP TABLE feed, changes; DROP SEQUENCE change_numbers; DROP FUNCTION tell_change, tell_site, "
+      "tell_map, tell_obstacle CASCADE");
   Storage one(place.OptionsOfOther());
   CHECK(one.flights.Find("f"));
   CHECK(one.changes.LastNumber() == 0);

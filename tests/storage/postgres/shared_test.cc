@@ -55,6 +55,41 @@ TEST_CASE("postgres: frames from two processes have sequence numbers without a g
   }
 }
 
+TEST_CASE("postgres: a server that does not see the stored images does not start") {
+  const StoragePlace place;
+  {
+    Storage storage(place.OptionsOfOne());
+    storage.flights.Insert(SomeFlight("f"));
+    storage.images.Write(kImage, "pixels");
+    storage.frames.Insert("f", {SomeFrame("f", "a")});
+  }
+  const std::filesystem::path elsewhere = place.images_folder().string() + "-elsewhere";
+  std::filesystem::rename(place.images_folder(), elsewhere);
+  CHECK_THROWS_AS(Storage(place.OptionsOfOne()), StorageError);
+  std::filesystem::remove_all(place.images_folder());
+  std::filesystem::rename(elsewhere, place.images_folder());
+  CHECK(Storage(place.OptionsOfOne()).images.Read(kImage) == "pixels");
+}
+
+TEST_CASE("postgres: images are not retired while another server may be receiving the flight") {
+  const StoragePlace place;
+  Storage one(place.OptionsOfOne());
+  Storage other(place.OptionsOfOther());
+  one.images.Write(kImage, "pixels");
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  const int64_t now_us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
+  for (const int minutes : {1, 11}) {
+    const std::string id = std::to_string(minutes);
+    one.flights.Insert(SomeFlight(id));
+    FrameRow frame = SomeFrame(id, "a");
+    frame.arrived_at_us = now_us - minutes * int64_t{60000000};
+    one.frames.Insert(id, {frame});
+    one.frames.SetState(id, "a", FrameState::kProcessed, "");
+    CHECK(other.flights.RetireImages(id) == (minutes == 11));
+    CHECK(one.flights.Find(id)->has_retired_images == (minutes == 11));
+  }
+}
+
 TEST_CASE("postgres: who waits for one flight does not keep telemetry of others") {
   const StoragePlace place;
   Storage one(place.OptionsOfOne());
