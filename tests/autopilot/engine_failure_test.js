@@ -184,6 +184,26 @@ test('a watch that begins anew does not call back guidance that a person ended',
   assert.equal(chain.failure.guidance.isEngaged, true);
 });
 
+test('a failure that a person has declared before it was noticed does not call guidance back after Release or another mode', async () => {
+  for (const mode of [undefined, 'CIRCLE', 'LOITER']) {
+    const chain = new Chain();
+    chain.engine = { state: 'running' };
+    await chain.fly(15);
+    chain.failure.take({ id: '1', kind: 'engine_failure', confirmed_by: 'Ada' }, chain.plane.utc_us);
+    chain.engaged_s = chain.plane.time_s;
+    await chain.fly(3);
+    chain.engine = { state: 'failed', reason: 'noticed later' };
+    await chain.fly(3);
+    if (mode) chain.plane.pilotMode(mode);
+    else chain.failure.take({ id: '2', kind: 'release' }, chain.plane.utc_us);
+    const ended_s = chain.plane.time_s;
+    await chain.fly(5);
+    assert.equal(chain.failure.guidance.isEngaged, false);
+    assert.ok(chain.targets().every(({ time_s }) => time_s < ended_s + 1.5));
+    assert.equal(chain.plane.control.mode, mode ?? 'GUIDED');
+  }
+});
+
 test('an aircraft that is flown by hand is not taken over, but a person may declare the failure', async () => {
   const chain = new Chain({ mode: 'FBWA' });
   chain.plane.pilotSticks({ throttle: 0.35 });

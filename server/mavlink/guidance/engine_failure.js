@@ -91,9 +91,10 @@ export class EngineFailure {
     const { engine } = state;
     // A watch that has begun anew knows nothing yet.
     if (engine.state === 'running' || state.is_armed === false) this.#handled = undefined;
-    if (engine.state !== 'failed') return;
-    if (this.#handled || this.#guidance.isEngaged) return;
+    if (engine.state !== 'failed' || this.#handled) return;
     this.#handled = true;
+    // A person has declared the same failure before it was noticed.
+    if (this.#guidance.isEngaged) return;
     const refusal = refusalOf(state) ??
       (isFlownByItself(state.mode) ? undefined : `${state.mode} is flown by hand: nothing is sent`);
     if (refusal) this.#log(`engine failure, no guidance: ${refusal}`, 'engine');
