@@ -70,7 +70,7 @@ export class EngineFailure {
       return true;
     }
     this.#declared = confirmed_by ?? 'a person';
-    this.#guidance.engage(state, `declared by ${this.#declared}`, now_us);
+    this.#engage(state, `declared by ${this.#declared}`, now_us);
     this.#told(id, 'done', 'guidance has begun');
     return true;
   }
@@ -98,7 +98,12 @@ export class EngineFailure {
     const refusal = refusalOf(state) ??
       (isFlownByItself(state.mode) ? undefined : `${state.mode} is flown by hand: nothing is sent`);
     if (refusal) this.#log(`engine failure, no guidance: ${refusal}`, 'engine');
-    else this.#guidance.engage(state, engine.reason, now_us);
+    else this.#engage(state, engine.reason, now_us);
+  }
+
+  #engage(state, reason, now_us) {
+    if (!this.#guidance.isEngaged) this.#landings.end('an engine failure came after it');
+    this.#guidance.engage(state, reason, now_us);
   }
 
   // The LAND stays the current item of the prepared mission; the message may be lost.
