@@ -204,6 +204,35 @@ test('a failure that a person has declared before it was noticed does not call g
   }
 });
 
+test('a landing mission that guidance has not written when it ends is never written', async () => {
+  for (const how of ['commands are lost', 'released at once']) {
+    const chain = new Chain();
+    await chain.fly(35);
+    const before = structuredClone(chain.plane.mission);
+    chain.engine = { state: 'running' };
+    await chain.fly(1);
+    if (how === 'commands are lost') chain.plane.take = () => {};
+    chain.engine = { state: 'failed', reason: 'false alarm' };
+    await chain.fly(5, () => chain.failure.guidance.isEngaged);
+    await chain.fly(0.2);
+    if (how === 'released at once') {
+      chain.failure.take({ id: '1', kind: 'release' }, 0);
+      chain.plane.pilotMode('AUTO');
+    }
+    await chain.fly(6);
+    delete chain.plane.take;
+    chain.engine = { state: 'running' };
+    assert.equal(chain.failure.guidance.isEngaged, false);
+    await chain.fly(60);
+    assert.equal(chain.landings.state().state, 'current');
+    chain.plane.pilotMode('LOITER');
+    await chain.fly(12);
+    assert.deepEqual(chain.plane.mission, before, how);
+    assert.ok(!chain.sent.some(({ name }) => name === 'MISSION_COUNT' || name === 'MISSION_SET_CURRENT'), how);
+    assert.match(chain.failure.guidance.state().text, /^guidance ended/);
+  }
+});
+
 test('an aircraft that is flown by hand is not taken over, but a person may declare the failure', async () => {
   const chain = new Chain({ mode: 'FBWA' });
   chain.plane.pilotSticks({ throttle: 0.35 });

@@ -60,7 +60,8 @@ export class Guidance {
   #hasToldNothing = false;
 
   // recall(query): answer of /v1/emergency. autopilot: goTo(target, mayChangeMode), setSpeed(mps),
-  // beginFinal(). mission: prepare(site), a promise of the landing mission in the autopilot.
+  // beginFinal(). mission: prepare(site), a promise of the landing mission in the autopilot;
+  // abandon(why): it is not wanted any more.
   // log(text, kind): one decision.
   constructor({ recall, autopilot, mission, log, options = {} }) {
     this.#recall = recall;
@@ -96,6 +97,8 @@ export class Guidance {
     if (!this.#isEngaged) return;
     this.#isEngaged = false;
     this.#phase = 'ended';
+    this.#prepared = undefined;
+    this.#mission.abandon('guidance has ended');
     this.#decide(`guidance ended: ${reason}`, 'guidance');
   }
 
