@@ -233,6 +233,39 @@ test('a landing mission that guidance has not written when it ends is never writ
   }
 });
 
+test('the final is flown by the link\'s own landing mission: another ground station\'s is replaced, a refused one is written again', async () => {
+  for (const how of ['replaced', 'refused']) {
+    const chain = new Chain();
+    const { missions } = chain.landings;
+    const prepare = missions.prepare.bind(missions);
+    let numPrepared = 0;
+    missions.prepare = (site) => (++numPrepared === 1 && how === 'refused' ? Promise.reject(new Error('no answer')) : prepare(site));
+    await chain.failEngine();
+    await chain.fly(8);
+    const far = chain.plane.mission[0];
+    if (how === 'replaced') chain.plane.loadMission(Array.from({ length: 7 }, () => ({ ...far, x: far.x - 200000, z: 450 })));
+    await chain.land();
+    const { touchdown } = chain.plane;
+    const { east_m, north_m } = new FlatFrame(chain.site.touchdown).toLocal(touchdown);
+    assert.ok(Math.hypot(east_m, north_m) < 12, `${how}: ${east_m}, ${north_m}`);
+    assert.equal(touchdown.mode, 'AUTO');
+    assert.equal(numPrepared, 2);
+    const last = chain.sent.findIndex(({ name, fields }) => name === 'COMMAND_LONG' && fields.command === doSetMode);
+    assert.equal(chain.sent.length, last + 1, 'nothing is sent on the final');
+  }
+});
+
+test('while it is not known whose mission it is, the final does not begin', async () => {
+  const chain = new Chain();
+  await chain.failEngine();
+  await chain.fly(8);
+  const { state } = chain.landings;
+  chain.landings.state = () => ({ ...state.call(chain.landings), state: 'unknown' });
+  await chain.land();
+  assert.equal(chain.plane.touchdown.mode, 'GUIDED');
+  assert.ok(!chain.sent.some(({ name, fields }) => name === 'COMMAND_LONG' && fields.command === doSetMode));
+});
+
 test('an aircraft that is flown by hand is not taken over, but a person may declare the failure', async () => {
   const chain = new Chain({ mode: 'FBWA' });
   chain.plane.pilotSticks({ throttle: 0.35 });

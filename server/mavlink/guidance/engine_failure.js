@@ -108,8 +108,8 @@ export class EngineFailure {
 
   // The LAND stays the current item of the prepared mission; the message may be lost.
   #select(state, now_s) {
-    const { state: known, num_items, current_item } = state.mission;
-    const isWanted = this.#guidance.isPrepared && known === 'current' && current_item !== num_items - 1;
+    const { num_items, current_item } = state.mission;
+    const isWanted = !this.#guidance.isOnFinal && this.#guidance.hasLanding(state.mission) && current_item !== num_items - 1;
     if (!isWanted || now_s - this.#selected_s < selectPeriod_s) return;
     this.#selected_s = now_s;
     this.#outgoing.send('MISSION_SET_CURRENT', { ...this.#target(), seq: num_items - 1 });

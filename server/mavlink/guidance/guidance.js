@@ -32,6 +32,8 @@ export const defaultGuidanceOptions = {
 // What is left of airspeed that becomes height.
 const kineticShare = 0.9;
 const lastLook_s = 2;
+// A landing mission that was refused or replaced is written again after so long.
+const prepareAgain_s = 3;
 
 export class Guidance {
   #recall;
@@ -61,7 +63,7 @@ export class Guidance {
 
   // recall(query): answer of /v1/emergency. autopilot: goTo(target, mayChangeMode), setSpeed(mps),
   // beginFinal(). mission: prepare(site), a promise of the landing mission in the autopilot;
-  // abandon(why): it is not wanted any more.
+  // abandon(why): it is not wanted any more; isBusy.
   // log(text, kind): one decision.
   constructor({ recall, autopilot, mission, log, options = {} }) {
     this.#recall = recall;
@@ -74,8 +76,11 @@ export class Guidance {
   get isEngaged() { return this.#isEngaged; }
   get isOnFinal() { return this.#isEngaged && this.#phase === 'final'; }
   get way() { return this.#way; }
-  // The landing mission is in the autopilot, and the final has not begun.
-  get isPrepared() { return this.#isEngaged && this.#phase !== 'final' && this.#prepared?.isReady === true; }
+  // mission: of the link's state. Another ground station may have written since.
+  hasLanding({ state, kind, site } = {}) {
+    const isPrepared = this.#isEngaged && this.#prepared?.isReady === true;
+    return isPrepared && state === 'current' && kind === 'landing' && site === this.#way.site.site_id;
+  }
 
   // reason: why the engine counts as failed. now_us: UTC.
   engage(state, reason, now_us) {
@@ -217,7 +222,7 @@ export class Guidance {
     if (this.#progress.away_m > 60) this.#progress = this.#nearest(state);
     const { numCircles } = this.#way;
     const what = `${this.#way.length_m.toFixed(0)} m, ${numCircles} ${numCircles === 1 ? 'circle' : 'circles'}`;
-    if (isOtherFinal) this.#prepare(site);
+    if (isOtherFinal) this.#prepare(site, now_s);
     if (!isOther) {
       this.#decide(`new way to ${site.site_id}: ${reason}; ${what}`, 'guidance');
       return;
@@ -235,15 +240,26 @@ export class Guidance {
     return free_m < wanted_m ? `; planned for a touchdown within ${free_m} m, autopilots need ${wanted_m} m` : '';
   }
 
-  #prepare(site) {
-    const prepared = { isReady: false };
+  #prepare(site, now_s) {
+    const problemBefore = this.#prepared?.problem;
+    const prepared = { isReady: false, begun_s: now_s, problem: undefined };
     this.#prepared = prepared;
     this.#mission.prepare(site).then(() => {
       prepared.isReady = true;
       if (this.#prepared === prepared) this.#decide('the landing mission is in the autopilot', 'mission');
     }, (error) => {
-      if (this.#prepared === prepared) this.#decide(`no landing mission: ${error.message}`, 'mission');
+      prepared.problem = error.message;
+      const isNew = this.#prepared === prepared && error.message !== problemBefore;
+      if (isNew) this.#decide(`no landing mission: ${error.message}`, 'mission');
     });
+  }
+
+  // Once more, if it could not be written, or if somebody else has written since.
+  #prepareAgain(mission, now_s) {
+    const { isReady, problem, begun_s } = this.#prepared;
+    const isReplaced = isReady && mission?.state === 'current' && !this.hasLanding(mission);
+    const isDue = now_s - begun_s >= prepareAgain_s && !this.#mission.isBusy;
+    if (isDue && (isReplaced || problem !== undefined)) this.#prepare(this.#way.site, now_s);
   }
 
   #fly(state, now_s) {
@@ -252,7 +268,8 @@ export class Guidance {
     this.#progress = this.#nearest(state, from_m, from_m + reach_m);
     this.#reconsider(state, now_s);
     this.#addCircle();
-    if (this.#gate.isOpen(this.#way, this.#progress, state) && this.#prepared.isReady) {
+    this.#prepareAgain(state.mission, now_s);
+    if (this.#gate.isOpen(this.#way, this.#progress, state) && this.hasLanding(state.mission)) {
       this.#beginFinal(state, now_s);
       return;
     }

@@ -62,7 +62,7 @@ export class MissionKeeper {
   // While it is true, the mission is not read again: guidance is on the final.
   isHeld = false;
 
-  get isBusy() { return this.#task !== undefined; }
+  get isBusy() { return this.#task !== undefined || this.#start.isWaiting; }
   // What the autopilot has, as it was read last; nothing while that is not known.
   get items() { return this.#state.state === 'current' ? this.#known?.items : undefined; }
 
