@@ -19,6 +19,7 @@ import { Link } from './link.js';
 import { lock } from './lock.js';
 import { Outgoing } from './outgoing.js';
 import { Pin } from './pin.js';
+import { isPlaceKnown } from './plausibility.js';
 import { queryOf } from './guidance/recall_query.js';
 import { Reporter } from './reporter.js';
 import { Service } from './service.js';
@@ -127,7 +128,7 @@ function landingsFrom(parts, { config, outgoing, reporter, state }) {
   const { link, service, decisions } = parts;
   const recall = () => {
     const now = state();
-    return now.position && now.velocity ? service.emergency(queryOf(now, now.wind, 0)) : undefined;
+    return isPlaceKnown(now) && now.velocity ? service.emergency(queryOf(now, now.wind, 0)) : undefined;
   };
   return new Landings({
     service,
@@ -174,7 +175,9 @@ function aheadFrom({ service, decisions, landings, link, uplink, sessions }) {
   });
   const now_s = () => performance.now() / 1000;
   const vehicle = () => {
-    const { position, airspeed_mps } = link.state();
+    const state = link.state();
+    const { airspeed_mps } = state;
+    const position = isPlaceKnown(state) ? state.position : undefined;
     const { cruise_mps, ...known } = landings.vehicle;
     return { ...known, position, airspeed_mps: cruise_mps ?? airspeed_mps, flight: { id: uplink.flightOf(sessions.name) } };
   };

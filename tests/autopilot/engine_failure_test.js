@@ -266,6 +266,57 @@ test('while it is not known whose mission it is, the final does not begin', asyn
   assert.ok(!chain.sent.some(({ name, fields }) => name === 'COMMAND_LONG' && fields.command === doSetMode));
 });
 
+// lost: of the messages of the aircraft, while it is set.
+function chainWithLoss() {
+  const chain = new Chain();
+  const { onSend } = chain.plane;
+  chain.plane.onSend = (bytes, name) => { if (name !== chain.lost) onSend(bytes, name); };
+  return chain;
+}
+
+test('without positions or airspeeds the engine is unknown, and nothing is told of an old airspeed', async () => {
+  for (const lost of ['GLOBAL_POSITION_INT', 'VFR_HUD']) {
+    const chain = chainWithLoss();
+    await chain.fly(200);
+    assert.equal(chain.state().engine.state, 'running');
+    assert.ok(chain.state().position.age_s < 0.5);
+    chain.lost = lost;
+    await chain.fly(3.5);
+    chain.plane.stopEngine();
+    await chain.fly(3.5);
+    const { engine, position, airspeed_mps, ground_speed_mps } = chain.state();
+    assert.equal(engine.state, 'unknown', lost);
+    assert.ok(lost === 'VFR_HUD' ? airspeed_mps === undefined && ground_speed_mps > 5 : position.age_s > 6, lost);
+    assert.ok(chain.landings.vehicle.isFlying);
+    chain.lost = undefined;
+    await chain.fly(0.5);
+    assert.notEqual(chain.state().engine.state, 'unknown');
+  }
+});
+
+test('guidance sends no targets from an old place, says so once, and goes on when the place is known again', async () => {
+  const chain = chainWithLoss();
+  await chain.failEngine();
+  await chain.fly(4);
+  chain.lost = 'GLOBAL_POSITION_INT';
+  await chain.fly(3.5);
+  const before = chain.targets().length;
+  const askedBefore = chain.numAsked;
+  await chain.fly(3);
+  assert.equal(chain.targets().length, before);
+  assert.equal(chain.numAsked, askedBefore);
+  assert.equal(chain.log.filter(({ text }) => /no position for 3 s: nothing is sent/.test(text)).length, 1);
+  assert.equal(chain.failure.guidance.isEngaged, true);
+  chain.lost = undefined;
+  await chain.fly(2);
+  assert.ok(chain.targets().length > before);
+  chain.lost = 'GLOBAL_POSITION_INT';
+  await chain.fly(5);
+  chain.plane.pilotMode('FBWA');
+  await chain.fly(2);
+  assert.equal(chain.failure.guidance.isEngaged, false, 'a mode of the pilot ends it also then');
+});
+
 test('an aircraft that is flown by hand is not taken over, but a person may declare the failure', async () => {
   const chain = new Chain({ mode: 'FBWA' });
   chain.plane.pilotSticks({ throttle: 0.35 });

@@ -8,6 +8,7 @@ import { ModeWatch } from './guidance_modes.js';
 import { defaultTargetOptions, glideAirspeed_mps, kinetic_m, targetOn } from './guidance_target.js';
 import { queryOf, WindHold } from './recall_query.js';
 import { isSameFinal, ToldWay } from './told_way.js';
+import { isPlaceKnown, longestGap_s } from '../plausibility.js';
 
 export const defaultGuidanceOptions = {
   recallPeriod_s: 1,
@@ -60,6 +61,7 @@ export class Guidance {
   #text;
   #phase;
   #hasToldNothing = false;
+  #wasPlaceKnown = true;
 
   // recall(query): answer of /v1/emergency. autopilot: goTo(target, mayChangeMode), setSpeed(mps),
   // beginFinal(). mission: prepare(site), a promise of the landing mission in the autopilot;
@@ -92,6 +94,7 @@ export class Guidance {
     this.#way = undefined;
     this.#prepared = undefined;
     this.#hasToldNothing = false;
+    this.#wasPlaceKnown = true;
     this.#phase = undefined;
     this.#since = new Date(now_us / 1000).toISOString();
     this.#asked_s = -Infinity;
@@ -114,14 +117,25 @@ export class Guidance {
     const altitude_m = heard.position.altitude_m + lower_m;
     const state = { ...heard, position: { ...heard.position, altitude_m } };
     const period_s = this.#isEngaged ? this.#options.recallPeriod_s : this.#options.watchPeriod_s;
-    const isWanted = this.#isEngaged ? this.#phase !== 'final' : state.is_armed;
+    const isWanted = isPlaceKnown(heard) && (this.#isEngaged ? this.#phase !== 'final' : state.is_armed);
     if (isWanted && !this.#isAsking && now_s - this.#asked_s >= period_s) this.#ask(state, now_s);
     if (!this.#isEngaged) return;
     const interference = this.#modes.interference(state, now_s);
     if (interference) this.release(interference);
     else if (this.#phase === 'final') this.#watchFinal(state);
+    else if (!this.#hasPlace(heard)) return;
     else if (this.#way) this.#fly(state, now_s);
     else this.#begin(state, now_s);
+  }
+
+  // Without a place the autopilot circles the last target.
+  #hasPlace(heard) {
+    const isKnown = isPlaceKnown(heard);
+    if (isKnown === this.#wasPlaceKnown) return isKnown;
+    this.#wasPlaceKnown = isKnown;
+    this.#phase ??= 'waiting';
+    this.#decide(isKnown ? 'the place is known again' : `no position for ${longestGap_s} s: nothing is sent`, 'guidance');
+    return isKnown;
   }
 
   state() {

@@ -103,7 +103,7 @@ export class Landings {
     this.#vehicle = {
       isConnected: state.is_connected, mode: state.mode, missionMode: missionModes[state.autopilot] ?? 'AUTO',
       isArdupilot: state.autopilot === 'ardupilotmega', isKnown: state.autopilot in missionModes,
-      isFlying: state.is_armed === true && state.airspeed_mps >= minFlyingAirspeed_mps,
+      isFlying: state.is_armed === true && this.#isFast(state.airspeed_mps),
       home_altitude_m: position && position.altitude_m - position.height_above_home_m,
       current_item: state.mission?.current_item, parameters: this.#parameters.values,
       landing_airspeed_mps: this.#parameters.landingAirspeed_mps, wind: state.wind,
@@ -113,6 +113,11 @@ export class Landings {
       this.#missions.onMode(this.#vehicle.mode);
     }
     this.#watchConnection(state);
+  }
+
+  // While the airspeed is not known, it flies as before.
+  #isFast(airspeed_mps) {
+    return airspeed_mps === undefined ? this.#vehicle.isFlying === true : airspeed_mps >= minFlyingAirspeed_mps;
   }
 
   #watchConnection(state) {
