@@ -151,6 +151,37 @@ test('a service that is away from the start: the answer from before the failure 
   assert.ok(chain.failure.guidance.way);
 });
 
+test('an old answer is flown only where the aircraft is still on its way; without one the reason is told', async () => {
+  const failed = async (chain, away_s) => {
+    chain.isServiceThere = false;
+    await chain.fly(away_s);
+    chain.engine = { state: 'failed', reason: 'test' };
+    chain.plane.stopEngine();
+    chain.engaged_s = chain.plane.time_s;
+    await chain.fly(5);
+    return chain.failure.guidance.state();
+  };
+  const onWay = new Chain();
+  await onWay.fly(15);
+  const { phase, text } = await failed(onWay, 12);
+  assert.equal(phase, 'glide');
+  assert.ok(onWay.log.some((line) => /to site ahead: on its way of 1\d s ago/.test(line.text)), text);
+  assert.ok(onWay.targets().length > 0);
+  // One circles away from the way, one has never had an answer.
+  const beside = new Chain({ mode: 'LOITER' });
+  await beside.fly(15);
+  const never = new Chain();
+  for (const [chain, away_s] of [[beside, 25], [never, 15]]) {
+    const waiting = await failed(chain, away_s);
+    assert.equal(waiting.phase, 'waiting');
+    assert.equal(waiting.text, 'the service does not answer, and no way is known from here: nothing is sent');
+    assert.equal(chain.targets().length, 0);
+    chain.isServiceThere = true;
+    await chain.fly(3);
+    assert.ok(chain.failure.guidance.way);
+  }
+});
+
 test('a person who changes the mode ends guidance, and is not overruled', async () => {
   const chain = new Chain();
   await chain.failEngine();

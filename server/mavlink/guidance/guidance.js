@@ -2,7 +2,7 @@
 // by a landing mission, on which nothing is sent. No sockets: what it asks and sends is handed in.
 
 import { GlideShare } from './glide_share.js';
-import { choose, defaultChoiceOptions } from './guidance_choice.js';
+import { choose, defaultChoiceOptions, hasWay } from './guidance_choice.js';
 import { FinalGate } from './guidance_final.js';
 import { ModeWatch } from './guidance_modes.js';
 import { defaultTargetOptions, glideAirspeed_mps, kinetic_m, targetOn } from './guidance_target.js';
@@ -33,6 +33,11 @@ export const defaultGuidanceOptions = {
 // What is left of airspeed that becomes height.
 const kineticShare = 0.9;
 const lastLook_s = 2;
+// A way is flown without another answer, if it was told for where the aircraft was so shortly before.
+const recentAnswer_s = 10;
+// A new answer is waited for: if there is a recent one, or the service was away; and if there is none.
+const patienceOfAny_s = 1;
+const patienceOfNone_s = 3;
 // A landing mission that was refused or replaced is written again after so long.
 const prepareAgain_s = 3;
 
@@ -60,7 +65,8 @@ export class Guidance {
   #since;
   #text;
   #phase;
-  #hasToldNothing = false;
+  // Why nothing is sent yet, as told.
+  #waitsFor;
   #wasPlaceKnown = true;
 
   // recall(query): answer of /v1/emergency. autopilot: goTo(target, mayChangeMode), setSpeed(mps),
@@ -93,7 +99,7 @@ export class Guidance {
     this.#glide = new GlideShare();
     this.#way = undefined;
     this.#prepared = undefined;
-    this.#hasToldNothing = false;
+    this.#waitsFor = undefined;
     this.#wasPlaceKnown = true;
     this.#phase = undefined;
     this.#since = new Date(now_us / 1000).toISOString();
@@ -210,22 +216,40 @@ export class Guidance {
     this.#isReachable = isReachable;
     if (!this.#isEngaged) return;
     if (isReachable) this.#decide('the service answers again', 'service');
-    else this.#decide(`the service does not answer (${why}): the last way is flown on`, 'service');
+    else if (this.#way) this.#decide(`the service does not answer (${why}): the last way is flown on`, 'service');
   }
 
-  // An old answer is better than none, when the service is away.
+  // An answer from before is better than none, when the service is away.
   #begin(state, now_s) {
-    if (this.#isAsking && now_s - this.#asked_s < 1) return;
-    if (!this.#answer?.isNew && this.#isReachable) return;
-    const chosen = choose({ answer: this.#answer?.answer, flightId: state.flight?.id }, this.#options.choice);
-    if (this.#answer) this.#answer.isNew = false;
-    if (chosen) {
-      this.#take(chosen, state, now_s);
-      this.#fly(state, now_s);
-    } else if (!this.#hasToldNothing) {
-      this.#hasToldNothing = true;
-      this.#decide('no site is in reach: nothing is sent', 'guidance');
+    const given = this.#answer;
+    const isRecent = given !== undefined && now_s - given.asked_s <= recentAnswer_s;
+    const patience_s = isRecent || !this.#isReachable ? patienceOfAny_s : patienceOfNone_s;
+    if (this.#isAsking && now_s - this.#asked_s < patience_s) return;
+    const sites = (given?.answer.sites ?? []).filter((site) => isRecent || this.#isOn(site, state));
+    const chosen = choose({ answer: { sites }, flightId: state.flight?.id }, this.#options.choice);
+    if (given) given.isNew = false;
+    if (!chosen) {
+      this.#wait(isRecent ? 'no site is in reach' : 'the service does not answer, and no way is known from here');
+      return;
     }
+    const old = `on its way of ${(now_s - given.asked_s).toFixed(0)} s ago`;
+    this.#take(isRecent ? chosen : { ...chosen, reason: old }, state, now_s);
+    this.#fly(state, now_s);
+  }
+
+  #wait(why) {
+    this.#phase = 'waiting';
+    if (this.#waitsFor === why) return;
+    this.#waitsFor = why;
+    this.#decide(`${why}: nothing is sent`, 'guidance');
+  }
+
+  // An aircraft that is still on a way of an old answer, and not below it.
+  #isOn(site, { position }) {
+    if (!hasWay(site)) return false;
+    const { away_m, height_m } = new ToldWay(site).nearest(position);
+    const { maxAside_m, maxLow_m } = this.#options.choice;
+    return away_m <= maxAside_m && height_m >= -maxLow_m;
   }
 
   #take({ site, reason }, state, now_s) {
