@@ -118,3 +118,36 @@ test('with a lost acknowledgement, a pilot who takes the former mode back is not
     assert.deepEqual([mode, rig.plane.control.mode, starts(rig) - before], [mode, mode, 1]);
   }
 });
+
+// MISSION_ITEM_INT, at its place in a packet of MAVLink 2.
+const isItem = (bytes) => bytes[7] === 73;
+
+test('half a mission that a second command has found is replaced by the former one, and is never told as current', async () => {
+  for (const how of ['the radio is dead', 'the second landing is refused']) {
+    const rig = new Rig();
+    await rig.step(12);
+    const before = structuredClone(rig.plane.mission);
+    const send = rig.up.send.bind(rig.up);
+    let numItems = 0;
+    rig.up.send = (bytes, time_s) => {
+      if (isItem(bytes)) ++numItems;
+      if (numItems < before.length - 2) send(bytes, time_s);
+    };
+    land(rig, 'c1', 'A');
+    await rig.step(10);
+    assert.notDeepEqual(rig.plane.mission, before);
+    if (how === 'the second landing is refused') {
+      delete rig.up.send;
+      // As if its own landing sequence were flown.
+      rig.plane.control.mission.select(before.findIndex((one) => one.command === 189) + 1);
+    }
+    land(rig, 'c2', 'B');
+    await rig.step(55, () => { if (how === 'the radio is dead') assert.notEqual(rig.mission.state, 'current'); });
+    delete rig.up.send;
+    await rig.step(30);
+    assert.equal(rig.mission.state, 'current', how);
+    if (rig.mission.kind === 'other') assert.deepEqual(rig.plane.mission.slice(1), before.slice(1), how);
+    else assert.equal(rig.mission.site, 'B');
+    assert.ok(rig.told.get('c2').state);
+  }
+});
