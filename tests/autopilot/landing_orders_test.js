@@ -151,3 +151,24 @@ test('half a mission that a second command has found is replaced by the former o
     assert.ok(rig.told.get('c2').state);
   }
 });
+
+test('the alarm of a mission that another ground station has changed ends with Release or disarming', async () => {
+  for (const how of ['release', 'disarm']) {
+    const rig = new Rig({ mode: 'LOITER' });
+    await rig.step(12);
+    land(rig);
+    await rig.step(15);
+    rig.plane.pilotMode('LOITER');
+    await rig.step(3);
+    const { mission } = rig.plane;
+    rig.plane.loadMission([...mission.slice(0, 5), ...mission.slice(1, 5)]);
+    await rig.step(40);
+    assert.match(rig.mission.alarm, /another ground station has changed the mission/);
+    if (how === 'release') release(rig);
+    else rig.plane.control.isArmed = false;
+    await rig.step(2);
+    assert.deepEqual([rig.mission.state, rig.mission.kind, rig.mission.alarm], ['current', 'other', undefined]);
+    await rig.step(40);
+    assert.equal(rig.mission.alarm, undefined);
+  }
+});

@@ -30,6 +30,7 @@ export class Landings {
   #autopilot;
   #boots;
   #wasConnected = false;
+  #wasArmed;
   // The person's word to land that counts: { id, isPlanned, wasModeChanged }.
   #order;
   // After an engine failure the rally points stay as they are.
@@ -100,6 +101,8 @@ export class Landings {
       this.#autopilot = state.autopilot;
       this.#parameters.want(state.autopilot === 'px4' ? px4Parameters : landingParameters);
     }
+    if (this.#wasArmed && state.is_armed === false) this.#missions.forgetAlarm();
+    this.#wasArmed = state.is_armed;
     this.#vehicle = {
       isConnected: state.is_connected, mode: state.mode, missionMode: missionModes[state.autopilot] ?? 'AUTO',
       isArdupilot: state.autopilot === 'ardupilotmega', isKnown: state.autopilot in missionModes,
@@ -141,7 +144,10 @@ export class Landings {
       this.#told(command.id, 'failed', 'the link was started without --rally');
       return true;
     }
-    if (command.kind === 'release') this.end('released');
+    if (command.kind === 'release') {
+      this.end('released');
+      this.#missions.forgetAlarm();
+    }
     return false;
   }
 

@@ -43,7 +43,7 @@ export class MissionKeeper {
   #probed_s = -Infinity;
   #total;
   #start;
-  // An alarm that stays until the next landing is wanted.
+  // An alarm that stays until the next landing is wanted, Release or disarming.
   #lasting;
 
   // out.send(name, fields): with the autopilot's address. vehicle(): what the link knows: isArdupilot,
@@ -98,6 +98,12 @@ export class MissionKeeper {
   end(why) {
     this.#start.end(why);
     this.#giveUp(why);
+  }
+
+  // What was told of a mission that is past.
+  forgetAlarm() {
+    this.#lasting = undefined;
+    if (this.#state.state === 'current') this.#know(this.#known.items);
   }
 
   // Guidance is over.
