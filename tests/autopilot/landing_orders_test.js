@@ -50,6 +50,23 @@ test('Release while the service plans, and while the mission is written: nothing
   }
 });
 
+test('a mission that was not known before is not known after Release', async () => {
+  const rig = new Rig({ mode: 'LOITER' });
+  await rig.step(12);
+  // The radio is dead while the autopilot starts anew.
+  rig.up.send = () => {};
+  rig.plane.restart(3);
+  await rig.step(25);
+  assert.equal(rig.mission.state, 'unknown');
+  land(rig);
+  await rig.step(1);
+  release(rig);
+  assert.equal(rig.mission.state, 'unknown');
+  delete rig.up.send;
+  await rig.step(35);
+  assert.equal(rig.mission.state, 'current');
+});
+
 test('Release before the autopilot is seen in the landing is told, and nothing is repeated', async () => {
   const rig = new Rig({ mode: 'LOITER' });
   await rig.step(12);

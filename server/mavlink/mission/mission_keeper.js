@@ -123,7 +123,7 @@ export class MissionKeeper {
       this.#finishLeft({ ...job, wanted: job.earlier.at(-1), site: job.landing.site_id });
       return;
     }
-    if (this.#known) this.#know(this.#known.items);
+    if (job.wasKnown && this.#suspect_s === undefined) this.#know(this.#known.items);
     else this.#state = { state: 'unknown' };
     this.#checked_s = -Infinity;
   }
@@ -132,6 +132,7 @@ export class MissionKeeper {
     const left = this.#job ?? this.#store.load();
     this.#job?.finish(false, 'another landing was wanted');
     const job = { finish, landing, keepsOthers, old: left?.old, wanted: undefined,
+      wasKnown: this.#job ? this.#job.wasKnown : this.#state.state === 'current',
       earlier: [...(left?.earlier ?? []), ...(left?.wanted ? [left.wanted] : [])] };
     this.#job = job;
     this.#start.end('another landing was wanted');
