@@ -123,13 +123,17 @@ export function commandText(command, nameOf) {
 
 const optional = (name, text, isAlarm) => (text === null ? null : [name, text, Boolean(isAlarm)]);
 
+// Positions come several times a second.
+const longestGap_s = 5;
+const oldText = ({ age_s }) => (age_s > longestGap_s ? `, ${age(age_s)} old` : '');
+
 // [name, text, whether it is an alarm]
 export function linkRows(link, nameOf) {
   const { position } = link;
   return [
     ['Autopilot', kindOf(link) || 'unknown'],
     ['Mode', modeText(link)],
-    ['Position', position ? `${position.latitude_deg.toFixed(5)}°, ${position.longitude_deg.toFixed(5)}°, ${fixed(position.altitude_m, 0, 'm')} ${position.altitude_datum === 'amsl' ? 'AMSL' : ''}`.trim() : 'unknown'],
+    ['Position', position ? `${position.latitude_deg.toFixed(5)}°, ${position.longitude_deg.toFixed(5)}°, ${fixed(position.altitude_m, 0, 'm')} ${position.altitude_datum === 'amsl' ? 'AMSL' : ''}`.trim() + oldText(position) : 'unknown'],
     ['Height above home', fixed(position?.height_above_home_m, 0, 'm')],
     ['Wind', windLine(link.wind)],
     ['Engine', engineText(link), link.engine?.state === 'failed'],

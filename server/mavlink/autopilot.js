@@ -13,11 +13,14 @@ const missionMode = 10;
 export class Autopilot {
   #send;
   #address;
+  #landItem;
 
-  // send(message name, fields). address(): targetSystem and targetComponent.
-  constructor({ send, address }) {
+  // send(message name, fields). address(): targetSystem and targetComponent. landItem(): the LAND of the mission, if
+  // the autopilot begins a mission anew in AUTO.
+  constructor({ send, address, landItem = () => undefined }) {
     this.#send = send;
     this.#address = address;
+    this.#landItem = landItem;
   }
 
   // target: place with altitude_m above mean sea level, and radius_m.
@@ -34,6 +37,8 @@ export class Autopilot {
   // The mission is flown from its current item, which is the LAND.
   beginFinal() {
     this.#command(doSetMode, [customMode, missionMode]);
+    const seq = this.#landItem();
+    if (seq !== undefined) this.#send('MISSION_SET_CURRENT', { ...this.#address(), seq });
   }
 
   #command(command, params) {

@@ -2,6 +2,8 @@
 
 // Before 2020 a clock was never set.
 const firstPlausible_us = Date.UTC(2020, 0, 1) * 1000;
+// A later one is no clock at all, and no date of JavaScript.
+const lastPlausible_us = Date.UTC(2100, 0, 1) * 1000;
 const maxNumOffsets = 9;
 // A larger step is a new setting of the autopilot's clock, or another boot.
 const maxStep_us = 1_000_000;
@@ -39,7 +41,7 @@ export class BootClock {
 
   // SYSTEM_TIME. The autopilot sends 0 before it knows UTC.
   set(unix_us, boot_ms) {
-    if (unix_us < firstPlausible_us) return;
+    if (unix_us < firstPlausible_us || unix_us > lastPlausible_us) return;
     const offset_us = unix_us - boot_ms * 1000;
     const known_us = this.#offsets_us.length ? median(this.#offsets_us) : offset_us;
     if (Math.abs(offset_us - known_us) <= maxStep_us) {

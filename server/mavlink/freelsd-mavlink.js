@@ -19,6 +19,7 @@ import { Link } from './link.js';
 import { lock } from './lock.js';
 import { Outgoing } from './outgoing.js';
 import { Pin } from './pin.js';
+import { isPlaceKnown } from './plausibility.js';
 import { queryOf } from './guidance/recall_query.js';
 import { Reporter } from './reporter.js';
 import { Service } from './service.js';
@@ -29,13 +30,17 @@ import { Uplink } from './uplink.js';
 
 const flushPeriod_ms = 100;
 const heartbeatPeriod_ms = 1000;
+// Wrong options: systemd does not start it again. It does after anything else.
 const configurationError = 78;
+const otherError = 1;
 
 const log = (sentence) => console.error(`${new Date().toISOString()} ${sentence}`);
 
 function parsed() {
   try {
-    return parseCommandLine(process.argv.slice(2));
+    const config = parseCommandLine(process.argv.slice(2));
+    if (config.isHelp) return config;
+    return { ...config, service: new Service(config.url, config.token), signingKey: config.signingKeyPath && readKey(config.signingKeyPath) };
   } catch (error) {
     console.error(`freelsd-mavlink: ${error.message}\n\n${usage}`);
     process.exit(configurationError);
@@ -84,13 +89,12 @@ function partsFrom(config) {
   const folder = config.spoolFolder;
   mkdirSync(folder, { recursive: true, mode: 0o700 });
   lock(folder);
-  const spool = new Spool(join(folder, 'lines'), { maxBytes: config.spoolBytes });
-  const sessions = new Sessions(join(folder, 'session.json'));
-  const signing = config.signingKeyPath &&
-    new Signing(readKey(config.signingKeyPath), join(folder, 'signatures.json'));
-  const service = new Service(config.url, config.token);
+  const spool = new Spool(join(folder, 'lines'), { maxBytes: config.spoolBytes, log });
+  const sessions = new Sessions(join(folder, 'session.json'), log);
+  const signing = config.signingKey && new Signing(config.signingKey, join(folder, 'signatures.json'), log);
+  const { service } = config;
   const uplink = new Uplink({ service, spool, path: join(folder, 'flights.json'), fixedFlight: config.flight,
-    request: config.flightRequest });
+    request: config.flightRequest, log });
   const decisions = new Decisions();
   const pictures = config.picturesFolder && new Pictures({
     folder: config.picturesFolder, path: (name) => join(folder, name), service, limit_s: config.pictureClockError_s,
@@ -127,7 +131,7 @@ function landingsFrom(parts, { config, outgoing, reporter, state }) {
   const { link, service, decisions } = parts;
   const recall = () => {
     const now = state();
-    return now.position && now.velocity ? service.emergency(queryOf(now, now.wind, 0)) : undefined;
+    return isPlaceKnown(now) && now.velocity ? service.emergency(queryOf(now, now.wind, 0)) : undefined;
   };
   return new Landings({
     service,
@@ -139,7 +143,7 @@ function landingsFrom(parts, { config, outgoing, reporter, state }) {
       decisions.add(kind, text);
     },
     told: (id, result, detail) => reporter.told(id, result, detail),
-    store: new ChangeStore(join(config.spoolFolder, 'mission.json')),
+    store: new ChangeStore(join(config.spoolFolder, 'mission.json'), log),
     recall: config.isRally ? recall : undefined,
   });
 }
@@ -174,7 +178,9 @@ function aheadFrom({ service, decisions, landings, link, uplink, sessions }) {
   });
   const now_s = () => performance.now() / 1000;
   const vehicle = () => {
-    const { position, airspeed_mps } = link.state();
+    const state = link.state();
+    const { airspeed_mps } = state;
+    const position = isPlaceKnown(state) ? state.position : undefined;
     const { cruise_mps, ...known } = landings.vehicle;
     return { ...known, position, airspeed_mps: cruise_mps ?? airspeed_mps, flight: { id: uplink.flightOf(sessions.name) } };
   };
@@ -193,25 +199,33 @@ function problemLog(uplink) {
   };
 }
 
-// A fault of one part must not end the link in the air. Each once, not at each try.
+// A fault of one part must not end the link in the air. Each once, not at each try. Gives a guard of what is called often.
 function logFaults(decisions) {
-  let last;
-  process.on('unhandledRejection', (reason) => {
+  const told = new Set();
+  const tell = (reason) => {
     const text = `fault: ${reason?.message ?? reason}`;
-    if (text === last) return;
-    last = text;
+    if (told.has(text)) return;
+    told.add(text);
     log(reason?.stack ?? text);
     decisions.add('link', text);
-  });
+  };
+  process.on('unhandledRejection', tell);
+  return (act) => {
+    try {
+      act();
+    } catch (error) {
+      tell(error);
+    }
+  };
 }
 
 async function run(config) {
   const parts = partsFrom(config);
-  logFaults(parts.decisions);
+  const guard = logFaults(parts.decisions);
   const { spool, uplink, link } = parts;
   const state = { address: config.connect, state: 'closed' };
   const socket = await open(config.address,
-    (bytes, from, isDatagram) => link.take(bytes, from, isDatagram),
+    (bytes, from, isDatagram) => guard(() => link.take(bytes, from, isDatagram)),
     (text) => { state.state = text; });
   log(`listening at ${config.connect}, sending to ${config.url}`);
   const reporter = new Reporter({
@@ -236,17 +250,17 @@ async function run(config) {
   const logProblem = problemLog(uplink);
   const timers = [
     setInterval(() => {
-      link.tick();
-      parts.landings?.step(performance.now() / 1000);
-      parts.engineFailure?.step(performance.now() / 1000, Date.now() * 1000);
-      parts.ahead?.step();
-      spool.flush();
-      uplink.step();
-      parts.pictures?.step();
-      reporter.step();
+      guard(() => link.tick());
+      guard(() => parts.landings?.step(performance.now() / 1000));
+      guard(() => parts.engineFailure?.step(performance.now() / 1000, Date.now() * 1000));
+      guard(() => parts.ahead?.step());
+      guard(() => spool.flush());
+      guard(() => uplink.step());
+      guard(() => parts.pictures?.step());
+      guard(() => reporter.step());
     }, flushPeriod_ms),
     setInterval(() => {
-      spool.sync();
+      guard(() => spool.sync());
       logProblem();
       saveAll(parts, config, state);
     }, 1000),
@@ -271,6 +285,6 @@ if (config.isHelp) {
 } else {
   run(config).catch((error) => {
     console.error(`freelsd-mavlink: ${error.message}`);
-    process.exit(configurationError);
+    process.exit(otherError);
   });
 }

@@ -8,7 +8,7 @@ import { heardMessages } from './mission/landings.js';
 import { fieldsOf, idOf, nameOf } from './messages.js';
 import { autopilotName, modeName, typeName } from './modes.js';
 import { Pin } from './pin.js';
-import { isAttitude, PositionGate } from './plausibility.js';
+import { isAttitude, longestGap_s, PositionGate } from './plausibility.js';
 import { Samples } from './samples.js';
 import { WindSource } from './wind_source.js';
 
@@ -38,7 +38,13 @@ export class Link {
   #onMessage;
   #steady_us;
   #heartbeat;
+  // Of the steady clock: when which was heard, and when the engine was judged.
   #heard_us;
+  #attitudeHeard_us;
+  #placeHeard_us;
+  #hudHeard_us;
+  #judged_us;
+  #wasBlind = false;
   #attitude;
   #position;
   #velocity;
@@ -88,7 +94,15 @@ export class Link {
   tick(now_us = Date.now() * 1000) {
     this.#samples.release(now_us);
     this.#triggers.release(now_us);
+    const isBlind = this.#isBlind;
+    if (isBlind && !this.#wasBlind) this.#onEvent(`engine: unknown, because position, attitude or airspeed has not come for ${longestGap_s} s`);
+    this.#wasBlind = isBlind;
   }
+
+  #age_s(heard_us) { return heard_us === undefined ? undefined : (this.#steady_us() - heard_us) / 1e6; }
+  #isRecent(heard_us) { return this.#age_s(heard_us) <= longestGap_s; }
+  // An engine that has failed counts as failed until it is seen to run.
+  get #isBlind() { return this.#engine.state === 'running' && !this.#isRecent(this.#judged_us); }
 
   #refuse(reason) { this.#refused[reason] = (this.#refused[reason] ?? 0) + 1; }
 
@@ -161,6 +175,7 @@ export class Link {
     this.#hear(attitude.timeBootMs, now_us);
     if (!isAttitude(attitude)) return this.#refuse('absurd_attitude');
     this.#attitude = attitude;
+    this.#attitudeHeard_us = this.#steady_us();
     return this.#samples.add('attitude', attitude.timeBootMs, {
       attitude: {
         roll_deg: degrees(attitude.roll), pitch_deg: degrees(attitude.pitch), yaw_deg: degrees(attitude.yaw),
@@ -173,6 +188,7 @@ export class Link {
     const { position } = placeOf(message.lat, message.lon, message.alt / 1000);
     const refusal = this.#gate.refusal({ ...position, time_s: message.timeBootMs / 1000 });
     if (refusal) return this.#refuse(refusal);
+    this.#placeHeard_us = this.#steady_us();
     this.#position = { ...position, height_above_home_m: message.relativeAlt / 1000 };
     this.#velocity = { east_mps: message.vy / 100, north_mps: message.vx / 100, climb_mps: -message.vz / 100 };
     this.#samples.add('position', message.timeBootMs, { position, altitude_datum: 'amsl' }, now_us);
@@ -181,7 +197,7 @@ export class Link {
 
   #onMotion(message, now_us) {
     const hud = this.#hud;
-    if (!this.#attitude || !hud) return;
+    if (!this.#isRecent(this.#attitudeHeard_us) || !this.#isRecent(this.#hudHeard_us)) return;
     const motion = {
       time_s: message.timeBootMs / 1000,
       east_mps: message.vy / 100,
@@ -197,6 +213,7 @@ export class Link {
       motion.height_m >= minFlyingHeight_m;
     this.#flyingSince_ms = isFlying ? this.#flyingSince_ms ?? message.timeBootMs : undefined;
     if (isFlying) this.#wind.move(motion, now_us);
+    this.#judged_us = this.#steady_us();
     if (!this.#engine.step(motion)) return;
     if (this.#engine.state === 'failed') this.#onEvent(`ENGINE FAILURE: ${this.#engine.reason}`);
     else this.#onEvent(`engine: ${this.#engine.state}`);
@@ -207,6 +224,7 @@ export class Link {
   #onHud(hud) {
     if (!Number.isFinite(hud.airspeed) || !Number.isFinite(hud.groundspeed)) return;
     this.#hud = hud;
+    this.#hudHeard_us = this.#steady_us();
     if (this.#clock.newest_ms === undefined) return;
     this.#engine.hearThrottle(hud.throttle / 100, this.#clock.newest_ms / 1000);
   }
@@ -249,7 +267,9 @@ export class Link {
   // As an item of /v1/links.
   state(now_us = Date.now() * 1000) {
     const heartbeat = this.#heartbeat;
-    const age_s = this.#heard_us === undefined ? undefined : (this.#steady_us() - this.#heard_us) / 1e6;
+    const age_s = this.#age_s(this.#heard_us);
+    const hud = this.#isRecent(this.#hudHeard_us) ? this.#hud : undefined;
+    const velocity = this.#velocity;
     const utc = (time_s) => timeText(this.#clock.utc_us(time_s * 1000, now_us));
     return {
       id: this.#pin.systemId === undefined ? undefined : String(this.#pin.systemId),
@@ -262,12 +282,12 @@ export class Link {
       mode: heartbeat && modeName(heartbeat.autopilot, heartbeat.customMode),
       is_armed: heartbeat && this.#isArmed,
       is_signed: Boolean(this.#signing),
-      position: this.#position && { ...this.#position, altitude_datum: 'amsl' },
-      velocity: this.#velocity,
-      airspeed_mps: this.#hud?.airspeed,
-      ground_speed_mps: this.#hud?.groundspeed,
-      climb_mps: this.#hud?.climb,
-      throttle_ratio: this.#hud && this.#hud.throttle / 100,
+      position: this.#position && { ...this.#position, altitude_datum: 'amsl', age_s: this.#age_s(this.#placeHeard_us) },
+      velocity,
+      airspeed_mps: hud?.airspeed,
+      ground_speed_mps: hud?.groundspeed ?? (velocity && Math.hypot(velocity.east_mps, velocity.north_mps)),
+      climb_mps: hud?.climb ?? velocity?.climb_mps,
+      throttle_ratio: hud && hud.throttle / 100,
       gps: this.#gps && {
         fix_type: this.#gps.fixType,
         num_satellites: this.#gps.satellitesVisible === 255 ? undefined : this.#gps.satellitesVisible,
@@ -277,7 +297,7 @@ export class Link {
       wind: this.#wind.state(this.#clock.newest_ms),
       mission: { state: 'unknown', current_item: this.#missionSequence },
       engine: {
-        state: this.#engine.state,
+        state: this.#isBlind ? 'unknown' : this.#engine.state,
         since: this.#engine.since_s === undefined ? undefined : utc(this.#engine.since_s),
         reason: this.#engine.reason,
       },

@@ -3,25 +3,32 @@
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 
-// After a restart of the machine another program may have the number.
-function isOurs(pid) {
+// Of the fields behind the program's name in /proc/PID/stat.
+const startField = 19;
+
+// The same for as long as the process runs. Another process with its number, also after a restart of the machine, has
+// another one.
+function lifeOf(pid) {
   try {
-    return readFileSync(`/proc/${pid}/cmdline`, 'utf8').includes('freelsd-mavlink');
+    const stat = readFileSync(`/proc/${pid}/stat`, 'utf8');
+    const started = stat.slice(stat.lastIndexOf(')') + 2).split(' ')[startField];
+    return `${pid} ${started} ${readFileSync('/proc/sys/kernel/random/boot_id', 'utf8').trim()}`;
   } catch {
-    return false;
+    return undefined;
   }
 }
 
 export function lock(folder) {
   const path = join(folder, 'pid');
-  let holder;
+  let held = '';
   try {
-    holder = Number.parseInt(readFileSync(path, 'utf8'), 10);
+    held = readFileSync(path, 'utf8').trim();
   } catch (error) {
     if (error.code !== 'ENOENT') throw error;
   }
-  if (holder && holder !== process.pid && isOurs(holder)) {
+  const holder = Number.parseInt(held, 10);
+  if (holder && holder !== process.pid && held === lifeOf(holder)) {
     throw new Error(`--spool ${folder}: freelsd-mavlink ${holder} uses it; give this one another folder`);
   }
-  writeFileSync(path, String(process.pid));
+  writeFileSync(path, lifeOf(process.pid) ?? String(process.pid));
 }

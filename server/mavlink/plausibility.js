@@ -2,6 +2,10 @@
 
 import { distance_m } from './flat_frame.js';
 
+// An aircraft flies 50 m and more in this time: what was heard before it is not known any more.
+export const longestGap_s = 3;
+export const isPlaceKnown = ({ position }) => position !== undefined && !(position.age_s > longestGap_s);
+
 const minAltitude_m = -500;
 const maxAltitude_m = 12_000;
 // Ground speed of a small plane in a storm.

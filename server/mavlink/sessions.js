@@ -1,7 +1,9 @@
 // Which flight of the service a sample belongs to. A restart of this program, or of the autopilot,
 // in the air does not begin another one; a long pause does.
 
-import { existsSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+import { renameSync, writeFileSync } from 'node:fs';
+
+import { readState } from './state_file.js';
 
 const longestPause_us = 15 * 60 * 1e6;
 // The autopilot's clock may be corrected.
@@ -12,9 +14,9 @@ export class Sessions {
   #current;
   #isSaved = true;
 
-  constructor(path) {
+  constructor(path, log) {
     this.#path = path;
-    if (existsSync(path)) this.#current = JSON.parse(readFileSync(path, 'utf8'));
+    this.#current = readState(path, log);
   }
 
   // The name of the flight of a line of telemetry, which may begin another one.

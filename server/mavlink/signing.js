@@ -7,6 +7,7 @@ import { readFileSync, writeFileSync, renameSync } from 'node:fs';
 import mavlink from 'node-mavlink';
 
 import { signatureBytes } from './framing.js';
+import { readState } from './state_file.js';
 
 const digestBytes = 6;
 const signedFlag = 0x01;
@@ -38,17 +39,13 @@ export class Signing {
   #path;
   // Newest signature time of each stream, kept on disk: otherwise an old recording could be played
   // after a restart.
-  #newest = new Map();
+  #newest;
   #sent_units = 0;
 
-  constructor(key, path) {
+  constructor(key, path, log) {
     this.#key = key;
     this.#path = path;
-    try {
-      this.#newest = new Map(Object.entries(JSON.parse(readFileSync(path, 'utf8'))));
-    } catch (error) {
-      if (error.code !== 'ENOENT') throw new Error(`${path}: ${error.message}`);
-    }
+    this.#newest = new Map(Object.entries(readState(path, log) ?? {}));
   }
 
   // Why the packet is refused; nothing if it is believed.

@@ -5,10 +5,12 @@
 // delivered. Lines are delivered at least once: the service replaces a sample of the same time.
 
 import {
-  closeSync, existsSync, fdatasync, fdatasyncSync, mkdirSync, openSync, readFileSync, readSync, readdirSync,
+  closeSync, fdatasync, fdatasyncSync, mkdirSync, openSync, readFileSync, readSync, readdirSync,
   renameSync, statSync, unlinkSync, writeFileSync, writeSync,
 } from 'node:fs';
 import { join } from 'node:path';
+
+import { readState } from './state_file.js';
 
 const segmentBytes = 1024 * 1024;
 const newline = 0x0a;
@@ -33,12 +35,11 @@ export class Spool {
   numLost = 0;
   lastError;
 
-  constructor(folder, { maxBytes = 256 * 1024 * 1024 } = {}) {
+  constructor(folder, { maxBytes = 256 * 1024 * 1024, log } = {}) {
     this.#folder = folder;
     this.#maxBytes = Math.max(maxBytes, 2 * segmentBytes);
     mkdirSync(folder, { recursive: true });
-    const readPath = join(folder, 'read.json');
-    if (existsSync(readPath)) this.#read = JSON.parse(readFileSync(readPath, 'utf8'));
+    this.#read = readState(join(folder, 'read.json'), log) ?? this.#read;
     const names = readdirSync(folder).filter((name) => /^\d{10}\.ndjson$/.test(name)).sort();
     for (const name of names) this.#adopt(Number.parseInt(name, 10));
   }

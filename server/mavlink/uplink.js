@@ -3,7 +3,9 @@
 // A value in the spool is { session, line }: `session` names the flight that the line belongs to.
 // `flights.json` beside the spool knows the service's id of each session.
 
-import { existsSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+import { renameSync, writeFileSync } from 'node:fs';
+
+import { readState } from './state_file.js';
 
 const batchBytes = 128 * 1024;
 const firstPause_ms = 200;
@@ -17,7 +19,7 @@ export class Uplink {
   #service;
   #spool;
   #path;
-  #flights = {};
+  #flights;
   #fixedFlight;
   #request;
   #numFailures = 0;
@@ -33,13 +35,13 @@ export class Uplink {
 
   // fixedFlight: the id of an existing flight that takes every session.
   // request: what new flights are created with.
-  constructor({ service, spool, path, fixedFlight, request }) {
+  constructor({ service, spool, path, fixedFlight, request, log }) {
     this.#service = service;
     this.#spool = spool;
     this.#path = path;
     this.#fixedFlight = fixedFlight;
     this.#request = request;
-    if (existsSync(path)) this.#flights = JSON.parse(readFileSync(path, 'utf8'));
+    this.#flights = readState(path, log) ?? {};
   }
 
   flightOf(session) { return this.#fixedFlight ?? this.#flights[session]; }

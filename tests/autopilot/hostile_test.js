@@ -1,17 +1,21 @@
 // What a hostile or broken link may send. Needs no recording.
 
 import assert from 'node:assert/strict';
-import { mkdtempSync, rmSync } from 'node:fs';
+import { spawn } from 'node:child_process';
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import test from 'node:test';
 
 import { packetsInDatagram } from '../../server/mavlink/framing.js';
+import { lock } from '../../server/mavlink/lock.js';
 import { Link } from '../../server/mavlink/link.js';
 import { checksumExtraOf, idOf, messageOf, packetBytes } from '../../server/mavlink/messages.js';
 import { Sessions } from '../../server/mavlink/sessions.js';
 import { Signing } from '../../server/mavlink/signing.js';
 import { Spool } from '../../server/mavlink/spool.js';
+import { Uplink } from '../../server/mavlink/uplink.js';
+import { ChangeStore } from '../../server/mavlink/mission/change_store.js';
 import { report } from './report.js';
 
 const home = '127.0.0.1 14550';
@@ -245,4 +249,70 @@ test('a trigger begins no flight, whatever its time is', (t) => {
   assert.equal(sessions.find(start_us - 2e6, 1), name);
   assert.equal(sessions.at(start_us + 1e6, 1), name);
   assert.equal(sessions.name, name);
+});
+
+test('a time of the autopilot that is no date is not believed', (t) => {
+  const sessions = new Sessions(join(temporaryFolder(t), 'session.json'));
+  const { take, link } = newLink({ emit: (line) => sessions.at(line.timestamp_us, 1) });
+  take(heartbeat());
+  for (let boot_ms = 1000; boot_ms <= 4000; boot_ms += 1000) {
+    take(bytesOf('SYSTEM_TIME', { timeUnixUsec: 0xffff_ffff_ffff_ffffn, timeBootMs: boot_ms }));
+    take(position(boot_ms + 200));
+  }
+  assert.notEqual(link.state().clock.source, 'autopilot');
+  take(time(5000));
+  take(position(5200));
+  assert.match(sessions.name, /2026-06-01/);
+});
+
+test('files of state that a power cut has emptied or cut are set aside and told, and the program runs without them', (t) => {
+  const opened = {
+    'session.json': (path, log) => new Sessions(path, log),
+    'flights.json': (path, log) => new Uplink({ path, log }),
+    'signatures.json': (path, log) => new Signing(Buffer.alloc(32, 7), path, log),
+    'mission.json': (path, log) => new ChangeStore(path, log),
+    'read.json': (path, log) => new Spool(join(path, '..'), { log }),
+  };
+  for (const [name, open] of Object.entries(opened)) {
+    for (const text of ['', '{"name": "MAV', 'null']) {
+      const log = [];
+      const path = join(temporaryFolder(t), name);
+      writeFileSync(path, text);
+      open(path, (line) => log.push(line));
+      assert.match(log.join(), /set aside/, name);
+      assert.ok(!existsSync(path));
+      assert.equal(readFileSync(`${path}.broken`, 'utf8'), text);
+    }
+  }
+});
+
+test('a disk that refuses does not end a change of the mission: the former one is kept in memory', () => {
+  const log = [];
+  // No folder can be made there.
+  const store = new ChangeStore('/proc/none/mission.json', (text) => log.push(text));
+  store.save({ old: [1], wanted: [2] });
+  assert.deepEqual(store.load(), { old: [1], wanted: [2] });
+  assert.match(log[0], /not safe from a crash/);
+  store.clear();
+  assert.equal(store.load(), undefined);
+});
+
+test('a spool is held only by the very program that has locked it, also if another one has its number now', async (t) => {
+  const folder = temporaryFolder(t);
+  const other = spawn(process.execPath, ['-e', 'setInterval(() => {}, 1000)', 'freelsd-mavlink', '--spool', '/elsewhere'], { stdio: 'ignore' });
+  t.after(() => other.kill());
+  const pidPath = join(folder, 'pid');
+  lock(folder);
+  lock(folder);
+  const own = readFileSync(pidPath, 'utf8');
+  for (const held of [String(other.pid), own.replace(/^\d+/, other.pid)]) {
+    writeFileSync(pidPath, held);
+    lock(folder);
+  }
+  const script = `import(${JSON.stringify(new URL('../../server/mavlink/lock.js', import.meta.url))}).then(({ lock }) => { lock(${JSON.stringify(folder)}); setInterval(() => {}, 1000); })`;
+  rmSync(pidPath);
+  const holder = spawn(process.execPath, ['-e', script], { stdio: 'ignore' });
+  t.after(() => holder.kill());
+  while (!existsSync(pidPath) || readFileSync(pidPath, 'utf8') === '') await new Promise((resolve) => { setTimeout(resolve, 50); });
+  assert.throws(() => lock(folder), /uses it/);
 });

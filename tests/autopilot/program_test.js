@@ -4,13 +4,13 @@
 import assert from 'node:assert/strict';
 import dgram from 'node:dgram';
 import { createServer } from 'node:http';
-import { writeFileSync } from 'node:fs';
+import { mkdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import test from 'node:test';
 
 import { readKey, Signing } from '../../server/mavlink/signing.js';
 import { approachAnswer, siteAnswer } from './mission_rig.js';
-import { setUp, sleep, until as waitFor } from './processes.js';
+import { ended, setUp, sleep, until as waitFor } from './processes.js';
 import { report } from './report.js';
 import { Standin } from './standin/aircraft.js';
 import { distance } from './standin/frame.js';
@@ -95,6 +95,21 @@ test('a fault that nobody catches is told once and does not end the program', { 
   await until('the fault', () => faults().length > 0);
   await sleep(1500);
   assert.deepEqual([faults().length, link.exitCode], [1, null]);
+});
+
+test('exit status 78, after which nobody starts it again, is only for wrong options', { timeout: 60_000 }, async (t) => {
+  const setup = await setUp(t);
+  const statusOf = (...args) => ended(setup.startLink(...args));
+  assert.equal(await statusOf('--url', 'ftp://nowhere'), 78);
+  assert.equal(await statusOf('--signing-key', join(setup.folder, 'none')), 78);
+  // A folder that cannot be made is of the machine.
+  writeFileSync(join(setup.folder, 'file'), '');
+  assert.equal(await statusOf('--spool', join(setup.folder, 'file', 'spool')), 1);
+  mkdirSync(join(setup.folder, 'spool'), { recursive: true });
+  writeFileSync(join(setup.folder, 'spool', 'session.json'), '');
+  const link = setup.startLink();
+  await until('the state', () => setup.state());
+  assert.equal(link.exitCode, null);
 });
 
 // Each as often as the others.

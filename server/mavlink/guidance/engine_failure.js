@@ -5,6 +5,10 @@ import { Guidance } from './guidance.js';
 import { isFlownByItself, isGuidable } from './guidance_modes.js';
 
 const selectPeriod_s = 1;
+// The current item is told once or twice a second: so long it may still be that of before AUTO.
+const staleItem_s = 2;
+// Of MIS_RESTART: AUTO begins at the first item.
+const restartsMission = 1;
 
 export class EngineFailure {
   #guidance;
@@ -18,6 +22,8 @@ export class EngineFailure {
   #handled;
   #declared;
   #selected_s = -Infinity;
+  // On the final: since when AUTO has been seen with the LAND as its item, or with another one.
+  #final = {};
 
   // recall(query): answer of /v1/emergency. outgoing: Outgoing. address(): of the autopilot. state(): of
   // the link, with its flight. log(text, kind), told(id, state, detail) of a command. isAutomatic:
@@ -35,6 +41,7 @@ export class EngineFailure {
       autopilot: new Autopilot({
         send: (name, fields) => outgoing.send(name, fields),
         address: () => this.#target(),
+        landItem: () => this.#restartedLand(),
       }),
       mission: landings.missions,
       log,
@@ -70,7 +77,7 @@ export class EngineFailure {
       return true;
     }
     this.#declared = confirmed_by ?? 'a person';
-    this.#guidance.engage(state, `declared by ${this.#declared}`, now_us);
+    this.#engage(state, `declared by ${this.#declared}`, now_us);
     this.#told(id, 'done', 'guidance has begun');
     return true;
   }
@@ -91,22 +98,46 @@ export class EngineFailure {
     const { engine } = state;
     // A watch that has begun anew knows nothing yet.
     if (engine.state === 'running' || state.is_armed === false) this.#handled = undefined;
-    if (engine.state !== 'failed') return;
-    if (this.#handled || this.#guidance.isEngaged) return;
+    if (engine.state !== 'failed' || this.#handled) return;
     this.#handled = true;
+    // A person has declared the same failure before it was noticed.
+    if (this.#guidance.isEngaged) return;
     const refusal = refusalOf(state) ??
       (isFlownByItself(state.mode) ? undefined : `${state.mode} is flown by hand: nothing is sent`);
     if (refusal) this.#log(`engine failure, no guidance: ${refusal}`, 'engine');
-    else this.#guidance.engage(state, engine.reason, now_us);
+    else this.#engage(state, engine.reason, now_us);
+  }
+
+  #engage(state, reason, now_us) {
+    if (this.#guidance.isEngaged) return;
+    this.#landings.end('an engine failure came after it');
+    this.#guidance.engage(state, reason, now_us);
+    this.#final = {};
+  }
+
+  #restartedLand() {
+    const { parameters, items } = this.#landings.vehicle;
+    return parameters?.MIS_RESTART === restartsMission && items ? items.length - 1 : undefined;
   }
 
   // The LAND stays the current item of the prepared mission; the message may be lost.
   #select(state, now_s) {
-    const { state: known, num_items, current_item } = state.mission;
-    const isWanted = this.#guidance.isPrepared && known === 'current' && current_item !== num_items - 1;
-    if (!isWanted || now_s - this.#selected_s < selectPeriod_s) return;
+    const { num_items, current_item } = state.mission;
+    if (!this.#guidance.hasLanding(state.mission)) return;
+    const isLand = current_item === num_items - 1;
+    if (this.#guidance.isOnFinal ? !this.#isFinalElsewhere(state, isLand, now_s) : isLand) return;
+    if (now_s - this.#selected_s < selectPeriod_s) return;
     this.#selected_s = now_s;
     this.#outgoing.send('MISSION_SET_CURRENT', { ...this.#target(), seq: num_items - 1 });
+  }
+
+  // AUTO has begun at another item. Once it flies the LAND, nothing is sent any more: another item is then a person's doing.
+  #isFinalElsewhere({ mode }, isLand, now_s) {
+    const final = this.#final;
+    if (mode !== 'AUTO') return false;
+    if (isLand !== final.isLand) Object.assign(final, { isLand, changed_s: now_s });
+    final.isFlown ||= isLand && now_s - final.changed_s > staleItem_s;
+    return !isLand && !final.isFlown && now_s - final.changed_s >= selectPeriod_s;
   }
 }
 

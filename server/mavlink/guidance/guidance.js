@@ -2,12 +2,13 @@
 // by a landing mission, on which nothing is sent. No sockets: what it asks and sends is handed in.
 
 import { GlideShare } from './glide_share.js';
-import { choose, defaultChoiceOptions } from './guidance_choice.js';
+import { choose, defaultChoiceOptions, hasWay } from './guidance_choice.js';
 import { FinalGate } from './guidance_final.js';
 import { ModeWatch } from './guidance_modes.js';
 import { defaultTargetOptions, glideAirspeed_mps, kinetic_m, targetOn } from './guidance_target.js';
 import { queryOf, WindHold } from './recall_query.js';
 import { isSameFinal, ToldWay } from './told_way.js';
+import { isPlaceKnown, longestGap_s } from '../plausibility.js';
 
 export const defaultGuidanceOptions = {
   recallPeriod_s: 1,
@@ -32,6 +33,13 @@ export const defaultGuidanceOptions = {
 // What is left of airspeed that becomes height.
 const kineticShare = 0.9;
 const lastLook_s = 2;
+// A way is flown without another answer, if it was told for where the aircraft was so shortly before.
+const recentAnswer_s = 10;
+// A new answer is waited for: if there is a recent one, or the service was away; and if there is none.
+const patienceOfAny_s = 1;
+const patienceOfNone_s = 3;
+// A landing mission that was refused or replaced is written again after so long.
+const prepareAgain_s = 3;
 
 export class Guidance {
   #recall;
@@ -57,10 +65,13 @@ export class Guidance {
   #since;
   #text;
   #phase;
-  #hasToldNothing = false;
+  // Why nothing is sent yet, as told.
+  #waitsFor;
+  #wasPlaceKnown = true;
 
   // recall(query): answer of /v1/emergency. autopilot: goTo(target, mayChangeMode), setSpeed(mps),
-  // beginFinal(). mission: prepare(site), a promise of the landing mission in the autopilot.
+  // beginFinal(). mission: prepare(site), a promise of the landing mission in the autopilot;
+  // abandon(why): it is not wanted any more; isBusy.
   // log(text, kind): one decision.
   constructor({ recall, autopilot, mission, log, options = {} }) {
     this.#recall = recall;
@@ -73,8 +84,11 @@ export class Guidance {
   get isEngaged() { return this.#isEngaged; }
   get isOnFinal() { return this.#isEngaged && this.#phase === 'final'; }
   get way() { return this.#way; }
-  // The landing mission is in the autopilot, and the final has not begun.
-  get isPrepared() { return this.#isEngaged && this.#phase !== 'final' && this.#prepared?.isReady === true; }
+  // mission: of the link's state. Another ground station may have written since.
+  hasLanding({ state, kind, site } = {}) {
+    const isPrepared = this.#isEngaged && this.#prepared?.isReady === true;
+    return isPrepared && state === 'current' && kind === 'landing' && site === this.#way.site.site_id;
+  }
 
   // reason: why the engine counts as failed. now_us: UTC.
   engage(state, reason, now_us) {
@@ -85,7 +99,8 @@ export class Guidance {
     this.#glide = new GlideShare();
     this.#way = undefined;
     this.#prepared = undefined;
-    this.#hasToldNothing = false;
+    this.#waitsFor = undefined;
+    this.#wasPlaceKnown = true;
     this.#phase = undefined;
     this.#since = new Date(now_us / 1000).toISOString();
     this.#asked_s = -Infinity;
@@ -96,6 +111,8 @@ export class Guidance {
     if (!this.#isEngaged) return;
     this.#isEngaged = false;
     this.#phase = 'ended';
+    this.#prepared = undefined;
+    this.#mission.abandon('guidance has ended');
     this.#decide(`guidance ended: ${reason}`, 'guidance');
   }
 
@@ -106,14 +123,25 @@ export class Guidance {
     const altitude_m = heard.position.altitude_m + lower_m;
     const state = { ...heard, position: { ...heard.position, altitude_m } };
     const period_s = this.#isEngaged ? this.#options.recallPeriod_s : this.#options.watchPeriod_s;
-    const isWanted = this.#isEngaged ? this.#phase !== 'final' : state.is_armed;
+    const isWanted = isPlaceKnown(heard) && (this.#isEngaged ? this.#phase !== 'final' : state.is_armed);
     if (isWanted && !this.#isAsking && now_s - this.#asked_s >= period_s) this.#ask(state, now_s);
     if (!this.#isEngaged) return;
     const interference = this.#modes.interference(state, now_s);
     if (interference) this.release(interference);
     else if (this.#phase === 'final') this.#watchFinal(state);
+    else if (!this.#hasPlace(heard)) return;
     else if (this.#way) this.#fly(state, now_s);
     else this.#begin(state, now_s);
+  }
+
+  // Without a place the autopilot circles the last target.
+  #hasPlace(heard) {
+    const isKnown = isPlaceKnown(heard);
+    if (isKnown === this.#wasPlaceKnown) return isKnown;
+    this.#wasPlaceKnown = isKnown;
+    this.#phase ??= 'waiting';
+    this.#decide(isKnown ? 'the place is known again' : `no position for ${longestGap_s} s: nothing is sent`, 'guidance');
+    return isKnown;
   }
 
   state() {
@@ -188,22 +216,40 @@ export class Guidance {
     this.#isReachable = isReachable;
     if (!this.#isEngaged) return;
     if (isReachable) this.#decide('the service answers again', 'service');
-    else this.#decide(`the service does not answer (${why}): the last way is flown on`, 'service');
+    else if (this.#way) this.#decide(`the service does not answer (${why}): the last way is flown on`, 'service');
   }
 
-  // An old answer is better than none, when the service is away.
+  // An answer from before is better than none, when the service is away.
   #begin(state, now_s) {
-    if (this.#isAsking && now_s - this.#asked_s < 1) return;
-    if (!this.#answer?.isNew && this.#isReachable) return;
-    const chosen = choose({ answer: this.#answer?.answer, flightId: state.flight?.id }, this.#options.choice);
-    if (this.#answer) this.#answer.isNew = false;
-    if (chosen) {
-      this.#take(chosen, state, now_s);
-      this.#fly(state, now_s);
-    } else if (!this.#hasToldNothing) {
-      this.#hasToldNothing = true;
-      this.#decide('no site is in reach: nothing is sent', 'guidance');
+    const given = this.#answer;
+    const isRecent = given !== undefined && now_s - given.asked_s <= recentAnswer_s;
+    const patience_s = isRecent || !this.#isReachable ? patienceOfAny_s : patienceOfNone_s;
+    if (this.#isAsking && now_s - this.#asked_s < patience_s) return;
+    const sites = (given?.answer.sites ?? []).filter((site) => isRecent || this.#isOn(site, state));
+    const chosen = choose({ answer: { sites }, flightId: state.flight?.id }, this.#options.choice);
+    if (given) given.isNew = false;
+    if (!chosen) {
+      this.#wait(isRecent ? 'no site is in reach' : 'the service does not answer, and no way is known from here');
+      return;
     }
+    const old = `on its way of ${(now_s - given.asked_s).toFixed(0)} s ago`;
+    this.#take(isRecent ? chosen : { ...chosen, reason: old }, state, now_s);
+    this.#fly(state, now_s);
+  }
+
+  #wait(why) {
+    this.#phase = 'waiting';
+    if (this.#waitsFor === why) return;
+    this.#waitsFor = why;
+    this.#decide(`${why}: nothing is sent`, 'guidance');
+  }
+
+  // An aircraft that is still on a way of an old answer, and not below it.
+  #isOn(site, { position }) {
+    if (!hasWay(site)) return false;
+    const { away_m, height_m } = new ToldWay(site).nearest(position);
+    const { maxAside_m, maxLow_m } = this.#options.choice;
+    return away_m <= maxAside_m && height_m >= -maxLow_m;
   }
 
   #take({ site, reason }, state, now_s) {
@@ -214,7 +260,7 @@ export class Guidance {
     if (this.#progress.away_m > 60) this.#progress = this.#nearest(state);
     const { numCircles } = this.#way;
     const what = `${this.#way.length_m.toFixed(0)} m, ${numCircles} ${numCircles === 1 ? 'circle' : 'circles'}`;
-    if (isOtherFinal) this.#prepare(site);
+    if (isOtherFinal) this.#prepare(site, now_s);
     if (!isOther) {
       this.#decide(`new way to ${site.site_id}: ${reason}; ${what}`, 'guidance');
       return;
@@ -232,15 +278,26 @@ export class Guidance {
     return free_m < wanted_m ? `; planned for a touchdown within ${free_m} m, autopilots need ${wanted_m} m` : '';
   }
 
-  #prepare(site) {
-    const prepared = { isReady: false };
+  #prepare(site, now_s) {
+    const problemBefore = this.#prepared?.problem;
+    const prepared = { isReady: false, begun_s: now_s, problem: undefined };
     this.#prepared = prepared;
     this.#mission.prepare(site).then(() => {
       prepared.isReady = true;
       if (this.#prepared === prepared) this.#decide('the landing mission is in the autopilot', 'mission');
     }, (error) => {
-      if (this.#prepared === prepared) this.#decide(`no landing mission: ${error.message}`, 'mission');
+      prepared.problem = error.message;
+      const isNew = this.#prepared === prepared && error.message !== problemBefore;
+      if (isNew) this.#decide(`no landing mission: ${error.message}`, 'mission');
     });
+  }
+
+  // Once more, if it could not be written, or if somebody else has written since.
+  #prepareAgain(mission, now_s) {
+    const { isReady, problem, begun_s } = this.#prepared;
+    const isReplaced = isReady && mission?.state === 'current' && !this.hasLanding(mission);
+    const isDue = now_s - begun_s >= prepareAgain_s && !this.#mission.isBusy;
+    if (isDue && (isReplaced || problem !== undefined)) this.#prepare(this.#way.site, now_s);
   }
 
   #fly(state, now_s) {
@@ -249,7 +306,8 @@ export class Guidance {
     this.#progress = this.#nearest(state, from_m, from_m + reach_m);
     this.#reconsider(state, now_s);
     this.#addCircle();
-    if (this.#gate.isOpen(this.#way, this.#progress, state) && this.#prepared.isReady) {
+    this.#prepareAgain(state.mission, now_s);
+    if (this.#gate.isOpen(this.#way, this.#progress, state) && this.hasLanding(state.mission)) {
       this.#beginFinal(state, now_s);
       return;
     }

@@ -17,7 +17,7 @@ export const defaultChoiceOptions = {
 };
 
 const isClear = (site) => !site.airspaces?.length;
-const hasWay = (site) => site.path?.coordinates?.length >= 3;
+export const hasWay = (site) => site.path?.coordinates?.length >= 3;
 // Height that the told way leaves above the start of the final.
 const surplus_m = (site) => site.path.coordinates.at(-2)[2] - site.approach.start.altitude_m;
 

@@ -1,24 +1,49 @@
 // A mission change that is under way, on disk: after a crash of this program the former mission is
-// still known.
+// still known. While the disk refuses, it is known only until then.
 
-import { closeSync, existsSync, fsyncSync, openSync, readFileSync, renameSync, rmSync, writeSync } from 'node:fs';
+import { closeSync, fsyncSync, openSync, renameSync, rmSync, writeSync } from 'node:fs';
+
+import { readState } from '../state_file.js';
 
 export class ChangeStore {
   #path;
+  #log;
+  #value;
 
-  constructor(path) { this.#path = path; }
-
-  load() { return existsSync(this.#path) ? JSON.parse(readFileSync(this.#path, 'utf8'), restored) : undefined; }
-
-  save(value) {
-    const file = openSync(`${this.#path}.new`, 'w', 0o600);
-    writeSync(file, JSON.stringify(value, kept));
-    fsyncSync(file);
-    closeSync(file);
-    renameSync(`${this.#path}.new`, this.#path);
+  constructor(path, log) {
+    this.#path = path;
+    this.#log = log;
+    this.#value = readState(path, log, restored);
   }
 
-  clear() { rmSync(this.#path, { force: true }); }
+  load() { return this.#value; }
+
+  save(value) {
+    this.#value = value;
+    this.#onDisk(() => {
+      const file = openSync(`${this.#path}.new`, 'w', 0o600);
+      try {
+        writeSync(file, JSON.stringify(value, kept));
+        fsyncSync(file);
+      } finally {
+        closeSync(file);
+      }
+      renameSync(`${this.#path}.new`, this.#path);
+    });
+  }
+
+  clear() {
+    this.#value = undefined;
+    this.#onDisk(() => rmSync(this.#path, { force: true }));
+  }
+
+  #onDisk(act) {
+    try {
+      act();
+    } catch (error) {
+      this.#log(`the former mission is not safe from a crash of this program: ${error.message}`);
+    }
+  }
 }
 
 // JSON has no NaN, which stands for an unset parameter.

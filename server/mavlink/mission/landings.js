@@ -30,6 +30,9 @@ export class Landings {
   #autopilot;
   #boots;
   #wasConnected = false;
+  #wasArmed;
+  // The person's word to land that counts: { id, isPlanned, wasModeChanged }.
+  #order;
   // After an engine failure the rally points stay as they are.
   isGuided = false;
 
@@ -98,16 +101,26 @@ export class Landings {
       this.#autopilot = state.autopilot;
       this.#parameters.want(state.autopilot === 'px4' ? px4Parameters : landingParameters);
     }
+    if (this.#wasArmed && state.is_armed === false) this.#missions.forgetAlarm();
+    this.#wasArmed = state.is_armed;
     this.#vehicle = {
       isConnected: state.is_connected, mode: state.mode, missionMode: missionModes[state.autopilot] ?? 'AUTO',
       isArdupilot: state.autopilot === 'ardupilotmega', isKnown: state.autopilot in missionModes,
-      isFlying: state.is_armed === true && state.airspeed_mps >= minFlyingAirspeed_mps,
+      isFlying: state.is_armed === true && this.#isFast(state.airspeed_mps),
       home_altitude_m: position && position.altitude_m - position.height_above_home_m,
       current_item: state.mission?.current_item, parameters: this.#parameters.values,
       landing_airspeed_mps: this.#parameters.landingAirspeed_mps, wind: state.wind,
     };
-    if (before.mode !== undefined && this.#vehicle.mode !== before.mode) this.#missions.onMode(this.#vehicle.mode);
+    if (before.mode !== undefined && this.#vehicle.mode !== before.mode) {
+      if (this.#order) this.#order.wasModeChanged = true;
+      this.#missions.onMode(this.#vehicle.mode);
+    }
     this.#watchConnection(state);
+  }
+
+  // While the airspeed is not known, it flies as before.
+  #isFast(airspeed_mps) {
+    return airspeed_mps === undefined ? this.#vehicle.isFlying === true : airspeed_mps >= minFlyingAirspeed_mps;
   }
 
   #watchConnection(state) {
@@ -131,16 +144,35 @@ export class Landings {
       this.#told(command.id, 'failed', 'the link was started without --rally');
       return true;
     }
-    if (command.kind === 'release') this.#missions.release();
+    if (command.kind === 'release') {
+      this.end('released');
+      this.#missions.forgetAlarm();
+    }
     return false;
   }
 
+  // Whatever comes after a command to land ends it.
+  end(why) {
+    const order = this.#order;
+    this.#order = undefined;
+    if (order && !order.isPlanned) this.#told(order.id, 'failed', why);
+    this.#missions.end(why);
+  }
+
   async #land({ id, site_id, wind, confirmed_by }) {
+    this.end('another landing was wanted');
+    const order = { id, isPlanned: false, wasModeChanged: false };
+    this.#order = order;
     this.#log('mission', `landing to ${site_id} wanted${confirmed_by ? ` by ${confirmed_by}` : ''}`);
     try {
       if (!this.#vehicle.isKnown) throw new NoLanding('landing missions are only for ArduPilot and PX4');
-      this.#missions.land(id, await this.#landingOf(site_id, wind));
+      const landing = await this.#landingOf(site_id, wind);
+      if (this.#order !== order) return;
+      order.isPlanned = true;
+      this.#missions.land(id, landing, order);
     } catch (error) {
+      if (this.#order !== order) return;
+      order.isPlanned = true;
       this.#log('mission', `no landing to ${site_id}: ${error.message}`);
       this.#told(id, 'failed', error.message);
     }

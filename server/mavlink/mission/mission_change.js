@@ -61,11 +61,16 @@ export function* finishChange(setting) {
 export function* changeItems({ out, type, rules, wantedFrom, mayWrite = () => true, base, known, earlier,
   flownItem = () => undefined, onWrite, onTrouble }) {
   const isEnough = known && !areSame(known, wantedFrom(base ?? known), rules);
-  const read = isEnough ? { items: known } : yield* readOf(out, type);
+  // What a change that was given up has left there must be known.
+  const read = isEnough ? { items: known } : base ? { items: yield* readAgain(out, type, onTrouble) } : yield* readOf(out, type);
   if (!read.items) return { outcome: outcome.unchanged, why: `the old list cannot be read: ${read.error}` };
   const old = base ?? read.items;
   const wanted = wantedFrom(old);
-  if (typeof wanted === 'string') return { outcome: outcome.unchanged, why: wanted, items: read.items };
+  if (typeof wanted === 'string') {
+    const end = base ? yield* restore({ out, type, old, wanted: old, earlier, rules, flownItem, onTrouble }, read.items)
+      : { outcome: outcome.unchanged, items: read.items };
+    return { why: wanted, ...end };
+  }
   if (areSame(read.items, wanted, rules)) return { outcome: outcome.done, items: read.items };
   while (!mayWrite()) yield wait_s;
   onWrite({ old, wanted });

@@ -2,17 +2,13 @@
 // No sockets and no clock: step(now_s), hear(name, fields, now_s), and what it sends goes to `out`.
 
 import { ardupilotItems, landingOfRecall, NoLanding, px4Items } from './landing_items.js';
+import { LandingStart } from './landing_start.js';
 import { warningsOf } from './landing_warnings.js';
 import { changeItems, finishChange, outcome, Task } from './mission_change.js';
 import { areSame, command, item, missionType } from './mission_items.js';
 import { Download } from './item_transfer.js';
 
-const landStart = 189;
 const requests = new Set(['MISSION_REQUEST', 'MISSION_REQUEST_INT']);
-const repeatStart_s = 1.5;
-const numStarts = 4;
-// From its word that it flies the landing until it is seen to.
-const startSeen_s = 8;
 // Somebody else's upload may still run when its first sign is heard.
 const suspicion_s = 1.5;
 const ownUpload_s = 5;
@@ -47,8 +43,7 @@ export class MissionKeeper {
   #probed_s = -Infinity;
   #total;
   #start;
-  #modeAtStart;
-  // An alarm that stays until the next landing is wanted.
+  // An alarm that stays until the next landing is wanted, Release or disarming.
   #lasting;
 
   // out.send(name, fields): with the autopilot's address. vehicle(): what the link knows: isArdupilot,
@@ -61,27 +56,26 @@ export class MissionKeeper {
     this.#log = log;
     this.#told = told;
     this.#store = store;
+    this.#start = new LandingStart({ out, vehicle, log, told });
   }
 
   // While it is true, the mission is not read again: guidance is on the final.
   isHeld = false;
 
-  get isBusy() { return this.#task !== undefined; }
+  get isBusy() { return this.#task !== undefined || this.#start.isWaiting; }
   // What the autopilot has, as it was read last; nothing while that is not known.
   get items() { return this.#state.state === 'current' ? this.#known?.items : undefined; }
 
   // As `mission` of the link's state.
   state() { return { ...this.#state, current_item: this.#vehicle().current_item, num_items: this.#known?.items.length }; }
 
-  // A person's command. landing: as of landing_items.js.
-  land(commandId, landing) {
-    const wasMode = this.#vehicle().mode;
+  // A person's command. landing: as of landing_items.js. order.wasModeChanged: since the command.
+  land(commandId, landing, order) {
     this.#begin({ landing, keepsOthers: true, finish: (isThere, why) => {
-      const { isFlying, mode } = this.#vehicle();
-      const hindrance = !isFlying ? 'it does not fly' : mode !== wasMode ? 'the mode was changed' : undefined;
+      const hindrance = !this.#vehicle().isFlying ? 'it does not fly' : order.wasModeChanged ? 'the mode was changed' : undefined;
       if (!isThere) this.#told(commandId, 'failed', why);
       else if (hindrance) this.#told(commandId, 'done', `in the autopilot; not started, because ${hindrance}`);
-      else this.#beginStart(commandId, landing);
+      else this.#start.begin(commandId, landing.site_id);
     } });
   }
 
@@ -100,16 +94,48 @@ export class MissionKeeper {
     });
   }
 
-  // The last word: nothing is started any more.
-  release() { this.#start = undefined; }
+  // The last word: nothing is started any more, and what is not written yet will not be.
+  end(why) {
+    this.#start.end(why);
+    this.#giveUp(why);
+  }
+
+  // What was told of a mission that is past.
+  forgetAlarm() {
+    this.#lasting = undefined;
+    if (this.#state.state === 'current') this.#know(this.#known.items);
+  }
+
+  // Guidance is over.
+  abandon(why) { if (this.#job && !this.#job.keepsOthers) this.#giveUp(why); }
+
+  // What is being written is ended, or the former mission is written back.
+  #giveUp(why) {
+    const job = this.#job;
+    if (!job) return;
+    job.finish(false, why);
+    job.finish = () => {};
+    if (job.wanted) return;
+    this.#job = undefined;
+    this.#task = undefined;
+    this.#log(`no landing mission: ${why}`);
+    if (job.old) {
+      this.#finishLeft({ ...job, wanted: job.earlier.at(-1), site: job.landing.site_id });
+      return;
+    }
+    if (job.wasKnown && this.#suspect_s === undefined) this.#know(this.#known.items);
+    else this.#state = { state: 'unknown' };
+    this.#checked_s = -Infinity;
+  }
 
   #begin({ landing, keepsOthers, trustsKnown = false, finish }) {
     const left = this.#job ?? this.#store.load();
     this.#job?.finish(false, 'another landing was wanted');
-    const job = { finish, landing, old: left?.old, wanted: undefined,
-      earlier: left?.wanted ? [...(left.earlier ?? []), left.wanted] : [] };
+    const job = { finish, landing, keepsOthers, old: left?.old, wanted: undefined,
+      wasKnown: this.#job ? this.#job.wasKnown : this.#state.state === 'current',
+      earlier: [...(left?.earlier ?? []), ...(left?.wanted ? [left.wanted] : [])] };
     this.#job = job;
-    this.#start = undefined;
+    this.#start.end('another landing was wanted');
     this.#lasting = undefined;
     this.#state = { state: 'uploading', site: landing.site_id, kind: 'landing' };
     this.#task = new Task(changeItems({
@@ -204,62 +230,7 @@ export class MissionKeeper {
     };
   }
 
-  #beginStart(commandId, landing) {
-    this.#start = { commandId, site: landing.site_id, sent_s: -Infinity, numSent: 0, isAccepted: false };
-  }
-
-  #stepStart() {
-    const start = this.#start;
-    if (start?.isAccepted) this.#watchStart(start);
-    if (!start || start.isAccepted || this.#now_s - start.sent_s < repeatStart_s) return;
-    if (start.numSent >= numStarts) {
-      this.#start = undefined;
-      this.#told(start.commandId, 'failed', 'in the autopilot, but it did not start it');
-      return;
-    }
-    this.#modeAtStart ??= this.#vehicle().mode;
-    start.sent_s = this.#now_s;
-    ++start.numSent;
-    this.#out.send('COMMAND_INT', { command: landStart, frame: 0, current: 0, autocontinue: 0 });
-  }
-
-  #onCommandAck({ command: id, result }) {
-    const start = this.#start;
-    if (!start || id !== landStart || start.isAccepted) return;
-    if (result !== 0) {
-      this.#start = undefined;
-      this.#told(start.commandId, 'failed', `in the autopilot, but it refused to start it (${result})`);
-      return;
-    }
-    start.isAccepted = true;
-    start.accepted_s = this.#now_s;
-  }
-
-  // PX4 accepts the command also when it does not fly the mission.
-  #watchStart(start) {
-    if (start.isFlown) return;
-    const { mode, missionMode, current_item } = this.#vehicle();
-    const landingAt = this.#known.items.findIndex((one) => one.command === command.landStart);
-    if (mode === missionMode && landingAt >= 0 && current_item >= landingAt) {
-      start.isFlown = true;
-      this.#log(`the autopilot flies the landing to ${start.site}`);
-      this.#told(start.commandId, 'done', 'flown');
-    } else if (this.#now_s - start.accepted_s > startSeen_s) {
-      this.#start = undefined;
-      this.#log(`the autopilot is not seen to fly the landing to ${start.site}: mode ${mode}, item ${current_item ?? 'unknown'}`);
-      this.#told(start.commandId, 'failed', `in the autopilot, and accepted, but not flown as far as is known: mode ${mode}, item ${current_item ?? 'unknown'}`);
-    }
-  }
-
-  // A person who takes another mode ends our part.
-  onMode(mode) {
-    const { missionMode } = this.#vehicle();
-    const start = this.#start;
-    if (!start || mode === missionMode || (!start.isAccepted && mode === this.#modeAtStart)) return;
-    this.#start = undefined;
-    this.#log(`mode ${mode}: the link's part in the landing has ended`);
-    if (!start.isFlown) this.#told(start.commandId, 'failed', `the mode was changed to ${mode}`);
-  }
+  onMode(mode) { this.#start.onMode(mode); }
 
   // The autopilot was silent, or has started anew: what it has is read again.
   doubt(why) {
@@ -279,7 +250,7 @@ export class MissionKeeper {
 
   hear(name, fields, now_s) {
     this.#now_s = now_s;
-    if (name === 'COMMAND_ACK') this.#onCommandAck(fields);
+    if (name === 'COMMAND_ACK') this.#start.onAck(fields, now_s);
     else if (name === 'MISSION_CURRENT') this.#onCurrent(fields);
     else if (name === 'STATUSTEXT') this.#onText(fields.text);
     else if (fields.isForeign) this.#onForeign(name, fields);
@@ -318,7 +289,7 @@ export class MissionKeeper {
     if (this.#isOnFinal && this.#task && !this.#job) this.#task = undefined;
     this.#task?.step(now_s);
     if (this.#task) return;
-    this.#stepStart();
+    if (this.#known) this.#start.step(now_s, this.#known.items);
     if (this.#isOnFinal || this.isHeld) return;
     const isSuspect = this.#suspect_s !== undefined && now_s >= this.#suspect_s;
     const isDue = now_s - this.#checked_s > (this.#known ? recheck_s : reread_s);
@@ -364,7 +335,7 @@ export class MissionKeeper {
     if (hadLanding && !isSame) {
       this.#lasting = alarmOf.foreign;
       this.#log(this.#lasting);
-      this.#start = undefined;
+      this.#start.end(alarmOf.foreign);
     }
     this.#know(items);
   }

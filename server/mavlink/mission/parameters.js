@@ -4,9 +4,11 @@ const repeat_s = 1.5;
 const numTries = 10;
 const longestName = 16;
 
-// Of ArduPlane: how it lands. Two names are of the same value, in new and old versions.
+// Of ArduPlane: how it lands, and whether it begins a mission anew in AUTO. Two names are of the same value, in new and old
+// versions.
 export const landingParameters = ['TECS_LAND_ARSPD', 'TECS_LAND_SINK', 'LAND_FLARE_SEC', 'LAND_FLARE_ALT',
-  'LAND_FLARE_AIM', 'WP_LOITER_RAD', 'AIRSPEED_CRUISE', 'AIRSPEED_MIN', 'TRIM_ARSPD_CM', 'ARSPD_FBW_MIN'];
+  'LAND_FLARE_AIM', 'WP_LOITER_RAD', 'AIRSPEED_CRUISE', 'AIRSPEED_MIN', 'TRIM_ARSPD_CM', 'ARSPD_FBW_MIN',
+  'MIS_RESTART'];
 
 // Of PX4: how steep and how fast it lands.
 export const px4Parameters = ['FW_LND_ANG', 'FW_LND_AIRSPD', 'FW_AIRSPD_MIN'];

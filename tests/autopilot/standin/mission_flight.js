@@ -41,7 +41,8 @@ export class MissionFlight {
 
   resume() {
     const first = this.#plane.firstItem;
-    if (this.#index < first || this.#index >= this.#plane.items().length) this.start(first);
+    const isAnew = this.#plane.parameters.MIS_RESTART === 1;
+    if (isAnew || this.#index < first || this.#index >= this.#plane.items().length) this.start(first);
     else this.start(this.#index);
   }
 
