@@ -211,17 +211,6 @@ test('an autopilot that begins a mission anew in AUTO (MIS_RESTART) flies the LA
   }
 });
 
-test('while it is not known whose mission it is, the final does not begin', async () => {
-  const chain = new Chain();
-  await chain.failEngine();
-  await chain.fly(8);
-  const { state } = chain.landings;
-  chain.landings.state = () => ({ ...state.call(chain.landings), state: 'unknown' });
-  await chain.land();
-  assert.equal(chain.plane.touchdown.mode, 'GUIDED');
-  assert.ok(!chain.sent.some(({ name, fields }) => name === 'COMMAND_LONG' && fields.command === doSetMode));
-});
-
 // lost: of the messages of the aircraft, while it is set.
 function chainWithLoss() {
   const chain = new Chain();
@@ -229,6 +218,24 @@ function chainWithLoss() {
   chain.plane.onSend = (bytes, name) => { if (name !== chain.lost) onSend(bytes, name); };
   return chain;
 }
+
+test('a mission that cannot be read for a weak radio is flown on the final, one that others may have written is not', async () => {
+  const flyFinal = async (doubt) => {
+    const chain = chainWithLoss();
+    await chain.failEngine();
+    await chain.fly(8);
+    assert.equal(chain.landings.state().state, 'current');
+    chain.lost = 'MISSION_COUNT';
+    doubt(chain);
+    await chain.fly(10);
+    assert.equal(chain.landings.state().state, 'unknown');
+    await chain.land();
+    return chain.plane.touchdown.mode;
+  };
+  assert.equal(await flyFinal(({ landings }) => landings.missions.doubt('the autopilot was silent')), 'AUTO');
+  assert.equal(await flyFinal(({ landings, plane }) =>
+    landings.missions.hear('STATUSTEXT', { text: 'Flight plan received' }, plane.time_s)), 'GUIDED');
+});
 
 test('without positions or airspeeds the engine is unknown, and nothing is told of an old airspeed', async () => {
   for (const lost of ['GLOBAL_POSITION_INT', 'VFR_HUD']) {

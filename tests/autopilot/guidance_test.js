@@ -193,7 +193,7 @@ function guidanceOver(room_m) {
       return { sites: aircraft.touchdown_uncertainty_m <= room_m ? [{ ...told, aircraft }] : [] };
     },
     autopilot: { goTo: () => {}, setSpeed: () => {}, beginFinal: () => {} },
-    mission: { prepare: async () => {}, abandon: () => {} },
+    mission: { prepare: async () => {}, abandon: () => {}, hasLanding: () => true },
     log: (text) => log.push(text),
   });
   const flying = { ...state({ position: place(0, -390, 519) }), mode: 'GUIDED', is_armed: true };

@@ -123,7 +123,7 @@ export class EngineFailure {
   // The LAND stays the current item of the prepared mission; the message may be lost.
   #select(state, now_s) {
     const { num_items, current_item } = state.mission;
-    if (!this.#guidance.hasLanding(state.mission)) return;
+    if (!this.#guidance.hasLanding) return;
     const isLand = current_item === num_items - 1;
     if (this.#guidance.isOnFinal ? !this.#isFinalElsewhere(state, isLand, now_s) : isLand) return;
     if (now_s - this.#selected_s < selectPeriod_s) return;

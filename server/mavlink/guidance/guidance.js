@@ -71,7 +71,7 @@ export class Guidance {
 
   // recall(query): answer of /v1/emergency. autopilot: goTo(target, mayChangeMode), setSpeed(mps),
   // beginFinal(). mission: prepare(site), a promise of the landing mission in the autopilot;
-  // abandon(why): it is not wanted any more; isBusy.
+  // abandon(why): it is not wanted any more; hasLanding(site): it is there; isBusy.
   // log(text, kind): one decision.
   constructor({ recall, autopilot, mission, log, options = {} }) {
     this.#recall = recall;
@@ -84,10 +84,10 @@ export class Guidance {
   get isEngaged() { return this.#isEngaged; }
   get isOnFinal() { return this.#isEngaged && this.#phase === 'final'; }
   get way() { return this.#way; }
-  // mission: of the link's state. Another ground station may have written since.
-  hasLanding({ state, kind, site } = {}) {
+  // Another ground station may have written since it was prepared.
+  get hasLanding() {
     const isPrepared = this.#isEngaged && this.#prepared?.isReady === true;
-    return isPrepared && state === 'current' && kind === 'landing' && site === this.#way.site.site_id;
+    return isPrepared && this.#mission.hasLanding(this.#way.site.site_id);
   }
 
   // reason: why the engine counts as failed. now_us: UTC.
@@ -295,7 +295,7 @@ export class Guidance {
   // Once more, if it could not be written, or if somebody else has written since.
   #prepareAgain(mission, now_s) {
     const { isReady, problem, begun_s } = this.#prepared;
-    const isReplaced = isReady && mission?.state === 'current' && !this.hasLanding(mission);
+    const isReplaced = isReady && mission?.state === 'current' && !this.hasLanding;
     const isDue = now_s - begun_s >= prepareAgain_s && !this.#mission.isBusy;
     if (isDue && (isReplaced || problem !== undefined)) this.#prepare(this.#way.site, now_s);
   }
@@ -307,7 +307,7 @@ export class Guidance {
     this.#reconsider(state, now_s);
     this.#addCircle();
     this.#prepareAgain(state.mission, now_s);
-    if (this.#gate.isOpen(this.#way, this.#progress, state) && this.hasLanding(state.mission)) {
+    if (this.#gate.isOpen(this.#way, this.#progress, state) && this.hasLanding) {
       this.#beginFinal(state, now_s);
       return;
     }

@@ -39,6 +39,8 @@ export class MissionKeeper {
   #state = { state: 'unknown' };
   #isWritten_s = -Infinity;
   #suspect_s;
+  // Another ground station writes, or has written.
+  #isForeign = false;
   #checked_s = -Infinity;
   #probed_s = -Infinity;
   #total;
@@ -65,6 +67,12 @@ export class MissionKeeper {
   get isBusy() { return this.#task !== undefined || this.#start.isWaiting; }
   // What the autopilot has, as it was read last; nothing while that is not known.
   get items() { return this.#state.state === 'current' ? this.#known?.items : undefined; }
+
+  // The landing to this site was read back from the autopilot, and nothing tells that somebody has written
+  // since. Silence of a weak radio is no such sign: an aircraft without an engine must not miss its final for it.
+  hasLanding(site) {
+    return this.#known?.site === site && !this.#job && !this.#isForeign;
+  }
 
   // As `mission` of the link's state.
   state() { return { ...this.#state, current_item: this.#vehicle().current_item, num_items: this.#known?.items.length }; }
@@ -224,6 +232,7 @@ export class MissionKeeper {
     const { items: ours, site, warning } = this.#landing ?? {};
     const isLanding = ours !== undefined && areSame(items, ours, this.#rules());
     this.#known = { items, site: isLanding ? site : undefined };
+    this.#isForeign = false;
     this.#state = {
       state: 'current', kind: isLanding ? 'landing' : 'other', ...(isLanding && { site }),
       ...(isLanding && warning && { warning }), ...(this.#lasting && { alarm: this.#lasting }),
@@ -235,6 +244,11 @@ export class MissionKeeper {
   // The autopilot was silent, or has started anew: what it has is read again.
   doubt(why) {
     if (this.#known || this.#task) this.#suspect(why, 0);
+  }
+
+  #suspectOther(why) {
+    this.#isForeign = true;
+    this.#suspect(why);
   }
 
   #suspect(why, delay_s = suspicion_s) {
@@ -261,25 +275,25 @@ export class MissionKeeper {
 
   #onForeign(name, { missionType: type }) {
     const isOfUpload = requests.has(name) || name === 'MISSION_ACK';
-    if (type === missionType.mission && isOfUpload) this.#suspect('another ground station writes');
+    if (type === missionType.mission && isOfUpload) this.#suspectOther('another ground station writes');
   }
 
   #onProbe(name, { missionType: type, type: code, count }) {
     if (type !== missionType.mission || !this.#known?.site) return;
     const isWriting = name === 'MISSION_ACK' && code === denied;
-    if (isWriting || (name === 'MISSION_COUNT' && count !== this.#known.items.length)) this.#suspect('another ground station writes');
+    if (isWriting || (name === 'MISSION_COUNT' && count !== this.#known.items.length)) this.#suspectOther('another ground station writes');
   }
 
   #onText(text) {
     if (!/flight plan received/i.test(text) || this.#now_s - this.#isWritten_s < ownUpload_s) return;
-    this.#suspect('another ground station has written');
+    this.#suspectOther('another ground station has written');
   }
 
   // total: how many items there are; missionId: of PX4.
   #onCurrent({ total, missionId }) {
     const sign = `${total}/${missionId}`;
     const isOwn = this.#task || this.#now_s - this.#isWritten_s < ownUpload_s;
-    if (this.#total !== undefined && sign !== this.#total && !isOwn) this.#suspect('the number of items has changed');
+    if (this.#total !== undefined && sign !== this.#total && !isOwn) this.#suspectOther('the number of items has changed');
     this.#total = sign;
   }
 
