@@ -77,9 +77,9 @@ class FlightStore {
   // deletes its sites. False if there is no such flight.
   virtual bool Delete(const std::string& flight_id, bool forget_sites) = 0;
   // Removes the images that no other flight needs, and sets has_retired_images. False, and nothing
-  // is changed, if a frame or a job waits for the engine, or if other servers share the database and
-  // the flight or a frame of it arrived in the last ten minutes: one of them may be receiving the
-  // next.
+  // is changed, if a frame or a job waits for the engine, or if other servers share the database
+  // and the flight or a frame of it arrived in the last ten minutes: one of them may be receiving
+  // the next.
   virtual bool RetireImages(const std::string& flight_id) = 0;
 
   // Replaces all regions of the flight in one commit. Order: best first.

@@ -10,7 +10,6 @@
 #include "server/base_map/base_map.h"
 #include "server/following/following.h"
 #include "server/http/http.h"
-#include "server/http/semaphore_slot.h"
 #include "server/intake/intake.h"
 #include "server/jobs/progress_board.h"
 #include "server/links/links.h"

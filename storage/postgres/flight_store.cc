@@ -142,7 +142,8 @@ bool PostgresFlightStore::RetireImages(const std::string& flight_id) {
   PostgresWrite writer(state_);
   LockFlight(*writer, flight_id);
   const PostgresRows in_use = writer->Run(
-      "SELECT 1 FROM (SELECT (extract(epoch FROM clock_timestamp()) - 600) * 1000000 AS us) AS quiet "
+      "SELECT 1 FROM (SELECT (extract(epoch FROM clock_timestamp()) - 600) * 1000000 AS us) AS "
+      "quiet "
       "WHERE EXISTS (SELECT 1 FROM frames WHERE flight_id = $1 AND "
       "(state = 0 OR ($2 AND arrived_at_us > us))) "
       "OR EXISTS (SELECT 1 FROM jobs WHERE flight_id = $1 AND state < 2) "

@@ -166,7 +166,8 @@ PostgresState::PostgresState(std::shared_ptr<PostgresProcess> opened, const std:
 // A server that sees another folder, or none, would take every stored photograph for lost.
 void PostgresState::CheckThatImagesAreThere() {
   const std::vector<std::string> stored = Read([&](PostgresConnection& connection) {
-    return connection.Run("SELECT sha256 FROM images WHERE organisation = $1 LIMIT 20", organisation)
+    return connection
+        .Run("SELECT sha256 FROM images WHERE organisation = $1 LIMIT 20", organisation)
         .Texts();
   });
   const auto is_there = [this](const std::string& sha256) { return images.Has(sha256); };

@@ -75,9 +75,9 @@ std::optional<std::string> PostgresBackend::WhyNotWritable() {
   return std::nullopt;
 }
 
-// Marks the organisation's next sites, after the one of that id, that lie on a map of `sharing`: they
-// were never checked on these. All of them where no index finds maps. Returns the last id; "" if there
-// was none left.
+// Marks the organisation's next sites, after the one of that id, that lie on a map of `sharing`:
+// they were never checked on these. All of them where no index finds maps. Returns the last id; ""
+// if there was none left.
 std::string MarkNextUnchecked(PostgresConnection& writer,
                               const std::string& name,
                               const std::string& after_id,
@@ -133,11 +133,12 @@ void PostgresBackend::ShareSites(bool is_shared) {
   {
     PostgresWrite writer(state_);
     const bool has_changed = writer
-                                 ->Run("UPDATE organisations SET shares_sites = $2, "
-                                       "has_unchecked_ground = $2 "
-                                       "WHERE name = $1 AND shares_sites <> $2",
-                                       state_.organisation,
-                                       is_shared)
+                                 ->Run(
+                                     "UPDATE organisations SET shares_sites = $2, "
+                                     "has_unchecked_ground = $2 "
+                                     "WHERE name = $1 AND shares_sites <> $2",
+                                     state_.organisation,
+                                     is_shared)
                                  .NumChanges() > 0;
     // What others have read of it, or not, is out of date.
     if (has_changed) StepObstacles(*writer);

@@ -76,7 +76,8 @@ TEST_CASE("live pose: a flight of which all arrives late is late") {
   CHECK(flight.Pose(1000).age_s.value() == doctest::Approx(991.0).epsilon(0.001));
 }
 
-TEST_CASE("live pose: photographs of a batch are as old as they say, streamed ones as their arrival") {
+TEST_CASE(
+    "live pose: photographs of a batch are as old as they say, streamed ones as their arrival") {
   FlightInStorage flight;
   const auto take = [&](const char* id, bool is_from_batch, int64_t taken_at_us) {
     FrameRow frame;
@@ -84,10 +85,11 @@ TEST_CASE("live pose: photographs of a batch are as old as they say, streamed on
     frame.id = id;
     frame.sha256 = std::string(64, 'a');
     flight.storage.images.Write(frame.sha256, "pixels");
-    frame.meta_json = nlohmann::json{
-        {"timestamp_us", taken_at_us},
-        {"position",
-         {{"latitude_deg", 47.0}, {"longitude_deg", 8.0}, {"altitude_m", 500.0}}}}.dump();
+    frame.meta_json =
+        nlohmann::json{
+            {"timestamp_us", taken_at_us},
+            {"position", {{"latitude_deg", 47.0}, {"longitude_deg", 8.0}, {"altitude_m", 500.0}}}}
+            .dump();
     frame.is_from_batch = is_from_batch;
     frame.arrived_at_us = kNowUs;
     flight.storage.frames.Insert("f", {frame});

@@ -51,7 +51,8 @@ TEST_CASE("postgres: nobody migrates a schema that others share") {
   }
   place.Execute(
       "ALTER TABLE organisations DROP COLUMN has_unchecked_ground; DROP INDEX sites_by_aircraft; "
-      "DROP TABLE feed, changes; DROP SEQUENCE change_numbers; DROP FUNCTION tell_change, tell_site, "
+      "DROP TABLE feed, changes; DROP SEQUENCE change_numbers; DROP FUNCTION tell_change, "
+      "tell_site, "
       "tell_map, tell_obstacle CASCADE");
   Storage one(place.OptionsOfOther());
   CHECK(one.flights.Find("f"));

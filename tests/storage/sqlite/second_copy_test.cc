@@ -118,7 +118,8 @@ TEST_CASE("second copy: one of an older program still has the sites when the dat
   CHECK(HasBoth(Storage(folder.path())));
 }
 
-TEST_CASE("feed: a database that was put back tells another feed, and gives no map's number again") {
+TEST_CASE(
+    "feed: a database that was put back tells another feed, and gives no map's number again") {
   const TemporaryFolder folder;
   const auto open = [&folder] {
     Storage storage(folder.path());
