@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "server/http/priority.h"
+#include "server/http/http.h"
 #include "server/recall/map_cache.h"
 #include "server/recall/other_maps/other_maps.h"
 

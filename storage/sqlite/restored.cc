@@ -1,4 +1,4 @@
-#include "storage/sqlite/changes/restored.h"
+#include "storage/sqlite/restored.h"
 
 #include <cerrno>
 #include <cstring>
