@@ -3,11 +3,11 @@
 #include <chrono>
 #include <set>
 
+#include "storage/sqlite/changes/changes.h"
 #include "storage/sqlite/damage.h"
 #include "storage/sqlite/map_rows.h"
 #include "storage/sqlite/migrations.h"
 #include "storage/sqlite/obstacle_rows.h"
-#include "storage/sqlite/restored.h"
 #include "storage/sqlite/site_queries.h"
 #include "storage/storage_error.h"
 

@@ -1,5 +1,6 @@
-// Whether the database is a copy that was put back. Its numbers of changes and of maps then go on
-// from earlier ones, and a server that follows may know later ones that are lost here.
+// For the feed of changes: whether the database is a copy that was put back. Its numbers of changes
+// and of maps then go on from earlier ones, and a server that follows may know later ones that are
+// lost here.
 #pragma once
 
 #include <cstdint>
