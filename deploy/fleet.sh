@@ -85,7 +85,7 @@ install_what_is_missing() {
   begin "installing packages"
   install_missing curl jq nginx-light openssl postgresql-15 postgresql-15-postgis-3 util-linux
   if is_root && ! id freelsd >/dev/null 2>&1; then
-    useradd --system --home-dir "$root" --no-create-home --shell /usr/sbin/nologin freelsd
+    useradd --system --home-dir /nonexistent --no-create-home --shell /usr/sbin/nologin freelsd
   fi
   setting[server]="${setting[server]:-$(command -v freelsd-server || true)}"
   if [ -n "${setting[server]}" ]; then return; fi
@@ -203,7 +203,7 @@ for key in port internal-port workers; do
 done
 case "${words[0]:-} ${#words[@]}" in
   "up 1") up ;;
-  "status 1") status ;;
+  "status 1") status || exit 1 ;;
   "stop 1") stop ;;
   "backup 1") backup ;;
   "restore 2") restore "${words[1]}" ;;
