@@ -8,6 +8,7 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <stdexcept>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -153,7 +154,8 @@ std::optional<std::string> ImageFiles::Read(const std::string& sha256) const {
   if (!file) Fail("open image");
   std::string bytes(static_cast<size_t>(file.tellg()), '\0');
   file.seekg(0).read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!file) throw StorageError("read image", "its bytes cannot be read");
+  // Of this image alone: nothing else has to wait for it.
+  if (!file) throw std::runtime_error("the bytes of image " + sha256 + " cannot be read");
   return bytes;
 }
 
