@@ -27,6 +27,8 @@ fail() {
 start_server() {
   local log="$work/$1.log" _
   shift
+  # Read below, perhaps before the server's shell has made it.
+  : >"$log"
   "$server" --data "${log%.log}" --listen 127.0.0.1:0 --model "$model" "$@" >"$log" 2>&1 &
   pids+=($!)
   for _ in $(seq 200); do
