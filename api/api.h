@@ -12,6 +12,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include "api/capture_time.h"
 #include "api/limits.h"
 #include "engine/pipeline.h"
 
@@ -87,6 +88,7 @@ nlohmann::json GeoPointJson(const GeoPoint& point);
 // and the image's tags.
 struct FrameMeta {
   std::optional<int64_t> timestamp_us;
+  TimeSource time_source = TimeSource::kGiven;
   std::optional<GeoPoint> position;
   // Datum of the position's altitude, "amsl" or "ellipsoid". Empty if the source does not state it.
   std::optional<std::string> altitude_datum;

@@ -106,7 +106,10 @@ FrameMeta ParseFrameMeta(const std::string& json_text) {
 
 FrameMeta Merged(const FrameMeta& first, const FrameMeta& second) {
   FrameMeta merged = first;
-  if (!first.timestamp_us) merged.timestamp_us = second.timestamp_us;
+  if (!first.timestamp_us) {
+    merged.timestamp_us = second.timestamp_us;
+    merged.time_source = second.time_source;
+  }
   if (!first.position) {
     merged.position = second.position;
     merged.altitude_datum = second.altitude_datum;

@@ -35,9 +35,15 @@ struct FlightMapRow {
   std::string altitude_datum = "unknown";
   BoundingBox box{};
   int64_t updated_at_us = 0;
-  // When the ground was last photographed.
+  // When the ground was last photographed, at the earliest (0: unknown) and at the latest (empty:
+  // the time is exact, or there is no bound).
   int64_t seen_at_us = 0;
+  std::optional<int64_t> seen_until_us = std::nullopt;
 };
+
+inline MapRow RowOf(const FlightMapRow& map) {
+  return {map.id, map.flight_id, 0, map.altitude_datum, map.seen_at_us, true, map.seen_until_us};
+}
 
 using Tiles = std::vector<std::pair<TileKey, std::string>>;
 // SHA-256 of image files, by place.

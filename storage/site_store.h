@@ -36,16 +36,18 @@ struct RecallRow {
   double latitude_deg = 0.0;
   double longitude_deg = 0.0;
   int64_t updated_at_us = 0;
-  // When the ground was last photographed. Later maps on which the plan holds count too.
+  // When the ground was last photographed, as in SiteRow. Later maps on which the plan holds count
+  // too.
   int64_t seen_at_us = 0;
   RecallData data;
+  std::optional<int64_t> seen_until_us = std::nullopt;
 };
 
 // Result of a query that may return thousands of rows. Rows are shared, not copied.
 template <typename Row>
 using SharedRows = std::vector<std::shared_ptr<const Row>>;
 
-// Result of checking a site's stored plan on later maps.
+// Result of checking a site's stored plan on the maps that are later, or may be.
 struct Standing {
   // Id of the site on whose map the plan fails. If there are several, the one whose map was
   // photographed last. On a flight's map: the nearest of its sites, or the flight if it has none.
@@ -53,7 +55,7 @@ struct Standing {
   // Id of that map, if it is the map of a flight; else empty.
   std::string superseded_by_map;
   // The time at which the ground of that map was last photographed, the broken rule, and a sentence
-  // with numbers.
+  // with numbers. With a rule, 0 means that the order of the two maps is not known.
   int64_t superseded_at_us = 0;
   std::string superseded_reason;
   std::string superseded_detail;
@@ -63,6 +65,11 @@ struct Standing {
   bool is_checked = false;
 
   bool operator==(const Standing&) const = default;
+  // The plan fails on a map that may be later or earlier: neither replaces the other, and the worse
+  // of both holds. Else, superseded_by is of a later map.
+  bool IsContested() const {
+    return superseded_by && superseded_at_us == 0 && !superseded_reason.empty();
+  }
 };
 
 // A site. Columns and units are those of schema.sql.
@@ -81,8 +88,10 @@ struct SiteRow : Standing {
   // Input for planning the site again on its map: region, aircraft, origin, datum.
   std::string replan_json;
   int64_t updated_at_us = 0;
-  // When the ground of its own map was last photographed.
+  // When the ground of its own map was last photographed, at the earliest. 0: unknown.
   int64_t seen_at_us = 0;
+  // The same at the latest. Empty: the time is exact; of an unknown time, there is no bound.
+  std::optional<int64_t> seen_until_us = std::nullopt;
   // Empty: recall never returns the site, because it was rejected or no terrain was seen.
   std::optional<RecallData> recall;
   // Datum of the map's altitudes if `recall` is empty. Otherwise recall->altitude_datum is used.
@@ -103,10 +112,11 @@ struct MapRow {
   // 0 for the map of a flight, which never changes.
   int64_t updated_at_us = 0;
   std::string altitude_datum;
-  // When the ground of this map was last photographed.
+  // When the ground of this map was last photographed, as in SiteRow.
   int64_t seen_at_us = 0;
   // False: the site's own map.
   bool is_of_flight = false;
+  std::optional<int64_t> seen_until_us = std::nullopt;
 };
 
 // The result of an evaluation: what one commit changes.

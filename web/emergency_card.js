@@ -11,7 +11,7 @@ const fact = (name, value) => el('div', {}, el('dt', {}, name), el('dd', {}, val
 
 const minutes = (time_s) => `${Math.floor(time_s / 60)}:${String(Math.round(time_s % 60)).padStart(2, '0')} min`;
 
-const ageText = (age_s) => (isKnown(age_s) ? `${age(age_s)} ago` : 'unknown');
+const ageText = (age_s) => (isKnown(age_s) ? `${age(age_s)} ago` : 'date unknown');
 
 function facts(site, flightName) {
   return el('dl', {},

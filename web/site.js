@@ -60,7 +60,7 @@ function numbersTable(p, [lon, lat]) {
     ['Rectangle of the region', `${area(p.area_m2)}, hazards included`],
     ['Grade', `${p.grade.toFixed(2)} (${evidence})`],
     [p.is_trial ? 'Wind of this plan' : 'Wind of the flight', windText(p.wind)],
-    ['Ground photographed', isKnown(groundAge_s(p)) ? `${age(groundAge_s(p))} ago` : 'at an unknown time'],
+    ['Ground photographed', isKnown(groundAge_s(p)) ? `${age(groundAge_s(p))} ago` : 'date unknown'],
     ['Site ID', p.id],
   ];
   return el('table', { class: 'numbers' }, el('tbody', {}, rows.map(([name, value]) =>

@@ -45,7 +45,7 @@ export function age(seconds) {
 export const groundAge_s = (p) => p.new_look?.age_s ?? p.age_s ?? (Date.now() - Date.parse(p.last_seen_at)) / 1000;
 export const photographed = (p) => {
   const age_s = groundAge_s(p);
-  return isKnown(age_s) ? `photographed ${age(age_s)} ago` : 'photographed at an unknown time';
+  return isKnown(age_s) ? `photographed ${age(age_s)} ago` : 'date unknown';
 };
 
 // "14:05", in the user's own time zone.

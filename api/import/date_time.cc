@@ -62,6 +62,11 @@ std::optional<int64_t> OffsetFromText(std::string_view text) {
   return (text[0] == '-' ? -seconds : seconds) * kMicrosecondsPerSecond;
 }
 
+bool HasOffset(std::string_view text) {
+  if (text.size() <= kDateTimeLength) return false;
+  return text.back() == 'Z' || OffsetFromText(text.substr(text.size() - 6));
+}
+
 std::optional<int64_t> TimestampFromText(std::string_view text) {
   if (text.size() < kDateTimeLength || (text[10] != ' ' && text[10] != 'T')) return std::nullopt;
   const std::optional<int64_t> days = DaysSince1970(text.substr(0, 10));

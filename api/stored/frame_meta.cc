@@ -8,6 +8,8 @@ namespace freelsd {
 std::string FrameMetaJson(const FrameMeta& meta) {
   nlohmann::json object = nlohmann::json::object();
   if (meta.timestamp_us) object["timestamp_us"] = *meta.timestamp_us;
+  // Absent in rows of older programs and in the meta of clients, which are compared as text.
+  if (meta.time_source != TimeSource::kGiven) object["time_source"] = NameOf(meta.time_source);
   if (meta.position) object["position"] = GeoPointJson(*meta.position);
   if (meta.altitude_datum) object["altitude_datum"] = *meta.altitude_datum;
   if (meta.ned_from_body) {
@@ -30,6 +32,9 @@ FrameMeta ParseStoredFrameMeta(const std::string& text) {
   const nlohmann::json object = ParseJson(text);
   ObjectReader reader(object, "");
   FrameMeta meta = ReadCommonFrameFields(reader);
+  if (const nlohmann::json* const source = reader.Find("time_source")) {
+    meta.time_source = TimeSourceOf(source->get<std::string>()).value_or(TimeSource::kGiven);
+  }
   if (const nlohmann::json* const body = reader.Find("ned_from_body_wxyz")) {
     meta.ned_from_body = ReadQuaternion(*body, "/ned_from_body_wxyz");
   }

@@ -165,6 +165,14 @@ StoredSite ReadStoredSite(const std::string& feature_json,
 // Sorts best first, in the order of RankedSites, and sets each rank.
 std::vector<StoredSite> RankSites(std::vector<StoredSite> sites);
 
+// When the ground of a stored site or map was last photographed.
+template <typename Row>
+CaptureTime SeenOf(const Row& row) {
+  const int64_t open_us = std::numeric_limits<int64_t>::max();
+  const int64_t until_us = row.seen_until_us.value_or(row.seen_at_us > 0 ? 0 : open_us);
+  return {row.seen_at_us, std::max(row.seen_at_us, until_us)};
+}
+
 // --- The map of a site ---
 
 // The part of an evaluation's map around one site. It is stored, drawn and used for new plans.

@@ -78,6 +78,9 @@ class Fields {
     if (!At(key).is_number_integer()) Refuse(PointerTo(key), "must be a whole number");
     return At(key).get<int64_t>();
   }
+  std::optional<int64_t> OptionalInteger(const char* key) const {
+    return Find(key) == nullptr ? std::nullopt : std::optional(Integer(key));
+  }
   bool Flag(const char* key) const {
     if (!At(key).is_boolean()) Refuse(PointerTo(key), "must be true or false");
     return At(key).get<bool>();
@@ -146,9 +149,7 @@ Standing ParseStanding(const Fields& fields) {
     standing.superseded_reason = fields.Text("superseded_reason");
     standing.superseded_detail = fields.Text("superseded_detail");
   }
-  if (fields.Find("confirmed_at_us") != nullptr) {
-    standing.confirmed_at_us = fields.Integer("confirmed_at_us");
-  }
+  standing.confirmed_at_us = fields.OptionalInteger("confirmed_at_us");
   return standing;
 }
 
@@ -171,6 +172,7 @@ nlohmann::json SiteJson(const SiteRow& site, const std::string& own_map) {
                       {"seen_at_us", site.seen_at_us},
                       {"map_datum", site.map_datum},
                       {"standing", StandingJson(site)}};
+  if (site.seen_until_us) json["seen_until_us"] = *site.seen_until_us;
   if (!site.map_id.empty()) json["map_id"] = site.map_id;
   if (!own_map.empty()) json["own_map"] = Base64Of(own_map);
   if (!site.approach_json.empty()) json["approach"] = nlohmann::json::parse(site.approach_json);
@@ -209,6 +211,7 @@ SiteRow ParseSite(const std::string& id, const Fields& fields) {
   site.replan_json = fields.Object("replan").dump();
   site.updated_at_us = fields.Integer("updated_at_us");
   site.seen_at_us = fields.Integer("seen_at_us");
+  site.seen_until_us = fields.OptionalInteger("seen_until_us");
   site.map_datum = fields.Text("map_datum");
   if (fields.Find("map_box") != nullptr) site.map_box = fields.Box("map_box");
   const Fields standing(fields.At("standing"), fields.PointerTo("standing"));
@@ -228,12 +231,14 @@ SiteRow ParseSite(const std::string& id, const Fields& fields) {
 }
 
 nlohmann::json MapJson(const FlightMapRow& map) {
-  return {{"flight_id", map.flight_id},
-          {"altitude_datum", map.altitude_datum},
-          {"box", BoxJson(map.box)},
-          {"updated_at_us", map.updated_at_us},
-          {"seen_at_us", map.seen_at_us},
-          {"bytes", "/v1/maps/" + map.id}};
+  nlohmann::json json{{"flight_id", map.flight_id},
+                      {"altitude_datum", map.altitude_datum},
+                      {"box", BoxJson(map.box)},
+                      {"updated_at_us", map.updated_at_us},
+                      {"seen_at_us", map.seen_at_us},
+                      {"bytes", "/v1/maps/" + map.id}};
+  if (map.seen_until_us) json["seen_until_us"] = *map.seen_until_us;
+  return json;
 }
 
 FlightMapRow ParseMap(const std::string& id, const Fields& fields) {
@@ -244,6 +249,7 @@ FlightMapRow ParseMap(const std::string& id, const Fields& fields) {
   map.box = fields.Box("box");
   map.updated_at_us = fields.Integer("updated_at_us");
   map.seen_at_us = fields.Integer("seen_at_us");
+  map.seen_until_us = fields.OptionalInteger("seen_until_us");
   return map;
 }
 

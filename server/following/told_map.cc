@@ -54,6 +54,7 @@ FlightMapRow ParseRow(const nlohmann::json& row) {
   map.box = {box[0], box[1], box[2], box[3]};
   map.updated_at_us = row.at("updated_at_us");
   map.seen_at_us = row.at("seen_at_us");
+  if (row.contains("seen_until_us")) map.seen_until_us = row.at("seen_until_us");
   return map;
 }
 
@@ -91,6 +92,7 @@ std::string MapBytes(const Storage& storage, const FlightMapRow& map) {
       {"updated_at_us", map.updated_at_us},
       {"seen_at_us", map.seen_at_us},
       {"tiles", nlohmann::json::array()}};
+  if (map.seen_until_us) row["seen_until_us"] = *map.seen_until_us;
   std::string tiles;
   for (const TileKey& key : storage.maps.ListTiles(map.id)) {
     const std::string tile = WholeTile(storage, map.id, head, key);

@@ -107,7 +107,12 @@ bool AdmitOne(const Intake& intake,
   return true;
 }
 
+void AddTo(std::vector<std::string>& warnings, const std::vector<std::string>& more) {
+  warnings.insert(warnings.end(), more.begin(), more.end());
+}
+
 Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload& upload) {
+  const int64_t arrived_at_us = ArrivalNowUs();
   Admission admission;
   const PoseFile& poses = upload.poses();
   RigResolver resolver(flight, poses.camera);
@@ -118,6 +123,7 @@ Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload
     admission.warnings.emplace_back(
         "the flight has a camera: the camera file beside the images is ignored");
   }
+  std::vector<CaptureTime> times;
   for (const Candidate& candidate : InOrderOfFlight(intake, flight.id, upload)) {
     nlohmann::json verdict{{"id", candidate.entry->id}, {"verdict", "accepted"}};
     try {
@@ -126,8 +132,9 @@ Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload
       } else if (!has_datum) {
         admission.altitude_datum = CommonDatum(admission.altitude_datum, candidate.meta);
       }
-      const std::vector<std::string> warnings = resolver.RelevantWarnings(*candidate.entry->image);
-      admission.warnings.insert(admission.warnings.end(), warnings.begin(), warnings.end());
+      AddTo(admission.warnings, resolver.RelevantWarnings(*candidate.entry->image));
+      times.push_back(
+          CaptureTimeOf(candidate.meta.timestamp_us, candidate.meta.time_source, {arrived_at_us}));
     } catch (const ApiError& error) {
       verdict["verdict"] = "rejected";
       verdict["code"] = error.code();
@@ -136,6 +143,7 @@ Admission Admit(const Intake& intake, const FlightRow& flight, const BatchUpload
     }
     admission.verdicts.push_back(std::move(verdict));
   }
+  AddTo(admission.warnings, TimeWarnings(times, arrived_at_us));
   admission.rig_json = resolver.RigJson();
   // Removes duplicates, because many images cause the same warning.
   std::sort(admission.warnings.begin(), admission.warnings.end());

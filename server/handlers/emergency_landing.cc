@@ -39,8 +39,10 @@ StoredSite BestOf(const Service& service, const nlohmann::json& answer) {
   site.altitude_datum = best.at("altitude_datum");
   site.touchdown = PlaceOf(best.at("touchdown"));
   site.score = best.at("score").get<double>();
-  site.last_seen_at = best.at("last_seen_at").get<std::string>();
-  site.age_s = best.at("age_s").get<double>();
+  if (!best.at("age_s").is_null()) {
+    site.last_seen_at = best.at("last_seen_at").get<std::string>();
+    site.age_s = best.at("age_s").get<double>();
+  }
   site.unseen_ratio = best.at("unseen_ratio").get<double>();
   site.landing_airspeed_mps = best.at("aircraft").at("landing_airspeed_mps").get<double>();
   site.final_places = FinalOf(best.at("approach"));

@@ -54,15 +54,17 @@ std::vector<SiteRow> ListedSites(const Service& service,
         "InvalidQuery", "include: must be superseded", {{"include", "must be superseded"}});
   }
   std::vector<SiteRow> sites = service.storage.sites.List(flight_id, box);
-  if (!include) std::erase_if(sites, [](const SiteRow& site) { return site.superseded_by; });
+  if (!include) {
+    std::erase_if(sites,
+                  [](const SiteRow& site) { return site.superseded_by && !site.IsContested(); });
+  }
   return Obstructed(service, std::move(sites));
 }
 
 nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us) {
   nlohmann::json feature = nlohmann::json::parse(row.feature_json);
   nlohmann::json& properties = feature["properties"];
-  properties["last_seen_at"] = Rfc3339(row.LastSeenUs());
-  properties["age_s"] = GroundAgeS(row.LastSeenUs(), now_us);
+  properties.update(GroundAgeJson(row.LastSeenUs(), now_us));
   if (!row.superseded_by) return feature;
   properties["superseded_by"] = *row.superseded_by;
   // The row of an older program has only the id of the later site, until the site is checked.
@@ -78,7 +80,7 @@ StoredSite SiteOf(const SiteRow& row) {
   StoredSite site = ReadStoredSite(
       row.feature_json, row.approach_json, flight.altitude_datum.value_or("unknown"));
   site.flight_name = flight.name;
-  site.last_seen_at = Rfc3339(row.LastSeenUs());
+  if (row.LastSeenUs() > 0) site.last_seen_at = Rfc3339(row.LastSeenUs());
   site.age_s = GroundAgeS(row.LastSeenUs(), NowUs());
   site.is_superseded = row.superseded_by.has_value();
   if (site.is_superseded) {

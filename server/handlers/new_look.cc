@@ -21,7 +21,7 @@ constexpr double kUnverifiedShare = 0.5;
 struct Gain {
   NewLookKey key;
   double value = 0.0;
-  double age_s = 0.0;
+  std::optional<double> age_s;
   std::string verdict;
   const SiteRow* row = nullptr;
 };
@@ -61,18 +61,18 @@ std::string SentenceOf(const Gain& gain, double lost) {
   std::ostringstream text;
   text.setf(std::ios::fixed);
   text.precision(2);
-  text << "The ground of this " << gain.verdict << " site was photographed " << AgeText(gain.age_s)
-       << " ago: a new look regains " << lost << " of its value of " << gain.value << ".";
+  text << "The ground of this " << gain.verdict << " site was photographed "
+       << (gain.age_s ? AgeText(*gain.age_s) + " ago" : "at an unknown time")
+       << ": a new look regains " << lost << " of its value of " << gain.value << ".";
   return text.str();
 }
 
 nlohmann::json FeatureWith(const Gain& gain, int64_t now_us) {
   nlohmann::json feature = FeatureOf(*gain.row, now_us);
   const double lost = -std::get<0>(gain.key);
-  feature["properties"]["new_look"] = {{"value", gain.value},
-                                       {"age_s", gain.age_s},
-                                       {"gain", lost},
-                                       {"sentence", SentenceOf(gain, lost)}};
+  feature["properties"]["new_look"] = {
+      {"value", gain.value}, {"gain", lost}, {"sentence", SentenceOf(gain, lost)}};
+  feature["properties"]["new_look"]["age_s"] = feature["properties"]["age_s"];
   return feature;
 }
 

@@ -48,6 +48,11 @@ void StoreFrame(Intake& intake,
       if (flight.rig_json.empty()) flight.rig_json = resolver.RigJson();
       flight.warnings_json =
           AddWarnings(flight.warnings_json, "images", resolver.RelevantWarnings(image));
+      flight.warnings_json =
+          AddWarnings(flight.warnings_json,
+                      "images",
+                      TimeWarnings({CaptureTimeOf(frame, Merged(given, image.tags.meta))},
+                                   frame.arrived_at_us));
     });
   } catch (...) {
     // A refused image must not occupy a full disk.
@@ -115,6 +120,14 @@ nlohmann::json FrameJson(const FrameRow& frame) {
   nlohmann::json object{
       {"id", frame.id}, {"sha256", frame.sha256}, {"state", StateName(frame.state)}};
   if (!frame.reason.empty()) object["reason"] = frame.reason;
+  const FrameMeta meta = ParseStoredPose(frame.resolved_json, frame.meta_json, frame.tags_json);
+  const CaptureTime time = CaptureTimeOf(frame, meta);
+  object["timestamp_us"] = nullptr;
+  object["time_source"] = nullptr;
+  if (!time.source) return object;
+  object["timestamp_us"] =
+      time.source == TimeSource::kArrival ? frame.arrived_at_us : *meta.timestamp_us;
+  object["time_source"] = NameOf(*time.source);
   return object;
 }
 

@@ -36,7 +36,7 @@ TakenFrame TakeFrame(Intake& intake,
 // Throws ApiError QueueFull if too many frames wait for the engine.
 void RefuseWhenFull(const Intake& intake);
 
-// {id, sha256, state, reason?}.
+// {id, sha256, state, reason?, timestamp_us, time_source}.
 nlohmann::json FrameJson(const FrameRow& frame);
 
 }  // namespace freelsd

@@ -1,5 +1,6 @@
 #include "server/intake/frame_resolution.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/intake/checked_image.h"
@@ -28,6 +29,41 @@ std::optional<std::string> WhyTooFar(const GeoPoint& place, const std::string& r
 }
 
 }  // namespace
+
+CaptureTime CaptureTimeOf(const FrameRow& frame, const FrameMeta& meta) {
+  return CaptureTimeOf(
+      meta.timestamp_us, meta.time_source, {frame.arrived_at_us, !frame.is_from_batch});
+}
+
+std::vector<std::string> TimeWarnings(const std::vector<CaptureTime>& times,
+                                      int64_t arrived_at_us) {
+  // Cards are read sooner.
+  constexpr int64_t kDayUs = int64_t{86400} * 1000000, kMaxDaysOnCard = 30;
+  const auto has = [&times](const auto& is_it) {
+    return std::any_of(times.begin(), times.end(), is_it);
+  };
+  std::vector<std::string> warnings;
+  if (has([](const CaptureTime& time) { return !time.IsDated(); })) {
+    warnings.emplace_back(
+        "photographs have no usable date: when they show the ground is unknown, and they refresh "
+        "nothing");
+  }
+  if (has([](const CaptureTime& time) { return time.source == TimeSource::kCameraLocal; })) {
+    warnings.emplace_back(
+        "the times of photographs have no offset from UTC: they are uncertain by 14 hours");
+  }
+  CaptureTime newest;
+  newest.latest_us = 0;
+  for (const CaptureTime& time : times) {
+    if (time.IsDated()) newest = Newest(newest, time);
+  }
+  const int64_t num_days = (arrived_at_us - newest.latest_us) / kDayUs;
+  if (newest.IsDated() && num_days >= kMaxDaysOnCard) {
+    warnings.push_back("the newest photograph is dated " + std::to_string(num_days) +
+                       " days before it arrived: if it is new, the camera's clock is wrong");
+  }
+  return warnings;
+}
 
 FrameMeta KnownMeta(const Intake& intake,
                     const std::string& flight_id,

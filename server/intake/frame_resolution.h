@@ -1,8 +1,10 @@
 // Determines a frame's final metadata from three sources: the client, telemetry, the image's tags.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "api/api.h"
 #include "server/intake/state.h"
@@ -14,6 +16,11 @@ FrameMeta KnownMeta(const Intake& intake,
                     const std::string& flight_id,
                     const FrameMeta& given,
                     const FrameMeta& tags);
+
+// When the frame's photograph was taken. `meta` is merged.
+CaptureTime CaptureTimeOf(const FrameRow& frame, const FrameMeta& meta);
+// What is doubtful about the times of photographs that arrived together, for people.
+std::vector<std::string> TimeWarnings(const std::vector<CaptureTime>& times, int64_t arrived_at_us);
 
 // A frame's row with the pose that the engine uses, parsed once.
 struct PosedFrame {

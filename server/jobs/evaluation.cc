@@ -48,17 +48,6 @@ std::vector<RegionGroup> GroupsToEvaluate(const Snapshot& snapshot,
   return {{regions, AreaAround(regions, options.backend)}};
 }
 
-// When the newest of the block's photographs was taken.
-int64_t PhotographedAt(const Snapshot& snapshot, const AdjustedBlock& block) {
-  std::set<std::string> ids;
-  for (const AdjustedView& view : block.views) ids.insert(view.frame_id);
-  int64_t newest_us = 0;
-  for (const View& view : snapshot.views) {
-    if (ids.contains(view.frame_id)) newest_us = std::max(newest_us, view.timestamp_us);
-  }
-  return newest_us;
-}
-
 std::string DatumOf(const Service& service, const std::string& flight_id) {
   const std::optional<FlightRow> row = service.storage.flights.Find(flight_id);
   return row ? AltitudeDatumOf(*row) : "unknown";
@@ -66,13 +55,14 @@ std::string DatumOf(const Service& service, const std::string& flight_id) {
 
 EvaluatedFlight FlightOf(const Service& service,
                          const std::string& flight_id,
-                         const FlightSession& session,
+                         FlightSession& session,
                          const Snapshot& snapshot) {
   const std::string datum = DatumOf(service, flight_id);
   EvaluatedFlight flight{WithAltitudeDatum(session.request(), datum),
                          session.origin(),
                          session.Context(),
-                         snapshot.min_num_observations};
+                         snapshot.min_num_observations,
+                         session.TimesOfFrames()};
   flight.context.altitude_datum = datum;
   return flight;
 }
@@ -248,11 +238,8 @@ Evaluated Evaluate(const EvaluationTask& task, StagedMaps& maps, const Progress&
                                                 request.aircraft,
                                                 request.options,
                                                 Within(of_group, 0.0, kSitesDone));
-    const StagedMaps::Source source{flight.request,
-                                    flight.origin,
-                                    images,
-                                    task.session.model_digest(),
-                                    PhotographedAt(snapshot, evaluation.block)};
+    const StagedMaps::Source source{
+        flight.request, flight.origin, images, task.session.model_digest(), flight.times};
     if (is_first) StoreFirstSites(service, evaluation, source, flight, inputs);
     const std::string map_id = task.is_stored
                                    ? maps.Add(evaluation, source, Within(of_group, kSitesDone, 1.0))

@@ -41,6 +41,7 @@ std::vector<FrameResult> FlightSession::Give(const FrameRow& row,
   // A frame without a timestamp gets its sequence number instead.
   Frame frame = MakeFrame(row.id, image, meta, rig_.rig, local_frame_, row.sequence);
   const std::lock_guard lock(frontend_mutex_);
+  times_[row.id] = CaptureTimeOf(row, meta);
   std::vector<FrameResult> results = frontend_.Process(std::move(frame));
   AddReports(frontend_.TakeReports());
   cursor_ = row.sequence;
@@ -98,6 +99,11 @@ void FlightSession::StoreResults(const std::vector<FrameResult>& results,
 std::pair<Snapshot, int64_t> FlightSession::TakeSnapshot() {
   const std::lock_guard lock(frontend_mutex_);
   return {frontend_.TakeSnapshot(), cursor_};
+}
+
+CaptureTimes FlightSession::TimesOfFrames() {
+  const std::lock_guard lock(frontend_mutex_);
+  return times_;
 }
 
 void FlightSession::AddReports(const std::vector<StageReport>& reports) {

@@ -82,6 +82,8 @@ class FlightSession {
   bool IsStored() const { return num_steps_ == num_stored_steps_; }
   // With the sequence number of the last frame passed in before it was taken.
   std::pair<Snapshot, int64_t> TakeSnapshot();
+  // When each frame's photograph was taken, by frame.
+  CaptureTimes TimesOfFrames();
   void AddReports(const std::vector<StageReport>& reports);
   // Stores the flight's current regions, stages, warnings and ground altitude.
   void Store(Storage& storage);
@@ -117,9 +119,10 @@ class FlightSession {
   // Latest timestamp of a frame that was passed in. Only the frontend thread uses it.
   std::optional<int64_t> last_frame_us_;
 
-  // Guards frontend_.
+  // Guards frontend_ and times_.
   std::mutex frontend_mutex_;
   Frontend frontend_;
+  CaptureTimes times_;
   // Guards stages_ and notes_.
   std::mutex statistics_mutex_;
   std::map<std::string, StageSum> stages_;

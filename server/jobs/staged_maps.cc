@@ -14,9 +14,6 @@
 namespace freelsd {
 namespace {
 
-// An earlier timestamp comes from a camera whose clock was never set.
-constexpr int64_t kEarliestCaptureUs = 1262304000000000;  // 2010
-
 BlockQuality QualityOf(const AdjustedBlock& block) {
   BlockQuality quality;
   quality.rms_before_px = block.rms_before_px;
@@ -69,6 +66,13 @@ std::vector<MapView> ViewsOf(const AdjustedBlock& block, const StereoOptions& op
   return views;
 }
 
+bool Shows(const AdjustedBlock& block,
+           const AdjustedView& view,
+           const Eigen::Vector3d& place_in_world) {
+  const auto pixel = block.camera.ImageFromCamera(Inverse(view.world_from_camera) * place_in_world);
+  return view.is_connected && pixel && block.camera.IsInside(*pixel);
+}
+
 MapHead HeadOf(const Evaluation& evaluation, const StagedMaps::Source& source) {
   const ElevationMap& map = evaluation.map;
   MapHead head;
@@ -114,10 +118,21 @@ BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame) {
   return box;
 }
 
-int64_t SeenAt(int64_t photographed_at_us, int64_t now_us) {
-  const bool is_plausible =
-      photographed_at_us >= kEarliestCaptureUs && photographed_at_us <= now_us;
-  return is_plausible ? photographed_at_us : now_us;
+CaptureTime SeenAt(const AdjustedBlock& block,
+                   const CaptureTimes& times,
+                   const std::optional<Eigen::Vector3d>& place_in_world) {
+  std::optional<CaptureTime> newest;
+  for (const AdjustedView& view : block.views) {
+    const auto time = times.find(view.frame_id);
+    if (time == times.end() || (place_in_world && !Shows(block, view, *place_in_world))) continue;
+    newest = newest ? Newest(*newest, time->second) : time->second;
+  }
+  if (newest) return *newest;
+  return place_in_world ? SeenAt(block, times) : CaptureTime();
+}
+
+std::optional<int64_t> SeenUntil(const CaptureTime& seen, int64_t now_us) {
+  return seen.IsExact() ? std::nullopt : std::optional(std::min(seen.latest_us, now_us));
 }
 
 StagedMaps::~StagedMaps() {
@@ -143,7 +158,9 @@ std::string StagedMaps::AddMap(const Evaluation& evaluation, const Source& sourc
   row.altitude_datum = context_.altitude_datum;
   row.box = BoxOf(evaluation.map.grid, context_.local_frame);
   row.updated_at_us = NowUs();
-  row.seen_at_us = SeenAt(source.photographed_at_us, row.updated_at_us);
+  const CaptureTime seen = SeenAt(evaluation.block, source.times);
+  row.seen_at_us = seen.earliest_us;
+  row.seen_until_us = SeenUntil(seen, row.updated_at_us);
   rows_.push_back(row);
   digests_[row.id] = StageMap(service_.storage,
                               row,

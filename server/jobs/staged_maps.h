@@ -1,7 +1,9 @@
 // Maps of an evaluation on their way to storage. Private to work.
 #pragma once
 
+#include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,9 +17,12 @@ namespace freelsd {
 // WGS84 box around the grid; west > east if it crosses the antimeridian.
 BoundingBox BoxOf(const Grid& grid, const LocalFrame& local_frame);
 
-// When the ground was last photographed: the photographs' own time if it is plausible, because an
-// old flight may be uploaded today; else now, the latest possible time.
-int64_t SeenAt(int64_t photographed_at_us, int64_t now_us);
+// When the newest of the block's photographs was taken, or of those that show a place.
+CaptureTime SeenAt(const AdjustedBlock& block,
+                   const CaptureTimes& times,
+                   const std::optional<Eigen::Vector3d>& place_in_world = std::nullopt);
+// As in a row that is written now. Empty if the time is exact.
+std::optional<int64_t> SeenUntil(const CaptureTime& seen, int64_t now_us);
 
 // Maps that an evaluation has stored but that do not count yet. The destructor removes those that
 // were not taken.
@@ -37,8 +42,7 @@ class StagedMaps {
     const ImageSource& images;
     // SHA-256 of the grass model's file.
     const std::string& model_digest;
-    // When the newest photograph was taken.
-    int64_t photographed_at_us = 0;
+    const CaptureTimes& times;
   };
   // Stores the evaluation's map with its picture and returns its id; empty if nothing was
   // reconstructed. Throws std::runtime_error("cancelled") if `progress` returned false.

@@ -279,10 +279,12 @@ void Worker::WatchStrips(FlightSession& session, const FrameRow& frame) {
   Service& service = ServiceOf(frame.flight_id);
   const std::optional<View> view = session.FindView(frame.id);
   const std::optional<FlightRow> flight = service.storage.flights.Find(frame.flight_id);
-  if (!view || !flight) return;
+  const CaptureTime time =
+      CaptureTimeOf(frame, ParseStoredPose(frame.resolved_json, frame.meta_json, frame.tags_json));
+  if (!view || !flight || !time.IsDated()) return;
   const PlacedPhoto photo{frame.flight_id,
                           frame.id,
-                          SeenAt(view->timestamp_us, NowUs()),
+                          time.earliest_us,
                           session.camera().With(view->readout),
                           view->world_from_camera,
                           session.origin(),

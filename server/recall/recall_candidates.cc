@@ -72,6 +72,10 @@ RecallCandidate CandidateOf(const EmergencyRequest& request,
   return candidate;
 }
 
+double SortAgeS(const RecallCandidate& candidate) {
+  return candidate.age_s.value_or(std::numeric_limits<double>::infinity());
+}
+
 int MarginStep(double margin_m) {
   return static_cast<int>(std::floor(std::clamp(margin_m, -1e6, kPlentyMarginM) / kMarginStepM));
 }
@@ -88,7 +92,8 @@ bool IsMorePromising(const RecallCandidate& a, const RecallCandidate& b) {
     return std::tuple(-MarginStep(candidate.expected_margin_m),
                       !candidate.row->data.is_landable,
                       -candidate.score,
-                      candidate.age_s,
+                      SortAgeS(candidate),
+                      -candidate.row->data.score,
                       candidate.distance_m,
                       std::string_view(candidate.row->site_id));
   };
@@ -123,11 +128,20 @@ std::optional<Aircraft> AircraftOf(const EmergencyRequest& request,
   }
 }
 
-double GroundAgeS(int64_t seen_at_us, int64_t now_us) {
+std::optional<double> GroundAgeS(int64_t seen_at_us, int64_t now_us) {
+  if (seen_at_us == 0) return std::nullopt;
   return std::max(0.0, static_cast<double>(now_us - seen_at_us) * 1e-6);
 }
 
-double ScoreLeft(double age_s) { return std::exp2(-age_s / kScoreHalfLifeS); }
+nlohmann::json GroundAgeJson(int64_t seen_at_us, int64_t now_us) {
+  const std::optional<double> age_s = GroundAgeS(seen_at_us, now_us);
+  if (!age_s) return {{"last_seen_at", nullptr}, {"age_s", nullptr}};
+  return {{"last_seen_at", Rfc3339(seen_at_us)}, {"age_s", *age_s}};
+}
+
+double ScoreLeft(const std::optional<double>& age_s) {
+  return age_s ? std::exp2(-*age_s / kScoreHalfLifeS) : 0.0;
+}
 
 BoundingBox BoxAround(const GeoPoint& place, double reach_m) {
   const double dlat_deg = reach_m / kMetresPerDegree;
@@ -194,7 +208,8 @@ bool IsBetter(double margin_a,
   }
   if (landable_a != landable_b) return landable_a;
   if (a.score != b.score) return a.score > b.score;
-  if (a.age_s != b.age_s) return a.age_s < b.age_s;
+  if (a.age_s != b.age_s) return SortAgeS(a) < SortAgeS(b);
+  if (a.row->data.score != b.row->data.score) return a.row->data.score > b.row->data.score;
   if (a.distance_m != b.distance_m) return a.distance_m < b.distance_m;
   return a.row->site_id < b.row->site_id;
 }

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "engine/glide/glide.h"
 #include "server/recall/altitude_datum.h"
 #include "server/recall/recall_sites.h"
@@ -21,10 +23,13 @@ constexpr double kMaxReachM = 100000.0;
 
 // A site's score halves in this time, because ground changes.
 constexpr double kScoreHalfLifeS = 365.0 * 24.0 * 3600.0;
-// Time since the ground was last photographed, seconds. 0 for a time in the future.
-double GroundAgeS(int64_t seen_at_us, int64_t now_us);
-// The share of a score that is left at this age of the ground.
-double ScoreLeft(double age_s);
+// Time since the ground was last photographed, seconds. 0 for a time in the future; nothing if
+// seen_at_us is 0, an unknown time.
+std::optional<double> GroundAgeS(int64_t seen_at_us, int64_t now_us);
+// {last_seen_at, age_s}; both are null if the time is unknown.
+nlohmann::json GroundAgeJson(int64_t seen_at_us, int64_t now_us);
+// The share of a score that is left at this age of the ground. None at an unknown age.
+double ScoreLeft(const std::optional<double>& age_s);
 
 // An aircraft without power, and a text that differs from aircraft to aircraft.
 struct GlidingAircraft {
@@ -57,7 +62,8 @@ struct RecallCandidate {
   double distance_m = 0.0;
   DatumDifference datum;
   double score = 0.0;
-  double age_s = 0.0;
+  // Empty: unknown. It ranks behind any known age.
+  std::optional<double> age_s;
   // Upper bound of the arrival margin: the height on arrival above the start of the final.
   double best_margin_m = 0.0;
   // Estimate of the arrival margin, for a glide straight to the site.
@@ -95,7 +101,7 @@ bool IsSurelyNotBetter(const RecallCandidate& candidate,
                        const RecallCandidate& reached);
 
 // True if site `a` ranks before site `b` in an answer. The order is by arrival margin (in steps),
-// then verdict, then score (reduced with age), then age, then distance.
+// then verdict, then score (reduced with age), then age, then the score when stored, then distance.
 bool IsBetter(double margin_a,
               bool landable_a,
               const RecallCandidate& a,

@@ -58,14 +58,13 @@ nlohmann::json AnswerOf(const RecallCandidate& candidate,
                         {"time_s", task.worst.time_s},
                         {"score", candidate.score},
                         {"score_when_stored", candidate.row->data.score},
-                        {"age_s", candidate.age_s},
                         {"updated_at", Rfc3339(candidate.row->updated_at_us)},
-                        {"last_seen_at", Rfc3339(candidate.row->seen_at_us)},
                         {"altitude_datum", candidate.row->data.altitude_datum},
                         {"aircraft", AircraftJson(task.aircraft)},
                         {"warnings", LimitsWarnings(task.aircraft)},
                         {"touchdown", PlaceOf(touchdown)},
                         {"approach", ApproachOf(plan, context)}};
+  answer.update(GroundAgeJson(candidate.row->seen_at_us, NowUs()));
   if (plan.risk) answer["failure_probability"] = plan.risk->failure_probability;
   if (plan.approach->ground_speed) answer["ground_speed_mps"] = *plan.approach->ground_speed;
   return answer;
@@ -173,7 +172,8 @@ nlohmann::json RecallSites(const StoredSites& stored, const EmergencyRequest& re
   if (const int64_t count =
           stored.storage.sites.CountOverruled(BoxAround(request.place, search.reach_m))) {
     warnings.push_back(std::to_string(count) +
-                       " sites nearby are left out: their stored approach fails on a later map");
+                       " sites nearby are left out: their stored approach fails on a map that is "
+                       "later, or may be");
   }
   if (search.is_cut_short) warnings.push_back("not every stored site in reach was evaluated");
   answer["warnings"] = warnings;

@@ -49,16 +49,14 @@ struct Change {
   std::optional<NewOwnMap> new_own_map;
 };
 
-MapRow RowOf(const FlightMapRow& map) {
-  return {map.id, map.flight_id, 0, map.altitude_datum, map.seen_at_us, true};
-}
-
-// Of the maps on which the plan fails, the newest one supersedes the site. Of the maps on which it
-// holds, the newest one confirms the site. The order of the checks therefore does not matter.
+// Of the maps on which the plan fails, the newest one supersedes the site, and one whose order is
+// not known only if there is no other. Of the maps on which it holds, the newest one confirms the
+// site. The order of the checks therefore does not matter.
 Standing With(Standing standing,
               const PlanCheck& check,
               const MapRow& map,
-              const std::string& shown_id) {
+              const std::string& shown_id,
+              bool is_later) {
   if (check.verdict == PlanVerdict::kHolds) {
     standing.confirmed_at_us =
         std::max(standing.confirmed_at_us.value_or(map.seen_at_us), map.seen_at_us);
@@ -67,12 +65,13 @@ Standing With(Standing standing,
   const std::string& present = standing.superseded_by_map.empty()
                                    ? standing.superseded_by.value_or("")
                                    : standing.superseded_by_map;
-  const bool is_newest = !standing.superseded_by || std::tie(standing.superseded_at_us, present) <
-                                                        std::tie(map.seen_at_us, map.id);
+  const int64_t since_us = is_later ? map.seen_at_us : 0;
+  const bool is_newest = !standing.superseded_by ||
+                         std::tie(standing.superseded_at_us, present) < std::tie(since_us, map.id);
   if (!is_newest) return standing;
   standing.superseded_by = shown_id;
   standing.superseded_by_map = map.is_of_flight ? map.id : "";
-  standing.superseded_at_us = map.seen_at_us;
+  standing.superseded_at_us = since_us;
   standing.superseded_reason = NameOf(*check.reason);
   standing.superseded_detail = check.detail;
   return standing;
@@ -109,8 +108,14 @@ class Checks {
     }
     if (!change_.new_own_map) return standing;
     const auto& [newer, origin, site_map] = *change_.new_own_map;
-    const MapRow map{newer.id, newer.flight_id, newer.updated_at_us, {}, newer.seen_at_us, false};
-    if (!IsLater(map, site)) return standing;
+    const MapRow map{newer.id,
+                     newer.flight_id,
+                     newer.updated_at_us,
+                     {},
+                     newer.seen_at_us,
+                     false,
+                     newer.seen_until_us};
+    if (!MayBeLater(map, site)) return standing;
     return WithCheck(std::move(standing), CheckPlan(plan, origin, site_map), site, map, newer.id);
   }
 
@@ -118,7 +123,7 @@ class Checks {
                  const SiteRow& site,
                  const StoredPlan& plan,
                  const MapRow& map) const {
-    if (!IsLater(map, site)) return standing;
+    if (!MayBeLater(map, site)) return standing;
     const auto check = CheckPlanOn(stored_, plan, map);
     if (!check) return standing;
     const std::string shown_id = map.is_of_flight ? ShownId(map, plan.site.touchdown) : map.id;
@@ -133,7 +138,7 @@ class Checks {
                      const std::string& shown_id) const {
     const bool is_confirmed = check.verdict == PlanVerdict::kHolds;
     if (is_confirmed && !IsLaterThanMap(stored_, map, site)) return standing;
-    return With(std::move(standing), check, map, shown_id);
+    return With(std::move(standing), check, map, shown_id, IsLater(map, site));
   }
 
   // The site of the map that is nearest to the place, else the flight.
@@ -216,8 +221,9 @@ class NewStandings {
 void Report(MapCache& maps, const std::string& site_id, const Standing& standing) {
   if (!standing.superseded_by) return;
   maps.DropPlans(site_id);
-  spdlog::info("site {} is superseded by {}: {}: {}",
+  spdlog::info("site {} is {} by {}: {}: {}",
                site_id,
+               standing.IsContested() ? "contested" : "superseded",
                *standing.superseded_by,
                standing.superseded_reason,
                standing.superseded_detail);

@@ -96,7 +96,8 @@ MovedTable Maps() {
                             {"east_deg", kReal},
                             {"north_deg", kReal},
                             {"updated_at_us", kInt},
-                            {"seen_at_us", kInt}},
+                            {"seen_at_us", kInt},
+                            {"coalesce(seen_until_us, 0)", kInt}},
                            "id");
   table.from_postgres = " FROM maps WHERE is_in_force ORDER BY id";
   table.from_sqlite = " FROM maps WHERE is_in_force = 1 ORDER BY id";
@@ -130,6 +131,7 @@ MovedTable Sites() {
                             {"replan_json", kText},
                             {"updated_at_us", kInt},
                             {"seen_at_us", kInt},
+                            {"coalesce(seen_until_us, 0)", kInt},
                             {"coalesce(superseded_by, '')", kText},
                             {"superseded_by_map", kText},
                             {"coalesce(superseded_at_us, 0)", kInt},

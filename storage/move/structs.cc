@@ -55,6 +55,7 @@ SiteRow SiteIn(const MovedRow& row) {
   site.replan_json = cursor.Text();
   site.updated_at_us = cursor.Int();
   site.seen_at_us = cursor.Int();
+  site.seen_until_us = cursor.OptionalInt();
   static_cast<Standing&>(site) = StandingIn(cursor);
   const bool is_recallable = cursor.Bool();
   RecallData data;
@@ -80,6 +81,7 @@ FlightMapRow MapIn(const MovedRow& row) {
   map.box = cursor.Box();
   map.updated_at_us = cursor.Int();
   map.seen_at_us = cursor.Int();
+  map.seen_until_us = cursor.OptionalInt();
   return map;
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr char kSelectMaps[] =
     "SELECT id, flight_id, head_json, altitude_datum, west_deg, south_deg, east_deg, north_deg, "
-    "updated_at_us, seen_at_us FROM maps ";
+    "updated_at_us, seen_at_us, seen_until_us FROM maps ";
 
 FlightMapRow MapRowOf(const PostgresRow& row) {
   FlightMapRow map;
@@ -21,6 +21,7 @@ FlightMapRow MapRowOf(const PostgresRow& row) {
   map.box = {row.Real(4), row.Real(5), row.Real(6), row.Real(7)};
   map.updated_at_us = row.Int(8);
   map.seen_at_us = row.Int(9);
+  map.seen_until_us = row.OptionalInt(10);
   return map;
 }
 
@@ -28,9 +29,9 @@ FlightMapRow MapRowOf(const PostgresRow& row) {
 void InsertStagedMap(PostgresConnection& writer, const FlightMapRow& map) {
   writer.Run(
       "INSERT INTO maps (id, flight_id, number, head_json, altitude_datum, west_deg, south_deg, "
-      "east_deg, north_deg, updated_at_us, seen_at_us, is_in_force) "
+      "east_deg, north_deg, updated_at_us, seen_at_us, is_in_force, seen_until_us) "
       "VALUES ($1, $2, coalesce(substring($1 from '/([0-9]+)$')::bigint, 0), $3, $4, $5, $6, $7, "
-      "$8, $9, $10, false)",
+      "$8, $9, $10, false, nullif($11, 0))",
       map.id,
       map.flight_id,
       map.head_json,
@@ -40,7 +41,8 @@ void InsertStagedMap(PostgresConnection& writer, const FlightMapRow& map) {
       map.box.east_deg,
       map.box.north_deg,
       map.updated_at_us,
-      map.seen_at_us);
+      map.seen_at_us,
+      map.seen_until_us.value_or(0));
   PutMapArea(writer, map.id, map.box);
 }
 

@@ -49,14 +49,20 @@ Boxed<RecallRow> BoxedRecallRow(const PostgresRow& row) {
   site.updated_at_us = row.Int(5);
   site.seen_at_us = std::max(row.Int(6), row.OptionalInt(7).value_or(row.Int(6)));
   site.data = {row.Bool(8), row.Real(9), row.Text(10), row.Real(11), row.Text(12)};
+  site.seen_until_us = row.OptionalInt(17);
   return {BoxAt(row, 13), std::make_shared<const RecallRow>(std::move(site))};
 }
 
 // Of a flight's map, or of a site's own.
 Boxed<MapRow> BoxedMapRow(const PostgresRow& row) {
   return {BoxAt(row, 6),
-          std::make_shared<const MapRow>(
-              MapRow{row.Text(0), row.Text(1), row.Int(2), row.Text(3), row.Int(4), row.Bool(5)})};
+          std::make_shared<const MapRow>(MapRow{row.Text(0),
+                                                row.Text(1),
+                                                row.Int(2),
+                                                row.Text(3),
+                                                row.Int(4),
+                                                row.Bool(5),
+                                                row.OptionalInt(10)})};
 }
 
 }  // namespace
@@ -64,7 +70,8 @@ Boxed<MapRow> BoxedMapRow(const PostgresRow& row) {
 const char* const kSiteColumns =
     "id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
     "replan_json, updated_at_us, seen_at_us, map_id, superseded_by, superseded_at_us, "
-    "superseded_reason, superseded_detail, confirmed_at_us, is_checked, superseded_by_map";
+    "superseded_reason, superseded_detail, confirmed_at_us, is_checked, superseded_by_map, "
+    "seen_until_us";
 
 SiteRow SiteRowOf(const PostgresRow& row) {
   SiteRow site;
@@ -80,6 +87,7 @@ SiteRow SiteRowOf(const PostgresRow& row) {
   site.seen_at_us = row.Int(9);
   site.map_id = row.Text(10);
   static_cast<Standing&>(site) = StandingOf(row, 11);
+  site.seen_until_us = row.OptionalInt(18);
   return site;
 }
 
@@ -88,7 +96,7 @@ const char* const kRecallColumns =
     "south_deg, east_deg, north_deg";
 
 SiteRow WholeSiteRowOf(const PostgresRow& row) {
-  constexpr int kFirst = 18;
+  constexpr int kFirst = 19;
   SiteRow site = SiteRowOf(row);
   site.map_datum = row.Text(kFirst + 3);
   if (row.Bool(kFirst)) {
@@ -112,13 +120,14 @@ void PutSite(PostgresConnection& writer, const SiteRow& site, std::string_view m
       "INSERT INTO sites (id, flight_id, region_id, map_id, latitude_deg, longitude_deg, "
       "feature_json, approach_json, replan_json, updated_at_us, seen_at_us, is_recallable, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, west_deg, south_deg, "
-      "east_deg, north_deg) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, $12, $13, $14, "
-      "$15, $16, $17, $18, $19, $20, $21) ON CONFLICT (id) DO UPDATE SET flight_id = $2, "
+      "east_deg, north_deg, seen_until_us) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, $11, "
+      "$12, $13, $14, $15, $16, $17, $18, $19, $20, $21, nullif($22, 0)) ON CONFLICT (id) DO "
+      "UPDATE SET flight_id = $2, "
       "region_id = $3, map_id = $4, latitude_deg = $5, longitude_deg = $6, feature_json = $7, "
       "approach_json = $8, replan_json = $9, updated_at_us = $10, seen_at_us = $11, "
       "is_recallable = $12, is_landable = $13, altitude_m = $14, altitude_datum = $15, "
       "score = $16, aircraft_json = $17, west_deg = $18, south_deg = $19, east_deg = $20, "
-      "north_deg = $21",
+      "north_deg = $21, seen_until_us = nullif($22, 0)",
       site.id,
       site.flight_id,
       site.region_id,
@@ -139,7 +148,8 @@ void PutSite(PostgresConnection& writer, const SiteRow& site, std::string_view m
       box.west_deg,
       box.south_deg,
       box.east_deg,
-      box.north_deg);
+      box.north_deg,
+      site.seen_until_us.value_or(0));
   PutSiteArea(writer, site.id, box);
   PutSiteStandings(writer, {{site.id, site}});
   PutSiteMap(writer, site.id, map_blob);
@@ -167,7 +177,7 @@ BoxCache<RecallRow>::Rows SelectRecallRows(PostgresConnection& connection, const
              connection,
              "SELECT id, flight_id, map_id, latitude_deg, longitude_deg, updated_at_us, "
              "seen_at_us, confirmed_at_us, is_landable, altitude_m, altitude_datum, score, "
-             "aircraft_json, west_deg, south_deg, east_deg, north_deg FROM sites "
+             "aircraft_json, west_deg, south_deg, east_deg, north_deg, seen_until_us FROM sites "
              "WHERE is_recallable AND superseded_by IS NULL AND id IN",
              box)
       .Each(BoxedRecallRow);
@@ -188,14 +198,14 @@ BoxCache<MapRow>::Rows SelectMapRows(PostgresConnection& connection, const Bound
   BoxCache<MapRow>::Rows rows =
       SelectMapsMeeting(connection,
                         "SELECT id, flight_id, 0::bigint, altitude_datum, seen_at_us, true, "
-                        "west_deg, south_deg, east_deg, north_deg FROM maps "
+                        "west_deg, south_deg, east_deg, north_deg, seen_until_us FROM maps "
                         "WHERE is_in_force AND id IN",
                         box)
           .Each(BoxedMapRow);
   BoxCache<MapRow>::Rows own =
       SelectSitesMeeting(connection,
                          "SELECT id, flight_id, updated_at_us, altitude_datum, seen_at_us, false, "
-                         "west_deg, south_deg, east_deg, north_deg FROM sites "
+                         "west_deg, south_deg, east_deg, north_deg, seen_until_us FROM sites "
                          "WHERE map_id = '' AND id IN",
                          box)
           .Each(BoxedMapRow);

@@ -12,11 +12,12 @@ namespace {
 
 constexpr char kSelect[] =
     "SELECT id, flight_id, head_json, altitude_datum, west_deg, south_deg, east_deg, north_deg, "
-    "updated_at_us, seen_at_us, checksum FROM maps ";
+    "updated_at_us, seen_at_us, checksum, seen_until_us FROM maps ";
 
 int64_t ChecksumOf(const FlightMapRow& map) {
-  return Checksum()
-      .Add(map.id)
+  Checksum checksum;
+  if (map.seen_until_us) checksum.Add(*map.seen_until_us);
+  return checksum.Add(map.id)
       .Add(map.flight_id)
       .Add(map.head_json)
       .Add(map.altitude_datum)
@@ -42,6 +43,7 @@ FlightMapRow MapRowOf(const Statement& statement) {
   map.box = {statement.Real(4), statement.Real(5), statement.Real(6), statement.Real(7)};
   map.updated_at_us = statement.Int(8);
   map.seen_at_us = statement.Int(9);
+  map.seen_until_us = statement.OptionalInt(11);
   if (statement.Int(10) == ChecksumOf(map)) return map;
   throw StorageError("read a map", "its checksum is wrong", StorageFault::kDamaged);
 }
@@ -77,8 +79,9 @@ void PutMapRow(const Connection& writer, const FlightMapRow& map, bool is_in_for
   writer
       .Prepare(
           "INSERT INTO maps (id, flight_id, number, head_json, altitude_datum, west_deg, "
-          "south_deg, east_deg, north_deg, updated_at_us, seen_at_us, is_in_force, checksum) "
-          "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)")
+          "south_deg, east_deg, north_deg, updated_at_us, seen_at_us, is_in_force, checksum, "
+          "seen_until_us) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, "
+          "nullif(?14, 0))")
       .Bind(map.id,
             map.flight_id,
             NumberOf(map.id),
@@ -91,7 +94,8 @@ void PutMapRow(const Connection& writer, const FlightMapRow& map, bool is_in_for
             map.updated_at_us,
             map.seen_at_us,
             static_cast<int>(is_in_force),
-            ChecksumOf(map))
+            ChecksumOf(map),
+            map.seen_until_us.value_or(0))
       .Run();
 }
 
@@ -174,9 +178,7 @@ BoxCache<MapRow>::Rows ListFlightMapRows(const Connection& connection, const Bou
   BoxCache<MapRow>::Rows rows;
   while (statement.Step()) {
     const FlightMapRow map = MapRowOf(statement);
-    rows.push_back({map.box,
-                    std::make_shared<const MapRow>(MapRow{
-                        map.id, map.flight_id, 0, map.altitude_datum, map.seen_at_us, true})});
+    rows.push_back({map.box, std::make_shared<const MapRow>(RowOf(map))});
   }
   return rows;
 }

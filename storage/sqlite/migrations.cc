@@ -315,6 +315,11 @@ INSERT INTO told_changes SELECT 2, id, 0, updated_at_us, west_deg, south_deg, ea
 constexpr char kFrom9To10[] =
     "CREATE INDEX site_numbers_by_aircraft ON site_numbers (aircraft_json) WHERE is_recallable = 1";
 
+constexpr char kFrom10To11[] = R"sql(
+ALTER TABLE sites ADD COLUMN seen_until_us INTEGER;
+ALTER TABLE maps ADD COLUMN seen_until_us INTEGER;
+)sql";
+
 }  // namespace
 
 void Migrate(const Connection& writer, int64_t version) {
@@ -327,6 +332,7 @@ void Migrate(const Connection& writer, int64_t version) {
   if (version < 8) writer.Execute(kFrom7To8);
   if (version < 9) writer.Execute(kFrom8To9);
   if (version < 10) writer.Execute(kFrom9To10);
+  if (version < 11) writer.Execute(kFrom10To11);
 }
 
 }  // namespace freelsd

@@ -7,7 +7,7 @@
 
 namespace freelsd {
 
-constexpr int kSchemaVersion = 10;
+constexpr int kSchemaVersion = 11;
 
 // Stored as application_id beside user_version. A newer program wrote the file only if both fields
 // give the same newer version; if only one of them gives a newer version, the file is damaged.

@@ -88,14 +88,15 @@ CREATE TABLE sites (
   updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
   checksum INTEGER,                          -- of the row; NULL: not computed
   superseded_by TEXT,                        -- id of the site on whose later map the stored plan fails, else of the flight
-  seen_at_us INTEGER NOT NULL DEFAULT 0,     -- when the ground of its map was last photographed, microseconds since 1970
-  superseded_at_us INTEGER,                  -- when the ground of superseded_by was photographed; NULL: not superseded
+  seen_at_us INTEGER NOT NULL DEFAULT 0,     -- when the ground of its map was last photographed, microseconds since 1970; 0: unknown
+  superseded_at_us INTEGER,                  -- when the ground of superseded_by was photographed; NULL: not superseded, or order unknown
   superseded_reason TEXT NOT NULL DEFAULT '',  -- the rule that the plan breaks there, as reject_reason; '' for none
   superseded_detail TEXT NOT NULL DEFAULT '',  -- a sentence with numbers; '' for none
   confirmed_at_us INTEGER,                   -- when the ground was photographed of the last later map where the plan holds
   is_checked INTEGER NOT NULL DEFAULT 0,     -- 0: the plan was never checked on later maps
   map_id TEXT NOT NULL DEFAULT '',           -- of maps; '': the site's own map in site_maps, or none
-  superseded_by_map TEXT NOT NULL DEFAULT ''  -- the later map, if it is one of maps
+  superseded_by_map TEXT NOT NULL DEFAULT '',  -- the later map, if it is one of maps
+  seen_until_us INTEGER                      -- latest possible time, where seen_at_us is the earliest; NULL: seen_at_us is exact
 ) STRICT;
 CREATE INDEX sites_by_map ON sites (map_id) WHERE map_id <> '';
 CREATE INDEX sites_superseded_by_map ON sites (superseded_by_map) WHERE superseded_by_map <> '';
@@ -143,9 +144,10 @@ CREATE TABLE maps (
   east_deg REAL NOT NULL,                    -- WGS84 degrees
   north_deg REAL NOT NULL,                   -- WGS84 degrees
   updated_at_us INTEGER NOT NULL,            -- microseconds since 1970
-  seen_at_us INTEGER NOT NULL,               -- when the ground was last photographed, microseconds since 1970
+  seen_at_us INTEGER NOT NULL,               -- when the ground was last photographed, microseconds since 1970; 0: unknown
   is_in_force INTEGER NOT NULL,              -- 0: an unfinished evaluation writes it
-  checksum INTEGER NOT NULL                  -- of the row, without is_in_force
+  checksum INTEGER NOT NULL,                 -- of the row, without is_in_force
+  seen_until_us INTEGER                      -- as in sites
 ) STRICT;
 CREATE UNIQUE INDEX maps_by_flight ON maps (flight_id, number);
 CREATE INDEX maps_by_latitude ON maps (south_deg, north_deg) WHERE is_in_force = 1;

@@ -18,6 +18,7 @@ int64_t ChecksumOf(const SiteRow& site) {
   Checksum checksum;
   // Rows of older programs have no map's id.
   if (!site.map_id.empty()) checksum.Add(site.map_id);
+  if (site.seen_until_us) checksum.Add(*site.seen_until_us);
   return checksum.Add(site.id)
       .Add(site.flight_id)
       .Add(site.region_id)
@@ -34,6 +35,7 @@ int64_t ChecksumOf(const SiteRow& site) {
 int64_t ChecksumOf(const RecallRow& row) {
   Checksum checksum;
   if (!row.map_id.empty()) checksum.Add(row.map_id);
+  if (row.seen_until_us) checksum.Add(*row.seen_until_us);
   return checksum.Add(row.site_id)
       .Add(row.latitude_deg)
       .Add(row.longitude_deg)
@@ -70,14 +72,15 @@ SiteRow RowOf(const Statement& statement) {
   site.updated_at_us = statement.Int(8);
   site.seen_at_us = statement.Int(10);
   site.map_id = statement.Text(11);
-  static_cast<Standing&>(site) = StandingAt(statement, 12);
+  site.seen_until_us = statement.OptionalInt(12);
+  static_cast<Standing&>(site) = StandingAt(statement, 13);
   return Checked(site, statement, 9);
 }
 
 Statement SelectSites(const Connection& connection, const std::string& which) {
   const std::string select =
       "SELECT id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, approach_json, "
-      "replan_json, updated_at_us, checksum, seen_at_us, map_id, " +
+      "replan_json, updated_at_us, checksum, seen_at_us, map_id, seen_until_us, " +
       std::string(kStandingColumns) + " FROM sites ";
   return connection.Prepare((select + which).c_str());
 }
@@ -104,6 +107,7 @@ RecallRow RecallRowOf(const Statement& statement) {
               statement.Real(9),
               statement.Text(10)};
   row.map_id = statement.Text(13);
+  row.seen_until_us = statement.OptionalInt(14);
   row = Checked(row, statement, 11);
   // Changed only after the checksum was compared, because the checksum covers the stored value.
   row.seen_at_us = std::max(row.seen_at_us, statement.OptionalInt(12).value_or(row.seen_at_us));
@@ -114,11 +118,13 @@ void PutSiteRow(const Connection& writer, const SiteRow& site) {
   writer
       .Prepare(
           "INSERT INTO sites (id, flight_id, region_id, latitude_deg, longitude_deg, feature_json, "
-          "approach_json, replan_json, updated_at_us, checksum, seen_at_us, map_id) VALUES (?1, "
-          "?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12) ON CONFLICT (id) DO UPDATE SET "
+          "approach_json, replan_json, updated_at_us, checksum, seen_at_us, map_id, "
+          "seen_until_us) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, "
+          "nullif(?13, 0)) ON CONFLICT (id) DO UPDATE SET "
           "flight_id = ?2, region_id = ?3, latitude_deg = ?4, longitude_deg = ?5, feature_json = "
           "?6, approach_json = ?7, "
-          "replan_json = ?8, updated_at_us = ?9, checksum = ?10, seen_at_us = ?11, map_id = ?12")
+          "replan_json = ?8, updated_at_us = ?9, checksum = ?10, seen_at_us = ?11, map_id = ?12, "
+          "seen_until_us = nullif(?13, 0)")
       .Bind(site.id,
             site.flight_id,
             site.region_id,
@@ -130,7 +136,8 @@ void PutSiteRow(const Connection& writer, const SiteRow& site) {
             site.updated_at_us,
             ChecksumOf(site),
             site.seen_at_us,
-            site.map_id)
+            site.map_id,
+            site.seen_until_us.value_or(0))
       .Run();
 }
 
@@ -159,7 +166,8 @@ void PutRecall(const Connection& writer, const SiteRow& site) {
                       site.longitude_deg,
                       site.updated_at_us,
                       site.seen_at_us,
-                      data};
+                      data,
+                      site.seen_until_us};
   writer
       .Prepare(
           "INSERT INTO site_numbers (site_id, is_recallable, is_landable, altitude_m, "
@@ -207,15 +215,16 @@ std::optional<SiteRow> FindWholeSiteRow(const Connection& connection, const std:
   Statement recall = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "confirmed_at_us, map_id, is_recallable, west_deg, south_deg, east_deg, north_deg "
+      "confirmed_at_us, map_id, seen_until_us, is_recallable, west_deg, south_deg, east_deg, "
+      "north_deg "
       "FROM site_numbers "
       "JOIN sites ON sites.id = site_id "
       "JOIN site_boxes USING (number) WHERE site_id = ?1");
   if (!recall.Bind(site_id).Step()) return site;
   const RecallData data = RecallRowOf(recall).data;
   site.map_datum = data.altitude_datum;
-  if (recall.Int(14) != 0) site.recall = data;
-  site.map_box = BoxOf(recall, 15);
+  if (recall.Int(15) != 0) site.recall = data;
+  site.map_box = BoxOf(recall, 16);
   return site;
 }
 
@@ -266,13 +275,14 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
       connection,
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "confirmed_at_us, map_id, west_deg, south_deg, east_deg, north_deg FROM site_boxes "
+      "confirmed_at_us, map_id, seen_until_us, west_deg, south_deg, east_deg, north_deg FROM "
+      "site_boxes "
       "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
       "WHERE is_recallable = 1 AND superseded_by IS NULL AND",
       box,
       [&rows](const Statement& statement) {
         rows.push_back(
-            {BoxOf(statement, 14), std::make_shared<const RecallRow>(RecallRowOf(statement))});
+            {BoxOf(statement, 15), std::make_shared<const RecallRow>(RecallRowOf(statement))});
       });
   return rows;
 }
@@ -282,7 +292,7 @@ BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingB
   ForEachMeeting(
       connection,
       "SELECT sites.id, flight_id, updated_at_us, altitude_datum, seen_at_us, west_deg, south_deg, "
-      "east_deg, north_deg FROM site_boxes JOIN site_numbers USING (number) "
+      "east_deg, north_deg, seen_until_us FROM site_boxes JOIN site_numbers USING (number) "
       "JOIN sites ON sites.id = site_id WHERE map_id = '' AND",
       box,
       [&rows](const Statement& statement) {
@@ -292,7 +302,8 @@ BoxCache<MapRow>::Rows ListMapRows(const Connection& connection, const BoundingB
                                                               statement.Int(2),
                                                               statement.Text(3),
                                                               statement.Int(4),
-                                                              false})});
+                                                              false,
+                                                              statement.OptionalInt(9)})});
       });
   return rows;
 }
@@ -345,11 +356,12 @@ void CheckSiteRows(const Connection& connection) {
   Statement recall = connection.Prepare(
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "confirmed_at_us, map_id, site_boxes.number FROM sites LEFT JOIN site_numbers ON site_id = "
+      "confirmed_at_us, map_id, seen_until_us, site_boxes.number FROM sites LEFT JOIN "
+      "site_numbers ON site_id = "
       "sites.id "
       "LEFT JOIN site_boxes USING (number)");
   while (recall.Step()) {
-    if (!recall.OptionalInt(14)) {
+    if (!recall.OptionalInt(15)) {
       throw StorageError("read a site", "it has no bounding box", StorageFault::kDamaged);
     }
     RecallRowOf(recall);

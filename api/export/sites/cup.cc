@@ -59,8 +59,7 @@ std::string Description(const StoredSite& site) {
   }
   text += ". Site " + site.id;
   if (site.altitude_datum != "amsl") text += ". Elevation left out: datum " + site.altitude_datum;
-  const std::string photographed = PhotographedSentence(site);
-  return text + "." + (photographed.empty() ? "" : " " + photographed);
+  return text + ". " + PhotographedSentence(site);
 }
 
 // Short and unique within a flight: R7, or R7F2 for a further field of that region.

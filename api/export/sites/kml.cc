@@ -76,9 +76,8 @@ std::string LoiterCoordinates(const StoredSite& site) {
 std::string SiteFolder(const StoredSite& site) {
   std::string description = site.summary.value_or("") + " Site " + site.id + ", touchdown at " +
                             FixedText(site.touchdown.latitude_deg, 6) + " " +
-                            FixedText(site.touchdown.longitude_deg, 6) + ".";
-  const std::string photographed = PhotographedSentence(site);
-  if (!photographed.empty()) description += " " + photographed;
+                            FixedText(site.touchdown.longitude_deg, 6) + ". " +
+                            PhotographedSentence(site);
   if (site.altitude_datum != "amsl") {
     description += " Altitudes are in the datum \"" + site.altitude_datum +
                    "\", so places are drawn on the ground.";

@@ -12,10 +12,8 @@ std::string RallyFile(const std::vector<StoredSite>& sites, const ExportOptions&
                      safe.front().altitude_datum + "\"\n";
   for (const StoredSite& site : safe) {
     const double ground_m = frame.Of(site.touchdown.altitude_m);
-    const std::string photographed = PhotographedSentence(site);
-    text += "# " + OneLine(site.Name()) + ", site " + site.id +
-            (photographed.empty() ? "" : ". " + photographed) + "\nRALLY " +
-            FixedText(site.touchdown.latitude_deg, 9) + "\t" +
+    text += "# " + OneLine(site.Name()) + ", site " + site.id + ". " + PhotographedSentence(site) +
+            "\nRALLY " + FixedText(site.touchdown.latitude_deg, 9) + "\t" +
             FixedText(site.touchdown.longitude_deg, 9) + "\t" +
             FixedText(ground_m + kRallyHeightM, 3) + "\t" +
             FixedText(frame.Of(site.final_places->start.altitude_m), 3) + "\t" +

@@ -20,7 +20,7 @@ std::vector<StoredSite> SafeSites(const std::vector<StoredSite>& sites, bool nee
 }
 
 std::string PhotographedSentence(const StoredSite& site) {
-  if (!site.last_seen_at || !site.age_s) return "";
+  if (!site.last_seen_at || !site.age_s) return "Ground photographed at an unknown time.";
   return "Ground photographed " + *site.last_seen_at + ", " + AgeText(*site.age_s) +
          " before this file.";
 }

@@ -15,7 +15,7 @@ namespace freelsd {
 // the sites has no final.
 std::vector<StoredSite> SafeSites(const std::vector<StoredSite>& sites, bool needs_final);
 
-// "Ground photographed 2026-05-01T10:00:00Z, 12 days before this file." Empty if unknown.
+// "Ground photographed 2026-05-01T10:00:00Z, 12 days before this file."
 std::string PhotographedSentence(const StoredSite& site);
 
 // Reference of a file's altitudes: mean sea level, or home.

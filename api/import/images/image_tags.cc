@@ -2,9 +2,9 @@
 #include <cctype>
 #include <cmath>
 
-#include "api/import/date_time.h"
 #include "api/import/gimbal.h"
 #include "api/import/images/image_camera.h"
+#include "api/import/images/image_time.h"
 #include "api/import/images/images.h"
 #include "api/import/images/tag_source.h"
 
@@ -170,23 +170,6 @@ ImageTags WithAttitude(ImageTags read, const TagSource& tags) {
   return read;
 }
 
-std::optional<int64_t> ExposureTime(const TagSource& tags) {
-  for (const char* const name : {"DateTimeOriginal", "DateTimeDigitized"}) {
-    const std::optional<std::string> text = tags.ExifText(std::string("Exif.Photo.") + name);
-    const std::optional<int64_t> seconds = text ? TimestampFromText(*text) : std::nullopt;
-    if (!seconds) continue;
-    const bool is_original = std::string(name) == "DateTimeOriginal";
-    const std::string suffix = is_original ? "Original" : "Digitized";
-    const std::string fraction = tags.ExifText("Exif.Photo.SubSecTime" + suffix).value_or("0");
-    // Time offsets of EXIF 2.31. Without them the camera's clock is assumed to be UTC.
-    const std::string offset =
-        tags.ExifText(is_original ? "Exif.Photo.0x9011" : "Exif.Photo.0x9012")
-            .value_or(tags.ExifText("Exif.Photo.OffsetTime" + suffix).value_or("Z"));
-    return *seconds + FractionFromText(fraction).value_or(0) - OffsetFromText(offset).value_or(0);
-  }
-  return std::nullopt;
-}
-
 // Height above take-off (DJI) or above ground (senseFly). Both are approximate.
 std::optional<double> HeightAboveGround(const TagSource& tags) {
   const std::optional<double> height =
@@ -215,7 +198,10 @@ ImageTags ReadImageTags(std::string_view bytes, const ImageHeader& header) {
     read.warnings.emplace_back(
         "saved by a photo viewer: the pixels may be rotated, but not the attitude");
   }
-  read.meta.timestamp_us = ExposureTime(tags);
+  const TaggedTime time = TimeFromTags(tags);
+  read.meta.timestamp_us = time.timestamp_us;
+  read.meta.time_source = time.source;
+  read.warnings.insert(read.warnings.end(), time.warnings.begin(), time.warnings.end());
   read.meta.height_above_ground_m = HeightAboveGround(tags);
   return read;
 }

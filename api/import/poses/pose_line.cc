@@ -15,16 +15,32 @@ namespace {
 constexpr double kUnknownTiltSdDeg = 8.0;
 constexpr double kMaxAngleDeg = 1e6;
 
-std::optional<int64_t> TimeOf(const PoseLine& line) {
+// Nothing also for zeros, which cameras and tools write where no date is known.
+std::optional<std::string> DateTimeText(const PoseLine& line) {
   const std::optional<std::string> text = line.Text(PoseField::kDateTime);
   if (!text) return std::nullopt;
   const size_t first = text->find_first_not_of(' ');
-  const std::optional<int64_t> time =
-      TimestampFromText(text->substr(first, text->find_last_not_of(" \r") - first + 1));
+  const std::string trimmed = text->substr(first, text->find_last_not_of(" \r") - first + 1);
+  if (trimmed.starts_with("0000")) return std::nullopt;
+  return trimmed;
+}
+
+std::optional<int64_t> TimeOf(const PoseLine& line) {
+  const std::optional<std::string> text = DateTimeText(line);
+  if (!text) return std::nullopt;
+  const std::optional<int64_t> time = TimestampFromText(*text);
   if (!time) {
     throw InvalidPose(line.Pointer(PoseField::kDateTime), "must be YYYY:MM:DD HH:MM:SS[.f]");
   }
   return time;
+}
+
+// Only the column's name or the text itself tells that a time is UTC.
+TimeSource TimeSourceOf(const PoseLine& line) {
+  const std::optional<std::string> text = DateTimeText(line);
+  if (line.Text(PoseField::kTimestamp) || !text || HasOffset(*text)) return TimeSource::kGiven;
+  const std::string& column = line.header().columns.at(PoseField::kDateTime).name;
+  return column.find("utc") == std::string::npos ? TimeSource::kCameraLocal : TimeSource::kGiven;
 }
 
 // Two fields need each other and one is missing. Returns its empty cell if it has a column, else
@@ -200,6 +216,7 @@ FrameMeta ReadPoseLine(const PoseLine& line) {
     }
   }
   FrameMeta meta = ParseMetaOfLine(meta_json, line);
+  meta.time_source = TimeSourceOf(line);
   if (ned_from_camera) {
     meta.ned_from_camera = ned_from_camera->normalized();
     meta.ned_from_body.reset();

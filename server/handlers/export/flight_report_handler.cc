@@ -19,21 +19,18 @@ namespace {
 
 // Of a flight's sites, so many are reported in full, because each needs a wind rose.
 constexpr size_t kMaxNumFullSites = 10;
-// Earlier times come from a camera whose clock was never set.
-constexpr int64_t kEarliestCaptureUs = 1262304000000000;  // 2010
-
 // Coarser than that of the page: the rose is small on paper, and ten of them are planned.
 WindRoseOptions RoseOptions() { return {16, {0.0, 2.5, 5.0, 7.5, 10.0}}; }
 
 void AddTimes(const Service& service, FlightReport& report) {
   std::optional<int64_t> first_us, last_us;
-  const int64_t now_us = NowUs();
-  service.storage.frames.ForEachResolved(report.flight_id, [&](const std::string& resolved_json) {
-    const std::optional<int64_t> time_us = ParseStoredFrameMeta(resolved_json).timestamp_us;
-    if (!time_us || *time_us < kEarliestCaptureUs || *time_us > now_us) return;
-    first_us = std::min(first_us.value_or(*time_us), *time_us);
-    last_us = std::max(last_us.value_or(*time_us), *time_us);
-  });
+  for (const FrameRow& frame : service.storage.frames.List(report.flight_id)) {
+    if (frame.resolved_json.empty()) continue;
+    const CaptureTime time = CaptureTimeOf(frame, ParseStoredFrameMeta(frame.resolved_json));
+    if (!time.IsDated()) continue;
+    first_us = std::min(first_us.value_or(time.earliest_us), time.earliest_us);
+    last_us = std::max(last_us.value_or(time.latest_us), time.latest_us);
+  }
   if (first_us) report.first_photographed_at = Rfc3339(*first_us);
   if (last_us) report.last_photographed_at = Rfc3339(*last_us);
 }

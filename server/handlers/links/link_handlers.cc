@@ -44,7 +44,7 @@ std::string BodyOf(const Call& call) { return call.body.ReadAll(kLimits.links.ma
 void RequireLandable(const Service& service, const std::string& site_id) {
   const std::optional<SiteRow> stored = service.storage.sites.Find(site_id);
   if (!stored) throw ApiError("NoSuchSite", "there is no such site", {{"/site_id", "unknown"}});
-  if (stored->superseded_by) {
+  if (stored->superseded_by && !stored->IsContested()) {
     throw ApiError("SiteSuperseded",
                    "the site is superseded by " + *stored->superseded_by,
                    {{"/site_id", "is superseded"}});

@@ -59,9 +59,10 @@ std::string NameWithin(const Site& site) {
 }
 
 NewSite SiteOf(const Site& site,
-               const Grid& grid,
+               const Evaluation& evaluation,
                const SiteOrigin& origin,
                const EvaluatedFlight& flight) {
+  const Grid& grid = evaluation.map.grid;
   const FlightContext& context = flight.context;
   const FlightRequest& request = flight.request;
   NewSite made;
@@ -73,9 +74,12 @@ NewSite SiteOf(const Site& site,
   made.row.latitude_deg = touchdown.latitude_deg;
   made.row.longitude_deg = touchdown.longitude_deg;
   const std::string updated_at = Rfc3339(made.row.updated_at_us);
-  made.row.seen_at_us = SeenAt(site.region.last_seen_us, made.row.updated_at_us);
+  const CaptureTime seen = SeenAt(evaluation.block, flight.times, site.plan.touchdown_in_world);
+  made.row.seen_at_us = seen.earliest_us;
+  made.row.seen_until_us = SeenUntil(seen, made.row.updated_at_us);
   nlohmann::json feature = SiteFeature(made.row.id, site, request.aircraft, updated_at, context);
-  feature["properties"]["last_seen_at"] = Rfc3339(made.row.seen_at_us);
+  feature["properties"]["last_seen_at"] = nullptr;
+  if (seen.IsDated()) feature["properties"]["last_seen_at"] = Rfc3339(seen.earliest_us);
   if (site.plan.approach) made.row.approach_json = ApproachJson(site.plan, context).dump();
   made.digest = EvidenceDigest(
       origin.inputs_digest, origin.map_digest, NameWithin(site), feature, made.row.approach_json);
@@ -104,7 +108,7 @@ std::vector<NewSite> SitesOf(const Evaluation& evaluation,
                              const EvaluatedFlight& flight) {
   std::vector<NewSite> sites;
   for (const Site& site : evaluation.sites) {
-    sites.push_back(SiteOf(AsStored(site), evaluation.map.grid, origin, flight));
+    sites.push_back(SiteOf(AsStored(site), evaluation, origin, flight));
   }
   return sites;
 }

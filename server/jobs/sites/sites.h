@@ -17,6 +17,8 @@ struct EvaluatedFlight {
   GeoPoint origin;
   FlightContext context;
   int min_num_observations = 0;
+  // Of all its frames.
+  CaptureTimes times;
 };
 
 struct NewSite {

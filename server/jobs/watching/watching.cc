@@ -130,7 +130,8 @@ std::vector<std::shared_ptr<const StripWatching::WatchedStrip>> StripWatching::S
   const Eigen::Vector2d middle(0.5 * photo.camera.width_px, 0.5 * photo.camera.height_px);
   std::vector<std::pair<double, std::shared_ptr<const RecallRow>>> shown;
   for (const auto& row : service_.storage.sites.ListRecallable(BoxAroundPlace(place, kMaxAwayM))) {
-    if (photo.taken_at_us - row->seen_at_us < MicrosecondsOf(options_.min_age_s)) continue;
+    const int64_t pictured_us = SeenOf(*row).latest_us;
+    if (photo.taken_at_us - pictured_us < MicrosecondsOf(options_.min_age_s)) continue;
     const GeoPoint touchdown{row->latitude_deg, row->longitude_deg, row->data.altitude_m};
     const auto pixel =
         photo.camera.ImageFromCamera(camera_from_world * frame.WorldFromGeo(touchdown));

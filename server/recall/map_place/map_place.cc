@@ -70,6 +70,7 @@ std::shared_ptr<const KeptSite> SiteAt(const StoredSites& stored,
   site.row.flight_id = map.row.flight_id;
   site.row.map_id = map.row.id;
   site.row.seen_at_us = map.row.seen_at_us;
+  site.row.seen_until_us = map.row.seen_until_us;
   site.replan.flight = ParseStoredFlightRequest(map.head.flight_json);
   site.replan.origin = map.head.origin;
   const FlightRequest& flight = site.replan.flight;

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/recall/obstacles/obstacles.h"
+#include "server/recall/other_maps/other_maps.h"
 #include "server/recall/plan_check.h"
 #include "server/recall/recall_sites.h"
 
@@ -42,6 +43,30 @@ std::optional<Obstruction> Computed(const StoredSites& stored, const SiteRow& si
       NameOf(*check->reason), check->detail, BlockingIds(*plan, kept->site_map, kept->obstacles)};
 }
 
+SiteRow AsRejected(SiteRow site, const Obstruction& obstruction, const std::string& by) {
+  nlohmann::json feature = nlohmann::json::parse(site.feature_json);
+  nlohmann::json& properties = feature["properties"];
+  properties["verdict"] = "rejected";
+  properties["reject_reason"] = obstruction.reason;
+  properties["reject_detail"] = obstruction.detail;
+  if (!obstruction.obstacle_ids.empty()) properties["blocked_by"] = obstruction.obstacle_ids;
+  properties["summary"] = "Rejected: " + by + obstruction.detail + ".";
+  site.feature_json = feature.dump();
+  return site;
+}
+
+// Nothing replaces the site, but the other map rejects it.
+SiteRow AsContested(SiteRow site) {
+  const Standing standing = std::exchange(static_cast<Standing&>(site), Standing{});
+  site.is_checked = true;
+  site.confirmed_at_us = standing.confirmed_at_us;
+  return AsRejected(std::move(site),
+                    {standing.superseded_reason,
+                     OnOtherMap(*standing.superseded_by, false) + standing.superseded_detail,
+                     {}},
+                    "");
+}
+
 }  // namespace
 
 std::optional<Obstruction> ObstructionOf(const StoredSites& stored, const SiteRow& site) {
@@ -57,20 +82,12 @@ std::optional<Obstruction> ObstructionOf(const StoredSites& stored, const SiteRo
 }
 
 SiteRow AsObstructed(const StoredSites& stored, SiteRow site) {
+  if (site.IsContested()) return AsContested(std::move(site));
   const std::optional<Obstruction> obstruction = ObstructionOf(stored, site);
   if (!obstruction) return site;
-  nlohmann::json feature = nlohmann::json::parse(site.feature_json);
-  nlohmann::json& properties = feature["properties"];
-  properties["verdict"] = "rejected";
-  properties["reject_reason"] = obstruction->reason;
-  properties["reject_detail"] = obstruction->detail;
-  properties["blocked_by"] = obstruction->obstacle_ids;
   std::string ids;
   for (const std::string& id : obstruction->obstacle_ids) ids += (ids.empty() ? "" : ", ") + id;
-  properties["summary"] =
-      "Rejected: " + (ids.empty() ? "" : "blocked by " + ids + ": ") + obstruction->detail + ".";
-  site.feature_json = feature.dump();
-  return site;
+  return AsRejected(std::move(site), *obstruction, ids.empty() ? "" : "blocked by " + ids + ": ");
 }
 
 }  // namespace freelsd

@@ -31,20 +31,9 @@ SharedRows<MapRow> MapsOfOthers(const Storage& storage,
   return rows;
 }
 
-bool IsLater(const MapRow& map, const SiteRow& site) {
-  return map.flight_id != site.flight_id && map.seen_at_us > site.seen_at_us;
-}
-
-bool IsLaterThanMap(const StoredSites& stored, const MapRow& map, const SiteRow& site) {
-  if (!IsLater(map, site)) return false;
-  if (site.map_id.empty()) return true;
-  const auto own = stored.maps.flight_maps().Find(stored.storage, site.map_id);
-  return !own || map.seen_at_us > own->row.seen_at_us;
-}
-
 bool HasLaterMaps(const KeptSite& site) {
   return std::any_of(site.other_maps.begin(), site.other_maps.end(), [&site](const auto& map) {
-    return IsLater(*map, site.row);
+    return MayBeLater(*map, site.row);
   });
 }
 
@@ -69,12 +58,12 @@ Plan CheckedAround(Plan plan,
   replan.request.wind_in_world = wind_in_world;
   const StoredPlan as_stored = AsStoredPlan(plan, std::move(replan));
   for (const auto& map : site.other_maps) {
-    if (!IsLater(*map, site.row)) continue;
+    if (!MayBeLater(*map, site.row)) continue;
     const auto check = CheckPlanOn(stored, as_stored, *map);
     if (!check || check->verdict != PlanVerdict::kFails) continue;
     plan.verdict = Verdict::kRejected;
     plan.reject_reason = check->reason;
-    plan.reject_detail = "on the later map of " + map->flight_id + " " + check->detail;
+    plan.reject_detail = OnOtherMap(map->flight_id, IsLater(*map, site.row)) + check->detail;
     break;
   }
   return plan;

@@ -2,7 +2,7 @@
 // never free ground:
 // - Where the own map has seen nothing, the heights of the others stand as obstacles. The ground
 //   there stays unseen.
-// - A plan must hold on every later map that shows its ground.
+// - A plan must hold on every map that shows its ground and is later, or may be.
 #pragma once
 
 #include <memory>
@@ -42,9 +42,14 @@ cv::Mat1f WithGroundOfOthers(const ElevationMap& map,
 // True if another flight took photographs for the map after the last one that shows the site. Its
 // ground may have changed then, and the plan must hold on the map.
 bool IsLater(const MapRow& map, const SiteRow& site);
+// True also if the order of the two is not known. Neither then replaces the other, and the plan
+// must hold on both.
+bool MayBeLater(const MapRow& map, const SiteRow& site);
 // True if the map is also later than all photographs of the site's own map: only then it confirms
 // the site. A flight that was sent twice confirms nothing.
 bool IsLaterThanMap(const StoredSites& stored, const MapRow& map, const SiteRow& site);
+// Begins a sentence on what a map of the flight or site `name` shows.
+std::string OnOtherMap(const std::string& name, bool is_later);
 // True if CheckedAround checks plans on later maps. It then needs their profile.
 bool HasLaterMaps(const KeptSite& site);
 

@@ -89,9 +89,10 @@ void PutMap(PostgresConnection& writer, const MovedTable& table, const MovedRow&
     values.push_back(ParameterOf(row[i], table.columns[i].kind));
   }
   const PostgresRows rows = writer.RunPrepared(
-      "INSERT INTO maps (" + ColumnList(table) +
-          ", number, is_in_force) VALUES ($1, $2, $3, $4, $5, $6, $7, $8, $9, $10, "
-          "coalesce(substring($1 from '/([0-9]+)$')::bigint, 0), true) ON CONFLICT DO NOTHING",
+      "INSERT INTO maps (id, flight_id, head_json, altitude_datum, west_deg, south_deg, east_deg, "
+      "north_deg, updated_at_us, seen_at_us, seen_until_us, number, is_in_force) VALUES ($1, $2, "
+      "$3, $4, $5, $6, $7, $8, $9, $10, nullif($11, 0), "
+      "coalesce(substring($1 from '/([0-9]+)$')::bigint, 0), true) ON CONFLICT DO NOTHING",
       values);
   if (rows.NumChanges() > 0) PutMapArea(writer, map.id, map.box);
 }

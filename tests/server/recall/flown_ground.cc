@@ -158,6 +158,7 @@ SiteRow SiteOf(const Flown& flown) {
   site.longitude_deg = touchdown.longitude_deg;
   site.updated_at_us = flown.updated_at_us;
   site.seen_at_us = flown.seen_at_us;
+  site.seen_until_us = flown.seen_until_us;
   const nlohmann::json position{touchdown.longitude_deg, touchdown.latitude_deg, altitude_m};
   site.feature_json = nlohmann::json{
       {"type", "Feature"},

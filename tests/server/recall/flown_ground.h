@@ -2,6 +2,7 @@
 // plan lies on it, without the engine's photogrammetry.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "api/stored/stored.h"
@@ -43,6 +44,8 @@ struct Flown {
   double longitude_deg = 8.0;
   double approach_height_m = 10.0;
   double tree_m = 15.0;
+  // As in SiteRow.
+  std::optional<int64_t> seen_until_us = std::nullopt;
   // Where the wind of the plan blows to; the landing is against it.
   Eigen::Vector2d wind{0.0, -4.0};
   // From the touchdown to the middle of the map; the ground's features move with it.

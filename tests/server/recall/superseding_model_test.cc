@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 #include <thread>
+#include <tuple>
 
 #include <doctest/doctest.h>
 
@@ -17,6 +18,8 @@ namespace {
 constexpr int kNumSteps = 10000;
 constexpr int kNumPlaces = 2;
 constexpr int kNumFlights = 6;
+// Beside them, flights whose times are not exact.
+constexpr int kNumInexactFlights = 3;
 constexpr int kNumGrounds = static_cast<int>(Ground::kDiscUnseenTree) + 1;
 constexpr int kStepsBetweenServers = 1000;
 constexpr int64_t kBegin = 1600000000000000;
@@ -46,7 +49,21 @@ struct Expected {
   int64_t last_seen_us = 0;
 
   bool operator==(const Expected&) const = default;
+  bool IsContested() const { return !superseded_by.empty() && superseded_at_us == 0; }
 };
+
+// Whether the ground of one flight was photographed after that of another, by plain intervals.
+enum class Order { kEarlier, kContested, kLater };
+Order OrderOf(const Flown& map, const Flown& site) {
+  const auto latest = [](const Flown& flown) {
+    return flown.seen_until_us.value_or(flown.seen_at_us == 0 ? INT64_MAX : flown.seen_at_us);
+  };
+  if (map.seen_at_us > latest(site)) return Order::kLater;
+  if (site.seen_at_us > latest(map)) return Order::kEarlier;
+  const bool are_exact = map.seen_at_us == latest(map) && site.seen_at_us == latest(site);
+  return are_exact ? Order::kEarlier : Order::kContested;
+}
+
 using Records = std::map<std::string, Expected>;
 
 class Model {
@@ -71,9 +88,12 @@ class Model {
     }
     return ids;
   }
-  // Rejected ones included.
+  // Rejected ones included, and those that a map rejects which may be later or earlier.
   std::set<std::string> Listed() const {
     std::set<std::string> ids = Served();
+    for (const auto& [id, record] : Accepted()) {
+      if (record.IsContested()) ids.insert(id);
+    }
     for (const auto& [id, site] : stored_) {
       if (!site.is_accepted) ids.insert(id);
     }
@@ -85,16 +105,16 @@ class Model {
     Expected expected;
     expected.last_seen_us = site.seen_at_us;
     for (const auto& [id, map] : stored_) {
-      const bool is_later = map.place == site.place && map.flight_id != site.flight_id &&
-                            map.seen_at_us > site.seen_at_us;
-      if (!is_later) continue;
+      if (map.place != site.place || map.flight_id == site.flight_id) continue;
+      const Order order = OrderOf(map, site);
+      if (order == Order::kEarlier) continue;
       const Says says = OfPlan(map.ground, site.is_strict);
-      if (says == Says::kHolds)
+      if (says == Says::kHolds && order == Order::kLater)
         expected.last_seen_us = std::max(expected.last_seen_us, map.seen_at_us);
-      // Times of two flights differ.
-      if (says == Says::kFails && map.seen_at_us > expected.superseded_at_us) {
-        expected.superseded_by = id;
-        expected.superseded_at_us = map.seen_at_us;
+      const std::pair since(order == Order::kLater ? map.seen_at_us : 0, id);
+      if (says == Says::kFails &&
+          since > std::pair(expected.superseded_at_us, expected.superseded_by)) {
+        std::tie(expected.superseded_at_us, expected.superseded_by) = since;
       }
     }
     return expected;
@@ -165,8 +185,11 @@ class Walk {
         const auto record = records.find(site["id"]);
         if (record == records.end()) continue;
         ++num_accepted;
-        CHECK(site.value("superseded_by", "") == record->second.superseded_by);
-        const auto file = client.Get("/v1/sites/" + record->first + "?f=csv");
+        const bool is_contested = record->second.IsContested();
+        CHECK((site["verdict"] == "rejected") == is_contested);
+        CHECK(site.value("superseded_by", "") ==
+              (is_contested ? "" : record->second.superseded_by));
+        const auto file = client.Get("/v1/sites/" + record->first + "?f=cup");
         CHECK(file->status == (record->second.superseded_by.empty() ? 200 : 409));
       }
       CHECK(num_accepted == records.size());
@@ -178,20 +201,27 @@ class Walk {
   int Draw(int end) { return static_cast<int>(random_() % static_cast<unsigned>(end)); }
 
   void PutSome(int number) {
-    const int flight = Draw(kNumFlights);
+    const int flight = Draw(kNumFlights + kNumInexactFlights);
     const int place = Draw(kNumPlaces);
     // Each flight has one time, also if it is evaluated again; the flights come in any order.
-    const Flown flown{
-        .flight_id = "f" + std::to_string(flight),
-        .seen_at_us = kBegin + 1000000 * ((flight * 5) % kNumFlights),
-        .ground = Draw(2) == 0 ? Ground::kFree : static_cast<Ground>(Draw(kNumGrounds)),
-        .is_strict = Draw(2) == 0,
-        .is_accepted = Draw(3) > 0,
-        .place = place,
-        .updated_at_us = number + 1,
-        .region_id = place};
+    Flown flown{.flight_id = "f" + std::to_string(flight),
+                .seen_at_us = kBegin + 1000000 * ((flight * 5) % kNumFlights),
+                .ground = Draw(2) == 0 ? Ground::kFree : static_cast<Ground>(Draw(kNumGrounds)),
+                .is_strict = Draw(2) == 0,
+                .is_accepted = Draw(3) > 0,
+                .place = place,
+                .updated_at_us = number + 1,
+                .region_id = place};
+    if (flight >= kNumFlights) flown = Inexact(std::move(flown), flight - kNumFlights);
     Store(*storage_, *maps_, flown);
     model_.Put(flown);
+  }
+
+  // In local time, undated but uploaded amid the other flights, undated.
+  static Flown Inexact(Flown flown, int number) {
+    flown.seen_at_us = number == 0 ? kBegin + 1500000 : 0;
+    if (number < 2) flown.seen_until_us = kBegin + 3500000;
+    return flown;
   }
 
   void Open() {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace freelsd {
 
@@ -26,7 +27,9 @@ inline std::string WithXmpTags(const std::string& jpeg, const std::string& attri
                          "<rdf:Description rdf:about='' "
                          "xmlns:drone-dji='http://www.dji.com/drone-dji/1.0/' "
                          "xmlns:drone-parrot='http://www.parrot.com/drone-parrot/1.0/' "
-                         "xmlns:Camera='http://pix4d.com/camera/1.0/' " +
+                         "xmlns:Camera='http://pix4d.com/camera/1.0/' "
+                         "xmlns:xmp='http://ns.adobe.com/xap/1.0/' "
+                         "xmlns:exif='http://ns.adobe.com/exif/1.0/' " +
                          attributes + "/></rdf:RDF></x:xmpmeta>");
 }
 
@@ -36,9 +39,36 @@ inline std::string LittleEndian(uint32_t number, size_t num_bytes) {
   return bytes;
 }
 
-inline std::string TiffEntry(uint32_t tag, uint32_t type, uint32_t count, uint32_t value) {
-  return LittleEndian(tag, 2) + LittleEndian(type, 2) + LittleEndian(count, 4) +
-         LittleEndian(value, 4);
+constexpr uint32_t kByteType = 1, kAsciiType = 2, kLongType = 4, kRationalType = 5;
+
+struct TiffTag {
+  uint32_t tag = 0;
+  uint32_t type = kAsciiType;
+  uint32_t count = 1;
+  std::string value;
+};
+
+inline TiffTag AsciiTag(uint32_t tag, const std::string& text) {
+  const std::string value = text + std::string(1, '\0');
+  return {tag, kAsciiType, static_cast<uint32_t>(value.size()), value};
+}
+
+// A folder of tags that begins `at` bytes after the start of the TIFF.
+inline std::string TiffFolder(const std::vector<TiffTag>& tags, size_t at) {
+  const auto num_tags = static_cast<uint32_t>(tags.size());
+  std::string entries = LittleEndian(num_tags, 2), values;
+  const size_t values_at = at + 2 + 12 * tags.size() + 4;
+  for (const TiffTag& tag : tags) {
+    std::string value = tag.value;
+    if (value.size() > 4) {
+      value = LittleEndian(static_cast<uint32_t>(values_at + values.size()), 4);
+      values += tag.value;
+    }
+    value.resize(4, '\0');
+    entries += LittleEndian(tag.tag, 2) + LittleEndian(tag.type, 2) + LittleEndian(tag.count, 4);
+    entries += value;
+  }
+  return entries + LittleEndian(0, 4) + values;
 }
 
 // A geotag of EXIF. North and east are positive.
@@ -50,28 +80,51 @@ struct Geotag {
   uint32_t altitude_reference = 0;
 };
 
-inline std::string WithGeotag(const std::string& jpeg, const Geotag& geotag) {
-  constexpr uint32_t kByte = 1, kAscii = 2, kLong = 4, kRational = 5;
-  constexpr uint32_t kGpsAt = 26, kLatitudeAt = 104, kLongitudeAt = 128, kAltitudeAt = 152;
+// Times as EXIF has them; empty: not tagged.
+struct PhotoTimes {
+  std::string taken;                 // "2024:06:01 12:00:00"
+  std::string offset;                // "+02:00"
+  std::string gps_date;              // "2024:06:01"
+  std::vector<uint32_t> gps_time{};  // hours, minutes, seconds
+};
+
+inline std::string WithGeotag(const std::string& jpeg,
+                              const Geotag& geotag,
+                              const PhotoTimes& times = {}) {
   constexpr uint32_t kPerDegree = 10000000, kPerMetre = 1000;
-  std::string tiff = "II*" + std::string(1, '\0') + LittleEndian(8, 4);
-  tiff += LittleEndian(1, 2) + TiffEntry(0x8825, kLong, 1, kGpsAt) + LittleEndian(0, 4);
-  tiff += LittleEndian(6, 2) + TiffEntry(1, kAscii, 2, geotag.latitude_deg < 0.0 ? 'S' : 'N') +
-          TiffEntry(2, kRational, 3, kLatitudeAt) +
-          TiffEntry(3, kAscii, 2, geotag.longitude_deg < 0.0 ? 'W' : 'E') +
-          TiffEntry(4, kRational, 3, kLongitudeAt) +
-          TiffEntry(5, kByte, 1, geotag.altitude_reference) +
-          TiffEntry(6, kRational, 1, kAltitudeAt) + LittleEndian(0, 4);
-  for (const double angle_deg : {geotag.latitude_deg, geotag.longitude_deg}) {
+  const auto rational = [](uint32_t number, uint32_t per) {
+    return LittleEndian(number, 4) + LittleEndian(per, 4);
+  };
+  // Minutes and seconds are 0.
+  const auto angle = [&](double angle_deg) {
     const auto degrees = static_cast<uint32_t>(std::lround(std::abs(angle_deg) * kPerDegree));
-    // Minutes and seconds are 0.
-    for (const uint32_t number : {degrees, kPerDegree, 0u, 1u, 0u, 1u}) {
-      tiff += LittleEndian(number, 4);
-    }
+    return rational(degrees, kPerDegree) + rational(0, 1) + rational(0, 1);
+  };
+  const auto altitude = static_cast<uint32_t>(std::lround(geotag.altitude_m * kPerMetre));
+  std::vector<TiffTag> gps{AsciiTag(1, geotag.latitude_deg < 0.0 ? "S" : "N"),
+                           {2, kRationalType, 3, angle(geotag.latitude_deg)},
+                           AsciiTag(3, geotag.longitude_deg < 0.0 ? "W" : "E"),
+                           {4, kRationalType, 3, angle(geotag.longitude_deg)},
+                           {5, kByteType, 1, LittleEndian(geotag.altitude_reference, 1)},
+                           {6, kRationalType, 1, rational(altitude, kPerMetre)}};
+  if (!times.gps_time.empty()) {
+    std::string time;
+    for (const uint32_t part : times.gps_time) time += rational(part, 1);
+    gps.push_back({7, kRationalType, static_cast<uint32_t>(times.gps_time.size()), time});
   }
-  tiff += LittleEndian(static_cast<uint32_t>(std::lround(geotag.altitude_m * kPerMetre)), 4) +
-          LittleEndian(kPerMetre, 4);
-  return WithSegment(jpeg, "Exif" + std::string(2, '\0') + tiff);
+  if (!times.gps_date.empty()) gps.push_back(AsciiTag(0x1d, times.gps_date));
+  std::vector<TiffTag> photo;
+  if (!times.taken.empty()) photo.push_back(AsciiTag(0x9003, times.taken));
+  if (!times.offset.empty()) photo.push_back(AsciiTag(0x9011, times.offset));
+  constexpr size_t kPhotoAt = 8 + 2 + 2 * 12 + 4;
+  const std::string photo_folder = TiffFolder(photo, kPhotoAt);
+  const size_t gps_at = kPhotoAt + photo_folder.size();
+  const auto place = [](size_t at) { return LittleEndian(static_cast<uint32_t>(at), 4); };
+  const std::string root = TiffFolder(
+      {{0x8769, kLongType, 1, place(kPhotoAt)}, {0x8825, kLongType, 1, place(gps_at)}}, 8);
+  return WithSegment(jpeg,
+                     "Exif" + std::string(2, '\0') + "II*" + std::string(1, '\0') +
+                         LittleEndian(8, 4) + root + photo_folder + TiffFolder(gps, gps_at));
 }
 
 }  // namespace freelsd

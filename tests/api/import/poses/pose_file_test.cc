@@ -253,6 +253,21 @@ TEST_CASE("poses: lines of JSON, with the image beside the meta") {
         "422 InvalidValue /poses/1/attitude/quaternion_wxyz");
 }
 
+TEST_CASE("photographs without a usable date: pose columns tell local time and UTC apart") {
+  const auto source_of = [](const std::string& column, const std::string& time) {
+    const PoseFile file = ParsePoses("image,latitude_deg,longitude_deg,altitude_m," + column +
+                                     "\na.jpg,47,8,500," + time + "\n");
+    const FrameMeta& meta = file.poses.at(0).second;
+    return meta.timestamp_us ? std::string(NameOf(meta.time_source)) : "none";
+  };
+  CHECK(source_of("utc", "2016:06:29 17:49:32") == "given");
+  CHECK(source_of("timestamp_us", "1479832354498032") == "given");
+  CHECK(source_of("local_time", "2016:06:29 17:49:32") == "camera_local");
+  CHECK(source_of("datetime", "2016:06:29 17:49:32") == "camera_local");
+  CHECK(source_of("local_time", "2016-06-29T17:49:32+02:00") == "given");
+  CHECK(source_of("local_time", "0000:00:00 00:00:00") == "none");
+}
+
 TEST_CASE("poses: swindale as it stands") {
   const PoseFile file = Poses("swindale", "poses.csv");
   if (file.poses.empty()) return;

@@ -1,0 +1,154 @@
+// Photographs without a usable date, and flights whose order is contested.
+#include <doctest/doctest.h>
+
+#include "tests/server/meadow.h"
+#include "tests/server/recall/flown_ground.h"
+
+namespace freelsd {
+namespace {
+
+constexpr int64_t kFirst = 1600000000000000;  // 2020-09-13T12:26:40Z
+constexpr int64_t kHourUs = int64_t{3600} * 1000000;
+constexpr int64_t kDayUs = 24 * kHourUs;
+constexpr char kFirstText[] = "2020-09-13T12:26:40Z";
+// Away from the meadow that the server holds anyway.
+constexpr int kPlace = 1;
+
+Flown Dated(Ground ground = Ground::kFree) {
+  return {.flight_id = "first", .seen_at_us = kFirst, .ground = ground, .place = kPlace};
+}
+
+Flown Undated(Ground ground, const std::optional<int64_t>& arrived_at_us = std::nullopt) {
+  Flown flown{.flight_id = "undated", .seen_at_us = 0, .ground = ground, .place = kPlace};
+  flown.seen_until_us = arrived_at_us;
+  return flown;
+}
+
+// Noon of some time zone, on the day of the dated flight.
+Flown Local(Ground ground) {
+  Flown flown = Undated(ground, kFirst + 12 * kHourUs);
+  flown.flight_id = "local";
+  flown.seen_at_us = kFirst - 14 * kHourUs;
+  return flown;
+}
+
+struct Field : MeadowServer {
+  explicit Field(const std::vector<Flown>& flights)
+      : MeadowServer([&flights](Storage& storage) {
+          MapCache maps({size_t{1} << 24, size_t{1} << 22});
+          for (const Flown& flown : flights) Store(storage, maps, flown);
+        }) {}
+
+  nlohmann::json Site(const std::string& id) const {
+    return GetJson(*client, "/v1/sites/" + id)["properties"];
+  }
+  nlohmann::json Recalled() const {
+    return GetJson(*client,
+                   "/v1/emergency?limit=50&heading_deg=0&wind_east_mps=0&wind_north_mps=-4&"
+                   "latitude_deg=47.04&longitude_deg=8&altitude_m=1500");
+  }
+  std::string OrderOfRecalled() const {
+    std::string ids;
+    for (const nlohmann::json& site : Recalled()["sites"]) {
+      if (site["flight_id"] == "f" || site["flight_id"] == "meadow") continue;
+      ids += site["site_id"].get<std::string>() + " ";
+    }
+    return ids;
+  }
+};
+
+TEST_CASE("photographs without a usable date refresh nothing, and their own age is unknown") {
+  const Field field({Dated(), Undated(Ground::kFree)});
+  CHECK(field.Site("first-r1")["last_seen_at"] == kFirstText);
+  CHECK(field.Site("first-r1")["verdict"] == "landable");
+  const nlohmann::json undated = field.Site("undated-r1");
+  CHECK(undated["verdict"] == "landable");
+  CHECK(undated["age_s"].is_null());
+  CHECK(undated["last_seen_at"].is_null());
+  for (const nlohmann::json& site : field.Recalled()["sites"]) {
+    if (site["site_id"] != "undated-r1") continue;
+    CHECK(site["age_s"].is_null());
+    CHECK(site["last_seen_at"].is_null());
+    CHECK(site["score"] == 0.0);
+  }
+  const auto file = [&field](const std::string& query) {
+    return field.client->Get("/v1/sites/undated-r1?home_altitude_m=300&f=" + query)->body;
+  };
+  for (const char* const format : {"cup", "kml", "rally"}) {
+    CHECK(file(format).find("Ground photographed at an unknown time.") != std::string::npos);
+    CHECK(file(format).find("before this file") == std::string::npos);
+  }
+  CHECK(nlohmann::json::parse(file("plan"))["freelsd"]["age_s"].is_null());
+  const nlohmann::json to_look_at = GetJson(*field.client, "/v1/sites?order=new_look");
+  for (const nlohmann::json& feature : to_look_at["features"]) {
+    if (feature["properties"]["id"] != "undated-r1") continue;
+    CHECK(feature["properties"]["new_look"]["age_s"].is_null());
+  }
+}
+
+TEST_CASE("photographs without a usable date rank behind any dated ones") {
+  Flown old = Dated();
+  old.flight_id = "old";
+  old.seen_at_us = 1262304000000000;
+  old.place = kPlace + 1;
+  Flown undated = Undated(Ground::kFree);
+  const std::string order = Field({old, undated}).OrderOfRecalled();
+  CHECK(order == "old-r1 undated-r1 ");
+}
+
+TEST_CASE("a building on an undated map counts: neither map replaces the other, the worse holds") {
+  for (const Flown& other : {Undated(Ground::kTreeOnFinal), Local(Ground::kTreeOnFinal)}) {
+    const std::string id = IdOf(other);
+    CAPTURE(id);
+    for (const bool is_dated_first : {true, false}) {
+      const Field field(is_dated_first ? std::vector{Dated(), other} : std::vector{other, Dated()});
+      const nlohmann::json site = field.Site("first-r1");
+      CHECK(site["verdict"] == "rejected");
+      CHECK(site["reject_reason"] == "approach_blocked");
+      CHECK_FALSE(site.contains("superseded_by"));
+      CHECK(site["last_seen_at"] == kFirstText);
+      const std::string summary = site["summary"];
+      CHECK(summary.find("on the map of " + id + ", which may be later or earlier, ") !=
+            std::string::npos);
+      CHECK(field.OrderOfRecalled().find("first-r1") == std::string::npos);
+      CHECK(GetJson(*field.client, "/v1/sites").dump().find("first-r1") != std::string::npos);
+      CHECK(field.client->Get("/v1/sites/first-r1?f=cup")->status == 409);
+      // A plan that the dated map rejects is rejected for the other flight as well.
+      const Field mirrored({Dated(Ground::kTreeOnFinal), [&] {
+                              Flown free = other;
+                              free.ground = Ground::kFree;
+                              return free;
+                            }()});
+      CHECK(mirrored.Site(id)["verdict"] == "rejected");
+      CHECK(mirrored.OrderOfRecalled().find(id) == std::string::npos);
+      // Once the other flight is forgotten, nothing speaks against the site.
+      CHECK(field.client->Delete("/v1/sites/" + id)->status == 204);
+      CHECK(field.Site("first-r1")["verdict"] == "landable");
+    }
+  }
+}
+
+TEST_CASE("an undated map that arrived before the dated flight is older: the later one decides") {
+  const Field field({Undated(Ground::kFree, kFirst - kDayUs), Dated(Ground::kTreeOnFinal)});
+  CHECK(field.Site("undated-r1")["superseded_by"] == "first-r1");
+  const Field wrong({Undated(Ground::kTreeOnFinal, kFirst - kDayUs), Dated()});
+  CHECK(wrong.Site("first-r1")["verdict"] == "landable");
+  // It was seen again later: that date is known.
+  const Field seen_again({Undated(Ground::kFree, kFirst - kDayUs), Dated()});
+  CHECK(seen_again.Site("undated-r1")["last_seen_at"] == kFirstText);
+}
+
+TEST_CASE(
+    "local time without an offset: a flight of the next day is later, one of the same is not") {
+  Flown next = Dated();
+  next.flight_id = "next";
+  next.seen_at_us = kFirst + kDayUs;
+  const Field field({Local(Ground::kFree), Dated(), next});
+  CHECK(field.Site("local-r1")["last_seen_at"] == "2020-09-14T12:26:40Z");
+  CHECK(field.Site("first-r1")["last_seen_at"] == "2020-09-14T12:26:40Z");
+  CHECK(Field({Local(Ground::kFree), Dated()}).Site("local-r1")["last_seen_at"] ==
+        "2020-09-12T22:26:40Z");
+}
+
+}  // namespace
+}  // namespace freelsd
