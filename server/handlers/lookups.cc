@@ -38,6 +38,27 @@ std::vector<SiteRow> Obstructed(const Service& service, std::vector<SiteRow> sit
   return sites;
 }
 
+// At most unverified.
+void Doubt(std::string& verdict, std::string& summary) {
+  constexpr std::string_view kLandable = "Landable";
+  if (verdict == "landable") verdict = "unverified";
+  if (summary.starts_with(kLandable)) summary.replace(0, kLandable.size(), "Unverified");
+}
+
+void AddDoubt(const SiteRow& row, nlohmann::json& properties) {
+  std::string verdict = properties.value("verdict", "rejected");
+  std::string summary = properties.value("summary", "");
+  Doubt(verdict, summary);
+  properties["verdict"] = verdict;
+  if (properties.contains("summary")) properties["summary"] = summary;
+  properties["warnings"].push_back(DoubtSentence(row));
+  properties["doubted_by"] = row.JudgeId();
+  properties["doubted_at"] = nullptr;
+  if (row.superseded_at_us > 0) properties["doubted_at"] = Rfc3339(row.superseded_at_us);
+  properties["doubt_reason"] = row.superseded_reason;
+  properties["doubt_detail"] = row.superseded_detail;
+}
+
 }  // namespace
 
 std::vector<SiteRow> SitesOfFlight(const Service& service, const std::string& flight_id) {
@@ -63,6 +84,7 @@ nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us) {
   nlohmann::json& properties = feature["properties"];
   properties["last_seen_at"] = Rfc3339(row.LastSeenUs());
   properties["age_s"] = GroundAgeS(row.LastSeenUs(), now_us);
+  if (row.IsDoubted()) AddDoubt(row, properties);
   if (!row.superseded_by) return feature;
   properties["superseded_by"] = *row.superseded_by;
   // The row of an older program has only the id of the later site, until the site is checked.
@@ -80,6 +102,13 @@ StoredSite SiteOf(const SiteRow& row) {
   site.flight_name = flight.name;
   site.last_seen_at = Rfc3339(row.LastSeenUs());
   site.age_s = GroundAgeS(row.LastSeenUs(), NowUs());
+  if (row.IsDoubted()) {
+    site.is_doubted = true;
+    std::string summary = site.summary.value_or("");
+    Doubt(site.verdict, summary);
+    if (site.summary) site.summary = summary;
+    site.warnings.push_back(DoubtSentence(row));
+  }
   site.is_superseded = row.superseded_by.has_value();
   if (site.is_superseded) {
     site.warnings.push_back("superseded: on the later map of " + *row.superseded_by + " " +

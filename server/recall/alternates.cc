@@ -55,11 +55,12 @@ nlohmann::json AnswerOf(const StoredSites& stored,
     answer["warnings"] = {"no pose of the flight is known yet"};
     return answer;
   }
-  const FlightRequest flight_request = ParseStoredFlightRequest(flight.request_json);
+  const StoredFlight flight_request = ParseStoredFlight(flight.request_json);
   EmergencyRequest request;
   request.place = pose->place;
   request.altitude_datum = AltitudeDatumOf(flight);
   request.flight_id = flight.id;
+  request.is_of_experiment = !flight_request.memory.is_kept;
   if (pose->wind) {
     request.wind_in_world = pose->wind->wind_in_world;
     request.wind_sd_mps = pose->wind->sd_mps.value_or(0.0);

@@ -94,8 +94,9 @@ bool IsSurelyNotBetter(const RecallCandidate& candidate,
                        bool is_reached_landable,
                        const RecallCandidate& reached);
 
-// True if site `a` ranks before site `b` in an answer. The order is by arrival margin (in steps),
-// then verdict, then score (reduced with age), then age, then distance.
+// True if site `a` ranks before site `b` in an answer. Sites that a later map doubts come last. The
+// order is by arrival margin (in steps), then verdict, then score (reduced with age), then age,
+// then distance.
 bool IsBetter(double margin_a,
               bool landable_a,
               const RecallCandidate& a,
