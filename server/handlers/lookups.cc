@@ -38,19 +38,20 @@ std::vector<SiteRow> Obstructed(const Service& service, std::vector<SiteRow> sit
   return sites;
 }
 
-// At most unverified.
-void Doubt(std::string& verdict, std::string& summary) {
+// A doubted site is at most unverified.
+void Doubt(const SiteRow& row, std::string& verdict, std::string& summary) {
   constexpr std::string_view kLandable = "Landable";
   if (verdict == "landable") verdict = "unverified";
   if (summary.starts_with(kLandable)) summary.replace(0, kLandable.size(), "Unverified");
+  summary += (summary.empty() ? "" : " ") + DoubtSentence(row);
 }
 
 void AddDoubt(const SiteRow& row, nlohmann::json& properties) {
   std::string verdict = properties.value("verdict", "rejected");
   std::string summary = properties.value("summary", "");
-  Doubt(verdict, summary);
+  Doubt(row, verdict, summary);
   properties["verdict"] = verdict;
-  if (properties.contains("summary")) properties["summary"] = summary;
+  properties["summary"] = summary;
   properties["warnings"].push_back(DoubtSentence(row));
   properties["doubted_by"] = row.JudgeId();
   properties["doubted_at"] = nullptr;
@@ -105,8 +106,8 @@ StoredSite SiteOf(const SiteRow& row) {
   if (row.IsDoubted()) {
     site.is_doubted = true;
     std::string summary = site.summary.value_or("");
-    Doubt(site.verdict, summary);
-    if (site.summary) site.summary = summary;
+    Doubt(row, site.verdict, summary);
+    site.summary = summary;
     site.warnings.push_back(DoubtSentence(row));
   }
   site.is_superseded = row.superseded_by.has_value();

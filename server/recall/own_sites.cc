@@ -36,6 +36,7 @@ SiteRow AsRemembered(SiteRow site, const FlightMemory& memory) {
   nlohmann::json& properties = feature["properties"];
   properties["memory"] = NameOf(memory);
   properties["warnings"].push_back(kExperimentWarning);
+  properties["summary"] = properties.value("summary", "") + " " + kExperimentWarning;
   site.feature_json = feature.dump();
   return site;
 }

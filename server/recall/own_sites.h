@@ -8,8 +8,8 @@
 namespace freelsd {
 
 inline constexpr const char* kExperimentWarning =
-    "of an experiment (memory: none): its options are not those that were tested, and nobody else "
-    "recalls it";
+    "Of an experiment (memory: none): its options may not be those that were tested, and no other "
+    "flight recalls it.";
 
 // As it is stored: a site of an experiment has no recall data, and its feature says so.
 SiteRow AsRemembered(SiteRow site, const FlightMemory& memory);

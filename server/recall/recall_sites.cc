@@ -50,7 +50,7 @@ std::vector<std::string> StandingWarnings(const EmergencyRequest& request,
   if (row.doubt) {
     warnings.push_back(DoubtSentence(*row.doubt));
   } else if (!plan.reject_detail.empty()) {
-    warnings.push_back("doubted: " + plan.reject_detail);
+    warnings.push_back("Doubted: " + plan.reject_detail);
   }
   if (IsOwnExperiment(request, row)) warnings.emplace_back(kExperimentWarning);
   return warnings;

@@ -67,8 +67,8 @@ Standing With(Standing standing,
 std::string DoubtSentence(const Standing& standing) {
   const std::string at =
       standing.superseded_at_us > 0 ? Rfc3339(standing.superseded_at_us) : "an unknown time";
-  return "doubted: the map of " + standing.JudgeId() + ", photographed at " + at +
-         ", does not show fit ground any more: " + standing.superseded_detail;
+  return "Doubted: the map of " + standing.JudgeId() + ", photographed at " + at +
+         ", does not show fit ground any more: " + standing.superseded_detail + ".";
 }
 
 void ReportAll(MapCache& maps, const std::vector<SiteRow>& sites, const Standings& others) {

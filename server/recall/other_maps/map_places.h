@@ -1,6 +1,8 @@
 // Horizontal places of one map's world in another's. Private to other_maps.
 #pragma once
 
+#include <vector>
+
 #include "engine/flight/flight.h"
 #include "engine/terrain/terrain.h"
 

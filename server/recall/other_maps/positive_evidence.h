@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 
+#include "server/maps/maps.h"
 #include "server/recall/plan_check.h"
 
 namespace freelsd {

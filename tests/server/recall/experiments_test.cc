@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "server/recall/recall.h"
+#include "server/recall/terrain_margin.h"
 #include "tests/server/meadow.h"
 #include "tests/server/recall/flown_ground.h"
 
@@ -100,13 +101,27 @@ TEST_CASE("experiments: later flights judge their sites like any other") {
   }
 }
 
-TEST_CASE("experiments: the ground of an experiment blocks no way of others") {
+TEST_CASE("experiments: the ground of an experiment counts on the ways of its own flight alone") {
+  const TemporaryFolder folder;
+  Storage storage(StorageAt(folder.path()));
+  MapCache maps({size_t{1} << 24, size_t{1} << 22});
+  Store(storage, maps, Kept());
   Flown wall = Experiment(Ground::kTreeOnFinal);
-  wall.is_accepted = false;
-  wall.tree_m = 3000.0;
-  const Field field({Kept(), wall});
-  CHECK(field.IsRecalled("kept-r1"));
-  CHECK_FALSE(field.IsRecalled("kept-r1", "&flight=tried"));
+  wall.tree_m = 300.0;
+  Store(storage, maps, wall);
+  // Over the tree, 50 m above the ground.
+  const LocalFrame frame(TouchdownOf(kPlace));
+  const std::vector<GeoPoint> path{frame.GeoFromWorld({0.0, -60.0, 50.0}),
+                                   frame.GeoFromWorld({0.0, 0.0, 50.0})};
+  const auto margin_m = [&](const std::optional<std::string>& flight_id) {
+    EmergencyRequest request;
+    request.place = path.front();
+    request.flight_id = flight_id;
+    return TerrainMarginOf({storage, maps}, request, path)->margin_m;
+  };
+  CHECK(margin_m("tried") < -200.0);
+  CHECK(margin_m(std::nullopt) > -60.0);
+  CHECK(margin_m("kept") > -60.0);
 }
 
 TEST_CASE("experiments: an aircraft with looser limits than every profile judges no other site") {

@@ -142,8 +142,8 @@ TEST_CASE("memory: ground that is merely not recognised any more leaves the site
   CHECK_FALSE(site.contains("superseded_by"));
   const auto csv = field.client->Get("/v1/sites/first-r1?f=csv");
   CHECK(csv->body.find("unverified") != std::string::npos);
-  const auto kml = field.client->Get("/v1/sites/first-r1?f=kml");
-  CHECK(kml->body.find(kLaterText) != std::string::npos);
+  const auto plan = field.client->Get("/v1/sites/first-r1?f=plan&home_altitude_m=300");
+  CHECK(plan->body.find(kLaterText) != std::string::npos);
   // A later map on which the plan holds settles the doubt, in whichever order they arrive.
   const Flown doubting = Later(Ground::kHazardInDisc);
   const Flown free = Later(Ground::kFree, "latest", kLatest);
