@@ -54,6 +54,16 @@ std::optional<int> RetryAfterSeconds(const std::string& code);
 // Strict JSON: limited depth, no duplicate keys, no NaN, no 1e999. Throws ApiError 400 or 413.
 nlohmann::json ParseJson(const std::string& text, size_t max_bytes = kLimits.json.max_bytes);
 
+// Whether a flight's sites enter the memory of all flights, and its maps judge their sites.
+struct FlightMemory {
+  // False: an experiment ("none").
+  bool is_kept = true;
+  // Why, as a part of a sentence.
+  std::string reason = "it is the default";
+};
+// "keep" or "none".
+const char* NameOf(const FlightMemory& memory);
+
 // Body of POST /v1/flights. It is stored as `canonical_json`, which parses to the same request.
 struct FlightRequest {
   std::string name;
@@ -64,6 +74,7 @@ struct FlightRequest {
   std::optional<std::string> altitude_datum;
   Aircraft aircraft;
   PipelineOptions options;
+  FlightMemory memory;
   std::string canonical_json;
 };
 FlightRequest ParseFlightRequest(const std::string& body);
@@ -154,14 +165,16 @@ std::vector<std::string> LimitsWarnings(const Aircraft& aircraft);
 nlohmann::json PlanProperties(const Plan& plan, const FlightContext& context);
 // Name as in openapi.yaml, for example "approach_blocked".
 std::string NameOf(RejectReason reason);
-// The smaller key ranks first. Verdicts are ordered landable, unverified, any other; equal verdicts
-// are ordered by descending score, then by id.
+// The smaller key ranks first. Verdicts are ordered landable, unverified, unverified and doubted by
+// a later map, any other; equal verdicts are ordered by descending score, then by id.
 using RankKey = std::tuple<int, double, std::string>;
+inline constexpr int kDoubtedRank = 2;
 RankKey RankKeyOf(const nlohmann::json& site_feature);
 // FeatureCollection ordered by verdict (landable, unverified, rejected), then score; rank from 1.
 nlohmann::json RankedSites(std::vector<nlohmann::json> features);
 nlohmann::json AircraftJson(const Aircraft& aircraft);
-// {options: {stage: {field: {default, unit, help}}}, aircraft_profiles: {name: {…}}}.
+// {options: {stage: {field: {default, unit, help, changes_verdicts}}}, aircraft_profiles: {name:
+// {…}}}.
 nlohmann::json OptionsJson();
 // The object `limits` of GET /v1/info: one number per limit. The server adds its own limits.
 nlohmann::json LimitsJson(const Limits& limits);

@@ -10,6 +10,8 @@ namespace {
 
 // A camera is inside the aircraft. A larger distance from the body's origin means wrong units.
 constexpr double kMaxLeverArm = 100.0;
+constexpr const char* kKeep = "keep";
+constexpr const char* kNone = "none";
 constexpr NumberRange kImageSideRange{1, 65535};
 constexpr std::pair<DistortionModel, const char*> kDistortionNames[] = {
     {DistortionModel::kNone, "none"},
@@ -93,8 +95,19 @@ PipelineOptions WithLeastArea(PipelineOptions options,
   return options;
 }
 
+FlightMemory ReadMemory(const nlohmann::json* value, const FlightRequest& request) {
+  if (value == nullptr) return DefaultMemory(request);
+  const std::string memory = ReadString(*value, "/memory");
+  if (memory != kKeep && memory != kNone) {
+    throw InvalidValue("/memory", "memory: must be keep or none");
+  }
+  return {memory == kKeep, "the request says so"};
+}
+
 std::string CanonicalJson(const FlightRequest& request) {
   nlohmann::json object{{"name", request.name},
+                        {"memory", NameOf(request.memory)},
+                        {"memory_reason", request.memory.reason},
                         {"aircraft", AircraftJson(request.aircraft)},
                         {"options", OptionsValuesJson(request.options)}};
   if (request.altitude_datum) object["altitude_datum"] = *request.altitude_datum;
@@ -105,6 +118,8 @@ std::string CanonicalJson(const FlightRequest& request) {
 }
 
 }  // namespace
+
+const char* NameOf(const FlightMemory& memory) { return memory.is_kept ? kKeep : kNone; }
 
 Camera ParseCamera(const nlohmann::json& object, const std::string& pointer, CameraOrigin origin) {
   ObjectReader reader(object, pointer);
@@ -176,8 +191,14 @@ nlohmann::json Rigid3Json(const Rigid3d& a_from_b) {
 FlightRequest ParseFlightRequest(const std::string& body) {
   const nlohmann::json object = ParseJson(body);
   ObjectReader reader(object, "");
-  reader.RefuseKeysExcept(
-      {"name", "camera", "body_from_camera", "origin", "altitude_datum", "aircraft", "options"});
+  reader.RefuseKeysExcept({"name",
+                           "camera",
+                           "body_from_camera",
+                           "origin",
+                           "altitude_datum",
+                           "aircraft",
+                           "options",
+                           "memory"});
   FlightRequest request;
   request.name = ReadName(reader);
   if (const nlohmann::json* const camera = reader.Find("camera")) {
@@ -192,11 +213,13 @@ FlightRequest ParseFlightRequest(const std::string& body) {
   request.altitude_datum = ReadDatum(reader);
   const nlohmann::json* const aircraft = reader.Find("aircraft");
   const nlohmann::json* const options = reader.Find("options");
+  const nlohmann::json* const memory = reader.Find("memory");
   reader.RefuseUnknownKeys();
   if (options != nullptr) request.options = ParseOptions(*options, "/options");
   request.aircraft = ReadAircraft(aircraft, request.options.preset);
   request.options = WithLeastArea(std::move(request.options), options, request.aircraft);
   CheckOptions(request.options);
+  request.memory = ReadMemory(memory, request);
   request.canonical_json = CanonicalJson(request);
   return request;
 }
@@ -204,7 +227,15 @@ FlightRequest ParseFlightRequest(const std::string& body) {
 FlightRequest ParseStoredFlightRequest(const std::string& canonical_json) {
   nlohmann::json object = ParseJson(canonical_json);
   if (object.contains("options")) KeepKnownOptions(object["options"]);
-  return ParseFlightRequest(object.dump());
+  // Flights of earlier versions have none: other defaults may have been in force then.
+  const bool is_experiment = object.contains(nlohmann::json::json_pointer("/options/preset"));
+  if (!object.contains("memory")) object["memory"] = is_experiment ? kNone : kKeep;
+  const std::string reason = object.value("memory_reason", "an earlier version stored the flight");
+  object.erase("memory_reason");
+  FlightRequest request = ParseFlightRequest(object.dump());
+  request.memory.reason = reason;
+  request.canonical_json = CanonicalJson(request);
+  return request;
 }
 
 FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum) {

@@ -15,6 +15,10 @@ void KeepKnownOptions(nlohmann::json& options);
 // Writes the same form with every field. Withheld is terrain.height_fusion: the preset decides it.
 nlohmann::json OptionsValuesJson(const PipelineOptions& options);
 
+// Of a flight that is given none: an experiment if the preset, or an option that can change a
+// verdict, differs from its default.
+FlightMemory DefaultMemory(const FlightRequest& request);
+
 // The key `source` ("exif") is accepted in stored JSON only, not from clients.
 enum class CameraOrigin { kClient, kStored };
 Camera ParseCamera(const nlohmann::json& object, const std::string& pointer, CameraOrigin origin);

@@ -90,12 +90,29 @@ PipelineOptions StartOf(ObjectReader& given) {
   return PaperOptions();
 }
 
+// Those that decide only when, where, how fast or with how many words the engine looks. All others
+// can change a verdict.
+constexpr std::string_view kChangesNoVerdict[] = {"backend_period_frames",
+                                                  "max_num_map_sites",
+                                                  "map_site_extent_m",
+                                                  "max_num_rejections",
+                                                  "num_backend_candidates",
+                                                  "num_threads"};
+
+bool ChangesVerdicts(std::string_view option) {
+  return std::find(std::begin(kChangesNoVerdict), std::end(kChangesNoVerdict), option) ==
+         std::end(kChangesNoVerdict);
+}
+
 nlohmann::json DescribedOptions(const PipelineOptions& defaults) {
   nlohmann::json described = nlohmann::json::object();
   VisitStages(defaults, [&described](const char* stage, const auto& stage_options) {
     nlohmann::json& fields = described[stage];
     VisitFields(stage_options, [&fields](const char* name, const auto& field, const char* help) {
-      fields[name] = {{"default", Written(field)}, {"unit", UnitOf(name)}, {"help", help}};
+      fields[name] = {{"default", Written(field)},
+                      {"unit", UnitOf(name)},
+                      {"help", help},
+                      {"changes_verdicts", ChangesVerdicts(name)}};
     });
   });
   return described;
@@ -162,6 +179,20 @@ nlohmann::json GivenOptionsJson(const FlightRequest& request) {
     }
   }
   return given;
+}
+
+FlightMemory DefaultMemory(const FlightRequest& request) {
+  const nlohmann::json given = GivenOptionsJson(request);
+  if (given.contains("preset")) {
+    return {false, "preset " + given["preset"].get<std::string>() + " is an experiment"};
+  }
+  for (const auto& [stage, fields] : given.items()) {
+    for (const auto& [name, value] : fields.items()) {
+      if (!ChangesVerdicts(name)) continue;
+      return {false, stage + "." + name + " differs from its default and can change a verdict"};
+    }
+  }
+  return {};
 }
 
 nlohmann::json OptionsJson() {

@@ -251,16 +251,19 @@ nlohmann::json SiteFeature(const std::string& site_id,
 }
 
 RankKey RankKeyOf(const std::string& verdict, double score, const std::string& id) {
-  return {verdict == "landable" ? 0 : verdict == "unverified" ? 1 : 2, -score, id};
+  return {verdict == "landable" ? 0 : verdict == "unverified" ? 1 : 3, -score, id};
 }
 
 RankKey RankKeyOf(const nlohmann::json& site_feature) {
   const nlohmann::json& properties = site_feature.at("properties");
   const auto score = properties.find("score");
   const bool has_score = score != properties.end() && score->is_number();
-  return RankKeyOf(properties.value("verdict", "rejected"),
-                   has_score ? score->get<double>() : 0.0,
-                   properties.value("id", ""));
+  const std::string verdict = properties.value("verdict", "rejected");
+  RankKey key = RankKeyOf(
+      verdict, has_score ? score->get<double>() : 0.0, properties.value("id", std::string()));
+  if (verdict == "unverified" && properties.contains("doubted_by"))
+    std::get<int>(key) = kDoubtedRank;
+  return key;
 }
 
 nlohmann::json RankedSites(std::vector<nlohmann::json> features) {

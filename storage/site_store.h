@@ -27,6 +27,8 @@ struct RecallData {
   std::string aircraft_json = "{}";
 };
 
+struct Standing;
+
 // A recallable site, without its feature and approach.
 struct RecallRow {
   std::string site_id;
@@ -41,6 +43,8 @@ struct RecallRow {
   int64_t seen_at_us = 0;
   RecallData data;
   std::optional<int64_t> seen_until_us = std::nullopt;
+  // Of a site that is doubted; else null.
+  std::shared_ptr<const Standing> doubt = nullptr;
 };
 
 // Result of a query that may return thousands of rows. Rows are shared, not copied.
@@ -51,8 +55,10 @@ using SharedRows = std::vector<std::shared_ptr<const Row>>;
 struct Standing {
   // Id of the site on whose map the plan fails. If there are several, the one whose map was
   // photographed last. On a flight's map: the nearest of its sites, or the flight if it has none.
+  // Empty: the site is not superseded, but a later map may doubt it (IsDoubted).
   std::optional<std::string> superseded_by;
-  // Id of that map, if it is the map of a flight; else empty.
+  // Id of that map, if it is the map of a flight; else empty. Of a doubt: also the id of a site,
+  // whose own map it is.
   std::string superseded_by_map;
   // The time at which the ground of that map was last photographed, the broken rule, and a sentence
   // with numbers. With a rule, 0 means that the order of the two maps is not known.
@@ -64,6 +70,13 @@ struct Standing {
   // False if an older program stored the site. Its plan was then never checked on later maps.
   bool is_checked = false;
 
+  // The plan breaks a rule on a later map, which does not positively show that the ground changed.
+  // Map, time, rule and sentence are those of the latest one that is later than confirmed_at_us.
+  bool IsDoubted() const { return !superseded_by && !superseded_reason.empty(); }
+  // Of the flight, or site, whose map supersedes or doubts.
+  std::string JudgeId() const {
+    return superseded_by.value_or(superseded_by_map.substr(0, superseded_by_map.find('/')));
+  }
   bool operator==(const Standing&) const = default;
   // The plan fails on a map that may be later or earlier: neither replaces the other, and the worse
   // of both holds. Else, superseded_by is of a later map.
@@ -206,7 +219,7 @@ class SiteStore {
   // returns.
   virtual uint64_t Version() const = 0;
   virtual std::optional<std::string> ReadMap(const std::string& site_id) const = 0;
-  // Ids of sites whose standing depends on this site's own map.
+  // Ids of sites whose standing depends on this site's own map, or names it.
   virtual std::vector<std::string> ListDependents(const std::string& site_id) const = 0;
   // The same for a flight's map.
   virtual std::vector<std::string> ListDependentsOfMap(const std::string& map_id) const = 0;
@@ -214,7 +227,8 @@ class SiteStore {
   virtual std::vector<std::string> ListUnchecked() const = 0;
   // Maps of flights, and sites' own maps (of rejected sites too), that may meet the box.
   virtual SharedRows<MapRow> ListMaps(const BoundingBox& box) const = 0;
-  // Ids of accepted sites, superseded ones included, whose map or touchdown may meet the box.
+  // Ids of sites with an approach, superseded ones and those of experiments included, whose map or
+  // touchdown may meet the box.
   virtual std::vector<std::string> ListAccepted(const BoundingBox& box) const = 0;
 
   // Recallable sites whose map or touchdown intersects the box.

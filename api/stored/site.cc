@@ -180,6 +180,7 @@ StoredSite ReadProperties(const nlohmann::json& properties) {
                                     NumberIn(obstacle, "clearance_m"),
                                     NumberIn(obstacle, "distance_m")};
   }
+  site.is_experiment = TextIn(properties, "memory") == "none";
   site.rejections = ReadRejections(properties);
   site.warnings = ReadWarnings(properties);
   return site;
@@ -190,9 +191,10 @@ StoredSite ReadProperties(const nlohmann::json& properties) {
 std::string StoredSite::Name() const {
   const bool has_name = !flight_name.empty() && rank;
   const std::string name = has_name ? flight_name + " " + std::to_string(*rank) : id;
-  if (is_superseded) return name + " SUPERSEDED";
-  if (IsRejected()) return name + " REJECTED";
-  return verdict == "unverified" ? name + " UNVERIFIED" : name;
+  const std::string kind = is_experiment ? name + " EXPERIMENT" : name;
+  if (is_superseded) return kind + " SUPERSEDED";
+  if (IsRejected()) return kind + " REJECTED";
+  return verdict == "unverified" ? kind + " UNVERIFIED" : kind;
 }
 
 StoredSite ReadStoredSite(const std::string& feature_json,
@@ -213,7 +215,9 @@ StoredSite ReadStoredSite(const std::string& feature_json,
 
 std::vector<StoredSite> RankSites(std::vector<StoredSite> sites) {
   const auto key = [](const StoredSite& site) {
-    return RankKeyOf(site.verdict, site.score.value_or(0.0), site.id);
+    RankKey rank = RankKeyOf(site.verdict, site.score.value_or(0.0), site.id);
+    if (site.is_doubted && !site.IsRejected()) std::get<int>(rank) = kDoubtedRank;
+    return rank;
   };
   std::stable_sort(
       sites.begin(), sites.end(), [&key](const auto& a, const auto& b) { return key(a) < key(b); });

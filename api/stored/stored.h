@@ -32,6 +32,7 @@ struct StoredFlight {
   std::optional<GeoPoint> origin;
   std::optional<std::string> altitude_datum;
   Aircraft aircraft;
+  FlightMemory memory;
 };
 // `request_json` is FlightRequest::canonical_json.
 StoredFlight ParseStoredFlight(const std::string& request_json);
@@ -143,6 +144,10 @@ struct StoredSite {
   // True if the site's plan fails on a later map. The caller sets this field, because it may change
   // after the site is stored.
   bool is_superseded = false;
+  // True if a later map doubts the plan. The caller sets this field, and the verdict.
+  bool is_doubted = false;
+  // True if the site's flight is an experiment.
+  bool is_experiment = false;
   std::optional<FinalPlaces> final_places;
   // Corners of the strip that must be free for the ground roll. Empty if the aircraft needs none.
   std::vector<GeoPoint> ground_roll;
@@ -151,9 +156,9 @@ struct StoredSite {
   std::optional<StoredGoAround> go_around;
 
   bool IsRejected() const { return verdict != "landable" && verdict != "unverified"; }
-  // The name shown to people: the flight's name and the rank, with a mark if the site is superseded
-  // or not landable. Example: "north field 2 UNVERIFIED". If the flight's name or the rank is
-  // unknown, returns the id.
+  // The name shown to people: the flight's name and the rank, with a mark if the site is of an
+  // experiment, superseded or not landable. Example: "north field 2 UNVERIFIED". If the flight's
+  // name or the rank is unknown, returns the id.
   std::string Name() const;
 };
 // `feature_json` is the site's GeoJSON feature. `approach_json` is the FeatureCollection of the

@@ -130,13 +130,23 @@ nlohmann::json StandingJson(const Standing& standing) {
   nlohmann::json json{{"is_checked", standing.is_checked}};
   if (standing.superseded_by) {
     json["superseded_by"] = *standing.superseded_by;
-    json["superseded_by_map"] = standing.superseded_by_map;
-    json["superseded_at_us"] = standing.superseded_at_us;
-    json["superseded_reason"] = standing.superseded_reason;
-    json["superseded_detail"] = standing.superseded_detail;
+  }
+  if (!standing.superseded_reason.empty() || standing.superseded_by) {
+    const std::string what = standing.superseded_by ? "superseded_" : "doubted_";
+    json[what + "by_map"] = standing.superseded_by_map;
+    json[what + "at_us"] = standing.superseded_at_us;
+    json[what + "reason"] = standing.superseded_reason;
+    json[what + "detail"] = standing.superseded_detail;
   }
   if (standing.confirmed_at_us) json["confirmed_at_us"] = *standing.confirmed_at_us;
   return json;
+}
+
+void ReadCause(const Fields& fields, const std::string& what, Standing& standing) {
+  standing.superseded_by_map = fields.TextOr((what + "by_map").c_str(), "");
+  standing.superseded_at_us = fields.Integer((what + "at_us").c_str());
+  standing.superseded_reason = fields.Text((what + "reason").c_str());
+  standing.superseded_detail = fields.Text((what + "detail").c_str());
 }
 
 Standing ParseStanding(const Fields& fields) {
@@ -144,10 +154,9 @@ Standing ParseStanding(const Fields& fields) {
   standing.is_checked = fields.Flag("is_checked");
   if (fields.Find("superseded_by") != nullptr) {
     standing.superseded_by = fields.Text("superseded_by");
-    standing.superseded_by_map = fields.TextOr("superseded_by_map", "");
-    standing.superseded_at_us = fields.Integer("superseded_at_us");
-    standing.superseded_reason = fields.Text("superseded_reason");
-    standing.superseded_detail = fields.Text("superseded_detail");
+    ReadCause(fields, "superseded_", standing);
+  } else if (fields.Find("doubted_by_map") != nullptr) {
+    ReadCause(fields, "doubted_", standing);
   }
   standing.confirmed_at_us = fields.OptionalInteger("confirmed_at_us");
   return standing;

@@ -53,6 +53,8 @@ nlohmann::json FlightJson(const Service& service, const FlightSummary& summary) 
           {"origin", OriginJson(flight, request)},
           {"aircraft", AircraftJson(request.aircraft)},
           {"altitude_datum", AltitudeDatumOf(flight)},
+          {"memory", NameOf(request.memory)},
+          {"memory_reason", request.memory.reason},
           {"has_retired_images", flight.has_retired_images},
           {"created_at", Rfc3339(flight.created_at_us)}};
 }
@@ -103,12 +105,16 @@ void GetFlight(Service& service, const Call& call, httplib::Response& response) 
 
 void DeleteFlight(Service& service, const Call& call, httplib::Response& response) {
   const bool forget_sites = call.QueryFlag("forget_sites");
-  const FlightRow flight = ExistingFlight(service, call);
-  if (forget_sites) ForgetFlight(service.storage, service.maps, flight.id);
-  service.storage.flights.Delete(flight.id, false);
+  const std::string id = call.Id("flight");
+  // What a flight left behind is forgotten also when the flight itself is gone. With organisations,
+  // it may be what another one shares.
+  if (!forget_sites || !service.config.organisations.empty()) ExistingFlight(service, call);
+  const bool has_left = forget_sites && ForgetFlight(service.storage, service.maps, id);
+  if (!has_left) ExistingFlight(service, call);
+  service.storage.flights.Delete(id, false);
   // Those that a worker stored meanwhile; without its flight it stores no more.
-  if (forget_sites) ForgetFlight(service.storage, service.maps, flight.id);
-  service.alternates.Forget(flight.id);
+  if (forget_sites) ForgetFlight(service.storage, service.maps, id);
+  service.alternates.Forget(id);
   if (forget_sites) service.alternates.WakeAll();
   service.intake.wake_worker();
   response.status = 204;

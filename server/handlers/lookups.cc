@@ -38,6 +38,28 @@ std::vector<SiteRow> Obstructed(const Service& service, std::vector<SiteRow> sit
   return sites;
 }
 
+// A doubted site is at most unverified.
+void Doubt(const SiteRow& row, std::string& verdict, std::string& summary) {
+  constexpr std::string_view kLandable = "Landable";
+  if (verdict == "landable") verdict = "unverified";
+  if (summary.starts_with(kLandable)) summary.replace(0, kLandable.size(), "Unverified");
+  summary += (summary.empty() ? "" : " ") + DoubtSentence(row);
+}
+
+void AddDoubt(const SiteRow& row, nlohmann::json& properties) {
+  std::string verdict = properties.value("verdict", "rejected");
+  std::string summary = properties.value("summary", "");
+  Doubt(row, verdict, summary);
+  properties["verdict"] = verdict;
+  properties["summary"] = summary;
+  properties["warnings"].push_back(DoubtSentence(row));
+  properties["doubted_by"] = row.JudgeId();
+  properties["doubted_at"] = nullptr;
+  if (row.superseded_at_us > 0) properties["doubted_at"] = Rfc3339(row.superseded_at_us);
+  properties["doubt_reason"] = row.superseded_reason;
+  properties["doubt_detail"] = row.superseded_detail;
+}
+
 }  // namespace
 
 std::vector<SiteRow> SitesOfFlight(const Service& service, const std::string& flight_id) {
@@ -65,6 +87,7 @@ nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us) {
   nlohmann::json feature = nlohmann::json::parse(row.feature_json);
   nlohmann::json& properties = feature["properties"];
   properties.update(GroundAgeJson(row.LastSeenUs(), now_us));
+  if (row.IsDoubted()) AddDoubt(row, properties);
   if (!row.superseded_by) return feature;
   properties["superseded_by"] = *row.superseded_by;
   // The row of an older program has only the id of the later site, until the site is checked.
@@ -82,6 +105,13 @@ StoredSite SiteOf(const SiteRow& row) {
   site.flight_name = flight.name;
   if (row.LastSeenUs() > 0) site.last_seen_at = Rfc3339(row.LastSeenUs());
   site.age_s = GroundAgeS(row.LastSeenUs(), NowUs());
+  if (row.IsDoubted()) {
+    site.is_doubted = true;
+    std::string summary = site.summary.value_or("");
+    Doubt(row, site.verdict, summary);
+    site.summary = summary;
+    site.warnings.push_back(DoubtSentence(row));
+  }
   site.is_superseded = row.superseded_by.has_value();
   if (site.is_superseded) {
     site.warnings.push_back("superseded: on the later map of " + *row.superseded_by + " " +

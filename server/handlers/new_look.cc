@@ -37,7 +37,7 @@ Gain GainOf(const SiteRow& row, int64_t now_us) {
   const auto score = properties.find("score");
   const bool has_score = score != properties.end() && score->is_number();
   Gain gain;
-  gain.verdict = properties.value("verdict", "rejected");
+  gain.verdict = row.IsDoubted() ? "unverified" : properties.value("verdict", "rejected");
   gain.value = ShareOf(gain.verdict) * (has_score ? score->get<double>() : 0.0);
   gain.age_s = GroundAgeS(row.LastSeenUs(), now_us);
   gain.key = {-gain.value * (1.0 - ScoreLeft(gain.age_s)), row.id};

@@ -32,9 +32,8 @@ struct RankedRow {
 std::vector<RankedRow> Ranked(const std::vector<SiteRow>& sites) {
   std::vector<RankedRow> ranked;
   ranked.reserve(sites.size());
-  for (const SiteRow& site : sites) {
-    ranked.push_back({RankKeyOf(nlohmann::json::parse(site.feature_json)), &site});
-  }
+  const int64_t now_us = NowUs();
+  for (const SiteRow& site : sites) ranked.push_back({RankKeyOf(FeatureOf(site, now_us)), &site});
   std::sort(ranked.begin(), ranked.end(), [](const RankedRow& a, const RankedRow& b) {
     return a.key < b.key;
   });

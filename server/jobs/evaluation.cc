@@ -92,10 +92,12 @@ void StoreResult(Service& service,
                  StagedMaps& maps,
                  EvaluationScope scope) {
   const std::unique_ptr<SiteTurn> turn = service.storage.sites.TakeTurn();
-  if (!service.storage.flights.Find(flight_id)) return;
+  const std::optional<FlightRow> flight = service.storage.flights.Find(flight_id);
+  if (!flight) return;
+  const FlightMemory memory = ParseStoredFlight(flight->request_json).memory;
   const std::vector<SiteRow> stored = service.storage.sites.List(flight_id, std::nullopt);
   EvaluationRows rows;
-  for (const NewSite& site : sites) rows.sites.push_back(site.row);
+  for (const NewSite& site : sites) rows.sites.push_back(AsRemembered(site.row, memory));
   rows.forgotten_sites = OutOfDateSites(stored, rows.sites, maps.rows(), scope);
   std::set<std::string> gone(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
   for (const SiteRow& site : rows.sites) gone.insert(site.id);

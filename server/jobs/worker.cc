@@ -304,7 +304,10 @@ bool Worker::IsEvaluationDue(const std::string& flight_id, const FlightSession& 
     if (job.flight_id != flight_id || job.kind != "finish" || num_to_finish) continue;
     num_to_finish = LastSequence(job) - session.cursor();
   }
-  return pace.IsDue(period, num_to_finish, service.storage.sites.HasRecallable(flight_id));
+  // Nobody waits for the first site of an experiment.
+  const bool has_site =
+      !session.request().memory.is_kept || service.storage.sites.HasRecallable(flight_id);
+  return pace.IsDue(period, num_to_finish, has_site);
 }
 
 void Worker::StoreProgress(const std::string& flight_id,

@@ -85,7 +85,8 @@ std::shared_ptr<const FlightMap> FlightMaps::Find(const Storage& storage,
                                                        std::move(head),
                                                        local_frame,
                                                        request.options.hazard,
-                                                       std::move(request.aircraft)});
+                                                       std::move(request.aircraft),
+                                                       std::move(request.memory)});
   } catch (const std::exception& error) {
     spdlog::error("map {} cannot be used: {}", map_id, error.what());
     return nullptr;

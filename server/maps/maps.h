@@ -24,6 +24,7 @@ struct FlightMap {
   // Of the flight's request.
   HazardOptions hazard_options;
   Aircraft aircraft;
+  FlightMemory memory;
 
   // The grid of all cells of a level.
   Grid GridAt(int level) const;

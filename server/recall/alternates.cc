@@ -55,11 +55,12 @@ nlohmann::json AnswerOf(const StoredSites& stored,
     answer["warnings"] = {"no pose of the flight is known yet"};
     return answer;
   }
-  const FlightRequest flight_request = ParseStoredFlightRequest(flight.request_json);
+  const StoredFlight flight_request = ParseStoredFlight(flight.request_json);
   EmergencyRequest request;
   request.place = pose->place;
   request.altitude_datum = AltitudeDatumOf(flight);
   request.flight_id = flight.id;
+  request.is_of_experiment = !flight_request.memory.is_kept;
   if (pose->wind) request = InWind(request, WindOfNowOf(*pose->wind));
   // If the heading is unknown, recall assumes the worst heading, and adds a warning.
   request.heading_deg = pose->heading_deg;

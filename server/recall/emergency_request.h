@@ -23,6 +23,8 @@ struct EmergencyRequest {
   std::optional<std::string> altitude_datum;
   // The flight that measured the altitude. Values that are not given may be taken from this flight.
   std::optional<std::string> flight_id;
+  // The flight's memory is "none": its own sites and maps count too, for this request alone.
+  bool is_of_experiment = false;
   // East and north, m/s: the direction in which the air moves. Empty: unknown.
   std::optional<Eigen::Vector2d> wind_in_world;
   // Standard deviation of the wind in each axis; 0: unknown.

@@ -1,6 +1,7 @@
 #include "server/recall/flight_state.h"
 
 #include "api/api.h"
+#include "api/stored/stored.h"
 #include "server/intake/intake.h"
 #include "server/recall/live_pose.h"
 
@@ -36,8 +37,10 @@ CompletedRequest CompletedFromFlight(const Storage& storage, const EmergencyRequ
     request.altitude_datum = DatumOf(*flight, pose);
     taken["altitude_datum"] = *request.altitude_datum;
   }
+  const StoredFlight stored = ParseStoredFlight(flight->request_json);
+  request.is_of_experiment = !stored.memory.is_kept;
   if (!request.aircraft) {
-    request.aircraft = ParseStoredFlightRequest(flight->request_json).aircraft;
+    request.aircraft = stored.aircraft;
     taken["aircraft"] = AircraftJson(*request.aircraft);
   }
   if (pose && pose->wind && !request.wind_in_world) {

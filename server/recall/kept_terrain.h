@@ -1,6 +1,7 @@
 // The ground of a stored map as something to fly over. Private to recall.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "api/export/layers/layers.h"
@@ -24,6 +25,12 @@ struct KeptTerrain {
   BoundingBox surroundings{};
   // Of all obstacles there.
   std::string obstacles_key = {};
+  // Flight of the map, if its memory is "none". Empty: the map counts for everyone.
+  std::string experiment_id = {};
+
+  bool CountsFor(const std::optional<std::string>& flight_id) const {
+    return experiment_id.empty() || experiment_id == flight_id;
+  }
 };
 
 }  // namespace freelsd

@@ -68,6 +68,7 @@ KeptTerrain TerrainOn(const KeptSite& site, const KnownObstacles& obstacles) {
   terrain.position_sd_m = map.position_sd_m;
   terrain.surroundings = site.surroundings;
   terrain.obstacles_key = KeyOf(obstacles);
+  if (!site.replan.flight.memory.is_kept) terrain.experiment_id = site.row.flight_id;
   terrain.grid.cell_size_m *= side;
   terrain.grid.num_rows = (map.grid.num_rows + side - 1) / side;
   terrain.grid.num_cols = (map.grid.num_cols + side - 1) / side;
@@ -182,6 +183,7 @@ std::shared_ptr<const KeptTerrain> MapCache::ReadTerrain(const Storage& storage,
   terrain.surroundings = BoxAround(map->head.origin, grid, kCirclesM);
   const KnownObstacles obstacles = ObstaclesNear(storage, terrain.surroundings);
   terrain.obstacles_key = KeyOf(obstacles);
+  if (!map->memory.is_kept) terrain.experiment_id = map->row.flight_id;
   const AltitudeReference reference{map->row.altitude_datum,
                                     map->head.origin.latitude_deg,
                                     map->head.origin.longitude_deg,
@@ -253,7 +255,7 @@ std::vector<OtherGround> MapCache::GroundsOf(const Storage& storage,
   std::vector<OtherGround> grounds;
   for (const auto& map : maps) {
     auto terrain = TerrainOf(storage, map->id, map->updated_at_us);
-    if (!terrain) continue;
+    if (!terrain || !terrain->CountsFor(std::nullopt)) continue;
     const AltitudeReference reference = freelsd::ReferenceOf(*map, *terrain);
     grounds.push_back({std::move(terrain), reference});
   }

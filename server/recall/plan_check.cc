@@ -138,6 +138,11 @@ bool IsSame(const std::optional<Rejection>& a, const std::optional<Rejection>& b
          (!a || (a->reason == b->reason && a->detail == b->detail));
 }
 
+std::optional<PlanCheck> FailureOf(const std::optional<Rejection>& broken) {
+  if (!broken) return std::nullopt;
+  return PlanCheck{PlanVerdict::kFails, broken->reason, broken->detail};
+}
+
 }  // namespace
 
 std::optional<PlanCheck> BrokenByObstacles(const StoredPlan& plan,
@@ -154,7 +159,7 @@ std::optional<PlanCheck> BrokenByObstacles(const StoredPlan& plan,
   if (broken && IsSame(broken, CheckOn(Strict(plan, around), approach, plan).rejection)) {
     broken = CheckOn(Lenient(plan, obstructed), approach, plan).rejection;
   }
-  if (broken) return PlanCheck{PlanVerdict::kFails, broken->reason, broken->detail};
+  if (broken) return FailureOf(broken);
   return BrokenBeyondMap(plan, approach, around, obstacles);
 }
 
@@ -229,9 +234,17 @@ PlanCheck CheckPlan(const StoredPlan& plan, const GeoPoint& map_origin, const Si
   if (around.map.elevation.empty()) return {};
   const ApproachCheck strict = CheckOn(Strict(plan, around), approach, plan);
   if (strict.is_covered && !strict.rejection) return {PlanVerdict::kHolds, std::nullopt, {}};
-  const ApproachCheck lenient = CheckOn(Lenient(plan, around), approach, plan);
-  if (!lenient.rejection) return {};
-  return {PlanVerdict::kFails, lenient.rejection->reason, lenient.rejection->detail};
+  return FailureOf(CheckOn(Lenient(plan, around), approach, plan).rejection).value_or(PlanCheck{});
+}
+
+std::optional<PlanCheck> BrokenByChanges(const StoredPlan& plan,
+                                         const SiteMap& own_map,
+                                         const SiteMap& changed_map) {
+  const Approach approach = ApproachIn(LocalFrame(plan.replan.origin), plan);
+  const auto broken = CheckOn(Lenient(plan, changed_map), approach, plan).rejection;
+  if (!broken) return std::nullopt;
+  const auto before = CheckOn(Lenient(plan, own_map), approach, plan).rejection;
+  return IsSame(broken, before) ? std::nullopt : FailureOf(broken);
 }
 
 double ReachOfPlans(const RecallBounds& bounds) {

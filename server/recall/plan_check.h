@@ -36,17 +36,23 @@ BoundingBox BoxOf(const StoredPlan& plan);
 enum class PlanVerdict {
   kHolds,   // disc, ground roll and final are wholly seen, and no rule is broken
   kFails,   // something seen breaks a rule
-  kUnknown  // neither
+  kDoubts,  // a rule is broken, but by nothing that the map positively shows (CheckPlanOn)
+  kUnknown  // none of them
 };
 struct PlanCheck {
   PlanVerdict verdict = PlanVerdict::kUnknown;
-  // Set if verdict is kFails: the broken rule, and a sentence with numbers.
+  // Set if verdict is kFails or kDoubts: the broken rule, and a sentence with numbers.
   std::optional<RejectReason> reason;
   std::string detail;
 };
 // Checks the plan on the map of another flight, with the plan's own aircraft, wind and options.
 // Those of the other flight do not matter, because only a change of the ground counts.
 PlanCheck CheckPlan(const StoredPlan& plan, const GeoPoint& map_origin, const SiteMap& site_map);
+// What changes of the own map's ground break of the plan: nothing if it holds with them, or if the
+// unchanged map breaks the same rule. Both maps are on one grid. What is unsure is no change.
+std::optional<PlanCheck> BrokenByChanges(const StoredPlan& plan,
+                                         const SiteMap& own_map,
+                                         const SiteMap& changed_map);
 // How far from their touchdowns the plans of stored sites need ground, at least 2.2 km. It holds
 // for the stored aircraft in any wind in which they make headway. It may not hold for a flight
 // whose options allow start heights above the usual ones.

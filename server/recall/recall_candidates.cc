@@ -75,6 +75,7 @@ RecallCandidate CandidateOf(const EmergencyRequest& request,
 double SortAgeS(const RecallCandidate& candidate) {
   return candidate.age_s.value_or(std::numeric_limits<double>::infinity());
 }
+bool IsDoubted(const RecallCandidate& candidate) { return candidate.row->doubt != nullptr; }
 
 int MarginStep(double margin_m) {
   return static_cast<int>(std::floor(std::clamp(margin_m, -1e6, kPlentyMarginM) / kMarginStepM));
@@ -85,6 +86,7 @@ int MarginStep(double margin_m) {
 bool IsMorePromising(const RecallCandidate& a, const RecallCandidate& b) {
   const bool is_a_in_reach = a.best_margin_m >= 0.0;
   if (is_a_in_reach != (b.best_margin_m >= 0.0)) return is_a_in_reach;
+  if (is_a_in_reach && IsDoubted(a) != IsDoubted(b)) return IsDoubted(b);
   if (!is_a_in_reach && a.best_margin_m != b.best_margin_m) {
     return a.best_margin_m > b.best_margin_m;
   }
@@ -203,6 +205,7 @@ bool IsBetter(double margin_a,
               double margin_b,
               bool landable_b,
               const RecallCandidate& b) {
+  if (IsDoubted(a) != IsDoubted(b)) return IsDoubted(b);
   if (MarginStep(margin_a) != MarginStep(margin_b)) {
     return MarginStep(margin_a) > MarginStep(margin_b);
   }

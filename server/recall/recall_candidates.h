@@ -100,8 +100,9 @@ bool IsSurelyNotBetter(const RecallCandidate& candidate,
                        bool is_reached_landable,
                        const RecallCandidate& reached);
 
-// True if site `a` ranks before site `b` in an answer. The order is by arrival margin (in steps),
-// then verdict, then score (reduced with age), then age, then the score when stored, then distance.
+// True if site `a` ranks before site `b` in an answer. Sites that another map doubts come last. The
+// order is by arrival margin (in steps), then verdict, then score (reduced with age), then age,
+// then the score when stored, then distance.
 bool IsBetter(double margin_a,
               bool landable_a,
               const RecallCandidate& a,

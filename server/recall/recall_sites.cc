@@ -11,7 +11,9 @@
 #include "server/http/http.h"
 #include "server/recall/descent_path.h"
 #include "server/recall/obstacles/obstacles.h"
+#include "server/recall/own_sites.h"
 #include "server/recall/site_search.h"
+#include "server/recall/standing.h"
 
 namespace freelsd {
 namespace {
@@ -40,17 +42,33 @@ double BearingDeg(const Eigen::Vector2d& way) {
   return bearing_deg < 0.0 ? bearing_deg + 360.0 : bearing_deg;
 }
 
-nlohmann::json AnswerOf(const RecallCandidate& candidate,
-                        const DescentTask& task,
-                        const GeoPoint& place) {
+// Why the site is less than its plan says, and that it is of an experiment.
+std::vector<std::string> StandingWarnings(const EmergencyRequest& request,
+                                          const RecallRow& row,
+                                          const Plan& plan) {
+  std::vector<std::string> warnings;
+  if (row.doubt) {
+    warnings.push_back(DoubtSentence(*row.doubt));
+  } else if (!plan.reject_detail.empty()) {
+    warnings.push_back("Doubted: " + plan.reject_detail);
+  }
+  if (IsOwnExperiment(request, row)) warnings.emplace_back(kExperimentWarning);
+  return warnings;
+}
+
+nlohmann::json AnswerOf(const EmergencyRequest& request,
+                        const RecallCandidate& candidate,
+                        const DescentTask& task) {
+  const GeoPoint& place = request.place;
   const Plan& plan = *task.plan;
+  const bool is_landable = plan.verdict == Verdict::kLandable && !candidate.row->doubt;
   const FlightContext context{
       candidate.row->flight_id, candidate.row->data.altitude_datum, task.local_frame};
   const GeoPoint touchdown = task.local_frame.GeoFromWorld(plan.touchdown_in_world);
   const Eigen::Vector2d way = LocalFrame(place).WorldFromGeo(touchdown).head<2>();
   nlohmann::json answer{{"site_id", candidate.row->site_id},
                         {"flight_id", candidate.row->flight_id},
-                        {"verdict", plan.verdict == Verdict::kLandable ? "landable" : "unverified"},
+                        {"verdict", is_landable ? "landable" : "unverified"},
                         {"unseen_ratio", plan.approach->unseen_ratio},
                         {"distance_m", way.norm()},
                         {"bearing_deg", BearingDeg(way)},
@@ -65,6 +83,14 @@ nlohmann::json AnswerOf(const RecallCandidate& candidate,
                         {"touchdown", PlaceOf(touchdown)},
                         {"approach", ApproachOf(plan, context)}};
   answer.update(GroundAgeJson(candidate.row->seen_at_us, NowUs()));
+  for (std::string& warning : StandingWarnings(request, *candidate.row, plan)) {
+    answer["warnings"].push_back(std::move(warning));
+  }
+  if (candidate.row->doubt) {
+    const int64_t since_us = candidate.row->doubt->superseded_at_us;
+    answer["doubted_at"] = since_us > 0 ? nlohmann::json(Rfc3339(since_us)) : nlohmann::json();
+  }
+  if (IsOwnExperiment(request, *candidate.row)) answer["memory"] = "none";
   if (plan.risk) answer["failure_probability"] = plan.risk->failure_probability;
   if (plan.approach->ground_speed) answer["ground_speed_mps"] = *plan.approach->ground_speed;
   return answer;
@@ -81,7 +107,7 @@ ToldSite Tell(const StoredSites& stored,
               const EmergencyRequest& request,
               const RecallCandidate& candidate,
               const Reached& reached) {
-  ToldSite told{AnswerOf(candidate, reached.task, request.place), reached.datum_bases};
+  ToldSite told{AnswerOf(request, candidate, reached.task), reached.datum_bases};
   told.answer["arrival_margin_m"] = reached.margin_m;
   told.answer["reachable"] = reached.margin_m >= 0.0;
   std::optional<TerrainMargin> terrain = reached.terrain;

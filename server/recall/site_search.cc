@@ -4,6 +4,8 @@
 #include <memory>
 #include <utility>
 
+#include "server/recall/own_sites.h"
+
 namespace freelsd {
 namespace {
 
@@ -44,7 +46,7 @@ std::optional<Reached> ReachIgnoringTerrain(const StoredSites& stored,
       glide->arrival_height_m - approach.approach_start_in_world.z() - request.arrival_height_m;
   return Reached{.margin_m = margin_m,
                  .margin_in_free_air_m = margin_m,
-                 .is_landable = plan->verdict == Verdict::kLandable,
+                 .is_landable = plan->verdict == Verdict::kLandable && !candidate.row->doubt,
                  .landing = LandingOf(local_frame.GeoFromWorld(plan->touchdown_in_world),
                                       approach.heading,
                                       request.wind_in_world),
@@ -142,11 +144,13 @@ Search SearchWithin(const StoredSites& stored,
                     const EmergencyRequest& request,
                     double reach_m,
                     std::chrono::milliseconds time_budget,
+                    const SharedRows<RecallRow>& own_sites,
                     GlidingFleet& fleet) {
   const auto begin = std::chrono::steady_clock::now();
   Search search;
   search.reach_m = reach_m;
   search.rows = stored.storage.sites.ListRecallable(BoxAround(request.place, reach_m));
+  search.rows.insert(search.rows.end(), own_sites.begin(), own_sites.end());
   search.candidates = Candidates(request, search.rows, fleet);
   std::vector<RecallCandidate>& candidates = search.candidates;
   for (const RecallCandidate& candidate : candidates) {
@@ -184,12 +188,14 @@ Search SearchSites(const StoredSites& stored,
                    const EmergencyRequest& request,
                    std::chrono::milliseconds time_budget,
                    GlidingFleet& fleet) {
-  double reach_m = GreatestReach(request, stored.storage.sites.BoundsOfRecallable(), fleet);
-  Search search = SearchWithin(stored, request, reach_m, time_budget, fleet);
+  const SharedRows<RecallRow> own_sites = OwnSites(stored.storage, request);
+  const RecallBounds bounds = WithSites(stored.storage.sites.BoundsOfRecallable(), own_sites);
+  double reach_m = GreatestReach(request, bounds, fleet);
+  Search search = SearchWithin(stored, request, reach_m, time_budget, own_sites, fleet);
   while (search.reachable.empty() && !search.nearest_miss && !search.is_cut_short &&
          reach_m < kMaxReachM) {
     reach_m = std::min(kMaxReachM, 3.0 * reach_m);
-    search = SearchWithin(stored, request, reach_m, time_budget, fleet);
+    search = SearchWithin(stored, request, reach_m, time_budget, own_sites, fleet);
   }
   return search;
 }

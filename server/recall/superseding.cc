@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
@@ -10,12 +11,12 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
-#include <spdlog/spdlog.h>
 
 #include "server/recall/obstacles/obstacles.h"
 #include "server/recall/other_maps/other_maps.h"
 #include "server/recall/plan_check.h"
 #include "server/recall/recall_sites.h"
+#include "server/recall/standing.h"
 
 namespace freelsd {
 namespace {
@@ -47,35 +48,9 @@ struct Change {
   std::vector<FlightMapRow> new_maps;
   std::vector<SiteRow> new_sites;
   std::optional<NewOwnMap> new_own_map;
+  // EvaluationRows::own_maps.
+  std::map<std::string, std::string> own_maps;
 };
-
-// Of the maps on which the plan fails, the newest one supersedes the site, and one whose order is
-// not known only if there is no other. Of the maps on which it holds, the newest one confirms the
-// site. The order of the checks therefore does not matter.
-Standing With(Standing standing,
-              const PlanCheck& check,
-              const MapRow& map,
-              const std::string& shown_id,
-              bool is_later) {
-  if (check.verdict == PlanVerdict::kHolds) {
-    standing.confirmed_at_us =
-        std::max(standing.confirmed_at_us.value_or(map.seen_at_us), map.seen_at_us);
-  }
-  if (check.verdict != PlanVerdict::kFails) return standing;
-  const std::string& present = standing.superseded_by_map.empty()
-                                   ? standing.superseded_by.value_or("")
-                                   : standing.superseded_by_map;
-  const int64_t since_us = is_later ? map.seen_at_us : 0;
-  const bool is_newest = !standing.superseded_by ||
-                         std::tie(standing.superseded_at_us, present) < std::tie(since_us, map.id);
-  if (!is_newest) return standing;
-  standing.superseded_by = shown_id;
-  standing.superseded_by_map = map.is_of_flight ? map.id : "";
-  standing.superseded_at_us = since_us;
-  standing.superseded_reason = NameOf(*check.reason);
-  standing.superseded_detail = check.detail;
-  return standing;
-}
 
 class Checks {
  public:
@@ -116,7 +91,16 @@ class Checks {
                      false,
                      newer.seen_until_us};
     if (!MayBeLater(map, site)) return standing;
-    return WithCheck(std::move(standing), CheckPlan(plan, origin, site_map), site, map, newer.id);
+    const ShownGround ground{origin, {site_map, {}}};
+    const auto check = CheckPlanOn(plan, ground, newer, OwnGroundUnder(site, plan));
+    return check ? WithCheck(std::move(standing), *check, site, map, newer.id) : standing;
+  }
+
+  OwnGround OwnGroundUnder(const SiteRow& site, const StoredPlan& plan) const {
+    return [this, &site, &plan] {
+      const auto own = change_.own_maps.find(site.id);
+      return OwnGroundOf(stored_, site, plan, own != change_.own_maps.end() ? own->second : "");
+    };
   }
 
   Standing OnMap(Standing standing,
@@ -124,7 +108,7 @@ class Checks {
                  const StoredPlan& plan,
                  const MapRow& map) const {
     if (!MayBeLater(map, site)) return standing;
-    const auto check = CheckPlanOn(stored_, plan, map);
+    const auto check = CheckPlanOn(stored_, plan, map, OwnGroundUnder(site, plan));
     if (!check) return standing;
     const std::string shown_id = map.is_of_flight ? ShownId(map, plan.site.touchdown) : map.id;
     return WithCheck(std::move(standing), *check, site, map, shown_id);
@@ -218,22 +202,6 @@ class NewStandings {
   Standings standings_;
 };
 
-void Report(MapCache& maps, const std::string& site_id, const Standing& standing) {
-  if (!standing.superseded_by) return;
-  maps.DropPlans(site_id);
-  spdlog::info("site {} is {} by {}: {}: {}",
-               site_id,
-               standing.IsContested() ? "contested" : "superseded",
-               *standing.superseded_by,
-               standing.superseded_reason,
-               standing.superseded_detail);
-}
-
-void ReportAll(MapCache& maps, const std::vector<SiteRow>& sites, const Standings& others) {
-  for (const SiteRow& site : sites) Report(maps, site.id, site);
-  for (const auto& [id, standing] : others) Report(maps, id, standing);
-}
-
 BoundingBox BoxOf(const SiteRow& site) {
   return site.map_box.value_or(
       BoundingBox{site.longitude_deg, site.latitude_deg, site.longitude_deg, site.latitude_deg});
@@ -253,6 +221,7 @@ Change ChangeOf(const Storage& storage, const EvaluationRows& rows) {
   change.gone_maps.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
   change.gone_sites.insert(rows.forgotten_sites.begin(), rows.forgotten_sites.end());
   change.new_sites = rows.sites;
+  change.own_maps = rows.own_maps;
   change.new_maps = MapsOf(storage, rows.new_maps);
   return change;
 }
@@ -287,6 +256,7 @@ void StoreFollowed(Storage& storage,
   const StoredSites stored{storage, maps};
   Change own;
   own.new_maps = unknown.maps;
+  own.own_maps = rows.own_maps;
   const Checks checks(stored, own);
   Standings others;
   for (SiteRow& site : rows.sites) {
@@ -341,6 +311,7 @@ void StoreSite(Storage& storage, MapCache& maps, SiteRow site, const std::string
   Change change;
   change.gone_maps.insert(site.id);
   change.new_sites = {site};
+  change.own_maps = {{site.id, map_blob}};
   if (!map_blob.empty()) {
     change.new_own_map.emplace(
         NewOwnMap{site, ParseReplan(site.replan_json).origin, DeserializeSiteMap(map_blob)});
@@ -365,7 +336,7 @@ bool ForgetSite(Storage& storage, MapCache& maps, const std::string& site_id) {
   return turn->Delete(site_id, others.standings());
 }
 
-void ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id) {
+bool ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id) {
   const std::unique_ptr<SiteTurn> turn = storage.sites.TakeTurn();
   EvaluationRows rows;
   for (const SiteRow& site : storage.sites.List(flight_id, std::nullopt)) {
@@ -374,8 +345,9 @@ void ForgetFlight(Storage& storage, MapCache& maps, const std::string& flight_id
   for (const FlightMapRow& map : storage.maps.ListOf(flight_id)) {
     rows.forgotten_maps.push_back(map.id);
   }
-  if (rows.forgotten_sites.empty() && rows.forgotten_maps.empty()) return;
+  if (rows.forgotten_sites.empty() && rows.forgotten_maps.empty()) return false;
   StoreEvaluation(storage, maps, *turn, std::move(rows));
+  return true;
 }
 
 void CheckUnchecked(Storage& storage, MapCache& maps, const std::string& site_id) {
@@ -386,7 +358,7 @@ void CheckUnchecked(Storage& storage, MapCache& maps, const std::string& site_id
   const Change change;
   const Standing standing = Checks(stored, change).StandingOf(*site);
   turn->SetStandings({{site_id, standing}});
-  Report(maps, site_id, standing);
+  ReportAll(maps, {}, {{site_id, standing}});
 }
 
 }  // namespace freelsd

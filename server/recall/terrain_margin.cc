@@ -120,7 +120,7 @@ std::optional<TerrainMargin> TerrainMarginOf(const StoredSites& stored,
   std::optional<TerrainMargin> least;
   for (const auto& row : MapsAlong(stored, path)) {
     const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
-    if (!terrain) continue;
+    if (!terrain || !terrain->CountsFor(request.flight_id)) continue;
     const auto height = LeastHeightAlong(path, *terrain);
     if (!height) continue;
     const DatumDifference datum =

@@ -50,6 +50,8 @@ Boxed<RecallRow> BoxedRecallRow(const PostgresRow& row) {
   site.seen_at_us = std::max(row.Int(6), row.OptionalInt(7).value_or(row.Int(6)));
   site.data = {row.Bool(8), row.Real(9), row.Text(10), row.Real(11), row.Text(12)};
   site.seen_until_us = row.OptionalInt(17);
+  const Standing standing = StandingOf(row, 18);
+  if (standing.IsDoubted()) site.doubt = std::make_shared<const Standing>(standing);
   return {BoxAt(row, 13), std::make_shared<const RecallRow>(std::move(site))};
 }
 
@@ -177,7 +179,9 @@ BoxCache<RecallRow>::Rows SelectRecallRows(PostgresConnection& connection, const
              connection,
              "SELECT id, flight_id, map_id, latitude_deg, longitude_deg, updated_at_us, "
              "seen_at_us, confirmed_at_us, is_landable, altitude_m, altitude_datum, score, "
-             "aircraft_json, west_deg, south_deg, east_deg, north_deg, seen_until_us FROM sites "
+             "aircraft_json, west_deg, south_deg, east_deg, north_deg, seen_until_us, "
+             "superseded_by, superseded_at_us, superseded_reason, superseded_detail, "
+             "confirmed_at_us, is_checked, superseded_by_map FROM sites "
              "WHERE is_recallable AND superseded_by IS NULL AND id IN",
              box)
       .Each(BoxedRecallRow);

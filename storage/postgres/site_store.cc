@@ -155,10 +155,12 @@ std::optional<std::string> PostgresSiteStore::ReadMap(const std::string& site_id
 }
 
 std::vector<std::string> PostgresSiteStore::ListDependents(const std::string& site_id) const {
-  return ReadIds(state_,
-                 "SELECT id FROM sites WHERE superseded_by = $1 UNION SELECT id FROM sites "
-                 "WHERE confirmed_at_us = (SELECT seen_at_us FROM sites WHERE id = $1) ORDER BY id",
-                 site_id);
+  return ReadIds(
+      state_,
+      "SELECT id FROM sites WHERE superseded_by = $1 UNION SELECT id FROM sites "
+      "WHERE superseded_by_map <> '' AND superseded_by_map = $1 UNION SELECT id FROM "
+      "sites WHERE confirmed_at_us = (SELECT seen_at_us FROM sites WHERE id = $1) ORDER BY id",
+      site_id);
 }
 
 std::vector<std::string> PostgresSiteStore::ListDependentsOfMap(const std::string& map_id) const {
@@ -188,7 +190,10 @@ SharedRows<MapRow> PostgresSiteStore::ListMaps(const BoundingBox& box) const {
 std::vector<std::string> PostgresSiteStore::ListAccepted(const BoundingBox& box) const {
   return state_.Read([&](PostgresConnection& connection) {
     std::vector<std::string> ids =
-        SelectSitesMeeting(connection, "SELECT id FROM sites WHERE is_recallable AND id IN", box)
+        SelectSitesMeeting(connection,
+                           "SELECT id FROM sites WHERE (is_recallable OR approach_json <> '') "
+                           "AND id IN",
+                           box)
             .Texts();
     std::sort(ids.begin(), ids.end());
     return ids;

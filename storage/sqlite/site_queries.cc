@@ -275,14 +275,16 @@ BoxCache<RecallRow>::Rows ListRecallRows(const Connection& connection, const Bou
       connection,
       "SELECT sites.id, flight_id, latitude_deg, longitude_deg, updated_at_us, seen_at_us, "
       "is_landable, altitude_m, altitude_datum, score, aircraft_json, site_numbers.checksum, "
-      "confirmed_at_us, map_id, seen_until_us, west_deg, south_deg, east_deg, north_deg FROM "
-      "site_boxes "
-      "JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
-      "WHERE is_recallable = 1 AND superseded_by IS NULL AND",
+      "confirmed_at_us, map_id, seen_until_us, west_deg, south_deg, east_deg, north_deg, " +
+          std::string(kStandingColumns) +
+          " FROM site_boxes JOIN site_numbers USING (number) JOIN sites ON sites.id = site_id "
+          "WHERE is_recallable = 1 AND superseded_by IS NULL AND",
       box,
       [&rows](const Statement& statement) {
-        rows.push_back(
-            {BoxOf(statement, 15), std::make_shared<const RecallRow>(RecallRowOf(statement))});
+        RecallRow row = RecallRowOf(statement);
+        const Standing standing = StandingAt(statement, 19);
+        if (standing.IsDoubted()) row.doubt = std::make_shared<const Standing>(standing);
+        rows.push_back({BoxOf(statement, 15), std::make_shared<const RecallRow>(std::move(row))});
       });
   return rows;
 }

@@ -186,6 +186,7 @@ std::vector<std::string> SqliteSiteStore::ListDependents(const std::string& site
   return state_.ReadSites([&](const Connection& connection) {
     Statement statement = connection.Prepare(
         "SELECT id FROM sites WHERE superseded_by = ?1 UNION SELECT id FROM sites "
+        "WHERE superseded_by_map <> '' AND superseded_by_map = ?1 UNION SELECT id FROM sites "
         "WHERE confirmed_at_us = (SELECT seen_at_us FROM sites WHERE id = ?1) ORDER BY id");
     return IdsOf(statement.Bind(site_id));
   });
@@ -218,7 +219,8 @@ std::vector<std::string> SqliteSiteStore::ListAccepted(const BoundingBox& box) c
     std::vector<std::string> ids;
     ForEachMeeting(connection,
                    "SELECT site_id FROM site_boxes JOIN site_numbers USING (number) "
-                   "WHERE is_recallable = 1 AND",
+                   "JOIN sites ON sites.id = site_id "
+                   "WHERE (is_recallable = 1 OR approach_json <> '') AND",
                    box,
                    [&ids](const Statement& statement) { ids.push_back(statement.Text(0)); });
     std::sort(ids.begin(), ids.end());

@@ -103,8 +103,12 @@ Nearest NearestOf(const GivenObstacle& given, const GeoPoint& place) {
 }
 
 // Maps hold the obstacles above their ground (TerrainMarginOf).
-bool IsMapped(const StoredSites& stored, const GeoPoint& place) {
-  return !stored.storage.sites.ListMaps(BoxAroundPlace(place, 0.0)).empty();
+bool IsMapped(const StoredSites& stored, const EmergencyRequest& request, const GeoPoint& place) {
+  const auto maps = stored.storage.sites.ListMaps(BoxAroundPlace(place, 0.0));
+  return std::any_of(maps.begin(), maps.end(), [&](const auto& map) {
+    const auto terrain = stored.maps.TerrainOf(stored.storage, map->id, map->updated_at_us);
+    return terrain && terrain->CountsFor(request.flight_id);
+  });
 }
 
 void CheckHard(const StoredSites& stored,
@@ -120,7 +124,7 @@ void CheckHard(const StoredSites& stored,
     const Nearest nearest = NearestOf(given, place);
     if (nearest.distance_m > reach_m) return nearest.distance_m - reach_m;
     if (std::isnan(nearest.top_m)) {
-      is_top_unknown = is_top_unknown || !IsMapped(stored, place);
+      is_top_unknown = is_top_unknown || !IsMapped(stored, request, place);
       return 0.0;
     }
     // The altitude of people is that of their ground.

@@ -4,14 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include <opencv2/imgproc.hpp>
-
+#include "server/recall/other_maps/map_places.h"
 #include "server/recall/other_maps/other_maps.h"
 
 namespace freelsd {
 namespace {
 
-constexpr float kNoGround = -1e30f;
 // Cells between two that are compared to level the maps, and the least number of these.
 constexpr int kStrideOfCommonCells = 4;
 constexpr size_t kMinNumCommonCells = 100;
@@ -21,36 +19,6 @@ constexpr size_t kMinNumCommonCells = 100;
 constexpr double kMaxChangedRatio = 0.9;
 // A less accurate map says nothing about single trees.
 constexpr double kMaxWideningM = 20.0;
-
-// Horizontal places of one frame in another. The two planes are tangent within kilometres of each
-// other, so that the map is affine.
-class Places {
- public:
-  Places(const LocalFrame& from, const LocalFrame& to, const Eigen::Vector2d& around)
-      : around_(around) {
-    const auto at = [&](const Eigen::Vector2d& place) -> Eigen::Vector2d {
-      GeoPoint geo = from.GeoFromWorld({place.x(), place.y(), 0.0});
-      geo.altitude_m = to.origin().altitude_m;
-      return to.WorldFromGeo(geo).head<2>();
-    };
-    shift_ = at(around);
-    rotation_.col(0) = (at(around + kStep * Eigen::Vector2d::UnitX()) - shift_) / kStep;
-    rotation_.col(1) = (at(around + kStep * Eigen::Vector2d::UnitY()) - shift_) / kStep;
-  }
-  Eigen::Vector2d operator()(const Eigen::Vector2d& place) const {
-    return shift_ + rotation_ * (place - around_);
-  }
-
- private:
-  static constexpr double kStep = 100.0;
-  Eigen::Vector2d around_, shift_;
-  Eigen::Matrix2d rotation_;
-};
-
-Eigen::Vector2d MiddleOf(const Grid& grid) {
-  return grid.north_west_in_world +
-         0.5 * grid.cell_size_m * Eigen::Vector2d(grid.num_cols, -grid.num_rows);
-}
 
 // Deviation of one map's position against the other's.
 double DeviationBetween(const ElevationMap& map, const KeptTerrain& other) {
@@ -89,10 +57,7 @@ std::optional<double> LevelOf(const ElevationMap& map,
     }
   }
   if (differences.size() < kMinNumCommonCells) return std::nullopt;
-  const auto rank =
-      static_cast<std::ptrdiff_t>(kMaxChangedRatio * static_cast<double>(differences.size() - 1));
-  std::nth_element(differences.begin(), differences.begin() + rank, differences.end());
-  return differences[static_cast<size_t>(rank)];
+  return ValueAtRank(differences, kMaxChangedRatio);
 }
 
 // The same by the maps' altitudes, with the deviations of both.
@@ -116,21 +81,6 @@ cv::Rect CellsWithin(const Grid& grid, const Places& in_other, const Grid& other
         in_other(grid.north_west_in_world + size.cwiseProduct(Eigen::Vector2d(right, down))));
   }
   return other.CellsAround(outline, margin);
-}
-
-cv::Mat1f Widened(const cv::Mat1f& upper, int half) {
-  cv::Mat1f heights = upper.clone();
-  cv::patchNaNs(heights, kNoGround);
-  if (half == 0) return heights;
-  cv::Mat1f widened;
-  cv::dilate(heights,
-             widened,
-             cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * half + 1, 2 * half + 1}),
-             cv::Point(-1, -1),
-             1,
-             cv::BORDER_CONSTANT,
-             cv::Scalar::all(kNoGround));
-  return widened;
 }
 
 void AddHeights(const ElevationMap& map,
@@ -175,7 +125,7 @@ cv::Mat1f WithGroundOfOthers(const ElevationMap& map,
     AddHeights(map,
                in_other,
                terrain.grid.Part(near),
-               Widened(terrain.upper(near), half),
+               HighestWithin(terrain.upper(near), half),
                static_cast<float>(*level),
                upper);
   }

@@ -1,23 +1,63 @@
 #include <algorithm>
 #include <utility>
 
+#include "api/export/layers/layers.h"
 #include "server/recall/other_maps/other_maps.h"
 
 namespace freelsd {
 namespace {
 
-std::optional<PlanCheck> CheckOnFlightMap(const StoredSites& stored,
-                                          const StoredPlan& plan,
-                                          const std::string& map_id) {
-  FlightMaps& maps = stored.maps.flight_maps();
-  const auto map = maps.Find(stored.storage, map_id);
-  if (!map) return std::nullopt;
-  const MapHead& head = map->head;
+std::optional<ShownGround> GroundOnFlightMap(const StoredSites& stored,
+                                             const StoredPlan& plan,
+                                             const FlightMap& map,
+                                             TileLayers layers) {
+  const MapHead& head = map.head;
   const Polygon ground = CheckedGroundOf(plan, head.origin, head.grid, head.position_sd_m);
   const Grid grid = head.grid.Part(head.grid.CellsAround(ground, 0.0));
   if (grid.num_rows == 0 || grid.num_cols == 0) return std::nullopt;
-  const MapRasters rasters = maps.Read(stored.storage, *map, 0, grid, TileLayers::kPlanning);
-  return CheckPlan(plan, head.origin, rasters.site_map);
+  return ShownGround{head.origin,
+                     stored.maps.flight_maps().Read(stored.storage, map, 0, grid, layers)};
+}
+
+ShownGround GroundOfOwnMap(const StoredPlan& plan, const GeoPoint& origin, const SiteMap& map) {
+  const double position_sd_m = map.map.position_sd_m;
+  const Polygon ground = CheckedGroundOf(plan, origin, map.map.grid, position_sd_m);
+  return {origin, {CropAround(map.map, map.layers, ground, 0.0), {}}};
+}
+
+// Experiments judge no site of another flight, nor do flights with an aircraft that allows more
+// than every profile does.
+bool IsJudge(const FlightMemory& memory, const Aircraft& aircraft) {
+  return memory.is_kept && LimitsLooserThanProfiles(aircraft).empty();
+}
+
+// Nothing if the map cannot be read, is no judge, or does not show the ground.
+std::optional<ShownGround> GroundOn(const StoredSites& stored,
+                                    const StoredPlan& plan,
+                                    const MapRow& map,
+                                    TileLayers layers) {
+  if (map.is_of_flight) {
+    const auto found = stored.maps.flight_maps().Find(stored.storage, map.id);
+    if (!found || !IsJudge(found->memory, found->aircraft)) return std::nullopt;
+    return GroundOnFlightMap(stored, plan, *found, layers);
+  }
+  const auto kept = stored.maps.Get(stored.storage, map.id, map.updated_at_us);
+  if (!kept || !IsJudge(kept->replan.flight.memory, kept->replan.flight.aircraft)) {
+    return std::nullopt;
+  }
+  return GroundOfOwnMap(plan, kept->replan.origin, kept->site_map);
+}
+
+// Of a plan that breaks a rule on the later map.
+PlanCheck Judged(const StoredPlan& plan,
+                 const PlanCheck& failure,
+                 const OwnGround& own,
+                 const ShownGround& later) {
+  const std::optional<ShownGround> ground = own();
+  if (ground) {
+    if (auto broken = BrokenByEvidence(plan, *ground, later, {})) return *std::move(broken);
+  }
+  return {PlanVerdict::kDoubts, failure.reason, failure.detail};
 }
 
 }  // namespace
@@ -39,11 +79,42 @@ bool HasLaterMaps(const KeptSite& site) {
 
 std::optional<PlanCheck> CheckPlanOn(const StoredSites& stored,
                                      const StoredPlan& plan,
-                                     const MapRow& map) {
-  if (map.is_of_flight) return CheckOnFlightMap(stored, plan, map.id);
-  const auto kept = stored.maps.Get(stored.storage, map.id, map.updated_at_us);
+                                     const MapRow& map,
+                                     const OwnGround& own) {
+  const auto shown = GroundOn(stored, plan, map, TileLayers::kPlanning);
+  if (!shown) return std::nullopt;
+  const PlanCheck check = CheckPlan(plan, shown->origin, shown->rasters.site_map);
+  if (check.verdict != PlanVerdict::kFails) return check;
+  const auto with_cues = GroundOn(stored, plan, map, TileLayers::kWithCues);
+  return Judged(plan, check, own, with_cues.value_or(*shown));
+}
+
+std::optional<PlanCheck> CheckPlanOn(const StoredPlan& plan,
+                                     const ShownGround& ground,
+                                     const SiteRow& judge,
+                                     const OwnGround& own) {
+  const FlightRequest flight = ParseReplan(judge.replan_json).flight;
+  if (!IsJudge(flight.memory, flight.aircraft)) return std::nullopt;
+  const PlanCheck check = CheckPlan(plan, ground.origin, ground.rasters.site_map);
+  if (check.verdict != PlanVerdict::kFails) return check;
+  return Judged(plan, check, own, ground);
+}
+
+std::optional<ShownGround> OwnGroundOf(const StoredSites& stored,
+                                       const SiteRow& site,
+                                       const StoredPlan& plan,
+                                       const std::string& new_map_blob) {
+  if (!site.map_id.empty()) {
+    const auto map = stored.maps.flight_maps().Find(stored.storage, site.map_id);
+    if (!map) return std::nullopt;
+    return GroundOnFlightMap(stored, plan, *map, TileLayers::kPlanning);
+  }
+  if (!new_map_blob.empty()) {
+    return GroundOfOwnMap(plan, plan.replan.origin, DeserializeSiteMap(new_map_blob));
+  }
+  const auto kept = stored.maps.Get(stored.storage, site.id, site.updated_at_us);
   if (!kept) return std::nullopt;
-  return CheckPlan(plan, kept->replan.origin, kept->site_map);
+  return GroundOfOwnMap(plan, plan.replan.origin, kept->site_map);
 }
 
 Plan CheckedAround(Plan plan,
@@ -57,13 +128,22 @@ Plan CheckedAround(Plan plan,
   replan.flight.aircraft = aircraft;
   replan.request.wind_in_world = wind_in_world;
   const StoredPlan as_stored = AsStoredPlan(plan, std::move(replan));
+  const OwnGround own = [&] {
+    return GroundOfOwnMap(as_stored, site.replan.origin, site.site_map);
+  };
   for (const auto& map : site.other_maps) {
     if (!MayBeLater(*map, site.row)) continue;
-    const auto check = CheckPlanOn(stored, as_stored, *map);
-    if (!check || check->verdict != PlanVerdict::kFails) continue;
+    const auto check = CheckPlanOn(stored, as_stored, *map, own);
+    if (!check) continue;
+    const std::string on_map = OnOtherMap(map->flight_id, IsLater(*map, site.row));
+    if (check->verdict == PlanVerdict::kDoubts) {
+      plan.verdict = Verdict::kUnverified;
+      plan.reject_detail = on_map + "the ground is not recognised as fit: " + check->detail;
+    }
+    if (check->verdict != PlanVerdict::kFails) continue;
     plan.verdict = Verdict::kRejected;
     plan.reject_reason = check->reason;
-    plan.reject_detail = OnOtherMap(map->flight_id, IsLater(*map, site.row)) + check->detail;
+    plan.reject_detail = on_map + check->detail;
     break;
   }
   return plan;
@@ -77,11 +157,13 @@ void CheckAround(const StoredSites& stored,
   if (judgement.verdict == Verdict::kRejected || !judgement.plan) return;
   const Plan plan = CheckedAround(*judgement.plan, stored, site, aircraft, wind_in_world);
   PlaceRule rule{.name = "surroundings",
-                 .passed = plan.verdict != Verdict::kRejected,
+                 .passed = plan.reject_detail.empty(),
                  .sentence = "No obstacle beyond the map and no later map breaks a rule."};
   if (!rule.passed) {
-    judgement.verdict = Verdict::kRejected;
-    rule.sentence = "The landing fails here: " + plan.reject_detail + ".";
+    judgement.verdict = plan.verdict;
+    rule.sentence = (plan.verdict == Verdict::kRejected ? "The landing fails here: "
+                                                        : "The landing is not sure: ") +
+                    plan.reject_detail + ".";
   }
   // What leaves a place unverified comes last.
   const auto last =

@@ -2,7 +2,8 @@
 // never free ground:
 // - Where the own map has seen nothing, the heights of the others stand as obstacles. The ground
 //   there stays unseen.
-// - A plan must hold on every map that shows its ground and is later, or may be.
+// - A plan must hold on every map that shows its ground and is later, or may be. What a map merely
+//   does not recognise as fit leaves the plan unverified.
 #pragma once
 
 #include <memory>
@@ -13,6 +14,7 @@
 #include "server/recall/altitude_datum.h"
 #include "server/recall/kept_terrain.h"
 #include "server/recall/map_cache.h"
+#include "server/recall/other_maps/positive_evidence.h"
 #include "server/recall/plan_check.h"
 #include "server/recall/recall_sites.h"
 
@@ -53,14 +55,30 @@ std::string OnOtherMap(const std::string& name, bool is_later);
 // True if CheckedAround checks plans on later maps. It then needs their profile.
 bool HasLaterMaps(const KeptSite& site);
 
-// Checks the plan on a map that is stored or staged. Nothing if the map cannot be read.
+// Checks the plan on a map that is stored or staged. The plan fails only if the map positively
+// shows what breaks it; otherwise a broken rule is a doubt. Nothing if the map cannot be read, or
+// if its flight judges no others: an experiment, or an aircraft with looser limits than every
+// profile.
 std::optional<PlanCheck> CheckPlanOn(const StoredSites& stored,
                                      const StoredPlan& plan,
-                                     const MapRow& map);
+                                     const MapRow& map,
+                                     const OwnGround& own);
+// The same on ground of a site's own map that is not stored yet.
+std::optional<PlanCheck> CheckPlanOn(const StoredPlan& plan,
+                                     const ShownGround& ground,
+                                     const SiteRow& judge,
+                                     const OwnGround& own);
+// The ground under the plan on the site's map, which may be staged. `new_map_blob`: a map of its
+// own that is not stored yet.
+std::optional<ShownGround> OwnGroundOf(const StoredSites& stored,
+                                       const SiteRow& site,
+                                       const StoredPlan& plan,
+                                       const std::string& new_map_blob);
 
 // The plan, rejected if its circle meets an obstacle beyond the edge of the site's map, or if it
-// fails on a later map. It was made on the site's map for this aircraft and wind, with
-// Explanation::kFull: its profile levels maps that do not show the touchdown.
+// fails on a later map; unverified, with a detail, if a later map doubts it. It was made on the
+// site's map for this aircraft and wind, with Explanation::kFull: its profile levels maps that do
+// not show the touchdown.
 Plan CheckedAround(Plan plan,
                    const StoredSites& stored,
                    const KeptSite& site,

@@ -55,7 +55,7 @@ NearbyMaps MapsAround(const StoredSites& stored,
   }
   for (const auto& row : rows) {
     const auto terrain = stored.maps.TerrainOf(stored.storage, row->id, row->updated_at_us);
-    if (!terrain) continue;
+    if (!terrain || !terrain->CountsFor(request.flight_id)) continue;
     auto patch = patches.PatchOf(*row, terrain, frame);
     if (!patch) continue;
     const DatumDifference datum =

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include "api/stored/stored.h"
 #include "tests/server/test_server.h"
 
 namespace freelsd {
@@ -34,6 +35,57 @@ TEST_CASE("flight options: an unknown preset is a problem of its field") {
       Posted(fresh.client, R"({"name":"x","options":{"preset":"ours"}})");
   CHECK(problem.at("status") == 422);
   CHECK(problem.dump().find("/options/preset") != std::string::npos);
+}
+
+TEST_CASE("flight options: memory is kept unless an option can change a verdict, and says why") {
+  FreshServer fresh;
+  const auto memory_of = [&](const std::string& more) {
+    const nlohmann::json flight = Posted(fresh.client, R"({"name":"x")" + more + "}");
+    CAPTURE(flight.dump());
+    const nlohmann::json again =
+        GetJson(fresh.client, "/v1/flights/" + flight.at("id").get<std::string>());
+    CHECK(again.at("memory") == flight.at("memory"));
+    CHECK(again.at("memory_reason") == flight.at("memory_reason"));
+    return flight.at("memory").get<std::string>() + ": " +
+           flight.at("memory_reason").get<std::string>();
+  };
+  CHECK(memory_of("") == "keep: it is the default");
+  CHECK(memory_of(R"(,"aircraft":{"profile":"small","min_area_m2":400})") ==
+        "keep: it is the default");
+  CHECK(memory_of(R"(,"options":{"backend":{"backend_period_frames":7}})") ==
+        "keep: it is the default");
+  CHECK(memory_of(R"(,"options":{"preset":"paper"})") == "none: preset paper is an experiment");
+  CHECK(memory_of(R"(,"options":{"hazard":{"min_rut_contrast":0}})") ==
+        "none: hazard.min_rut_contrast differs from its default and can change a verdict");
+  CHECK(memory_of(R"(,"options":{"preset":"paper"},"memory":"keep")") ==
+        "keep: the request says so");
+  CHECK(memory_of(R"(,"memory":"none")") == "none: the request says so");
+  const nlohmann::json problem = Posted(fresh.client, R"({"name":"x","memory":"some"})");
+  CHECK(problem.at("status") == 422);
+  CHECK(problem.at("errors").at(0).at("pointer") == "/memory");
+  CHECK(Posted(fresh.client, R"({"name":"x","memory_reason":"y"})").at("status") == 422);
+}
+
+TEST_CASE("flight options: the service says which options can change a verdict") {
+  FreshServer fresh;
+  const nlohmann::json options = GetJson(fresh.client, "/v1/info").at("options");
+  CHECK(options.at("hazard").at("min_grass_posterior").at("changes_verdicts") == true);
+  CHECK(options.at("adjustment").at("num_threads").at("changes_verdicts") == false);
+  CHECK(options.at("backend").at("backend_period_frames").at("changes_verdicts") == false);
+}
+
+TEST_CASE("flight options: a stored flight of an earlier version is an experiment by its preset") {
+  const FlightRequest paper =
+      ParseStoredFlightRequest(R"({"name":"x","options":{"preset":"paper"}})");
+  CHECK_FALSE(paper.memory.is_kept);
+  // Its version may have had other defaults.
+  const FlightRequest other =
+      ParseStoredFlightRequest(R"({"name":"x","options":{"hazard":{"min_rut_contrast":0}}})");
+  CHECK(other.memory.is_kept);
+  const FlightRequest again = ParseStoredFlightRequest(paper.canonical_json);
+  CHECK_FALSE(again.memory.is_kept);
+  CHECK(again.memory.reason == paper.memory.reason);
+  CHECK_FALSE(ParseStoredFlight(paper.canonical_json).memory.is_kept);
 }
 
 }  // namespace

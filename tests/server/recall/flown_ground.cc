@@ -8,6 +8,7 @@
 #include "engine/approach/approach_geometry.h"
 #include "server/http/stamps.h"
 #include "server/jobs/staged_maps.h"
+#include "server/recall/recall.h"
 
 namespace freelsd {
 namespace {
@@ -15,15 +16,6 @@ namespace {
 constexpr int kNumCells = 40;
 // The whole disc is unseen.
 constexpr double kUnseenM = 14.0;
-
-FlightRequest RequestOf(const Flown& flown) {
-  const std::string strict =
-      flown.is_strict ? R"(,"max_slope_deg":4,"touchdown_uncertainty_m":9)" : "";
-  return ParseFlightRequest(R"({"name":"field of )" + flown.flight_id +
-                            R"(","aircraft":{"profile":"small","approach_height_m":)" +
-                            std::to_string(flown.approach_height_m) + strict +
-                            R"(},"altitude_datum":")" + flown.altitude_datum + "\"}");
-}
 
 // The frames of different flights lie beside each other; the grids too.
 GeoPoint OriginOf(const Flown& flown) {
@@ -128,6 +120,26 @@ SiteMap EmptyMap(const Flown& flown) {
 
 }  // namespace
 
+FlightRequest RequestOf(const Flown& flown) {
+  const std::string strict =
+      flown.is_strict ? R"(,"max_slope_deg":4,"touchdown_uncertainty_m":9)" : "";
+  const std::string loose = flown.is_loose ? R"(,"safety_margin_m":1)" : "";
+  const std::string memory = flown.is_experiment ? R"(,"memory":"none")" : "";
+  return ParseFlightRequest(R"({"name":"field of )" + flown.flight_id +
+                            R"(","aircraft":{"profile":"small","approach_height_m":)" +
+                            std::to_string(flown.approach_height_m) + strict + loose +
+                            R"(},"altitude_datum":")" + flown.altitude_datum + '"' + memory + "}");
+}
+
+FlightRow FlightOf(const Flown& flown) {
+  FlightRow flight;
+  flight.id = flown.flight_id;
+  flight.name = "field of " + flown.flight_id;
+  flight.request_json = RequestOf(flown).canonical_json;
+  flight.created_at_us = flown.seen_at_us;
+  return flight;
+}
+
 std::string IdOf(const Flown& flown) {
   return flown.flight_id + "-r" + std::to_string(flown.region_id);
 }
@@ -175,7 +187,7 @@ SiteRow SiteOf(const Flown& flown) {
   site.approach_json = ApproachJson(PlanOf(flown, frame), context).dump();
   site.recall = RecallData{
       true, altitude_m, flown.altitude_datum, 0.5, AircraftJson(replan.flight.aircraft).dump()};
-  return site;
+  return AsRemembered(site, replan.flight.memory);
 }
 
 std::string MapOf(const Flown& flown) {

@@ -12,8 +12,8 @@ namespace freelsd {
 
 enum class Ground {
   kFree,
-  kHazardInDisc,  // no grass 7 m from the touchdown
-  kSlope,         // 6 degrees in the disc: too steep for the strict aircraft alone
+  kHazardInDisc,  // no grass is recognised 7 m from the touchdown; the heights are as before
+  kSlope,         // 6 degrees in the disc, by the slopes alone: too steep for the strict aircraft
   kTreeOnFinal,
   kTreeOnCircle,
   kTreeAside,  // below no part of the plan
@@ -28,6 +28,10 @@ struct Flown {
   int64_t seen_at_us = 0;
   Ground ground = Ground::kFree;
   bool is_strict = false;
+  // With less clearance than every profile.
+  bool is_loose = false;
+  // With memory "none".
+  bool is_experiment = false;
   bool is_accepted = true;
   // Which field: 4 km north of the one before.
   int place = 0;
@@ -55,6 +59,9 @@ struct Flown {
 std::string IdOf(const Flown& flown);
 GeoPoint TouchdownOf(const Flown& flown);
 inline GeoPoint TouchdownOf(int place) { return TouchdownOf(Flown{.place = place}); }
+FlightRequest RequestOf(const Flown& flown);
+// The flight itself, without its site.
+FlightRow FlightOf(const Flown& flown);
 // A site whose plan is landed against the wind on the middle of the field: northwards, if nothing
 // else is given. The plan does not depend on the ground.
 SiteRow SiteOf(const Flown& flown);

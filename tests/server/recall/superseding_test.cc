@@ -95,18 +95,18 @@ TEST_CASE("memory: a flight with a stricter aircraft erases nothing whose ground
   Flown strict = Later(Ground::kSlope);
   strict.is_strict = true;
   CHECK(FieldServer({First(Ground::kSlope), strict}).IsServed());
-  // For the site of a strict aircraft, the same ground is a hazard.
+  // For the site of a strict aircraft, the same ground is too steep now. Its heights are the same.
   Flown first = First();
   first.is_strict = true;
-  CHECK_FALSE(FieldServer({first, Later(Ground::kSlope)}).IsServed());
+  const FieldServer field({first, Later(Ground::kSlope)});
+  CHECK(field.IsServed());
+  CHECK(field.Site("first-r1")["doubted_by"] == "later-r1");
 }
 
 TEST_CASE(
     "memory: a new obstacle supersedes the site whose way down it blocks, with reason and time") {
   const std::vector<std::pair<Ground, const char*>> cases{
-      {Ground::kTreeOnFinal, "approach_blocked"},
-      {Ground::kTreeOnCircle, "loiter_blocked"},
-      {Ground::kHazardInDisc, "no_safe_touchdown"}};
+      {Ground::kTreeOnFinal, "approach_blocked"}, {Ground::kTreeOnCircle, "loiter_blocked"}};
   for (const auto& [ground, expected_reason] : cases) {
     // A structured binding cannot be captured by doctest's INFO.
     const std::string reason = expected_reason;
@@ -126,6 +126,62 @@ TEST_CASE(
     CHECK(kml->body.find("SUPERSEDED") != std::string::npos);
   }
   CHECK(FieldServer({First(), Later(Ground::kTreeAside)}).IsServed());
+}
+
+TEST_CASE("memory: ground that is merely not recognised any more leaves the site unverified") {
+  const FieldServer field({First(), Later(Ground::kHazardInDisc)});
+  CHECK(field.IsServed());
+  const nlohmann::json site = field.Site("first-r1");
+  CAPTURE(site.dump());
+  CHECK(site["verdict"] == "unverified");
+  CHECK(site["doubted_by"] == "later-r1");
+  CHECK(site["doubted_at"] == kLaterText);
+  CHECK(site["doubt_reason"] == "no_safe_touchdown");
+  CHECK(site["doubt_detail"].get<std::string>().find(" m") != std::string::npos);
+  CHECK(site["last_seen_at"] == "2020-09-13T12:26:40Z");
+  CHECK_FALSE(site.contains("superseded_by"));
+  const auto csv = field.client->Get("/v1/sites/first-r1?f=csv");
+  CHECK(csv->body.find("unverified") != std::string::npos);
+  const auto plan = field.client->Get("/v1/sites/first-r1?f=plan&home_altitude_m=300");
+  CHECK(plan->body.find(kLaterText) != std::string::npos);
+  // A later map on which the plan holds settles the doubt, in whichever order they arrive.
+  const Flown doubting = Later(Ground::kHazardInDisc);
+  const Flown free = Later(Ground::kFree, "latest", kLatest);
+  for (const auto& flights :
+       {std::vector<Flown>{First(), doubting, free}, std::vector<Flown>{free, doubting, First()}}) {
+    CHECK_FALSE(FieldServer(flights).Site("first-r1").contains("doubted_by"));
+  }
+  // An earlier one does not.
+  const Flown before = Later(Ground::kFree, "before", kLater - 1);
+  CHECK(FieldServer({First(), doubting, before}).Site("first-r1").contains("doubted_by"));
+}
+
+TEST_CASE("memory: a doubted site ranks behind a sure one in lists, exports and recall") {
+  Flown better = First();
+  better.flight_id = "better";
+  better.place = kPlace + 1;
+  // Nearer to the aircraft.
+  const FieldServer field({First(), Later(Ground::kHazardInDisc), better});
+  const auto first_of = [&](const std::string& path, const char* list) {
+    const nlohmann::json answer = GetJson(*field.client, path);
+    CAPTURE(answer.dump());
+    const nlohmann::json& first = answer[list][0];
+    return first.contains("properties") ? first["properties"]["id"] : first["site_id"];
+  };
+  CHECK(first_of("/v1/sites?bbox=7.9,47.02,8.1,47.1", "features") == "better-r1");
+  CHECK(first_of("/v1/emergency/export?bbox=7.9,47.02,8.1,47.1", "features") == "better-r1");
+  const std::string recall =
+      "/v1/emergency?latitude_deg=47.04&longitude_deg=8&altitude_m=2500&heading_deg=0"
+      "&wind_east_mps=0&wind_north_mps=-4";
+  CHECK(first_of(recall, "sites") == "better-r1");
+  const nlohmann::json sites = GetJson(*field.client, recall)["sites"];
+  const auto doubted = std::find_if(sites.begin(), sites.end(), [](const nlohmann::json& site) {
+    return site["site_id"] == "first-r1";
+  });
+  REQUIRE(doubted != sites.end());
+  CHECK((*doubted)["verdict"] == "unverified");
+  CHECK((*doubted)["doubted_at"] == kLaterText);
+  CHECK((*doubted)["warnings"].dump().find(kLaterText) != std::string::npos);
 }
 
 TEST_CASE("memory: flights may arrive in any order") {
@@ -152,7 +208,7 @@ TEST_CASE("memory: flights may arrive in any order") {
 TEST_CASE("memory: what superseded a site is forgotten: the other later maps decide again") {
   const FieldServer field({First(),
                            Later(Ground::kTreeOnFinal),
-                           Later(Ground::kHazardInDisc, "latest", kLatest),
+                           Later(Ground::kTreeOnCircle, "latest", kLatest),
                            Later(Ground::kFree, "free", kLater + 1)});
   CHECK(field.Site("first-r1")["superseded_by"] == "latest-r1");
   CHECK(field.client->Delete("/v1/sites/latest-r1")->status == 204);
