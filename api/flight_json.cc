@@ -204,7 +204,12 @@ FlightRequest ParseFlightRequest(const std::string& body) {
 FlightRequest ParseStoredFlightRequest(const std::string& canonical_json) {
   nlohmann::json object = ParseJson(canonical_json);
   if (object.contains("options")) KeepKnownOptions(object["options"]);
-  return ParseFlightRequest(object.dump());
+  // Earlier versions took names with characters that are refused now.
+  const std::string name = std::exchange(object.at("name"), "stored");
+  FlightRequest request = ParseFlightRequest(object.dump());
+  request.name = name;
+  request.canonical_json = CanonicalJson(request);
+  return request;
 }
 
 FlightRequest WithAltitudeDatum(FlightRequest request, const std::string& altitude_datum) {

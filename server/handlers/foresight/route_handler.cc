@@ -6,6 +6,7 @@
 #include "api/api.h"
 #include "api/import/routes/routes.h"
 #include "server/handlers/handlers.h"
+#include "server/handlers/paging.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
@@ -83,7 +84,7 @@ void PostRouteCheck(Service& service, const Call& call, httplib::Response& respo
   nlohmann::json answer = CheckRoute({service.storage, service.maps}, request);
   service.copy.AddTo(answer, NowUs());
   if (format == "geojson") {
-    response.set_content(RouteGeoJson(answer).dump(), "application/geo+json");
+    AnswerGeoJson(RouteGeoJson(answer), response);
   } else {
     response.set_content(answer.dump(), "application/json");
   }
