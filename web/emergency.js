@@ -23,11 +23,12 @@ const keptFields = ['glide_ratio', 'altitude_datum'];
 const input = (name) => byId(`em-${name}`);
 const number = (name) => (input(name).value === '' ? null : Number(input(name).value));
 
-// flight: the id of the flight whose position is asked for, or null. Its datum and aircraft are those of the request.
+// flight: the id of the flight whose position is asked for, or null. Its datum, its aircraft and its wind, which has an
+// age, are those of the request.
 function requestOfForm(flight) {
   const speed = number('wind_speed_mps');
   const from = number('wind_from_deg');
-  const wind = speed === null || from === null ? null : windTo(speed, from);
+  const wind = flight || speed === null || from === null ? null : windTo(speed, from);
   return {
     latitude_deg: number('latitude_deg'), longitude_deg: number('longitude_deg'), altitude_m: number('altitude_m'),
     altitude_datum: input('altitude_datum').value, heading_deg: number('heading_deg'), glide_ratio: number('glide_ratio'),
@@ -63,15 +64,17 @@ const since = (age_s) => (isKnown(age_s) ? `${age(age_s)} old` : 'of unknown age
 // pose and wind: of the flight's last data, as its alternates tell them. Ages count from when they were measured.
 function fillFromFlight({ pose, wind }, flightName) {
   const from = windFrom(wind ?? null);
+  // A wind in the form is one of now.
+  const filled = wind?.counts_as === 'known' ? from : null;
   const isOld = !isKnown(pose.age_s) || pose.age_s > kOld_s;
   setPosition(pose, `Position and altitude of flight ${flightName}, ${since(pose.age_s)}. ` +
-    (from ? `Wind of the same flight, ${since(wind.age_s)}. ` : 'Wind unknown. ') +
+    (from ? `Wind of the same flight, ${since(wind.age_s)}${filled ? '' : `: counts as ${wind.counts_as}`}. ` : 'Wind unknown. ') +
     (isKnown(pose.heading_deg) ? 'Heading from its track.' : 'Heading unknown.'), isOld);
   fill('altitude_m', pose.altitude_m, 0);
   input('altitude_datum').value = pose.altitude_datum ?? 'unknown';
   fill('heading_deg', pose.heading_deg, 0);
-  fill('wind_speed_mps', from?.speed_mps, 1);
-  fill('wind_from_deg', from?.from_deg, 0);
+  fill('wind_speed_mps', filled?.speed_mps, 1);
+  fill('wind_from_deg', filled?.from_deg, 0);
 }
 
 // --- Message ---
@@ -109,6 +112,14 @@ async function askReach(request, signal) {
     if (error.status === 404) return null;
     throw error;
   }
+}
+
+// The wind of the answer's plans, null if it is unknown.
+function windOf(request, answer) {
+  const taken = answer?.taken_from_flight?.wind;
+  if (taken && taken.counts_as !== 'unknown') return { east_mps: taken.east_mps, north_mps: taken.north_mps };
+  if (request.wind_east_mps === undefined) return null;
+  return { east_mps: Number(request.wind_east_mps), north_mps: Number(request.wind_north_mps) };
 }
 
 class Emergency {
@@ -222,8 +233,7 @@ class Emergency {
     const from = { latitude_deg: request.latitude_deg, longitude_deg: request.longitude_deg };
     const isAltitudeKnown = request.altitude_m !== null;
     const answer = isAltitudeKnown ? await askReach(request, signal) : null;
-    this.#wind = request.wind_east_mps === undefined ? null
-      : { east_mps: Number(request.wind_east_mps), north_mps: Number(request.wind_north_mps) };
+    this.#wind = windOf(request, answer);
     this.#draw(answer ?? { sites: await uncheckedSites(from, signal) }, from);
     if (answer) sayReach(answer);
     else if (isAltitudeKnown) say(`This server cannot check reach. Sites below are unchecked (${now()}).`, 'bad');

@@ -16,12 +16,12 @@ const kSites = 20;
 
 export const isLive = (pose) => isKnown(pose?.age_s) && pose.age_s <= kLive_s;
 
-// The request for a flight's last position. glide_ratio: null for the aircraft's own.
-export function requestOf(flight, { pose, wind }, glide_ratio) {
+// The request for a flight's last position. The server takes the flight's wind, and knows how old it is.
+// glide_ratio: null for the aircraft's own.
+export function requestOf(flight, { pose }, glide_ratio) {
   return {
     latitude_deg: pose.latitude_deg, longitude_deg: pose.longitude_deg, altitude_m: pose.altitude_m,
-    altitude_datum: pose.altitude_datum, heading_deg: pose.heading_deg, glide_ratio,
-    wind_east_mps: wind?.east_mps, wind_north_mps: wind?.north_mps, flight,
+    altitude_datum: pose.altitude_datum, heading_deg: pose.heading_deg, glide_ratio, flight,
   };
 }
 

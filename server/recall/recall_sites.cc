@@ -132,9 +132,10 @@ std::vector<std::string> DatumWarnings(const EmergencyRequest& request,
 std::vector<std::string> WarningsOf(const EmergencyRequest& request,
                                     const std::set<DatumBasis>& bases) {
   std::vector<std::string> warnings = DatumWarnings(request, bases);
+  if (request.wind_warning) warnings.push_back(*request.wind_warning);
   if (!request.wind_in_world) {
     warnings.push_back(
-        "no wind is given: the worst direction of a wind of 5.5 m/s is assumed, and "
+        "the wind is unknown: the worst direction of a wind of 5.5 m/s is assumed, and "
         "approaches are planned for an unknown wind");
   }
   if (!request.heading_deg) warnings.push_back("no heading is given: the worst turn is assumed");
