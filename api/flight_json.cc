@@ -232,7 +232,10 @@ FlightRequest ParseStoredFlightRequest(const std::string& canonical_json) {
   if (!object.contains("memory")) object["memory"] = is_experiment ? kNone : kKeep;
   const std::string reason = object.value("memory_reason", "an earlier version stored the flight");
   object.erase("memory_reason");
+  // Earlier versions took names with characters that are refused now.
+  const std::string name = std::exchange(object.at("name"), "stored");
   FlightRequest request = ParseFlightRequest(object.dump());
+  request.name = name;
   request.memory.reason = reason;
   request.canonical_json = CanonicalJson(request);
   return request;

@@ -20,6 +20,19 @@ constexpr double kLargestNumber = 1e12;
 // From below the Dead Sea to above the ceiling of small planes.
 constexpr NumberRange kAltitudeRange{-1000.0, 20000.0};
 constexpr NumberRange kLatitudeRange{-90.0, 90.0};
+// Characters whose UTF-8 begins with `lead` and ends with a byte from `first` to `last`.
+struct CharacterRange {
+  std::string_view lead;
+  char first;
+  char last;
+};
+constexpr CharacterRange kControlCharacters[] = {
+    {"\xC2", '\x80', '\x9F'},      // U+0080 to U+009F: control
+    {"\xD8", '\x9C', '\x9C'},      // U+061C: direction
+    {"\xE2\x80", '\x8E', '\x8F'},  // U+200E, U+200F: direction
+    {"\xE2\x80", '\xA8', '\xAE'},  // U+2028 to U+202E: line breaks, direction
+    {"\xE2\x81", '\xA6', '\xA9'},  // U+2066 to U+2069: direction
+};
 constexpr NumberRange kLongitudeRange{-180.0, 180.0};
 
 // Refuses what the parser accepts: deep nesting (destructor and dump() recurse) and duplicate keys
@@ -157,8 +170,21 @@ std::string ReadString(const nlohmann::json& value, const std::string& pointer) 
 }
 
 bool HasControlCharacter(std::string_view text) {
+  const auto is_ascii_control = [](char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+  };
+  if (std::any_of(text.begin(), text.end(), is_ascii_control)) return true;
   return std::any_of(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+      std::begin(kControlCharacters), std::end(kControlCharacters), [text](const auto& range) {
+        for (size_t at = text.find(range.lead); at != std::string_view::npos;
+             at = text.find(range.lead, at + 1)) {
+          const size_t last = at + range.lead.size();
+          if (last < text.size() && text[last] >= range.first && text[last] <= range.last) {
+            return true;
+          }
+        }
+        return false;
+      });
 }
 
 bool ReadBoolean(const nlohmann::json& value, const std::string& pointer) {

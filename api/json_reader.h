@@ -35,7 +35,8 @@ double ReadNumber(const nlohmann::json& value,
                   const NumberRange& range);
 int64_t ReadInteger(const nlohmann::json& value, const std::string& pointer);
 std::string ReadString(const nlohmann::json& value, const std::string& pointer);
-// True if the text cannot be shown on one line.
+// True if the text, UTF-8, cannot be shown on one line as it is: control characters, line breaks,
+// and characters that change the direction of writing, so that a name reads as another one.
 bool HasControlCharacter(std::string_view text);
 bool ReadBoolean(const nlohmann::json& value, const std::string& pointer);
 // Array of finite numbers; exactly `size` of them, if given.

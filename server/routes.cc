@@ -74,6 +74,7 @@ constexpr Route kRoutes[] = {
     {"POST", "/v1/flights", PostFlight},
     {"GET", "/v1/flights", GetFlights, "limit cursor"},
     {"GET", "/v1/flights/{flight}", GetFlightAs, "f"},
+    {"PATCH", "/v1/flights/{flight}", PatchFlight},
     {"DELETE", "/v1/flights/{flight}", DeleteFlight, "forget_sites"},
     {"GET", "/v1/flights/{flight}/track", GetTrack},
     {"PUT", "/v1/flights/{flight}/frames/{frame}", PutFrame},

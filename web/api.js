@@ -1,5 +1,7 @@
 // The only file that sends requests to the server. Names and units are those of the JSON.
 
+import { withWholeShapes } from './antimeridian.js';
+
 export class Problem extends Error {
   constructor(status, body, retryAfter_s) {
     super(body.detail ?? body.title ?? `the server returned status ${status}`);
@@ -42,8 +44,8 @@ export async function call(path, { method = 'GET', headers = {}, body, signal, c
   return response;
 }
 
-const getJson = async (path, options) =>
-  (await call(path, { ...options, headers: { Accept: 'application/json, application/geo+json' } })).json();
+const getJson = async (path, options) => withWholeShapes(
+  await (await call(path, { ...options, headers: { Accept: 'application/json, application/geo+json' } })).json());
 
 // --- Paths, also used by the curl buttons ---
 

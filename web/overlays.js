@@ -1,6 +1,7 @@
 // What the map shows over its background, one function for each kind of overlay.
 /* global L */
 
+import { outerRings } from './antimeridian.js';
 import { gradeColor } from './colors.js';
 import { byId, el, svg } from './dom.js';
 import { noReturnOf } from './go_around.js';
@@ -180,8 +181,8 @@ export function createApproach(map) {
             radius: touchdownRadius_m ?? 1, className: 'touchdown', interactive: false,
           }));
         } else if (properties.kind === 'ground_roll') {
-          const [ring] = geometry.coordinates;
-          group.addLayer(L.polygon(latLngs({ coordinates: ring }), { className: `ground-roll${suffix}`, interactive: false }));
+          const rings = outerRings(geometry).map((ring) => latLngs({ coordinates: ring }));
+          group.addLayer(L.polygon(rings.map((ring) => [ring]), { className: `ground-roll${suffix}`, interactive: false }));
         } else {
           if (properties.kind === 'approach') group.addLayer(flightArrow(geometry, properties.heading_deg, suffix));
           const drawn = properties.kind === 'go_around' && final ? drawnClimb(geometry, final) : geometry;

@@ -1,5 +1,7 @@
 // Finds the region at a place.
 
+import { outerRings } from './antimeridian.js';
+
 // Even-odd rule on the outer ring.
 function isInside(ring, { lat, lng }) {
   let inside = false;
@@ -14,7 +16,7 @@ function isInside(ring, { lat, lng }) {
 // The smallest region at a place: a small region may lie within a large one.
 export function findRegion(collection, latlng) {
   const here = collection.features.filter(({ geometry }) =>
-    geometry?.type === 'Polygon' && isInside(geometry.coordinates[0], latlng));
+    geometry && outerRings(geometry).some((ring) => isInside(ring, latlng)));
   here.sort((a, b) => a.properties.area_m2 - b.properties.area_m2);
   return here[0] ?? null;
 }

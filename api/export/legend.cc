@@ -42,7 +42,7 @@ std::string Title(const std::string& name) {
   if (name == "height_sd") return "standard deviation of elevation, m";
   if (name == "coverage") return "photographs that see the cell";
   if (name == "risk") return "probability that the ground is unfit";
-  return "hazard";
+  return "hazard, with entered obstacles";
 }
 
 void DrawBar(cv::Mat3b& legend, const std::string& name, const Scale& scale) {

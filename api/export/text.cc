@@ -1,6 +1,7 @@
 #include "api/export/text.h"
 
 #include <cstdio>
+#include <string_view>
 
 namespace freelsd {
 
@@ -16,6 +17,12 @@ std::string OneLine(const std::string& text) {
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
   }
   return line;
+}
+
+std::string CellText(const std::string& text) {
+  constexpr std::string_view kFormulaStarts = "=+-@\t\r";
+  const bool is_formula = !text.empty() && kFormulaStarts.find(text[0]) != std::string_view::npos;
+  return is_formula ? "'" + text : text;
 }
 
 std::string EscapeXml(const std::string& text) {

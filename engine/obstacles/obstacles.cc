@@ -51,6 +51,11 @@ Eigen::Vector3d NearestOn(const Edge& edge, const Eigen::Vector2d& place) {
   return edge.begin + along * (edge.end - edge.begin);
 }
 
+// To the centre of any cell that the obstacle touches.
+double ReachOn(const Grid& grid, const HardObstacle& obstacle, const ObstacleOptions& options) {
+  return ReachOf(obstacle, options) + grid.cell_size_m * std::sqrt(0.5);
+}
+
 // A cell of the obstacle, and the top there, world z; NaN if it is only known above ground.
 struct Touched {
   cv::Point cell;
@@ -79,6 +84,26 @@ std::vector<Touched> CellsOf(const HardObstacle& obstacle, double reach, const G
     touched.push_back({cell, edges.front().begin.z()});
   }
   return touched;
+}
+
+// Beside the obstacle, whose cells are within `reach` of it. No distance is above `longest`.
+void LimitDistance(const HardObstacle& obstacle,
+                   double reach,
+                   double longest,
+                   HazardLayers& layers) {
+  for (const Edge& edge : EdgesOf(obstacle)) {
+    const Polygon ends{edge.begin.head<2>(), edge.end.head<2>()};
+    const cv::Rect box = layers.grid.CellsAround(ends, reach + longest);
+    for (int row = box.y; row < box.y + box.height; ++row) {
+      for (int col = box.x; col < box.x + box.width; ++col) {
+        const Eigen::Vector2d place = layers.grid.CellCenter(row, col);
+        const double beside = (NearestOn(edge, place).head<2>() - place).norm() - reach;
+        float& distance = layers.distance(row, col);
+        // NaN stays: it is not seen.
+        if (distance > beside) distance = static_cast<float>(std::fmax(0.0, beside));
+      }
+    }
+  }
 }
 
 // Elevation of each cell, or of the nearest cell that has one; NaN where none has.
@@ -218,7 +243,7 @@ AssessedMap WithObstacles(const ElevationMap& map,
   if (map.elevation.empty()) return ground;
   cv::Mat1f nearest_elevation;
   for (const HardObstacle& obstacle : obstacles) {
-    const double reach = ReachOf(obstacle, options) + map.grid.cell_size_m * std::sqrt(0.5);
+    const double reach = ReachOn(map.grid, obstacle, options);
     const std::vector<Touched> touched = CellsOf(obstacle, reach, map.grid);
     if (touched.empty()) continue;
     if (nearest_elevation.empty()) {
@@ -234,6 +259,27 @@ AssessedMap WithObstacles(const ElevationMap& map,
     }
   }
   return ground;
+}
+
+HazardLayers WithObstacleHazards(HazardLayers layers,
+                                 const std::vector<HardObstacle>& obstacles,
+                                 const ObstacleOptions& options) {
+  options.Check();
+  if (layers.hazard.empty() || obstacles.empty()) return layers;
+  layers.hazard = layers.hazard.clone();
+  layers.distance = layers.distance.clone();
+  double longest = 0.0;
+  for (const float distance : layers.distance) longest = std::fmax(longest, distance);
+  for (const HardObstacle& obstacle : obstacles) {
+    const double reach = ReachOn(layers.grid, obstacle, options);
+    for (const Touched& each : CellsOf(obstacle, reach, layers.grid)) {
+      uchar& hazard = layers.hazard(each.cell);
+      if (hazard == kFree) hazard = kHazard;
+      if (!layers.distance.empty()) layers.distance(each.cell) = 0.0f;
+    }
+    if (longest > 0.0) LimitDistance(obstacle, reach, longest, layers);
+  }
+  return layers;
 }
 
 Plan CheckedBeyondMap(Plan plan,

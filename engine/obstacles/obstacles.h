@@ -57,6 +57,12 @@ AssessedMap WithObstacles(const ElevationMap& map,
                           const std::vector<HardObstacle>& obstacles,
                           const ObstacleOptions& options);
 
+// For pictures, on a grid of any cell size: a seen cell of an obstacle is a kHazard, and no
+// distance is longer than that to the obstacle. All other layers are those of the input.
+HazardLayers WithObstacleHazards(HazardLayers layers,
+                                 const std::vector<HardObstacle>& obstacles,
+                                 const ObstacleOptions& options);
+
 // The plan, rejected if its circle meets an obstacle beyond the edge of the map, where the planner
 // sees nothing. An obstacle inside the circle counts too: in another wind the circle is smaller.
 Plan CheckedBeyondMap(Plan plan,

@@ -11,13 +11,12 @@
 #include "server/handlers/evidence/evidence.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/handlers/paging.h"
 #include "server/handlers/site_rose.h"
 #include "server/recall/other_maps/other_maps.h"
 
 namespace freelsd {
 namespace {
-
-constexpr char kGeoJsonType[] = "application/geo+json";
 
 // False for parameters of the wind and of a place; all other parameters here belong to the
 // aircraft.
@@ -243,10 +242,10 @@ void GetApproach(Service& service, const Call& call, httplib::Response& response
                      "an obstacle blocks the stored approach: " + obstruction->detail +
                          "; with a wind it is planned anew");
     }
-    response.set_content(site.approach_json, kGeoJsonType);
+    AnswerGeoJson(nlohmann::json::parse(site.approach_json), response);
     return;
   }
-  response.set_content(PlanAnew(service, site, call).dump(), kGeoJsonType);
+  AnswerGeoJson(PlanAnew(service, site, call), response);
 }
 
 void GetWhy(Service& service, const Call& call, httplib::Response& response) {
@@ -288,7 +287,7 @@ void GetFlightLanding(Service& service, const Call& call, httplib::Response& res
                    "no landing within " + std::to_string(std::lround(kLandingRadiusM)) +
                        " m: " + plan.reject_detail);
   }
-  response.set_content(PlanJson(plan, on.aircraft, ContextOf(*on.site)).dump(), kGeoJsonType);
+  AnswerGeoJson(PlanJson(plan, on.aircraft, ContextOf(*on.site)), response);
 }
 
 SiteRose PlanSiteRose(Service& service,

@@ -1,7 +1,10 @@
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
 #include "api/stored/stored.h"
+#include "engine/glide/glide.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
 #include "server/handlers/paging.h"
@@ -59,6 +62,44 @@ nlohmann::json FlightJson(const Service& service, const FlightSummary& summary) 
           {"created_at", Rfc3339(flight.created_at_us)}};
 }
 
+std::string DatumCost(const GeoPoint& place) {
+  const DatumDifference difference =
+      DatumDifferenceOf({"unknown", place.latitude_deg, place.longitude_deg, ""},
+                        {"amsl", place.latitude_deg, place.longitude_deg, ""});
+  return "the datum of the altitudes is unknown: every recall of these sites takes " +
+         std::to_string(std::lround(difference.subtracted_m)) +
+         " m off the height of its aircraft; to avoid this, give altitude_datum (amsl or "
+         "ellipsoid)";
+}
+
+// Straight ahead for a kilometre, in the worst of the winds that recall assumes.
+std::string WindCost(const Aircraft& aircraft) {
+  const Aircraft unpowered = Unpowered(aircraft, std::nullopt);
+  const Eigen::Vector3d end(0.0, 1000.0, 0.0);
+  const auto arrival_m = [&](const std::optional<Eigen::Vector2d>& wind) {
+    const auto glide = GlideTo({Eigen::Vector3d::Zero(), 0.0, wind}, end, 0.0, unpowered, {});
+    return glide ? std::optional(glide->arrival_height_m) : std::nullopt;
+  };
+  const auto calm_m = arrival_m(Eigen::Vector2d::Zero()), worst_m = arrival_m(std::nullopt);
+  const std::string cost = calm_m && worst_m
+                               ? "takes " + std::to_string(std::lround(*calm_m - *worst_m)) +
+                                     " m more off the height for each kilometre of way"
+                               : "reaches no site";
+  return "the wind is unknown: no site is better than unverified, and a recall without a wind " +
+         cost + "; to avoid this, give wind_east_mps and wind_north_mps with the poses";
+}
+
+// What recall takes off because the flight does not say it.
+std::vector<std::string> CostsOf(const FlightRow& flight, const Aircraft& aircraft, bool has_wind) {
+  std::vector<std::string> costs;
+  if (flight.rig_json.empty()) return costs;
+  if (AltitudeDatumOf(flight) == "unknown") {
+    costs.push_back(DatumCost(ParseStoredFlightRig(flight.rig_json).origin));
+  }
+  if (!has_wind) costs.push_back(WindCost(aircraft));
+  return costs;
+}
+
 void AnswerFlight(const Service& service,
                   const std::string& flight_id,
                   httplib::Response& response) {
@@ -67,8 +108,23 @@ void AnswerFlight(const Service& service,
   nlohmann::json flight = FlightJson(service, *summary);
   const std::optional<LiveWind> wind = LiveWindOf(service.storage, flight_id, ArrivalNowUs());
   flight["wind"] = wind ? WindJson(*wind) : nlohmann::json();
+  const Aircraft aircraft = ParseStoredFlight(summary->flight.request_json).aircraft;
+  for (const std::string& cost : CostsOf(summary->flight, aircraft, wind.has_value())) {
+    flight["warnings"].push_back(cost);
+  }
   flight["options"] = GivenOptionsJson(ParseStoredFlightRequest(summary->flight.request_json));
   response.set_content(flight.dump(), "application/json");
+}
+
+// Of a request that changes nothing else.
+std::string NameIn(const std::string& body) {
+  const FlightRequest request = ParseFlightRequest(body);
+  for (const auto& [key, value] : nlohmann::json::parse(body).items()) {
+    if (key == "name") continue;
+    throw ApiError(
+        "InvalidValue", key + ": only the name can be changed", {{"/" + key, "cannot be changed"}});
+  }
+  return request.name;
 }
 
 }  // namespace
@@ -100,6 +156,14 @@ void GetFlights(Service& service, const Call& call, httplib::Response& response)
 }
 
 void GetFlight(Service& service, const Call& call, httplib::Response& response) {
+  AnswerFlight(service, call.Id("flight"), response);
+}
+
+void PatchFlight(Service& service, const Call& call, httplib::Response& response) {
+  const std::string name = NameIn(call.body.ReadAll(kLimits.json.max_bytes));
+  const bool is_there = service.storage.flights.Change(
+      call.Id("flight"), [&name](FlightRow& flight) { flight.name = name; });
+  if (!is_there) throw ApiError("NoSuchFlight", "there is no such flight");
   AnswerFlight(service, call.Id("flight"), response);
 }
 

@@ -9,12 +9,15 @@
 #include <nlohmann/json.hpp>
 
 #include "api/api.h"
+#include "api/import/import.h"
 #include "server/http/http.h"
 
 namespace freelsd {
 namespace {
 
 constexpr const char* kRisk = "risk";
+// Of the digest of the obstacles.
+constexpr size_t kNumKeyDigits = 16;
 
 WorldBox Joined(const WorldBox& a, const WorldBox& b) {
   return {a.min_in_world.cwiseMin(b.min_in_world), a.max_in_world.cwiseMax(b.max_in_world)};
@@ -70,13 +73,22 @@ FlightPicture::FlightPicture(const Service& service, const std::string& flight_i
     }
     throw ApiError("NoMap", "the flight has no map yet");
   }
-  int64_t updated_at_us = 0;
-  for (const auto& map : maps_) updated_at_us = std::max(updated_at_us, map->row.updated_at_us);
+  const WorldBox extent = Extent();
+  const Eigen::Vector2d middle = 0.5 * (extent.min_in_world + extent.max_in_world);
+  const double reach_m = 0.5 * (extent.max_in_world - extent.min_in_world).norm();
+  const KnownObstacles near = service.maps.ObstaclesNear(
+      service.storage,
+      BoxAroundPlace(Frame().GeoFromWorld({middle.x(), middle.y(), 0.0}), reach_m));
+  // Pictures do not show how high an obstacle is, so the datum does not matter.
+  obstacles_ = InWorld(near, Frame(), {"unknown", 0.0, 0.0, ""});
+  for (const auto& map : maps_) updated_at_us_ = std::max(updated_at_us_, map->row.updated_at_us);
+  for (const auto& known : near) updated_at_us_ = std::max(updated_at_us_, known->updated_at_us);
   const auto num_pictures = std::count_if(
       maps_.begin(), maps_.end(), [](const auto& map) { return map->head.photo.has_value(); });
   const std::string& newest = maps_.front()->row.id;
   version_ = newest.substr(newest.rfind('/') + 1) + "-" + std::to_string(maps_.size()) + "-" +
-             std::to_string(num_pictures) + "-" + std::to_string(updated_at_us);
+             std::to_string(num_pictures) + "-" + std::to_string(updated_at_us_);
+  if (!near.empty()) version_ += "-" + Sha256Hex(KeyOf(near)).substr(0, kNumKeyDigits);
 }
 
 int FlightPicture::NumLevels() const {
@@ -121,6 +133,8 @@ std::vector<MapWindow> FlightPicture::Windows(const std::string& layer,
     if (part.num_rows == 0 || part.num_cols == 0) continue;
     windows.push_back(service_.maps.flight_maps().Read(
         service_.storage, *map, own_level, part, TileLayers::kAll));
+    HazardLayers& layers = windows.back().site_map.layers;
+    layers = WithObstacleHazards(std::move(layers), obstacles_, {});
     if (layer == kRisk) AddRisk(windows.back(), map->aircraft, map->head.grid.cell_size_m);
   }
   return windows;
@@ -226,9 +240,7 @@ nlohmann::json FlightPicture::Json(const std::string& base_url) const {
   for (const std::string& layer : MapLayerNames()) {
     if (const auto scale = ScaleOf(layer)) description.scales.emplace_back(layer, *scale);
   }
-  int64_t updated_at_us = 0;
-  for (const auto& map : maps_) updated_at_us = std::max(updated_at_us, map->row.updated_at_us);
-  description.updated_at = Rfc3339(updated_at_us);
+  description.updated_at = Rfc3339(updated_at_us_);
   return MapJson(description, Frame());
 }
 

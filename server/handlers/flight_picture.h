@@ -1,4 +1,5 @@
-// What is drawn of a flight's maps: all maps of the flight together, the newest on top.
+// What is drawn of a flight's maps: all maps of the flight together, the newest on top, with the
+// obstacles that are in force in the layers of hazard.
 #pragma once
 
 #include <filesystem>
@@ -41,7 +42,7 @@ class FlightPicture {
   // are still there.
   FlightPicture(const Service& service, const std::string& flight_id);
 
-  // Differs whenever the maps or their pictures differ.
+  // Differs whenever the maps, their pictures or the obstacles on them differ.
   const std::string& version() const { return version_; }
   nlohmann::json Json(const std::string& base_url) const;
   // Throws ApiError NoMap where the layer is missing.
@@ -92,6 +93,9 @@ class FlightPicture {
   const Service& service_;
   std::string flight_id_;
   std::vector<std::shared_ptr<const FlightMap>> maps_;
+  // In force now, in the maps' world.
+  std::vector<HardObstacle> obstacles_;
+  int64_t updated_at_us_ = 0;
   std::string version_;
 };
 

@@ -11,6 +11,7 @@ namespace freelsd {
 void PostFlight(Service& service, const Call& call, httplib::Response& response);
 void GetFlights(Service& service, const Call& call, httplib::Response& response);
 void GetFlight(Service& service, const Call& call, httplib::Response& response);
+void PatchFlight(Service& service, const Call& call, httplib::Response& response);
 void DeleteFlight(Service& service, const Call& call, httplib::Response& response);
 
 // track_handler.cc

@@ -144,6 +144,7 @@ std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site) {
   if (kept->row.map_id.empty()) {
     SiteMap own = kept->site_map;
     own.layers.min_grass_posterior = options.hazard.cover.min_grass_posterior;
+    own.layers = WithObstacleHazards(std::move(own.layers), kept->obstacles, {});
     return own;
   }
   SiteMap map = CropAround(kept->site_map.map,
@@ -155,6 +156,7 @@ std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site) {
                           map.layers,
                           {flight.aircraft.max_slope_deg, flight.aircraft.max_roughness_m},
                           options.hazard);
+  map.layers = WithObstacleHazards(std::move(map.layers), kept->obstacles, {});
   return map;
 }
 

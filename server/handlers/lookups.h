@@ -32,8 +32,8 @@ nlohmann::json FeatureOf(const SiteRow& row, int64_t now_us = NowUs());
 ExportOptions ExportOptionsOf(const Call& call);
 // The row as a struct, without its rank.
 StoredSite SiteOf(const SiteRow& row);
-// The site's stored map. Its min_grass_posterior is that of the flight's options. Nothing if the
-// site has no map.
+// The site's stored map; its hazards are also those of the obstacles in force. Its
+// min_grass_posterior is that of the flight's options. Nothing if the site has no map.
 std::optional<SiteMap> MapOf(const Service& service, const SiteRow& site);
 
 }  // namespace freelsd

@@ -2,12 +2,16 @@
 
 #include <array>
 #include <charconv>
+#include <utility>
 
 #include <nlohmann/json.hpp>
+
+#include "api/export/geojson/geojson.h"
 
 namespace freelsd {
 namespace {
 
+constexpr char kGeoJson[] = "application/geo+json";
 // Separates the parts of a cursor. It occurs in no id and in no number, and needs no escape in
 // URLs.
 constexpr char kSeparator = '~';
@@ -102,12 +106,16 @@ std::string CursorOf(const NewLookCursor& cursor) {
   return std::to_string(cursor.now_us) + kSeparator + ShortestText(minus_gain) + kSeparator + id;
 }
 
+void AnswerGeoJson(nlohmann::json geojson, httplib::Response& response) {
+  response.set_content(CutAtAntimeridian(std::move(geojson)).dump(), kGeoJson);
+}
+
 void AnswerFeatures(const std::string& features,
                     const std::optional<std::string>& next,
                     httplib::Response& response) {
   std::string body = R"({"type":"FeatureCollection","features":[)" + features + "]";
   if (next) body += R"(,"next":)" + nlohmann::json(*next).dump();
-  response.set_content(body + "}", "application/geo+json");
+  response.set_content(body + "}", kGeoJson);
 }
 
 }  // namespace freelsd

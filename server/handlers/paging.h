@@ -7,6 +7,8 @@
 #include <string>
 #include <tuple>
 
+#include <nlohmann/json_fwd.hpp>
+
 #include "api/api.h"
 #include "server/http/http.h"
 
@@ -41,8 +43,10 @@ struct NewLookCursor {
 std::optional<NewLookCursor> ParseNewLookCursor(const Call& call);
 std::string CursorOf(const NewLookCursor& cursor);
 
-// Answers a FeatureCollection. `features`: JSON, separated by commas. `next`: cursor if others
-// follow.
+// Answers GeoJSON, cut at the antimeridian.
+void AnswerGeoJson(nlohmann::json geojson, httplib::Response& response);
+// Answers a FeatureCollection of points. `features`: JSON, separated by commas. `next`: cursor if
+// others follow.
 void AnswerFeatures(const std::string& features,
                     const std::optional<std::string>& next,
                     httplib::Response& response);

@@ -4,6 +4,7 @@
 #include "api/api.h"
 #include "server/handlers/emergency_call.h"
 #include "server/handlers/handlers.h"
+#include "server/handlers/paging.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
@@ -16,7 +17,7 @@ void AnswerReach(Service& service, const EmergencyRequest& request, httplib::Res
       ReachFrom({service.storage, service.maps}, service.ground_patches, completed.request.request);
   completed.AddTo(answer);
   service.copy.AddTo(answer, NowUs());
-  response.set_content(answer.dump(), "application/geo+json");
+  AnswerGeoJson(answer, response);
 }
 
 }  // namespace

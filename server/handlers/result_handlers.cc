@@ -44,11 +44,11 @@ std::vector<RankedRow> Ranked(const std::vector<SiteRow>& sites) {
 
 void GetRegions(Service& service, const Call& call, httplib::Response& response) {
   const FlightRow flight = ExistingFlight(service, call);
-  std::string features;
+  nlohmann::json features = nlohmann::json::array();
   for (const RegionRow& region : service.storage.flights.ListRegions(flight.id)) {
-    features += (features.empty() ? "" : ",") + region.feature_json;
+    features.push_back(nlohmann::json::parse(region.feature_json));
   }
-  response.set_content(R"({"type":"FeatureCollection","features":[)" + features + "]}", kGeoJson);
+  AnswerGeoJson({{"type", "FeatureCollection"}, {"features", std::move(features)}}, response);
 }
 
 void GetRegionHistory(Service& service, const Call& call, httplib::Response& response) {

@@ -7,6 +7,7 @@
 #include "api/stored/stored.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/handlers/paging.h"
 #include "server/intake/intake.h"
 
 namespace freelsd {
@@ -97,9 +98,7 @@ void GetTrack(Service& service, const Call& call, httplib::Response& response) {
   nlohmann::json features = nlohmann::json::array();
   // One position makes no line.
   if (positions.size() > 1) features.push_back(FeatureOf(positions, flight));
-  response.set_content(
-      nlohmann::json{{"type", "FeatureCollection"}, {"features", std::move(features)}}.dump(),
-      "application/geo+json");
+  AnswerGeoJson({{"type", "FeatureCollection"}, {"features", std::move(features)}}, response);
 }
 
 }  // namespace freelsd

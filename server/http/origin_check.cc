@@ -8,10 +8,15 @@
 namespace freelsd {
 namespace {
 
-// "[::1]:8080" -> "[::1]", "localhost:8080" -> "localhost".
+// "[::1]:8080" -> "[::1]", "localhost:8080" -> "localhost". Empty if what follows the name is no
+// port: no part of "localhost:80@evil.com" is a name that may be compared.
 std::string HostWithoutPort(const std::string& host) {
   const size_t bracket = host.find(']');
   const size_t colon = host.find(':', bracket == std::string::npos ? 0 : bracket);
+  if (colon != std::string::npos &&
+      host.find_first_not_of("0123456789", colon + 1) != std::string::npos) {
+    return "";
+  }
   return LowerCase(host.substr(0, colon));
 }
 

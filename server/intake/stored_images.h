@@ -5,11 +5,14 @@
 
 #include "engine/flight/flight.h"
 #include "server/intake/state.h"
+#include "storage/storage.h"
 
 namespace freelsd {
 
-// Reads and decodes the image of a frame; empty if there is no such frame, or if its file is
-// missing. `intake` must outlive it. Throws ApiError on an image that cannot be decoded.
+// The decoded image of a frame; empty if its file is missing. Throws std::runtime_error that names
+// the photograph if the image cannot be read or decoded.
+cv::Mat StoredImage(const Intake& intake, const FrameRow& frame);
+// The same by id; empty also if there is no such frame. `intake` must outlive it.
 ImageSource StoredImages(const Intake& intake, const std::string& flight_id);
 
 }  // namespace freelsd

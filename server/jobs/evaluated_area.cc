@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/export/geojson/geojson.h"
+
 namespace freelsd {
 
 std::string AreaJson(const Box& area, const LocalFrame& local_frame) {
@@ -15,7 +17,8 @@ std::string AreaJson(const Box& area, const LocalFrame& local_frame) {
     const GeoPoint place = local_frame.GeoFromWorld({corner.x(), corner.y(), 0.0});
     ring.push_back({place.longitude_deg, place.latitude_deg});
   }
-  return nlohmann::json{{"type", "Polygon"}, {"coordinates", nlohmann::json::array({ring})}}.dump();
+  return CutAtAntimeridian({{"type", "Polygon"}, {"coordinates", nlohmann::json::array({ring})}})
+      .dump();
 }
 
 }  // namespace freelsd

@@ -1,5 +1,7 @@
 // East and north in metres about a place, by the radii of WGS84 there. Good for some kilometres.
 
+import { nearTo, wrapped } from './antimeridian.js';
+
 // Of latitude, on a sphere: where a few metres in a kilometre do not matter.
 export const metresPerDegree = 111_195;
 
@@ -25,7 +27,7 @@ export class FlatFrame {
 
   toLocal({ latitude_deg, longitude_deg }) {
     return {
-      east_m: (longitude_deg - this.#origin.longitude_deg) * this.#east_m_per_deg,
+      east_m: (nearTo(longitude_deg, this.#origin.longitude_deg) - this.#origin.longitude_deg) * this.#east_m_per_deg,
       north_m: (latitude_deg - this.#origin.latitude_deg) * this.#north_m_per_deg,
     };
   }
@@ -33,7 +35,7 @@ export class FlatFrame {
   toGlobal({ east_m, north_m }) {
     return {
       latitude_deg: this.#origin.latitude_deg + north_m / this.#north_m_per_deg,
-      longitude_deg: this.#origin.longitude_deg + east_m / this.#east_m_per_deg,
+      longitude_deg: wrapped(this.#origin.longitude_deg + east_m / this.#east_m_per_deg),
     };
   }
 }
@@ -41,6 +43,6 @@ export class FlatFrame {
 // Across the ground, from anywhere to anywhere near it.
 export function distance_m(a, b) {
   const north_m = (b.latitude_deg - a.latitude_deg) * metresPerDegree;
-  const wrapped_deg = ((b.longitude_deg - a.longitude_deg + 540) % 360) - 180;
-  return Math.hypot(north_m, wrapped_deg * metresPerDegree * Math.cos(radians(a.latitude_deg)));
+  const east_deg = wrapped(b.longitude_deg - a.longitude_deg);
+  return Math.hypot(north_m, east_deg * metresPerDegree * Math.cos(radians(a.latitude_deg)));
 }

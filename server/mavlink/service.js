@@ -1,5 +1,7 @@
 // The only file that sends requests to freelsd-server.
 
+import { withWholeLines } from './antimeridian.js';
+
 const longest_ms = 20_000;
 // A command must not wait behind an answer that does not come.
 const linkTimeout_ms = 3000;
@@ -86,8 +88,8 @@ export class Service {
   }
 
   // Query and answer of /v1/emergency.
-  emergency(query, limit_ms = emergencyTimeout_ms) {
-    return this.#json(`v1/emergency?${new URLSearchParams(query)}`, { timeout_ms: limit_ms });
+  async emergency(query, limit_ms = emergencyTimeout_ms) {
+    return withWholeLines(await this.#json(`v1/emergency?${new URLSearchParams(query)}`, { timeout_ms: limit_ms }));
   }
 
   // A site as a GeoJSON feature.
@@ -96,9 +98,9 @@ export class Service {
   }
 
   // Path of a site, planned for a wind if it is known.
-  approach(siteId, wind) {
+  async approach(siteId, wind) {
     const query = wind ? `?${new URLSearchParams({ wind_east_mps: wind.east_mps, wind_north_mps: wind.north_mps })}` : '';
-    return this.#json(`v1/sites/${encodeURIComponent(siteId)}/approach${query}`, { timeout_ms: landingTimeout_ms });
+    return withWholeLines(await this.#json(`v1/sites/${encodeURIComponent(siteId)}/approach${query}`, { timeout_ms: landingTimeout_ms }));
   }
 
   #post(path, value, timeout_ms = longest_ms) {

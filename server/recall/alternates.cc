@@ -20,6 +20,8 @@ namespace {
 // a second.
 constexpr std::chrono::milliseconds kMinPeriod{100};
 constexpr std::chrono::milliseconds kPollPeriod{10};
+// How long a list may show an obstacle that has expired.
+constexpr std::chrono::milliseconds kExpiryPeriod{500};
 // A wind that has changed by no more is the same as far as anyone can measure it: its plans hold.
 constexpr double kSameWindMps = 0.25;
 // Plans hold for a wind that has changed by no more, until there is time for new ones.
@@ -122,6 +124,23 @@ void Alternates::Enqueue(const std::string& flight_id) {
   if (std::find(due_.begin(), due_.end(), flight_id) == due_.end()) due_.push_back(flight_id);
 }
 
+void Alternates::EnqueueExpired() {
+  for (const auto& [flight_id, list] : lists_) {
+    if (list.HasObstacleExpired()) Enqueue(flight_id);
+  }
+}
+
+// The list is invalid if a site was deleted or superseded, if the aircraft may have left the course
+// for which the list was computed, or if an obstacle has expired.
+bool Alternates::List::IsOutdated(uint64_t version) const {
+  return sites_version != version || (holds_until_us && ArrivalNowUs() > *holds_until_us) ||
+         HasObstacleExpired();
+}
+
+bool Alternates::List::HasObstacleExpired() const {
+  return obstacles_hold_until_us && NowUs() >= *obstacles_hold_until_us;
+}
+
 void Alternates::Wake(const std::string& flight_id) {
   {
     const std::lock_guard lock(mutex_);
@@ -168,12 +187,7 @@ std::string Alternates::Answer(const std::string& flight_id, std::optional<size_
     const std::lock_guard lock(mutex_);
     if (const auto found = lists_.find(flight_id); found != lists_.end()) list = found->second;
   }
-  // The list is invalid if a site was deleted or superseded, or if the aircraft may have left the
-  // course for which the list was computed.
-  if (list && (list->sites_version != storage_.sites.Version() ||
-               (list->holds_until_us && ArrivalNowUs() > *list->holds_until_us))) {
-    list.reset();
-  }
+  if (list && list->IsOutdated(storage_.sites.Version())) list.reset();
   if (!list) {
     list = Compute(flight_id, std::max(num_sites, num_sites_), WindToPlanFor::kPlanned);
     if (!list) return {};
@@ -217,6 +231,7 @@ std::optional<Alternates::List> Alternates::Compute(const std::string& flight_id
   const auto hold = storage_.HoldVersions();
   list.sites_version = storage_.sites.Version();
   list.computed_at_us = ArrivalNowUs();
+  list.obstacles_hold_until_us = maps_.NextObstacleExpiryUs(storage_);
   const std::optional<FlightRow> flight = storage_.flights.Find(flight_id);
   if (!flight) return std::nullopt;
   std::optional<LivePose> pose = LivePoseOf(storage_, flight_id, list.computed_at_us);
@@ -297,10 +312,13 @@ void Alternates::Update(const std::string& flight_id, WindToPlanFor wind) {
 void Alternates::RunUpdates() {
   std::unique_lock lock(mutex_);
   while (true) {
-    changed_.wait(lock, [this] { return is_stopping_ || !NextToUpdate().empty(); });
+    EnqueueExpired();
+    changed_.wait_for(
+        lock, kExpiryPeriod, [this] { return is_stopping_ || !NextToUpdate().empty(); });
     if (is_stopping_) return;
     // All flights have the same period, so none behind the first is due earlier.
     const std::string flight_id = NextToUpdate();
+    if (flight_id.empty()) continue;
     if (!IsTimeToUpdate(flight_id)) {
       changed_.wait_for(lock, kPollPeriod, [this] { return is_stopping_; });
       continue;

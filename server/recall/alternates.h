@@ -77,10 +77,17 @@ class Alternates {
     // Time at which the course that the list was computed for becomes too old, or its wind is worth
     // less. Nothing if the list uses neither.
     std::optional<int64_t> holds_until_us;
+    // When the next obstacle expires, on the clock of NowUs: sites may be free from then on.
+    std::optional<int64_t> obstacles_hold_until_us;
+
+    bool IsOutdated(uint64_t version) const;
+    bool HasObstacleExpired() const;
   };
   enum class WindToPlanFor { kPlanned, kLatest };
 
   void Enqueue(const std::string& flight_id);
+  // The flights whose list was computed with an obstacle that has expired. The caller holds mutex_.
+  void EnqueueExpired();
   void RunUpdates();
   void RunPlans();
   // The caller holds mutex_, also for the next three. The flight that waits longest, of those that

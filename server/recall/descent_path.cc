@@ -7,6 +7,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/export/geojson/geojson.h"
+
 namespace freelsd {
 namespace {
 
@@ -189,19 +191,32 @@ ToldPath PathToTell(const StoredSites& stored,
   return told;
 }
 
+// Takes the fourth number of each position, its time, and appends it to `times_s`.
+void TakeTimes(nlohmann::json& coordinates, nlohmann::json& times_s) {
+  for (nlohmann::json& each : coordinates) {
+    if (each[0].is_array()) {
+      TakeTimes(each, times_s);
+    } else {
+      times_s.push_back(each[3]);
+      each.erase(3);
+    }
+  }
+}
+
 void AddPath(const ToldPath& told, const LocalFrame& local_frame, nlohmann::json& answer) {
   const Descent& descent = told.descent;
   nlohmann::json coordinates = nlohmann::json::array();
-  nlohmann::json times_s = nlohmann::json::array();
   for (const DescentPoint& point : descent.points) {
     const GeoPoint place = local_frame.GeoFromWorld(point.position_in_world);
     coordinates.push_back({Rounded(place.longitude_deg, kPlacesPerDegree),
                            Rounded(place.latitude_deg, kPlacesPerDegree),
-                           Rounded(place.altitude_m, kStepsPerMetre)});
-    times_s.push_back(Rounded(point.time_s, kStepsPerMetre));
+                           Rounded(place.altitude_m, kStepsPerMetre),
+                           Rounded(point.time_s, kStepsPerMetre)});
   }
-  answer["path"] = {{"type", "LineString"}, {"coordinates", std::move(coordinates)}};
-  answer["times_s"] = std::move(times_s);
+  answer["path"] =
+      CutAtAntimeridian({{"type", "LineString"}, {"coordinates", std::move(coordinates)}});
+  answer["times_s"] = nlohmann::json::array();
+  TakeTimes(answer["path"]["coordinates"], answer["times_s"]);
   if (descent.surplus_height_m > GlideOptions{}.max_surplus_m) {
     answer["warnings"].push_back(std::to_string(std::lround(descent.surplus_height_m)) +
                                  " m of surplus height are left at the start of the final, too "

@@ -328,4 +328,8 @@ KnownObstacles MapCache::ObstaclesNear(const Storage& storage, const BoundingBox
   return obstacles_.Near(storage, box, NowUs());
 }
 
+std::optional<int64_t> MapCache::NextObstacleExpiryUs(const Storage& storage) {
+  return obstacles_.NextExpiryUs(storage, NowUs());
+}
+
 }  // namespace freelsd

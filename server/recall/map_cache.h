@@ -73,6 +73,8 @@ class MapCache {
   FlightMaps& flight_maps() { return flight_maps_; }
   // The obstacles that are in force now and may meet the box.
   KnownObstacles ObstaclesNear(const Storage& storage, const BoundingBox& box);
+  // When the next obstacle expires; nothing if none does.
+  std::optional<int64_t> NextObstacleExpiryUs(const Storage& storage);
   // The site as of the update at updated_at_us, or as stored now if that version is gone; with what
   // is near it now. The map reaches far enough for the site's own aircraft and wind, and at
   // least `reach`. Nothing if the site has no map or its map cannot be read.

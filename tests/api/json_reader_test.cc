@@ -8,6 +8,30 @@
 namespace freelsd {
 namespace {
 
+TEST_CASE("json: characters that hide or turn the text around them are control characters") {
+  for (const char* const bad : {"a\tb",
+                                "a\x7F",
+                                "\xC2\x85",       // next line
+                                "\xD8\x9C",       // Arabic letter mark
+                                "x\xE2\x80\x8F",  // right-to-left mark
+                                "\xE2\x80\xA8",   // line separator
+                                "gpj.\xE2\x80\xAE"
+                                "evil",
+                                "\xE2\x81\xA6"}) {
+    CAPTURE(bad);
+    CHECK(HasControlCharacter(bad));
+  }
+  for (const char* const good : {"",
+                                 "Möhlin–Basel",
+                                 "\xE2\x80\x93",                      // dash
+                                 "\xC2\xA0",                          // no-break space
+                                 "\xD9\x85\xD8\xB7\xD8\xA7\xD8\xB1",  // Arabic
+                                 "\xF0\x9F\x91\xA8\xE2\x80\x8D\xF0\x9F\x8C\xBE"}) {
+    CAPTURE(good);
+    CHECK_FALSE(HasControlCharacter(good));
+  }
+}
+
 TEST_CASE("json: strict") {
   const auto error_of = [](const std::string& text) {
     return ErrorOf([&text] { ParseJson(text); });

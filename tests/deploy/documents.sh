@@ -129,7 +129,7 @@ run_block() {
       ;;
     'build/release/server/freelsd-server --data demo-data/field'*)
       play "$1" "s|127.0.0.1:8091|127.0.0.1:$(free_port 18500)|g"
-      expect '^[0-9.]+$'
+      expect '^"age_s": *[0-9.]+$'
       ;;
     'TOKEN='*) with_tokens "$1" ;;
     'npm ci --prefix server/mavlink') with_autopilot "$1" ;;

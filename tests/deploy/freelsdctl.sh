@@ -72,11 +72,11 @@ test_usage() {
   run 0 --help
   said out 'comes FROM'
   local each
-  for each in submit watch sites flights emergency export; do
+  for each in submit watch sites flights rename delete emergency export; do
     run 0 "$each" --help
     said out "^  $each"
     said out '--url URL'
-    equal "$(grep -Ec '^  (submit|watch|sites|flights|emergency|export) ' "$work/out" || true)" 1 \
+    equal "$(grep -Ec '^  (submit|watch|sites|flights|rename|delete|emergency|export) ' "$work/out" || true)" 1 \
       "commands in the help of $each"
   done
   run 0 submit --help
@@ -92,6 +92,14 @@ test_usage() {
   run 2 emergency 47 east 500
   run 2 emergency 47 8 500 --wind-from 270
   said err 'go together'
+  run 2 submit "$work" --wind-from 400 --wind-speed 3
+  said err '--wind-from: must be in \[0, 360\]'
+  run 2 emergency 47 8 500 --wind-from 40 --wind-speed -3
+  said err '--wind-speed: must be in \[0, 100\]'
+  run 2 delete
+  run 2 rename f-1
+  run 2 rename ../f-1 x
+  run 2 sites --forget-sites
   run 2 sites ../../etc
   run 2 export f-1 --format dwg
   run 2 export f-1 --format plan --firmware betaflight
@@ -162,14 +170,16 @@ test_images_folder() {
 }
 
 test_refusals() {
-  local bad="$work/bad"
+  local bad="$work/bad" num_before
   mkdir "$bad"
   cp "$rendered"/frame_000[1-3].jpg "$bad"
   run 1 submit "$bad" --dry-run
   said err 'frame_0001.jpg: neither meta, poses'
   printf 'image,lat,lon,alt\n\nframe_0003.jpg,north,8.4,500\n' >"$bad/poses.csv"
+  num_before="$(num_flights)"
   run 1 submit "$bad"
   said err 'poses/3/lat'
+  equal "$(num_flights)" "$num_before" "flights after a refused upload"
   run 1 submit "$bad" --aircraft zeppelin
   said err 'profile: must be one of'
   printf 'image,lat,lon,alt,wind_speed\nframe_0003.jpg,47,8.4,500,2\n' >"$bad/poses.csv"
@@ -181,6 +191,7 @@ test_refusals() {
   printf 'image,lat,lon,alt\nframe_0003.jpg,47,8.4,500\n' >"$bad/poses.csv"
   run 1 submit "$bad"
   said err 'no photograph was accepted'
+  equal "$(num_flights)" "$num_before" "flights after an upload of which nothing was accepted"
   cp "$rendered/flight.json" "$bad"
   run 0 submit "$bad" --wind-from 270 --wind-speed 5 --no-wait --name "A \"name\""
   said err '2 of 3 photographs have no pose'
@@ -192,6 +203,52 @@ test_refusals() {
   said out "^$other +idle +1 .*A \"name\"\$"
   curl -fsS -X DELETE "$url/v1/flights/$other?forget_sites=true"
   echo "refusals: named"
+}
+
+# What nobody tells costs height: at Swindale, 53 m of geoid.
+test_unknowns() {
+  local unknown="$work/unknown" other
+  mkdir "$unknown"
+  cp "$rendered"/frame_000[1-2].jpg "$unknown"
+  jq 'del(.altitude_datum)' "$rendered/flight.json" >"$unknown/flight.json"
+  printf 'image,lat,lon,alt\nframe_0001.jpg,54.51,-2.76,500\nframe_0002.jpg,54.5101,-2.76,500\n' >"$unknown/poses.csv"
+  run 0 submit "$unknown" --no-wait </dev/null
+  other="$(cat "$work/out")"
+  said err '^! the datum of the altitudes is unknown: every recall of these sites takes 53 m .* give --datum \(amsl or ellipsoid\)'
+  said err '^! the wind is unknown: .* takes [1-9][0-9]* m more .* each kilometre .* give --wind-from and --wind-speed'
+  run 0 watch "$other"
+  said err '^! the datum of the altitudes is unknown'
+  run 0 delete "$other" --forget-sites
+  run 0 submit "$unknown" --no-wait --datum amsl --wind-from 240 --wind-speed 5
+  other="$(cat "$work/out")"
+  if grep -q 'is unknown' "$work/err"; then fail "what is told still counts as unknown"; fi
+  run 0 watch "$other"
+  run 0 delete "$other" --forget-sites
+  echo "unknown datum and wind: their cost is named"
+}
+
+# Ends with the flight that all other tests need.
+test_rename_and_delete() {
+  local bare
+  bare="$(curl -fsS -d '{"name": "bare"}' "$url/v1/flights" | jq -r .id)"
+  run 0 rename "$bare" "A \"better\" name"
+  said err 'is now named "A .*better.* name"'
+  equal "$(get "/v1/flights/$bare" | jq -r .name)" 'A "better" name' "the name"
+  run 1 rename "$bare" "$(printf 'a\342\200\256b')"
+  said err 'name: must have .* no control characters'
+  run 0 delete "$bare"
+  said err 'its sites stay'
+  run 1 delete "$bare"
+  said err 'no such flight'
+  run 1 rename "$bare" x
+  said err 'no such flight'
+  run 0 rename "$flight" renamed
+  run 0 export "$site" --format cup
+  said out '^"renamed [0-9]+'
+  run 0 delete "$flight" --forget-sites
+  said err 'its sites are forgotten'
+  equal "$(get /v1/sites | jq '.features | length')" 0 "sites of deleted flights"
+  echo "rename and delete: done, and refused"
 }
 
 # The hash of an answer without ages in seconds: the ground of the sample flight is years old, and ages go on.
@@ -289,6 +346,8 @@ test_completion() {
   # shellcheck disable=SC1091
   source "$root/deploy/freelsdctl.bash-completion"
   equal "$(completions e)" "emergency export" "commands"
+  equal "$(completions re)" "rename replay" "commands"
+  equal "$(completions delete f --f)" --forget-sites "options"
   equal "$(completions export "$flight" --format k)" kml "formats"
   # A second may be short on a busy machine.
   # shellcheck disable=SC2317
@@ -332,5 +391,7 @@ test_emergency
 test_exports
 test_completion
 test_refusals
+test_unknowns
+test_rename_and_delete
 test_tokens
 echo "freelsdctl.sh: everything has passed"

@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
+import { outerRings, withWholeShapes } from '../../web/antimeridian.js';
 import { plainText } from '../../web/dom.js';
 import { nearestSites } from '../../web/nearest.js';
 import { circleAround, draftOf, faultOf, featureOf, fieldOf } from '../../web/obstacle_shape.js';
@@ -18,6 +19,21 @@ import { clearUnseen } from '../../web/unseen_hatch.js';
 import { chunksOf, frameId, sharesOf, sortOut, splitPoses } from '../../web/upload_plan.js';
 import { headlineOf } from '../../web/why.js';
 import { bestDirections, radiusOf, roseText } from '../../web/wind_rose_shape.js';
+
+test('shapes that the server has cut at the antimeridian are drawn in one place', () => {
+  const cut = { type: 'MultiLineString', coordinates: [[[179, 1], [180, 2]], [[-180, 2], [-179, 3]]] };
+  const halves = { type: 'MultiPolygon', coordinates: [[[[179, 0], [180, 0], [180, 1], [179, 0]]], [[[-180, 0], [-179, 0], [-180, 1], [-180, 0]]]] };
+  const point = { type: 'Point', coordinates: [-179.9, 1] };
+  const { features: [line, area, place], sites: [site] } = withWholeShapes({
+    features: [{ geometry: cut }, { geometry: halves }, { geometry: point }], sites: [{ path: cut }, {}] });
+  assert.deepEqual(line.geometry, { type: 'LineString', coordinates: [[179, 1], [180, 2], [181, 3]] });
+  assert.deepEqual(site.path, line.geometry);
+  assert.deepEqual(outerRings(area.geometry)[1][1], [181, 0]);
+  assert.deepEqual(place.geometry, point);
+  const region = { properties: { area_m2: 1 }, geometry: area.geometry };
+  assert.equal(findRegion({ features: [region] }, { lat: 0.1, lng: 180.5 }), region);
+  assert.equal(findRegion({ features: [region] }, { lat: 0.1, lng: 181.5 }), null);
+});
 
 test('wind: JSON states where the air moves to, the page where it comes from', () => {
   const from = windFrom({ east_mps: 5, north_mps: 0 });

@@ -39,7 +39,7 @@ std::string Direction(double heading_deg) {
 }
 
 std::string Quoted(const std::string& text) {
-  std::string quoted = OneLine(text);
+  std::string quoted = CellText(OneLine(text));
   std::replace(quoted.begin(), quoted.end(), '"', '\'');
   return "\"" + quoted + "\"";
 }

@@ -20,7 +20,7 @@ constexpr int kNumFinalColumns = 9;
 std::string Cell(const std::optional<std::string>& text) {
   if (!text) return "";
   std::string quoted = "\"";
-  for (const char c : *text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  for (const char c : CellText(*text)) quoted += c == '"' ? "\"\"" : std::string(1, c);
   return quoted + "\"";
 }
 

@@ -21,11 +21,17 @@ std::vector<SiteFormat> FormatsWith(std::initializer_list<SiteFormat> more) {
   return formats;
 }
 
-// Best first, each with its rank.
-std::vector<StoredSite> RankedSitesOf(const std::vector<SiteRow>& rows) {
+// The sites of a flight, best first, each with its rank. They bear the flight's present name.
+std::vector<StoredSite> RankedSitesOf(const Service& service,
+                                      const std::string& flight_id,
+                                      const std::vector<SiteRow>& rows) {
+  const std::optional<FlightRow> flight = service.storage.flights.Find(flight_id);
   std::vector<StoredSite> sites;
   sites.reserve(rows.size());
-  for (const SiteRow& row : rows) sites.push_back(SiteOf(row));
+  for (const SiteRow& row : rows) {
+    sites.push_back(SiteOf(row));
+    if (flight) sites.back().flight_name = flight->name;
+  }
   return RankSites(std::move(sites));
 }
 
@@ -71,7 +77,8 @@ void GetSiteAs(Service& service, const Call& call, httplib::Response& response) 
                        (row.superseded_detail.empty() ? "its plan fails" : row.superseded_detail) +
                        "; include=superseded exports it nevertheless");
   }
-  for (const StoredSite& site : RankedSitesOf(SitesOfFlight(service, row.flight_id))) {
+  for (const StoredSite& site :
+       RankedSitesOf(service, row.flight_id, SitesOfFlight(service, row.flight_id))) {
     if (site.id != row.id) continue;
     if (std::string_view(format.name) == kReportFormat.name)
       return AnswerSiteReport(service, row, site, response);
@@ -89,7 +96,7 @@ void GetFlightSitesAs(Service& service, const Call& call, httplib::Response& res
     return GetFlightSites(service, call, response);
   }
   const std::vector<StoredSite> sites =
-      RankedSitesOf(ListedSites(service, call, flight.id, std::nullopt));
+      RankedSitesOf(service, flight.id, ListedSites(service, call, flight.id, std::nullopt));
   // A format that shows verdicts is named after its first site; any other after all sites.
   const auto end = format.tells_verdicts && !sites.empty() ? sites.begin() + 1 : sites.end();
   const bool is_unverified = std::any_of(sites.begin(), end, IsUnverified);

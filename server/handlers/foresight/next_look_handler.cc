@@ -11,6 +11,7 @@
 #include "server/handlers/flight_picture.h"
 #include "server/handlers/handlers.h"
 #include "server/handlers/lookups.h"
+#include "server/handlers/paging.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
@@ -170,7 +171,7 @@ void GetNextLook(Service& service, const Call& call, httplib::Response& response
                         "attachment; filename=\"" + context.flight_id + "-next-look.plan\"");
     return response.set_content(plan, "application/vnd.qgroundcontrol.plan+json");
   }
-  response.set_content(LegsJson(*best, sites.names, context).dump(), "application/geo+json");
+  AnswerGeoJson(LegsJson(*best, sites.names, context), response);
 }
 
 }  // namespace freelsd

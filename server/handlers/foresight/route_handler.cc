@@ -6,6 +6,7 @@
 #include "api/api.h"
 #include "api/import/routes/routes.h"
 #include "server/handlers/handlers.h"
+#include "server/handlers/paging.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
@@ -90,7 +91,7 @@ void PostRouteCheck(Service& service, const Call& call, httplib::Response& respo
   if (!wind.is_null()) answer["wind"] = wind;
   service.copy.AddTo(answer, NowUs());
   if (format == "geojson") {
-    response.set_content(RouteGeoJson(answer).dump(), "application/geo+json");
+    AnswerGeoJson(RouteGeoJson(answer), response);
   } else {
     response.set_content(answer.dump(), "application/json");
   }

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "api/import/images/images.h"
 #include "server/intake/intake.h"
+#include "server/intake/stored_images.h"
 #include "server/jobs/evaluation.h"
 #include "server/jobs/job_json.h"
 
@@ -39,10 +39,10 @@ FinishedAt LastFinish(const Storage& storage, const std::string& flight_id) {
 void GiveFrame(Service& service, const FrameRow& row, FlightSession& session) {
   const PosedFrame frame(row);
   if (!frame.meta) return session.Skip(row.sequence);
-  const auto bytes = service.storage.images.Read(row.sha256);
-  if (!bytes) throw std::runtime_error("the image of frame " + row.id + " is gone");
+  const cv::Mat image = StoredImage(service.intake, row);
+  if (image.empty()) throw std::runtime_error("the photograph " + row.id + " is gone");
   session.GiveWinds(service.storage, service.config, *frame.meta);
-  session.Give(row, *frame.meta, DecodeImage(*bytes, service.intake.image_limits));
+  session.Give(row, *frame.meta, image);
 }
 
 void GiveFrames(Service& service,

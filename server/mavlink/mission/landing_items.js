@@ -1,5 +1,6 @@
 // From a landing that the service planned to the items that an autopilot flies.
 
+import { nearTo } from '../antimeridian.js';
 import { metresPerDegree } from '../flat_frame.js';
 import { command, frame, item } from './mission_items.js';
 
@@ -10,13 +11,15 @@ export class NoLanding extends Error {}
 const flareParameters = ['LAND_FLARE_SEC', 'LAND_FLARE_ALT', 'LAND_FLARE_AIM', 'TECS_LAND_SINK'];
 export const knowsFlare = (parameters) => flareParameters.every((name) => Number.isFinite(parameters[name]));
 
-const placeOf = ([longitude_deg, latitude_deg, altitude_m]) => ({ latitude_deg, longitude_deg, altitude_m });
+// Places of a line, with longitudes near to another one: they may leave [-180, 180].
+const placesOf = ({ coordinates }, near_deg) => coordinates.map(([longitude_deg, latitude_deg, altitude_m]) =>
+  ({ latitude_deg, longitude_deg: nearTo(longitude_deg, near_deg), altitude_m }));
 
 // The circle is told as a closed polygon with equal sides.
-function centreOf(coordinates) {
-  const corners = coordinates.slice(0, -1);
-  const mean = (index) => corners.reduce((sum, corner) => sum + corner[index], 0) / corners.length;
-  return { longitude_deg: mean(0), latitude_deg: mean(1), altitude_m: mean(2) };
+function centreOf(places) {
+  const corners = places.slice(0, -1);
+  const mean = (key) => corners.reduce((sum, corner) => sum + corner[key], 0) / corners.length;
+  return { longitude_deg: mean('longitude_deg'), latitude_deg: mean('latitude_deg') };
 }
 
 function checked(landing) {
@@ -41,10 +44,11 @@ export function landingOfApproach(siteId, answer, airspeed_mps) {
   const final = feature('approach');
   const circle = feature('loiter');
   if (!final || !circle) throw new NoLanding('the site has no approach');
-  const [start, touchdown] = final.geometry.coordinates.map(placeOf);
+  const near_deg = final.geometry.coordinates.at(-1)[0];
+  const [start, touchdown] = placesOf(final.geometry, near_deg);
   return checked({
     site_id: siteId, hasPower: true, verdict: answer.verdict, reject_detail: answer.reject_detail, altitude_datum: answer.altitude_datum,
-    touchdown, start, centre: { ...centreOf(circle.geometry.coordinates), altitude_m: start.altitude_m },
+    touchdown, start, centre: { ...centreOf(placesOf(circle.geometry, near_deg)), altitude_m: start.altitude_m },
     radius_m: circle.properties.radius_m, isRight: circle.properties.direction === 'right',
     heading_deg: final.properties.heading_deg, ground_speed_mps: final.properties.ground_speed_mps,
     airspeed_mps: answer.plan?.aircraft?.landing_airspeed_mps ?? airspeed_mps,
@@ -56,9 +60,10 @@ export function landingOfRecall(site) {
   const { approach, touchdown } = site;
   if (!approach?.loiter_center || !approach.start) throw new NoLanding('the site has no approach');
   const altitude_m = touchdown.altitude_m + approach.height_m;
+  const near = (place) => ({ ...place, longitude_deg: nearTo(place.longitude_deg, touchdown.longitude_deg), altitude_m });
   return checked({
     site_id: site.site_id, hasPower: false, verdict: site.verdict, altitude_datum: site.altitude_datum, touchdown,
-    start: { ...approach.start, altitude_m }, centre: { ...approach.loiter_center, altitude_m },
+    start: near(approach.start), centre: near(approach.loiter_center),
     radius_m: approach.loiter_radius_m, isRight: approach.loiter_direction === 'right',
     heading_deg: approach.heading_deg, ground_speed_mps: site.ground_speed_mps ?? approach.ground_speed_mps,
     airspeed_mps: site.aircraft?.landing_airspeed_mps,

@@ -1,5 +1,7 @@
 // Mission items as MAVLink carries them: how one is written, and when two are the same.
 
+import { wrapped } from '../antimeridian.js';
+
 export const missionType = { mission: 0, rally: 2 };
 export const command = {
   waypoint: 16, land: 21, loiterToAltitude: 31, landStart: 189, rallyPoint: 5100,
@@ -16,7 +18,7 @@ const degreesE7 = (value_deg) => Math.round(value_deg * 1e7);
 export function item(id, place, [param1 = 0, param2 = 0, param3 = 0, param4 = 0] = [], inFrame = frame.amsl) {
   return {
     frame: inFrame, command: id, param1, param2, param3, param4,
-    x: place ? degreesE7(place.latitude_deg) : 0, y: place ? degreesE7(place.longitude_deg) : 0, z: place?.altitude_m ?? 0,
+    x: place ? degreesE7(place.latitude_deg) : 0, y: place ? degreesE7(wrapped(place.longitude_deg)) : 0, z: place?.altitude_m ?? 0,
   };
 }
 

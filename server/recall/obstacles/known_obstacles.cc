@@ -189,6 +189,17 @@ KnownObstacles ObstacleCache::Near(const Storage& storage, const BoundingBox& bo
   return near;
 }
 
+std::optional<int64_t> ObstacleCache::NextExpiryUs(const Storage& storage, int64_t now_us) {
+  const std::shared_ptr<const List> list = Current(storage);
+  std::optional<int64_t> next_us;
+  for (const auto& each : list->from_south) {
+    const std::optional<int64_t>& expires_at_us = each->given.expires_at_us;
+    if (!expires_at_us || *expires_at_us <= now_us) continue;
+    next_us = std::min(next_us.value_or(*expires_at_us), *expires_at_us);
+  }
+  return next_us;
+}
+
 std::string KeyOf(const KnownObstacles& obstacles) {
   std::string key;
   for (const auto& each : obstacles) {

@@ -45,6 +45,8 @@ class ObstacleCache {
   // All that have not expired at `now_us` and may meet the box, which may cross the antimeridian.
   // Ordered by id. Throws StorageError: without obstacles nothing can be called safe.
   KnownObstacles Near(const Storage& storage, const BoundingBox& box, int64_t now_us);
+  // When the next of all obstacles expires; nothing if none does.
+  std::optional<int64_t> NextExpiryUs(const Storage& storage, int64_t now_us);
 
  private:
   struct List {

@@ -122,6 +122,68 @@ TEST_CASE("flight map: a tile shows the house, the meadow and unseen ground wher
   CHECK(has_hazard);
 }
 
+// From west to east over the meadow, 40 m south of the house, 15 m high.
+void PutWire(const MeadowServer& meadow) {
+  const auto at = [](double east_m) {
+    const GeoPoint place = PlaceAt(east_m, -34.0);
+    return nlohmann::json{place.longitude_deg, place.latitude_deg};
+  };
+  const nlohmann::json wire{
+      {"type", "Feature"},
+      {"geometry", {{"type", "LineString"}, {"coordinates", {at(-400.0), at(400.0)}}}},
+      {"properties", {{"kind", "wire"}, {"height_m", 15.0}, {"position_sd_m", 1.0}}}};
+  const auto put = meadow.client->Put("/v1/obstacles/w1", wire.dump(), "application/geo+json");
+  REQUIRE(put->status == 201);
+}
+
+TEST_CASE("flight map: hazard and distance show entered obstacles as long as they are there") {
+  const MeadowServer meadow = ServerWithMap();
+  const auto etag = [&meadow] {
+    const XyzTile tile = TileAt(PlaceAt(0, 0), 14);
+    const std::string place = std::to_string(tile.x) + "/" + std::to_string(tile.y);
+    return meadow.client->Get(kMap + "/hazard/14/" + place + ".png")->get_header_value("ETag");
+  };
+  const cv::Vec4b house = PixelAt(meadow, "hazard", 34.0, 6.0);
+  const cv::Vec4b grass = PixelAt(meadow, "hazard", 60.0, -34.0);
+  const cv::Vec4b far = PixelAt(meadow, "distance", 60.0, -50.0);
+  const std::string tag = etag();
+  PutWire(meadow);
+  CHECK(PixelAt(meadow, "hazard", 60.0, -34.0) == house);
+  CHECK(PixelAt(meadow, "hazard", 60.0, -50.0) == grass);
+  CHECK(PixelAt(meadow, "distance", 60.0, -34.0) == PixelAt(meadow, "distance", 34.0, 6.0));
+  CHECK(PixelAt(meadow, "distance", 60.0, -50.0) != far);
+  // Unseen ground stays unseen.
+  CHECK(PixelAt(meadow, "hazard", -40.0, 50.0) != house);
+  CHECK(etag() != tag);
+  REQUIRE(meadow.client->Delete("/v1/obstacles/w1")->status == 204);
+  CHECK(PixelAt(meadow, "hazard", 60.0, -34.0) == grass);
+  CHECK(PixelAt(meadow, "distance", 60.0, -50.0) == far);
+  CHECK(etag() == tag);
+}
+
+TEST_CASE("site layers: hazard shows the obstacles that reject the site") {
+  const MeadowServer meadow = ServerWithMap();
+  const auto hazards = [&meadow](const std::string& ending) {
+    const auto answer = meadow.client->Get("/v1/sites/f-r1/layers/hazard" + ending);
+    REQUIRE(answer->status == 200);
+    const cv::Mat decoded =
+        cv::imdecode(std::vector<char>(answer->body.begin(), answer->body.end()),
+                     ending == ".tif" ? cv::IMREAD_UNCHANGED : cv::IMREAD_COLOR);
+    REQUIRE_FALSE(decoded.empty());
+    return decoded;
+  };
+  const cv::Mat picture = hazards(".png"), values = hazards(".tif");
+  PutWire(meadow);
+  const cv::Mat3b changed = hazards(".png") != picture;
+  int num_changed = 0;
+  for (const cv::Vec3b& pixel : changed) num_changed += pixel != cv::Vec3b();
+  // A line of some metres across all of the picture.
+  CHECK(num_changed >= 3 * picture.cols);
+  CHECK(num_changed <= 20 * picture.cols);
+  CHECK(cv::countNonZero(hazards(".tif") == kHazard) >=
+        cv::countNonZero(values == kHazard) + 3 * values.cols);
+}
+
 TEST_CASE("flight map: a client that has the tile gets 304, until the map changes") {
   const MeadowServer meadow = ServerWithMap();
   const XyzTile tile = TileAt(PlaceAt(0, 0), 17);

@@ -9,6 +9,7 @@
 
 #include <doctest/doctest.h>
 
+#include "server/http/stamps.h"
 #include "server/intake/telemetry.h"
 #include "tests/server/meadow.h"
 #include "tests/server/sample_flight.h"
@@ -121,6 +122,49 @@ TEST_CASE("alternates: a deleted site leaves the list at once, also if the aircr
   CHECK(Becomes(client, flight, std::chrono::seconds(2), [](const nlohmann::json& answer) {
     return answer["sites"].empty();
   }));
+}
+
+// People all over the meadow, for some seconds.
+void PutPeople(httplib::Client& client, std::chrono::seconds for_time) {
+  const int64_t until_us =
+      NowUs() + std::chrono::duration_cast<std::chrono::microseconds>(for_time).count();
+  const nlohmann::json ring{
+      {7.996, 46.997}, {8.004, 46.997}, {8.004, 47.003}, {7.996, 47.003}, {7.996, 46.997}};
+  const nlohmann::json people{
+      {"type", "Feature"},
+      {"geometry", {{"type", "Polygon"}, {"coordinates", nlohmann::json::array({ring})}}},
+      {"properties", {{"kind", "people"}, {"expires_at", Rfc3339(until_us)}}}};
+  const auto put = client.Put("/v1/obstacles/people", people.dump(), "application/geo+json");
+  INFO(put->body);
+  REQUIRE(put->status == 201);
+}
+
+// Whether a list with the site is told by an event, without anybody asking.
+bool IsToldOfSite(const TestServer& server, const std::string& flight) {
+  httplib::Client client = server.Client();
+  client.set_read_timeout(8);
+  std::string heard;
+  client.Get("/v1/events?flight=" + flight, [&](const char* bytes, size_t size) {
+    heard.append(bytes, size);
+    return heard.find("\"site_id\":\"f-r1\"") == std::string::npos && heard.size() < 100000;
+  });
+  return heard.find("\"site_id\":\"f-r1\"") != std::string::npos;
+}
+
+TEST_CASE(
+    "alternates: an obstacle that expires gives the site back, also if the aircraft is silent") {
+  const MeadowServer meadow(StoreAmslMeadow);
+  httplib::Client& client = *meadow.client;
+  const std::string flight = NewAmslFlight(client);
+  PutPeople(client, std::chrono::seconds(3));
+  const auto begin = std::chrono::steady_clock::now();
+  PostLine(client, flight, LineAt(1, 900.0));
+  REQUIRE(Becomes(client, flight, std::chrono::seconds(2), [](const nlohmann::json& answer) {
+    return answer.contains("pose") && answer["sites"].empty();
+  }));
+  CHECK(IsToldOfSite(*meadow.server, flight));
+  CHECK(GetJson(client, PathOf(flight))["sites"].size() == 1);
+  CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(6));
 }
 
 TEST_CASE("alternates: a sample far ahead of the server's clock is refused, the past is not") {

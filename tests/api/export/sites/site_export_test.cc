@@ -99,6 +99,22 @@ TEST_CASE("export: without a datum elevations are left out or lie on the ground"
   CHECK(kml.find("clampToGround") != std::string::npos);
 }
 
+TEST_CASE("export: a name that a spreadsheet takes for a formula is text, numbers stay numbers") {
+  StoredSite site = SiteOf(Verdict::kLandable).stored;
+  site.rank = 1;
+  for (const std::string& name : {"=HYPERLINK(1)", "+1", "-1", "@x"}) {
+    site.flight_name = name;
+    CHECK(SplitRows(ExportSites("cup", {site}, {}), ',')[1][0] == "'" + name + " 1");
+    site.summary = name;
+    const std::string csv = ExportSites("csv", {site}, {});
+    CHECK(csv.find(",\"'" + name + "\",") != std::string::npos);
+  }
+  site.touchdown = {-33.5, -70.25, -3.0};
+  const auto rows = SplitRows(ExportSites("csv", {site}, {}), ',');
+  CHECK(rows[1][1] == "-33.500000000");
+  CHECK(rows[1][3] == "-3.000");
+}
+
 TEST_CASE("export: a site without approach has no autopilot's file") {
   StoredSite site = SiteOf(Verdict::kLandable).stored;
   site.final_places.reset();

@@ -1,5 +1,6 @@
 // The digests of sites: the same for the same evidence, however it was sent, and found again by a
 // replay.
+#include <filesystem>
 #include <map>
 
 #include <doctest/doctest.h>
@@ -82,6 +83,32 @@ TEST_CASE("replay: other options and fewer photographs are other evidence") {
     if (of_fewer.contains(name)) CHECK(of_fewer.at(name) != digest);
     if (of_other.contains(name)) CHECK(of_other.at(name) != digest);
   }
+}
+
+// Cuts the image file of a frame.
+void DamageImage(httplib::Client& client,
+                 const std::filesystem::path& data,
+                 const std::string& flight,
+                 const std::string& frame_id) {
+  for (const nlohmann::json& frame : FrameList(client, flight)["frames"]) {
+    if (frame["id"] != frame_id) continue;
+    const std::string sha256 = frame["sha256"];
+    std::filesystem::resize_file(data / "images" / sha256.substr(0, 2) / sha256, 1000);
+    return;
+  }
+  FAIL("there is no such frame");
+}
+
+TEST_CASE("replay: one that fails names the photograph") {
+  FreshServer fresh;
+  httplib::Client& client = fresh.client;
+  const std::string flight = PostSampleFlight(client, 0, 3);
+  REQUIRE(AwaitJob(client, Finish(client, flight))["state"] == "done");
+  const std::string frame = FrameList(client, flight)["frames"][1]["id"];
+  DamageImage(client, fresh.folder.path() / "data", flight, frame);
+  const nlohmann::json failed = AwaitJob(client, Replay(client, flight));
+  CHECK(failed["state"] == "failed");
+  CHECK(failed["detail"]["message"].get<std::string>().find("the photograph " + frame + ": ") == 0);
 }
 
 TEST_CASE("replay: without a finished evaluation there is nothing to repeat") {
