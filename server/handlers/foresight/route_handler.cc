@@ -6,6 +6,7 @@
 #include "api/api.h"
 #include "api/import/routes/routes.h"
 #include "server/handlers/handlers.h"
+#include "server/handlers/lookups.h"
 #include "server/recall/recall.h"
 
 namespace freelsd {
@@ -79,8 +80,9 @@ void PostRouteCheck(Service& service, const Call& call, httplib::Response& respo
     throw ApiError("InvalidQuery", detail, {{"f", detail}});
   }
   const RouteRequest request = RequestOf(service, call);
-  const SemaphoreSlot slot(service.route_planners);
-  nlohmann::json answer = CheckRoute({service.storage, service.maps}, request);
+  const StopIfUnwanted stop_if_unwanted = WantedBy(service, call);
+  const LongPlace place(service.long_queues.routes, stop_if_unwanted);
+  nlohmann::json answer = CheckRoute({service.storage, service.maps, stop_if_unwanted}, request);
   service.copy.AddTo(answer, NowUs());
   if (format == "geojson") {
     response.set_content(RouteGeoJson(answer).dump(), "application/geo+json");
